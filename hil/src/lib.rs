@@ -1,0 +1,2 @@
+//! The harness of mesh-damper.
+#![forbid(unsafe_code)]

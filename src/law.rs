@@ -1,0 +1,105 @@
+//! The mixed damping law of the metal mesh damper, eq 13 of the paper.
+//!
+//! F(y, v) = k1·y + k3·y³ + c·|v|^α·sgn v
+//!
+//! y displacement in mm, v velocity in mm/s, F in kN. α = 0 is Coulomb friction, α = 1 a linear dashpot.
+
+use crate::error::{ConfigError, in_range};
+use crate::real::Real;
+
+/// Displacements beyond ±this many mm are treated as this many.
+pub const DISPLACEMENT_LIMIT: f64 = 1e4;
+/// Velocities beyond ±this many mm/s are treated as this many.
+pub const VELOCITY_LIMIT: f64 = 1e6;
+/// Largest magnitude of a stiffness or damping coefficient.
+///
+/// With the two limits above the largest force is below 1e9·(1e4 + 1e12 + 1e6) ≈ 1e21 kN, far inside f32's range.
+pub const COEFFICIENT_LIMIT: f64 = 1e9;
+
+/// The four coefficients of eq 13, validated.
+///
+/// The paper's Tables 6–9 hold k1 0.22…9.35 kN/mm, k3 4.7…186 kN/mm³, c 0.024…0.66 kN·(s/mm)^α, α 0.16…0.56.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Law<R> {
+    k1: R,
+    k3: R,
+    c: R,
+    alpha: R,
+}
+
+impl<R: Real> Law<R> {
+    /// * `k1`: linear stiffness, kN/mm, −1e9…1e9
+    /// * `k3`: cubic stiffness, kN/mm³, −1e9…1e9
+    /// * `c`: damping, kN·(s/mm)^α, 0…1e9: a negative one would generate energy
+    /// * `alpha`: damping exponent, 0…1
+    ///
+    /// # Errors
+    /// The field that is not finite or out of range.
+    pub fn new(k1: R, k3: R, c: R, alpha: R) -> Result<Self, ConfigError> {
+        Ok(Self {
+            k1: in_range("k1", k1, -COEFFICIENT_LIMIT, COEFFICIENT_LIMIT)?,
+            k3: in_range("k3", k3, -COEFFICIENT_LIMIT, COEFFICIENT_LIMIT)?,
+            c: in_range("c", c, 0.0, COEFFICIENT_LIMIT)?,
+            alpha: in_range("alpha", alpha, 0.0, 1.0)?,
+        })
+    }
+
+    /// Force in kN at displacement `y` mm and velocity `v` mm/s.
+    ///
+    /// Finite for every input: what exceeds [`DISPLACEMENT_LIMIT`] or [`VELOCITY_LIMIT`] is treated as the limit, NaN
+    /// as 0. At v = 0 the damping term is 0 for every α, Coulomb friction included; as v → 0 it follows |v|^α, whose
+    /// slope is infinite there, so that a velocity needs relative accuracy near its zero crossings.
+    #[inline(always)]
+    pub fn force(&self, y: R, v: R) -> R {
+        self.elastic_force(y) + self.damping_force(v)
+    }
+
+    /// k1·y + k3·y³, kN.
+    #[inline(always)]
+    pub fn elastic_force(&self, y: R) -> R {
+        let y = y.confined(R::from_f64(DISPLACEMENT_LIMIT));
+        (self.k1 + self.k3 * (y * y)) * y
+    }
+
+    /// c·|v|^α·sgn v, kN.
+    #[inline(always)]
+    pub fn damping_force(&self, v: R) -> R {
+        let v = v.confined(R::from_f64(VELOCITY_LIMIT));
+        let magnitude = self.c * v.abs_pow(self.alpha);
+        if v > R::ZERO {
+            magnitude
+        } else if v < R::ZERO {
+            -magnitude
+        } else {
+            R::ZERO
+        }
+    }
+
+    /// Linear stiffness, kN/mm.
+    pub fn k1(&self) -> R {
+        self.k1
+    }
+    /// Cubic stiffness, kN/mm³.
+    pub fn k3(&self) -> R {
+        self.k3
+    }
+    /// Damping, kN·(s/mm)^α.
+    pub fn c(&self) -> R {
+        self.c
+    }
+    /// Damping exponent.
+    pub fn alpha(&self) -> R {
+        self.alpha
+    }
+
+    /// The same law over another float.
+    pub fn cast<S: Real>(&self) -> Law<S> {
+        let to = |value: R| S::from_f64(value.to_f64());
+        Law {
+            k1: to(self.k1),
+            k3: to(self.k3),
+            c: to(self.c),
+            alpha: to(self.alpha),
+        }
+    }
+}

@@ -1,0 +1,9 @@
+//! The elastic porous metal mesh damper at a fixed tick.
+#![no_std]
+#![forbid(unsafe_code)]
+
+pub mod effects;
+pub mod error;
+pub mod law;
+pub mod power;
+pub mod real;

@@ -1,0 +1,116 @@
+//! The float that the law and its effects are written over.
+//!
+//! Identification on the host runs them in `f64`, the firmware in `f32`: the same lines, so that what is fitted is
+//! what ships.
+
+use core::fmt::Debug;
+use core::ops::{Add, AddAssign, Div, Mul, Neg, Sub, SubAssign};
+
+/// `f32` or `f64`, with the few operations that the law and its effects need.
+pub trait Real:
+    Copy
+    + Debug
+    + Default
+    + PartialOrd
+    + Add<Output = Self>
+    + Sub<Output = Self>
+    + Mul<Output = Self>
+    + Div<Output = Self>
+    + Neg<Output = Self>
+    + AddAssign
+    + SubAssign
+    + 'static
+{
+    /// 0
+    const ZERO: Self;
+    /// 1
+    const ONE: Self;
+
+    /// The nearest value of this float; what is beyond its range becomes infinite.
+    fn from_f64(value: f64) -> Self;
+    /// The same value as `f64`, exactly.
+    fn to_f64(self) -> f64;
+    /// Magnitude.
+    fn abs(self) -> Self;
+    /// Neither infinite nor NaN.
+    fn is_finite(self) -> bool;
+    /// eˣ. Off the hot path only: a call into libm.
+    fn exp(self) -> Self;
+    /// `|self|^exponent` for an exponent in 0…1: 0 at 0 for every exponent above 0, 1 for exponent 0.
+    ///
+    /// `f32` takes the short form of [`crate::power`], `f64` libm's.
+    fn abs_pow(self, exponent: Self) -> Self;
+
+    /// Confined to `-limit..=limit`; NaN becomes 0.
+    ///
+    /// Comparisons instead of `min` and `max`, which are calls on a Cortex-M.
+    #[inline(always)]
+    fn confined(self, limit: Self) -> Self {
+        if self > limit {
+            limit
+        } else if self < -limit {
+            -limit
+        } else if self == self {
+            self
+        } else {
+            Self::ZERO
+        }
+    }
+}
+
+impl Real for f32 {
+    const ZERO: Self = 0.0;
+    const ONE: Self = 1.0;
+
+    #[inline(always)]
+    fn from_f64(value: f64) -> Self {
+        value as f32
+    }
+    #[inline(always)]
+    fn to_f64(self) -> f64 {
+        f64::from(self)
+    }
+    #[inline(always)]
+    fn abs(self) -> Self {
+        f32::abs(self)
+    }
+    #[inline(always)]
+    fn is_finite(self) -> bool {
+        f32::is_finite(self)
+    }
+    fn exp(self) -> Self {
+        libm::expf(self)
+    }
+    #[inline(always)]
+    fn abs_pow(self, exponent: Self) -> Self {
+        crate::power::abs_pow(self, exponent)
+    }
+}
+
+impl Real for f64 {
+    const ZERO: Self = 0.0;
+    const ONE: Self = 1.0;
+
+    #[inline(always)]
+    fn from_f64(value: f64) -> Self {
+        value
+    }
+    #[inline(always)]
+    fn to_f64(self) -> f64 {
+        self
+    }
+    #[inline(always)]
+    fn abs(self) -> Self {
+        f64::abs(self)
+    }
+    #[inline(always)]
+    fn is_finite(self) -> bool {
+        f64::is_finite(self)
+    }
+    fn exp(self) -> Self {
+        libm::exp(self)
+    }
+    fn abs_pow(self, exponent: Self) -> Self {
+        libm::pow(self.abs(), exponent)
+    }
+}
