@@ -1,2 +1,5 @@
 //! The harness of mesh-damper.
 #![forbid(unsafe_code)]
+
+pub mod reference;
+pub mod specimen;
