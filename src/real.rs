@@ -34,7 +34,7 @@ pub trait Real:
     fn abs(self) -> Self;
     /// Neither infinite nor NaN.
     fn is_finite(self) -> bool;
-    /// eˣ. Off the hot path only: a call into libm.
+    /// eˣ.
     fn exp(self) -> Self;
     /// `|self|^exponent` for an exponent in 0…1: 0 at 0 for every exponent above 0, 1 for exponent 0.
     ///

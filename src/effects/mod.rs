@@ -3,9 +3,25 @@
 //! Every effect has a configuration (validated, shared, swappable at a cycle boundary) and a state (what it remembers),
 //! and adds a force. All are generic over the float: identification runs them in `f64`, the firmware in `f32`.
 
+mod asymmetry;
+mod drift;
+mod hardening;
+mod inertia;
 mod offset;
+mod relaxation;
+mod stick_slip;
+mod temperature;
+mod viscous;
 
+pub use asymmetry::Asymmetry;
+pub use drift::Drift;
+pub use hardening::Hardening;
+pub use inertia::Inertia;
 pub use offset::Offset;
+pub use relaxation::Relaxation;
+pub use stick_slip::StickSlip;
+pub use temperature::Temperature;
+pub use viscous::Viscous;
 
 use crate::error::ConfigError;
 use crate::law::Law;
@@ -20,8 +36,8 @@ pub struct Motion<R> {
     pub velocity: R,
     /// Acceleration, mm/s².
     pub acceleration: R,
-    /// Cycles completed since the test began.
-    pub cycle: u32,
+    /// Cycles since the test began, the current one's fraction included.
+    pub cycles: R,
     /// Temperature, °C. A constant where nothing measures it.
     pub temperature: R,
 }
@@ -31,8 +47,8 @@ pub trait EffectForce<R: Real> {
     /// What the effect remembers from tick to tick; its default is the effect at rest.
     type State: Copy + Default;
 
-    /// The force in kN that the effect adds on this tick. Called once per tick, in order.
-    fn force(&self, state: &mut Self::State, motion: &Motion<R>) -> R;
+    /// The force in kN that the effect adds on this tick to eq 13's, `law_force` kN. Called once per tick, in order.
+    fn force(&self, state: &mut Self::State, motion: &Motion<R>, law_force: R) -> R;
 }
 
 macro_rules! effects {
@@ -62,14 +78,17 @@ macro_rules! effects {
             /// The force in kN that the effect adds on this tick. A state of another effect is first replaced by this
             /// effect's own at rest.
             #[inline]
-            pub fn force(&self, state: &mut EffectState<R>, motion: &Motion<R>) -> R {
-                match (self, &mut *state) {
-                    $((Self::$name(effect), EffectState::$name(state)) => effect.force(state, motion),)+
-                    #[allow(unreachable_patterns, reason = "unreachable only while there is one effect")]
-                    _ => {
-                        *state = self.at_rest();
-                        self.force(state, motion)
-                    }
+            pub fn force(&self, state: &mut EffectState<R>, motion: &Motion<R>, law_force: R) -> R {
+                match self {
+                    $(Self::$name(effect) => {
+                        let mut own = match *state {
+                            EffectState::$name(own) => own,
+                            _ => Default::default(),
+                        };
+                        let force = effect.force(&mut own, motion, law_force);
+                        *state = EffectState::$name(own);
+                        force
+                    })+
                 }
             }
         }
@@ -79,6 +98,22 @@ macro_rules! effects {
 effects! {
     /// A constant force.
     Offset,
+    /// Even stiffness.
+    Asymmetry,
+    /// Odd stiffness above the cubic.
+    Hardening,
+    /// Rate-independent friction with elastic pre-sliding.
+    StickSlip,
+    /// A linear dashpot.
+    Viscous,
+    /// A spring and a dashpot in series.
+    Relaxation,
+    /// A moving mass.
+    Inertia,
+    /// A stiffness that settles with the cycles.
+    Drift,
+    /// A force that scales with temperature.
+    Temperature,
 }
 
 /// Eq 13 and up to `N` added effects.
@@ -115,6 +150,11 @@ impl<R: Real, const N: usize> AugmentedLaw<R, N> {
         Ok(self)
     }
 
+    /// The same effects beside another eq 13: when the amplitude changes and its coefficients are tabulated over it.
+    pub fn set_law(&mut self, law: Law<R>) {
+        self.law = law;
+    }
+
     /// Eq 13 alone.
     pub fn law(&self) -> &Law<R> {
         &self.law
@@ -135,9 +175,10 @@ impl<R: Real, const N: usize> AugmentedLaw<R, N> {
     /// Force in kN on this tick: the law's and every effect's. Call it once per tick.
     #[inline]
     pub fn force(&self, state: &mut AugmentedState<R, N>, motion: &Motion<R>) -> R {
-        let mut total = self.law.force(motion.displacement, motion.velocity);
+        let law_force = self.law.force(motion.displacement, motion.velocity);
+        let mut total = law_force;
         for (effect, state) in self.effects.iter().zip(&mut state.effects) {
-            total += effect.force(state, motion);
+            total += effect.force(state, motion, law_force);
         }
         total
     }

@@ -1,0 +1,37 @@
+//! Even stiffness: a damper that is stiffer one way than the other, as a preloaded ring is. Eq 14 fits it as a2 and
+//! then drops it.
+
+use super::{EffectForce, Motion};
+use crate::error::{ConfigError, in_range};
+use crate::law::{COEFFICIENT_LIMIT, DISPLACEMENT_LIMIT};
+use crate::real::Real;
+
+/// F = k2·y².
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Asymmetry<R> {
+    k2: R,
+}
+
+impl<R: Real> Asymmetry<R> {
+    /// * `k2`: kN/mm², −1e9…1e9
+    ///
+    /// # Errors
+    /// `k2` not finite or out of range.
+    pub fn new(k2: R) -> Result<Self, ConfigError> {
+        Ok(Self {
+            k2: in_range("k2", k2, -COEFFICIENT_LIMIT, COEFFICIENT_LIMIT)?,
+        })
+    }
+}
+
+impl<R: Real> EffectForce<R> for Asymmetry<R> {
+    type State = ();
+
+    #[inline]
+    fn force(&self, _: &mut (), motion: &Motion<R>, _: R) -> R {
+        let y = motion
+            .displacement
+            .confined(R::from_f64(DISPLACEMENT_LIMIT));
+        self.k2 * (y * y)
+    }
+}

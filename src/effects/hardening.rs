@@ -1,0 +1,37 @@
+//! Odd stiffness above the cubic: wires that come to lie against each other towards the end of the stroke.
+
+use super::{EffectForce, Motion};
+use crate::error::{ConfigError, in_range};
+use crate::law::{COEFFICIENT_LIMIT, DISPLACEMENT_LIMIT};
+use crate::real::Real;
+
+/// F = k5·y⁵.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Hardening<R> {
+    k5: R,
+}
+
+impl<R: Real> Hardening<R> {
+    /// * `k5`: kN/mm⁵, −1e9…1e9
+    ///
+    /// # Errors
+    /// `k5` not finite or out of range.
+    pub fn new(k5: R) -> Result<Self, ConfigError> {
+        Ok(Self {
+            k5: in_range("k5", k5, -COEFFICIENT_LIMIT, COEFFICIENT_LIMIT)?,
+        })
+    }
+}
+
+impl<R: Real> EffectForce<R> for Hardening<R> {
+    type State = ();
+
+    #[inline]
+    fn force(&self, _: &mut (), motion: &Motion<R>, _: R) -> R {
+        let y = motion
+            .displacement
+            .confined(R::from_f64(DISPLACEMENT_LIMIT));
+        let square = y * y;
+        self.k5 * (square * square) * y
+    }
+}

@@ -1,0 +1,44 @@
+//! The force that accelerates a mass between the load cell and the specimen.
+
+use super::{EffectForce, Motion};
+use crate::error::{ConfigError, in_range};
+use crate::real::Real;
+
+/// Accelerations beyond ±this many mm/s² are treated as this many.
+const ACCELERATION_LIMIT: f64 = 1e9;
+/// Largest mass, kg.
+const MASS_LIMIT: f64 = 1e6;
+/// kN per kg·mm/s².
+const KILONEWTON: f64 = 1e-6;
+
+/// F = m·a.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Inertia<R> {
+    /// kN·s²/mm
+    mass: R,
+}
+
+impl<R: Real> Inertia<R> {
+    /// * `mass`: kg, −1e6…1e6. A negative one is what a load cell shows that was compensated for too much mass.
+    ///
+    /// # Errors
+    /// `mass` not finite or out of range.
+    pub fn new(mass: R) -> Result<Self, ConfigError> {
+        let mass = in_range("mass", mass, -MASS_LIMIT, MASS_LIMIT)?;
+        Ok(Self {
+            mass: mass * R::from_f64(KILONEWTON),
+        })
+    }
+}
+
+impl<R: Real> EffectForce<R> for Inertia<R> {
+    type State = ();
+
+    #[inline]
+    fn force(&self, _: &mut (), motion: &Motion<R>, _: R) -> R {
+        self.mass
+            * motion
+                .acceleration
+                .confined(R::from_f64(ACCELERATION_LIMIT))
+    }
+}

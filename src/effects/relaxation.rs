@@ -1,0 +1,65 @@
+//! A spring and a dashpot in series (a Maxwell branch) beside the law: a force that fades when the motion stops.
+
+use super::{EffectForce, Motion};
+use crate::error::{ConfigError, in_range};
+use crate::law::{COEFFICIENT_LIMIT, DISPLACEMENT_LIMIT};
+use crate::real::Real;
+
+/// dz/dt = k·v − z/τ, F = z.
+///
+/// With the displacement a straight line within a tick of Δt the step is exact:
+/// z ← z − loss·z + gain·Δy, loss = 1 − e^(−Δt/τ), gain = k·loss·τ/Δt.
+/// Storage modulus k·(ωτ)²/(1 + (ωτ)²), loss modulus k·ωτ/(1 + (ωτ)²).
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Relaxation<R> {
+    gain: R,
+    /// Kept instead of 1 − loss: near 1, f32 would round the time constant.
+    loss: R,
+}
+
+/// What a [`Relaxation`] remembers.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct RelaxationState<R> {
+    force: R,
+    previous: Option<R>,
+}
+
+impl<R: Real> Relaxation<R> {
+    /// * `stiffness`: k, kN/mm, −1e9…1e9
+    /// * `time`: τ, s, 1e-6…1e6
+    /// * `tick`: Δt, s, 1e-7…1e3
+    ///
+    /// # Errors
+    /// The field that is not finite or out of range.
+    pub fn new(stiffness: R, time: R, tick: R) -> Result<Self, ConfigError> {
+        let stiffness = in_range(
+            "stiffness",
+            stiffness,
+            -COEFFICIENT_LIMIT,
+            COEFFICIENT_LIMIT,
+        )?
+        .to_f64();
+        let time = in_range("time", time, 1e-6, 1e6)?.to_f64();
+        let tick = in_range("tick", tick, 1e-7, 1e3)?.to_f64();
+        let loss = -libm::expm1(-tick / time);
+        Ok(Self {
+            gain: R::from_f64(stiffness * loss * time / tick),
+            loss: R::from_f64(loss),
+        })
+    }
+}
+
+impl<R: Real> EffectForce<R> for Relaxation<R> {
+    type State = RelaxationState<R>;
+
+    #[inline]
+    fn force(&self, state: &mut Self::State, motion: &Motion<R>, _: R) -> R {
+        let y = motion
+            .displacement
+            .confined(R::from_f64(DISPLACEMENT_LIMIT));
+        let step = y - state.previous.unwrap_or(y);
+        state.previous = Some(y);
+        state.force = state.force - self.loss * state.force + self.gain * step;
+        state.force
+    }
+}

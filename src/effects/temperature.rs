@@ -1,0 +1,39 @@
+//! A force that scales with temperature: the wire's modulus and its friction change together.
+
+use super::{EffectForce, Motion};
+use crate::error::{ConfigError, in_range};
+use crate::real::Real;
+
+/// Temperatures are taken as within ±this many °C.
+const TEMPERATURE_LIMIT: f64 = 1e4;
+
+/// F = −β·(T − T0)·F_law: the law's force falls by the fraction β for each °C above T0.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Temperature<R> {
+    beta: R,
+    reference: R,
+}
+
+impl<R: Real> Temperature<R> {
+    /// * `beta`: loss of force per degree, 1/°C, −1…1
+    /// * `reference`: T0, the temperature at which the law's coefficients hold, °C, −273.15…1e4
+    ///
+    /// # Errors
+    /// The field that is not finite or out of range.
+    pub fn new(beta: R, reference: R) -> Result<Self, ConfigError> {
+        Ok(Self {
+            beta: in_range("beta", beta, -1.0, 1.0)?,
+            reference: in_range("reference", reference, -273.15, TEMPERATURE_LIMIT)?,
+        })
+    }
+}
+
+impl<R: Real> EffectForce<R> for Temperature<R> {
+    type State = ();
+
+    #[inline]
+    fn force(&self, _: &mut (), motion: &Motion<R>, law_force: R) -> R {
+        let temperature = motion.temperature.confined(R::from_f64(TEMPERATURE_LIMIT));
+        self.beta * (self.reference - temperature) * law_force
+    }
+}
