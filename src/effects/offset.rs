@@ -1,1 +1,33 @@
+//! A constant force: a preload, or a load cell that was not zeroed.
 
+use super::{EffectForce, Motion};
+use crate::error::{ConfigError, in_range};
+use crate::law::COEFFICIENT_LIMIT;
+use crate::real::Real;
+
+/// F = f0.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Offset<R> {
+    force: R,
+}
+
+impl<R: Real> Offset<R> {
+    /// * `force`: kN, −1e9…1e9
+    ///
+    /// # Errors
+    /// `force` not finite or out of range.
+    pub fn new(force: R) -> Result<Self, ConfigError> {
+        Ok(Self {
+            force: in_range("force", force, -COEFFICIENT_LIMIT, COEFFICIENT_LIMIT)?,
+        })
+    }
+}
+
+impl<R: Real> EffectForce<R> for Offset<R> {
+    type State = ();
+
+    #[inline]
+    fn force(&self, _: &mut (), _: &Motion<R>, _: R) -> R {
+        self.force
+    }
+}
