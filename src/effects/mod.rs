@@ -19,7 +19,7 @@ pub use hardening::Hardening;
 pub use inertia::Inertia;
 pub use offset::Offset;
 pub use relaxation::Relaxation;
-pub use stick_slip::StickSlip;
+pub use stick_slip::{MAX_ELEMENTS as MAX_STICK_SLIP_ELEMENTS, StickSlip};
 pub use temperature::Temperature;
 pub use viscous::Viscous;
 

@@ -1,0 +1,300 @@
+//! The model that a trace ends in and that the rig runs: eq 13 with coefficients over amplitude, and added effects.
+
+use std::collections::BTreeMap;
+use std::fmt;
+
+use mesh_damper::effects::{
+    Asymmetry, AugmentedLaw, Drift, Effect, Hardening, Inertia, MAX_STICK_SLIP_ELEMENTS, Offset,
+    Relaxation, StickSlip, Temperature, Viscous,
+};
+use mesh_damper::error::ConfigError;
+use mesh_damper::law::Law;
+use mesh_damper::real::Real;
+use serde::{Deserialize, Serialize};
+
+/// Most effects that a model carries beside eq 13.
+pub const MAX_EFFECTS: usize = 8;
+
+/// A kind of effect, by the name it has in every file.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Family {
+    /// A constant force.
+    Offset,
+    /// Even stiffness.
+    Asymmetry,
+    /// Odd stiffness above the cubic.
+    Hardening,
+    /// Rate-independent hysteresis.
+    StickSlip,
+    /// A linear dashpot.
+    Viscous,
+    /// A Maxwell branch.
+    Relaxation,
+    /// A moving mass.
+    Inertia,
+    /// A stiffness that settles with the cycles.
+    Drift,
+    /// A force that scales with temperature.
+    Temperature,
+}
+
+impl Family {
+    /// Every family, the simplest first.
+    pub const ALL: [Self; 9] = [
+        Self::Offset,
+        Self::Asymmetry,
+        Self::Hardening,
+        Self::Viscous,
+        Self::Inertia,
+        Self::StickSlip,
+        Self::Relaxation,
+        Self::Drift,
+        Self::Temperature,
+    ];
+
+    /// The name it has in every file.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Offset => "offset",
+            Self::Asymmetry => "asymmetry",
+            Self::Hardening => "hardening",
+            Self::StickSlip => "stick_slip",
+            Self::Viscous => "viscous",
+            Self::Relaxation => "relaxation",
+            Self::Inertia => "inertia",
+            Self::Drift => "drift",
+            Self::Temperature => "temperature",
+        }
+    }
+
+    /// What the force of this family depends on.
+    pub fn depends_on(self) -> &'static [&'static str] {
+        match self {
+            Self::Offset => &[],
+            Self::Asymmetry | Self::Hardening => &["displacement"],
+            Self::StickSlip => &["displacement", "history"],
+            Self::Viscous => &["velocity"],
+            Self::Relaxation => &["displacement", "history", "frequency"],
+            Self::Inertia => &["displacement", "frequency"],
+            Self::Drift => &["displacement", "cycle"],
+            Self::Temperature => &["temperature"],
+        }
+    }
+}
+
+impl fmt::Display for Family {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(self.name())
+    }
+}
+
+/// The unit of an effect's parameter by its name, or `None` for a name that no effect has.
+///
+/// The second and later elements of a stick-slip effect carry their number: `slip_limit_2`.
+pub fn parameter_unit(name: &str) -> Option<&'static str> {
+    match base_name(name) {
+        "force" => Some("kN"),
+        "k2" => Some("kN/mm^2"),
+        "k5" => Some("kN/mm^5"),
+        "c1" => Some("kN*s/mm"),
+        "mass" => Some("kg"),
+        "stiffness" => Some("kN/mm"),
+        "slip_limit" => Some("mm"),
+        "time" => Some("s"),
+        "cycles" => Some("1"),
+        "beta" => Some("1/degC"),
+        "reference" => Some("degC"),
+        _ => None,
+    }
+}
+
+/// `slip_limit` of `slip_limit_2`.
+fn base_name(name: &str) -> &str {
+    name.rsplit_once('_')
+        .filter(|(_, number)| number.bytes().all(|byte| byte.is_ascii_digit()))
+        .map_or(name, |(base, _)| base)
+}
+
+/// The coefficients of eq 13 at one amplitude.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct LawNode {
+    /// mm. The only node of a law that does not depend on amplitude has 0.
+    pub amplitude: f64,
+    /// kN/mm
+    pub k1: f64,
+    /// kN/mm³
+    pub k3: f64,
+    /// kN·(s/mm)^α
+    pub c: f64,
+    /// α
+    pub alpha: f64,
+}
+
+/// One effect beside eq 13.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct AddedEffect {
+    /// What kind it is.
+    pub family: Family,
+    /// Its parameters by name, in the units of [`parameter_unit`].
+    pub parameters: BTreeMap<String, f64>,
+}
+
+/// Why a model cannot be built.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+pub enum ModelError {
+    /// A coefficient was refused by the crate.
+    #[error("{place}: {error}")]
+    Refused {
+        /// Which node or effect.
+        place: String,
+        /// What the crate said.
+        error: ConfigError,
+    },
+    /// An effect lacks a parameter, or has one too many.
+    #[error("{place}: {problem}")]
+    Parameters {
+        /// Which effect.
+        place: String,
+        /// Which parameter, and what is wrong with it.
+        problem: String,
+    },
+    /// The law has no nodes, or its amplitudes do not increase.
+    #[error("law: {0}")]
+    Nodes(&'static str),
+}
+
+/// Eq 13 over amplitude, and what is added to it.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Model {
+    /// Coefficients at increasing amplitudes; between them they are interpolated linearly, outside they are held.
+    pub law: Vec<LawNode>,
+    /// The added effects in the order in which their forces are added.
+    pub effects: Vec<AddedEffect>,
+}
+
+impl Model {
+    /// Eq 13 for a cycle of `amplitude` mm.
+    ///
+    /// # Errors
+    /// No nodes, amplitudes that do not increase, or a coefficient out of range.
+    pub fn law_at<R: Real>(&self, amplitude: f64) -> Result<Law<R>, ModelError> {
+        if self.law.is_empty() {
+            return Err(ModelError::Nodes("there is no node"));
+        }
+        if !self
+            .law
+            .windows(2)
+            .all(|pair| pair[0].amplitude < pair[1].amplitude)
+        {
+            return Err(ModelError::Nodes(
+                "amplitudes must increase from node to node",
+            ));
+        }
+        let above = self.law.partition_point(|node| node.amplitude < amplitude);
+        let high = &self.law[above.min(self.law.len() - 1)];
+        let low = &self.law[above.saturating_sub(1)];
+        let span = high.amplitude - low.amplitude;
+        let weight = if span > 0.0 {
+            ((amplitude - low.amplitude) / span).clamp(0.0, 1.0)
+        } else {
+            0.0
+        };
+        let between = |a: f64, b: f64| R::from_f64(a + weight * (b - a));
+        Law::new(
+            between(low.k1, high.k1),
+            between(low.k3, high.k3),
+            between(low.c, high.c),
+            between(low.alpha, high.alpha),
+        )
+        .map_err(|error| ModelError::Refused {
+            place: format!("law at {amplitude} mm"),
+            error,
+        })
+    }
+
+    /// The law as the firmware runs it at `tick` s, with the coefficients for cycles of `amplitude` mm.
+    ///
+    /// # Errors
+    /// As [`Self::law_at`], or an effect that cannot be built.
+    pub fn augmented<R: Real>(
+        &self,
+        amplitude: f64,
+        tick: f64,
+    ) -> Result<AugmentedLaw<R, MAX_EFFECTS>, ModelError> {
+        let mut law = AugmentedLaw::new(self.law_at(amplitude)?);
+        for (index, added) in self.effects.iter().enumerate() {
+            let place = || format!("effects[{index}] ({})", added.family);
+            law = law
+                .with(added.effect(tick, place)?)
+                .map_err(|error| ModelError::Refused {
+                    place: place(),
+                    error,
+                })?;
+        }
+        Ok(law)
+    }
+}
+
+impl AddedEffect {
+    fn effect<R: Real>(
+        &self,
+        tick: f64,
+        place: impl Fn() -> String,
+    ) -> Result<Effect<R>, ModelError> {
+        let mut unused: Vec<&str> = self.parameters.keys().map(String::as_str).collect();
+        let mut get = |name: &str| -> Result<R, ModelError> {
+            unused.retain(|&other| other != name);
+            self.parameters
+                .get(name)
+                .map(|&value| R::from_f64(value))
+                .ok_or_else(|| ModelError::Parameters {
+                    place: place(),
+                    problem: format!("parameter {name} is missing"),
+                })
+        };
+        let built = match self.family {
+            Family::Offset => Offset::new(get("force")?).map(Effect::Offset),
+            Family::Asymmetry => Asymmetry::new(get("k2")?).map(Effect::Asymmetry),
+            Family::Hardening => Hardening::new(get("k5")?).map(Effect::Hardening),
+            Family::Viscous => Viscous::new(get("c1")?).map(Effect::Viscous),
+            Family::Inertia => Inertia::new(get("mass")?).map(Effect::Inertia),
+            Family::StickSlip => {
+                let mut elements = vec![(get("stiffness")?, get("slip_limit")?)];
+                for number in 2..=MAX_STICK_SLIP_ELEMENTS {
+                    let (stiffness, slip_limit) = (
+                        format!("stiffness_{number}"),
+                        format!("slip_limit_{number}"),
+                    );
+                    if !self.parameters.contains_key(&stiffness)
+                        && !self.parameters.contains_key(&slip_limit)
+                    {
+                        break;
+                    }
+                    elements.push((get(&stiffness)?, get(&slip_limit)?));
+                }
+                StickSlip::new(&elements).map(Effect::StickSlip)
+            }
+            Family::Relaxation => {
+                Relaxation::new(get("stiffness")?, get("time")?, R::from_f64(tick))
+                    .map(Effect::Relaxation)
+            }
+            Family::Drift => Drift::new(get("stiffness")?, get("cycles")?).map(Effect::Drift),
+            Family::Temperature => {
+                Temperature::new(get("beta")?, get("reference")?).map(Effect::Temperature)
+            }
+        };
+        if let Some(name) = unused.first() {
+            return Err(ModelError::Parameters {
+                place: place(),
+                problem: format!("parameter {name} is not one of its own"),
+            });
+        }
+        built.map_err(|error| ModelError::Refused {
+            place: place(),
+            error,
+        })
+    }
+}
