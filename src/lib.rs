@@ -2,6 +2,9 @@
 #![no_std]
 #![forbid(unsafe_code)]
 
+pub mod adc;
+pub mod converter;
+pub mod dac;
 pub mod effects;
 pub mod error;
 pub mod law;

@@ -1,0 +1,99 @@
+//! 16-bit offset-binary converter codes and the quantity they stand for.
+
+use crate::error::{ConfigError, in_range};
+
+/// Code of zero volts.
+pub const MIDSCALE: u16 = 0x8000;
+
+/// Largest full scale and largest zero, in the channel's unit.
+pub const SCALE_LIMIT: f64 = 1e6;
+
+/// value = full_scale·(code − 32768)/32768 − zero.
+///
+/// The unit is the channel's own: mm, kN.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Scale {
+    full_scale: f32,
+    zero: f32,
+    step: f32,
+    inverse_step: f32,
+}
+
+impl Scale {
+    /// * `full_scale`: the quantity at the converter's positive full scale, ±1e-6…±1e6. Negative where the sensor or
+    ///   the amplifier inverts.
+    /// * `zero`: what the channel reads when the quantity is 0, −1e6…1e6
+    ///
+    /// # Errors
+    /// The field that is not finite or out of range.
+    pub fn new(full_scale: f64, zero: f64) -> Result<Self, ConfigError> {
+        let full_scale = in_range("full_scale", full_scale, -SCALE_LIMIT, SCALE_LIMIT)?;
+        in_range("full_scale", full_scale.abs(), 1e-6, SCALE_LIMIT)?;
+        let zero = in_range("zero", zero, -SCALE_LIMIT, SCALE_LIMIT)?;
+        Ok(Self {
+            full_scale: full_scale as f32,
+            zero: zero as f32,
+            step: (full_scale / f64::from(MIDSCALE)) as f32,
+            inverse_step: (f64::from(MIDSCALE) / full_scale) as f32,
+        })
+    }
+
+    /// The quantity at the converter's positive full scale.
+    pub fn full_scale(&self) -> f32 {
+        self.full_scale
+    }
+
+    /// The quantity of one code.
+    pub fn step(&self) -> f32 {
+        self.step
+    }
+
+    /// What a code read from an ADC stands for.
+    #[inline(always)]
+    pub fn decode(&self, code: u16) -> Sample {
+        let count = i32::from(code) - i32::from(MIDSCALE);
+        Sample {
+            value: count as f32 * self.step - self.zero,
+            clipped: code == u16::MIN || code == u16::MAX,
+        }
+    }
+
+    /// The nearest code to write to a DAC. Beyond the range it is the range's end; NaN gives [`MIDSCALE`].
+    #[inline(always)]
+    pub fn encode(&self, value: f32) -> Code {
+        // The middle of code 0's step is at 0.5, so that dropping the fraction rounds to the nearest.
+        let position = (value + self.zero) * self.inverse_step + (f32::from(MIDSCALE) + 0.5);
+        if position >= 0.0 {
+            // A cast saturates, infinity included.
+            let nearest = position as u32;
+            Code {
+                code: u16::try_from(nearest).unwrap_or(u16::MAX),
+                clipped: nearest > u32::from(u16::MAX),
+            }
+        } else {
+            let code = if position.is_nan() { MIDSCALE } else { 0 };
+            Code {
+                code,
+                clipped: true,
+            }
+        }
+    }
+}
+
+/// One channel's reading.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Sample {
+    /// In the channel's unit.
+    pub value: f32,
+    /// The code is the first or the last one: the quantity may lie beyond.
+    pub clipped: bool,
+}
+
+/// A code for a DAC.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Code {
+    /// Offset binary.
+    pub code: u16,
+    /// The quantity asked for lies beyond the range, or is NaN.
+    pub clipped: bool,
+}

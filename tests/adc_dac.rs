@@ -1,0 +1,253 @@
+//! The converters' drivers, byte for byte against their datasheets.
+
+use embedded_hal::spi::{ErrorKind, ErrorType, Operation, SpiDevice};
+use embedded_hal_mock::eh1::spi::{Mock, Transaction};
+use mesh_damper::adc::{AdcError, Ads8688};
+use mesh_damper::converter::{MIDSCALE, Scale};
+use mesh_damper::dac::{Ad5761, DacError};
+use mesh_damper::error::ConfigError;
+use proptest::prelude::*;
+
+fn transfer(sent: &[u8], received: &[u8]) -> [Transaction<u8>; 3] {
+    [
+        Transaction::transaction_start(),
+        Transaction::transfer_in_place(sent.to_vec(), received.to_vec()),
+        Transaction::transaction_end(),
+    ]
+}
+
+fn write(sent: &[u8]) -> [Transaction<u8>; 3] {
+    [
+        Transaction::transaction_start(),
+        Transaction::write_vec(sent.to_vec()),
+        Transaction::transaction_end(),
+    ]
+}
+
+fn adc_start() -> Vec<Transaction<u8>> {
+    [
+        write(&[0x85, 0, 0, 0]),
+        transfer(&[0x0B, 0, 0], &[0, 0, 0]),
+        transfer(&[0x0D, 0, 0], &[0, 0, 0]),
+    ]
+    .concat()
+}
+
+fn dac_start() -> Vec<Transaction<u8>> {
+    [
+        write(&[0x0F, 0, 0]),
+        write(&[0x04, 0x02, 0x68]),
+        write(&[0x0C, 0, 0]),
+        // Bits 12 and 11 are status.
+        transfer(&[0, 0, 0], &[0x0C, 0x1A, 0x68]),
+        write(&[0x03, 0x80, 0x00]),
+    ]
+    .concat()
+}
+
+fn millimetres() -> Scale {
+    Scale::new(1.0, 0.0).unwrap()
+}
+
+fn kilonewtons() -> Scale {
+    Scale::new(-5.0, 0.25).unwrap()
+}
+
+#[test]
+fn adc_reads_displacement_then_force() {
+    let expected = [
+        adc_start(),
+        // The first frame only selects: its result is of an unknown channel.
+        transfer(&[0xC0, 0, 0, 0], &[0, 0, 0x12, 0x34]).to_vec(),
+        transfer(&[0xC4, 0, 0, 0], &[0, 0, 0xC0, 0x00]).to_vec(),
+        transfer(&[0xC0, 0, 0, 0], &[0, 0, 0x40, 0x00]).to_vec(),
+        transfer(&[0xC4, 0, 0, 0], &[0, 0, 0xFF, 0xFF]).to_vec(),
+        transfer(&[0xC0, 0, 0, 0], &[0, 0, 0x00, 0x00]).to_vec(),
+    ]
+    .concat();
+    let mut adc = Ads8688::new(Mock::new(&expected), millimetres(), kilonewtons()).unwrap();
+    let reading = adc.read().unwrap();
+    // 0xC000 is half of full scale, 0x4000 minus half; force is inverted and reads 0.25 kN at rest.
+    assert_eq!(reading.displacement.value, 0.5);
+    assert_eq!(reading.force.value, 2.5 - 0.25);
+    assert!(!reading.displacement.clipped && !reading.force.clipped);
+    let reading = adc.read().unwrap();
+    assert_eq!(reading.displacement.value, 32767.0 / 32768.0);
+    assert!(reading.displacement.clipped && reading.force.clipped);
+    adc.release().done();
+}
+
+#[test]
+fn adc_that_does_not_echo_its_register_is_refused() {
+    let expected = [
+        write(&[0x85, 0, 0, 0]),
+        transfer(&[0x0B, 0, 0], &[0xFF, 0xFF, 0xFF]),
+    ]
+    .concat();
+    let mut spi = Mock::new(&expected);
+    let refused = Ads8688::new(spi.clone(), millimetres(), kilonewtons()).unwrap_err();
+    let echo = AdcError::Register {
+        address: 5,
+        echo: 0xFF,
+    };
+    assert_eq!(refused, echo);
+    spi.done();
+}
+
+#[test]
+fn dac_writes_offset_binary() {
+    let expected = [
+        dac_start(),
+        write(&[0x03, 0x80, 0x00]).to_vec(),
+        write(&[0x03, 0xC0, 0x00]).to_vec(),
+        write(&[0x03, 0x00, 0x00]).to_vec(),
+        write(&[0x03, 0xFF, 0xFF]).to_vec(),
+        write(&[0x03, 0x80, 0x00]).to_vec(),
+    ]
+    .concat();
+    let mut dac = Ad5761::new(Mock::new(&expected), millimetres()).unwrap();
+    assert!(!dac.write(0.0).unwrap().clipped);
+    assert!(!dac.write(0.5).unwrap().clipped);
+    assert!(!dac.write(-1.0).unwrap().clipped);
+    assert!(dac.write(1.0).unwrap().clipped);
+    assert!(dac.write(f32::NAN).unwrap().clipped);
+    dac.release().done();
+}
+
+#[test]
+fn dac_with_another_control_register_is_refused() {
+    let expected = [
+        write(&[0x0F, 0, 0]),
+        write(&[0x04, 0x02, 0x68]),
+        write(&[0x0C, 0, 0]),
+        transfer(&[0, 0, 0], &[0, 0, 0]),
+    ]
+    .concat();
+    let mut spi = Mock::new(&expected);
+    let refused = Ad5761::new(spi.clone(), millimetres()).unwrap_err();
+    assert_eq!(refused, DacError::Control { read: 0 });
+    spi.done();
+}
+
+/// Fails from transaction `fails_at` on, for `failures` of them; answers with zeros, counting frames to ADC channels.
+struct Flaky {
+    transactions: usize,
+    fails_at: usize,
+    failures: usize,
+    first_bytes: Vec<u8>,
+}
+
+impl ErrorType for Flaky {
+    type Error = ErrorKind;
+}
+
+impl SpiDevice for Flaky {
+    fn transaction(&mut self, operations: &mut [Operation<'_, u8>]) -> Result<(), ErrorKind> {
+        let now = self.transactions;
+        self.transactions += 1;
+        if (self.fails_at..self.fails_at + self.failures).contains(&now) {
+            return Err(ErrorKind::Overrun);
+        }
+        for operation in operations {
+            match operation {
+                Operation::TransferInPlace(words) => {
+                    self.first_bytes.push(words[0]);
+                    words.fill(0);
+                }
+                Operation::Write(words) => self.first_bytes.push(words[0]),
+                _ => unreachable!("no driver asks for this"),
+            }
+        }
+        Ok(())
+    }
+}
+
+fn flaky(fails_at: usize) -> Flaky {
+    Flaky {
+        transactions: 0,
+        fails_at,
+        failures: 1,
+        first_bytes: Vec::new(),
+    }
+}
+
+#[test]
+fn bus_errors_are_values() {
+    // Three transactions to set up the ADC.
+    for fails_at in 0..3 {
+        let refused = Ads8688::new(flaky(fails_at), millimetres(), kilonewtons()).err();
+        assert_eq!(refused, Some(AdcError::Bus(ErrorKind::Overrun)));
+    }
+    // Four before the DAC's answer is judged.
+    for fails_at in 0..4 {
+        let refused = Ad5761::new(flaky(fails_at), millimetres()).err();
+        assert_eq!(refused, Some(DacError::Bus(ErrorKind::Overrun)));
+    }
+}
+
+#[test]
+fn a_failed_read_never_exchanges_the_channels() {
+    // Transactions 3–5 are the first reading (with its selection), 6 and 7 the second.
+    for fails_at in [6, 7] {
+        let mut adc = Ads8688::new(flaky(fails_at), millimetres(), kilonewtons()).unwrap();
+        adc.read().unwrap();
+        assert_eq!(adc.read(), Err(ErrorKind::Overrun));
+        adc.read().unwrap();
+        let sent = adc.release().first_bytes;
+        assert_eq!(sent[sent.len() - 3..], [0xC0, 0xC4, 0xC0]);
+    }
+}
+
+#[test]
+fn scale_refuses_what_it_cannot_hold() {
+    let refused = |full_scale, zero| Scale::new(full_scale, zero).unwrap_err();
+    assert_eq!(refused(f64::NAN, 0.0), ConfigError::NonFinite("full_scale"));
+    assert_eq!(refused(1.0, f64::INFINITY), ConfigError::NonFinite("zero"));
+    for full_scale in [0.0, 1e-7, -2e6] {
+        assert!(matches!(
+            refused(full_scale, 0.0),
+            ConfigError::OutOfRange {
+                field: "full_scale",
+                ..
+            }
+        ));
+    }
+}
+
+#[test]
+fn the_end_of_the_range_is_half_a_step_beyond_its_last_code() {
+    let clipped = |steps: f32| millimetres().encode(steps / 32768.0).clipped;
+    assert!(!clipped(-32768.25) && clipped(-32768.75));
+    assert!(!clipped(32767.25) && clipped(32767.75));
+}
+
+proptest! {
+    #[test]
+    fn every_code_survives_the_way_there_and_back(
+        code: u16,
+        full_scale in prop_oneof![1e-3..1e3f64, -1e3..-1e-3f64],
+        zero in -0.1..0.1f64,
+    ) {
+        let scale = Scale::new(full_scale, zero * full_scale).unwrap();
+        let back = scale.encode(scale.decode(code).value);
+        prop_assert_eq!(back.code, code);
+        prop_assert!(!back.clipped);
+    }
+
+    #[test]
+    fn the_code_is_the_nearest_or_is_clipped(value in -3.0..3.0f32) {
+        let scale = millimetres();
+        let coded = scale.encode(value);
+        let error = (scale.decode(coded.code).value - value).abs();
+        // Half a step; the sum count + 32768.5 rounds to 2⁻⁸ of a step.
+        let nearest = error <= (0.5 + 1.0 / 256.0) * scale.step();
+        prop_assert_eq!(nearest, !coded.clipped);
+    }
+
+    #[test]
+    fn any_float_gives_a_code(bits: u32) {
+        let value = f32::from_bits(bits);
+        let coded = millimetres().encode(value);
+        prop_assert_eq!(coded.clipped && coded.code == MIDSCALE, value.is_nan());
+    }
+}
