@@ -4,9 +4,13 @@
 
 pub mod adc;
 pub mod converter;
+pub mod crossing;
+pub mod cycle;
 pub mod dac;
 pub mod effects;
 pub mod error;
 pub mod law;
 pub mod power;
 pub mod real;
+pub mod sine;
+mod sum;

@@ -1,0 +1,185 @@
+//! Where cycles begin when no generator tells: zero crossings of the displacement.
+//!
+//! A cycle begins where the displacement rises through its running mean, that of the cycle before. So that noise about
+//! the mean makes no cycles of its own, a crossing counts only once the displacement has been below the mean by the
+//! hysteresis, and the next one only once it has then been above it by as much and below it again.
+
+use crate::cycle::{Cycle, CycleAccumulator, DISPLACEMENT_LIMIT};
+use crate::error::{ConfigError, in_range};
+use crate::real::Real;
+use crate::sum::{FOLD, Sum};
+
+/// What the detector says of one sample.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Crossing {
+    /// Phase, 2³² to the cycle, supposing that the cycle lasts as long as the one before. Where it lasts longer the phase
+    /// waits for the crossing just below a whole cycle. 0 until a first cycle has been measured.
+    pub phase: u32,
+    /// A cycle ended on the way from the last sample to this one, after this part of it, 0…1.
+    pub boundary: Option<f32>,
+}
+
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+enum Side {
+    /// Has not been above the mean by the hysteresis since the last crossing.
+    #[default]
+    Rising,
+    /// Has been above.
+    Above,
+    /// Has been above and then below: the next crossing counts.
+    Below,
+}
+
+/// What the detector has seen.
+#[derive(Clone, Copy, Debug, Default)]
+struct Seen {
+    /// A sample has been seen.
+    begun: bool,
+    /// Up to [`SETTLED`].
+    crossings: u8,
+    side: Side,
+    last: f32,
+    highest: f32,
+    lowest: f32,
+    /// What counts as zero, mm.
+    centre: f32,
+    /// Sum of the samples since the last crossing, and their number.
+    sum: Sum,
+    ticks: u32,
+    /// The part of a tick by which the last crossing came after a sample.
+    offset: f32,
+    /// 2³² over the period in ticks; 0 while no period is known.
+    turn: f32,
+}
+
+/// Crossings until a boundary is given: the first cycle gives a mean, the second begins and ends at means.
+const SETTLED: u8 = 3;
+
+/// Finds the cycles of a displacement.
+///
+/// Before the first crossing the midpoint of what has been seen serves as the mean. The first two whole cycles settle mean
+/// and period; the end of the second is the first boundary.
+#[derive(Clone, Copy, Debug)]
+pub struct CrossingDetector {
+    hysteresis: f32,
+    seen: Seen,
+}
+
+impl CrossingDetector {
+    /// * `hysteresis`: mm, 1e-9…1e4, above the noise's peak and below the motion's amplitude
+    ///
+    /// # Errors
+    /// When it is not finite or out of range.
+    pub fn new(hysteresis: f32) -> Result<Self, ConfigError> {
+        Ok(Self {
+            hysteresis: in_range("hysteresis", hysteresis, 1e-9, 1e4)?,
+            seen: Seen::default(),
+        })
+    }
+
+    /// Forgets what it has seen.
+    pub fn reset(&mut self) {
+        self.seen = Seen::default();
+    }
+
+    /// One tick's displacement in mm; beyond ±[`DISPLACEMENT_LIMIT`] treated as the limit, NaN as 0.
+    #[inline]
+    pub fn update(&mut self, displacement: f32) -> Crossing {
+        let y = displacement.confined(DISPLACEMENT_LIMIT);
+        let seen = &mut self.seen;
+        if !seen.begun {
+            *seen = Seen {
+                begun: true,
+                last: y,
+                highest: y,
+                lowest: y,
+                centre: y,
+                ..Seen::default()
+            };
+            return Crossing::default();
+        }
+        if seen.crossings == 0 {
+            if y > seen.highest {
+                seen.highest = y;
+            }
+            if y < seen.lowest {
+                seen.lowest = y;
+            }
+            seen.centre = 0.5 * (seen.highest + seen.lowest);
+        }
+        let last = core::mem::replace(&mut seen.last, y);
+        let mut boundary = None;
+        seen.sum.add(y);
+        seen.ticks = seen.ticks.saturating_add(1);
+        if seen.ticks.is_multiple_of(FOLD) {
+            seen.sum.fold();
+        }
+        match seen.side {
+            Side::Rising if y > seen.centre + self.hysteresis => seen.side = Side::Above,
+            Side::Above if y < seen.centre - self.hysteresis => seen.side = Side::Below,
+            Side::Below if y >= seen.centre => {
+                let part = ((seen.centre - last) / (y - last)).confined(1.0);
+                boundary = seen.crossing(y, part);
+            }
+            _ => {}
+        }
+        let phase = ((seen.ticks as f32 - seen.offset) * seen.turn) as u32;
+        Crossing { phase, boundary }
+    }
+}
+
+impl Seen {
+    /// The displacement has risen through the mean in `part` of a tick, and came to `y`, which is in the sum already.
+    fn crossing(&mut self, y: f32, part: f32) -> Option<f32> {
+        let samples = self.ticks.saturating_sub(1).max(1) as f32;
+        if self.crossings > 0 {
+            self.centre = (self.sum.total() - y) / samples;
+            self.turn = (1u64 << 32) as f32 / (samples + part - self.offset);
+        }
+        self.crossings = self.crossings.saturating_add(1).min(SETTLED);
+        self.side = Side::Rising;
+        self.sum = Sum::default();
+        self.sum.add(y);
+        self.ticks = 1;
+        self.offset = part;
+        (self.crossings == SETTLED).then_some(part)
+    }
+}
+
+/// A [`CycleAccumulator`] that finds its cycles by itself.
+///
+/// The energy of the first harmonics needs the phase within the cycle under way, which is taken from the period of the cycle
+/// before: it is meant for a steady motion, and off by about as much as one period differs from the next.
+#[derive(Clone, Copy, Debug)]
+pub struct CrossingAccumulator {
+    detector: CrossingDetector,
+    accumulator: CycleAccumulator,
+}
+
+impl CrossingAccumulator {
+    /// * `hysteresis`: mm, 1e-9…1e4, above the noise's peak and below the motion's amplitude
+    ///
+    /// # Errors
+    /// When it is not finite or out of range.
+    pub fn new(hysteresis: f32) -> Result<Self, ConfigError> {
+        Ok(Self {
+            detector: CrossingDetector::new(hysteresis)?,
+            accumulator: CycleAccumulator::new(),
+        })
+    }
+
+    /// Forgets what it has seen.
+    pub fn reset(&mut self) {
+        self.detector.reset();
+        self.accumulator.reset();
+    }
+
+    /// One tick's displacement (mm) and force (kN), treated as in [`CycleAccumulator::update`]. Gives each cycle that is
+    /// complete, from the third on.
+    #[inline]
+    pub fn update(&mut self, displacement: f32, force: f32) -> Option<Cycle> {
+        let Crossing { phase, boundary } = self.detector.update(displacement);
+        self.accumulator
+            .update_at(displacement, force, phase, boundary)
+    }
+}

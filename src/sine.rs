@@ -1,0 +1,596 @@
+//! The excitation: a programme of sines and sweeps, ramped into one another.
+//!
+//! y(θ) = a(θ)·sin 2πθ, with θ the cycles travelled. A block keeps a constant; between two blocks, before the first and
+//! after the last, a ramp of whole cycles leads a from one amplitude to the next by the quintic 10s³ − 15s⁴ + 6s⁵ of the
+//! part s of the ramp that has been travelled. So a block of n cycles is n cycles at full amplitude, and its ramps
+//! come in addition.
+//!
+//! Where the frequency changes, in a sweep and in a ramp between two frequencies, it follows the cycles travelled
+//! linearly, f = f₀ + k·θ. That is the logarithmic sweep f = f₀·eᵏᵗ, and one tick of length h takes θ forward by
+//!
+//! Δθ = (f₀/k + θ)·(eᵏʰ − 1),
+//!
+//! exactly, wherever in the tick the sweep began. Position, velocity and frequency are continuous throughout; the
+//! acceleration too, but for k's own jump where a change of frequency begins and ends.
+
+use crate::error::{ConfigError, in_range};
+
+/// Smallest amplitude, mm.
+pub const AMPLITUDE_MIN: f64 = 1e-6;
+/// Largest amplitude, mm.
+pub const AMPLITUDE_MAX: f64 = 1e4;
+/// Lowest frequency, Hz. The highest is a quarter of the tick rate.
+pub const FREQUENCY_MIN: f64 = 1e-6;
+/// Highest tick rate, Hz.
+pub const TICK_RATE_MAX: f64 = 1e6;
+
+const NODES: usize = 512;
+
+/// sin at 512 nodes over the cycle, computed in f64.
+///
+/// The nodes lie on the zeros and the extremes, which are exact: with nodes half a step away the zero crossings are a
+/// difference of nearly equal numbers, and |v|^α turns what is left into percents of the peak force.
+static SINE: [f32; NODES] = sine_table();
+
+const fn sine_table() -> [f32; NODES] {
+    const QUARTER: usize = NODES / 4;
+    let mut table = [0.0; NODES];
+    let mut i = 0;
+    while i <= QUARTER {
+        // Up to an eighth of the cycle by the sine's series, beyond by the cosine's: both converge fast there.
+        let value = if i <= QUARTER / 2 {
+            let x = i as f64 * (core::f64::consts::TAU / NODES as f64);
+            power_series(x, 1.0, x)
+        } else {
+            power_series(
+                (QUARTER - i) as f64 * (core::f64::consts::TAU / NODES as f64),
+                0.0,
+                1.0,
+            )
+        } as f32;
+        table[i] = value;
+        table[NODES / 2 - i] = value;
+        table[(NODES / 2 + i) % NODES] = -value;
+        table[(NODES - i) % NODES] = -value;
+        i += 1;
+    }
+    table[0] = 0.0;
+    table[NODES / 2] = 0.0;
+    table
+}
+
+/// first·(1 − x²/((n+1)(n+2)) + x⁴/(…) − …): the sine for n = 1, first = x, the cosine for n = 0, first = 1. The term
+/// left out is below (π/4)²⁰/20! = 3e-21.
+const fn power_series(x: f64, n: f64, first: f64) -> f64 {
+    let (mut sum, mut term, mut n) = (first, first, n);
+    let mut count = 0;
+    while count < 10 {
+        term *= -x * x / ((n + 1.0) * (n + 2.0));
+        sum += term;
+        n += 2.0;
+        count += 1;
+    }
+    sum
+}
+
+/// sin and cos of `phase`, 2⁶⁴ to the cycle, each within 1e-7, and near its zeros within 2e-7 of its own size or
+/// 1e-11, whichever is larger.
+///
+/// The nearest node, turned by the remaining ±π/512 with three terms of Taylor's series: what those leave out is below
+/// (π/512)⁴/24 = 6e-11.
+#[inline(always)]
+pub fn sin_cos(phase: u64) -> (f32, f32) {
+    // Half a node step, so that the nearest node is the one below; half of the remainder's unit, to round it.
+    let shifted = phase.wrapping_add((1 << 54) + (1 << 22));
+    let node = (shifted >> 55) as usize;
+    let remainder = ((shifted >> 23) as u32 ^ (1 << 31)) as i32;
+    // 2⁴¹ units of the remainder to the cycle.
+    let x = remainder as f32 * (core::f64::consts::TAU / (1u64 << 41) as f64) as f32;
+    let half_square = 0.5 * x * x;
+    let turn = x - x * half_square * (1.0 / 3.0);
+    let sin = SINE[node % NODES];
+    let cos = SINE[(node + NODES / 4) % NODES];
+    (
+        sin + (cos * turn - sin * half_square),
+        cos - (sin * turn + cos * half_square),
+    )
+}
+
+/// One block of a programme: whole cycles at one amplitude.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Block {
+    amplitude: f64,
+    from: f64,
+    to: f64,
+    cycles: u32,
+}
+
+impl Block {
+    /// A sine.
+    ///
+    /// * `amplitude`: mm, [`AMPLITUDE_MIN`]…[`AMPLITUDE_MAX`]
+    /// * `frequency`: Hz, [`FREQUENCY_MIN`] to a quarter of the programme's tick rate
+    /// * `cycles`: at full amplitude, at least 1
+    ///
+    /// # Errors
+    /// The field that is not finite or out of range.
+    pub fn sine(amplitude: f64, frequency: f64, cycles: u32) -> Result<Self, ConfigError> {
+        Self::new(
+            amplitude,
+            ("frequency", frequency),
+            ("frequency", frequency),
+            cycles,
+        )
+    }
+
+    /// A logarithmic sweep up or down: the frequency changes by the same factor in equal times. Units and ranges as in
+    /// [`Block::sine`].
+    ///
+    /// # Errors
+    /// The field that is not finite or out of range.
+    pub fn sweep(amplitude: f64, from: f64, to: f64, cycles: u32) -> Result<Self, ConfigError> {
+        Self::new(amplitude, ("from", from), ("to", to), cycles)
+    }
+
+    fn new(
+        amplitude: f64,
+        from: (&'static str, f64),
+        to: (&'static str, f64),
+        cycles: u32,
+    ) -> Result<Self, ConfigError> {
+        let frequency = |(field, value)| in_range(field, value, FREQUENCY_MIN, TICK_RATE_MAX / 4.0);
+        in_range("cycles", f64::from(cycles), 1.0, f64::from(u32::MAX))?;
+        Ok(Self {
+            amplitude: in_range("amplitude", amplitude, AMPLITUDE_MIN, AMPLITUDE_MAX)?,
+            from: frequency(from)?,
+            to: frequency(to)?,
+            cycles,
+        })
+    }
+
+    /// Amplitude, mm.
+    pub fn amplitude(&self) -> f64 {
+        self.amplitude
+    }
+    /// Frequency at the start, Hz.
+    pub fn from(&self) -> f64 {
+        self.from
+    }
+    /// Frequency at the end, Hz: that at the start unless the block is a sweep.
+    pub fn to(&self) -> f64 {
+        self.to
+    }
+    /// Cycles at full amplitude.
+    pub fn cycles(&self) -> u32 {
+        self.cycles
+    }
+}
+
+/// A stretch of whole cycles with one law of amplitude and frequency, as the generator walks it.
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct Segment {
+    cycles: u32,
+    /// Cycles per tick at θ = 0, 2¹²⁸ to the cycle.
+    increment: u128,
+    /// eᵏʰ − 1, 2⁶⁴ to 1: what each cycle travelled adds to the increment.
+    growth: i64,
+    /// Frequency at θ = 0, Hz.
+    frequency: f32,
+    /// k, Hz per cycle travelled.
+    chirp: f32,
+    /// Amplitude at θ = 0, mm.
+    amplitude: f32,
+    /// Amplitude at the end less that at the start, mm.
+    rise: f32,
+    /// 1 / cycles.
+    inverse_length: f32,
+    /// ω at θ = 0, rad/s.
+    angular: f32,
+    /// Neither amplitude nor frequency changes.
+    steady: bool,
+}
+
+impl Segment {
+    fn new(amplitude: (f64, f64), frequency: (f64, f64), cycles: u32, tick_rate: f64) -> Self {
+        let chirp = (frequency.1 - frequency.0) / f64::from(cycles);
+        let kh = chirp / tick_rate;
+        let factor = libm::expm1(kh);
+        Self {
+            cycles,
+            increment: if kh == 0.0 {
+                increment(frequency.0, tick_rate)
+            } else {
+                let step = frequency.0 / tick_rate * (factor / kh);
+                ((step * (1u128 << 127) as f64) as u128) << 1
+            },
+            growth: (factor * (1u128 << 64) as f64) as i64,
+            frequency: frequency.0 as f32,
+            chirp: chirp as f32,
+            amplitude: amplitude.0 as f32,
+            rise: (amplitude.1 - amplitude.0) as f32,
+            inverse_length: (1.0 / f64::from(cycles)) as f32,
+            angular: (core::f64::consts::TAU * frequency.0) as f32,
+            steady: kh == 0.0 && amplitude.0 == amplitude.1,
+        }
+    }
+
+    /// The phase of one tick, from `travelled` cycles and `phase` on.
+    #[inline(always)]
+    fn step(&self, travelled: u32, phase: u128) -> u128 {
+        if self.growth == 0 {
+            return self.increment;
+        }
+        // 2⁶⁴ to the cycle times 2⁶⁴ to 1. Whole turns of the product fall off: the step is less than half a cycle.
+        let theta = (i128::from(travelled) << 64) | i128::from((phase >> 64) as u64);
+        self.increment
+            .wrapping_add(i128::from(self.growth).wrapping_mul(theta) as u128)
+    }
+
+    /// Position, velocity and acceleration after `theta` cycles where amplitude or frequency change.
+    #[inline]
+    fn changing(&self, theta: f32, sin: f32, cos: f32, excitation: &mut Excitation) {
+        use core::f32::consts::TAU;
+        let frequency = self.frequency + self.chirp * theta;
+        let angular = TAU * frequency;
+        let angular_rate = TAU * self.chirp * frequency;
+        // s, its rate and the rate's rate.
+        let part = theta * self.inverse_length;
+        let part = if part > 1.0 { 1.0 } else { part };
+        let part_rate = frequency * self.inverse_length;
+        let part_acceleration = self.chirp * part_rate;
+        // 10s³ − 15s⁴ + 6s⁵ and its first two derivatives.
+        let rest = 1.0 - part;
+        let lower_half = |s: f32| s * s * s * (10.0 - s * (15.0 - 6.0 * s));
+        // By symmetry above one half, where the difference of the terms would lose digits.
+        let step = if part > 0.5 {
+            1.0 - lower_half(rest)
+        } else {
+            lower_half(part)
+        };
+        let slope = 30.0 * part * part * rest * rest;
+        let curvature = 60.0 * part * rest * (rest - part);
+        let a = self.amplitude + self.rise * step;
+        let a_rate = self.rise * slope * part_rate;
+        let a_acceleration =
+            self.rise * (curvature * part_rate * part_rate + slope * part_acceleration);
+        excitation.displacement = a * sin;
+        excitation.velocity = a_rate * sin + a * angular * cos;
+        excitation.acceleration = (a_acceleration - a * angular * angular) * sin
+            + (2.0 * a_rate * angular + a * angular_rate) * cos;
+    }
+}
+
+/// Seconds that `cycles` take while the frequency goes from `from` to `to`.
+fn duration(from: f64, to: f64, cycles: u32) -> f64 {
+    let change = (to - from) / from;
+    // ln(1 + x)/x, which is 1 where nothing changes.
+    let slowing = if change == 0.0 {
+        1.0
+    } else {
+        libm::log1p(change) / change
+    };
+    f64::from(cycles) / from * slowing
+}
+
+/// frequency/tick_rate · 2¹²⁸, rounded down from the exact quotient of the two floats. Needs frequency < tick_rate/2.
+fn increment(frequency: f64, tick_rate: f64) -> u128 {
+    // Both are normal and positive: mantissa · 2^exponent.
+    let split = |value: f64| {
+        let bits = value.to_bits();
+        let mantissa = (bits & ((1 << 52) - 1)) | (1 << 52);
+        (u128::from(mantissa), (bits >> 52) as u32)
+    };
+    let ((n, n_exponent), (d, d_exponent)) = (split(frequency), split(tick_rate));
+    let divide = |value: u128| {
+        (
+            value.checked_div(d).unwrap_or(0),
+            value.checked_rem(d).unwrap_or(0),
+        )
+    };
+    // Long division with 64 bits to the digit: n·2¹²⁷/d.
+    let (high, rest) = divide(n << 63);
+    let (low, _) = divide(rest << 64);
+    let quotient = (high << 64) | low;
+    let shift = d_exponent.saturating_sub(n_exponent).saturating_sub(1);
+    quotient.checked_shr(shift).unwrap_or(0)
+}
+
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct Planned {
+    block: Block,
+    ramp: Segment,
+    steady: Segment,
+}
+
+/// Up to `N` blocks with the ramps around them.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Programme<const N: usize> {
+    tick_rate: f64,
+    ramp_cycles: u32,
+    planned: heapless::Vec<Planned, N>,
+    to_rest: Option<Segment>,
+    duration: f64,
+}
+
+impl<const N: usize> Programme<N> {
+    /// No blocks yet.
+    ///
+    /// * `tick_rate`: Hz, 1…[`TICK_RATE_MAX`]
+    /// * `ramp_cycles`: cycles of each ramp, at least 1. They run at the frequency of the block beside them, or from the
+    ///   one's to the other's.
+    ///
+    /// # Errors
+    /// The field that is not finite or out of range.
+    pub fn new(tick_rate: f64, ramp_cycles: u32) -> Result<Self, ConfigError> {
+        in_range(
+            "ramp_cycles",
+            f64::from(ramp_cycles),
+            1.0,
+            f64::from(u32::MAX),
+        )?;
+        Ok(Self {
+            tick_rate: in_range("tick_rate", tick_rate, 1.0, TICK_RATE_MAX)?,
+            ramp_cycles,
+            planned: heapless::Vec::new(),
+            to_rest: None,
+            duration: 0.0,
+        })
+    }
+
+    /// The programme with one more block at its end.
+    ///
+    /// # Errors
+    /// [`ConfigError::OutOfRange`] when a frequency exceeds a quarter of the tick rate, [`ConfigError::Full`] when `N`
+    /// blocks are in it already.
+    pub fn with(mut self, block: Block) -> Result<Self, ConfigError> {
+        for (field, frequency) in [("from", block.from), ("to", block.to)] {
+            let field = if block.from == block.to {
+                "frequency"
+            } else {
+                field
+            };
+            in_range(field, frequency, FREQUENCY_MIN, self.tick_rate / 4.0)?;
+        }
+        let segment = |amplitude, frequency, cycles| {
+            Segment::new(amplitude, frequency, cycles, self.tick_rate)
+        };
+        let (amplitude, frequency) = match self.planned.last() {
+            Some(last) => (last.block.amplitude, last.block.to),
+            None => (0.0, block.from),
+        };
+        let planned = Planned {
+            block,
+            ramp: segment(
+                (amplitude, block.amplitude),
+                (frequency, block.from),
+                self.ramp_cycles,
+            ),
+            steady: segment(
+                (block.amplitude, block.amplitude),
+                (block.from, block.to),
+                block.cycles,
+            ),
+        };
+        self.to_rest = Some(segment(
+            (block.amplitude, 0.0),
+            (block.to, block.to),
+            self.ramp_cycles,
+        ));
+        self.duration += duration(frequency, block.from, self.ramp_cycles)
+            + duration(block.from, block.to, block.cycles);
+        self.planned.push(planned).map_err(|_| ConfigError::Full {
+            field: "blocks",
+            capacity: N,
+        })?;
+        Ok(self)
+    }
+
+    /// Ticks per second.
+    pub fn tick_rate(&self) -> f64 {
+        self.tick_rate
+    }
+
+    /// Cycles of each ramp.
+    pub fn ramp_cycles(&self) -> u32 {
+        self.ramp_cycles
+    }
+
+    /// The blocks, in order.
+    pub fn blocks(&self) -> impl ExactSizeIterator<Item = &Block> {
+        self.planned.iter().map(|planned| &planned.block)
+    }
+
+    /// Time from rest to rest, s.
+    pub fn duration(&self) -> f64 {
+        match self.planned.last() {
+            Some(last) => self.duration + duration(last.block.to, last.block.to, self.ramp_cycles),
+            None => 0.0,
+        }
+    }
+}
+
+/// What the generator asks for at one tick. Position, velocity and acceleration are the derivatives of one another,
+/// ramps included.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Excitation {
+    /// Position, mm.
+    pub displacement: f32,
+    /// Velocity, mm/s.
+    pub velocity: f32,
+    /// Acceleration, mm/s².
+    pub acceleration: f32,
+    /// Phase, 2³² to the cycle, to the nearest.
+    pub phase: u32,
+    /// Cycles completed since the start, ramps included.
+    pub cycle: u32,
+    /// Which block: in a ramp the one ahead, in the ramp to rest and after it the last.
+    pub block: usize,
+    /// In a ramp.
+    pub ramp: bool,
+    /// A cycle ended since the tick before: this one is the first of the next cycle.
+    pub cycle_end: bool,
+    /// The programme is over; everything stays at 0.
+    pub done: bool,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum Stage {
+    Ramp,
+    Steady,
+    ToRest,
+    Done,
+}
+
+/// Walks a [`Programme`], tick by tick.
+///
+/// The phase is an integer, 2¹²⁸ to the cycle. A constant frequency's increment is exact to one unit, so that after
+/// n ticks the phase is within n units of the exact quotient: 10¹⁰ ticks (10⁶ cycles of 1 Hz at 10 kHz) make
+/// 3e-29 of a cycle.
+#[derive(Clone, Debug)]
+pub struct SineGenerator<const N: usize> {
+    programme: Programme<N>,
+    at: Place,
+}
+
+/// Where in the programme the generator is.
+#[derive(Clone, Copy, Debug)]
+struct Place {
+    segment: Segment,
+    stage: Stage,
+    block: usize,
+    /// With [`ROUNDING`] in it.
+    phase: u128,
+    /// Cycles completed in this segment.
+    travelled: u32,
+    cycle: u32,
+    cycle_end: bool,
+}
+
+/// Half a unit of [`Excitation::phase`], so that its upper 32 bits are the nearest, and a tick that falls on the end of
+/// a cycle but for the rounding of a decimal frequency belongs to the next cycle.
+const ROUNDING: u128 = 1 << 95;
+
+impl Place {
+    fn start(first: Segment) -> Self {
+        Self {
+            segment: first,
+            stage: Stage::Ramp,
+            block: 0,
+            phase: ROUNDING,
+            travelled: 0,
+            cycle: 0,
+            cycle_end: false,
+        }
+    }
+}
+
+impl<const N: usize> SineGenerator<N> {
+    /// At rest, at the start of `programme`.
+    ///
+    /// # Errors
+    /// [`ConfigError::Empty`] for a programme with no block.
+    pub fn new(programme: Programme<N>) -> Result<Self, ConfigError> {
+        let first = programme
+            .planned
+            .first()
+            .ok_or(ConfigError::Empty("blocks"))?
+            .ramp;
+        Ok(Self {
+            programme,
+            at: Place::start(first),
+        })
+    }
+
+    /// What it walks.
+    pub fn programme(&self) -> &Programme<N> {
+        &self.programme
+    }
+
+    /// Back to the start of the programme, at rest.
+    pub fn restart(&mut self) {
+        if let Some(first) = self.programme.planned.first() {
+            self.at = Place::start(first.ramp);
+        }
+    }
+
+    /// The excitation at this tick; the first call gives the start, at rest. After the end it holds at 0 for good.
+    #[inline]
+    pub fn tick(&mut self) -> Excitation {
+        let at = &self.at;
+        let mut excitation = Excitation {
+            phase: (at.phase >> 96) as u32,
+            cycle: at.cycle,
+            block: at.block,
+            ramp: matches!(at.stage, Stage::Ramp | Stage::ToRest),
+            cycle_end: at.cycle_end,
+            done: at.stage == Stage::Done,
+            ..Excitation::default()
+        };
+        if excitation.done {
+            self.at.cycle_end = false;
+            return excitation;
+        }
+        let (sin, cos) = sin_cos((at.phase.wrapping_sub(ROUNDING) >> 64) as u64);
+        let segment = &at.segment;
+        if segment.steady {
+            excitation.displacement = segment.amplitude * sin;
+            let speed = segment.amplitude * segment.angular;
+            excitation.velocity = speed * cos;
+            excitation.acceleration = -(speed * segment.angular) * sin;
+        } else {
+            // 2³² units of phase to the cycle.
+            let fraction = excitation.phase as f32 * (1.0 / (1u64 << 32) as f32);
+            segment.changing(at.travelled as f32 + fraction, sin, cos, &mut excitation);
+        }
+        self.advance();
+        excitation
+    }
+
+    #[inline]
+    fn advance(&mut self) {
+        let at = &mut self.at;
+        let (phase, wrapped) = at
+            .phase
+            .overflowing_add(at.segment.step(at.travelled, at.phase));
+        at.phase = phase;
+        at.cycle_end = wrapped;
+        if wrapped {
+            at.cycle = at.cycle.wrapping_add(1);
+            at.travelled = at.travelled.wrapping_add(1);
+            if at.travelled >= at.segment.cycles {
+                self.next_segment();
+            }
+        }
+    }
+
+    /// Goes on to the next segment at the end of this one, with the phase that is already past it.
+    fn next_segment(&mut self) {
+        let planned = &self.programme.planned;
+        let at = &mut self.at;
+        let (stage, block, segment) =
+            match (at.stage, planned.get(at.block), planned.get(at.block + 1)) {
+                (Stage::Ramp, Some(this), _) => (Stage::Steady, at.block, Some(this.steady)),
+                (Stage::Steady, _, Some(next)) => (Stage::Ramp, at.block + 1, Some(next.ramp)),
+                (Stage::Steady, _, None) => (Stage::ToRest, at.block, self.programme.to_rest),
+                _ => (Stage::Done, at.block, None),
+            };
+        at.stage = stage;
+        at.block = block;
+        at.travelled = 0;
+        match segment {
+            Some(segment) => {
+                let past = (at.phase >> 96) as u32 as f32 * (1.0 / (1u64 << 32) as f32);
+                // The time past the boundary is the same before and after it, the rate of change of frequency is
+                // not: k'·f·t²/2 − k·f·t²/2 with t = past/f. What is left out is of third order in the tick.
+                let correction =
+                    (segment.chirp - at.segment.chirp) * past * past / (2.0 * segment.frequency);
+                let correction = (correction * (1u64 << 63) as f32) as i64;
+                at.phase = at
+                    .phase
+                    .wrapping_add(((i128::from(correction)) << 65) as u128);
+                at.segment = segment;
+            }
+            None => at.phase = ROUNDING,
+        }
+    }
+}

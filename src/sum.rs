@@ -1,0 +1,39 @@
+//! Sums of many floats.
+
+/// Terms between two folds of a [`Sum`].
+pub(crate) const FOLD: u32 = 16;
+
+/// A long sum of floats with the rounding error of a short one.
+///
+/// [`FOLD`] terms are added up plainly, which costs half of what compensating every term does and is off by at most
+/// 16·2⁻²⁴ of those sixteen; their sum is then added with its rounding error kept (Knuth's two-sum).
+#[derive(Clone, Copy, Debug, Default)]
+pub(crate) struct Sum {
+    part: f32,
+    high: f32,
+    low: f32,
+}
+
+impl Sum {
+    /// Adds one term.
+    #[inline(always)]
+    pub(crate) fn add(&mut self, term: f32) {
+        self.part += term;
+    }
+
+    /// To be called after every [`FOLD`] terms.
+    #[inline(always)]
+    pub(crate) fn fold(&mut self) {
+        let sum = self.high + self.part;
+        let added = sum - self.high;
+        self.low += (self.high - (sum - added)) + (self.part - added);
+        self.high = sum;
+        self.part = 0.0;
+    }
+
+    /// The sum so far.
+    pub(crate) fn total(mut self) -> f32 {
+        self.fold();
+        self.high + self.low
+    }
+}
