@@ -1,6 +1,9 @@
 //! The harness of mesh-damper.
 #![forbid(unsafe_code)]
 
+pub mod identify;
 pub mod model;
+pub mod predict;
+pub mod recording;
 pub mod reference;
 pub mod specimen;

@@ -1,0 +1,4 @@
+//! Identification: coefficients of eq 13 and of added effects from recorded motion and force.
+
+pub mod problem;
+pub mod term;

@@ -1,0 +1,55 @@
+//! The force that a model gives for a recorded motion, evaluated by the crate.
+
+use mesh_damper::effects::Motion;
+use mesh_damper::real::Real;
+
+use crate::model::{Model, ModelError};
+use crate::recording::trajectory::Trajectory;
+
+/// The model's force in kN at every sample of `trajectory`, in the float `R`: `f32` is what the firmware computes at the
+/// recording's tick, `f64` what identification fitted.
+///
+/// # Errors
+/// A model that the crate refuses.
+pub fn predict<R: Real>(model: &Model, trajectory: &Trajectory) -> Result<Vec<f64>, ModelError> {
+    let mut amplitude = trajectory.amplitude[0];
+    let mut law = model.augmented::<R>(amplitude, trajectory.tick)?;
+    let mut state = law.at_rest();
+    (0..trajectory.len())
+        .map(|index| {
+            if trajectory.amplitude[index] != amplitude {
+                amplitude = trajectory.amplitude[index];
+                law.set_law(model.law_at(amplitude)?);
+            }
+            Ok(law
+                .force(&mut state, &motion_at(trajectory, index))
+                .to_f64())
+        })
+        .collect()
+}
+
+/// What the law sees at one sample.
+pub fn motion_at<R: Real>(trajectory: &Trajectory, index: usize) -> Motion<R> {
+    Motion {
+        displacement: R::from_f64(trajectory.motion.displacement[index]),
+        velocity: R::from_f64(trajectory.motion.velocity[index]),
+        acceleration: R::from_f64(trajectory.motion.acceleration[index]),
+        cycles: R::from_f64(trajectory.cycles[index]),
+        temperature: R::from_f64(trajectory.temperature_at(index)),
+    }
+}
+
+/// RMS of the error over the RMS of the measured force, over the samples that `included` picks.
+pub fn nrmse(predicted: &[f64], measured: &[f64], included: impl Fn(usize) -> bool) -> f64 {
+    let (error, force) = (0..measured.len()).filter(|&index| included(index)).fold(
+        (0.0, 0.0),
+        |(error, force), index| {
+            let difference = predicted[index] - measured[index];
+            (
+                error + difference * difference,
+                force + measured[index] * measured[index],
+            )
+        },
+    );
+    (error / force).sqrt()
+}

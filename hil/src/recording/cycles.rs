@@ -1,0 +1,213 @@
+//! Cycles of a recorded motion, and the blocks of like cycles that a test is made of.
+
+use std::ops::Range;
+
+/// Two neighbouring cycles are of one block when their periods and amplitudes differ by less than this fraction.
+const ALIKE: f64 = 0.08;
+
+/// One cycle of displacement, from one upward crossing of the mid level to the next.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Cycle {
+    /// Samples of the cycle.
+    pub samples: Range<usize>,
+    /// Length, s.
+    pub period: f64,
+    /// Half of the difference between the largest and the smallest displacement, mm.
+    pub amplitude: f64,
+}
+
+/// Consecutive cycles of like amplitude and frequency.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Block {
+    /// Samples of the block. Blocks follow each other without a gap and cover the recording.
+    pub samples: Range<usize>,
+    /// Its whole cycles.
+    pub cycles: Vec<Range<usize>>,
+    /// Median amplitude of its cycles, mm.
+    pub amplitude: f64,
+    /// Median frequency of its cycles, Hz.
+    pub frequency: f64,
+}
+
+/// The cycles of a recording and what follows from them.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Cycles {
+    /// Whole cycles in order. Empty when the displacement never swings through its mid level twice.
+    pub cycles: Vec<Cycle>,
+    /// Blocks in order; at least one.
+    pub blocks: Vec<Block>,
+}
+
+impl Cycles {
+    /// Finds the cycles of `displacement` in mm, sampled every `tick` s.
+    ///
+    /// A crossing of the mid level counts when the displacement then leaves a band of ±`hysteresis` mm around it on the
+    /// other side.
+    pub fn find(displacement: &[f64], tick: f64, hysteresis: f64) -> Self {
+        let count = displacement.len();
+        let (low, high) = range(displacement);
+        let crossings = upward_crossings(displacement, 0.5 * (low + high), hysteresis);
+        let cycles: Vec<Cycle> = crossings
+            .windows(2)
+            .map(|pair| {
+                let samples = (pair[0].ceil() as usize)..(pair[1].ceil() as usize);
+                let (low, high) = range(&displacement[samples.clone()]);
+                Cycle {
+                    samples,
+                    period: (pair[1] - pair[0]) * tick,
+                    amplitude: 0.5 * (high - low),
+                }
+            })
+            .collect();
+        let blocks = group(&cycles, count, tick, 0.5 * (high - low));
+        Self { cycles, blocks }
+    }
+
+    /// The dominant period around every one of `count` samples, s: that of the cycle the sample is in, or of the nearest.
+    pub fn period_per_sample(&self, count: usize, tick: f64) -> Vec<f64> {
+        let mut period = vec![count as f64 * tick; count];
+        let (Some(first), Some(last)) = (self.cycles.first(), self.cycles.last()) else {
+            return period;
+        };
+        period[..first.samples.start].fill(first.period);
+        period[last.samples.end..].fill(last.period);
+        for cycle in &self.cycles {
+            period[cycle.samples.clone()].fill(cycle.period);
+        }
+        period
+    }
+
+    /// Cycles since the first sample, fraction included, at every one of `count` samples.
+    pub fn elapsed(&self, count: usize, tick: f64) -> Vec<f64> {
+        let mut total = 0.0;
+        self.period_per_sample(count, tick)
+            .iter()
+            .map(|period| {
+                let now = total;
+                total += tick / period;
+                now
+            })
+            .collect()
+    }
+
+    /// The amplitude of the block that each of `count` samples is in, mm.
+    pub fn amplitude_per_sample(&self, count: usize) -> Vec<f64> {
+        let mut amplitude = vec![0.0; count];
+        for block in &self.blocks {
+            amplitude[block.samples.clone()].fill(block.amplitude);
+        }
+        amplitude
+    }
+
+    /// Moves the boundaries of blocks and of their cycles onto the kinks that lie within two samples of them: a programme
+    /// changes block where the velocity jumps, and a crossing found through noise may be a sample off.
+    pub fn snap_to(&mut self, kinks: &[usize]) {
+        let snapped = |boundary: usize| {
+            let near = kinks
+                .iter()
+                .copied()
+                .find(|kink| kink.abs_diff(boundary) <= 2);
+            near.unwrap_or(boundary)
+        };
+        for block in &mut self.blocks {
+            for range in block.cycles.iter_mut().chain([&mut block.samples]) {
+                *range = snapped(range.start)..snapped(range.end);
+            }
+        }
+    }
+}
+
+fn range(samples: &[f64]) -> (f64, f64) {
+    samples
+        .iter()
+        .fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), &y| {
+            (low.min(y), high.max(y))
+        })
+}
+
+/// Positions, in samples, where the displacement passes `level` upwards.
+fn upward_crossings(displacement: &[f64], level: f64, hysteresis: f64) -> Vec<f64> {
+    let mut crossings = Vec::new();
+    let mut below = displacement
+        .first()
+        .is_some_and(|&y| y <= level + hysteresis);
+    let mut candidate = Some(0.0).filter(|_| below && displacement[0] > level - hysteresis);
+    for index in 1..displacement.len() {
+        let (before, now) = (displacement[index - 1] - level, displacement[index] - level);
+        if now < -hysteresis {
+            below = true;
+            candidate = None;
+        }
+        if below && before <= 0.0 && now > 0.0 {
+            candidate = Some(index as f64 - 1.0 + before / (before - now));
+        }
+        if below && now > hysteresis {
+            crossings.extend(candidate.take());
+            below = false;
+        }
+    }
+    crossings
+}
+
+fn alike(a: f64, b: f64) -> bool {
+    (a - b).abs() < ALIKE * a.abs().max(b.abs())
+}
+
+/// Groups cycles into blocks. A cycle that is like neither neighbour is the transition into the block after it.
+fn group(cycles: &[Cycle], count: usize, tick: f64, half_range: f64) -> Vec<Block> {
+    let mut starts = vec![0];
+    for index in 1..cycles.len() {
+        let (before, now) = (&cycles[index - 1], &cycles[index]);
+        if !(alike(before.period, now.period) && alike(before.amplitude, now.amplitude)) {
+            starts.push(index);
+        }
+    }
+    starts.push(cycles.len());
+    let mut runs: Vec<Range<usize>> = Vec::new();
+    for run in starts.windows(2).map(|pair| pair[0]..pair[1]) {
+        match runs.last_mut() {
+            Some(transition) if transition.len() == 1 && run.len() > 1 => transition.end = run.end,
+            _ => runs.push(run),
+        }
+    }
+    if let [.., before, last] = runs.as_mut_slice()
+        && last.len() == 1
+        && before.len() > 1
+    {
+        before.end = last.end;
+        runs.pop();
+    }
+
+    let bounds: Vec<usize> = runs
+        .iter()
+        .enumerate()
+        .map(|(i, run)| {
+            if i == 0 || run.is_empty() {
+                0
+            } else {
+                cycles[run.start].samples.start
+            }
+        })
+        .chain([count])
+        .collect();
+    runs.iter()
+        .zip(bounds.windows(2))
+        .map(|(run, bound)| Block {
+            samples: bound[0]..bound[1],
+            cycles: cycles[run.clone()]
+                .iter()
+                .map(|c| c.samples.clone())
+                .collect(),
+            amplitude: median(cycles[run.clone()].iter().map(|c| c.amplitude))
+                .unwrap_or(half_range),
+            frequency: median(cycles[run.clone()].iter().map(|c| 1.0 / c.period))
+                .unwrap_or(1.0 / (count as f64 * tick)),
+        })
+        .collect()
+}
+
+fn median(values: impl Iterator<Item = f64>) -> Option<f64> {
+    let mut values: Vec<f64> = values.collect();
+    values.sort_by(f64::total_cmp);
+    values.get(values.len() / 2).copied()
+}

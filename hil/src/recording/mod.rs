@@ -1,0 +1,5 @@
+//! Recordings.
+pub mod cycles;
+mod harmonic;
+pub mod motion;
+pub mod trajectory;

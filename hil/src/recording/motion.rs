@@ -1,0 +1,417 @@
+//! The motion behind a noisy displacement record: smoothed displacement, velocity and acceleration.
+//!
+//! Differences would multiply the noise by the sampling rate, and the law is steep where the velocity passes through
+//! zero. So every sample gets a cubic fitted to the samples around it. The window weighs the noise, which asks for a
+//! long one, against the curvature of the motion, which asks for a short one; no window reaches across a kink, where
+//! the velocity jumps.
+
+use std::f64::consts::TAU;
+use std::ops::Range;
+
+use nalgebra::{Matrix4, Vector4};
+
+/// Fewest samples to each side of the one that a cubic is fitted for.
+const SHORTEST: usize = 4;
+
+/// Displacement, velocity and acceleration on a uniform time base.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Motion {
+    /// Smoothed displacement, mm.
+    pub displacement: Vec<f64>,
+    /// Velocity, mm/s.
+    pub velocity: Vec<f64>,
+    /// Acceleration, mm/s².
+    pub acceleration: Vec<f64>,
+    /// Standard deviation of the velocity that the displacement's noise leaves, mm/s.
+    pub velocity_deviation: Vec<f64>,
+    /// First samples after a jump of velocity, increasing.
+    pub kinks: Vec<usize>,
+    /// Standard deviation of the displacement's noise, mm.
+    pub noise: f64,
+}
+
+/// Coefficients of the cubic through a window, about the window's own sample, in units of ticks.
+struct Cubic {
+    value: f64,
+    slope: f64,
+    curvature: f64,
+    /// Variance of the slope for noise of variance 1.
+    slope_variance: f64,
+    /// Sum of squares that the polynomial leaves.
+    error: f64,
+}
+
+impl Motion {
+    /// Estimates the motion from `displacement` in mm, sampled every `tick` s, whose dominant period around each sample
+    /// is `period` s.
+    ///
+    /// # Panics
+    /// When the two slices differ in length; when there are fewer than 8 samples.
+    pub fn estimate(displacement: &[f64], tick: f64, period: &[f64]) -> Self {
+        assert_eq!(displacement.len(), period.len());
+        assert!(displacement.len() >= 8, "a motion needs 8 samples");
+        let noise = noise_deviation(displacement);
+        let kinks = find_kinks(displacement, tick, period, noise);
+        let count = displacement.len();
+        let mut motion = Self {
+            displacement: Vec::with_capacity(count),
+            velocity: Vec::with_capacity(count),
+            acceleration: Vec::with_capacity(count),
+            velocity_deviation: Vec::with_capacity(count),
+            kinks,
+            noise,
+        };
+        let bounds = segment_bounds(&motion.kinks, count);
+        let start_from_rest =
+            StartFromRest::fit(displacement, (0.5 * period[0] / tick) as usize, noise);
+        let mut half = HalfWindow::new(tick, noise);
+        for segment in bounds.windows(2) {
+            let (start, end) = (segment[0], segment[1]);
+            let amplitude = half_range(&displacement[start..end]);
+            for index in start..end {
+                // A crossing found through noise may be a sample off, and so may the change of period.
+                let period = period[index].min(period[(index + 2).min(end - 1)]);
+                let half = half.best(period, amplitude);
+                let cubic = match &start_from_rest {
+                    Some(start) if index < start.length => start.at(index),
+                    _ => fit_window(displacement, start..end, index, half, noise),
+                };
+                motion.displacement.push(cubic.value);
+                motion.velocity.push(cubic.slope / tick);
+                motion.acceleration.push(cubic.curvature / (tick * tick));
+                motion
+                    .velocity_deviation
+                    .push(noise * cubic.slope_variance.sqrt() / tick);
+            }
+        }
+        motion
+    }
+}
+
+/// Standard deviation of white noise on a smooth signal, from its sixth differences: a smooth signal's vanish, white
+/// noise's have the variance Σ binomial(6, k)² = 924. Their median magnitude is blind to a few jumps.
+pub fn noise_deviation(samples: &[f64]) -> f64 {
+    let mut magnitudes: Vec<f64> = samples
+        .windows(7)
+        .map(|w| {
+            (w[0] + w[6] - 6.0 * (w[1] + w[5]) + 15.0 * (w[2] + w[4]) - 20.0 * w[3]).abs()
+                / 924f64.sqrt()
+        })
+        .collect();
+    if magnitudes.is_empty() {
+        return 0.0;
+    }
+    let middle = magnitudes.len() / 2;
+    let (_, median, _) = magnitudes.select_nth_unstable_by(middle, f64::total_cmp);
+    // The median magnitude of a normal variable is 0.6745 of its deviation.
+    *median / 0.6745
+}
+
+/// The window that balances noise against curvature, remembered per period and amplitude.
+struct HalfWindow {
+    tick: f64,
+    noise: f64,
+    last: Option<(f64, f64, usize)>,
+}
+
+impl HalfWindow {
+    fn new(tick: f64, noise: f64) -> Self {
+        Self {
+            tick,
+            noise,
+            last: None,
+        }
+    }
+
+    /// Half width in samples that minimizes variance + bias² of the slope of a sine of this period and amplitude.
+    ///
+    /// With n samples to each side and m = 2n+1, the slope of a cubic has the variance 75/(4 n³)·σ² per tick² (for large
+    /// n: Savitzky–Golay, degree 3), and a sine of θ rad per tick shrinks by (θn)⁴/280 of its slope.
+    fn best(&mut self, period: f64, amplitude: f64) -> usize {
+        if let Some((p, a, half)) = self.last
+            && p == period
+            && a == amplitude
+        {
+            return half;
+        }
+        let theta = TAU * self.tick / period;
+        let longest = (0.15 * period / self.tick) as usize;
+        let error = |half: usize| {
+            let n = half as f64;
+            let bias = amplitude * theta * (theta * n).powi(4) / 280.0;
+            self.noise * self.noise * 75.0 / (4.0 * n.powi(3)) + bias * bias
+        };
+        let mut half = SHORTEST;
+        while half < longest && error(half + 1) < error(half) {
+            half += 1;
+        }
+        self.last = Some((period, amplitude, half));
+        half
+    }
+}
+
+fn half_range(samples: &[f64]) -> f64 {
+    let (low, high) = samples
+        .iter()
+        .fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), &y| {
+            (low.min(y), high.max(y))
+        });
+    0.5 * (high - low)
+}
+
+/// 0, the kinks, `count`.
+fn segment_bounds(kinks: &[usize], count: usize) -> Vec<usize> {
+    let mut bounds = vec![0];
+    bounds.extend(kinks.iter().copied().filter(|&k| k > 0 && k < count));
+    bounds.push(count);
+    bounds
+}
+
+/// A recording that begins at rest: y = a + b·t² + c·t³ + d·t⁴, whose slope is 0 at the first sample.
+///
+/// The velocity there is smaller than the noise lets a free cubic see, but the law's |v|^α is not.
+struct StartFromRest {
+    /// Samples that it holds for.
+    length: usize,
+    /// a, b, c, d with time in units of the window.
+    coefficients: Vector4<f64>,
+    gram_inverse: Matrix4<f64>,
+    window: f64,
+}
+
+impl StartFromRest {
+    /// Fits the first `longest` samples, or fewer as long as more than noise is left; `None` when the motion does not
+    /// begin at rest.
+    fn fit(samples: &[f64], longest: usize, noise: f64) -> Option<Self> {
+        let mut length = longest.min(samples.len());
+        while length >= 4 * SHORTEST {
+            let window = length as f64;
+            let mut gram = Matrix4::zeros();
+            let mut right = Vector4::zeros();
+            for (index, &sample) in samples[..length].iter().enumerate() {
+                let [row, _, _] = Self::basis(index, window);
+                gram += row * row.transpose();
+                right += row * sample;
+            }
+            let gram_inverse = gram.try_inverse()?;
+            let fit = Self {
+                length: length / 2,
+                coefficients: gram_inverse * right,
+                gram_inverse,
+                window,
+            };
+            let error: f64 = (0..length)
+                .map(|index| {
+                    (Self::basis(index, window)[0].dot(&fit.coefficients) - samples[index]).powi(2)
+                })
+                .sum();
+            if leaves_only_noise(error, window - 4.0, noise) {
+                return Some(fit);
+            }
+            length = length * 3 / 4;
+        }
+        None
+    }
+
+    /// 1, t², t³, t⁴ with their first two derivatives per sample.
+    fn basis(index: usize, window: f64) -> [Vector4<f64>; 3] {
+        let t = index as f64 / window;
+        let d = 1.0 / window;
+        [
+            Vector4::new(1.0, t * t, t * t * t, t * t * t * t),
+            Vector4::new(0.0, 2.0 * t, 3.0 * t * t, 4.0 * t * t * t) * d,
+            Vector4::new(0.0, 2.0, 6.0 * t, 12.0 * t * t) * (d * d),
+        ]
+    }
+
+    fn at(&self, index: usize) -> Cubic {
+        let [value, slope, curvature] = Self::basis(index, self.window);
+        Cubic {
+            value: value.dot(&self.coefficients),
+            slope: slope.dot(&self.coefficients),
+            curvature: curvature.dot(&self.coefficients),
+            slope_variance: slope.dot(&(self.gram_inverse * slope)),
+            error: 0.0,
+        }
+    }
+}
+
+/// Fits a cubic to the 2·half+1 samples around `index` that lie in `segment`; at an end the window keeps its length and
+/// moves inwards. While the cubic leaves clearly more than the noise, the window is shortened: so it is after a start from
+/// rest and in a ramp of amplitude. A segment shorter than five samples gets a line.
+fn fit_window(
+    samples: &[f64],
+    segment: Range<usize>,
+    index: usize,
+    half: usize,
+    noise: f64,
+) -> Cubic {
+    let mut half = half;
+    loop {
+        let length = (2 * half + 1).min(segment.len());
+        let low = index
+            .saturating_sub(half)
+            .max(segment.start)
+            .min(segment.end - length);
+        let degree = match length {
+            0..=1 => 0,
+            2..=4 => 1,
+            _ => 3,
+        };
+        let cubic = fit_polynomial(
+            &samples[low..low + length],
+            index as f64 - low as f64,
+            degree,
+        );
+        if half <= SHORTEST || leaves_only_noise(cubic.error, length as f64 - 4.0, noise) {
+            return cubic;
+        }
+        half = (half * 3 / 4).max(SHORTEST);
+    }
+}
+
+/// Whether a sum of squares is no more than white noise of deviation `noise` would leave with so many degrees of
+/// freedom, but for a chance of four deviations.
+pub(super) fn leaves_only_noise(error: f64, freedom: f64, noise: f64) -> bool {
+    error <= noise * noise * (freedom + 4.0 * (2.0 * freedom).sqrt())
+}
+
+/// Least-squares polynomial of `degree` ≤ 3 through equidistant samples, evaluated at position `at` in ticks from the
+/// first.
+///
+/// The abscissa is scaled to −1…1 and the basis made orthogonal by the three-term recurrence of the discrete Legendre
+/// (Gram) polynomials, so that no normal equations have to be solved.
+fn fit_polynomial(samples: &[f64], at: f64, degree: usize) -> Cubic {
+    let count = samples.len() as f64;
+    let centre = 0.5 * (count - 1.0);
+    let scale = centre.max(1.0);
+    let x_at = (at - centre) / scale;
+
+    // Monic polynomials orthogonal over the symmetric grid: p[j+1] = x·p[j] − b[j]·p[j−1].
+    let mut recurrence = [0.0; 4];
+    let mut norms = [0.0; 4];
+    let mut projections = [0.0; 4];
+    for j in 0..=degree {
+        let (mut norm, mut projection) = (0.0, 0.0);
+        for (i, &sample) in samples.iter().enumerate() {
+            let x = (i as f64 - centre) / scale;
+            let p = gram(&recurrence, j, x)[0];
+            norm += p * p;
+            projection += p * sample;
+        }
+        norms[j] = norm;
+        projections[j] = projection;
+        if j > 0 {
+            recurrence[j] = norm / norms[j - 1];
+        }
+    }
+    let mut cubic = Cubic {
+        value: 0.0,
+        slope: 0.0,
+        curvature: 0.0,
+        slope_variance: 0.0,
+        error: samples.iter().map(|y| y * y).sum(),
+    };
+    for j in 0..=degree {
+        let [p, slope, curvature] = gram(&recurrence, j, x_at);
+        let coefficient = projections[j] / norms[j];
+        cubic.error -= coefficient * projections[j];
+        cubic.value += coefficient * p;
+        cubic.slope += coefficient * slope / scale;
+        cubic.curvature += coefficient * curvature / (scale * scale);
+        cubic.slope_variance += slope * slope / (scale * scale) / norms[j];
+    }
+    cubic
+}
+
+/// The Gram polynomial of degree `j` with its first two derivatives at `x`.
+#[inline]
+fn gram(recurrence: &[f64; 4], j: usize, x: f64) -> [f64; 3] {
+    let b1 = recurrence[1];
+    match j {
+        0 => [1.0, 0.0, 0.0],
+        1 => [x, 1.0, 0.0],
+        2 => [x * x - b1, 2.0 * x, 2.0],
+        _ => {
+            let b = b1 + recurrence[2];
+            [x * (x * x - b), 3.0 * x * x - b, 6.0 * x]
+        }
+    }
+}
+
+/// First samples after the displacement's slope jumps.
+///
+/// At each sample a quadratic is fitted to the samples before and another to those after. Their slopes differ by noise
+/// where the motion is smooth. A kink is where the difference stands out from the noise, is not small beside the
+/// velocities around it, and is the largest within a window's length.
+fn find_kinks(samples: &[f64], tick: f64, period: &[f64], noise: f64) -> Vec<usize> {
+    let count = samples.len();
+    let width = |index: usize| ((0.05 * period[index] / tick) as usize).clamp(5, 200);
+    let jump: Vec<f64> = (0..count)
+        .map(|index| {
+            let width = width(index);
+            if index < width || index + width >= count {
+                return 0.0;
+            }
+            let before = fit_polynomial(&samples[index - width..index], width as f64, 2);
+            let after = fit_polynomial(&samples[index + 1..=index + width], -1.0, 2);
+            let difference = (after.slope - before.slope).abs();
+            let deviation = noise * (before.slope_variance + after.slope_variance).sqrt();
+            let largest = before.slope.abs().max(after.slope.abs());
+            // In units of the noise: a short window's wild slopes must not hide a kink beside it.
+            if difference > 8.0 * deviation && difference > 0.1 * largest {
+                difference / deviation
+            } else {
+                0.0
+            }
+        })
+        .collect();
+    let mut kinks = Vec::new();
+    let mut index = 0;
+    while index < count {
+        let reach = width(index) + 2;
+        let around = index.saturating_sub(reach)..(index + reach + 1).min(count);
+        let is_largest = jump[index] > 0.0 && around.clone().all(|i| jump[i] <= jump[index]);
+        if is_largest {
+            kinks.extend(locate_kink(
+                samples,
+                index,
+                width(around.start),
+                width(around.end - 1),
+            ));
+            index = around.end;
+        } else {
+            index += 1;
+        }
+    }
+    kinks.dedup();
+    kinks
+}
+
+/// The first sample after the kink near `near`: the split at which a cubic on each side leaves least, then where the two
+/// cubics meet. `before` and `after` are the window lengths on each side.
+fn locate_kink(samples: &[f64], near: usize, before: usize, after: usize) -> Option<usize> {
+    let (before, after) = (2 * before, 2 * after);
+    let left = |split: usize| {
+        split
+            .checked_sub(before)
+            .map(|start| &samples[start..split])
+    };
+    let right = |split: usize| samples.get(split..split + after);
+    let split = (near.saturating_sub(6)..near + 7)
+        .filter_map(|split| {
+            let error = fit_polynomial(left(split)?, 0.0, 3).error
+                + fit_polynomial(right(split)?, 0.0, 3).error;
+            Some((error, split))
+        })
+        .min_by(|a, b| a.0.total_cmp(&b.0))?
+        .1;
+    // Without the samples next to the split, which may lie on either side.
+    let from_left = fit_polynomial(left(split - 1)?, before as f64 + 1.0, 3);
+    let from_right = fit_polynomial(right(split + 1)?, -1.0, 3);
+    let meeting =
+        split as f64 - (from_right.value - from_left.value) / (from_right.slope - from_left.slope);
+    // The sample at the kink itself belongs to what comes after.
+    let first_after = (meeting - 0.3).ceil();
+    ((first_after - split as f64).abs() <= 3.0).then_some(first_after as usize)
+}

@@ -1,0 +1,97 @@
+//! A recording made ready for identification: uniform time base, estimated motion, cycles and blocks.
+
+use super::cycles::{Block, Cycles};
+use super::motion::{Motion, noise_deviation};
+
+/// Motion and force on a uniform time base, with what can be read off them.
+#[derive(Clone, Debug)]
+pub struct Trajectory {
+    /// The recording's name.
+    pub name: String,
+    /// Time between samples, s.
+    pub tick: f64,
+    /// Displacement, velocity and acceleration.
+    pub motion: Motion,
+    /// Measured force, kN.
+    pub force: Vec<f64>,
+    /// Measured temperature, °C.
+    pub temperature: Option<Vec<f64>>,
+    /// Blocks of like cycles; they cover the recording.
+    pub blocks: Vec<Block>,
+    /// Cycles since the first sample, fraction included.
+    pub cycles: Vec<f64>,
+    /// Amplitude of the block that the sample is in, mm.
+    pub amplitude: Vec<f64>,
+    /// Standard deviation of the force's noise, kN.
+    pub force_noise: f64,
+}
+
+impl Trajectory {
+    /// Conditions the channels of a recording: `displacement` mm, `force` kN, `velocity` mm/s and `temperature` °C where
+    /// measured, sampled every `tick` s.
+    ///
+    /// # Panics
+    /// When the channels differ in length or have fewer than 8 samples.
+    pub fn new(
+        name: impl Into<String>,
+        tick: f64,
+        displacement: &[f64],
+        force: Vec<f64>,
+        velocity: Option<Vec<f64>>,
+        temperature: Option<Vec<f64>>,
+    ) -> Self {
+        let count = displacement.len();
+        assert_eq!(force.len(), count);
+        let hysteresis = hysteresis(displacement);
+        let rough = Cycles::find(displacement, tick, hysteresis);
+        let mut motion =
+            Motion::estimate(displacement, tick, &rough.period_per_sample(count, tick));
+        let mut cycles = Cycles::find(&motion.displacement, tick, hysteresis);
+        cycles.snap_to(&motion.kinks);
+        motion.refine_steady(displacement, tick, &cycles);
+        if let Some(velocity) = velocity {
+            assert_eq!(velocity.len(), count);
+            motion.velocity_deviation = vec![noise_deviation(&velocity); count];
+            motion.velocity = velocity;
+        }
+        Self {
+            name: name.into(),
+            tick,
+            motion,
+            force_noise: noise_deviation(&force),
+            force,
+            temperature,
+            cycles: cycles.elapsed(count, tick),
+            amplitude: cycles.amplitude_per_sample(count),
+            blocks: cycles.blocks,
+        }
+    }
+
+    /// Number of samples.
+    pub fn len(&self) -> usize {
+        self.force.len()
+    }
+
+    /// Never true for a trajectory that was constructed.
+    pub fn is_empty(&self) -> bool {
+        self.force.is_empty()
+    }
+
+    /// Temperature at a sample, °C; 20 °C where none was measured.
+    pub fn temperature_at(&self, index: usize) -> f64 {
+        self.temperature
+            .as_ref()
+            .map_or(20.0, |temperature| temperature[index])
+    }
+}
+
+/// Half width of the band around the mid level that a crossing has to leave, mm: above the noise, below the smallest
+/// amplitude that counts as motion.
+fn hysteresis(displacement: &[f64]) -> f64 {
+    let (low, high) = displacement
+        .iter()
+        .fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), &y| {
+            (low.min(y), high.max(y))
+        });
+    (6.0 * noise_deviation(displacement)).max(0.01 * (high - low))
+}
