@@ -1,0 +1,144 @@
+//! Displacement, velocity and acceleration from a noisy, quantized displacement.
+//!
+//! A tracking filter (α–β–γ: the steady state of a Kalman filter whose acceleration wanders) with the generator's
+//! acceleration u as feed-forward. With h the tick, d what the acceleration has beyond u, and y the measurement:
+//!
+//! - a = (u₋ + u)/2 + d
+//! - x⁻ = x + h·v + h²/2·a, v⁻ = v + h·a
+//! - r = y − x⁻
+//! - x ← x⁻ + α·r, v ← v⁻ + β/h·r, d ← d + γ/h²·r
+//!
+//! The error's poles are placed at e^(ph) with p = −ω and p = ω·(−ζ ± √(ζ²−1)), ω = 2π·bandwidth. Feed-forward carries
+//! the sine itself, so that the bandwidth only has to cover what the actuator adds to it, and the velocity keeps its
+//! relative accuracy near its zero crossings, where |v|^α is steep.
+//!
+//! White noise of σ mm in y gives about 0.9·σ·ω·√(ω·h) mm/s in v at ζ = 0.7: with 1e-4 mm at 10 kHz, 7e-4 mm/s at
+//! 10 Hz and 4e-3 mm/s at 30 Hz.
+
+use crate::error::{ConfigError, in_range};
+use crate::real::Real;
+
+/// Largest displacement, mm, in either direction; measurements beyond it count as it.
+pub const DISPLACEMENT_LIMIT: f32 = 1e4;
+/// Largest velocity, mm/s.
+pub const VELOCITY_LIMIT: f32 = 1e6;
+/// Largest acceleration, mm/s².
+pub const ACCELERATION_LIMIT: f32 = 1e9;
+
+/// Gains of the tracking filter, validated.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ObserverConfig {
+    tick: f32,
+    half_tick_squared: f32,
+    displacement_gain: f32,
+    velocity_gain: f32,
+    acceleration_gain: f32,
+}
+
+impl ObserverConfig {
+    /// * `tick_rate`: Hz, 1…1e6
+    /// * `bandwidth`: Hz, 1e-3 to a tenth of the tick rate
+    /// * `damping`: ζ of the pair of poles, 0.3…3
+    ///
+    /// # Errors
+    /// The field that is not finite or out of range.
+    pub fn new(tick_rate: f64, bandwidth: f64, damping: f64) -> Result<Self, ConfigError> {
+        in_range("tick_rate", tick_rate, 1.0, 1e6)?;
+        in_range("bandwidth", bandwidth, 1e-3, tick_rate / 10.0)?;
+        in_range("damping", damping, 0.3, 3.0)?;
+        let h = 1.0 / tick_rate;
+        let w = core::f64::consts::TAU * bandwidth * h;
+        let single = libm::exp(-w);
+        // Sum and product of the pair e^(w(−ζ ± √(ζ²−1))).
+        let spread = libm::sqrt((damping * damping - 1.0).abs()) * w;
+        let pair_sum = 2.0
+            * libm::exp(-damping * w)
+            * if damping < 1.0 {
+                libm::cos(spread)
+            } else {
+                libm::cosh(spread)
+            };
+        let pair_product = libm::exp(-2.0 * damping * w);
+        // The error's polynomial is z³ − (3−α−β−γ/2)z² + (3−2α−β+γ/2)z − (1−α).
+        let sum = single + pair_sum;
+        let products = single * pair_sum + pair_product;
+        let alpha = 1.0 - single * pair_product;
+        let beta = (6.0 - sum - products - 3.0 * alpha) / 2.0;
+        let gamma = 2.0 * (3.0 - sum - alpha - beta);
+        Ok(Self {
+            tick: h as f32,
+            half_tick_squared: (h * h / 2.0) as f32,
+            displacement_gain: alpha as f32,
+            velocity_gain: (beta / h) as f32,
+            acceleration_gain: (gamma / (h * h)) as f32,
+        })
+    }
+}
+
+/// What the observer knows at a tick.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Estimate {
+    /// mm.
+    pub displacement: f32,
+    /// mm/s.
+    pub velocity: f32,
+    /// mm/s².
+    pub acceleration: f32,
+}
+
+/// The tracking filter's state.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Observer {
+    displacement: f32,
+    velocity: f32,
+    /// What the acceleration has beyond the feed-forward, mm/s².
+    excess: f32,
+    feed_forward: f32,
+    started: bool,
+}
+
+impl Observer {
+    /// The state at this tick, from its measured displacement in mm and the acceleration in mm/s² that the generator
+    /// asks for at it (0 where there is none). The first call takes the measurement as it is, at rest.
+    ///
+    /// Everything returned is finite and within the limits above. A measurement that is not finite counts as missing:
+    /// the state moves on by its own.
+    #[inline]
+    pub fn update(
+        &mut self,
+        config: &ObserverConfig,
+        measured: f32,
+        feed_forward: f32,
+    ) -> Estimate {
+        let feed_forward = feed_forward.confined(ACCELERATION_LIMIT);
+        if !self.started && measured.is_finite() {
+            *self = Self {
+                displacement: measured.confined(DISPLACEMENT_LIMIT),
+                feed_forward,
+                started: true,
+                ..Self::default()
+            };
+        } else {
+            let mean = 0.5 * (self.feed_forward + feed_forward) + self.excess;
+            let displacement =
+                self.displacement + (config.tick * self.velocity + config.half_tick_squared * mean);
+            let velocity = self.velocity + config.tick * mean;
+            let residual = if measured.is_finite() {
+                measured.confined(DISPLACEMENT_LIMIT) - displacement
+            } else {
+                0.0
+            };
+            self.displacement =
+                (displacement + config.displacement_gain * residual).confined(DISPLACEMENT_LIMIT);
+            self.velocity = (velocity + config.velocity_gain * residual).confined(VELOCITY_LIMIT);
+            self.excess =
+                (self.excess + config.acceleration_gain * residual).confined(ACCELERATION_LIMIT);
+            self.feed_forward = feed_forward;
+        }
+        Estimate {
+            displacement: self.displacement,
+            velocity: self.velocity,
+            acceleration: (self.feed_forward + self.excess).confined(ACCELERATION_LIMIT),
+        }
+    }
+}
