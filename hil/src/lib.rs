@@ -1,6 +1,7 @@
 //! The harness of mesh-damper.
 #![forbid(unsafe_code)]
 
+pub mod actuator;
 pub mod identify;
 pub mod model;
 pub mod predict;

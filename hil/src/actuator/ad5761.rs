@@ -1,0 +1,116 @@
+//! The AD5761R as its datasheet describes it on the bus: 24-bit frames, control register, readback in the next frame.
+
+use std::cell::Cell;
+use std::rc::Rc;
+
+use embedded_hal::spi::{ErrorKind, ErrorType, Operation, SpiDevice};
+
+use super::ads8688::one_frame;
+
+const REFERENCE: f64 = 2.5;
+
+/// The part's analogue side, shared with whatever it drives.
+#[derive(Debug, Default)]
+pub struct DacPins {
+    /// Output voltage, V.
+    pub volts: Cell<f64>,
+    /// While set, every transaction fails as an overrun.
+    pub bus_failing: Cell<bool>,
+}
+
+/// The part's digital side.
+#[derive(Debug)]
+pub struct SimulatedAd5761 {
+    pins: Rc<DacPins>,
+    control: Option<u16>,
+    input: u16,
+    output: u16,
+    /// What the next frame clocks out.
+    answer: u16,
+}
+
+impl SimulatedAd5761 {
+    /// As after power-up: the output is clamped to ground until the control register is written.
+    pub fn new(pins: Rc<DacPins>) -> Self {
+        Self {
+            pins,
+            control: None,
+            input: 0,
+            output: 0,
+            answer: 0,
+        }
+    }
+
+    fn drive(&self) {
+        let Some(control) = self.control else {
+            self.pins.volts.set(0.0);
+            return;
+        };
+        // Gain and offset of the output ranges, in units of the reference.
+        let (gain, offset) = match control & 0x7 {
+            0 => (8.0, 4.0),
+            1 => (4.0, 0.0),
+            2 => (4.0, 2.0),
+            3 => (2.0, 0.0),
+            4 => (4.0, 1.0),
+            5 => (2.4, 1.2),
+            6 => (6.4, 0.0),
+            _ => (8.0, 0.0),
+        };
+        let twos_complement = control & 0x80 != 0;
+        let code = self.output ^ if twos_complement { 0x8000 } else { 0 };
+        self.pins
+            .volts
+            .set(REFERENCE * (gain * f64::from(code) / 65536.0 - offset));
+    }
+
+    fn frame(&mut self, sent: &[u8], received: &mut [u8]) {
+        received.fill(0);
+        let &[command, high, low] = sent else { return };
+        if let [_, out @ ..] = received {
+            out.copy_from_slice(&self.answer.to_be_bytes());
+        }
+        self.answer = 0;
+        let data = u16::from_be_bytes([high, low]);
+        match command & 0xF {
+            0x1 => self.input = data,
+            0x2 => self.output = self.input,
+            0x3 => {
+                self.input = data;
+                self.output = data;
+            }
+            0x4 => {
+                if self.control.is_none() {
+                    self.output = match data >> 3 & 0x3 {
+                        0 => 0x0000,
+                        1 => 0x8000,
+                        _ => 0xFFFF,
+                    };
+                }
+                self.control = Some(data & 0x07FF);
+            }
+            0xB => self.answer = self.output,
+            0xC => self.answer = self.control.unwrap_or(0),
+            0xF => {
+                self.control = None;
+                self.input = 0;
+                self.output = 0;
+            }
+            _ => {}
+        }
+        self.drive();
+    }
+}
+
+impl ErrorType for SimulatedAd5761 {
+    type Error = ErrorKind;
+}
+
+impl SpiDevice for SimulatedAd5761 {
+    fn transaction(&mut self, operations: &mut [Operation<'_, u8>]) -> Result<(), ErrorKind> {
+        if self.pins.bus_failing.get() {
+            return Err(ErrorKind::Overrun);
+        }
+        one_frame(operations, |sent, received| self.frame(sent, received))
+    }
+}

@@ -1,0 +1,96 @@
+//! A sensor with its amplifier: lag, gain, offset, noise; the converter that follows quantizes.
+
+use rand::SeedableRng;
+use rand_chacha::ChaCha8Rng;
+use rand_distr::{Distribution, StandardNormal};
+
+use super::{InvalidField, not_negative, positive};
+
+/// What a sensor does to the quantity it measures.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct SensorConfig {
+    /// The quantity (mm, kN) that gives 10.24 V.
+    pub full_scale: f64,
+    /// Standard deviation of white noise at the tick rate, in the quantity's unit.
+    pub noise: f64,
+    /// What it shows too much, in the quantity's unit.
+    pub offset: f64,
+    /// Time constant of its first-order lag, s; 0 for none.
+    pub lag: f64,
+}
+
+/// What is wrong with a sensor.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub enum SensorFault {
+    /// Nothing.
+    #[default]
+    None,
+    /// It stays where it was.
+    Stuck,
+    /// A broken wire: the amplifier's input is pulled beyond its range, to 12 V.
+    Open,
+}
+
+/// A sensor at work.
+#[derive(Clone, Debug)]
+pub struct Sensor {
+    config: SensorConfig,
+    /// What the lag lets through in one step, 1 − e^(−step/lag).
+    share: f64,
+    lagged: f64,
+    volts: f64,
+    random: ChaCha8Rng,
+    /// Set it while running.
+    pub fault: SensorFault,
+}
+
+/// V at full scale.
+const OUTPUT: f64 = 10.24;
+const OPEN: f64 = 12.0;
+
+impl Sensor {
+    /// * `step`: s between two samples
+    /// * `seed`, `stream`: of the noise
+    ///
+    /// # Errors
+    /// A full scale that is not positive, a negative noise or lag, or what is not finite.
+    pub fn new(
+        config: SensorConfig,
+        step: f64,
+        seed: u64,
+        stream: u64,
+    ) -> Result<Self, InvalidField> {
+        positive("step", step)?;
+        positive("full_scale", config.full_scale)?;
+        not_negative("noise", config.noise)?;
+        not_negative("lag", config.lag)?;
+        super::check("offset", config.offset, "finite", true)?;
+        let mut random = ChaCha8Rng::seed_from_u64(seed);
+        random.set_stream(stream);
+        Ok(Self {
+            config,
+            share: if config.lag > 0.0 {
+                -(-step / config.lag).exp_m1()
+            } else {
+                1.0
+            },
+            lagged: 0.0,
+            volts: 0.0,
+            random,
+            fault: SensorFault::None,
+        })
+    }
+
+    /// Output voltage for the quantity `value`.
+    pub fn sample(&mut self, value: f64) -> f64 {
+        self.lagged += self.share * (value - self.lagged);
+        let noise: f64 = StandardNormal.sample(&mut self.random);
+        let shown = self.lagged + self.config.offset + self.config.noise * noise;
+        match self.fault {
+            SensorFault::None => self.volts = shown * (OUTPUT / self.config.full_scale),
+            SensorFault::Stuck => {}
+            SensorFault::Open => self.volts = OPEN,
+        }
+        self.volts
+    }
+}

@@ -1,0 +1,277 @@
+//! A servo-hydraulic actuator in closed position loop, working against a specimen.
+//!
+//! - Amplifier: u = gain·(command(t − dead_time) − x)/flow_velocity, confined to ±1.
+//! - Valve: s̈ + 2ζω·ṡ + ω²·s = ω²·u, |s| ≤ 1 (Merritt, Hydraulic Control Systems, 1967, ch. 7).
+//! - Flow, as piston velocity: q = flow_velocity·s·√(1 − sgn(s)·P/force_limit), P the force of the load pressure.
+//! - Oil column: Ṗ = oil_stiffness·(q − v − leakage·P), |P| ≤ force_limit.
+//! - Piston: m·v̇ = P − friction(v) − specimen(x, v), with Stribeck friction
+//!   (coulomb + (stiction − coulomb)/(1 + (v/stribeck)²))·sgn v + viscous·v; it sticks where that exceeds the rest.
+//!
+//! One step is backward Euler in v, P and x, so that c·|v|^α with its infinite slope at v = 0 is a force that stops the
+//! piston and not a rattle. The new v is the root of a monotone function, sought by probing copies of the specimen; the
+//! copy that met it becomes the specimen.
+
+use std::collections::VecDeque;
+
+use super::{InvalidField, not_negative, positive};
+use crate::specimen::DamperForce;
+
+/// What an actuator is made of.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ServoConfig {
+    /// Of the position loop, 1/s.
+    pub gain: f64,
+    /// Of the command, s.
+    pub dead_time: f64,
+    /// Natural frequency of the valve, Hz.
+    pub valve_frequency: f64,
+    /// Damping ratio of the valve.
+    pub valve_damping: f64,
+    /// Piston velocity at full opening without load, mm/s.
+    pub flow_velocity: f64,
+    /// Supply pressure times piston area, kN.
+    pub force_limit: f64,
+    /// Of the oil columns on both sides, kN/mm.
+    pub oil_stiffness: f64,
+    /// Across the piston, mm/s of piston velocity per kN.
+    pub leakage: f64,
+    /// Of piston and grip, kg.
+    pub mass: f64,
+    /// Friction while moving, kN.
+    pub coulomb: f64,
+    /// Friction near standstill, kN.
+    pub stiction: f64,
+    /// Velocity at which half of their difference is gone, mm/s.
+    pub stribeck: f64,
+    /// kN·s/mm.
+    pub viscous: f64,
+}
+
+impl Default for ServoConfig {
+    /// A 25 kN machine with a stiff, short cylinder: 24 Hz of position loop, an oil resonance at 217 Hz.
+    fn default() -> Self {
+        Self {
+            gain: 150.0,
+            dead_time: 1e-3,
+            valve_frequency: 120.0,
+            valve_damping: 0.8,
+            flow_velocity: 150.0,
+            force_limit: 25.0,
+            oil_stiffness: 560.0,
+            leakage: 0.3,
+            mass: 300.0,
+            coulomb: 0.02,
+            stiction: 0.03,
+            stribeck: 1.0,
+            viscous: 0.005,
+        }
+    }
+}
+
+/// An actuator and where it is.
+#[derive(Clone, Debug)]
+pub struct Servo<S> {
+    config: ServoConfig,
+    step: f64,
+    specimen: S,
+    trial: S,
+    commands: VecDeque<f64>,
+    ticks: u64,
+    opening: f64,
+    opening_rate: f64,
+    pressure_force: f64,
+    displacement: f64,
+    velocity: f64,
+    acceleration: f64,
+    /// dF/dv of the specimen as the last step found it, kN·s/mm.
+    slope: f64,
+    force: f64,
+}
+
+/// The balance of forces on the piston is met within this many kN: an eighth of a step of 16 bits over ±5 kN.
+const BALANCE: f64 = 2e-5;
+/// Enough to halve 1 m/s down to 1e-87 mm/s in the variable of [`velocity_of`].
+const MOST_PROBES: usize = 60;
+
+impl<S: DamperForce + Clone> Servo<S> {
+    /// At rest at 0 with the specimen unloaded.
+    ///
+    /// # Errors
+    /// The field that is negative, zero where that makes no sense, or not finite.
+    pub fn new(config: ServoConfig, step: f64, specimen: S) -> Result<Self, InvalidField> {
+        positive("step", step)?;
+        positive("gain", config.gain)?;
+        not_negative("dead_time", config.dead_time)?;
+        positive("valve_frequency", config.valve_frequency)?;
+        positive("valve_damping", config.valve_damping)?;
+        positive("flow_velocity", config.flow_velocity)?;
+        positive("force_limit", config.force_limit)?;
+        positive("oil_stiffness", config.oil_stiffness)?;
+        not_negative("leakage", config.leakage)?;
+        positive("mass", config.mass)?;
+        not_negative("coulomb", config.coulomb)?;
+        not_negative("stiction", config.stiction)?;
+        positive("stribeck", config.stribeck)?;
+        not_negative("viscous", config.viscous)?;
+        let delay = (config.dead_time / step).round() as usize;
+        Ok(Self {
+            config,
+            step,
+            trial: specimen.clone(),
+            specimen,
+            commands: VecDeque::from(vec![0.0; delay]),
+            ticks: 0,
+            opening: 0.0,
+            opening_rate: 0.0,
+            pressure_force: 0.0,
+            displacement: 0.0,
+            velocity: 0.0,
+            acceleration: 0.0,
+            slope: 0.0,
+            force: 0.0,
+        })
+    }
+
+    /// Moves on by one step with `command` in mm; while not `enabled` the valve is centred and takes no command.
+    pub fn advance(&mut self, command: f64, enabled: bool) {
+        self.commands.push_back(command);
+        let command = self.commands.pop_front().unwrap_or(command);
+        let c = &self.config;
+        let u = if enabled {
+            (c.gain * (command - self.displacement) / c.flow_velocity).clamp(-1.0, 1.0)
+        } else {
+            0.0
+        };
+        let w = std::f64::consts::TAU * c.valve_frequency;
+        let pull = w * w * (u - self.opening) - 2.0 * c.valve_damping * w * self.opening_rate;
+        self.opening_rate += self.step * pull;
+        self.opening += self.step * self.opening_rate;
+        if self.opening.abs() > 1.0 {
+            self.opening = self.opening.clamp(-1.0, 1.0);
+            self.opening_rate = 0.0;
+        }
+        self.ticks += 1;
+        self.move_piston();
+    }
+
+    /// Displacement of the specimen, mm.
+    pub fn displacement(&self) -> f64 {
+        self.displacement
+    }
+    /// mm/s.
+    pub fn velocity(&self) -> f64 {
+        self.velocity
+    }
+    /// Force of the specimen, kN.
+    pub fn force(&self) -> f64 {
+        self.force
+    }
+    /// s since the start.
+    pub fn time(&self) -> f64 {
+        self.ticks as f64 * self.step
+    }
+    /// What it works against.
+    pub fn specimen(&self) -> &S {
+        &self.specimen
+    }
+
+    fn move_piston(&mut self) {
+        let c = &self.config;
+        let h = self.step;
+        let mass = c.mass * 1e-6;
+        let throttling = 1.0 - self.opening.signum() * self.pressure_force / c.force_limit;
+        let flow = c.flow_velocity * self.opening * throttling.max(0.0).sqrt();
+        // P₁ = (P₀ + h·K·(q − v₁))/(1 + h·K·leakage) in m·(v₁ − v₀)/h = P₁ − friction − specimen.
+        let relief = 1.0 / (1.0 + h * c.oil_stiffness * c.leakage);
+        let undisturbed = (self.pressure_force + h * c.oil_stiffness * flow) * relief;
+        let resistance = mass / h + c.viscous + h * c.oil_stiffness * relief;
+        let drive = mass / h * self.velocity + undisturbed;
+        let dry =
+            c.coulomb + (c.stiction - c.coulomb) / (1.0 + (self.velocity / c.stribeck).powi(2));
+
+        let velocity = self.balance(resistance, drive, dry);
+
+        let pressure = undisturbed - h * self.config.oil_stiffness * relief * velocity;
+        self.pressure_force = pressure.clamp(-self.config.force_limit, self.config.force_limit);
+        self.acceleration = (velocity - self.velocity) / h;
+        self.displacement += h * velocity;
+        self.velocity = velocity;
+        std::mem::swap(&mut self.specimen, &mut self.trial);
+    }
+
+    /// The v at which resistance·v + dry·sgn v + specimen(v) = drive; leaves the specimen at it in `trial`.
+    fn balance(&mut self, resistance: f64, drive: f64, dry: f64) -> f64 {
+        // Where it would be if it went on as before, and from there by Newton's rule with the last slope.
+        let mut velocity = self.velocity + self.acceleration * self.step;
+        let mut excess = self.probe(velocity, resistance, drive, dry);
+        if excess.abs() <= BALANCE {
+            return velocity;
+        }
+        let first = (velocity, excess, self.force);
+        velocity -= excess / (resistance + self.slope);
+        excess = self.probe(velocity, resistance, drive, dry);
+        if velocity != first.0 {
+            self.slope = ((self.force - first.2) / (velocity - first.0)).clamp(0.0, 1e3);
+        }
+        if excess.abs() <= BALANCE {
+            return velocity;
+        }
+        // The function rises at least as fast as `resistance`, so this far on the other side it has changed sign.
+        let mut near = (root_of(velocity), excess);
+        velocity -= excess * (1.0 + 1e-6) / resistance;
+        excess = self.probe(velocity, resistance, drive, dry);
+        let mut far = (root_of(velocity), excess);
+        if near.0 * far.0 < 0.0 {
+            velocity = 0.0;
+            excess = self.probe(velocity, resistance, drive, dry);
+            if excess * far.1 < 0.0 {
+                near = far;
+            }
+            far = (velocity, excess);
+        }
+        for _ in 0..MOST_PROBES {
+            if excess.abs() <= BALANCE || near.0 == far.0 {
+                break;
+            }
+            let root = (near.0 * far.1 - far.0 * near.1) / (far.1 - near.1);
+            velocity = velocity_of(root);
+            excess = self.probe(velocity, resistance, drive, dry);
+            // Illinois: halve the weight of an end that stays twice.
+            if excess * far.1 < 0.0 {
+                near = far;
+            } else {
+                near.1 *= 0.5;
+            }
+            far = (root, excess);
+        }
+        velocity
+    }
+
+    /// What is too much on the left side at velocity `v`; the specimen's force there goes to `force`.
+    fn probe(&mut self, v: f64, resistance: f64, drive: f64, dry: f64) -> f64 {
+        self.trial.clone_from(&self.specimen);
+        self.force = self.trial.force(
+            self.ticks as f64 * self.step,
+            self.displacement + self.step * v,
+            v,
+            (v - self.velocity) / self.step,
+            self.step,
+        );
+        // Dry friction takes whatever the rest leaves, up to its level, at standstill.
+        let rest = resistance * v + self.force - drive;
+        if v == 0.0 {
+            rest - rest.clamp(-dry, dry)
+        } else {
+            rest + dry * v.signum()
+        }
+    }
+}
+
+/// In the fifth root of the velocity |v|^α is nearly straight through 0, so that secants find their way.
+fn root_of(velocity: f64) -> f64 {
+    velocity.abs().powf(0.2).copysign(velocity)
+}
+
+fn velocity_of(root: f64) -> f64 {
+    root.powi(5)
+}
