@@ -1,0 +1,149 @@
+//! Bad input or bad usage, said in one line.
+
+use std::fmt::Write as _;
+use std::path::Path;
+
+/// Input that was refused: the file, the place in it, what is wrong there and how to mend it.
+///
+/// Its rendering is always a single line, whatever the file's name or its cells contain.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[error("{}", self.line())]
+pub struct InputError {
+    /// The file as the user named it, or the option where there is no file.
+    pub source_name: String,
+    /// Where in it.
+    pub place: Place,
+    /// What is wrong there.
+    pub problem: String,
+    /// How to mend it.
+    pub mend: String,
+}
+
+/// A place in a file.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Place {
+    /// The file as a whole.
+    Whole,
+    /// A line, counted from 1, comments and blank lines included.
+    Line(u64),
+    /// A column of a table.
+    Column(String),
+    /// A line and a column.
+    Cell {
+        /// The line, counted from 1.
+        line: u64,
+        /// The column's name.
+        column: String,
+    },
+    /// A field of a structured file, as a path such as `effects[0].parameters.force`.
+    Field(String),
+}
+
+impl InputError {
+    /// An error about a file as a whole.
+    pub fn new(
+        source_name: impl Into<String>,
+        problem: impl Into<String>,
+        mend: impl Into<String>,
+    ) -> Self {
+        Self {
+            source_name: source_name.into(),
+            place: Place::Whole,
+            problem: problem.into(),
+            mend: mend.into(),
+        }
+    }
+
+    /// The same error at a place in the file.
+    #[must_use]
+    pub fn at(mut self, place: Place) -> Self {
+        self.place = place;
+        self
+    }
+
+    /// An operation of the file system that failed.
+    pub fn io(path: &Path, doing: &str, error: &std::io::Error) -> Self {
+        use std::io::ErrorKind;
+        let (problem, mend) = match error.kind() {
+            ErrorKind::NotFound => ("does not exist", "check the path"),
+            ErrorKind::PermissionDenied => ("permission denied", "check the file's permissions"),
+            ErrorKind::IsADirectory => ("is a directory", "name a file in it"),
+            ErrorKind::NotADirectory => ("a part of the path is not a directory", "check the path"),
+            ErrorKind::StorageFull => ("no space left on the device", "make room"),
+            _ => {
+                return Self::new(
+                    path.display().to_string(),
+                    format!("{doing} failed: {error}"),
+                    "check the path",
+                );
+            }
+        };
+        Self::new(
+            path.display().to_string(),
+            format!("cannot {doing} it: {problem}"),
+            mend,
+        )
+    }
+
+    fn line(&self) -> String {
+        let mut text = single_line(&self.source_name);
+        // Writing to a string does not fail.
+        let _ = match &self.place {
+            Place::Whole => Ok(()),
+            Place::Line(line) => write!(text, ": line {line}"),
+            Place::Column(column) => write!(text, ": column {}", single_line(column)),
+            Place::Cell { line, column } => {
+                write!(text, ": line {line}, column {}", single_line(column))
+            }
+            Place::Field(field) => write!(text, ": field {}", single_line(field)),
+        };
+        let _ = write!(
+            text,
+            ": {}; {}",
+            single_line(&self.problem),
+            single_line(&self.mend)
+        );
+        text
+    }
+}
+
+/// `text` with its control characters escaped.
+fn single_line(text: &str) -> String {
+    text.chars()
+        .flat_map(|c| {
+            let escaped = c.is_control().then(|| c.escape_default());
+            let plain = escaped.is_none().then_some(c);
+            escaped.into_iter().flatten().chain(plain)
+        })
+        .collect()
+}
+
+/// A cell or a name quoted for a message, shortened where it is long.
+pub fn quoted(text: &str) -> String {
+    const LONGEST: usize = 40;
+    let shown: String = text.chars().take(LONGEST).collect();
+    let cut = if text.chars().count() > LONGEST {
+        "…"
+    } else {
+        ""
+    };
+    format!("\"{shown}{cut}\"")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn is_one_line_whatever_the_names_contain() {
+        let error = InputError::new("a\nb.csv", "bad \"x\ry\"", "mend\tit").at(Place::Cell {
+            line: 7,
+            column: "force\nkN".into(),
+        });
+        let line = error.to_string();
+        assert_eq!(
+            line,
+            "a\\nb.csv: line 7, column force\\nkN: bad \"x\\ry\"; mend\\tit"
+        );
+    }
+}

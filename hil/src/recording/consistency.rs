@@ -1,0 +1,211 @@
+//! Recordings that cannot all be of one specimen.
+
+use super::Recording;
+use crate::error::InputError;
+
+/// Displacement histories that differ by less than this fraction of their RMS are the same motion.
+const SAME_MOTION: f64 = 0.02;
+/// Forces that differ by more than this fraction of their RMS contradict each other; noise is about 0.004, and wear,
+/// temperature or run-in under the same motion change a force by a few per cent.
+const CONTRADICTION: f64 = 0.25;
+/// The same where the two were recorded at other temperatures: only a sign or a unit can be said to be wrong.
+const CONTRADICTION_BETWEEN_TEMPERATURES: f64 = 0.9;
+/// Mean temperatures that differ by more than this many °C are other temperatures.
+const SAME_TEMPERATURE: f64 = 2.0;
+/// The shortest common stretch that is compared, samples.
+const SHORTEST: usize = 50;
+/// Comments that declare what was tested.
+const DECLARATIONS: [&str; 2] = ["specimen", "device"];
+
+/// Refuses recordings of which two contradict each other: they declare different specimens, or under the same motion
+/// they hold different forces.
+///
+/// Motions are compared from each recording's start over the time that both cover.
+///
+/// # Errors
+/// The later recording of the first such pair, the earlier one, and by how much the forces differ.
+pub fn check_consistency(recordings: &[&Recording]) -> Result<(), InputError> {
+    for (index, later) in recordings.iter().enumerate() {
+        for earlier in &recordings[..index] {
+            check_declarations(earlier, later)?;
+            check_forces(earlier, later)?;
+        }
+    }
+    Ok(())
+}
+
+fn check_declarations(earlier: &Recording, later: &Recording) -> Result<(), InputError> {
+    for key in DECLARATIONS {
+        if let (Some(a), Some(b)) = (earlier.declared(key), later.declared(key))
+            && a != b
+        {
+            return Err(InputError::new(
+                &later.name,
+                format!(
+                    "its comments declare the {key} \"{b}\" where {} declares \"{a}\"",
+                    earlier.name
+                ),
+                "give recordings of one specimen at a time, or mend the comment",
+            ));
+        }
+    }
+    Ok(())
+}
+
+fn check_forces(earlier: &Recording, later: &Recording) -> Result<(), InputError> {
+    let Some(pairs) = common_stretch(earlier, later) else {
+        return Ok(());
+    };
+    if difference(pairs.iter().map(|pair| pair.displacement)) > SAME_MOTION {
+        return Ok(());
+    }
+    let allowed = match (mean(&earlier.temperature), mean(&later.temperature)) {
+        (Some(a), Some(b)) if (a - b).abs() > SAME_TEMPERATURE => {
+            CONTRADICTION_BETWEEN_TEMPERATURES
+        }
+        _ => CONTRADICTION,
+    };
+    let apart = difference(pairs.iter().map(|pair| pair.force));
+    if apart <= allowed {
+        return Ok(());
+    }
+    let factor = scale_between(pairs.iter().map(|pair| pair.force));
+    let (how, mend) = match factor {
+        Some(factor) if (factor + 1.0).abs() < 0.1 => (
+            "its force has the opposite sign".to_owned(),
+            "turn the sign of one force channel, or drop one of the two",
+        ),
+        Some(factor) => (
+            format!("its force is {factor:.4} times as large"),
+            "check the unit in the force column's name, or drop one of the two",
+        ),
+        None => (
+            format!("its force differs by {:.0} % RMS", 100.0 * apart),
+            "drop the one that is not of this specimen",
+        ),
+    };
+    Err(InputError::new(
+        &later.name,
+        format!("contradicts {}: under the same motion {how}", earlier.name),
+        mend,
+    ))
+}
+
+/// The two recordings at one time.
+struct Pair {
+    displacement: (f64, f64),
+    force: (f64, f64),
+}
+
+/// The earlier recording's samples with the later one's values at the same time from its start.
+fn common_stretch(earlier: &Recording, later: &Recording) -> Option<Vec<Pair>> {
+    let mut after = 1;
+    let mut pairs = Vec::new();
+    for index in 0..earlier.len() {
+        let time = earlier.time[index] - earlier.time[0] + later.time[0];
+        while after < later.len() && later.time[after] < time {
+            after += 1;
+        }
+        if after == later.len() {
+            break;
+        }
+        let before = after - 1;
+        let width = later.time[after] - later.time[before];
+        let u = ((time - later.time[before]) / width).clamp(0.0, 1.0);
+        let at = |values: &[f64]| values[before] + u * (values[after] - values[before]);
+        pairs.push(Pair {
+            displacement: (earlier.displacement[index], at(&later.displacement)),
+            force: (earlier.force[index], at(&later.force)),
+        });
+    }
+    (pairs.len() >= SHORTEST).then_some(pairs)
+}
+
+fn sum_of_squares(values: impl Iterator<Item = f64>) -> f64 {
+    values.map(|value| value * value).sum()
+}
+
+/// RMS of the difference over the RMS of the larger of the two, 0…2.
+fn difference(pairs: impl Iterator<Item = (f64, f64)> + Clone) -> f64 {
+    let apart = sum_of_squares(pairs.clone().map(|(a, b)| a - b));
+    let first = sum_of_squares(pairs.clone().map(|(a, _)| a));
+    let second = sum_of_squares(pairs.map(|(_, b)| b));
+    let larger = first.max(second);
+    if larger > 0.0 {
+        (apart / larger).sqrt()
+    } else {
+        0.0
+    }
+}
+
+/// The factor by which the second values are the first, where they are that to within a tenth.
+fn scale_between(pairs: impl Iterator<Item = (f64, f64)> + Clone) -> Option<f64> {
+    let product: f64 = pairs.clone().map(|(a, b)| a * b).sum();
+    let first = sum_of_squares(pairs.clone().map(|(a, _)| a));
+    let second = sum_of_squares(pairs.map(|(_, b)| b));
+    let correlation = product / (first * second).sqrt();
+    // sin of the angle between them is what a factor leaves.
+    (1.0 - correlation * correlation < 0.01).then_some(product / first)
+}
+
+fn mean(values: &Option<Vec<f64>>) -> Option<f64> {
+    let values = values.as_deref()?;
+    Some(values.iter().sum::<f64>() / values.len() as f64)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::f64::consts::TAU;
+
+    fn recording(name: &str, amplitude: f64, force: impl Fn(f64) -> f64) -> Recording {
+        let time: Vec<f64> = (0..1000).map(|i| f64::from(i) * 0.002).collect();
+        let displacement: Vec<f64> = time.iter().map(|t| amplitude * (TAU * t).sin()).collect();
+        let force = displacement.iter().map(|&y| force(y)).collect();
+        Recording::new(name, time, displacement, force).unwrap()
+    }
+
+    #[test]
+    fn the_same_motion_with_another_force_is_refused() {
+        let original = recording("a", 0.1, |y| 2.0 * y);
+        for (force, said) in [
+            (-2.0, "opposite sign"),
+            (2000.0, "1000.0000 times"),
+            (3.0, "1.5000 times"),
+        ] {
+            let other = recording("b", 0.1, |y| force * y);
+            let error = check_consistency(&[&original, &other]).unwrap_err();
+            assert!(error.to_string().contains(said), "{error}");
+        }
+        let cubic = recording("b", 0.1, |y| if y > 0.05 { 4.0 * y } else { 2.0 * y });
+        let error = check_consistency(&[&original, &cubic]).unwrap_err();
+        assert!(error.to_string().contains("% RMS"), "{error}");
+    }
+
+    #[test]
+    fn another_motion_a_change_of_a_few_per_cent_or_another_temperature_is_not() {
+        let original = recording("a", 0.1, |y| 2.0 * y);
+        let worn = recording("b", 0.1, |y| 1.9 * y);
+        let larger = recording("c", 0.2, |y| -2.0 * y);
+        check_consistency(&[&original, &worn, &larger]).unwrap();
+        let at = |recording: Recording, temperature| {
+            recording.with_temperature(vec![temperature; 1000]).unwrap()
+        };
+        let cold = at(original, 20.0);
+        let warm = at(recording("d", 0.1, |y| 1.2 * y), 80.0);
+        check_consistency(&[&cold, &warm]).unwrap();
+        let turned = at(recording("e", 0.1, |y| -1.2 * y), 80.0);
+        check_consistency(&[&cold, &turned]).unwrap_err();
+    }
+
+    #[test]
+    fn another_declared_specimen_is_named() {
+        let a = recording("a", 0.1, |y| y).with_comment("specimen: ring 3");
+        let b = recording("b", 0.2, |y| y).with_comment("Specimen:  ring 4");
+        let error = check_consistency(&[&a, &b]).unwrap_err().to_string();
+        assert!(
+            error.contains("ring 3") && error.contains("ring 4"),
+            "{error}"
+        );
+    }
+}

@@ -1,0 +1,357 @@
+//! Reading a recording from CSV or CSV.gz.
+
+use std::io::Read as _;
+use std::path::Path;
+
+use super::units::{self, Unit, Units};
+use super::{Recording, Source};
+use crate::error::{InputError, Place, quoted};
+
+/// The two bytes with which every gzip member begins (RFC 1952, 2.3.1).
+const GZIP_MAGIC: [u8; 2] = [0x1f, 0x8b];
+
+impl Recording {
+    /// Reads CSV, or gzipped CSV: the file's first bytes say which, not its name.
+    ///
+    /// # Errors
+    /// The file, the line or column, what is wrong and how to mend it: no such file, a directory, damaged gzip, not
+    /// UTF-8, empty, no header, a missing or doubled column, an unknown unit, a row too short or too long, a cell that
+    /// is empty or no finite number, time that does not increase, too few samples, a constant displacement.
+    pub fn read(path: impl AsRef<Path>) -> Result<Self, InputError> {
+        let path = path.as_ref();
+        let text = read_text(path)?;
+        Self::parse(path, &text)
+    }
+
+    fn parse(path: &Path, text: &str) -> Result<Self, InputError> {
+        let name = path.display().to_string();
+        let comments = text
+            .lines()
+            .filter_map(|line| line.strip_prefix('#'))
+            .map(|comment| comment.trim().to_owned())
+            .collect();
+        let mut reader = csv::ReaderBuilder::new()
+            .comment(Some(b'#'))
+            .has_headers(false)
+            .flexible(true)
+            .trim(csv::Trim::All)
+            .from_reader(text.as_bytes());
+        let mut records = reader.records();
+        let header = match records.next() {
+            Some(record) => record.map_err(|error| broken_csv(&name, &error))?,
+            None => {
+                let problem = if text.trim().is_empty() {
+                    "is empty"
+                } else {
+                    "holds comments only"
+                };
+                return Err(InputError::new(
+                    name,
+                    problem,
+                    "write a header such as time_s,displacement_mm,force_kN and samples below it",
+                ));
+            }
+        };
+        let columns = Columns::find(&name, &header)?;
+
+        let mut channels = vec![Vec::new(); columns.used.len()];
+        let mut rows = Vec::new();
+        for record in records {
+            let row = record.map_err(|error| broken_csv(&name, &error))?;
+            let line = row.position().map_or(0, csv::Position::line);
+            if row.len() != header.len() {
+                return Err(InputError::new(
+                    name,
+                    format!("{} cells where the header has {}", row.len(), header.len()),
+                    "write one cell per column, separated by commas",
+                )
+                .at(Place::Line(line)));
+            }
+            for (channel, column) in channels.iter_mut().zip(&columns.used) {
+                let cell = row.get(column.index).unwrap_or_default();
+                let value = number(cell).map_err(|(problem, mend)| {
+                    InputError::new(&name, problem, mend).at(Place::Cell {
+                        line,
+                        column: header.get(column.index).unwrap_or_default().into(),
+                    })
+                })?;
+                channel.push(value * column.unit.scale);
+            }
+            rows.push(row);
+        }
+
+        let mut units = Units::default();
+        let mut recording = Self {
+            name,
+            time: Vec::new(),
+            displacement: Vec::new(),
+            force: Vec::new(),
+            velocity: None,
+            temperature: None,
+            comments,
+            units,
+            source: Some(Source { header, rows }),
+        };
+        for (channel, Column { quantity, unit, .. }) in channels.into_iter().zip(columns.used) {
+            match quantity {
+                Quantity::Time => (recording.time, units.time) = (channel, unit),
+                Quantity::Displacement => {
+                    (recording.displacement, units.displacement) = (channel, unit);
+                }
+                Quantity::Force => (recording.force, units.force) = (channel, unit),
+                Quantity::Velocity => {
+                    (recording.velocity, units.velocity) = (Some(channel), unit);
+                }
+                Quantity::Temperature => {
+                    (recording.temperature, units.temperature) = (Some(channel), unit);
+                }
+            }
+        }
+        recording.units = units;
+        recording.check()?;
+        Ok(recording)
+    }
+}
+
+/// What a column measures.
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum Quantity {
+    Time,
+    Displacement,
+    Force,
+    Velocity,
+    Temperature,
+}
+
+impl Quantity {
+    const ALL: [Self; 5] = [
+        Self::Time,
+        Self::Displacement,
+        Self::Force,
+        Self::Velocity,
+        Self::Temperature,
+    ];
+
+    fn name(self) -> &'static str {
+        match self {
+            Self::Time => "time",
+            Self::Displacement => "displacement",
+            Self::Force => "force",
+            Self::Velocity => "velocity",
+            Self::Temperature => "temperature",
+        }
+    }
+
+    fn units(self) -> &'static [Unit] {
+        match self {
+            Self::Time => units::TIME,
+            Self::Displacement => units::DISPLACEMENT,
+            Self::Force => units::FORCE,
+            Self::Velocity => units::VELOCITY,
+            Self::Temperature => units::TEMPERATURE,
+        }
+    }
+
+    fn required(self) -> bool {
+        matches!(self, Self::Time | Self::Displacement | Self::Force)
+    }
+
+    /// `displacement_mm, displacement_m, …`
+    fn column_names(self) -> String {
+        let names: Vec<String> = self
+            .units()
+            .iter()
+            .map(|unit| format!("{}_{}", self.name(), unit.symbol))
+            .collect();
+        names.join(", ")
+    }
+}
+
+/// A column that is used.
+struct Column {
+    index: usize,
+    quantity: Quantity,
+    unit: Unit,
+}
+
+/// The columns that are used, at most one of each quantity.
+struct Columns {
+    used: Vec<Column>,
+}
+
+impl Columns {
+    fn find(file: &str, header: &csv::StringRecord) -> Result<Self, InputError> {
+        let fail = |column: &str, problem: String, mend: String| {
+            InputError::new(file, problem, mend).at(Place::Column(column.into()))
+        };
+        if header.iter().any(|cell| number(cell).is_ok()) {
+            return Err(InputError::new(
+                file,
+                "there is no header, the first row holds numbers",
+                "write a header such as time_s,displacement_mm,force_kN above it",
+            )
+            .at(Place::Line(
+                header.position().map_or(1, csv::Position::line),
+            )));
+        }
+        let mut used: Vec<Column> = Vec::new();
+        for (index, name) in header.iter().enumerate() {
+            if let Some(first) = header.iter().position(|other| other == name)
+                && first != index
+            {
+                return Err(fail(
+                    name,
+                    format!("the name stands in columns {} and {}", first + 1, index + 1),
+                    "give every column its own name".into(),
+                ));
+            }
+            let Some((quantity, symbol)) = quantity_of(name) else {
+                continue;
+            };
+            let unit = quantity
+                .units()
+                .iter()
+                .find(|unit| unit.symbol == symbol)
+                .ok_or_else(|| {
+                    let problem = if symbol.is_empty() {
+                        "the name carries no unit".into()
+                    } else {
+                        format!("unknown unit {}", quoted(symbol))
+                    };
+                    fail(
+                        name,
+                        problem,
+                        format!("use one of {}", quantity.column_names()),
+                    )
+                })?;
+            if let Some(other) = used.iter().find(|other| other.quantity == quantity) {
+                let other = header.get(other.index).unwrap_or_default();
+                return Err(fail(
+                    name,
+                    format!("{other} is a {} too", quantity.name()),
+                    "keep one of them, or rename the other".into(),
+                ));
+            }
+            used.push(Column {
+                index,
+                quantity,
+                unit: *unit,
+            });
+        }
+        for quantity in Quantity::ALL.into_iter().filter(|q| q.required()) {
+            if !used.iter().any(|column| column.quantity == quantity) {
+                let found: Vec<&str> = header.iter().collect();
+                return Err(InputError::new(
+                    file,
+                    format!(
+                        "there is no {} column; found {}",
+                        quantity.name(),
+                        quoted_list(&found)
+                    ),
+                    format!("name one of them {}", quantity.column_names()),
+                )
+                .at(Place::Line(
+                    header.position().map_or(1, csv::Position::line),
+                )));
+            }
+        }
+        Ok(Self { used })
+    }
+}
+
+fn quoted_list(names: &[&str]) -> String {
+    const MOST: usize = 12;
+    let mut shown: Vec<String> = names.iter().take(MOST).map(|name| quoted(name)).collect();
+    if names.len() > MOST {
+        shown.push(format!("and {} more", names.len() - MOST));
+    }
+    shown.join(", ")
+}
+
+/// The quantity and the unit's symbol that a column's name says; `None` for a column that is ignored.
+///
+/// A further word between the two, as in `force_command_kN`, makes it another column.
+fn quantity_of(name: &str) -> Option<(Quantity, &str)> {
+    let quantity = Quantity::ALL
+        .into_iter()
+        .find(|quantity| name.starts_with(quantity.name()))?;
+    let rest = &name[quantity.name().len()..];
+    if rest.is_empty() {
+        return Some((quantity, ""));
+    }
+    let symbol = rest.strip_prefix('_')?;
+    let known = quantity.units().iter().any(|unit| unit.symbol == symbol);
+    (known || !symbol.contains('_')).then_some((quantity, symbol))
+}
+
+fn number(cell: &str) -> Result<f64, (String, &'static str)> {
+    const MEND: &str = "remove the row or mend the value";
+    if cell.is_empty() {
+        return Err(("the cell is empty".into(), MEND));
+    }
+    let value: f64 = cell.parse().map_err(|_| {
+        (
+            format!("{} is not a number", quoted(cell)),
+            "write a decimal number with a point, such as -0.125 or 1e-3",
+        )
+    })?;
+    if value.is_nan() {
+        return Err((format!("{} is not a number", quoted(cell)), MEND));
+    }
+    if value.is_infinite() {
+        return Err((format!("{} is not finite", quoted(cell)), MEND));
+    }
+    Ok(value)
+}
+
+fn broken_csv(file: &str, error: &csv::Error) -> InputError {
+    let broken = InputError::new(
+        file,
+        format!("not readable as CSV: {error}"),
+        "write comma-separated rows",
+    );
+    match error.position() {
+        Some(position) => broken.at(Place::Line(position.line())),
+        None => broken,
+    }
+}
+
+/// The file's text, unzipped where it is gzip, without a byte order mark.
+fn read_text(path: &Path) -> Result<String, InputError> {
+    let io = |error| InputError::io(path, "read", &error);
+    if std::fs::metadata(path).map_err(io)?.is_dir() {
+        return Err(InputError::new(
+            path.display().to_string(),
+            "is a directory",
+            "name a recording in it",
+        ));
+    }
+    let mut bytes = std::fs::read(path).map_err(io)?;
+    let named_gzip = path.extension().is_some_and(|extension| extension == "gz");
+    if bytes.starts_with(&GZIP_MAGIC) || (named_gzip && !bytes.is_empty()) {
+        let mut unzipped = Vec::new();
+        flate2::read::MultiGzDecoder::new(bytes.as_slice())
+            .read_to_end(&mut unzipped)
+            .map_err(|error| {
+                InputError::new(
+                    path.display().to_string(),
+                    format!("not valid gzip: {error}"),
+                    "copy the file again, or unpack it and name the CSV",
+                )
+            })?;
+        bytes = unzipped;
+    }
+    let text = String::from_utf8(bytes).map_err(|error| {
+        let valid = &error.as_bytes()[..error.utf8_error().valid_up_to()];
+        let line = 1 + valid.iter().filter(|&&byte| byte == b'\n').count() as u64;
+        InputError::new(
+            path.display().to_string(),
+            "not UTF-8 text",
+            "save the file as UTF-8 CSV",
+        )
+        .at(Place::Line(line))
+    })?;
+    Ok(text
+        .strip_prefix('\u{feff}')
+        .map_or(text.clone(), str::to_owned))
+}

@@ -1,0 +1,310 @@
+//! A recording on a uniform time base.
+
+use super::{Recording, units::Unit};
+use crate::error::{InputError, Place};
+
+/// A sample whose time is off its tick by up to this fraction of a period is taken as it is: the rounding of printed
+/// times. At a velocity v the displacement is then off by at most this fraction of v·period.
+const ROUNDING: f64 = 0.05;
+/// A step of more periods than this is a gap: samples are missing.
+const GAP: f64 = 1.75;
+/// The largest relative change of the period by which gaps can be said to be of whole periods.
+const REFINEMENT: f64 = 1e-3;
+/// More ticks than this many per sample, and the recording is mostly gaps.
+const MOST_TICKS_PER_SAMPLE: usize = 4;
+
+/// The channels of a recording at equal steps of time.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Uniform {
+    /// Time of the first tick, s.
+    pub start: f64,
+    /// Time between ticks, s.
+    pub period: f64,
+    /// mm, one per tick.
+    pub displacement: Vec<f64>,
+    /// kN, one per tick.
+    pub force: Vec<f64>,
+    /// mm/s, one per tick, where the recording has it.
+    pub velocity: Option<Vec<f64>>,
+    /// °C, one per tick, where the recording has it.
+    pub temperature: Option<Vec<f64>>,
+    /// Whether samples stand about this tick; false inside a gap, where the channels are straight lines.
+    pub measured: Vec<bool>,
+    /// Whether the recording's own samples were off the ticks, so that the channels are interpolated.
+    pub interpolated: bool,
+}
+
+impl Uniform {
+    /// Number of ticks.
+    pub fn len(&self) -> usize {
+        self.displacement.len()
+    }
+
+    /// Whether there is no tick; never so for what [`Recording::uniform`] returns.
+    pub fn is_empty(&self) -> bool {
+        self.displacement.is_empty()
+    }
+
+    /// Time of a tick, s.
+    pub fn time(&self, tick: usize) -> f64 {
+        self.start + tick as f64 * self.period
+    }
+
+    /// `values`, one per tick, at the recording's own times: the way back from [`Recording::uniform`].
+    pub fn at_samples_of(&self, recording: &Recording, values: &[f64]) -> Vec<f64> {
+        let position = |time: &f64| (time - self.start) / self.period;
+        if self.interpolated {
+            let ticks: Vec<f64> = (0..values.len()).map(|tick| self.time(tick)).collect();
+            interpolate(
+                &ticks,
+                values,
+                recording.time.iter().copied(),
+                f64::INFINITY,
+            )
+        } else {
+            let last = values.len().saturating_sub(1);
+            let tick = |time| (position(time).round() as usize).min(last);
+            recording.time.iter().map(|t| values[tick(t)]).collect()
+        }
+    }
+}
+
+impl Recording {
+    /// Time between samples, s: the mean of the steps that are no gaps, so that neither jitter nor the rounding of
+    /// printed times biases it.
+    pub fn sample_period(&self) -> f64 {
+        let mut steps: Vec<f64> = self.time.windows(2).map(|pair| pair[1] - pair[0]).collect();
+        let middle = steps.len() / 2;
+        let median = *steps.select_nth_unstable_by(middle, f64::total_cmp).1;
+        let (short, long): (Vec<f64>, Vec<f64>) =
+            steps.into_iter().partition(|step| *step <= GAP * median);
+        let period = short.iter().sum::<f64>() / short.len() as f64;
+        // Over gaps of whole periods the count is longer and the period finer.
+        let missing: f64 = long.iter().map(|step| (step / period).round()).sum();
+        let span = self.time[self.len() - 1] - self.time[0];
+        let refined = span / (short.len() as f64 + missing);
+        if (refined / period - 1.0).abs() < REFINEMENT {
+            refined
+        } else {
+            period
+        }
+    }
+
+    /// Steps of time that are longer than 1.75 periods: the index of the sample before each, and how many
+    /// samples are missing there.
+    pub fn gaps(&self) -> Vec<(usize, usize)> {
+        let period = self.sample_period();
+        let missing = |pair: &[f64]| ((pair[1] - pair[0]) / period).round().max(2.0) as usize - 1;
+        self.time
+            .windows(2)
+            .enumerate()
+            .filter(|(_, pair)| pair[1] - pair[0] > GAP * period)
+            .map(|(index, pair)| (index, missing(pair)))
+            .collect()
+    }
+
+    /// The recording at equal steps of [`Recording::sample_period`].
+    ///
+    /// Samples that stand on the ticks are taken as they are; where the time base jitters, the channels are
+    /// interpolated by a cubic through each tick's neighbours. Gaps are bridged by straight lines and marked.
+    ///
+    /// # Errors
+    /// The line of the longest gap where the recording is mostly gaps.
+    pub fn uniform(&self) -> Result<Uniform, InputError> {
+        let period = self.sample_period();
+        let start = self.time[0];
+        let last_tick = ((self.time[self.len() - 1] - start) / period).round();
+        if last_tick > (MOST_TICKS_PER_SAMPLE * self.len()) as f64 {
+            return Err(self.mostly_gaps(period));
+        }
+        let ticks = last_tick as usize + 1;
+        let tick_of = |time: f64| (time - start) / period;
+        let interpolated = self.time.iter().any(|&time| {
+            let position = tick_of(time);
+            (position - position.round()).abs() > ROUNDING
+        });
+        let time = (0..ticks).map(|tick| start + tick as f64 * period);
+        // On the ticks, the sample's tick is its time; else the longest step that is no gap is bridged by a cubic.
+        let on_ticks: Vec<f64> = if interpolated {
+            self.time.clone()
+        } else {
+            let on_tick = |&t: &f64| start + tick_of(t).round() * period;
+            self.time.iter().map(on_tick).collect()
+        };
+        let channel = |values: &[f64]| interpolate(&on_ticks, values, time.clone(), GAP * period);
+        let mut measured = vec![true; ticks];
+        for (before, _) in self.gaps() {
+            let first = tick_of(self.time[before]).round() as usize + 1;
+            let end = tick_of(self.time[before + 1]).round() as usize;
+            measured[first.min(ticks)..end.min(ticks)].fill(false);
+        }
+        Ok(Uniform {
+            start,
+            period,
+            displacement: channel(&self.displacement),
+            force: channel(&self.force),
+            velocity: self.velocity.as_deref().map(channel),
+            temperature: self.temperature.as_deref().map(channel),
+            measured,
+            interpolated,
+        })
+    }
+
+    fn mostly_gaps(&self, period: f64) -> InputError {
+        let step = |index: usize| self.time[index] - self.time[index - 1];
+        let longest = (1..self.len())
+            .max_by(|&a, &b| step(a).total_cmp(&step(b)))
+            .unwrap_or(1);
+        let Unit { symbol, scale } = self.units.time;
+        InputError::new(
+            &self.name,
+            format!(
+                "time jumps by {} {symbol} here where samples are {} {symbol} apart",
+                step(longest) / scale,
+                period / scale
+            ),
+            "split the recording there into two files, or check the time column's unit",
+        )
+        .at(Place::Line(self.line(longest)))
+    }
+}
+
+/// `values` at `nodes` (increasing strictly, at least two) interpolated at the times `at` (increasing).
+///
+/// A cubic Hermite whose slope at a node is that of the parabola through it and its neighbours, so that cubics' error
+/// is of third order and noise is not amplified beyond a quarter; a straight line across steps above `longest`.
+fn interpolate(
+    nodes: &[f64],
+    values: &[f64],
+    at: impl Iterator<Item = f64>,
+    longest: f64,
+) -> Vec<f64> {
+    let secant = |i: usize| (values[i + 1] - values[i]) / (nodes[i + 1] - nodes[i]);
+    let close = |i: usize| nodes[i + 1] - nodes[i] <= longest;
+    let last = nodes.len() - 2;
+    // Slope at node `i` as seen from the step `from`; a step beyond a gap does not take part.
+    let slope = |i: usize, from: usize| {
+        let other = if i == from {
+            i.checked_sub(1)
+        } else {
+            Some(i).filter(|&i| i <= last)
+        };
+        let Some(other) = other.filter(|&other| close(other)) else {
+            return secant(from);
+        };
+        let (h_from, h_other) = (
+            nodes[from + 1] - nodes[from],
+            nodes[other + 1] - nodes[other],
+        );
+        (secant(from) * h_other + secant(other) * h_from) / (h_from + h_other)
+    };
+    let mut step = 0;
+    at.map(|time| {
+        while step < last && nodes[step + 1] <= time {
+            step += 1;
+        }
+        let width = nodes[step + 1] - nodes[step];
+        let u = ((time - nodes[step]) / width).clamp(0.0, 1.0);
+        let (from, to) = (values[step], values[step + 1]);
+        if !close(step) {
+            return from + u * (to - from);
+        }
+        let (start, end) = (slope(step, step) * width, slope(step + 1, step) * width);
+        let (u2, u3) = (u * u, u * u * u);
+        from * (1.0 - 3.0 * u2 + 2.0 * u3)
+            + to * (3.0 * u2 - 2.0 * u3)
+            + start * (u - 2.0 * u2 + u3)
+            + end * (u3 - u2)
+    })
+    .collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::f64::consts::TAU;
+
+    fn sine(times: &[f64]) -> Recording {
+        let wave = |t: &f64| (TAU * t).sin();
+        let displacement = times.iter().map(wave).collect();
+        let force = times.iter().map(|t| 2.0 * wave(t)).collect();
+        Recording::new("sine", times.to_vec(), displacement, force).unwrap()
+    }
+
+    #[test]
+    fn samples_on_the_ticks_are_taken_as_they_are() {
+        // 1/300 s printed with four decimals.
+        let times: Vec<f64> = (0..3000)
+            .map(|i| (f64::from(i) / 300.0 * 1e4).round() / 1e4)
+            .collect();
+        let recording = sine(&times);
+        // The last printed time is off by at most 5e-5 s in 10 s.
+        assert!((recording.sample_period() * 300.0 - 1.0).abs() < 1e-5);
+        let uniform = recording.uniform().unwrap();
+        assert!(!uniform.interpolated);
+        let worst = uniform
+            .displacement
+            .iter()
+            .zip(&recording.displacement)
+            .map(|(a, b)| (a - b).abs())
+            .fold(0.0, f64::max);
+        // The last bits of a node's time: u differs from 0 by about 1e-12.
+        assert!(worst < 1e-9, "{worst}");
+        assert_eq!(uniform.len(), recording.len());
+        assert_eq!(
+            uniform.at_samples_of(&recording, &uniform.force).len(),
+            recording.len()
+        );
+    }
+
+    #[test]
+    fn a_jittering_time_base_is_interpolated_there_and_back() {
+        // 500 samples a second, each up to 0.4 of a step late: 0.1, 0.2, 0.3, 0.4, 0 and again.
+        let times: Vec<f64> = (0..2000)
+            .map(|i| (f64::from(i) + 0.1 * f64::from((i * 3) % 5)) / 500.0)
+            .collect();
+        let recording = sine(&times);
+        let uniform = recording.uniform().unwrap();
+        assert!(uniform.interpolated);
+        assert!(uniform.measured.iter().all(|&measured| measured));
+        let there = |tick: usize| (TAU * uniform.time(tick)).sin();
+        let worst = (0..uniform.len())
+            .map(|tick| (uniform.displacement[tick] - there(tick)).abs())
+            .fold(0.0, f64::max);
+        // Slopes are of second order: h²·ω³/6·h/4 at the middle of a step, h up to 1.4/500 s: 2.3e-7 of amplitude 1.
+        assert!(worst < 3e-7, "{worst}");
+        let back = uniform.at_samples_of(&recording, &uniform.displacement);
+        let worst = back
+            .iter()
+            .zip(&recording.displacement)
+            .map(|(a, b)| (a - b).abs())
+            .fold(0.0, f64::max);
+        assert!(worst < 6e-7, "{worst}");
+    }
+
+    #[test]
+    fn a_gap_is_counted_bridged_and_marked() {
+        let times: Vec<f64> = (0..1000)
+            .filter(|i| !(400..410).contains(i))
+            .map(|i| f64::from(i) / 100.0)
+            .collect();
+        let recording = sine(&times);
+        assert_eq!(recording.gaps(), vec![(399, 10)]);
+        let uniform = recording.uniform().unwrap();
+        assert_eq!(uniform.len(), 1000);
+        let missing: Vec<usize> = (0..1000).filter(|&i| !uniform.measured[i]).collect();
+        assert_eq!(missing, (400..410).collect::<Vec<_>>());
+        let middle = 0.5 * (recording.displacement[399] + recording.displacement[400]);
+        let bridged = 0.5 * (uniform.displacement[404] + uniform.displacement[405]);
+        assert!((bridged - middle).abs() < 1e-9);
+        assert!((uniform.displacement[411] - recording.displacement[401]).abs() < 1e-9);
+    }
+
+    #[test]
+    fn a_jump_of_time_is_refused_at_its_line() {
+        let mut times: Vec<f64> = (0..100).map(|i| f64::from(i) / 100.0).collect();
+        times.push(1e9);
+        let error = sine(&times).uniform().unwrap_err();
+        assert_eq!(error.place, Place::Line(101));
+    }
+}

@@ -1,0 +1,100 @@
+//! The units that a recording's column names carry, and what one of each is in the code's own (mm, kN, s, °C).
+
+use serde::Serialize;
+
+/// A unit of a recording's file.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct Unit {
+    /// As the column's name carries it, after the underscore.
+    pub symbol: &'static str,
+    /// How many of the code's units one of these is: mm, kN, s, mm/s or °C.
+    pub scale: f64,
+}
+
+const fn unit(symbol: &'static str, scale: f64) -> Unit {
+    Unit { symbol, scale }
+}
+
+/// Metres in an inch are exact by definition, and so are newtons in a pound-force.
+const MM_PER_IN: f64 = 25.4;
+const KN_PER_LBF: f64 = 4.448_221_615_260_5e-3;
+
+/// Units of time, in s.
+pub const TIME: &[Unit] = &[unit("s", 1.0), unit("ms", 1e-3)];
+/// Units of displacement, in mm.
+pub const DISPLACEMENT: &[Unit] = &[
+    unit("mm", 1.0),
+    unit("m", 1e3),
+    unit("um", 1e-3),
+    unit("in", MM_PER_IN),
+];
+/// Units of force, in kN.
+pub const FORCE: &[Unit] = &[
+    unit("kN", 1.0),
+    unit("N", 1e-3),
+    unit("uN", 1e-9),
+    unit("lbf", KN_PER_LBF),
+    unit("kip", 1e3 * KN_PER_LBF),
+];
+/// Units of velocity, in mm/s: a length over a second, written `mm_s` or `mm/s`.
+pub const VELOCITY: &[Unit] = &[
+    unit("mm_s", 1.0),
+    unit("mm/s", 1.0),
+    unit("m_s", 1e3),
+    unit("m/s", 1e3),
+    unit("um_s", 1e-3),
+    unit("um/s", 1e-3),
+    unit("in_s", MM_PER_IN),
+    unit("in/s", MM_PER_IN),
+];
+/// Units of temperature, in °C.
+pub const TEMPERATURE: &[Unit] = &[unit("degC", 1.0)];
+
+/// The units of a recording as its file has them.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct Units {
+    /// One of [`TIME`].
+    pub time: Unit,
+    /// One of [`DISPLACEMENT`].
+    pub displacement: Unit,
+    /// One of [`FORCE`].
+    pub force: Unit,
+    /// One of [`VELOCITY`]; mm/s where the file has no velocity.
+    pub velocity: Unit,
+    /// One of [`TEMPERATURE`].
+    pub temperature: Unit,
+}
+
+impl Default for Units {
+    /// The code's own: s, mm, kN, mm/s, °C.
+    fn default() -> Self {
+        Self {
+            time: TIME[0],
+            displacement: DISPLACEMENT[0],
+            force: FORCE[0],
+            velocity: VELOCITY[0],
+            temperature: TEMPERATURE[0],
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn scale(units: &[Unit], symbol: &str) -> f64 {
+        units.iter().find(|u| u.symbol == symbol).unwrap().scale
+    }
+
+    #[test]
+    fn one_of_each_in_the_codes_units() {
+        // NIST SP 811: 1 in = 25.4 mm, 1 lbf = 4.448 221 615 260 5 N, 1 kip = 1000 lbf, all exact.
+        assert_eq!(scale(DISPLACEMENT, "in"), 25.4);
+        assert_eq!(scale(DISPLACEMENT, "um"), 0.001);
+        assert_eq!(scale(FORCE, "uN") * 1e9, 1.0);
+        assert!((scale(FORCE, "lbf") * 1e3 - 4.448_221_615_260_5).abs() < 1e-15);
+        assert!((scale(FORCE, "kip") - 4.448_221_615_260_5).abs() < 1e-15);
+        assert_eq!(scale(TIME, "ms"), 0.001);
+        assert_eq!(scale(VELOCITY, "m/s"), scale(VELOCITY, "m_s"));
+    }
+}
