@@ -1,0 +1,3 @@
+//! From recordings to the effect that the law lacks.
+
+pub mod result;

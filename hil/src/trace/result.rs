@@ -1,0 +1,139 @@
+//! What a trace found: the contents of `trace.json`.
+//!
+//! Every error is an NRMSE: the RMS of the force's error over the RMS of the measured force. Held out means never fitted.
+
+use std::collections::BTreeMap;
+
+use serde::{Deserialize, Serialize};
+
+/// The result of a trace.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct TraceResult {
+    /// The recordings that were fitted.
+    pub recordings: Vec<String>,
+    /// The recordings that were held out as a whole.
+    pub held_out: Vec<String>,
+    /// The noise of the measured force, estimated from the recordings.
+    pub noise_floor_nrmse: f64,
+    /// The law alone.
+    pub baseline: Baseline,
+    /// What was concluded.
+    pub verdict: Verdict,
+    /// The effects found; for [`Verdict::Ambiguous`] those that the data cannot tell apart.
+    pub effects: Vec<FoundEffect>,
+    /// All families tried, the best first.
+    pub candidates: Vec<Candidate>,
+    /// The test that would tell the candidates apart, where one is needed.
+    pub separating_test: Option<String>,
+    /// What the force beyond the law depends on: `displacement`, `velocity`, `history`, `time`, `cycle`,
+    /// `temperature`, `frequency`, `amplitude`.
+    pub depends_on: Vec<String>,
+    /// What is wrong with the data, in words.
+    pub warnings: Vec<String>,
+    /// The law with what was found, in f64.
+    pub augmented: Errors,
+    /// The same on the embedded law in f32.
+    pub on_target: OnTarget,
+}
+
+/// What a trace concludes.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Verdict {
+    /// The law explains the recordings down to their noise.
+    None,
+    /// Named effects explain what the law does not.
+    Found,
+    /// Several effects explain it equally well.
+    Ambiguous,
+    /// No listed effect explains it.
+    Unlisted,
+}
+
+/// The law before anything is added.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Baseline {
+    /// The law's name.
+    pub law: String,
+    /// On the samples that were fitted.
+    pub nrmse_fitted: f64,
+    /// On the samples that were held out.
+    pub nrmse_held_out: f64,
+}
+
+/// One effect beside the law.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct FoundEffect {
+    /// The family's name, as in the model file.
+    pub family: String,
+    /// Its parameters by name.
+    pub parameters: BTreeMap<String, Estimate>,
+    /// Held-out error of everything but this effect.
+    pub nrmse_without: f64,
+    /// Held-out error with it.
+    pub nrmse_with: f64,
+}
+
+/// A parameter with its 95 % interval.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Estimate {
+    /// Best value.
+    pub value: f64,
+    /// Lower end.
+    pub low: f64,
+    /// Upper end.
+    pub high: f64,
+    /// Unit of all three.
+    pub unit: String,
+}
+
+/// One family that was tried.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Candidate {
+    /// The family's name.
+    pub family: String,
+    /// Held-out error of the law with it.
+    pub nrmse_held_out: f64,
+    /// Whether the data tell it from the best.
+    pub distinguishable: bool,
+}
+
+/// Errors on fitted and on held-out samples.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Errors {
+    /// On the samples that were fitted.
+    pub nrmse_fitted: f64,
+    /// On the samples that were held out.
+    pub nrmse_held_out: f64,
+}
+
+/// The error of the law that ships.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct OnTarget {
+    /// On the samples that were held out.
+    pub nrmse_held_out: f64,
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// The names that other programs read.
+    #[test]
+    fn keeps_the_names_of_the_contract() {
+        let text = r#"{
+            "recordings": ["a.csv"], "held_out": ["b.csv"], "noise_floor_nrmse": 0.004,
+            "baseline": {"law": "mixed_damping", "nrmse_fitted": 0.1, "nrmse_held_out": 0.2},
+            "verdict": "found",
+            "effects": [{"family": "stick_slip",
+                "parameters": {"slip_limit": {"value": 0.03, "low": 0.02, "high": 0.04, "unit": "mm"}},
+                "nrmse_without": 0.2, "nrmse_with": 0.005}],
+            "candidates": [{"family": "stick_slip", "nrmse_held_out": 0.005, "distinguishable": true}],
+            "separating_test": null, "depends_on": ["displacement", "history"], "warnings": [],
+            "augmented": {"nrmse_fitted": 0.004, "nrmse_held_out": 0.005},
+            "on_target": {"nrmse_held_out": 0.005}}"#;
+        let contract: serde_json::Value = serde_json::from_str(text).unwrap();
+        let result: TraceResult = serde_json::from_str(text).unwrap();
+        assert_eq!(serde_json::to_value(&result).unwrap(), contract);
+    }
+}
