@@ -27,6 +27,16 @@ pub struct Law<R> {
     alpha: R,
 }
 
+impl<R> Law<R> {
+    /// From coefficients that are known to be in range.
+    pub(crate) const fn from_valid(k1: R, k3: R, c: R, alpha: R) -> Self
+    where
+        R: Copy,
+    {
+        Self { k1, k3, c, alpha }
+    }
+}
+
 impl<R: Real> Law<R> {
     /// * `k1`: linear stiffness, kN/mm, −1e9…1e9
     /// * `k3`: cubic stiffness, kN/mm³, −1e9…1e9

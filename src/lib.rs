@@ -15,3 +15,4 @@ pub mod power;
 pub mod real;
 pub mod sine;
 mod sum;
+pub mod table;
