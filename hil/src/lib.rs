@@ -5,6 +5,7 @@ pub mod actuator;
 pub mod error;
 pub mod identify;
 pub mod model;
+pub mod model_file;
 pub mod output;
 pub mod predict;
 pub mod recording;

@@ -20,8 +20,8 @@ pub use units::{Unit, Units};
 
 use crate::error::{InputError, Place};
 
-/// The fewest samples that a recording may have: a cubic through four points is what resampling needs.
-pub const FEWEST_SAMPLES: usize = 4;
+/// The fewest samples that a recording may have: what estimating its motion needs.
+pub const FEWEST_SAMPLES: usize = 8;
 
 /// Motion and force over time, in the code's units, with the units and rows of the file it was read from.
 ///
