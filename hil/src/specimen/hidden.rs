@@ -49,17 +49,17 @@ pub enum HiddenEffect {
         /// kg, that is 1e-6 kN·s²/mm.
         mass: f64,
     },
-    /// F = k·(1 − e^(−n/N))·y with n cycles run: wires that bed in.
+    /// F = k·(1 − e^(−n/N))·y with n cycles run: wires that bed in (k > 0) or break (k < 0).
     Drift {
-        /// The final change k, kN/mm.
+        /// The change k in the end, kN/mm.
         stiffness: f64,
         /// N, cycles.
         cycles: f64,
     },
-    /// F = β·(T − T0)·(force of eq 13), in a chamber whose air warms from T0 as T0 + rise·(1 − e^(−t/time)).
+    /// F = −β·(T − T0)·(force of eq 13), in a chamber that warms from T0 = 20 °C as T0 + rise·(1 − e^(−t/time)).
     Temperature {
-        /// β, 1/°C.
-        relative: f64,
+        /// β, loss of force per degree, 1/°C.
+        beta: f64,
         /// °C.
         rise: f64,
         /// s.
@@ -99,6 +99,79 @@ impl HiddenEffect {
             Self::Drift { .. } => "drift",
             Self::Temperature { .. } => "temperature",
         }
+    }
+
+    /// The same effect with `factor` times the force.
+    pub fn scaled(mut self, factor: f64) -> Self {
+        *match &mut self {
+            Self::Offset { force } => force,
+            Self::Asymmetry { k2 } => k2,
+            Self::Hardening { k5 } => k5,
+            Self::StickSlip { stiffness, .. } => stiffness,
+            Self::Viscous { c } => c,
+            Self::Relaxation { stiffness, .. } => stiffness,
+            Self::Inertia { mass } => mass,
+            Self::Drift { stiffness, .. } => stiffness,
+            Self::Temperature { beta, .. } => beta,
+        } *= factor;
+        self
+    }
+
+    /// Its parameters as (name, value, unit).
+    pub fn parameters(&self) -> Vec<(&'static str, f64, &'static str)> {
+        match *self {
+            Self::Offset { force } => vec![("force", force, "kN")],
+            Self::Asymmetry { k2 } => vec![("k2", k2, "kN/mm2")],
+            Self::Hardening { k5 } => vec![("k5", k5, "kN/mm5")],
+            Self::StickSlip {
+                stiffness,
+                slip_limit,
+                ..
+            } => vec![
+                ("stiffness", stiffness, "kN/mm"),
+                ("slip_limit", slip_limit, "mm"),
+            ],
+            Self::Viscous { c } => vec![("c", c, "kN*s/mm")],
+            Self::Relaxation { stiffness, time } => {
+                vec![("stiffness", stiffness, "kN/mm"), ("time", time, "s")]
+            }
+            Self::Inertia { mass } => vec![("mass", mass, "kg")],
+            Self::Drift { stiffness, cycles } => {
+                vec![
+                    ("stiffness", stiffness, "kN/mm"),
+                    ("cycles", cycles, "cycles"),
+                ]
+            }
+            Self::Temperature { beta, rise, time } => vec![
+                ("beta", beta, "1/degC"),
+                ("rise", rise, "degC"),
+                ("time", time, "s"),
+            ],
+        }
+    }
+
+    /// Whether a specimen can have it: finite sizes, and limits, times, cycles and sliders above zero.
+    pub fn is_admissible(&self) -> bool {
+        let finite = self
+            .parameters()
+            .iter()
+            .all(|(_, value, _)| value.is_finite());
+        finite
+            && match *self {
+                Self::StickSlip {
+                    slip_limit, shape, ..
+                } => {
+                    slip_limit > 0.0
+                        && match shape {
+                            SlipShape::Sharp => true,
+                            SlipShape::Smooth { exponent } => exponent >= 1.0,
+                            SlipShape::Spread { sliders } => sliders > 0,
+                        }
+                }
+                Self::Relaxation { time, .. } | Self::Temperature { time, .. } => time > 0.0,
+                Self::Drift { cycles, .. } => cycles > 0.0,
+                _ => true,
+            }
     }
 }
 
@@ -223,17 +296,10 @@ impl Hidden {
                 let run = count.update(y);
                 stiffness * (1.0 - (-run / cycles).exp()) * y
             }
-            (
-                HiddenEffect::Temperature {
-                    relative,
-                    rise,
-                    time,
-                },
-                Memory::Heat { temperature },
-            ) => {
+            (HiddenEffect::Temperature { beta, rise, time }, Memory::Heat { temperature }) => {
                 let warmed = rise * (1.0 - (-step.time / time).exp());
                 *temperature = REFERENCE_TEMPERATURE + warmed;
-                relative * warmed * step.law
+                -beta * warmed * step.law
             }
             _ => unreachable!("at_rest() gives every effect its own memory"),
         }
@@ -274,22 +340,25 @@ fn slip(stretch: &mut [f64], moved: f64, limit: f64, shape: SlipShape) -> f64 {
     stretch.iter().sum::<f64>() / count
 }
 
-/// Counts cycles by upward crossings of zero that were preceded by a swing of at least a fifth of the largest so far.
+/// Counts half cycles: passages through zero after a swing of at least a fifth of the largest so far.
 #[derive(Clone, Debug, Default)]
 struct CycleCount {
     largest: f64,
-    below: bool,
+    /// Side of the last such swing, −1 or 1; 0 before the first.
+    side: f64,
     completed: f64,
 }
 
 impl CycleCount {
+    /// Cycles completed, by halves.
     fn update(&mut self, displacement: f64) -> f64 {
         self.largest = self.largest.max(displacement.abs());
-        if displacement < -0.2 * self.largest {
-            self.below = true;
-        } else if displacement >= 0.0 && self.below {
-            self.below = false;
-            self.completed += 1.0;
+        if displacement * self.side < 0.0 {
+            self.side = 0.0;
+            self.completed += 0.5;
+        }
+        if displacement.abs() > 0.2 * self.largest {
+            self.side = displacement.signum();
         }
         self.completed
     }

@@ -1,9 +1,13 @@
 //! Truth physics of a simulated metal mesh specimen: eq 13 with the table's coefficients, and effects that the law does
 //! not know of. Shares no code with the crate's effects, so that tracing them is a test and not an echo.
 
+mod draw;
 mod hidden;
+mod protocol;
 
+pub use draw::{DrawnEffect, LARGEST_SHARE, SMALLEST_SHARE, draw, force_share};
 pub use hidden::{HiddenEffect, SlipShape};
+pub use protocol::{Block, Motion, PROTOCOL, motion};
 
 use hidden::Hidden;
 
@@ -56,7 +60,11 @@ impl Specimen {
     }
 
     /// The same with one more effect in it.
+    ///
+    /// # Panics
+    /// When the effect is not [admissible](HiddenEffect::is_admissible).
     pub fn with(mut self, effect: HiddenEffect) -> Self {
+        assert!(effect.is_admissible(), "no specimen can have {effect:?}");
         self.hidden.push(Hidden::at_rest(effect));
         self
     }

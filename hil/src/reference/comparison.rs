@@ -1,0 +1,59 @@
+//! How far a simulated force is from a measured one: eq 21, and what the project uses instead.
+
+/// Eq 21 and how much of the record it could be taken over.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct RelativeError {
+    /// σ = √(1/N·Σ((F_sim − F_exp)/F_exp)²) over the samples kept.
+    pub sigma: f64,
+    /// Share of the samples kept, 0…1.
+    pub kept: f64,
+}
+
+/// Eq 21 over the samples whose measured force is at least `guard` times its largest magnitude.
+///
+/// The equation divides by the measured force, which passes through 0 twice a cycle; without a guard (0) its value is
+/// set by the few samples next to those passages. The paper states none.
+///
+/// `None` when the lengths differ or no sample is kept.
+pub fn relative_error(simulated: &[f64], measured: &[f64], guard: f64) -> Option<RelativeError> {
+    if simulated.len() != measured.len() {
+        return None;
+    }
+    let least = guard * measured.iter().fold(0.0_f64, |m, f| m.max(f.abs()));
+    let mut sum = 0.0;
+    let mut kept = 0_usize;
+    for (s, m) in simulated.iter().zip(measured) {
+        if m.abs() >= least && *m != 0.0 {
+            sum += ((s - m) / m).powi(2);
+            kept += 1;
+        }
+    }
+    (kept > 0).then(|| RelativeError {
+        sigma: (sum / kept as f64).sqrt(),
+        kept: kept as f64 / measured.len() as f64,
+    })
+}
+
+/// NRMSE: RMS of the error over RMS of the measured force.
+///
+/// `None` when the lengths differ or nothing was measured but zeros.
+pub fn nrmse(simulated: &[f64], measured: &[f64]) -> Option<f64> {
+    let error: f64 = simulated
+        .iter()
+        .zip(measured)
+        .map(|(s, m)| (s - m).powi(2))
+        .sum();
+    let size: f64 = measured.iter().map(|m| m * m).sum();
+    (simulated.len() == measured.len() && size > 0.0).then(|| (error / size).sqrt())
+}
+
+/// R² = 1 − Σ(value − fitted)² / Σ(value − mean)², over pairs of value and fitted.
+pub fn r_squared(pairs: &[(f64, f64)]) -> f64 {
+    let mean = pairs.iter().map(|(value, _)| value).sum::<f64>() / pairs.len() as f64;
+    let left: f64 = pairs
+        .iter()
+        .map(|(value, fitted)| (value - fitted).powi(2))
+        .sum();
+    let total: f64 = pairs.iter().map(|(value, _)| (value - mean).powi(2)).sum();
+    1.0 - left / total
+}
