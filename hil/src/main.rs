@@ -1,1 +1,24 @@
-fn main() {}
+//! The `hil` command: rig tests, tracing and prediction of the metal mesh damper.
+#![forbid(unsafe_code)]
+
+mod cli;
+
+use std::process::ExitCode;
+
+use clap::Parser as _;
+
+fn main() -> ExitCode {
+    std::panic::set_hook(Box::new(|fault| {
+        eprintln!(
+            "error: a fault in hil itself, please report it: {}",
+            fault.to_string().replace('\n', ": ")
+        );
+    }));
+    match cli::Cli::parse().run() {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(failure) => {
+            eprintln!("error: {failure}");
+            failure.exit_code()
+        }
+    }
+}

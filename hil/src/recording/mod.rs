@@ -136,7 +136,7 @@ impl Recording {
         }
         Err(InputError::new(
             &self.name,
-            format!("holds only {} samples", self.len()),
+            format!("holds only {}", counted(self.len())),
             format!("record at least {samples}"),
         ))
     }
@@ -226,4 +226,9 @@ impl Recording {
         )
         .at(Place::Line(self.line(index + 1))))
     }
+}
+
+fn counted(samples: usize) -> String {
+    let plural = if samples == 1 { "" } else { "s" };
+    format!("{samples} sample{plural}")
 }

@@ -1,0 +1,60 @@
+//! The command line: one file per command.
+
+mod predict;
+
+use std::io::Write as _;
+use std::process::ExitCode;
+
+use clap::{Parser, Subcommand};
+use hil::error::InputError;
+
+/// Rig tests, tracing and prediction of the elastic porous metal mesh damper.
+///
+/// Exit codes: 0 done, 1 the check asked for failed, 2 bad usage or bad input.
+#[derive(Debug, Parser)]
+#[command(name = "hil", version)]
+pub struct Cli {
+    #[command(subcommand)]
+    command: Command,
+}
+
+#[derive(Debug, Subcommand)]
+enum Command {
+    Predict(predict::Predict),
+}
+
+impl Cli {
+    /// Does what the command line asks for.
+    pub fn run(self) -> Result<(), Failure> {
+        match self.command {
+            Command::Predict(command) => command.run(),
+        }
+    }
+}
+
+/// Why a command did not end well.
+#[derive(Debug, thiserror::Error)]
+pub enum Failure {
+    /// The usage or the input was bad.
+    #[error(transparent)]
+    Input(#[from] InputError),
+}
+
+impl Failure {
+    /// The exit code that says so.
+    pub fn exit_code(&self) -> ExitCode {
+        match self {
+            Self::Input(_) => ExitCode::from(2),
+        }
+    }
+}
+
+/// Prints results to standard output; who has closed it wants no more.
+fn say(text: &str) {
+    let _ = writeln!(std::io::stdout(), "{text}");
+}
+
+/// Prints to standard error what the user should know though the work goes on.
+fn warn(text: &str) {
+    eprintln!("warning: {text}");
+}

@@ -1,0 +1,109 @@
+//! Recordings written and read again.
+
+use std::fs;
+
+use hil::recording::{Recording, units};
+use proptest::prelude::*;
+
+fn unit_of<'a>(units: &'a [units::Unit], index: usize) -> &'a units::Unit {
+    &units[index % units.len()]
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(64))]
+
+    /// Whatever the units and the packing, what is read is what was written, to the nine digits that are written.
+    #[test]
+    fn comes_back_in_any_unit(
+        picks in prop::array::uniform4(0_usize..16),
+        gz: bool,
+        measured: bool,
+        channels in prop::collection::vec((-50.0..50.0, -10.0..10.0, -300.0..300.0, -40.0..90.0), 8..40),
+    ) {
+        let time: Vec<f64> = (0..channels.len()).map(|i| 12.0 + i as f64 * 0.002).collect();
+        let pick = |of: fn(&(f64, f64, f64, f64)) -> f64| channels.iter().map(of).collect::<Vec<f64>>();
+        let mut recording =
+            Recording::new("made", time, pick(|c| c.0), pick(|c| c.1)).unwrap().with_comment("specimen: x");
+        if measured {
+            recording = recording.with_velocity(pick(|c| c.2)).unwrap();
+            recording = recording.with_temperature(pick(|c| c.3)).unwrap();
+        }
+        recording.units.time = *unit_of(units::TIME, picks[0]);
+        recording.units.displacement = *unit_of(units::DISPLACEMENT, picks[1]);
+        recording.units.force = *unit_of(units::FORCE, picks[2]);
+        recording.units.velocity = *unit_of(units::VELOCITY, picks[3]);
+
+        let root = tempfile::tempdir().unwrap();
+        let path = root.path().join(if gz { "a.csv.gz" } else { "a.csv" });
+        let bytes = recording.to_file(&path);
+        fs::write(&path, &bytes).unwrap();
+        let read = Recording::read(&path).unwrap();
+        prop_assert_eq!(&read.comments, &recording.comments);
+        prop_assert_eq!(read.units.force, recording.units.force);
+        // Rounding to nine significant digits: at most half a unit of the ninth.
+        let close = |a: &[f64], b: &[f64]| a.iter().zip(b).all(|(a, b)| (a - b).abs() <= 5e-9 * a.abs() + 1e-300);
+        prop_assert!(close(&recording.time, &read.time));
+        prop_assert!(close(&recording.displacement, &read.displacement));
+        prop_assert!(close(&recording.force, &read.force));
+        prop_assert_eq!(read.velocity.is_some(), measured);
+        if measured {
+            prop_assert!(close(recording.velocity.as_ref().unwrap(), read.velocity.as_ref().unwrap()));
+            prop_assert!(close(recording.temperature.as_ref().unwrap(), read.temperature.as_ref().unwrap()));
+        }
+        // What was read is written as it was read.
+        prop_assert_eq!(read.to_file(&path), bytes);
+    }
+
+    /// Bytes of any kind are refused or read, and never end in a panic or in a message of two lines.
+    #[test]
+    fn any_bytes_are_refused_in_one_line(
+        head in prop::sample::select(vec!["", "# c\n", "time_s,displacement_mm,force_kN\n", "time_s,force_N\n", "\u{1f}"]),
+        body in "[0-9.,eE+\\-\n\r #\"a-z]{0,200}",
+        tail in prop::collection::vec(any::<u8>(), 0..8),
+    ) {
+        let root = tempfile::tempdir().unwrap();
+        let path = root.path().join("a.csv");
+        fs::write(&path, [head.as_bytes(), body.as_bytes(), &tail].concat()).unwrap();
+        if let Err(error) = Recording::read(&path) {
+            prop_assert_eq!(error.to_string().lines().count(), 1);
+        }
+    }
+}
+
+#[test]
+fn each_unit_is_what_it_says() {
+    let root = tempfile::tempdir().unwrap();
+    let path = root.path().join("a.csv");
+    for (column, factor) in [
+        ("displacement_mm", 1.0),
+        ("displacement_m", 1e3),
+        ("displacement_um", 1e-3),
+        ("displacement_in", 25.4),
+    ] {
+        let rows: String = (0..8).map(|i| format!("{i},{i},{i}\n")).collect();
+        fs::write(
+            &path,
+            format!("\u{feff}time_ms,{column},force_kip\r\n{rows}"),
+        )
+        .unwrap();
+        let read = Recording::read(&path).unwrap();
+        assert_eq!(read.displacement[2], 2.0 * factor);
+        assert_eq!(read.time[3], 0.003);
+        assert!((read.force[1] - 4.448_221_615_260_5).abs() < 1e-12);
+        assert!((read.sample_period() - 0.001).abs() < 1e-15);
+    }
+}
+
+#[test]
+fn other_columns_are_kept_and_ignored() {
+    let root = tempfile::tempdir().unwrap();
+    let path = root.path().join("a.csv");
+    let rows: String = (0..8).map(|i| format!("x{i},{i},{i},,{i},{i}\n")).collect();
+    let text =
+        format!("label,time_s,displacement_mm,force_command_kN,force_N,velocity_mm/s\n{rows}");
+    fs::write(&path, &text).unwrap();
+    let read = Recording::read(&path).unwrap();
+    assert_eq!(read.force[7], 0.007);
+    assert_eq!(read.velocity.as_ref().unwrap()[7], 7.0);
+    assert_eq!(read.to_file(&path), text.as_bytes());
+}
