@@ -1,0 +1,159 @@
+//! |v|^α against libm's in f64.
+
+use mesh_damper::power::{PowerTable, abs_pow};
+use proptest::prelude::*;
+
+/// The fits' errors, 1.2e-7·½·ln 2 and 9.1e-8; four roundings of the logarithm (6e-8·½·ln 2 each), those of α·log₂ m
+/// and of the fraction (3e-8·ln 2 each), and those of q (6e-8·0.3) and of the power (6e-8): 3.6e-7 if all conspired.
+const SHORT_FORM: f64 = 3e-7;
+
+/// Two roundings of 6e-8 and the cubic's own error, at most (α·(1−α)·(2−α)·(3−α)/24)·(1/17)⁴/8 = 6e-8.
+const TABLE: f64 = 2.5e-7;
+
+fn relative_error(is: f32, exact: f64) -> f64 {
+    (f64::from(is) / exact - 1.0).abs()
+}
+
+#[test]
+fn the_short_form_over_a_dense_grid() {
+    let alphas =
+        (0..=50)
+            .map(|i| i as f32 / 50.0)
+            .chain([0.1581, 0.4014, 0.5571, 1e-3, 1e-7, 0.999_999_94]);
+    let mut worst = 0.0f64;
+    for alpha in alphas {
+        // Every exponent, mantissas a prime number of units apart, about 1700 to the octave.
+        let mut bits = 0x0080_0000u32;
+        while bits <= 0x7f00_0000 {
+            let v = f32::from_bits(bits);
+            let error =
+                relative_error(abs_pow(v, alpha), libm::pow(f64::from(v), f64::from(alpha)));
+            assert!(error < SHORT_FORM, "{v}^{alpha}: {error:e}");
+            worst = worst.max(error);
+            bits += 4999;
+        }
+    }
+    println!("largest relative error {worst:e}");
+}
+
+#[test]
+fn the_short_form_over_every_mantissa() {
+    let mut worst = 0.0f64;
+    for alpha in [0.1581, 0.3279, 0.5571, 1.0] {
+        for bits in 0x3f80_0000u32..0x4000_0000 {
+            let v = f32::from_bits(bits);
+            worst = worst.max(relative_error(
+                abs_pow(v, alpha),
+                libm::pow(f64::from(v), f64::from(alpha)),
+            ));
+        }
+    }
+    assert!(worst < SHORT_FORM, "{worst:e}");
+}
+
+#[test]
+fn the_ends_of_the_short_form() {
+    for alpha in [1e-6f32, 0.15, 0.5, 1.0] {
+        for v in [0.0f32, -0.0, 1e-40, -1e-40] {
+            assert_eq!(abs_pow(v, alpha), 0.0, "{v}^{alpha}");
+        }
+        for v in [
+            f32::MAX,
+            f32::MIN,
+            f32::INFINITY,
+            f32::NEG_INFINITY,
+            f32::NAN,
+        ] {
+            assert_eq!(
+                abs_pow(v, alpha),
+                abs_pow(2f32.powi(127), alpha),
+                "{v}^{alpha}"
+            );
+        }
+        assert_eq!(abs_pow(1.0, alpha), 1.0);
+        assert_eq!(abs_pow(-3.0, alpha), abs_pow(3.0, alpha));
+    }
+    for v in [0.0, 1e-40, 1e-30, 0.3, -7.0, f32::MAX, f32::NAN] {
+        assert_eq!(abs_pow(v, 0.0), 1.0, "{v}^0");
+    }
+}
+
+proptest! {
+    #[test]
+    fn the_short_form_is_finite(bits: u32, alpha in 0.0f32..=1.0) {
+        let power = abs_pow(f32::from_bits(bits), alpha);
+        prop_assert!(power.is_finite() && power >= 0.0);
+    }
+
+    #[test]
+    fn the_short_form_multiplies(a in 1e-6f32..1e4, b in 1e-6f32..1e4, alpha in 0.0f32..=1.0) {
+        let product = f64::from(abs_pow(a, alpha)) * f64::from(abs_pow(b, alpha));
+        // The product's own rounding, 6e-8, and three powers.
+        prop_assert!(relative_error(abs_pow(a * b, alpha), product) < 3.0 * SHORT_FORM + 6e-8);
+    }
+
+    #[test]
+    fn the_table_is_finite_and_odd(bits: u32, c in 0.0f64..=1e9, alpha in 0.0f64..=1.0) {
+        let table = PowerTable::new(c, alpha).unwrap();
+        let v = f32::from_bits(bits);
+        let force = table.damping_force(v);
+        prop_assert!(force.is_finite());
+        prop_assert_eq!(force, -table.damping_force(-v));
+        prop_assert!(v.is_nan() || force == 0.0 || force.is_sign_positive() == v.is_sign_positive());
+    }
+}
+
+#[test]
+fn the_table_over_a_dense_grid() {
+    let mut worst = 0.0f64;
+    for c in [1.0, 0.0235, 0.6592] {
+        for alpha in [0.0, 0.01, 0.1581, 0.2569, 0.3279, 0.4429, 0.5571, 0.8, 1.0] {
+            let table = PowerTable::new(c, alpha).unwrap();
+            // 2⁻²⁰ to 2¹², about 3700 to the octave.
+            let mut bits = (127 - 20) << 23;
+            while bits < (127 + 12) << 23 {
+                let v = f32::from_bits(bits);
+                let exact = c * libm::pow(f64::from(v), alpha);
+                let error = relative_error(table.damping_force(v), exact);
+                assert!(error < TABLE, "{c}·{v}^{alpha}: {error:e}");
+                assert_eq!(table.damping_force(-v), -table.damping_force(v));
+                worst = worst.max(error);
+                bits += 2273;
+            }
+        }
+    }
+    println!("largest relative error {worst:e}");
+}
+
+#[test]
+fn outside_the_table_it_is_linear_below_and_the_short_form_above() {
+    let (c, alpha) = (0.5, 0.3);
+    let table = PowerTable::new(c, alpha).unwrap();
+    let lowest = 2f32.powi(-20);
+    let at_lowest = table.damping_force(lowest);
+    for part in [0.0f32, 1e-30, 1e-3, 0.5, 0.999] {
+        let force = table.damping_force(part * lowest);
+        assert!(
+            (f64::from(force) - f64::from(part * at_lowest)).abs()
+                < 3e-7 * f64::from(part * at_lowest) + 1e-38
+        );
+    }
+    for v in [4096.0f32, 5e4, 1e6] {
+        let exact = c * libm::pow(f64::from(v), alpha);
+        assert!(relative_error(table.damping_force(v), exact) < SHORT_FORM + 1.2e-7);
+    }
+    for v in [1e6f32, 1e7, f32::MAX, f32::INFINITY, f32::NAN] {
+        assert_eq!(table.damping_force(v), table.damping_force(1e6));
+    }
+    assert_eq!(table.damping_force(0.0), 0.0);
+}
+
+#[test]
+fn a_table_that_makes_no_sense_is_refused() {
+    for c in [-1e-9, 2e9, f64::NAN, f64::INFINITY] {
+        assert!(PowerTable::new(c, 0.5).is_err());
+    }
+    for alpha in [-0.1, 1.1, f64::NAN] {
+        assert!(PowerTable::new(1.0, alpha).is_err());
+    }
+}
