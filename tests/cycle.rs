@@ -505,7 +505,7 @@ fn a_long_run_does_not_drift() {
     let mut found = 0;
     for n in 0..=200_000 * 50u64 {
         let (y, v) = samples[(n % 50) as usize];
-        let phase = ((n % 50 << 32) / 50) as u32;
+        let phase = (((n % 50) << 32) / 50) as u32;
         if let Some(cycle) = accumulator.update(y as f32, (3.0 * y + 0.2 * v) as f32, phase) {
             assert_eq!(*first.get_or_insert(cycle), cycle);
             found += 1;
