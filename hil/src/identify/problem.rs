@@ -7,8 +7,8 @@
 use levenberg_marquardt::{LeastSquaresProblem, LevenbergMarquardt};
 use nalgebra::{Cholesky, DMatrix, DVector, Dyn, Owned};
 
-use super::term::{Shape, Term, TermValue};
-use crate::model::{Family, LawNode};
+use super::term::{Shape, Term, TermValue, added_effects};
+use crate::model::{Family, LawNode, Model};
 use crate::recording::trajectory::Trajectory;
 
 /// Added to the diagonal of the scaled normal equations, so that a direction that the data do not show stays small.
@@ -26,6 +26,8 @@ pub struct Rows<'a> {
     temperature: Vec<f64>,
     force: Vec<f64>,
     node: Vec<usize>,
+    /// Square root of a row's weight: every recording counts the same, however long or strong it is.
+    weight: Vec<f64>,
     /// Amplitudes of the law's nodes, mm.
     nodes: Vec<f64>,
 }
@@ -50,9 +52,11 @@ impl<'a> Rows<'a> {
             temperature: Vec::new(),
             force: Vec::new(),
             node: Vec::new(),
+            weight: Vec::new(),
             nodes,
         };
         for (which, trajectory) in trajectories.iter().enumerate() {
+            let first = rows.len();
             let motion = &trajectory.motion;
             let mut kinks = motion.kinks.iter().peekable();
             for index in 0..trajectory.len() {
@@ -76,7 +80,21 @@ impl<'a> Rows<'a> {
                 rows.node
                     .push(nearest(&rows.nodes, trajectory.amplitude[index]));
             }
+            let power: f64 = rows.force[first..].iter().map(|force| force * force).sum();
+            rows.weight.resize(
+                rows.len(),
+                if power > 0.0 {
+                    power.sqrt().recip()
+                } else {
+                    0.0
+                },
+            );
         }
+        // On average 1, so that residuals stay in kN.
+        let mean_square = rows.weight.iter().map(|w| w * w).sum::<f64>() / rows.len().max(1) as f64;
+        rows.weight
+            .iter_mut()
+            .for_each(|weight| *weight /= mean_square.sqrt());
         rows
     }
 
@@ -88,6 +106,69 @@ impl<'a> Rows<'a> {
     /// No sample at all.
     pub fn is_empty(&self) -> bool {
         self.force.is_empty()
+    }
+
+    /// The node that a row's amplitude is nearest to.
+    pub(super) fn node(&self, index: usize) -> usize {
+        self.node[index]
+    }
+
+    /// ln |v| at a row.
+    pub(super) fn log_speed(&self, index: usize) -> f64 {
+        self.log_speed[index]
+    }
+
+    /// Temperature at a row, °C.
+    pub(super) fn temperature(&self, index: usize) -> f64 {
+        self.temperature[index]
+    }
+
+    /// y, y³ and |v|^α·sgn v at a row, times `scale`.
+    pub(super) fn law_row(&self, index: usize, alpha: f64, scale: f64) -> [f64; 3] {
+        let y = self.displacement[index];
+        let damping = self.direction[index] * (alpha * self.log_speed[index]).exp();
+        [scale * y, scale * y * y * y, scale * damping]
+    }
+
+    /// The force of `term` with size 1 at every row. The history that it depends on is that of the whole trajectories.
+    pub(super) fn unit_force(&self, term: &Term, shape: f64) -> Vec<f64> {
+        let per_trajectory: Vec<Vec<f64>> = self
+            .trajectories
+            .iter()
+            .map(|trajectory| {
+                // A shape at the end of its range may be refused at this tick; the term then has no force.
+                term.unit_force(shape, trajectory)
+                    .unwrap_or_else(|_| vec![0.0; trajectory.len()])
+            })
+            .collect();
+        self.origin
+            .iter()
+            .map(|&(trajectory, sample)| per_trajectory[trajectory][sample])
+            .collect()
+    }
+
+    /// Square root of a row's weight.
+    pub(super) fn weight(&self, index: usize) -> f64 {
+        self.weight[index]
+    }
+
+    /// Weighted difference of the force of `solution` from the measured one at every row, kN.
+    pub(super) fn residuals(&self, solution: &Solution) -> Vec<f64> {
+        let added: Vec<(f64, Vec<f64>)> = solution
+            .terms
+            .iter()
+            .filter(|value| value.term.size_name().is_some())
+            .map(|value| (value.size, self.unit_force(&value.term, value.shape)))
+            .collect();
+        (0..self.len())
+            .map(|index| {
+                let node = &solution.law[self.node[index]];
+                let [y, y3, damping] = self.law_row(index, node.alpha, solution.scale(self, index));
+                let law = node.k1 * y + node.k3 * y3 + node.c * damping;
+                let effects: f64 = added.iter().map(|(size, unit)| size * unit[index]).sum();
+                self.weight[index] * (law + effects - self.force[index])
+            })
+            .collect()
     }
 }
 
@@ -108,12 +189,28 @@ pub struct Solution {
     pub law: Vec<LawNode>,
     /// The added terms.
     pub terms: Vec<TermValue>,
-    /// RMS of what is left, kN, over the samples fitted.
-    pub residual_rms: f64,
-    /// Exponents of the nodes, then logarithms of the shapes.
+    /// Exponents of the nodes, then the terms' searched parameters: logarithms of shapes, and temperature's β.
     search: Vec<f64>,
-    /// k1, k3, c of every node, then sizes.
-    linear: Vec<f64>,
+}
+
+impl Solution {
+    /// What temperature scales the law by at a row.
+    pub(super) fn scale(&self, rows: &Rows, index: usize) -> f64 {
+        self.terms
+            .iter()
+            .find(|value| value.term.family == Family::Temperature)
+            .map_or(1.0, |value| {
+                1.0 - value.size * (rows.temperature[index] - value.term.reference)
+            })
+    }
+
+    /// The model that the crate runs.
+    pub fn model(&self) -> Model {
+        Model {
+            law: self.law.clone(),
+            effects: added_effects(&self.terms),
+        }
+    }
 }
 
 /// A law and added terms, to be fitted to rows.
@@ -178,7 +275,7 @@ impl<'r, 'a> Problem<'r, 'a> {
                     .collect()
             }
         };
-        let mut problem = Self {
+        let problem = Self {
             rows,
             terms: terms.to_vec(),
             shapes,
@@ -240,9 +337,12 @@ impl<'r, 'a> Problem<'r, 'a> {
         let mut right = DVector::<f64>::zeros(width);
         let mut row = vec![0.0; 3 + added];
         for (index, law) in law_columns.iter().enumerate() {
-            row[..3].copy_from_slice(law);
+            let weight = rows.weight[index];
+            for (slot, value) in row[..3].iter_mut().zip(law) {
+                *slot = weight * value;
+            }
             for (slot, column) in row[3..].iter_mut().zip(&effects) {
-                *slot = column[index];
+                *slot = weight * column[index];
             }
             let place = |i: usize| {
                 if i < 3 {
@@ -253,7 +353,7 @@ impl<'r, 'a> Problem<'r, 'a> {
             };
             for i in 0..row.len() {
                 let to = place(i);
-                right[to] += row[i] * rows.force[index];
+                right[to] += row[i] * weight * rows.force[index];
                 for j in 0..=i {
                     gram[(to, place(j))] += row[i] * row[j];
                 }
@@ -271,7 +371,7 @@ impl<'r, 'a> Problem<'r, 'a> {
                 for (i, column) in effects.iter().enumerate() {
                     force += linear[3 * nodes + i] * column[index];
                 }
-                force - rows.force[index]
+                rows.weight[index] * (force - rows.force[index])
             }),
         );
         State { residuals, linear }
@@ -287,42 +387,23 @@ impl<'r, 'a> Problem<'r, 'a> {
             .and_then(|index| Some((at[self.slot(index)?], self.terms[index].reference)));
         (0..rows.len())
             .map(|index| {
-                let y = rows.displacement[index];
                 let alpha = at[rows.node[index]].clamp(0.0, 1.0);
-                let damping = rows.direction[index] * (alpha * rows.log_speed[index]).exp();
                 let factor = scale.map_or(1.0, |(beta, reference)| {
                     1.0 - beta * (rows.temperature[index] - reference)
                 });
-                [factor * y, factor * y * y * y, factor * damping]
+                rows.law_row(index, alpha, factor)
             })
             .collect()
     }
 
     /// The forces of the terms with size 1, at every row; temperature, which scales the law, has none.
     fn effect_columns(&self, at: &DVector<f64>) -> Vec<Vec<f64>> {
-        let rows = self.rows;
-        let mut columns = Vec::new();
-        for (index, term) in self.terms.iter().enumerate() {
-            if term.size_name().is_none() {
-                continue;
-            }
-            let shape = self.shape_value(index, at);
-            let per_trajectory: Vec<Vec<f64>> = rows
-                .trajectories
-                .iter()
-                .map(|trajectory| {
-                    term.unit_force(shape, trajectory)
-                        .unwrap_or_else(|_| vec![0.0; trajectory.len()])
-                })
-                .collect();
-            columns.push(
-                rows.origin
-                    .iter()
-                    .map(|&(trajectory, sample)| per_trajectory[trajectory][sample])
-                    .collect(),
-            );
-        }
-        columns
+        self.terms
+            .iter()
+            .enumerate()
+            .filter(|(_, term)| term.size_name().is_some())
+            .map(|(index, term)| self.rows.unit_force(term, self.shape_value(index, at)))
+            .collect()
     }
 
     /// Where the searched parameter of `term` stands among the parameters, if it has one.
@@ -376,9 +457,7 @@ impl<'r, 'a> Problem<'r, 'a> {
         Solution {
             law,
             terms,
-            residual_rms: self.state.residuals.norm() / (self.rows.len() as f64).sqrt(),
             search: self.parameters.iter().copied().collect(),
-            linear: linear.iter().copied().collect(),
         }
     }
 }

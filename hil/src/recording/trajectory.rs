@@ -1,7 +1,12 @@
 //! A recording made ready for identification: uniform time base, estimated motion, cycles and blocks.
 
+use super::Recording;
 use super::cycles::{Block, Cycles};
 use super::motion::{Motion, noise_deviation};
+use crate::error::InputError;
+
+/// The fewest samples that a motion can be estimated from.
+const FEWEST_SAMPLES: usize = 32;
 
 /// Motion and force on a uniform time base, with what can be read off them.
 #[derive(Clone, Debug)]
@@ -24,9 +29,30 @@ pub struct Trajectory {
     pub amplitude: Vec<f64>,
     /// Standard deviation of the force's noise, kN.
     pub force_noise: f64,
+    /// Whether samples stand about this tick; false inside a gap of the recording.
+    pub measured: Vec<bool>,
 }
 
 impl Trajectory {
+    /// Conditions a recording, on a uniform time base.
+    ///
+    /// # Errors
+    /// Too few samples, or a recording that is mostly gaps.
+    pub fn of(recording: &Recording) -> Result<Self, InputError> {
+        recording.require_samples(FEWEST_SAMPLES)?;
+        let uniform = recording.uniform()?;
+        let mut trajectory = Self::new(
+            recording.name.clone(),
+            uniform.period,
+            &uniform.displacement,
+            uniform.force,
+            uniform.velocity,
+            uniform.temperature,
+        );
+        trajectory.measured = uniform.measured;
+        Ok(trajectory)
+    }
+
     /// Conditions the channels of a recording: `displacement` mm, `force` kN, `velocity` mm/s and `temperature` °C where
     /// measured, sampled every `tick` s.
     ///
@@ -61,6 +87,7 @@ impl Trajectory {
             force_noise: noise_deviation(&force),
             force,
             temperature,
+            measured: vec![true; count],
             cycles: cycles.elapsed(count, tick),
             amplitude: cycles.amplitude_per_sample(count),
             blocks: cycles.blocks,

@@ -1,3 +1,132 @@
-//! From recordings to the effect that the law lacks.
+//! From recordings to the effect that the law lacks, and to the law with it.
+//!
+//! Eq 13 is fitted, effects are added one at a time while the cycles kept apart for judging are predicted clearly better,
+//! needless ones are dropped, and the result is fitted once more to all but the samples held out, on which alone the
+//! error is reported.
 
+mod closing;
 pub mod result;
+mod score;
+mod select;
+mod split;
+mod verdict;
+
+pub use split::{Role, Roles};
+
+use crate::error::InputError;
+use crate::model::{Model, ModelError};
+use crate::recording::trajectory::Trajectory;
+use crate::recording::{Recording, check_consistency};
+use closing::Closing;
+use result::TraceResult;
+use select::{Search, Selection, amplitude_nodes, error_between};
+
+/// Nodes over amplitude are tried up to this many; more, and the motion has no levels of amplitude.
+const MOST_NODES: usize = 8;
+
+/// Why a trace could not be made.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+pub enum TraceError {
+    /// A recording was refused.
+    #[error(transparent)]
+    Input(#[from] InputError),
+    /// The crate refused a fitted law.
+    #[error("the fitted law cannot be run: {0}; check the recording's units")]
+    Model(#[from] ModelError),
+}
+
+/// A recording with what the laws make of it.
+#[derive(Clone, Debug)]
+pub struct Traced {
+    /// The recording's motion and force.
+    pub trajectory: Trajectory,
+    /// What each sample was for.
+    pub roles: Vec<Role>,
+    /// Force of eq 13 alone, kN.
+    pub before: Vec<f64>,
+    /// Force with the effects found, kN.
+    pub after: Vec<f64>,
+}
+
+/// What a trace found.
+#[derive(Clone, Debug)]
+pub struct Trace {
+    /// The contents of `trace.json`.
+    pub result: TraceResult,
+    /// Eq 13 alone.
+    pub baseline: Model,
+    /// Eq 13 with the effects found.
+    pub model: Model,
+    /// The recordings fitted, then those held out.
+    pub recordings: Vec<Traced>,
+}
+
+/// Closes the loop on `recordings`; the error is reported on `held_out`, or, where there is none, on the last cycles of
+/// each block and one whole block of `recordings`. `progress` is told what is being done.
+///
+/// # Errors
+/// Recordings that contradict each other or cannot be used; a law that the crate refuses.
+pub fn trace(
+    recordings: &[Recording],
+    held_out: &[Recording],
+    progress: &(dyn Fn(&str) + Sync),
+) -> Result<Trace, TraceError> {
+    let all: Vec<&Recording> = recordings.iter().chain(held_out).collect();
+    check_consistency(&all)?;
+    progress("estimating the motion");
+    let fitted: Vec<Trajectory> = recordings
+        .iter()
+        .map(Trajectory::of)
+        .collect::<Result<_, _>>()?;
+    let held: Vec<Trajectory> = held_out
+        .iter()
+        .map(Trajectory::of)
+        .collect::<Result<_, _>>()?;
+
+    let mut roles = Roles::all_fit(&fitted);
+    if held.is_empty() {
+        roles.keep_apart(&fitted, Role::HeldOut);
+    }
+    let mut judging = roles.clone();
+    judging.keep_apart(&fitted, Role::Judge);
+    let (over_amplitude, selection) = search(&fitted, &judging, progress)?;
+    progress("fitting what was found to all that is not held out");
+    let nodes = if over_amplitude {
+        amplitude_nodes(&fitted, &roles)
+    } else {
+        vec![0.0]
+    };
+    let closing = Closing::new(&fitted, &roles, &held, nodes);
+    Ok(closing.close(&selection)?)
+}
+
+/// Searches with one set of coefficients for all amplitudes, and with one for each; returns whether the latter is to be
+/// preferred, and the search with the form preferred.
+///
+/// It is preferred when the judging cycles are predicted clearly better, by a larger factor than that by which amplitudes
+/// between the nodes, which neither form was fitted to, are predicted worse.
+fn search(
+    fitted: &[Trajectory],
+    judging: &Roles,
+    progress: &(dyn Fn(&str) + Sync),
+) -> Result<(bool, Selection), ModelError> {
+    let nodes = amplitude_nodes(fitted, judging);
+    let one = Search::new(fitted, judging, vec![0.0]).run(progress)?;
+    if nodes.len() < 2 || nodes.len() > MOST_NODES {
+        return Ok((false, one));
+    }
+    let each = Search::new(fitted, judging, nodes.clone()).run(progress)?;
+    if !each.found.score.beats(&one.found.score) {
+        return Ok((false, one));
+    }
+    progress("testing amplitudes between the fitted ones");
+    let inner = &nodes[1..nodes.len() - 1];
+    let between_of_each = error_between(fitted, &nodes, inner, &each.found.solution.terms)?;
+    let between_of_one = error_between(fitted, &[0.0], inner, &one.found.solution.terms)?;
+    let gain = one.found.score.nrmse() / each.found.score.nrmse();
+    Ok(if between_of_each <= gain * between_of_one {
+        (true, each)
+    } else {
+        (false, one)
+    })
+}

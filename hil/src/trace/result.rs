@@ -74,7 +74,7 @@ pub struct FoundEffect {
     pub nrmse_with: f64,
 }
 
-/// A parameter with its 95 % interval.
+/// A parameter with its 90 % interval.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Estimate {
     /// Best value.
@@ -94,8 +94,12 @@ pub struct Candidate {
     pub family: String,
     /// Held-out error of the law with it.
     pub nrmse_held_out: f64,
-    /// Whether the data tell it from the best.
+    /// Whether the data tell it from the best of its step.
     pub distinguishable: bool,
+    /// At which step it was tried, from 1: beside the law and the effects that the steps before had found.
+    pub step: usize,
+    /// Error on the cycles that chose among the candidates.
+    pub nrmse_judged: f64,
 }
 
 /// Errors on fitted and on held-out samples.
@@ -128,7 +132,8 @@ mod tests {
             "effects": [{"family": "stick_slip",
                 "parameters": {"slip_limit": {"value": 0.03, "low": 0.02, "high": 0.04, "unit": "mm"}},
                 "nrmse_without": 0.2, "nrmse_with": 0.005}],
-            "candidates": [{"family": "stick_slip", "nrmse_held_out": 0.005, "distinguishable": true}],
+            "candidates": [{"family": "stick_slip", "nrmse_held_out": 0.005, "distinguishable": true,
+                "step": 1, "nrmse_judged": 0.005}],
             "separating_test": null, "depends_on": ["displacement", "history"], "warnings": [],
             "augmented": {"nrmse_fitted": 0.004, "nrmse_held_out": 0.005},
             "on_target": {"nrmse_held_out": 0.005}}"#;

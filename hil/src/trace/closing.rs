@@ -1,0 +1,247 @@
+//! The end of a trace: what was found is fitted to all that may be fitted, and its error read where nothing was.
+
+use std::collections::BTreeMap;
+
+use mesh_damper::real::Real;
+
+use super::result::{Baseline, Candidate, Errors, Estimate, FoundEffect, OnTarget, TraceResult};
+use super::select::Selection;
+use super::split::{Role, Roles};
+use super::verdict::{conclude, depends_on, separating_test, warnings};
+use super::{Trace, Traced};
+use crate::identify::problem::{Problem, Rows, Solution};
+use crate::identify::term::{Term, TermValue, added_effects};
+use crate::identify::uncertainty::Uncertainty;
+use crate::model::{Model, ModelError, parameter_unit};
+use crate::predict::predict;
+use crate::recording::trajectory::Trajectory;
+
+/// The recordings of a trace, with what each sample is for.
+pub(super) struct Closing<'a> {
+    /// The recordings fitted, then those held out.
+    recordings: Vec<(&'a Trajectory, Vec<Role>)>,
+    fitted: usize,
+    rows: Rows<'a>,
+}
+
+impl<'a> Closing<'a> {
+    /// `nodes` are the amplitudes at which eq 13 has coefficients of its own, mm.
+    pub fn new(
+        fitted: &'a [Trajectory],
+        roles: &'a Roles,
+        held: &'a [Trajectory],
+        nodes: Vec<f64>,
+    ) -> Self {
+        let of_fitted = fitted.iter().enumerate().map(|(which, trajectory)| {
+            let roles = (0..trajectory.len())
+                .map(|sample| roles.of(which, sample))
+                .collect();
+            (trajectory, roles)
+        });
+        let of_held = held
+            .iter()
+            .map(|trajectory| (trajectory, held_roles(trajectory, fitted)));
+        Self {
+            recordings: of_fitted.chain(of_held).collect(),
+            fitted: fitted.len(),
+            rows: Rows::gather(fitted, nodes, |which, sample| {
+                roles.of(which, sample) != Role::HeldOut
+            }),
+        }
+    }
+
+    /// Fits eq 13 alone and with what `selection` found, and reports.
+    pub fn close(&self, selection: &Selection) -> Result<Trace, ModelError> {
+        let terms = terms_of(&selection.found.solution);
+        let baseline = Problem::solve(&self.rows, &[], None).model();
+        let solution = Problem::solve(&self.rows, &terms, Some(&selection.found.solution));
+        let model = solution.model();
+        let (before, without) = self.evaluate::<f64>(&baseline)?;
+        let (after, with) = self.evaluate::<f64>(&model)?;
+        let (_, on_target) = self.evaluate::<f32>(&model)?;
+        let noise_floor = self.noise_floor();
+        let verdict = conclude(selection, noise_floor);
+
+        let names = |held: bool| {
+            let recordings = self.recordings.iter().enumerate();
+            let some = recordings.filter(move |(index, _)| (*index >= self.fitted) == held);
+            some.map(|(_, (trajectory, _))| trajectory.name.clone())
+                .collect()
+        };
+        let result = TraceResult {
+            recordings: names(false),
+            held_out: names(true),
+            noise_floor_nrmse: noise_floor,
+            baseline: Baseline {
+                law: "mixed_damping".to_owned(),
+                nrmse_fitted: without.nrmse_fitted,
+                nrmse_held_out: without.nrmse_held_out,
+            },
+            verdict,
+            effects: self.effects(&solution, with.nrmse_held_out)?,
+            candidates: self.candidates(selection)?,
+            separating_test: separating_test(verdict, selection),
+            depends_on: depends_on(&model),
+            warnings: warnings(
+                self.recordings.iter().map(|(trajectory, _)| *trajectory),
+                &model,
+                &with,
+                noise_floor,
+            ),
+            augmented: with,
+            on_target: OnTarget {
+                nrmse_held_out: on_target.nrmse_held_out,
+            },
+        };
+        let recordings = self
+            .recordings
+            .iter()
+            .zip(before.into_iter().zip(after))
+            .map(|((trajectory, roles), (before, after))| Traced {
+                trajectory: (*trajectory).clone(),
+                roles: roles.clone(),
+                before,
+                after,
+            })
+            .collect();
+        Ok(Trace {
+            result,
+            baseline,
+            model,
+            recordings,
+        })
+    }
+
+    /// The model's force on every recording, kN, and its errors.
+    fn evaluate<R: Real>(&self, model: &Model) -> Result<(Vec<Vec<f64>>, Errors), ModelError> {
+        let predicted = self
+            .recordings
+            .iter()
+            .map(|(trajectory, _)| predict::<R>(model, trajectory))
+            .collect::<Result<Vec<_>, _>>()?;
+        let nrmse = |held_out: bool| {
+            let (mut error, mut force) = (0.0, 0.0);
+            for ((trajectory, roles), predicted) in self.recordings.iter().zip(&predicted) {
+                for (sample, &role) in roles.iter().enumerate() {
+                    if (role == Role::HeldOut) == held_out && trajectory.measured[sample] {
+                        error += (predicted[sample] - trajectory.force[sample]).powi(2);
+                        force += trajectory.force[sample].powi(2);
+                    }
+                }
+            }
+            (error / force).sqrt()
+        };
+        let errors = Errors {
+            nrmse_fitted: nrmse(false),
+            nrmse_held_out: nrmse(true),
+        };
+        Ok((predicted, errors))
+    }
+
+    /// The noise of the force over its RMS, over the recordings fitted.
+    fn noise_floor(&self) -> f64 {
+        let (noise, force) =
+            self.recordings[..self.fitted]
+                .iter()
+                .fold((0.0, 0.0), |(noise, force), (t, _)| {
+                    (
+                        noise + t.force_noise.powi(2) * t.len() as f64,
+                        force + t.force.iter().map(|f| f * f).sum::<f64>(),
+                    )
+                });
+        (noise / force).sqrt()
+    }
+
+    /// The effects found with their intervals, each with the held-out error that is left without it.
+    fn effects(&self, solution: &Solution, with: f64) -> Result<Vec<FoundEffect>, ModelError> {
+        let uncertainty = Uncertainty::of(&self.rows, solution);
+        let bound = |end: f64| {
+            let ends =
+                solution
+                    .terms
+                    .iter()
+                    .zip(&uncertainty.terms)
+                    .map(|(value, &(size, shape))| TermValue {
+                        size: value.size + end * size,
+                        shape: value.shape * shape.powf(end),
+                        ..*value
+                    });
+            added_effects(&ends.collect::<Vec<_>>())
+        };
+        let (low, high) = (bound(-1.0), bound(1.0));
+        added_effects(&solution.terms)
+            .into_iter()
+            .zip(low.iter().zip(&high))
+            .map(|(effect, (low, high))| {
+                let others: Vec<Term> = terms_of(solution)
+                    .into_iter()
+                    .filter(|term| term.family != effect.family)
+                    .collect();
+                let without = Problem::solve(&self.rows, &others, None).model();
+                let parameters: BTreeMap<String, Estimate> = effect
+                    .parameters
+                    .iter()
+                    .map(|(name, &value)| {
+                        let unit = parameter_unit(name).unwrap_or_default().to_owned();
+                        let (low, high) = (low.parameters[name], high.parameters[name]);
+                        (
+                            name.clone(),
+                            Estimate {
+                                value,
+                                low,
+                                high,
+                                unit,
+                            },
+                        )
+                    })
+                    .collect();
+                Ok(FoundEffect {
+                    family: effect.family.name().to_owned(),
+                    parameters,
+                    nrmse_without: self.evaluate::<f64>(&without)?.1.nrmse_held_out,
+                    nrmse_with: with,
+                })
+            })
+            .collect()
+    }
+
+    fn candidates(&self, selection: &Selection) -> Result<Vec<Candidate>, ModelError> {
+        selection
+            .candidates
+            .iter()
+            .map(|candidate| {
+                let model = candidate.fitted.solution.model();
+                Ok(Candidate {
+                    family: candidate.family.name().to_owned(),
+                    nrmse_held_out: self.evaluate::<f64>(&model)?.1.nrmse_held_out,
+                    distinguishable: candidate.distinguishable,
+                    step: candidate.step,
+                    nrmse_judged: candidate.fitted.score.nrmse(),
+                })
+            })
+            .collect()
+    }
+}
+
+fn terms_of(solution: &Solution) -> Vec<Term> {
+    solution.terms.iter().map(|value| value.term).collect()
+}
+
+/// A recording that begins with one that was fitted is the same test run on: only what follows was never fitted.
+fn held_roles(held: &Trajectory, fitted: &[Trajectory]) -> Vec<Role> {
+    let known = fitted
+        .iter()
+        .filter(|fitted| held.force.starts_with(&fitted.force))
+        .map(Trajectory::len)
+        .max()
+        .unwrap_or(0);
+    (0..held.len())
+        .map(|sample| {
+            if sample < known {
+                Role::Fit
+            } else {
+                Role::HeldOut
+            }
+        })
+        .collect()
+}

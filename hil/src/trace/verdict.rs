@@ -1,0 +1,118 @@
+//! What is concluded from a search, in the words of `trace.json`.
+
+use super::result::{Errors, Verdict};
+use super::select::{Candidate, Selection};
+use crate::model::Model;
+use crate::recording::trajectory::Trajectory;
+
+/// An error of up to this many times the noise counts as explained.
+const EXPLAINED: f64 = 2.0;
+/// Effects that leave more than this part of eq 13's error, and more than the noise, do not explain it.
+const UNEXPLAINED: f64 = 0.5;
+
+/// The verdict on what a search found.
+pub(super) fn conclude(selection: &Selection, noise_floor: f64) -> Verdict {
+    let left = selection.found.score.nrmse();
+    let explained = left <= EXPLAINED * noise_floor;
+    if selection.found.solution.terms.is_empty() {
+        return if explained {
+            Verdict::None
+        } else {
+            Verdict::Unlisted
+        };
+    }
+    if !explained && left > UNEXPLAINED * selection.baseline.score.nrmse() {
+        Verdict::Unlisted
+    } else if rivals(selection).len() > 1 {
+        Verdict::Ambiguous
+    } else {
+        Verdict::Found
+    }
+}
+
+/// The families that did as well as the best at the step that ended in the law found, the best among them.
+fn rivals(selection: &Selection) -> Vec<&Candidate> {
+    let last = selection.found.solution.terms.len();
+    let at_last = selection
+        .candidates
+        .iter()
+        .filter(|candidate| candidate.step == last);
+    at_last
+        .enumerate()
+        .filter(|(place, candidate)| *place == 0 || !candidate.distinguishable)
+        .map(|(_, candidate)| candidate)
+        .collect()
+}
+
+/// The test that tells rivals apart, as text with a programme of blocks.
+pub(super) fn separating_test(verdict: Verdict, selection: &Selection) -> Option<String> {
+    if verdict != Verdict::Ambiguous {
+        return None;
+    }
+    let names: Vec<&str> = rivals(selection)
+        .iter()
+        .map(|candidate| candidate.family.name())
+        .collect();
+    Some(format!(
+        "{} predict these recordings equally well; they differ over frequency and amplitude: \
+         record --blocks 0.05:1:6,0.1:0.5:4,0.1:1:6,0.1:2:8,0.1:5:12,0.1:10:20,0.2:1:6,0.2:5:12 and trace that",
+        names.join(" and ")
+    ))
+}
+
+/// What the added forces depend on.
+pub(super) fn depends_on(model: &Model) -> Vec<String> {
+    let mut names: Vec<String> = Vec::new();
+    for name in model
+        .effects
+        .iter()
+        .flat_map(|effect| effect.family.depends_on())
+    {
+        if !names.iter().any(|known| known == name) {
+            names.push((*name).to_owned());
+        }
+    }
+    names
+}
+
+/// What a reader should know before trusting the result.
+pub(super) fn warnings<'t>(
+    trajectories: impl Iterator<Item = &'t Trajectory>,
+    model: &Model,
+    errors: &Errors,
+    noise_floor: f64,
+) -> Vec<String> {
+    let mut warnings = Vec::new();
+    let (first, last) = (model.law.first(), model.law.last());
+    for trajectory in trajectories {
+        let missing = trajectory
+            .measured
+            .iter()
+            .filter(|&&measured| !measured)
+            .count();
+        if missing > 0 {
+            warnings.push(format!(
+                "{}: {missing} samples are missing; they were left out",
+                trajectory.name
+            ));
+        }
+        if let (Some(first), Some(last)) = (first, last)
+            && model.law.len() > 1
+            && let Some(block) = trajectory.blocks.iter().find(|block| {
+                block.amplitude < 0.94 * first.amplitude || block.amplitude > 1.06 * last.amplitude
+            })
+        {
+            warnings.push(format!(
+                "{}: a block of {:.3} mm lies outside the fitted amplitudes {:.3} … {:.3} mm; the nearest one's coefficients are held",
+                trajectory.name, block.amplitude, first.amplitude, last.amplitude
+            ));
+        }
+    }
+    let ratio = errors.nrmse_fitted / noise_floor;
+    if ratio > EXPLAINED {
+        warnings.push(format!(
+            "what is left is {ratio:.1} times the noise of the force: something is still missing from the law"
+        ));
+    }
+    warnings
+}
