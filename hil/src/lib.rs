@@ -10,5 +10,6 @@ pub mod output;
 pub mod predict;
 pub mod recording;
 pub mod reference;
+pub mod report;
 pub mod specimen;
 pub mod trace;

@@ -1,0 +1,71 @@
+//! `report.html`: what a trace found, in one file that opens anywhere and prints.
+
+mod charts;
+mod page;
+mod text;
+
+use std::ops::Range;
+
+use crate::model::Model;
+use crate::trace::result::TraceResult;
+
+pub use page::render;
+
+/// What a report is made from.
+#[derive(Clone, Debug, PartialEq)]
+pub struct ReportData {
+    /// The page's title.
+    pub title: String,
+    /// What else is to be known of the test, as pairs of a name and a text, such as the effect that a demonstration hid.
+    pub facts: Vec<(String, String)>,
+    /// What was found.
+    pub result: TraceResult,
+    /// The law and the effects that it ends with.
+    pub model: Model,
+    /// The recordings, those held out included.
+    pub series: Vec<Series>,
+}
+
+/// One recording with the forces that the law gave before and after.
+///
+/// All channels have as many samples as `time`.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Series {
+    /// The recording's name.
+    pub name: String,
+    /// s
+    pub time: Vec<f64>,
+    /// mm
+    pub displacement: Vec<f64>,
+    /// mm/s
+    pub velocity: Vec<f64>,
+    /// Measured, kN.
+    pub force: Vec<f64>,
+    /// The law alone, kN.
+    pub before: Vec<f64>,
+    /// The law with what was found, kN.
+    pub after: Vec<f64>,
+    /// Its blocks in order; none where no cycle was found.
+    pub blocks: Vec<SeriesBlock>,
+}
+
+/// Cycles of like amplitude and frequency.
+#[derive(Clone, Debug, PartialEq)]
+pub struct SeriesBlock {
+    /// The samples of one representative cycle: the loop that is drawn.
+    pub cycle: Range<usize>,
+    /// mm
+    pub amplitude: f64,
+    /// Hz
+    pub frequency: f64,
+    /// Whether that cycle was never fitted.
+    pub held_out: bool,
+}
+
+/// The loop of one block, measured and before and after, as an SVG file of its own.
+pub fn loop_picture(series: &Series, block: &SeriesBlock) -> String {
+    charts::loop_chart(series, block, &charts::STANDALONE)
+}
+
+#[cfg(test)]
+mod tests;

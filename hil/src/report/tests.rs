@@ -1,0 +1,192 @@
+//! The report of a made-up trace.
+
+use std::collections::BTreeMap;
+use std::f64::consts::TAU;
+
+use super::*;
+use crate::model::{AddedEffect, Family, LawNode};
+use crate::trace::result::{Baseline, Candidate, Errors, Estimate, FoundEffect, OnTarget, Verdict};
+
+/// Blocks of amplitude (mm) and frequency (Hz), six cycles each, with a slider that the law lacks.
+fn series(name: &str, blocks: &[(f64, f64)], held_out: bool) -> Series {
+    let mut made = Series {
+        name: name.into(),
+        ..Series::default()
+    };
+    let (mut time, mut stretch, mut previous) = (0.0, 0.0_f64, 0.0);
+    for &(amplitude, frequency) in blocks {
+        let start = made.time.len();
+        let count = (6.0 / frequency / 0.002) as usize;
+        for i in 0..count {
+            let phase = TAU * frequency * i as f64 * 0.002;
+            let (y, v) = (
+                amplitude * phase.sin(),
+                amplitude * TAU * frequency * phase.cos(),
+            );
+            stretch = (stretch + y - previous).clamp(-0.03, 0.03);
+            previous = y;
+            let law = 0.9 * y + 20.0 * y.powi(3) + 0.06 * v.abs().powf(0.3) * v.signum();
+            // Noise that is the same on every run.
+            let noise = 6e-4 * ((i * 7919 % 1000) as f64 / 500.0 - 1.0);
+            made.time.push(time);
+            made.displacement.push(y);
+            made.velocity.push(v);
+            made.force.push(law + 1.2 * stretch + noise);
+            made.before.push(1.15 * law);
+            made.after.push(law + 1.2 * stretch);
+            time += 0.002;
+        }
+        made.blocks.push(SeriesBlock {
+            cycle: start + count * 4 / 6..start + count * 5 / 6,
+            amplitude,
+            frequency,
+            held_out,
+        });
+    }
+    made
+}
+
+fn data() -> ReportData {
+    let estimate = |value: f64, unit: &str| Estimate {
+        value,
+        low: 0.97 * value,
+        high: 1.04 * value,
+        unit: unit.into(),
+    };
+    let parameters: BTreeMap<String, Estimate> = [
+        ("stiffness".to_owned(), estimate(1.2, "kN/mm")),
+        ("slip_limit".to_owned(), estimate(0.03, "mm")),
+    ]
+    .into();
+    let candidate = |family: &str, nrmse_held_out, distinguishable| Candidate {
+        family: family.into(),
+        nrmse_held_out,
+        distinguishable,
+    };
+    ReportData {
+        title: "Trace of ring-3.csv".into(),
+        facts: vec![("Specimen".into(), "ring <3>, 3.0 g/cm³".into())],
+        result: TraceResult {
+            recordings: vec!["ring-3.csv".into()],
+            held_out: vec!["tests/ring-3-held.csv".into()],
+            noise_floor_nrmse: 0.004,
+            baseline: Baseline {
+                law: "mixed_damping".into(),
+                nrmse_fitted: 0.0712,
+                nrmse_held_out: 0.0834,
+            },
+            verdict: Verdict::Found,
+            effects: vec![FoundEffect {
+                family: "stick_slip".into(),
+                parameters,
+                nrmse_without: 0.0834,
+                nrmse_with: 0.00432,
+            }],
+            candidates: vec![
+                candidate("stick_slip", 0.00432, true),
+                candidate("relaxation", 0.0312, true),
+                candidate("viscous", 0.0733, true),
+            ],
+            separating_test: None,
+            depends_on: vec!["displacement".into(), "history".into()],
+            warnings: vec!["3 samples are missing after 4.2 s".into()],
+            augmented: Errors {
+                nrmse_fitted: 0.0041,
+                nrmse_held_out: 0.00432,
+            },
+            on_target: OnTarget {
+                nrmse_held_out: 0.00433,
+            },
+        },
+        model: Model {
+            law: vec![LawNode {
+                amplitude: 0.0,
+                k1: 0.9,
+                k3: 20.0,
+                c: 0.06,
+                alpha: 0.3,
+            }],
+            effects: vec![AddedEffect {
+                family: Family::StickSlip,
+                parameters: [("stiffness".into(), 1.2), ("slip_limit".into(), 0.03)].into(),
+            }],
+        },
+        series: vec![
+            series(
+                "ring-3.csv",
+                &[
+                    (0.05, 1.0),
+                    (0.05, 5.0),
+                    (0.1, 1.0),
+                    (0.1, 5.0),
+                    (0.2, 1.0),
+                    (0.2, 5.0),
+                    (0.15, 2.0),
+                ],
+                false,
+            ),
+            series("tests/ring-3-held.csv", &[(0.12, 3.0), (0.18, 1.5)], true),
+        ],
+    }
+}
+
+#[test]
+fn is_one_small_file_with_everything_in_it() {
+    let page = render(&data());
+    if let Ok(directory) = std::env::var("REPORT_PREVIEW") {
+        std::fs::write(std::path::Path::new(&directory).join("report.html"), &page).unwrap();
+        let series = &data().series[0];
+        let picture = loop_picture(series, &series.blocks[4]);
+        std::fs::write(std::path::Path::new(&directory).join("loop.svg"), picture).unwrap();
+    }
+    assert!(page.len() < 2_000_000, "{}", page.len());
+    for part in [
+        "Found: stick-slip",
+        "8.34 %",
+        "0.432 %",
+        "0.433 %",
+        "slip limit",
+        "0.0291 … 0.0312",
+        "3 samples are missing",
+        "ring &lt;3&gt;",
+        "displacement, mm",
+        "velocity, mm/s",
+        "0.12",
+        "relaxation",
+    ] {
+        assert!(page.contains(part), "{part}");
+    }
+    // Nothing is fetched, and nothing is run.
+    for foreign in ["http://", "https://", "<script", "<link", "@import"] {
+        let own = page.replace("http://www.w3.org/2000/svg", "");
+        assert!(!own.contains(foreign), "{foreign}");
+    }
+    // Nine loops and three residuals, and the swatches of two keys.
+    assert_eq!(page.matches("<svg").count(), 9 + 3 + 3 + 2);
+}
+
+#[test]
+fn a_long_test_is_thinned() {
+    let mut data = data();
+    let block = [(0.2, 0.05); 30];
+    data.series = vec![
+        series("long.csv", &block, false),
+        series("held.csv", &block, true),
+    ];
+    assert!(data.series[0].time.len() > 1_000_000);
+    assert!(render(&data).len() < 2_000_000);
+}
+
+#[test]
+fn nothing_found_and_nothing_recorded_still_make_a_page() {
+    let mut data = data();
+    data.series = vec![Series::default()];
+    data.result.effects.clear();
+    data.result.verdict = Verdict::None;
+    assert!(render(&data).contains("Nothing is missing"));
+    data.result.verdict = Verdict::Unlisted;
+    assert!(render(&data).contains("displacement and history"));
+    data.result.verdict = Verdict::Ambiguous;
+    data.result.separating_test = Some("a ramp and hold".into());
+    assert!(render(&data).contains("a ramp and hold"));
+}

@@ -1,0 +1,160 @@
+//! Numbers and verdicts in plain words.
+
+use crate::trace::result::{TraceResult, Verdict};
+
+/// `value` to three significant digits, with an exponent only where it is very large or very small.
+pub fn number(value: f64) -> String {
+    if value == 0.0 {
+        return "0".into();
+    }
+    if !value.is_finite() {
+        return "—".into();
+    }
+    let magnitude = value.abs().log10().floor();
+    if !(-4.0..6.0).contains(&magnitude) {
+        return format!("{value:.2e}").replace('-', "−");
+    }
+    let decimals = (2.0 - magnitude).max(0.0) as usize;
+    format!("{value:.decimals$}").replace('-', "−")
+}
+
+/// The same without zeros at its end: what was set, not what was measured.
+pub fn short_number(value: f64) -> String {
+    let text = number(value);
+    if text.contains('e') || !text.contains('.') {
+        return text;
+    }
+    text.trim_end_matches('0').trim_end_matches('.').to_owned()
+}
+
+/// An NRMSE as a percentage.
+pub fn percent(fraction: f64) -> String {
+    if fraction.is_finite() {
+        format!("{} %", number(100.0 * fraction))
+    } else {
+        "—".into()
+    }
+}
+
+/// A unit as a reader writes it: kN·s/mm, kN/mm².
+pub fn unit(unit: &str) -> String {
+    match unit {
+        "1" => "cycles".into(),
+        other => other
+            .replace('*', "·")
+            .replace("^2", "²")
+            .replace("^3", "³")
+            .replace("^5", "⁵")
+            .replace("degC", "°C"),
+    }
+}
+
+/// `stick_slip` as `stick-slip`; several joined by `+` or `, ` as they are.
+pub fn name(family: &str) -> String {
+    family.replace('_', "-")
+}
+
+/// What a family is.
+pub fn description(family: &str) -> &'static str {
+    match family {
+        "offset" => "a constant force, such as a preload or a load cell that was not zeroed",
+        "asymmetry" => "a stiffness that differs between push and pull",
+        "hardening" => "a stiffness that rises above the cubic at large displacement",
+        "stop" => "a contact on one side of the travel",
+        "gap" => "play: a dead zone in which nothing is touched",
+        "stick_slip" => {
+            "friction that first stretches elastically and then slides, whatever the speed"
+        }
+        "viscous" => "a force in proportion to velocity",
+        "relaxation" => "a spring and a dashpot in series: a force that fades when motion stops",
+        "inertia" => "a moving mass",
+        "delay" => "a time shift between the force and displacement channels",
+        "compliance" => "a spring in series, such as the fixture's",
+        "drift" => "a stiffness that settles from cycle to cycle",
+        "temperature" => "a force that changes with temperature",
+        "periodic" => "a tone of fixed frequency",
+        _ => "an effect without a name",
+    }
+}
+
+/// The verdict in a heading and a sentence.
+pub fn verdict(result: &TraceResult) -> (String, String) {
+    let named: Vec<String> = result.effects.iter().map(|e| name(&e.family)).collect();
+    let change = format!(
+        "The error of the force on data that was never fitted goes from {} to {} of the force's RMS \
+         ({} with the embedded f32 law); the noise of the recording is {}.",
+        percent(result.baseline.nrmse_held_out),
+        percent(result.augmented.nrmse_held_out),
+        percent(result.on_target.nrmse_held_out),
+        percent(result.noise_floor_nrmse),
+    );
+    match result.verdict {
+        Verdict::None => (
+            "Nothing is missing".into(),
+            format!(
+                "The mixed damping law explains the recordings: its error on data that was never fitted is {} of \
+                 the force's RMS, and the noise of the recording is {}.",
+                percent(result.baseline.nrmse_held_out),
+                percent(result.noise_floor_nrmse)
+            ),
+        ),
+        Verdict::Found => {
+            let what: Vec<String> = result
+                .effects
+                .iter()
+                .map(|e| format!("{} is {}", name(&e.family), description(&e.family)))
+                .collect();
+            (
+                format!("Found: {}", named.join(" and ")),
+                format!("{}. {change}", capitalised(&what.join("; "))),
+            )
+        }
+        Verdict::Ambiguous => (
+            format!("Ambiguous: {}", named.join(" or ")),
+            format!("The recordings cannot tell these apart. {change}"),
+        ),
+        Verdict::Unlisted => (
+            "An effect that is not on the list".into(),
+            format!(
+                "None of the known effects explains what the law lacks; it depends on {}. A correction without a \
+                 name was added. {change}",
+                listed(&result.depends_on)
+            ),
+        ),
+    }
+}
+
+/// `a, b and c`.
+pub fn listed(words: &[String]) -> String {
+    match words {
+        [] => "nothing that was recorded".into(),
+        [one] => one.clone(),
+        [first @ .., last] => format!("{} and {last}", first.join(", ")),
+    }
+}
+
+fn capitalised(text: &str) -> String {
+    let mut characters = text.chars();
+    characters.next().map_or_else(String::new, |first| {
+        first.to_uppercase().chain(characters).collect()
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn numbers_have_three_digits() {
+        assert_eq!(number(0.0), "0");
+        assert_eq!(number(0.012345), "0.0123");
+        assert_eq!(number(-12.345), "−12.3");
+        assert_eq!(number(1234.5), "1234");
+        assert_eq!(number(1.5e-7), "1.50e−7");
+        assert_eq!(number(f64::NAN), "—");
+        assert_eq!(short_number(0.05), "0.05");
+        assert_eq!(short_number(200.0), "200");
+        assert_eq!(percent(0.00412), "0.412 %");
+        assert_eq!(unit("kN/mm^2"), "kN/mm²");
+    }
+}
