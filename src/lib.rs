@@ -13,6 +13,7 @@ pub mod law;
 pub mod observer;
 pub mod power;
 pub mod real;
+pub mod rig;
 pub mod sine;
 mod sum;
 pub mod table;

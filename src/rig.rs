@@ -1,0 +1,343 @@
+//! The fixed-tick controller: reads the specimen, drives the actuator, runs the law beside it, protects both.
+//!
+//! [`Rig`] excites a specimen: the generator's displacement goes out as the actuator's command, corrected for amplitude
+//! and phase from cycle to cycle, and the law is evaluated beside the measured force. [`Emulator`] is the other role: it
+//! is the damper, and drives the law's force for the displacement it measures.
+//!
+//! # Deadline
+//! Call `tick()` once per tick, from a timer at the tick rate; it must return before the next. It clocks 64 bits out of
+//! the ADC and 24 into the DAC, 5.5 µs at 16 MHz, of the 100 µs at 10 kHz. Its computation is a fixed number of
+//! operations without a loop but for the law's effects, and no call into libm; the tick that ends a cycle adds the
+//! cycle's results, a dozen divisions and one square root. Whoever owns the timer counts ticks that came late.
+//!
+//! # Stopping
+//! A limit exceeded, a bus error, a channel at the end of its range or a number that is not finite stops it: the enable
+//! line drops in that very tick, the command goes to 0 in a straight line, and the cause stays as
+//! [`State::Faulted`] until [`Rig::clear`].
+
+mod beside;
+mod correction;
+mod emulator;
+mod fault;
+mod output;
+
+pub use emulator::{Emulator, EmulatorSettings};
+pub use fault::Fault;
+pub use output::State;
+
+use embedded_hal::digital::OutputPin;
+use embedded_hal::spi::SpiDevice;
+
+use crate::adc::{Ads8688, Reading};
+use crate::cycle::Cycle;
+use crate::dac::Ad5761;
+use crate::effects::{AugmentedLaw, Motion};
+use crate::error::ConfigError;
+use crate::observer::{Observer, ObserverConfig};
+use crate::sine::{Excitation, Programme, SineGenerator};
+use beside::{Beside, Comparison};
+use correction::{Correction, CorrectionConfig};
+use fault::{Exceeded, Limits, clipped};
+use output::Output;
+
+/// What a rig is set to. [`Rig::new`] validates it.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct RigSettings {
+    /// Largest measured displacement in either direction, mm, 1e-6…1e4.
+    pub displacement_limit: f64,
+    /// Largest measured force in either direction, kN, 1e-6…1e9.
+    pub force_limit: f64,
+    /// Largest distance of the measured displacement from the demanded one, mm, 1e-6…1e4.
+    pub tracking_limit: f64,
+    /// For how many ticks on end one of these must be exceeded to stop the rig, 1…1e6.
+    pub trip_ticks: u32,
+    /// In how many ticks the command goes to 0 once stopped, 1…1e7.
+    pub stop_ticks: u32,
+    /// Of the observer, Hz, 1e-3 to a tenth of the tick rate.
+    pub observer_bandwidth: f64,
+    /// Damping ratio of the observer, 0.3…3.
+    pub observer_damping: f64,
+    /// Part of the error of amplitude and phase that is corrected at the end of each cycle, 0…1.
+    pub correction_gain: f64,
+    /// Lead to begin with, s, 0…0.1: what the actuator is known to lag.
+    pub lead: f64,
+    /// Time constant with which a correction takes effect, s, one tick to 10.
+    pub glide: f64,
+    /// Integral feedback of the displacement, 1/s, 0 to a hundredth of the tick rate.
+    pub feedback: f64,
+}
+
+impl Default for RigSettings {
+    /// For amplitudes up to 0.3 mm and a few kN, at 0.5–10 Hz.
+    fn default() -> Self {
+        Self {
+            displacement_limit: 0.5,
+            force_limit: 4.5,
+            tracking_limit: 0.3,
+            trip_ticks: 10,
+            stop_ticks: 5_000,
+            observer_bandwidth: 10.0,
+            observer_damping: 0.7,
+            correction_gain: 0.8,
+            lead: 0.0,
+            glide: 5e-3,
+            feedback: 5.0,
+        }
+    }
+}
+
+/// One tick, as the rig saw it.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Telemetry {
+    /// Ticks since construction, this one included.
+    pub tick: u64,
+    /// Measured displacement, mm. The last one read, where reading failed.
+    pub displacement: f32,
+    /// Observed velocity, mm/s.
+    pub velocity: f32,
+    /// Measured force, kN. The last one read, where reading failed.
+    pub measured_force: f32,
+    /// Force of the law at the observed motion, kN.
+    pub model_force: f32,
+    /// What the DAC was asked for: mm, or kN from an emulator.
+    pub command: f32,
+    /// Block of the programme; 0 from an emulator.
+    pub block: usize,
+    /// Cycles completed.
+    pub cycle: u32,
+    /// In a ramp of the programme.
+    pub ramp: bool,
+    /// What the rig is doing after this tick.
+    pub state: State,
+    /// The cycle that ended with this tick.
+    pub report: Option<CycleReport>,
+}
+
+/// One cycle's results, from the observed displacement.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct CycleReport {
+    /// Block of the programme; 0 from an emulator.
+    pub block: usize,
+    /// Number of the cycle, from 0.
+    pub cycle: u32,
+    /// A ramp of the programme.
+    pub ramp: bool,
+    /// With the measured force.
+    pub measured: Cycle,
+    /// With the law's force.
+    pub model: Cycle,
+    /// RMS of the law's error over the RMS of the measured force; 0 where there was no force.
+    pub nrmse: f32,
+}
+
+/// A rig with up to `B` blocks in its programme and up to `N` effects in its law.
+#[derive(Debug)]
+pub struct Rig<A, D, E, const B: usize, const N: usize> {
+    adc: Ads8688<A>,
+    output: Output<D, E>,
+    limits: Limits,
+    observer_config: ObserverConfig,
+    correction_config: CorrectionConfig,
+    generator: SineGenerator<B>,
+    beside: Beside<N>,
+    observer: Observer,
+    correction: Correction,
+    comparison: Comparison,
+    exceeded: Exceeded,
+    reading: Reading,
+    excitation: Excitation,
+    temperature: f32,
+    tick: u64,
+}
+
+impl<A, D, E, const B: usize, const N: usize> Rig<A, D, E, B, N>
+where
+    A: SpiDevice,
+    D: SpiDevice,
+    E: OutputPin,
+{
+    /// Idle, enable line low. The DAC's scale is that of the command in mm. Ticks run at the programme's rate.
+    ///
+    /// # Errors
+    /// A setting that is not finite or out of range; a programme without blocks.
+    pub fn new(
+        adc: Ads8688<A>,
+        dac: Ad5761<D>,
+        enable: E,
+        settings: &RigSettings,
+        programme: Programme<B>,
+        law: AugmentedLaw<f32, N>,
+    ) -> Result<Self, ConfigError> {
+        let tick_rate = programme.tick_rate();
+        let limits = Limits::new(
+            settings.displacement_limit,
+            settings.force_limit,
+            settings.tracking_limit,
+            settings.trip_ticks,
+        )?;
+        let correction_config = CorrectionConfig::new(
+            tick_rate,
+            settings.correction_gain,
+            settings.lead,
+            settings.glide,
+            settings.feedback,
+            limits.displacement(),
+        )?;
+        Ok(Self {
+            adc,
+            output: Output::new(dac, enable, settings.stop_ticks)?,
+            limits,
+            observer_config: ObserverConfig::new(
+                tick_rate,
+                settings.observer_bandwidth,
+                settings.observer_damping,
+            )?,
+            correction_config,
+            generator: SineGenerator::new(programme)?,
+            beside: Beside::new(law),
+            observer: Observer::default(),
+            correction: Correction::new(&correction_config),
+            comparison: Comparison::default(),
+            exceeded: Exceeded::default(),
+            reading: Reading::default(),
+            excitation: Excitation::default(),
+            temperature: 20.0,
+            tick: 0,
+        })
+    }
+
+    /// Begins the programme from its start, with the corrections as they were. Says no, and does nothing, while
+    /// running, faulted, or on the way to 0.
+    pub fn start(&mut self) -> bool {
+        let started = self.output.start();
+        if started {
+            self.generator.restart();
+            self.beside.rest();
+            self.comparison = Comparison::default();
+            self.exceeded = Exceeded::default();
+            self.correction.restart();
+        }
+        started
+    }
+
+    /// Stops without a fault.
+    pub fn stop(&mut self) {
+        if self.output.is_running() {
+            self.output.stop(State::Idle);
+        }
+    }
+
+    /// Forgets the fault. Says no, and does nothing, where there is none or the command is not yet back at 0.
+    pub fn clear(&mut self) -> bool {
+        self.output.clear()
+    }
+
+    /// Another law from the end of this cycle on; see [`Rig::law`]. What its effects remember is kept where they are of
+    /// the same kinds in the same order as before.
+    pub fn swap_law(&mut self, law: AugmentedLaw<f32, N>) {
+        self.beside.swap(law);
+    }
+
+    /// The law in force.
+    pub fn law(&self) -> &AugmentedLaw<f32, N> {
+        self.beside.law()
+    }
+
+    /// Temperature for the law's effects, °C; 20 until set.
+    pub fn set_temperature(&mut self, temperature: f32) {
+        self.temperature = temperature;
+    }
+
+    /// What the rig is doing.
+    pub fn state(&self) -> State {
+        self.output.state()
+    }
+
+    /// The programme.
+    pub fn programme(&self) -> &Programme<B> {
+        self.generator.programme()
+    }
+
+    /// One tick: see the module for its deadline.
+    pub fn tick(&mut self) -> Telemetry {
+        self.tick = self.tick.wrapping_add(1);
+        match self.adc.read() {
+            Ok(reading) => {
+                self.reading = reading;
+                if let Some(fault) = clipped(&reading) {
+                    self.output.trip(fault);
+                }
+            }
+            Err(_) => self.output.trip(Fault::AdcBus),
+        }
+        let displacement = self.reading.displacement.value;
+        let measured_force = self.reading.force.value;
+        // The cycle that ends with this tick is of the block before it.
+        let before = self.excitation;
+        if self.output.is_running() {
+            self.excitation = self.generator.tick();
+        } else {
+            // Standing still, for the observer.
+            self.excitation.acceleration = 0.0;
+            self.excitation.cycle_end = false;
+        }
+        let excitation = self.excitation;
+        if excitation.cycle_end {
+            self.beside.boundary();
+        }
+        let estimate =
+            self.observer
+                .update(&self.observer_config, displacement, excitation.acceleration);
+        let model_force = self.beside.force(&Motion {
+            displacement: estimate.displacement,
+            velocity: estimate.velocity,
+            acceleration: estimate.acceleration,
+            cycles: excitation.cycle as f32 + excitation.phase as f32 * (1.0 / (1u64 << 32) as f32),
+            temperature: self.temperature,
+        });
+        if !model_force.is_finite() {
+            self.output.trip(Fault::NotFinite);
+        }
+        let mut command = 0.0;
+        let mut report = None;
+        if self.output.is_running() {
+            let error = displacement - excitation.displacement;
+            if let Some(fault) =
+                self.limits
+                    .check(&mut self.exceeded, displacement, measured_force, error)
+            {
+                self.output.trip(fault);
+            }
+            command = self
+                .correction
+                .command(&self.correction_config, &excitation, displacement);
+            report = self.comparison.update(
+                measured_force,
+                model_force,
+                excitation.cycle_end,
+                |accumulator, force| {
+                    accumulator.update(estimate.displacement, force, excitation.phase)
+                },
+            );
+            if excitation.done && self.output.is_running() {
+                self.output.stop(State::Done);
+            }
+        }
+        self.output.drive(command);
+        Telemetry {
+            tick: self.tick,
+            displacement,
+            velocity: estimate.velocity,
+            measured_force,
+            model_force,
+            command: self.output.command(),
+            block: excitation.block,
+            cycle: excitation.cycle,
+            ramp: excitation.ramp,
+            state: self.output.state(),
+            report: report.map(|results| {
+                CycleReport::new(results, before.block, excitation.cycle, before.ramp)
+            }),
+        }
+    }
+}

@@ -1,0 +1,135 @@
+//! The law that runs beside the specimen, and the measured force it is held against.
+
+use super::CycleReport;
+use crate::cycle::{Cycle, CycleAccumulator};
+use crate::effects::{AugmentedLaw, AugmentedState, Motion};
+use crate::sum::{FOLD, Sum};
+
+/// A law at work. Another one waits for the end of the cycle.
+#[derive(Clone, Debug)]
+pub(super) struct Beside<const N: usize> {
+    law: AugmentedLaw<f32, N>,
+    state: AugmentedState<f32, N>,
+    pending: Option<AugmentedLaw<f32, N>>,
+}
+
+impl<const N: usize> Beside<N> {
+    pub(super) fn new(law: AugmentedLaw<f32, N>) -> Self {
+        Self {
+            state: law.at_rest(),
+            law,
+            pending: None,
+        }
+    }
+
+    pub(super) fn law(&self) -> &AugmentedLaw<f32, N> {
+        &self.law
+    }
+
+    /// The law to take over at the next boundary; one that was waiting is dropped.
+    pub(super) fn swap(&mut self, law: AugmentedLaw<f32, N>) {
+        self.pending = Some(law);
+    }
+
+    /// All effects at rest.
+    pub(super) fn rest(&mut self) {
+        self.state = self.law.at_rest();
+    }
+
+    /// A cycle has ended: the waiting law takes over. What the effects remember stays where the new law has the same
+    /// kinds of effects in the same order, and is at rest otherwise.
+    #[inline]
+    pub(super) fn boundary(&mut self) {
+        if let Some(law) = self.pending.take() {
+            let kinds = law.effects().iter().map(core::mem::discriminant);
+            let known = self.law.effects().iter().map(core::mem::discriminant);
+            if !kinds.eq(known) {
+                self.state = law.at_rest();
+            }
+            self.law = law;
+        }
+    }
+
+    #[inline]
+    pub(super) fn force(&mut self, motion: &Motion<f32>) -> f32 {
+        self.law.force(&mut self.state, motion)
+    }
+}
+
+/// The cycles of the measured force and of the model's, and the error between them.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct Comparison {
+    measured: CycleAccumulator,
+    model: CycleAccumulator,
+    error_square: Sum,
+    force_square: Sum,
+    ticks: u32,
+}
+
+impl Comparison {
+    /// One tick's forces in kN. `accumulate` gives a force to its accumulator, with the displacement and phase that both
+    /// share; `ended` says that a cycle ended before this tick.
+    #[inline]
+    pub(super) fn update(
+        &mut self,
+        measured: f32,
+        model: f32,
+        ended: bool,
+        accumulate: impl Fn(&mut CycleAccumulator, f32) -> Option<Cycle>,
+    ) -> Option<(Cycle, Cycle, f32)> {
+        let cycles = (
+            accumulate(&mut self.measured, measured),
+            accumulate(&mut self.model, model),
+        );
+        let report = if ended {
+            let nrmse = self.nrmse();
+            self.error_square = Sum::default();
+            self.force_square = Sum::default();
+            self.ticks = 0;
+            match cycles {
+                (Some(measured), Some(model)) => Some((measured, model, nrmse)),
+                _ => None,
+            }
+        } else {
+            None
+        };
+        let error = model - measured;
+        self.error_square.add(error * error);
+        self.force_square.add(measured * measured);
+        self.ticks = self.ticks.saturating_add(1);
+        if self.ticks.is_multiple_of(FOLD) {
+            self.error_square.fold();
+            self.force_square.fold();
+        }
+        report
+    }
+
+    /// RMS of the error over the RMS of the measured force; 0 where there was no force.
+    fn nrmse(&self) -> f32 {
+        let force = self.force_square.total();
+        if force > f32::MIN_POSITIVE {
+            libm::sqrtf(self.error_square.total() / force)
+        } else {
+            0.0
+        }
+    }
+}
+
+impl CycleReport {
+    /// `results` as [`Comparison::update`] gives them, of the cycle before the `cycles` completed.
+    pub(super) fn new(
+        (measured, model, nrmse): (Cycle, Cycle, f32),
+        block: usize,
+        cycles: u32,
+        ramp: bool,
+    ) -> Self {
+        Self {
+            block,
+            cycle: cycles.wrapping_sub(1),
+            ramp,
+            measured,
+            model,
+            nrmse,
+        }
+    }
+}

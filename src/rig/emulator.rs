@@ -1,0 +1,225 @@
+//! The rig as the damper: measured motion in, the law's force out.
+
+use embedded_hal::digital::OutputPin;
+use embedded_hal::spi::SpiDevice;
+
+use super::beside::{Beside, Comparison};
+use super::fault::{Exceeded, Limits, clipped};
+use super::output::Output;
+use super::{CycleReport, Fault, State, Telemetry};
+use crate::adc::{Ads8688, Reading};
+use crate::crossing::CrossingDetector;
+use crate::dac::Ad5761;
+use crate::effects::{AugmentedLaw, Motion};
+use crate::error::ConfigError;
+use crate::observer::{Observer, ObserverConfig};
+
+/// What an emulator is set to. [`Emulator::new`] validates it.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct EmulatorSettings {
+    /// Hz, 1…1e6.
+    pub tick_rate: f64,
+    /// Largest measured displacement in either direction, mm, 1e-6…1e4.
+    pub displacement_limit: f64,
+    /// Largest measured force in either direction, kN, 1e-6…1e9.
+    pub force_limit: f64,
+    /// For how many ticks on end one of these must be exceeded to stop, 1…1e6.
+    pub trip_ticks: u32,
+    /// In how many ticks the force goes to 0 once stopped, 1…1e7.
+    pub stop_ticks: u32,
+    /// Of the observer, Hz, 1e-3 to a tenth of the tick rate. Nothing tells it the motion ahead: it lags by about
+    /// (1 + 2ζ)·(f/bandwidth)² of the velocity at frequency f.
+    pub observer_bandwidth: f64,
+    /// Damping ratio of the observer, 0.3…3.
+    pub observer_damping: f64,
+    /// How far the displacement must go from its mean for a cycle to count, mm, 1e-9…1e4.
+    pub hysteresis: f64,
+}
+
+impl Default for EmulatorSettings {
+    /// For amplitudes of 0.02–0.3 mm up to 10 Hz, at 10 kHz.
+    fn default() -> Self {
+        Self {
+            tick_rate: 10_000.0,
+            displacement_limit: 0.5,
+            force_limit: 4.5,
+            trip_ticks: 10,
+            stop_ticks: 5_000,
+            observer_bandwidth: 100.0,
+            observer_damping: 0.7,
+            hysteresis: 0.01,
+        }
+    }
+}
+
+/// A damper made of a law of up to `N` effects and a force actuator.
+#[derive(Debug)]
+pub struct Emulator<A, D, E, const N: usize> {
+    adc: Ads8688<A>,
+    output: Output<D, E>,
+    limits: Limits,
+    observer_config: ObserverConfig,
+    beside: Beside<N>,
+    observer: Observer,
+    crossing: CrossingDetector,
+    comparison: Comparison,
+    exceeded: Exceeded,
+    reading: Reading,
+    cycle: u32,
+    temperature: f32,
+    tick: u64,
+}
+
+impl<A, D, E, const N: usize> Emulator<A, D, E, N>
+where
+    A: SpiDevice,
+    D: SpiDevice,
+    E: OutputPin,
+{
+    /// Idle, enable line low. The DAC's scale is that of the force in kN.
+    ///
+    /// # Errors
+    /// A setting that is not finite or out of range.
+    pub fn new(
+        adc: Ads8688<A>,
+        dac: Ad5761<D>,
+        enable: E,
+        settings: &EmulatorSettings,
+        law: AugmentedLaw<f32, N>,
+    ) -> Result<Self, ConfigError> {
+        Ok(Self {
+            adc,
+            output: Output::new(dac, enable, settings.stop_ticks)?,
+            // There is no demanded displacement to be away from.
+            limits: Limits::new(
+                settings.displacement_limit,
+                settings.force_limit,
+                settings.displacement_limit,
+                settings.trip_ticks,
+            )?,
+            observer_config: ObserverConfig::new(
+                settings.tick_rate,
+                settings.observer_bandwidth,
+                settings.observer_damping,
+            )?,
+            beside: Beside::new(law),
+            observer: Observer::default(),
+            crossing: CrossingDetector::new(settings.hysteresis as f32)?,
+            comparison: Comparison::default(),
+            exceeded: Exceeded::default(),
+            reading: Reading::default(),
+            cycle: 0,
+            temperature: 20.0,
+            tick: 0,
+        })
+    }
+
+    /// Begins to drive the law's force. Says no, and does nothing, while running, faulted, or on the way to 0.
+    pub fn start(&mut self) -> bool {
+        let started = self.output.start();
+        if started {
+            self.exceeded = Exceeded::default();
+        }
+        started
+    }
+
+    /// Stops without a fault.
+    pub fn stop(&mut self) {
+        if self.output.is_running() {
+            self.output.stop(State::Idle);
+        }
+    }
+
+    /// Forgets the fault. Says no, and does nothing, where there is none or the force is not yet back at 0.
+    pub fn clear(&mut self) -> bool {
+        self.output.clear()
+    }
+
+    /// Another law from the end of this cycle on. What its effects remember is kept where they are of the same kinds in
+    /// the same order as before.
+    pub fn swap_law(&mut self, law: AugmentedLaw<f32, N>) {
+        self.beside.swap(law);
+    }
+
+    /// The law in force.
+    pub fn law(&self) -> &AugmentedLaw<f32, N> {
+        self.beside.law()
+    }
+
+    /// Temperature for the law's effects, °C; 20 until set.
+    pub fn set_temperature(&mut self, temperature: f32) {
+        self.temperature = temperature;
+    }
+
+    /// What the emulator is doing.
+    pub fn state(&self) -> State {
+        self.output.state()
+    }
+
+    /// One tick: see [`crate::rig`] for its deadline. The law is evaluated whether running or not, so that what its
+    /// effects remember follows the motion.
+    pub fn tick(&mut self) -> Telemetry {
+        self.tick = self.tick.wrapping_add(1);
+        match self.adc.read() {
+            Ok(reading) => {
+                self.reading = reading;
+                if let Some(fault) = clipped(&reading) {
+                    self.output.trip(fault);
+                }
+            }
+            Err(_) => self.output.trip(Fault::AdcBus),
+        }
+        let displacement = self.reading.displacement.value;
+        let measured_force = self.reading.force.value;
+        let estimate = self
+            .observer
+            .update(&self.observer_config, displacement, 0.0);
+        let crossing = self.crossing.update(estimate.displacement);
+        let ended = crossing.boundary.is_some();
+        if ended {
+            self.cycle = self.cycle.wrapping_add(1);
+            self.beside.boundary();
+        }
+        let model_force = self.beside.force(&Motion {
+            displacement: estimate.displacement,
+            velocity: estimate.velocity,
+            acceleration: estimate.acceleration,
+            cycles: self.cycle as f32 + crossing.phase as f32 * (1.0 / (1u64 << 32) as f32),
+            temperature: self.temperature,
+        });
+        if !model_force.is_finite() {
+            self.output.trip(Fault::NotFinite);
+        }
+        let results =
+            self.comparison
+                .update(measured_force, model_force, ended, |accumulator, force| {
+                    accumulator.update_at(
+                        estimate.displacement,
+                        force,
+                        crossing.phase,
+                        crossing.boundary,
+                    )
+                });
+        if self.output.is_running()
+            && let Some(fault) =
+                self.limits
+                    .check(&mut self.exceeded, displacement, measured_force, 0.0)
+        {
+            self.output.trip(fault);
+        }
+        self.output.drive(model_force);
+        Telemetry {
+            tick: self.tick,
+            displacement,
+            velocity: estimate.velocity,
+            measured_force,
+            model_force,
+            command: self.output.command(),
+            block: 0,
+            cycle: self.cycle,
+            ramp: false,
+            state: self.output.state(),
+            report: results.map(|results| CycleReport::new(results, 0, self.cycle, false)),
+        }
+    }
+}

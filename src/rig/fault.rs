@@ -1,0 +1,108 @@
+//! Limits, and the causes for which a rig stops.
+
+use crate::error::{ConfigError, in_range};
+
+/// Why a rig stopped.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[non_exhaustive]
+pub enum Fault {
+    /// Reading the ADC failed on the bus.
+    AdcBus,
+    /// Writing the DAC failed on the bus.
+    DacBus,
+    /// The enable line could not be set.
+    EnableLine,
+    /// The displacement channel is at an end of its range.
+    DisplacementClipped,
+    /// The force channel is at an end of its range.
+    ForceClipped,
+    /// The command lies beyond the DAC's range.
+    CommandClipped,
+    /// The measured displacement exceeded its limit.
+    DisplacementLimit,
+    /// The measured force exceeded its limit.
+    ForceLimit,
+    /// The measured displacement was further from the demanded one than allowed.
+    TrackingLimit,
+    /// A force or command was infinite or NaN.
+    NotFinite,
+}
+
+/// What is allowed, validated.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Limits {
+    displacement: f32,
+    force: f32,
+    tracking: f32,
+    trip_ticks: u32,
+}
+
+/// For how many ticks on end each limit has been exceeded.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct Exceeded {
+    displacement: u32,
+    force: u32,
+    tracking: u32,
+}
+
+impl Limits {
+    /// Fields as in [`super::RigSettings`].
+    pub(super) fn new(
+        displacement: f64,
+        force: f64,
+        tracking: f64,
+        trip_ticks: u32,
+    ) -> Result<Self, ConfigError> {
+        in_range("trip_ticks", f64::from(trip_ticks), 1.0, 1e6)?;
+        Ok(Self {
+            displacement: in_range("displacement_limit", displacement, 1e-6, 1e4)? as f32,
+            force: in_range("force_limit", force, 1e-6, 1e9)? as f32,
+            tracking: in_range("tracking_limit", tracking, 1e-6, 1e4)? as f32,
+            trip_ticks,
+        })
+    }
+
+    /// mm.
+    pub(super) fn displacement(&self) -> f32 {
+        self.displacement
+    }
+
+    /// The fault, once a limit has been exceeded for `trip_ticks` ticks on end. NaN exceeds every limit.
+    #[inline]
+    pub(super) fn check(
+        &self,
+        exceeded: &mut Exceeded,
+        displacement: f32,
+        force: f32,
+        tracking_error: f32,
+    ) -> Option<Fault> {
+        let count = |counter: &mut u32, value: f32, limit: f32| {
+            let within = value.abs() <= limit;
+            *counter = if within { 0 } else { counter.saturating_add(1) };
+            *counter >= self.trip_ticks
+        };
+        let displacement = count(&mut exceeded.displacement, displacement, self.displacement);
+        let force = count(&mut exceeded.force, force, self.force);
+        let tracking = count(&mut exceeded.tracking, tracking_error, self.tracking);
+        if displacement {
+            Some(Fault::DisplacementLimit)
+        } else if force {
+            Some(Fault::ForceLimit)
+        } else if tracking {
+            Some(Fault::TrackingLimit)
+        } else {
+            None
+        }
+    }
+}
+
+/// A channel at an end of its range.
+pub(super) fn clipped(reading: &crate::adc::Reading) -> Option<Fault> {
+    if reading.displacement.clipped {
+        Some(Fault::DisplacementClipped)
+    } else if reading.force.clipped {
+        Some(Fault::ForceClipped)
+    } else {
+        None
+    }
+}

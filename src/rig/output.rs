@@ -1,0 +1,127 @@
+//! The guarded output: DAC, enable line and the state that decides what they do.
+
+use embedded_hal::digital::OutputPin;
+use embedded_hal::spi::SpiDevice;
+
+use super::fault::Fault;
+use crate::dac::Ad5761;
+use crate::error::{ConfigError, in_range};
+use crate::real::Real;
+
+/// What a rig is doing.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum State {
+    /// Enable line low, command at 0 or on its way there.
+    Idle,
+    /// Enable line high, command as controlled.
+    Running,
+    /// The programme is over; otherwise as [`State::Idle`].
+    Done,
+    /// Stopped for this cause, until cleared; otherwise as [`State::Idle`].
+    Faulted(Fault),
+}
+
+#[derive(Debug)]
+pub(super) struct Output<D, E> {
+    dac: Ad5761<D>,
+    enable: E,
+    state: State,
+    command: f32,
+    /// By how much the command goes back to 0 per tick once stopped.
+    stop_step: f32,
+    stop_ticks: f32,
+}
+
+impl<D: SpiDevice, E: OutputPin> Output<D, E> {
+    /// Idle at 0. `stop_ticks` as in [`super::RigSettings`].
+    pub(super) fn new(dac: Ad5761<D>, enable: E, stop_ticks: u32) -> Result<Self, ConfigError> {
+        in_range("stop_ticks", f64::from(stop_ticks), 1.0, 1e7)?;
+        let mut new = Self {
+            dac,
+            enable,
+            state: State::Idle,
+            command: 0.0,
+            stop_step: 0.0,
+            stop_ticks: stop_ticks as f32,
+        };
+        new.stop(State::Idle);
+        Ok(new)
+    }
+
+    pub(super) fn state(&self) -> State {
+        self.state
+    }
+
+    pub(super) fn is_running(&self) -> bool {
+        self.state == State::Running
+    }
+
+    pub(super) fn command(&self) -> f32 {
+        self.command
+    }
+
+    /// From [`State::Idle`] or [`State::Done`], once the command is back at 0.
+    pub(super) fn start(&mut self) -> bool {
+        if !matches!(self.state, State::Idle | State::Done) || self.command != 0.0 {
+            return false;
+        }
+        if self.enable.set_high().is_err() {
+            self.trip(Fault::EnableLine);
+            return false;
+        }
+        self.state = State::Running;
+        true
+    }
+
+    /// Drops the line in this very tick and lets the command go to 0 in a straight line.
+    pub(super) fn stop(&mut self, state: State) {
+        self.state = state;
+        if self.enable.set_low().is_err() && !matches!(state, State::Faulted(_)) {
+            self.state = State::Faulted(Fault::EnableLine);
+        }
+        self.stop_step = self.command.abs() / self.stop_ticks;
+    }
+
+    /// Stops for `fault`. The first cause stays.
+    pub(super) fn trip(&mut self, fault: Fault) {
+        if !matches!(self.state, State::Faulted(_)) {
+            self.stop(State::Faulted(fault));
+        }
+    }
+
+    /// From [`State::Faulted`] to [`State::Idle`], once the command is back at 0.
+    pub(super) fn clear(&mut self) -> bool {
+        let stopped = matches!(self.state, State::Faulted(_)) && self.command == 0.0;
+        if stopped {
+            self.stop(State::Idle);
+        }
+        stopped && self.state == State::Idle
+    }
+
+    /// Writes the command where running, the way back to 0 where not.
+    #[inline]
+    pub(super) fn drive(&mut self, command: f32) {
+        if self.is_running() && !command.is_finite() {
+            self.trip(Fault::NotFinite);
+        }
+        self.command = if self.is_running() {
+            command
+        } else if self.command > self.stop_step {
+            self.command - self.stop_step
+        } else if self.command < -self.stop_step {
+            self.command + self.stop_step
+        } else {
+            0.0
+        };
+        match self.dac.write(self.command) {
+            Err(_) => self.trip(Fault::DacBus),
+            Ok(code) if code.clipped => {
+                // The way back starts from what the DAC really drives.
+                let full_scale = self.dac.scale().full_scale().abs();
+                self.command = self.command.confined(full_scale);
+                self.trip(Fault::CommandClipped);
+            }
+            Ok(_) => {}
+        }
+    }
+}
