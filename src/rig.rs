@@ -76,7 +76,7 @@ impl Default for RigSettings {
             tracking_limit: 0.3,
             trip_ticks: 10,
             stop_ticks: 5_000,
-            observer_bandwidth: 10.0,
+            observer_bandwidth: 20.0,
             observer_damping: 0.7,
             correction_gain: 0.8,
             lead: 0.0,

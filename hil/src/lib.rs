@@ -4,6 +4,7 @@
 pub mod actuator;
 pub mod error;
 pub mod identify;
+pub mod link;
 pub mod model;
 pub mod model_file;
 pub mod output;

@@ -44,11 +44,13 @@ fn leakage_gives_the_position_loop_its_droop() {
     }
     // At rest q = leakage·P with P = k·x, and gain·(command − x) = q/√(1 − P/force_limit).
     let x = servo.displacement();
+    // Without throttling, which makes 2 % of a droop of 6e-4 mm:
+    assert!(config.gain == 150.0 && config.leakage == 0.1);
     let throttling = (1.0 - k * x / config.force_limit).sqrt();
     let balance = config.gain * (0.1 - x) * throttling - config.leakage * k * x;
     // The balance of forces is met to 2e-5 kN; leakage turns that into 6e-6 mm/s.
     assert!(balance.abs() < 1e-5, "{balance}");
-    assert!(x < 0.0985 && x > 0.097, "{x}");
+    assert!((x - 0.1 * 150.0 / 150.9).abs() < 2e-5, "{x}");
 }
 
 /// Linear where opening and load are small: the transfer function of valve, oil column and mass, worked out in complex
@@ -150,22 +152,29 @@ fn the_valve_limits_the_velocity() {
 
 #[test]
 fn the_supply_limits_the_force() {
-    let config = frictionless();
+    // A light piston: a heavy one goes on swinging on the specimen, beyond the supply's force.
+    let config = ServoConfig {
+        mass: 1.0,
+        ..frictionless()
+    };
     let mut servo = Servo::new(config, STEP, Spring(100.0)).unwrap();
     for _ in 0..20_000 {
         servo.advance(10.0, true);
     }
-    // Full opening against 25 kN: flow·√(1 − P/limit) = leakage·P leaves P 0.25 % short.
+    // Full opening against 25 kN: flow·√(1 − P/limit) = leakage·P leaves P 0.03 % short, and the throttling of a step
+    // ago lets P swing about it.
     let p = servo.force();
-    assert!(
-        p < config.force_limit && p > 0.995 * config.force_limit,
-        "{p}"
-    );
+    assert!((p / config.force_limit - 1.0).abs() < 5e-3, "{p}");
 }
 
 #[test]
 fn friction_holds_the_piston() {
-    let config = ServoConfig::default();
+    let config = ServoConfig {
+        leakage: 0.3,
+        coulomb: 0.02,
+        stiction: 0.03,
+        ..ServoConfig::default()
+    };
     let mut servo = Servo::new(config, STEP, Spring(1.0)).unwrap();
     // P settles at gain·command/leakage = 0.02 kN, below the 0.03 kN of stiction.
     for _ in 0..20_000 {
@@ -215,9 +224,10 @@ fn a_steep_damping_force_does_not_rattle() {
         force = servo.force();
     }
     assert_eq!(reversals, 8);
-    // While the piston stands the force can only follow the oil column: 560 kN/mm·1e-4 s·0.6 mm/s of flow = 0.03 kN
-    // a step at most, and it is much slower near the turning point.
-    assert!(largest_step < 0.03, "{largest_step}");
+    // While the piston stands the force can only follow the oil column, K·h·q: 2000 kN/mm·1e-4 s·q. It stands while the
+    // flow turns by what it takes to load the column with the force's jump of 2·c·|v|^α = 1 kN, 1 kN/2000 kN/mm = 5e-4
+    // mm: with a flow of 0.25 mm·(2π)²·t, that is up to q = √(2·5e-4·9.9) = 0.1 mm/s.
+    assert!(largest_step < 0.02, "{largest_step}");
 }
 
 #[test]

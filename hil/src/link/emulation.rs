@@ -1,0 +1,101 @@
+//! The crate as a damper: a prescribed motion in, its force out.
+
+use std::cell::Cell;
+use std::rc::Rc;
+
+use mesh_damper::dac::OUTPUT_RANGE;
+use mesh_damper::effects::AugmentedLaw;
+use mesh_damper::rig::{Emulator, EmulatorSettings, Telemetry};
+
+use super::bench::{SetupError, connect_adc, connect_dac};
+use crate::actuator::{
+    AdcPins, DacPins, Sensor, SensorConfig, SimulatedAd5761, SimulatedAds8688, SimulatedEnable,
+    enable_line,
+};
+
+/// An emulator to be wired up.
+#[derive(Clone, Debug)]
+pub struct EmulatorSetup<const N: usize> {
+    /// The damper to be.
+    pub law: AugmentedLaw<f32, N>,
+    /// The crate's settings.
+    pub settings: EmulatorSettings,
+    /// The displacement channel.
+    pub displacement_sensor: SensorConfig,
+    /// Force at the DAC's full scale, and at the force channel's, kN.
+    pub force_range: f64,
+    /// Of the sensor's noise.
+    pub seed: u64,
+}
+
+/// An emulator wired up. The force channel measures what the DAC drives, as an ideal force actuator would deliver.
+#[derive(Debug)]
+pub struct EmulatorBench<const N: usize> {
+    /// The crate's emulator.
+    pub emulator: Emulator<SimulatedAds8688, SimulatedAd5761, SimulatedEnable, N>,
+    /// The displacement channel.
+    pub displacement_sensor: Sensor,
+    /// The ADC's analogue side.
+    pub adc: Rc<AdcPins>,
+    /// The DAC's analogue side.
+    pub dac: Rc<DacPins>,
+    /// Level of the enable line.
+    pub enabled: Rc<Cell<bool>>,
+    force_range: f64,
+}
+
+/// One tick of an emulation.
+#[derive(Clone, Copy, Debug)]
+pub struct Emulation {
+    /// What the crate reported.
+    pub telemetry: Telemetry,
+    /// Force that the DAC drives after the tick, kN.
+    pub force: f64,
+}
+
+impl<const N: usize> EmulatorBench<N> {
+    /// Wires up `setup`.
+    ///
+    /// # Errors
+    /// What one of the parts refuses.
+    pub fn new(setup: EmulatorSetup<N>) -> Result<Self, SetupError> {
+        let (adc, dac) = (Rc::<AdcPins>::default(), Rc::<DacPins>::default());
+        let (enable, enabled) = enable_line();
+        Ok(Self {
+            emulator: Emulator::new(
+                connect_adc(
+                    &adc,
+                    setup.displacement_sensor.full_scale,
+                    setup.force_range,
+                )?,
+                connect_dac(&dac, setup.force_range)?,
+                enable,
+                &setup.settings,
+                setup.law,
+            )?,
+            displacement_sensor: Sensor::new(
+                setup.displacement_sensor,
+                1.0 / setup.settings.tick_rate,
+                setup.seed,
+                0,
+            )?,
+            adc,
+            dac,
+            enabled,
+            force_range: setup.force_range,
+        })
+    }
+
+    /// One tick at `displacement` mm.
+    pub fn tick(&mut self, displacement: f64) -> Emulation {
+        let part = self.dac.volts.get() / OUTPUT_RANGE;
+        let [displacement_volts, force_volts, ..] = &self.adc.volts;
+        displacement_volts.set(self.displacement_sensor.sample(displacement));
+        force_volts.set(part * mesh_damper::adc::INPUT_RANGE);
+        let telemetry = self.emulator.tick();
+        Emulation {
+            telemetry,
+            force: self.dac.volts.get() / OUTPUT_RANGE * self.force_range,
+        }
+    }
+}

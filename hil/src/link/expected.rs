@@ -1,0 +1,44 @@
+//! What forces a programme is going to ask for, as whoever sets up a test estimates them to choose a load cell.
+
+use std::f64::consts::TAU;
+
+use mesh_damper::sine::Programme;
+
+use crate::specimen::DamperForce;
+
+/// Steps per cycle.
+const STEPS: u32 = 1000;
+
+/// Peak and RMS of a force, kN.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct Expected {
+    pub(super) peak: f64,
+    pub(super) rms: f64,
+}
+
+/// The largest over the programme's blocks: a copy of the specimen is taken through two cycles of each, as a sine at the
+/// block's first frequency, and the second counts.
+pub(super) fn expected<S: DamperForce + Clone, const B: usize>(
+    specimen: &S,
+    programme: &Programme<B>,
+) -> Expected {
+    let mut largest = Expected::default();
+    for block in programme.blocks() {
+        let mut copy = specimen.clone();
+        let w = TAU * block.from();
+        let dt = 1.0 / (block.from() * f64::from(STEPS));
+        let mut square = 0.0;
+        for step in 0..2 * STEPS {
+            let time = dt * f64::from(step);
+            let (sin, cos) = (w * time).sin_cos();
+            let a = block.amplitude();
+            let force = copy.force(time, a * sin, a * w * cos, -a * w * w * sin, dt);
+            if step >= STEPS {
+                square += force * force;
+                largest.peak = largest.peak.max(force.abs());
+            }
+        }
+        largest.rms = largest.rms.max((square / f64::from(STEPS)).sqrt());
+    }
+    largest
+}
