@@ -221,7 +221,8 @@ impl Segment {
             return self.increment;
         }
         // 2⁶⁴ to the cycle times 2⁶⁴ to 1. Whole turns of the product fall off: the step is less than half a cycle.
-        let theta = (i128::from(travelled) << 64) | i128::from((phase >> 64) as u64);
+        let theta = ((i128::from(travelled) << 64) | i128::from((phase >> 64) as u64))
+            - (ROUNDING >> 64) as i128;
         self.increment
             .wrapping_add(i128::from(self.growth).wrapping_mul(theta) as u128)
     }
