@@ -1,0 +1,396 @@
+//! Every added effect against a closed form of another kind than its own recurrence.
+
+use std::f64::consts::{PI, TAU};
+
+use mesh_damper::effects::{
+    Asymmetry, AugmentedLaw, Drift, Effect, Hardening, Inertia, Motion, Offset, Relaxation,
+    StickSlip, Temperature, Viscous,
+};
+use mesh_damper::error::ConfigError;
+use mesh_damper::law::Law;
+use mesh_damper::real::Real;
+use proptest::prelude::*;
+
+/// Ticks per cycle of the sampled loops.
+const TICKS: usize = 20_000;
+
+/// A law without a force of its own.
+fn nothing<R: Real>() -> Law<R> {
+    Law::new(R::ZERO, R::ZERO, R::ZERO, R::ZERO).unwrap()
+}
+
+fn alone<R: Real>(effect: Effect<R>) -> AugmentedLaw<R, 1> {
+    AugmentedLaw::new(nothing()).with(effect).unwrap()
+}
+
+/// Tick `n` of y = X·sin ωt.
+fn sine<R: Real>(amplitude: f64, frequency: f64, n: usize) -> Motion<R> {
+    let omega = TAU * frequency;
+    let (sin, cos) = (TAU * n as f64 / TICKS as f64).sin_cos();
+    Motion {
+        displacement: R::from_f64(amplitude * sin),
+        velocity: R::from_f64(amplitude * omega * cos),
+        acceleration: R::from_f64(-amplitude * omega * omega * sin),
+        cycles: R::from_f64(n as f64 / TICKS as f64),
+        temperature: R::from_f64(20.0),
+    }
+}
+
+/// Forces of the last of `cycles` cycles, from rest.
+fn last_cycle<R: Real>(
+    effect: Effect<R>,
+    amplitude: f64,
+    frequency: f64,
+    cycles: usize,
+) -> Vec<f64> {
+    let law = alone(effect);
+    let mut state = law.at_rest();
+    let all: Vec<f64> = (0..cycles * TICKS)
+        .map(|n| {
+            law.force(&mut state, &sine(amplitude, frequency, n))
+                .to_f64()
+        })
+        .collect();
+    all[(cycles - 1) * TICKS..].to_vec()
+}
+
+/// ∮F dy over one cycle, trapezoids.
+fn energy(force: &[f64], amplitude: f64) -> f64 {
+    let y = |n: usize| amplitude * (TAU * n as f64 / TICKS as f64).sin();
+    (0..TICKS)
+        .map(|n| 0.5 * (force[n] + force[(n + 1) % TICKS]) * (y(n + 1) - y(n)))
+        .sum()
+}
+
+/// Components of the force in phase with displacement and with velocity, over the amplitude.
+fn moduli(force: &[f64], amplitude: f64) -> (f64, f64) {
+    let scale = 2.0 / (TICKS as f64 * amplitude);
+    force
+        .iter()
+        .enumerate()
+        .fold((0.0, 0.0), |(storage, loss), (n, f)| {
+            let (sin, cos) = (TAU * n as f64 / TICKS as f64).sin_cos();
+            (storage + scale * f * sin, loss + scale * f * cos)
+        })
+}
+
+fn close(value: f64, expected: f64, tolerance: f64) {
+    assert!(
+        (value - expected).abs() <= tolerance * expected.abs(),
+        "{value} is not {expected} within {tolerance}"
+    );
+}
+
+/// 4·k·x·(X − x) for each slider, and nothing below its slip limit.
+#[test]
+fn stick_slip_dissipates_as_jenkins_elements_do() {
+    let elements = [(1.2, 0.03), (0.4, 0.08), (2.0, 0.5)];
+    let expected = 4.0 * (1.2 * 0.03 * (0.2 - 0.03) + 0.4 * 0.08 * (0.2 - 0.08));
+    let force = last_cycle(
+        Effect::StickSlip(StickSlip::new(&elements).unwrap()),
+        0.2,
+        1.0,
+        2,
+    );
+    // A slider's corner falls within a tick: an error of the second order in the tick.
+    close(energy(&force, 0.2), expected, 1e-5);
+
+    let stuck = last_cycle(
+        Effect::StickSlip(StickSlip::new(&[(2.0, 0.5)]).unwrap()),
+        0.2,
+        1.0,
+        2,
+    );
+    assert!(energy(&stuck, 0.2).abs() < 1e-12);
+    close(stuck[TICKS / 4], 2.0 * 0.2, 1e-9);
+}
+
+/// Masing: the unloading branch is the backbone turned round and doubled, F(y) = F(X) − 2·B((X − y)/2).
+#[test]
+fn stick_slip_unloads_along_its_doubled_backbone() {
+    let elements = [(1.2, 0.03), (0.4, 0.08)];
+    let backbone = |y: f64| {
+        elements
+            .iter()
+            .map(|&(k, x)| k * f64::min(y, x))
+            .sum::<f64>()
+    };
+    let force = last_cycle(
+        Effect::StickSlip(StickSlip::new(&elements).unwrap()),
+        0.2,
+        1.0,
+        2,
+    );
+    for n in (TICKS / 4..3 * TICKS / 4).step_by(97) {
+        let y = 0.2 * (TAU * n as f64 / TICKS as f64).sin();
+        let expected = backbone(0.2) - 2.0 * backbone(0.5 * (0.2 - y));
+        assert!(
+            (force[n] - expected).abs() < 1e-9,
+            "at {y} mm: {} is not {expected}",
+            force[n]
+        );
+    }
+}
+
+/// Rate independence: the same path at another frequency gives the same force.
+#[test]
+fn stick_slip_knows_no_frequency() {
+    let effect = Effect::StickSlip(StickSlip::new(&[(1.2, 0.03)]).unwrap());
+    assert_eq!(
+        last_cycle(effect, 0.1, 0.5, 2),
+        last_cycle(effect, 0.1, 10.0, 2)
+    );
+}
+
+/// Storage k·(ωτ)²/(1 + (ωτ)²) and loss k·ωτ/(1 + (ωτ)²).
+#[test]
+fn relaxation_has_the_moduli_of_a_maxwell_branch() {
+    for frequency in [0.5, 3.0, 10.0] {
+        let tick = 1.0 / (frequency * TICKS as f64);
+        let effect = Effect::Relaxation(Relaxation::new(1.5, 0.05, tick).unwrap());
+        // The start has faded after 10 cycles: e^(−10/(10·0.05)) at the fastest.
+        let (storage, loss) = moduli(&last_cycle(effect, 0.1, frequency, 40), 0.1);
+        let x = TAU * frequency * 0.05;
+        // Straight lines between ticks: an error of (ωΔt)²/12 = 8e-9, and e^(−80) of the start.
+        close(storage, 1.5 * x * x / (1.0 + x * x), 1e-6);
+        close(loss, 1.5 * x / (1.0 + x * x), 1e-6);
+    }
+}
+
+#[test]
+fn viscous_dissipates_pi_c_omega_square_of_amplitude() {
+    let force = last_cycle(Effect::Viscous(Viscous::new(0.006).unwrap()), 0.1, 5.0, 1);
+    close(energy(&force, 0.1), PI * 0.006 * TAU * 5.0 * 0.01, 1e-6);
+}
+
+#[test]
+fn inertia_softens_by_mass_times_omega_square() {
+    let force = last_cycle(Effect::Inertia(Inertia::new(120.0).unwrap()), 0.1, 10.0, 1);
+    let (storage, loss) = moduli(&force, 0.1);
+    // 120 kg at 10 Hz: 120e-6 kN·s²/mm · (20π)².
+    close(storage, -120e-6 * (TAU * 10.0).powi(2), 1e-9);
+    assert!(loss.abs() < 1e-12);
+}
+
+#[test]
+fn elastic_effects_dissipate_nothing_and_have_their_parity() {
+    let even = last_cycle(Effect::Asymmetry(Asymmetry::new(3.0).unwrap()), 0.2, 1.0, 1);
+    let odd = last_cycle(
+        Effect::Hardening(Hardening::new(1500.0).unwrap()),
+        0.2,
+        1.0,
+        1,
+    );
+    let constant = last_cycle(Effect::Offset(Offset::new(0.05).unwrap()), 0.2, 1.0, 1);
+    for force in [&even, &odd, &constant] {
+        assert!(energy(force, 0.2).abs() < 1e-9);
+    }
+    close(even[TICKS / 4], 3.0 * 0.04, 1e-12);
+    close(even[3 * TICKS / 4], 3.0 * 0.04, 1e-12);
+    close(odd[TICKS / 4], 1500.0 * 0.2_f64.powi(5), 1e-12);
+    close(odd[3 * TICKS / 4], -1500.0 * 0.2_f64.powi(5), 1e-12);
+    assert!(constant.iter().all(|&f| f == 0.05));
+}
+
+#[test]
+fn drift_has_done_63_percent_after_its_cycles() {
+    let law = alone(Effect::Drift(Drift::new(-0.5, 25.0).unwrap()));
+    let mut state = law.at_rest();
+    let stiffness = |cycles: f64, state: &mut _| {
+        let motion = Motion {
+            displacement: 0.1,
+            cycles,
+            ..Motion::default()
+        };
+        law.force(state, &motion) / 0.1
+    };
+    assert_eq!(stiffness(0.0, &mut state), 0.0);
+    close(
+        stiffness(25.0, &mut state),
+        -0.5 * (1.0 - (-1.0_f64).exp()),
+        1e-12,
+    );
+    close(stiffness(1e9, &mut state), -0.5, 1e-12);
+}
+
+#[test]
+fn temperature_scales_the_law_and_nothing_else() {
+    let law = Law::new(1.0, 10.0, 0.1, 0.4).unwrap();
+    let warm: AugmentedLaw<f64, 2> = AugmentedLaw::new(law)
+        .with(Effect::Offset(Offset::new(0.7).unwrap()))
+        .unwrap()
+        .with(Effect::Temperature(Temperature::new(0.004, 20.0).unwrap()))
+        .unwrap();
+    let motion = Motion {
+        displacement: 0.1,
+        velocity: 1.3,
+        temperature: 70.0,
+        ..Motion::default()
+    };
+    close(
+        warm.force(&mut warm.at_rest(), &motion),
+        0.7 + (1.0 - 0.004 * 50.0) * law.force(0.1, 1.3),
+        1e-12,
+    );
+}
+
+#[test]
+fn a_full_set_refuses_one_more() {
+    let offset = Effect::Offset(Offset::new(1.0_f32).unwrap());
+    assert_eq!(
+        alone(offset).with(offset),
+        Err(ConfigError::Full {
+            field: "effects",
+            capacity: 1
+        })
+    );
+}
+
+#[test]
+fn constructors_name_the_field_they_refuse() {
+    let field = |error: ConfigError| match error {
+        ConfigError::NonFinite(field) | ConfigError::Empty(field) => field,
+        ConfigError::OutOfRange { field, .. } | ConfigError::Full { field, .. } => field,
+        other => panic!("{other} names no field"),
+    };
+    assert_eq!(field(Offset::new(f32::NAN).unwrap_err()), "force");
+    assert_eq!(field(Asymmetry::new(1e10).unwrap_err()), "k2");
+    assert_eq!(field(Hardening::new(f64::INFINITY).unwrap_err()), "k5");
+    assert_eq!(field(Viscous::new(-2e9).unwrap_err()), "c1");
+    assert_eq!(field(Inertia::new(2e6).unwrap_err()), "mass");
+    assert_eq!(field(StickSlip::<f32>::new(&[]).unwrap_err()), "elements");
+    assert_eq!(
+        field(StickSlip::new(&[(1.0, 0.1); 7]).unwrap_err()),
+        "elements"
+    );
+    assert_eq!(
+        field(StickSlip::new(&[(1.0, 0.1), (1.0, 0.0)]).unwrap_err()),
+        "slip_limit"
+    );
+    assert_eq!(
+        field(StickSlip::new(&[(f32::NAN, 0.1)]).unwrap_err()),
+        "stiffness"
+    );
+    assert_eq!(field(Relaxation::new(1.0, 0.0, 1e-4).unwrap_err()), "time");
+    assert_eq!(field(Relaxation::new(1.0, 0.1, 0.0).unwrap_err()), "tick");
+    assert_eq!(field(Drift::new(1.0, 0.0).unwrap_err()), "cycles");
+    assert_eq!(field(Temperature::new(2.0, 20.0).unwrap_err()), "beta");
+    assert_eq!(
+        field(Temperature::new(0.1, -300.0).unwrap_err()),
+        "reference"
+    );
+}
+
+/// One of each, of ordinary size.
+fn one_of_each<R: Real>() -> AugmentedLaw<R, 9> {
+    let r = R::from_f64;
+    let law = Law::new(r(1.05), r(10.5), r(0.11), r(0.4)).unwrap();
+    [
+        Effect::Offset(Offset::new(r(0.05)).unwrap()),
+        Effect::Asymmetry(Asymmetry::new(r(3.0)).unwrap()),
+        Effect::Hardening(Hardening::new(r(1500.0)).unwrap()),
+        Effect::StickSlip(StickSlip::new(&[(r(1.2), r(0.03)), (r(0.5), r(0.1))]).unwrap()),
+        Effect::Viscous(Viscous::new(r(0.006)).unwrap()),
+        Effect::Relaxation(Relaxation::new(r(1.5), r(0.05), r(1e-4)).unwrap()),
+        Effect::Inertia(Inertia::new(r(120.0)).unwrap()),
+        Effect::Drift(Drift::new(r(-0.5), r(25.0)).unwrap()),
+        Effect::Temperature(Temperature::new(r(0.004), r(20.0)).unwrap()),
+    ]
+    .into_iter()
+    .fold(AugmentedLaw::new(law), |law, effect| {
+        law.with(effect).unwrap()
+    })
+}
+
+/// f32 beside f64 on the same lines, ten cycles of 2·10^4 ticks, every effect at once.
+///
+/// The state of relaxation is updated by differences of displacements: each rounds by 2^-24·X = 1.2e-8 mm, which at
+/// k = 1.5 kN/mm is a random walk with memory τ/Δt = 1000 ticks, √1000·1.5·1.2e-8/√3 = 3.3e-7 kN, worst 3 of these; that of
+/// stick-slip is a walk over one half cycle, √10⁴·1.2·1.2e-8/√3 = 8e-7 kN. The peak force is 0.8 kN.
+#[test]
+fn f32_follows_f64_within_rounding() {
+    let (single, double) = (one_of_each::<f32>(), one_of_each::<f64>());
+    let (mut small, mut large) = (single.at_rest(), double.at_rest());
+    let (mut error, mut peak) = (0.0_f64, 0.0_f64);
+    for n in 0..10 * TICKS {
+        let f32_force = f64::from(single.force(&mut small, &sine(0.2, 2.0, n)));
+        let f64_force: f64 = double.force(&mut large, &sine(0.2, 2.0, n));
+        error = error.max((f32_force - f64_force).abs());
+        peak = peak.max(f64_force.abs());
+    }
+    assert!(error < 4e-6 * peak, "{error} of {peak}");
+    assert!(error > 0.0, "f32 and f64 cannot agree to the last bit");
+}
+
+fn any_motion() -> impl Strategy<Value = Motion<f32>> {
+    let number = || {
+        prop_oneof![
+            any::<f32>(),
+            -1.0..1.0_f32,
+            Just(f32::MAX),
+            Just(f32::MIN_POSITIVE),
+            Just(-0.0)
+        ]
+    };
+    (number(), number(), number(), number(), number()).prop_map(|(y, v, a, cycles, temperature)| {
+        Motion {
+            displacement: y,
+            velocity: v,
+            acceleration: a,
+            cycles,
+            temperature,
+        }
+    })
+}
+
+proptest! {
+    /// Whatever comes in, NaN and infinities included, what goes out is finite, and so it stays afterwards.
+    #[test]
+    fn every_force_is_finite(motions in prop::collection::vec(any_motion(), 1..40)) {
+        let law = one_of_each::<f32>();
+        let mut state = law.at_rest();
+        for motion in &motions {
+            prop_assert!(law.force(&mut state, motion).is_finite());
+        }
+        prop_assert!(law.force(&mut state, &sine(0.1, 1.0, 7)).is_finite());
+    }
+
+    /// A stick-slip element never holds more than stiffness times slip limit.
+    #[test]
+    fn stick_slip_stays_within_its_limit(
+        path in prop::collection::vec(-1.0..1.0_f64, 1..100), k in 0.01..10.0_f64, x in 1e-4..0.5_f64,
+    ) {
+        let law = alone(Effect::StickSlip(StickSlip::new(&[(k, x)]).unwrap()));
+        let mut state = law.at_rest();
+        for displacement in path {
+            let force = law.force(&mut state, &Motion { displacement, ..Motion::default() });
+            prop_assert!(force.abs() <= k * x * (1.0 + 1e-12));
+        }
+    }
+
+    /// Passive: over any closed path a slider and a Maxwell branch take energy and give none.
+    #[test]
+    fn friction_and_relaxation_are_passive(
+        turns in prop::collection::vec(-0.3..0.3_f64, 2..8), k in 0.1..5.0_f64, x in 1e-3..0.2_f64, tau in 1e-3..1.0_f64,
+    ) {
+        for effect in [
+            Effect::StickSlip(StickSlip::new(&[(k, x)]).unwrap()),
+            Effect::Relaxation(Relaxation::new(k, tau, 1e-3).unwrap()),
+        ] {
+            let law = alone(effect);
+            let mut state = law.at_rest();
+            let (mut work, mut y, mut before) = (0.0, 0.0, 0.0);
+            law.force(&mut state, &Motion::default());
+            for &target in turns.iter().chain(&[0.0]) {
+                let start = y;
+                for n in 1..=200 {
+                    let next = start + (target - start) * f64::from(n) / 200.0;
+                    let force = law.force(&mut state, &Motion { displacement: next, ..Motion::default() });
+                    work += 0.5 * (force + before) * (next - y);
+                    (y, before) = (next, force);
+                }
+            }
+            prop_assert!(work > -1e-9, "{work}");
+        }
+    }
+}
