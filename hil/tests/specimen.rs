@@ -175,7 +175,8 @@ fn spread_friction_dissipates_the_sum_of_its_sliders() {
     }
 }
 
-/// Bouc–Wen: n = 1 from rest is F = kt·xs·(1 − e^(−y/xs)); the larger n, the nearer to Jenkins; frequency plays no part.
+/// Bouc–Wen: n = 1 from rest is F = kt·xs·(1 − e^(−y/xs)); the larger n, the nearer to Jenkins. Frequency plays no
+/// part.
 #[test]
 fn smooth_friction_follows_bouc_and_wen() {
     let mut specimen = Specimen::new(NOTHING).with(friction(SlipShape::Smooth { exponent: 1.0 }));
@@ -218,7 +219,7 @@ fn a_maxwell_branch_has_its_storage_and_loss_moduli() {
     }
 }
 
-/// k·(1 − e^(−n/N))·y: no dissipation, and the peak force of cycle n follows n to within the half cycle it is counted in.
+/// k·(1 − e^(−n/N))·y: no dissipation, and the peak forces follow the count of half cycles.
 #[test]
 fn drift_follows_the_cycles_run() {
     let effect = HiddenEffect::Drift {
@@ -372,7 +373,9 @@ proptest! {
 
     /// Over closed cycles no drawn specimen gives back more than it took.
     #[test]
-    fn a_drawn_specimen_generates_no_energy(seed in 0..1000_u64, amplitude in 0.02..0.2_f64, frequency in 0.5..10.0_f64) {
+    fn a_drawn_specimen_generates_no_energy(
+        seed in 0..1000_u64, amplitude in 0.02..0.2_f64, frequency in 0.5..10.0_f64,
+    ) {
         let (mut specimen, _) = draw(seed);
         let count = 2000;
         let dt = 1.0 / (frequency * f64::from(count));
