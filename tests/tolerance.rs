@@ -22,10 +22,10 @@ mod tolerance {
     /// Velocity over ω·amplitude: the cosine as above; amplitude, ω, their product and the product with the cosine.
     pub const VELOCITY: f64 = 5.05 * U;
 
-    /// Velocity over itself, wherever it is not 0. Next to a zero crossing the cosine is the turn alone: remainder,
-    /// scale, three operations and the product are 6 roundings; farther away the node's and the sum's weigh less. Then
-    /// four as in [`VELOCITY`].
-    pub const VELOCITY_RELATIVE: f64 = 10.0 * U;
+    /// Velocity over itself, wherever it is not 0. Next to its zero the cosine is the turn alone, 4·U; around the next
+    /// node up to 2·U of the node, 4·U of the turn and the sum's 1·U; and 4·U for the scale as in [`VELOCITY`]. From
+    /// |cos| = 0.02 on, a node and its turn are at least 4:1, so that 1.33 + 1.33 + 1 + 4 = 7.7·U is left.
+    pub const VELOCITY_RELATIVE: f64 = 11.0 * U;
 
     /// Acceleration over ω²·amplitude: the sine; amplitude, ω twice, three products.
     pub const ACCELERATION: f64 = 7.05 * U;
@@ -33,8 +33,8 @@ mod tolerance {
     /// Phase in units of 2⁻³² cycle: half a unit of rounding, and what n ticks leave of 2⁻¹²⁸ a tick.
     pub const PHASE: f64 = 0.5 + 1e-9;
 
-    /// |v|^α over itself: what the short form may add to the exact power of its arguments.
-    pub const POWER: f64 = 4.0 * U;
+    /// |v|^α over itself: what `power::abs_pow` documents, 5.04·U.
+    pub const POWER: f64 = 3e-7;
 
     /// A table's coefficient at a node over itself: one rounding of the printed decimal.
     pub const NODE: f64 = U;
@@ -48,23 +48,24 @@ mod tolerance {
     ///
     /// Elastic part E: a displacement error of (2·|sin| + 1.05)·U amplitudes (see [`POSITION`]) times a slope of at
     /// most 3·E/y gives 6·U·E + 3.15·U·E(A); coefficients and arithmetic add 5·U·E. Damping part D: α ≤ 0.557 times
-    /// [`VELOCITY_RELATIVE`], [`POWER`], and a rounding each of c, α and the product give 12.57·U·D. The sum is rounded
-    /// once. On every tick E + D is the force of that tick or of its mirror image, and E(A) a force too: none exceeds
-    /// the peak. So 12.57 + 3.15 + 1, which is 9.97e-7.
-    pub const FORCE: f64 = 16.72 * U;
+    /// 7.7·U (nearer to v = 0, α·11·U·0.02^α of its peak is less), [`POWER`], and a rounding each of c, α and the
+    /// product give 12.34·U·D. The sum is rounded once. On every tick E + D is the force of that tick or of its mirror image,
+    /// and E(A) a force too: none exceeds the peak. So 12.34 + 3.15 + 1, which is 9.83e-7.
+    pub const FORCE: f64 = 16.49 * U;
 
-    /// K over itself. Its extremes are forces, their parts independent: √(5.57² + 4² + 3.15² + 6) = 7.9·U; the
-    /// amplitude and three operations make it √(7.9² + 3.05² + 3) = 8.7·U = 5.2e-7, every part at its bound. What is
+    /// K over itself. Its extremes are forces, their parts independent: √(4.3² + 5.04² + 3.15² + 6) = 7.7·U; the
+    /// amplitude and three operations make it √(7.7² + 3.05² + 3) = 8.5·U = 5.1e-7, every part at its bound. What is
     /// asked is 1e-6.
     pub const STIFFNESS: f64 = 1e-6;
 
     /// Loss factor over itself. In ΔW every rounding that differs from tick to tick averages out; c, α, the power, the
-    /// velocity's scale, the amplitude and the trapezoids, (2π/10⁴)²/6 = 1.1·U, stay: √(1 + 1 + 4² + 1.7² + 2² + 1.1²)
-    /// = 5.1·U. W has K and X0 squared, √(8.7² + 3.05²) = 9.2·U. Together 10.5·U = 6.3e-7. What is asked is 1e-6.
+    /// velocity's scale, the amplitude and the trapezoids, (2π/10⁴)²/6 = 1.1·U, stay: √(1 + 1 + 5.04² + 1.7² + 2² +
+    /// 1.1²) = 6·U. W has K and X0 squared, √(8.5² + 3.05²) = 9·U. Together √(6² + 9²) = 10.8·U = 6.4e-7. What is asked is
+    /// 1e-6.
     pub const LOSS_FACTOR: f64 = 1e-6;
 
-    /// ΔW over itself, by ∮F dy and by eq 5: the 5.1·U above, doubled.
-    pub const ENERGY: f64 = 10.2 * U;
+    /// ΔW over itself, by ∮F dy and by eq 5: the 6·U above, doubled.
+    pub const ENERGY: f64 = 12.0 * U;
 }
 
 const _: () = assert!(tolerance::FORCE < 1e-6, "the figure that is asked for");

@@ -336,11 +336,11 @@ fn the_protocols_motion_is_its_own_derivative() {
     close(largest, 0.2, 1e-6);
 }
 
-/// 100 seeds: the size as stated, inside its band, the same when drawn again, and every family among them.
+/// 99 seeds: the size as stated, inside its band, the same when drawn again, and every family equally often.
 #[test]
 fn drawn_effects_keep_their_promises() {
     let mut families = BTreeMap::new();
-    for seed in 0..100 {
+    for seed in 0..99 {
         let (specimen, drawn) = draw(seed);
         let (again, drawn_again) = draw(seed);
         assert_eq!(drawn, drawn_again);
@@ -365,6 +365,7 @@ fn drawn_effects_keep_their_promises() {
         *families.entry(drawn.effect.family()).or_insert(0) += 1;
     }
     assert_eq!(families.len(), 9, "{families:?}");
+    assert!(families.values().all(|&n| n == 11), "{families:?}");
     assert_ne!(draw(1).1, draw(2).1);
 }
 

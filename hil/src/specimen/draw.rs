@@ -1,5 +1,6 @@
 //! A specimen with an effect that nobody declared.
 
+use rand::seq::SliceRandom;
 use rand::{Rng, RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use serde::Serialize;
@@ -35,12 +36,12 @@ pub struct DrawnEffect {
 /// A specimen and its one hidden effect, the same for the same seed.
 ///
 /// The density is one of the table's five, the coefficients those of 0.1 mm varied by ±15 % each, the family any of the
-/// nine with equal probability, and its size such that the effect's RMS force is between [`SMALLEST_SHARE`] and
+/// nine, each once among seeds 9n…9n + 8, and its size such that the effect's RMS force is between [`SMALLEST_SHARE`] and
 /// [`LARGEST_SHARE`] of the law's under [`PROTOCOL`]. What no specimen could be is drawn again: a stiffness that
 /// turns negative somewhere in the protocol's range, or a mass of more than 500 kg.
 pub fn draw(seed: u64) -> (Specimen, DrawnEffect) {
     let mut rng = ChaCha8Rng::seed_from_u64(seed);
-    let family = rng.random_range(0..9);
+    let family = family(seed);
     loop {
         let density = tables::DENSITIES[rng.random_range(0..tables::DENSITIES.len())];
         let coefficients = varied(tables::interpolate(density, REFERENCE_AMPLITUDE), &mut rng);
@@ -56,6 +57,13 @@ pub fn draw(seed: u64) -> (Specimen, DrawnEffect) {
             return (Specimen::new(coefficients).with(effect), drawn);
         }
     }
+}
+
+/// The family's number, 0…8: the nine of a group of nine seeds, each once, in an order drawn for the group.
+fn family(seed: u64) -> usize {
+    let mut order: [usize; 9] = std::array::from_fn(|i| i);
+    order.shuffle(&mut ChaCha8Rng::seed_from_u64(seed / 9));
+    order[(seed % 9) as usize]
 }
 
 /// RMS force of `effect` over the RMS force of eq 13 with `coefficients`, under [`PROTOCOL`].
