@@ -357,11 +357,70 @@ fn bad_usage_ends_with_2_and_help_shows_an_example() {
     ] {
         assert_eq!(hil(root.path(), arguments).status.code(), Some(2));
     }
-    for command in ["predict"] {
+    for command in ["trace", "predict"] {
         let output = hil(root.path(), &[command, "--help"]);
         assert_eq!(output.status.code(), Some(0));
         let help = String::from_utf8(output.stdout).unwrap();
         assert!(help.contains("Example"), "{help}");
         assert!(help.contains("--json"), "{help}");
+    }
+}
+
+#[test]
+fn every_bad_recording_is_refused_by_trace() {
+    let root = tempfile::tempdir().unwrap();
+    fs::write(root.path().join("good.csv"), recording(|_| ())).unwrap();
+    for (name, bytes, said) in bad_recordings() {
+        fs::write(root.path().join(name), bytes).unwrap();
+        refuses(root.path(), &["trace", name, "--json", "new.json"], said);
+        refuses(
+            root.path(),
+            &["trace", "good.csv", "--held-out", name],
+            said,
+        );
+    }
+}
+
+#[test]
+fn recordings_that_contradict_each_other_are_refused() {
+    let root = tempfile::tempdir().unwrap();
+    let changed = |factor: f64, comment: &str| {
+        recording(|lines| {
+            for line in &mut lines[1..] {
+                let (row, force) = line.rsplit_once(',').unwrap();
+                *line = format!("{row},{}", factor * force.parse::<f64>().unwrap());
+            }
+            lines.insert(0, comment.into());
+        })
+    };
+    for (name, bytes) in [
+        ("a.csv", changed(1.0, "# specimen: ring 3")),
+        ("turned.csv", changed(-1.0, "#")),
+        ("newtons.csv", changed(1000.0, "#")),
+        ("ring-4.csv", changed(1.0, "# specimen: ring 4")),
+    ] {
+        fs::write(root.path().join(name), bytes).unwrap();
+    }
+    for (other, said) in [
+        (
+            "turned.csv",
+            "contradicts a.csv: under the same motion its force has the opposite sign",
+        ),
+        (
+            "newtons.csv",
+            "contradicts a.csv: under the same motion its force is 1000.0000 times",
+        ),
+        (
+            "ring-4.csv",
+            "declare the specimen \"ring 4\" where a.csv declares \"ring 3\"",
+        ),
+        ("./a.csv", "is given twice"),
+    ] {
+        refuses(root.path(), &["trace", "a.csv", other], &[other, said]);
+        refuses(
+            root.path(),
+            &["trace", "a.csv", "--held-out", other],
+            &[other, said],
+        );
     }
 }

@@ -1,12 +1,16 @@
 //! The command line: one file per command.
 
 mod predict;
+mod progress;
+mod summary;
+mod trace;
 
 use std::io::Write as _;
 use std::process::ExitCode;
 
 use clap::{Parser, Subcommand};
 use hil::error::InputError;
+use hil::trace::TraceError;
 
 /// Rig tests, tracing and prediction of the elastic porous metal mesh damper.
 ///
@@ -20,6 +24,7 @@ pub struct Cli {
 
 #[derive(Debug, Subcommand)]
 enum Command {
+    Trace(trace::TraceCommand),
     Predict(predict::Predict),
 }
 
@@ -27,6 +32,7 @@ impl Cli {
     /// Does what the command line asks for.
     pub fn run(self) -> Result<(), Failure> {
         match self.command {
+            Command::Trace(command) => command.run(),
             Command::Predict(command) => command.run(),
         }
     }
@@ -38,13 +44,16 @@ pub enum Failure {
     /// The usage or the input was bad.
     #[error(transparent)]
     Input(#[from] InputError),
+    /// The recordings could not be traced.
+    #[error(transparent)]
+    Trace(#[from] TraceError),
 }
 
 impl Failure {
     /// The exit code that says so.
     pub fn exit_code(&self) -> ExitCode {
         match self {
-            Self::Input(_) => ExitCode::from(2),
+            Self::Input(_) | Self::Trace(_) => ExitCode::from(2),
         }
     }
 }

@@ -7,6 +7,7 @@ use hil::model_file::{FittedRange, ModelFile, model_error};
 use hil::output::Outputs;
 use hil::predict::{nrmse, predict};
 use hil::recording::Recording;
+use hil::recording::trajectory::Trajectory;
 use serde::Serialize;
 
 use super::{Failure, say, warn};
@@ -68,7 +69,7 @@ impl Predict {
         let file = ModelFile::read(&self.model)?;
         let recording = Recording::read(&self.recording)?;
         let uniform = recording.uniform()?;
-        let trajectory = uniform.trajectory(&recording.name);
+        let trajectory = Trajectory::of(&recording)?;
         let model = file.model();
         let force = match self.on {
             On::F64 => predict::<f64>(&model, &trajectory),

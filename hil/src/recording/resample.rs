@@ -1,6 +1,5 @@
 //! A recording on a uniform time base.
 
-use super::trajectory::Trajectory;
 use super::{Recording, units::Unit};
 use crate::error::{InputError, Place};
 
@@ -49,18 +48,6 @@ impl Uniform {
     /// Time of a tick, s.
     pub fn time(&self, tick: usize) -> f64 {
         self.start + tick as f64 * self.period
-    }
-
-    /// The motion and force made ready for identification, under the recording's `name`.
-    pub fn trajectory(&self, name: &str) -> Trajectory {
-        Trajectory::new(
-            name,
-            self.period,
-            &self.displacement,
-            self.force.clone(),
-            self.velocity.clone(),
-            self.temperature.clone(),
-        )
     }
 
     /// `values`, one per tick, at the recording's own times: the way back from [`Recording::uniform`].

@@ -1,6 +1,7 @@
 //! `report.html`: what a trace found, in one file that opens anywhere and prints.
 
 mod charts;
+mod from_trace;
 mod page;
 mod text;
 
@@ -10,6 +11,7 @@ use crate::model::Model;
 use crate::trace::result::TraceResult;
 
 pub use page::render;
+pub use text::verdict;
 
 /// What a report is made from.
 #[derive(Clone, Debug, PartialEq)]

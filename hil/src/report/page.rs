@@ -42,7 +42,7 @@ pub fn render(data: &ReportData) -> String {
                 (recordings(data))
                 footer {
                     "Errors are the RMS of the force's error over the RMS of the measured force. Held out means never \
-                     fitted. Intervals are of 95 %."
+                     fitted. Intervals are of 90 %."
                 }
             }
         }
@@ -200,7 +200,7 @@ fn parameters(result: &TraceResult) -> Markup {
             h2 { "What was added" }
             div.scroll { table {
                 thead { tr {
-                    th { "effect" } th.text { "parameter" } th { "value" } th { "95 % interval" } th.text { "unit" }
+                    th { "effect" } th.text { "parameter" } th { "value" } th { "90 % interval" } th.text { "unit" }
                     th { "held-out error without" } th { "with" }
                 } }
                 tbody {
@@ -230,18 +230,25 @@ fn candidates(result: &TraceResult) -> Markup {
     html! {
         @if !result.candidates.is_empty() {
             h2 { "What was tried" }
+            p {
+                "Each step adds to the law what the steps before had found. The candidates of a step are ranked by their \
+                 error on cycles kept apart for judging."
+            }
             div.scroll { table {
                 thead { tr {
-                    th { "candidate" } th { "held-out error" } th.text { "told apart from the best" }
-                    th.text { "what it is" }
+                    th { "step" } th.text { "candidate" } th { "judging error" } th { "held-out error" }
+                    th.text { "told apart from the best of its step" } th.text { "what it is" }
                 } }
                 tbody {
-                    @for (rank, candidate) in result.candidates.iter().enumerate() {
-                        tr.best[rank == 0] {
-                            td { (text::name(&candidate.family)) }
+                    @for (index, candidate) in result.candidates.iter().enumerate() {
+                        @let best = index == 0 || result.candidates[index - 1].step != candidate.step;
+                        tr.best[best] {
+                            td { (candidate.step) }
+                            td.text { (text::name(&candidate.family)) }
+                            td { (text::percent(candidate.nrmse_judged)) }
                             td { (text::percent(candidate.nrmse_held_out)) }
                             td.text {
-                                @if rank == 0 { "the best" }
+                                @if best { "the best" }
                                 @else if candidate.distinguishable { "yes" } @else { "no" }
                             }
                             td.text style="font-weight:400" { (text::description(&candidate.family)) }

@@ -62,6 +62,8 @@ fn data() -> ReportData {
         family: family.into(),
         nrmse_held_out,
         distinguishable,
+        step: 1,
+        nrmse_judged: 1.02 * nrmse_held_out,
     };
     ReportData {
         title: "Trace of ring-3.csv".into(),

@@ -1,0 +1,61 @@
+//! What is being done, on standard error: a line that moves on a terminal, plain lines elsewhere.
+
+use std::sync::Mutex;
+use std::time::{Duration, Instant};
+
+use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
+
+/// Plain lines stand at least this far apart, so that short work prints none.
+const BETWEEN_LINES: Duration = Duration::from_secs(2);
+
+/// The progress of one command. It goes away when dropped.
+pub struct Progress {
+    bar: ProgressBar,
+    last_line: Mutex<Instant>,
+}
+
+impl Progress {
+    /// Work whose end is not known.
+    pub fn steps() -> Self {
+        Self::new(
+            ProgressBar::with_draw_target(None, ProgressDrawTarget::stderr()),
+            "{spinner} {elapsed} {msg}",
+        )
+    }
+
+    fn new(bar: ProgressBar, template: &str) -> Self {
+        if let Ok(style) = ProgressStyle::with_template(template) {
+            bar.set_style(style);
+        }
+        bar.enable_steady_tick(Duration::from_millis(150));
+        Self {
+            bar,
+            last_line: Mutex::new(Instant::now()),
+        }
+    }
+
+    /// Says what is being done now.
+    pub fn step(&self, what: &str) {
+        self.bar.set_message(what.to_owned());
+        self.plain(|| what.to_owned());
+    }
+
+    fn plain(&self, line: impl FnOnce() -> String) {
+        if !self.bar.is_hidden() {
+            return;
+        }
+        let Ok(mut last) = self.last_line.lock() else {
+            return;
+        };
+        if last.elapsed() >= BETWEEN_LINES {
+            *last = Instant::now();
+            eprintln!("{}", line());
+        }
+    }
+}
+
+impl Drop for Progress {
+    fn drop(&mut self) {
+        self.bar.finish_and_clear();
+    }
+}

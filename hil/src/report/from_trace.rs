@@ -1,0 +1,59 @@
+//! What a trace leaves, as a report needs it.
+
+use std::ops::Range;
+
+use super::{ReportData, Series, SeriesBlock};
+use crate::recording::cycles::Block;
+use crate::trace::{Role, Trace, Traced};
+
+impl ReportData {
+    /// The report of `trace`, with `facts` about the test as pairs of a name and a text.
+    pub fn of_trace(title: impl Into<String>, facts: Vec<(String, String)>, trace: &Trace) -> Self {
+        Self {
+            title: title.into(),
+            facts,
+            result: trace.result.clone(),
+            model: trace.model.clone(),
+            series: trace.recordings.iter().map(Series::of_traced).collect(),
+        }
+    }
+}
+
+impl Series {
+    fn of_traced(traced: &Traced) -> Self {
+        let trajectory = &traced.trajectory;
+        Self {
+            name: trajectory.name.clone(),
+            time: (0..trajectory.len())
+                .map(|sample| sample as f64 * trajectory.tick)
+                .collect(),
+            displacement: trajectory.motion.displacement.clone(),
+            velocity: trajectory.motion.velocity.clone(),
+            force: trajectory.force.clone(),
+            before: traced.before.clone(),
+            after: traced.after.clone(),
+            blocks: trajectory
+                .blocks
+                .iter()
+                .filter_map(|block| representative(block, &traced.roles))
+                .collect(),
+        }
+    }
+}
+
+/// The last cycle that was held out as a whole, or else the last of the block.
+fn representative(block: &Block, roles: &[Role]) -> Option<SeriesBlock> {
+    let is_held_out = |cycle: &&Range<usize>| {
+        roles
+            .get((*cycle).clone())
+            .is_some_and(|roles| roles.iter().all(|role| *role == Role::HeldOut))
+    };
+    let held_out = block.cycles.iter().rev().find(is_held_out);
+    let cycle = held_out.or(block.cycles.last())?;
+    Some(SeriesBlock {
+        cycle: cycle.clone(),
+        amplitude: block.amplitude,
+        frequency: block.frequency,
+        held_out: held_out.is_some(),
+    })
+}
