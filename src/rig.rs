@@ -105,6 +105,8 @@ pub struct Telemetry {
     pub block: usize,
     /// Cycles completed.
     pub cycle: u32,
+    /// Phase of the cycle under way, 2³² to the cycle.
+    pub phase: u32,
     /// In a ramp of the programme.
     pub ramp: bool,
     /// What the rig is doing after this tick.
@@ -333,6 +335,7 @@ where
             command: self.output.command(),
             block: excitation.block,
             cycle: excitation.cycle,
+            phase: excitation.phase,
             ramp: excitation.ramp,
             state: self.output.state(),
             report: report.map(|results| {

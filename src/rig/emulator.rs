@@ -217,6 +217,7 @@ where
             command: self.output.command(),
             block: 0,
             cycle: self.cycle,
+            phase: crossing.phase,
             ramp: false,
             state: self.output.state(),
             report: results.map(|results| CycleReport::new(results, 0, self.cycle, false)),

@@ -125,3 +125,56 @@ impl<D: SpiDevice, E: OutputPin> Output<D, E> {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    extern crate std;
+
+    use embedded_hal_mock::eh1::digital::{Mock as Line, State as Level, Transaction as Set};
+    use embedded_hal_mock::eh1::spi::{Mock as Bus, Transaction};
+    use std::vec::Vec;
+
+    use super::*;
+    use crate::converter::Scale;
+
+    /// A command can only be NaN through an error elsewhere; the law and the generator never give one.
+    #[test]
+    fn a_command_that_is_no_number_never_reaches_the_dac() {
+        let write = |bytes: &[u8]| {
+            [
+                Transaction::transaction_start(),
+                Transaction::write_vec(bytes.to_vec()),
+                Transaction::transaction_end(),
+            ]
+        };
+        let read_control = [
+            Transaction::transaction_start(),
+            Transaction::transfer_in_place(std::vec![0; 3], std::vec![0, 0x02, 0x68]),
+            Transaction::transaction_end(),
+        ];
+        let expected: Vec<_> = [
+            write(&[0x0F, 0, 0]),
+            write(&[0x04, 0x02, 0x68]),
+            write(&[0x0C, 0, 0]),
+            read_control,
+            write(&[0x03, 0x80, 0]),
+            // 0.5, then on the way back from it in two ticks.
+            write(&[0x03, 0xC0, 0]),
+            write(&[0x03, 0xA0, 0]),
+            write(&[0x03, 0x80, 0]),
+        ]
+        .concat();
+        let mut bus = Bus::new(&expected);
+        let mut line = Line::new(&[Level::Low, Level::High, Level::Low].map(Set::set));
+        let dac = Ad5761::new(bus.clone(), Scale::new(1.0, 0.0).unwrap()).unwrap();
+        let mut output = Output::new(dac, line.clone(), 2).unwrap();
+        assert!(output.start());
+        output.drive(0.5);
+        output.drive(f32::NAN);
+        assert_eq!(output.state(), State::Faulted(Fault::NotFinite));
+        output.drive(f32::NAN);
+        assert_eq!(output.command(), 0.0);
+        bus.done();
+        line.done();
+    }
+}
