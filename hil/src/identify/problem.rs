@@ -36,8 +36,7 @@ impl<'a> Rows<'a> {
     /// Gathers the samples that `included(trajectory, sample)` picks. `nodes` are the amplitudes in mm at which eq 13 has
     /// coefficients of its own; each sample is of the nearest.
     ///
-    /// Samples whose velocity is too uncertain for its sign, and those next to a kink, are left out: |v|^α is steep
-    /// there, and they would bend the fit.
+    /// Samples that are not [telling](Trajectory::is_telling) are left out: they would bend the fit.
     pub fn gather(
         trajectories: &'a [Trajectory],
         nodes: Vec<f64>,
@@ -58,22 +57,13 @@ impl<'a> Rows<'a> {
         for (which, trajectory) in trajectories.iter().enumerate() {
             let first = rows.len();
             let motion = &trajectory.motion;
-            let mut kinks = motion.kinks.iter().peekable();
             for index in 0..trajectory.len() {
-                while kinks.peek().is_some_and(|&&kink| kink + 1 < index) {
-                    kinks.next();
-                }
-                let at_kink = kinks.peek().is_some_and(|&&kink| kink.abs_diff(index) <= 1);
-                let speed = motion.velocity[index].abs();
-                if at_kink
-                    || speed <= 3.0 * motion.velocity_deviation[index]
-                    || !included(which, index)
-                {
+                if !trajectory.is_telling(index) || !included(which, index) {
                     continue;
                 }
                 rows.origin.push((which, index));
                 rows.displacement.push(motion.displacement[index]);
-                rows.log_speed.push(speed.ln());
+                rows.log_speed.push(motion.velocity[index].abs().ln());
                 rows.direction.push(motion.velocity[index].signum());
                 rows.temperature.push(trajectory.temperature_at(index));
                 rows.force.push(trajectory.force[index]);

@@ -347,20 +347,21 @@ fn gram(recurrence: &[f64; 4], j: usize, x: f64) -> [f64; 3] {
 fn find_kinks(samples: &[f64], tick: f64, period: &[f64], noise: f64) -> Vec<usize> {
     let count = samples.len();
     let width = |index: usize| ((0.05 * period[index] / tick) as usize).clamp(5, 200);
+    let widths = |index: usize| {
+        (
+            width(index.saturating_sub(3)),
+            width((index + 3).min(count - 1)),
+        )
+    };
     let jump: Vec<f64> = (0..count)
         .map(|index| {
-            let width = width(index);
-            if index < width || index + width >= count {
+            let (before, after) = widths(index);
+            let Some(jump) = Jump::at(samples, index, before, after, 2, noise) else {
                 return 0.0;
-            }
-            let before = fit_polynomial(&samples[index - width..index], width as f64, 2);
-            let after = fit_polynomial(&samples[index + 1..=index + width], -1.0, 2);
-            let difference = (after.slope - before.slope).abs();
-            let deviation = noise * (before.slope_variance + after.slope_variance).sqrt();
-            let largest = before.slope.abs().max(after.slope.abs());
-            // In units of the noise: a short window's wild slopes must not hide a kink beside it.
-            if difference > 8.0 * deviation && difference > 0.1 * largest {
-                difference / deviation
+            };
+            let stands_out = jump.difference > 8.0 * jump.deviation;
+            if stands_out && jump.difference > 0.1 * jump.largest_slope {
+                jump.surely()
             } else {
                 0.0
             }
@@ -369,16 +370,12 @@ fn find_kinks(samples: &[f64], tick: f64, period: &[f64], noise: f64) -> Vec<usi
     let mut kinks = Vec::new();
     let mut index = 0;
     while index < count {
-        let reach = width(index) + 2;
-        let around = index.saturating_sub(reach)..(index + reach + 1).min(count);
+        let (before, after) = widths(index);
+        let around = index.saturating_sub(before + 2)..(index + after + 3).min(count);
         let is_largest = jump[index] > 0.0 && around.clone().all(|i| jump[i] <= jump[index]);
         if is_largest {
-            kinks.extend(locate_kink(
-                samples,
-                index,
-                width(around.start),
-                width(around.end - 1),
-            ));
+            let (before, after) = (width(around.start), width(around.end - 1));
+            kinks.extend(locate_kink(samples, index, 2 * before, 2 * after, noise));
             index = around.end;
         } else {
             index += 1;
@@ -388,30 +385,69 @@ fn find_kinks(samples: &[f64], tick: f64, period: &[f64], noise: f64) -> Vec<usi
     kinks
 }
 
-/// The first sample after the kink near `near`: the split at which a cubic on each side leaves least, then where the two
-/// cubics meet. `before` and `after` are the window lengths on each side.
-fn locate_kink(samples: &[f64], near: usize, before: usize, after: usize) -> Option<usize> {
-    let (before, after) = (2 * before, 2 * after);
-    let left = |split: usize| {
-        split
-            .checked_sub(before)
-            .map(|start| &samples[start..split])
-    };
-    let right = |split: usize| samples.get(split..split + after);
-    let split = (near.saturating_sub(6)..near + 7)
-        .filter_map(|split| {
-            let error = fit_polynomial(left(split)?, 0.0, 3).error
-                + fit_polynomial(right(split)?, 0.0, 3).error;
-            Some((error, split))
+/// Polynomials on both sides of a sample that belongs to neither.
+struct Jump {
+    /// Difference of the slopes at the sample, mm per tick.
+    difference: f64,
+    /// Its standard deviation.
+    deviation: f64,
+    largest_slope: f64,
+    /// Where the two meet, in ticks after the sample.
+    meeting: f64,
+}
+
+impl Jump {
+    /// Polynomials of `degree` through `before` samples before `index` and `after` samples after it; `None` where there are
+    /// not so many.
+    fn at(
+        samples: &[f64],
+        index: usize,
+        before: usize,
+        after: usize,
+        degree: usize,
+        noise: f64,
+    ) -> Option<Self> {
+        let left = fit_polynomial(
+            samples.get(index.checked_sub(before)?..index)?,
+            before as f64,
+            degree,
+        );
+        let right = fit_polynomial(samples.get(index + 1..=index + after)?, -1.0, degree);
+        // A window that a kink falls into leaves much, and its slope is worth little.
+        let variance = |fit: &Cubic, length: usize| {
+            (noise * noise).max(fit.error / (length - degree - 1) as f64) * fit.slope_variance
+        };
+        let change = right.slope - left.slope;
+        Some(Self {
+            difference: change.abs(),
+            deviation: (variance(&left, before) + variance(&right, after)).sqrt(),
+            largest_slope: left.slope.abs().max(right.slope.abs()),
+            meeting: (left.value - right.value) / change,
         })
-        .min_by(|a, b| a.0.total_cmp(&b.0))?
-        .1;
-    // Without the samples next to the split, which may lie on either side.
-    let from_left = fit_polynomial(left(split - 1)?, before as f64 + 1.0, 3);
-    let from_right = fit_polynomial(right(split + 1)?, -1.0, 3);
-    let meeting =
-        split as f64 - (from_right.value - from_left.value) / (from_right.slope - from_left.slope);
+    }
+
+    /// What of the difference is surely there.
+    fn surely(&self) -> f64 {
+        self.difference - 3.0 * self.deviation
+    }
+}
+
+/// The first sample after the kink near `near`: cubics through `before` and `after` samples are moved past it until their
+/// slopes differ most; the kink is where they then meet.
+fn locate_kink(
+    samples: &[f64],
+    near: usize,
+    before: usize,
+    after: usize,
+    noise: f64,
+) -> Option<usize> {
+    let (index, jump) = (near.saturating_sub(before)..near + after)
+        .filter_map(|index| Some((index, Jump::at(samples, index, before, after, 3, noise)?)))
+        .max_by(|a, b| a.1.surely().total_cmp(&b.1.surely()))?;
+    // Once more with the sample at the kink left out, which would bend the side that it is not on.
+    let at_kink = (index as f64 + jump.meeting.clamp(-3.0, 3.0)).round() as usize;
+    let meeting = at_kink as f64 + Jump::at(samples, at_kink, before, after, 3, noise)?.meeting;
     // The sample at the kink itself belongs to what comes after.
     let first_after = (meeting - 0.3).ceil();
-    ((first_after - split as f64).abs() <= 3.0).then_some(first_after as usize)
+    ((first_after - index as f64).abs() <= 4.0).then_some(first_after as usize)
 }

@@ -104,6 +104,20 @@ impl Trajectory {
         self.force.is_empty()
     }
 
+    /// Whether the law can be compared with the force at a sample: it was measured, it is not next to a kink, and its
+    /// velocity is certain enough for the law's steep |v|^α.
+    pub fn is_telling(&self, index: usize) -> bool {
+        let after = self.motion.kinks.partition_point(|&kink| kink + 1 < index);
+        let at_kink = self
+            .motion
+            .kinks
+            .get(after)
+            .is_some_and(|kink| kink.abs_diff(index) <= 1);
+        let certain =
+            self.motion.velocity[index].abs() > 3.0 * self.motion.velocity_deviation[index];
+        self.measured[index] && certain && !at_kink
+    }
+
     /// Temperature at a sample, °C; 20 °C where none was measured.
     pub fn temperature_at(&self, index: usize) -> f64 {
         self.temperature

@@ -38,7 +38,7 @@ impl Score {
             for piece in pieces(trajectory) {
                 let mut error = None;
                 for sample in piece.filter(|&sample| {
-                    roles.of(which, sample) == role && trajectory.measured[sample]
+                    roles.of(which, sample) == role && trajectory.is_telling(sample)
                 }) {
                     let force = trajectory.force[sample];
                     *error.get_or_insert(0.0) += (predicted[which][sample] - force).powi(2);
