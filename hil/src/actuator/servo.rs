@@ -48,8 +48,8 @@ pub struct ServoConfig {
 }
 
 impl Default for ServoConfig {
-    /// A 25 kN machine with a short, stiff cylinder on hydrostatic bearings: 24 Hz of position loop, an oil resonance at
-    /// 411 Hz, 2 N of friction.
+    /// A 200 kN machine, as the paper's, with a short, stiff cylinder on hydrostatic bearings: 24 Hz of position loop, an
+    /// oil resonance at 650 Hz, 2 N of friction.
     fn default() -> Self {
         Self {
             gain: 150.0,
@@ -57,9 +57,9 @@ impl Default for ServoConfig {
             valve_frequency: 120.0,
             valve_damping: 0.8,
             flow_velocity: 150.0,
-            force_limit: 25.0,
-            oil_stiffness: 2000.0,
-            leakage: 0.1,
+            force_limit: 200.0,
+            oil_stiffness: 5000.0,
+            leakage: 0.02,
             mass: 300.0,
             coulomb: 0.002,
             stiction: 0.003,
