@@ -1,19 +1,20 @@
 //! The result of a trace in a few lines for the terminal.
 
-use hil::report::verdict;
+use hil::report::text::{interval, percent, verdict};
 use hil::trace::result::TraceResult;
 
 use super::say;
 
 /// Prints the verdict, the effects with their parameters, the error before and after, and warnings.
 pub fn print(result: &TraceResult) {
-    let percent = |fraction: f64| format!("{:.3} %", 100.0 * fraction);
     say(&verdict(result).0);
     for effect in &result.effects {
         for (name, estimate) in &effect.parameters {
+            let [low, value, high] = interval(estimate.low, estimate.value, estimate.high);
+            let unit = &estimate.unit;
             say(&format!(
-                "  {} {name} = {:.4} ({:.4}…{:.4}) {}",
-                effect.family, estimate.value, estimate.low, estimate.high, estimate.unit
+                "  {} {name} = {value} ({low} … {high}) {unit}",
+                effect.family
             ));
         }
     }

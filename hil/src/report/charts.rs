@@ -74,8 +74,7 @@ pub enum Against {
 
 /// Force over displacement for one cycle: measured, before, after.
 pub fn loop_chart(series: &Series, block: &SeriesBlock, style: &Style) -> String {
-    // One sample more closes the loop.
-    let samples = thinned(block.cycle.start..block.cycle.end + 1, CURVE_POINTS);
+    let samples = thinned(block.cycle.clone(), CURVE_POINTS);
     let points = |force: &[f64]| -> Vec<(f64, f64)> {
         let point = |&i: &usize| Some((*series.displacement.get(i)?, *force.get(i)?));
         samples.iter().filter_map(point).collect()

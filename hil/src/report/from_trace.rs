@@ -41,17 +41,24 @@ impl Series {
     }
 }
 
-/// The last cycle that was held out as a whole, or else the last of the block.
+/// The last cycle that was held out as a whole, or else the last of the block; one that the block goes on after where
+/// there is one, as its loop closes.
 fn representative(block: &Block, roles: &[Role]) -> Option<SeriesBlock> {
     let is_held_out = |cycle: &&Range<usize>| {
         roles
             .get((*cycle).clone())
             .is_some_and(|roles| roles.iter().all(|role| *role == Role::HeldOut))
     };
-    let held_out = block.cycles.iter().rev().find(is_held_out);
-    let cycle = held_out.or(block.cycles.last())?;
+    let (last, others) = block.cycles.split_last()?;
+    let held_out = others
+        .iter()
+        .rev()
+        .chain(Some(last))
+        .find(|cycle| is_held_out(cycle));
+    let cycle = held_out.or(others.last()).unwrap_or(last);
+    let closing = usize::from(cycle != last);
     Some(SeriesBlock {
-        cycle: cycle.clone(),
+        cycle: cycle.start..cycle.end + closing,
         amplitude: block.amplitude,
         frequency: block.frequency,
         held_out: held_out.is_some(),

@@ -3,7 +3,7 @@
 mod charts;
 mod from_trace;
 mod page;
-mod text;
+pub mod text;
 
 use std::ops::Range;
 
@@ -11,7 +11,6 @@ use crate::model::Model;
 use crate::trace::result::TraceResult;
 
 pub use page::render;
-pub use text::verdict;
 
 /// What a report is made from.
 #[derive(Clone, Debug, PartialEq)]
@@ -54,7 +53,7 @@ pub struct Series {
 /// Cycles of like amplitude and frequency.
 #[derive(Clone, Debug, PartialEq)]
 pub struct SeriesBlock {
-    /// The samples of one representative cycle: the loop that is drawn.
+    /// The samples of one representative cycle, with the next one's first where the block goes on: the loop that is drawn.
     pub cycle: Range<usize>,
     /// mm
     pub amplitude: f64,

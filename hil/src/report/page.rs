@@ -137,7 +137,7 @@ fn loops(series: &[Series]) -> Markup {
                 @for (one, block) in &chosen {
                     figure {
                         figcaption {
-                            (text::short_number(block.amplitude)) " mm, " (text::short_number(block.frequency)) " Hz "
+                            (text::nominal(block.amplitude)) " mm, " (text::nominal(block.frequency)) " Hz "
                             @if block.held_out { span.tag { "held out" } }
                             @if several { " " span style="font-weight:400" { (file_name(&one.name)) } }
                         }
@@ -206,11 +206,12 @@ fn parameters(result: &TraceResult) -> Markup {
                 tbody {
                     @for effect in &result.effects {
                         @for (row, (name, estimate)) in effect.parameters.iter().enumerate() {
+                            @let [low, value, high] = text::interval(estimate.low, estimate.value, estimate.high);
                             tr {
                                 td { @if row == 0 { (text::name(&effect.family)) } }
                                 td.text { (name.replace('_', " ")) }
-                                td { (text::number(estimate.value)) }
-                                td { (text::number(estimate.low)) " … " (text::number(estimate.high)) }
+                                td { (value) }
+                                td { (low) " … " (high) }
                                 td.text { (text::unit(&estimate.unit)) }
                                 td { @if row == 0 { (text::percent(effect.nrmse_without)) } }
                                 td { @if row == 0 { (text::percent(effect.nrmse_with)) } }
@@ -232,7 +233,7 @@ fn candidates(result: &TraceResult) -> Markup {
             h2 { "What was tried" }
             p {
                 "Each step adds to the law what the steps before had found. The candidates of a step are ranked by their \
-                 error on cycles kept apart for judging."
+                 error on cycles kept apart for judging. The last step may have brought no clear gain, which ended the search."
             }
             div.scroll { table {
                 thead { tr {

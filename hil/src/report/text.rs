@@ -18,13 +18,28 @@ pub fn number(value: f64) -> String {
     format!("{value:.decimals$}").replace('-', "−")
 }
 
-/// The same without zeros at its end: what was set, not what was measured.
-pub fn short_number(value: f64) -> String {
-    let text = number(value);
+/// What was set rather than measured: without zeros at its end, and rounded to two digits where that changes it by less
+/// than half a per cent.
+pub fn nominal(value: f64) -> String {
+    let two_digits: f64 = format!("{value:.1e}").parse().unwrap_or(value);
+    let close = (two_digits - value).abs() < 5e-3 * value.abs();
+    let text = number(if close { two_digits } else { value });
     if text.contains('e') || !text.contains('.') {
         return text;
     }
     text.trim_end_matches('0').trim_end_matches('.').to_owned()
+}
+
+/// The ends of an interval and the value in it, with as many decimals as tell them apart.
+pub fn interval(low: f64, value: f64, high: f64) -> [String; 3] {
+    let width = high - low;
+    let decimals = 1.0 - width.log10().floor();
+    let largest = low.abs().max(high.abs());
+    if !(0.0..=9.0).contains(&decimals) || largest >= 1e6 || largest < 1e-4 {
+        return [low, value, high].map(number);
+    }
+    let decimals = decimals as usize;
+    [low, value, high].map(|value| format!("{value:.decimals$}").replace('-', "−"))
 }
 
 /// An NRMSE as a percentage.
@@ -152,8 +167,15 @@ mod tests {
         assert_eq!(number(1234.5), "1234");
         assert_eq!(number(1.5e-7), "1.50e−7");
         assert_eq!(number(f64::NAN), "—");
-        assert_eq!(short_number(0.05), "0.05");
-        assert_eq!(short_number(200.0), "200");
+        assert_eq!(nominal(0.05), "0.05");
+        assert_eq!(nominal(0.049_93), "0.05");
+        assert_eq!(nominal(0.125), "0.125");
+        assert_eq!(nominal(200.0), "200");
+        assert_eq!(
+            interval(0.029_971, 0.029_987, 0.030_003),
+            ["0.029971", "0.029987", "0.030003"]
+        );
+        assert_eq!(interval(-3.0, 20.0, 43.0), ["−3", "20", "43"]);
         assert_eq!(percent(0.00412), "0.412 %");
         assert_eq!(unit("kN/mm^2"), "kN/mm²");
     }
