@@ -357,7 +357,7 @@ fn bad_usage_ends_with_2_and_help_shows_an_example() {
     ] {
         assert_eq!(hil(root.path(), arguments).status.code(), Some(2));
     }
-    for command in ["trace", "predict"] {
+    for command in ["trace", "predict", "run"] {
         let output = hil(root.path(), &[command, "--help"]);
         assert_eq!(output.status.code(), Some(0));
         let help = String::from_utf8(output.stdout).unwrap();
@@ -422,5 +422,37 @@ fn recordings_that_contradict_each_other_are_refused() {
             &["trace", "a.csv", "--held-out", other],
             &[other, said],
         );
+    }
+}
+
+#[test]
+fn a_bad_programme_or_specimen_is_refused_by_run() {
+    let root = tempfile::tempdir().unwrap();
+    fs::write(
+        root.path().join("p.json"),
+        r#"{"blocks": [{"amplitude": 0.1, "frequency": 1}]}"#,
+    )
+    .unwrap();
+    let bad = MODEL.replace("\"version\": 1", "\"version\": 7");
+    fs::write(root.path().join("model.json"), bad).unwrap();
+    for (arguments, said) in [
+        (&["--blocks", "0.1:1"][..], "--blocks: field block 1"),
+        (
+            &["--blocks", "0.1:1:6,0.1:5000:6"],
+            "field block 2: frequency = 5000 is outside",
+        ),
+        (
+            &["--programme", "p.json"],
+            "p.json: field blocks[0]: missing field `cycles`",
+        ),
+        (
+            &["--programme", "none.json"],
+            "none.json: cannot read it: does not exist",
+        ),
+        (&["--density", "9"], "--density: 9 g/cm³ is outside"),
+        (&["--tick-rate", "0"], "tick_rate = 0 is outside"),
+        (&["--model", "model.json"], "field version: 7 is unknown"),
+    ] {
+        refuses(root.path(), &[&["run"], arguments].concat(), &[said]);
     }
 }

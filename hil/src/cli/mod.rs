@@ -2,6 +2,7 @@
 
 mod predict;
 mod progress;
+mod run;
 mod summary;
 mod trace;
 
@@ -26,6 +27,7 @@ pub struct Cli {
 enum Command {
     Trace(trace::TraceCommand),
     Predict(predict::Predict),
+    Run(run::RunCommand),
 }
 
 impl Cli {
@@ -34,6 +36,7 @@ impl Cli {
         match self.command {
             Command::Trace(command) => command.run(),
             Command::Predict(command) => command.run(),
+            Command::Run(command) => command.run(),
         }
     }
 }
@@ -47,12 +50,16 @@ pub enum Failure {
     /// The recordings could not be traced.
     #[error(transparent)]
     Trace(#[from] TraceError),
+    /// The work was done, and what it was to show does not hold.
+    #[error("{0}")]
+    Check(String),
 }
 
 impl Failure {
     /// The exit code that says so.
     pub fn exit_code(&self) -> ExitCode {
         match self {
+            Self::Check(_) => ExitCode::from(1),
             Self::Input(_) | Self::Trace(_) => ExitCode::from(2),
         }
     }

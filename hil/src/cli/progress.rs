@@ -23,6 +23,14 @@ impl Progress {
         )
     }
 
+    /// Work of `total` parts.
+    pub fn of(total: u64) -> Self {
+        Self::new(
+            ProgressBar::with_draw_target(Some(total), ProgressDrawTarget::stderr()),
+            "{bar:30} {percent:>3} % {msg}",
+        )
+    }
+
     fn new(bar: ProgressBar, template: &str) -> Self {
         if let Ok(style) = ProgressStyle::with_template(template) {
             bar.set_style(style);
@@ -38,6 +46,15 @@ impl Progress {
     pub fn step(&self, what: &str) {
         self.bar.set_message(what.to_owned());
         self.plain(|| what.to_owned());
+    }
+
+    /// Says how many parts are done.
+    pub fn done(&self, parts: u64) {
+        self.bar.set_position(parts);
+        self.plain(|| {
+            let total = self.bar.length().unwrap_or(parts).max(1);
+            format!("{} {} %", self.bar.message(), 100 * parts / total)
+        });
     }
 
     fn plain(&self, line: impl FnOnce() -> String) {

@@ -1,0 +1,105 @@
+//! `hil run`: what it leaves is a recording like any other, and the same for the same seed.
+
+use std::fs;
+use std::path::Path;
+use std::process::{Command, Output};
+
+use hil::recording::Recording;
+
+fn run(directory: &Path, arguments: &[&str]) -> Output {
+    Command::new(env!("CARGO_BIN_EXE_hil"))
+        .arg("run")
+        .args(arguments)
+        .current_dir(directory)
+        .output()
+        .unwrap()
+}
+
+#[test]
+fn leaves_a_recording_and_its_cycles() {
+    let root = tempfile::tempdir().unwrap();
+    let arguments = [
+        "--blocks",
+        "0.1:5:4,0.05:10:6",
+        "--seed",
+        "3",
+        "--json",
+        "-",
+    ];
+    let output = run(root.path(), &arguments);
+    assert!(
+        output.status.success(),
+        "{}",
+        String::from_utf8_lossy(&output.stderr)
+    );
+    let summary: serde_json::Value = serde_json::from_slice(&output.stdout).unwrap();
+    assert!(summary["stopped"].is_null());
+
+    let recording = Recording::read(root.path().join("run-out/recording.csv.gz")).unwrap();
+    assert!((recording.sample_period() - 1e-3).abs() < 1e-9);
+    assert_eq!(
+        recording.declared("specimen"),
+        Some("simulated MMD, density_g_cm3 = 3")
+    );
+    let largest = recording
+        .displacement
+        .iter()
+        .fold(0.0, |a: f64, b| a.max(b.abs()));
+    // The amplitude is held to a part in a hundred, beside noise of 1e-4 mm.
+    assert!((largest - 0.1).abs() < 5e-3, "{largest}");
+
+    let cycles = fs::read_to_string(root.path().join("run-out/cycles.csv")).unwrap();
+    let rows = summary["cycles"].as_array().unwrap();
+    assert_eq!(cycles.lines().count(), rows.len() + 1);
+    for (block, cycles) in [(0, 4), (1, 6)] {
+        let steady = |row: &&serde_json::Value| row["block"] == block && row["ramp"] == false;
+        assert_eq!(rows.iter().filter(steady).count(), cycles);
+        for row in rows.iter().filter(steady) {
+            // The law beside is that of the specimen's own density at 0.1 mm.
+            let (measured, model) = (
+                &row["stiffness_kn_per_mm"],
+                &row["model_stiffness_kn_per_mm"],
+            );
+            let ratio = measured.as_f64().unwrap() / model.as_f64().unwrap();
+            assert!((ratio - 1.0).abs() < 0.1, "{row}");
+        }
+    }
+
+    fs::rename(root.path().join("run-out"), root.path().join("first")).unwrap();
+    run(root.path(), &arguments);
+    let csv = |directory: &str| fs::read(root.path().join(directory).join("cycles.csv")).unwrap();
+    assert_eq!(csv("first"), csv("run-out"));
+    run(
+        root.path(),
+        &["--blocks", "0.1:5:4,0.05:10:6", "--seed", "4"],
+    );
+    assert_ne!(csv("first"), csv("run-out"));
+}
+
+#[test]
+fn a_rig_that_stops_on_a_limit_ends_with_1_and_keeps_what_it_recorded() {
+    let root = tempfile::tempdir().unwrap();
+    let output = run(root.path(), &["--blocks", "0.1:5:4,2:5:10"]);
+    assert_eq!(output.status.code(), Some(1));
+    let error = String::from_utf8(output.stderr).unwrap();
+    assert!(error.starts_with("error: the rig stopped "), "{error}");
+    assert_eq!(error.lines().count(), 1);
+    Recording::read(root.path().join("run-out/recording.csv.gz")).unwrap();
+}
+
+#[test]
+fn the_file_of_a_programme_says_what_blocks_say() {
+    let root = tempfile::tempdir().unwrap();
+    let programme = r#"{"blocks": [{"amplitude": 0.1, "from": 2, "to": 8, "cycles": 6}]}"#;
+    fs::write(root.path().join("p.json"), programme).unwrap();
+    let outputs = [["--blocks", "0.1:2-8:6"], ["--programme", "p.json"]].map(|arguments| {
+        let output = run(root.path(), &[&arguments[..], &["--json", "-"]].concat());
+        assert!(
+            output.status.success(),
+            "{}",
+            String::from_utf8_lossy(&output.stderr)
+        );
+        output.stdout
+    });
+    assert_eq!(outputs[0], outputs[1]);
+}
