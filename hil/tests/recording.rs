@@ -5,7 +5,7 @@ use std::fs;
 use hil::recording::{Recording, units};
 use proptest::prelude::*;
 
-fn unit_of<'a>(units: &'a [units::Unit], index: usize) -> &'a units::Unit {
+fn unit_of(units: &[units::Unit], index: usize) -> &units::Unit {
     &units[index % units.len()]
 }
 

@@ -35,7 +35,7 @@ pub fn interval(low: f64, value: f64, high: f64) -> [String; 3] {
     let width = high - low;
     let decimals = 1.0 - width.log10().floor();
     let largest = low.abs().max(high.abs());
-    if !(0.0..=9.0).contains(&decimals) || largest >= 1e6 || largest < 1e-4 {
+    if !(0.0..=9.0).contains(&decimals) || !(1e-4..1e6).contains(&largest) {
         return [low, value, high].map(number);
     }
     let decimals = decimals as usize;
