@@ -9,7 +9,6 @@ pub mod model;
 pub mod model_file;
 pub mod output;
 pub mod predict;
-pub mod programme;
 pub mod recording;
 pub mod reference;
 pub mod report;

@@ -1,6 +1,7 @@
 //! The command line: one file per command.
 
 mod predict;
+mod programme;
 mod progress;
 mod run;
 mod summary;

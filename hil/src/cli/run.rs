@@ -8,7 +8,7 @@ use hil::link::{RigRun, RigSetup, TICK_RATE, run_rig};
 use hil::model::MAX_EFFECTS;
 use hil::model_file::{ModelFile, model_error};
 use hil::output::Outputs;
-use hil::programme::{self, MOST_BLOCKS};
+
 use hil::specimen::{Specimen, draw};
 use mesh_damper::effects::AugmentedLaw;
 use mesh_damper::law::Law;
@@ -17,6 +17,7 @@ use mesh_damper::sine::Programme;
 use mesh_damper::table::PAPER;
 use serde::Serialize;
 
+use super::programme::{self, MOST_BLOCKS};
 use super::progress::Progress;
 use super::{Failure, say};
 

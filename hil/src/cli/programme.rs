@@ -6,7 +6,7 @@ use mesh_damper::error::ConfigError;
 use mesh_damper::sine::{Block, Programme};
 use serde::Deserialize;
 
-use crate::error::{InputError, Place, quoted};
+use hil::error::{InputError, Place, quoted};
 
 /// Most blocks of a programme.
 pub const MOST_BLOCKS: usize = 64;
