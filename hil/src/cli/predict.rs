@@ -3,6 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use clap::{Args, ValueEnum};
+use hil::model::{AddedEffect, Family};
 use hil::model_file::{FittedRange, ModelFile, model_error};
 use hil::output::Outputs;
 use hil::predict::{nrmse, predict};
@@ -87,6 +88,15 @@ impl Predict {
                 recording.name,
                 100.0 * beyond,
                 self.model.display()
+            ));
+        }
+        let warms = |effect: &AddedEffect| effect.family == Family::Temperature;
+        if recording.temperature.is_none() && model.effects.iter().any(warms) {
+            warn(&format!(
+                "{} depends on temperature, and {} has none: {} °C is assumed",
+                self.model.display(),
+                recording.name,
+                trajectory.temperature_at(0)
             ));
         }
         let summary = Summary {

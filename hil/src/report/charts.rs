@@ -131,7 +131,8 @@ pub fn residual_chart(series: &[Series], against: Against, style: &Style) -> Str
     let label = match against {
         Against::Displacement => "displacement, mm",
         Against::Velocity => "velocity, mm/s",
-        Against::Time => "time, s (recordings one after another)",
+        Against::Time if series.len() > 1 => "time, s (recordings one after another)",
+        Against::Time => "time, s",
     };
     draw(style, |area| {
         let mut chart = axes(area, style, (x, y), (label, "measured − law, kN"))?;
@@ -200,7 +201,7 @@ fn axes<'a, 'b>(
         .x_desc(x_label)
         .y_desc(y_label)
         .x_labels((style.size.0 / (5 * style.font)) as usize)
-        .y_labels((style.size.1 / (4 * style.font)) as usize)
+        .y_labels((style.size.1 / (3 * style.font)) as usize)
         .x_label_formatter(&|value| tick(*value, &x))
         .y_label_formatter(&|value| tick(*value, &y))
         .max_light_lines(0)
