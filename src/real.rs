@@ -48,10 +48,10 @@ pub trait Real:
     fn confined(self, limit: Self) -> Self {
         if self > limit {
             limit
+        } else if self >= -limit {
+            self
         } else if self < -limit {
             -limit
-        } else if self == self {
-            self
         } else {
             Self::ZERO
         }

@@ -2,6 +2,7 @@
 #![forbid(unsafe_code)]
 
 pub mod actuator;
+pub mod demo;
 pub mod error;
 pub mod identify;
 pub mod link;

@@ -176,8 +176,8 @@ fn each_effect_is_named_and_measured() {
     );
     check(
         "viscous",
-        &[("c1", 0.006)],
-        traced(0.004, 4, || |s: &Sample| 0.006 * s.2),
+        &[("c1", 0.015)],
+        traced(0.004, 4, || |s: &Sample| 0.015 * s.2),
     );
     check(
         "inertia",

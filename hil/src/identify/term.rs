@@ -84,9 +84,11 @@ impl Term {
             .iter()
             .map(|t| t.tick)
             .fold(f64::INFINITY, f64::min);
+        let noise = largest(trajectories.iter().map(|t| t.motion.noise));
         let cycles = largest(trajectories.iter().filter_map(|t| t.cycles.last().copied()));
         let (low, high, count) = match self.family {
-            Family::StickSlip => (1e-3 * amplitude, 2.0 * amplitude, 8),
+            // A smaller slip limit than the noise shows cannot be told from an error of the velocity at a reversal.
+            Family::StickSlip => ((5.0 * noise).max(1e-3 * amplitude), 2.0 * amplitude, 8),
             Family::Relaxation => (0.5 * tick, duration, 8),
             Family::Drift => (0.3, 10.0 * cycles, 6),
             _ => return None,

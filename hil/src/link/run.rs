@@ -82,7 +82,8 @@ impl RigRun {
             .filter(move |cycle| cycle.block == block && !cycle.ramp)
     }
 
-    /// Motion, force, the crate's velocity and the temperature, as any other recording.
+    /// Motion, force and temperature, as any other recording. The crate's velocity is not among them: it is an estimate
+    /// made without knowing what comes next, and whoever has the whole recording makes a better one.
     ///
     /// # Errors
     /// A run that stopped before it moved.
@@ -94,7 +95,6 @@ impl RigRun {
             samples.displacement.clone(),
             samples.force.clone(),
         )?
-        .with_velocity(samples.velocity.clone())?
         .with_temperature(samples.temperature.clone())
     }
 }

@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 use mesh_damper::real::Real;
 
 use super::result::{Baseline, Candidate, Errors, Estimate, FoundEffect, OnTarget, TraceResult};
-use super::select::Selection;
+use super::select::{Selection, noise_floor};
 use super::split::{Role, Roles};
 use super::verdict::{conclude, depends_on, separating_test, warnings};
 use super::{Trace, Traced};
@@ -22,6 +22,7 @@ pub(super) struct Closing<'a> {
     recordings: Vec<(&'a Trajectory, Vec<Role>)>,
     fitted: usize,
     rows: Rows<'a>,
+    noise_floor: f64,
 }
 
 impl<'a> Closing<'a> {
@@ -44,6 +45,7 @@ impl<'a> Closing<'a> {
         Self {
             recordings: of_fitted.chain(of_held).collect(),
             fitted: fitted.len(),
+            noise_floor: noise_floor(fitted),
             rows: Rows::gather(fitted, nodes, |which, sample| {
                 roles.of(which, sample) != Role::HeldOut
             }),
@@ -59,7 +61,7 @@ impl<'a> Closing<'a> {
         let (before, without) = self.evaluate::<f64>(&baseline)?;
         let (after, with) = self.evaluate::<f64>(&model)?;
         let (_, on_target) = self.evaluate::<f32>(&model)?;
-        let noise_floor = self.noise_floor();
+        let noise_floor = self.noise_floor;
         let verdict = conclude(selection, noise_floor);
 
         let names = |held: bool| {
@@ -136,20 +138,6 @@ impl<'a> Closing<'a> {
             nrmse_held_out: nrmse(true),
         };
         Ok((predicted, errors))
-    }
-
-    /// The noise of the force over its RMS, over the recordings fitted.
-    fn noise_floor(&self) -> f64 {
-        let (noise, force) =
-            self.recordings[..self.fitted]
-                .iter()
-                .fold((0.0, 0.0), |(noise, force), (t, _)| {
-                    (
-                        noise + t.force_noise.powi(2) * t.len() as f64,
-                        force + t.force.iter().map(|f| f * f).sum::<f64>(),
-                    )
-                });
-        (noise / force).sqrt()
     }
 
     /// The effects found with their intervals, each with the held-out error that is left without it.

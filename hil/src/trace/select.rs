@@ -12,6 +12,9 @@ use crate::recording::trajectory::Trajectory;
 
 /// Most terms beside eq 13.
 const MOST_TERMS: usize = 6;
+/// A law whose error is within so many times the noise lacks nothing that is larger than the noise; what a term could
+/// still gain there is the error of the estimated motion.
+const SETTLED: f64 = 1.5;
 
 /// A fitted law and how it does on the cycles that judge.
 #[derive(Clone, Debug)]
@@ -52,6 +55,7 @@ pub struct Search<'a> {
     roles: &'a Roles,
     rows: Rows<'a>,
     families: Vec<Term>,
+    noise_floor: f64,
 }
 
 impl<'a> Search<'a> {
@@ -75,6 +79,7 @@ impl<'a> Search<'a> {
                 roles.of(which, sample) == Role::Fit
             }),
             families,
+            noise_floor: noise_floor(trajectories),
         }
     }
 
@@ -96,7 +101,8 @@ impl<'a> Search<'a> {
             ));
             let tried = self.step(&found, step)?;
             let Some(best) = tried.first() else { break };
-            let accepted = best.fitted.score.beats(&found.score);
+            let settled = found.score.nrmse() <= SETTLED * self.noise_floor;
+            let accepted = !settled && best.fitted.score.beats(&found.score);
             let next = best.fitted.clone();
             candidates.extend(tried);
             if !accepted {
@@ -227,6 +233,20 @@ fn named(law: &Fitted) -> String {
         .fold("eq 13".to_owned(), |text, value| {
             format!("{text} + {}", value.term.family)
         })
+}
+
+/// The noise of the force over its RMS; of several recordings the root of the mean square.
+pub fn noise_floor(trajectories: &[Trajectory]) -> f64 {
+    let squares = trajectories.iter().map(|trajectory| {
+        let power = trajectory
+            .force
+            .iter()
+            .map(|force| force * force)
+            .sum::<f64>()
+            / trajectory.len() as f64;
+        trajectory.force_noise.powi(2) / power
+    });
+    (squares.sum::<f64>() / trajectories.len() as f64).sqrt()
 }
 
 /// The amplitudes in mm of the blocks that are fitted, those that are nearly the same taken as one.
