@@ -122,7 +122,7 @@ pub fn loop_error(run: &RigRun) -> f64 {
 /// A part of the way that refused what the part before it gave.
 pub fn demo(seed: u64, progress: &(dyn Fn(&str) + Sync)) -> Result<Demo, DemoError> {
     let (specimen, drawn) = draw(seed);
-    let table = specimen::Specimen::of_density(drawn.density, 0.1).coefficients();
+    let table = Specimen::of_density(drawn.density, 0.1).coefficients();
     let published = Model {
         law: vec![LawNode {
             amplitude: 0.0,
