@@ -357,7 +357,7 @@ fn bad_usage_ends_with_2_and_help_shows_an_example() {
     ] {
         assert_eq!(hil(root.path(), arguments).status.code(), Some(2));
     }
-    for command in ["trace", "predict", "run"] {
+    for command in ["demo", "trace", "predict", "run"] {
         let output = hil(root.path(), &[command, "--help"]);
         assert_eq!(output.status.code(), Some(0));
         let help = String::from_utf8(output.stdout).unwrap();

@@ -1,5 +1,6 @@
 //! The command line: one file per command.
 
+mod demo;
 mod predict;
 mod programme;
 mod progress;
@@ -26,6 +27,7 @@ pub struct Cli {
 
 #[derive(Debug, Subcommand)]
 enum Command {
+    Demo(demo::DemoCommand),
     Trace(trace::TraceCommand),
     Predict(predict::Predict),
     Run(run::RunCommand),
@@ -35,6 +37,7 @@ impl Cli {
     /// Does what the command line asks for.
     pub fn run(self) -> Result<(), Failure> {
         match self.command {
+            Command::Demo(command) => command.run(),
             Command::Trace(command) => command.run(),
             Command::Predict(command) => command.run(),
             Command::Run(command) => command.run(),
