@@ -57,7 +57,9 @@ proptest! {
     /// Bytes of any kind are refused or read, and never end in a panic or in a message of two lines.
     #[test]
     fn any_bytes_are_refused_in_one_line(
-        head in prop::sample::select(vec!["", "# c\n", "time_s,displacement_mm,force_kN\n", "time_s,force_N\n", "\u{1f}"]),
+        head in prop::sample::select(vec![
+            "", "# c\n", "time_s,displacement_mm,force_kN\n", "time_s,force_N\n", "\u{1f}",
+        ]),
         body in "[0-9.,eE+\\-\n\r #\"a-z]{0,200}",
         tail in prop::collection::vec(any::<u8>(), 0..8),
     ) {

@@ -18,7 +18,8 @@ fn hil(directory: &Path, arguments: &[&str]) -> String {
     String::from_utf8(output.stdout).unwrap()
 }
 
-/// k1·y + k3·y³ + c·v + f0 under blocks of sines (amplitude mm, frequency Hz), with noise that is the same on every run.
+/// Eq 13 and a constant force under blocks of sines (amplitude mm, frequency Hz), with noise that is the same on every
+/// run.
 fn record(path: &Path, blocks: &[(f64, f64)]) {
     let (mut time, mut displacement, mut force) = (Vec::new(), Vec::new(), Vec::new());
     for &(amplitude, frequency) in blocks {

@@ -17,7 +17,8 @@ pub const RAMP_CYCLES: u32 = 2;
 
 /// The option that blocks as text come from.
 const OPTION: &str = "--blocks";
-const BLOCK_FORM: &str = "write amplitude in mm, frequency in Hz and cycles, as in 0.1:1:6,0.2:5:10, or 0.1:1-20:50 for a sweep";
+const BLOCK_FORM: &str = "write amplitude in mm, frequency in Hz and cycles, as in 0.1:1:6,0.2:5:10, \
+    or 0.1:1-20:50 for a sweep";
 
 /// A programme as a JSON file:
 ///

@@ -19,7 +19,8 @@ const INK: RGBColor = RGBColor(34, 34, 34);
 const GRID: RGBColor = RGBColor(228, 228, 228);
 const FONT: &str = "Helvetica, Arial, sans-serif";
 
-/// Units of the drawing in a pixel of the page: the library rounds to whole units, which would show as steps in a curve.
+/// Units of the drawing in a pixel of the page: the library rounds to whole units, which would show as steps in a
+/// curve.
 const FINE: u32 = 4;
 
 /// Most points of one curve.

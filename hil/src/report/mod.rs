@@ -17,7 +17,8 @@ pub use page::render;
 pub struct ReportData {
     /// The page's title.
     pub title: String,
-    /// What else is to be known of the test, as pairs of a name and a text, such as the effect that a demonstration hid.
+    /// What else is to be known of the test, as pairs of a name and a text, such as the effect that a demonstration
+    /// hid.
     pub facts: Vec<(String, String)>,
     /// What was found.
     pub result: TraceResult,
@@ -53,7 +54,8 @@ pub struct Series {
 /// Cycles of like amplitude and frequency.
 #[derive(Clone, Debug, PartialEq)]
 pub struct SeriesBlock {
-    /// The samples of one representative cycle, with the next one's first where the block goes on: the loop that is drawn.
+    /// The samples of one representative cycle, with the next one's first where the block goes on: the loop that is
+    /// drawn.
     pub cycle: Range<usize>,
     /// mm
     pub amplitude: f64,

@@ -232,8 +232,9 @@ fn candidates(result: &TraceResult) -> Markup {
         @if !result.candidates.is_empty() {
             h2 { "What was tried" }
             p {
-                "Each step adds to the law what the steps before had found. The candidates of a step are ranked by their \
-                 error on cycles kept apart for judging. The last step may have brought no clear gain, which ended the search."
+                "Each step adds to the law what the steps before had found. The candidates of a step are ranked by \
+                 their error on cycles kept apart for judging. The last step may have brought no clear gain, which \
+                 ended the search."
             }
             div.scroll { table {
                 thead { tr {
@@ -267,7 +268,8 @@ fn law(data: &ReportData) -> Markup {
         p { "F = k₁·y + k₃·y³ + c·|v|" sup { "α" } "·sgn v" @if !data.model.effects.is_empty() { " + what was added" } }
         div.scroll { table {
             thead { tr {
-                th { "amplitude, mm" } th { "k₁, kN/mm" } th { "k₃, kN/mm³" } th { "c, kN·(s/mm)" sup { "α" } } th { "α" }
+                th { "amplitude, mm" } th { "k₁, kN/mm" } th { "k₃, kN/mm³" } th { "c, kN·(s/mm)" sup { "α" } }
+                th { "α" }
             } }
             tbody {
                 @for node in &data.model.law {
@@ -289,7 +291,8 @@ fn recordings(data: &ReportData) -> Markup {
         h2 { "The recordings" }
         div.scroll { table {
             thead { tr {
-                th { "recording" } th.text { "use" } th { "samples" } th { "length, s" } th { "largest displacement, mm" }
+                th { "recording" } th.text { "use" } th { "samples" } th { "length, s" }
+                th { "largest displacement, mm" }
                 th { "largest force, kN" }
             } }
             tbody {
