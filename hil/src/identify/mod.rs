@@ -1,5 +1,6 @@
 //! Identification: coefficients of eq 13 and of added effects from recorded motion and force.
 
 pub mod problem;
+pub mod staged;
 pub mod term;
 pub mod uncertainty;

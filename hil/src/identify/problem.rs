@@ -98,6 +98,21 @@ impl<'a> Rows<'a> {
         self.force.is_empty()
     }
 
+    /// Amplitudes of the law's nodes, mm.
+    pub fn nodes(&self) -> &[f64] {
+        &self.nodes
+    }
+
+    /// Displacement mm, velocity mm/s and force kN of the rows of one node.
+    pub fn channels(&self, node: usize) -> (Vec<f64>, Vec<f64>, Vec<f64>) {
+        let of_node = (0..self.len()).filter(|&index| self.node[index] == node);
+        let rows = of_node.map(|index| {
+            let velocity = self.direction[index] * self.log_speed[index].exp();
+            (self.displacement[index], velocity, self.force[index])
+        });
+        rows.collect()
+    }
+
     /// The node that a row's amplitude is nearest to.
     pub(super) fn node(&self, index: usize) -> usize {
         self.node[index]

@@ -1,69 +1,97 @@
-//! The motion of steady cycles, from all the samples of several half cycles at once.
+//! The motion of sines, from all the samples of several half cycles at once.
 //!
 //! Where a sine goes on, a sum of harmonics fits it down to the noise over several half cycles, and gives velocities
-//! many times more accurate than a local cubic. It is used where it leaves no more than the noise; a start, a ramp and
-//! whatever is no sine keep the local estimate.
+//! many times more accurate than a local cubic. So does a sine with a growing amplitude over the half cycle in which a
+//! block begins. Each is used where it leaves no more than the noise; whatever is no sine keeps the local estimate.
 
 use std::f64::consts::TAU;
 use std::ops::Range;
 
 use nalgebra::{Cholesky, SMatrix, SVector};
 
-use super::cycles::Cycles;
+use super::cycles::{Block, Cycles};
 use super::motion::{Motion, leaves_only_noise};
 
-/// 1, t; cos, sin, t·cos, t·sin of the period; cos, sin of the second and third harmonic. The terms with t take up a slow
-/// change of amplitude and an error of the period.
-const TERMS: usize = 10;
-
-type Basis = SVector<f64, TERMS>;
-
 impl Motion {
-    /// Replaces the local estimate by that of harmonics, half cycle by half cycle, where the samples of `displacement` (mm,
+    /// Replaces the local estimate by that of sines, half cycle by half cycle, where the samples of `displacement` (mm,
     /// every `tick` s) follow them down to the noise.
-    pub fn refine_steady(&mut self, displacement: &[f64], tick: f64, cycles: &Cycles) {
+    pub fn refine_sines(&mut self, displacement: &[f64], tick: f64, cycles: &Cycles) {
         for block in &cycles.blocks {
-            let halves: Vec<Range<usize>> = block
-                .cycles
-                .iter()
-                .flat_map(|cycle| {
-                    let middle = (cycle.start + cycle.end) / 2;
-                    [cycle.start..middle, middle..cycle.end]
-                })
-                .collect();
-            for index in 0..halves.len() {
-                let own = &halves[index];
-                let best = windows_around(index, halves.len())
-                    .filter_map(|window| {
-                        let samples = halves[window.start].start..halves[window.end - 1].end;
-                        let crosses = self
-                            .kinks
-                            .iter()
-                            .any(|k| samples.start < *k && *k < samples.end);
-                        (!crosses).then_some(samples)
-                    })
-                    .filter_map(|samples| {
-                        Harmonics::fit(displacement, samples, tick * block.frequency)
-                    })
+            let step = TAU * tick * block.frequency;
+            let halves = half_cycles(block, &self.kinks);
+            for (index, own) in halves.iter().enumerate() {
+                let steady = windows_around(index, halves.len())
+                    .map(|window| halves[window.start].start..halves[window.end - 1].end)
+                    .filter_map(|samples| Fit::of(displacement, Steady { samples, step }))
                     .filter(|fit| fit.leaves_only_noise(displacement, own, self.noise))
-                    .max_by_key(|fit| fit.samples.len());
-                if let Some(fit) = best {
+                    .max_by_key(|fit| fit.shape.samples.len());
+                if let Some(fit) = steady {
                     self.take(&fit, own, tick);
+                } else if index == 0 {
+                    let ramp = Fit::of(
+                        displacement,
+                        Ramp {
+                            samples: own.clone(),
+                            step,
+                        },
+                    );
+                    if let Some(fit) =
+                        ramp.filter(|fit| fit.leaves_only_noise(displacement, own, self.noise))
+                    {
+                        // A start from rest is known better by its own form.
+                        self.take(&fit, &(own.start.max(self.start_from_rest)..own.end), tick);
+                    }
                 }
             }
         }
     }
 
-    fn take(&mut self, fit: &Harmonics, own: &Range<usize>, tick: f64) {
-        let deviation = self.noise * fit.slope_deviation() / tick;
+    fn take<S: Shape<N>, const N: usize>(
+        &mut self,
+        fit: &Fit<S, N>,
+        own: &Range<usize>,
+        tick: f64,
+    ) {
         for index in own.clone() {
-            let [value, slope, curvature] = fit.at(index);
-            self.displacement[index] = value;
-            self.velocity[index] = slope / tick;
-            self.acceleration[index] = curvature / (tick * tick);
-            self.velocity_deviation[index] = deviation;
+            let [value, slope, curvature] = fit.shape.basis(index);
+            self.displacement[index] = value.dot(&fit.coefficients);
+            self.velocity[index] = slope.dot(&fit.coefficients) / tick;
+            self.acceleration[index] = curvature.dot(&fit.coefficients) / (tick * tick);
+            let variance = slope.dot(&fit.factor.solve(&slope));
+            self.velocity_deviation[index] = self.noise * variance.sqrt() / tick;
         }
     }
+}
+
+/// The half cycles of a block, the last one up to the block's end, none across a kink.
+fn half_cycles(block: &Block, kinks: &[usize]) -> Vec<Range<usize>> {
+    let mut halves: Vec<Range<usize>> = block
+        .cycles
+        .iter()
+        .flat_map(|cycle| {
+            let middle = (cycle.start + cycle.end) / 2;
+            [cycle.start..middle, middle..cycle.end]
+        })
+        .collect();
+    if let Some(last) = halves.last() {
+        // A cycle without the crossing that would end it.
+        let (mut start, length) = (last.end, last.len().max(1));
+        while start < block.samples.end {
+            let end = if block.samples.end - start < 2 * length {
+                block.samples.end
+            } else {
+                start + length
+            };
+            halves.push(start..end);
+            start = end;
+        }
+    }
+    halves.retain(|half| {
+        !kinks
+            .iter()
+            .any(|&kink| half.start < kink && kink < half.end)
+    });
+    halves
 }
 
 /// Runs of four half cycles that hold the half cycle `index`: centred, after it and before it.
@@ -76,38 +104,35 @@ fn windows_around(index: usize, count: usize) -> impl Iterator<Item = Range<usiz
         .filter(|window| window.len() >= 3)
 }
 
-/// A sum of harmonics over a run of samples.
-struct Harmonics {
+/// Basis functions over a run of samples.
+trait Shape<const N: usize> {
+    fn samples(&self) -> &Range<usize>;
+
+    /// The basis functions at a sample, and their first two derivatives per sample.
+    fn basis(&self, index: usize) -> [SVector<f64, N>; 3];
+}
+
+/// 1, t; cos, sin, t·cos, t·sin of the period; cos, sin of the second and third harmonic. The terms with t take up a slow
+/// change of amplitude and an error of the period.
+struct Steady {
     samples: Range<usize>,
     /// rad per sample
     step: f64,
-    coefficients: Basis,
 }
 
-impl Harmonics {
-    /// Least squares over `samples`; `frequency` in cycles per sample. `None` where the samples are too few.
-    fn fit(displacement: &[f64], samples: Range<usize>, frequency: f64) -> Option<Self> {
-        let mut fit = Self {
-            samples,
-            step: TAU * frequency,
-            coefficients: Basis::zeros(),
-        };
-        if fit.samples.len() < 2 * TERMS {
-            return None;
-        }
-        let mut gram = SMatrix::<f64, TERMS, TERMS>::zeros();
-        let mut right = Basis::zeros();
-        for index in fit.samples.clone() {
-            let [row, _, _] = fit.basis(index);
-            gram.syger(1.0, &row, &row, 1.0);
-            right.axpy(displacement[index], &row, 1.0);
-        }
-        fit.coefficients = Cholesky::new(gram)?.solve(&right);
-        Some(fit)
+/// 1; cos, and sin times a cubic of t: the amplitude on its way from one block's to the next.
+struct Ramp {
+    samples: Range<usize>,
+    /// rad per sample
+    step: f64,
+}
+
+impl Shape<10> for Steady {
+    fn samples(&self) -> &Range<usize> {
+        &self.samples
     }
 
-    /// The basis functions and their first two derivatives per sample.
-    fn basis(&self, index: usize) -> [Basis; 3] {
+    fn basis(&self, index: usize) -> [SVector<f64, 10>; 3] {
         let length = 0.5 * self.samples.len() as f64;
         let along = index as f64 - self.samples.start as f64 - length;
         let (t, dt) = (along / length, 1.0 / length);
@@ -117,8 +142,8 @@ impl Harmonics {
         let (sin3, cos3) = (sin2 * cos + cos2 * sin, cos2 * cos - sin2 * sin);
         let w2 = w * w;
         [
-            Basis::from([1.0, t, cos, sin, t * cos, t * sin, cos2, sin2, cos3, sin3]),
-            Basis::from([
+            SVector::from([1.0, t, cos, sin, t * cos, t * sin, cos2, sin2, cos3, sin3]),
+            SVector::from([
                 0.0,
                 dt,
                 -w * sin,
@@ -130,7 +155,7 @@ impl Harmonics {
                 -3.0 * w * sin3,
                 3.0 * w * cos3,
             ]),
-            Basis::from([
+            SVector::from([
                 0.0,
                 0.0,
                 -w2 * cos,
@@ -144,30 +169,78 @@ impl Harmonics {
             ]),
         ]
     }
+}
 
-    /// Value, slope and curvature, per sample.
-    fn at(&self, index: usize) -> [f64; 3] {
-        self.basis(index).map(|row| row.dot(&self.coefficients))
+impl Shape<6> for Ramp {
+    fn samples(&self) -> &Range<usize> {
+        &self.samples
+    }
+
+    fn basis(&self, index: usize) -> [SVector<f64, 6>; 3] {
+        let along = (index - self.samples.start) as f64;
+        let dt = 1.0 / self.samples.len() as f64;
+        let t = along * dt;
+        let w = self.step;
+        let (sin, cos) = (w * along).sin_cos();
+        // (p·sin)' = p'·sin + p·w·cos, (p·sin)'' = p''·sin + 2p'·w·cos − p·w²·sin, for p = 1, t, t², t³.
+        let p = [1.0, t, t * t, t * t * t];
+        let first = [0.0, dt, 2.0 * t * dt, 3.0 * t * t * dt];
+        let second = [0.0, 0.0, 2.0 * dt * dt, 6.0 * t * dt * dt];
+        let value = p.map(|p| p * sin);
+        let slope: [f64; 4] = std::array::from_fn(|k| first[k] * sin + p[k] * w * cos);
+        let curvature: [f64; 4] = std::array::from_fn(|k| {
+            second[k] * sin + 2.0 * first[k] * w * cos - p[k] * w * w * sin
+        });
+        let row = |constant: f64, cosine: f64, sines: [f64; 4]| {
+            SVector::from([constant, cosine, sines[0], sines[1], sines[2], sines[3]])
+        };
+        [
+            row(1.0, cos, value),
+            row(0.0, -w * sin, slope),
+            row(0.0, -w * w * cos, curvature),
+        ]
+    }
+}
+
+/// Least squares of a shape.
+struct Fit<S, const N: usize> {
+    shape: S,
+    coefficients: SVector<f64, N>,
+    factor: Cholesky<f64, nalgebra::Const<N>>,
+}
+
+impl<S: Shape<N>, const N: usize> Fit<S, N> {
+    /// `None` where the samples are too few.
+    fn of(displacement: &[f64], shape: S) -> Option<Self> {
+        if shape.samples().len() < 2 * N {
+            return None;
+        }
+        let mut gram = SMatrix::<f64, N, N>::zeros();
+        let mut right = SVector::<f64, N>::zeros();
+        for index in shape.samples().clone() {
+            let [row, _, _] = shape.basis(index);
+            gram.syger(1.0, &row, &row, 1.0);
+            right.axpy(displacement[index], &row, 1.0);
+        }
+        let factor = Cholesky::new(gram)?;
+        Some(Self {
+            shape,
+            coefficients: factor.solve(&right),
+            factor,
+        })
     }
 
     /// Whether noise alone is left, of all samples and of those in `own`.
     fn leaves_only_noise(&self, displacement: &[f64], own: &Range<usize>, noise: f64) -> bool {
-        let error = |range: Range<usize>| -> f64 {
+        let error = |range: &Range<usize>| -> f64 {
+            let value = |index: usize| self.shape.basis(index)[0].dot(&self.coefficients);
             range
-                .map(|index| (self.at(index)[0] - displacement[index]).powi(2))
+                .clone()
+                .map(|index| (value(index) - displacement[index]).powi(2))
                 .sum()
         };
-        leaves_only_noise(error(own.clone()), own.len() as f64, noise)
-            && leaves_only_noise(
-                error(self.samples.clone()),
-                (self.samples.len() - TERMS) as f64,
-                noise,
-            )
-    }
-
-    /// Deviation of the slope per sample for noise of deviation 1: two coefficients of a sine over n samples have the
-    /// variance 2/n each, those with t three times that.
-    fn slope_deviation(&self) -> f64 {
-        self.step * (8.0 / self.samples.len() as f64).sqrt()
+        let samples = self.shape.samples();
+        leaves_only_noise(error(own), own.len() as f64, noise)
+            && leaves_only_noise(error(samples), (samples.len() - N) as f64, noise)
     }
 }

@@ -28,6 +28,8 @@ pub struct Motion {
     pub kinks: Vec<usize>,
     /// Standard deviation of the displacement's noise, mm.
     pub noise: f64,
+    /// So many first samples are those of a start from rest; 0 when the recording begins in motion.
+    pub start_from_rest: usize,
 }
 
 /// Coefficients of the cubic through a window, about the window's own sample, in units of ticks.
@@ -60,10 +62,12 @@ impl Motion {
             velocity_deviation: Vec::with_capacity(count),
             kinks,
             noise,
+            start_from_rest: 0,
         };
         let bounds = segment_bounds(&motion.kinks, count);
         let start_from_rest =
             StartFromRest::fit(displacement, (0.5 * period[0] / tick) as usize, noise);
+        motion.start_from_rest = start_from_rest.as_ref().map_or(0, |start| start.length);
         let mut half = HalfWindow::new(tick, noise);
         for segment in bounds.windows(2) {
             let (start, end) = (segment[0], segment[1]);
@@ -448,6 +452,6 @@ fn locate_kink(
     let at_kink = (index as f64 + jump.meeting.clamp(-3.0, 3.0)).round() as usize;
     let meeting = at_kink as f64 + Jump::at(samples, at_kink, before, after, 3, noise)?.meeting;
     // The sample at the kink itself belongs to what comes after.
-    let first_after = (meeting - 0.3).ceil();
+    let first_after = (meeting - 0.2).ceil();
     ((first_after - index as f64).abs() <= 4.0).then_some(first_after as usize)
 }

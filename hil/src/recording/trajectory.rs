@@ -74,7 +74,7 @@ impl Trajectory {
             Motion::estimate(displacement, tick, &rough.period_per_sample(count, tick));
         let mut cycles = Cycles::find(&motion.displacement, tick, hysteresis);
         cycles.snap_to(&motion.kinks);
-        motion.refine_steady(displacement, tick, &cycles);
+        motion.refine_sines(displacement, tick, &cycles);
         if let Some(velocity) = velocity {
             assert_eq!(velocity.len(), count);
             motion.velocity_deviation = vec![noise_deviation(&velocity); count];

@@ -84,6 +84,14 @@ fn errors(result: &TraceResult) -> Markup {
                     td { (text::percent(result.baseline.nrmse_held_out)) }
                     td { (times(result.baseline.nrmse_held_out)) }
                 }
+                @if let Some(staged) = &result.baseline.staged {
+                    tr {
+                        td { "Before: the same, fitted in two stages as the paper does" }
+                        td { (text::percent(staged.nrmse_fitted)) }
+                        td { (text::percent(staged.nrmse_held_out)) }
+                        td { (times(staged.nrmse_held_out)) }
+                    }
+                }
                 tr.best {
                     td { "After: with what was found (f64)" }
                     td { (text::percent(result.augmented.nrmse_fitted)) }

@@ -76,6 +76,10 @@ fn data() -> ReportData {
                 law: "mixed_damping".into(),
                 nrmse_fitted: 0.0712,
                 nrmse_held_out: 0.0834,
+                staged: Some(Errors {
+                    nrmse_fitted: 0.1112,
+                    nrmse_held_out: 0.1234,
+                }),
             },
             verdict: Verdict::Found,
             effects: vec![FoundEffect {

@@ -10,6 +10,7 @@ use super::split::{Role, Roles};
 use super::verdict::{conclude, depends_on, separating_test, warnings};
 use super::{Trace, Traced};
 use crate::identify::problem::{Problem, Rows, Solution};
+use crate::identify::staged::staged;
 use crate::identify::term::{Term, TermValue, added_effects};
 use crate::identify::uncertainty::Uncertainty;
 use crate::model::{Model, ModelError, parameter_unit};
@@ -78,6 +79,7 @@ impl<'a> Closing<'a> {
                 law: "mixed_damping".to_owned(),
                 nrmse_fitted: without.nrmse_fitted,
                 nrmse_held_out: without.nrmse_held_out,
+                staged: self.staged()?,
             },
             verdict,
             effects: self.effects(&solution, with.nrmse_held_out)?,
@@ -138,6 +140,18 @@ impl<'a> Closing<'a> {
             nrmse_held_out: nrmse(true),
         };
         Ok((predicted, errors))
+    }
+
+    /// The errors of eq 13 identified as the paper does.
+    fn staged(&self) -> Result<Option<Errors>, ModelError> {
+        let Some(law) = staged(&self.rows) else {
+            return Ok(None);
+        };
+        let model = Model {
+            law,
+            effects: Vec::new(),
+        };
+        Ok(Some(self.evaluate::<f64>(&model)?.1))
     }
 
     /// The effects found with their intervals, each with the held-out error that is left without it.
