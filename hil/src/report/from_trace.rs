@@ -13,7 +13,6 @@ impl ReportData {
             title: title.into(),
             facts,
             result: trace.result.clone(),
-            model: trace.model.clone(),
             series: trace.recordings.iter().map(Series::of_traced).collect(),
         }
     }

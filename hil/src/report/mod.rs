@@ -7,7 +7,6 @@ pub mod text;
 
 use std::ops::Range;
 
-use crate::model::Model;
 use crate::trace::result::TraceResult;
 
 pub use page::render;
@@ -22,8 +21,6 @@ pub struct ReportData {
     pub facts: Vec<(String, String)>,
     /// What was found.
     pub result: TraceResult,
-    /// The law and the effects that it ends with.
-    pub model: Model,
     /// The recordings, those held out included.
     pub series: Vec<Series>,
 }

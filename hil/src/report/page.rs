@@ -273,20 +273,21 @@ fn candidates(result: &TraceResult) -> Markup {
 fn law(data: &ReportData) -> Markup {
     html! {
         h2 { "The law" }
-        p { "F = k₁·y + k₃·y³ + c·|v|" sup { "α" } "·sgn v" @if !data.model.effects.is_empty() { " + what was added" } }
+        p { "F = k₁·y + k₃·y³ + c·|v|" sup { "α" } "·sgn v" @if !data.result.effects.is_empty() { " + what was added" } }
+        p { "With half widths of the 90 % intervals." }
         div.scroll { table {
             thead { tr {
                 th { "amplitude, mm" } th { "k₁, kN/mm" } th { "k₃, kN/mm³" } th { "c, kN·(s/mm)" sup { "α" } }
                 th { "α" }
             } }
             tbody {
-                @for node in &data.model.law {
+                @for node in &data.result.law {
                     tr {
-                        td { @if data.model.law.len() == 1 { "all" } @else { (text::number(node.amplitude)) } }
-                        td { (text::number(node.k1)) }
-                        td { (text::number(node.k3)) }
-                        td { (text::number(node.c)) }
-                        td { (text::number(node.alpha)) }
+                        td { @if data.result.law.len() == 1 { "all" } @else { (text::number(node.amplitude)) } }
+                        @for estimate in [&node.k1, &node.k3, &node.c, &node.alpha] {
+                            @let half = 0.5 * (estimate.high - estimate.low);
+                            td { (text::number(estimate.value)) " ± " (text::number(half)) }
+                        }
                     }
                 }
             }

@@ -4,8 +4,9 @@ use std::collections::BTreeMap;
 use std::f64::consts::TAU;
 
 use super::*;
-use crate::model::{AddedEffect, Family, LawNode};
-use crate::trace::result::{Baseline, Candidate, Errors, Estimate, FoundEffect, OnTarget, Verdict};
+use crate::trace::result::{
+    Baseline, Candidate, Errors, Estimate, FoundEffect, LawEstimate, OnTarget, Verdict,
+};
 
 /// Blocks of amplitude (mm) and frequency (Hz), six cycles each, with a slider that the law lacks.
 fn series(name: &str, blocks: &[(f64, f64)], held_out: bool) -> Series {
@@ -81,6 +82,13 @@ fn data() -> ReportData {
                     nrmse_held_out: 0.1234,
                 }),
             },
+            law: vec![LawEstimate {
+                amplitude: 0.0,
+                k1: estimate(0.9, "kN/mm"),
+                k3: estimate(20.0, "kN/mm^3"),
+                c: estimate(0.06, "kN*(s/mm)^alpha"),
+                alpha: estimate(0.3, "1"),
+            }],
             verdict: Verdict::Found,
             effects: vec![FoundEffect {
                 family: "stick_slip".into(),
@@ -103,19 +111,6 @@ fn data() -> ReportData {
             on_target: OnTarget {
                 nrmse_held_out: 0.00433,
             },
-        },
-        model: Model {
-            law: vec![LawNode {
-                amplitude: 0.0,
-                k1: 0.9,
-                k3: 20.0,
-                c: 0.06,
-                alpha: 0.3,
-            }],
-            effects: vec![AddedEffect {
-                family: Family::StickSlip,
-                parameters: [("stiffness".into(), 1.2), ("slip_limit".into(), 0.03)].into(),
-            }],
         },
         series: vec![
             series(

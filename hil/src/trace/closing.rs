@@ -4,7 +4,9 @@ use std::collections::BTreeMap;
 
 use mesh_damper::real::Real;
 
-use super::result::{Baseline, Candidate, Errors, Estimate, FoundEffect, OnTarget, TraceResult};
+use super::result::{
+    Baseline, Candidate, Errors, Estimate, FoundEffect, LawEstimate, OnTarget, TraceResult,
+};
 use super::select::{Selection, noise_floor};
 use super::split::{Role, Roles};
 use super::verdict::{conclude, depends_on, separating_test, warnings};
@@ -64,6 +66,7 @@ impl<'a> Closing<'a> {
         let (_, on_target) = self.evaluate::<f32>(&model)?;
         let noise_floor = self.noise_floor;
         let verdict = conclude(selection, noise_floor);
+        let uncertainty = Uncertainty::of(&self.rows, &solution);
 
         let names = |held: bool| {
             let recordings = self.recordings.iter().enumerate();
@@ -81,8 +84,9 @@ impl<'a> Closing<'a> {
                 nrmse_held_out: without.nrmse_held_out,
                 staged: self.staged()?,
             },
+            law: law_estimates(&solution, &uncertainty),
             verdict,
-            effects: self.effects(&solution, with.nrmse_held_out)?,
+            effects: self.effects(&solution, &uncertainty, with.nrmse_held_out)?,
             candidates: self.candidates(selection)?,
             separating_test: separating_test(verdict, selection),
             depends_on: depends_on(&model),
@@ -155,8 +159,12 @@ impl<'a> Closing<'a> {
     }
 
     /// The effects found with their intervals, each with the held-out error that is left without it.
-    fn effects(&self, solution: &Solution, with: f64) -> Result<Vec<FoundEffect>, ModelError> {
-        let uncertainty = Uncertainty::of(&self.rows, solution);
+    fn effects(
+        &self,
+        solution: &Solution,
+        uncertainty: &Uncertainty,
+        with: f64,
+    ) -> Result<Vec<FoundEffect>, ModelError> {
         let bound = |end: f64| {
             let ends =
                 solution
@@ -223,6 +231,30 @@ impl<'a> Closing<'a> {
             })
             .collect()
     }
+}
+
+/// Eq 13's coefficients with their intervals.
+fn law_estimates(solution: &Solution, uncertainty: &Uncertainty) -> Vec<LawEstimate> {
+    solution
+        .law
+        .iter()
+        .zip(&uncertainty.law)
+        .map(|(node, half)| {
+            let estimate = |value: f64, half: f64, unit: &str| Estimate {
+                value,
+                low: value - half,
+                high: value + half,
+                unit: unit.to_owned(),
+            };
+            LawEstimate {
+                amplitude: node.amplitude,
+                k1: estimate(node.k1, half[0], "kN/mm"),
+                k3: estimate(node.k3, half[1], "kN/mm^3"),
+                c: estimate(node.c, half[2], "kN*(s/mm)^alpha"),
+                alpha: estimate(node.alpha, half[3], "1"),
+            }
+        })
+        .collect()
 }
 
 fn terms_of(solution: &Solution) -> Vec<Term> {

@@ -17,6 +17,8 @@ pub struct TraceResult {
     pub noise_floor_nrmse: f64,
     /// The law alone.
     pub baseline: Baseline,
+    /// Coefficients of the law with what was found beside it, amplitude by amplitude; one entry where they hold for all.
+    pub law: Vec<LawEstimate>,
     /// What was concluded.
     pub verdict: Verdict,
     /// The effects found; for [`Verdict::Ambiguous`] those that the data cannot tell apart.
@@ -62,6 +64,21 @@ pub struct Baseline {
     /// The same law with its coefficients identified in two stages as the paper does (eqs 14, 15) and not jointly; null
     /// where that fails.
     pub staged: Option<Errors>,
+}
+
+/// Eq 13 at one amplitude.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct LawEstimate {
+    /// mm; 0 where the coefficients hold for all amplitudes.
+    pub amplitude: f64,
+    /// Linear stiffness.
+    pub k1: Estimate,
+    /// Cubic stiffness.
+    pub k3: Estimate,
+    /// Damping.
+    pub c: Estimate,
+    /// Damping exponent.
+    pub alpha: Estimate,
 }
 
 /// One effect beside the law.
@@ -132,6 +149,11 @@ mod tests {
             "recordings": ["a.csv"], "held_out": ["b.csv"], "noise_floor_nrmse": 0.004,
             "baseline": {"law": "mixed_damping", "nrmse_fitted": 0.1, "nrmse_held_out": 0.2,
                 "staged": {"nrmse_fitted": 0.15, "nrmse_held_out": 0.25}},
+            "law": [{"amplitude": 0.0,
+                "k1": {"value": 1.0, "low": 0.9, "high": 1.1, "unit": "kN/mm"},
+                "k3": {"value": 10.0, "low": 9.0, "high": 11.0, "unit": "kN/mm^3"},
+                "c": {"value": 0.1, "low": 0.09, "high": 0.11, "unit": "kN*(s/mm)^alpha"},
+                "alpha": {"value": 0.4, "low": 0.39, "high": 0.41, "unit": "1"}}],
             "verdict": "found",
             "effects": [{"family": "stick_slip",
                 "parameters": {"slip_limit": {"value": 0.03, "low": 0.02, "high": 0.04, "unit": "mm"}},
