@@ -1,6 +1,7 @@
 //! 16-bit offset-binary converter codes and the quantity they stand for.
 
-use crate::error::{ConfigError, in_range};
+use crate::error::ConfigError;
+use crate::real::in_range;
 
 /// Code of zero volts.
 pub const MIDSCALE: u16 = 0x8000;

@@ -4,9 +4,10 @@
 //! the mean makes no cycles of its own, a crossing counts only once the displacement has been below the mean by the
 //! hysteresis, and the next one only once it has then been above it by as much and below it again.
 
-use crate::cycle::{Cycle, CycleAccumulator, DISPLACEMENT_LIMIT};
-use crate::error::{ConfigError, in_range};
-use crate::real::Real;
+use crate::cycle::{Cycle, CycleAccumulator};
+use crate::error::ConfigError;
+use crate::limits;
+use crate::real::{Real, in_range};
 use crate::sum::{FOLD, Sum};
 
 /// What the detector says of one sample.
@@ -82,10 +83,10 @@ impl CrossingDetector {
         self.seen = Seen::default();
     }
 
-    /// One tick's displacement in mm; beyond ±[`DISPLACEMENT_LIMIT`] treated as the limit, NaN as 0.
+    /// One tick's displacement in mm; beyond ±[`limits::DISPLACEMENT`] treated as the limit, NaN as 0.
     #[inline]
     pub fn update(&mut self, displacement: f32) -> Crossing {
-        let y = displacement.confined(DISPLACEMENT_LIMIT);
+        let y = displacement.confined(limits::DISPLACEMENT as f32);
         let seen = &mut self.seen;
         if !seen.begun {
             *seen = Seen {

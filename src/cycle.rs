@@ -18,14 +18,11 @@
 //! twice. At n ticks a cycle the trapezoids are within (2π/n)²/6 and the extremes, which are those of the samples,
 //! within (π/n)²/2 of a smooth motion's.
 
+use crate::limits;
 use crate::real::Real;
 use crate::sine::sin_cos;
 use crate::sum::{FOLD, Sum};
 
-/// Displacements beyond ±this many mm are treated as this many.
-pub const DISPLACEMENT_LIMIT: f32 = 1e4;
-/// Forces beyond ±this many kN are treated as this many.
-pub const FORCE_LIMIT: f32 = 1e12;
 /// A cycle whose amplitude is below this many mm counts as standing still.
 pub const AMPLITUDE_MIN: f32 = 1e-9;
 
@@ -235,8 +232,8 @@ impl CycleAccumulator {
     /// One tick, where the phase is the generator's ([`crate::sine::Excitation::phase`]). A cycle ends where the phase
     /// passes through 0.
     ///
-    /// * `displacement`: mm; beyond ±[`DISPLACEMENT_LIMIT`] treated as the limit, NaN as 0
-    /// * `force`: kN; beyond ±[`FORCE_LIMIT`] treated as the limit, NaN as 0
+    /// * `displacement`: mm; beyond ±[`limits::DISPLACEMENT`] treated as the limit, NaN as 0
+    /// * `force`: kN; beyond ±[`limits::FORCE`] treated as the limit, NaN as 0
     /// * `phase`: 2³² to the cycle. It must not go backwards, nor half a cycle or more forward; while it stays 0, as at
     ///   the end of a programme, the cycle does not begin.
     #[inline]
@@ -267,8 +264,8 @@ impl CycleAccumulator {
         phase: u32,
         boundary: Option<f32>,
     ) -> Option<Cycle> {
-        let displacement = displacement.confined(DISPLACEMENT_LIMIT);
-        let force = force.confined(FORCE_LIMIT);
+        let displacement = displacement.confined(limits::DISPLACEMENT as f32);
+        let force = force.confined(limits::FORCE as f32);
         let sample = Sample::new(displacement, force, sin_cos(u64::from(phase) << 32));
         let last = core::mem::replace(&mut self.last, sample);
         let last_phase = core::mem::replace(&mut self.last_phase, phase);

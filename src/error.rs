@@ -50,25 +50,3 @@ impl fmt::Display for ConfigError {
 }
 
 impl core::error::Error for ConfigError {}
-
-/// `value` if it is finite and within `low..=high`, else the error that names `field`.
-pub(crate) fn in_range<R: crate::real::Real>(
-    field: &'static str,
-    value: R,
-    low: f64,
-    high: f64,
-) -> Result<R, ConfigError> {
-    let v = value.to_f64();
-    if !v.is_finite() {
-        Err(ConfigError::NonFinite(field))
-    } else if v < low || v > high {
-        Err(ConfigError::OutOfRange {
-            field,
-            value: v,
-            low,
-            high,
-        })
-    } else {
-        Ok(value)
-    }
-}

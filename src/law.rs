@@ -4,17 +4,9 @@
 //!
 //! y displacement in mm, v velocity in mm/s, F in kN. α = 0 is Coulomb friction, α = 1 a linear dashpot.
 
-use crate::error::{ConfigError, in_range};
-use crate::real::Real;
-
-/// Displacements beyond ±this many mm are treated as this many.
-pub const DISPLACEMENT_LIMIT: f64 = 1e4;
-/// Velocities beyond ±this many mm/s are treated as this many.
-pub const VELOCITY_LIMIT: f64 = 1e6;
-/// Largest magnitude of a stiffness or damping coefficient.
-///
-/// With the two limits above the largest force is below 1e9·(1e4 + 1e12 + 1e6) ≈ 1e21 kN, far inside f32's range.
-pub const COEFFICIENT_LIMIT: f64 = 1e9;
+use crate::error::ConfigError;
+use crate::limits;
+use crate::real::{Real, in_range};
 
 /// The four coefficients of eq 13, validated.
 ///
@@ -47,16 +39,16 @@ impl<R: Real> Law<R> {
     /// The field that is not finite or out of range.
     pub fn new(k1: R, k3: R, c: R, alpha: R) -> Result<Self, ConfigError> {
         Ok(Self {
-            k1: in_range("k1", k1, -COEFFICIENT_LIMIT, COEFFICIENT_LIMIT)?,
-            k3: in_range("k3", k3, -COEFFICIENT_LIMIT, COEFFICIENT_LIMIT)?,
-            c: in_range("c", c, 0.0, COEFFICIENT_LIMIT)?,
+            k1: in_range("k1", k1, -limits::COEFFICIENT, limits::COEFFICIENT)?,
+            k3: in_range("k3", k3, -limits::COEFFICIENT, limits::COEFFICIENT)?,
+            c: in_range("c", c, 0.0, limits::COEFFICIENT)?,
             alpha: in_range("alpha", alpha, 0.0, 1.0)?,
         })
     }
 
     /// Force in kN at displacement `y` mm and velocity `v` mm/s.
     ///
-    /// Finite for every input: what exceeds [`DISPLACEMENT_LIMIT`] or [`VELOCITY_LIMIT`] is treated as the limit, NaN
+    /// Finite for every input: what exceeds [`limits::DISPLACEMENT`] or [`limits::VELOCITY`] is treated as the limit, NaN
     /// as 0. At v = 0 the damping term is 0 for every α, Coulomb friction included; as v → 0 it follows |v|^α, whose
     /// slope is infinite there, so that a velocity needs relative accuracy near its zero crossings.
     #[inline(always)]
@@ -67,14 +59,14 @@ impl<R: Real> Law<R> {
     /// k1·y + k3·y³, kN.
     #[inline(always)]
     pub fn elastic_force(&self, y: R) -> R {
-        let y = y.confined(R::from_f64(DISPLACEMENT_LIMIT));
+        let y = y.confined(R::from_f64(limits::DISPLACEMENT));
         (self.k1 + self.k3 * (y * y)) * y
     }
 
     /// c·|v|^α·sgn v, kN.
     #[inline(always)]
     pub fn damping_force(&self, v: R) -> R {
-        let v = v.confined(R::from_f64(VELOCITY_LIMIT));
+        let v = v.confined(R::from_f64(limits::VELOCITY));
         let magnitude = self.c * v.abs_pow(self.alpha);
         if v > R::ZERO {
             magnitude

@@ -10,6 +10,7 @@ pub mod dac;
 pub mod effects;
 pub mod error;
 pub mod law;
+pub mod limits;
 pub mod observer;
 pub mod power;
 pub mod real;

@@ -15,15 +15,9 @@
 //! White noise of σ mm in y gives about 0.9·σ·ω·√(ω·h) mm/s in v at ζ = 0.7: with 1e-4 mm at 10 kHz, 7e-4 mm/s at
 //! 10 Hz and 4e-3 mm/s at 30 Hz.
 
-use crate::error::{ConfigError, in_range};
-use crate::real::Real;
-
-/// Largest displacement, mm, in either direction; measurements beyond it count as it.
-pub const DISPLACEMENT_LIMIT: f32 = 1e4;
-/// Largest velocity, mm/s.
-pub const VELOCITY_LIMIT: f32 = 1e6;
-/// Largest acceleration, mm/s².
-pub const ACCELERATION_LIMIT: f32 = 1e9;
+use crate::error::ConfigError;
+use crate::limits;
+use crate::real::{Real, in_range};
 
 /// Gains of the tracking filter, validated.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -110,10 +104,10 @@ impl Observer {
         measured: f32,
         feed_forward: f32,
     ) -> Estimate {
-        let feed_forward = feed_forward.confined(ACCELERATION_LIMIT);
+        let feed_forward = feed_forward.confined(limits::ACCELERATION as f32);
         if !self.started && measured.is_finite() {
             *self = Self {
-                displacement: measured.confined(DISPLACEMENT_LIMIT),
+                displacement: measured.confined(limits::DISPLACEMENT as f32),
                 feed_forward,
                 started: true,
                 ..Self::default()
@@ -124,21 +118,22 @@ impl Observer {
                 self.displacement + (config.tick * self.velocity + config.half_tick_squared * mean);
             let velocity = self.velocity + config.tick * mean;
             let residual = if measured.is_finite() {
-                measured.confined(DISPLACEMENT_LIMIT) - displacement
+                measured.confined(limits::DISPLACEMENT as f32) - displacement
             } else {
                 0.0
             };
-            self.displacement =
-                (displacement + config.displacement_gain * residual).confined(DISPLACEMENT_LIMIT);
-            self.velocity = (velocity + config.velocity_gain * residual).confined(VELOCITY_LIMIT);
-            self.excess =
-                (self.excess + config.acceleration_gain * residual).confined(ACCELERATION_LIMIT);
+            self.displacement = (displacement + config.displacement_gain * residual)
+                .confined(limits::DISPLACEMENT as f32);
+            self.velocity =
+                (velocity + config.velocity_gain * residual).confined(limits::VELOCITY as f32);
+            self.excess = (self.excess + config.acceleration_gain * residual)
+                .confined(limits::ACCELERATION as f32);
             self.feed_forward = feed_forward;
         }
         Estimate {
             displacement: self.displacement,
             velocity: self.velocity,
-            acceleration: (self.feed_forward + self.excess).confined(ACCELERATION_LIMIT),
+            acceleration: (self.feed_forward + self.excess).confined(limits::ACCELERATION as f32),
         }
     }
 }

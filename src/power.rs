@@ -2,8 +2,9 @@
 //!
 //! Both work on the float's bits, v = 2ᵉ·m, and call nothing.
 
-use crate::error::{ConfigError, in_range};
-use crate::law::{COEFFICIENT_LIMIT, VELOCITY_LIMIT};
+use crate::error::ConfigError;
+use crate::limits;
+use crate::real::in_range;
 
 /// √½'s bits: where the mantissa's range m = √½…√2 begins.
 const SQRT_HALF: u32 = 0x3f35_04f3;
@@ -91,7 +92,7 @@ impl PowerTable {
     /// # Errors
     /// The field that is not finite or out of range.
     pub fn new(c: f64, alpha: f64) -> Result<Self, ConfigError> {
-        let c = in_range("c", c, 0.0, COEFFICIENT_LIMIT)?;
+        let c = in_range("c", c, 0.0, limits::COEFFICIENT)?;
         let alpha = in_range("alpha", alpha, 0.0, 1.0)?;
         // An octave is the one below times 2^α: the cubics of |v| = 1…2 serve them all.
         let mut octave = [[0.0; 4]; SEGMENTS];
@@ -118,7 +119,7 @@ impl PowerTable {
     /// c·|v|^α·sgn v in kN for `v` mm/s.
     ///
     /// Below 2⁻²⁰ mm/s it is linear through 0, Coulomb friction (α = 0) included; above 4096 mm/s it is
-    /// `c` times [`abs_pow`] of up to 1e6 mm/s ([`crate::law::VELOCITY_LIMIT`]), which larger magnitudes, infinity and
+    /// `c` times [`abs_pow`] of up to 1e6 mm/s ([`crate::limits::VELOCITY`]), which larger magnitudes, infinity and
     /// NaN count as. It is always finite.
     #[inline(always)]
     pub fn damping_force(&self, v: f32) -> f32 {
@@ -137,7 +138,7 @@ impl PowerTable {
 
     #[cold]
     fn outside(&self, magnitude: u32, sign: u32) -> f32 {
-        let limit = VELOCITY_LIMIT as f32;
+        let limit = limits::VELOCITY as f32;
         let force = if magnitude < LOWEST_BITS {
             self.slope * f32::from_bits(magnitude)
         } else if magnitude < limit.to_bits() {

@@ -3,6 +3,7 @@
 //! Identification on the host runs them in `f64`, the firmware in `f32`: the same lines, so that what is fitted is
 //! what ships.
 
+use crate::error::ConfigError;
 use core::fmt::Debug;
 use core::ops::{Add, AddAssign, Div, Mul, Neg, Sub, SubAssign};
 
@@ -55,6 +56,28 @@ pub trait Real:
         } else {
             Self::ZERO
         }
+    }
+}
+
+/// `value` if it is finite and within `low..=high`, else the error that names `field`.
+pub(crate) fn in_range<R: Real>(
+    field: &'static str,
+    value: R,
+    low: f64,
+    high: f64,
+) -> Result<R, ConfigError> {
+    let v = value.to_f64();
+    if !v.is_finite() {
+        Err(ConfigError::NonFinite(field))
+    } else if v < low || v > high {
+        Err(ConfigError::OutOfRange {
+            field,
+            value: v,
+            low,
+            high,
+        })
+    } else {
+        Ok(value)
     }
 }
 

@@ -13,7 +13,8 @@
 //! exactly, wherever in the tick the sweep began. Position, velocity and frequency are continuous throughout; the
 //! acceleration too, but for k's own jump where a change of frequency begins and ends.
 
-use crate::error::{ConfigError, in_range};
+use crate::error::ConfigError;
+use crate::real::in_range;
 
 /// Smallest amplitude, mm.
 pub const AMPLITUDE_MIN: f64 = 1e-6;

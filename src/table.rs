@@ -6,8 +6,9 @@
 
 use core::fmt;
 
-use crate::error::{ConfigError, in_range};
+use crate::error::ConfigError;
 use crate::law::Law;
+use crate::real::in_range;
 
 /// Smallest and largest density of a node, g/cm³: from a loose roll to beyond solid steel.
 pub const DENSITY_RANGE: (f64, f64) = (0.01, 20.0);

@@ -3,9 +3,8 @@
 use core::f64::consts::TAU;
 
 use mesh_damper::error::ConfigError;
-use mesh_damper::observer::{
-    ACCELERATION_LIMIT, DISPLACEMENT_LIMIT, Observer, ObserverConfig, VELOCITY_LIMIT,
-};
+use mesh_damper::limits;
+use mesh_damper::observer::{Observer, ObserverConfig};
 use proptest::prelude::*;
 
 const TICK_RATE: f64 = 10_000.0;
@@ -176,9 +175,9 @@ proptest! {
         let mut observer = Observer::default();
         for (measured, ahead) in inputs {
             let e = observer.update(&config, f32::from_bits(measured), f32::from_bits(ahead));
-            prop_assert!(e.displacement.abs() <= DISPLACEMENT_LIMIT);
-            prop_assert!(e.velocity.abs() <= VELOCITY_LIMIT);
-            prop_assert!(e.acceleration.abs() <= ACCELERATION_LIMIT);
+            prop_assert!(e.displacement.abs() <= limits::DISPLACEMENT as f32);
+            prop_assert!(e.velocity.abs() <= limits::VELOCITY as f32);
+            prop_assert!(e.acceleration.abs() <= limits::ACCELERATION as f32);
         }
     }
 }

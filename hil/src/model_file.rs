@@ -213,13 +213,13 @@ impl ModelFile {
             .at(Place::Field(field)))
         };
         for (index, node) in self.law.iter().enumerate() {
-            if !(0.0..=mesh_damper::law::DISPLACEMENT_LIMIT).contains(&node.amplitude) {
+            if !(0.0..=mesh_damper::limits::DISPLACEMENT).contains(&node.amplitude) {
                 return refused(
                     format!("law[{index}].amplitude"),
                     format!(
                         "{} is outside 0…{}",
                         node.amplitude,
-                        mesh_damper::law::DISPLACEMENT_LIMIT
+                        mesh_damper::limits::DISPLACEMENT
                     ),
                 );
             }

@@ -2,9 +2,9 @@
 //! then drops it.
 
 use super::{EffectForce, Motion};
-use crate::error::{ConfigError, in_range};
-use crate::law::{COEFFICIENT_LIMIT, DISPLACEMENT_LIMIT};
-use crate::real::Real;
+use crate::error::ConfigError;
+use crate::limits;
+use crate::real::{Real, in_range};
 
 /// F = k2·y².
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -19,7 +19,7 @@ impl<R: Real> Asymmetry<R> {
     /// `k2` not finite or out of range.
     pub fn new(k2: R) -> Result<Self, ConfigError> {
         Ok(Self {
-            k2: in_range("k2", k2, -COEFFICIENT_LIMIT, COEFFICIENT_LIMIT)?,
+            k2: in_range("k2", k2, -limits::COEFFICIENT, limits::COEFFICIENT)?,
         })
     }
 }
@@ -31,7 +31,7 @@ impl<R: Real> EffectForce<R> for Asymmetry<R> {
     fn force(&self, _: &mut (), motion: &Motion<R>, _: R) -> R {
         let y = motion
             .displacement
-            .confined(R::from_f64(DISPLACEMENT_LIMIT));
+            .confined(R::from_f64(limits::DISPLACEMENT));
         self.k2 * (y * y)
     }
 }

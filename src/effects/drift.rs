@@ -1,12 +1,9 @@
 //! A stiffness that settles with the cycles: run-in, or wires that break one after another.
 
 use super::{EffectForce, Motion};
-use crate::error::{ConfigError, in_range};
-use crate::law::{COEFFICIENT_LIMIT, DISPLACEMENT_LIMIT};
-use crate::real::Real;
-
-/// Cycle counts are taken as within 0…this many.
-const CYCLES_LIMIT: f64 = 1e9;
+use crate::error::ConfigError;
+use crate::limits;
+use crate::real::{Real, in_range};
 
 /// F = k·(1 − e^(−n/N))·y, n the cycles since the test began.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -27,10 +24,10 @@ impl<R: Real> Drift<R> {
             stiffness: in_range(
                 "stiffness",
                 stiffness,
-                -COEFFICIENT_LIMIT,
-                COEFFICIENT_LIMIT,
+                -limits::COEFFICIENT,
+                limits::COEFFICIENT,
             )?,
-            rate: R::ONE / in_range("cycles", cycles, 0.1, CYCLES_LIMIT)?,
+            rate: R::ONE / in_range("cycles", cycles, 0.1, limits::CYCLES)?,
         })
     }
 }
@@ -40,11 +37,11 @@ impl<R: Real> EffectForce<R> for Drift<R> {
 
     #[inline]
     fn force(&self, _: &mut (), motion: &Motion<R>, _: R) -> R {
-        let done =
-            R::ONE - (-(motion.cycles.confined(R::from_f64(CYCLES_LIMIT)).abs() * self.rate)).exp();
+        let done = R::ONE
+            - (-(motion.cycles.confined(R::from_f64(limits::CYCLES)).abs() * self.rate)).exp();
         let y = motion
             .displacement
-            .confined(R::from_f64(DISPLACEMENT_LIMIT));
+            .confined(R::from_f64(limits::DISPLACEMENT));
         self.stiffness * done * y
     }
 }

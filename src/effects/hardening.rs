@@ -1,9 +1,9 @@
 //! Odd stiffness above the cubic: wires that come to lie against each other towards the end of the stroke.
 
 use super::{EffectForce, Motion};
-use crate::error::{ConfigError, in_range};
-use crate::law::{COEFFICIENT_LIMIT, DISPLACEMENT_LIMIT};
-use crate::real::Real;
+use crate::error::ConfigError;
+use crate::limits;
+use crate::real::{Real, in_range};
 
 /// F = k5·y⁵.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -18,7 +18,7 @@ impl<R: Real> Hardening<R> {
     /// `k5` not finite or out of range.
     pub fn new(k5: R) -> Result<Self, ConfigError> {
         Ok(Self {
-            k5: in_range("k5", k5, -COEFFICIENT_LIMIT, COEFFICIENT_LIMIT)?,
+            k5: in_range("k5", k5, -limits::COEFFICIENT, limits::COEFFICIENT)?,
         })
     }
 }
@@ -30,7 +30,7 @@ impl<R: Real> EffectForce<R> for Hardening<R> {
     fn force(&self, _: &mut (), motion: &Motion<R>, _: R) -> R {
         let y = motion
             .displacement
-            .confined(R::from_f64(DISPLACEMENT_LIMIT));
+            .confined(R::from_f64(limits::DISPLACEMENT));
         let square = y * y;
         self.k5 * (square * square) * y
     }

@@ -1,13 +1,10 @@
 //! The force that accelerates a mass between the load cell and the specimen.
 
 use super::{EffectForce, Motion};
-use crate::error::{ConfigError, in_range};
-use crate::real::Real;
+use crate::error::ConfigError;
+use crate::limits;
+use crate::real::{Real, in_range};
 
-/// Accelerations beyond ±this many mm/s² are treated as this many.
-const ACCELERATION_LIMIT: f64 = 1e9;
-/// Largest mass, kg.
-const MASS_LIMIT: f64 = 1e6;
 /// kN per kg·mm/s².
 const KILONEWTON: f64 = 1e-6;
 
@@ -24,7 +21,7 @@ impl<R: Real> Inertia<R> {
     /// # Errors
     /// `mass` not finite or out of range.
     pub fn new(mass: R) -> Result<Self, ConfigError> {
-        let mass = in_range("mass", mass, -MASS_LIMIT, MASS_LIMIT)?;
+        let mass = in_range("mass", mass, -limits::MASS, limits::MASS)?;
         Ok(Self {
             mass: mass * R::from_f64(KILONEWTON),
         })
@@ -39,6 +36,6 @@ impl<R: Real> EffectForce<R> for Inertia<R> {
         self.mass
             * motion
                 .acceleration
-                .confined(R::from_f64(ACCELERATION_LIMIT))
+                .confined(R::from_f64(limits::ACCELERATION))
     }
 }

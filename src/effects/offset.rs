@@ -1,9 +1,9 @@
 //! A constant force: a preload, or a load cell that was not zeroed.
 
 use super::{EffectForce, Motion};
-use crate::error::{ConfigError, in_range};
-use crate::law::COEFFICIENT_LIMIT;
-use crate::real::Real;
+use crate::error::ConfigError;
+use crate::limits;
+use crate::real::{Real, in_range};
 
 /// F = f0.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -18,7 +18,7 @@ impl<R: Real> Offset<R> {
     /// `force` not finite or out of range.
     pub fn new(force: R) -> Result<Self, ConfigError> {
         Ok(Self {
-            force: in_range("force", force, -COEFFICIENT_LIMIT, COEFFICIENT_LIMIT)?,
+            force: in_range("force", force, -limits::COEFFICIENT, limits::COEFFICIENT)?,
         })
     }
 }

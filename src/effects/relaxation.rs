@@ -1,9 +1,9 @@
 //! A spring and a dashpot in series (a Maxwell branch) beside the law: a force that fades when the motion stops.
 
 use super::{EffectForce, Motion};
-use crate::error::{ConfigError, in_range};
-use crate::law::{COEFFICIENT_LIMIT, DISPLACEMENT_LIMIT};
-use crate::real::Real;
+use crate::error::ConfigError;
+use crate::limits;
+use crate::real::{Real, in_range};
 
 /// dz/dt = k·v − z/τ, F = z.
 ///
@@ -35,8 +35,8 @@ impl<R: Real> Relaxation<R> {
         let stiffness = in_range(
             "stiffness",
             stiffness,
-            -COEFFICIENT_LIMIT,
-            COEFFICIENT_LIMIT,
+            -limits::COEFFICIENT,
+            limits::COEFFICIENT,
         )?
         .to_f64();
         let time = in_range("time", time, 1e-6, 1e6)?.to_f64();
@@ -56,7 +56,7 @@ impl<R: Real> EffectForce<R> for Relaxation<R> {
     fn force(&self, state: &mut Self::State, motion: &Motion<R>, _: R) -> R {
         let y = motion
             .displacement
-            .confined(R::from_f64(DISPLACEMENT_LIMIT));
+            .confined(R::from_f64(limits::DISPLACEMENT));
         let step = y - state.previous.unwrap_or(y);
         state.previous = Some(y);
         state.force = state.force - self.loss * state.force + self.gain * step;

@@ -5,9 +5,9 @@
 //! after another.
 
 use super::{EffectForce, Motion};
-use crate::error::{ConfigError, in_range};
-use crate::law::{COEFFICIENT_LIMIT, DISPLACEMENT_LIMIT};
-use crate::real::Real;
+use crate::error::ConfigError;
+use crate::limits;
+use crate::real::{Real, in_range};
 
 /// Most elements in one [`StickSlip`].
 pub const MAX_ELEMENTS: usize = 6;
@@ -54,10 +54,10 @@ impl<R: Real> StickSlip<R> {
             *stiffness = in_range(
                 "stiffness",
                 element.0,
-                -COEFFICIENT_LIMIT,
-                COEFFICIENT_LIMIT,
+                -limits::COEFFICIENT,
+                limits::COEFFICIENT,
             )?;
-            *slip_limit = in_range("slip_limit", element.1, 1e-9, DISPLACEMENT_LIMIT)?;
+            *slip_limit = in_range("slip_limit", element.1, 1e-9, limits::DISPLACEMENT)?;
         }
         Ok(new)
     }
@@ -70,7 +70,7 @@ impl<R: Real> EffectForce<R> for StickSlip<R> {
     fn force(&self, state: &mut Self::State, motion: &Motion<R>, _: R) -> R {
         let y = motion
             .displacement
-            .confined(R::from_f64(DISPLACEMENT_LIMIT));
+            .confined(R::from_f64(limits::DISPLACEMENT));
         let step = y - state.previous.unwrap_or(y);
         state.previous = Some(y);
         let mut total = R::ZERO;

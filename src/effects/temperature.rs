@@ -1,11 +1,9 @@
 //! A force that scales with temperature: the wire's modulus and its friction change together.
 
 use super::{EffectForce, Motion};
-use crate::error::{ConfigError, in_range};
-use crate::real::Real;
-
-/// Temperatures are taken as within ±this many °C.
-const TEMPERATURE_LIMIT: f64 = 1e4;
+use crate::error::ConfigError;
+use crate::limits;
+use crate::real::{Real, in_range};
 
 /// F = −β·(T − T0)·F_law: the law's force falls by the fraction β for each °C above T0.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -23,7 +21,7 @@ impl<R: Real> Temperature<R> {
     pub fn new(beta: R, reference: R) -> Result<Self, ConfigError> {
         Ok(Self {
             beta: in_range("beta", beta, -1.0, 1.0)?,
-            reference: in_range("reference", reference, -273.15, TEMPERATURE_LIMIT)?,
+            reference: in_range("reference", reference, -273.15, limits::TEMPERATURE)?,
         })
     }
 }
@@ -33,7 +31,9 @@ impl<R: Real> EffectForce<R> for Temperature<R> {
 
     #[inline]
     fn force(&self, _: &mut (), motion: &Motion<R>, law_force: R) -> R {
-        let temperature = motion.temperature.confined(R::from_f64(TEMPERATURE_LIMIT));
+        let temperature = motion
+            .temperature
+            .confined(R::from_f64(limits::TEMPERATURE));
         self.beta * (self.reference - temperature) * law_force
     }
 }

@@ -1,9 +1,9 @@
 //! A linear dashpot beside the |v|^α damping: a fluid, or the film between wires.
 
 use super::{EffectForce, Motion};
-use crate::error::{ConfigError, in_range};
-use crate::law::{COEFFICIENT_LIMIT, VELOCITY_LIMIT};
-use crate::real::Real;
+use crate::error::ConfigError;
+use crate::limits;
+use crate::real::{Real, in_range};
 
 /// F = c1·v.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -18,7 +18,7 @@ impl<R: Real> Viscous<R> {
     /// `c1` not finite or out of range.
     pub fn new(c1: R) -> Result<Self, ConfigError> {
         Ok(Self {
-            c1: in_range("c1", c1, -COEFFICIENT_LIMIT, COEFFICIENT_LIMIT)?,
+            c1: in_range("c1", c1, -limits::COEFFICIENT, limits::COEFFICIENT)?,
         })
     }
 }
@@ -28,6 +28,6 @@ impl<R: Real> EffectForce<R> for Viscous<R> {
 
     #[inline]
     fn force(&self, _: &mut (), motion: &Motion<R>, _: R) -> R {
-        self.c1 * motion.velocity.confined(R::from_f64(VELOCITY_LIMIT))
+        self.c1 * motion.velocity.confined(R::from_f64(limits::VELOCITY))
     }
 }

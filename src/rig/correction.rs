@@ -14,8 +14,8 @@
 //!
 //! i ← i + feedback·h·(d − y) holds the mean, where friction, leakage and sensors would let it drift.
 
-use crate::error::{ConfigError, in_range};
-use crate::real::Real;
+use crate::error::ConfigError;
+use crate::real::{Real, in_range};
 use crate::sine::Excitation;
 use crate::sum::{FOLD, Sum};
 

@@ -1,6 +1,7 @@
 //! Limits, and the causes for which a rig stops.
 
-use crate::error::{ConfigError, in_range};
+use crate::error::ConfigError;
+use crate::real::in_range;
 
 /// Why a rig stopped.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

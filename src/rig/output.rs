@@ -5,8 +5,8 @@ use embedded_hal::spi::SpiDevice;
 
 use super::fault::Fault;
 use crate::dac::Ad5761;
-use crate::error::{ConfigError, in_range};
-use crate::real::Real;
+use crate::error::ConfigError;
+use crate::real::{Real, in_range};
 
 /// What a rig is doing.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -4,7 +4,7 @@
 //! The joint fit of [`super::problem`] is the default. This one is what published coefficients come from, and shows what
 //! the joint fit gains.
 
-use super::problem::Rows;
+use super::rows::Rows;
 use crate::model::LawNode;
 use crate::reference::cubic_fit::identify;
 
@@ -12,7 +12,7 @@ use crate::reference::cubic_fit::identify;
 ///
 /// `None` when a stage fails, or ends in a coefficient that no damper has: c below 0, α outside 0…1.
 pub fn staged(rows: &Rows) -> Option<Vec<LawNode>> {
-    rows.nodes()
+    rows.nodes
         .iter()
         .enumerate()
         .map(|(node, &amplitude)| {

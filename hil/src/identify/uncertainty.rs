@@ -2,7 +2,8 @@
 
 use nalgebra::{Cholesky, DMatrix};
 
-use super::problem::{Rows, Solution};
+use super::rows::Rows;
+use super::solution::Solution;
 use super::term::Term;
 use crate::model::Family;
 
@@ -30,18 +31,18 @@ impl Uncertainty {
         let mut gram = DMatrix::<f64>::zeros(width, width);
         let mut row = vec![(0, 0.0); 4 + columns.len()];
         for index in 0..rows.len() {
-            let node = rows.node(index);
+            let node = rows.node[index];
             let coefficients = &solution.law[node];
             let [y, y3, damping] =
                 rows.law_row(index, coefficients.alpha, solution.scale(rows, index));
-            let slope = coefficients.c * damping * rows.log_speed(index);
+            let slope = coefficients.c * damping * rows.log_speed[index];
             for (slot, value) in [y, y3, damping, slope].into_iter().enumerate() {
                 row[slot] = (4 * node + slot, value);
             }
             for (slot, column) in columns.iter().enumerate() {
                 row[4 + slot] = (4 * nodes + slot, column[index]);
             }
-            let weight = rows.weight(index).powi(2);
+            let weight = rows.weight[index].powi(2);
             for &(i, a) in &row {
                 for &(j, b) in &row {
                     gram[(i, j)] += weight * a * b;
@@ -84,9 +85,9 @@ fn term_columns(rows: &Rows, solution: &Solution) -> Vec<Vec<f64>> {
             columns.push(
                 (0..rows.len())
                     .map(|index| {
-                        let node = &solution.law[rows.node(index)];
+                        let node = &solution.law[rows.node[index]];
                         let [y, y3, damping] = rows.law_row(index, node.alpha, 1.0);
-                        (reference - rows.temperature(index))
+                        (reference - rows.temperature[index])
                             * (node.k1 * y + node.k3 * y3 + node.c * damping)
                     })
                     .collect(),

@@ -7,7 +7,9 @@
 mod consistency;
 pub mod cycles;
 mod harmonic;
+mod kinks;
 pub mod motion;
+mod polynomial;
 mod read;
 mod resample;
 pub mod trajectory;

@@ -10,6 +10,9 @@ use std::ops::Range;
 
 use nalgebra::{Matrix4, Vector4};
 
+use super::kinks::find_kinks;
+use super::polynomial::{Cubic, fit_polynomial};
+
 /// Fewest samples to each side of the one that a cubic is fitted for.
 const SHORTEST: usize = 4;
 
@@ -30,17 +33,6 @@ pub struct Motion {
     pub noise: f64,
     /// So many first samples are those of a start from rest; 0 when the recording begins in motion.
     pub start_from_rest: usize,
-}
-
-/// Coefficients of the cubic through a window, about the window's own sample, in units of ticks.
-struct Cubic {
-    value: f64,
-    slope: f64,
-    curvature: f64,
-    /// Variance of the slope for noise of variance 1.
-    slope_variance: f64,
-    /// Sum of squares that the polynomial leaves.
-    error: f64,
 }
 
 impl Motion {
@@ -278,180 +270,4 @@ fn fit_window(
 /// freedom, but for a chance of four deviations.
 pub(super) fn leaves_only_noise(error: f64, freedom: f64, noise: f64) -> bool {
     error <= noise * noise * (freedom + 4.0 * (2.0 * freedom).sqrt())
-}
-
-/// Least-squares polynomial of `degree` ≤ 3 through equidistant samples, evaluated at position `at` in ticks from the
-/// first.
-///
-/// The abscissa is scaled to −1…1 and the basis made orthogonal by the three-term recurrence of the discrete Legendre
-/// (Gram) polynomials, so that no normal equations have to be solved.
-fn fit_polynomial(samples: &[f64], at: f64, degree: usize) -> Cubic {
-    let count = samples.len() as f64;
-    let centre = 0.5 * (count - 1.0);
-    let scale = centre.max(1.0);
-    let x_at = (at - centre) / scale;
-
-    // Monic polynomials orthogonal over the symmetric grid: p[j+1] = x·p[j] − b[j]·p[j−1].
-    let mut recurrence = [0.0; 4];
-    let mut norms = [0.0; 4];
-    let mut projections = [0.0; 4];
-    for j in 0..=degree {
-        let (mut norm, mut projection) = (0.0, 0.0);
-        for (i, &sample) in samples.iter().enumerate() {
-            let x = (i as f64 - centre) / scale;
-            let p = gram(&recurrence, j, x)[0];
-            norm += p * p;
-            projection += p * sample;
-        }
-        norms[j] = norm;
-        projections[j] = projection;
-        if j > 0 {
-            recurrence[j] = norm / norms[j - 1];
-        }
-    }
-    let mut cubic = Cubic {
-        value: 0.0,
-        slope: 0.0,
-        curvature: 0.0,
-        slope_variance: 0.0,
-        error: samples.iter().map(|y| y * y).sum(),
-    };
-    for j in 0..=degree {
-        let [p, slope, curvature] = gram(&recurrence, j, x_at);
-        let coefficient = projections[j] / norms[j];
-        cubic.error -= coefficient * projections[j];
-        cubic.value += coefficient * p;
-        cubic.slope += coefficient * slope / scale;
-        cubic.curvature += coefficient * curvature / (scale * scale);
-        cubic.slope_variance += slope * slope / (scale * scale) / norms[j];
-    }
-    cubic
-}
-
-/// The Gram polynomial of degree `j` with its first two derivatives at `x`.
-#[inline]
-fn gram(recurrence: &[f64; 4], j: usize, x: f64) -> [f64; 3] {
-    let b1 = recurrence[1];
-    match j {
-        0 => [1.0, 0.0, 0.0],
-        1 => [x, 1.0, 0.0],
-        2 => [x * x - b1, 2.0 * x, 2.0],
-        _ => {
-            let b = b1 + recurrence[2];
-            [x * (x * x - b), 3.0 * x * x - b, 6.0 * x]
-        }
-    }
-}
-
-/// First samples after the displacement's slope jumps.
-///
-/// At each sample a quadratic is fitted to the samples before and another to those after. Their slopes differ by noise
-/// where the motion is smooth. A kink is where the difference stands out from the noise, is not small beside the
-/// velocities around it, and is the largest within a window's length.
-fn find_kinks(samples: &[f64], tick: f64, period: &[f64], noise: f64) -> Vec<usize> {
-    let count = samples.len();
-    let width = |index: usize| ((0.05 * period[index] / tick) as usize).clamp(5, 200);
-    let widths = |index: usize| {
-        (
-            width(index.saturating_sub(3)),
-            width((index + 3).min(count - 1)),
-        )
-    };
-    let jump: Vec<f64> = (0..count)
-        .map(|index| {
-            let (before, after) = widths(index);
-            let Some(jump) = Jump::at(samples, index, before, after, 2, noise) else {
-                return 0.0;
-            };
-            let stands_out = jump.difference > 8.0 * jump.deviation;
-            if stands_out && jump.difference > 0.1 * jump.largest_slope {
-                jump.surely()
-            } else {
-                0.0
-            }
-        })
-        .collect();
-    let mut kinks = Vec::new();
-    let mut index = 0;
-    while index < count {
-        let (before, after) = widths(index);
-        let around = index.saturating_sub(before + 2)..(index + after + 3).min(count);
-        let is_largest = jump[index] > 0.0 && around.clone().all(|i| jump[i] <= jump[index]);
-        if is_largest {
-            let (before, after) = (width(around.start), width(around.end - 1));
-            kinks.extend(locate_kink(samples, index, 2 * before, 2 * after, noise));
-            index = around.end;
-        } else {
-            index += 1;
-        }
-    }
-    kinks.dedup();
-    kinks
-}
-
-/// Polynomials on both sides of a sample that belongs to neither.
-struct Jump {
-    /// Difference of the slopes at the sample, mm per tick.
-    difference: f64,
-    /// Its standard deviation.
-    deviation: f64,
-    largest_slope: f64,
-    /// Where the two meet, in ticks after the sample.
-    meeting: f64,
-}
-
-impl Jump {
-    /// Polynomials of `degree` through `before` samples before `index` and `after` samples after it; `None` where there are
-    /// not so many.
-    fn at(
-        samples: &[f64],
-        index: usize,
-        before: usize,
-        after: usize,
-        degree: usize,
-        noise: f64,
-    ) -> Option<Self> {
-        let left = fit_polynomial(
-            samples.get(index.checked_sub(before)?..index)?,
-            before as f64,
-            degree,
-        );
-        let right = fit_polynomial(samples.get(index + 1..=index + after)?, -1.0, degree);
-        // A window that a kink falls into leaves much, and its slope is worth little.
-        let variance = |fit: &Cubic, length: usize| {
-            (noise * noise).max(fit.error / (length - degree - 1) as f64) * fit.slope_variance
-        };
-        let change = right.slope - left.slope;
-        Some(Self {
-            difference: change.abs(),
-            deviation: (variance(&left, before) + variance(&right, after)).sqrt(),
-            largest_slope: left.slope.abs().max(right.slope.abs()),
-            meeting: (left.value - right.value) / change,
-        })
-    }
-
-    /// What of the difference is surely there.
-    fn surely(&self) -> f64 {
-        self.difference - 3.0 * self.deviation
-    }
-}
-
-/// The first sample after the kink near `near`: cubics through `before` and `after` samples are moved past it until their
-/// slopes differ most; the kink is where they then meet.
-fn locate_kink(
-    samples: &[f64],
-    near: usize,
-    before: usize,
-    after: usize,
-    noise: f64,
-) -> Option<usize> {
-    let (index, jump) = (near.saturating_sub(before)..near + after)
-        .filter_map(|index| Some((index, Jump::at(samples, index, before, after, 3, noise)?)))
-        .max_by(|a, b| a.1.surely().total_cmp(&b.1.surely()))?;
-    // Once more with the sample at the kink left out, which would bend the side that it is not on.
-    let at_kink = (index as f64 + jump.meeting.clamp(-3.0, 3.0)).round() as usize;
-    let meeting = at_kink as f64 + Jump::at(samples, at_kink, before, after, 3, noise)?.meeting;
-    // The sample at the kink itself belongs to what comes after.
-    let first_after = (meeting - 0.2).ceil();
-    ((first_after - index as f64).abs() <= 4.0).then_some(first_after as usize)
 }

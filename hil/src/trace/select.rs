@@ -4,7 +4,9 @@ use rayon::prelude::*;
 
 use super::score::Score;
 use super::split::{Role, Roles, same_amplitude};
-use crate::identify::problem::{Problem, Rows, Solution};
+use crate::identify::problem::Problem;
+use crate::identify::rows::Rows;
+use crate::identify::solution::Solution;
 use crate::identify::term::{Term, TermValue, most_terms};
 use crate::model::{Family, ModelError};
 use crate::predict::predict;

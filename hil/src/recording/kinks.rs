@@ -1,0 +1,116 @@
+//! Where the velocity of a recorded displacement jumps.
+
+use super::polynomial::{Cubic, fit_polynomial};
+
+/// First samples after the displacement's slope jumps.
+///
+/// At each sample a quadratic is fitted to the samples before and another to those after. Their slopes differ by noise
+/// where the motion is smooth. A kink is where the difference stands out from the noise, is not small beside the
+/// velocities around it, and is the largest within a window's length.
+pub(super) fn find_kinks(samples: &[f64], tick: f64, period: &[f64], noise: f64) -> Vec<usize> {
+    let count = samples.len();
+    let width = |index: usize| ((0.05 * period[index] / tick) as usize).clamp(5, 200);
+    let widths = |index: usize| {
+        (
+            width(index.saturating_sub(3)),
+            width((index + 3).min(count - 1)),
+        )
+    };
+    let jump: Vec<f64> = (0..count)
+        .map(|index| {
+            let (before, after) = widths(index);
+            let Some(jump) = Jump::at(samples, index, before, after, 2, noise) else {
+                return 0.0;
+            };
+            let stands_out = jump.difference > 8.0 * jump.deviation;
+            if stands_out && jump.difference > 0.1 * jump.largest_slope {
+                jump.surely()
+            } else {
+                0.0
+            }
+        })
+        .collect();
+    let mut kinks = Vec::new();
+    let mut index = 0;
+    while index < count {
+        let (before, after) = widths(index);
+        let around = index.saturating_sub(before + 2)..(index + after + 3).min(count);
+        let is_largest = jump[index] > 0.0 && around.clone().all(|i| jump[i] <= jump[index]);
+        if is_largest {
+            let (before, after) = (width(around.start), width(around.end - 1));
+            kinks.extend(locate_kink(samples, index, 2 * before, 2 * after, noise));
+            index = around.end;
+        } else {
+            index += 1;
+        }
+    }
+    kinks.dedup();
+    kinks
+}
+
+/// Polynomials on both sides of a sample that belongs to neither.
+struct Jump {
+    /// Difference of the slopes at the sample, mm per tick.
+    difference: f64,
+    /// Its standard deviation.
+    deviation: f64,
+    largest_slope: f64,
+    /// Where the two meet, in ticks after the sample.
+    meeting: f64,
+}
+
+impl Jump {
+    /// Polynomials of `degree` through `before` samples before `index` and `after` samples after it; `None` where there are
+    /// not so many.
+    fn at(
+        samples: &[f64],
+        index: usize,
+        before: usize,
+        after: usize,
+        degree: usize,
+        noise: f64,
+    ) -> Option<Self> {
+        let left = fit_polynomial(
+            samples.get(index.checked_sub(before)?..index)?,
+            before as f64,
+            degree,
+        );
+        let right = fit_polynomial(samples.get(index + 1..=index + after)?, -1.0, degree);
+        // A window that a kink falls into leaves much, and its slope is worth little.
+        let variance = |fit: &Cubic, length: usize| {
+            (noise * noise).max(fit.error / (length - degree - 1) as f64) * fit.slope_variance
+        };
+        let change = right.slope - left.slope;
+        Some(Self {
+            difference: change.abs(),
+            deviation: (variance(&left, before) + variance(&right, after)).sqrt(),
+            largest_slope: left.slope.abs().max(right.slope.abs()),
+            meeting: (left.value - right.value) / change,
+        })
+    }
+
+    /// What of the difference is surely there.
+    fn surely(&self) -> f64 {
+        self.difference - 3.0 * self.deviation
+    }
+}
+
+/// The first sample after the kink near `near`: cubics through `before` and `after` samples are moved past it until their
+/// slopes differ most; the kink is where they then meet.
+fn locate_kink(
+    samples: &[f64],
+    near: usize,
+    before: usize,
+    after: usize,
+    noise: f64,
+) -> Option<usize> {
+    let (index, jump) = (near.saturating_sub(before)..near + after)
+        .filter_map(|index| Some((index, Jump::at(samples, index, before, after, 3, noise)?)))
+        .max_by(|a, b| a.1.surely().total_cmp(&b.1.surely()))?;
+    // Once more with the sample at the kink left out, which would bend the side that it is not on.
+    let at_kink = (index as f64 + jump.meeting.clamp(-3.0, 3.0)).round() as usize;
+    let meeting = at_kink as f64 + Jump::at(samples, at_kink, before, after, 3, noise)?.meeting;
+    // The sample at the kink itself belongs to what comes after.
+    let first_after = (meeting - 0.2).ceil();
+    ((first_after - index as f64).abs() <= 4.0).then_some(first_after as usize)
+}

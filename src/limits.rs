@@ -1,0 +1,21 @@
+//! What inputs are confined to, so that every force stays finite.
+//!
+//! Far beyond any rig, and small enough for `f32`: the largest force of eq 13 is below 1e9·(1e4 + 1e12 + 1e6) ≈ 1e21 kN,
+//! that of the highest power, k5·y⁵, 1e29 kN.
+
+/// Displacements beyond ±this many mm are treated as this many.
+pub const DISPLACEMENT: f64 = 1e4;
+/// Velocities beyond ±this many mm/s are treated as this many.
+pub const VELOCITY: f64 = 1e6;
+/// Accelerations beyond ±this many mm/s² are treated as this many.
+pub const ACCELERATION: f64 = 1e9;
+/// Cycle counts are taken as within 0…this many.
+pub const CYCLES: f64 = 1e9;
+/// Temperatures are taken as within ±this many °C.
+pub const TEMPERATURE: f64 = 1e4;
+/// Largest magnitude of a stiffness, damping or force coefficient, each in its own unit.
+pub const COEFFICIENT: f64 = 1e9;
+/// Measured forces beyond ±this many kN are treated as this many.
+pub const FORCE: f64 = 1e12;
+/// Largest mass, kg.
+pub const MASS: f64 = 1e6;
