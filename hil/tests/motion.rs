@@ -59,7 +59,7 @@ fn trajectory(displacement: &[f64]) -> Trajectory {
 
 fn rms(values: impl Iterator<Item = f64>) -> f64 {
     let (sum, count) = values.fold((0.0, 0.0), |(sum, count), v| (sum + v * v, count + 1.0));
-    (sum / count as f64).sqrt()
+    f64::sqrt(sum / count)
 }
 
 const BLOCKS: [Block; 4] = [
@@ -102,8 +102,8 @@ fn a_start_from_rest_begins_with_no_velocity() {
     let (clean, truth) = programme(&BLOCKS);
     for seed in 0..20 {
         let motion = trajectory(&noisy(&clean, 1e-4, seed)).motion;
-        for n in 0..10 {
-            let error = (motion.velocity[n] - truth[n]).abs();
+        for (n, (found, truth)) in motion.velocity.iter().zip(&truth).take(10).enumerate() {
+            let error = (found - truth).abs();
             assert!(error < 2e-3, "seed {seed}, sample {n}: off by {error} mm/s");
         }
     }
