@@ -1,4 +1,28 @@
-//! The harness of mesh-damper.
+//! The harness of mesh-damper: a simulated rig around the crate, and the way from a recording to a better law.
+//!
+//! ```text
+//! recording ─▶ identify ─▶ trace ─▶ model_file ─▶ the crate's law in f32 ─▶ link, on the simulated rig ─▶ recording
+//! ```
+//!
+//! | for | use |
+//! |---|---|
+//! | the paper's equations in f64, sharing no code with the crate | [`mod@reference`] |
+//! | a specimen with an effect that the law does not know, and the rig that tests it | [`specimen`], [`actuator`] |
+//! | the crate in the loop with them, tick by tick | [`link`] |
+//! | recordings as files; their motion and its cycles | [`recording`] |
+//! | fitting coefficients with their uncertainty | [`identify`] |
+//! | which effect is missing, and by how much the law is better with it | [`mod@trace`], [`report`] |
+//! | a law as a file, and the force that it predicts | [`model`], [`model_file`], [`mod@predict`] |
+//! | all of it once, from a seed | [`mod@demo`] |
+//!
+//! ```
+//! let demo = hil::demo::demo(3, &|step| println!("{step}"))?;
+//! assert!(demo.is_named() && demo.is_nearer());
+//! # Ok::<(), hil::demo::DemoError>(())
+//! ```
+//!
+//! Simulated parts use f64 and seeded noise: the same seed gives the same run. Bad input ends in an
+//! [`error::InputError`], one line that says where, what and how to mend it.
 #![forbid(unsafe_code)]
 
 pub mod actuator;
