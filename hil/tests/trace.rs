@@ -24,12 +24,12 @@ const BLOCKS: [(f64, f64, u32); 6] = [
     (0.05, 1.0, 6),
     (0.1, 10.0, 12),
 ];
-const OTHERS: [(f64, f64, u32); 2] = [(0.12, 3.0, 8), (0.18, 1.5, 6)];
+const OTHERS: [(f64, f64, u32); 2] = [(0.12, 2.5, 8), (0.18, 1.25, 6)];
 
 /// One sample of clean motion: time s, displacement mm, velocity mm/s, acceleration mm/s².
 type Sample = (f64, f64, f64, f64);
 
-/// Sines that follow each other at full amplitude.
+/// Sines that follow each other at full amplitude. Every block lasts a whole number of samples.
 fn motion(blocks: &[(f64, f64, u32)]) -> Vec<Sample> {
     let mut samples = Vec::new();
     for &(amplitude, frequency, cycles) in blocks {

@@ -22,7 +22,7 @@ use super::{Failure, say, summary};
 #[command(after_help = "Example:\n  hil demo --seed 7 --out demo-out")]
 pub struct DemoCommand {
     /// Which effect the specimen hides, how large, and the sensors' noise
-    #[arg(long, default_value_t = 1)]
+    #[arg(long, default_value_t = 4)]
     seed: u64,
     /// Where the results go
     #[arg(long, value_name = "DIR", default_value = "demo-out")]
