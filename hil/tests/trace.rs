@@ -2,7 +2,13 @@
 
 use std::f64::consts::TAU;
 
+use hil::identify::problem::Problem;
+use hil::identify::rows::Rows;
+use hil::identify::term::Term;
+use hil::identify::uncertainty::Uncertainty;
+use hil::model::Family;
 use hil::recording::Recording;
+use hil::recording::trajectory::Trajectory;
 use hil::trace::result::Verdict;
 use hil::trace::{Role, Trace, trace};
 use rand::SeedableRng;
@@ -322,20 +328,32 @@ fn the_verdict_does_not_depend_on_the_scale() {
     assert!((limit - 40.0 * 0.04).abs() < 0.03 * 1.6, "{limit}");
 }
 
-/// 90 % intervals of an effect's parameter hold the truth about nine times in ten.
+/// 90 % intervals of an effect's parameters hold the truth about nine times in ten.
 #[test]
 fn intervals_hold_the_truth() {
-    let runs = 40;
-    let held = (0..runs)
-        .filter(|&seed| {
-            let fitted = record("fitted", &BLOCKS, 0.01, 100 + seed, |s| -2.0 * s.1 * s.1);
-            let trace = trace(&[fitted], &[], &|_| ()).unwrap();
-            let k2 = &trace.result.effects[0].parameters["k2"];
-            (k2.low..k2.high).contains(&-2.0)
-        })
-        .count();
-    // Of 40 at 90 %: 36 ± 1.9; beyond four deviations either way the intervals are wrong.
-    assert!((29..=40).contains(&held), "{held} of {runs}");
+    let runs = 100;
+    let term = Term {
+        family: Family::StickSlip,
+        reference: 0.0,
+    };
+    let (mut sizes, mut shapes) = (0, 0);
+    for seed in 0..runs {
+        let recording = record("fitted", &BLOCKS, 0.01, 100 + seed, slider(0.9, 0.04));
+        let trajectories = [Trajectory::of(&recording).unwrap()];
+        let rows = Rows::gather(&trajectories, vec![0.0], |_, _| true);
+        let law = Problem::solve(&rows, &[], None);
+        let found = Problem::solve(&rows, &[term], Some(&law));
+        let (size, shape) = Uncertainty::of(&rows, &found).terms[0];
+        let value = found.terms[0];
+        sizes += usize::from((value.size - 0.9).abs() < size);
+        shapes += usize::from((value.shape / 0.04).ln().abs() < shape.ln());
+    }
+    // Of 100 at 90 %: 90 ± 3; beyond three deviations either way the intervals are wrong.
+    assert!((80..=99).contains(&sizes), "stiffness: {sizes} of {runs}");
+    assert!(
+        (80..=99).contains(&shapes),
+        "slip limit: {shapes} of {runs}"
+    );
 }
 
 #[test]
