@@ -157,6 +157,32 @@ fn relaxation_has_the_moduli_of_a_maxwell_branch() {
     }
 }
 
+/// A step held for one time constant fades to 1/e in f32 too, however little a tick takes.
+#[test]
+fn relaxation_fades_over_long_times_in_f32() {
+    for time in [1.0, 100.0, 3000.0] {
+        let law = alone(Effect::Relaxation(
+            Relaxation::new(1.2_f32, time, 1e-4).unwrap(),
+        ));
+        let mut state = law.at_rest();
+        let mut force = 0.0;
+        law.force(&mut state, &Motion::default());
+        for _ in 0..(f64::from(time) / 1e-4) as u64 {
+            force = law.force(
+                &mut state,
+                &Motion {
+                    displacement: 1.0,
+                    ..Motion::default()
+                },
+            );
+        }
+        // The step takes a tick, so that the fall is half a tick short of τ. loss = Δt/τ rounds by 2^-24 of itself; the sum
+        // of the ticks is compensated.
+        let expected = 1.2 * (-1.0 + 0.5e-4 / f64::from(time)).exp();
+        close(f64::from(force), expected, 1e-6);
+    }
+}
+
 #[test]
 fn viscous_dissipates_pi_c_omega_square_of_amplitude() {
     let force = last_cycle(Effect::Viscous(Viscous::new(0.006).unwrap()), 0.1, 5.0, 1);
@@ -232,6 +258,26 @@ fn temperature_scales_the_law_and_nothing_else() {
         0.7 + (1.0 - 0.004 * 50.0) * law.force(0.1, 1.3),
         1e-12,
     );
+}
+
+/// A state that was made for fewer effects has the rest at rest, and drops none.
+#[test]
+fn a_state_of_fewer_effects_serves_more() {
+    let offset = Effect::Offset(Offset::new(0.5).unwrap());
+    let slider = Effect::StickSlip(StickSlip::new(&[(2.0, 0.5)]).unwrap());
+    let small: AugmentedLaw<f64, 2> = AugmentedLaw::new(nothing()).with(offset).unwrap();
+    let large = small.clone().with(slider).unwrap();
+    let mut state = small.at_rest();
+    small.force(&mut state, &Motion::default());
+    large.force(&mut state, &Motion::default());
+    let force = large.force(
+        &mut state,
+        &Motion {
+            displacement: 0.1,
+            ..Motion::default()
+        },
+    );
+    close(force, 0.5 + 0.2, 1e-12);
 }
 
 #[test]

@@ -126,7 +126,8 @@ pub struct AugmentedLaw<R, const N: usize> {
 /// What the effects of an [`AugmentedLaw`] remember.
 #[derive(Clone, Debug)]
 pub struct AugmentedState<R: Real, const N: usize> {
-    effects: heapless::Vec<EffectState<R>, N>,
+    /// `None` is at rest.
+    effects: [Option<EffectState<R>>; N],
 }
 
 impl<R: Real, const N: usize> AugmentedLaw<R, N> {
@@ -167,9 +168,7 @@ impl<R: Real, const N: usize> AugmentedLaw<R, N> {
 
     /// All effects at rest.
     pub fn at_rest(&self) -> AugmentedState<R, N> {
-        AugmentedState {
-            effects: self.effects.iter().map(Effect::at_rest).collect(),
-        }
+        AugmentedState { effects: [None; N] }
     }
 
     /// Force in kN on this tick: the law's and every effect's. Call it once per tick.
@@ -178,6 +177,7 @@ impl<R: Real, const N: usize> AugmentedLaw<R, N> {
         let law_force = self.law.force(motion.displacement, motion.velocity);
         let mut total = law_force;
         for (effect, state) in self.effects.iter().zip(&mut state.effects) {
+            let state = state.get_or_insert_with(|| effect.at_rest());
             total += effect.force(state, motion, law_force);
         }
         total

@@ -21,6 +21,8 @@ pub struct Relaxation<R> {
 #[derive(Clone, Copy, Debug, Default)]
 pub struct RelaxationState<R> {
     force: R,
+    /// What rounding has kept from the force: a tick's change is far smaller than an f32 can add when τ is long.
+    carry: R,
     previous: Option<R>,
 }
 
@@ -59,7 +61,10 @@ impl<R: Real> EffectForce<R> for Relaxation<R> {
             .confined(R::from_f64(limits::DISPLACEMENT));
         let step = y - state.previous.unwrap_or(y);
         state.previous = Some(y);
-        state.force = state.force - self.loss * state.force + self.gain * step;
-        state.force
+        let change = self.gain * step - self.loss * state.force + state.carry;
+        let force = state.force + change;
+        state.carry = change - (force - state.force);
+        state.force = force;
+        force
     }
 }

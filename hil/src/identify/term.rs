@@ -87,8 +87,12 @@ impl Term {
         let noise = largest(trajectories.iter().map(|t| t.motion.noise));
         let cycles = largest(trajectories.iter().filter_map(|t| t.cycles.last().copied()));
         let (low, high, count) = match self.family {
-            // A smaller slip limit than the noise shows cannot be told from an error of the velocity at a reversal.
-            Family::StickSlip => ((5.0 * noise).max(1e-3 * amplitude), 2.0 * amplitude, 8),
+            // A smaller slip limit than the noise shows cannot be told from an error of the velocity at a reversal, and an
+            // element that hardly slips is a spring.
+            Family::StickSlip => {
+                let high = 0.9 * amplitude;
+                ((5.0 * noise).max(1e-3 * amplitude).min(0.5 * high), high, 8)
+            }
             Family::Relaxation => (0.5 * tick, duration, 8),
             Family::Drift => (0.3, 10.0 * cycles, 6),
             _ => return None,

@@ -117,7 +117,8 @@ impl Cycles {
     }
 }
 
-fn range(samples: &[f64]) -> (f64, f64) {
+/// Smallest and largest of `samples`.
+pub(super) fn range(samples: &[f64]) -> (f64, f64) {
     samples
         .iter()
         .fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), &y| {

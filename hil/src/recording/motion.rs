@@ -10,6 +10,7 @@ use std::ops::Range;
 
 use nalgebra::{Matrix4, Vector4};
 
+use super::cycles::range;
 use super::kinks::find_kinks;
 use super::polynomial::{Cubic, fit_polynomial};
 
@@ -147,11 +148,7 @@ impl HalfWindow {
 }
 
 fn half_range(samples: &[f64]) -> f64 {
-    let (low, high) = samples
-        .iter()
-        .fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), &y| {
-            (low.min(y), high.max(y))
-        });
+    let (low, high) = range(samples);
     0.5 * (high - low)
 }
 

@@ -1,7 +1,7 @@
 //! A recording made ready for identification: uniform time base, estimated motion, cycles and blocks.
 
 use super::Recording;
-use super::cycles::{Block, Cycles};
+use super::cycles::{Block, Cycles, range};
 use super::motion::{Motion, noise_deviation};
 use crate::error::InputError;
 
@@ -17,6 +17,9 @@ pub struct Trajectory {
     pub tick: f64,
     /// Displacement, velocity and acceleration.
     pub motion: Motion,
+    /// What was taken off the recorded displacement, mm: the middle of the motion where it lies off by more than half an
+    /// amplitude, which is where a sensor's zero was left and not where a specimen rests; 0 otherwise.
+    pub centre: f64,
     /// Measured force, kN.
     pub force: Vec<f64>,
     /// Measured temperature, °C.
@@ -68,6 +71,9 @@ impl Trajectory {
     ) -> Self {
         let count = displacement.len();
         assert_eq!(force.len(), count);
+        let centre = centre(displacement);
+        let displacement: Vec<f64> = displacement.iter().map(|y| y - centre).collect();
+        let displacement = displacement.as_slice();
         let hysteresis = hysteresis(displacement);
         let rough = Cycles::find(displacement, tick, hysteresis);
         let mut motion =
@@ -84,6 +90,7 @@ impl Trajectory {
             name: name.into(),
             tick,
             motion,
+            centre,
             force_noise: noise_deviation(&force),
             force,
             temperature,
@@ -126,13 +133,20 @@ impl Trajectory {
     }
 }
 
+/// The middle of the motion where it lies more than half an amplitude from 0, else 0; mm.
+fn centre(displacement: &[f64]) -> f64 {
+    let (low, high) = range(displacement);
+    let middle = 0.5 * (low + high);
+    if middle.abs() > 0.25 * (high - low) {
+        middle
+    } else {
+        0.0
+    }
+}
+
 /// Half width of the band around the mid level that a crossing has to leave, mm: above the noise, below the smallest
 /// amplitude that counts as motion.
 fn hysteresis(displacement: &[f64]) -> f64 {
-    let (low, high) = displacement
-        .iter()
-        .fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), &y| {
-            (low.min(y), high.max(y))
-        });
+    let (low, high) = range(displacement);
     (6.0 * noise_deviation(displacement)).max(0.01 * (high - low))
 }

@@ -5,11 +5,11 @@ use std::collections::BTreeMap;
 use mesh_damper::real::Real;
 
 use super::result::{
-    Baseline, Candidate, Errors, Estimate, FoundEffect, LawEstimate, OnTarget, TraceResult,
+    Baseline, Candidate, Errors, Estimate, FoundEffect, LawEstimate, OnTarget, TraceResult, Verdict,
 };
 use super::select::{Selection, noise_floor};
 use super::split::{Role, Roles};
-use super::verdict::{conclude, depends_on, separating_test, warnings};
+use super::verdict::{conclude, depends_on, rivals, separating_test, warnings};
 use super::{Trace, Traced};
 use crate::identify::problem::Problem;
 use crate::identify::rows::Rows;
@@ -69,6 +69,10 @@ impl<'a> Closing<'a> {
         let noise_floor = self.noise_floor;
         let verdict = conclude(selection, noise_floor);
         let uncertainty = Uncertainty::of(&self.rows, &solution);
+        let mut effects = self.effects(&solution, &uncertainty)?;
+        if verdict == Verdict::Ambiguous {
+            effects.extend(self.rivals(selection)?);
+        }
 
         let names = |held: bool| {
             let recordings = self.recordings.iter().enumerate();
@@ -88,14 +92,14 @@ impl<'a> Closing<'a> {
             },
             law: law_estimates(&solution, &uncertainty),
             verdict,
-            effects: self.effects(&solution, &uncertainty, with.nrmse_held_out)?,
+            effects,
             candidates: self.candidates(selection)?,
             separating_test: separating_test(verdict, selection),
             depends_on: depends_on(&model),
             warnings: warnings(
                 self.recordings.iter().map(|(trajectory, _)| *trajectory),
                 &model,
-                &with,
+                selection,
                 noise_floor,
             ),
             augmented: with,
@@ -165,8 +169,8 @@ impl<'a> Closing<'a> {
         &self,
         solution: &Solution,
         uncertainty: &Uncertainty,
-        with: f64,
     ) -> Result<Vec<FoundEffect>, ModelError> {
+        let with = self.evaluate::<f64>(&solution.model())?.1.nrmse_held_out;
         let bound = |end: f64| {
             let ends =
                 solution
@@ -215,6 +219,23 @@ impl<'a> Closing<'a> {
                 })
             })
             .collect()
+    }
+
+    /// The effects that the data cannot tell from the last one found, each fitted in its place.
+    fn rivals(&self, selection: &Selection) -> Result<Vec<FoundEffect>, ModelError> {
+        let mut effects = Vec::new();
+        for rival in rivals(selection).into_iter().skip(1) {
+            let start = &rival.fitted.solution;
+            let solution = Problem::solve(&self.rows, &terms_of(start), Some(start));
+            let uncertainty = Uncertainty::of(&self.rows, &solution);
+            let of_family = |effect: &FoundEffect| effect.family == rival.family.name();
+            effects.extend(
+                self.effects(&solution, &uncertainty)?
+                    .into_iter()
+                    .filter(of_family),
+            );
+        }
+        Ok(effects)
     }
 
     fn candidates(&self, selection: &Selection) -> Result<Vec<Candidate>, ModelError> {

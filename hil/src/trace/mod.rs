@@ -73,6 +73,20 @@ pub fn trace(
 ) -> Result<Trace, TraceError> {
     let all: Vec<&Recording> = recordings.iter().chain(held_out).collect();
     check_consistency(&all)?;
+    for recording in &all {
+        if recording
+            .force
+            .iter()
+            .all(|&force| force == recording.force[0])
+        {
+            return Err(InputError::new(
+                &recording.name,
+                "has a force that never changes",
+                "check the load cell's channel",
+            )
+            .into());
+        }
+    }
     progress("estimating the motion");
     let fitted: Vec<Trajectory> = recordings
         .iter()

@@ -99,9 +99,9 @@ pub struct FoundEffect {
 pub struct Estimate {
     /// Best value.
     pub value: f64,
-    /// Lower end.
+    /// Lower end; null in the file where the data set no bound.
     pub low: f64,
-    /// Upper end.
+    /// Upper end, likewise.
     pub high: f64,
     /// Unit of all three.
     pub unit: String,

@@ -101,7 +101,7 @@ impl<'a> Search<'a> {
                 self.families.len(),
                 named(&found)
             ));
-            let tried = self.step(&found, step)?;
+            let tried = self.step(&found, step);
             let Some(best) = tried.first() else { break };
             let settled = found.score.nrmse() <= SETTLED * self.noise_floor;
             let accepted = !settled && best.fitted.score.beats(&found.score);
@@ -121,7 +121,7 @@ impl<'a> Search<'a> {
     }
 
     /// All families beside `law`, the best first. Those that would be a source of energy are left out.
-    fn step(&self, law: &Fitted, step: usize) -> Result<Vec<Candidate>, ModelError> {
+    fn step(&self, law: &Fitted, step: usize) -> Vec<Candidate> {
         let known: Vec<Term> = law.solution.terms.iter().map(|value| value.term).collect();
         let mut tried: Vec<Candidate> = self
             .families
@@ -131,15 +131,17 @@ impl<'a> Search<'a> {
             })
             .map(|&term| {
                 let terms: Vec<Term> = known.iter().copied().chain([term]).collect();
-                let fitted = self.fit(&terms, Some(&law.solution))?;
-                Ok(Candidate {
-                    family: term.family,
-                    step,
-                    fitted,
-                    distinguishable: true,
-                })
+                self.fit(&terms, Some(&law.solution))
+                    .map(|fitted| Candidate {
+                        family: term.family,
+                        step,
+                        fitted,
+                        distinguishable: true,
+                    })
             })
-            .collect::<Result<_, ModelError>>()?;
+            // A fit that ends in coefficients which the crate refuses is no candidate.
+            .filter_map(Result::ok)
+            .collect();
         tried.retain(|candidate| {
             candidate
                 .fitted
@@ -154,7 +156,7 @@ impl<'a> Search<'a> {
                 rival.distinguishable = best.fitted.score.beats(&rival.fitted.score);
             }
         }
-        Ok(tried)
+        tried
     }
 
     /// Drops terms without which the judging cycles are predicted as well.

@@ -47,7 +47,8 @@ impl Roles {
     ///
     /// The whole block is one whose amplitude other fitted blocks have too: eq 13's coefficients depend on amplitude, and a
     /// block whose amplitude is nowhere else would test the interpolation between amplitudes and not the effects. Where
-    /// there is none, no whole block is taken. Without cycles the last quarter of the samples is taken.
+    /// there is none, no whole block is taken. A recording without two like cycles gives the last quarter of the samples
+    /// that are still fitted.
     pub fn keep_apart(&mut self, trajectories: &[Trajectory], role: Role) {
         let whole = self.whole_block(trajectories);
         for (which, trajectory) in trajectories.iter().enumerate() {
@@ -61,22 +62,19 @@ impl Roles {
                     .iter()
                     .filter(|cycle| self.is_fit(which, cycle))
                     .collect();
-                let kept = cycles.len() / CYCLES_PER_KEPT;
-                if let Some(first) = cycles
-                    .len()
-                    .checked_sub(kept.max(1))
-                    .filter(|_| cycles.len() >= 2)
-                {
-                    let span = cycles[first].start..cycles[cycles.len() - 1].end;
-                    self.assign(which, span, role);
-                } else if block.cycles.is_empty() {
-                    let fitted = block
-                        .samples
-                        .clone()
-                        .filter(|&i| self.0[which][i] == Role::Fit)
-                        .count();
-                    let end = block.samples.start + fitted;
-                    self.assign(which, end - fitted / CYCLES_PER_KEPT..end, role);
+                if let [_, .., last] = cycles.as_slice() {
+                    let kept = (cycles.len() / CYCLES_PER_KEPT).max(1);
+                    let first = cycles[cycles.len() - kept];
+                    self.assign(which, first.start..last.end, role);
+                }
+            }
+            if !self.0[which].contains(&role) {
+                let fitted: Vec<usize> = (0..trajectory.len())
+                    .filter(|&sample| self.0[which][sample] == Role::Fit)
+                    .collect();
+                let first = fitted.len() - fitted.len() / CYCLES_PER_KEPT;
+                for &sample in &fitted[first..] {
+                    self.0[which][sample] = role;
                 }
             }
         }

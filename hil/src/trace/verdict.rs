@@ -1,6 +1,6 @@
 //! What is concluded from a search, in the words of `trace.json`.
 
-use super::result::{Errors, Verdict};
+use super::result::Verdict;
 use super::select::{Candidate, Selection};
 use crate::model::Model;
 use crate::recording::trajectory::Trajectory;
@@ -31,7 +31,7 @@ pub(super) fn conclude(selection: &Selection, noise_floor: f64) -> Verdict {
 }
 
 /// The families that did as well as the best at the step that ended in the law found, the best among them.
-fn rivals(selection: &Selection) -> Vec<&Candidate> {
+pub(super) fn rivals(selection: &Selection) -> Vec<&Candidate> {
     let last = selection.found.solution.terms.len();
     let at_last = selection
         .candidates
@@ -79,7 +79,7 @@ pub(super) fn depends_on(model: &Model) -> Vec<String> {
 pub(super) fn warnings<'t>(
     trajectories: impl Iterator<Item = &'t Trajectory>,
     model: &Model,
-    errors: &Errors,
+    selection: &Selection,
     noise_floor: f64,
 ) -> Vec<String> {
     let mut warnings = Vec::new();
@@ -90,6 +90,13 @@ pub(super) fn warnings<'t>(
             .iter()
             .filter(|&&measured| !measured)
             .count();
+        if trajectory.centre != 0.0 {
+            warnings.push(format!(
+                "{}: the displacement's zero lies {:.4} mm from the middle of the motion; the law was given the \
+                 displacement from the middle",
+                trajectory.name, trajectory.centre
+            ));
+        }
         if missing > 0 {
             warnings.push(format!(
                 "{}: {missing} samples are missing; they were left out",
@@ -108,7 +115,7 @@ pub(super) fn warnings<'t>(
             ));
         }
     }
-    let ratio = errors.nrmse_fitted / noise_floor;
+    let ratio = selection.found.score.nrmse() / noise_floor;
     if ratio > EXPLAINED {
         warnings.push(format!(
             "what is left is {ratio:.1} times the noise of the force: something is still missing from the law"
