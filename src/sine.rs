@@ -177,6 +177,8 @@ struct Segment {
     growth: i64,
     /// Frequency at θ = 0, Hz.
     frequency: f32,
+    /// Frequency at the end, Hz.
+    frequency_end: f32,
     /// k, Hz per cycle travelled.
     chirp: f32,
     /// Amplitude at θ = 0, mm.
@@ -206,6 +208,7 @@ impl Segment {
             },
             growth: (factor * (1u128 << 64) as f64) as i64,
             frequency: frequency.0 as f32,
+            frequency_end: frequency.1 as f32,
             chirp: chirp as f32,
             amplitude: amplitude.0 as f32,
             rise: (amplitude.1 - amplitude.0) as f32,
@@ -228,11 +231,27 @@ impl Segment {
             .wrapping_add(i128::from(self.growth).wrapping_mul(theta) as u128)
     }
 
-    /// Position, velocity and acceleration after `theta` cycles where amplitude or frequency change.
+    /// Frequency in Hz, from the end where it is the lower: a sum of positive terms, each with the relative accuracy of
+    /// a float. From the higher end the low frequencies would be small differences.
+    #[inline(always)]
+    fn frequency(&self, travelled: u32, phase: u32) -> f32 {
+        if self.chirp < 0.0 {
+            // One whole cycle less the phase, from the integer, so that no digits are lost.
+            let rest = (!phase as f32 + 1.0) * CYCLES_PER_UNIT;
+            let ahead = self.cycles.wrapping_sub(travelled).wrapping_sub(1) as f32 + rest;
+            self.frequency_end - self.chirp * ahead
+        } else {
+            self.frequency + self.chirp * (travelled as f32 + phase as f32 * CYCLES_PER_UNIT)
+        }
+    }
+
+    /// Position, velocity and acceleration where amplitude or frequency change, after `travelled` cycles and the phase
+    /// in `excitation`.
     #[inline]
-    fn changing(&self, theta: f32, sin: f32, cos: f32, excitation: &mut Excitation) {
+    fn changing(&self, travelled: u32, sin: f32, cos: f32, excitation: &mut Excitation) {
         use core::f32::consts::TAU;
-        let frequency = self.frequency + self.chirp * theta;
+        let theta = travelled as f32 + excitation.phase as f32 * CYCLES_PER_UNIT;
+        let frequency = self.frequency(travelled, excitation.phase);
         let angular = TAU * frequency;
         let angular_rate = TAU * self.chirp * frequency;
         // s, its rate and the rate's rate.
@@ -472,6 +491,9 @@ struct Place {
 /// a cycle but for the rounding of a decimal frequency belongs to the next cycle.
 const ROUNDING: u128 = 1 << 95;
 
+/// Cycles to one unit of [`Excitation::phase`].
+const CYCLES_PER_UNIT: f32 = 1.0 / (1u64 << 32) as f32;
+
 impl Place {
     fn start(first: Segment) -> Self {
         Self {
@@ -540,9 +562,7 @@ impl<const N: usize> SineGenerator<N> {
             excitation.velocity = speed * cos;
             excitation.acceleration = -(speed * segment.angular) * sin;
         } else {
-            // 2³² units of phase to the cycle.
-            let fraction = excitation.phase as f32 * (1.0 / (1u64 << 32) as f32);
-            segment.changing(at.travelled as f32 + fraction, sin, cos, &mut excitation);
+            segment.changing(at.travelled, sin, cos, &mut excitation);
         }
         self.advance();
         excitation
@@ -581,7 +601,7 @@ impl<const N: usize> SineGenerator<N> {
         at.travelled = 0;
         match segment {
             Some(segment) => {
-                let past = (at.phase >> 96) as u32 as f32 * (1.0 / (1u64 << 32) as f32);
+                let past = (at.phase >> 96) as u32 as f32 * CYCLES_PER_UNIT;
                 // The time past the boundary is the same before and after it, the rate of change of frequency is
                 // not: k'·f·t²/2 − k·f·t²/2 with t = past/f. What is left out is of third order in the tick.
                 let correction =

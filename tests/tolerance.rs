@@ -30,6 +30,15 @@ mod tolerance {
     /// Acceleration over ω²·amplitude: the sine; amplitude, ω twice, three products.
     pub const ACCELERATION: f64 = 7.05 * U;
 
+    /// Velocity in a sweep over ω·amplitude of the moment. f is a sum of positive terms: the chirp, the cycles to the
+    /// lower end (2·U) and their product make 4·U, the sum 5·U; 2π (½·U) and its product make ω 6.5·U instead of the
+    /// 1·U of [`VELOCITY`].
+    pub const SWEEP_VELOCITY: f64 = VELOCITY + 5.5 * U;
+
+    /// Acceleration in a sweep over √(ω⁴ + ω̇²)·amplitude of the moment. ω² sin: twice ω's 6.5·U, amplitude and three
+    /// products, 17·U; ω̇ cos less. By Cauchy and Schwarz their sum is within 17·U; sine and cosine add 1.05·√2·U, the sum 1·U.
+    pub const SWEEP_ACCELERATION: f64 = 19.5 * U;
+
     /// Phase in units of 2⁻³² cycle: half a unit of rounding, and what n ticks leave of 2⁻¹²⁸ a tick.
     pub const PHASE: f64 = 0.5 + 1e-9;
 
@@ -190,6 +199,55 @@ fn the_sine_stays_with_f64_over_a_million_cycles() {
     relative.check("velocity over itself", tolerance::VELOCITY_RELATIVE);
     acceleration.check("acceleration", tolerance::ACCELERATION);
     phase.check("phase", tolerance::PHASE);
+}
+
+/// With k = (f₁ − f₀)/cycles: θ = f₀/k·(eᵏᵗ − 1), f = f₀·eᵏᵗ, y = A sin 2πθ. The ramp ahead is one cycle of f₀, in whole
+/// ticks.
+#[test]
+fn a_sweep_stays_with_f64_up_and_down() {
+    let amplitude = 0.1;
+    for (low, high, cycles) in [(0.1, 100.0, 200), (1.0, 2500.0, 1000)] {
+        for (from, to) in [(low, high), (high, low)] {
+            let programme = Programme::<1>::new(TICK_RATE, 1)
+                .and_then(|p| p.with(Block::sweep(amplitude, from, to, cycles)?))
+                .unwrap();
+            let mut generator = SineGenerator::new(programme).unwrap();
+            let [mut position, mut velocity, mut acceleration] = [const { Largest(0.0) }; 3];
+            let k = (to - from) / f64::from(cycles);
+            let mut steady = 0_u64;
+            for n in 0_u64.. {
+                let excitation = generator.tick();
+                if excitation.done {
+                    break;
+                }
+                if excitation.ramp {
+                    continue;
+                }
+                steady += 1;
+                let time = (n as f64 - TICK_RATE / from) / TICK_RATE;
+                let travelled = from / k * (k * time).exp_m1();
+                let omega = TAU * from * (k * time).exp();
+                let rate = k * omega;
+                let (sin, cos) = (TAU * travelled.fract()).sin_cos();
+                let [y, v, a] = [
+                    excitation.displacement,
+                    excitation.velocity,
+                    excitation.acceleration,
+                ]
+                .map(|value| f64::from(value) / amplitude);
+                position.see(y - sin);
+                velocity.see(v / omega - cos);
+                let peak = (omega * omega).hypot(rate);
+                acceleration.see((a + omega * omega * sin - rate * cos) / peak);
+            }
+            let seconds = (to / from).ln() / k;
+            assert!((steady as f64 - seconds * TICK_RATE).abs() <= 1.0);
+            let name = |what| format!("{what} in {cycles} cycles from {from} to {to} Hz");
+            position.check(&name("position"), tolerance::POSITION);
+            velocity.check(&name("velocity"), tolerance::SWEEP_VELOCITY);
+            acceleration.check(&name("acceleration"), tolerance::SWEEP_ACCELERATION);
+        }
+    }
 }
 
 #[test]
