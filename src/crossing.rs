@@ -3,6 +3,10 @@
 //! A cycle begins where the displacement rises through its running mean, that of the cycle before. So that noise about
 //! the mean makes no cycles of its own, a crossing counts only once the displacement has been below the mean by the
 //! hysteresis, and the next one only once it has then been above it by as much and below it again.
+//!
+//! After a jump of the mean by more than the amplitude, or one wild sample, the displacement swings on one side of what is
+//! taken for its mean. Four such swings on end ([`SWINGS`]), each of more than twice the hysteresis up and down, and the
+//! detector starts anew. Swings are what the motion itself counts: at rest or however slow, it waits.
 
 use crate::cycle::{Cycle, CycleAccumulator};
 use crate::error::ConfigError;
@@ -18,6 +22,8 @@ pub struct Crossing {
     pub phase: u32,
     /// A cycle ended on the way from the last sample to this one, after this part of it, 0…1.
     pub boundary: Option<f32>,
+    /// The mean is lost and the detector starts anew: no cycle is under way until the next boundary.
+    pub lost: bool,
 }
 
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -44,6 +50,7 @@ struct Seen {
     lowest: f32,
     /// What counts as zero, mm.
     centre: f32,
+    swings: Swings,
     /// Sum of the samples since the last crossing, and their number.
     sum: Sum,
     ticks: u32,
@@ -55,6 +62,37 @@ struct Seen {
 
 /// Crossings until a boundary is given: the first cycle gives a mean, the second begins and ends at means.
 const SETTLED: u8 = 3;
+
+/// Swings on one side of the mean after which it is no mean.
+pub const SWINGS: u8 = 4;
+
+/// Counts how often the displacement has gone up and down by more than a span.
+#[derive(Clone, Copy, Debug, Default)]
+struct Swings {
+    up: bool,
+    /// The highest on the way up, the lowest on the way down, mm.
+    turning: f32,
+    /// Turns from up to down.
+    count: u8,
+}
+
+impl Swings {
+    #[inline(always)]
+    fn update(&mut self, y: f32, span: f32) {
+        let beyond = if self.up {
+            y - self.turning
+        } else {
+            self.turning - y
+        };
+        if beyond > 0.0 {
+            self.turning = y;
+        } else if beyond < -span {
+            self.turning = y;
+            self.count = self.count.saturating_add(u8::from(self.up));
+            self.up = !self.up;
+        }
+    }
+}
 
 /// Finds the cycles of a displacement.
 ///
@@ -88,16 +126,14 @@ impl CrossingDetector {
     pub fn update(&mut self, displacement: f32) -> Crossing {
         let y = displacement.confined(limits::DISPLACEMENT as f32);
         let seen = &mut self.seen;
-        if !seen.begun {
-            *seen = Seen {
-                begun: true,
-                last: y,
-                highest: y,
-                lowest: y,
-                centre: y,
-                ..Seen::default()
+        seen.swings.update(y, 2.0 * self.hysteresis);
+        let lost = seen.swings.count >= SWINGS;
+        if lost || !seen.begun {
+            *seen = Seen::start(y);
+            return Crossing {
+                lost,
+                ..Crossing::default()
             };
-            return Crossing::default();
         }
         if seen.crossings == 0 {
             if y > seen.highest {
@@ -116,8 +152,14 @@ impl CrossingDetector {
             seen.sum.fold();
         }
         match seen.side {
-            Side::Rising if y > seen.centre + self.hysteresis => seen.side = Side::Above,
-            Side::Above if y < seen.centre - self.hysteresis => seen.side = Side::Below,
+            Side::Rising if y > seen.centre + self.hysteresis => {
+                seen.side = Side::Above;
+                seen.swings.count = 0;
+            }
+            Side::Above if y < seen.centre - self.hysteresis => {
+                seen.side = Side::Below;
+                seen.swings.count = 0;
+            }
             Side::Below if y >= seen.centre => {
                 let part = ((seen.centre - last) / (y - last)).confined(1.0);
                 boundary = seen.crossing(y, part);
@@ -125,11 +167,30 @@ impl CrossingDetector {
             _ => {}
         }
         let phase = ((seen.ticks as f32 - seen.offset) * seen.turn) as u32;
-        Crossing { phase, boundary }
+        Crossing {
+            phase,
+            boundary,
+            lost: false,
+        }
     }
 }
 
 impl Seen {
+    fn start(y: f32) -> Self {
+        Self {
+            begun: true,
+            last: y,
+            highest: y,
+            lowest: y,
+            centre: y,
+            swings: Swings {
+                turning: y,
+                ..Swings::default()
+            },
+            ..Self::default()
+        }
+    }
+
     /// The displacement has risen through the mean in `part` of a tick, and came to `y`, which is in the sum already.
     fn crossing(&mut self, y: f32, part: f32) -> Option<f32> {
         let samples = self.ticks.saturating_sub(1).max(1) as f32;
@@ -139,6 +200,7 @@ impl Seen {
         }
         self.crossings = self.crossings.saturating_add(1).min(SETTLED);
         self.side = Side::Rising;
+        self.swings.count = 0;
         self.sum = Sum::default();
         self.sum.add(y);
         self.ticks = 1;
@@ -179,7 +241,14 @@ impl CrossingAccumulator {
     /// complete, from the third on.
     #[inline]
     pub fn update(&mut self, displacement: f32, force: f32) -> Option<Cycle> {
-        let Crossing { phase, boundary } = self.detector.update(displacement);
+        let Crossing {
+            phase,
+            boundary,
+            lost,
+        } = self.detector.update(displacement);
+        if lost {
+            self.accumulator.reset();
+        }
         self.accumulator
             .update_at(displacement, force, phase, boundary)
     }

@@ -1,7 +1,7 @@
 //! The cycle accumulator against closed forms, and against the same sums in f64.
 
 use core::f64::consts::{PI, TAU};
-use mesh_damper::crossing::CrossingAccumulator;
+use mesh_damper::crossing::{CrossingAccumulator, CrossingDetector, SWINGS};
 use mesh_damper::cycle::{Cycle, CycleAccumulator};
 use mesh_damper::law::Law;
 use mesh_damper::sine::{Block, Programme, SineGenerator};
@@ -691,6 +691,68 @@ fn crossings_follow_a_change_of_period_and_mean() {
         4e-4,
         "mean at last",
     );
+}
+
+/// The boundaries' ticks in `cycles` cycles of 0.1 mm at 1000 ticks each, `disturbance` added.
+fn boundaries(cycles: u32, disturbance: impl Fn(u32) -> f64) -> Vec<u32> {
+    let mut detector = CrossingDetector::new(0.01).unwrap();
+    (0..cycles * 1_000)
+        .filter(|&n| {
+            let y = sine(f64::from(n) / 1_000.0).0 + disturbance(n);
+            detector.update(y as f32).boundary.is_some()
+        })
+        .collect()
+}
+
+/// Swings to see the loss, the rest of that cycle, one to the first crossing, two whole ones to the first boundary.
+const RECOVERY: u32 = (SWINGS as u32 + 1 + 1 + 2) * 1_000;
+
+#[test]
+fn crossings_come_back_after_the_mean_has_jumped_by_more_than_the_amplitude() {
+    for jump in [0.15, -0.15, 3.0, -3.0] {
+        // At several phases of the cycle, with and without a period known by then.
+        for at in [300, 20_000, 20_250, 20_500, 20_870] {
+            let found = boundaries(60, |n| if n < at { 0.0 } else { jump });
+            let after: Vec<_> = found.iter().filter(|&&n| n > at + 1_000).collect();
+            let first = **after.first().unwrap();
+            assert!(first <= at + RECOVERY, "{jump} at {at}: {first}");
+            // Every cycle from there on. The first two may still begin and end at different means, of which the first
+            // is a midpoint; two ticks for the f32 of the mean.
+            let mut lengths = after.windows(2).map(|w| w[1] - w[0]);
+            assert!(lengths.by_ref().take(2).all(|n| (980..=1_020).contains(&n)));
+            assert!(lengths.all(|n| (998..=1_002).contains(&n)));
+            assert!(60_000 - **after.last().unwrap() <= 1_002);
+        }
+    }
+}
+
+#[test]
+fn crossings_come_back_after_a_wild_sample() {
+    for wild in [1.0, -1.0, 1e4] {
+        for at in [0, 1, 500, 20_400] {
+            let found = boundaries(60, |n| if n == at { wild } else { 0.0 });
+            let first = *found.iter().find(|&&n| n > at + 1_000).unwrap();
+            // A crossing in the middle of a run takes the wild sample into its mean: a cycle more.
+            assert!(first <= at + RECOVERY + 1_000, "{wild} at {at}: {first}");
+            assert!(60_000 - found.last().unwrap() <= 1_002);
+        }
+    }
+}
+
+#[test]
+fn no_cycle_spans_a_jump_of_the_mean() {
+    let mut accumulator = CrossingAccumulator::new(0.02).unwrap();
+    let mut found = Vec::new();
+    for n in 0..40_000 {
+        let (y, v) = sine(f64::from(n) / 1_000.0);
+        let mean = if n < 20_250 { 0.0 } else { 0.5 };
+        found.extend(accumulator.update((y + mean) as f32, (0.2 * v) as f32));
+    }
+    assert!((25..=34).contains(&found.len()), "{}", found.len());
+    for cycle in found {
+        near(cycle.ticks, 1_000.0, 1.0, "ticks");
+        near(cycle.amplitude, 0.1, 1e-4, "X0");
+    }
 }
 
 #[test]

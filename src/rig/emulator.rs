@@ -119,6 +119,7 @@ where
         let started = self.output.start();
         if started {
             self.exceeded = Exceeded::default();
+            self.crossing.reset();
         }
         started
     }
