@@ -1,8 +1,10 @@
 //! The rig in closed loop with the simulated actuator and specimen.
 
+use std::cell::Cell;
 use std::f64::consts::TAU;
+use std::rc::Rc;
 
-use hil::actuator::SensorFault;
+use hil::actuator::{SensorFault, SimulatedAd5761, SimulatedAds8688};
 use hil::link::{Bench, RigSetup};
 use hil::specimen::Specimen;
 use mesh_damper::adc::Ads8688;
@@ -422,47 +424,75 @@ fn settings_are_refused_by_name() {
     assert!(Bench::new(empty).is_err());
 }
 
-/// A line that cannot be raised.
-struct BrokenLine;
+/// A line whose calls fail while `fails` says so.
+#[derive(Clone, Default)]
+struct FailingLine {
+    fails: Rc<Cell<bool>>,
+    high: Rc<Cell<bool>>,
+}
 
-impl embedded_hal::digital::ErrorType for BrokenLine {
+impl FailingLine {
+    fn set(&self, high: bool) -> Result<(), embedded_hal::digital::ErrorKind> {
+        if self.fails.get() {
+            return Err(embedded_hal::digital::ErrorKind::Other);
+        }
+        self.high.set(high);
+        Ok(())
+    }
+}
+
+impl embedded_hal::digital::ErrorType for FailingLine {
     type Error = embedded_hal::digital::ErrorKind;
 }
 
-impl embedded_hal::digital::OutputPin for BrokenLine {
+impl embedded_hal::digital::OutputPin for FailingLine {
     fn set_low(&mut self) -> Result<(), Self::Error> {
-        Ok(())
+        self.set(false)
     }
     fn set_high(&mut self) -> Result<(), Self::Error> {
-        Err(embedded_hal::digital::ErrorKind::Other)
+        self.set(true)
     }
 }
 
-#[test]
-fn a_broken_enable_line_is_a_fault() {
+/// A rig on `line` whose sensors always read 0.
+fn rig_on(line: FailingLine) -> Rig<SimulatedAds8688, SimulatedAd5761, FailingLine, 8, 1> {
     let unit = Scale::new(1.0, 0.0).unwrap();
-    let adc = Ads8688::new(
-        hil::actuator::SimulatedAds8688::new(Default::default()),
-        unit,
-        unit,
-    );
-    let dac = Ad5761::new(
-        hil::actuator::SimulatedAd5761::new(Default::default()),
-        unit,
-    );
-    let law = AugmentedLaw::<f32, 1>::new(Law::new(1.0, 0.0, 0.0, 0.0).unwrap());
-    let mut rig = Rig::new(
-        adc.unwrap(),
-        dac.unwrap(),
-        BrokenLine,
+    Rig::new(
+        Ads8688::new(SimulatedAds8688::new(Default::default()), unit, unit).unwrap(),
+        Ad5761::new(SimulatedAd5761::new(Default::default()), unit).unwrap(),
+        line,
         &RigSettings::default(),
         programme(&[(0.1, 1.0, 1)]),
-        law,
+        AugmentedLaw::new(Law::new(1.0, 0.0, 0.0, 0.0).unwrap()),
     )
-    .unwrap();
+    .unwrap()
+}
+
+#[test]
+fn a_line_that_cannot_be_raised_is_a_fault() {
+    let line = FailingLine::default();
+    let mut rig = rig_on(line.clone());
+    line.fails.set(true);
     assert!(!rig.start());
     assert_eq!(rig.state(), State::Faulted(Fault::EnableLine));
     assert_eq!(rig.tick().command, 0.0);
+}
+
+#[test]
+fn a_line_that_does_not_drop_is_tried_until_it_does() {
+    let line = FailingLine::default();
+    let mut rig = rig_on(line.clone());
+    assert!(rig.start());
+    rig.tick();
+    line.fails.set(true);
+    rig.stop();
+    for _ in 0..3 {
+        assert_eq!(rig.tick().state, State::Faulted(Fault::EnableLine));
+        assert!(line.high.get());
+    }
+    line.fails.set(false);
+    rig.tick();
+    assert!(!line.high.get());
 }
 
 proptest! {

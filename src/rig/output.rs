@@ -25,6 +25,8 @@ pub enum State {
 pub(super) struct Output<D, E> {
     dac: Ad5761<D>,
     enable: E,
+    /// The line took the last level it was given, and that was low.
+    low: bool,
     state: State,
     command: f32,
     /// By how much the command goes back to 0 per tick once stopped.
@@ -39,6 +41,7 @@ impl<D: SpiDevice, E: OutputPin> Output<D, E> {
         let mut new = Self {
             dac,
             enable,
+            low: false,
             state: State::Idle,
             command: 0.0,
             stop_step: 0.0,
@@ -65,6 +68,7 @@ impl<D: SpiDevice, E: OutputPin> Output<D, E> {
         if !matches!(self.state, State::Idle | State::Done) || self.command != 0.0 {
             return false;
         }
+        self.low = false;
         if self.enable.set_high().is_err() {
             self.trip(Fault::EnableLine);
             return false;
@@ -76,7 +80,8 @@ impl<D: SpiDevice, E: OutputPin> Output<D, E> {
     /// Drops the line in this very tick and lets the command go to 0 in a straight line.
     pub(super) fn stop(&mut self, state: State) {
         self.state = state;
-        if self.enable.set_low().is_err() && !matches!(state, State::Faulted(_)) {
+        self.low = self.enable.set_low().is_ok();
+        if !self.low && !matches!(state, State::Faulted(_)) {
             self.state = State::Faulted(Fault::EnableLine);
         }
         self.stop_step = self.command.abs() / self.stop_ticks;
@@ -98,11 +103,14 @@ impl<D: SpiDevice, E: OutputPin> Output<D, E> {
         stopped && self.state == State::Idle
     }
 
-    /// Writes the command where running, the way back to 0 where not.
+    /// Writes the command where running, the way back to 0 where not. A line that did not drop is tried again.
     #[inline]
     pub(super) fn drive(&mut self, command: f32) {
         if self.is_running() && !command.is_finite() {
             self.trip(Fault::NotFinite);
+        }
+        if !self.is_running() && !self.low {
+            self.low = self.enable.set_low().is_ok();
         }
         self.command = if self.is_running() {
             command
