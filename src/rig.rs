@@ -214,6 +214,7 @@ where
         let started = self.output.start();
         if started {
             self.generator.restart();
+            self.beside.boundary();
             self.beside.rest();
             self.comparison = Comparison::default();
             self.exceeded = Exceeded::default();
@@ -234,7 +235,7 @@ where
         self.output.clear()
     }
 
-    /// Another law from the end of this cycle on; see [`Rig::law`]. What its effects remember is kept where they are of
+    /// Another law from the end of this cycle on, or from the start where not running; see [`Rig::law`]. What its effects remember is kept where they are of
     /// the same kinds in the same order as before.
     pub fn swap_law(&mut self, law: AugmentedLaw<f32, N>) {
         self.beside.swap(law);

@@ -394,6 +394,19 @@ fn another_law_takes_over_at_the_end_of_the_cycle_and_not_before() {
 }
 
 #[test]
+fn a_law_swapped_before_the_start_runs_from_the_first_tick() {
+    let zero = AugmentedLaw::new(Law::new(0.0, 0.0, 0.0, 0.5).unwrap());
+    let mut bench = Bench::new(setup(3.0, &[(0.2, 10.0, 1)])).unwrap();
+    bench.rig.swap_law(zero.clone());
+    bench.tick();
+    assert!(bench.rig.start());
+    assert_eq!(*bench.rig.law(), zero);
+    while bench.rig.state() == State::Running {
+        assert_eq!(bench.tick().model_force, 0.0);
+    }
+}
+
+#[test]
 fn settings_are_refused_by_name() {
     let refused = |change: fn(&mut RigSettings)| {
         let mut setup = setup(3.0, &[(0.1, 1.0, 1)]);

@@ -145,6 +145,16 @@ fn another_law_waits_for_the_crossing() {
 }
 
 #[test]
+fn a_law_swapped_before_the_start_runs_from_the_first_tick() {
+    let mut bench = EmulatorBench::new(setup(2.0, 0.0, 0.1, 0.5)).unwrap();
+    bench.tick(0.2);
+    let none = AugmentedLaw::new(Law::new(0.0, 0.0, 0.0, 0.5).unwrap());
+    bench.emulator.swap_law(none);
+    assert!(bench.emulator.start());
+    assert_eq!(bench.tick(0.2).telemetry.model_force, 0.0);
+}
+
+#[test]
 fn faults_take_the_force_to_zero() {
     let motion = |tick: u32| 0.2 * (TAU * H * f64::from(tick)).sin();
     for (what, fault) in [

@@ -118,6 +118,7 @@ where
     pub fn start(&mut self) -> bool {
         let started = self.output.start();
         if started {
+            self.beside.boundary();
             self.exceeded = Exceeded::default();
             self.crossing.reset();
         }
@@ -136,8 +137,8 @@ where
         self.output.clear()
     }
 
-    /// Another law from the end of this cycle on. What its effects remember is kept where they are of the same kinds in
-    /// the same order as before.
+    /// Another law from the end of this cycle on, or from the start where that comes before. What its effects remember
+    /// is kept where they are of the same kinds in the same order as before.
     pub fn swap_law(&mut self, law: AugmentedLaw<f32, N>) {
         self.beside.swap(law);
     }
