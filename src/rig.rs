@@ -11,7 +11,7 @@
 //! cycle's results, a dozen divisions and one square root. Whoever owns the timer counts ticks that came late.
 //!
 //! # Stopping
-//! A limit exceeded, a bus error, a channel at the end of its range or a number that is not finite stops it: the enable
+//! A limit exceeded, a bus error, a channel at the end of its range, a cycle without response or a number that is not finite stops it: the enable
 //! line drops in that very tick, the command goes to 0 in a straight line, and the cause stays as
 //! [`State::Faulted`] until [`Rig::clear`].
 
@@ -308,6 +308,11 @@ where
             if let Some(fault) =
                 self.limits
                     .check(&mut self.exceeded, displacement, measured_force, error)
+            {
+                self.output.trip(fault);
+            }
+            if excitation.cycle_end
+                && let Err(fault) = self.correction.boundary(&self.correction_config)
             {
                 self.output.trip(fault);
             }

@@ -255,6 +255,17 @@ fn a_stuck_sensor_is_a_tracking_fault() {
 }
 
 #[test]
+fn a_sensor_dead_from_the_start_is_noticed_after_a_cycle() {
+    for amplitude in [0.05, 0.1, 0.25] {
+        let mut bench = Bench::new(setup(3.0, &[(amplitude, 2.0, 5)])).unwrap();
+        bench.displacement_sensor.fault = SensorFault::Stuck;
+        assert!(bench.rig.start());
+        // A ramp and a cycle of 5000 ticks each; the tick that ends it is the first of the next.
+        assert_eq!(stops(&mut bench, 5000, Fault::NoResponse), 10_001);
+    }
+}
+
+#[test]
 fn an_open_sensor_is_a_clipped_channel_at_once() {
     for force in [false, true] {
         let mut bench = started(setup(3.0, &[(0.2, 1.0, 5)]));

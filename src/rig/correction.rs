@@ -14,6 +14,7 @@
 //!
 //! i ← i + feedback·h·(d − y) holds the mean, where friction, leakage and sensors would let it drift.
 
+use super::fault::Fault;
 use crate::error::ConfigError;
 use crate::real::{Real, in_range};
 use crate::sine::Excitation;
@@ -23,7 +24,7 @@ use crate::sum::{FOLD, Sum};
 const GAIN_LIMIT: f32 = 5.0;
 /// q stays within ± this, s.
 const LEAD_LIMIT: f32 = 0.1;
-/// A response smaller than this part of the demand is no basis for a correction.
+/// A response smaller than this part of the demand is no basis for a correction: a sensor or an actuator is dead.
 const RESPONSE_MIN: f32 = 0.1;
 
 #[derive(Clone, Copy, Debug)]
@@ -99,6 +100,25 @@ impl Correction {
         };
     }
 
+    /// A cycle has ended: the correction that it asks for.
+    ///
+    /// # Errors
+    /// [`Fault::NoResponse`].
+    pub(super) fn boundary(&mut self, config: &CorrectionConfig) -> Result<(), Fault> {
+        let outcome = if self.steady {
+            self.correct(config)
+        } else {
+            Ok(())
+        };
+        self.demand_square = Sum::default();
+        self.rate_square = Sum::default();
+        self.response_demand = Sum::default();
+        self.response_rate = Sum::default();
+        self.ticks = 0;
+        self.steady = true;
+        outcome
+    }
+
     /// The command in mm at a tick that demands `excitation` and measured `displacement` mm.
     #[inline]
     pub(super) fn command(
@@ -108,17 +128,6 @@ impl Correction {
         displacement: f32,
     ) -> f32 {
         let (d, v) = (excitation.displacement, excitation.velocity);
-        if excitation.cycle_end {
-            if self.steady {
-                self.correct(config);
-            }
-            self.demand_square = Sum::default();
-            self.rate_square = Sum::default();
-            self.response_demand = Sum::default();
-            self.response_rate = Sum::default();
-            self.ticks = 0;
-            self.steady = true;
-        }
         self.steady &= !excitation.ramp;
         self.demand_square.add(d * d);
         self.rate_square.add(v * v);
@@ -138,18 +147,17 @@ impl Correction {
         self.in_phase * d + self.lead * v + self.integral
     }
 
-    /// At the end of a cycle.
-    fn correct(&mut self, config: &CorrectionConfig) {
+    fn correct(&mut self, config: &CorrectionConfig) -> Result<(), Fault> {
         let (dd, vv) = (self.demand_square.total(), self.rate_square.total());
         if !(dd > config.demand_min * self.ticks as f32 && vv > f32::MIN_POSITIVE) {
-            return;
+            return Ok(());
         }
         let a = self.response_demand.total() / dd;
         let b = self.response_rate.total() / vv;
         let square = vv / dd;
         let magnitude = a * a + square * b * b;
         if magnitude < RESPONSE_MIN * RESPONSE_MIN {
-            return;
+            return Err(Fault::NoResponse);
         }
         // gain·(1 − Y)/Y = gain·(Y* − |Y|²)/|Y|², Y* = a − jω·b.
         let scale = config.gain / magnitude;
@@ -160,5 +168,6 @@ impl Correction {
         self.in_phase_target =
             MIDDLE + (p + p * re - square * q * im - MIDDLE).confined(GAIN_LIMIT - MIDDLE);
         self.lead_target = (q + p * im + q * re).confined(LEAD_LIMIT);
+        Ok(())
     }
 }

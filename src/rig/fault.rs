@@ -25,6 +25,9 @@ pub enum Fault {
     ForceLimit,
     /// The measured displacement was further from the demanded one than allowed.
     TrackingLimit,
+    /// Over a cycle outside the ramps, the measured displacement answered with less than a tenth of the demanded
+    /// amplitude: a dead sensor or actuator, at amplitudes too small for the limit on tracking.
+    NoResponse,
     /// A force or command was infinite or NaN.
     NotFinite,
 }

@@ -275,6 +275,7 @@ fn in_words(fault: Fault) -> &'static str {
         Fault::DisplacementLimit => "the displacement exceeded its limit",
         Fault::ForceLimit => "the force exceeded its limit",
         Fault::TrackingLimit => "the displacement was too far from the demanded one",
+        Fault::NoResponse => "the displacement did not follow the demanded one",
         Fault::NotFinite => "a force or command was not finite",
         _ => "a fault without a name",
     }
