@@ -41,6 +41,12 @@ impl fmt::Display for ConfigError {
                 value,
                 low,
                 high,
+            } if value.abs() >= 1e6 => write!(f, "{field} = {value:.3e} is outside {low}…{high}"),
+            Self::OutOfRange {
+                field,
+                value,
+                low,
+                high,
             } => write!(f, "{field} = {value} is outside {low}…{high}"),
             Self::NotIncreasing(field) => write!(f, "{field} must increase from node to node"),
             Self::Full { field, capacity } => write!(f, "{field} holds at most {capacity}"),

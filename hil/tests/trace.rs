@@ -356,16 +356,66 @@ fn intervals_hold_the_truth() {
     );
 }
 
+fn with_force(recording: &Recording, name: &str, change: impl Fn(f64) -> f64) -> Recording {
+    Recording::new(
+        name,
+        recording.time.clone(),
+        recording.displacement.clone(),
+        recording.force.iter().map(|&f| change(f)).collect(),
+    )
+    .unwrap()
+}
+
 #[test]
 fn recordings_that_contradict_each_other_are_refused() {
     let one = record("one", &BLOCKS, 0.004, 51, |_| 0.0);
-    let other = Recording::new(
-        "other",
+    let elsewhere = record("elsewhere", &OTHERS, 0.004, 52, |_| 0.0);
+    for (other, what) in [
+        (with_force(&one, "other", |f| -f), "sign"),
+        (with_force(&elsewhere, "other", |f| -f), "sign"),
+        (with_force(&elsewhere, "other", |f| 1000.0 * f), "unit"),
+    ] {
+        let error = trace(std::slice::from_ref(&one), &[other], &|_| ())
+            .unwrap_err()
+            .to_string();
+        assert!(error.contains("other") && error.contains(what), "{error}");
+    }
+    assert!(trace(&[one], &[elsewhere], &|_| ()).is_ok());
+}
+
+#[test]
+fn recordings_that_tell_nothing_are_refused() {
+    let one = record("one", &BLOCKS, 0.004, 53, |_| 0.0);
+    let refused = |fitted: &Recording, held: &[Recording]| {
+        trace(std::slice::from_ref(fitted), held, &|_| ())
+            .unwrap_err()
+            .to_string()
+    };
+    assert!(refused(&with_force(&one, "dead", |_| 0.3), &[]).contains("never changes"));
+    assert!(
+        refused(&one, &[with_force(&one, "copy", |f| f)]).contains("nothing that is not fitted")
+    );
+    let still = Recording::new(
+        "still",
         one.time.clone(),
-        one.displacement.clone(),
-        one.force.iter().map(|f| -f).collect(),
+        record("still", &[(1e-9, 1.0, 29)], 0.004, 54, |_| 0.0).displacement[..one.len()].to_vec(),
+        one.force.clone(),
     )
     .unwrap();
-    let error = trace(&[one], &[other], &|_| ()).unwrap_err().to_string();
-    assert!(error.contains("other"), "{error}");
+    assert!(refused(&still, &[]).contains("displacement"));
+}
+
+/// Two or three cycles are few, but they are judged and held out like any others.
+#[test]
+fn a_short_recording_still_has_errors_that_are_numbers() {
+    for cycles in [2, 3] {
+        let short = record("short", &[(0.1, 1.0, cycles)], 0.004, 55, |_| 0.0);
+        let result = trace(&[short], &[], &|_| ()).unwrap().result;
+        assert_eq!(result.verdict, Verdict::None, "{cycles} cycles");
+        assert!(
+            result.augmented.nrmse_held_out < 1.3 * 0.004,
+            "{}",
+            result.augmented.nrmse_held_out
+        );
+    }
 }

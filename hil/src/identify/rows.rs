@@ -78,6 +78,33 @@ impl<'a> Rows<'a> {
         rows
     }
 
+    /// Evenly picked rows, at most about `most` of them.
+    #[must_use]
+    pub fn thinned(mut self, most: usize) -> Self {
+        let every = self.len().div_ceil(most).max(1);
+        let pick = |index: usize| index.is_multiple_of(every);
+        fn retain<T>(values: &mut Vec<T>, pick: impl Fn(usize) -> bool) {
+            let mut index = 0;
+            values.retain(|_| {
+                index += 1;
+                pick(index - 1)
+            });
+        }
+        retain(&mut self.origin, pick);
+        retain(&mut self.node, pick);
+        for channel in [
+            &mut self.displacement,
+            &mut self.log_speed,
+            &mut self.direction,
+            &mut self.temperature,
+            &mut self.force,
+            &mut self.weight,
+        ] {
+            retain(channel, pick);
+        }
+        self
+    }
+
     /// Number of samples.
     pub fn len(&self) -> usize {
         self.force.len()

@@ -53,7 +53,7 @@ impl Uncertainty {
         let freedom = (rows.len().saturating_sub(width)).max(1) as f64;
         let variance = residuals.iter().map(|r| r * r).sum::<f64>() / freedom
             * autocorrelation_time(&residuals);
-        let deviation = deviations(gram, variance);
+        let deviation = deviations(&gram, variance);
 
         let law = (0..nodes)
             .map(|node| std::array::from_fn(|slot| NINETY_PERCENT * deviation[4 * node + slot]))
@@ -113,23 +113,21 @@ fn term_columns(rows: &Rows, solution: &Solution) -> Vec<Vec<f64>> {
     columns
 }
 
-/// Square roots of the diagonal of `variance`·`gram`⁻¹; infinite where the data say nothing.
-fn deviations(gram: DMatrix<f64>, variance: f64) -> Vec<f64> {
-    let width = gram.nrows();
-    let scale: Vec<f64> = (0..width).map(|i| gram[(i, i)].sqrt()).collect();
-    if scale.contains(&0.0) {
-        return vec![f64::INFINITY; width];
-    }
-    let scaled = DMatrix::from_fn(width, width, |i, j| gram[(i, j)] / (scale[i] * scale[j]));
-    match Cholesky::new(scaled) {
-        Some(factor) => {
-            let inverse = factor.inverse();
-            (0..width)
-                .map(|i| (variance * inverse[(i, i)]).sqrt() / scale[i])
-                .collect()
+/// Square roots of the diagonal of `variance`·`gram`⁻¹; infinite for what the data say nothing of.
+fn deviations(gram: &DMatrix<f64>, variance: f64) -> Vec<f64> {
+    let mut deviations = vec![f64::INFINITY; gram.nrows()];
+    let seen: Vec<usize> = (0..gram.nrows()).filter(|&i| gram[(i, i)] > 0.0).collect();
+    let scale = |i: usize| gram[(seen[i], seen[i])].sqrt();
+    let scaled = DMatrix::from_fn(seen.len(), seen.len(), |i, j| {
+        gram[(seen[i], seen[j])] / (scale(i) * scale(j))
+    });
+    if let Some(factor) = Cholesky::new(scaled) {
+        let inverse = factor.inverse();
+        for (i, &place) in seen.iter().enumerate() {
+            deviations[place] = (variance * inverse[(i, i)]).sqrt() / scale(i);
         }
-        None => vec![f64::INFINITY; width],
     }
+    deviations
 }
 
 /// 1 + 2·Σ ρ(lag) up to the first lag without correlation: how many samples count as one.

@@ -14,11 +14,18 @@ const CONTRADICTION_BETWEEN_TEMPERATURES: f64 = 0.9;
 const SAME_TEMPERATURE: f64 = 2.0;
 /// The shortest common stretch that is compared, samples.
 const SHORTEST: usize = 50;
+/// Work of more than this part of what the force could do says which way the energy goes.
+const DISSIPATES: f64 = 0.1;
+/// Samples that a step of displacement is taken over.
+const STRIDE: usize = 8;
+/// Forces per displacement that differ by more than this factor differ by a unit: a damper is stiffer at small amplitudes,
+/// but not so much.
+const UNIT_APART: f64 = 200.0;
 /// Comments that declare what was tested.
 const DECLARATIONS: [&str; 2] = ["specimen", "device"];
 
-/// Refuses recordings of which two contradict each other: they declare different specimens, or under the same motion
-/// they hold different forces.
+/// Refuses recordings of which two contradict each other: they declare different specimens, under the same motion they hold
+/// different forces, or under any motion one gives energy where the other takes it, or is a unit apart.
 ///
 /// Motions are compared from each recording's start over the time that both cover.
 ///
@@ -29,9 +36,77 @@ pub fn check_consistency(recordings: &[&Recording]) -> Result<(), InputError> {
         for earlier in &recordings[..index] {
             check_declarations(earlier, later)?;
             check_forces(earlier, later)?;
+            check_character(earlier, later)?;
         }
     }
     Ok(())
+}
+
+/// Refuses a pair of which one dissipates energy and the other gives it, or whose forces per displacement are a unit apart,
+/// whatever their motions.
+fn check_character(earlier: &Recording, later: &Recording) -> Result<(), InputError> {
+    let (a, b) = (Character::of(earlier), Character::of(later));
+    if a.dissipation.min(b.dissipation) < -DISSIPATES
+        && a.dissipation.max(b.dissipation) > DISSIPATES
+    {
+        let giving = if a.dissipation < 0.0 { earlier } else { later };
+        return Err(InputError::new(
+            &later.name,
+            format!(
+                "of it and {}, {} gives energy where the other takes it",
+                earlier.name, giving.name
+            ),
+            "turn the sign of its force channel",
+        ));
+    }
+    let factor = b.stiffness / a.stiffness;
+    if !(1.0 / UNIT_APART..=UNIT_APART).contains(&factor) {
+        return Err(InputError::new(
+            &later.name,
+            format!(
+                "its force per displacement is {factor:.3e} times that of {}",
+                earlier.name
+            ),
+            "check the units in the names of the displacement and force columns",
+        ));
+    }
+    Ok(())
+}
+
+/// What a specimen keeps from one motion to another, roughly.
+struct Character {
+    /// Work done on the specimen over the most that such a force could take on such a path, −1…1.
+    dissipation: f64,
+    /// RMS of the force over RMS of the displacement, about their means; kN/mm.
+    stiffness: f64,
+}
+
+impl Character {
+    fn of(recording: &Recording) -> Self {
+        let about_mean = |values: &[f64]| -> Vec<f64> {
+            let mean = values.iter().sum::<f64>() / values.len() as f64;
+            values.iter().map(|value| value - mean).collect()
+        };
+        let (y, f) = (
+            about_mean(&recording.displacement),
+            about_mean(&recording.force),
+        );
+        let (mut work, mut most) = (0.0, 0.0);
+        // Over strides, so that the displacement's noise is small beside its steps.
+        for index in STRIDE..y.len() {
+            let step = y[index] - y[index - STRIDE];
+            let force = f[index - STRIDE / 2];
+            work += force * step;
+            most += (force * step).abs();
+        }
+        let rms = |values: &[f64]| {
+            (values.iter().map(|v| v * v).sum::<f64>() / values.len() as f64).sqrt()
+        };
+        Self {
+            dissipation: if most > 0.0 { work / most } else { 0.0 },
+            stiffness: rms(&f) / rms(&y),
+        }
+    }
 }
 
 fn check_declarations(earlier: &Recording, later: &Recording) -> Result<(), InputError> {

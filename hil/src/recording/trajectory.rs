@@ -7,6 +7,8 @@ use crate::error::InputError;
 
 /// The fewest samples that a motion can be estimated from.
 const FEWEST_SAMPLES: usize = 32;
+/// Noise of more than this part of the displacement's range leaves no motion to be seen.
+const LARGEST_NOISE: f64 = 0.05;
 
 /// Motion and force on a uniform time base, with what can be read off them.
 #[derive(Clone, Debug)]
@@ -40,7 +42,7 @@ impl Trajectory {
     /// Conditions a recording, on a uniform time base.
     ///
     /// # Errors
-    /// Too few samples, or a recording that is mostly gaps.
+    /// Too few samples, a recording that is mostly gaps, or a displacement that is mostly noise.
     pub fn of(recording: &Recording) -> Result<Self, InputError> {
         recording.require_samples(FEWEST_SAMPLES)?;
         let uniform = recording.uniform()?;
@@ -53,6 +55,18 @@ impl Trajectory {
             uniform.temperature,
         );
         trajectory.measured = uniform.measured;
+        let (low, high) = range(&trajectory.motion.displacement);
+        if trajectory.motion.noise > LARGEST_NOISE * (high - low) {
+            return Err(InputError::new(
+                &recording.name,
+                format!(
+                    "its displacement moves by {:.2e} mm only, with noise of {:.2e} mm",
+                    high - low,
+                    trajectory.motion.noise
+                ),
+                "check the displacement's channel and unit",
+            ));
+        }
         Ok(trajectory)
     }
 

@@ -241,8 +241,8 @@ fn candidates(result: &TraceResult) -> Markup {
             h2 { "What was tried" }
             p {
                 "Each step adds to the law what the steps before had found. The candidates of a step are ranked by \
-                 their error on cycles kept apart for judging. The last step may have brought no clear gain, which \
-                 ended the search."
+                 their error on cycles kept apart for judging. A step without a clear gain adds nothing and ends the \
+                 search."
             }
             div.scroll { table {
                 thead { tr {
@@ -252,13 +252,14 @@ fn candidates(result: &TraceResult) -> Markup {
                 tbody {
                     @for (index, candidate) in result.candidates.iter().enumerate() {
                         @let best = index == 0 || result.candidates[index - 1].step != candidate.step;
-                        tr.best[best] {
+                        tr.best[candidate.added] {
                             td { (candidate.step) }
                             td.text { (text::name(&candidate.family)) }
                             td { (text::percent(candidate.nrmse_judged)) }
                             td { (text::percent(candidate.nrmse_held_out)) }
                             td.text {
-                                @if best { "the best" }
+                                @if candidate.added { "added" }
+                                @else if best { "the best, without a clear gain" }
                                 @else if candidate.distinguishable { "yes" } @else { "no" }
                             }
                             td.text style="font-weight:400" { (text::description(&candidate.family)) }

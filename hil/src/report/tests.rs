@@ -64,6 +64,7 @@ fn data() -> ReportData {
         nrmse_held_out,
         distinguishable,
         step: 1,
+        added: nrmse_held_out < 0.01,
         nrmse_judged: 1.02 * nrmse_held_out,
     };
     ReportData {
@@ -186,7 +187,7 @@ fn nothing_found_and_nothing_recorded_still_make_a_page() {
     data.result.verdict = Verdict::None;
     assert!(render(&data).contains("Nothing is missing"));
     data.result.verdict = Verdict::Unlisted;
-    assert!(render(&data).contains("displacement and history"));
+    assert!(render(&data).contains("Nothing was added"));
     data.result.verdict = Verdict::Ambiguous;
     data.result.separating_test = Some("a ramp and hold".into());
     assert!(render(&data).contains("a ramp and hold"));

@@ -128,12 +128,15 @@ pub fn verdict(result: &TraceResult) -> (String, String) {
             format!("Ambiguous: {}", named.join(" or ")),
             format!("The recordings cannot tell these apart. {change}"),
         ),
+        Verdict::Unlisted if result.effects.is_empty() => (
+            "An effect that is not on the list".into(),
+            "The law lacks something, and none of the effects tried explains any of it. Nothing was added.".into(),
+        ),
         Verdict::Unlisted => (
             "An effect that is not on the list".into(),
             format!(
-                "None of the known effects explains what the law lacks; it depends on {}. A correction without a \
-                 name was added. {change}",
-                listed(&result.depends_on)
+                "None of the effects tried explains most of what the law lacks. The nearest, {}, was added. {change}",
+                named.join(" and ")
             ),
         ),
     }

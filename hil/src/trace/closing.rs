@@ -100,6 +100,7 @@ impl<'a> Closing<'a> {
                 self.recordings.iter().map(|(trajectory, _)| *trajectory),
                 &model,
                 selection,
+                (&without, &with),
                 noise_floor,
             ),
             augmented: with,
@@ -249,6 +250,7 @@ impl<'a> Closing<'a> {
                     nrmse_held_out: self.evaluate::<f64>(&model)?.1.nrmse_held_out,
                     distinguishable: candidate.distinguishable,
                     step: candidate.step,
+                    added: candidate.added,
                     nrmse_judged: candidate.fitted.score.nrmse(),
                 })
             })
@@ -282,6 +284,13 @@ fn law_estimates(solution: &Solution, uncertainty: &Uncertainty) -> Vec<LawEstim
 
 fn terms_of(solution: &Solution) -> Vec<Term> {
     solution.terms.iter().map(|value| value.term).collect()
+}
+
+/// Whether a recording that is held out only repeats one that is fitted.
+pub(super) fn brings_nothing_new(held: &Trajectory, fitted: &[Trajectory]) -> bool {
+    held_roles(held, fitted)
+        .iter()
+        .all(|&role| role == Role::Fit)
 }
 
 /// A recording that begins with one that was fitted is the same test run on: only what follows was never fitted.

@@ -17,7 +17,7 @@ use crate::error::InputError;
 use crate::model::{Model, ModelError};
 use crate::recording::trajectory::Trajectory;
 use crate::recording::{Recording, check_consistency};
-use closing::Closing;
+use closing::{Closing, brings_nothing_new};
 use result::TraceResult;
 use select::{Search, Selection, amplitude_nodes, error_between};
 
@@ -97,6 +97,14 @@ pub fn trace(
         .map(Trajectory::of)
         .collect::<Result<_, _>>()?;
 
+    if let Some(known) = held.iter().find(|held| brings_nothing_new(held, &fitted)) {
+        return Err(InputError::new(
+            &known.name,
+            "is held out and holds nothing that is not fitted as well",
+            "hold out another recording, or none",
+        )
+        .into());
+    }
     let mut roles = Roles::all_fit(&fitted);
     if held.is_empty() {
         roles.keep_apart(&fitted, Role::HeldOut);

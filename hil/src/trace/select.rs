@@ -17,6 +17,11 @@ const MOST_TERMS: usize = 6;
 /// A law whose error is within so many times the noise lacks nothing that is larger than the noise; what a term could
 /// still gain there is the error of the estimated motion.
 const SETTLED: f64 = 1.5;
+/// However quiet a recording, errors below this part of the force are those of the estimated motion. What was filtered
+/// before it was written also looks quieter than it is.
+const QUIET: f64 = 1e-3;
+/// A search fits to at most about this many samples, evenly picked; the closing fit takes all.
+const MOST_ROWS: usize = 20_000;
 
 /// A fitted law and how it does on the cycles that judge.
 #[derive(Clone, Debug)]
@@ -38,6 +43,8 @@ pub struct Candidate {
     pub fitted: Fitted,
     /// Whether the judging cycles tell it from the step's best.
     pub distinguishable: bool,
+    /// Whether it was added to the law at this step.
+    pub added: bool,
 }
 
 /// What a search ended in.
@@ -79,7 +86,8 @@ impl<'a> Search<'a> {
             roles,
             rows: Rows::gather(trajectories, nodes, |which, sample| {
                 roles.of(which, sample) == Role::Fit
-            }),
+            })
+            .thinned(MOST_ROWS),
             families,
             noise_floor: noise_floor(trajectories),
         }
@@ -101,11 +109,12 @@ impl<'a> Search<'a> {
                 self.families.len(),
                 named(&found)
             ));
-            let tried = self.step(&found, step);
-            let Some(best) = tried.first() else { break };
-            let settled = found.score.nrmse() <= SETTLED * self.noise_floor;
+            let mut tried = self.step(&found, step);
+            let Some(best) = tried.first_mut() else { break };
+            let settled = found.score.nrmse() <= SETTLED * goal(self.noise_floor);
             let accepted = !settled && best.fitted.score.beats(&found.score);
             let next = best.fitted.clone();
+            best.added = accepted;
             candidates.extend(tried);
             if !accepted {
                 break;
@@ -137,6 +146,7 @@ impl<'a> Search<'a> {
                         step,
                         fitted,
                         distinguishable: true,
+                        added: false,
                     })
             })
             // A fit that ends in coefficients which the crate refuses is no candidate.
@@ -251,6 +261,11 @@ pub fn noise_floor(trajectories: &[Trajectory]) -> f64 {
         trajectory.force_noise.powi(2) / power
     });
     (squares.sum::<f64>() / trajectories.len() as f64).sqrt()
+}
+
+/// The error that a law is held to: the noise, or [`QUIET`] where the recording is quieter.
+pub fn goal(noise_floor: f64) -> f64 {
+    noise_floor.max(QUIET)
 }
 
 /// The amplitudes in mm of the blocks that are fitted, those that are nearly the same taken as one.

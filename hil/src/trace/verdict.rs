@@ -1,7 +1,7 @@
 //! What is concluded from a search, in the words of `trace.json`.
 
-use super::result::Verdict;
-use super::select::{Candidate, Selection};
+use super::result::{Errors, Verdict};
+use super::select::{Candidate, Selection, goal};
 use crate::model::Model;
 use crate::recording::trajectory::Trajectory;
 
@@ -13,7 +13,7 @@ const UNEXPLAINED: f64 = 0.5;
 /// The verdict on what a search found.
 pub(super) fn conclude(selection: &Selection, noise_floor: f64) -> Verdict {
     let left = selection.found.score.nrmse();
-    let explained = left <= EXPLAINED * noise_floor;
+    let explained = left <= EXPLAINED * goal(noise_floor);
     if selection.found.solution.terms.is_empty() {
         return if explained {
             Verdict::None
@@ -75,11 +75,12 @@ pub(super) fn depends_on(model: &Model) -> Vec<String> {
     names
 }
 
-/// What a reader should know before trusting the result.
+/// What a reader should know before trusting the result; `errors` of the law alone and with what was added.
 pub(super) fn warnings<'t>(
     trajectories: impl Iterator<Item = &'t Trajectory>,
     model: &Model,
     selection: &Selection,
+    errors: (&Errors, &Errors),
     noise_floor: f64,
 ) -> Vec<String> {
     let mut warnings = Vec::new();
@@ -115,10 +116,17 @@ pub(super) fn warnings<'t>(
             ));
         }
     }
-    let ratio = selection.found.score.nrmse() / noise_floor;
+    let left = selection.found.score.nrmse();
+    let ratio = left / goal(noise_floor);
+    if errors.1.nrmse_held_out > errors.0.nrmse_held_out {
+        warnings.push(
+            "on what was held out the law with what was added is no better than the law alone: don't use it there"
+                .to_owned(),
+        );
+    }
     if ratio > EXPLAINED {
         warnings.push(format!(
-            "what is left is {ratio:.1} times the noise of the force: something is still missing from the law"
+            "what is left is {ratio:.1} times the noise of the force: more is missing from the law than was found"
         ));
     }
     warnings
