@@ -26,7 +26,7 @@ use super::{Failure, say};
 /// Writes DIR/recording.csv.gz and DIR/cycles.csv: what was measured, and what every cycle came to beside the law.
 #[derive(Args, Debug)]
 #[command(after_help = "Examples:\n  hil run --blocks 0.1:1:6,0.1:5:10\n  \
-    hil run --drawn --seed 7 --model trace-out/model.json --blocks 0.1:1-20:60 --out run-out\n\n\
+    hil run --drawn --seed 7 --model trace-out/model.json --blocks 0.1:1-10:40 --out run-out\n\n\
     Exit code 1 says that the rig stopped on a limit; what it recorded until then is written.")]
 pub struct RunCommand {
     /// Where the crate runs

@@ -65,6 +65,7 @@ fn data() -> ReportData {
         distinguishable,
         step: 1,
         added: nrmse_held_out < 0.01,
+        admissible: true,
         nrmse_judged: 1.02 * nrmse_held_out,
     };
     ReportData {

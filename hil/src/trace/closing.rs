@@ -251,6 +251,7 @@ impl<'a> Closing<'a> {
                     distinguishable: candidate.distinguishable,
                     step: candidate.step,
                     added: candidate.added,
+                    admissible: candidate.admissible,
                     nrmse_judged: candidate.fitted.score.nrmse(),
                 })
             })

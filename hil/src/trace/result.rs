@@ -120,6 +120,8 @@ pub struct Candidate {
     pub step: usize,
     /// Whether it was added to the law at that step.
     pub added: bool,
+    /// Whether the fit ended in an effect that can be: one that would be a source of energy is never added.
+    pub admissible: bool,
     /// Error on the cycles that chose among the candidates.
     pub nrmse_judged: f64,
 }
@@ -161,7 +163,7 @@ mod tests {
                 "parameters": {"slip_limit": {"value": 0.03, "low": 0.02, "high": 0.04, "unit": "mm"}},
                 "nrmse_without": 0.2, "nrmse_with": 0.005}],
             "candidates": [{"family": "stick_slip", "nrmse_held_out": 0.005, "distinguishable": true,
-                "step": 1, "added": true, "nrmse_judged": 0.005}],
+                "step": 1, "added": true, "admissible": true, "nrmse_judged": 0.005}],
             "separating_test": null, "depends_on": ["displacement", "history"], "warnings": [],
             "augmented": {"nrmse_fitted": 0.004, "nrmse_held_out": 0.005},
             "on_target": {"nrmse_held_out": 0.005}}"#;

@@ -45,6 +45,8 @@ pub struct Candidate {
     pub distinguishable: bool,
     /// Whether it was added to the law at this step.
     pub added: bool,
+    /// Whether no term of it would be a source of energy, or a mass that pushes.
+    pub admissible: bool,
 }
 
 /// What a search ended in.
@@ -112,7 +114,7 @@ impl<'a> Search<'a> {
             let mut tried = self.step(&found, step);
             let Some(best) = tried.first_mut() else { break };
             let settled = found.score.nrmse() <= SETTLED * goal(self.noise_floor);
-            let accepted = !settled && best.fitted.score.beats(&found.score);
+            let accepted = best.admissible && !settled && best.fitted.score.beats(&found.score);
             let next = best.fitted.clone();
             best.added = accepted;
             candidates.extend(tried);
@@ -129,7 +131,7 @@ impl<'a> Search<'a> {
         })
     }
 
-    /// All families beside `law`, the best first. Those that would be a source of energy are left out.
+    /// All families beside `law`, the best first, those that are not admissible last.
     fn step(&self, law: &Fitted, step: usize) -> Vec<Candidate> {
         let known: Vec<Term> = law.solution.terms.iter().map(|value| value.term).collect();
         let mut tried: Vec<Candidate> = self
@@ -144,6 +146,11 @@ impl<'a> Search<'a> {
                     .map(|fitted| Candidate {
                         family: term.family,
                         step,
+                        admissible: fitted
+                            .solution
+                            .terms
+                            .iter()
+                            .all(|value| !value.term.size_is_positive() || value.size > 0.0),
                         fitted,
                         distinguishable: true,
                         added: false,
@@ -152,18 +159,16 @@ impl<'a> Search<'a> {
             // A fit that ends in coefficients which the crate refuses is no candidate.
             .filter_map(Result::ok)
             .collect();
-        tried.retain(|candidate| {
-            candidate
-                .fitted
-                .solution
-                .terms
-                .iter()
-                .all(|value| !value.term.size_is_positive() || value.size > 0.0)
+        tried.sort_by(|a, b| {
+            let score = |candidate: &Candidate| candidate.fitted.score.nrmse();
+            b.admissible
+                .cmp(&a.admissible)
+                .then(score(a).total_cmp(&score(b)))
         });
-        tried.sort_by(|a, b| a.fitted.score.nrmse().total_cmp(&b.fitted.score.nrmse()));
         if let Some((best, rest)) = tried.split_first_mut() {
             for rival in rest {
-                rival.distinguishable = best.fitted.score.beats(&rival.fitted.score);
+                rival.distinguishable =
+                    !rival.admissible || best.fitted.score.beats(&rival.fitted.score);
             }
         }
         tried
