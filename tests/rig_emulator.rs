@@ -100,14 +100,18 @@ fn what_is_driven_is_the_reported_force_and_cycles_are_counted() {
     let mut reports = Vec::new();
     for tick in 0..70_000 {
         let emulation = bench.tick(0.2 * (TAU * H * f64::from(tick)).sin() + 0.01);
+        assert_eq!(emulation.telemetry.state, State::Running);
+        reports.extend(emulation.telemetry.report);
+        if tick < 5_000 {
+            continue;
+        }
         let error = emulation.force - f64::from(emulation.telemetry.model_force);
         // Half a step, and 2⁻⁸ of a step by which the code is rounded in f32.
         assert!(error.abs() <= (0.5 + 1.0 / 256.0) * FORCE_STEP);
-        assert_eq!(emulation.telemetry.state, State::Running);
-        reports.extend(emulation.telemetry.report);
     }
     assert!(reports.len() >= 2);
-    for report in reports {
+    // The force channel measures a force that is still coming in, in the first.
+    for report in &reports[1..] {
         // The force channel measures what was driven a tick before: 1e-4 s at 1 Hz is 6e-4 rad of every harmonic, and
         // more where the damping force jumps; the mesh of both is nearly the same loop.
         assert!(report.nrmse < 0.02, "{}", report.nrmse);
@@ -186,21 +190,64 @@ fn faults_take_the_force_to_zero() {
         assert!(bench.emulator.clear());
         assert_eq!(bench.emulator.state(), State::Idle);
     }
-    // 0.5 mm and 4.5 kN, for ten ticks on end.
-    for (displacement, k1, fault) in [
-        (0.6, 0.1, Fault::DisplacementLimit),
-        (0.3, 16.0, Fault::ForceLimit),
-    ] {
-        let mut bench = started(setup(k1, 0.0, 0.0, 0.5));
-        let mut ticks = 0;
-        while bench.emulator.state() == State::Running {
-            bench.tick(displacement);
-            ticks += 1;
-            assert!(ticks < 100);
+    // 0.5 mm, for ten ticks on end.
+    let mut bench = started(setup(0.1, 0.0, 0.0, 0.5));
+    for tick in 1..=10 {
+        let state = bench.tick(0.6).telemetry.state;
+        assert_eq!(state == State::Running, tick < 10);
+    }
+    let fault = Fault::DisplacementLimit;
+    assert_eq!(bench.emulator.state(), State::Faulted(fault));
+}
+
+#[test]
+fn no_force_beyond_the_limit_is_driven() {
+    let mut setup = setup(10.0, 0.0, 0.0, 0.5);
+    setup.settings.force_limit = 1.0;
+    setup.settings.stop_ticks = 100;
+    let mut bench = started(setup);
+    let mut stopped = None;
+    // 0.1 mm is reached after 1000 ticks, and the force is all there after 100.
+    for tick in 0..2_000 {
+        let emulation = bench.tick(1e-4 * f64::from(tick));
+        let telemetry = emulation.telemetry;
+        assert!(emulation.force.abs() <= 1.0 + 0.5 * FORCE_STEP);
+        if telemetry.state != State::Running {
+            assert_eq!(telemetry.state, State::Faulted(Fault::ForceLimit));
+            stopped.get_or_insert((tick, telemetry.model_force, emulation.force));
         }
-        assert_eq!(bench.emulator.state(), State::Faulted(fault));
-        // The force channel shows the force of the tick before.
-        assert!(ticks == 10 || (fault == Fault::ForceLimit && ticks == 11));
+    }
+    let (tick, force, driven) = stopped.unwrap();
+    // In the tick whose force is the first beyond: 0.001 kN more per tick, and a step of the ADC times 10 kN/mm.
+    let step = 1e-3 + 10.0 * DISPLACEMENT_STEP;
+    assert!(force > 1.0 && f64::from(force) < 1.0 + step, "{force}");
+    assert!(driven > 0.98 && driven < 1.0, "{driven} at {tick}");
+}
+
+#[test]
+fn the_force_comes_in_over_its_ticks() {
+    let mut setup = setup(10.0, 0.0, 0.0, 0.5);
+    setup.settings.stop_ticks = 1000;
+    let mut bench = EmulatorBench::new(setup).unwrap();
+    for _ in 0..1000 {
+        bench.tick(0.2);
+    }
+    // Twice: the second start begins at 0 as well.
+    for _ in 0..2 {
+        assert!(bench.emulator.start());
+        for tick in 1..=1500 {
+            let emulation = bench.tick(0.2);
+            let part = f64::from(tick.min(1000)) / 1000.0;
+            let expected = part * f64::from(emulation.telemetry.model_force);
+            // 1000 additions of 1e-3, each rounded by 2⁻²⁵, of 2 kN.
+            let allowed = 0.51 * FORCE_STEP + 1000.0 * 2.0 / f64::from(1 << 25);
+            let error = (emulation.force - expected).abs();
+            assert!(error < allowed, "{error} at {tick}");
+        }
+        bench.emulator.stop();
+        for _ in 0..1002 {
+            bench.tick(0.2);
+        }
     }
 }
 
@@ -209,6 +256,9 @@ fn stopped_it_drives_nothing() {
     let mut bench = EmulatorBench::new(setup(2.0, 0.0, 0.1, 0.5)).unwrap();
     assert_eq!(bench.tick(0.3).force, 0.0);
     assert!(bench.emulator.start());
+    for _ in 0..5_000 {
+        bench.tick(0.3);
+    }
     assert!(bench.tick(0.3).force > 0.5);
     bench.emulator.stop();
     assert_eq!(bench.emulator.state(), State::Idle);

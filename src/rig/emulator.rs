@@ -21,11 +21,11 @@ pub struct EmulatorSettings {
     pub tick_rate: f64,
     /// Largest measured displacement in either direction, mm, 1e-6…1e4.
     pub displacement_limit: f64,
-    /// Largest measured force in either direction, kN, 1e-6…1e9.
+    /// Largest force in either direction, kN, 1e-6…1e9: of the law, at once, and as measured.
     pub force_limit: f64,
-    /// For how many ticks on end one of these must be exceeded to stop, 1…1e6.
+    /// For how many ticks on end a measured quantity must exceed its limit to stop, 1…1e6.
     pub trip_ticks: u32,
-    /// In how many ticks the force goes to 0 once stopped, 1…1e7.
+    /// In how many ticks the force comes in once started, and goes to 0 once stopped, 1…1e7.
     pub stop_ticks: u32,
     /// Of the observer, Hz, 1e-3 to a tenth of the tick rate. Nothing tells it the motion ahead: it lags by about
     /// (1 + 2ζ)·(f/bandwidth)² of the velocity at frequency f.
@@ -65,6 +65,9 @@ pub struct Emulator<A, D, E, const N: usize> {
     comparison: Comparison,
     exceeded: Exceeded,
     reading: Reading,
+    /// Part of the law's force that is driven, 0…1, and what a tick adds to it.
+    part: f32,
+    part_step: f32,
     cycle: u32,
     temperature: f32,
     tick: u64,
@@ -108,19 +111,22 @@ where
             comparison: Comparison::default(),
             exceeded: Exceeded::default(),
             reading: Reading::default(),
+            part: 0.0,
+            part_step: (1.0 / f64::from(settings.stop_ticks)) as f32,
             cycle: 0,
             temperature: 20.0,
             tick: 0,
         })
     }
 
-    /// Begins to drive the law's force. Says no, and does nothing, while running, faulted, or on the way to 0.
+    /// Begins to drive the law's force, which comes in over `stop_ticks`. Says no, and does nothing, while running, faulted, or on the way to 0.
     pub fn start(&mut self) -> bool {
         let started = self.output.start();
         if started {
             self.beside.boundary();
             self.exceeded = Exceeded::default();
             self.crossing.reset();
+            self.part = 0.0;
         }
         started
     }
@@ -202,14 +208,18 @@ where
                         crossing.boundary,
                     )
                 });
-        if self.output.is_running()
-            && let Some(fault) =
-                self.limits
-                    .check(&mut self.exceeded, displacement, measured_force, 0.0)
-        {
-            self.output.trip(fault);
+        if self.output.is_running() {
+            let measured = self
+                .limits
+                .check(&mut self.exceeded, displacement, measured_force, 0.0);
+            // What is about to be driven need not be measured first.
+            let driven = (model_force.abs() > self.limits.force()).then_some(Fault::ForceLimit);
+            if let Some(fault) = measured.or(driven) {
+                self.output.trip(fault);
+            }
+            self.part = (self.part + self.part_step).min(1.0);
         }
-        self.output.drive(model_force);
+        self.output.drive(self.part * model_force);
         Telemetry {
             tick: self.tick,
             displacement,

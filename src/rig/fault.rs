@@ -21,7 +21,7 @@ pub enum Fault {
     CommandClipped,
     /// The measured displacement exceeded its limit.
     DisplacementLimit,
-    /// The measured force exceeded its limit.
+    /// The measured force exceeded its limit, or the force that an emulator was about to drive.
     ForceLimit,
     /// The measured displacement was further from the demanded one than allowed.
     TrackingLimit,
@@ -69,6 +69,11 @@ impl Limits {
     /// mm.
     pub(super) fn displacement(&self) -> f32 {
         self.displacement
+    }
+
+    /// kN.
+    pub(super) fn force(&self) -> f32 {
+        self.force
     }
 
     /// The fault, once a limit has been exceeded for `trip_ticks` ticks on end. NaN exceeds every limit.
