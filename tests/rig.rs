@@ -344,6 +344,28 @@ fn it_can_be_stopped_and_runs_again() {
 }
 
 #[test]
+fn a_fault_on_the_way_back_does_not_prolong_it() {
+    let mut setup = setup(3.0, &[(0.2, 2.0, 5)]);
+    setup.settings.stop_ticks = 1000;
+    let mut bench = started(setup);
+    for _ in 0..6_000 {
+        bench.tick();
+    }
+    bench.rig.stop();
+    for tick in 1..=1001 {
+        if tick == 900 {
+            bench.displacement_sensor.fault = SensorFault::Open;
+        }
+        let command = bench.tick().command;
+        assert!(tick > 990 || command != 0.0, "{tick}");
+        // One more where the differences' rounding leaves a rest.
+        assert!(tick <= 1000 || command == 0.0, "{command}");
+    }
+    let fault = Fault::DisplacementClipped;
+    assert_eq!(bench.rig.state(), State::Faulted(fault));
+}
+
+#[test]
 fn another_law_takes_over_at_the_end_of_the_cycle_and_not_before() {
     let zero = AugmentedLaw::new(Law::new(0.0, 0.0, 0.0, 0.5).unwrap());
     for asked_at in [7_321, 12_000] {

@@ -74,6 +74,7 @@ impl<D: SpiDevice, E: OutputPin> Output<D, E> {
             return false;
         }
         self.state = State::Running;
+        self.stop_step = 0.0;
         true
     }
 
@@ -84,7 +85,9 @@ impl<D: SpiDevice, E: OutputPin> Output<D, E> {
         if !self.low && !matches!(state, State::Faulted(_)) {
             self.state = State::Faulted(Fault::EnableLine);
         }
-        self.stop_step = self.command.abs() / self.stop_ticks;
+        // A way back that has begun is not prolonged, and every way ends.
+        let step = self.command.abs() / self.stop_ticks;
+        self.stop_step = self.stop_step.max(step).max(f32::MIN_POSITIVE);
     }
 
     /// Stops for `fault`. The first cause stays.
