@@ -6,7 +6,7 @@ use embedded_hal::spi::SpiDevice;
 use super::fault::Fault;
 use crate::dac::Ad5761;
 use crate::error::ConfigError;
-use crate::real::{Real, in_range};
+use crate::real::in_range;
 
 /// What a rig is doing.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -115,7 +115,7 @@ impl<D: SpiDevice, E: OutputPin> Output<D, E> {
         if !self.is_running() && !self.low {
             self.low = self.enable.set_low().is_ok();
         }
-        self.command = if self.is_running() {
+        let command = if self.is_running() {
             command
         } else if self.command > self.stop_step {
             self.command - self.stop_step
@@ -124,15 +124,14 @@ impl<D: SpiDevice, E: OutputPin> Output<D, E> {
         } else {
             0.0
         };
-        match self.dac.write(self.command) {
+        // The way back starts from what the DAC really drives.
+        match self.dac.write(command) {
             Err(_) => self.trip(Fault::DacBus),
             Ok(code) if code.clipped => {
-                // The way back starts from what the DAC really drives.
-                let full_scale = self.dac.scale().full_scale().abs();
-                self.command = self.command.confined(full_scale);
+                self.command = self.dac.scale().decode(code.code).value;
                 self.trip(Fault::CommandClipped);
             }
-            Ok(_) => {}
+            Ok(_) => self.command = command,
         }
     }
 }
