@@ -7,13 +7,14 @@
 //! # Deadline
 //! Call `tick()` once per tick, from a timer at the tick rate; it must return before the next. It clocks 64 bits out of
 //! the ADC and 24 into the DAC, 5.5 µs at 16 MHz, of the 100 µs at 10 kHz. Its computation is a fixed number of
-//! operations without a loop but for the law's effects, and no call into libm; the tick that ends a cycle adds the
-//! cycle's results, a dozen divisions and one square root. Whoever owns the timer counts ticks that came late.
+//! operations without a loop but for the law's effects, and calls libm for one of these alone, the exponential of
+//! [`crate::effects::Drift`]; the tick that ends a cycle adds the cycle's results, a dozen divisions and one square
+//! root. Whoever owns the timer counts ticks that came late.
 //!
 //! # Stopping
-//! A limit exceeded, a bus error, a channel at the end of its range, a cycle without response or a number that is not finite stops it: the enable
-//! line drops in that very tick, the command goes to 0 in a straight line, and the cause stays as
-//! [`State::Faulted`] until [`Rig::clear`].
+//! A limit exceeded, a bus error, a channel at the end of its range, a cycle without response or a number that is not
+//! finite stops it: the enable line drops in that very tick, the command goes to 0 in a straight line, and the cause
+//! stays as [`State::Faulted`] until [`Rig::clear`].
 
 mod beside;
 mod correction;
@@ -99,7 +100,7 @@ pub struct Telemetry {
     pub measured_force: f32,
     /// Force of the law at the observed motion, kN.
     pub model_force: f32,
-    /// What the DAC was asked for: mm, or kN from an emulator.
+    /// What the DAC drives: mm, or kN from an emulator. The last one written, where writing failed.
     pub command: f32,
     /// Block of the programme; 0 from an emulator.
     pub block: usize,
@@ -235,8 +236,8 @@ where
         self.output.clear()
     }
 
-    /// Another law from the end of this cycle on, or from the start where not running; see [`Rig::law`]. What its effects remember is kept where they are of
-    /// the same kinds in the same order as before.
+    /// Another law from the end of this cycle on, or from the start where not running; see [`Rig::law`]. What its
+    /// effects remember is kept where they are of the same kinds in the same order as before.
     pub fn swap_law(&mut self, law: AugmentedLaw<f32, N>) {
         self.beside.swap(law);
     }
