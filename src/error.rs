@@ -41,7 +41,7 @@ impl fmt::Display for ConfigError {
                 value,
                 low,
                 high,
-            } if value.abs() >= 1e6 => write!(f, "{field} = {value:.3e} is outside {low}…{high}"),
+            } if value.abs() >= 1e15 => write!(f, "{field} = {value:.3e} is outside {low}…{high}"),
             Self::OutOfRange {
                 field,
                 value,
