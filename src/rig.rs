@@ -38,7 +38,7 @@ use crate::observer::{Observer, ObserverConfig};
 use crate::sine::{Excitation, Programme, SineGenerator};
 use beside::{Beside, Comparison};
 use correction::{Correction, CorrectionConfig};
-use fault::{Exceeded, Limits, clipped};
+use fault::{Exceeded, Limits};
 use output::Output;
 
 /// What a rig is set to. [`Rig::new`] validates it.
@@ -265,15 +265,7 @@ where
     /// One tick: see the module for its deadline.
     pub fn tick(&mut self) -> Telemetry {
         self.tick = self.tick.wrapping_add(1);
-        match self.adc.read() {
-            Ok(reading) => {
-                self.reading = reading;
-                if let Some(fault) = clipped(&reading) {
-                    self.output.trip(fault);
-                }
-            }
-            Err(_) => self.output.trip(Fault::AdcBus),
-        }
+        self.output.read(&mut self.adc, &mut self.reading);
         let displacement = self.reading.displacement.value;
         let measured_force = self.reading.force.value;
         // The cycle that ends with this tick is of the block before it.

@@ -4,7 +4,7 @@ use embedded_hal::digital::OutputPin;
 use embedded_hal::spi::SpiDevice;
 
 use super::beside::{Beside, Comparison};
-use super::fault::{Exceeded, Limits, clipped};
+use super::fault::{Exceeded, Limits};
 use super::output::Output;
 use super::{CycleReport, Fault, State, Telemetry};
 use crate::adc::{Ads8688, Reading};
@@ -119,7 +119,8 @@ where
         })
     }
 
-    /// Begins to drive the law's force, which comes in over `stop_ticks`. Says no, and does nothing, while running, faulted, or on the way to 0.
+    /// Begins to drive the law's force, which comes in over `stop_ticks`. Says no, and does nothing, while running,
+    /// faulted, or on the way to 0.
     pub fn start(&mut self) -> bool {
         let started = self.output.start();
         if started {
@@ -168,15 +169,7 @@ where
     /// effects remember follows the motion.
     pub fn tick(&mut self) -> Telemetry {
         self.tick = self.tick.wrapping_add(1);
-        match self.adc.read() {
-            Ok(reading) => {
-                self.reading = reading;
-                if let Some(fault) = clipped(&reading) {
-                    self.output.trip(fault);
-                }
-            }
-            Err(_) => self.output.trip(Fault::AdcBus),
-        }
+        self.output.read(&mut self.adc, &mut self.reading);
         let displacement = self.reading.displacement.value;
         let measured_force = self.reading.force.value;
         let estimate = self

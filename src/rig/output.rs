@@ -3,7 +3,8 @@
 use embedded_hal::digital::OutputPin;
 use embedded_hal::spi::SpiDevice;
 
-use super::fault::Fault;
+use super::fault::{Fault, clipped};
+use crate::adc::{Ads8688, Reading};
 use crate::dac::Ad5761;
 use crate::error::ConfigError;
 use crate::real::in_range;
@@ -94,6 +95,20 @@ impl<D: SpiDevice, E: OutputPin> Output<D, E> {
     pub(super) fn trip(&mut self, fault: Fault) {
         if !matches!(self.state, State::Faulted(_)) {
             self.stop(State::Faulted(fault));
+        }
+    }
+
+    /// Takes a new `reading`, and stops for a bus that fails or a channel at its end; the last reading stays where there
+    /// is no new one.
+    pub(super) fn read<A: SpiDevice>(&mut self, adc: &mut Ads8688<A>, reading: &mut Reading) {
+        match adc.read() {
+            Ok(new) => {
+                *reading = new;
+                if let Some(fault) = clipped(&new) {
+                    self.trip(fault);
+                }
+            }
+            Err(_) => self.trip(Fault::AdcBus),
         }
     }
 

@@ -69,7 +69,7 @@ impl<'a> Closing<'a> {
         let noise_floor = self.noise_floor;
         let verdict = conclude(selection, noise_floor);
         let uncertainty = Uncertainty::of(&self.rows, &solution);
-        let mut effects = self.effects(&solution, &uncertainty)?;
+        let mut effects = self.effects(&solution, &uncertainty, with.nrmse_held_out)?;
         if verdict == Verdict::Ambiguous {
             effects.extend(self.rivals(selection)?);
         }
@@ -165,13 +165,14 @@ impl<'a> Closing<'a> {
         Ok(Some(self.evaluate::<f64>(&model)?.1))
     }
 
-    /// The effects found with their intervals, each with the held-out error that is left without it.
+    /// The effects of `solution` with their intervals, each with the held-out error that is left without it; `with` is what
+    /// all of them leave.
     fn effects(
         &self,
         solution: &Solution,
         uncertainty: &Uncertainty,
+        with: f64,
     ) -> Result<Vec<FoundEffect>, ModelError> {
-        let with = self.evaluate::<f64>(&solution.model())?.1.nrmse_held_out;
         let bound = |end: f64| {
             let ends =
                 solution
@@ -229,9 +230,10 @@ impl<'a> Closing<'a> {
             let start = &rival.fitted.solution;
             let solution = Problem::solve(&self.rows, &terms_of(start), Some(start));
             let uncertainty = Uncertainty::of(&self.rows, &solution);
+            let with = self.evaluate::<f64>(&solution.model())?.1.nrmse_held_out;
             let of_family = |effect: &FoundEffect| effect.family == rival.family.name();
             effects.extend(
-                self.effects(&solution, &uncertainty)?
+                self.effects(&solution, &uncertainty, with)?
                     .into_iter()
                     .filter(of_family),
             );
