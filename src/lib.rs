@@ -7,6 +7,7 @@
 //! |---|---|
 //! | the mixed damping law F = k1·y + k3·y³ + c·\|v\|^α·sgn v | [`law`], [`power`] |
 //! | its coefficients over density and amplitude, the published ones included | [`table`] |
+//! | that law as it runs on the target, with a table for \|v\|^α and a swap at a cycle's end | [`tabulated`] |
 //! | what the law lacks: offset, asymmetry, hardening, stick-slip, viscosity, relaxation, inertia, drift, temperature | [`effects`] |
 //! | an excitation: sines, ramps and sweeps | [`sine`] |
 //! | stiffness, energy and loss factor of each cycle | [`cycle`]; without a generator, [`crossing`] |
@@ -65,6 +66,7 @@ pub mod rig;
 pub mod sine;
 mod sum;
 pub mod table;
+pub mod tabulated;
 
 /// The README's example is compiled, so that it cannot rot.
 #[cfg(doctest)]

@@ -16,7 +16,7 @@
 //! finite stops it: the enable line drops in that very tick, the command goes to 0 in a straight line, and the cause
 //! stays as [`State::Faulted`] until [`Rig::clear`].
 
-mod beside;
+mod comparison;
 mod correction;
 mod emulator;
 mod fault;
@@ -32,11 +32,12 @@ use embedded_hal::spi::SpiDevice;
 use crate::adc::{Ads8688, Reading};
 use crate::cycle::Cycle;
 use crate::dac::Ad5761;
-use crate::effects::{AugmentedLaw, Motion};
+use crate::effects::Motion;
 use crate::error::ConfigError;
 use crate::observer::{Observer, ObserverConfig};
 use crate::sine::{Excitation, Programme, SineGenerator};
-use beside::{Beside, Comparison};
+use crate::tabulated::{RunningLaw, TabulatedLaw};
+use comparison::Comparison;
 use correction::{Correction, CorrectionConfig};
 use fault::{Exceeded, Limits};
 use output::Output;
@@ -142,7 +143,7 @@ pub struct Rig<A, D, E, const B: usize, const N: usize> {
     observer_config: ObserverConfig,
     correction_config: CorrectionConfig,
     generator: SineGenerator<B>,
-    beside: Beside<N>,
+    law: RunningLaw<N>,
     observer: Observer,
     correction: Correction,
     comparison: Comparison,
@@ -169,7 +170,7 @@ where
         enable: E,
         settings: &RigSettings,
         programme: Programme<B>,
-        law: AugmentedLaw<f32, N>,
+        law: TabulatedLaw<N>,
     ) -> Result<Self, ConfigError> {
         let tick_rate = programme.tick_rate();
         let limits = Limits::new(
@@ -197,7 +198,7 @@ where
             )?,
             correction_config,
             generator: SineGenerator::new(programme)?,
-            beside: Beside::new(law),
+            law: RunningLaw::new(law),
             observer: Observer::default(),
             correction: Correction::new(&correction_config),
             comparison: Comparison::default(),
@@ -215,8 +216,8 @@ where
         let started = self.output.start();
         if started {
             self.generator.restart();
-            self.beside.boundary();
-            self.beside.rest();
+            self.law.boundary();
+            self.law.rest();
             self.comparison = Comparison::default();
             self.exceeded = Exceeded::default();
             self.correction.restart();
@@ -238,13 +239,13 @@ where
 
     /// Another law from the end of this cycle on, or from the start where not running; see [`Rig::law`]. What its
     /// effects remember is kept where they are of the same kinds in the same order as before.
-    pub fn swap_law(&mut self, law: AugmentedLaw<f32, N>) {
-        self.beside.swap(law);
+    pub fn swap_law(&mut self, law: TabulatedLaw<N>) {
+        self.law.swap(law);
     }
 
     /// The law in force.
-    pub fn law(&self) -> &AugmentedLaw<f32, N> {
-        self.beside.law()
+    pub fn law(&self) -> &TabulatedLaw<N> {
+        self.law.law()
     }
 
     /// Temperature for the law's effects, °C; 20 until set.
@@ -279,12 +280,12 @@ where
         }
         let excitation = self.excitation;
         if excitation.cycle_end {
-            self.beside.boundary();
+            self.law.boundary();
         }
         let estimate =
             self.observer
                 .update(&self.observer_config, displacement, excitation.acceleration);
-        let model_force = self.beside.force(&Motion {
+        let model_force = self.law.force(&Motion {
             displacement: estimate.displacement,
             velocity: estimate.velocity,
             acceleration: estimate.acceleration,

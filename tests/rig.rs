@@ -15,6 +15,7 @@ use mesh_damper::error::ConfigError;
 use mesh_damper::law::Law;
 use mesh_damper::rig::{Fault, Rig, RigSettings, State, Telemetry};
 use mesh_damper::sine::{Block, Programme};
+use mesh_damper::tabulated::TabulatedLaw;
 use proptest::prelude::*;
 
 const TICK_RATE: f64 = 10_000.0;
@@ -394,7 +395,7 @@ fn a_fault_on_the_way_back_does_not_prolong_it() {
 
 #[test]
 fn another_law_takes_over_at_the_end_of_the_cycle_and_not_before() {
-    let zero = AugmentedLaw::new(Law::new(0.0, 0.0, 0.0, 0.5).unwrap());
+    let zero = TabulatedLaw::new(AugmentedLaw::new(Law::new(0.0, 0.0, 0.0, 0.5).unwrap()));
     for asked_at in [7_321, 12_000] {
         let mut bench = started(setup(3.0, &[(0.2, 2.0, 5)]));
         for _ in 0..asked_at {
@@ -414,7 +415,10 @@ fn another_law_takes_over_at_the_end_of_the_cycle_and_not_before() {
             }
             ticks += 1;
             assert_ne!(telemetry.model_force, 0.0);
-            assert_eq!(*bench.rig.law().law(), law_of(bench.servo.specimen()));
+            assert_eq!(
+                *bench.rig.law().augmented().law(),
+                law_of(bench.servo.specimen())
+            );
         }
         // 5000 ticks a cycle; the first telemetry is of tick 0.
         assert_eq!(ticks, 5000 - asked_at % 5000 - 1);
@@ -435,8 +439,8 @@ fn another_law_takes_over_at_the_end_of_the_cycle_and_not_before() {
     let mut changed = started(setup);
     for tick in 0..15_000 {
         if tick == 7_000 {
-            swapped.rig.swap_law(same.clone());
-            changed.rig.swap_law(other.clone());
+            swapped.rig.swap_law(TabulatedLaw::new(same.clone()));
+            changed.rig.swap_law(TabulatedLaw::new(other.clone()));
         }
         let expected = plain.tick().model_force;
         assert_eq!(swapped.tick().model_force, expected);
@@ -455,7 +459,7 @@ fn another_law_takes_over_at_the_end_of_the_cycle_and_not_before() {
 
 #[test]
 fn a_law_swapped_before_the_start_runs_from_the_first_tick() {
-    let zero = AugmentedLaw::new(Law::new(0.0, 0.0, 0.0, 0.5).unwrap());
+    let zero = TabulatedLaw::new(AugmentedLaw::new(Law::new(0.0, 0.0, 0.0, 0.5).unwrap()));
     let mut bench = Bench::new(setup(3.0, &[(0.2, 10.0, 1)])).unwrap();
     bench.rig.swap_law(zero.clone());
     bench.tick();
@@ -544,7 +548,7 @@ fn wired(
         line,
         settings,
         programme,
-        law,
+        TabulatedLaw::new(law),
     )
     .unwrap()
 }

@@ -9,6 +9,7 @@ use mesh_damper::effects::AugmentedLaw;
 use mesh_damper::error::ConfigError;
 use mesh_damper::law::Law;
 use mesh_damper::rig::{EmulatorSettings, Fault, State};
+use mesh_damper::tabulated::TabulatedLaw;
 
 const H: f64 = 1e-4;
 const RANGE: f64 = 5.0;
@@ -133,7 +134,7 @@ fn another_law_waits_for_the_crossing() {
     for tick in 0..22_000 {
         bench.tick(motion(tick));
     }
-    let none = AugmentedLaw::new(Law::new(0.0, 0.0, 0.0, 0.5).unwrap());
+    let none = TabulatedLaw::new(AugmentedLaw::new(Law::new(0.0, 0.0, 0.0, 0.5).unwrap()));
     bench.emulator.swap_law(none.clone());
     let mut changed_at = None;
     for tick in 22_000..28_000 {
@@ -152,7 +153,7 @@ fn another_law_waits_for_the_crossing() {
 fn a_law_swapped_before_the_start_runs_from_the_first_tick() {
     let mut bench = EmulatorBench::new(setup(2.0, 0.0, 0.1, 0.5)).unwrap();
     bench.tick(0.2);
-    let none = AugmentedLaw::new(Law::new(0.0, 0.0, 0.0, 0.5).unwrap());
+    let none = TabulatedLaw::new(AugmentedLaw::new(Law::new(0.0, 0.0, 0.0, 0.5).unwrap()));
     bench.emulator.swap_law(none);
     assert!(bench.emulator.start());
     assert_eq!(bench.tick(0.2).telemetry.model_force, 0.0);

@@ -2,18 +2,18 @@
 
 use mesh_damper::effects::Motion;
 use mesh_damper::real::Real;
+use mesh_damper::tabulated::{RunningLaw, TabulatedLaw};
 
 use crate::model::{Model, ModelError};
 use crate::recording::trajectory::Trajectory;
 
-/// The model's force in kN at every sample of `trajectory`, in the float `R`: `f32` is what the firmware computes at the
-/// recording's tick, `f64` what identification fitted.
+/// The model's force in kN at every sample of `trajectory` in f64, as identification fitted it.
 ///
 /// # Errors
 /// A model that the crate refuses.
-pub fn predict<R: Real>(model: &Model, trajectory: &Trajectory) -> Result<Vec<f64>, ModelError> {
+pub fn predict(model: &Model, trajectory: &Trajectory) -> Result<Vec<f64>, ModelError> {
     let mut amplitude = trajectory.amplitude[0];
-    let mut law = model.augmented::<R>(amplitude, trajectory.tick)?;
+    let mut law = model.augmented::<f64>(amplitude, trajectory.tick)?;
     let mut state = law.at_rest();
     (0..trajectory.len())
         .map(|index| {
@@ -21,9 +21,28 @@ pub fn predict<R: Real>(model: &Model, trajectory: &Trajectory) -> Result<Vec<f6
                 amplitude = trajectory.amplitude[index];
                 law.set_law(model.law_at(amplitude)?);
             }
-            Ok(law
-                .force(&mut state, &motion_at(trajectory, index))
-                .to_f64())
+            Ok(law.force(&mut state, &motion_at(trajectory, index)))
+        })
+        .collect()
+}
+
+/// The same by what the firmware runs, at the recording's tick: f32 throughout, the damping from a table.
+///
+/// # Errors
+/// A model that the crate refuses.
+pub fn predict_embedded(model: &Model, trajectory: &Trajectory) -> Result<Vec<f64>, ModelError> {
+    let mut amplitude = trajectory.amplitude[0];
+    let mut law = TabulatedLaw::new(model.augmented(amplitude, trajectory.tick)?);
+    let mut running = RunningLaw::new(law.clone());
+    (0..trajectory.len())
+        .map(|index| {
+            if trajectory.amplitude[index] != amplitude {
+                amplitude = trajectory.amplitude[index];
+                law.set_law(model.law_at(amplitude)?);
+                running.swap(law.clone());
+                running.boundary();
+            }
+            Ok(f64::from(running.force(&motion_at(trajectory, index))))
         })
         .collect()
 }

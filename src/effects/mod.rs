@@ -175,6 +175,17 @@ impl<R: Real, const N: usize> AugmentedLaw<R, N> {
     #[inline]
     pub fn force(&self, state: &mut AugmentedState<R, N>, motion: &Motion<R>) -> R {
         let law_force = self.law.force(motion.displacement, motion.velocity);
+        self.with_effects(state, motion, law_force)
+    }
+
+    /// `law_force`, which is eq 13's on this tick in kN whoever computed it, and every effect's force.
+    #[inline]
+    pub(crate) fn with_effects(
+        &self,
+        state: &mut AugmentedState<R, N>,
+        motion: &Motion<R>,
+        law_force: R,
+    ) -> R {
         let mut total = law_force;
         for (effect, state) in self.effects.iter().zip(&mut state.effects) {
             let state = state.get_or_insert_with(|| effect.at_rest());

@@ -3,16 +3,17 @@
 use embedded_hal::digital::OutputPin;
 use embedded_hal::spi::SpiDevice;
 
-use super::beside::{Beside, Comparison};
+use super::comparison::Comparison;
 use super::fault::{Exceeded, Limits};
 use super::output::Output;
 use super::{CycleReport, Fault, State, Telemetry};
 use crate::adc::{Ads8688, Reading};
 use crate::crossing::CrossingDetector;
 use crate::dac::Ad5761;
-use crate::effects::{AugmentedLaw, Motion};
+use crate::effects::Motion;
 use crate::error::ConfigError;
 use crate::observer::{Observer, ObserverConfig};
+use crate::tabulated::{RunningLaw, TabulatedLaw};
 
 /// What an emulator is set to. [`Emulator::new`] validates it.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -59,7 +60,7 @@ pub struct Emulator<A, D, E, const N: usize> {
     output: Output<D, E>,
     limits: Limits,
     observer_config: ObserverConfig,
-    beside: Beside<N>,
+    law: RunningLaw<N>,
     observer: Observer,
     crossing: CrossingDetector,
     comparison: Comparison,
@@ -88,7 +89,7 @@ where
         dac: Ad5761<D>,
         enable: E,
         settings: &EmulatorSettings,
-        law: AugmentedLaw<f32, N>,
+        law: TabulatedLaw<N>,
     ) -> Result<Self, ConfigError> {
         Ok(Self {
             adc,
@@ -105,7 +106,7 @@ where
                 settings.observer_bandwidth,
                 settings.observer_damping,
             )?,
-            beside: Beside::new(law),
+            law: RunningLaw::new(law),
             observer: Observer::default(),
             crossing: CrossingDetector::new(settings.hysteresis as f32)?,
             comparison: Comparison::default(),
@@ -124,7 +125,7 @@ where
     pub fn start(&mut self) -> bool {
         let started = self.output.start();
         if started {
-            self.beside.boundary();
+            self.law.boundary();
             self.exceeded = Exceeded::default();
             self.crossing.reset();
             self.part = 0.0;
@@ -146,13 +147,13 @@ where
 
     /// Another law from the end of this cycle on, or from the start where that comes before. What its effects remember
     /// is kept where they are of the same kinds in the same order as before.
-    pub fn swap_law(&mut self, law: AugmentedLaw<f32, N>) {
-        self.beside.swap(law);
+    pub fn swap_law(&mut self, law: TabulatedLaw<N>) {
+        self.law.swap(law);
     }
 
     /// The law in force.
-    pub fn law(&self) -> &AugmentedLaw<f32, N> {
-        self.beside.law()
+    pub fn law(&self) -> &TabulatedLaw<N> {
+        self.law.law()
     }
 
     /// Temperature for the law's effects, °C; 20 until set.
@@ -179,9 +180,9 @@ where
         let ended = crossing.boundary.is_some();
         if ended {
             self.cycle = self.cycle.wrapping_add(1);
-            self.beside.boundary();
+            self.law.boundary();
         }
-        let model_force = self.beside.force(&Motion {
+        let model_force = self.law.force(&Motion {
             displacement: estimate.displacement,
             velocity: estimate.velocity,
             acceleration: estimate.acceleration,

@@ -6,7 +6,7 @@ use clap::{Args, ValueEnum};
 use hil::model::{AddedEffect, Family};
 use hil::model_file::{FittedRange, ModelFile, model_error};
 use hil::output::Outputs;
-use hil::predict::{nrmse, predict};
+use hil::predict::{nrmse, predict, predict_embedded};
 use hil::recording::Recording;
 use hil::recording::trajectory::Trajectory;
 use serde::Serialize;
@@ -73,8 +73,8 @@ impl Predict {
         let trajectory = Trajectory::of(&recording)?;
         let model = file.model();
         let force = match self.on {
-            On::F64 => predict::<f64>(&model, &trajectory),
-            On::F32 => predict::<f32>(&model, &trajectory),
+            On::F64 => predict(&model, &trajectory),
+            On::F32 => predict_embedded(&model, &trajectory),
         }
         .map_err(|error| model_error(&self.model.display().to_string(), &error))?;
         let force = uniform.at_samples_of(&recording, &force);

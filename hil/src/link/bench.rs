@@ -11,6 +11,7 @@ use mesh_damper::error::ConfigError;
 use mesh_damper::law::Law;
 use mesh_damper::rig::{Rig, RigSettings, Telemetry};
 use mesh_damper::sine::Programme;
+use mesh_damper::tabulated::TabulatedLaw;
 
 use super::expected::expected;
 use crate::actuator::{
@@ -147,7 +148,7 @@ impl<S: DamperForce + Clone, const B: usize, const N: usize> Bench<S, B, N> {
             enable,
             &setup.settings,
             setup.programme,
-            setup.law,
+            TabulatedLaw::new(setup.law),
         )?;
         let sensor = |config, stream| Sensor::new(config, step, setup.seed, stream);
         Ok(Self {

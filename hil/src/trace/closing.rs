@@ -2,8 +2,6 @@
 
 use std::collections::BTreeMap;
 
-use mesh_damper::real::Real;
-
 use super::result::{
     Baseline, Candidate, Errors, Estimate, FoundEffect, LawEstimate, OnTarget, TraceResult, Verdict,
 };
@@ -18,7 +16,7 @@ use crate::identify::staged::staged;
 use crate::identify::term::{Term, TermValue, added_effects};
 use crate::identify::uncertainty::Uncertainty;
 use crate::model::{Model, ModelError, parameter_unit};
-use crate::predict::predict;
+use crate::predict::{predict, predict_embedded};
 use crate::recording::trajectory::Trajectory;
 
 /// The recordings of a trace, with what each sample is for.
@@ -63,9 +61,9 @@ impl<'a> Closing<'a> {
         let baseline = Problem::solve(&self.rows, &[], None).model();
         let solution = Problem::solve(&self.rows, &terms, Some(&selection.found.solution));
         let model = solution.model();
-        let (before, without) = self.evaluate::<f64>(&baseline)?;
-        let (after, with) = self.evaluate::<f64>(&model)?;
-        let (_, on_target) = self.evaluate::<f32>(&model)?;
+        let (before, without) = self.evaluate(&baseline, predict)?;
+        let (after, with) = self.evaluate(&model, predict)?;
+        let (_, on_target) = self.evaluate(&model, predict_embedded)?;
         let noise_floor = self.noise_floor;
         let verdict = conclude(selection, noise_floor);
         let uncertainty = Uncertainty::of(&self.rows, &solution);
@@ -128,11 +126,15 @@ impl<'a> Closing<'a> {
     }
 
     /// The model's force on every recording, kN, and its errors.
-    fn evaluate<R: Real>(&self, model: &Model) -> Result<(Vec<Vec<f64>>, Errors), ModelError> {
+    fn evaluate(
+        &self,
+        model: &Model,
+        predict: impl Fn(&Model, &Trajectory) -> Result<Vec<f64>, ModelError>,
+    ) -> Result<(Vec<Vec<f64>>, Errors), ModelError> {
         let predicted = self
             .recordings
             .iter()
-            .map(|(trajectory, _)| predict::<R>(model, trajectory))
+            .map(|(trajectory, _)| predict(model, trajectory))
             .collect::<Result<Vec<_>, _>>()?;
         let nrmse = |held_out: bool| {
             let (mut error, mut force) = (0.0, 0.0);
@@ -162,7 +164,7 @@ impl<'a> Closing<'a> {
             law,
             effects: Vec::new(),
         };
-        Ok(Some(self.evaluate::<f64>(&model)?.1))
+        Ok(Some(self.evaluate(&model, predict)?.1))
     }
 
     /// The effects of `solution` with their intervals, each with the held-out error that is left without it; `with` is what
@@ -216,7 +218,7 @@ impl<'a> Closing<'a> {
                 Ok(FoundEffect {
                     family: effect.family.name().to_owned(),
                     parameters,
-                    nrmse_without: self.evaluate::<f64>(&without)?.1.nrmse_held_out,
+                    nrmse_without: self.evaluate(&without, predict)?.1.nrmse_held_out,
                     nrmse_with: with,
                 })
             })
@@ -230,7 +232,7 @@ impl<'a> Closing<'a> {
             let start = &rival.fitted.solution;
             let solution = Problem::solve(&self.rows, &terms_of(start), Some(start));
             let uncertainty = Uncertainty::of(&self.rows, &solution);
-            let with = self.evaluate::<f64>(&solution.model())?.1.nrmse_held_out;
+            let with = self.evaluate(&solution.model(), predict)?.1.nrmse_held_out;
             let of_family = |effect: &FoundEffect| effect.family == rival.family.name();
             effects.extend(
                 self.effects(&solution, &uncertainty, with)?
@@ -249,7 +251,7 @@ impl<'a> Closing<'a> {
                 let model = candidate.fitted.solution.model();
                 Ok(Candidate {
                     family: candidate.family.name().to_owned(),
-                    nrmse_held_out: self.evaluate::<f64>(&model)?.1.nrmse_held_out,
+                    nrmse_held_out: self.evaluate(&model, predict)?.1.nrmse_held_out,
                     distinguishable: candidate.distinguishable,
                     step: candidate.step,
                     added: candidate.added,

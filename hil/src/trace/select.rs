@@ -203,7 +203,7 @@ impl<'a> Search<'a> {
         let predicted = self
             .trajectories
             .iter()
-            .map(|trajectory| predict::<f64>(&model, trajectory))
+            .map(|trajectory| predict(&model, trajectory))
             .collect::<Result<Vec<_>, _>>()?;
         let score = Score::of(self.trajectories, self.roles, Role::Judge, &predicted);
         Ok(Fitted { solution, score })
@@ -235,7 +235,7 @@ pub fn error_between(
         });
         let model = Problem::solve(&rows, &terms, None).model();
         for (which, trajectory) in trajectories.iter().enumerate() {
-            let predicted = predict::<f64>(&model, trajectory)?;
+            let predicted = predict(&model, trajectory)?;
             error += (0..trajectory.len())
                 .filter(|&sample| is_left_out(which, sample))
                 .map(|sample| (predicted[sample] - trajectory.force[sample]).powi(2))

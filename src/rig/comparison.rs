@@ -1,60 +1,8 @@
-//! The law that runs beside the specimen, and the measured force it is held against.
+//! The measured force and the force of the law beside it, held against one another.
 
 use super::CycleReport;
 use crate::cycle::{Cycle, CycleAccumulator};
-use crate::effects::{AugmentedLaw, AugmentedState, Motion};
 use crate::sum::{FOLD, Sum};
-
-/// A law at work. Another one waits for the end of the cycle.
-#[derive(Clone, Debug)]
-pub(super) struct Beside<const N: usize> {
-    law: AugmentedLaw<f32, N>,
-    state: AugmentedState<f32, N>,
-    pending: Option<AugmentedLaw<f32, N>>,
-}
-
-impl<const N: usize> Beside<N> {
-    pub(super) fn new(law: AugmentedLaw<f32, N>) -> Self {
-        Self {
-            state: law.at_rest(),
-            law,
-            pending: None,
-        }
-    }
-
-    pub(super) fn law(&self) -> &AugmentedLaw<f32, N> {
-        &self.law
-    }
-
-    /// The law to take over at the next boundary; one that was waiting is dropped.
-    pub(super) fn swap(&mut self, law: AugmentedLaw<f32, N>) {
-        self.pending = Some(law);
-    }
-
-    /// All effects at rest.
-    pub(super) fn rest(&mut self) {
-        self.state = self.law.at_rest();
-    }
-
-    /// A cycle has ended: the waiting law takes over. What the effects remember stays where the new law has the same
-    /// kinds of effects in the same order, and is at rest otherwise.
-    #[inline]
-    pub(super) fn boundary(&mut self) {
-        if let Some(law) = self.pending.take() {
-            let kinds = law.effects().iter().map(core::mem::discriminant);
-            let known = self.law.effects().iter().map(core::mem::discriminant);
-            if !kinds.eq(known) {
-                self.state = law.at_rest();
-            }
-            self.law = law;
-        }
-    }
-
-    #[inline]
-    pub(super) fn force(&mut self, motion: &Motion<f32>) -> f32 {
-        self.law.force(&mut self.state, motion)
-    }
-}
 
 /// The cycles of the measured force and of the model's, and the error between them.
 #[derive(Clone, Copy, Debug, Default)]

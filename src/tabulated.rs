@@ -1,0 +1,147 @@
+//! The law as it runs on the target: eq 13 with its damping from a table, added effects, and a swap at a cycle's end.
+//!
+//! The coefficients are swapped by choosing between two sets of them, and the one table of 4 KiB is filled anew over the
+//! ticks that follow: each tick fills the row that it needs itself and one more in turn, so that no tick bears the whole and
+//! every force is the new law's from the first tick on.
+
+use crate::effects::{AugmentedLaw, AugmentedState, Motion};
+use crate::law::Law;
+use crate::limits;
+use crate::power::{PowerSeed, PowerTable, ROWS};
+use crate::real::Real;
+
+/// Eq 13, up to `N` added effects, and the seed of the damping's table.
+#[derive(Clone, Debug, PartialEq)]
+pub struct TabulatedLaw<const N: usize> {
+    augmented: AugmentedLaw<f32, N>,
+    damping: PowerSeed,
+}
+
+impl<const N: usize> TabulatedLaw<N> {
+    /// Takes 64 powers in f64: not for the hot path.
+    pub fn new(augmented: AugmentedLaw<f32, N>) -> Self {
+        Self {
+            damping: seed(augmented.law()),
+            augmented,
+        }
+    }
+
+    /// With a seed that was computed elsewhere, for the same c and α.
+    pub fn from_parts(augmented: AugmentedLaw<f32, N>, damping: PowerSeed) -> Self {
+        Self { augmented, damping }
+    }
+
+    /// The same effects beside another eq 13: when the amplitude changes and its coefficients are tabulated over it. Takes
+    /// 64 powers in f64.
+    pub fn set_law(&mut self, law: Law<f32>) {
+        self.damping = seed(&law);
+        self.augmented.set_law(law);
+    }
+
+    /// Eq 13 and the effects.
+    pub fn augmented(&self) -> &AugmentedLaw<f32, N> {
+        &self.augmented
+    }
+
+    /// What the damping's table is filled from.
+    pub fn damping(&self) -> &PowerSeed {
+        &self.damping
+    }
+}
+
+fn seed(law: &Law<f32>) -> PowerSeed {
+    PowerSeed::from_valid(law.c().to_f64(), law.alpha().to_f64())
+}
+
+/// A law that waits for the end of the cycle.
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum Waiting {
+    No,
+    /// With the same kinds of effects in the same order: what they remember stays.
+    SameEffects,
+    OtherEffects,
+}
+
+/// A [`TabulatedLaw`] at work, and another one that may wait for the end of the cycle.
+#[derive(Clone, Debug)]
+pub struct RunningLaw<const N: usize> {
+    laws: [TabulatedLaw<N>; 2],
+    /// The second one is in force.
+    second: bool,
+    waiting: Waiting,
+    table: PowerTable,
+    /// Rows of the table that hold the law in force, whatever the velocity.
+    filled: usize,
+    state: AugmentedState<f32, N>,
+}
+
+impl<const N: usize> RunningLaw<N> {
+    /// `law` at work, its effects at rest.
+    pub fn new(law: TabulatedLaw<N>) -> Self {
+        Self {
+            state: law.augmented.at_rest(),
+            laws: [law.clone(), law],
+            second: false,
+            waiting: Waiting::No,
+            table: PowerTable::empty(),
+            filled: 0,
+        }
+    }
+
+    /// The law in force.
+    pub fn law(&self) -> &TabulatedLaw<N> {
+        let [first, second] = &self.laws;
+        if self.second { second } else { first }
+    }
+
+    /// The law to take over at the next [`RunningLaw::boundary`]; one that was waiting is dropped.
+    pub fn swap(&mut self, law: TabulatedLaw<N>) {
+        let kinds = law.augmented.effects().iter().map(core::mem::discriminant);
+        let known = self.law().augmented.effects().iter();
+        self.waiting = if kinds.eq(known.map(core::mem::discriminant)) {
+            Waiting::SameEffects
+        } else {
+            Waiting::OtherEffects
+        };
+        let [first, second] = &mut self.laws;
+        *if self.second { first } else { second } = law;
+    }
+
+    /// A cycle has ended: the waiting law takes over. What the effects remember stays where the new law has the same
+    /// kinds of effects in the same order, and is at rest otherwise.
+    #[inline]
+    pub fn boundary(&mut self) {
+        if self.waiting == Waiting::No {
+            return;
+        }
+        if self.waiting == Waiting::OtherEffects {
+            self.rest();
+        }
+        self.waiting = Waiting::No;
+        self.second = !self.second;
+        self.filled = 0;
+    }
+
+    /// All effects at rest.
+    pub fn rest(&mut self) {
+        self.state = self.law().augmented.at_rest();
+    }
+
+    /// Force in kN on this tick: eq 13's and every effect's. Call it once per tick.
+    #[inline]
+    pub fn force(&mut self, motion: &Motion<f32>) -> f32 {
+        let [first, second] = &self.laws;
+        let law = if self.second { second } else { first };
+        let velocity = motion.velocity.confined(limits::VELOCITY as f32);
+        if self.filled < ROWS {
+            self.table.fill_row(&law.damping, self.filled);
+            self.table
+                .fill_row(&law.damping, PowerTable::row_of(velocity));
+            self.filled += 1;
+        }
+        let law_force = law.augmented.law().elastic_force(motion.displacement)
+            + self.table.damping_force(velocity);
+        law.augmented
+            .with_effects(&mut self.state, motion, law_force)
+    }
+}

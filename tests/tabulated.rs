@@ -1,0 +1,92 @@
+//! The law as it runs on the target, and its swap.
+
+use mesh_damper::effects::{AugmentedLaw, Effect, Motion, StickSlip};
+use mesh_damper::law::Law;
+use mesh_damper::tabulated::{RunningLaw, TabulatedLaw};
+
+fn law(k1: f32, c: f32, alpha: f32) -> TabulatedLaw<1> {
+    let law = AugmentedLaw::new(Law::new(k1, 10.0, c, alpha).unwrap());
+    let joints = Effect::StickSlip(StickSlip::new(&[(1.0, 0.02)]).unwrap());
+    TabulatedLaw::new(law.with(joints).unwrap())
+}
+
+/// Tick `n` of a motion that goes through every octave of the velocity again and again, in an order of its own.
+fn motion(n: u32) -> Motion<f32> {
+    let scattered = n.wrapping_mul(2_654_435_769);
+    let velocity = 2f32.powf(scattered as f32 * (34.0 / 4_294_967_296.0) - 21.0);
+    Motion {
+        displacement: 0.1 * (0.01 * n as f32).sin(),
+        velocity: if n.is_multiple_of(2) {
+            velocity
+        } else {
+            -velocity
+        },
+        ..Motion::default()
+    }
+}
+
+/// Forces of `laws`, each taking over at the tick beside it.
+fn forces(laws: &[(u32, TabulatedLaw<1>)], ticks: u32) -> Vec<f32> {
+    let mut running = RunningLaw::new(laws[0].1.clone());
+    (0..ticks)
+        .map(|n| {
+            if let Some((_, law)) = laws[1..].iter().find(|(at, _)| *at == n) {
+                running.swap(law.clone());
+                running.boundary();
+            }
+            running.force(&motion(n))
+        })
+        .collect()
+}
+
+#[test]
+fn every_force_after_a_swap_is_the_new_laws() {
+    let (first, second) = (law(1.0, 0.1, 0.4), law(2.0, 0.3, 0.2));
+    let (old, new) = (
+        forces(&[(0, first.clone())], 2000),
+        forces(&[(0, second.clone())], 2000),
+    );
+    // The third swap comes before the table is filled for the second.
+    let swaps = [
+        (0, first.clone()),
+        (500, second.clone()),
+        (1000, first.clone()),
+        (1100, second),
+        (1600, first),
+    ];
+    for (n, force) in forces(&swaps, 2000).iter().enumerate() {
+        let expected = match n {
+            500..1000 | 1100..1600 => new[n],
+            _ => old[n],
+        };
+        assert_eq!(*force, expected, "tick {n}");
+    }
+}
+
+#[test]
+fn a_law_that_waits_does_nothing_before_the_boundary_and_the_last_one_counts() {
+    let (first, second, third) = (law(1.0, 0.1, 0.4), law(2.0, 0.3, 0.2), law(3.0, 0.2, 0.3));
+    let (old, new) = (
+        forces(&[(0, first.clone())], 1000),
+        forces(&[(0, third.clone())], 1000),
+    );
+    let mut running = RunningLaw::new(first.clone());
+    for n in 0..1000 {
+        match n {
+            100 => running.swap(second.clone()),
+            200 => running.swap(third.clone()),
+            400 => running.boundary(),
+            _ => {}
+        }
+        assert_eq!(
+            *running.law(),
+            if n < 400 {
+                first.clone()
+            } else {
+                third.clone()
+            }
+        );
+        let expected = if n < 400 { &old } else { &new };
+        assert_eq!(running.force(&motion(n)), expected[n as usize]);
+    }
+}
