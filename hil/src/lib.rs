@@ -13,6 +13,7 @@
 //! | fitting coefficients with their uncertainty | [`identify`] |
 //! | which effect is missing, and by how much the law is better with it | [`mod@trace`], [`report`] |
 //! | a law as a file, and the force that it predicts | [`model`], [`model_file`], [`mod@predict`] |
+//! | the crate as an image for a microcontroller: built, measured, emulated | [`mod@image`] |
 //! | all of it once, from a seed | [`mod@demo`] |
 //!
 //! ```
@@ -29,6 +30,7 @@ pub mod actuator;
 pub mod demo;
 pub mod error;
 pub mod identify;
+pub mod image;
 pub mod link;
 pub mod model;
 pub mod model_file;
