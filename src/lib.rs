@@ -12,6 +12,7 @@
 //! | an excitation: sines, ramps and sweeps | [`sine`] |
 //! | stiffness, energy and loss factor of each cycle | [`cycle`]; without a generator, [`crossing`] |
 //! | velocity and acceleration from a measured displacement | [`observer`] |
+//! | a law as bytes, loadable while running | [`pack`] |
 //! | the fixed-tick controller of a rig, or of an emulated damper | [`rig`] |
 //! | a 16-bit ADC and DAC on SPI | [`adc`], [`dac`], [`converter`] |
 //!
@@ -60,6 +61,7 @@ pub mod error;
 pub mod law;
 pub mod limits;
 pub mod observer;
+pub mod pack;
 pub mod power;
 pub mod real;
 pub mod rig;

@@ -3,12 +3,10 @@
 use std::collections::BTreeMap;
 use std::fmt;
 
-use mesh_damper::effects::{
-    Asymmetry, AugmentedLaw, Drift, Effect, Hardening, Inertia, MAX_STICK_SLIP_ELEMENTS, Offset,
-    Relaxation, StickSlip, Temperature, Viscous,
-};
+use mesh_damper::effects::{AugmentedLaw, EffectParameters, MAX_STICK_SLIP_ELEMENTS};
 use mesh_damper::error::ConfigError;
 use mesh_damper::law::Law;
+use mesh_damper::pack::{self, LARGEST, PackError};
 use mesh_damper::real::Real;
 use serde::{Deserialize, Serialize};
 
@@ -164,6 +162,9 @@ pub enum ModelError {
     /// The law has no nodes, or its amplitudes do not increase.
     #[error("law: {0}")]
     Nodes(&'static str),
+    /// No coefficient pack can be made of it.
+    #[error("pack: {0}")]
+    Pack(PackError),
 }
 
 /// Eq 13 over amplitude, and what is added to it.
@@ -225,25 +226,60 @@ impl Model {
         tick: f64,
     ) -> Result<AugmentedLaw<R, MAX_EFFECTS>, ModelError> {
         let mut law = AugmentedLaw::new(self.law_at(amplitude)?);
-        for (index, added) in self.effects.iter().enumerate() {
-            let place = || format!("effects[{index}] ({})", added.family);
-            law = law
-                .with(added.effect(tick, place)?)
-                .map_err(|error| ModelError::Refused {
-                    place: place(),
-                    error,
-                })?;
+        for (index, parameters) in self.effect_parameters(tick)?.iter().enumerate() {
+            law = parameters
+                .effect()
+                .and_then(|effect| law.with(effect))
+                .map_err(|error| self.refused(index, error))?;
         }
         Ok(law)
+    }
+
+    /// The same as a coefficient pack, for a rig that runs.
+    ///
+    /// # Errors
+    /// As [`Self::augmented`].
+    pub fn pack(&self, amplitude: f64, tick: f64) -> Result<Vec<u8>, ModelError> {
+        let mut buffer = [0; LARGEST];
+        pack::encode::<MAX_EFFECTS>(
+            &self.law_at(amplitude)?,
+            &self.effect_parameters(tick)?,
+            &mut buffer,
+        )
+        .map(<[u8]>::to_vec)
+        .map_err(ModelError::Pack)
+    }
+
+    /// The added effects as the crate's constructors take them.
+    fn effect_parameters<R: Real>(
+        &self,
+        tick: f64,
+    ) -> Result<Vec<EffectParameters<R>>, ModelError> {
+        let effects = self.effects.iter().enumerate();
+        effects
+            .map(|(index, added)| added.parameters(tick, || self.place(index)))
+            .collect()
+    }
+
+    fn place(&self, index: usize) -> String {
+        format!("effects[{index}] ({})", self.effects[index].family)
+    }
+
+    fn refused(&self, index: usize, error: ConfigError) -> ModelError {
+        ModelError::Refused {
+            place: self.place(index),
+            error,
+        }
     }
 }
 
 impl AddedEffect {
-    fn effect<R: Real>(
+    /// What the crate's constructor takes, for a tick of `tick` s. `place` names the effect in an error.
+    fn parameters<R: Real>(
         &self,
         tick: f64,
         place: impl Fn() -> String,
-    ) -> Result<Effect<R>, ModelError> {
+    ) -> Result<EffectParameters<R>, ModelError> {
         let mut unused: Vec<&str> = self.parameters.keys().map(String::as_str).collect();
         let mut get = |name: &str| -> Result<R, ModelError> {
             unused.retain(|&other| other != name);
@@ -255,12 +291,14 @@ impl AddedEffect {
                     problem: format!("parameter {name} is missing"),
                 })
         };
-        let built = match self.family {
-            Family::Offset => Offset::new(get("force")?).map(Effect::Offset),
-            Family::Asymmetry => Asymmetry::new(get("k2")?).map(Effect::Asymmetry),
-            Family::Hardening => Hardening::new(get("k5")?).map(Effect::Hardening),
-            Family::Viscous => Viscous::new(get("c1")?).map(Effect::Viscous),
-            Family::Inertia => Inertia::new(get("mass")?).map(Effect::Inertia),
+        let parameters = match self.family {
+            Family::Offset => EffectParameters::Offset {
+                force: get("force")?,
+            },
+            Family::Asymmetry => EffectParameters::Asymmetry { k2: get("k2")? },
+            Family::Hardening => EffectParameters::Hardening { k5: get("k5")? },
+            Family::Viscous => EffectParameters::Viscous { c1: get("c1")? },
+            Family::Inertia => EffectParameters::Inertia { mass: get("mass")? },
             Family::StickSlip => {
                 let mut elements = vec![(get("stiffness")?, get("slip_limit")?)];
                 for number in 2..=MAX_STICK_SLIP_ELEMENTS {
@@ -275,26 +313,28 @@ impl AddedEffect {
                     }
                     elements.push((get(&stiffness)?, get(&slip_limit)?));
                 }
-                StickSlip::new(&elements).map(Effect::StickSlip)
+                EffectParameters::StickSlip(elements.into_iter().collect())
             }
-            Family::Relaxation => {
-                Relaxation::new(get("stiffness")?, get("time")?, R::from_f64(tick))
-                    .map(Effect::Relaxation)
-            }
-            Family::Drift => Drift::new(get("stiffness")?, get("cycles")?).map(Effect::Drift),
-            Family::Temperature => {
-                Temperature::new(get("beta")?, get("reference")?).map(Effect::Temperature)
-            }
+            Family::Relaxation => EffectParameters::Relaxation {
+                stiffness: get("stiffness")?,
+                time: get("time")?,
+                tick: R::from_f64(tick),
+            },
+            Family::Drift => EffectParameters::Drift {
+                stiffness: get("stiffness")?,
+                cycles: get("cycles")?,
+            },
+            Family::Temperature => EffectParameters::Temperature {
+                beta: get("beta")?,
+                reference: get("reference")?,
+            },
         };
-        if let Some(name) = unused.first() {
-            return Err(ModelError::Parameters {
+        match unused.first() {
+            Some(name) => Err(ModelError::Parameters {
                 place: place(),
                 problem: format!("parameter {name} is not one of its own"),
-            });
+            }),
+            None => Ok(parameters),
         }
-        built.map_err(|error| ModelError::Refused {
-            place: place(),
-            error,
-        })
     }
 }

@@ -259,6 +259,7 @@ pub fn model_error(file: &str, error: &ModelError) -> InputError {
         ModelError::Refused { place, error } => (place.clone(), error.to_string()),
         ModelError::Parameters { place, problem } => (place.clone(), problem.clone()),
         ModelError::Nodes(problem) => ("law".into(), (*problem).to_owned()),
+        ModelError::Pack(error) => ("effects".into(), error.to_string()),
     };
     InputError::new(
         file,

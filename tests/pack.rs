@@ -1,0 +1,265 @@
+//! Coefficient packs: what goes in comes out, and nothing that is damaged does.
+
+use mesh_damper::effects::{AugmentedLaw, EffectParameters, MAX_STICK_SLIP_ELEMENTS};
+use mesh_damper::error::ConfigError;
+use mesh_damper::law::Law;
+use mesh_damper::pack::{LARGEST, PackError, Upload, decode, encode};
+use mesh_damper::power::{PowerSeed, PowerTable};
+use mesh_damper::tabulated::TabulatedLaw;
+use proptest::prelude::*;
+
+const EFFECTS: usize = 8;
+
+fn law() -> Law<f32> {
+    Law::new(1.0539, 10.5, 0.1114, 0.3969).unwrap()
+}
+
+fn every_effect() -> Vec<EffectParameters<f32>> {
+    let elements = (1..=MAX_STICK_SLIP_ELEMENTS).map(|n| (0.1 * n as f32, 0.01 * n as f32));
+    vec![
+        EffectParameters::Offset { force: 0.02 },
+        EffectParameters::Asymmetry { k2: -1.5 },
+        EffectParameters::Hardening { k5: 120.0 },
+        EffectParameters::StickSlip(elements.collect()),
+        EffectParameters::Viscous { c1: 1e-3 },
+        EffectParameters::Relaxation {
+            stiffness: 0.4,
+            time: 0.05,
+            tick: 1e-4,
+        },
+        EffectParameters::Inertia { mass: 2.5 },
+        EffectParameters::Drift {
+            stiffness: -0.2,
+            cycles: 40.0,
+        },
+        EffectParameters::Temperature {
+            beta: 2e-3,
+            reference: 20.0,
+        },
+    ]
+}
+
+fn pack(effects: &[EffectParameters<f32>]) -> Vec<u8> {
+    let mut buffer = [0; LARGEST];
+    encode::<EFFECTS>(&law(), effects, &mut buffer)
+        .unwrap()
+        .to_vec()
+}
+
+fn refused(bytes: &[u8]) -> PackError {
+    decode::<EFFECTS>(bytes).unwrap_err()
+}
+
+#[test]
+fn the_law_that_comes_out_is_the_one_that_went_in() {
+    let effects = &every_effect()[..EFFECTS];
+    let mut expected = AugmentedLaw::new(law());
+    for effect in effects {
+        expected = expected.with(effect.effect().unwrap()).unwrap();
+    }
+    let decoded = decode::<EFFECTS>(&pack(effects)).unwrap();
+    assert_eq!(decoded, TabulatedLaw::new(expected));
+    let seed = PowerSeed::new(law().c().into(), law().alpha().into()).unwrap();
+    assert_eq!(*decoded.damping(), seed);
+    assert_eq!(
+        decode::<EFFECTS>(&pack(&every_effect()[8..]))
+            .unwrap()
+            .augmented()
+            .effects()
+            .len(),
+        1
+    );
+}
+
+#[test]
+fn eight_of_the_largest_effects_fit() {
+    let elements = [(1.0, 0.1); MAX_STICK_SLIP_ELEMENTS];
+    let largest = EffectParameters::StickSlip(elements.into_iter().collect());
+    let effects = vec![largest; EFFECTS];
+    assert!(decode::<EFFECTS>(&pack(&effects)).is_ok());
+}
+
+#[test]
+fn a_pack_with_any_one_bit_changed_is_refused() {
+    let good = pack(&every_effect()[..EFFECTS]);
+    for bit in 0..8 * good.len() {
+        let mut bad = good.clone();
+        bad[bit / 8] ^= 1 << (bit % 8);
+        refused(&bad);
+    }
+}
+
+#[test]
+fn each_damage_is_named() {
+    let good = pack(&[]);
+    let changed = |index: usize, value: u8| {
+        let mut bad = good.clone();
+        bad[index] = value;
+        bad
+    };
+    assert_eq!(refused(&changed(0, b'X')), PackError::Magic);
+    assert_eq!(refused(&changed(4, 7)), PackError::Version { found: 7 });
+    assert_eq!(refused(&changed(8, !good[8])), PackError::Checksum);
+    assert_eq!(refused(&changed(20, !good[20])), PackError::Checksum);
+    for length in 0..good.len() {
+        assert!(
+            matches!(refused(&good[..length]), PackError::Length { found, .. } if found == length)
+        );
+    }
+    let mut longer = good.clone();
+    longer.push(0);
+    assert!(matches!(refused(&longer), PackError::Length { .. }));
+}
+
+/// A body as bytes with the header that a pack has.
+fn with_header(body: &[u8]) -> Vec<u8> {
+    let mut stamped = 1u16.to_le_bytes().to_vec();
+    stamped.extend((body.len() as u16).to_le_bytes());
+    let mut crc = !0u32;
+    for byte in stamped.iter().chain(body) {
+        crc ^= u32::from(*byte);
+        for _ in 0..8 {
+            crc = (crc >> 1) ^ (0xEDB8_8320 & (crc & 1).wrapping_neg());
+        }
+    }
+    let mut pack = b"MDCP".to_vec();
+    pack.extend(&stamped);
+    pack.extend((!crc).to_le_bytes());
+    pack.extend(body);
+    pack
+}
+
+/// Whoever computes the checksum right can still send nonsense.
+#[test]
+fn a_sound_checksum_does_not_make_a_sound_law() {
+    let good = pack(&every_effect()[..1]);
+    let body = good[12..].to_vec();
+    assert_eq!(with_header(&body), good);
+    let with_float = |index: usize, value: f32| {
+        let mut body = body.clone();
+        body[4 * index..4 * index + 4].copy_from_slice(&value.to_le_bytes());
+        with_header(&body)
+    };
+    let non_finite = |field| PackError::Refused(ConfigError::NonFinite(field));
+    assert_eq!(refused(&with_float(0, f32::NAN)), non_finite("k1"));
+    assert!(matches!(
+        refused(&with_float(2, -1.0)),
+        PackError::Refused(ConfigError::OutOfRange { field: "c", .. })
+    ));
+    for index in 4..68 {
+        let error = refused(&with_float(index, f32::INFINITY));
+        assert!(matches!(error, PackError::Refused(_)), "{index}: {error:?}");
+    }
+    assert_eq!(refused(&with_header(&body[..100])), PackError::Body);
+    let mut longer = body.clone();
+    longer.push(0);
+    assert_eq!(refused(&with_header(&longer)), PackError::Body);
+    // More effects than there is room for.
+    let mut buffer = [0; LARGEST];
+    let nine = encode::<9>(&law(), &every_effect(), &mut buffer).unwrap();
+    assert_eq!(refused(nine), PackError::Body);
+}
+
+#[test]
+fn a_pack_that_cannot_be_right_is_not_made() {
+    let mut buffer = [0; LARGEST];
+    let wrong = [EffectParameters::Inertia { mass: f32::NAN }];
+    assert_eq!(
+        encode::<EFFECTS>(&law(), &wrong, &mut buffer),
+        Err(PackError::Refused(ConfigError::NonFinite("mass")))
+    );
+    assert!(matches!(
+        encode::<EFFECTS>(&law(), &every_effect(), &mut buffer),
+        Err(PackError::Refused(ConfigError::Full {
+            capacity: EFFECTS,
+            ..
+        }))
+    ));
+    for length in [0, 5, 12, 100, 283] {
+        assert!(matches!(
+            encode::<EFFECTS>(&law(), &[], &mut buffer[..length]),
+            Err(PackError::Length { .. })
+        ));
+    }
+}
+
+#[test]
+fn parts_must_follow_one_another() {
+    let good = pack(&every_effect()[..EFFECTS]);
+    let mut upload = Upload::default();
+    assert_eq!(
+        upload.part(4, &good[4..8]),
+        Err(PackError::Order {
+            expected: 0,
+            found: 4
+        })
+    );
+    upload.part(0, &good[..40]).unwrap();
+    // Repeated, and one left out.
+    assert_eq!(
+        upload.part(20, &good[20..40]),
+        Err(PackError::Order {
+            expected: 40,
+            found: 20
+        })
+    );
+    assert_eq!(
+        upload.part(80, &good[80..]),
+        Err(PackError::Order {
+            expected: 40,
+            found: 80
+        })
+    );
+    assert!(matches!(
+        upload.part(40, &[0; LARGEST]),
+        Err(PackError::Length { .. })
+    ));
+    upload.part(40, &good[40..]).unwrap();
+    assert_eq!(upload.finish(), decode::<EFFECTS>(&good));
+    // It is empty again.
+    assert!(matches!(
+        upload.finish::<EFFECTS>(),
+        Err(PackError::Length { found: 0, .. })
+    ));
+    // One that broke off is begun anew.
+    upload.part(0, &good[..40]).unwrap();
+    for (number, part) in good.chunks(40).enumerate() {
+        upload.part(40 * number, part).unwrap();
+    }
+    assert!(upload.finish::<EFFECTS>().is_ok());
+}
+
+proptest! {
+    #[test]
+    fn any_bytes_are_refused(bytes in prop::collection::vec(any::<u8>(), 0..LARGEST)) {
+        prop_assert!(decode::<EFFECTS>(&bytes).is_err());
+    }
+
+    /// A body changed by whoever computes the checksum anew is refused, or is a law whose force is finite.
+    #[test]
+    fn what_is_not_refused_is_a_law(
+        changes in prop::collection::vec((any::<prop::sample::Index>(), any::<u8>()), 1..8),
+        velocity in -1e6f32..1e6,
+    ) {
+        let mut body = pack(&every_effect()[..EFFECTS])[12..].to_vec();
+        for (index, value) in changes {
+            let index = index.index(body.len());
+            body[index] = value;
+        }
+        if let Ok(law) = decode::<EFFECTS>(&with_header(&body)) {
+            let table = PowerTable::new(law.damping());
+            prop_assert!(table.damping_force(velocity).is_finite());
+            prop_assert!(law.augmented().law().force(0.1, velocity).is_finite());
+        }
+    }
+
+    #[test]
+    fn any_law_survives(
+        k1 in -1e9f32..1e9, k3 in -1e9f32..1e9, c in 0f32..1e9, alpha in 0f32..=1.0,
+    ) {
+        let law = Law::new(k1, k3, c, alpha).unwrap();
+        let mut buffer = [0; LARGEST];
+        let pack = encode::<EFFECTS>(&law, &[], &mut buffer).unwrap();
+        prop_assert_eq!(decode::<EFFECTS>(pack).unwrap(), TabulatedLaw::new(AugmentedLaw::new(law)));
+    }
+}
