@@ -4,10 +4,16 @@
 
 #[path = "bench/counter.rs"]
 mod counter;
+#[path = "bench/effects.rs"]
+mod effects;
 #[path = "bench/known.rs"]
 mod known;
+#[path = "bench/naive.rs"]
+mod naive;
 #[path = "bench/power.rs"]
 mod power;
+#[path = "bench/rig.rs"]
+mod rig;
 #[path = "bench/semihosting.rs"]
 mod semihosting;
 #[path = "bench/suite.rs"]
@@ -28,8 +34,10 @@ fn main() -> ! {
     let mut counter = counter::Counter::new(peripherals.SYST);
     known::run(&mut counter);
     power::run(&mut counter);
-    let done = tick::run(&mut counter);
-    semihosting::exit(done.is_ok())
+    let done = tick::run(&mut counter).is_ok()
+        && effects::run(&mut counter).is_ok()
+        && rig::run(&mut counter).is_ok();
+    semihosting::exit(done)
 }
 
 #[panic_handler]

@@ -90,6 +90,22 @@ impl When {
     }
 }
 
+impl When {
+    /// What is said of a block in which both happened.
+    pub fn or(self, other: Self) -> Self {
+        [self, other]
+            .into_iter()
+            .max_by_key(|when| match when {
+                Self::Steady => 0,
+                Self::Swap => 1,
+                Self::CycleEnd => 2,
+                Self::Ramp => 3,
+                Self::Done => 4,
+            })
+            .unwrap_or(self)
+    }
+}
+
 /// A tally for each moment of a tick.
 pub struct Moments {
     ramp: Tally,
@@ -126,9 +142,13 @@ impl Moments {
 
     /// Under `name`, one line for each moment.
     pub fn report(&self, meter: &mut impl Meter, name: &str) {
-        meter.report(name, "ramp", &self.ramp);
+        if self.ramp.calls > 0 {
+            meter.report(name, "ramp", &self.ramp);
+        }
         meter.report(name, "steady", &self.steady);
         meter.report(name, "cycle-end", &self.cycle_end);
-        meter.report(name, "swap", &self.swap);
+        if self.swap.calls > 0 {
+            meter.report(name, "swap", &self.swap);
+        }
     }
 }

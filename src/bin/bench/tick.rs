@@ -1,100 +1,159 @@
-//! The whole tick: generator, law, accumulator.
+//! The whole tick (generator, law, accumulator) of the crate, alone and in blocks, and of [`super::naive`].
 
 use mesh_damper::cycle::{Cycle, CycleAccumulator};
 use mesh_damper::effects::{AugmentedLaw, Motion};
 use mesh_damper::error::ConfigError;
 use mesh_damper::law::Law;
+use mesh_damper::power::ROWS;
 use mesh_damper::sine::{Block, Programme, SineGenerator};
 use mesh_damper::table::PAPER;
 use mesh_damper::tabulated::{RunningLaw, TabulatedLaw};
 
+use super::naive::{self, Naive};
 use super::suite::{Meter, Moments, When};
 
 /// Ticks per second.
 pub const TICK_RATE: f64 = 10_000.0;
-/// Not a whole number of ticks to the cycle.
+/// Hz: no whole number of ticks to the cycle.
 pub const FREQUENCY: f64 = 9.7;
 /// Cycles at full amplitude.
 pub const CYCLES: u32 = 4;
-/// Densities, g/cm³, and amplitudes, mm, whose law and motion are run.
-pub const DENSITIES: [f32; 3] = [2.0, 3.0, 4.0];
-/// Amplitudes, mm.
-pub const AMPLITUDES: [f32; 3] = [0.05, 0.15, 0.25];
+/// Ticks that the naive tick is run for, which has no ramps and no end.
+pub const NAIVE_TICKS: u32 = 4200;
+/// Ticks to the block.
+pub const BLOCK: usize = 64;
+
+/// Densities, g/cm³, and amplitudes, mm.
+const DENSITIES: [f32; 3] = [2.0, 3.0, 4.0];
+const AMPLITUDES: [f32; 3] = [0.05, 0.15, 0.25];
+
+/// The published laws that are run, each with its amplitude in mm.
+pub fn laws() -> impl Iterator<Item = (f32, Law<f32>)> {
+    AMPLITUDES.into_iter().flat_map(|amplitude| {
+        DENSITIES.map(|density| (amplitude, PAPER.lookup(density, amplitude).law))
+    })
+}
 
 /// What a tick works on.
 struct Whole {
     generator: SineGenerator<1>,
     law: RunningLaw<1>,
     accumulator: CycleAccumulator,
-    /// What the tick came to, beside the force.
+    /// What the last tick came to, beside its force.
     when: When,
     cycle: Option<Cycle>,
+    /// Of the last block.
+    forces: [f32; BLOCK],
 }
 
-extern "C" fn whole(context: &mut Whole, _: f32, _: f32) -> f32 {
-    let now = context.generator.tick();
-    if now.cycle_end {
-        context.law.boundary();
+impl Whole {
+    /// A sine of `amplitude` mm with a ramp of one cycle before and after it.
+    fn new(amplitude: f32, law: Law<f32>) -> Result<Self, ConfigError> {
+        let block = Block::sine(f64::from(amplitude), FREQUENCY, CYCLES)?;
+        Ok(Self {
+            generator: SineGenerator::new(Programme::new(TICK_RATE, 1)?.with(block)?)?,
+            law: RunningLaw::new(TabulatedLaw::new(AugmentedLaw::new(law))),
+            accumulator: CycleAccumulator::new(),
+            when: When::Ramp,
+            cycle: None,
+            forces: [0.0; BLOCK],
+        })
     }
-    let force = context.law.force(&Motion {
-        displacement: now.displacement,
-        velocity: now.velocity,
-        ..Motion::default()
-    });
-    context.cycle = context
-        .accumulator
-        .update(now.displacement, force, now.phase);
-    context.when = When::of(now.done, now.ramp, now.cycle_end);
-    force
+
+    #[inline(always)]
+    fn tick(&mut self) -> f32 {
+        let now = self.generator.tick();
+        if now.cycle_end {
+            self.law.boundary();
+        }
+        let force = self.law.force(&Motion {
+            displacement: now.displacement,
+            velocity: now.velocity,
+            ..Motion::default()
+        });
+        self.cycle = self.accumulator.update(now.displacement, force, now.phase);
+        self.when = When::of(now.done, now.ramp, now.cycle_end);
+        force
+    }
 }
 
-/// A programme of one block, with a ramp of one cycle before and after it.
-fn programme(amplitude: f32) -> Result<Programme<1>, ConfigError> {
-    Programme::new(TICK_RATE, 1)?.with(Block::sine(f64::from(amplitude), FREQUENCY, CYCLES)?)
+extern "C" fn tick(whole: &mut Whole, _: f32, _: f32) -> f32 {
+    whole.tick()
 }
 
-/// The laws that are run, with their amplitudes.
-fn laws() -> impl Iterator<Item = (f32, Law<f32>)> {
-    AMPLITUDES.into_iter().flat_map(|amplitude| {
-        DENSITIES.map(|density| (amplitude, PAPER.lookup(density, amplitude).law))
-    })
+extern "C" fn block(whole: &mut Whole, _: f32, _: f32) -> f32 {
+    let mut forces = whole.forces;
+    let mut when = When::Steady;
+    for force in &mut forces {
+        *force = whole.tick();
+        when = when.or(whole.when);
+    }
+    whole.forces = forces;
+    whole.when = when;
+    0.0
+}
+
+/// Alone, with a swap of coefficients at the third end of a cycle.
+fn alone(meter: &mut impl Meter) -> Result<(), ConfigError> {
+    let mut moments = Moments::new();
+    for (amplitude, law) in laws() {
+        let mut whole = Whole::new(amplitude, law)?;
+        let other = TabulatedLaw::new(AugmentedLaw::new(law));
+        let mut ends = 0;
+        let mut since_swap = ROWS;
+        while whole.when != When::Done {
+            let result = meter.call(tick, &mut whole, 0.0, 0.0);
+            let ended = whole.when == When::CycleEnd;
+            ends += u32::from(ended);
+            since_swap = if ended && ends == 3 {
+                0
+            } else {
+                since_swap + 1
+            };
+            if ended && ends == 2 {
+                whole.law.swap(other.clone());
+            }
+            let when = match whole.when {
+                When::Steady if since_swap < ROWS => When::Swap,
+                when => when,
+            };
+            moments.add(when, result, whole.cycle.as_ref());
+        }
+    }
+    moments.report(meter, "tick/whole");
+    Ok(())
+}
+
+fn blocks(meter: &mut impl Meter) -> Result<(), ConfigError> {
+    let mut moments = Moments::new();
+    for (amplitude, law) in laws() {
+        let mut whole = Whole::new(amplitude, law)?;
+        while whole.when != When::Done {
+            let result = meter.call(block, &mut whole, 0.0, 0.0);
+            moments.add(whole.when, result, None);
+        }
+    }
+    moments.report(meter, "tick/block");
+    Ok(())
+}
+
+fn naive(meter: &mut impl Meter) {
+    let mut moments = Moments::new();
+    for (amplitude, law) in laws() {
+        let mut naive = Naive::new(&law, amplitude, FREQUENCY, TICK_RATE);
+        for _ in 0..NAIVE_TICKS {
+            let result = meter.call(naive::TICK, &mut naive, 0.0, 0.0);
+            moments.add(naive.when(), result, naive.cycle.as_ref());
+        }
+    }
+    moments.report(meter, "tick/naive");
 }
 
 /// # Errors
 /// None: every value is in its range.
 pub fn run(meter: &mut impl Meter) -> Result<(), ConfigError> {
-    let mut moments = Moments::new();
-    for (amplitude, law) in laws() {
-        let tabulated = TabulatedLaw::new(AugmentedLaw::new(law));
-        let mut context = Whole {
-            generator: SineGenerator::new(programme(amplitude)?)?,
-            law: RunningLaw::new(tabulated.clone()),
-            accumulator: CycleAccumulator::new(),
-            when: When::Ramp,
-            cycle: None,
-        };
-        let mut ends = 0;
-        let mut since_swap = 0;
-        while context.when != When::Done {
-            let result = meter.call(whole, &mut context, 0.0, 0.0);
-            let ended = context.when == When::CycleEnd;
-            ends += u32::from(ended);
-            // The table is being filled for the first time in the ramp; a swap comes into force at the third end.
-            if ended && ends == 2 {
-                context.law.swap(tabulated.clone());
-            }
-            since_swap = if ends < 3 {
-                u32::MAX
-            } else {
-                since_swap.wrapping_add(1)
-            };
-            let when = match context.when {
-                When::Steady if since_swap < 256 => When::Swap,
-                when => when,
-            };
-            moments.add(when, result, context.cycle.as_ref());
-        }
-    }
-    moments.report(meter, "tick/whole");
+    alone(meter)?;
+    blocks(meter)?;
+    naive(meter);
     Ok(())
 }

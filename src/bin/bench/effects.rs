@@ -1,0 +1,107 @@
+//! What each added effect costs: the law as it runs on the target with none, with one, and with all of them.
+
+use mesh_damper::effects::{
+    Asymmetry, AugmentedLaw, Drift, Effect, Hardening, Inertia, Motion, Offset, Relaxation,
+    StickSlip, Temperature, Viscous,
+};
+use mesh_damper::error::ConfigError;
+use mesh_damper::sine::{Block, Programme, SineGenerator};
+use mesh_damper::table::PAPER;
+use mesh_damper::tabulated::{RunningLaw, TabulatedLaw};
+
+use super::suite::{Meter, Tally};
+use super::tick::{FREQUENCY, TICK_RATE};
+
+/// Effects that there are.
+const EFFECTS: usize = 9;
+/// mm
+const AMPLITUDE: f32 = 0.1;
+/// Elements, kN/mm and mm.
+const ELEMENTS: [(f32, f32); 6] = [
+    (0.9, 0.01),
+    (0.8, 0.02),
+    (0.7, 0.03),
+    (0.6, 0.045),
+    (0.5, 0.06),
+    (0.4, 0.09),
+];
+
+struct Beside {
+    law: RunningLaw<EFFECTS>,
+    motion: Motion<f32>,
+}
+
+extern "C" fn force(beside: &mut Beside, _: f32, _: f32) -> f32 {
+    beside.law.force(&beside.motion)
+}
+
+fn law(effects: &[Effect<f32>]) -> Result<RunningLaw<EFFECTS>, ConfigError> {
+    let mut law = AugmentedLaw::new(PAPER.lookup(3.0, AMPLITUDE).law);
+    for effect in effects {
+        law = law.with(*effect)?;
+    }
+    Ok(RunningLaw::new(TabulatedLaw::new(law)))
+}
+
+/// Over the second and the third cycle of a sine; the first fills the table.
+fn count(meter: &mut impl Meter, name: &str, effects: &[Effect<f32>]) -> Result<(), ConfigError> {
+    let block = Block::sine(f64::from(AMPLITUDE), FREQUENCY, 2)?;
+    let mut generator = SineGenerator::new(Programme::<1>::new(TICK_RATE, 1)?.with(block)?)?;
+    let mut beside = Beside {
+        law: law(effects)?,
+        motion: Motion::default(),
+    };
+    let mut tally = Tally::new();
+    loop {
+        let now = generator.tick();
+        if now.cycle > 2 {
+            break;
+        }
+        beside.motion = Motion {
+            displacement: now.displacement,
+            velocity: now.velocity,
+            acceleration: now.acceleration,
+            cycles: now.cycle as f32 + now.phase as f32 * (1.0 / (1u64 << 32) as f32),
+            temperature: 20.0 + 30.0 * now.displacement,
+        };
+        let result = meter.call(force, &mut beside, 0.0, 0.0);
+        if now.cycle > 0 {
+            tally.add(result);
+        }
+    }
+    meter.report(name, "call", &tally);
+    Ok(())
+}
+
+/// # Errors
+/// None: every value is in its range.
+pub fn run(meter: &mut impl Meter) -> Result<(), ConfigError> {
+    let stick_slip = |elements| StickSlip::new(elements).map(Effect::StickSlip);
+    let [one, ..] = ELEMENTS;
+    let each = [
+        ("effects/offset", Effect::Offset(Offset::new(0.05)?)),
+        ("effects/asymmetry", Effect::Asymmetry(Asymmetry::new(2.0)?)),
+        (
+            "effects/hardening",
+            Effect::Hardening(Hardening::new(90.0)?),
+        ),
+        ("effects/stick_slip", stick_slip(&ELEMENTS)?),
+        ("effects/viscous", Effect::Viscous(Viscous::new(0.005)?)),
+        (
+            "effects/relaxation",
+            Effect::Relaxation(Relaxation::new(0.8, 0.05, (1.0 / TICK_RATE) as f32)?),
+        ),
+        ("effects/inertia", Effect::Inertia(Inertia::new(0.5)?)),
+        ("effects/drift", Effect::Drift(Drift::new(0.2, 30.0)?)),
+        (
+            "effects/temperature",
+            Effect::Temperature(Temperature::new(0.002, 20.0)?),
+        ),
+    ];
+    count(meter, "effects/none", &[])?;
+    for (name, effect) in each {
+        count(meter, name, &[effect])?;
+    }
+    count(meter, "effects/stick_slip_1", &[stick_slip(&[one])?])?;
+    count(meter, "effects/all", &each.map(|(_, effect)| effect))
+}
