@@ -86,6 +86,12 @@ pub struct PowerSeed {
 }
 
 impl PowerSeed {
+    /// Of no damping.
+    pub(crate) const EMPTY: Self = Self {
+        octave: [[0.0; 4]; SEGMENTS],
+        scale: [0.0; OCTAVES],
+    };
+
     /// * `c`: kN·(s/mm)^α, 0…1e9
     /// * `alpha`: 0…1
     ///

@@ -26,6 +26,8 @@ pub use emulator::{Emulator, EmulatorSettings};
 pub use fault::Fault;
 pub use output::State;
 
+use core::borrow::{Borrow, BorrowMut};
+
 use embedded_hal::digital::OutputPin;
 use embedded_hal::spi::SpiDevice;
 
@@ -135,15 +137,18 @@ pub struct CycleReport {
 }
 
 /// A rig with up to `B` blocks in its programme and up to `N` effects in its law.
+///
+/// It owns both, or borrows them: with 2 KiB to sixteen blocks and 6 KiB of law they are what does not fit on a small stack,
+/// and firmware keeps them in statics.
 #[derive(Debug)]
-pub struct Rig<A, D, E, const B: usize, const N: usize> {
+pub struct Rig<A, D, E, const B: usize, const N: usize, P = Programme<B>, L = RunningLaw<N>> {
     adc: Ads8688<A>,
     output: Output<D, E>,
     limits: Limits,
     observer_config: ObserverConfig,
     correction_config: CorrectionConfig,
-    generator: SineGenerator<B>,
-    law: RunningLaw<N>,
+    generator: SineGenerator<B, P>,
+    law: L,
     observer: Observer,
     correction: Correction,
     comparison: Comparison,
@@ -154,13 +159,16 @@ pub struct Rig<A, D, E, const B: usize, const N: usize> {
     tick: u64,
 }
 
-impl<A, D, E, const B: usize, const N: usize> Rig<A, D, E, B, N>
+impl<A, D, E, const B: usize, const N: usize, P, L> Rig<A, D, E, B, N, P, L>
 where
     A: SpiDevice,
     D: SpiDevice,
     E: OutputPin,
+    P: Borrow<Programme<B>>,
+    L: BorrowMut<RunningLaw<N>>,
 {
-    /// Idle, enable line low. The DAC's scale is that of the command in mm. Ticks run at the programme's rate.
+    /// Idle, enable line low. The DAC's scale is that of the command in mm. Ticks run at the programme's rate. `programme`
+    /// and `law` are either what they are called or references to it.
     ///
     /// # Errors
     /// A setting that is not finite or out of range; a programme without blocks.
@@ -169,10 +177,10 @@ where
         dac: Ad5761<D>,
         enable: E,
         settings: &RigSettings,
-        programme: Programme<B>,
-        law: TabulatedLaw<N>,
+        programme: P,
+        law: L,
     ) -> Result<Self, ConfigError> {
-        let tick_rate = programme.tick_rate();
+        let tick_rate = programme.borrow().tick_rate();
         let limits = Limits::new(
             settings.displacement_limit,
             settings.force_limit,
@@ -198,7 +206,7 @@ where
             )?,
             correction_config,
             generator: SineGenerator::new(programme)?,
-            law: RunningLaw::new(law),
+            law,
             observer: Observer::default(),
             correction: Correction::new(&correction_config),
             comparison: Comparison::default(),
@@ -216,8 +224,9 @@ where
         let started = self.output.start();
         if started {
             self.generator.restart();
-            self.law.boundary();
-            self.law.rest();
+            let law = self.law.borrow_mut();
+            law.boundary();
+            law.rest();
             self.comparison = Comparison::default();
             self.exceeded = Exceeded::default();
             self.correction.restart();
@@ -240,12 +249,12 @@ where
     /// Another law from the end of this cycle on, or from the start where not running; see [`Rig::law`]. What its
     /// effects remember is kept where they are of the same kinds in the same order as before.
     pub fn swap_law(&mut self, law: TabulatedLaw<N>) {
-        self.law.swap(law);
+        self.law.borrow_mut().swap(law);
     }
 
     /// The law in force.
     pub fn law(&self) -> &TabulatedLaw<N> {
-        self.law.law()
+        self.law.borrow().law()
     }
 
     /// Temperature for the law's effects, °C; 20 until set.
@@ -280,12 +289,12 @@ where
         }
         let excitation = self.excitation;
         if excitation.cycle_end {
-            self.law.boundary();
+            self.law.borrow_mut().boundary();
         }
         let estimate =
             self.observer
                 .update(&self.observer_config, displacement, excitation.acceleration);
-        let model_force = self.law.force(&Motion {
+        let model_force = self.law.borrow_mut().force(&Motion {
             displacement: estimate.displacement,
             velocity: estimate.velocity,
             acceleration: estimate.acceleration,

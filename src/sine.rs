@@ -13,6 +13,8 @@
 //! exactly, wherever in the tick the sweep began. Position, velocity and frequency are continuous throughout; the
 //! acceleration too, but for k's own jump where a change of frequency begins and ends.
 
+use core::borrow::Borrow;
+
 use crate::error::ConfigError;
 use crate::real::in_range;
 
@@ -364,6 +366,15 @@ impl<const N: usize> Programme<N> {
     /// [`ConfigError::OutOfRange`] when a frequency exceeds a quarter of the tick rate, [`ConfigError::Full`] when `N`
     /// blocks are in it already.
     pub fn with(mut self, block: Block) -> Result<Self, ConfigError> {
+        self.push(block)?;
+        Ok(self)
+    }
+
+    /// One more block at the programme's end: [`Programme::with`] in place.
+    ///
+    /// # Errors
+    /// As [`Programme::with`]; the programme is as it was then.
+    pub fn push(&mut self, block: Block) -> Result<(), ConfigError> {
         for (field, frequency) in [("from", block.from), ("to", block.to)] {
             let field = if block.from == block.to {
                 "frequency"
@@ -392,18 +403,19 @@ impl<const N: usize> Programme<N> {
                 block.cycles,
             ),
         };
-        self.to_rest = Some(segment(
+        let to_rest = segment(
             (block.amplitude, 0.0),
             (block.to, block.to),
             self.ramp_cycles,
-        ));
-        self.duration += duration(frequency, block.from, self.ramp_cycles)
-            + duration(block.from, block.to, block.cycles);
+        );
         self.planned.push(planned).map_err(|_| ConfigError::Full {
             field: "blocks",
             capacity: N,
         })?;
-        Ok(self)
+        self.to_rest = Some(to_rest);
+        self.duration += duration(frequency, block.from, self.ramp_cycles)
+            + duration(block.from, block.to, block.cycles);
+        Ok(())
     }
 
     /// Ticks per second.
@@ -468,8 +480,8 @@ enum Stage {
 /// n ticks the phase is within n units of the exact quotient: 10¹⁰ ticks (10⁶ cycles of 1 Hz at 10 kHz) make
 /// 3e-29 of a cycle.
 #[derive(Clone, Debug)]
-pub struct SineGenerator<const N: usize> {
-    programme: Programme<N>,
+pub struct SineGenerator<const N: usize, P = Programme<N>> {
+    programme: P,
     at: Place,
 }
 
@@ -508,13 +520,14 @@ impl Place {
     }
 }
 
-impl<const N: usize> SineGenerator<N> {
-    /// At rest, at the start of `programme`.
+impl<const N: usize, P: Borrow<Programme<N>>> SineGenerator<N, P> {
+    /// At rest, at the start of `programme`: the programme itself, or a reference to it.
     ///
     /// # Errors
     /// [`ConfigError::Empty`] for a programme with no block.
-    pub fn new(programme: Programme<N>) -> Result<Self, ConfigError> {
+    pub fn new(programme: P) -> Result<Self, ConfigError> {
         let first = programme
+            .borrow()
             .planned
             .first()
             .ok_or(ConfigError::Empty("blocks"))?
@@ -527,12 +540,12 @@ impl<const N: usize> SineGenerator<N> {
 
     /// What it walks.
     pub fn programme(&self) -> &Programme<N> {
-        &self.programme
+        self.programme.borrow()
     }
 
     /// Back to the start of the programme, at rest.
     pub fn restart(&mut self) {
-        if let Some(first) = self.programme.planned.first() {
+        if let Some(first) = self.programme.borrow().planned.first() {
             self.at = Place::start(first.ramp);
         }
     }
@@ -587,13 +600,14 @@ impl<const N: usize> SineGenerator<N> {
 
     /// Goes on to the next segment at the end of this one, with the phase that is already past it.
     fn next_segment(&mut self) {
-        let planned = &self.programme.planned;
+        let programme = self.programme.borrow();
+        let planned = &programme.planned;
         let at = &mut self.at;
         let (stage, block, segment) =
             match (at.stage, planned.get(at.block), planned.get(at.block + 1)) {
                 (Stage::Ramp, Some(this), _) => (Stage::Steady, at.block, Some(this.steady)),
                 (Stage::Steady, _, Some(next)) => (Stage::Ramp, at.block + 1, Some(next.ramp)),
-                (Stage::Steady, _, None) => (Stage::ToRest, at.block, self.programme.to_rest),
+                (Stage::Steady, _, None) => (Stage::ToRest, at.block, programme.to_rest),
                 _ => (Stage::Done, at.block, None),
             };
         at.stage = stage;

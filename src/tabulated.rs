@@ -18,6 +18,11 @@ pub struct TabulatedLaw<const N: usize> {
 }
 
 impl<const N: usize> TabulatedLaw<N> {
+    const EMPTY: Self = Self {
+        augmented: AugmentedLaw::new(Law::from_valid(0.0, 0.0, 0.0, 0.0)),
+        damping: PowerSeed::EMPTY,
+    };
+
     /// Takes 64 powers in f64: not for the hot path.
     pub fn new(augmented: AugmentedLaw<f32, N>) -> Self {
         Self {
@@ -78,13 +83,21 @@ pub struct RunningLaw<const N: usize> {
 impl<const N: usize> RunningLaw<N> {
     /// `law` at work, its effects at rest.
     pub fn new(law: TabulatedLaw<N>) -> Self {
+        let mut new = Self::empty();
+        new.swap(law);
+        new.boundary();
+        new
+    }
+
+    /// No force, until a law is swapped in. All bits are 0, so that it takes no flash in a static.
+    pub const fn empty() -> Self {
         Self {
-            state: law.augmented.at_rest(),
-            laws: [law.clone(), law],
+            laws: [const { TabulatedLaw::EMPTY }; 2],
             second: false,
             waiting: Waiting::No,
             table: PowerTable::empty(),
             filled: 0,
+            state: AugmentedState::AT_REST,
         }
     }
 

@@ -15,7 +15,7 @@ use mesh_damper::error::ConfigError;
 use mesh_damper::law::Law;
 use mesh_damper::rig::{Fault, Rig, RigSettings, State, Telemetry};
 use mesh_damper::sine::{Block, Programme};
-use mesh_damper::tabulated::TabulatedLaw;
+use mesh_damper::tabulated::{RunningLaw, TabulatedLaw};
 use proptest::prelude::*;
 
 const TICK_RATE: f64 = 10_000.0;
@@ -548,7 +548,7 @@ fn wired(
         line,
         settings,
         programme,
-        TabulatedLaw::new(law),
+        RunningLaw::new(TabulatedLaw::new(law)),
     )
     .unwrap()
 }

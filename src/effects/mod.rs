@@ -128,13 +128,19 @@ pub struct AugmentedLaw<R, const N: usize> {
 /// What the effects of an [`AugmentedLaw`] remember.
 #[derive(Clone, Debug)]
 pub struct AugmentedState<R: Real, const N: usize> {
-    /// `None` is at rest.
-    effects: [Option<EffectState<R>>; N],
+    effects: [EffectState<R>; N],
+}
+
+impl<R: Real, const N: usize> AugmentedState<R, N> {
+    /// Whatever the effects are: a state of another effect counts as the effect's own at rest. All bits are 0.
+    pub(crate) const AT_REST: Self = Self {
+        effects: [EffectState::Offset(()); N],
+    };
 }
 
 impl<R: Real, const N: usize> AugmentedLaw<R, N> {
     /// The law alone.
-    pub fn new(law: Law<R>) -> Self {
+    pub const fn new(law: Law<R>) -> Self {
         Self {
             law,
             effects: heapless::Vec::new(),
@@ -170,7 +176,7 @@ impl<R: Real, const N: usize> AugmentedLaw<R, N> {
 
     /// All effects at rest.
     pub fn at_rest(&self) -> AugmentedState<R, N> {
-        AugmentedState { effects: [None; N] }
+        AugmentedState::AT_REST
     }
 
     /// Force in kN on this tick: the law's and every effect's. Call it once per tick.
@@ -190,7 +196,6 @@ impl<R: Real, const N: usize> AugmentedLaw<R, N> {
     ) -> R {
         let mut total = law_force;
         for (effect, state) in self.effects.iter().zip(&mut state.effects) {
-            let state = state.get_or_insert_with(|| effect.at_rest());
             total += effect.force(state, motion, law_force);
         }
         total

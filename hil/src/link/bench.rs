@@ -11,7 +11,7 @@ use mesh_damper::error::ConfigError;
 use mesh_damper::law::Law;
 use mesh_damper::rig::{Rig, RigSettings, Telemetry};
 use mesh_damper::sine::Programme;
-use mesh_damper::tabulated::TabulatedLaw;
+use mesh_damper::tabulated::{RunningLaw, TabulatedLaw};
 
 use super::expected::expected;
 use crate::actuator::{
@@ -148,7 +148,7 @@ impl<S: DamperForce + Clone, const B: usize, const N: usize> Bench<S, B, N> {
             enable,
             &setup.settings,
             setup.programme,
-            TabulatedLaw::new(setup.law),
+            RunningLaw::new(TabulatedLaw::new(setup.law)),
         )?;
         let sensor = |config, stream| Sensor::new(config, step, setup.seed, stream);
         Ok(Self {

@@ -14,7 +14,7 @@ use mesh_damper::effects::AugmentedLaw;
 use mesh_damper::rig::{Rig, RigSettings, State, Telemetry};
 use mesh_damper::sine::{Block, Programme};
 use mesh_damper::table::PAPER;
-use mesh_damper::tabulated::TabulatedLaw;
+use mesh_damper::tabulated::{RunningLaw, TabulatedLaw};
 
 use super::suite::{Meter, Moments, When};
 use super::tick::{FREQUENCY, TICK_RATE};
@@ -136,6 +136,7 @@ pub fn run(meter: &mut impl Meter) -> Result<(), Refused> {
     let block = Block::sine(AMPLITUDE, FREQUENCY, CYCLES)?;
     let programme = Programme::new(TICK_RATE, 1)?.with(block)?;
     let law = TabulatedLaw::new(AugmentedLaw::new(PAPER.lookup(3.0, AMPLITUDE as f32).law));
+    let law = RunningLaw::new(law);
     let rig = Rig::new(adc, dac, Line, &RigSettings::default(), programme, law)?;
     let mut running = Running {
         rig,
