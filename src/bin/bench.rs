@@ -1,30 +1,27 @@
 //! Counts instructions in an emulator: one line for each measurement, to the emulator's standard output.
+//!
+//! ```text
+//! name moment calls instructions least most checksum
+//! ```
+//!
+//! `instructions` is the sum over all calls, `checksum` that of their results; `moment` tells the calls apart that have
+//! different work to do.
 #![no_std]
 #![no_main]
 
 #[path = "bench/counter.rs"]
 mod counter;
-#[path = "bench/effects.rs"]
-mod effects;
 #[path = "bench/known.rs"]
 mod known;
-#[path = "bench/naive.rs"]
-mod naive;
-#[path = "bench/power.rs"]
-mod power;
-#[path = "bench/rig.rs"]
-mod rig;
 #[path = "bench/semihosting.rs"]
 mod semihosting;
-#[path = "bench/suite.rs"]
+#[path = "bench/suite/mod.rs"]
 mod suite;
-#[path = "bench/tick.rs"]
-mod tick;
 
 use core::fmt::Write as _;
 use core::panic::PanicInfo;
 
-use cortex_m_rt::entry;
+use cortex_m_rt::{ExceptionFrame, entry, exception};
 
 #[entry]
 fn main() -> ! {
@@ -33,15 +30,17 @@ fn main() -> ! {
     };
     let mut counter = counter::Counter::new(peripherals.SYST);
     known::run(&mut counter);
-    power::run(&mut counter);
-    let done = tick::run(&mut counter).is_ok()
-        && effects::run(&mut counter).is_ok()
-        && rig::run(&mut counter).is_ok();
-    semihosting::exit(done)
+    semihosting::exit(suite::cortex_m4f(&mut counter).is_ok())
 }
 
 #[panic_handler]
 fn panic(fault: &PanicInfo) -> ! {
     let _ = writeln!(semihosting::Output, "{fault}");
+    semihosting::exit(false)
+}
+
+#[exception]
+unsafe fn HardFault(frame: &ExceptionFrame) -> ! {
+    let _ = writeln!(semihosting::Output, "hard fault at {:#x}", frame.pc());
     semihosting::exit(false)
 }

@@ -10,7 +10,7 @@ use cortex_m::peripheral::SYST;
 use cortex_m::peripheral::syst::SystClkSource;
 
 use super::semihosting::Output;
-use super::suite::{Meter, Region, Tally};
+use super::suite::tally::{Meter, Region, Tally};
 
 /// Clock of SysTick on the emulated board, MHz.
 const CLOCK: u32 = if cfg!(target_abi = "eabihf") { 25 } else { 16 };

@@ -2,7 +2,7 @@
 
 use core::arch::asm;
 
-use super::suite::{Meter, Region, Tally};
+use super::suite::tally::{Meter, Region, Tally};
 
 macro_rules! nops {
     ($($name:ident $count:literal),+) => {

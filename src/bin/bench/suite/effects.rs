@@ -9,7 +9,8 @@ use mesh_damper::sine::{Block, Programme, SineGenerator};
 use mesh_damper::table::PAPER;
 use mesh_damper::tabulated::{RunningLaw, TabulatedLaw};
 
-use super::suite::{Meter, Tally};
+use super::Refused;
+use super::tally::{Meter, Tally};
 use super::tick::{FREQUENCY, TICK_RATE};
 
 /// Effects that there are.
@@ -75,7 +76,7 @@ fn count(meter: &mut impl Meter, name: &str, effects: &[Effect<f32>]) -> Result<
 
 /// # Errors
 /// None: every value is in its range.
-pub fn run(meter: &mut impl Meter) -> Result<(), ConfigError> {
+pub fn run(meter: &mut impl Meter) -> Result<(), Refused> {
     let stick_slip = |elements| StickSlip::new(elements).map(Effect::StickSlip);
     let [one, ..] = ELEMENTS;
     let each = [
@@ -103,5 +104,6 @@ pub fn run(meter: &mut impl Meter) -> Result<(), ConfigError> {
         count(meter, name, &[effect])?;
     }
     count(meter, "effects/stick_slip_1", &[stick_slip(&[one])?])?;
-    count(meter, "effects/all", &each.map(|(_, effect)| effect))
+    count(meter, "effects/all", &each.map(|(_, effect)| effect))?;
+    Ok(())
 }

@@ -10,7 +10,7 @@ use mesh_damper::table::PAPER;
 use mesh_damper::tabulated::{RunningLaw, TabulatedLaw};
 
 use super::naive::{self, Naive};
-use super::suite::{Meter, Moments, When};
+use super::tally::{Meter, Moments, When};
 
 /// Ticks per second.
 pub const TICK_RATE: f64 = 10_000.0;

@@ -16,17 +16,9 @@ use mesh_damper::sine::{Block, Programme};
 use mesh_damper::table::PAPER;
 use mesh_damper::tabulated::{RunningLaw, TabulatedLaw};
 
-use super::suite::{Meter, Moments, When};
+use super::Refused;
+use super::tally::{Meter, Moments, When};
 use super::tick::{FREQUENCY, TICK_RATE};
-
-/// Why the measurement could not be set up.
-pub struct Refused;
-
-impl<E: core::error::Error> From<E> for Refused {
-    fn from(_: E) -> Self {
-        Self
-    }
-}
 
 /// mm
 const AMPLITUDE: f64 = 0.1;

@@ -7,7 +7,7 @@ use core::f32::consts::{PI, TAU};
 use mesh_damper::cycle::Cycle;
 use mesh_damper::law::Law;
 
-use super::suite::{Region, When};
+use super::tally::{Region, When};
 
 /// One sample with what the harmonics need of it.
 #[derive(Clone, Copy, Default)]

@@ -1,4 +1,4 @@
-//! What is counted, and over which inputs. The host runs the same lines to judge the same results against f64.
+//! Regions, who calls them, and what many calls came to.
 
 use mesh_damper::cycle::Cycle;
 

@@ -1,0 +1,36 @@
+//! What is counted, and over which inputs.
+//!
+//! The image counts it; the harness runs the same lines on the host, to judge the results against f64 and to see by their
+//! checksums that what was counted is what was judged.
+
+pub mod effects;
+pub mod naive;
+pub mod power;
+pub mod rig;
+pub mod tally;
+pub mod tick;
+
+use mesh_damper::error::ConfigError;
+
+use tally::Meter;
+
+/// Why a measurement could not be set up.
+#[derive(Debug)]
+pub struct Refused;
+
+impl From<ConfigError> for Refused {
+    fn from(_: ConfigError) -> Self {
+        Self
+    }
+}
+
+/// Everything for a core with a floating-point unit.
+///
+/// # Errors
+/// A value out of its range, or a rig that stopped.
+pub fn cortex_m4f(meter: &mut impl Meter) -> Result<(), Refused> {
+    power::run(meter)?;
+    tick::run(meter)?;
+    effects::run(meter)?;
+    rig::run(meter)
+}
