@@ -11,6 +11,7 @@
 //! | what the law lacks: offset, asymmetry, hardening, stick-slip, viscosity, relaxation, inertia, drift, temperature | [`effects`] |
 //! | an excitation: sines, ramps and sweeps | [`sine`] |
 //! | stiffness, energy and loss factor of each cycle | [`cycle`]; without a generator, [`crossing`] |
+//! | the same without a floating-point unit: law, sine and cycles in integers | [`fixed_point`] |
 //! | velocity and acceleration from a measured displacement | [`observer`] |
 //! | a law as bytes, loadable while running | [`pack`] |
 //! | the fixed-tick controller of a rig, or of an emulated damper | [`rig`] |
@@ -58,6 +59,7 @@ pub mod cycle;
 pub mod dac;
 pub mod effects;
 pub mod error;
+pub mod fixed_point;
 pub mod law;
 pub mod limits;
 pub mod observer;

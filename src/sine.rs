@@ -40,17 +40,7 @@ const fn sine_table() -> [f32; NODES] {
     let mut table = [0.0; NODES];
     let mut i = 0;
     while i <= QUARTER {
-        // Up to an eighth of the cycle by the sine's series, beyond by the cosine's: both converge fast there.
-        let value = if i <= QUARTER / 2 {
-            let x = i as f64 * (core::f64::consts::TAU / NODES as f64);
-            power_series(x, 1.0, x)
-        } else {
-            power_series(
-                (QUARTER - i) as f64 * (core::f64::consts::TAU / NODES as f64),
-                0.0,
-                1.0,
-            )
-        } as f32;
+        let value = quarter_sine(i, NODES) as f32;
         table[i] = value;
         table[NODES / 2 - i] = value;
         table[(NODES / 2 + i) % NODES] = -value;
@@ -60,6 +50,18 @@ const fn sine_table() -> [f32; NODES] {
     table[0] = 0.0;
     table[NODES / 2] = 0.0;
     table
+}
+
+/// sin 2π·node/nodes in f64, for up to a quarter of the nodes.
+pub(crate) const fn quarter_sine(node: usize, nodes: usize) -> f64 {
+    let step = core::f64::consts::TAU / nodes as f64;
+    // Up to an eighth of the cycle by the sine's series, beyond by the cosine's: both converge fast there.
+    if node <= nodes / 8 {
+        let x = node as f64 * step;
+        power_series(x, 1.0, x)
+    } else {
+        power_series((nodes / 4 - node) as f64 * step, 0.0, 1.0)
+    }
 }
 
 /// first·(1 − x²/((n+1)(n+2)) + x⁴/(…) − …): the sine for n = 1, first = x, the cosine for n = 0, first = 1. The term
@@ -296,7 +298,7 @@ fn duration(from: f64, to: f64, cycles: u32) -> f64 {
 }
 
 /// frequency/tick_rate · 2¹²⁸, rounded down from the exact quotient of the two floats. Needs frequency < tick_rate/2.
-fn increment(frequency: f64, tick_rate: f64) -> u128 {
+pub(crate) fn increment(frequency: f64, tick_rate: f64) -> u128 {
     // Both are normal and positive: mantissa · 2^exponent.
     let split = |value: f64| {
         let bits = value.to_bits();

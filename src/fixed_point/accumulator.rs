@@ -1,0 +1,149 @@
+//! Energy, stiffness and loss factor of each cycle, in integers.
+
+use super::{Part, Scales};
+
+/// Takes one sample of displacement and force a tick, and gives a [`RawCycle`] with the first sample of the next.
+///
+/// ΔW = ∮F dy is a sum of trapezoids over the polygon of the cycle's samples, closed from the last to the first. So
+/// nothing has to be divided where a cycle ends between two ticks, at n ticks to the cycle the area is still within
+/// (2π/n)², and whatever is constant in the force, its rounding included, cancels.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct CycleAccumulator {
+    raw: RawCycle,
+    first: Sample,
+    last: Sample,
+    begun: bool,
+}
+
+/// Displacement and force, 2³⁰ to full scale, so that their sums and differences fit.
+#[derive(Clone, Copy, Debug, Default)]
+struct Sample {
+    displacement: i32,
+    force: i32,
+}
+
+/// What one cycle came to, as it is counted.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct RawCycle {
+    /// ∮F dy, 2²⁹ to the product of the full scales. Saturated as a sum of 2³² ticks is: never.
+    pub energy: i64,
+    /// Largest force.
+    pub force_max: Part,
+    /// Smallest force.
+    pub force_min: Part,
+    /// Largest displacement.
+    pub displacement_max: Part,
+    /// Smallest displacement.
+    pub displacement_min: Part,
+}
+
+/// What one cycle came to. Every field is finite.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Cycle {
+    /// X0, half of the displacement's range, mm.
+    pub amplitude: f32,
+    /// ΔW = ∮F dy, J. Positive when the specimen takes energy up.
+    pub energy: f32,
+    /// Dynamic stiffness K, eq 3, kN/mm. 0 when the cycle stands still.
+    pub stiffness: f32,
+    /// W, eq 6, J.
+    pub elastic_energy: f32,
+    /// η = ΔW/(2π·W), eq 4. 0 when W is 0, as for a cycle that stands still or has no force.
+    pub loss_factor: f32,
+}
+
+impl CycleAccumulator {
+    /// Before the first sample.
+    pub fn new() -> Self {
+        Self::default()
+    }
+
+    /// One tick. `cycle_end`: a cycle ended since the tick before, so that this is the first sample of the next.
+    ///
+    /// What came before the first such tick is given too, as the cycle that the first sample began.
+    #[inline(always)]
+    pub fn update(&mut self, displacement: Part, force: Part, cycle_end: bool) -> Option<RawCycle> {
+        let now = Sample {
+            displacement: displacement.to_bits() >> 1,
+            force: force.to_bits() >> 1,
+        };
+        if cycle_end || !self.begun {
+            return self.end_cycle(displacement, force, now);
+        }
+        self.raw.energy += i64::from(self.last.work_to(now));
+        self.last = now;
+        let raw = &mut self.raw;
+        if displacement > raw.displacement_max {
+            raw.displacement_max = displacement;
+        }
+        if displacement < raw.displacement_min {
+            raw.displacement_min = displacement;
+        }
+        if force > raw.force_max {
+            raw.force_max = force;
+        }
+        if force < raw.force_min {
+            raw.force_min = force;
+        }
+        None
+    }
+
+    #[cold]
+    fn end_cycle(&mut self, displacement: Part, force: Part, now: Sample) -> Option<RawCycle> {
+        let mut ended = self.raw;
+        ended.energy += i64::from(self.last.work_to(self.first));
+        let ended = self.begun.then_some(ended);
+        *self = Self {
+            raw: RawCycle {
+                energy: 0,
+                force_max: force,
+                force_min: force,
+                displacement_max: displacement,
+                displacement_min: displacement,
+            },
+            first: now,
+            last: now,
+            begun: true,
+        };
+        ended
+    }
+}
+
+impl Sample {
+    /// Mean force times the way to `to`, 2²⁹ to full scale: a product of 32 bits by 16.
+    #[inline(always)]
+    fn work_to(self, to: Self) -> i32 {
+        let force = (self.force + to.force) >> 16;
+        let way = to.displacement - self.displacement;
+        (way >> 16) * force + (((way & 0xffff) * force + (1 << 15)) >> 16)
+    }
+}
+
+impl RawCycle {
+    /// In units. Some two thousand instructions on a core without a floating-point unit: not for the tick's interrupt.
+    pub fn over(&self, scales: &Scales) -> Cycle {
+        let (y, f) = (scales.displacement() as f32, scales.force() as f32);
+        let unit = 1.0 / (1u32 << 31) as f32;
+        // Differences of two parts are up to twice full scale.
+        let range = |high: Part, low: Part| {
+            (i64::from(high.to_bits()) - i64::from(low.to_bits())) as f32 * unit
+        };
+        let displacement = range(self.displacement_max, self.displacement_min);
+        let force = range(self.force_max, self.force_min);
+        let amplitude = 0.5 * displacement * y;
+        let energy = self.energy as f32 * (4.0 * unit) * (y * f);
+        let elastic_energy = 0.125 * (force * displacement) * (y * f);
+        Cycle {
+            amplitude,
+            energy,
+            stiffness: ratio(force * f, displacement * y),
+            elastic_energy,
+            loss_factor: ratio(energy, core::f32::consts::TAU * elastic_energy),
+        }
+    }
+}
+
+/// 0 where there is nothing to divide by.
+fn ratio(a: f32, b: f32) -> f32 {
+    if b > 0.0 { a / b } else { 0.0 }
+}

@@ -1,0 +1,226 @@
+//! A sine with its ramps, in integers.
+
+use super::scales::rounded;
+use super::sine::sin_cos;
+use super::{Part, Scales, times};
+use crate::error::ConfigError;
+use crate::real::in_range;
+use crate::sine::{FREQUENCY_MIN, TICK_RATE_MAX, increment};
+
+/// Most cycles of a ramp.
+pub const RAMP_CYCLES_MAX: u32 = 10_000;
+
+/// One sine from rest to rest: whole cycles at full amplitude, and a ramp of whole cycles before and after them.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Sine {
+    /// mm, 0 to below the full scale of displacement
+    pub amplitude: f64,
+    /// Hz, [`FREQUENCY_MIN`] to a quarter of the tick rate
+    pub frequency: f64,
+    /// At full amplitude, at least 1
+    pub cycles: u32,
+    /// Of each ramp, 1…[`RAMP_CYCLES_MAX`]
+    pub ramp_cycles: u32,
+}
+
+/// What the generator asks for at one tick.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Excitation {
+    /// Position.
+    pub displacement: Part,
+    /// Velocity, the position's derivative, ramps included.
+    pub velocity: Part,
+    /// Cycles completed since the start, ramps included.
+    pub cycle: u32,
+    /// In a ramp.
+    pub ramp: bool,
+    /// A cycle ended since the tick before: this one is the first of the next cycle.
+    pub cycle_end: bool,
+}
+
+/// A factor below 1: 16 bits of mantissa, so that a small amplitude is as exact as a large one.
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct Factor {
+    /// 2¹⁶ to 1, from ½.
+    mantissa: u32,
+    shift: u32,
+}
+
+impl Factor {
+    /// `field` is what is refused above 1 − 2⁻¹⁶, which `value` in units of `scale` must not exceed.
+    fn new(field: &'static str, value: f64, scale: f64) -> Result<Self, ConfigError> {
+        in_range(field, value, 0.0, scale * (65_535.0 / 65_536.0))?;
+        let (mantissa, exponent) = libm::frexp(value / scale);
+        let mantissa = rounded(mantissa, 16) as u32;
+        let shift = exponent.unsigned_abs().min(31);
+        Ok(if mantissa > 65_535 && shift > 0 {
+            Self {
+                mantissa: mantissa / 2,
+                shift: shift - 1,
+            }
+        } else {
+            Self {
+                mantissa: mantissa.min(65_535),
+                shift,
+            }
+        })
+    }
+
+    /// Of `value`, 2³⁰ to 1.
+    #[inline(always)]
+    fn part(self, value: i32) -> Part {
+        Part::from_bits((times(value, self.mantissa) << 1) >> self.shift)
+    }
+}
+
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum Stage {
+    Ramp,
+    Steady,
+    ToRest,
+    Done,
+}
+
+/// Walks a [`Sine`], tick by tick.
+///
+/// The phase is an integer, 2⁶⁴ to the cycle, and within n units of the exact one after n ticks: 10¹⁰ ticks make
+/// 5e-10 of a cycle.
+#[derive(Clone, Debug)]
+pub struct SineGenerator {
+    increment: u64,
+    amplitude: Factor,
+    speed: Factor,
+    cycles: u32,
+    ramp: Ramp,
+    /// With [`ROUNDING`] in it.
+    phase: u64,
+    stage: Stage,
+    /// Cycles completed in this stage.
+    travelled: u32,
+    cycle: u32,
+    cycle_end: bool,
+}
+
+/// Half a unit of the phase's upper 32 bits, so that they are the nearest, and a tick that falls on the end of a cycle but
+/// for the rounding of a decimal frequency belongs to the next cycle.
+const ROUNDING: u64 = 1 << 31;
+
+impl SineGenerator {
+    /// At rest, at the start of `sine`.
+    ///
+    /// * `tick_rate`: Hz, 1…[`TICK_RATE_MAX`]
+    ///
+    /// # Errors
+    /// The field that is not finite or out of range, `velocity` where 2π·frequency·amplitude exceeds its full scale.
+    pub fn new(sine: Sine, tick_rate: f64, scales: &Scales) -> Result<Self, ConfigError> {
+        in_range("tick_rate", tick_rate, 1.0, TICK_RATE_MAX)?;
+        in_range("frequency", sine.frequency, FREQUENCY_MIN, tick_rate / 4.0)?;
+        in_range("cycles", f64::from(sine.cycles), 1.0, f64::from(u32::MAX))?;
+        let amplitude = Factor::new("amplitude", sine.amplitude, scales.displacement())?;
+        let speed = core::f64::consts::TAU * sine.frequency * sine.amplitude;
+        Ok(Self {
+            increment: (increment(sine.frequency, tick_rate) >> 64) as u64,
+            amplitude,
+            speed: Factor::new("velocity", speed, scales.velocity())?,
+            cycles: sine.cycles,
+            ramp: Ramp::new(sine.ramp_cycles)?,
+            phase: ROUNDING,
+            stage: Stage::Ramp,
+            travelled: 0,
+            cycle: 0,
+            cycle_end: false,
+        })
+    }
+
+    /// The excitation at this tick; the first call gives the start, at rest. `None` after the end.
+    #[inline(always)]
+    pub fn tick(&mut self) -> Option<Excitation> {
+        let phase = (self.phase >> 32) as u32;
+        let (mut sin, mut cos) = sin_cos(phase);
+        if self.stage != Stage::Steady {
+            if self.stage == Stage::Done {
+                return None;
+            }
+            (sin, cos) = self
+                .ramp
+                .scaled(self.travelled, phase, sin, cos, self.stage);
+        }
+        let excitation = Excitation {
+            displacement: self.amplitude.part(sin),
+            velocity: self.speed.part(cos),
+            cycle: self.cycle,
+            ramp: self.stage != Stage::Steady,
+            cycle_end: self.cycle_end,
+        };
+        let (phase, wrapped) = self.phase.overflowing_add(self.increment);
+        self.phase = phase;
+        self.cycle_end = wrapped;
+        if wrapped {
+            self.next_cycle();
+        }
+        Some(excitation)
+    }
+
+    #[cold]
+    fn next_cycle(&mut self) {
+        self.cycle = self.cycle.wrapping_add(1);
+        self.travelled += 1;
+        let (cycles, next) = match self.stage {
+            Stage::Ramp => (self.ramp.cycles, Stage::Steady),
+            Stage::Steady => (self.cycles, Stage::ToRest),
+            _ => (self.ramp.cycles, Stage::Done),
+        };
+        if self.travelled >= cycles {
+            self.stage = next;
+            self.travelled = 0;
+        }
+    }
+}
+
+/// The amplitude over a ramp: the quintic 10s³ − 15s⁴ + 6s⁵ of the part s travelled, as in [`crate::sine`].
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct Ramp {
+    cycles: u32,
+    /// 1 / cycles, 2³¹ to 1.
+    inverse: u32,
+    /// 1 / (2π·cycles), 2³¹ to 1.
+    inverse_angle: i64,
+}
+
+impl Ramp {
+    fn new(cycles: u32) -> Result<Self, ConfigError> {
+        let length = f64::from(cycles);
+        in_range("ramp_cycles", length, 1.0, f64::from(RAMP_CYCLES_MAX))?;
+        Ok(Self {
+            cycles,
+            inverse: rounded(1.0 / length, 31) as u32,
+            inverse_angle: rounded(1.0 / (core::f64::consts::TAU * length), 31),
+        })
+    }
+
+    /// a·sin and its derivative over ω, of a part a of the amplitude, after `travelled` cycles and `phase` of the ramp.
+    ///
+    /// In products of 64 bits: ramps are short.
+    #[inline(never)]
+    fn scaled(&self, travelled: u32, phase: u32, sin: i32, cos: i32, stage: Stage) -> (i32, i32) {
+        let product = |a: i64, b: i64| (a * b) >> 31;
+        let one = 1_i64 << 31;
+        let part = i64::from(travelled * self.inverse)
+            + ((i64::from(phase) * i64::from(self.inverse)) >> 32);
+        let rest = one - part;
+        let square = product(part, part);
+        let step = product(product(square, part), 10 * one - 15 * part + 6 * square);
+        let slope = 30 * product(square, product(rest, rest));
+        let (step, slope) = if stage == Stage::ToRest {
+            (one - step, -slope)
+        } else {
+            (step, slope)
+        };
+        let slope = product(slope, self.inverse_angle);
+        let (sin, cos) = (i64::from(sin), i64::from(cos));
+        (
+            product(step, sin) as i32,
+            (product(step, cos) + product(slope, sin)) as i32,
+        )
+    }
+}
