@@ -1,59 +1,73 @@
 //! |v|^α for the hot path: a short form for any α, and a table for one that stays.
 //!
-//! Both work on the float's bits, v = 2ᵉ·m, and call nothing.
+//! Both work on the float's bits, v = 2ᵉ·m, and call nothing. Integers that stand for fractions are named by their
+//! unit: Q23 counts 2⁻²³.
 
 use crate::error::ConfigError;
 use crate::limits;
 use crate::real::in_range;
 
-/// √½'s bits: where the mantissa's range m = √½…√2 begins.
-const SQRT_HALF: u32 = 0x3f35_04f3;
+/// ¾'s bits: where the mantissa's range m = ¾…1½ begins.
+const MANTISSA_LOW: u32 = 0x3f40_0000;
+/// Bits of 1.
+const ONE: u32 = 0x3f80_0000;
 /// 2⁻¹²⁶'s bits: the smallest magnitude that is not treated as 0.
 const SMALLEST: u32 = 0x0080_0000;
-/// 2¹²⁷'s bits: the largest magnitude that is not treated as smaller.
-const LARGEST: u32 = 0x7f00_0000;
-/// Added to a small float and taken off again it leaves the nearest integer, and its last bits are that integer's.
-const ROUND: f32 = 12_582_912.0;
+/// The bits of a float that are its mantissa, and those of a Q23 that are its fraction.
+const FRACTION: u32 = 0x007f_ffff;
 
-/// First coefficient of q below.
-#[expect(clippy::approx_constant, reason = "the fit's, which is not ln 2")]
-const FIRST: f32 = 0.693_147;
-
-/// `|v|^alpha` for an `alpha` of 0…1, within 3e-7 of its own size for |v| from 2⁻¹²⁶ to 2¹²⁷.
+/// `|v|^alpha` for an `alpha` of 0…1, within 4e-7 of its own size for |v| from 2⁻¹²⁶ to 2¹²⁷.
 ///
-/// At v = 0 it is 0 for every α above 0, and 1 for α = 0. Subnormal magnitudes count as 0; those above 2¹²⁷ ≈ 1.7e38,
-/// infinity and NaN as 2¹²⁷, so that the result is always finite.
+/// At v = 0 it is 0 for every α, 0 included. Subnormal magnitudes count as 0; of those above 2¹²⁷ ≈ 1.7e38, infinity and
+/// NaN it makes a finite value that is not below 2¹²⁷'s.
 ///
-/// 2^(α·(e + log₂ m)): α is cut into 16 bits and a rest, so that α·e less its integer part is exact and an exponent of
-/// −126 costs no digits of the fraction.
+/// 2^(α·(e + log₂ m)), the exponent in integers: an e of −126 costs no digits of the fraction.
 #[inline(always)]
 pub fn abs_pow(v: f32, alpha: f32) -> f32 {
     let bits = v.to_bits() & 0x7fff_ffff;
-    if bits < SMALLEST {
-        return if alpha == 0.0 { 1.0 } else { 0.0 };
-    }
-    let bits = if bits > LARGEST { LARGEST } else { bits };
-    let above = bits.wrapping_sub(SQRT_HALF) as i32;
-    let exponent = (above >> 23) as f32;
-    let mantissa = f32::from_bits((above as u32 & 0x007f_ffff).wrapping_add(SQRT_HALF));
+    let exponent = bits.wrapping_sub(MANTISSA_LOW) & !FRACTION;
+    let mantissa = f32::from_bits(bits.wrapping_sub(exponent));
 
-    // log₂ m = 2/ln 2·atanh s with s = (m − 1)/(m + 1): minimax in s² for the smallest relative error, 1.2e-7.
-    let s = (mantissa - 1.0) / (mantissa + 1.0);
+    // log₂ m = 2/ln 2·atanh s with s = (m − 1)/(m + 1): minimax in s² for the smallest error, 8.9e-8. In Q24, and turned
+    // round twice for one constant less.
+    let s = (1.0 - mantissa) / (1.0 + mantissa);
     let z = s * s;
-    let logarithm = s * (2.885_390_5 + z * (0.961_588_3 + z * 0.595_780_7));
+    let logarithm = s * (-48_408_864.0 + z * (-16_126_021.0 + z * -10_186_557.0));
+    let exponent = exponent as i32;
+    let logarithm = (logarithm as i32).saturating_add(exponent.saturating_add(exponent));
 
-    let upper = f32::from_bits(alpha.to_bits() & 0xffff_ff00);
-    let whole = upper * exponent;
-    let rest = (alpha - upper) * exponent + alpha * logarithm;
-    let rounded = (whole + rest) + ROUND;
-    let fraction = (whole - (rounded - ROUND)) + rest;
+    // α as a Q31, so that the upper half of the product is a Q23. 1 becomes 1 − 2⁻³¹.
+    let alpha = (alpha * (1u32 << 31) as f32) as i32;
+    let power = ((i64::from(alpha) * i64::from(logarithm)) >> 32) as i32;
+    let scale = if bits < SMALLEST {
+        0
+    } else {
+        exponent_bits(power)
+    };
+    exp2_of_fraction(power) * f32::from_bits(scale)
+}
 
-    // 2^r for r = −½…½ = 1 + r·q(r): q minimax for the smallest relative error of the power, 9.1e-8; exact at r = 0.
-    let q = 0.009_671_513 + fraction * 0.001_326_473;
-    let q = FIRST + fraction * (0.240_222_42 + fraction * (0.055_507_336 + fraction * q));
-    let power = 1.0 + fraction * q;
-    // The integer part goes into the exponent.
-    f32::from_bits(power.to_bits().wrapping_add(rounded.to_bits() << 23))
+/// 2^`exponent` for a Q23 from −127 to below 128, within 2e-7 of its own size if `exponent` was rounded down to it.
+#[inline(always)]
+pub(crate) fn exp2(exponent: i32) -> f32 {
+    exp2_of_fraction(exponent) * f32::from_bits(exponent_bits(exponent))
+}
+
+/// Bits of 2ⁿ for the integer part n of a Q23.
+#[inline(always)]
+fn exponent_bits(exponent: i32) -> u32 {
+    (exponent as u32 & !FRACTION).wrapping_add(ONE)
+}
+
+/// 2^(r + 2⁻²⁴) for the fraction r = 0…1 of a Q23. The 2⁻²⁴ are the mean of what rounding down took.
+///
+/// 1 + r·q(r), r in units of 2⁻²³: minimax for the smallest relative error, 7.8e-8.
+#[inline(always)]
+fn exp2_of_fraction(exponent: i32) -> f32 {
+    let fraction = (exponent as u32 & FRACTION) as f32;
+    let q = 1.817_702_2e-30 + fraction * 4.509_714e-38;
+    let q = 3.412_853_2e-15 + fraction * (9.455_48e-23 + fraction * q);
+    1.0 + fraction * (8.263_02e-8 + fraction * q)
 }
 
 /// Octaves that a [`PowerTable`] covers.
@@ -66,14 +80,14 @@ pub const ROWS: usize = OCTAVES * SEGMENTS;
 const LOWEST_EXPONENT: i32 = -20;
 /// Bits of a float that tell the place within a segment.
 const WITHIN: u32 = 20;
-/// Segments of all floats below the lowest octave.
-const BELOW: i32 = (127 + LOWEST_EXPONENT) << (23 - WITHIN);
+/// Bits of its smallest float.
+const LOWEST_BITS: u32 = ((127 + LOWEST_EXPONENT) as u32) << 23;
 
-/// One segment of c·|v|^α·sgn v. With t the segment's lower edge, signed as v, and x = v − t,
+/// One segment of c·|v|^α·sgn v. With t the segment's lower edge, signed as v,
 ///
-/// F = t·(b0 + b2·x²) + x·(a1 + a3·x²),
+/// F = t·(p0 + |v|·(p1 + |v|·(p2 + |v|·p3))),
 ///
-/// in the order b0, a1, b2, a3. It is the cubic in x, odd in v: the sign is carried for nothing.
+/// in this order. It is c·|v|^α as a cubic in |v|, and t brings the sign.
 pub type Segment = [f32; 4];
 
 /// What a [`PowerTable`] is filled from, 256 bytes for one c and α.
@@ -110,10 +124,11 @@ impl PowerSeed {
     pub(crate) fn from_valid(c: f64, alpha: f64) -> Self {
         let mut octave = [[0.0; 4]; SEGMENTS];
         for (index, segment) in octave.iter_mut().enumerate() {
-            let width = 1.0 / SEGMENTS as f64;
-            let edge = 1.0 + width * index as f64;
-            let [a0, a1, a2, a3] = chebyshev_cubic(width, |x| libm::pow(edge + x, alpha));
-            *segment = [a0 / edge, a1, a2 / edge, a3].map(|value| value as f32);
+            let half = 0.5 / SEGMENTS as f64;
+            let centre = 1.0 + half * (2 * index + 1) as f64;
+            let edge = centre - half;
+            *segment = chebyshev_cubic(centre, half, |x| libm::pow(x, alpha))
+                .map(|coefficient| (coefficient / edge) as f32);
         }
         let mut scale = [0.0; OCTAVES];
         for (exponent, scale) in (LOWEST_EXPONENT..).zip(&mut scale) {
@@ -154,23 +169,26 @@ impl PowerSeed {
     #[inline(always)]
     fn row(&self, row: usize) -> Segment {
         let row = row % ROWS;
-        // Below and above what is tabulated the law is linear: below, to the edge of the first segment.
-        let linear = row == 0 || row == ROWS - 1;
-        let segment = if row == 0 { 1 } else { row };
+        // Below what is tabulated serves the edge of the first segment, above it that of the last.
+        let segment = row.max(1);
         let octave = segment / SEGMENTS;
         let scale = self.scale[octave];
-        let [b0, a1, b2, a3] = self.octave[segment % SEGMENTS].map(|value| scale * value);
-        if linear {
-            return [b0, b0, 0.0, 0.0];
+        let [p0, p1, p2, p3] = self.octave[segment % SEGMENTS].map(|value| scale * value);
+        // 2⁻ᵉ: the octave's coefficients are for |v|/2ᵉ.
+        let unit = f32::from_bits(((127 - LOWEST_EXPONENT) as u32 - octave as u32) << 23);
+        if (1..ROWS - 1).contains(&row) {
+            let square = unit * unit;
+            [p0, unit * p1, square * p2, square * (unit * p3)]
+        } else {
+            let edge = 1.0 + (segment % SEGMENTS) as f32 * (1.0 / SEGMENTS as f32);
+            [p0 + edge * (p1 + edge * (p2 + edge * p3)), 0.0, 0.0, 0.0]
         }
-        // 2^(−2e), for x².
-        let square = f32::from_bits(((127 - 2 * LOWEST_EXPONENT) as u32 - 2 * octave as u32) << 23);
-        [b0, a1, square * b2, square * a3]
     }
 }
 
 /// c·|v|^α·sgn v for one c and α, within 5e-7 of its own size: 4 KiB of cubics, eight to the octave, for |v| from
-/// 1.07e-6 (1.125·2⁻²⁰) to 3840 mm/s. Below and above it is linear, c·|v|^α of the edge times v over the edge.
+/// 1.07e-6 (1.125·2⁻²⁰) to 3840 mm/s. Below and above it is proportional to v in steps of an eighth of an octave: t·p0
+/// with the p0 that is c·|v|^α of the edge over the edge.
 ///
 /// The cubics are of c·|v|^α. Those of c·|v|^(α−1), to be multiplied by v, would have the sign for nothing too, but on a
 /// segment it is further from a cubic by (4 − α)/α, 6 to 26 times for the α of the paper, and would miss by 1e-6.
@@ -202,11 +220,12 @@ impl PowerTable {
         self.rows[row % ROWS] = seed.row(row);
     }
 
-    /// The row that serves `v` mm/s.
+    /// The row that serves `v` mm/s within ±[`limits::VELOCITY`].
     #[inline(always)]
     pub fn row_of(v: f32) -> usize {
-        let segment = ((v.to_bits() << 1) >> (WITHIN + 1)) as i32 - BELOW;
-        segment.clamp(0, ROWS as i32 - 1) as usize % ROWS
+        // The sign is shifted out, and what is below the table becomes negative.
+        let above = (v.to_bits() << 1).wrapping_sub(LOWEST_BITS << 1) as i32;
+        (above >> (WITHIN + 1)).clamp(0, ROWS as i32 - 1) as usize % ROWS
     }
 
     /// c·|v|^α·sgn v in kN for `v` mm/s within ±[`limits::VELOCITY`]; beyond, and for NaN, it may be infinite or NaN.
@@ -214,34 +233,52 @@ impl PowerTable {
     /// 0 at v = 0 for every α, Coulomb friction (α = 0) included.
     #[inline(always)]
     pub fn damping_force(&self, v: f32) -> f32 {
-        let [b0, a1, b2, a3] = self.rows[Self::row_of(v)];
+        let (t, quotient) = self.edge_and_quotient(v);
+        t * quotient
+    }
+
+    /// `elastic` kN and [`PowerTable::damping_force`].
+    #[inline(always)]
+    pub fn add_damping_force(&self, elastic: f32, v: f32) -> f32 {
+        let (t, quotient) = self.edge_and_quotient(v);
+        elastic + t * quotient
+    }
+
+    /// t of [`Segment`] and what it is multiplied by.
+    #[inline(always)]
+    fn edge_and_quotient(&self, v: f32) -> (f32, f32) {
+        let [p0, p1, p2, p3] = self.rows[Self::row_of(v)];
         let t = f32::from_bits(v.to_bits() & !((1 << WITHIN) - 1));
-        let x = v - t;
-        let square = x * x;
-        t * (b0 + b2 * square) + x * (a1 + a3 * square)
+        let magnitude = v.abs();
+        (t, p0 + magnitude * (p1 + magnitude * (p2 + magnitude * p3)))
     }
 }
 
-/// The cubic through `f` at Chebyshev's four nodes on 0…`width`, lowest power first.
-fn chebyshev_cubic(width: f64, f: impl Fn(f64) -> f64) -> [f64; 4] {
+/// The cubic through `f` at Chebyshev's four nodes within `half` of `centre`, lowest power first.
+fn chebyshev_cubic(centre: f64, half: f64, f: impl Fn(f64) -> f64) -> [f64; 4] {
     // cos π/8 and cos 3π/8.
     const NODES: [f64; 2] = [0.923_879_532_511_286_7, 0.382_683_432_365_089_8];
-    let half = 0.5 * width;
     let mut a = [0.0; 4];
     for x in [NODES[0], NODES[1], -NODES[1], -NODES[0]] {
-        let value = 0.5 * f(half + half * x);
+        let value = 0.5 * f(centre + half * x);
         let square = x * x;
         let polynomials = [0.5, x, 2.0 * square - 1.0, x * (4.0 * square - 3.0)];
         for (a, t) in a.iter_mut().zip(polynomials) {
             *a += value * t;
         }
     }
-    // In x from the middle in halves of the width, and then from the beginning.
-    let [a0, a1, a2, a3] = [a[0] - a[2], a[1] - 3.0 * a[3], 2.0 * a[2], 4.0 * a[3]];
+    // From Chebyshev's polynomials to powers of the distance from the centre, and from there to powers.
+    let [t0, t1, t2, t3] = a;
+    let [d0, d1, d2, d3] = [
+        t0 - t2,
+        (t1 - 3.0 * t3) / half,
+        2.0 * t2 / (half * half),
+        4.0 * t3 / (half * half * half),
+    ];
     [
-        a0 - a1 + a2 - a3,
-        (a1 - 2.0 * a2 + 3.0 * a3) / half,
-        (a2 - 3.0 * a3) / (half * half),
-        a3 / (half * half * half),
+        d0 - centre * (d1 - centre * (d2 - centre * d3)),
+        d1 - centre * (2.0 * d2 - 3.0 * centre * d3),
+        d2 - 3.0 * centre * d3,
+        d3,
     ]
 }

@@ -37,7 +37,7 @@ pub trait Real:
     fn is_finite(self) -> bool;
     /// eˣ.
     fn exp(self) -> Self;
-    /// `|self|^exponent` for an exponent in 0…1: 0 at 0 for every exponent above 0, 1 for exponent 0.
+    /// `|self|^exponent` for an exponent in 0…1: 0 at 0 for every exponent, 0 included.
     ///
     /// `f32` takes the short form of [`crate::power`], `f64` libm's.
     fn abs_pow(self, exponent: Self) -> Self;
@@ -134,6 +134,10 @@ impl Real for f64 {
         libm::exp(self)
     }
     fn abs_pow(self, exponent: Self) -> Self {
-        libm::pow(self.abs(), exponent)
+        if self == 0.0 {
+            0.0
+        } else {
+            libm::pow(self.abs(), exponent)
+        }
     }
 }
