@@ -59,7 +59,12 @@ impl<R: Real> Law<R> {
     /// k1·y + k3·y³, kN.
     #[inline(always)]
     pub fn elastic_force(&self, y: R) -> R {
-        let y = y.confined(R::from_f64(limits::DISPLACEMENT));
+        self.elastic_force_within(y.confined(R::from_f64(limits::DISPLACEMENT)))
+    }
+
+    /// The same for a `y` that is within the limit.
+    #[inline(always)]
+    pub(crate) fn elastic_force_within(&self, y: R) -> R {
         (self.k1 + self.k3 * (y * y)) * y
     }
 

@@ -9,7 +9,7 @@ pub const DISPLACEMENT: f64 = 1e4;
 pub const VELOCITY: f64 = 1e6;
 /// Accelerations beyond ±this many mm/s² are treated as this many.
 pub const ACCELERATION: f64 = 1e9;
-/// Cycle counts are taken as within 0…this many.
+/// Largest number of cycles over which anything changes.
 pub const CYCLES: f64 = 1e9;
 /// Temperatures are taken as within ±this many °C.
 pub const TEMPERATURE: f64 = 1e4;

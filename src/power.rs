@@ -47,10 +47,13 @@ pub fn abs_pow(v: f32, alpha: f32) -> f32 {
     exp2_of_fraction(power) * f32::from_bits(scale)
 }
 
-/// 2^`exponent` for a Q23 from −127 to below 128, within 2e-7 of its own size if `exponent` was rounded down to it.
+/// 2^`x` for an `x` of at most 0, within 2e-7 and what x·2⁻²⁴ makes of it; 0 below −127. Of an x above 0 it is finite, and of NaN 1.
 #[inline(always)]
-pub(crate) fn exp2(exponent: i32) -> f32 {
-    exp2_of_fraction(exponent) * f32::from_bits(exponent_bits(exponent))
+pub(crate) fn exp2_of_negative(x: f32) -> f32 {
+    let exponent = (x * (FRACTION + 1) as f32) as i32;
+    // Beyond −127 the bits would be those of a negative number.
+    let scale = (exponent_bits(exponent) as i32).max(0) as u32;
+    exp2_of_fraction(exponent) * f32::from_bits(scale)
 }
 
 /// Bits of 2ⁿ for the integer part n of a Q23.
@@ -186,7 +189,7 @@ impl PowerSeed {
     }
 }
 
-/// c·|v|^α·sgn v for one c and α, within 5e-7 of its own size: 4 KiB of cubics, eight to the octave, for |v| from
+/// c·|v|^α·sgn v for one c and α, within 4e-7 of its own size: 4 KiB of cubics, eight to the octave, for |v| from
 /// 1.07e-6 (1.125·2⁻²⁰) to 3840 mm/s. Below and above it is proportional to v in steps of an eighth of an octave: t·p0
 /// with the p0 that is c·|v|^α of the edge over the edge.
 ///

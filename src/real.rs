@@ -35,8 +35,9 @@ pub trait Real:
     fn abs(self) -> Self;
     /// Neither infinite nor NaN.
     fn is_finite(self) -> bool;
-    /// eˣ.
-    fn exp(self) -> Self;
+    /// 2ˣ of an x of at most 0, 1 at 0; of one above 0, and of NaN, it is finite. `f32` takes the short form of
+    /// [`crate::power`], within 2e-7 and x's own rounding.
+    fn exp2_of_negative(self) -> Self;
     /// `|self|^exponent` for an exponent in 0…1: 0 at 0 for every exponent, 0 included.
     ///
     /// `f32` takes the short form of [`crate::power`], `f64` libm's.
@@ -44,19 +45,22 @@ pub trait Real:
 
     /// Confined to `-limit..=limit`; NaN becomes 0.
     ///
-    /// Comparisons instead of `min` and `max`, which are calls on a Cortex-M.
+    /// One comparison where it is within; `min` and `max` are calls on a Cortex-M.
     #[inline(always)]
     fn confined(self, limit: Self) -> Self {
-        if self > limit {
-            limit
-        } else if self >= -limit {
+        if self.abs() <= limit {
             self
-        } else if self < -limit {
+        } else if self > Self::ZERO {
+            limit
+        } else if self < Self::ZERO {
             -limit
         } else {
             Self::ZERO
         }
     }
+
+    /// Clipped to `-limit..=limit` for a `limit` above 0, without a branch. NaN may become either end.
+    fn clipped(self, limit: Self) -> Self;
 }
 
 /// `value` if it is finite and within `low..=high`, else the error that names `field`.
@@ -101,12 +105,20 @@ impl Real for f32 {
     fn is_finite(self) -> bool {
         f32::is_finite(self)
     }
-    fn exp(self) -> Self {
-        libm::expf(self)
+    #[inline(always)]
+    fn exp2_of_negative(self) -> Self {
+        crate::power::exp2_of_negative(self)
     }
     #[inline(always)]
     fn abs_pow(self, exponent: Self) -> Self {
         crate::power::abs_pow(self, exponent)
+    }
+    #[inline(always)]
+    fn clipped(self, limit: Self) -> Self {
+        // Positive floats compare as their bits do.
+        let bits = self.to_bits();
+        let magnitude = (bits & 0x7fff_ffff).min(limit.to_bits());
+        f32::from_bits((bits & 0x8000_0000) | magnitude)
     }
 }
 
@@ -130,8 +142,8 @@ impl Real for f64 {
     fn is_finite(self) -> bool {
         f64::is_finite(self)
     }
-    fn exp(self) -> Self {
-        libm::exp(self)
+    fn exp2_of_negative(self) -> Self {
+        libm::exp2(self.min(0.0))
     }
     fn abs_pow(self, exponent: Self) -> Self {
         if self == 0.0 {
@@ -139,5 +151,9 @@ impl Real for f64 {
         } else {
             libm::pow(self.abs(), exponent)
         }
+    }
+    #[inline(always)]
+    fn clipped(self, limit: Self) -> Self {
+        self.abs().min(limit).copysign(self)
     }
 }

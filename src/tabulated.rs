@@ -6,7 +6,6 @@
 
 use crate::effects::{AugmentedLaw, AugmentedState, Motion};
 use crate::law::Law;
-use crate::limits;
 use crate::power::{PowerSeed, PowerTable, ROWS};
 use crate::real::Real;
 
@@ -145,16 +144,20 @@ impl<const N: usize> RunningLaw<N> {
     pub fn force(&mut self, motion: &Motion<f32>) -> f32 {
         let [first, second] = &self.laws;
         let law = if self.second { second } else { first };
-        let velocity = motion.velocity.confined(limits::VELOCITY as f32);
+        let motion = motion.confined();
+        let velocity = motion.velocity();
         if self.filled < ROWS {
             self.table.fill_row(&law.damping, self.filled);
             self.table
                 .fill_row(&law.damping, PowerTable::row_of(velocity));
             self.filled += 1;
         }
-        let law_force = law.augmented.law().elastic_force(motion.displacement)
-            + self.table.damping_force(velocity);
+        let elastic = law
+            .augmented
+            .law()
+            .elastic_force_within(motion.displacement());
+        let law_force = self.table.add_damping_force(elastic, velocity);
         law.augmented
-            .with_effects(&mut self.state, motion, law_force)
+            .with_effects(&mut self.state, &motion, law_force)
     }
 }

@@ -4,14 +4,15 @@ use mesh_damper::power::{PowerSeed, PowerTable, ROWS, abs_pow};
 use mesh_damper::real::Real;
 use proptest::prelude::*;
 
-/// The fits' errors, 1.2e-7·½·ln 2 and 9.1e-8; four roundings of the logarithm (6e-8·½·ln 2 each), those of α·log₂ m
-/// and of the fraction (3e-8·ln 2 each), and those of q (6e-8·0.3) and of the power (6e-8): 3.6e-7 if all conspired.
-const SHORT_FORM: f64 = 5e-7;
+/// With U = 2⁻²⁴ = 6e-8. The logarithm, at most 0.58 and times α·ln 2: its fit, 1.5·U, four roundings and one down to Q24.
+/// The power: its fit, 1.3·U, what rounding the exponent down leaves about its mean, 0.7·U, and two roundings. 7.8·U or
+/// 4.7e-7 if all conspired at α = 1.
+const SHORT_FORM: f64 = 4e-7;
 
-/// With U = 2⁻²⁴ = 6e-8: b0 is the product of two roundings, rounded, 3·U; it is summed, multiplied, and summed again, 3·U;
-/// x·(a1 + …) is at most α/8 of the whole, with 5·U of its own. The cubic's own error is at most
-/// (α·(1−α)·(2−α)·(3−α)/24)·(1/17)⁴/8 = 6e-8. Together 6.6·U + 1·U if all conspired, 4.6e-7.
-const TABLE: f64 = 5e-7;
+/// A coefficient is the product of two rounded numbers, rounded, 3·U; their magnitudes' sum is up to 1.6 times the force,
+/// 4.8·U. Two sums and two products 2.5·U, and the cubic's own error, at most (α·(1−α)·(2−α)·(3−α)/24)·(1/17)⁴/8 = 1·U.
+/// 8.3·U or 5e-7 if all conspired.
+const TABLE: f64 = 4e-7;
 
 fn table(c: f64, alpha: f64) -> PowerTable {
     PowerTable::new(&PowerSeed::new(c, alpha).unwrap())

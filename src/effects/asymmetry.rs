@@ -1,7 +1,7 @@
 //! Even stiffness: a damper that is stiffer one way than the other, as a preloaded ring is. Eq 14 fits it as a2 and
 //! then drops it.
 
-use super::{EffectForce, Motion};
+use super::{ConfinedMotion, EffectForce};
 use crate::error::ConfigError;
 use crate::limits;
 use crate::real::{Real, in_range};
@@ -27,11 +27,9 @@ impl<R: Real> Asymmetry<R> {
 impl<R: Real> EffectForce<R> for Asymmetry<R> {
     type State = ();
 
-    #[inline]
-    fn force(&self, _: &mut (), motion: &Motion<R>, _: R) -> R {
-        let y = motion
-            .displacement
-            .confined(R::from_f64(limits::DISPLACEMENT));
+    #[inline(always)]
+    fn force(&self, _: &mut (), motion: &ConfinedMotion<R>, _: R) -> R {
+        let y = motion.displacement();
         self.k2 * (y * y)
     }
 }

@@ -1,6 +1,6 @@
 //! A stiffness that settles with the cycles: run-in, or wires that break one after another.
 
-use super::{EffectForce, Motion};
+use super::{ConfinedMotion, EffectForce};
 use crate::error::ConfigError;
 use crate::limits;
 use crate::real::{Real, in_range};
@@ -9,7 +9,7 @@ use crate::real::{Real, in_range};
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Drift<R> {
     stiffness: R,
-    /// 1/N
+    /// −log₂ e/N
     rate: R,
 }
 
@@ -20,6 +20,7 @@ impl<R: Real> Drift<R> {
     /// # Errors
     /// The field that is not finite or out of range.
     pub fn new(stiffness: R, cycles: R) -> Result<Self, ConfigError> {
+        let cycles = in_range("cycles", cycles, 0.1, limits::CYCLES)?;
         Ok(Self {
             stiffness: in_range(
                 "stiffness",
@@ -27,7 +28,7 @@ impl<R: Real> Drift<R> {
                 -limits::COEFFICIENT,
                 limits::COEFFICIENT,
             )?,
-            rate: R::ONE / in_range("cycles", cycles, 0.1, limits::CYCLES)?,
+            rate: R::from_f64(-core::f64::consts::LOG2_E) / cycles,
         })
     }
 }
@@ -35,13 +36,10 @@ impl<R: Real> Drift<R> {
 impl<R: Real> EffectForce<R> for Drift<R> {
     type State = ();
 
-    #[inline]
-    fn force(&self, _: &mut (), motion: &Motion<R>, _: R) -> R {
-        let done = R::ONE
-            - (-(motion.cycles.confined(R::from_f64(limits::CYCLES)).abs() * self.rate)).exp();
-        let y = motion
-            .displacement
-            .confined(R::from_f64(limits::DISPLACEMENT));
-        self.stiffness * done * y
+    // Not inlined: its registers and constants are no matter of ticks without it.
+    #[inline(never)]
+    fn force(&self, _: &mut (), motion: &ConfinedMotion<R>, _: R) -> R {
+        let change = self.stiffness * motion.displacement();
+        change - change * (motion.cycles() * self.rate).exp2_of_negative()
     }
 }

@@ -1,6 +1,6 @@
 //! Odd stiffness above the cubic: wires that come to lie against each other towards the end of the stroke.
 
-use super::{EffectForce, Motion};
+use super::{ConfinedMotion, EffectForce};
 use crate::error::ConfigError;
 use crate::limits;
 use crate::real::{Real, in_range};
@@ -26,11 +26,9 @@ impl<R: Real> Hardening<R> {
 impl<R: Real> EffectForce<R> for Hardening<R> {
     type State = ();
 
-    #[inline]
-    fn force(&self, _: &mut (), motion: &Motion<R>, _: R) -> R {
-        let y = motion
-            .displacement
-            .confined(R::from_f64(limits::DISPLACEMENT));
+    #[inline(always)]
+    fn force(&self, _: &mut (), motion: &ConfinedMotion<R>, _: R) -> R {
+        let y = motion.displacement();
         let square = y * y;
         self.k5 * (square * square) * y
     }

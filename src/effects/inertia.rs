@@ -1,6 +1,6 @@
 //! The force that accelerates a mass between the load cell and the specimen.
 
-use super::{EffectForce, Motion};
+use super::{ConfinedMotion, EffectForce};
 use crate::error::ConfigError;
 use crate::limits;
 use crate::real::{Real, in_range};
@@ -31,11 +31,8 @@ impl<R: Real> Inertia<R> {
 impl<R: Real> EffectForce<R> for Inertia<R> {
     type State = ();
 
-    #[inline]
-    fn force(&self, _: &mut (), motion: &Motion<R>, _: R) -> R {
-        self.mass
-            * motion
-                .acceleration
-                .confined(R::from_f64(limits::ACCELERATION))
+    #[inline(always)]
+    fn force(&self, _: &mut (), motion: &ConfinedMotion<R>, _: R) -> R {
+        self.mass * motion.acceleration()
     }
 }

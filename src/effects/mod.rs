@@ -27,6 +27,7 @@ pub use viscous::Viscous;
 
 use crate::error::ConfigError;
 use crate::law::Law;
+use crate::limits;
 use crate::real::Real;
 
 /// One tick of motion as the effects see it.
@@ -44,51 +45,120 @@ pub struct Motion<R> {
     pub temperature: R,
 }
 
+impl<R: Real> Motion<R> {
+    /// Within [`limits`], once per tick rather than in every effect. NaN becomes 0.
+    #[inline(always)]
+    pub fn confined(&self) -> ConfinedMotion<R> {
+        ConfinedMotion(Self {
+            displacement: self
+                .displacement
+                .confined(R::from_f64(limits::DISPLACEMENT)),
+            velocity: self.velocity.confined(R::from_f64(limits::VELOCITY)),
+            acceleration: self
+                .acceleration
+                .confined(R::from_f64(limits::ACCELERATION)),
+            cycles: self.cycles.abs(),
+            temperature: self.temperature.confined(R::from_f64(limits::TEMPERATURE)),
+        })
+    }
+}
+
+/// A [`Motion`] within [`limits`].
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ConfinedMotion<R>(Motion<R>);
+
+impl<R: Real> ConfinedMotion<R> {
+    /// Displacement, mm.
+    #[inline(always)]
+    pub fn displacement(&self) -> R {
+        self.0.displacement
+    }
+    /// Velocity, mm/s.
+    #[inline(always)]
+    pub fn velocity(&self) -> R {
+        self.0.velocity
+    }
+    /// Acceleration, mm/s².
+    #[inline(always)]
+    pub fn acceleration(&self) -> R {
+        self.0.acceleration
+    }
+    /// Cycles since the test began, at least 0. Not confined: what reads it takes any number of them, and NaN.
+    #[inline(always)]
+    pub fn cycles(&self) -> R {
+        self.0.cycles
+    }
+    /// Temperature, °C.
+    #[inline(always)]
+    pub fn temperature(&self) -> R {
+        self.0.temperature
+    }
+}
+
 /// A force beside the law's.
 pub trait EffectForce<R: Real> {
-    /// What the effect remembers from tick to tick; its default is the effect at rest.
+    /// What the effect remembers from tick to tick; `()` for most.
     type State: Copy + Default;
 
+    /// The state at rest at `motion`, that of the first tick.
+    #[inline(always)]
+    fn begin(&self, _motion: &ConfinedMotion<R>) -> Self::State {
+        Default::default()
+    }
+
+    /// The force of the first tick, and the state after it.
+    #[cold]
+    #[inline(never)]
+    fn first(&self, motion: &ConfinedMotion<R>, law_force: R) -> (Self::State, R) {
+        let mut state = self.begin(motion);
+        let force = self.force(&mut state, motion, law_force);
+        (state, force)
+    }
+
     /// The force in kN that the effect adds on this tick to eq 13's, `law_force` kN. Called once per tick, in order.
-    fn force(&self, state: &mut Self::State, motion: &Motion<R>, law_force: R) -> R;
+    fn force(&self, state: &mut Self::State, motion: &ConfinedMotion<R>, law_force: R) -> R;
 }
 
 macro_rules! effects {
-    ($($(#[$doc:meta])* $name:ident),+ $(,)?) => {
+    (
+        without_memory: $($(#[$doc:meta])* $name:ident),+;
+        with_memory: $($(#[$memory_doc:meta])* $memory:ident),+;
+    ) => {
         /// Any one effect's configuration.
         #[derive(Clone, Copy, Debug, PartialEq)]
         #[non_exhaustive]
         pub enum Effect<R> {
-            $($(#[$doc])* $name($name<R>)),+
+            $($(#[$doc])* $name($name<R>),)+
+            $($(#[$memory_doc])* $memory($memory<R>)),+
         }
 
-        /// The state of any one effect.
+        /// What any one effect remembers.
         #[derive(Clone, Copy, Debug)]
         #[non_exhaustive]
         pub enum EffectState<R: Real> {
-            $($(#[$doc])* $name(<$name<R> as EffectForce<R>>::State)),+
+            /// Before the first tick; for good where the effect remembers nothing.
+            AtRest,
+            $($(#[$memory_doc])* $memory(<$memory<R> as EffectForce<R>>::State)),+
         }
 
         impl<R: Real> Effect<R> {
-            /// The state of this effect at rest.
-            pub fn at_rest(&self) -> EffectState<R> {
+            /// The force in kN that the effect adds on this tick. It begins at rest where the state is
+            /// [`EffectState::AtRest`] or another effect's.
+            #[inline(always)]
+            pub fn force(
+                &self,
+                state: &mut EffectState<R>,
+                motion: &ConfinedMotion<R>,
+                law_force: R,
+            ) -> R {
                 match self {
-                    $(Self::$name(_) => EffectState::$name(Default::default())),+
-                }
-            }
-
-            /// The force in kN that the effect adds on this tick. A state of another effect is first replaced by this
-            /// effect's own at rest.
-            #[inline]
-            pub fn force(&self, state: &mut EffectState<R>, motion: &Motion<R>, law_force: R) -> R {
-                match self {
-                    $(Self::$name(effect) => {
-                        let mut own = match *state {
-                            EffectState::$name(own) => own,
-                            _ => Default::default(),
-                        };
-                        let force = effect.force(&mut own, motion, law_force);
-                        *state = EffectState::$name(own);
+                    $(Self::$name(effect) => effect.force(&mut (), motion, law_force),)+
+                    $(Self::$memory(effect) => {
+                        if let EffectState::$memory(own) = state {
+                            return effect.force(own, motion, law_force);
+                        }
+                        let (own, force) = effect.first(motion, law_force);
+                        *state = EffectState::$memory(own);
                         force
                     })+
                 }
@@ -98,24 +168,26 @@ macro_rules! effects {
 }
 
 effects! {
+    without_memory:
     /// A constant force.
     Offset,
     /// Even stiffness.
     Asymmetry,
     /// Odd stiffness above the cubic.
     Hardening,
-    /// Rate-independent friction with elastic pre-sliding.
-    StickSlip,
     /// A linear dashpot.
     Viscous,
-    /// A spring and a dashpot in series.
-    Relaxation,
     /// A moving mass.
     Inertia,
     /// A stiffness that settles with the cycles.
     Drift,
     /// A force that scales with temperature.
-    Temperature,
+    Temperature;
+    with_memory:
+    /// Rate-independent friction with elastic pre-sliding.
+    StickSlip,
+    /// A spring and a dashpot in series.
+    Relaxation;
 }
 
 /// Eq 13 and up to `N` added effects.
@@ -134,7 +206,7 @@ pub struct AugmentedState<R: Real, const N: usize> {
 impl<R: Real, const N: usize> AugmentedState<R, N> {
     /// Whatever the effects are: a state of another effect counts as the effect's own at rest. All bits are 0.
     pub(crate) const AT_REST: Self = Self {
-        effects: [EffectState::Offset(()); N],
+        effects: [EffectState::AtRest; N],
     };
 }
 
@@ -182,16 +254,17 @@ impl<R: Real, const N: usize> AugmentedLaw<R, N> {
     /// Force in kN on this tick: the law's and every effect's. Call it once per tick.
     #[inline]
     pub fn force(&self, state: &mut AugmentedState<R, N>, motion: &Motion<R>) -> R {
-        let law_force = self.law.force(motion.displacement, motion.velocity);
-        self.with_effects(state, motion, law_force)
+        let motion = motion.confined();
+        let law_force = self.law.force(motion.displacement(), motion.velocity());
+        self.with_effects(state, &motion, law_force)
     }
 
     /// `law_force`, which is eq 13's on this tick in kN whoever computed it, and every effect's force.
-    #[inline]
+    #[inline(always)]
     pub(crate) fn with_effects(
         &self,
         state: &mut AugmentedState<R, N>,
-        motion: &Motion<R>,
+        motion: &ConfinedMotion<R>,
         law_force: R,
     ) -> R {
         let mut total = law_force;

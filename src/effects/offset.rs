@@ -1,6 +1,6 @@
 //! A constant force: a preload, or a load cell that was not zeroed.
 
-use super::{EffectForce, Motion};
+use super::{ConfinedMotion, EffectForce};
 use crate::error::ConfigError;
 use crate::limits;
 use crate::real::{Real, in_range};
@@ -26,8 +26,8 @@ impl<R: Real> Offset<R> {
 impl<R: Real> EffectForce<R> for Offset<R> {
     type State = ();
 
-    #[inline]
-    fn force(&self, _: &mut (), _: &Motion<R>, _: R) -> R {
+    #[inline(always)]
+    fn force(&self, _: &mut (), _: &ConfinedMotion<R>, _: R) -> R {
         self.force
     }
 }

@@ -1,6 +1,6 @@
 //! A spring and a dashpot in series (a Maxwell branch) beside the law: a force that fades when the motion stops.
 
-use super::{EffectForce, Motion};
+use super::{ConfinedMotion, EffectForce};
 use crate::error::ConfigError;
 use crate::limits;
 use crate::real::{Real, in_range};
@@ -23,7 +23,8 @@ pub struct RelaxationState<R> {
     force: R,
     /// What rounding has kept from the force: a tick's change is far smaller than an f32 can add when τ is long.
     carry: R,
-    previous: Option<R>,
+    /// Displacement of the tick before, mm.
+    previous: R,
 }
 
 impl<R: Real> Relaxation<R> {
@@ -54,13 +55,18 @@ impl<R: Real> Relaxation<R> {
 impl<R: Real> EffectForce<R> for Relaxation<R> {
     type State = RelaxationState<R>;
 
-    #[inline]
-    fn force(&self, state: &mut Self::State, motion: &Motion<R>, _: R) -> R {
-        let y = motion
-            .displacement
-            .confined(R::from_f64(limits::DISPLACEMENT));
-        let step = y - state.previous.unwrap_or(y);
-        state.previous = Some(y);
+    fn begin(&self, motion: &ConfinedMotion<R>) -> Self::State {
+        RelaxationState {
+            previous: motion.displacement(),
+            ..RelaxationState::default()
+        }
+    }
+
+    #[inline(always)]
+    fn force(&self, state: &mut Self::State, motion: &ConfinedMotion<R>, _: R) -> R {
+        let y = motion.displacement();
+        let step = y - state.previous;
+        state.previous = y;
         let change = self.gain * step - self.loss * state.force + state.carry;
         let force = state.force + change;
         state.carry = change - (force - state.force);

@@ -4,7 +4,7 @@
 //! then slides at constant force. Many of them with spread slip limits are a bundle of wires whose contacts let go one
 //! after another.
 
-use super::{EffectForce, Motion};
+use super::{ConfinedMotion, EffectForce};
 use crate::error::ConfigError;
 use crate::limits;
 use crate::real::{Real, in_range};
@@ -18,16 +18,22 @@ pub const MAX_ELEMENTS: usize = 6;
 /// (Iwan 1966; Jenkins 1962).
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct StickSlip<R> {
-    /// Elements that are not used have stiffness 0.
-    stiffness: [R; MAX_ELEMENTS],
-    slip_limit: [R; MAX_ELEMENTS],
+    elements: [Element<R>; MAX_ELEMENTS],
+    used: usize,
+}
+
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+struct Element<R> {
+    stiffness: R,
+    slip_limit: R,
 }
 
 /// What a [`StickSlip`] remembers.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct StickSlipState<R> {
     stretch: [R; MAX_ELEMENTS],
-    previous: Option<R>,
+    /// Displacement of the tick before, mm.
+    previous: R,
 }
 
 impl<R: Real> StickSlip<R> {
@@ -46,18 +52,19 @@ impl<R: Real> StickSlip<R> {
             });
         }
         let mut new = Self {
-            stiffness: [R::ZERO; MAX_ELEMENTS],
-            slip_limit: [R::ZERO; MAX_ELEMENTS],
+            elements: [Element::default(); MAX_ELEMENTS],
+            used: elements.len(),
         };
-        let slots = new.stiffness.iter_mut().zip(&mut new.slip_limit);
-        for ((stiffness, slip_limit), element) in slots.zip(elements) {
-            *stiffness = in_range(
-                "stiffness",
-                element.0,
-                -limits::COEFFICIENT,
-                limits::COEFFICIENT,
-            )?;
-            *slip_limit = in_range("slip_limit", element.1, 1e-9, limits::DISPLACEMENT)?;
+        for (slot, &(stiffness, slip_limit)) in new.elements.iter_mut().zip(elements) {
+            *slot = Element {
+                stiffness: in_range(
+                    "stiffness",
+                    stiffness,
+                    -limits::COEFFICIENT,
+                    limits::COEFFICIENT,
+                )?,
+                slip_limit: in_range("slip_limit", slip_limit, 1e-9, limits::DISPLACEMENT)?,
+            };
         }
         Ok(new)
     }
@@ -66,22 +73,23 @@ impl<R: Real> StickSlip<R> {
 impl<R: Real> EffectForce<R> for StickSlip<R> {
     type State = StickSlipState<R>;
 
-    #[inline]
-    fn force(&self, state: &mut Self::State, motion: &Motion<R>, _: R) -> R {
-        let y = motion
-            .displacement
-            .confined(R::from_f64(limits::DISPLACEMENT));
-        let step = y - state.previous.unwrap_or(y);
-        state.previous = Some(y);
+    fn begin(&self, motion: &ConfinedMotion<R>) -> Self::State {
+        StickSlipState {
+            previous: motion.displacement(),
+            ..StickSlipState::default()
+        }
+    }
+
+    // Not inlined: its registers and constants are no matter of ticks without it.
+    #[inline(never)]
+    fn force(&self, state: &mut Self::State, motion: &ConfinedMotion<R>, _: R) -> R {
+        let y = motion.displacement();
+        let step = y - state.previous;
+        state.previous = y;
         let mut total = R::ZERO;
-        for ((stretch, limit), stiffness) in state
-            .stretch
-            .iter_mut()
-            .zip(&self.slip_limit)
-            .zip(&self.stiffness)
-        {
-            *stretch = (*stretch + step).confined(*limit);
-            total += *stiffness * *stretch;
+        for (element, stretch) in self.elements.iter().zip(&mut state.stretch).take(self.used) {
+            *stretch = (*stretch + step).clipped(element.slip_limit);
+            total += element.stiffness * *stretch;
         }
         total
     }

@@ -1,6 +1,6 @@
 //! A force that scales with temperature: the wire's modulus and its friction change together.
 
-use super::{EffectForce, Motion};
+use super::{ConfinedMotion, EffectForce};
 use crate::error::ConfigError;
 use crate::limits;
 use crate::real::{Real, in_range};
@@ -29,11 +29,9 @@ impl<R: Real> Temperature<R> {
 impl<R: Real> EffectForce<R> for Temperature<R> {
     type State = ();
 
-    #[inline]
-    fn force(&self, _: &mut (), motion: &Motion<R>, law_force: R) -> R {
-        let temperature = motion
-            .temperature
-            .confined(R::from_f64(limits::TEMPERATURE));
+    #[inline(always)]
+    fn force(&self, _: &mut (), motion: &ConfinedMotion<R>, law_force: R) -> R {
+        let temperature = motion.temperature();
         self.beta * (self.reference - temperature) * law_force
     }
 }

@@ -1,6 +1,6 @@
 //! A linear dashpot beside the |v|^α damping: a fluid, or the film between wires.
 
-use super::{EffectForce, Motion};
+use super::{ConfinedMotion, EffectForce};
 use crate::error::ConfigError;
 use crate::limits;
 use crate::real::{Real, in_range};
@@ -26,8 +26,8 @@ impl<R: Real> Viscous<R> {
 impl<R: Real> EffectForce<R> for Viscous<R> {
     type State = ();
 
-    #[inline]
-    fn force(&self, _: &mut (), motion: &Motion<R>, _: R) -> R {
-        self.c1 * motion.velocity.confined(R::from_f64(limits::VELOCITY))
+    #[inline(always)]
+    fn force(&self, _: &mut (), motion: &ConfinedMotion<R>, _: R) -> R {
+        self.c1 * motion.velocity()
     }
 }

@@ -123,9 +123,10 @@ impl Term {
 }
 
 fn run<E: EffectForce<f64>>(effect: &E, trajectory: &Trajectory) -> Vec<f64> {
-    let mut state = E::State::default();
+    let motion = |index| motion_at(trajectory, index).confined();
+    let mut state = effect.begin(&motion(0));
     (0..trajectory.len())
-        .map(|index| effect.force(&mut state, &motion_at(trajectory, index), 0.0))
+        .map(|index| effect.force(&mut state, &motion(index), 0.0))
         .collect()
 }
 
