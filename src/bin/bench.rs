@@ -30,7 +30,12 @@ fn main() -> ! {
     };
     let mut counter = counter::Counter::new(peripherals.SYST);
     known::run(&mut counter);
-    semihosting::exit(suite::cortex_m4f(&mut counter).is_ok())
+    let counted = if cfg!(target_abi = "eabihf") {
+        suite::cortex_m4f(&mut counter)
+    } else {
+        suite::cortex_m0(&mut counter)
+    };
+    semihosting::exit(counted.is_ok())
 }
 
 #[panic_handler]

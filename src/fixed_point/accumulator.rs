@@ -120,7 +120,7 @@ impl Sample {
 }
 
 impl RawCycle {
-    /// In units. Some two thousand instructions on a core without a floating-point unit: not for the tick's interrupt.
+    /// In units. Some 2400 instructions on a core without a floating-point unit: not for the tick's interrupt.
     pub fn over(&self, scales: &Scales) -> Cycle {
         let (y, f) = (scales.displacement() as f32, scales.force() as f32);
         let unit = 1.0 / (1u32 << 31) as f32;

@@ -4,6 +4,7 @@
 //! checksums that what was counted is what was judged.
 
 pub mod effects;
+pub mod fixed_point;
 pub mod naive;
 pub mod power;
 pub mod rig;
@@ -33,4 +34,15 @@ pub fn cortex_m4f(meter: &mut impl Meter) -> Result<(), Refused> {
     tick::run(meter)?;
     effects::run(meter)?;
     rig::run(meter)
+}
+
+/// The whole tick for a core without one: in integers, and in floats that are computed in software.
+///
+/// # Errors
+/// A value out of its range.
+pub fn cortex_m0(meter: &mut impl Meter) -> Result<(), Refused> {
+    fixed_point::run(meter)?;
+    tick::small(meter)?;
+    tick::naive(meter);
+    Ok(())
 }

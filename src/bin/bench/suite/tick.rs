@@ -124,6 +124,24 @@ fn alone(meter: &mut impl Meter) -> Result<(), ConfigError> {
     Ok(())
 }
 
+/// Alone, without a swap: there is no room for a third law in the 16 KiB of a small core.
+///
+/// # Errors
+/// None: every value is in its range.
+#[inline(never)]
+pub fn small(meter: &mut impl Meter) -> Result<(), ConfigError> {
+    let mut moments = Moments::new();
+    for (amplitude, law) in laws() {
+        let mut whole = Whole::new(amplitude, law)?;
+        while whole.when != When::Done {
+            let result = meter.call(tick, &mut whole, 0.0, 0.0);
+            moments.add(whole.when, result, whole.cycle.as_ref());
+        }
+    }
+    moments.report(meter, "tick/whole");
+    Ok(())
+}
+
 fn blocks(meter: &mut impl Meter) -> Result<(), ConfigError> {
     let mut moments = Moments::new();
     for (amplitude, law) in laws() {
@@ -137,7 +155,9 @@ fn blocks(meter: &mut impl Meter) -> Result<(), ConfigError> {
     Ok(())
 }
 
-fn naive(meter: &mut impl Meter) {
+/// On libm.
+#[inline(never)]
+pub fn naive(meter: &mut impl Meter) {
     let mut moments = Moments::new();
     for (amplitude, law) in laws() {
         let mut naive = Naive::new(&law, amplitude, FREQUENCY, TICK_RATE);
