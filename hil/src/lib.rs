@@ -27,6 +27,7 @@
 #![forbid(unsafe_code)]
 
 pub mod actuator;
+pub mod bench;
 pub mod demo;
 pub mod error;
 pub mod identify;

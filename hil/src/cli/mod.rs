@@ -1,5 +1,7 @@
 //! The command line: one file per command.
 
+mod bench;
+mod bench_table;
 mod demo;
 mod predict;
 mod programme;
@@ -31,6 +33,7 @@ enum Command {
     Trace(trace::TraceCommand),
     Predict(predict::Predict),
     Run(run::RunCommand),
+    Bench(bench::BenchCommand),
 }
 
 impl Cli {
@@ -41,6 +44,7 @@ impl Cli {
             Command::Trace(command) => command.run(),
             Command::Predict(command) => command.run(),
             Command::Run(command) => command.run(),
+            Command::Bench(command) => command.run(),
         }
     }
 }

@@ -1,6 +1,6 @@
 //! The whole tick as it is written down first, on libm: a sine, a cosine and a power a tick, sums in plain f32.
 //!
-//! `hil/bench/tick.c` is the same in C, line by line.
+//! `hil/bench/peer.c` is the same in C, line by line.
 
 use core::f32::consts::{PI, TAU};
 

@@ -17,38 +17,40 @@ pub const TICK_RATE: f64 = 10_000.0;
 /// Hz: no whole number of ticks to the cycle.
 pub const FREQUENCY: f64 = 9.7;
 /// Cycles at full amplitude.
-pub const CYCLES: u32 = 4;
+const CYCLES: u32 = 4;
 /// Ticks that the naive tick is run for, which has no ramps and no end.
-pub const NAIVE_TICKS: u32 = 4200;
+pub const NAIVE_TICKS: u32 = 2200;
 /// Ticks to the block.
 pub const BLOCK: usize = 64;
 
-/// Densities, g/cm³, and amplitudes, mm.
-const DENSITIES: [f32; 3] = [2.0, 3.0, 4.0];
-const AMPLITUDES: [f32; 3] = [0.05, 0.15, 0.25];
-
-/// The published laws that are run, each with its amplitude in mm.
+/// The published laws, each with its amplitude in mm: row by row of the paper's tables.
 pub fn laws() -> impl Iterator<Item = (f32, Law<f32>)> {
-    AMPLITUDES.into_iter().flat_map(|amplitude| {
-        DENSITIES.map(|density| (amplitude, PAPER.lookup(density, amplitude).law))
+    PAPER.amplitudes().flat_map(|amplitude| {
+        PAPER
+            .densities()
+            .map(move |density| (amplitude, PAPER.lookup(density, amplitude).law))
     })
 }
 
 /// What a tick works on.
-struct Whole {
+pub struct Whole {
     generator: SineGenerator<1>,
     law: RunningLaw<1>,
     accumulator: CycleAccumulator,
     /// What the last tick came to, beside its force.
-    when: When,
-    cycle: Option<Cycle>,
+    pub when: When,
+    /// The cycle that ended with it.
+    pub cycle: Option<Cycle>,
     /// Of the last block.
     forces: [f32; BLOCK],
 }
 
 impl Whole {
     /// A sine of `amplitude` mm with a ramp of one cycle before and after it.
-    fn new(amplitude: f32, law: Law<f32>) -> Result<Self, ConfigError> {
+    ///
+    /// # Errors
+    /// None for a published law and its amplitude.
+    pub fn new(amplitude: f32, law: Law<f32>) -> Result<Self, ConfigError> {
         let block = Block::sine(f64::from(amplitude), FREQUENCY, CYCLES)?;
         Ok(Self {
             generator: SineGenerator::new(Programme::new(TICK_RATE, 1)?.with(block)?)?,
@@ -60,8 +62,9 @@ impl Whole {
         })
     }
 
+    /// Force in kN.
     #[inline(always)]
-    fn tick(&mut self) -> f32 {
+    pub fn tick(&mut self) -> f32 {
         let now = self.generator.tick();
         if now.cycle_end {
             self.law.boundary();

@@ -1,0 +1,210 @@
+//! What is asked of the image.
+
+use serde::Serialize;
+
+use super::results::Results;
+use super::suite::tick::BLOCK;
+
+/// On which side of a limit a figure has to be.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Side {
+    /// At most the limit.
+    AtMost,
+    /// At least the limit.
+    AtLeast,
+}
+
+/// A limit and what was measured.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Verdict {
+    /// Of what.
+    pub name: &'static str,
+    /// The figure's unit.
+    pub unit: &'static str,
+    /// The side that is asked for.
+    pub side: Side,
+    /// The limit.
+    pub limit: f64,
+    /// The figure; none where it was not measured.
+    pub figure: Option<f64>,
+    /// Why it cannot be reached, where that is known. It is then shown and not held against a run.
+    pub unreached: Option<&'static str>,
+}
+
+impl Verdict {
+    /// Whether the figure is where it is asked to be; what was not measured is not held against anyone.
+    pub fn holds(&self) -> bool {
+        self.figure.is_none_or(|figure| match self.side {
+            Side::AtMost => figure <= self.limit,
+            Side::AtLeast => figure >= self.limit,
+        })
+    }
+
+    /// The line that says what is exceeded, where something is that could be reached.
+    pub fn failure(&self) -> Option<String> {
+        let figure = self.figure.filter(|_| !self.holds())?;
+        if self.unreached.is_some() {
+            return None;
+        }
+        let side = match self.side {
+            Side::AtMost => "at most",
+            Side::AtLeast => "at least",
+        };
+        Some(format!(
+            "{}: {figure:.3e} {}, {side} {:.3e} is asked for",
+            self.name, self.unit, self.limit
+        ))
+    }
+}
+
+const INSTRUCTIONS: &str = "instructions";
+const RELATIVE: &str = "relative";
+const RATIO: &str = "ratio";
+
+/// Every limit with its figure in `results`.
+pub fn verdicts(results: &Results) -> Vec<Verdict> {
+    let mut all = power(results);
+    all.extend(whole_tick(results));
+    all.extend(effects(results));
+    all
+}
+
+fn at_most(name: &'static str, unit: &'static str, limit: f64, figure: Option<f64>) -> Verdict {
+    Verdict {
+        name,
+        unit,
+        side: Side::AtMost,
+        limit,
+        figure,
+        unreached: None,
+    }
+}
+
+fn at_least(name: &'static str, unit: &'static str, limit: f64, figure: Option<f64>) -> Verdict {
+    Verdict {
+        side: Side::AtLeast,
+        ..at_most(name, unit, limit, figure)
+    }
+}
+
+fn power(results: &Results) -> Vec<Verdict> {
+    let most = |name| Some(results.count(name, "call")?.most as f64);
+    let error = |name| results.error(name, "|v|^α over itself");
+    vec![
+        at_most("|v|^α, any α", INSTRUCTIONS, 48.0, most("power/general")),
+        at_most(
+            "|v|^α, any α: error",
+            RELATIVE,
+            6e-7,
+            error("power/general"),
+        ),
+        at_most(
+            "|v|^α from a table",
+            INSTRUCTIONS,
+            16.0,
+            most("power/table"),
+        ),
+        at_most(
+            "|v|^α from a table: error",
+            RELATIVE,
+            5e-7,
+            error("power/table"),
+        ),
+        at_most(
+            "|v|^α from a table: the table",
+            "bytes",
+            4096.0,
+            results
+                .size("power/table", "table")
+                .map(|bytes| bytes as f64),
+        ),
+    ]
+}
+
+fn whole_tick(results: &Results) -> Vec<Verdict> {
+    let steady = results.count("tick/whole", "steady");
+    let mean = steady.map(|count| count.mean);
+    let most = |moment| Some(results.count("tick/whole", moment)?.most as f64);
+    let over_mean = |moment| Some(most(moment)? / mean?);
+    let block = results.count("tick/block", "steady");
+    let c = results.count("tick/c", "steady");
+    let error = |of| results.error("tick/whole", of);
+    vec![
+        at_most("whole tick", INSTRUCTIONS, 64.0, mean),
+        at_most(
+            "whole tick: tables",
+            "bytes",
+            8192.0,
+            results
+                .size("tick/whole", "tables")
+                .map(|bytes| bytes as f64),
+        ),
+        at_most(
+            "whole tick in blocks",
+            INSTRUCTIONS,
+            50.0,
+            block.map(|count| count.mean / BLOCK as f64),
+        ),
+        at_least(
+            "whole tick: C over ours",
+            RATIO,
+            7.0,
+            c.zip(mean).map(|(c, mean)| c.mean / mean),
+        ),
+        at_most(
+            "whole tick: longest less shortest",
+            INSTRUCTIONS,
+            0.0,
+            steady.map(|count| (count.most - count.least) as f64),
+        ),
+        at_most(
+            "cycle end over the mean",
+            RATIO,
+            1.7,
+            over_mean("cycle-end"),
+        ),
+        at_most(
+            "tick after a swap over the mean",
+            RATIO,
+            2.0,
+            over_mean("swap"),
+        ),
+        at_most("force", RELATIVE, 6e-7, error("force over its peak")),
+        at_most("K", RELATIVE, 6e-7, error("K over itself")),
+        at_most("ΔW", RELATIVE, 6e-7, error("ΔW over itself")),
+        at_most("η", RELATIVE, 6e-7, error("η over itself")),
+    ]
+}
+
+/// Effects, and what their limit is called.
+const EFFECTS: [(&str, &str); 10] = [
+    ("effects/offset", "offset"),
+    ("effects/asymmetry", "asymmetry"),
+    ("effects/hardening", "hardening"),
+    ("effects/stick_slip_1", "stick-slip, 1 element"),
+    ("effects/stick_slip", "stick-slip, 6 elements"),
+    ("effects/viscous", "viscous"),
+    ("effects/relaxation", "relaxation"),
+    ("effects/inertia", "inertia"),
+    ("effects/drift", "drift"),
+    ("effects/temperature", "temperature"),
+];
+
+fn effects(results: &Results) -> Vec<Verdict> {
+    let none = results.count("effects/none", "call");
+    let each = EFFECTS.map(|(name, effect)| {
+        let with = results.count(name, "call");
+        let more = with.zip(none).map(|(with, none)| with.mean - none.mean);
+        at_most(effect, INSTRUCTIONS, 25.0, more)
+    });
+    let all = results.count("effects/all", "call");
+    each.into_iter()
+        .chain([at_most(
+            "the law with every effect",
+            INSTRUCTIONS,
+            220.0,
+            all.map(|count| count.mean),
+        )])
+        .collect()
+}

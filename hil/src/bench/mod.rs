@@ -1,0 +1,142 @@
+//! What the crate costs on a microcontroller: instructions counted in an emulator, beside its peers, with the errors
+//! against f64 and the bytes.
+//!
+//! `src/bin/bench.rs` is the image that counts: one region is called at a time, and the timer that the emulator advances
+//! by 2¹⁰ ns an instruction is read before and after. A call's count is exact, the same in every run, and includes what the
+//! called function saves and restores; the call itself, as an empty function takes it, is taken off. Sequences of known
+//! length are counted first, and a run whose counts of them are wrong is refused. Instructions are not cycles: an
+//! emulator has no caches, no wait states and no pipeline.
+//!
+//! What is counted stands in `src/bin/bench/suite`, and is run on the host too, bit for bit the same, to be judged.
+//!
+//! # Peers
+//! libm and micromath in the same image, and the whole tick as it is written down first, on libm's sine, cosine and power;
+//! the same in C (`hil/bench/peer.c`) on newlib's as an image of its own. micromath is a peer only: its |v|^α misses by
+//! some percent, which goes into force and loss factor as it is, and there is no quantity in the tick to which that is harmless.
+
+mod baseline;
+mod count;
+mod exact;
+mod judge;
+mod limits;
+mod peer;
+mod results;
+mod sizes;
+/// Of the image that counts, run here to be judged.
+#[path = "../../../src/bin/bench/suite/mod.rs"]
+mod suite;
+
+use std::process::Command;
+
+pub use baseline::{Baseline, Entry};
+pub use count::Count;
+pub use judge::LargestError;
+pub use limits::{Side, Verdict};
+pub use results::{Rate, Results, Size, Tools};
+
+use crate::error::InputError;
+use crate::image::{self, Board, Image};
+
+/// The image that counts.
+pub const IMAGE: Image = Image {
+    binary: "bench",
+    features: &["bench"],
+};
+
+/// Ticks to a block of `tick/block`.
+pub const BLOCK: usize = suite::tick::BLOCK;
+
+/// Counts, judges and measures everything. `progress` is told what is being done.
+///
+/// # Errors
+/// No emulator or no compiler for the image, an image that fails, or counts that are not to be trusted.
+pub fn run(progress: &dyn Fn(&str)) -> Result<Results, InputError> {
+    let board = Board::Mps2An386;
+    board.check()?;
+    progress("building the image that counts");
+    let elf = image::build(&IMAGE, board)?;
+    progress("counting");
+    let mut counts = count::count(&elf, board)?.counts;
+    check_known(&counts)?;
+    counts.retain(|count| !count.name.starts_with(KNOWN));
+    progress("judging what was counted");
+    let refused = |_| untrusted("the host refuses what the image counted".into());
+    let strangers = judge::strangers(&counts).map_err(refused)?;
+    if !strangers.is_empty() {
+        return Err(untrusted(format!(
+            "image and host give other results for {}",
+            strangers.join(", ")
+        )));
+    }
+    let mut errors = judge::powers().map_err(refused)?;
+    errors.extend(judge::ticks().map_err(refused)?);
+    let mut results = Results {
+        tools: Tools {
+            rustc: first_line("rustc"),
+            c: peer::compiler(),
+            emulator: first_line("qemu-system-arm"),
+        },
+        sizes: sizes::of_counted(&elf)?,
+        counts,
+        errors,
+        ..Results::default()
+    };
+    progress("counting the peer in C");
+    match count_peer(board) {
+        Ok(counts) => results.counts.extend(counts),
+        Err(error) => results.left_out.push(error.to_string()),
+    }
+    results.limits = limits::verdicts(&results);
+    Ok(results)
+}
+
+/// The peer in C, which has to come to the same cycles as ours.
+fn count_peer(board: Board) -> Result<Vec<Count>, InputError> {
+    let directory = tempfile::tempdir()
+        .map_err(|error| InputError::io(&std::env::temp_dir(), "write", &error))?;
+    let elf = peer::build(directory.path())?;
+    let said = count::count(&elf, board)?;
+    judge::check_peer(&said.results).map_err(untrusted)?;
+    Ok(said.counts)
+}
+
+/// What names of sequences of known length begin with; the length follows.
+const KNOWN: &str = "known/nops-";
+
+/// Refuses counts under which a sequence of known length has another.
+fn check_known(counts: &[Count]) -> Result<(), InputError> {
+    let mut known = 0;
+    for count in counts {
+        let Some(length) = count.name.strip_prefix(KNOWN) else {
+            continue;
+        };
+        known += 1;
+        let [least, most] = [count.least, count.most].map(|length| length.to_string());
+        if [&least, &most] != [length, length] {
+            return Err(untrusted(format!(
+                "{length} instructions were counted as {least} to {most}"
+            )));
+        }
+    }
+    if known == 0 {
+        return Err(untrusted("no known sequence was counted".into()));
+    }
+    Ok(())
+}
+
+fn untrusted(problem: String) -> InputError {
+    let mend = "report this, with the emulator's version";
+    InputError::new("the counts", problem, mend)
+}
+
+/// What a tool says of its version.
+fn first_line(tool: &str) -> String {
+    let output = Command::new(tool).arg("--version").output();
+    output.map_or_else(
+        |_| String::new(),
+        |output| {
+            let text = String::from_utf8_lossy(&output.stdout);
+            text.lines().next().unwrap_or_default().to_owned()
+        },
+    )
+}

@@ -1,0 +1,163 @@
+//! What `hil bench` prints.
+
+use hil::bench::{BLOCK, Results, Side, Verdict};
+
+use super::say;
+
+/// Counts that belong together.
+struct Section {
+    title: &'static str,
+    rows: &'static [Row],
+}
+
+/// A count as a line.
+struct Row {
+    name: &'static str,
+    moment: &'static str,
+    label: &'static str,
+    /// Ticks that a call does.
+    ticks: usize,
+}
+
+const fn row(name: &'static str, moment: &'static str, label: &'static str) -> Row {
+    Row {
+        name,
+        moment,
+        label,
+        ticks: 1,
+    }
+}
+
+const SECTIONS: [Section; 4] = [
+    Section {
+        title: "|v|^α, α 0.15…0.56, v 1e-6…20 mm/s",
+        rows: &[
+            row("power/general", "call", "any α"),
+            row("power/table", "call", "from a table, c·|v|^α·sgn v"),
+            row("power/libm", "call", "libm powf"),
+            row("power/micromath", "call", "micromath powf"),
+            row("power/c", "call", "C, newlib powf"),
+        ],
+    },
+    Section {
+        title: "a whole tick: generator, law, cycle",
+        rows: &[
+            row("tick/whole", "steady", "steady"),
+            row("tick/whole", "cycle-end", "at a cycle's end"),
+            row("tick/whole", "swap", "after a swap of coefficients"),
+            row("tick/whole", "ramp", "in a ramp"),
+            Row {
+                ticks: BLOCK,
+                ..row("tick/block", "steady", "in blocks of 64")
+            },
+            row("tick/naive", "steady", "Rust on libm"),
+            row("tick/naive", "cycle-end", "  at a cycle's end"),
+            row("tick/c", "steady", "C on newlib"),
+            row("tick/c", "cycle-end", "  at a cycle's end"),
+        ],
+    },
+    Section {
+        title: "the law with effects",
+        rows: &[
+            row("effects/none", "call", "none"),
+            row("effects/offset", "call", "offset"),
+            row("effects/asymmetry", "call", "asymmetry"),
+            row("effects/hardening", "call", "hardening"),
+            row("effects/stick_slip_1", "call", "stick-slip, 1 element"),
+            row("effects/stick_slip", "call", "stick-slip, 6 elements"),
+            row("effects/viscous", "call", "viscous"),
+            row("effects/relaxation", "call", "relaxation"),
+            row("effects/inertia", "call", "inertia"),
+            row("effects/drift", "call", "drift"),
+            row("effects/temperature", "call", "temperature"),
+            row("effects/all", "call", "all nine"),
+        ],
+    },
+    Section {
+        title: "the rig",
+        rows: &[
+            row("rig/tick", "steady", "tick, its bus answered from memory"),
+            row("rig/tick", "cycle-end", "  at a cycle's end"),
+            row("crossing/update", "steady", "cycle of a measured motion"),
+            row("crossing/update", "cycle-end", "  at its end"),
+        ],
+    },
+];
+
+/// Prints every count with its errors, the sizes, the rates and the limits.
+pub fn print(results: &Results) {
+    for Section { title, rows } in SECTIONS {
+        say(&format!(
+            "{title:40} {:>9} {:>8} {:>8}",
+            "mean", "least", "most"
+        ));
+        for row in rows {
+            let &Row {
+                name,
+                moment,
+                label,
+                ticks,
+            } = row;
+            let Some(count) = results.count(name, moment) else {
+                continue;
+            };
+            let ticks = ticks as f64;
+            let errors: String = results
+                .errors
+                .iter()
+                .filter(|error| error.name == name && matches!(moment, "call" | "steady"))
+                .map(|error| format!("  {} {:.1e}", error.of, error.error))
+                .collect();
+            say(&format!(
+                "  {label:38} {:9.1} {:8.1} {:8.1}{errors}",
+                count.mean / ticks,
+                count.least as f64 / ticks,
+                count.most as f64 / ticks
+            ));
+        }
+    }
+    say("Instructions of a Cortex-M4F, exact; errors against f64.");
+    for size in &results.sizes {
+        say(&format!(
+            "  {}, {}: {} bytes",
+            size.name, size.of, size.bytes
+        ));
+    }
+    for rate in &results.rates {
+        say(&format!(
+            "  {}: {:.0} a second, {:.0} times real time",
+            rate.name, rate.per_second, rate.times_real_time
+        ));
+    }
+    say(&format!("{:40} {:>9}   asked for", "Limits", "figure"));
+    for verdict in &results.limits {
+        print_verdict(verdict);
+    }
+}
+
+fn print_verdict(verdict: &Verdict) {
+    let number = |value: f64| {
+        if value != 0.0 && value.abs() < 0.01 {
+            format!("{value:.1e}")
+        } else {
+            format!("{:.1}", value)
+        }
+    };
+    let figure = verdict.figure.map_or("-".to_owned(), number);
+    let side = match verdict.side {
+        Side::AtMost => "at most",
+        Side::AtLeast => "at least",
+    };
+    let held = match (verdict.figure, verdict.holds(), verdict.unreached) {
+        (None, ..) => "not measured".to_owned(),
+        (_, true, _) => "held".to_owned(),
+        (_, false, Some(reason)) => format!("not reached: {reason}"),
+        (_, false, None) => "NOT HELD".to_owned(),
+    };
+    say(&format!(
+        "  {:38} {figure:>9}   {side} {} {}: {held}",
+        verdict.name,
+        number(verdict.limit),
+        verdict.unit
+    ));
+}
