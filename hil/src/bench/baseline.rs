@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 
 use serde::{Deserialize, Serialize};
 
-use super::count::Count;
+use super::count::{Core, Count};
 use super::results::{Results, Tools};
 use crate::error::InputError;
 
@@ -25,6 +25,8 @@ pub struct Baseline {
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Entry {
+    /// On what.
+    pub core: Core,
     /// What was called.
     pub name: String,
     /// Which of its calls.
@@ -55,6 +57,7 @@ impl Baseline {
             tools: results.tools.clone(),
             counts: own
                 .map(|count| Entry {
+                    core: count.core,
                     name: count.name.clone(),
                     moment: count.moment.clone(),
                     // As many digits as tell them apart.
@@ -80,13 +83,17 @@ impl Baseline {
         let mut failures = Vec::new();
         for entry in &self.counts {
             let Entry {
+                core,
                 name,
                 moment,
                 mean,
                 most,
             } = entry;
-            let Some(now) = results.count(name, moment) else {
-                // Without the emulated board it is not counted at all, and said so.
+            // A core that this machine has no compiler for is left out as a whole, and said so.
+            if !results.counts.iter().any(|count| count.core == *core) {
+                continue;
+            }
+            let Some(now) = results.count(*core, name, moment) else {
                 failures.push(format!(
                     "{name} {moment} is no longer counted: --bless it away"
                 ));
@@ -99,7 +106,8 @@ impl Baseline {
             for (what, was, is) in figures {
                 if is > was * (1.0 + GATE) {
                     failures.push(format!(
-                        "{name} {moment}: {what} {is:.1} instructions, {:.1} % above the baseline's {was:.1}",
+                        "{name} {moment} on a {}: {what} {is:.1} instructions, {:.1} % above the baseline's {was:.1}",
+                        core.name(),
                         100.0 * (is / was - 1.0)
                     ));
                 }
@@ -107,10 +115,10 @@ impl Baseline {
         }
         let is_new = |count: &&Count| {
             is_own(count)
-                && !self
-                    .counts
-                    .iter()
-                    .any(|entry| entry.name == count.name && entry.moment == count.moment)
+                && !self.counts.iter().any(|entry| {
+                    (entry.core, &entry.name, &entry.moment)
+                        == (count.core, &count.name, &count.moment)
+                })
         };
         failures.extend(results.counts.iter().filter(is_new).map(|count| {
             let Count { name, moment, .. } = count;
@@ -126,6 +134,7 @@ mod tests {
 
     fn results(counts: &[(&str, f64, u64)]) -> Results {
         let counts = counts.iter().map(|&(name, mean, most)| Count {
+            core: Core::CortexM4f,
             name: name.into(),
             moment: "call".into(),
             calls: 1,

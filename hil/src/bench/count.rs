@@ -4,7 +4,7 @@ use std::path::Path;
 use std::process::Stdio;
 use std::time::{Duration, Instant};
 
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 
 use crate::error::InputError;
 use crate::image::Board;
@@ -12,9 +12,40 @@ use crate::image::Board;
 /// An image that has not ended after this long has lost its way; they take seconds.
 const LONGEST: Duration = Duration::from_secs(180);
 
+/// A core that counts.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub enum Core {
+    /// With a floating-point unit of single precision.
+    #[serde(rename = "cortex-m4f")]
+    CortexM4f,
+    /// Without one.
+    #[serde(rename = "cortex-m0")]
+    CortexM0,
+}
+
+impl Core {
+    /// The board that it is emulated on.
+    pub fn board(self) -> Board {
+        match self {
+            Self::CortexM4f => Board::Mps2An386,
+            Self::CortexM0 => Board::Microbit,
+        }
+    }
+
+    /// Its name.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::CortexM4f => "Cortex-M4F",
+            Self::CortexM0 => "Cortex-M0",
+        }
+    }
+}
+
 /// What the calls of one region came to, in instructions.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Count {
+    /// On what.
+    pub core: Core,
     /// What was called.
     pub name: String,
     /// Which of its calls: those that have other work to do are told apart.
@@ -41,16 +72,16 @@ pub struct Said {
     pub results: Vec<(String, Vec<f32>)>,
 }
 
-/// Runs `elf` on `board` to its end.
+/// Runs `elf` on the board of `core` to its end.
 ///
 /// # Errors
 /// No emulator, an image that fails or does not end, or a line that is none.
-pub fn count(elf: &Path, board: Board) -> Result<Said, InputError> {
+pub fn count(elf: &Path, core: Core) -> Result<Said, InputError> {
     let failed = |problem: String| {
         let mend = "run it in the emulator by hand to see more";
         InputError::new(elf.display().to_string(), problem, mend)
     };
-    let mut command = board.emulator(elf)?;
+    let mut command = core.board().emulator(elf)?;
     command
         // An instruction takes 2^10 ns of the emulator's time, and no time passes otherwise.
         .args(["-icount", "shift=10,sleep=off"])
@@ -93,7 +124,7 @@ pub fn count(elf: &Path, board: Board) -> Result<Said, InputError> {
     match status {
         Some(status) if status.success() => said
             .lines()
-            .try_fold(Said::default(), read_line)
+            .try_fold(Said::default(), |said, line| read_line(said, core, line))
             .map_err(|line| failed(format!("said what is no count: {line}"))),
         Some(_) => {
             let last = said.lines().chain(complaint.lines()).last();
@@ -120,7 +151,7 @@ fn reader(mut stream: impl std::io::Read + Send + 'static) -> std::thread::JoinH
 }
 
 /// `name moment calls instructions least most checksum`, or `= name bits…` with results of f32.
-fn read_line(mut said: Said, line: &str) -> Result<Said, String> {
+fn read_line(mut said: Said, core: Core, line: &str) -> Result<Said, String> {
     let parsed = || {
         let words: Vec<&str> = line.split_whitespace().collect();
         match words[..] {
@@ -135,6 +166,7 @@ fn read_line(mut said: Said, line: &str) -> Result<Said, String> {
                 let calls: u64 = calls.parse().ok()?;
                 let sum: u64 = sum.parse().ok()?;
                 said.counts.push(Count {
+                    core,
                     name: name.to_owned(),
                     moment: moment.to_owned(),
                     calls,
@@ -159,14 +191,19 @@ mod tests {
     fn reads_counts_and_results_and_refuses_the_rest() {
         let said = ["a/b call 4 10 2 3 0000000f", "= c 3f800000 40000000"]
             .into_iter()
-            .try_fold(Said::default(), read_line)
+            .try_fold(Said::default(), |said, line| {
+                read_line(said, Core::CortexM0, line)
+            })
             .unwrap();
         let [count] = &said.counts[..] else { panic!() };
         assert_eq!((count.name.as_str(), count.mean), ("a/b", 2.5));
         assert_eq!((count.least, count.most, count.checksum), (2, 3, 15));
         assert_eq!(said.results, [("c".to_owned(), vec![1.0, 2.0])]);
         for bad in ["", "panicked at src/x.rs", "a call 4 10 2 3 xyz", "= c 1.0"] {
-            assert!(read_line(Said::default(), bad).is_err(), "{bad}");
+            assert!(
+                read_line(Said::default(), Core::CortexM0, bad).is_err(),
+                "{bad}"
+            );
         }
     }
 }

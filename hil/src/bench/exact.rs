@@ -30,6 +30,13 @@ pub struct ExactCycle {
     pub loss_factor: f64,
 }
 
+impl ExactCycle {
+    /// K, ΔW and η.
+    pub fn parts(&self) -> [f64; 3] {
+        [self.stiffness, self.energy, self.loss_factor]
+    }
+}
+
 impl Exact {
     /// Displacement in mm and force in kN at tick `n`.
     pub fn sample(&self, n: u64) -> (f64, f64) {

@@ -1,12 +1,13 @@
 //! How far what was counted is from f64: the same lines over the same inputs, run on the host.
 
+use mesh_damper::fixed_point::Part;
 use mesh_damper::power::{PowerSeed, PowerTable};
 use serde::Serialize;
 
-use super::count::Count;
-use super::exact::{Exact, ExactCycle};
+use super::count::{Core, Count};
+use super::exact::Exact;
 use super::suite::tally::{Meter, Region, Tally, When};
-use super::suite::{self, Refused, power, tick};
+use super::suite::{self, Refused, fixed_point, power, tick};
 use crate::reference::tables;
 
 /// The largest error of something against f64.
@@ -34,13 +35,16 @@ impl Meter for Replay {
     }
 }
 
-/// The counts whose results are not, bit by bit, those of the host, as `name moment`; and those that are missing.
+/// The counts of `core` whose results are not, bit by bit, those of the host, as `name moment`; and those that are missing.
 ///
 /// # Errors
 /// As the suite.
-pub fn strangers(counts: &[Count]) -> Result<Vec<String>, Refused> {
+pub fn strangers(core: Core, counts: &[Count]) -> Result<Vec<String>, Refused> {
     let mut replay = Replay::default();
-    suite::cortex_m4f(&mut replay)?;
+    match core {
+        Core::CortexM4f => suite::cortex_m4f(&mut replay)?,
+        Core::CortexM0 => suite::cortex_m0(&mut replay)?,
+    }
     let differs = |(name, moment, checksum): &(String, String, u32)| {
         !counts.iter().any(|count| {
             count.name == *name && count.moment == *moment && count.checksum == *checksum
@@ -102,19 +106,30 @@ pub fn powers() -> Result<Vec<LargestError>, Refused> {
     Ok(errors)
 }
 
-/// Of the whole tick's force over the cycle's peak, and of K, ΔW and η over themselves, at full amplitude.
+/// Of the whole tick's force over the cycle's peak, and of K, ΔW and η over themselves, at full amplitude: in floats and in
+/// integers.
 ///
 /// # Errors
 /// None: every value is in its range.
 pub fn ticks() -> Result<Vec<LargestError>, Refused> {
-    // Force, K, ΔW, η.
-    let mut worst = [0.0; 4];
-    for ((_, amplitude, law), (_, own)) in tables::cells().zip(tick::laws()) {
+    let mut floats = [0.0; 4];
+    let mut integers = [0.0; 4];
+    for ((_, amplitude, law), (own_amplitude, own)) in tables::cells().zip(tick::laws()) {
         let exact = Exact { law, amplitude };
-        let errors = of_cell(&exact, tick::Whole::new(amplitude as f32, own)?);
-        for (worst, error) in worst.iter_mut().zip(errors) {
-            *worst = largest([*worst, error]);
-        }
+        let mut whole = tick::Whole::new(own_amplitude, own)?;
+        exact.judge(&mut floats, || {
+            let force = f64::from(whole.tick());
+            let cycle = whole.cycle.map(|c| [c.stiffness, c.energy, c.loss_factor]);
+            (force, cycle.map(|cycle| cycle.map(f64::from)), whole.when)
+        });
+        let mut whole = fixed_point::Whole::new(own_amplitude, &own)?;
+        exact.judge(&mut integers, || {
+            let part = Part::from_bits(whole.tick().to_bits() as i32);
+            let force = part.to_num::<f64>() * whole.scales.force();
+            let cycle = whole.cycle.map(|cycle| cycle.over(&whole.scales));
+            let cycle = cycle.map(|c| [c.stiffness, c.energy, c.loss_factor].map(f64::from));
+            (force, cycle, whole.when)
+        });
     }
     let of = [
         "force over its peak",
@@ -122,45 +137,49 @@ pub fn ticks() -> Result<Vec<LargestError>, Refused> {
         "ΔW over itself",
         "η over itself",
     ];
-    let error = |(of, error)| LargestError {
-        name: "tick/whole".into(),
-        of,
-        error,
+    let errors = |name: &str, worst: [f64; 4]| {
+        of.into_iter()
+            .zip(worst)
+            .map(|(of, error)| LargestError {
+                name: name.to_owned(),
+                of,
+                error,
+            })
+            .collect::<Vec<_>>()
     };
-    Ok(of.into_iter().zip(worst).map(error).collect())
+    Ok([errors("tick/whole", floats), errors("fixed/tick", integers)].concat())
 }
 
-/// The largest errors of force, K, ΔW and η of one law.
-fn of_cell(exact: &Exact, mut whole: tick::Whole) -> [f64; 4] {
-    let mut worst = [0.0; 4];
-    let cycles: Vec<ExactCycle> = (0..6).map(|index| exact.cycle(index)).collect();
-    let peak = largest((0..2000).map(|n| exact.sample(n).1));
-    let mut ended = 0;
-    for n in 0.. {
-        let force = f64::from(whole.tick());
-        let relative = |own: f32, exact: f64| f64::from(own) / exact - 1.0;
-        let errors = match (whole.when, &whole.cycle, cycles.get(ended)) {
-            (When::Done, ..) => break,
-            // The first cycle is the ramp's.
-            (_, Some(own), Some(cycle)) if ended > 0 => [
-                relative(own.stiffness, cycle.stiffness),
-                relative(own.energy, cycle.energy),
-                relative(own.loss_factor, cycle.loss_factor),
-            ],
-            _ => [0.0; 3],
-        };
-        ended += usize::from(whole.cycle.is_some());
-        let of_force = if whole.when == When::Ramp {
-            0.0
-        } else {
-            (force - exact.sample(n).1) / peak
-        };
-        let all = [of_force].into_iter().chain(errors);
-        for (worst, error) in worst.iter_mut().zip(all) {
-            *worst = largest([*worst, error]);
+impl Exact {
+    /// Runs `tick` until it is done, and makes `worst` (force, K, ΔW, η) as large as what its results miss by. It gives
+    /// the force in kN, the cycle that ended, as K, ΔW and η, and what happened.
+    fn judge(&self, worst: &mut [f64; 4], mut tick: impl FnMut() -> (f64, Option<[f64; 3]>, When)) {
+        let peak = largest((0..2000).map(|n| self.sample(n).1));
+        let mut ended = 0;
+        for n in 0.. {
+            let (force, cycle, when) = tick();
+            if when == When::Done {
+                break;
+            }
+            let mut errors = [0.0; 4];
+            if when != When::Ramp {
+                errors[0] = (force - self.sample(n).1) / peak;
+            }
+            if let Some(cycle) = cycle {
+                // The first cycle is the ramp's.
+                if ended > 0 {
+                    let exact = self.cycle(ended).parts();
+                    for ((error, own), exact) in errors.iter_mut().skip(1).zip(cycle).zip(exact) {
+                        *error = own / exact - 1.0;
+                    }
+                }
+                ended += 1;
+            }
+            for (worst, error) in worst.iter_mut().zip(errors) {
+                *worst = largest([*worst, error]);
+            }
         }
     }
-    worst
 }
 
 /// By how much of itself a cycle of the peer in C may differ from f64: it adds up in plain f32.
@@ -178,8 +197,7 @@ pub fn check_peer(results: &[(String, Vec<f32>)]) -> Result<(), String> {
     // The last that ends within the ticks that it is run for.
     let last = (f64::from(tick::NAIVE_TICKS) * tick::FREQUENCY / tick::TICK_RATE) as u64 - 1;
     for ((_, own), (_, amplitude, law)) in results.iter().zip(cells) {
-        let exact = Exact { law, amplitude }.cycle(last);
-        let expected = [exact.stiffness, exact.energy, exact.loss_factor];
+        let expected = Exact { law, amplitude }.cycle(last).parts();
         let same = own
             .iter()
             .zip(expected)

@@ -2,6 +2,7 @@
 
 use serde::Serialize;
 
+use super::count::Core;
 use super::results::Results;
 use super::suite::tick::BLOCK;
 
@@ -67,6 +68,7 @@ pub fn verdicts(results: &Results) -> Vec<Verdict> {
     let mut all = power(results);
     all.extend(whole_tick(results));
     all.extend(effects(results));
+    all.extend(fixed_point(results));
     all
 }
 
@@ -89,7 +91,7 @@ fn at_least(name: &'static str, unit: &'static str, limit: f64, figure: Option<f
 }
 
 fn power(results: &Results) -> Vec<Verdict> {
-    let most = |name| Some(results.count(name, "call")?.most as f64);
+    let most = |name| Some(results.count(Core::CortexM4f, name, "call")?.most as f64);
     let error = |name| results.error(name, "|v|^α over itself");
     vec![
         at_most("|v|^α, any α", INSTRUCTIONS, 48.0, most("power/general")),
@@ -123,12 +125,12 @@ fn power(results: &Results) -> Vec<Verdict> {
 }
 
 fn whole_tick(results: &Results) -> Vec<Verdict> {
-    let steady = results.count("tick/whole", "steady");
+    let steady = results.count(Core::CortexM4f, "tick/whole", "steady");
     let mean = steady.map(|count| count.mean);
-    let most = |moment| Some(results.count("tick/whole", moment)?.most as f64);
+    let most = |moment| Some(results.count(Core::CortexM4f, "tick/whole", moment)?.most as f64);
     let over_mean = |moment| Some(most(moment)? / mean?);
-    let block = results.count("tick/block", "steady");
-    let c = results.count("tick/c", "steady");
+    let block = results.count(Core::CortexM4f, "tick/block", "steady");
+    let c = results.count(Core::CortexM4f, "tick/c", "steady");
     let error = |of| results.error("tick/whole", of);
     vec![
         at_most("whole tick", INSTRUCTIONS, 64.0, mean),
@@ -192,13 +194,13 @@ const EFFECTS: [(&str, &str); 10] = [
 ];
 
 fn effects(results: &Results) -> Vec<Verdict> {
-    let none = results.count("effects/none", "call");
+    let none = results.count(Core::CortexM4f, "effects/none", "call");
     let each = EFFECTS.map(|(name, effect)| {
-        let with = results.count(name, "call");
+        let with = results.count(Core::CortexM4f, name, "call");
         let more = with.zip(none).map(|(with, none)| with.mean - none.mean);
         at_most(effect, INSTRUCTIONS, 25.0, more)
     });
-    let all = results.count("effects/all", "call");
+    let all = results.count(Core::CortexM4f, "effects/all", "call");
     each.into_iter()
         .chain([at_most(
             "the law with every effect",
@@ -207,4 +209,23 @@ fn effects(results: &Results) -> Vec<Verdict> {
             all.map(|count| count.mean),
         )])
         .collect()
+}
+
+/// Integers on a core without a floating-point unit.
+fn fixed_point(results: &Results) -> Vec<Verdict> {
+    let mean = |name| Some(results.count(Core::CortexM0, name, "steady")?.mean);
+    let error = |of| results.error("fixed/tick", of);
+    vec![
+        at_least(
+            "Cortex-M0: floats over integers",
+            RATIO,
+            9.0,
+            mean("tick/whole")
+                .zip(mean("fixed/tick"))
+                .map(|(floats, integers)| floats / integers),
+        ),
+        at_most("Cortex-M0: K", RELATIVE, 1e-4, error("K over itself")),
+        at_most("Cortex-M0: ΔW", RELATIVE, 1e-4, error("ΔW over itself")),
+        at_most("Cortex-M0: η", RELATIVE, 1e-4, error("η over itself")),
+    ]
 }

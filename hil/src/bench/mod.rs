@@ -26,16 +26,17 @@ mod sizes;
 #[path = "../../../src/bin/bench/suite/mod.rs"]
 mod suite;
 
+use std::path::PathBuf;
 use std::process::Command;
 
 pub use baseline::{Baseline, Entry};
-pub use count::Count;
+pub use count::{Core, Count};
 pub use judge::LargestError;
 pub use limits::{Side, Verdict};
 pub use results::{Rate, Results, Size, Tools};
 
 use crate::error::InputError;
-use crate::image::{self, Board, Image};
+use crate::image::{self, Image};
 
 /// The image that counts.
 pub const IMAGE: Image = Image {
@@ -51,23 +52,8 @@ pub const BLOCK: usize = suite::tick::BLOCK;
 /// # Errors
 /// No emulator or no compiler for the image, an image that fails, or counts that are not to be trusted.
 pub fn run(progress: &dyn Fn(&str)) -> Result<Results, InputError> {
-    let board = Board::Mps2An386;
-    board.check()?;
-    progress("building the image that counts");
-    let elf = image::build(&IMAGE, board)?;
-    progress("counting");
-    let mut counts = count::count(&elf, board)?.counts;
-    check_known(&counts)?;
-    counts.retain(|count| !count.name.starts_with(KNOWN));
+    let (elf, counts) = count_core(Core::CortexM4f, progress)?;
     progress("judging what was counted");
-    let refused = |_| untrusted("the host refuses what the image counted".into());
-    let strangers = judge::strangers(&counts).map_err(refused)?;
-    if !strangers.is_empty() {
-        return Err(untrusted(format!(
-            "image and host give other results for {}",
-            strangers.join(", ")
-        )));
-    }
     let mut errors = judge::powers().map_err(refused)?;
     errors.extend(judge::ticks().map_err(refused)?);
     let mut results = Results {
@@ -82,20 +68,53 @@ pub fn run(progress: &dyn Fn(&str)) -> Result<Results, InputError> {
         ..Results::default()
     };
     progress("counting the peer in C");
-    match count_peer(board) {
-        Ok(counts) => results.counts.extend(counts),
-        Err(error) => results.left_out.push(error.to_string()),
+    let peer = count_peer(Core::CortexM4f);
+    let small = Core::CortexM0.board().check();
+    let small = small.and_then(|()| Ok(count_core(Core::CortexM0, progress)?.1));
+    for counted in [peer, small] {
+        match counted {
+            Ok(counts) => results.counts.extend(counts),
+            Err(error) => results.left_out.push(error.to_string()),
+        }
     }
     results.limits = limits::verdicts(&results);
     Ok(results)
 }
 
+/// Counts everything on `core`, and sees that its results are the host's.
+fn count_core(core: Core, progress: &dyn Fn(&str)) -> Result<(PathBuf, Vec<Count>), InputError> {
+    let board = core.board();
+    board.check()?;
+    progress(&format!(
+        "building the image that counts on a {}",
+        core.name()
+    ));
+    let elf = image::build(&IMAGE, board)?;
+    progress(&format!("counting on a {}", core.name()));
+    let mut counts = count::count(&elf, core)?.counts;
+    check_known(&counts)?;
+    counts.retain(|count| !count.name.starts_with(KNOWN));
+    let strangers = judge::strangers(core, &counts).map_err(refused)?;
+    if strangers.is_empty() {
+        Ok((elf, counts))
+    } else {
+        Err(untrusted(format!(
+            "image and host give other results for {}",
+            strangers.join(", ")
+        )))
+    }
+}
+
+fn refused(_: suite::Refused) -> InputError {
+    untrusted("the host refuses what the image counted".into())
+}
+
 /// The peer in C, which has to come to the same cycles as ours.
-fn count_peer(board: Board) -> Result<Vec<Count>, InputError> {
+fn count_peer(core: Core) -> Result<Vec<Count>, InputError> {
     let directory = tempfile::tempdir()
         .map_err(|error| InputError::io(&std::env::temp_dir(), "write", &error))?;
     let elf = peer::build(directory.path())?;
-    let said = count::count(&elf, board)?;
+    let said = count::count(&elf, core)?;
     judge::check_peer(&said.results).map_err(untrusted)?;
     Ok(said.counts)
 }

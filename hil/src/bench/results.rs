@@ -2,7 +2,7 @@
 
 use serde::Serialize;
 
-use super::count::Count;
+use super::count::{Core, Count};
 use super::judge::LargestError;
 use super::limits::Verdict;
 
@@ -59,10 +59,10 @@ pub struct Rate {
 }
 
 impl Results {
-    /// What was counted under `name`, for the calls of one `moment`.
-    pub fn count(&self, name: &str, moment: &str) -> Option<&Count> {
+    /// What was counted on `core` under `name`, for the calls of one `moment`.
+    pub fn count(&self, core: Core, name: &str, moment: &str) -> Option<&Count> {
         let mut counts = self.counts.iter();
-        counts.find(|count| count.name == name && count.moment == moment)
+        counts.find(|count| count.core == core && count.name == name && count.moment == moment)
     }
 
     /// The largest error of `name`'s results `of`.

@@ -1,11 +1,12 @@
 //! What `hil bench` prints.
 
-use hil::bench::{BLOCK, Results, Side, Verdict};
+use hil::bench::{BLOCK, Core, Results, Side, Verdict};
 
 use super::say;
 
 /// Counts that belong together.
 struct Section {
+    core: Core,
     title: &'static str,
     rows: &'static [Row],
 }
@@ -28,8 +29,9 @@ const fn row(name: &'static str, moment: &'static str, label: &'static str) -> R
     }
 }
 
-const SECTIONS: [Section; 4] = [
+const SECTIONS: [Section; 5] = [
     Section {
+        core: Core::CortexM4f,
         title: "|v|^α, α 0.15…0.56, v 1e-6…20 mm/s",
         rows: &[
             row("power/general", "call", "any α"),
@@ -40,6 +42,7 @@ const SECTIONS: [Section; 4] = [
         ],
     },
     Section {
+        core: Core::CortexM4f,
         title: "a whole tick: generator, law, cycle",
         rows: &[
             row("tick/whole", "steady", "steady"),
@@ -57,6 +60,7 @@ const SECTIONS: [Section; 4] = [
         ],
     },
     Section {
+        core: Core::CortexM4f,
         title: "the law with effects",
         rows: &[
             row("effects/none", "call", "none"),
@@ -74,6 +78,7 @@ const SECTIONS: [Section; 4] = [
         ],
     },
     Section {
+        core: Core::CortexM4f,
         title: "the rig",
         rows: &[
             row("rig/tick", "steady", "tick, its bus answered from memory"),
@@ -82,11 +87,24 @@ const SECTIONS: [Section; 4] = [
             row("crossing/update", "cycle-end", "  at its end"),
         ],
     },
+    Section {
+        core: Core::CortexM0,
+        title: "a whole tick without floating-point unit",
+        rows: &[
+            row("fixed/tick", "steady", "in integers"),
+            row("fixed/tick", "cycle-end", "  at a cycle's end"),
+            row("fixed/tick", "ramp", "  in a ramp"),
+            row("fixed/cycle", "call", "  a cycle's results in their units"),
+            row("tick/whole", "steady", "the tick above, floats in software"),
+            row("tick/whole", "cycle-end", "  at a cycle's end"),
+            row("tick/naive", "steady", "on libm, floats in software"),
+        ],
+    },
 ];
 
 /// Prints every count with its errors, the sizes, the rates and the limits.
 pub fn print(results: &Results) {
-    for Section { title, rows } in SECTIONS {
+    for Section { core, title, rows } in SECTIONS {
         say(&format!(
             "{title:40} {:>9} {:>8} {:>8}",
             "mean", "least", "most"
@@ -98,7 +116,7 @@ pub fn print(results: &Results) {
                 label,
                 ticks,
             } = row;
-            let Some(count) = results.count(name, moment) else {
+            let Some(count) = results.count(core, name, moment) else {
                 continue;
             };
             let ticks = ticks as f64;
@@ -106,6 +124,8 @@ pub fn print(results: &Results) {
                 .errors
                 .iter()
                 .filter(|error| error.name == name && matches!(moment, "call" | "steady"))
+                // Judged where they are at home.
+                .filter(|_| core == Core::CortexM4f || name.starts_with("fixed/"))
                 .map(|error| format!("  {} {:.1e}", error.of, error.error))
                 .collect();
             say(&format!(
@@ -116,7 +136,7 @@ pub fn print(results: &Results) {
             ));
         }
     }
-    say("Instructions of a Cortex-M4F, exact; errors against f64.");
+    say("Instructions, exact, of a Cortex-M4F and a Cortex-M0; the largest errors against f64.");
     for size in &results.sizes {
         say(&format!(
             "  {}, {}: {} bytes",

@@ -19,8 +19,10 @@ pub struct Whole {
     accumulator: CycleAccumulator,
     /// What happened in the last tick, beside its force.
     pub when: When,
-    cycle: Option<RawCycle>,
-    scales: Scales,
+    /// The cycle that ended with it.
+    pub cycle: Option<RawCycle>,
+    /// Its units.
+    pub scales: Scales,
     converted: Cycle,
 }
 
@@ -53,7 +55,7 @@ impl Whole {
 
     /// The force's bits, which no conversion to a float is counted with.
     #[inline(always)]
-    fn tick(&mut self) -> f32 {
+    pub fn tick(&mut self) -> f32 {
         let Some(now) = self.generator.tick() else {
             self.when = When::Done;
             return 0.0;
