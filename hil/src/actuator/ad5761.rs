@@ -5,7 +5,7 @@ use std::rc::Rc;
 
 use embedded_hal::spi::{ErrorKind, ErrorType, Operation, SpiDevice};
 
-use super::ads8688::one_frame;
+use super::ads8688::{Words, one_frame};
 
 const REFERENCE: f64 = 2.5;
 
@@ -41,6 +41,7 @@ impl SimulatedAd5761 {
         }
     }
 
+    #[inline]
     fn drive(&self) {
         let Some(control) = self.control else {
             self.pins.volts.set(0.0);
@@ -64,13 +65,13 @@ impl SimulatedAd5761 {
             .set(REFERENCE * (gain * f64::from(code) / 65536.0 - offset));
     }
 
-    fn frame(&mut self, sent: &[u8], received: &mut [u8]) {
-        received.fill(0);
-        let &[command, high, low] = sent else { return };
-        if let [_, out @ ..] = received {
-            out.copy_from_slice(&self.answer.to_be_bytes());
+    #[inline]
+    fn frame(&mut self, sent: Words, length: usize) -> Words {
+        let [command, high, low, _] = sent;
+        if length != 3 {
+            return Words::default();
         }
-        self.answer = 0;
+        let [answer_high, answer_low] = std::mem::take(&mut self.answer).to_be_bytes();
         let data = u16::from_be_bytes([high, low]);
         match command & 0xF {
             0x1 => self.input = data,
@@ -99,6 +100,7 @@ impl SimulatedAd5761 {
             _ => {}
         }
         self.drive();
+        [0, answer_high, answer_low, 0]
     }
 }
 
@@ -107,10 +109,11 @@ impl ErrorType for SimulatedAd5761 {
 }
 
 impl SpiDevice for SimulatedAd5761 {
+    #[inline]
     fn transaction(&mut self, operations: &mut [Operation<'_, u8>]) -> Result<(), ErrorKind> {
         if self.pins.bus_failing.get() {
             return Err(ErrorKind::Overrun);
         }
-        one_frame(operations, |sent, received| self.frame(sent, received))
+        one_frame(operations, |sent, length| self.frame(sent, length))
     }
 }

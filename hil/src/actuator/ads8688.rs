@@ -39,28 +39,30 @@ impl SimulatedAds8688 {
     }
 
     /// The code of `channel` as its range register says: offset binary over the range, saturated.
+    #[inline]
     fn convert(&self, channel: usize) -> u16 {
-        let (low, span) = match self.registers[RANGE_REGISTER + channel] & 0x7 {
-            0 => (-2.5, 5.0),
-            1 => (-1.25, 2.5),
-            2 => (-0.625, 1.25),
-            5 => (0.0, 2.5),
-            _ => (0.0, 1.25),
+        // Codes per reference, and that of 0 V.
+        let (gain, zero) = match self.registers[RANGE_REGISTER + channel] & 0x7 {
+            0 => (65536.0 / 5.0, 32768.0),
+            1 => (65536.0 / 2.5, 32768.0),
+            2 => (65536.0 / 1.25, 32768.0),
+            5 => (65536.0 / 2.5, 0.0),
+            _ => (65536.0 / 1.25, 0.0),
         };
-        let part = (self.pins.volts[channel].get() / REFERENCE - low) / span;
-        // The cast saturates.
-        (part * 65536.0).round() as u16
+        let code = self.pins.volts[channel].get() * (1.0 / REFERENCE) * gain + zero;
+        // To the nearest; the cast cuts off and saturates.
+        (code + 0.5) as u16
     }
 
-    /// What comes out while `sent` goes in, chip select low from first byte to last.
-    fn frame(&mut self, sent: &[u8], received: &mut [u8]) {
-        received.fill(0);
-        let &[first, second, ..] = sent else { return };
+    /// What comes out while `sent` goes in, `length` bytes between the edges of chip select.
+    #[inline]
+    fn frame(&mut self, sent: Words, length: usize) -> Words {
+        let [first, second, ..] = sent;
+        if length < 2 {
+            return [0; FRAME];
+        }
         let result = self.selected.map_or(0, |channel| self.convert(channel));
         if first & 0x80 != 0 || first == 0 {
-            for (out, byte) in received.iter_mut().skip(2).zip(result.to_be_bytes()) {
-                *out = byte;
-            }
             match first {
                 0x85 => {
                     self.registers.fill(0);
@@ -71,14 +73,14 @@ impl SimulatedAds8688 {
                 }
                 _ => {}
             }
+            let [high, low] = result.to_be_bytes();
+            [0, 0, high, low]
         } else {
             let register = &mut self.registers[usize::from(first >> 1 & 0x3F)];
             if first & 1 != 0 {
                 *register = second;
             }
-            if let Some(out) = received.get_mut(2) {
-                *out = *register;
-            }
+            [0, 0, *register, 0]
         }
     }
 }
@@ -88,34 +90,44 @@ impl ErrorType for SimulatedAds8688 {
 }
 
 impl SpiDevice for SimulatedAds8688 {
+    #[inline]
     fn transaction(&mut self, operations: &mut [Operation<'_, u8>]) -> Result<(), ErrorKind> {
         if self.pins.bus_failing.get() {
             return Err(ErrorKind::Overrun);
         }
-        one_frame(operations, |sent, received| self.frame(sent, received))
+        one_frame(operations, |sent, length| self.frame(sent, length))
     }
 }
 
 /// Largest frame of either part, bytes.
 const FRAME: usize = 4;
 
+/// A frame, whatever its length, with zeros behind it.
+pub(super) type Words = [u8; FRAME];
+
 /// Runs a transaction of one operation as one frame. More than one operation, or a longer frame, is not what these
 /// parts' drivers do: [`ErrorKind::Other`].
+#[inline]
 pub(super) fn one_frame(
     operations: &mut [Operation<'_, u8>],
-    frame: impl FnOnce(&[u8], &mut [u8]),
+    frame: impl FnOnce(Words, usize) -> Words,
 ) -> Result<(), ErrorKind> {
-    let mut received = [0; FRAME];
     match operations {
         [Operation::Write(words)] if words.len() <= FRAME => {
-            frame(words, &mut received[..words.len()]);
+            frame(padded(words), words.len());
         }
         [Operation::TransferInPlace(words)] if words.len() <= FRAME => {
-            let received = &mut received[..words.len()];
-            frame(words, received);
-            words.copy_from_slice(received);
+            let received = frame(padded(words), words.len());
+            words.copy_from_slice(&received[..words.len()]);
         }
         _ => return Err(ErrorKind::Other),
     }
     Ok(())
+}
+
+#[inline]
+fn padded(words: &[u8]) -> Words {
+    let mut all = [0; FRAME];
+    all[..words.len()].copy_from_slice(words);
+    all
 }

@@ -69,11 +69,57 @@ impl Default for ServoConfig {
     }
 }
 
+/// What a step takes from the configuration, worked out once: a division a step is a tenth of the step.
+#[derive(Clone, Copy, Debug)]
+struct Dynamics {
+    /// s, and 1/s.
+    step: f64,
+    rate: f64,
+    /// Opening per mm of error.
+    gain: f64,
+    /// ω² and 2ζω of the valve, 1/s² and 1/s.
+    valve_stiffness: f64,
+    valve_damping: f64,
+    /// Pressure force per mm/s of flow over a step, with the leakage's relief, kN·s/mm.
+    oil: f64,
+    /// 1/(1 + step·oil_stiffness·leakage).
+    relief: f64,
+    /// Mass over the step, kN·s/mm.
+    inertia: f64,
+    /// What the piston's velocity meets beside the specimen, kN·s/mm.
+    resistance: f64,
+    /// 1/kN, s/mm.
+    inverse_force_limit: f64,
+    inverse_stribeck: f64,
+}
+
+impl Dynamics {
+    fn new(c: &ServoConfig, step: f64) -> Self {
+        let w = std::f64::consts::TAU * c.valve_frequency;
+        let relief = 1.0 / (1.0 + step * c.oil_stiffness * c.leakage);
+        let oil = step * c.oil_stiffness * relief;
+        let inertia = c.mass * 1e-6 / step;
+        Self {
+            step,
+            rate: 1.0 / step,
+            gain: c.gain / c.flow_velocity,
+            valve_stiffness: w * w,
+            valve_damping: 2.0 * c.valve_damping * w,
+            oil,
+            relief,
+            inertia,
+            resistance: inertia + c.viscous + oil,
+            inverse_force_limit: 1.0 / c.force_limit,
+            inverse_stribeck: 1.0 / c.stribeck,
+        }
+    }
+}
+
 /// An actuator and where it is.
 #[derive(Clone, Debug)]
 pub struct Servo<S> {
     config: ServoConfig,
-    step: f64,
+    dynamics: Dynamics,
     specimen: S,
     trial: S,
     commands: VecDeque<f64>,
@@ -83,10 +129,11 @@ pub struct Servo<S> {
     pressure_force: f64,
     displacement: f64,
     velocity: f64,
-    acceleration: f64,
     /// dF/dv of the specimen as the last step found it, kN·s/mm.
     slope: f64,
     force: f64,
+    /// Of the step before.
+    force_before: f64,
 }
 
 /// The balance of forces on the piston is met within this many kN: an eighth of a step of 16 bits over ±5 kN.
@@ -117,7 +164,7 @@ impl<S: DamperForce + Clone> Servo<S> {
         let delay = (config.dead_time / step).round() as usize;
         Ok(Self {
             config,
-            step,
+            dynamics: Dynamics::new(&config, step),
             trial: specimen.clone(),
             specimen,
             commands: VecDeque::from(vec![0.0; delay]),
@@ -127,9 +174,9 @@ impl<S: DamperForce + Clone> Servo<S> {
             pressure_force: 0.0,
             displacement: 0.0,
             velocity: 0.0,
-            acceleration: 0.0,
             slope: 0.0,
             force: 0.0,
+            force_before: 0.0,
         })
     }
 
@@ -137,16 +184,15 @@ impl<S: DamperForce + Clone> Servo<S> {
     pub fn advance(&mut self, command: f64, enabled: bool) {
         self.commands.push_back(command);
         let command = self.commands.pop_front().unwrap_or(command);
-        let c = &self.config;
+        let d = &self.dynamics;
         let u = if enabled {
-            (c.gain * (command - self.displacement) / c.flow_velocity).clamp(-1.0, 1.0)
+            (d.gain * (command - self.displacement)).clamp(-1.0, 1.0)
         } else {
             0.0
         };
-        let w = std::f64::consts::TAU * c.valve_frequency;
-        let pull = w * w * (u - self.opening) - 2.0 * c.valve_damping * w * self.opening_rate;
-        self.opening_rate += self.step * pull;
-        self.opening += self.step * self.opening_rate;
+        let pull = d.valve_stiffness * (u - self.opening) - d.valve_damping * self.opening_rate;
+        self.opening_rate += d.step * pull;
+        self.opening += d.step * self.opening_rate;
         if self.opening.abs() > 1.0 {
             self.opening = self.opening.clamp(-1.0, 1.0);
             self.opening_rate = 0.0;
@@ -169,7 +215,7 @@ impl<S: DamperForce + Clone> Servo<S> {
     }
     /// s since the start.
     pub fn time(&self) -> f64 {
-        self.ticks as f64 * self.step
+        self.ticks as f64 * self.dynamics.step
     }
     /// What it works against.
     pub fn specimen(&self) -> &S {
@@ -177,40 +223,43 @@ impl<S: DamperForce + Clone> Servo<S> {
     }
 
     fn move_piston(&mut self) {
-        let c = &self.config;
-        let h = self.step;
-        let mass = c.mass * 1e-6;
-        let throttling = 1.0 - self.opening.signum() * self.pressure_force / c.force_limit;
+        let (c, d) = (&self.config, &self.dynamics);
+        let throttling = 1.0 - self.opening.signum() * self.pressure_force * d.inverse_force_limit;
         let flow = c.flow_velocity * self.opening * throttling.max(0.0).sqrt();
         // P₁ = (P₀ + h·K·(q − v₁))/(1 + h·K·leakage) in m·(v₁ − v₀)/h = P₁ − friction − specimen.
-        let relief = 1.0 / (1.0 + h * c.oil_stiffness * c.leakage);
-        let undisturbed = (self.pressure_force + h * c.oil_stiffness * flow) * relief;
-        let resistance = mass / h + c.viscous + h * c.oil_stiffness * relief;
-        let drive = mass / h * self.velocity + undisturbed;
-        let dry =
-            c.coulomb + (c.stiction - c.coulomb) / (1.0 + (self.velocity / c.stribeck).powi(2));
+        let undisturbed = self.pressure_force * d.relief + d.oil * flow;
+        let drive = d.inertia * self.velocity + undisturbed;
+        let dry = c.coulomb
+            + (c.stiction - c.coulomb) / (1.0 + (self.velocity * d.inverse_stribeck).powi(2));
 
-        let velocity = self.balance(resistance, drive, dry);
+        let velocity = self.balance(drive, dry);
 
-        let pressure = undisturbed - h * self.config.oil_stiffness * relief * velocity;
+        let pressure = undisturbed - self.dynamics.oil * velocity;
         self.pressure_force = pressure.clamp(-self.config.force_limit, self.config.force_limit);
-        self.acceleration = (velocity - self.velocity) / h;
-        self.displacement += h * velocity;
+        self.displacement += self.dynamics.step * velocity;
         self.velocity = velocity;
         std::mem::swap(&mut self.specimen, &mut self.trial);
     }
 
     /// The v at which resistance·v + dry·sgn v + specimen(v) = drive; leaves the specimen at it in `trial`.
-    fn balance(&mut self, resistance: f64, drive: f64, dry: f64) -> f64 {
-        // Where it would be if it went on as before, and from there by Newton's rule with the last slope.
-        let mut velocity = self.velocity + self.acceleration * self.step;
-        let mut excess = self.probe(velocity, resistance, drive, dry);
+    fn balance(&mut self, drive: f64, dry: f64) -> f64 {
+        let resistance = self.dynamics.resistance;
+        // Where it would be if the specimen's force went on as before, and from there by Newton's rule with the last slope.
+        let expected = 2.0 * self.force - self.force_before;
+        self.force_before = self.force;
+        let friction = if self.velocity == 0.0 {
+            0.0
+        } else {
+            dry.copysign(self.velocity)
+        };
+        let mut velocity = (drive - friction - expected) / resistance;
+        let mut excess = self.probe(velocity, drive, dry);
         if excess.abs() <= BALANCE {
             return velocity;
         }
         let first = (velocity, excess, self.force);
         velocity -= excess / (resistance + self.slope);
-        excess = self.probe(velocity, resistance, drive, dry);
+        excess = self.probe(velocity, drive, dry);
         if velocity != first.0 {
             self.slope = ((self.force - first.2) / (velocity - first.0)).clamp(0.0, 1e3);
         }
@@ -220,11 +269,11 @@ impl<S: DamperForce + Clone> Servo<S> {
         // The function rises at least as fast as `resistance`, so this far on the other side it has changed sign.
         let mut near = (root_of(velocity), excess);
         velocity -= excess * (1.0 + 1e-6) / resistance;
-        excess = self.probe(velocity, resistance, drive, dry);
+        excess = self.probe(velocity, drive, dry);
         let mut far = (root_of(velocity), excess);
         if near.0 * far.0 < 0.0 {
             velocity = 0.0;
-            excess = self.probe(velocity, resistance, drive, dry);
+            excess = self.probe(velocity, drive, dry);
             if excess * far.1 < 0.0 {
                 near = far;
             }
@@ -236,7 +285,7 @@ impl<S: DamperForce + Clone> Servo<S> {
             }
             let root = (near.0 * far.1 - far.0 * near.1) / (far.1 - near.1);
             velocity = velocity_of(root);
-            excess = self.probe(velocity, resistance, drive, dry);
+            excess = self.probe(velocity, drive, dry);
             // Illinois: halve the weight of an end that stays twice.
             if excess * far.1 < 0.0 {
                 near = far;
@@ -249,17 +298,18 @@ impl<S: DamperForce + Clone> Servo<S> {
     }
 
     /// What is too much on the left side at velocity `v`; the specimen's force there goes to `force`.
-    fn probe(&mut self, v: f64, resistance: f64, drive: f64, dry: f64) -> f64 {
+    fn probe(&mut self, v: f64, drive: f64, dry: f64) -> f64 {
+        let d = &self.dynamics;
         self.trial.clone_from(&self.specimen);
         self.force = self.trial.force(
-            self.ticks as f64 * self.step,
-            self.displacement + self.step * v,
+            self.ticks as f64 * d.step,
+            self.displacement + d.step * v,
             v,
-            (v - self.velocity) / self.step,
-            self.step,
+            (v - self.velocity) * d.rate,
+            d.step,
         );
         // Dry friction takes whatever the rest leaves, up to its level, at standstill.
-        let rest = resistance * v + self.force - drive;
+        let rest = d.resistance * v + self.force - drive;
         if v == 0.0 {
             rest - rest.clamp(-dry, dry)
         } else {

@@ -193,10 +193,40 @@ pub(super) struct Step {
 }
 
 /// An effect and what it remembers.
-#[derive(Clone, Debug)]
+#[derive(Debug)]
 pub(super) struct Hidden {
     effect: HiddenEffect,
     memory: Memory,
+}
+
+impl Clone for Hidden {
+    fn clone(&self) -> Self {
+        Self {
+            effect: self.effect,
+            memory: self.memory.clone(),
+        }
+    }
+
+    /// Into the room that is there: an actuator tries copies of its specimen every tick.
+    fn clone_from(&mut self, source: &Self) {
+        self.effect = source.effect;
+        match (&mut self.memory, &source.memory) {
+            (
+                Memory::Sliders {
+                    stretch,
+                    displacement,
+                },
+                Memory::Sliders {
+                    stretch: others,
+                    displacement: other,
+                },
+            ) => {
+                stretch.clone_from(others);
+                *displacement = *other;
+            }
+            (memory, other) => memory.clone_from(other),
+        }
+    }
 }
 
 #[derive(Clone, Debug)]
@@ -315,8 +345,11 @@ fn slip(stretch: &mut [f64], moved: f64, limit: f64, shape: SlipShape) -> f64 {
             let substeps = (moved.abs() / (0.02 * limit)).ceil().max(1.0);
             let by = moved / substeps;
             let slope = |x: f64| {
-                let loading = if by * x > 0.0 { 1.0 } else { 0.0 };
-                1.0 - (x / limit).abs().powf(exponent) * loading
+                if by * x > 0.0 {
+                    1.0 - (x / limit).abs().powf(exponent)
+                } else {
+                    1.0
+                }
             };
             for x in stretch.iter_mut() {
                 for _ in 0..substeps as usize {

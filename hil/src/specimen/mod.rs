@@ -37,11 +37,28 @@ pub trait DamperForce {
 pub const REFERENCE_TEMPERATURE: f64 = 20.0;
 
 /// A metal mesh damper on a simulated rig.
-#[derive(Clone, Debug)]
+#[derive(Debug)]
 pub struct Specimen {
     coefficients: Coefficients,
     hidden: Vec<Hidden>,
     temperature: f64,
+}
+
+impl Clone for Specimen {
+    fn clone(&self) -> Self {
+        Self {
+            coefficients: self.coefficients,
+            hidden: self.hidden.clone(),
+            temperature: self.temperature,
+        }
+    }
+
+    /// Into the room that is there.
+    fn clone_from(&mut self, source: &Self) {
+        self.coefficients = source.coefficients;
+        self.hidden.clone_from(&source.hidden);
+        self.temperature = source.temperature;
+    }
 }
 
 impl Specimen {
