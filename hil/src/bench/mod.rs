@@ -20,6 +20,7 @@ mod exact;
 mod judge;
 mod limits;
 mod peer;
+mod rates;
 mod results;
 mod sizes;
 /// Of the image that counts, run here to be judged.
@@ -67,15 +68,19 @@ pub fn run(progress: &dyn Fn(&str)) -> Result<Results, InputError> {
         errors,
         ..Results::default()
     };
+    progress("timing the rig in this process");
+    results.rates.push(rates::in_process()?);
     progress("counting the peer in C");
-    let peer = count_peer(Core::CortexM4f);
-    let small = Core::CortexM0.board().check();
-    let small = small.and_then(|()| Ok(count_core(Core::CortexM0, progress)?.1));
-    for counted in [peer, small] {
-        match counted {
-            Ok(counts) => results.counts.extend(counts),
-            Err(error) => results.left_out.push(error.to_string()),
+    match count_peer(Core::CortexM4f) {
+        Ok((counts, sizes)) => {
+            results.counts.extend(counts);
+            results.sizes.extend(sizes);
         }
+        Err(error) => results.left_out.push(error.to_string()),
+    }
+    match count_core(Core::CortexM0, progress) {
+        Ok((_, counts)) => results.counts.extend(counts),
+        Err(error) => results.left_out.push(error.to_string()),
     }
     results.limits = limits::verdicts(&results);
     Ok(results)
@@ -110,13 +115,13 @@ fn refused(_: suite::Refused) -> InputError {
 }
 
 /// The peer in C, which has to come to the same cycles as ours.
-fn count_peer(core: Core) -> Result<Vec<Count>, InputError> {
+fn count_peer(core: Core) -> Result<(Vec<Count>, Vec<Size>), InputError> {
     let directory = tempfile::tempdir()
         .map_err(|error| InputError::io(&std::env::temp_dir(), "write", &error))?;
     let elf = peer::build(directory.path())?;
     let said = count::count(&elf, core)?;
     judge::check_peer(&said.results).map_err(untrusted)?;
-    Ok(said.counts)
+    Ok((said.counts, sizes::of_peer(&elf)?))
 }
 
 /// What names of sequences of known length begin with; the length follows.

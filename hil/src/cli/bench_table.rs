@@ -1,6 +1,6 @@
 //! What `hil bench` prints.
 
-use hil::bench::{BLOCK, Core, Results, Side, Verdict};
+use hil::bench::{BLOCK, Core, Results, Verdict};
 
 use super::say;
 
@@ -149,35 +149,24 @@ pub fn print(results: &Results) {
             rate.name, rate.per_second, rate.times_real_time
         ));
     }
-    say(&format!("{:40} {:>9}   asked for", "Limits", "figure"));
+    say(&format!("{:40} {:>10}   asked for", "limits", "figure"));
     for verdict in &results.limits {
         print_verdict(verdict);
     }
 }
 
 fn print_verdict(verdict: &Verdict) {
-    let number = |value: f64| {
-        if value != 0.0 && value.abs() < 0.01 {
-            format!("{value:.1e}")
-        } else {
-            format!("{:.1}", value)
-        }
-    };
-    let figure = verdict.figure.map_or("-".to_owned(), number);
-    let side = match verdict.side {
-        Side::AtMost => "at most",
-        Side::AtLeast => "at least",
-    };
-    let held = match (verdict.figure, verdict.holds(), verdict.unreached) {
-        (None, ..) => "not measured".to_owned(),
-        (_, true, _) => "held".to_owned(),
-        (_, false, Some(reason)) => format!("not reached: {reason}"),
-        (_, false, None) => "NOT HELD".to_owned(),
+    let held = match (verdict.figure, verdict.holds(), verdict.excuse) {
+        (None, ..) => "not measured",
+        (_, true, _) => "held",
+        (_, false, Some(excuse)) => excuse,
+        (_, false, None) => "NOT HELD",
     };
     say(&format!(
-        "  {:38} {figure:>9}   {side} {} {}: {held}",
+        "  {:38} {:>10}   {} {}: {held}",
         verdict.name,
-        number(verdict.limit),
+        verdict.figure(),
+        verdict.asked_for(),
         verdict.unit
     ));
 }
