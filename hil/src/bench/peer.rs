@@ -48,7 +48,7 @@ pub fn build(directory: &Path) -> Result<PathBuf, InputError> {
     let elf = directory.join("peer.elf");
     let output = Command::new(COMPILER)
         .args(FLAGS)
-        .args(["-nostartfiles", "-Wl,--no-warn-rwx-segments"])
+        .arg("-nostartfiles")
         .arg("-I")
         .arg(directory)
         .arg("-L")
