@@ -82,7 +82,10 @@ fn a_count_above_the_baseline_is_named_and_fails_the_command() {
     let output = command(&["--json", "-"], &path);
     assert_eq!(output.status.code(), Some(1));
     let said = String::from_utf8_lossy(&output.stderr);
-    assert!(said.contains("power/table call: mean"), "{said}");
+    assert!(
+        said.contains("power/table call on a Cortex-M4F: mean"),
+        "{said}"
+    );
     // What was counted is given all the same.
     let results: Value = serde_json::from_slice(&output.stdout).unwrap();
     let counts = results["counts"].as_array().unwrap();
