@@ -2,8 +2,8 @@
 //!
 //! Quantities are parts of a full scale that the configuration chooses ([`Scales`]), as `fixed`'s [`Part`], so that a
 //! value cannot leave the range −1…1 that all arithmetic is laid out for: what is beyond is saturated where it is
-//! converted, and nothing wraps. But for the ramps, a tick has no division and no multiplication but the 32 × 32 → 32 bits of
-//! a Cortex-M0, of factors whose product fits. Tables are computed in f64 by the constructors.
+//! converted, and nothing wraps. A tick has no division, and no multiplication but the 32 × 32 → 32 bits of a Cortex-M0, of
+//! factors whose product fits. Tables are computed in f64 by the constructors.
 //!
 //! A mesh of 3 g/cm³ shaken by 0.1 mm at 1 Hz, 10 000 ticks a second:
 //!

@@ -6,7 +6,7 @@ use hil::reference::law::Coefficients;
 use hil::reference::{dynamic_test, tables};
 use mesh_damper::error::ConfigError;
 use mesh_damper::fixed_point::{
-    Cycle, CycleAccumulator, Law, Part, RawCycle, Scales, Sine, SineGenerator,
+    Cycle, CycleAccumulator, Law, Part, RAMP_CYCLES_MAX, RawCycle, Scales, Sine, SineGenerator,
 };
 use mesh_damper::law;
 use proptest::prelude::*;
@@ -182,6 +182,45 @@ fn ramps_begin_and_end_at_rest_and_are_smooth() {
     }
 }
 
+/// 10s³ − 15s⁴ + 6s⁵ of the amplitude after the part s of the ramp, read off over stretches of 40 cycles.
+#[test]
+fn the_longest_ramp_goes_up_and_down_by_its_quintic() {
+    const STRETCHES: u32 = RAMP_CYCLES_MAX / 40;
+    let (amplitude, frequency) = (0.9, 1234.5);
+    let scales = Scales::new(1.0, TAU * frequency, 1.0).unwrap();
+    let sine = Sine {
+        amplitude,
+        frequency,
+        cycles: 1,
+        ramp_cycles: RAMP_CYCLES_MAX,
+    };
+    let mut generator = generator(sine, &scales);
+    let [mut up, mut down] = [const { [const { Largest(0.0) }; STRETCHES as usize] }; 2];
+    while let Some(now) = generator.tick() {
+        let stretch = if !now.ramp {
+            continue;
+        } else if now.cycle < RAMP_CYCLES_MAX {
+            &mut up[(now.cycle / 40) as usize]
+        } else {
+            &mut down[(STRETCHES - 1 - (now.cycle - RAMP_CYCLES_MAX - 1) / 40) as usize]
+        };
+        stretch.see(value(now.displacement) / amplitude);
+        stretch.see(value(now.velocity) / amplitude);
+    }
+    let quintic = |stretch: u32| {
+        let s = f64::from(stretch) / f64::from(STRETCHES);
+        s * s * s * (10.0 - s * (15.0 - 6.0 * s))
+    };
+    for (stretch, (up, down)) in (0..STRETCHES).zip(up.iter().zip(&down)) {
+        let (lowest, highest) = (quintic(stretch), quintic(stretch + 1));
+        for peak in [up.0, down.0] {
+            // 324 samples of a stretch miss the peak by at most (π/324)²/2 = 5e-5 of it.
+            let range = lowest * (1.0 - 5e-5) - tolerance::POSITION..highest + tolerance::POSITION;
+            assert!(range.contains(&peak), "{stretch}: {peak} not in {range:?}");
+        }
+    }
+}
+
 #[test]
 fn the_force_of_every_tick_is_f64s() {
     let [mut near, mut worst] = [const { Largest(0.0) }; 2];
@@ -341,7 +380,7 @@ fn configurations_out_of_range_are_refused_by_name() {
     };
     assert_eq!(refusal(fast), "velocity");
     assert_eq!(refusal(Sine { cycles: 0, ..good }), "cycles");
-    for ramp_cycles in [0, 10_001] {
+    for ramp_cycles in [0, RAMP_CYCLES_MAX + 1] {
         let sine = Sine {
             ramp_cycles,
             ..good

@@ -181,11 +181,13 @@ impl SineGenerator {
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct Ramp {
     cycles: u32,
-    /// 1 / cycles, 2³¹ to 1.
-    inverse: u32,
-    /// 1 / (2π·cycles), 2³¹ to 1.
-    inverse_angle: i64,
+    /// 1/cycles rounded down, so that no part reaches 1. This and all that follows has 2³⁰ to 1.
+    inverse: i32,
+    /// 30/(2π·cycles)/16.
+    steepness: i32,
 }
+
+const ONE: i32 = 1 << 30;
 
 impl Ramp {
     fn new(cycles: u32) -> Result<Self, ConfigError> {
@@ -193,34 +195,35 @@ impl Ramp {
         in_range("ramp_cycles", length, 1.0, f64::from(RAMP_CYCLES_MAX))?;
         Ok(Self {
             cycles,
-            inverse: rounded(1.0 / length, 31) as u32,
-            inverse_angle: rounded(1.0 / (core::f64::consts::TAU * length), 31),
+            inverse: (f64::from(ONE) / length) as i32,
+            steepness: rounded(30.0 / 16.0 / (core::f64::consts::TAU * length), 30) as i32,
         })
     }
 
     /// a·sin and its derivative over ω, of a part a of the amplitude, after `travelled` cycles and `phase` of the ramp.
-    ///
-    /// In products of 64 bits: ramps are short.
     #[inline(never)]
     fn scaled(&self, travelled: u32, phase: u32, sin: i32, cos: i32, stage: Stage) -> (i32, i32) {
-        let product = |a: i64, b: i64| (a * b) >> 31;
-        let one = 1_i64 << 31;
-        let part = i64::from(travelled * self.inverse)
-            + ((i64::from(phase) * i64::from(self.inverse)) >> 32);
-        let rest = one - part;
+        let part = travelled as i32 * self.inverse + product(self.inverse, (phase >> 2) as i32);
+        let rest = ONE - part;
         let square = product(part, part);
-        let step = product(product(square, part), 10 * one - 15 * part + 6 * square);
-        let slope = 30 * product(square, product(rest, rest));
+        // (10 − 15s + 6s²)/16
+        let polynomial = 10 * (ONE >> 4) - 15 * (part >> 4) + 6 * (square >> 4);
+        let step = product(product(square, part), polynomial) << 4;
+        // da/dθ = 30·s²·(1 − s)²/cycles, of which s²·(1 − s)² is at most 1/16.
+        let slope = product(product(square, product(rest, rest)) << 4, self.steepness);
         let (step, slope) = if stage == Stage::ToRest {
-            (one - step, -slope)
+            (ONE - step, -slope)
         } else {
             (step, slope)
         };
-        let slope = product(slope, self.inverse_angle);
-        let (sin, cos) = (i64::from(sin), i64::from(cos));
-        (
-            product(step, sin) as i32,
-            (product(step, cos) + product(slope, sin)) as i32,
-        )
+        (product(step, sin), product(step, cos) + product(slope, sin))
     }
+}
+
+/// `a`·`b` for magnitudes of up to 1, 2³⁰ to 1, off by less than 3 units: the halves' products but for the two low ones'.
+#[inline(always)]
+fn product(a: i32, b: i32) -> i32 {
+    let (a_high, a_low) = (a >> 15, a & 0x7fff);
+    let (b_high, b_low) = (b >> 15, b & 0x7fff);
+    a_high * b_high + ((a_high * b_low + a_low * b_high) >> 15)
 }
