@@ -11,8 +11,10 @@ use crate::error::InputError;
 use crate::link::{Bench, RigSetup, SetupError, TICK_RATE};
 use crate::specimen::Specimen;
 
-/// Ticks that are timed.
-const TICKS: u32 = 3_000_000;
+/// Ticks of a batch that is timed.
+const TICKS: u32 = 300_000;
+/// The fastest counts: whatever else the machine does can only slow one down.
+const BATCHES: u32 = 10;
 /// mm
 const AMPLITUDE: f64 = 0.1;
 /// g/cm³
@@ -39,11 +41,20 @@ pub fn in_process() -> Result<Rate, InputError> {
         |problem: String| InputError::new("the rig in this process", problem, "report this");
     let mut bench = bench().map_err(|error| failed(error.to_string()))?;
     bench.rig.start();
-    let start = Instant::now();
-    for _ in 0..TICKS {
-        bench.tick();
+    let mut batch = || {
+        let start = Instant::now();
+        for _ in 0..TICKS {
+            bench.tick();
+        }
+        Rate::since("ticks in process", start, TICKS)
+    };
+    let mut rate = batch();
+    for _ in 1..BATCHES {
+        let other = batch();
+        if other.per_second > rate.per_second {
+            rate = other;
+        }
     }
-    let rate = Rate::since("ticks in process", start, TICKS);
     match bench.rig.state() {
         mesh_damper::rig::State::Running => Ok(rate),
         state => Err(failed(format!("it is {state:?} and not running"))),
@@ -52,7 +63,7 @@ pub fn in_process() -> Result<Rate, InputError> {
 
 fn bench() -> Result<Bench<Specimen, 1, 1>, SetupError> {
     // Longer than it is run.
-    let block = Block::sine(AMPLITUDE, 5.0, 10 * TICKS)?;
+    let block = Block::sine(AMPLITUDE, 5.0, 10 * BATCHES * TICKS)?;
     let programme = Programme::new(TICK_RATE, 1)?.with(block)?;
     let law = AugmentedLaw::new(PAPER.lookup(DENSITY as f32, AMPLITUDE as f32).law);
     Bench::new(RigSetup::new(

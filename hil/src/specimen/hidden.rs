@@ -208,6 +208,7 @@ impl Clone for Hidden {
     }
 
     /// Into the room that is there: an actuator tries copies of its specimen every tick.
+    #[inline]
     fn clone_from(&mut self, source: &Self) {
         self.effect = source.effect;
         match (&mut self.memory, &source.memory) {

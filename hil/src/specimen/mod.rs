@@ -54,6 +54,7 @@ impl Clone for Specimen {
     }
 
     /// Into the room that is there.
+    #[inline]
     fn clone_from(&mut self, source: &Self) {
         self.coefficients = source.coefficients;
         self.hidden.clone_from(&source.hidden);
