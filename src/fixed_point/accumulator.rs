@@ -25,7 +25,8 @@ struct Sample {
 /// What one cycle came to, as it is counted.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct RawCycle {
-    /// ∮F dy, 2²⁹ to the product of the full scales. Saturated as a sum of 2³² ticks is: never.
+    /// ∮F dy, 2²⁹ to the product of the full scales. A tick adds at most 2³⁰ of these units, so that 2³² ticks to the
+    /// cycle cannot overflow it.
     pub energy: i64,
     /// Largest force.
     pub force_max: Part,
