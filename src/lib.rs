@@ -12,6 +12,7 @@
 //! | an excitation: sines, ramps and sweeps | [`sine`] |
 //! | stiffness, energy and loss factor of each cycle | [`cycle`]; without a generator, [`crossing`] |
 //! | the same without a floating-point unit: law, sine and cycles in integers | [`fixed_point`] |
+//! | the law under an excitation, without a specimen, at the least cost a tick | [`virtual_test`] |
 //! | velocity and acceleration from a measured displacement | [`observer`] |
 //! | a law as bytes, loadable while running | [`pack`] |
 //! | the fixed-tick controller of a rig, or of an emulated damper | [`rig`] |
@@ -71,6 +72,7 @@ pub mod sine;
 mod sum;
 pub mod table;
 pub mod tabulated;
+pub mod virtual_test;
 
 /// The README's example is compiled, so that it cannot rot.
 #[cfg(doctest)]

@@ -168,6 +168,12 @@ impl PowerSeed {
         &self.scale
     }
 
+    /// c·|v|^α·sgn v as a table filled from this gives it for `v` mm/s, bit for bit, without one: not for every tick.
+    pub(crate) fn damping_force(&self, v: f32) -> f32 {
+        let (t, quotient) = edge_and_quotient(&self.row(PowerTable::row_of(v)), v);
+        t * quotient
+    }
+
     /// Row `row` of the table; whole turns of [`ROWS`] fall off.
     #[inline(always)]
     fn row(&self, row: usize) -> Segment {
@@ -236,25 +242,24 @@ impl PowerTable {
     /// 0 at v = 0 for every α, Coulomb friction (α = 0) included.
     #[inline(always)]
     pub fn damping_force(&self, v: f32) -> f32 {
-        let (t, quotient) = self.edge_and_quotient(v);
+        let (t, quotient) = edge_and_quotient(&self.rows[Self::row_of(v)], v);
         t * quotient
     }
 
     /// `elastic` kN and [`PowerTable::damping_force`].
     #[inline(always)]
-    pub fn add_damping_force(&self, elastic: f32, v: f32) -> f32 {
-        let (t, quotient) = self.edge_and_quotient(v);
+    pub(crate) fn add_damping_force(&self, elastic: f32, v: f32) -> f32 {
+        let (t, quotient) = edge_and_quotient(&self.rows[Self::row_of(v)], v);
         elastic + t * quotient
     }
+}
 
-    /// t of [`Segment`] and what it is multiplied by.
-    #[inline(always)]
-    fn edge_and_quotient(&self, v: f32) -> (f32, f32) {
-        let [p0, p1, p2, p3] = self.rows[Self::row_of(v)];
-        let t = f32::from_bits(v.to_bits() & !((1 << WITHIN) - 1));
-        let magnitude = v.abs();
-        (t, p0 + magnitude * (p1 + magnitude * (p2 + magnitude * p3)))
-    }
+/// t of [`Segment`] and what it is multiplied by.
+#[inline(always)]
+fn edge_and_quotient([p0, p1, p2, p3]: &Segment, v: f32) -> (f32, f32) {
+    let t = f32::from_bits(v.to_bits() & !((1 << WITHIN) - 1));
+    let magnitude = v.abs();
+    (t, p0 + magnitude * (p1 + magnitude * (p2 + magnitude * p3)))
 }
 
 /// The cubic through `f` at Chebyshev's four nodes within `half` of `centre`, lowest power first.

@@ -15,6 +15,13 @@ pub(crate) struct Sum {
 }
 
 impl Sum {
+    /// Of nothing.
+    pub(crate) const ZERO: Self = Self {
+        part: 0.0,
+        high: 0.0,
+        low: 0.0,
+    };
+
     /// Adds one term.
     #[inline(always)]
     pub(crate) fn add(&mut self, term: f32) {

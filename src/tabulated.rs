@@ -1,8 +1,8 @@
 //! The law as it runs on the target: eq 13 with its damping from a table, added effects, and a swap at a cycle's end.
 //!
 //! The coefficients are swapped by choosing between two sets of them, and the one table of 4 KiB is filled anew over the
-//! ticks that follow: each tick fills the row that it needs itself and one more in turn, so that no tick bears the whole and
-//! every force is the new law's from the first tick on.
+//! ticks that follow, a row a tick, so that no tick bears the whole: the row that the tick needs, or one more in turn where the
+//! tick before needed the same. So every force is the new law's from the first tick on.
 
 use crate::effects::{AugmentedLaw, AugmentedState, Motion};
 use crate::law::Law;
@@ -68,14 +68,17 @@ enum Waiting {
 
 /// A [`TabulatedLaw`] at work, and another one that may wait for the end of the cycle.
 #[derive(Clone, Debug)]
+// The table comes first, within reach of a load's offset.
+#[repr(C)]
 pub struct RunningLaw<const N: usize> {
+    table: PowerTable,
     laws: [TabulatedLaw<N>; 2],
     /// The second one is in force.
     second: bool,
     waiting: Waiting,
-    table: PowerTable,
-    /// Rows of the table that hold the law in force, whatever the velocity.
+    /// Rows of the table that hold the law in force, and one beside them, which the last velocity needed.
     filled: usize,
+    needed: usize,
     state: AugmentedState<f32, N>,
 }
 
@@ -96,6 +99,7 @@ impl<const N: usize> RunningLaw<N> {
             waiting: Waiting::No,
             table: PowerTable::empty(),
             filled: 0,
+            needed: 0,
             state: AugmentedState::AT_REST,
         }
     }
@@ -132,6 +136,7 @@ impl<const N: usize> RunningLaw<N> {
         self.waiting = Waiting::No;
         self.second = !self.second;
         self.filled = 0;
+        self.needed = ROWS;
     }
 
     /// All effects at rest.
@@ -142,22 +147,58 @@ impl<const N: usize> RunningLaw<N> {
     /// Force in kN on this tick: eq 13's and every effect's. Call it once per tick.
     #[inline]
     pub fn force(&mut self, motion: &Motion<f32>) -> f32 {
-        let [first, second] = &self.laws;
-        let law = if self.second { second } else { first };
         let motion = motion.confined();
-        let velocity = motion.velocity();
-        if self.filled < ROWS {
-            self.table.fill_row(&law.damping, self.filled);
-            self.table
-                .fill_row(&law.damping, PowerTable::row_of(velocity));
-            self.filled += 1;
-        }
-        let elastic = law
+        let elastic = self
+            .law()
             .augmented
             .law()
             .elastic_force_within(motion.displacement());
-        let law_force = self.table.add_damping_force(elastic, velocity);
+        if self.is_filling() {
+            self.fill(motion.velocity());
+        }
+        let law_force = self.add_damping_force(elastic, motion.velocity());
+        let [first, second] = &self.laws;
+        let law = if self.second { second } else { first };
         law.augmented
             .with_effects(&mut self.state, &motion, law_force)
+    }
+
+    /// Another law waits for the boundary.
+    #[inline(always)]
+    pub(crate) fn is_waiting(&self) -> bool {
+        self.waiting != Waiting::No
+    }
+
+    /// The damping force in kN at `v` mm/s, within ±[`crate::limits::VELOCITY`], whatever is filled: not for every tick.
+    pub(crate) fn damping_force(&self, v: f32) -> f32 {
+        self.law().damping.damping_force(v)
+    }
+
+    /// A law has taken over, and the table is not yet filled for it.
+    #[inline(always)]
+    pub(crate) fn is_filling(&self) -> bool {
+        self.filled < ROWS
+    }
+
+    /// `elastic` kN and the damping force at `v` mm/s, within ±[`crate::limits::VELOCITY`], for which the table is filled.
+    #[inline(always)]
+    pub(crate) fn add_damping_force(&self, elastic: f32, v: f32) -> f32 {
+        self.table.add_damping_force(elastic, v)
+    }
+
+    /// Fills the row for `v` mm/s, or the next one where that was the last to be needed.
+    #[inline(always)]
+    pub(crate) fn fill(&mut self, v: f32) {
+        let [first, second] = &self.laws;
+        let law = if self.second { second } else { first };
+        let needed = PowerTable::row_of(v);
+        let row = if needed == self.needed {
+            self.filled += 1;
+            self.filled - 1
+        } else {
+            self.needed = needed;
+            needed
+        };
+        self.table.fill_row(&law.damping, row);
     }
 }

@@ -1,13 +1,13 @@
 //! The whole tick (generator, law, accumulator) of the crate, alone and in blocks, and of [`super::naive`].
 
-use mesh_damper::cycle::{Cycle, CycleAccumulator};
-use mesh_damper::effects::{AugmentedLaw, Motion};
+use mesh_damper::cycle::Cycle;
+use mesh_damper::effects::AugmentedLaw;
 use mesh_damper::error::ConfigError;
 use mesh_damper::law::Law;
-use mesh_damper::power::ROWS;
-use mesh_damper::sine::{Block, Programme, SineGenerator};
+use mesh_damper::sine::{Block, Programme};
 use mesh_damper::table::PAPER;
-use mesh_damper::tabulated::{RunningLaw, TabulatedLaw};
+use mesh_damper::tabulated::TabulatedLaw;
+use mesh_damper::virtual_test::VirtualTest;
 
 use super::naive::{self, Naive};
 use super::tally::{Meter, Moments, When};
@@ -34,12 +34,10 @@ pub fn laws() -> impl Iterator<Item = (f32, Law<f32>)> {
 
 /// What a tick works on.
 pub struct Whole {
-    generator: SineGenerator<1>,
-    law: RunningLaw<1>,
-    accumulator: CycleAccumulator,
+    test: VirtualTest<1>,
     /// What the last tick came to, beside its force.
     pub when: When,
-    /// The cycle that ended with it.
+    /// The results that were complete with it, of a cycle that had ended.
     pub cycle: Option<Cycle>,
     /// Of the last block.
     forces: [f32; BLOCK],
@@ -52,10 +50,10 @@ impl Whole {
     /// None for a published law and its amplitude.
     pub fn new(amplitude: f32, law: Law<f32>) -> Result<Self, ConfigError> {
         let block = Block::sine(f64::from(amplitude), FREQUENCY, CYCLES)?;
+        let programme = Programme::new(TICK_RATE, 1)?.with(block)?;
+        let law = TabulatedLaw::new(AugmentedLaw::new(law));
         Ok(Self {
-            generator: SineGenerator::new(Programme::new(TICK_RATE, 1)?.with(block)?)?,
-            law: RunningLaw::new(TabulatedLaw::new(AugmentedLaw::new(law))),
-            accumulator: CycleAccumulator::new(),
+            test: VirtualTest::new(programme, law)?,
             when: When::Ramp,
             cycle: None,
             forces: [0.0; BLOCK],
@@ -63,36 +61,35 @@ impl Whole {
     }
 
     /// Force in kN.
-    #[inline(always)]
     pub fn tick(&mut self) -> f32 {
-        let now = self.generator.tick();
-        if now.cycle_end {
-            self.law.boundary();
-        }
-        let force = self.law.force(&Motion {
-            displacement: now.displacement,
-            velocity: now.velocity,
-            ..Motion::default()
-        });
-        self.cycle = self.accumulator.update(now.displacement, force, now.phase);
-        self.when = When::of(now.done, now.ramp, now.cycle_end);
-        force
+        self.told(|test| test.test.tick())
+    }
+
+    /// What `ticks` came to.
+    fn told<R>(&mut self, ticks: impl FnOnce(&mut Self) -> R) -> R {
+        let test = &self.test;
+        let (cycle, ramp, results) = (test.cycle(), test.ramp(), test.results().0);
+        let result = ticks(self);
+        let test = &self.test;
+        self.when = match (test.done(), ramp || test.ramp(), test.filling()) {
+            (true, ..) => When::Done,
+            (_, true, _) => When::Ramp,
+            (.., true) => When::Swap,
+            _ if test.cycle() != cycle => When::CycleEnd,
+            _ => When::Steady,
+        };
+        let (now, cycle) = test.results();
+        self.cycle = (now != results).then_some(*cycle);
+        result
     }
 }
 
 extern "C" fn tick(whole: &mut Whole, _: f32, _: f32) -> f32 {
-    whole.tick()
+    whole.test.tick()
 }
 
 extern "C" fn block(whole: &mut Whole, _: f32, _: f32) -> f32 {
-    let mut forces = whole.forces;
-    let mut when = When::Steady;
-    for force in &mut forces {
-        *force = whole.tick();
-        when = when.or(whole.when);
-    }
-    whole.forces = forces;
-    whole.when = when;
+    whole.test.block(&mut whole.forces);
     0.0
 }
 
@@ -103,24 +100,13 @@ fn alone(meter: &mut impl Meter) -> Result<(), ConfigError> {
         let mut whole = Whole::new(amplitude, law)?;
         let other = TabulatedLaw::new(AugmentedLaw::new(law));
         let mut ends = 0;
-        let mut since_swap = ROWS;
         while whole.when != When::Done {
-            let result = meter.call(tick, &mut whole, 0.0, 0.0);
-            let ended = whole.when == When::CycleEnd;
-            ends += u32::from(ended);
-            since_swap = if ended && ends == 3 {
-                0
-            } else {
-                since_swap + 1
-            };
-            if ended && ends == 2 {
-                whole.law.swap(other.clone());
+            let result = whole.told(|whole| meter.call(tick, whole, 0.0, 0.0));
+            ends += u32::from(whole.when == When::CycleEnd);
+            if whole.when == When::CycleEnd && ends == 2 {
+                whole.test.swap_law(other.clone());
             }
-            let when = match whole.when {
-                When::Steady if since_swap < ROWS => When::Swap,
-                when => when,
-            };
-            moments.add(when, result, whole.cycle.as_ref());
+            moments.add(whole.when, result, whole.cycle.as_ref());
         }
     }
     moments.report(meter, "tick/whole");
@@ -137,7 +123,7 @@ pub fn small(meter: &mut impl Meter) -> Result<(), ConfigError> {
     for (amplitude, law) in laws() {
         let mut whole = Whole::new(amplitude, law)?;
         while whole.when != When::Done {
-            let result = meter.call(tick, &mut whole, 0.0, 0.0);
+            let result = whole.told(|whole| meter.call(tick, whole, 0.0, 0.0));
             moments.add(whole.when, result, whole.cycle.as_ref());
         }
     }
@@ -150,7 +136,7 @@ fn blocks(meter: &mut impl Meter) -> Result<(), ConfigError> {
     for (amplitude, law) in laws() {
         let mut whole = Whole::new(amplitude, law)?;
         while whole.when != When::Done {
-            let result = meter.call(block, &mut whole, 0.0, 0.0);
+            let result = whole.told(|whole| meter.call(block, whole, 0.0, 0.0));
             moments.add(whole.when, result, None);
         }
     }

@@ -1,0 +1,508 @@
+//! A test of the law without a specimen: eq 13 under a [`Programme`], and what each cycle comes to.
+//!
+//! In a block of constant amplitude and frequency a tick is short, and of the same length whatever the phase and the
+//! coefficients: the phase within a 32nd of the cycle, a *sector*, is advanced, and its overflow is all that is asked for.
+//! What is due now and then waits for the end of a sector: the sum's fold, the end of a cycle, and one after the other the
+//! steps to the results of the cycle before. Ramps and sweeps, and blocks of less than 32 ticks to the cycle, go by
+//! [`SineGenerator`] and [`CycleAccumulator`] and take some hundred instructions.
+//!
+//! # Energy of a demanded sine
+//! With y = A·sin φ, ΔW = ∮F dy = A·ω·∫F·cos φ dt, whose integrand is the same at both ends: the sum over the ticks, with
+//! what the first and the last lack of a whole tick, is more accurate than any order of trapezoids. With a and e the parts
+//! of a tick after the cycle's beginning and after its end at which the next tick came, and P = F·cos φ at φ = 0, where its
+//! rate g is k1·A·ω a second,
+//!
+//! ΔW = A·ω·Δt·(ΣP + P·(a − e) + g·Δt/2·(e·(1 − e) − a·(1 − a))).
+//!
+//! Eq 13 is odd, so that the smallest force is the largest, negated, and the means are 0.
+
+use core::borrow::Borrow;
+
+use crate::cycle::{Cycle, CycleAccumulator};
+use crate::effects::Motion;
+use crate::error::ConfigError;
+use crate::limits;
+use crate::sine::{
+    Programme, SECTOR, SECTOR_ROUNDING, SECTORS, Sector, SineGenerator, SteadyBlock,
+};
+use crate::sum::Sum;
+use crate::tabulated::{RunningLaw, TabulatedLaw};
+
+/// What a tick in a steady block works on.
+#[derive(Clone, Copy, Debug)]
+struct Walk {
+    /// Within the sector, [`SECTOR`] to it, with [`SECTOR_ROUNDING`] in it. Of the last tick.
+    phase: u64,
+    /// Of a tick.
+    increment: u64,
+    sector: Sector,
+    /// Bits of the largest force, kN: positive floats compare as integers do, and are above the negative ones.
+    force_max: i32,
+    /// A·ω, mm/s.
+    speed: f32,
+    /// k1·A, kN.
+    linear: f32,
+    /// k3·A³, kN.
+    cubic: f32,
+    /// ΣF·cos φ, kN.
+    work: Sum,
+}
+
+/// What becomes of a tick that is not short.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+enum Stage {
+    /// By the generator.
+    #[default]
+    Programme,
+    /// In a steady block, the table being filled; phase and increment are not in [`Walk`].
+    Filling,
+    /// In a steady block, at the end of a sector.
+    Steady,
+}
+
+/// What the results of a steady cycle take beside [`Walk`].
+#[derive(Clone, Copy, Debug, Default)]
+struct Steady {
+    stage: Stage,
+    /// Steps that are left to the results of the cycle before.
+    steps: u8,
+    /// `beginning` is of the law before.
+    law_taken: bool,
+    /// Number of the sector.
+    sector: usize,
+    /// Phase and increment while the table is filled.
+    parked: [u64; 2],
+    /// Cycles until the block's end, and those completed there.
+    cycles: u32,
+    cycles_then: u32,
+    /// A, mm.
+    amplitude: f32,
+    /// Ticks to a unit of the phase's upper half, and a millionth less.
+    per_phase: f32,
+    short_per_phase: f32,
+    /// A·ω·Δt, mm.
+    stroke: f32,
+    /// 1/A, 1/mm.
+    per_amplitude: f32,
+    /// P and g·Δt/2 at the beginning of the cycle, kN.
+    beginning: [f32; 2],
+    /// a.
+    begun: f32,
+    /// Of that cycle: its sum and the upper half of the phase of the tick after it.
+    work: Sum,
+    ended: u32,
+    results: Cycle,
+}
+
+/// The law under a programme of up to `B` blocks, which it owns or borrows.
+#[derive(Clone, Debug)]
+// The fields of every tick come first, within reach of a load's offset.
+#[repr(C)]
+pub struct VirtualTest<const B: usize, P = Programme<B>> {
+    walk: Walk,
+    steady: Steady,
+    law: RunningLaw<0>,
+    generator: SineGenerator<B, P>,
+    accumulator: CycleAccumulator,
+    results: Cycle,
+    completed: u32,
+    ramp: bool,
+    done: bool,
+}
+
+impl<const B: usize, P: Borrow<Programme<B>>> VirtualTest<B, P> {
+    /// At rest, at the start of `programme`.
+    ///
+    /// # Errors
+    /// [`ConfigError::Empty`] for a programme with no block.
+    pub fn new(programme: P, law: TabulatedLaw<0>) -> Result<Self, ConfigError> {
+        Ok(Self {
+            walk: Walk::PARKED,
+            law: RunningLaw::new(law),
+            steady: Steady::default(),
+            generator: SineGenerator::new(programme)?,
+            accumulator: CycleAccumulator::new(),
+            results: Cycle::default(),
+            completed: 0,
+            ramp: true,
+            done: false,
+        })
+    }
+
+    /// Another law from the end of this cycle on.
+    pub fn swap_law(&mut self, law: TabulatedLaw<0>) {
+        self.law.swap(law);
+    }
+
+    /// The law in force.
+    pub fn law(&self) -> &TabulatedLaw<0> {
+        self.law.law()
+    }
+
+    /// Cycles completed up to the last tick, ramps included.
+    pub fn cycle(&self) -> u32 {
+        self.steady.cycles_then.wrapping_sub(self.steady.cycles)
+    }
+
+    /// How many cycles have their results, and those of the last one. In a steady block they follow the cycle's end by five
+    /// sectors, so that no tick bears them all. The first cycle after a steady block has none.
+    pub fn results(&self) -> (u32, &Cycle) {
+        (self.completed, &self.results)
+    }
+
+    /// A law has taken over and its table is being filled: until then a tick takes up to half as long again.
+    pub fn filling(&self) -> bool {
+        self.law.is_filling()
+    }
+
+    /// The last tick was in a ramp.
+    pub fn ramp(&self) -> bool {
+        self.ramp
+    }
+
+    /// The programme is over: the force stays 0.
+    pub fn done(&self) -> bool {
+        self.done
+    }
+
+    /// The force in kN at the next tick; the first is at rest.
+    #[inline]
+    pub fn tick(&mut self) -> f32 {
+        self.walk.phase = self.walk.phase.wrapping_add(self.walk.increment);
+        if self.walk.phase >= SECTOR {
+            return self.attend();
+        }
+        self.walk.sample(&self.law)
+    }
+
+    /// The forces in kN at the next ticks: as many times [`VirtualTest::tick`], for less.
+    pub fn block(&mut self, forces: &mut [f32]) {
+        let mut forces = forces;
+        loop {
+            let short = self.short_ticks().min(forces.len());
+            let (run, rest) = forces.split_at_mut(short);
+            self.walk.run(&self.law, run);
+            let Some((force, rest)) = rest.split_first_mut() else {
+                return;
+            };
+            *force = self.tick();
+            forces = rest;
+        }
+    }
+
+    /// So many ticks, and hardly more, come before the end of the sector.
+    #[inline(always)]
+    fn short_ticks(&self) -> usize {
+        if self.steady.stage != Stage::Steady {
+            return 0;
+        }
+        let ahead = (SECTOR - 1).saturating_sub(self.walk.phase) >> 32;
+        (ahead as u32 as f32 * self.steady.short_per_phase) as usize
+    }
+
+    /// A tick that is not short.
+    #[cold]
+    #[inline(never)]
+    fn attend(&mut self) -> f32 {
+        if self.steady.stage != Stage::Steady {
+            return self.attend_other();
+        }
+        if self.sector_ends() {
+            return self.attend_boundary();
+        }
+        self.walk.sample(&self.law)
+    }
+
+    #[inline(never)]
+    fn attend_boundary(&mut self) -> f32 {
+        if self.steady.cycles == 0 {
+            return self.block_ends();
+        }
+        self.fill()
+    }
+
+    #[inline(never)]
+    fn attend_other(&mut self) -> f32 {
+        if self.steady.stage == Stage::Programme {
+            return self.programme_tick();
+        }
+        let [phase, increment] = self.steady.parked;
+        self.walk.phase = phase.wrapping_add(increment);
+        if self.walk.phase >= SECTOR && self.sector_ends() {
+            self.walk.increment = increment;
+            return self.attend_boundary();
+        }
+        self.fill()
+    }
+
+    /// A tick that fills one of the table's rows.
+    #[inline(always)]
+    fn fill(&mut self) -> f32 {
+        let (elastic, cos) = self.walk.elastic();
+        let speed = self.walk.speed * cos;
+        self.law.fill(speed);
+        let force = self.law.add_damping_force(elastic, speed);
+        self.walk.account(force, cos);
+        self.park();
+        force
+    }
+
+    /// While the table is filled phase and increment are not in the walk, so that no tick is short.
+    #[inline(always)]
+    fn park(&mut self) {
+        let [parked, increment] = &mut self.steady.parked;
+        if self.law.is_filling() {
+            *parked = self.walk.phase;
+            self.walk.phase = Walk::PARKED.phase;
+            self.walk.increment = Walk::PARKED.increment;
+            self.steady.stage = Stage::Filling;
+        } else {
+            self.walk.increment = *increment;
+            self.steady.stage = Stage::Steady;
+        }
+    }
+
+    /// The walk has come to another sector. Whether something is due but the law's force.
+    #[inline(always)]
+    fn sector_ends(&mut self) -> bool {
+        self.walk.phase &= SECTOR - 1;
+        self.steady.sector = (self.steady.sector + 1) % SECTORS;
+        self.walk.sector = Sector::new(self.steady.sector);
+        if self.steady.sector == 0 {
+            return self.cycle_ends();
+        }
+        if self.steady.steps > 0 {
+            self.step();
+        } else {
+            self.walk.work.fold();
+        }
+        false
+    }
+
+    /// The walk has come to another cycle. Whether it is not one as the last.
+    #[inline(always)]
+    fn cycle_ends(&mut self) -> bool {
+        let steady = &mut self.steady;
+        steady.steps = 6;
+        steady.work = self.walk.work;
+        steady.ended = (self.walk.phase >> 32) as u32;
+        steady.results.force_max = f32::from_bits(self.walk.force_max as u32);
+        self.walk.work = Sum::ZERO;
+        self.walk.force_max = 0;
+        steady.cycles = steady.cycles.wrapping_sub(1);
+        steady.cycles == 0 || (self.law.is_waiting() && self.swap())
+    }
+
+    #[cold]
+    fn swap(&mut self) -> bool {
+        self.law.boundary();
+        self.take_law();
+        self.steady.law_taken = true;
+        true
+    }
+
+    /// One of the steps to the results of the cycle before.
+    #[inline(never)]
+    fn step(&mut self) {
+        let steady = &mut self.steady;
+        steady.steps = steady.steps.saturating_sub(1);
+        let results = &mut steady.results;
+        match steady.steps {
+            5 => {
+                let ended = steady.ended as f32 * steady.per_phase;
+                let [level, half_rate] = steady.beginning;
+                let begun = core::mem::replace(&mut steady.begun, ended);
+                // e·(1 − e) − a·(1 − a) = (e − a)·(1 − e − a).
+                let part = ended - begun;
+                steady
+                    .work
+                    .add(part * (half_rate * (1.0 - ended - begun) - level));
+            }
+            4 => {
+                results.energy = steady.stroke * steady.work.total();
+                results.energy_harmonic = results.energy;
+            }
+            3 => {
+                results.force_min = -results.force_max;
+                results.stiffness = results.force_max * steady.per_amplitude;
+                results.elastic_energy = 0.5 * results.force_max * steady.amplitude;
+            }
+            2 => {
+                results.loss_factor = if results.elastic_energy > f32::MIN_POSITIVE {
+                    results.energy / (core::f32::consts::TAU * results.elastic_energy)
+                } else {
+                    0.0
+                };
+            }
+            1 => {
+                self.results = *results;
+                self.completed = self.completed.wrapping_add(1);
+            }
+            _ if steady.law_taken => self.begin_cycle(),
+            _ => {}
+        }
+    }
+
+    /// P and g at phase 0 for the law in force.
+    fn begin_cycle(&mut self) {
+        let half_rate = 0.5 * self.law.law().augmented().law().k1() * self.steady.stroke;
+        self.steady.beginning = [self.law.damping_force(self.walk.speed), half_rate];
+        self.steady.law_taken = false;
+    }
+
+    /// The law in force for the block's amplitude.
+    fn take_law(&mut self) {
+        let law = self.law.law().augmented().law();
+        let amplitude = self.steady.amplitude;
+        self.walk.linear = law.k1() * amplitude;
+        self.walk.cubic = law.k3() * (amplitude * amplitude) * amplitude;
+    }
+
+    /// A tick by the generator.
+    #[inline(never)]
+    fn programme_tick(&mut self) -> f32 {
+        self.walk.phase = Walk::PARKED.phase;
+        let now = self.generator.tick();
+        if now.cycle_end {
+            self.law.boundary();
+        }
+        (self.ramp, self.done) = (now.ramp, now.done);
+        (self.steady.cycles_then, self.steady.cycles) = (now.cycle, 0);
+        let force = self.law.force(&Motion {
+            displacement: now.displacement,
+            velocity: now.velocity,
+            ..Motion::default()
+        });
+        if let Some(cycle) = self.accumulator.update(now.displacement, force, now.phase) {
+            self.results = cycle;
+            self.completed = self.completed.wrapping_add(1);
+        }
+        if let Some(block) = self.generator.steady_begun() {
+            self.block_begins(&block, force);
+        }
+        force
+    }
+
+    /// From the block's first tick, whose force is known, on the walk is short.
+    fn block_begins(&mut self, block: &SteadyBlock, force: f32) {
+        let increment = block.increment.saturating_add(1 << (PHASE_SHIFT - 1)) >> PHASE_SHIFT;
+        let speed = block.amplitude * block.angular;
+        if increment >= u128::from(SECTOR) || speed > limits::VELOCITY as f32 {
+            return;
+        }
+        let phase = (block.phase >> PHASE_SHIFT).saturating_add(u128::from(SECTOR_ROUNDING));
+        let increment = increment as u64;
+        let sector = (phase >> SECTOR.ilog2()) as usize;
+        self.walk = Walk {
+            phase: phase as u64 & (SECTOR - 1),
+            increment,
+            sector: Sector::new(sector),
+            speed,
+            ..Walk::PARKED
+        };
+        let per_phase = (SECTOR >> 31) as f32 / increment as f32 * 2.0;
+        // Ticks to the cycle.
+        let ticks = SECTORS as f32 * (SECTOR as f32 / increment as f32);
+        let stroke = core::f32::consts::TAU * block.amplitude / ticks;
+        self.steady = Steady {
+            sector,
+            parked: [0, increment],
+            cycles: block.cycles,
+            cycles_then: self.steady.cycles_then.wrapping_add(block.cycles),
+            amplitude: block.amplitude,
+            per_phase,
+            short_per_phase: per_phase * (1.0 - 1e-6),
+            stroke,
+            per_amplitude: 1.0 / block.amplitude,
+            begun: (phase >> 32) as f32 * per_phase,
+            results: Cycle {
+                displacement_max: block.amplitude,
+                displacement_min: -block.amplitude,
+                amplitude: block.amplitude,
+                ticks,
+                ..Cycle::default()
+            },
+            ..Steady::default()
+        };
+        self.take_law();
+        self.begin_cycle();
+        let (_, cos) = self.walk.elastic();
+        self.walk.account(force, cos);
+        self.park();
+    }
+
+    /// The tick after the block, by the generator again. The cycle from here on begins with the block's last tick.
+    #[inline(never)]
+    fn block_ends(&mut self) -> f32 {
+        while self.steady.steps > 0 {
+            self.step();
+        }
+        // The last tick was in the last sector.
+        let mut last = self.walk;
+        last.sector = Sector::new(SECTORS - 1);
+        last.phase = (last.phase + SECTOR).saturating_sub(last.increment);
+        let (sin, cos) = last.sector.sin_cos(last.phase);
+        let (elastic, _) = last.elastic();
+        let force = elastic + self.law.damping_force(last.speed * cos);
+        let phase = ((SECTORS as u64 - 1) << 32 | last.phase >> 31) >> SECTORS.ilog2();
+        self.accumulator.reset();
+        self.accumulator
+            .update(self.steady.amplitude * sin, force, phase as u32);
+        let past = self.walk.phase.saturating_sub(SECTOR_ROUNDING);
+        self.generator.steady_ended(u128::from(past) << PHASE_SHIFT);
+        self.walk = Walk::PARKED;
+        self.steady.stage = Stage::Programme;
+        self.programme_tick()
+    }
+}
+
+/// Bits that a phase of 2¹²⁸ to the cycle has below the unit of one within a sector.
+const PHASE_SHIFT: u32 = 128 - SECTORS.ilog2() - SECTOR.ilog2();
+
+impl Walk {
+    /// Every tick comes to the end of a sector.
+    const PARKED: Self = Self {
+        phase: 0,
+        increment: SECTOR,
+        sector: Sector::FIRST,
+        force_max: 0,
+        speed: 0.0,
+        linear: 0.0,
+        cubic: 0.0,
+        work: Sum::ZERO,
+    };
+
+    /// Ticks that all come before the end of the sector.
+    // Not inlined: it needs every register.
+    #[inline(never)]
+    fn run(&mut self, law: &RunningLaw<0>, forces: &mut [f32]) {
+        let mut walk = *self;
+        for force in forces {
+            walk.phase = walk.phase.wrapping_add(walk.increment);
+            *force = walk.sample(law);
+        }
+        *self = walk;
+    }
+
+    /// One tick at its phase.
+    #[inline(always)]
+    fn sample(&mut self, law: &RunningLaw<0>) -> f32 {
+        let (elastic, cos) = self.elastic();
+        let force = law.add_damping_force(elastic, self.speed * cos);
+        self.account(force, cos);
+        force
+    }
+
+    /// k1·y + k3·y³ in kN, and cos φ.
+    #[inline(always)]
+    fn elastic(&self) -> (f32, f32) {
+        let (sin, cos) = self.sector.sin_cos(self.phase);
+        (sin * (self.linear + self.cubic * (sin * sin)), cos)
+    }
+
+    #[inline(always)]
+    fn account(&mut self, force: f32, cos: f32) {
+        self.work.add(force * cos);
+        self.force_max = self.force_max.max(force.to_bits() as i32);
+    }
+}
