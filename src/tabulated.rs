@@ -163,12 +163,6 @@ impl<const N: usize> RunningLaw<N> {
             .with_effects(&mut self.state, &motion, law_force)
     }
 
-    /// Another law waits for the boundary.
-    #[inline(always)]
-    pub(crate) fn is_waiting(&self) -> bool {
-        self.waiting != Waiting::No
-    }
-
     /// The damping force in kN at `v` mm/s, within ±[`crate::limits::VELOCITY`], whatever is filled: not for every tick.
     pub(crate) fn damping_force(&self, v: f32) -> f32 {
         self.law().damping.damping_force(v)

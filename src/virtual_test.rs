@@ -1,9 +1,9 @@
 //! A test of the law without a specimen: eq 13 under a [`Programme`], and what each cycle comes to.
 //!
 //! In a block of constant amplitude and frequency a tick is short, and of the same length whatever the phase and the
-//! coefficients: the phase within a 32nd of the cycle, a *sector*, is advanced, and its overflow is all that is asked for.
+//! coefficients: the phase within a 16th of the cycle, a *sector*, is advanced, and its overflow is all that is asked for.
 //! What is due now and then waits for the end of a sector: the sum's fold, the end of a cycle, and one after the other the
-//! steps to the results of the cycle before. Ramps and sweeps, and blocks of less than 32 ticks to the cycle, go by
+//! steps to the results of the cycle before. Ramps and sweeps, and blocks of less than 16 ticks to the cycle, go by
 //! [`SineGenerator`] and [`CycleAccumulator`] and take some hundred instructions.
 //!
 //! # Energy of a demanded sine
@@ -27,6 +27,10 @@ use crate::sine::{
 };
 use crate::sum::Sum;
 use crate::tabulated::{RunningLaw, TabulatedLaw};
+
+/// The sectors with a step at whose beginning the velocity is no longer, and not yet, positive.
+const RISEN: usize = SECTORS / 4 + 1;
+const FALLEN: usize = 3 * SECTORS / 4 - 1;
 
 /// What a tick in a steady block works on.
 #[derive(Clone, Copy, Debug)]
@@ -64,16 +68,19 @@ enum Stage {
 #[derive(Clone, Copy, Debug, Default)]
 struct Steady {
     stage: Stage,
-    /// Steps that are left to the results of the cycle before.
-    steps: u8,
+    /// Another law waits for the end of `cycles`.
+    waiting: bool,
     /// `beginning` is of the law before.
     law_taken: bool,
     /// Number of the sector.
     sector: usize,
     /// Phase and increment while the table is filled.
     parked: [u64; 2],
-    /// Cycles until the block's end, and those completed there.
+    /// Cycles until something is due at the end of one, and from then until the block's end.
     cycles: u32,
+    cycles_after: u32,
+    /// The block's, and those completed at its end.
+    cycles_of_block: u32,
     cycles_then: u32,
     /// A, mm.
     amplitude: f32,
@@ -92,6 +99,8 @@ struct Steady {
     work: Sum,
     ended: u32,
     results: Cycle,
+    /// The largest force before the velocity became negative.
+    held: i32,
 }
 
 /// The law under a programme of up to `B` blocks, which it owns or borrows.
@@ -132,6 +141,12 @@ impl<const B: usize, P: Borrow<Programme<B>>> VirtualTest<B, P> {
     /// Another law from the end of this cycle on.
     pub fn swap_law(&mut self, law: TabulatedLaw<0>) {
         self.law.swap(law);
+        let steady = &mut self.steady;
+        if steady.stage != Stage::Programme && !steady.waiting {
+            steady.waiting = true;
+            steady.cycles_after = steady.cycles.saturating_sub(1);
+            steady.cycles = 1;
+        }
     }
 
     /// The law in force.
@@ -141,11 +156,17 @@ impl<const B: usize, P: Borrow<Programme<B>>> VirtualTest<B, P> {
 
     /// Cycles completed up to the last tick, ramps included.
     pub fn cycle(&self) -> u32 {
-        self.steady.cycles_then.wrapping_sub(self.steady.cycles)
+        let Steady {
+            cycles,
+            cycles_after,
+            cycles_then,
+            ..
+        } = self.steady;
+        cycles_then.wrapping_sub(cycles).wrapping_sub(cycles_after)
     }
 
-    /// How many cycles have their results, and those of the last one. In a steady block they follow the cycle's end by five
-    /// sectors, so that no tick bears them all. The first cycle after a steady block has none.
+    /// How many cycles have their results, and those of the last one. In a steady block they follow the cycle's end by
+    /// thirteen sectors, so that no tick bears them all.
     pub fn results(&self) -> (u32, &Cycle) {
         (self.completed, &self.results)
     }
@@ -181,13 +202,24 @@ impl<const B: usize, P: Borrow<Programme<B>>> VirtualTest<B, P> {
         loop {
             let short = self.short_ticks().min(forces.len());
             let (run, rest) = forces.split_at_mut(short);
-            self.walk.run(&self.law, run);
+            if self.rises() {
+                self.walk.run::<true>(&self.law, run);
+            } else {
+                self.walk.run::<false>(&self.law, run);
+            }
             let Some((force, rest)) = rest.split_first_mut() else {
                 return;
             };
             *force = self.tick();
             forces = rest;
         }
+    }
+
+    /// Where the velocity is positive or about to be. There the largest force is: by the damping it is more than at the same
+    /// displacement on the way back.
+    #[inline(always)]
+    fn rises(&self) -> bool {
+        !(RISEN..FALLEN).contains(&self.steady.sector)
     }
 
     /// So many ticks, and hardly more, come before the end of the sector.
@@ -213,11 +245,17 @@ impl<const B: usize, P: Borrow<Programme<B>>> VirtualTest<B, P> {
         self.walk.sample(&self.law)
     }
 
+    /// The first tick of a cycle at whose beginning something is due.
     #[inline(never)]
     fn attend_boundary(&mut self) -> f32 {
-        if self.steady.cycles == 0 {
+        let steady = &mut self.steady;
+        steady.cycles = core::mem::take(&mut steady.cycles_after);
+        if steady.cycles == 0 {
             return self.block_ends();
         }
+        (steady.waiting, steady.law_taken) = (false, true);
+        self.law.boundary();
+        self.take_law();
         self.fill()
     }
 
@@ -271,10 +309,9 @@ impl<const B: usize, P: Borrow<Programme<B>>> VirtualTest<B, P> {
         if self.steady.sector == 0 {
             return self.cycle_ends();
         }
-        if self.steady.steps > 0 {
-            self.step();
-        } else {
-            self.walk.work.fold();
+        self.walk.work.fold();
+        if self.steady.sector % 2 == 1 {
+            self.step(self.steady.sector);
         }
         false
     }
@@ -283,32 +320,24 @@ impl<const B: usize, P: Borrow<Programme<B>>> VirtualTest<B, P> {
     #[inline(always)]
     fn cycle_ends(&mut self) -> bool {
         let steady = &mut self.steady;
-        steady.steps = 6;
         steady.work = self.walk.work;
         steady.ended = (self.walk.phase >> 32) as u32;
         steady.results.force_max = f32::from_bits(self.walk.force_max as u32);
         self.walk.work = Sum::ZERO;
         self.walk.force_max = 0;
         steady.cycles = steady.cycles.wrapping_sub(1);
-        steady.cycles == 0 || (self.law.is_waiting() && self.swap())
+        steady.cycles == 0
     }
 
-    #[cold]
-    fn swap(&mut self) -> bool {
-        self.law.boundary();
-        self.take_law();
-        self.steady.law_taken = true;
-        true
-    }
-
-    /// One of the steps to the results of the cycle before.
+    /// One of the steps to the results of the cycle before, and to those of this one: at the beginning of every other sector.
     #[inline(never)]
-    fn step(&mut self) {
+    fn step(&mut self, sector: usize) {
         let steady = &mut self.steady;
-        steady.steps = steady.steps.saturating_sub(1);
         let results = &mut steady.results;
-        match steady.steps {
-            5 => {
+        // Of the block's first cycle: there are no results to come to.
+        let first = steady.cycles.wrapping_add(steady.cycles_after) == steady.cycles_of_block;
+        match sector {
+            1 if !first => {
                 let ended = steady.ended as f32 * steady.per_phase;
                 let [level, half_rate] = steady.beginning;
                 let begun = core::mem::replace(&mut steady.begun, ended);
@@ -318,27 +347,29 @@ impl<const B: usize, P: Borrow<Programme<B>>> VirtualTest<B, P> {
                     .work
                     .add(part * (half_rate * (1.0 - ended - begun) - level));
             }
-            4 => {
+            3 => {
                 results.energy = steady.stroke * steady.work.total();
                 results.energy_harmonic = results.energy;
             }
-            3 => {
+            7 => {
                 results.force_min = -results.force_max;
                 results.stiffness = results.force_max * steady.per_amplitude;
                 results.elastic_energy = 0.5 * results.force_max * steady.amplitude;
             }
-            2 => {
+            9 => {
                 results.loss_factor = if results.elastic_energy > f32::MIN_POSITIVE {
                     results.energy / (core::f32::consts::TAU * results.elastic_energy)
                 } else {
                     0.0
                 };
             }
-            1 => {
+            13 if !first => {
                 self.results = *results;
                 self.completed = self.completed.wrapping_add(1);
             }
-            _ if steady.law_taken => self.begin_cycle(),
+            RISEN => steady.held = self.walk.force_max,
+            FALLEN => self.walk.force_max = steady.held,
+            15 if steady.law_taken => self.begin_cycle(),
             _ => {}
         }
     }
@@ -367,7 +398,7 @@ impl<const B: usize, P: Borrow<Programme<B>>> VirtualTest<B, P> {
             self.law.boundary();
         }
         (self.ramp, self.done) = (now.ramp, now.done);
-        (self.steady.cycles_then, self.steady.cycles) = (now.cycle, 0);
+        self.steady.cycles_then = now.cycle;
         let force = self.law.force(&Motion {
             displacement: now.displacement,
             velocity: now.velocity,
@@ -400,7 +431,7 @@ impl<const B: usize, P: Borrow<Programme<B>>> VirtualTest<B, P> {
             speed,
             ..Walk::PARKED
         };
-        let per_phase = (SECTOR >> 31) as f32 / increment as f32 * 2.0;
+        let per_phase = (1u64 << 32) as f32 / increment as f32;
         // Ticks to the cycle.
         let ticks = SECTORS as f32 * (SECTOR as f32 / increment as f32);
         let stroke = core::f32::consts::TAU * block.amplitude / ticks;
@@ -408,6 +439,7 @@ impl<const B: usize, P: Borrow<Programme<B>>> VirtualTest<B, P> {
             sector,
             parked: [0, increment],
             cycles: block.cycles,
+            cycles_of_block: block.cycles,
             cycles_then: self.steady.cycles_then.wrapping_add(block.cycles),
             amplitude: block.amplitude,
             per_phase,
@@ -434,8 +466,8 @@ impl<const B: usize, P: Borrow<Programme<B>>> VirtualTest<B, P> {
     /// The tick after the block, by the generator again. The cycle from here on begins with the block's last tick.
     #[inline(never)]
     fn block_ends(&mut self) -> f32 {
-        while self.steady.steps > 0 {
-            self.step();
+        for sector in [1, 3, 7, 9, 13] {
+            self.step(sector);
         }
         // The last tick was in the last sector.
         let mut last = self.walk;
@@ -451,7 +483,7 @@ impl<const B: usize, P: Borrow<Programme<B>>> VirtualTest<B, P> {
         let past = self.walk.phase.saturating_sub(SECTOR_ROUNDING);
         self.generator.steady_ended(u128::from(past) << PHASE_SHIFT);
         self.walk = Walk::PARKED;
-        self.steady.stage = Stage::Programme;
+        self.steady = Steady::default();
         self.programme_tick()
     }
 }
@@ -475,11 +507,16 @@ impl Walk {
     /// Ticks that all come before the end of the sector.
     // Not inlined: it needs every register.
     #[inline(never)]
-    fn run(&mut self, law: &RunningLaw<0>, forces: &mut [f32]) {
+    fn run<const RISES: bool>(&mut self, law: &RunningLaw<0>, forces: &mut [f32]) {
         let mut walk = *self;
         for force in forces {
             walk.phase = walk.phase.wrapping_add(walk.increment);
-            *force = walk.sample(law);
+            let (elastic, cos) = walk.elastic();
+            *force = law.add_damping_force(elastic, walk.speed * cos);
+            walk.work.add(*force * cos);
+            if RISES {
+                walk.see(*force);
+            }
         }
         *self = walk;
     }
@@ -503,6 +540,11 @@ impl Walk {
     #[inline(always)]
     fn account(&mut self, force: f32, cos: f32) {
         self.work.add(force * cos);
+        self.see(force);
+    }
+
+    #[inline(always)]
+    fn see(&mut self, force: f32) {
         self.force_max = self.force_max.max(force.to_bits() as i32);
     }
 }

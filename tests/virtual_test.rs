@@ -77,9 +77,6 @@ fn parts(
             law.swap(other.clone());
         }
         let now = generator.tick();
-        if now.done {
-            return given;
-        }
         if now.cycle_end {
             law.boundary();
         }
@@ -91,6 +88,9 @@ fn parts(
         given
             .cycles
             .extend(accumulator.update(now.displacement, force, now.phase));
+        if now.done {
+            return given;
+        }
         given.forces.push((force, now.cycle));
     }
 }
@@ -126,8 +126,7 @@ fn a_programme_of_all_kinds_is_what_its_parts_make_of_it() {
     let law = paper(3.0);
     let (given, expected) = (ticks(&programme, &law, None), parts(&programme, &law, None));
     forces_agree(&given, &expected);
-    // The first cycle after each of two short blocks has no results.
-    assert_eq!(given.cycles.len(), expected.cycles.len() - 2);
+    assert_eq!(given.cycles.len(), expected.cycles.len());
     for (is, should) in given.cycles[1..5].iter().zip(&expected.cycles[1..5]) {
         // At 1031 ticks to the cycle: extremes within (π/1031)²/2 of the true ones, trapezoids within (2π/1031)²/6.
         let close = |a: f32, b: f32, tolerance: f32| {
@@ -182,7 +181,9 @@ fn another_law_takes_over_at_the_cycles_end() {
         let (given, expected) = (ticks(&programme, &law, swap), parts(&programme, &law, swap));
         forces_agree(&given, &expected);
         for (is, should) in given.cycles.iter().zip(&expected.cycles) {
-            assert!((is.energy / should.energy - 1.0).abs() < 1e-5);
+            // The parts draw a straight line from the old law's last force to the new one's first: half a tick in 1031 of the
+            // jump, which is as large as the force.
+            assert!((is.energy / should.energy - 1.0).abs() < 1e-3);
         }
     }
 }
@@ -197,11 +198,13 @@ fn the_energy_is_closed_form_however_the_ticks_fall() {
         let exact = std::f64::consts::PI * 0.01 * std::f64::consts::TAU * frequency * 0.01;
         for cycle in &given.cycles[1..8] {
             let error = f64::from(cycle.energy) / exact - 1.0;
-            // The two parts of a tick at the ends, of the third order in the tick.
-            let tick = std::f64::consts::TAU * frequency / RATE;
+            // What is asked, of the whole force: the elastic one rounds too, and is k1/(c·ω) times the other. And the two parts
+            // of a tick at the ends, of the third order in the tick.
+            let omega = std::f64::consts::TAU * frequency;
+            let allowed = 6e-7 * (1.0 + 2.0 / (0.01 * omega)) + (omega / RATE).powi(3);
             assert!(
-                error.abs() < 6e-7 + tick.powi(3),
-                "{frequency} Hz: {error:e}"
+                error.abs() < allowed,
+                "{frequency} Hz: {error:e}, allowed {allowed:e}"
             );
         }
     }

@@ -73,6 +73,31 @@ impl Exact {
         }
     }
 
+    /// Cycle `index` as [`mesh_damper::virtual_test`] defines it: the largest force of its ticks, and the energy of the sine
+    /// itself, not of its chords.
+    pub fn demanded_cycle(&self, index: u64) -> ExactCycle {
+        const NODES: u64 = 50_000;
+        let first = |cycle: u64| (cycle * TURN).div_ceil(STEP);
+        let largest = (first(index)..first(index + 1))
+            .map(|n| self.sample(n).1)
+            .fold(0.0, f64::max);
+        let speed = self.amplitude * TAU * FREQUENCY;
+        let sum: f64 = (0..NODES)
+            .map(|n| {
+                let (sin, cos) = sin_cos_of_turn(n, NODES);
+                self.law.force(self.amplitude * sin, speed * cos) * cos
+            })
+            .sum();
+        let energy = self.amplitude * TAU / NODES as f64 * sum;
+        let stiffness = largest / self.amplitude;
+        let elastic = dynamic_test::elastic_potential(stiffness, self.amplitude);
+        ExactCycle {
+            stiffness,
+            energy,
+            loss_factor: dynamic_test::loss_factor(energy, elastic),
+        }
+    }
+
     /// Where cycle `index` begins.
     fn boundary(&self, index: u64) -> (f64, f64) {
         let after = (index * TURN).div_ceil(STEP);

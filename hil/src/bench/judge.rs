@@ -5,7 +5,7 @@ use mesh_damper::power::{PowerSeed, PowerTable};
 use serde::Serialize;
 
 use super::count::{Core, Count};
-use super::exact::Exact;
+use super::exact::{Exact, ExactCycle};
 use super::suite::tally::{Meter, Region, Tally, When};
 use super::suite::{self, Refused, fixed_point, power, tick};
 use crate::reference::tables;
@@ -117,13 +117,13 @@ pub fn ticks() -> Result<Vec<LargestError>, Refused> {
     for ((_, amplitude, law), (own_amplitude, own)) in tables::cells().zip(tick::laws()) {
         let exact = Exact { law, amplitude };
         let mut whole = tick::Whole::new(own_amplitude, own)?;
-        exact.judge(&mut floats, || {
-            let force = f64::from(whole.tick());
+        exact.judge(&mut floats, Exact::demanded_cycle, || {
+            let force = f64::from(whole.told(|whole| tick::tick(whole, 0.0, 0.0)));
             let cycle = whole.cycle.map(|c| [c.stiffness, c.energy, c.loss_factor]);
             (force, cycle.map(|cycle| cycle.map(f64::from)), whole.when)
         });
         let mut whole = fixed_point::Whole::new(own_amplitude, &own)?;
-        exact.judge(&mut integers, || {
+        exact.judge(&mut integers, Exact::cycle, || {
             let part = Part::from_bits(whole.tick().to_bits() as i32);
             let force = part.to_num::<f64>() * whole.scales.force();
             let cycle = whole.cycle.map(|cycle| cycle.over(&whole.scales));
@@ -152,8 +152,13 @@ pub fn ticks() -> Result<Vec<LargestError>, Refused> {
 
 impl Exact {
     /// Runs `tick` until it is done, and makes `worst` (force, K, ΔW, η) as large as what its results miss by. It gives
-    /// the force in kN, the cycle that ended, as K, ΔW and η, and what happened.
-    fn judge(&self, worst: &mut [f64; 4], mut tick: impl FnMut() -> (f64, Option<[f64; 3]>, When)) {
+    /// the force in kN, the cycle that ended, as K, ΔW and η, and what happened. `cycle_of` says what a cycle comes to.
+    fn judge(
+        &self,
+        worst: &mut [f64; 4],
+        cycle_of: impl Fn(&Self, u64) -> ExactCycle,
+        mut tick: impl FnMut() -> (f64, Option<[f64; 3]>, When),
+    ) {
         let peak = largest((0..2000).map(|n| self.sample(n).1));
         let mut ended = 0;
         for n in 0.. {
@@ -168,7 +173,7 @@ impl Exact {
             if let Some(cycle) = cycle {
                 // The first cycle is the ramp's.
                 if ended > 0 {
-                    let exact = self.cycle(ended).parts();
+                    let exact = cycle_of(self, ended).parts();
                     for ((error, own), exact) in errors.iter_mut().skip(1).zip(cycle).zip(exact) {
                         *error = own / exact - 1.0;
                     }

@@ -90,22 +90,6 @@ impl When {
     }
 }
 
-impl When {
-    /// What is said of a block in which both happened.
-    pub fn or(self, other: Self) -> Self {
-        [self, other]
-            .into_iter()
-            .max_by_key(|when| match when {
-                Self::Steady => 0,
-                Self::Swap => 1,
-                Self::CycleEnd => 2,
-                Self::Ramp => 3,
-                Self::Done => 4,
-            })
-            .unwrap_or(self)
-    }
-}
-
 /// A tally for each moment of a tick.
 pub struct Moments {
     ramp: Tally,

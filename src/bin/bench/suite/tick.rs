@@ -60,13 +60,8 @@ impl Whole {
         })
     }
 
-    /// Force in kN.
-    pub fn tick(&mut self) -> f32 {
-        self.told(|test| test.test.tick())
-    }
-
-    /// What `ticks` came to.
-    fn told<R>(&mut self, ticks: impl FnOnce(&mut Self) -> R) -> R {
+    /// Does `ticks`, and looks what they came to.
+    pub fn told<R>(&mut self, ticks: impl FnOnce(&mut Self) -> R) -> R {
         let test = &self.test;
         let (cycle, ramp, results) = (test.cycle(), test.ramp(), test.results().0);
         let result = ticks(self);
@@ -84,7 +79,8 @@ impl Whole {
     }
 }
 
-extern "C" fn tick(whole: &mut Whole, _: f32, _: f32) -> f32 {
+/// Force in kN at the next tick, the other arguments unused.
+pub extern "C" fn tick(whole: &mut Whole, _: f32, _: f32) -> f32 {
     whole.test.tick()
 }
 
