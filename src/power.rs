@@ -80,7 +80,7 @@ pub const SEGMENTS: usize = 8;
 /// Rows of a [`PowerTable`].
 pub const ROWS: usize = OCTAVES * SEGMENTS;
 /// Exponent of the lowest octave.
-const LOWEST_EXPONENT: i32 = -20;
+const LOWEST_EXPONENT: i32 = -21;
 /// Bits of a float that tell the place within a segment.
 const WITHIN: u32 = 20;
 /// Bits of its smallest float.
@@ -163,7 +163,7 @@ impl PowerSeed {
         &self.octave
     }
 
-    /// c·2^(e·(α − 1)) for the octaves from 2ᵉ, e = −20…11: what makes [`PowerSeed::octave`] theirs.
+    /// c·2^(e·(α − 1)) for the octaves from 2ᵉ, e = −21…10: what makes [`PowerSeed::octave`] theirs.
     pub fn scale(&self) -> &[f32; OCTAVES] {
         &self.scale
     }
@@ -196,7 +196,7 @@ impl PowerSeed {
 }
 
 /// c·|v|^α·sgn v for one c and α, within 4e-7 of its own size: 4 KiB of cubics, eight to the octave, for |v| from
-/// 1.07e-6 (1.125·2⁻²⁰) to 3840 mm/s. Below and above it is proportional to v in steps of an eighth of an octave: t·p0
+/// 5.4e-7 (1.125·2⁻²¹) to 1920 mm/s. Below and above it is proportional to v in steps of an eighth of an octave: t·p0
 /// with the p0 that is c·|v|^α of the edge over the edge.
 ///
 /// The cubics are of c·|v|^α. Those of c·|v|^(α−1), to be multiplied by v, would have the sign for nothing too, but on a

@@ -154,7 +154,7 @@ impl<const N: usize> RunningLaw<N> {
             .law()
             .elastic_force_within(motion.displacement());
         if self.is_filling() {
-            self.fill(motion.velocity());
+            self.fill_aside(motion.velocity());
         }
         let law_force = self.add_damping_force(elastic, motion.velocity());
         let [first, second] = &self.laws;
@@ -178,6 +178,13 @@ impl<const N: usize> RunningLaw<N> {
     #[inline(always)]
     pub(crate) fn add_damping_force(&self, elastic: f32, v: f32) -> f32 {
         self.table.add_damping_force(elastic, v)
+    }
+
+    /// [`RunningLaw::fill`] where it is rare: its registers are no matter of other ticks.
+    #[cold]
+    #[inline(never)]
+    fn fill_aside(&mut self, v: f32) {
+        self.fill(v);
     }
 
     /// Fills the row for `v` mm/s, or the next one where that was the last to be needed.

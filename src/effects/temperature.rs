@@ -9,7 +9,8 @@ use crate::real::{Real, in_range};
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Temperature<R> {
     beta: R,
-    reference: R,
+    /// β·T0
+    rise: R,
 }
 
 impl<R: Real> Temperature<R> {
@@ -19,9 +20,11 @@ impl<R: Real> Temperature<R> {
     /// # Errors
     /// The field that is not finite or out of range.
     pub fn new(beta: R, reference: R) -> Result<Self, ConfigError> {
+        let beta = in_range("beta", beta, -1.0, 1.0)?;
+        let reference = in_range("reference", reference, -273.15, limits::TEMPERATURE)?;
         Ok(Self {
-            beta: in_range("beta", beta, -1.0, 1.0)?,
-            reference: in_range("reference", reference, -273.15, limits::TEMPERATURE)?,
+            beta,
+            rise: beta * reference,
         })
     }
 }
@@ -31,7 +34,6 @@ impl<R: Real> EffectForce<R> for Temperature<R> {
 
     #[inline(always)]
     fn force(&self, _: &mut (), motion: &ConfinedMotion<R>, law_force: R) -> R {
-        let temperature = motion.temperature();
-        self.beta * (self.reference - temperature) * law_force
+        (self.rise - self.beta * motion.temperature()) * law_force
     }
 }
