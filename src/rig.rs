@@ -7,8 +7,8 @@
 //! # Deadline
 //! Call `tick()` once per tick, from a timer at the tick rate; it must return before the next. It clocks 64 bits out of
 //! the ADC and 24 into the DAC, 5.5 µs at 16 MHz, of the 100 µs at 10 kHz. Its computation is a fixed number of
-//! operations without a loop but for the law's effects, and calls libm for one of these alone, the exponential of
-//! [`crate::effects::Drift`]; the tick that ends a cycle adds the cycle's results, a dozen divisions and one square
+//! operations without a loop but for the law's effects, and calls nothing of libm; a swap of the law adds a row of its
+//! table to each of some hundred ticks, and the tick that ends a cycle the cycle's results, a dozen divisions and one square
 //! root. Whoever owns the timer counts ticks that came late.
 //!
 //! # Stopping

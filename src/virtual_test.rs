@@ -1,10 +1,11 @@
 //! A test of the law without a specimen: eq 13 under a [`Programme`], and what each cycle comes to.
 //!
-//! In a block of constant amplitude and frequency a tick is short, and of the same length whatever the phase and the
+//! In a block of constant amplitude and frequency a tick is short, and of the same length whatever the motion and the
 //! coefficients: the phase within a 16th of the cycle, a *sector*, is advanced, and its overflow is all that is asked for.
 //! What is due now and then waits for the end of a sector: the sum's fold, the end of a cycle, and one after the other the
-//! steps to the results of the cycle before. Ramps and sweeps, and blocks of less than 16 ticks to the cycle, go by
-//! [`SineGenerator`] and [`CycleAccumulator`] and take some hundred instructions.
+//! steps to the results of the cycle before. After a swap of the law the ticks are longer while its table is filled. Ramps and
+//! sweeps, and blocks of less than 16 ticks to the cycle, go by [`SineGenerator`] and [`CycleAccumulator`] and take some
+//! hundred instructions.
 //!
 //! # Energy of a demanded sine
 //! With y = A·sin φ, ΔW = ∮F dy = A·ω·∫F·cos φ dt, whose integrand is the same at both ends: the sum over the ticks, with
@@ -171,7 +172,7 @@ impl<const B: usize, P: Borrow<Programme<B>>> VirtualTest<B, P> {
         (self.completed, &self.results)
     }
 
-    /// A law has taken over and its table is being filled: until then a tick takes up to half as long again.
+    /// A law has taken over and its table is being filled: until then a tick takes two and a half times as long.
     pub fn filling(&self) -> bool {
         self.law.is_filling()
     }

@@ -45,7 +45,7 @@ mod tolerance {
     /// Phase in units of 2⁻³² cycle: half a unit of rounding, and what n ticks leave of 2⁻¹²⁸ a tick.
     pub const PHASE: f64 = 0.5 + 1e-9;
 
-    /// |v|^α over itself: what `power::abs_pow` documents, 5.04·U.
+    /// |v|^α over itself, 5.04·U: `power::abs_pow` documents 4e-7, in which the logarithm counts α times, here at most 0.557.
     pub const POWER: f64 = 3e-7;
 
     /// A table's coefficient at a node over itself: one rounding of the printed decimal.
