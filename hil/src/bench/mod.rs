@@ -9,6 +9,9 @@
 //!
 //! What is counted stands in `src/bin/bench/suite`, and is run on the host too, bit for bit the same, to be judged.
 //!
+//! The whole tick is [`mesh_damper::virtual_test`]'s, of a demanded sine; the generator, the law and the accumulator of which
+//! the rig is made, and which serve any motion and any force, are counted beside it.
+//!
 //! # Peers
 //! libm and micromath in the same image, and the whole tick as it is written down first, on libm's sine, cosine and power;
 //! the same in C (`hil/bench/peer.c`) on newlib's as an image of its own. micromath is a peer only: its |v|^α misses by

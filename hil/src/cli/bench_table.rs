@@ -46,6 +46,7 @@ const SECTIONS: [Section; 5] = [
         title: "a whole tick: generator, law, cycle",
         rows: &[
             row("tick/whole", "steady", "steady"),
+            row("tick/whole", "spread", "  same tick, by other data"),
             row("tick/whole", "cycle-end", "at a cycle's end"),
             row("tick/whole", "swap", "after a swap of coefficients"),
             row("tick/whole", "ramp", "in a ramp"),
@@ -53,6 +54,12 @@ const SECTIONS: [Section; 5] = [
                 ticks: BLOCK,
                 ..row("tick/block", "steady", "in blocks of 64")
             },
+            row(
+                "tick/parts",
+                "steady",
+                "from the parts that serve any motion",
+            ),
+            row("tick/parts", "cycle-end", "  at a cycle's end"),
             row("tick/naive", "steady", "Rust on libm"),
             row("tick/naive", "cycle-end", "  at a cycle's end"),
             row("tick/c", "steady", "C on newlib"),

@@ -1,16 +1,16 @@
 //! The whole tick (generator, law, accumulator) of the crate, alone and in blocks, and of [`super::naive`].
 
-use mesh_damper::cycle::Cycle;
-use mesh_damper::effects::AugmentedLaw;
+use mesh_damper::cycle::{Cycle, CycleAccumulator};
+use mesh_damper::effects::{AugmentedLaw, Motion};
 use mesh_damper::error::ConfigError;
 use mesh_damper::law::Law;
-use mesh_damper::sine::{Block, Programme};
+use mesh_damper::sine::{Block, Programme, SineGenerator};
 use mesh_damper::table::PAPER;
-use mesh_damper::tabulated::TabulatedLaw;
+use mesh_damper::tabulated::{RunningLaw, TabulatedLaw};
 use mesh_damper::virtual_test::VirtualTest;
 
 use super::naive::{self, Naive};
-use super::tally::{Meter, Moments, When};
+use super::tally::{Meter, Moments, Tally, When};
 
 /// Ticks per second.
 pub const TICK_RATE: f64 = 10_000.0;
@@ -32,6 +32,12 @@ pub fn laws() -> impl Iterator<Item = (f32, Law<f32>)> {
     })
 }
 
+/// A sine of `amplitude` mm with a ramp of one cycle before and after it.
+fn programme(amplitude: f32) -> Result<Programme<1>, ConfigError> {
+    let block = Block::sine(f64::from(amplitude), FREQUENCY, CYCLES)?;
+    Programme::new(TICK_RATE, 1)?.with(block)
+}
+
 /// What a tick works on.
 pub struct Whole {
     test: VirtualTest<1>,
@@ -44,13 +50,12 @@ pub struct Whole {
 }
 
 impl Whole {
-    /// A sine of `amplitude` mm with a ramp of one cycle before and after it.
+    /// `law` under a sine of `amplitude` mm.
     ///
     /// # Errors
     /// None for a published law and its amplitude.
     pub fn new(amplitude: f32, law: Law<f32>) -> Result<Self, ConfigError> {
-        let block = Block::sine(f64::from(amplitude), FREQUENCY, CYCLES)?;
-        let programme = Programme::new(TICK_RATE, 1)?.with(block)?;
+        let programme = programme(amplitude)?;
         let law = TabulatedLaw::new(AugmentedLaw::new(law));
         Ok(Self {
             test: VirtualTest::new(programme, law)?,
@@ -89,10 +94,18 @@ extern "C" fn block(whole: &mut Whole, _: f32, _: f32) -> f32 {
     0.0
 }
 
+/// Ticks of [`alone`] at full amplitude and before the swap, at least: two cycles, after that of the ramp.
+const COMPARED: usize = 2000;
+
 /// Alone, with a swap of coefficients at the third end of a cycle.
+///
+/// The same tick is in the same place of the same cycle under every law, and its counts are compared: what they differ by
+/// hangs on the data.
 fn alone(meter: &mut impl Meter) -> Result<(), ConfigError> {
     let mut moments = Moments::new();
+    let mut extremes = [(u32::MAX, 0); COMPARED];
     for (amplitude, law) in laws() {
+        let mut steady = 0;
         let mut whole = Whole::new(amplitude, law)?;
         let other = TabulatedLaw::new(AugmentedLaw::new(law));
         let mut ends = 0;
@@ -102,10 +115,22 @@ fn alone(meter: &mut impl Meter) -> Result<(), ConfigError> {
             if whole.when == When::CycleEnd && ends == 2 {
                 whole.test.swap_law(other.clone());
             }
+            if !matches!(whole.when, When::Ramp | When::Done) {
+                if let Some((least, most)) = extremes.get_mut(steady) {
+                    *least = result.0.min(*least);
+                    *most = result.0.max(*most);
+                }
+                steady += 1;
+            }
             moments.add(whole.when, result, whole.cycle.as_ref());
         }
     }
     moments.report(meter, "tick/whole");
+    let mut spread = Tally::new();
+    for (least, most) in extremes {
+        spread.add((most.saturating_sub(least), 0.0));
+    }
+    meter.report("tick/whole", "spread", &spread);
     Ok(())
 }
 
@@ -124,6 +149,46 @@ pub fn small(meter: &mut impl Meter) -> Result<(), ConfigError> {
         }
     }
     moments.report(meter, "tick/whole");
+    Ok(())
+}
+
+/// The same from the crate's parts, which serve any motion and any force.
+struct Parts {
+    generator: SineGenerator<1>,
+    law: RunningLaw<0>,
+    accumulator: CycleAccumulator,
+    when: When,
+    cycle: Option<Cycle>,
+}
+
+extern "C" fn tick_of_parts(parts: &mut Parts, _: f32, _: f32) -> f32 {
+    let now = parts.generator.tick();
+    let force = parts.law.force(&Motion {
+        displacement: now.displacement,
+        velocity: now.velocity,
+        ..Motion::default()
+    });
+    parts.cycle = parts.accumulator.update(now.displacement, force, now.phase);
+    parts.when = When::of(now.done, now.ramp, now.cycle_end);
+    force
+}
+
+fn parts(meter: &mut impl Meter) -> Result<(), ConfigError> {
+    let mut moments = Moments::new();
+    for (amplitude, law) in laws() {
+        let mut parts = Parts {
+            generator: SineGenerator::new(programme(amplitude)?)?,
+            law: RunningLaw::new(TabulatedLaw::new(AugmentedLaw::new(law))),
+            accumulator: CycleAccumulator::new(),
+            when: When::Ramp,
+            cycle: None,
+        };
+        while parts.when != When::Done {
+            let result = meter.call(tick_of_parts, &mut parts, 0.0, 0.0);
+            moments.add(parts.when, result, parts.cycle.as_ref());
+        }
+    }
+    moments.report(meter, "tick/parts");
     Ok(())
 }
 
@@ -159,6 +224,7 @@ pub fn naive(meter: &mut impl Meter) {
 pub fn run(meter: &mut impl Meter) -> Result<(), ConfigError> {
     alone(meter)?;
     blocks(meter)?;
+    parts(meter)?;
     naive(meter);
     Ok(())
 }
