@@ -14,7 +14,7 @@
 //! | which effect is missing, and by how much the law is better with it | [`mod@trace`], [`report`] |
 //! | a law as a file, and the force that it predicts | [`model`], [`model_file`], [`mod@predict`] |
 //! | the crate as an image for a microcontroller: built, measured, emulated | [`mod@image`] |
-//! | the instructions that it takes there, beside its peers' | [`bench`] |
+//! | the instructions that it takes there, beside its peers' | [`mod@bench`] |
 //! | all of it once, from a seed | [`mod@demo`] |
 //!
 //! ```
