@@ -14,7 +14,8 @@ const FLAGS: [&str; 9] = [
     "-mthumb",
     "-mfloat-abi=hard",
     "-mfpu=fpv4-sp-d16",
-    "-std=c11",
+    // Not plain C11, in which a multiplication and an addition may not be one instruction.
+    "-std=gnu11",
     "-Wall",
     "-Wextra",
     "-Werror",
@@ -31,7 +32,7 @@ pub fn compiler() -> Option<String> {
     Some(format!(
         "{}, {}",
         text.lines().next()?,
-        FLAGS[..5].join(" ")
+        FLAGS[..6].join(" ")
     ))
 }
 
