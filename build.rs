@@ -22,6 +22,10 @@ fn main() -> std::io::Result<()> {
         format!("boards/{board}/memory.x"),
         Path::new(&out).join("memory.x"),
     )?;
+    // The firmware has no interrupts to be named.
+    std::fs::write(Path::new(&out).join("device.x"), "")?;
     println!("cargo:rustc-link-search={out}");
+    // The log's messages are symbols, which this keeps out of the flash.
+    println!("cargo:rustc-link-arg-bin=firmware=-Tdefmt.x");
     Ok(())
 }

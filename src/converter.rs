@@ -1,6 +1,7 @@
 //! 16-bit offset-binary converter codes and the quantity they stand for.
 
 use crate::error::ConfigError;
+use crate::frame::{Fields, Reader, Writer};
 use crate::real::in_range;
 
 /// Code of zero volts.
@@ -18,6 +19,23 @@ pub struct Scale {
     zero: f32,
     step: f32,
     inverse_step: f32,
+}
+
+impl Fields for Scale {
+    fn write(&self, writer: &mut Writer<'_>) {
+        let floats = [self.full_scale, self.zero, self.step, self.inverse_step];
+        writer.words(floats.map(f32::to_bits));
+    }
+
+    fn read(reader: &mut Reader<'_>) -> Option<Self> {
+        let [full_scale, zero, step, inverse_step] = reader.words()?.map(f32::from_bits);
+        Some(Self {
+            full_scale,
+            zero,
+            step,
+            inverse_step,
+        })
+    }
 }
 
 impl Scale {

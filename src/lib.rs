@@ -16,6 +16,7 @@
 //! | velocity and acceleration from a measured displacement | [`observer`] |
 //! | a law as bytes, loadable while running | [`pack`] |
 //! | the fixed-tick controller of a rig, or of an emulated damper | [`rig`] |
+//! | the link between a harness and the image of a rig | [`frame`], [`message`] |
 //! | a 16-bit ADC and DAC on SPI | [`adc`], [`dac`], [`converter`] |
 //!
 //! Units are mm, s, kN, J = kN·mm and °C throughout. Effects are generic over [`real::Real`], so that identification in f64
@@ -61,8 +62,10 @@ pub mod dac;
 pub mod effects;
 pub mod error;
 pub mod fixed_point;
+pub mod frame;
 pub mod law;
 pub mod limits;
+pub mod message;
 pub mod observer;
 pub mod pack;
 pub mod power;

@@ -16,6 +16,7 @@
 //! 10 Hz and 4e-3 mm/s at 30 Hz.
 
 use crate::error::ConfigError;
+use crate::frame::{Fields, Reader, Writer};
 use crate::limits;
 use crate::real::{Real, in_range};
 
@@ -27,6 +28,36 @@ pub struct ObserverConfig {
     displacement_gain: f32,
     velocity_gain: f32,
     acceleration_gain: f32,
+}
+
+impl Fields for ObserverConfig {
+    fn write(&self, writer: &mut Writer<'_>) {
+        let floats = [
+            self.tick,
+            self.half_tick_squared,
+            self.displacement_gain,
+            self.velocity_gain,
+            self.acceleration_gain,
+        ];
+        writer.words(floats.map(f32::to_bits));
+    }
+
+    fn read(reader: &mut Reader<'_>) -> Option<Self> {
+        let [
+            tick,
+            half_tick_squared,
+            displacement_gain,
+            velocity_gain,
+            acceleration_gain,
+        ] = reader.words()?.map(f32::from_bits);
+        Some(Self {
+            tick,
+            half_tick_squared,
+            displacement_gain,
+            velocity_gain,
+            acceleration_gain,
+        })
+    }
 }
 
 impl ObserverConfig {

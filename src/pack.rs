@@ -3,22 +3,21 @@
 //! ```text
 //! "MDCP"   u16 version   u16 length of the body   u32 CRC-32 of version, length and body   body
 //! ```
-//! Numbers are little-endian, the CRC is that of Ethernet, the body is [postcard](https://postcard.jamesmunns.com) of
-//! eq 13's coefficients, the [`PowerSeed`] that the host computed in f64, and each effect's parameters.
+//! Numbers are little-endian, the CRC is that of Ethernet, the body is laid out as
+//! [postcard](https://postcard.jamesmunns.com) does, by hand, as its code would take 3 KiB of a target's flash: eq 13's
+//! coefficients, the [`crate::power::PowerSeed`] that the host computed in f64, and a `Vec` of each effect's kind and
+//! numbers, `(u8, Vec<f32>)`.
 //!
 //! The host makes a pack with [`encode`]. The rig collects it with an [`Upload`], which gives a law only when every byte is
-//! there and right; [`crate::rig::Rig::swap_law`] writes that law beside the one in force and takes it at the end of a
+//! there and right; [`crate::rig::Rig::swap_law_with`] writes that law beside the one in force and takes it at the end of a
 //! cycle. So there are two slots, and an upload that breaks off or arrives damaged never touches the one in force.
 
 use core::fmt;
 
-use crc::{CRC_32_ISO_HDLC, Crc, Table};
-use serde::{Deserialize, Serialize};
-
-use crate::effects::{AugmentedLaw, EffectParameters};
+use crate::effects::Effect;
 use crate::error::ConfigError;
+use crate::frame::{Reader, Writer, checksum};
 use crate::law::Law;
-use crate::power::{OCTAVES, PowerSeed, SEGMENTS, Segment};
 use crate::tabulated::TabulatedLaw;
 
 /// The version that is written, and the only one read.
@@ -29,7 +28,6 @@ const HEADER: usize = 12;
 pub const LARGEST: usize = 768;
 
 const MAGIC: [u8; 4] = *b"MDCP";
-const CHECKSUM: Crc<u32, Table<1>> = Crc::<u32, Table<1>>::new(&CRC_32_ISO_HDLC);
 
 /// Why a pack was refused. The law in force stays as it was.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -95,44 +93,14 @@ impl From<ConfigError> for PackError {
     }
 }
 
-#[derive(Serialize, Deserialize)]
-struct Body<const N: usize> {
-    k1: f32,
-    k3: f32,
-    c: f32,
-    alpha: f32,
-    octave: [Segment; SEGMENTS],
-    scale: [f32; OCTAVES],
-    effects: heapless::Vec<EffectParameters<f32>, N>,
-}
-
-/// Writes the pack of `law` with `effects` into `buffer` and gives the part of it that was used. For the host: the seed is
-/// computed in f64.
+/// Writes the pack of `law` into `buffer` and gives the part of it that was used.
 ///
 /// # Errors
-/// [`PackError::Length`] when `buffer` is too short or the pack longer than [`LARGEST`], [`PackError::Refused`] for a
-/// parameter out of range.
+/// [`PackError::Length`] when `buffer` is too short or the pack longer than [`LARGEST`].
 pub fn encode<'b, const N: usize>(
-    law: &Law<f32>,
-    effects: &[EffectParameters<f32>],
+    law: &TabulatedLaw<N>,
     buffer: &'b mut [u8],
 ) -> Result<&'b [u8], PackError> {
-    for effect in effects {
-        effect.effect()?;
-    }
-    let seed = PowerSeed::new(law.c().into(), law.alpha().into())?;
-    let body = Body::<N> {
-        k1: law.k1(),
-        k3: law.k3(),
-        c: law.c(),
-        alpha: law.alpha(),
-        octave: *seed.octave(),
-        scale: *seed.scale(),
-        effects: heapless::Vec::from_slice(effects).map_err(|_| ConfigError::Full {
-            field: "effects",
-            capacity: N,
-        })?,
-    };
     let capacity = buffer.len().min(LARGEST);
     let too_short = PackError::Length {
         expected: LARGEST,
@@ -142,30 +110,66 @@ pub fn encode<'b, const N: usize>(
         .get_mut(..capacity)
         .and_then(|used| used.split_at_mut_checked(HEADER))
         .ok_or(too_short)?;
-    let length = postcard::to_slice(&body, rest)
-        .map_err(|_| too_short)?
-        .len();
+    let room = rest.len();
+    let mut writer = Writer::new(rest);
+    let eq13 = law.augmented().law();
+    for value in [eq13.k1(), eq13.k3(), eq13.c(), eq13.alpha()] {
+        writer.f32(value);
+    }
+    for value in law.damping().octave().as_flattened() {
+        writer.f32(*value);
+    }
+    for value in law.damping().scale() {
+        writer.f32(*value);
+    }
+    let effects = law.augmented().effects();
+    writer.u8(u8::try_from(effects.len()).map_err(|_| too_short)?);
+    for effect in effects {
+        effect.pack(&mut writer);
+    }
+    let length = room - writer.left().ok_or(too_short)?;
     let [version_low, version_high] = VERSION.to_le_bytes();
     let [length_low, length_high] = (length as u16).to_le_bytes();
     let stamp = [version_low, version_high, length_low, length_high];
-    let mut digest = CHECKSUM.digest();
-    digest.update(&stamp);
-    digest.update(rest.get(..length).unwrap_or_default());
-    let parts = MAGIC.into_iter().chain(stamp);
-    for (to, from) in header
-        .iter_mut()
-        .zip(parts.chain(digest.finalize().to_le_bytes()))
-    {
-        *to = from;
-    }
+    let checksum = checksum(&[&stamp, rest.get(..length).unwrap_or_default()]);
+    let mut writer = Writer::new(header);
+    writer.bytes(&MAGIC);
+    writer.bytes(&stamp);
+    writer.u32(checksum);
     Ok(buffer.get(..HEADER + length).unwrap_or_default())
 }
 
-/// The law in a pack.
+/// Writes the law in a pack over `slot`, which is no law where the pack is refused.
 ///
 /// # Errors
 /// Whatever is wrong with it; a pack with any one bit changed is refused.
-pub fn decode<const N: usize>(pack: &[u8]) -> Result<TabulatedLaw<N>, PackError> {
+pub fn decode<const N: usize>(pack: &[u8], slot: &mut TabulatedLaw<N>) -> Result<(), PackError> {
+    let mut reader = Reader(body(pack)?);
+    let mut value = || number(&mut reader);
+    slot.augmented
+        .set_law(Law::new(value()?, value()?, value()?, value()?)?);
+    slot.damping.read(value)?;
+    slot.augmented.clear();
+    for _ in 0..reader.u8().ok_or(PackError::Body)? {
+        let effect = Effect::unpack(&mut reader).ok_or(PackError::Body)?;
+        effect.check()?;
+        slot.augmented.push(effect)?;
+    }
+    if reader.rest().is_empty() {
+        Ok(())
+    } else {
+        Err(PackError::Body)
+    }
+}
+
+/// Not inlined: there are many, and they are not read every tick.
+#[inline(never)]
+fn number(reader: &mut Reader<'_>) -> Result<f32, PackError> {
+    reader.f32().ok_or(PackError::Body)
+}
+
+/// What a pack carries, once its header and checksum are found right.
+fn body(pack: &[u8]) -> Result<&[u8], PackError> {
     let short = PackError::Length {
         expected: HEADER,
         found: pack.len(),
@@ -188,27 +192,11 @@ pub fn decode<const N: usize>(pack: &[u8]) -> Result<TabulatedLaw<N>, PackError>
             found: pack.len(),
         });
     }
-    let mut digest = CHECKSUM.digest();
-    digest.update(stamp);
-    digest.update(body);
-    if digest.finalize() != u32::from_le_bytes(*checksum) {
+    let found = self::checksum(&[stamp, body]);
+    if found != u32::from_le_bytes(*checksum) {
         return Err(PackError::Checksum);
     }
-    match postcard::take_from_bytes::<Body<N>>(body) {
-        Ok((body, [])) => body.law(),
-        _ => Err(PackError::Body),
-    }
-}
-
-impl<const N: usize> Body<N> {
-    fn law(&self) -> Result<TabulatedLaw<N>, PackError> {
-        let mut law = AugmentedLaw::new(Law::new(self.k1, self.k3, self.c, self.alpha)?);
-        for effect in &self.effects {
-            law = law.with(effect.effect()?)?;
-        }
-        let seed = PowerSeed::from_parts(self.octave, self.scale)?;
-        Ok(TabulatedLaw::from_parts(law, seed))
-    }
+    Ok(body)
 }
 
 /// A pack that is being received, part by part.
@@ -220,14 +208,19 @@ pub struct Upload {
 
 impl Default for Upload {
     fn default() -> Self {
+        Self::new()
+    }
+}
+
+impl Upload {
+    /// Nothing yet.
+    pub const fn new() -> Self {
         Self {
             bytes: [0; LARGEST],
             received: 0,
         }
     }
-}
 
-impl Upload {
     /// The next part, whose first byte is byte `offset` of the pack. Offset 0 begins anew.
     ///
     /// # Errors
@@ -257,12 +250,13 @@ impl Upload {
         Ok(())
     }
 
-    /// The law, once every part is there. The upload is empty then, whatever came of it.
+    /// Writes the law over `slot`, as [`decode`] does, once every part is there. The upload is empty then, whatever came of
+    /// it.
     ///
     /// # Errors
     /// As [`decode`].
-    pub fn finish<const N: usize>(&mut self) -> Result<TabulatedLaw<N>, PackError> {
+    pub fn finish<const N: usize>(&mut self, slot: &mut TabulatedLaw<N>) -> Result<(), PackError> {
         let received = core::mem::take(&mut self.received);
-        decode(self.bytes.get(..received).unwrap_or_default())
+        decode(self.bytes.get(..received).unwrap_or_default(), slot)
     }
 }

@@ -140,22 +140,23 @@ impl PowerSeed {
         Self { octave, scale }
     }
 
-    /// From what [`PowerSeed::octave`] and [`PowerSeed::scale`] gave.
+    /// What [`PowerSeed::octave`] and then [`PowerSeed::scale`] gave, number by number, from `next`.
     ///
     /// # Errors
-    /// `octave` or `scale` not finite, or beyond what any c and α in their ranges give.
-    pub fn from_parts(
-        octave: [Segment; SEGMENTS],
-        scale: [f32; OCTAVES],
-    ) -> Result<Self, ConfigError> {
-        for value in octave.as_flattened() {
-            in_range("octave", *value, -2.0, 2.0)?;
+    /// That of `next`; a number that is not finite, or beyond what any c and α in their ranges give.
+    #[inline(never)]
+    pub(crate) fn read<E: From<ConfigError>>(
+        &mut self,
+        mut next: impl FnMut() -> Result<f32, E>,
+    ) -> Result<(), E> {
+        for value in self.octave.as_flattened_mut() {
+            *value = in_range("octave", next()?, -2.0, 2.0)?;
         }
-        for value in scale {
+        for value in &mut self.scale {
             let most = limits::COEFFICIENT * (1u32 << -LOWEST_EXPONENT) as f64;
-            in_range("scale", value, 0.0, 1.001 * most)?;
+            *value = in_range("scale", next()?, 0.0, 1.001 * most)?;
         }
-        Ok(Self { octave, scale })
+        Ok(())
     }
 
     /// The segments of |v|^α over |v| = 1…2.

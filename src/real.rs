@@ -64,6 +64,8 @@ pub trait Real:
 }
 
 /// `value` if it is finite and within `low..=high`, else the error that names `field`.
+// Not inlined: there are many, and none is called every tick.
+#[inline(never)]
 pub(crate) fn in_range<R: Real>(
     field: &'static str,
     value: R,

@@ -36,6 +36,7 @@ use crate::cycle::Cycle;
 use crate::dac::Ad5761;
 use crate::effects::Motion;
 use crate::error::ConfigError;
+use crate::frame::{Fields, Reader, Writer};
 use crate::observer::{Observer, ObserverConfig};
 use crate::sine::{Excitation, Programme, SineGenerator};
 use crate::tabulated::{RunningLaw, TabulatedLaw};
@@ -87,6 +88,66 @@ impl Default for RigSettings {
             glide: 5e-3,
             feedback: 5.0,
         }
+    }
+}
+
+/// What [`RigSettings`] come to at a tick rate, computed in f64. It goes over a link: a target without f64 takes what
+/// a host computed.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct RigConfig {
+    limits: Limits,
+    observer: ObserverConfig,
+    correction: CorrectionConfig,
+    stop_ticks: u32,
+}
+
+impl Fields for RigConfig {
+    fn write(&self, writer: &mut Writer<'_>) {
+        self.limits.write(writer);
+        self.observer.write(writer);
+        self.correction.write(writer);
+        writer.u32(self.stop_ticks);
+    }
+
+    fn read(reader: &mut Reader<'_>) -> Option<Self> {
+        Some(Self {
+            limits: Limits::read(reader)?,
+            observer: ObserverConfig::read(reader)?,
+            correction: CorrectionConfig::read(reader)?,
+            stop_ticks: reader.u32()?,
+        })
+    }
+}
+
+impl RigSettings {
+    /// At `tick_rate` Hz, 1…1e6.
+    ///
+    /// # Errors
+    /// A setting that is not finite or out of range.
+    pub fn at(&self, tick_rate: f64) -> Result<RigConfig, ConfigError> {
+        let limits = Limits::new(
+            self.displacement_limit,
+            self.force_limit,
+            self.tracking_limit,
+            self.trip_ticks,
+        )?;
+        Ok(RigConfig {
+            limits,
+            observer: ObserverConfig::new(
+                tick_rate,
+                self.observer_bandwidth,
+                self.observer_damping,
+            )?,
+            correction: CorrectionConfig::new(
+                tick_rate,
+                self.correction_gain,
+                self.lead,
+                self.glide,
+                self.feedback,
+                limits.displacement(),
+            )?,
+            stop_ticks: output::valid_stop_ticks(self.stop_ticks)?,
+        })
     }
 }
 
@@ -180,35 +241,32 @@ where
         programme: P,
         law: L,
     ) -> Result<Self, ConfigError> {
-        let tick_rate = programme.borrow().tick_rate();
-        let limits = Limits::new(
-            settings.displacement_limit,
-            settings.force_limit,
-            settings.tracking_limit,
-            settings.trip_ticks,
-        )?;
-        let correction_config = CorrectionConfig::new(
-            tick_rate,
-            settings.correction_gain,
-            settings.lead,
-            settings.glide,
-            settings.feedback,
-            limits.displacement(),
-        )?;
+        let config = settings.at(programme.borrow().tick_rate())?;
+        Self::with_config(adc, dac, enable, &config, programme, law)
+    }
+
+    /// [`Rig::new`] with settings as they are at the programme's tick rate.
+    ///
+    /// # Errors
+    /// A programme without blocks.
+    pub fn with_config(
+        adc: Ads8688<A>,
+        dac: Ad5761<D>,
+        enable: E,
+        config: &RigConfig,
+        programme: P,
+        law: L,
+    ) -> Result<Self, ConfigError> {
         Ok(Self {
             adc,
-            output: Output::new(dac, enable, settings.stop_ticks)?,
-            limits,
-            observer_config: ObserverConfig::new(
-                tick_rate,
-                settings.observer_bandwidth,
-                settings.observer_damping,
-            )?,
-            correction_config,
+            output: Output::new(dac, enable, config.stop_ticks),
+            limits: config.limits,
+            observer_config: config.observer,
+            correction_config: config.correction,
             generator: SineGenerator::new(programme)?,
             law,
             observer: Observer::default(),
-            correction: Correction::new(&correction_config),
+            correction: Correction::new(&config.correction),
             comparison: Comparison::default(),
             exceeded: Exceeded::default(),
             reading: Reading::default(),
@@ -250,6 +308,17 @@ where
     /// effects remember is kept where they are of the same kinds in the same order as before.
     pub fn swap_law(&mut self, law: TabulatedLaw<N>) {
         self.law.borrow_mut().swap(law);
+    }
+
+    /// [`Rig::swap_law`] with a law that `write` writes in place, so that it need not pass through the stack.
+    ///
+    /// # Errors
+    /// That of `write`; no law waits then, and the one in force stays.
+    pub fn swap_law_with<F>(
+        &mut self,
+        write: impl FnOnce(&mut TabulatedLaw<N>) -> Result<(), F>,
+    ) -> Result<(), F> {
+        self.law.borrow_mut().swap_with(write)
     }
 
     /// The law in force.

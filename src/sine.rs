@@ -16,6 +16,7 @@
 use core::borrow::Borrow;
 
 use crate::error::ConfigError;
+use crate::frame::{Fields, Reader, Writer, halves, whole};
 use crate::real::in_range;
 
 /// Smallest amplitude, mm.
@@ -254,6 +255,20 @@ struct Segment {
 }
 
 impl Segment {
+    const EMPTY: Self = Self {
+        cycles: 0,
+        increment: 0,
+        growth: 0,
+        frequency: 0.0,
+        frequency_end: 0.0,
+        chirp: 0.0,
+        amplitude: 0.0,
+        rise: 0.0,
+        inverse_length: 0.0,
+        angular: 0.0,
+        steady: false,
+    };
+
     fn new(amplitude: (f64, f64), frequency: (f64, f64), cycles: u32, tick_rate: f64) -> Self {
         let chirp = (frequency.1 - frequency.0) / f64::from(cycles);
         let kh = chirp / tick_rate;
@@ -383,13 +398,133 @@ struct Planned {
     steady: Segment,
 }
 
+/// What a [`Programme`] is apart from its blocks: the part of it that goes first over a link.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ProgrammeHead {
+    tick_rate: f64,
+    ramp_cycles: u32,
+    to_rest: Segment,
+    duration: f64,
+}
+
+/// A block of a [`Programme`] with the ramp that leads to it: a part of it to go over a link.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct PlannedBlock(Planned);
+
+impl Fields for Segment {
+    fn write(&self, writer: &mut Writer<'_>) {
+        let [low, high] = [self.increment as u64, (self.increment >> 64) as u64].map(halves);
+        let growth = halves(self.growth as u64);
+        writer.words([
+            self.cycles,
+            low[0],
+            low[1],
+            high[0],
+            high[1],
+            growth[0],
+            growth[1],
+        ]);
+        let floats = [
+            self.frequency,
+            self.frequency_end,
+            self.chirp,
+            self.amplitude,
+            self.rise,
+            self.inverse_length,
+            self.angular,
+        ];
+        writer.words(floats.map(f32::to_bits));
+        writer.words([u32::from(self.steady)]);
+    }
+
+    #[inline(never)]
+    fn read(reader: &mut Reader<'_>) -> Option<Self> {
+        let [cycles, a, b, c, d, growth_low, growth_high] = reader.words()?;
+        let floats = reader.words()?.map(f32::from_bits);
+        let [
+            frequency,
+            frequency_end,
+            chirp,
+            amplitude,
+            rise,
+            inverse_length,
+            angular,
+        ] = floats;
+        Some(Self {
+            cycles,
+            increment: u128::from(whole([a, b])) | u128::from(whole([c, d])) << 64,
+            growth: whole([growth_low, growth_high]) as i64,
+            frequency,
+            frequency_end,
+            chirp,
+            amplitude,
+            rise,
+            inverse_length,
+            angular,
+            steady: reader.u32()? != 0,
+        })
+    }
+}
+
+impl Fields for ProgrammeHead {
+    fn write(&self, writer: &mut Writer<'_>) {
+        writer.words(halves(self.tick_rate.to_bits()));
+        writer.words(halves(self.duration.to_bits()));
+        writer.u32(self.ramp_cycles);
+        self.to_rest.write(writer);
+    }
+
+    fn read(reader: &mut Reader<'_>) -> Option<Self> {
+        Some(Self {
+            tick_rate: f64::from_bits(whole(reader.words()?)),
+            duration: f64::from_bits(whole(reader.words()?)),
+            ramp_cycles: reader.u32()?,
+            to_rest: Segment::read(reader)?,
+        })
+    }
+}
+
+impl Fields for PlannedBlock {
+    fn write(&self, writer: &mut Writer<'_>) {
+        let Planned {
+            block,
+            ramp,
+            steady,
+        } = &self.0;
+        for value in [block.amplitude, block.from, block.to] {
+            writer.words(halves(value.to_bits()));
+        }
+        writer.u32(block.cycles);
+        ramp.write(writer);
+        steady.write(writer);
+    }
+
+    fn read(reader: &mut Reader<'_>) -> Option<Self> {
+        let mut value = || reader.words().map(whole).map(f64::from_bits);
+        let (amplitude, from, to) = (value()?, value()?, value()?);
+        Some(Self(Planned {
+            block: Block {
+                amplitude,
+                from,
+                to,
+                cycles: reader.u32()?,
+            },
+            ramp: Segment::read(reader)?,
+            steady: Segment::read(reader)?,
+        }))
+    }
+}
+
 /// Up to `N` blocks with the ramps around them.
+///
+/// A target without f64 takes one apart from its [`Programme::head`] and its [`Programme::planned`] blocks.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Programme<const N: usize> {
     tick_rate: f64,
     ramp_cycles: u32,
     planned: heapless::Vec<Planned, N>,
-    to_rest: Option<Segment>,
+    /// After the last block.
+    to_rest: Segment,
     duration: f64,
 }
 
@@ -412,10 +547,20 @@ impl<const N: usize> Programme<N> {
         Ok(Self {
             tick_rate: in_range("tick_rate", tick_rate, 1.0, TICK_RATE_MAX)?,
             ramp_cycles,
-            planned: heapless::Vec::new(),
-            to_rest: None,
-            duration: 0.0,
+            ..Self::empty()
         })
+    }
+
+    /// A programme that takes no block before [`Programme::begin_planned`]. All bits are 0, so that it takes no flash in a
+    /// static.
+    pub const fn empty() -> Self {
+        Self {
+            tick_rate: 0.0,
+            ramp_cycles: 0,
+            planned: heapless::Vec::new(),
+            to_rest: Segment::EMPTY,
+            duration: 0.0,
+        }
     }
 
     /// The programme with one more block at its end.
@@ -424,15 +569,6 @@ impl<const N: usize> Programme<N> {
     /// [`ConfigError::OutOfRange`] when a frequency exceeds a quarter of the tick rate, [`ConfigError::Full`] when `N`
     /// blocks are in it already.
     pub fn with(mut self, block: Block) -> Result<Self, ConfigError> {
-        self.push(block)?;
-        Ok(self)
-    }
-
-    /// One more block at the programme's end: [`Programme::with`] in place.
-    ///
-    /// # Errors
-    /// As [`Programme::with`]; the programme is as it was then.
-    pub fn push(&mut self, block: Block) -> Result<(), ConfigError> {
         for (field, frequency) in [("from", block.from), ("to", block.to)] {
             let field = if block.from == block.to {
                 "frequency"
@@ -470,10 +606,45 @@ impl<const N: usize> Programme<N> {
             field: "blocks",
             capacity: N,
         })?;
-        self.to_rest = Some(to_rest);
+        self.to_rest = to_rest;
         self.duration += duration(frequency, block.from, self.ramp_cycles)
             + duration(block.from, block.to, block.cycles);
-        Ok(())
+        Ok(self)
+    }
+
+    /// All but the blocks.
+    pub fn head(&self) -> ProgrammeHead {
+        ProgrammeHead {
+            tick_rate: self.tick_rate,
+            ramp_cycles: self.ramp_cycles,
+            to_rest: self.to_rest,
+            duration: self.duration,
+        }
+    }
+
+    /// The blocks with their ramps, in order.
+    pub fn planned(&self) -> impl ExactSizeIterator<Item = PlannedBlock> {
+        self.planned.iter().copied().map(PlannedBlock)
+    }
+
+    /// Becomes the programme of `head`, without its blocks.
+    pub fn begin_planned(&mut self, head: &ProgrammeHead) {
+        self.tick_rate = head.tick_rate;
+        self.ramp_cycles = head.ramp_cycles;
+        self.to_rest = head.to_rest;
+        self.duration = head.duration;
+        self.planned.clear();
+    }
+
+    /// Takes the next block of the programme that `head` was of.
+    ///
+    /// # Errors
+    /// [`ConfigError::Full`] when `N` blocks are in it already.
+    pub fn push_planned(&mut self, block: &PlannedBlock) -> Result<(), ConfigError> {
+        self.planned.push(block.0).map_err(|_| ConfigError::Full {
+            field: "blocks",
+            capacity: N,
+        })
     }
 
     /// Ticks per second.
@@ -708,7 +879,7 @@ impl<const N: usize, P: Borrow<Programme<N>>> SineGenerator<N, P> {
             match (at.stage, planned.get(at.block), planned.get(at.block + 1)) {
                 (Stage::Ramp, Some(this), _) => (Stage::Steady, at.block, Some(this.steady)),
                 (Stage::Steady, _, Some(next)) => (Stage::Ramp, at.block + 1, Some(next.ramp)),
-                (Stage::Steady, _, None) => (Stage::ToRest, at.block, programme.to_rest),
+                (Stage::Steady, _, None) => (Stage::ToRest, at.block, Some(programme.to_rest)),
                 _ => (Stage::Done, at.block, None),
             };
         at.stage = stage;

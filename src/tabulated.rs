@@ -12,12 +12,13 @@ use crate::real::Real;
 /// Eq 13, up to `N` added effects, and the seed of the damping's table.
 #[derive(Clone, Debug, PartialEq)]
 pub struct TabulatedLaw<const N: usize> {
-    augmented: AugmentedLaw<f32, N>,
-    damping: PowerSeed,
+    pub(crate) augmented: AugmentedLaw<f32, N>,
+    pub(crate) damping: PowerSeed,
 }
 
 impl<const N: usize> TabulatedLaw<N> {
-    const EMPTY: Self = Self {
+    /// No force.
+    pub const EMPTY: Self = Self {
         augmented: AugmentedLaw::new(Law::from_valid(0.0, 0.0, 0.0, 0.0)),
         damping: PowerSeed::EMPTY,
     };
@@ -28,11 +29,6 @@ impl<const N: usize> TabulatedLaw<N> {
             damping: seed(augmented.law()),
             augmented,
         }
-    }
-
-    /// With a seed that was computed elsewhere, for the same c and α.
-    pub fn from_parts(augmented: AugmentedLaw<f32, N>, damping: PowerSeed) -> Self {
-        Self { augmented, damping }
     }
 
     /// The same effects beside another eq 13: when the amplitude changes and its coefficients are tabulated over it. Takes
@@ -112,15 +108,38 @@ impl<const N: usize> RunningLaw<N> {
 
     /// The law to take over at the next [`RunningLaw::boundary`]; one that was waiting is dropped.
     pub fn swap(&mut self, law: TabulatedLaw<N>) {
-        let kinds = law.augmented.effects().iter().map(core::mem::discriminant);
-        let known = self.law().augmented.effects().iter();
-        self.waiting = if kinds.eq(known.map(core::mem::discriminant)) {
+        let written: Result<(), core::convert::Infallible> = self.swap_with(|slot| {
+            *slot = law;
+            Ok(())
+        });
+        let Ok(()) = written;
+    }
+
+    /// [`RunningLaw::swap`] with the law that `write` writes in place, so that it need not pass through the stack. Where
+    /// `write` fails no law waits.
+    ///
+    /// # Errors
+    /// That of `write`.
+    pub fn swap_with<E>(
+        &mut self,
+        write: impl FnOnce(&mut TabulatedLaw<N>) -> Result<(), E>,
+    ) -> Result<(), E> {
+        self.waiting = Waiting::No;
+        let [first, second] = &mut self.laws;
+        let (law, slot) = if self.second {
+            (second, first)
+        } else {
+            (first, second)
+        };
+        write(slot)?;
+        let kinds = slot.augmented.effects().iter().map(core::mem::discriminant);
+        let known = law.augmented.effects().iter().map(core::mem::discriminant);
+        self.waiting = if kinds.eq(known) {
             Waiting::SameEffects
         } else {
             Waiting::OtherEffects
         };
-        let [first, second] = &mut self.laws;
-        *if self.second { first } else { second } = law;
+        Ok(())
     }
 
     /// A cycle has ended: the waiting law takes over. What the effects remember stays where the new law has the same

@@ -78,7 +78,7 @@ fn amplitude_and_phase_are_as_demanded() {
         let mut steady = vec![Vec::new(); blocks.len()];
         let mut truth = steady.clone();
         loop {
-            let moved = bench.servo.displacement();
+            let moved = bench.plant.servo.displacement();
             let telemetry = bench.tick();
             if telemetry.state != State::Running {
                 assert_eq!(telemetry.state, State::Done);
@@ -249,7 +249,7 @@ fn a_stuck_sensor_is_a_tracking_fault() {
     for _ in 0..12_500 {
         assert_eq!(bench.tick().state, State::Running);
     }
-    bench.displacement_sensor.fault = SensorFault::Stuck;
+    bench.plant.displacement_sensor.fault = SensorFault::Stuck;
     let ticks = stops(&mut bench, 5000, Fault::TrackingLimit);
     // cos φ has fallen by half at a sixth of a cycle, 1667 ticks; and 10 ticks to trip.
     assert!((1667..1750).contains(&ticks), "{ticks}");
@@ -259,7 +259,7 @@ fn a_stuck_sensor_is_a_tracking_fault() {
 fn a_sensor_dead_from_the_start_is_noticed_after_a_cycle() {
     for amplitude in [0.05, 0.1, 0.25] {
         let mut bench = Bench::new(setup(3.0, &[(amplitude, 2.0, 5)])).unwrap();
-        bench.displacement_sensor.fault = SensorFault::Stuck;
+        bench.plant.displacement_sensor.fault = SensorFault::Stuck;
         assert!(bench.rig.start());
         // A ramp and a cycle of 5000 ticks each; the tick that ends it is the first of the next.
         assert_eq!(stops(&mut bench, 5000, Fault::NoResponse), 10_001);
@@ -274,9 +274,12 @@ fn an_open_sensor_is_a_clipped_channel_at_once() {
             bench.tick();
         }
         let (sensor, fault) = if force {
-            (&mut bench.force_sensor, Fault::ForceClipped)
+            (&mut bench.plant.force_sensor, Fault::ForceClipped)
         } else {
-            (&mut bench.displacement_sensor, Fault::DisplacementClipped)
+            (
+                &mut bench.plant.displacement_sensor,
+                Fault::DisplacementClipped,
+            )
         };
         sensor.fault = SensorFault::Open;
         assert_eq!(stops(&mut bench, 5000, fault), 1);
@@ -382,7 +385,7 @@ fn a_fault_on_the_way_back_does_not_prolong_it() {
     bench.rig.stop();
     for tick in 1..=1001 {
         if tick == 900 {
-            bench.displacement_sensor.fault = SensorFault::Open;
+            bench.plant.displacement_sensor.fault = SensorFault::Open;
         }
         let command = bench.tick().command;
         assert!(tick > 990 || command != 0.0, "{tick}");
@@ -417,7 +420,7 @@ fn another_law_takes_over_at_the_end_of_the_cycle_and_not_before() {
             assert_ne!(telemetry.model_force, 0.0);
             assert_eq!(
                 *bench.rig.law().augmented().law(),
-                law_of(bench.servo.specimen())
+                law_of(bench.plant.servo.specimen())
             );
         }
         // 5000 ticks a cycle; the first telemetry is of tick 0.
@@ -753,8 +756,8 @@ proptest! {
         let fail = |bench: &mut Bench<Specimen, 8, 4>, on: bool| match what {
             0 => bench.adc.bus_failing.set(on),
             1 => bench.dac.bus_failing.set(on),
-            2 => bench.displacement_sensor.fault = if on { SensorFault::Open } else { SensorFault::None },
-            _ => bench.force_sensor.fault = if on { SensorFault::Open } else { SensorFault::None },
+            2 => bench.plant.displacement_sensor.fault = if on { SensorFault::Open } else { SensorFault::None },
+            _ => bench.plant.force_sensor.fault = if on { SensorFault::Open } else { SensorFault::None },
         };
         fail(&mut bench, true);
         let first = bench.tick();

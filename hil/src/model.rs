@@ -8,6 +8,7 @@ use mesh_damper::error::ConfigError;
 use mesh_damper::law::Law;
 use mesh_damper::pack::{self, LARGEST, PackError};
 use mesh_damper::real::Real;
+use mesh_damper::tabulated::TabulatedLaw;
 use serde::{Deserialize, Serialize};
 
 /// Most effects that a model carries beside eq 13.
@@ -240,14 +241,11 @@ impl Model {
     /// # Errors
     /// As [`Self::augmented`].
     pub fn pack(&self, amplitude: f64, tick: f64) -> Result<Vec<u8>, ModelError> {
+        let law = TabulatedLaw::new(self.augmented(amplitude, tick)?);
         let mut buffer = [0; LARGEST];
-        pack::encode::<MAX_EFFECTS>(
-            &self.law_at(amplitude)?,
-            &self.effect_parameters(tick)?,
-            &mut buffer,
-        )
-        .map(<[u8]>::to_vec)
-        .map_err(ModelError::Pack)
+        pack::encode(&law, &mut buffer)
+            .map(<[u8]>::to_vec)
+            .map_err(ModelError::Pack)
     }
 
     /// The added effects as the crate's constructors take them.

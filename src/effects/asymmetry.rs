@@ -9,7 +9,7 @@ use crate::real::{Real, in_range};
 /// F = k2·y².
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Asymmetry<R> {
-    k2: R,
+    pub(super) k2: R,
 }
 
 impl<R: Real> Asymmetry<R> {
@@ -18,14 +18,18 @@ impl<R: Real> Asymmetry<R> {
     /// # Errors
     /// `k2` not finite or out of range.
     pub fn new(k2: R) -> Result<Self, ConfigError> {
-        Ok(Self {
-            k2: in_range("k2", k2, -limits::COEFFICIENT, limits::COEFFICIENT)?,
-        })
+        let new = Self { k2 };
+        new.check()?;
+        Ok(new)
     }
 }
 
 impl<R: Real> EffectForce<R> for Asymmetry<R> {
     type State = ();
+
+    fn check(&self) -> Result<(), ConfigError> {
+        in_range("k2", self.k2, -limits::COEFFICIENT, limits::COEFFICIENT).map(|_| ())
+    }
 
     #[inline(always)]
     fn force(&self, _: &mut (), motion: &ConfinedMotion<R>, _: R) -> R {

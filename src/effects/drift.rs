@@ -8,9 +8,9 @@ use crate::real::{Real, in_range};
 /// F = k·(1 − e^(−n/N))·y, n the cycles since the test began.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Drift<R> {
-    stiffness: R,
+    pub(super) stiffness: R,
     /// −log₂ e/N
-    rate: R,
+    pub(super) rate: R,
 }
 
 impl<R: Real> Drift<R> {
@@ -35,6 +35,16 @@ impl<R: Real> Drift<R> {
 
 impl<R: Real> EffectForce<R> for Drift<R> {
     type State = ();
+
+    fn check(&self) -> Result<(), ConfigError> {
+        in_range(
+            "stiffness",
+            self.stiffness,
+            -limits::COEFFICIENT,
+            limits::COEFFICIENT,
+        )?;
+        in_range("rate", self.rate, -core::f64::consts::LOG2_E / 0.1, 0.0).map(|_| ())
+    }
 
     // Not inlined: its registers and constants are no matter of ticks without it.
     #[inline(never)]

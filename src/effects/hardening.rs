@@ -8,7 +8,7 @@ use crate::real::{Real, in_range};
 /// F = k5·y⁵.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Hardening<R> {
-    k5: R,
+    pub(super) k5: R,
 }
 
 impl<R: Real> Hardening<R> {
@@ -17,14 +17,18 @@ impl<R: Real> Hardening<R> {
     /// # Errors
     /// `k5` not finite or out of range.
     pub fn new(k5: R) -> Result<Self, ConfigError> {
-        Ok(Self {
-            k5: in_range("k5", k5, -limits::COEFFICIENT, limits::COEFFICIENT)?,
-        })
+        let new = Self { k5 };
+        new.check()?;
+        Ok(new)
     }
 }
 
 impl<R: Real> EffectForce<R> for Hardening<R> {
     type State = ();
+
+    fn check(&self) -> Result<(), ConfigError> {
+        in_range("k5", self.k5, -limits::COEFFICIENT, limits::COEFFICIENT).map(|_| ())
+    }
 
     #[inline(always)]
     fn force(&self, _: &mut (), motion: &ConfinedMotion<R>, _: R) -> R {

@@ -12,7 +12,7 @@ const KILONEWTON: f64 = 1e-6;
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Inertia<R> {
     /// kN·s²/mm
-    mass: R,
+    pub(super) mass: R,
 }
 
 impl<R: Real> Inertia<R> {
@@ -30,6 +30,11 @@ impl<R: Real> Inertia<R> {
 
 impl<R: Real> EffectForce<R> for Inertia<R> {
     type State = ();
+
+    fn check(&self) -> Result<(), ConfigError> {
+        const MOST: f64 = limits::MASS * KILONEWTON;
+        in_range("mass", self.mass, -MOST, MOST).map(|_| ())
+    }
 
     #[inline(always)]
     fn force(&self, _: &mut (), motion: &ConfinedMotion<R>, _: R) -> R {

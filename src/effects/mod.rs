@@ -8,6 +8,7 @@ mod drift;
 mod hardening;
 mod inertia;
 mod offset;
+mod packed;
 mod parameters;
 mod relaxation;
 mod stick_slip;
@@ -100,6 +101,13 @@ pub trait EffectForce<R: Real> {
     /// What the effect remembers from tick to tick; `()` for most.
     type State: Copy + Default;
 
+    /// Whether what it is made of is finite and within what its constructor can give: for one that was not constructed, but
+    /// read.
+    ///
+    /// # Errors
+    /// The field that is not.
+    fn check(&self) -> Result<(), ConfigError>;
+
     /// The state at rest at `motion`, that of the first tick.
     #[inline(always)]
     fn begin(&self, _motion: &ConfinedMotion<R>) -> Self::State {
@@ -142,6 +150,15 @@ macro_rules! effects {
         }
 
         impl<R: Real> Effect<R> {
+            /// [`EffectForce::check`].
+            #[inline(never)]
+            pub(crate) fn check(&self) -> Result<(), ConfigError> {
+                match self {
+                    $(Self::$name(effect) => effect.check(),)+
+                    $(Self::$memory(effect) => effect.check()),+
+                }
+            }
+
             /// The force in kN that the effect adds on this tick. It begins at rest where the state is
             /// [`EffectState::AtRest`] or another effect's.
             #[inline(always)]
@@ -224,11 +241,21 @@ impl<R: Real, const N: usize> AugmentedLaw<R, N> {
     /// # Errors
     /// [`ConfigError::Full`] when `N` effects are in it already.
     pub fn with(mut self, effect: Effect<R>) -> Result<Self, ConfigError> {
+        self.push(effect)?;
+        Ok(self)
+    }
+
+    /// Takes all effects out.
+    pub(crate) fn clear(&mut self) {
+        self.effects.clear();
+    }
+
+    /// [`AugmentedLaw::with`] in place.
+    pub(crate) fn push(&mut self, effect: Effect<R>) -> Result<(), ConfigError> {
         self.effects.push(effect).map_err(|_| ConfigError::Full {
             field: "effects",
             capacity: N,
-        })?;
-        Ok(self)
+        })
     }
 
     /// The same effects beside another eq 13: when the amplitude changes and its coefficients are tabulated over it.

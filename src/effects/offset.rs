@@ -8,7 +8,7 @@ use crate::real::{Real, in_range};
 /// F = f0.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Offset<R> {
-    force: R,
+    pub(super) force: R,
 }
 
 impl<R: Real> Offset<R> {
@@ -17,14 +17,24 @@ impl<R: Real> Offset<R> {
     /// # Errors
     /// `force` not finite or out of range.
     pub fn new(force: R) -> Result<Self, ConfigError> {
-        Ok(Self {
-            force: in_range("force", force, -limits::COEFFICIENT, limits::COEFFICIENT)?,
-        })
+        let new = Self { force };
+        new.check()?;
+        Ok(new)
     }
 }
 
 impl<R: Real> EffectForce<R> for Offset<R> {
     type State = ();
+
+    fn check(&self) -> Result<(), ConfigError> {
+        in_range(
+            "force",
+            self.force,
+            -limits::COEFFICIENT,
+            limits::COEFFICIENT,
+        )
+        .map(|_| ())
+    }
 
     #[inline(always)]
     fn force(&self, _: &mut (), _: &ConfinedMotion<R>, _: R) -> R {

@@ -1,7 +1,5 @@
 //! An effect by its parameters: as a file or a pack carries it.
 
-use serde::{Deserialize, Serialize};
-
 use super::{
     Asymmetry, Drift, Effect, Hardening, Inertia, MAX_STICK_SLIP_ELEMENTS, Offset, Relaxation,
     StickSlip, Temperature, Viscous,
@@ -10,7 +8,7 @@ use crate::error::ConfigError;
 use crate::real::Real;
 
 /// An effect as its constructor takes it, with the units and ranges of that constructor.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq)]
 #[non_exhaustive]
 pub enum EffectParameters<R> {
     /// Of [`Offset::new`].

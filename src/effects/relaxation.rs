@@ -12,9 +12,9 @@ use crate::real::{Real, in_range};
 /// Storage modulus k·(ωτ)²/(1 + (ωτ)²), loss modulus k·ωτ/(1 + (ωτ)²).
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Relaxation<R> {
-    gain: R,
+    pub(super) gain: R,
     /// Kept instead of 1 − loss: near 1, f32 would round the time constant.
-    loss: R,
+    pub(super) loss: R,
 }
 
 /// What a [`Relaxation`] remembers.
@@ -54,6 +54,11 @@ impl<R: Real> Relaxation<R> {
 
 impl<R: Real> EffectForce<R> for Relaxation<R> {
     type State = RelaxationState<R>;
+
+    fn check(&self) -> Result<(), ConfigError> {
+        in_range("gain", self.gain, -limits::COEFFICIENT, limits::COEFFICIENT)?;
+        in_range("loss", self.loss, 0.0, 1.0).map(|_| ())
+    }
 
     fn begin(&self, motion: &ConfinedMotion<R>) -> Self::State {
         RelaxationState {

@@ -18,14 +18,14 @@ pub const MAX_ELEMENTS: usize = 6;
 /// (Iwan 1966; Jenkins 1962).
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct StickSlip<R> {
-    elements: [Element<R>; MAX_ELEMENTS],
-    used: usize,
+    pub(super) elements: [Element<R>; MAX_ELEMENTS],
+    pub(super) used: usize,
 }
 
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-struct Element<R> {
-    stiffness: R,
-    slip_limit: R,
+pub(super) struct Element<R> {
+    pub(super) stiffness: R,
+    pub(super) slip_limit: R,
 }
 
 /// What a [`StickSlip`] remembers.
@@ -42,9 +42,6 @@ impl<R: Real> StickSlip<R> {
     /// # Errors
     /// No elements, too many, or the field that is not finite or out of range.
     pub fn new(elements: &[(R, R)]) -> Result<Self, ConfigError> {
-        if elements.is_empty() {
-            return Err(ConfigError::Empty("elements"));
-        }
         if elements.len() > MAX_ELEMENTS {
             return Err(ConfigError::Full {
                 field: "elements",
@@ -57,21 +54,43 @@ impl<R: Real> StickSlip<R> {
         };
         for (slot, &(stiffness, slip_limit)) in new.elements.iter_mut().zip(elements) {
             *slot = Element {
-                stiffness: in_range(
-                    "stiffness",
-                    stiffness,
-                    -limits::COEFFICIENT,
-                    limits::COEFFICIENT,
-                )?,
-                slip_limit: in_range("slip_limit", slip_limit, 1e-9, limits::DISPLACEMENT)?,
+                stiffness,
+                slip_limit,
             };
         }
+        new.check()?;
         Ok(new)
     }
 }
 
 impl<R: Real> EffectForce<R> for StickSlip<R> {
     type State = StickSlipState<R>;
+
+    fn check(&self) -> Result<(), ConfigError> {
+        if self.used == 0 {
+            return Err(ConfigError::Empty("elements"));
+        }
+        let Some(used) = self.elements.get(..self.used) else {
+            return Err(ConfigError::Full {
+                field: "elements",
+                capacity: MAX_ELEMENTS,
+            });
+        };
+        for Element {
+            stiffness,
+            slip_limit,
+        } in used
+        {
+            in_range(
+                "stiffness",
+                *stiffness,
+                -limits::COEFFICIENT,
+                limits::COEFFICIENT,
+            )?;
+            in_range("slip_limit", *slip_limit, 1e-9, limits::DISPLACEMENT)?;
+        }
+        Ok(())
+    }
 
     fn begin(&self, motion: &ConfinedMotion<R>) -> Self::State {
         StickSlipState {

@@ -8,9 +8,9 @@ use crate::real::{Real, in_range};
 /// F = −β·(T − T0)·F_law: the law's force falls by the fraction β for each °C above T0.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Temperature<R> {
-    beta: R,
+    pub(super) beta: R,
     /// β·T0
-    rise: R,
+    pub(super) rise: R,
 }
 
 impl<R: Real> Temperature<R> {
@@ -31,6 +31,11 @@ impl<R: Real> Temperature<R> {
 
 impl<R: Real> EffectForce<R> for Temperature<R> {
     type State = ();
+
+    fn check(&self) -> Result<(), ConfigError> {
+        in_range("beta", self.beta, -1.0, 1.0)?;
+        in_range("rise", self.rise, -limits::TEMPERATURE, limits::TEMPERATURE).map(|_| ())
+    }
 
     #[inline(always)]
     fn force(&self, _: &mut (), motion: &ConfinedMotion<R>, law_force: R) -> R {

@@ -8,7 +8,7 @@ use crate::real::{Real, in_range};
 /// F = c1·v.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Viscous<R> {
-    c1: R,
+    pub(super) c1: R,
 }
 
 impl<R: Real> Viscous<R> {
@@ -17,14 +17,18 @@ impl<R: Real> Viscous<R> {
     /// # Errors
     /// `c1` not finite or out of range.
     pub fn new(c1: R) -> Result<Self, ConfigError> {
-        Ok(Self {
-            c1: in_range("c1", c1, -limits::COEFFICIENT, limits::COEFFICIENT)?,
-        })
+        let new = Self { c1 };
+        new.check()?;
+        Ok(new)
     }
 }
 
 impl<R: Real> EffectForce<R> for Viscous<R> {
     type State = ();
+
+    fn check(&self) -> Result<(), ConfigError> {
+        in_range("c1", self.c1, -limits::COEFFICIENT, limits::COEFFICIENT).map(|_| ())
+    }
 
     #[inline(always)]
     fn force(&self, _: &mut (), motion: &ConfinedMotion<R>, _: R) -> R {

@@ -26,8 +26,8 @@ impl Comparison {
         accumulate: impl Fn(&mut CycleAccumulator, f32) -> Option<Cycle>,
     ) -> Option<(Cycle, Cycle, f32)> {
         let cycles = (
-            accumulate(&mut self.measured, measured),
-            accumulate(&mut self.model, model),
+            outlined(&accumulate, &mut self.measured, measured),
+            outlined(&accumulate, &mut self.model, model),
         );
         let report = if ended {
             let nrmse = self.nrmse();
@@ -61,6 +61,16 @@ impl Comparison {
             0.0
         }
     }
+}
+
+/// Both accumulators by one piece of code: it is long.
+#[inline(never)]
+fn outlined(
+    accumulate: &impl Fn(&mut CycleAccumulator, f32) -> Option<Cycle>,
+    accumulator: &mut CycleAccumulator,
+    force: f32,
+) -> Option<Cycle> {
+    accumulate(accumulator, force)
 }
 
 impl CycleReport {

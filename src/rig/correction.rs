@@ -16,6 +16,7 @@
 
 use super::fault::Fault;
 use crate::error::ConfigError;
+use crate::frame::{Fields, Reader, Writer};
 use crate::real::{Real, in_range};
 use crate::sine::Excitation;
 use crate::sum::{FOLD, Sum};
@@ -27,7 +28,7 @@ const LEAD_LIMIT: f32 = 0.1;
 /// A response smaller than this part of the demand is no basis for a correction: a sensor or an actuator is dead.
 const RESPONSE_MIN: f32 = 0.1;
 
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct CorrectionConfig {
     gain: f32,
     lead: f32,
@@ -36,6 +37,33 @@ pub(super) struct CorrectionConfig {
     feedback_limit: f32,
     /// Smallest mean square of the demand that is demodulated, mm².
     demand_min: f32,
+}
+
+impl Fields for CorrectionConfig {
+    fn write(&self, writer: &mut Writer<'_>) {
+        let floats = [
+            self.gain,
+            self.lead,
+            self.glide,
+            self.feedback_step,
+            self.feedback_limit,
+            self.demand_min,
+        ];
+        writer.words(floats.map(f32::to_bits));
+    }
+
+    fn read(reader: &mut Reader<'_>) -> Option<Self> {
+        let [gain, lead, glide, feedback_step, feedback_limit, demand_min] =
+            reader.words()?.map(f32::from_bits);
+        Some(Self {
+            gain,
+            lead,
+            glide,
+            feedback_step,
+            feedback_limit,
+            demand_min,
+        })
+    }
 }
 
 impl CorrectionConfig {

@@ -5,7 +5,7 @@ use embedded_hal::spi::SpiDevice;
 
 use super::comparison::Comparison;
 use super::fault::{Exceeded, Limits};
-use super::output::Output;
+use super::output::{self, Output};
 use super::{CycleReport, Fault, State, Telemetry};
 use crate::adc::{Ads8688, Reading};
 use crate::crossing::CrossingDetector;
@@ -93,7 +93,7 @@ where
     ) -> Result<Self, ConfigError> {
         Ok(Self {
             adc,
-            output: Output::new(dac, enable, settings.stop_ticks)?,
+            output: Output::new(dac, enable, output::valid_stop_ticks(settings.stop_ticks)?),
             // There is no demanded displacement to be away from.
             limits: Limits::new(
                 settings.displacement_limit,

@@ -1,10 +1,12 @@
 //! Limits, and the causes for which a rig stops.
 
 use crate::error::ConfigError;
+use crate::frame::{Fields, Reader, Writer};
 use crate::real::in_range;
 
 /// Why a rig stopped.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 #[non_exhaustive]
 pub enum Fault {
     /// Reading the ADC failed on the bus.
@@ -33,7 +35,7 @@ pub enum Fault {
 }
 
 /// What is allowed, validated.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Limits {
     displacement: f32,
     force: f32,
@@ -47,6 +49,24 @@ pub(super) struct Exceeded {
     displacement: u32,
     force: u32,
     tracking: u32,
+}
+
+impl Fields for Limits {
+    fn write(&self, writer: &mut Writer<'_>) {
+        let floats = [self.displacement, self.force, self.tracking];
+        writer.words(floats.map(f32::to_bits));
+        writer.u32(self.trip_ticks);
+    }
+
+    fn read(reader: &mut Reader<'_>) -> Option<Self> {
+        let [displacement, force, tracking] = reader.words()?.map(f32::from_bits);
+        Some(Self {
+            displacement,
+            force,
+            tracking,
+            trip_ticks: reader.u32()?,
+        })
+    }
 }
 
 impl Limits {

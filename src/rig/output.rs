@@ -11,6 +11,7 @@ use crate::real::in_range;
 
 /// What a rig is doing.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum State {
     /// Enable line low, command at 0 or on its way there.
     Idle,
@@ -20,6 +21,11 @@ pub enum State {
     Done,
     /// Stopped for this cause, until cleared; otherwise as [`State::Idle`].
     Faulted(Fault),
+}
+
+/// `stop_ticks` as in [`super::RigSettings`], where they are in range.
+pub(super) fn valid_stop_ticks(stop_ticks: u32) -> Result<u32, ConfigError> {
+    in_range("stop_ticks", f64::from(stop_ticks), 1.0, 1e7).map(|_| stop_ticks)
 }
 
 #[derive(Debug)]
@@ -37,8 +43,7 @@ pub(super) struct Output<D, E> {
 
 impl<D: SpiDevice, E: OutputPin> Output<D, E> {
     /// Idle at 0. `stop_ticks` as in [`super::RigSettings`].
-    pub(super) fn new(dac: Ad5761<D>, enable: E, stop_ticks: u32) -> Result<Self, ConfigError> {
-        in_range("stop_ticks", f64::from(stop_ticks), 1.0, 1e7)?;
+    pub(super) fn new(dac: Ad5761<D>, enable: E, stop_ticks: u32) -> Self {
         let mut new = Self {
             dac,
             enable,
@@ -49,7 +54,7 @@ impl<D: SpiDevice, E: OutputPin> Output<D, E> {
             stop_ticks: stop_ticks as f32,
         };
         new.stop(State::Idle);
-        Ok(new)
+        new
     }
 
     pub(super) fn state(&self) -> State {
@@ -192,7 +197,7 @@ mod tests {
         let mut bus = Bus::new(&expected);
         let mut line = Line::new(&[Level::Low, Level::High, Level::Low].map(Set::set));
         let dac = Ad5761::new(bus.clone(), Scale::new(1.0, 0.0).unwrap()).unwrap();
-        let mut output = Output::new(dac, line.clone(), 2).unwrap();
+        let mut output = Output::new(dac, line.clone(), 2);
         assert!(output.start());
         output.drive(0.5);
         output.drive(f32::NAN);

@@ -29,6 +29,19 @@ pub struct SimulatedAd5761 {
     answer: u16,
 }
 
+/// Gain and offset of ±10 V, in units of the reference.
+const BIPOLAR: (f64, f64) = (8.0, 4.0);
+
+fn volts(code: u16, gain: f64, offset: f64) -> f64 {
+    REFERENCE * (gain * f64::from(code) / 65536.0 - offset)
+}
+
+/// The voltage of `code` in the range that the crate's driver sets.
+pub fn dac_volts(code: u16) -> f64 {
+    let (gain, offset) = BIPOLAR;
+    volts(code, gain, offset)
+}
+
 impl SimulatedAd5761 {
     /// As after power-up: the output is clamped to ground until the control register is written.
     pub fn new(pins: Rc<DacPins>) -> Self {
@@ -49,7 +62,7 @@ impl SimulatedAd5761 {
         };
         // Gain and offset of the output ranges, in units of the reference.
         let (gain, offset) = match control & 0x7 {
-            0 => (8.0, 4.0),
+            0 => BIPOLAR,
             1 => (4.0, 0.0),
             2 => (4.0, 2.0),
             3 => (2.0, 0.0),
@@ -60,9 +73,7 @@ impl SimulatedAd5761 {
         };
         let twos_complement = control & 0x80 != 0;
         let code = self.output ^ if twos_complement { 0x8000 } else { 0 };
-        self.pins
-            .volts
-            .set(REFERENCE * (gain * f64::from(code) / 65536.0 - offset));
+        self.pins.volts.set(volts(code, gain, offset));
     }
 
     #[inline]

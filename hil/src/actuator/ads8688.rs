@@ -26,7 +26,22 @@ pub struct SimulatedAds8688 {
     selected: Option<usize>,
 }
 
+/// ±2.5 times the reference: codes to the reference, and that of 0 V.
+const BIPOLAR: (f64, f64) = (65536.0 / 5.0, 32768.0);
 const RANGE_REGISTER: usize = 0x05;
+
+/// The code of `volts`, `gain` codes to the reference with that of 0 V at `zero`.
+fn code(volts: f64, gain: f64, zero: f64) -> u16 {
+    let code = volts * (1.0 / REFERENCE) * gain + zero;
+    // To the nearest; the cast cuts off and saturates.
+    (code + 0.5) as u16
+}
+
+/// The code of `volts` in the range that the crate's driver sets.
+pub fn adc_code(volts: f64) -> u16 {
+    let (gain, zero) = BIPOLAR;
+    code(volts, gain, zero)
+}
 
 impl SimulatedAds8688 {
     /// As after power-up.
@@ -41,17 +56,14 @@ impl SimulatedAds8688 {
     /// The code of `channel` as its range register says: offset binary over the range, saturated.
     #[inline]
     fn convert(&self, channel: usize) -> u16 {
-        // Codes per reference, and that of 0 V.
         let (gain, zero) = match self.registers[RANGE_REGISTER + channel] & 0x7 {
-            0 => (65536.0 / 5.0, 32768.0),
+            0 => BIPOLAR,
             1 => (65536.0 / 2.5, 32768.0),
             2 => (65536.0 / 1.25, 32768.0),
             5 => (65536.0 / 2.5, 0.0),
             _ => (65536.0 / 1.25, 0.0),
         };
-        let code = self.pins.volts[channel].get() * (1.0 / REFERENCE) * gain + zero;
-        // To the nearest; the cast cuts off and saturates.
-        (code + 0.5) as u16
+        code(self.pins.volts[channel].get(), gain, zero)
     }
 
     /// What comes out while `sent` goes in, `length` bytes between the edges of chip select.

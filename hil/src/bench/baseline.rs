@@ -95,8 +95,7 @@ impl Baseline {
             }
             let Some(now) = results.count(*core, name, moment) else {
                 failures.push(format!(
-                    "{name} {moment} on a {} is no longer counted: --bless it away",
-                    core.name()
+                    "{name} {moment} is no longer counted: --bless it away"
                 ));
                 continue;
             };
@@ -123,8 +122,7 @@ impl Baseline {
         };
         failures.extend(results.counts.iter().filter(is_new).map(|count| {
             let Count { name, moment, .. } = count;
-            let core = count.core.name();
-            format!("{name} {moment} on a {core} is not in the baseline: --bless it")
+            format!("{name} {moment} is not in the baseline: --bless it")
         }));
         failures
     }

@@ -3,6 +3,7 @@
 mod bench;
 mod bench_table;
 mod demo;
+mod image;
 mod predict;
 mod programme;
 mod progress;

@@ -6,11 +6,12 @@ use clap::{Args, ValueEnum};
 use hil::model::{AddedEffect, Family};
 use hil::model_file::{FittedRange, ModelFile, model_error};
 use hil::output::Outputs;
-use hil::predict::{nrmse, predict, predict_embedded};
+use hil::predict::{ImageError, nrmse, predict, predict_embedded, predict_on};
 use hil::recording::Recording;
 use hil::recording::trajectory::Trajectory;
 use serde::Serialize;
 
+use super::image::{LogLevel, start_image};
 use super::{Failure, say, warn};
 
 /// A motion may exceed the one fitted by this fraction before the user is warned: overshoot and noise.
@@ -33,6 +34,9 @@ pub struct Predict {
     /// Where the law is evaluated
     #[arg(long, value_enum, default_value_t = On::F32)]
     on: On,
+    /// The image's log messages to standard error, from this level on
+    #[arg(long, value_enum, value_name = "LEVEL", default_value_t = LogLevel::Warn)]
+    log: LogLevel,
     /// Where the prediction goes; gzipped when the name ends in .gz, `-` for standard output
     #[arg(long, value_name = "FILE")]
     out: PathBuf,
@@ -48,6 +52,8 @@ enum On {
     F64,
     /// The embedded law at the recording's tick
     F32,
+    /// The same inside the firmware's image, in an emulator
+    Image,
 }
 
 #[derive(Serialize)]
@@ -73,10 +79,18 @@ impl Predict {
         let trajectory = Trajectory::of(&recording)?;
         let model = file.model();
         let force = match self.on {
-            On::F64 => predict(&model, &trajectory),
-            On::F32 => predict_embedded(&model, &trajectory),
+            On::F64 => predict(&model, &trajectory).map_err(ImageError::Model),
+            On::F32 => predict_embedded(&model, &trajectory).map_err(ImageError::Model),
+            On::Image => {
+                // The ticks of a law alone are not counted.
+                let mut image = start_image(self.log, 1.0)?;
+                predict_on(&mut image, &model, &trajectory)
+            }
         }
-        .map_err(|error| model_error(&self.model.display().to_string(), &error))?;
+        .map_err(|error| match error {
+            ImageError::Model(error) => model_error(&self.model.display().to_string(), &error),
+            ImageError::Link(error) => error.into(),
+        })?;
         let force = uniform.at_samples_of(&recording, &force);
 
         let motion = &trajectory.motion;

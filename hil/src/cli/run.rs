@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 
 use clap::{Args, ValueEnum};
 use hil::error::InputError;
-use hil::link::{RigRun, RigSetup, TICK_RATE, run_rig};
+use hil::link::{RigRun, RigSetup, SetupError, TICK_RATE, run_rig, run_rig_on};
 use hil::model::MAX_EFFECTS;
 use hil::model_file::{ModelFile, model_error};
 use hil::output::Outputs;
@@ -17,6 +17,7 @@ use mesh_damper::sine::Programme;
 use mesh_damper::table::PAPER;
 use serde::Serialize;
 
+use super::image::{LogLevel, start_image};
 use super::programme::{self, MOST_BLOCKS};
 use super::progress::Progress;
 use super::{Failure, say};
@@ -32,6 +33,9 @@ pub struct RunCommand {
     /// Where the crate runs
     #[arg(long, value_enum, default_value_t = On::Host)]
     on: On,
+    /// The image's log messages to standard error, from this level on
+    #[arg(long, value_enum, value_name = "LEVEL", default_value_t = LogLevel::Warn)]
+    log: LogLevel,
     /// Blocks amplitude:frequency:cycles in mm and Hz, frequency from-to for a sweep
     #[arg(
         long,
@@ -73,6 +77,8 @@ pub struct RunCommand {
 enum On {
     /// In this process
     Host,
+    /// In the firmware's image, in an emulator
+    Image,
 }
 
 /// The amplitude whose row of the paper's tables a specimen of given density follows, mm.
@@ -167,11 +173,23 @@ impl RunCommand {
         setup.block_laws = block_laws;
         setup.record_every = self.record_every;
 
+        let image = match self.on {
+            On::Host => None,
+            On::Image => Some(start_image(self.log, self.tick_rate)?),
+        };
         let progress = Progress::of(100);
         progress.step("running the rig");
-        let run = run_rig(setup, |part| progress.done((100.0 * part) as u64)).map_err(|error| {
-            let mend = "change the blocks, the tick rate or the model";
-            InputError::new("the rig", error.to_string(), mend)
+        let told = |part| progress.done((100.0 * part) as u64);
+        let run = match image {
+            None => run_rig(setup, told),
+            Some(mut image) => run_rig_on(&mut image, setup, told),
+        }
+        .map_err(|error| match error {
+            SetupError::Link(error) => error.into(),
+            error => {
+                let mend = "change the blocks, the tick rate or the model";
+                InputError::new("the rig", error.to_string(), mend)
+            }
         })?;
         drop(progress);
 

@@ -17,6 +17,12 @@ pub struct Image {
     pub features: &'static [&'static str],
 }
 
+/// The rig controller.
+pub const FIRMWARE: Image = Image {
+    binary: "firmware",
+    features: &["firmware"],
+};
+
 /// Builds `image` for `board` with profile `firmware` and gives its ELF file. Does nothing where nothing has changed.
 ///
 /// # Errors

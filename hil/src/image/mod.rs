@@ -5,5 +5,5 @@ mod build;
 mod sections;
 
 pub use board::Board;
-pub use build::{Image, build};
+pub use build::{FIRMWARE, Image, build};
 pub use sections::{Sections, sections};

@@ -5,18 +5,22 @@ use std::rc::Rc;
 
 use mesh_damper::adc::Ads8688;
 use mesh_damper::converter::Scale;
-use mesh_damper::dac::{Ad5761, OUTPUT_RANGE};
+use mesh_damper::dac::Ad5761;
 use mesh_damper::effects::AugmentedLaw;
 use mesh_damper::error::ConfigError;
 use mesh_damper::law::Law;
+use mesh_damper::pack::PackError;
 use mesh_damper::rig::{Rig, RigSettings, Telemetry};
 use mesh_damper::sine::Programme;
 use mesh_damper::tabulated::{RunningLaw, TabulatedLaw};
 
 use super::expected::expected;
+use super::image::LinkError;
+use super::plant::Plant;
+use super::run::Controlled;
 use crate::actuator::{
-    AdcPins, DacPins, InvalidField, Sensor, SensorConfig, Servo, ServoConfig, SimulatedAd5761,
-    SimulatedAds8688, SimulatedEnable, enable_line,
+    AdcPins, DacPins, InvalidField, SensorConfig, ServoConfig, SimulatedAd5761, SimulatedAds8688,
+    SimulatedEnable, enable_line,
 };
 use crate::specimen::DamperForce;
 
@@ -32,6 +36,12 @@ pub enum SetupError {
     /// A simulated converter did not answer its driver.
     #[error("a simulated converter did not answer its driver: {0}")]
     Converter(String),
+    /// Of the law no coefficient pack can be made.
+    #[error(transparent)]
+    Pack(#[from] PackError),
+    /// The image.
+    #[error(transparent)]
+    Link(#[from] LinkError),
 }
 
 /// A test of a specimen, everything about it public and changeable before it runs.
@@ -114,19 +124,14 @@ pub type SimulatedRig<const B: usize, const N: usize> =
 pub struct Bench<S, const B: usize, const N: usize> {
     /// The crate's controller.
     pub rig: SimulatedRig<B, N>,
-    /// The actuator with the specimen.
-    pub servo: Servo<S>,
-    /// The displacement channel.
-    pub displacement_sensor: Sensor,
-    /// The force channel.
-    pub force_sensor: Sensor,
+    /// Sensors, actuator and specimen.
+    pub plant: Plant<S>,
     /// The ADC's analogue side.
     pub adc: Rc<AdcPins>,
     /// The DAC's analogue side.
     pub dac: Rc<DacPins>,
     /// Level of the enable line.
     pub enabled: Rc<Cell<bool>>,
-    millimetres_per_volt: f64,
 }
 
 impl<S: DamperForce + Clone, const B: usize, const N: usize> Bench<S, B, N> {
@@ -135,7 +140,7 @@ impl<S: DamperForce + Clone, const B: usize, const N: usize> Bench<S, B, N> {
     /// # Errors
     /// What one of the parts refuses.
     pub fn new(setup: RigSetup<S, B, N>) -> Result<Self, SetupError> {
-        let step = 1.0 / setup.programme.tick_rate();
+        let plant = Plant::new(&setup)?;
         let (adc, dac) = (Rc::<AdcPins>::default(), Rc::<DacPins>::default());
         let (enable, enabled) = enable_line();
         let rig = Rig::new(
@@ -150,30 +155,46 @@ impl<S: DamperForce + Clone, const B: usize, const N: usize> Bench<S, B, N> {
             setup.programme,
             RunningLaw::new(TabulatedLaw::new(setup.law)),
         )?;
-        let sensor = |config, stream| Sensor::new(config, step, setup.seed, stream);
         Ok(Self {
             rig,
-            servo: Servo::new(setup.servo, step, setup.specimen)?,
-            displacement_sensor: sensor(setup.displacement_sensor, 0)?,
-            force_sensor: sensor(setup.force_sensor, 1)?,
+            plant,
             adc,
             dac,
             enabled,
-            millimetres_per_volt: setup.command_range / OUTPUT_RANGE,
         })
     }
 
     /// One tick: the sensors' voltages, the crate's tick, and the actuator's way until the next.
     pub fn tick(&mut self) -> Telemetry {
-        let [displacement, force, ..] = &self.adc.volts;
-        displacement.set(self.displacement_sensor.sample(self.servo.displacement()));
-        force.set(self.force_sensor.sample(self.servo.force()));
-        self.rig
-            .set_temperature(self.servo.specimen().temperature() as f32);
+        let (displacement, force) = self.plant.sense();
+        self.adc.volts[0].set(displacement);
+        self.adc.volts[1].set(force);
+        self.rig.set_temperature(self.plant.temperature() as f32);
         let telemetry = self.rig.tick();
-        let command = self.dac.volts.get() * self.millimetres_per_volt;
-        self.servo.advance(command, self.enabled.get());
+        self.plant.advance(self.dac.volts.get(), self.enabled.get());
         telemetry
+    }
+}
+
+impl<S: DamperForce + Clone, const B: usize, const N: usize> Controlled<S> for Bench<S, B, N> {
+    fn plant(&self) -> &Plant<S> {
+        &self.plant
+    }
+
+    fn start(&mut self) -> Result<(), SetupError> {
+        self.rig.start();
+        Ok(())
+    }
+
+    fn tick(&mut self) -> Result<Telemetry, SetupError> {
+        Ok(Bench::tick(self))
+    }
+
+    fn set_law(&mut self, law: Law<f32>) -> Result<(), SetupError> {
+        let mut next = self.rig.law().clone();
+        next.set_law(law);
+        self.rig.swap_law(next);
+        Ok(())
     }
 }
 

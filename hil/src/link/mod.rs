@@ -6,11 +6,14 @@
 mod bench;
 mod emulation;
 mod expected;
+pub mod image;
+mod plant;
 mod run;
 
 pub use bench::{Bench, RigSetup, SetupError};
 pub use emulation::{Emulation, EmulatorBench, EmulatorSetup};
-pub use run::{RigRun, Samples, run_rig};
+pub use plant::Plant;
+pub use run::{RigRun, Samples, run_rig, run_rig_on};
 
 /// Tick rate of the crate unless told otherwise, Hz.
 pub const TICK_RATE: f64 = 10_000.0;

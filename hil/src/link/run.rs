@@ -1,8 +1,11 @@
 //! A whole programme on the bench, recorded.
 
+use mesh_damper::law::Law;
 use mesh_damper::rig::{CycleReport, Fault, State, Telemetry};
 
 use super::bench::{Bench, RigSetup, SetupError};
+use super::image::{Image, ImageBench, Wire};
+use super::plant::Plant;
 use crate::error::InputError;
 use crate::recording::Recording;
 use crate::specimen::DamperForce;
@@ -99,21 +102,66 @@ impl RigRun {
     }
 }
 
-/// Runs the programme of `setup` to its end, or to the standstill after a fault. `progress` is told now and then which
-/// part of the programme's time has passed.
+/// A rig with what it works on, wherever its controller runs.
+pub(super) trait Controlled<S> {
+    fn plant(&self) -> &Plant<S>;
+    fn start(&mut self) -> Result<(), SetupError>;
+    fn tick(&mut self) -> Result<Telemetry, SetupError>;
+    /// Eq 13's coefficients from the next end of a cycle on.
+    fn set_law(&mut self, law: Law<f32>) -> Result<(), SetupError>;
+}
+
+/// Runs the programme of `setup` to its end, or to the standstill after a fault, with the controller in this process.
+/// `progress` is told now and then which part of the programme's time has passed.
 ///
 /// # Errors
 /// What one of the parts refuses.
 pub fn run_rig<S: DamperForce + Clone, const B: usize, const N: usize>(
     setup: RigSetup<S, B, N>,
+    progress: impl FnMut(f64),
+) -> Result<RigRun, SetupError> {
+    let plan = Plan::of(&setup);
+    run(&mut Bench::new(setup)?, &plan, progress)
+}
+
+/// [`run_rig`] with an image as the controller, which has had no rig before.
+///
+/// # Errors
+/// What one of the parts or the image refuses, or the link to it.
+pub fn run_rig_on<S: DamperForce + Clone, W: Wire, const B: usize, const N: usize>(
+    image: &mut Image<W>,
+    setup: RigSetup<S, B, N>,
+    progress: impl FnMut(f64),
+) -> Result<RigRun, SetupError> {
+    let plan = Plan::of(&setup);
+    run(&mut ImageBench::new(setup, image)?, &plan, progress)
+}
+
+/// What a run needs to know beside the rig.
+struct Plan {
+    tick_rate: f64,
+    duration: f64,
+    record_every: u64,
+    block_laws: Vec<Law<f32>>,
+}
+
+impl Plan {
+    fn of<S, const B: usize, const N: usize>(setup: &RigSetup<S, B, N>) -> Self {
+        Self {
+            tick_rate: setup.programme.tick_rate(),
+            duration: setup.programme.duration(),
+            record_every: setup.record_every.max(1),
+            block_laws: setup.block_laws.clone(),
+        }
+    }
+}
+
+fn run<S: DamperForce + Clone>(
+    rig: &mut impl Controlled<S>,
+    plan: &Plan,
     mut progress: impl FnMut(f64),
 ) -> Result<RigRun, SetupError> {
-    let tick_rate = setup.programme.tick_rate();
-    let duration = setup.programme.duration();
-    let record_every = setup.record_every.max(1);
-    let block_laws = setup.block_laws.clone();
-    let capacity = (duration * tick_rate / record_every as f64) as usize + 16;
-    let mut bench = Bench::new(setup)?;
+    let capacity = (plan.duration * plan.tick_rate / plan.record_every as f64) as usize + 16;
     let mut run = RigRun {
         samples: Samples::default(),
         cycles: Vec::new(),
@@ -131,27 +179,25 @@ pub fn run_rig<S: DamperForce + Clone, const B: usize, const N: usize>(
     ] {
         column.reserve(capacity);
     }
-    bench.rig.start();
-    let report_every = (tick_rate / 2.0) as u64 + 1;
+    rig.start()?;
+    let report_every = (plan.tick_rate / 2.0) as u64 + 1;
     let mut block = None;
     loop {
-        let time = bench.servo.time();
-        let telemetry = bench.tick();
-        if run.ticks.is_multiple_of(record_every) {
-            let temperature = bench.servo.specimen().temperature();
-            run.samples.push(&telemetry, time, temperature);
+        let time = rig.plant().servo.time();
+        let telemetry = rig.tick()?;
+        if run.ticks.is_multiple_of(plan.record_every) {
+            run.samples
+                .push(&telemetry, time, rig.plant().temperature());
         }
         if run.ticks.is_multiple_of(report_every) {
-            progress((time / duration).min(1.0));
+            progress((time / plan.duration).min(1.0));
         }
         run.ticks += 1;
         run.cycles.extend(telemetry.report);
         if block != Some(telemetry.block) {
             block = Some(telemetry.block);
-            if let Some(law) = block_laws.get(telemetry.block) {
-                let mut next = bench.rig.law().clone();
-                next.set_law(*law);
-                bench.rig.swap_law(next);
+            if let Some(law) = plan.block_laws.get(telemetry.block) {
+                rig.set_law(*law)?;
             }
         }
         match telemetry.state {

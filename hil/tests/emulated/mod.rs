@@ -6,6 +6,7 @@ use std::sync::Once;
 
 use hil::error::InputError;
 use hil::image::{Board, Image, build};
+use hil::link::image::{Emulator, LogDecoder};
 
 /// `image` built for `board`, or `None` with a line that says what was left out and how to get it. Where `CI` is `true`
 /// nothing may be left out: it fails.
@@ -27,4 +28,15 @@ fn leave_out(error: &InputError) {
         let said = writeln!(std::io::stderr(), "left out, no image is run: {error}");
         said.unwrap();
     });
+}
+
+/// The emulator with `elf` on `board`, its log thrown away.
+#[allow(
+    dead_code,
+    reason = "not every test that shares this file runs the firmware"
+)]
+pub fn start(elf: &std::path::Path, board: Board) -> Emulator {
+    let bytes = std::fs::read(elf).unwrap();
+    let log = LogDecoder::new(&bytes, Box::new(|_| {})).unwrap();
+    Emulator::start(elf, board, log).unwrap()
 }

@@ -1,0 +1,49 @@
+//! The image for the commands that run on it.
+
+use clap::ValueEnum;
+use hil::error::InputError;
+use hil::image::{Board, FIRMWARE, build};
+use hil::link::image::{self, Emulator, Image};
+
+use super::progress::Progress;
+
+/// Which of the image's log messages are shown.
+#[derive(Clone, Copy, Debug, PartialEq, ValueEnum)]
+pub enum LogLevel {
+    /// Where the rig stops
+    Error,
+    /// And what is refused
+    Warn,
+    /// And starts, blocks, cycles and coefficient packs
+    Info,
+}
+
+impl LogLevel {
+    fn shows(self, level: image::LogLevel) -> bool {
+        let least = match self {
+            Self::Error => image::LogLevel::Error,
+            Self::Warn => image::LogLevel::Warn,
+            Self::Info => image::LogLevel::Info,
+        };
+        level >= least
+    }
+}
+
+/// The firmware's image in the emulator, its log on standard error with the time of ticks at `tick_rate` Hz.
+pub fn start_image(log: LogLevel, tick_rate: f64) -> Result<Image<Emulator>, InputError> {
+    let board = Board::Mps2An386;
+    board.check()?;
+    let progress = Progress::of(1);
+    progress.step("building the firmware's image");
+    build(&FIRMWARE, board)?;
+    drop(progress);
+    Image::start(
+        board,
+        Box::new(move |line| {
+            if log.shows(line.level) {
+                let time = f64::from(line.tick) / tick_rate;
+                eprintln!("image {time:10.4} s {:5} {}", line.level.name(), line.text);
+            }
+        }),
+    )
+}

@@ -1,0 +1,56 @@
+//! What a controller works on: sensors, actuator and specimen.
+
+use mesh_damper::dac::OUTPUT_RANGE;
+
+use super::bench::{RigSetup, SetupError};
+use crate::actuator::{Sensor, Servo};
+use crate::specimen::DamperForce;
+
+/// The simulated side of a rig. Everything is public, so that a test can have any of it fail.
+#[derive(Debug)]
+pub struct Plant<S> {
+    /// The actuator with the specimen.
+    pub servo: Servo<S>,
+    /// The displacement channel.
+    pub displacement_sensor: Sensor,
+    /// The force channel.
+    pub force_sensor: Sensor,
+    millimetres_per_volt: f64,
+}
+
+impl<S: DamperForce + Clone> Plant<S> {
+    /// Of `setup`, at rest.
+    ///
+    /// # Errors
+    /// What one of the parts refuses.
+    pub fn new<const B: usize, const N: usize>(
+        setup: &RigSetup<S, B, N>,
+    ) -> Result<Self, SetupError> {
+        let step = 1.0 / setup.programme.tick_rate();
+        let sensor = |config, stream| Sensor::new(config, step, setup.seed, stream);
+        Ok(Self {
+            servo: Servo::new(setup.servo, step, setup.specimen.clone())?,
+            displacement_sensor: sensor(setup.displacement_sensor, 0)?,
+            force_sensor: sensor(setup.force_sensor, 1)?,
+            millimetres_per_volt: setup.command_range / OUTPUT_RANGE,
+        })
+    }
+
+    /// What the sensors of displacement and force put out, V.
+    pub fn sense(&mut self) -> (f64, f64) {
+        let displacement = self.displacement_sensor.sample(self.servo.displacement());
+        let force = self.force_sensor.sample(self.servo.force());
+        (displacement, force)
+    }
+
+    /// Temperature of the specimen, °C.
+    pub fn temperature(&self) -> f64 {
+        self.servo.specimen().temperature()
+    }
+
+    /// The actuator's way until the next tick, at `volts` of command and this level of the enable line.
+    pub fn advance(&mut self, volts: f64, enabled: bool) {
+        self.servo
+            .advance(volts * self.millimetres_per_volt, enabled);
+    }
+}

@@ -1,0 +1,94 @@
+//! An effect in a coefficient pack: its kind and its numbers, as postcard lays out a `(u8, Vec<f32>)`.
+
+use super::stick_slip::Element;
+use super::{
+    Asymmetry, Drift, Effect, Hardening, Inertia, MAX_STICK_SLIP_ELEMENTS, Offset, Relaxation,
+    StickSlip, Temperature, Viscous,
+};
+use crate::frame::{Reader, Writer};
+
+const OFFSET: u8 = 0;
+const ASYMMETRY: u8 = 1;
+const HARDENING: u8 = 2;
+const VISCOUS: u8 = 3;
+const INERTIA: u8 = 4;
+const DRIFT: u8 = 5;
+const TEMPERATURE: u8 = 6;
+const STICK_SLIP: u8 = 7;
+const RELAXATION: u8 = 8;
+
+/// Most numbers of an effect.
+const MOST: usize = 2 * MAX_STICK_SLIP_ELEMENTS;
+
+impl Effect<f32> {
+    /// Writes kind and numbers.
+    pub(crate) fn pack(&self, writer: &mut Writer<'_>) {
+        let mut put = |kind: u8, numbers: &[f32]| {
+            // A length below 128 is one byte.
+            writer.bytes(&[kind, numbers.len() as u8]);
+            for number in numbers {
+                writer.f32(*number);
+            }
+        };
+        match self {
+            Self::Offset(effect) => put(OFFSET, &[effect.force]),
+            Self::Asymmetry(effect) => put(ASYMMETRY, &[effect.k2]),
+            Self::Hardening(effect) => put(HARDENING, &[effect.k5]),
+            Self::Viscous(effect) => put(VISCOUS, &[effect.c1]),
+            Self::Inertia(effect) => put(INERTIA, &[effect.mass]),
+            Self::Drift(effect) => put(DRIFT, &[effect.stiffness, effect.rate]),
+            Self::Temperature(effect) => put(TEMPERATURE, &[effect.beta, effect.rise]),
+            Self::Relaxation(effect) => put(RELAXATION, &[effect.gain, effect.loss]),
+            Self::StickSlip(effect) => {
+                let mut numbers = [0.0; MOST];
+                let (pairs, _) = numbers.as_chunks_mut();
+                for (pair, element) in pairs.iter_mut().zip(&effect.elements) {
+                    *pair = [element.stiffness, element.slip_limit];
+                }
+                put(
+                    STICK_SLIP,
+                    numbers.get(..2 * effect.used).unwrap_or_default(),
+                );
+            }
+        }
+    }
+
+    /// What [`Effect::pack`] wrote; `None` where it is no effect. Its numbers are still to be checked.
+    pub(crate) fn unpack(reader: &mut Reader<'_>) -> Option<Self> {
+        let kind = reader.u8()?;
+        let count = usize::from(reader.u8()?);
+        let mut numbers = [0.0; MOST];
+        let numbers = numbers.get_mut(..count)?;
+        for number in &mut *numbers {
+            *number = reader.f32()?;
+        }
+        Some(match (kind, &*numbers) {
+            (OFFSET, &[force]) => Self::Offset(Offset { force }),
+            (ASYMMETRY, &[k2]) => Self::Asymmetry(Asymmetry { k2 }),
+            (HARDENING, &[k5]) => Self::Hardening(Hardening { k5 }),
+            (VISCOUS, &[c1]) => Self::Viscous(Viscous { c1 }),
+            (INERTIA, &[mass]) => Self::Inertia(Inertia { mass }),
+            (DRIFT, &[stiffness, rate]) => Self::Drift(Drift { stiffness, rate }),
+            (TEMPERATURE, &[beta, rise]) => Self::Temperature(Temperature { beta, rise }),
+            (RELAXATION, &[gain, loss]) => Self::Relaxation(Relaxation { gain, loss }),
+            (STICK_SLIP, numbers) => {
+                let mut elements = [Element::default(); MAX_STICK_SLIP_ELEMENTS];
+                let (pairs, rest) = numbers.as_chunks();
+                for (element, &[stiffness, slip_limit]) in elements.iter_mut().zip(pairs) {
+                    *element = Element {
+                        stiffness,
+                        slip_limit,
+                    };
+                }
+                if !rest.is_empty() {
+                    return None;
+                }
+                Self::StickSlip(StickSlip {
+                    elements,
+                    used: pairs.len(),
+                })
+            }
+            _ => return None,
+        })
+    }
+}

@@ -1,0 +1,310 @@
+//! Frames of the link between a harness and the image of a rig.
+//!
+//! ```text
+//! "MD"   u8 version   u8 kind   u32 sequence   u16 count   u16 length of the payload   payload   u32 CRC-32 of all before
+//! ```
+//! Numbers are little-endian, the CRC is that of Ethernet. Both ends take turns: the harness asks with a sequence number
+//! that goes up by one, the image answers with the same number and repeats its last answer when it is asked again. A frame
+//! is written in one piece, so that one that a read did not bring whole is lost, and asked for again like any other.
+
+use crc::{CRC_32_ISO_HDLC, Crc, Table};
+
+/// The version that is written, and the only one read.
+pub const VERSION: u8 = 1;
+/// Most bytes of a payload.
+pub const PAYLOAD: usize = 488;
+/// Most bytes of a frame.
+pub const LARGEST: usize = HEADER + PAYLOAD + TRAILER;
+
+const HEADER: usize = 12;
+const TRAILER: usize = 4;
+const MAGIC: [u8; 2] = *b"MD";
+const CHECKSUM: Crc<u32, Table<1>> = Crc::<u32, Table<1>>::new(&CRC_32_ISO_HDLC);
+
+/// Ethernet's CRC-32 of `parts` as if they were one. Not inlined: it is long.
+#[inline(never)]
+pub(crate) fn checksum(parts: &[&[u8]]) -> u32 {
+    let mut digest = CHECKSUM.digest();
+    for part in parts {
+        digest.update(part);
+    }
+    digest.finalize()
+}
+
+/// What a frame says of itself.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Header {
+    /// What its payload is, as [`crate::message`] numbers it.
+    pub kind: u8,
+    /// Which exchange it belongs to.
+    pub sequence: u32,
+    /// How many ticks, motions or the like its payload holds.
+    pub count: u16,
+}
+
+/// A frame received.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Frame<'a> {
+    /// What it says of itself.
+    pub header: Header,
+    /// What it carries.
+    pub payload: &'a [u8],
+}
+
+/// A frame that is being written, and stays until the next one, to be sent again.
+#[derive(Clone, Debug)]
+pub struct FrameBuffer {
+    bytes: [u8; LARGEST],
+    length: usize,
+}
+
+impl Default for FrameBuffer {
+    fn default() -> Self {
+        Self::new()
+    }
+}
+
+impl FrameBuffer {
+    /// Nothing yet.
+    pub const fn new() -> Self {
+        Self {
+            bytes: [0; LARGEST],
+            length: 0,
+        }
+    }
+
+    /// A new frame whose payload `write` writes; what does not fit is left out, and with it the frame's end, so that
+    /// nobody takes it for whole.
+    #[inline]
+    pub fn write(&mut self, header: Header, write: impl FnOnce(&mut Writer<'_>)) {
+        let (_, rest) = self.bytes.split_at_mut(HEADER);
+        let (payload, _) = rest.split_at_mut(PAYLOAD);
+        let mut writer = Writer::new(payload);
+        write(&mut writer);
+        let length = writer.left().map(|left| PAYLOAD.saturating_sub(left));
+        self.seal(header, length);
+    }
+
+    /// Puts the header before a payload of `length` bytes and the checksum after it. Not inlined: every kind of frame is
+    /// written by a function of its own.
+    #[inline(never)]
+    fn seal(&mut self, header: Header, length: Option<usize>) {
+        self.length = 0;
+        let Some(length) = length else {
+            return;
+        };
+        let (place, _) = self.bytes.split_at_mut(HEADER);
+        let [m0, m1] = MAGIC;
+        let mut writer = Writer::new(place);
+        writer.words([
+            u32::from_le_bytes([m0, m1, VERSION, header.kind]),
+            header.sequence,
+            u32::from(header.count) | (length as u32) << 16,
+        ]);
+        let end = HEADER + length;
+        if let Some((covered, trailer)) = self.bytes.split_at_mut_checked(end)
+            && let Some(trailer) = trailer.first_chunk_mut()
+        {
+            *trailer = checksum(&[covered]).to_le_bytes();
+            self.length = end + TRAILER;
+        }
+    }
+
+    /// The bytes of the frame.
+    #[inline]
+    pub fn bytes(&self) -> &[u8] {
+        self.bytes.get(..self.length).unwrap_or_default()
+    }
+}
+
+/// Writes a payload.
+#[derive(Debug)]
+pub struct Writer<'a> {
+    rest: &'a mut [u8],
+    full: bool,
+}
+
+impl<'a> Writer<'a> {
+    /// Into `room`.
+    pub fn new(room: &'a mut [u8]) -> Self {
+        Self {
+            rest: room,
+            full: false,
+        }
+    }
+
+    /// As they are.
+    #[inline(always)]
+    pub fn bytes(&mut self, bytes: &[u8]) {
+        match core::mem::take(&mut self.rest).split_at_mut_checked(bytes.len()) {
+            Some((place, rest)) => {
+                place.copy_from_slice(bytes);
+                self.rest = rest;
+            }
+            None => self.full = true,
+        }
+    }
+
+    /// Four bytes each.
+    #[inline(always)]
+    pub fn words<const N: usize>(&mut self, values: [u32; N]) {
+        match core::mem::take(&mut self.rest).split_at_mut_checked(4 * N) {
+            Some((place, rest)) => {
+                let (chunks, _) = place.as_chunks_mut();
+                for (chunk, value) in chunks.iter_mut().zip(values) {
+                    *chunk = value.to_le_bytes();
+                }
+                self.rest = rest;
+            }
+            None => self.full = true,
+        }
+    }
+
+    /// One byte.
+    #[inline(always)]
+    pub fn u8(&mut self, value: u8) {
+        self.bytes(&[value]);
+    }
+
+    /// Two bytes.
+    #[inline(always)]
+    pub fn u16(&mut self, value: u16) {
+        self.bytes(&value.to_le_bytes());
+    }
+
+    /// Four bytes.
+    #[inline(always)]
+    pub fn u32(&mut self, value: u32) {
+        self.bytes(&value.to_le_bytes());
+    }
+
+    /// Four bytes, bit for bit.
+    #[inline(always)]
+    pub fn f32(&mut self, value: f32) {
+        self.u32(value.to_bits());
+    }
+
+    /// How many bytes of the room are left; none where something did not fit.
+    pub fn left(&self) -> Option<usize> {
+        (!self.full).then_some(self.rest.len())
+    }
+}
+
+/// Reads a payload; `None` at its end.
+#[derive(Clone, Copy, Debug)]
+pub struct Reader<'a>(pub &'a [u8]);
+
+impl<'a> Reader<'a> {
+    #[inline(always)]
+    fn take<const N: usize>(&mut self) -> Option<[u8; N]> {
+        let (first, rest) = self.0.split_first_chunk::<N>()?;
+        self.0 = rest;
+        Some(*first)
+    }
+
+    /// Four bytes each.
+    #[inline(always)]
+    pub fn words<const N: usize>(&mut self) -> Option<[u32; N]> {
+        let (bytes, rest) = self.0.split_at_checked(4 * N)?;
+        self.0 = rest;
+        let (chunks, _) = bytes.as_chunks();
+        let mut words = [0; N];
+        for (word, chunk) in words.iter_mut().zip(chunks) {
+            *word = u32::from_le_bytes(*chunk);
+        }
+        Some(words)
+    }
+
+    /// One byte.
+    #[inline(always)]
+    pub fn u8(&mut self) -> Option<u8> {
+        let [byte] = self.take()?;
+        Some(byte)
+    }
+
+    /// Two bytes.
+    #[inline(always)]
+    pub fn u16(&mut self) -> Option<u16> {
+        self.take().map(u16::from_le_bytes)
+    }
+
+    /// Four bytes.
+    #[inline]
+    pub fn u32(&mut self) -> Option<u32> {
+        self.take().map(u32::from_le_bytes)
+    }
+
+    /// Four bytes, bit for bit.
+    #[inline(always)]
+    pub fn f32(&mut self) -> Option<f32> {
+        self.u32().map(f32::from_bits)
+    }
+
+    /// All that is left.
+    #[inline(always)]
+    pub fn rest(&mut self) -> &'a [u8] {
+        core::mem::take(&mut self.0)
+    }
+}
+
+/// What goes over the link field by field, four bytes each.
+pub trait Fields: Sized {
+    /// Writes all fields.
+    fn write(&self, writer: &mut Writer<'_>);
+
+    /// What [`Fields::write`] wrote; `None` where it is not all there.
+    fn read(reader: &mut Reader<'_>) -> Option<Self>;
+}
+
+/// The two halves of `value`, the lower one first.
+pub(crate) fn halves(value: u64) -> [u32; 2] {
+    [value as u32, (value >> 32) as u32]
+}
+
+/// What [`halves`] made two of.
+pub(crate) fn whole([low, high]: [u32; 2]) -> u64 {
+    u64::from(low) | u64::from(high) << 32
+}
+
+/// The whole and undamaged frames among bytes received, in order; what lies between them is passed over.
+#[derive(Clone, Copy, Debug)]
+pub struct Frames<'a>(pub &'a [u8]);
+
+impl<'a> Iterator for Frames<'a> {
+    type Item = Frame<'a>;
+
+    #[inline]
+    fn next(&mut self) -> Option<Frame<'a>> {
+        while self.0.len() >= HEADER + TRAILER {
+            if let Some((frame, rest)) = first(self.0) {
+                self.0 = rest;
+                return Some(frame);
+            }
+            let (_, rest) = self.0.split_first()?;
+            self.0 = rest;
+        }
+        None
+    }
+}
+
+/// The frame that `bytes` begins with, and what comes after it.
+#[inline]
+fn first(bytes: &[u8]) -> Option<(Frame<'_>, &[u8])> {
+    let mut reader = Reader(bytes);
+    if reader.take()? != MAGIC || reader.u8()? != VERSION {
+        return None;
+    }
+    let header = Header {
+        kind: reader.u8()?,
+        sequence: reader.u32()?,
+        count: reader.u16()?,
+    };
+    let length = usize::from(reader.u16()?);
+    let (covered, rest) = bytes.split_at_checked(HEADER + length)?;
+    let (stated, rest) = rest.split_first_chunk::<TRAILER>()?;
+    if checksum(&[covered]) != u32::from_le_bytes(*stated) {
+        return None;
+    }
+    let payload = covered.get(HEADER..)?;
+    Some((Frame { header, payload }, rest))
+}
