@@ -110,7 +110,7 @@ fn cycles_of(law: &law::Law<f64>, scales: &Scales, sine: Sine) -> Vec<Cycle> {
 
 #[test]
 fn the_sine_stays_with_f64_over_a_million_cycles() {
-    // 2469/20000 of a cycle a tick.
+    // 2469/20000 of a cycle a tick; an amplitude that 16 bits hold exactly, so that what is seen is the sine's error alone.
     let (amplitude, frequency) = (0.75, 1234.5);
     let omega = TAU * frequency;
     let scales = Scales::new(1.0, omega, 1.0).unwrap();
@@ -142,8 +142,8 @@ fn the_sine_stays_with_f64_over_a_million_cycles() {
     }
     assert_eq!(n, (1_000_002 * 20_000_u64).div_ceil(2469));
     assert_eq!(ends, 1_000_001);
-    position.check("position", tolerance::POSITION);
-    velocity.check("velocity", tolerance::POSITION);
+    position.check("position", tolerance::SINE);
+    velocity.check("velocity", tolerance::SINE);
 }
 
 /// Velocity is the derivative of displacement from rest to rest, by differences over two ticks.
@@ -302,7 +302,7 @@ fn stiffness_energy_and_loss_factor_are_f64s_within_a_ten_thousandth() {
 #[test]
 fn a_cycle_encloses_what_its_closed_form_says() {
     let amplitude = 0.2;
-    for (frequency, coarse) in [(0.1, 1e-9), (1.3, 1e-5), (97.0, 1e-2), (997.0, 1.0)] {
+    for frequency in [0.1, 1.3, 97.0, 997.0] {
         let omega = TAU * frequency;
         let sine = Sine {
             amplitude,
@@ -327,11 +327,12 @@ fn a_cycle_encloses_what_its_closed_form_says() {
             let error = f64::from(cycle.energy) / exact - 1.0;
             assert!(error.abs() < 3e-5 + lacks, "{frequency} Hz: {error:e}");
         }
-        // A reversal between two ticks moves its corner by up to (2π/n)²/8 of the amplitude.
+        // A reversal that lies parts a and b of a tick from the ticks beside it lacks (a² + b²)/2·(2π/n)² of c·A, of two
+        // reversals and 4·c·A at most (2π/n)²/4.
         for cycle in energies(0.0, 2.0, 0.0) {
             let error = f64::from(cycle.energy) / (4.0 * 2.0 * amplitude) - 1.0;
             assert!(
-                error.abs() < 5e-5 + coarse + lacks,
+                error.abs() < 5e-5 + lacks / 4.0,
                 "{frequency} Hz: {error:e}"
             );
         }
@@ -452,7 +453,7 @@ proptest! {
         let scales = Scales::covering(&law, 1.0, 1.0).unwrap();
         let force = Law::new(&law, &scales).unwrap().force(Part::ZERO, v);
         prop_assert!(value(force) * value(v) >= 0.0);
-        prop_assert_eq!(v == Part::ZERO && force != Part::ZERO, false);
+        prop_assert!(v != Part::ZERO || force == Part::ZERO);
     }
 
     /// Any samples: nothing overflows, the extremes are theirs, and the energy is that of their polygon, but for the force's
@@ -490,7 +491,7 @@ proptest! {
         energy in any::<i64>(),
         y in (part(), part()),
         f in (part(), part()),
-        scales in prop::sample::select(vec![(1e-9, 1e-9), (1.0, 1.0), (1e4, 1e12)]),
+        scales in prop::sample::select(vec![(1e-9, 1e-9), (1e-9, 1e12), (1.0, 1.0), (1e4, 1e-9), (1e4, 1e12)]),
     ) {
         let raw = RawCycle {
             energy,

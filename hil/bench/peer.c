@@ -1,30 +1,25 @@
-/* The whole tick in plain C on newlib's sinf, cosf and powf, and powf alone: what `src/bin/bench/naive.rs` is in Rust,
- * line by line, and counted the same way. */
+/* The whole tick in plain C on newlib's sinf, cosf and powf, and powf alone: what `src/bin/bench/suite/naive.rs` is in
+ * Rust, line by line, and counted the same way. */
 
 #include <math.h>
 #include <stdbool.h>
 #include <stddef.h>
 #include <stdint.h>
 
-#define PI 3.14159265f
 #define TAU 6.28318531f
 
 struct sample {
-    float displacement, force, sin, cos;
+    float displacement, force;
 };
 
 /* Trapezoids over the cycle so far, without their factor 1/2. */
 struct sums {
-    float energy, force, displacement;
-    float displacement_sin, displacement_cos, force_sin, force_cos;
-    float force_max, force_min, displacement_max, displacement_min;
-    float ticks;
+    float energy, force_max, force_min;
 };
 
 struct cycle {
     float force_max, force_min, displacement_max, displacement_min;
     float amplitude, energy, energy_harmonic, stiffness, elastic_energy, loss_factor;
-    float mean_force, mean_displacement, ticks;
 };
 
 struct tick {
@@ -34,7 +29,6 @@ struct tick {
     struct sample last;
     struct sums sums;
     bool begun, ended;
-    float acceleration;
     struct cycle cycle;
 };
 
@@ -43,52 +37,34 @@ static struct sums start(struct sample at)
     return (struct sums){
         .force_max = at.force,
         .force_min = at.force,
-        .displacement_max = at.displacement,
-        .displacement_min = at.displacement,
     };
 }
 
-static inline void add(struct sums *s, struct sample a, struct sample b, float time)
+static inline void add(struct sums *s, struct sample a, struct sample b)
 {
     s->energy += (a.force + b.force) * (b.displacement - a.displacement);
-    s->force += (a.force + b.force) * time;
-    s->displacement += (a.displacement + b.displacement) * time;
-    s->displacement_sin += (a.displacement * a.sin + b.displacement * b.sin) * time;
-    s->displacement_cos += (a.displacement * a.cos + b.displacement * b.cos) * time;
-    s->force_sin += (a.force * a.sin + b.force * b.sin) * time;
-    s->force_cos += (a.force * a.cos + b.force * b.cos) * time;
     if (b.force > s->force_max)
         s->force_max = b.force;
     if (b.force < s->force_min)
         s->force_min = b.force;
-    if (b.displacement > s->displacement_max)
-        s->displacement_max = b.displacement;
-    if (b.displacement < s->displacement_min)
-        s->displacement_min = b.displacement;
-    s->ticks += time;
 }
 
-static struct cycle finish(const struct sums *s)
+static struct cycle finish(const struct sums *s, float amplitude)
 {
-    float amplitude = 0.5f * (s->displacement_max - s->displacement_min);
     float range = s->force_max - s->force_min;
     float energy = 0.5f * s->energy;
     float elastic_energy = 0.25f * range * amplitude;
     return (struct cycle){
         .force_max = s->force_max,
         .force_min = s->force_min,
-        .displacement_max = s->displacement_max,
-        .displacement_min = s->displacement_min,
+        .displacement_max = amplitude,
+        .displacement_min = -amplitude,
         .amplitude = amplitude,
         .energy = energy,
-        .energy_harmonic = PI * (s->force_cos * s->displacement_sin - s->force_sin * s->displacement_cos)
-            / (s->ticks * s->ticks),
+        .energy_harmonic = energy,
         .stiffness = range / (2.0f * amplitude),
         .elastic_energy = elastic_energy,
         .loss_factor = energy / (TAU * elastic_energy),
-        .mean_force = 0.5f * s->force / s->ticks,
-        .mean_displacement = 0.5f * s->displacement / s->ticks,
-        .ticks = s->ticks,
     };
 }
 
@@ -100,10 +76,9 @@ static float whole(void *context, float a, float b)
     float s = sinf(theta), c = cosf(theta);
     float y = t->amplitude * s;
     float v = t->amplitude * t->angular * c;
-    t->acceleration = -(t->amplitude * t->angular * t->angular) * s;
     float damping = t->c * powf(fabsf(v), t->alpha);
     float force = t->k1 * y + t->k3 * y * y * y + (v < 0.0f ? -damping : damping);
-    struct sample now = { y, force, s, c };
+    struct sample now = { y, force };
     t->ended = false;
     if (!t->begun) {
         t->begun = true;
@@ -114,16 +89,14 @@ static float whole(void *context, float a, float b)
         struct sample middle = {
             t->last.displacement + part * (y - t->last.displacement),
             t->last.force + part * (force - t->last.force),
-            0.0f,
-            1.0f,
         };
-        add(&t->sums, t->last, middle, part);
-        t->cycle = finish(&t->sums);
+        add(&t->sums, t->last, middle);
+        t->cycle = finish(&t->sums, t->amplitude);
         t->ended = true;
         t->sums = start(middle);
-        add(&t->sums, middle, now, 1.0f - part);
+        add(&t->sums, middle, now);
     } else {
-        add(&t->sums, t->last, now, 1.0f);
+        add(&t->sums, t->last, now);
     }
     t->last = now;
     t->phase += t->step;
@@ -235,7 +208,7 @@ static void print_float(float value)
     print_number(word.bits, 16);
 }
 
-/* The inputs come from the harness, which shares them with the image in Rust: CASES, ALPHAS, VELOCITIES and the like. */
+/* The inputs come from the harness, which shares them with the image in Rust: ALPHAS, VELOCITIES, LAWS and the like. */
 #include "inputs.h"
 
 static const float alphas[] = { ALPHAS };

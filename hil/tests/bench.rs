@@ -6,9 +6,20 @@ use std::io::Write as _;
 use std::path::Path;
 use std::process::{Command, Output};
 
-use hil::bench::{Baseline, IMAGE, run};
+use hil::bench::{Baseline, IMAGE, Verdict, run};
 use hil::image::Board;
 use serde_json::Value;
+
+/// Limits that the crate does not reach. All others hold.
+const NOT_REACHED: [&str; 7] = [
+    "longest steady tick over the mean: ",
+    "tick after a swap over the mean: ",
+    "stick-slip, 1 element: ",
+    "stick-slip, 6 elements: ",
+    "relaxation: ",
+    "drift: ",
+    "the law with every effect: ",
+];
 
 fn command(arguments: &[&str], baseline: &Path) -> Output {
     Command::new(env!("CARGO_BIN_EXE_hil"))
@@ -31,7 +42,7 @@ fn say(line: &str) {
 }
 
 #[test]
-fn counts_are_the_same_in_every_run_and_no_higher_than_the_baseline() {
+fn counts_are_the_same_in_every_run_no_higher_than_the_baseline_and_within_the_limits() {
     if emulated::image(&IMAGE, Board::Mps2An386).is_none() {
         return;
     }
@@ -60,6 +71,11 @@ fn counts_are_the_same_in_every_run_and_no_higher_than_the_baseline() {
         return;
     }
     assert!(failures.is_empty(), "{failures:#?}");
+    let missed: Vec<String> = results.limits.iter().filter_map(Verdict::failure).collect();
+    let new = missed
+        .iter()
+        .filter(|line| !NOT_REACHED.iter().any(|name| line.starts_with(name)));
+    assert_eq!(new.collect::<Vec<_>>(), Vec::<&String>::new());
 }
 
 #[test]

@@ -21,10 +21,10 @@ const fn sine_table() -> [i32; NODES] {
     table
 }
 
-/// sin and cos of `phase`, 2³² to the cycle, 2³⁰ to 1, each within 1e-6; exactly 0 where they are.
+/// sin and cos of `phase`, 2³² to the cycle, 2³⁰ to 1, each within 1.6e-6; exactly 0 where they are.
 ///
 /// The nearest node, turned by the remaining angle x of up to π/256 with two terms of Taylor's series: what those leave out
-/// is below (π/256)³/6 = 3e-7.
+/// is below (π/256)³/6 = 3e-7, and the rest is rounding.
 #[inline(always)]
 pub(super) fn sin_cos(phase: u32) -> (i32, i32) {
     // Half a node step, so that the nearest node is the one below.

@@ -95,7 +95,8 @@ impl Baseline {
             }
             let Some(now) = results.count(*core, name, moment) else {
                 failures.push(format!(
-                    "{name} {moment} is no longer counted: --bless it away"
+                    "{name} {moment} on a {} is no longer counted: --bless it away",
+                    core.name()
                 ));
                 continue;
             };
@@ -122,7 +123,8 @@ impl Baseline {
         };
         failures.extend(results.counts.iter().filter(is_new).map(|count| {
             let Count { name, moment, .. } = count;
-            format!("{name} {moment} is not in the baseline: --bless it")
+            let core = count.core.name();
+            format!("{name} {moment} on a {core} is not in the baseline: --bless it")
         }));
         failures
     }

@@ -39,7 +39,7 @@ impl Meter for Replay {
 ///
 /// # Errors
 /// As the suite.
-pub fn strangers(core: Core, counts: &[Count]) -> Result<Vec<String>, Refused> {
+pub fn mismatches(core: Core, counts: &[Count]) -> Result<Vec<String>, Refused> {
     let mut replay = Replay::default();
     match core {
         Core::CortexM4f => suite::cortex_m4f(&mut replay)?,
@@ -50,8 +50,8 @@ pub fn strangers(core: Core, counts: &[Count]) -> Result<Vec<String>, Refused> {
             count.name == *name && count.moment == *moment && count.checksum == *checksum
         })
     };
-    let strange = replay.0.iter().filter(|of_host| differs(of_host));
-    Ok(strange
+    let different = replay.0.iter().filter(|of_host| differs(of_host));
+    Ok(different
         .map(|(name, moment, _)| format!("{name} {moment}"))
         .collect())
 }
@@ -153,6 +153,7 @@ pub fn ticks() -> Result<Vec<LargestError>, Refused> {
 impl Exact {
     /// Runs `tick` until it is done, and makes `worst` (force, K, ΔW, η) as large as what its results miss by. It gives
     /// the force in kN, the cycle that ended, as K, ΔW and η, and what happened. `cycle_of` says what a cycle comes to.
+    /// `worst` is NaN where not every cycle at full amplitude came.
     fn judge(
         &self,
         worst: &mut [f64; 4],
@@ -184,6 +185,9 @@ impl Exact {
                 *worst = largest([*worst, error]);
             }
         }
+        if ended != u64::from(tick::CYCLES) + 1 {
+            *worst = [f64::NAN; 4];
+        }
     }
 }
 
@@ -214,4 +218,61 @@ pub fn check_peer(results: &[(String, Vec<f32>)]) -> Result<(), String> {
         }
     }
     Ok(())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// The tick of f64 itself, of whose K `stiffness` is given, and `cycles` cycles.
+    fn judged(cycles: u32, stiffness: f64) -> [f64; 4] {
+        let (_, amplitude, law) = tables::cells().next().unwrap();
+        let exact = Exact { law, amplitude };
+        let ends: Vec<u64> = (1..=u64::from(cycles))
+            .map(|cycle| (cycle as f64 * tick::TICK_RATE / tick::FREQUENCY).ceil() as u64)
+            .collect();
+        let mut n = 0;
+        let mut worst = [0.0; 4];
+        exact.judge(&mut worst, Exact::cycle, || {
+            let (_, force) = exact.sample(n);
+            let cycle = ends.iter().position(|end| *end == n).map(|index| {
+                let [k, energy, loss_factor] = exact.cycle(index as u64).parts();
+                [k * stiffness, energy, loss_factor]
+            });
+            n += 1;
+            let when = if n == 6000 { When::Done } else { When::Steady };
+            (force, cycle, when)
+        });
+        worst
+    }
+
+    #[test]
+    fn an_error_is_seen_and_a_cycle_that_did_not_come_is_no_cycle_without_error() {
+        let cycles = tick::CYCLES + 1;
+        assert_eq!(judged(cycles, 1.0), [0.0; 4]);
+        let [force, stiffness, energy, loss_factor] = judged(cycles, 0.999);
+        assert!((stiffness - 1e-3).abs() < 1e-12);
+        assert_eq!([force, energy, loss_factor], [0.0; 3]);
+        for fewer in [0, cycles - 1] {
+            assert!(judged(fewer, 1.0).iter().all(|error| error.is_nan()));
+        }
+    }
+
+    #[test]
+    fn a_peer_that_comes_to_other_cycles_is_refused() {
+        let last = (f64::from(tick::NAIVE_TICKS) * tick::FREQUENCY / tick::TICK_RATE) as u64 - 1;
+        let good: Vec<(String, Vec<f32>)> = tables::cells()
+            .map(|(_, amplitude, law)| {
+                let parts = Exact { law, amplitude }.cycle(last).parts();
+                ("tick/c".into(), parts.map(|part| part as f32).into())
+            })
+            .collect();
+        assert_eq!(check_peer(&good), Ok(()));
+        assert!(check_peer(&good[1..]).is_err());
+        for part in 0..3 {
+            let mut bad = good.clone();
+            bad[7].1[part] *= 1.0 + 3.0 * PEER_TOLERANCE as f32;
+            assert!(check_peer(&bad).unwrap_err().contains("where f64 gives"));
+        }
+    }
 }

@@ -14,24 +14,31 @@ const FLAGS: [&str; 9] = [
     "-mthumb",
     "-mfloat-abi=hard",
     "-mfpu=fpv4-sp-d16",
-    "-std=c11",
+    // Not plain C11, in which a multiplication and an addition may not be one instruction.
+    "-std=gnu11",
     "-Wall",
     "-Wextra",
     "-Werror",
 ];
 
-/// The compiler's name and version, and with which options it compiles; `None` where there is none.
+/// The compiler's name and version, its library's, and with which options it compiles; `None` where it or the library is
+/// missing.
 pub fn compiler() -> Option<String> {
-    let output = Command::new(COMPILER)
-        .arg("--version")
-        .stdin(Stdio::null())
-        .output()
-        .ok()?;
-    let text = String::from_utf8_lossy(&output.stdout);
+    let said = |arguments: &[&str]| {
+        let mut command = Command::new(COMPILER);
+        let output = command.args(arguments).stdin(Stdio::null()).output().ok()?;
+        Some(String::from_utf8_lossy(&output.stdout).into_owned())
+    };
+    let version = said(&["--version"])?;
+    let macros = said(&["-E", "-dM", "-include", "newlib.h", "-x", "c", "/dev/null"])?;
+    let newlib = macros
+        .lines()
+        .find_map(|line| line.strip_prefix("#define _NEWLIB_VERSION "))?;
     Some(format!(
-        "{}, {}",
-        text.lines().next()?,
-        FLAGS[..5].join(" ")
+        "{}, newlib {}, {}",
+        version.lines().next()?,
+        newlib.trim_matches('"'),
+        FLAGS[..6].join(" ")
     ))
 }
 

@@ -25,28 +25,28 @@ const SINE: &str = "4sine4SINE";
 /// Code of the forms of |v|^α in Rust, and the tables of the tick.
 ///
 /// # Errors
-/// A file that cannot be read, or is none.
+/// A file that cannot be read, is none, or lacks what is sized.
 pub fn of_counted(elf: &Path) -> Result<Vec<Size>, InputError> {
     let symbols = symbols(elf)?;
     let table = size_of::<PowerTable>() as u64;
     let tables = [
         ("power/table", "table", table),
-        ("tick/whole", "tables", table + sum(&symbols, &[SINE])),
+        ("tick/whole", "tables", table + sum(&symbols, &[SINE])?),
     ];
     let tables = tables.map(|(name, of, bytes)| Size {
         name: name.into(),
         of,
         bytes,
     });
-    Ok(code(&symbols, &IN_RUST).chain(tables).collect())
+    Ok([code(&symbols, &IN_RUST)?, tables.into()].concat())
 }
 
 /// Code of |v|^α in C.
 ///
 /// # Errors
-/// A file that cannot be read, or is none.
+/// A file that cannot be read, is none, or lacks what is sized.
 pub fn of_peer(elf: &Path) -> Result<Vec<Size>, InputError> {
-    Ok(code(&symbols(elf)?, &IN_C).collect())
+    code(&symbols(elf)?, &IN_C)
 }
 
 type Symbol = (String, u64);
@@ -65,15 +65,42 @@ fn symbols(elf: &Path) -> Result<Vec<Symbol>, InputError> {
     Ok(named.collect())
 }
 
-fn sum(symbols: &[Symbol], parts: &[&str]) -> u64 {
+/// Bytes of the symbols whose names contain one of `parts`. There must be some: what was renamed would count as 0 bytes.
+fn sum(symbols: &[Symbol], parts: &[&str]) -> Result<u64, InputError> {
     let is_one = |(name, _): &&Symbol| parts.iter().any(|part| name.contains(part));
-    symbols.iter().filter(is_one).map(|(_, bytes)| bytes).sum()
+    let bytes = symbols.iter().filter(is_one).map(|(_, bytes)| bytes).sum();
+    if bytes == 0 {
+        return Err(InputError::new(
+            "the image that counts",
+            format!("it has no symbol with {} in its name", parts.join(" or ")),
+            "name what took its place in hil/src/bench/sizes.rs",
+        ));
+    }
+    Ok(bytes)
 }
 
-fn code(symbols: &[Symbol], of: &[(&str, &[&str])]) -> impl Iterator<Item = Size> {
-    of.iter().map(|(name, parts)| Size {
-        name: (*name).into(),
-        of: "code",
-        bytes: sum(symbols, parts),
-    })
+fn code(symbols: &[Symbol], of: &[(&str, &[&str])]) -> Result<Vec<Size>, InputError> {
+    of.iter()
+        .map(|(name, parts)| {
+            Ok(Size {
+                name: (*name).into(),
+                of: "code",
+                bytes: sum(symbols, parts)?,
+            })
+        })
+        .collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn symbols_are_added_up_and_a_missing_one_is_said() {
+        let symbols = [("a4sine1", 3), ("b4sine2", 4), ("c", 9)];
+        let symbols = symbols.map(|(name, bytes)| (name.to_owned(), bytes));
+        assert_eq!(sum(&symbols, &["4sine", "c", "d"]).unwrap(), 16);
+        let error = sum(&symbols, &["x", "z"]).unwrap_err().to_string();
+        assert!(error.contains("no symbol with x or z in"), "{error}");
+    }
 }

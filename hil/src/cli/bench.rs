@@ -15,7 +15,8 @@ use super::{Failure, bench_table, warn};
 #[derive(Args, Debug)]
 #[command(
     after_help = "Examples:\n  hil bench --json bench.json\n  hil bench --bless\n\n\
-    Needs qemu-system-arm and the target thumbv7em-none-eabihf; the peer in C needs arm-none-eabi-gcc with newlib."
+    Needs qemu-system-arm and the target thumbv7em-none-eabihf; the Cortex-M0 needs the target thumbv6m-none-eabi, the peer \
+    in C needs arm-none-eabi-gcc with newlib."
 )]
 pub struct BenchCommand {
     /// Where everything goes as JSON as well; `-` for standard output

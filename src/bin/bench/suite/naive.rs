@@ -1,97 +1,66 @@
 //! The whole tick as it is written down first, on libm: a sine, a cosine and a power a tick, sums in plain f32.
 //!
-//! `hil/bench/peer.c` is the same in C, line by line.
+//! It gives what [`mesh_damper::virtual_test`] gives, and like that leaves out what a sine and an odd law make known: means
+//! and harmonics, and the displacement's extremes. `hil/bench/peer.c` is the same in C, line by line.
 
-use core::f32::consts::{PI, TAU};
+use core::f32::consts::TAU;
 
 use mesh_damper::cycle::Cycle;
 use mesh_damper::law::Law;
 
 use super::tally::{Region, When};
 
-/// One sample with what the harmonics need of it.
 #[derive(Clone, Copy, Default)]
 struct Sample {
     displacement: f32,
     force: f32,
-    sin: f32,
-    cos: f32,
 }
 
 /// Trapezoids over the cycle so far, without their factor ½.
 #[derive(Clone, Copy, Default)]
 struct Sums {
     energy: f32,
-    force: f32,
-    displacement: f32,
-    displacement_sin: f32,
-    displacement_cos: f32,
-    force_sin: f32,
-    force_cos: f32,
     force_max: f32,
     force_min: f32,
-    displacement_max: f32,
-    displacement_min: f32,
-    ticks: f32,
 }
 
 impl Sums {
     fn start(at: Sample) -> Self {
         Self {
+            energy: 0.0,
             force_max: at.force,
             force_min: at.force,
-            displacement_max: at.displacement,
-            displacement_min: at.displacement,
-            ..Self::default()
         }
     }
 
-    /// The way from `a` to `b` in `time` ticks.
+    /// The way from `a` to `b`.
     #[inline(always)]
-    fn add(&mut self, a: Sample, b: Sample, time: f32) {
+    fn add(&mut self, a: Sample, b: Sample) {
         self.energy += (a.force + b.force) * (b.displacement - a.displacement);
-        self.force += (a.force + b.force) * time;
-        self.displacement += (a.displacement + b.displacement) * time;
-        self.displacement_sin += (a.displacement * a.sin + b.displacement * b.sin) * time;
-        self.displacement_cos += (a.displacement * a.cos + b.displacement * b.cos) * time;
-        self.force_sin += (a.force * a.sin + b.force * b.sin) * time;
-        self.force_cos += (a.force * a.cos + b.force * b.cos) * time;
         if b.force > self.force_max {
             self.force_max = b.force;
         }
         if b.force < self.force_min {
             self.force_min = b.force;
         }
-        if b.displacement > self.displacement_max {
-            self.displacement_max = b.displacement;
-        }
-        if b.displacement < self.displacement_min {
-            self.displacement_min = b.displacement;
-        }
-        self.ticks += time;
     }
 
-    fn finish(&self) -> Cycle {
-        let amplitude = 0.5 * (self.displacement_max - self.displacement_min);
+    fn finish(&self, amplitude: f32) -> Cycle {
         let range = self.force_max - self.force_min;
         let energy = 0.5 * self.energy;
         let elastic_energy = 0.25 * range * amplitude;
         Cycle {
             force_max: self.force_max,
             force_min: self.force_min,
-            displacement_max: self.displacement_max,
-            displacement_min: self.displacement_min,
+            displacement_max: amplitude,
+            displacement_min: -amplitude,
             amplitude,
             energy,
-            energy_harmonic: PI
-                * (self.force_cos * self.displacement_sin - self.force_sin * self.displacement_cos)
-                / (self.ticks * self.ticks),
+            energy_harmonic: energy,
             stiffness: range / (2.0 * amplitude),
             elastic_energy,
             loss_factor: energy / (TAU * elastic_energy),
-            mean_force: 0.5 * self.force / self.ticks,
-            mean_displacement: 0.5 * self.displacement / self.ticks,
-            ticks: self.ticks,
+            ..Cycle::default()
         }
     }
 }
@@ -111,8 +80,6 @@ pub struct Naive {
     last: Sample,
     sums: Sums,
     begun: bool,
-    /// mm/s²
-    acceleration: f32,
     pub cycle: Option<Cycle>,
 }
 
@@ -131,7 +98,6 @@ impl Naive {
             last: Sample::default(),
             sums: Sums::default(),
             begun: false,
-            acceleration: 0.0,
             cycle: None,
         }
     }
@@ -151,14 +117,11 @@ impl Naive {
         let (sin, cos) = (libm::sinf(theta), libm::cosf(theta));
         let y = self.amplitude * sin;
         let v = self.amplitude * self.angular * cos;
-        self.acceleration = -(self.amplitude * self.angular * self.angular) * sin;
         let damping = self.c * libm::powf(v.abs(), self.alpha);
         let force = self.k1 * y + self.k3 * y * y * y + if v < 0.0 { -damping } else { damping };
         let now = Sample {
             displacement: y,
             force,
-            sin,
-            cos,
         };
         self.cycle = None;
         if !self.begun {
@@ -171,15 +134,13 @@ impl Naive {
             let middle = Sample {
                 displacement: last.displacement + part * (y - last.displacement),
                 force: last.force + part * (force - last.force),
-                sin: 0.0,
-                cos: 1.0,
             };
-            self.sums.add(last, middle, part);
-            self.cycle = Some(self.sums.finish());
+            self.sums.add(last, middle);
+            self.cycle = Some(self.sums.finish(self.amplitude));
             self.sums = Sums::start(middle);
-            self.sums.add(middle, now, 1.0 - part);
+            self.sums.add(middle, now);
         } else {
-            self.sums.add(self.last, now, 1.0);
+            self.sums.add(self.last, now);
         }
         self.last = now;
         self.phase = self.phase.wrapping_add(self.step);

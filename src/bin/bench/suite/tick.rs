@@ -17,7 +17,7 @@ pub const TICK_RATE: f64 = 10_000.0;
 /// Hz: no whole number of ticks to the cycle.
 pub const FREQUENCY: f64 = 9.7;
 /// Cycles at full amplitude.
-pub(super) const CYCLES: u32 = 4;
+pub const CYCLES: u32 = 4;
 /// Ticks that the naive tick is run for, which has no ramps and no end.
 pub const NAIVE_TICKS: u32 = 2200;
 /// Ticks to the block.
