@@ -9,6 +9,7 @@ use std::process::{Child, ChildStdin, ChildStdout, Stdio};
 
 use super::LinkError;
 use super::log::{LogDecoder, LogThread};
+use super::pin::Pin;
 use super::watchdog::Watchdog;
 use crate::error::InputError;
 use crate::image::Board;
@@ -37,6 +38,7 @@ pub struct Emulator {
     answers: ChildStdout,
     watchdog: Watchdog,
     log: LogThread,
+    _pin: Pin,
 }
 
 impl Emulator {
@@ -49,6 +51,7 @@ impl Emulator {
             let mend = "check that qemu-system-arm runs by itself";
             InputError::new("the emulator", format!("does not start: {error}"), mend)
         };
+        let pin = Pin::here();
         let mut process = board
             .emulator(elf)?
             .args(["-semihosting-config", "enable=on,target=native"])
@@ -70,6 +73,7 @@ impl Emulator {
             requests,
             answers,
             log: log.follow(errors),
+            _pin: pin,
         })
     }
 

@@ -4,6 +4,7 @@ mod bench;
 mod emulator;
 mod exchange;
 mod log;
+mod pin;
 mod watchdog;
 
 pub(super) use bench::ImageBench;
