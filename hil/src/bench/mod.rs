@@ -21,6 +21,7 @@
 mod baseline;
 mod count;
 mod exact;
+mod firmware;
 mod judge;
 mod limits;
 mod peer;
@@ -86,6 +87,10 @@ pub fn run(progress: &dyn Fn(&str)) -> Result<Results, InputError> {
         Ok((_, counts)) => results.counts.extend(counts),
         Err(error) => results.left_out.push(error.to_string()),
     }
+    progress("running the firmware's image");
+    let (sizes, rate) = firmware::measure(Core::CortexM4f.board())?;
+    results.sizes.extend(sizes);
+    results.rates.push(rate);
     results.limits = limits::verdicts(&results);
     Ok(results)
 }

@@ -49,6 +49,20 @@ pub fn of_peer(elf: &Path) -> Result<Vec<Size>, InputError> {
     code(&symbols(elf)?, &IN_C)
 }
 
+/// Code that could only be there to panic.
+///
+/// # Errors
+/// A file that cannot be read, is none, or has no symbols.
+pub fn of_panics(elf: &Path) -> Result<u64, InputError> {
+    let symbols = symbols(elf)?;
+    // An image that was stripped would have no panics either.
+    sum(&symbols, &["main"])?;
+    let panics = symbols
+        .iter()
+        .filter(|(name, _)| name.contains("panicking") || name.contains("panic_"));
+    Ok(panics.map(|(_, bytes)| bytes).sum())
+}
+
 type Symbol = (String, u64);
 
 /// Name and bytes of every symbol.

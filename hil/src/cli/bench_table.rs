@@ -166,7 +166,7 @@ fn print_verdict(verdict: &Verdict) {
     let held = match (verdict.figure, verdict.holds(), verdict.excuse) {
         (None, ..) => "not measured",
         (_, true, _) => "held",
-        (_, false, Some(excuse)) => excuse,
+        (_, false, Some(excuse)) => &format!("not reached: {excuse}"),
         (_, false, None) => "NOT HELD",
     };
     say(&format!(

@@ -74,12 +74,16 @@ fn count(meter: &mut impl Meter, name: &str, effects: &[Effect<f32>]) -> Result<
     Ok(())
 }
 
+fn stick_slip(elements: &[(f32, f32)]) -> Result<Effect<f32>, ConfigError> {
+    StickSlip::new(elements).map(Effect::StickSlip)
+}
+
+/// Every effect with the name that it is counted under.
+///
 /// # Errors
 /// None: every value is in its range.
-pub fn run(meter: &mut impl Meter) -> Result<(), Refused> {
-    let stick_slip = |elements| StickSlip::new(elements).map(Effect::StickSlip);
-    let [one, ..] = ELEMENTS;
-    let each = [
+pub fn each() -> Result<[(&'static str, Effect<f32>); EFFECTS], ConfigError> {
+    Ok([
         ("effects/offset", Effect::Offset(Offset::new(0.05)?)),
         ("effects/asymmetry", Effect::Asymmetry(Asymmetry::new(2.0)?)),
         (
@@ -98,7 +102,14 @@ pub fn run(meter: &mut impl Meter) -> Result<(), Refused> {
             "effects/temperature",
             Effect::Temperature(Temperature::new(0.002, 20.0)?),
         ),
-    ];
+    ])
+}
+
+/// # Errors
+/// None: every value is in its range.
+pub fn run(meter: &mut impl Meter) -> Result<(), Refused> {
+    let each = each()?;
+    let [one, ..] = ELEMENTS;
     count(meter, "effects/none", &[])?;
     for (name, effect) in each {
         count(meter, name, &[effect])?;
