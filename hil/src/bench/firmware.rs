@@ -101,7 +101,7 @@ fn published(amplitude: f64) -> Law<f32> {
 }
 
 fn eq_13() -> Result<Setup, Refused> {
-    setup(AugmentedLaw::new(published(AMPLITUDE)), 100)
+    setup(AugmentedLaw::new(published(AMPLITUDE)), 40)
 }
 
 fn every_effect() -> Result<Setup, Refused> {
