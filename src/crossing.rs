@@ -216,7 +216,7 @@ impl Seen {
 #[derive(Clone, Copy, Debug)]
 pub struct CrossingAccumulator {
     detector: CrossingDetector,
-    accumulator: CycleAccumulator,
+    accumulator: CycleAccumulator<1>,
 }
 
 impl CrossingAccumulator {
@@ -250,6 +250,7 @@ impl CrossingAccumulator {
             self.accumulator.reset();
         }
         self.accumulator
-            .update_at(displacement, force, phase, boundary)
+            .update_at(displacement, [force], phase, boundary)
+            .map(|[cycle]| cycle)
     }
 }

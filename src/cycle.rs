@@ -57,90 +57,134 @@ pub struct Cycle {
     pub ticks: f32,
 }
 
-/// One sample with what the harmonics need of it.
+/// One force with what the harmonics need of it.
 #[derive(Clone, Copy, Debug, Default)]
-struct Sample {
-    displacement: f32,
+struct ForceSample {
     force: f32,
-    displacement_sin: f32,
-    displacement_cos: f32,
-    force_sin: f32,
-    force_cos: f32,
+    sin: f32,
+    cos: f32,
 }
 
-impl Sample {
+/// One sample of `F` forces over one displacement, with what the harmonics need of them.
+#[derive(Clone, Copy, Debug)]
+struct Sample<const F: usize> {
+    displacement: f32,
+    sin: f32,
+    cos: f32,
+    forces: [ForceSample; F],
+}
+
+impl<const F: usize> Sample<F> {
     #[inline(always)]
-    fn new(displacement: f32, force: f32, (sin, cos): (f32, f32)) -> Self {
+    fn new(displacement: f32, forces: [f32; F], (sin, cos): (f32, f32)) -> Self {
         Self {
             displacement,
-            force,
-            displacement_sin: displacement * sin,
-            displacement_cos: displacement * cos,
-            force_sin: force * sin,
-            force_cos: force * cos,
+            sin: displacement * sin,
+            cos: displacement * cos,
+            forces: forces.map(|force| ForceSample {
+                force,
+                sin: force * sin,
+                cos: force * cos,
+            }),
         }
     }
 }
 
-/// Sums over the cycle so far. The trapezoids' factor ½ is taken at the end.
+/// Sums over one force. The trapezoids' factor ½ is taken at the end.
 #[derive(Clone, Copy, Debug, Default)]
-struct Integrals {
+struct ForceIntegrals {
     /// F dy
     energy: Sum,
-    /// F dt, y dt, t in ticks
+    /// F dt, t in ticks
     force: Sum,
+    /// F·sin φ dφ and F·cos φ dφ, φ in units of 2⁻³² cycle
+    sin: Sum,
+    cos: Sum,
+    max: f32,
+    min: f32,
+}
+
+impl ForceIntegrals {
+    fn start(at: &ForceSample) -> Self {
+        Self {
+            max: at.force,
+            min: at.force,
+            ..Self::default()
+        }
+    }
+
+    /// The way from `a` to `b` over `way` mm in `time` ticks and `turn` of phase.
+    #[inline(always)]
+    fn add(&mut self, a: &ForceSample, b: &ForceSample, way: f32, time: f32, turn: f32) {
+        let force = a.force + b.force;
+        self.energy.add(force * way);
+        self.force.add(force * time);
+        self.sin.add((a.sin + b.sin) * turn);
+        self.cos.add((a.cos + b.cos) * turn);
+        extend(&mut self.max, &mut self.min, b.force);
+    }
+
+    #[inline(always)]
+    fn fold(&mut self) {
+        self.energy.fold();
+        self.force.fold();
+        self.sin.fold();
+        self.cos.fold();
+    }
+}
+
+/// Comparisons instead of `min` and `max`, which are calls on a Cortex-M.
+#[inline(always)]
+fn extend(max: &mut f32, min: &mut f32, value: f32) {
+    if value > *max {
+        *max = value;
+    }
+    if value < *min {
+        *min = value;
+    }
+}
+
+/// Sums over the cycle so far, as [`ForceIntegrals`].
+#[derive(Clone, Copy, Debug)]
+struct Integrals<const F: usize> {
+    /// y dt
     displacement: Sum,
-    /// y·sin φ dφ and the like, φ in units of 2⁻³² cycle
-    displacement_sin: Sum,
-    displacement_cos: Sum,
-    force_sin: Sum,
-    force_cos: Sum,
-    force_max: f32,
-    force_min: f32,
-    displacement_max: f32,
-    displacement_min: f32,
+    /// y·sin φ dφ and y·cos φ dφ
+    sin: Sum,
+    cos: Sum,
+    max: f32,
+    min: f32,
     /// Ticks but for the fractions at both ends.
     ticks: u32,
     fraction: f32,
+    forces: [ForceIntegrals; F],
 }
 
-impl Integrals {
-    fn start(at: &Sample) -> Self {
+impl<const F: usize> Integrals<F> {
+    fn start(at: &Sample<F>) -> Self {
         Self {
-            force_max: at.force,
-            force_min: at.force,
-            displacement_max: at.displacement,
-            displacement_min: at.displacement,
-            ..Self::default()
+            displacement: Sum::default(),
+            sin: Sum::default(),
+            cos: Sum::default(),
+            max: at.displacement,
+            min: at.displacement,
+            ticks: 0,
+            fraction: 0.0,
+            forces: at.forces.each_ref().map(ForceIntegrals::start),
         }
     }
 
     /// The way from `a` to `b` in `time` ticks and `turn` of phase.
     #[inline(always)]
-    fn add(&mut self, a: &Sample, b: &Sample, time: f32, turn: f32) {
-        let force = a.force + b.force;
-        self.energy.add(force * (b.displacement - a.displacement));
-        self.force.add(force * time);
+    fn add(&mut self, a: &Sample<F>, b: &Sample<F>, time: f32, turn: f32) {
         self.displacement
             .add((a.displacement + b.displacement) * time);
-        self.displacement_sin
-            .add((a.displacement_sin + b.displacement_sin) * turn);
-        self.displacement_cos
-            .add((a.displacement_cos + b.displacement_cos) * turn);
-        self.force_sin.add((a.force_sin + b.force_sin) * turn);
-        self.force_cos.add((a.force_cos + b.force_cos) * turn);
-        // Comparisons instead of `min` and `max`, which are calls on a Cortex-M.
-        if b.force > self.force_max {
-            self.force_max = b.force;
-        }
-        if b.force < self.force_min {
-            self.force_min = b.force;
-        }
-        if b.displacement > self.displacement_max {
-            self.displacement_max = b.displacement;
-        }
-        if b.displacement < self.displacement_min {
-            self.displacement_min = b.displacement;
+        self.sin.add((a.sin + b.sin) * turn);
+        self.cos.add((a.cos + b.cos) * turn);
+        extend(&mut self.max, &mut self.min, b.displacement);
+        let way = b.displacement - a.displacement;
+        for (force, (a, b)) in self.forces.iter_mut().zip(a.forces.iter().zip(&b.forces)) {
+            force.add(a, b, way, time, turn);
         }
     }
 
@@ -149,68 +193,66 @@ impl Integrals {
     fn tick(&mut self) {
         self.ticks = self.ticks.saturating_add(1);
         if self.ticks.is_multiple_of(FOLD) {
-            self.energy.fold();
-            self.force.fold();
             self.displacement.fold();
-            self.displacement_sin.fold();
-            self.displacement_cos.fold();
-            self.force_sin.fold();
-            self.force_cos.fold();
+            self.sin.fold();
+            self.cos.fold();
+            for force in &mut self.forces {
+                force.fold();
+            }
         }
     }
 
-    fn finish(&self) -> Cycle {
-        let amplitude = 0.5 * (self.displacement_max - self.displacement_min);
-        let range = self.force_max - self.force_min;
-        let energy = 0.5 * self.energy.total();
-        // Both harmonics are 2/(2π) times their integral over the phase, whose unit is 2π/2³² and whose ½ is due.
-        let unit = 1.0 / (1u64 << 32) as f32;
-        let [y_sin, y_cos, f_sin, f_cos] = [
-            self.displacement_sin,
-            self.displacement_cos,
-            self.force_sin,
-            self.force_cos,
-        ]
-        .map(|sum| sum.total() * unit);
-        let energy_harmonic = core::f32::consts::PI * (f_cos * y_sin - f_sin * y_cos);
-        let (stiffness, elastic_energy) = if amplitude > AMPLITUDE_MIN {
-            (range / (2.0 * amplitude), 0.25 * range * amplitude)
-        } else {
-            (0.0, 0.0)
-        };
-        let loss_factor = if elastic_energy > f32::MIN_POSITIVE {
-            energy / (core::f32::consts::TAU * elastic_energy)
-        } else {
-            0.0
-        };
+    fn finish(&self) -> [Cycle; F] {
+        let amplitude = 0.5 * (self.max - self.min);
         let ticks = self.ticks as f32 + self.fraction;
         let per_tick = if ticks > 0.0 { 0.5 / ticks } else { 0.0 };
-        Cycle {
-            force_max: self.force_max,
-            force_min: self.force_min,
-            displacement_max: self.displacement_max,
-            displacement_min: self.displacement_min,
-            amplitude,
-            energy,
-            energy_harmonic,
-            stiffness,
-            elastic_energy,
-            loss_factor,
-            mean_force: self.force.total() * per_tick,
-            mean_displacement: self.displacement.total() * per_tick,
-            ticks,
-        }
+        // Both harmonics are 2/(2π) times their integral over the phase, whose unit is 2π/2³² and whose ½ is due.
+        let harmonic = |sum: Sum| sum.total() * (1.0 / (1u64 << 32) as f32);
+        let (y_sin, y_cos) = (harmonic(self.sin), harmonic(self.cos));
+        let mean_displacement = self.displacement.total() * per_tick;
+        self.forces.each_ref().map(|force| {
+            let range = force.max - force.min;
+            let energy = 0.5 * force.energy.total();
+            let energy_harmonic =
+                core::f32::consts::PI * (harmonic(force.cos) * y_sin - harmonic(force.sin) * y_cos);
+            let (stiffness, elastic_energy) = if amplitude > AMPLITUDE_MIN {
+                (range / (2.0 * amplitude), 0.25 * range * amplitude)
+            } else {
+                (0.0, 0.0)
+            };
+            let loss_factor = if elastic_energy > f32::MIN_POSITIVE {
+                energy / (core::f32::consts::TAU * elastic_energy)
+            } else {
+                0.0
+            };
+            Cycle {
+                force_max: force.max,
+                force_min: force.min,
+                displacement_max: self.max,
+                displacement_min: self.min,
+                amplitude,
+                energy,
+                energy_harmonic,
+                stiffness,
+                elastic_energy,
+                loss_factor,
+                mean_force: force.force.total() * per_tick,
+                mean_displacement,
+                ticks,
+            }
+        })
     }
 }
 
-/// Takes one sample of displacement and force a tick and gives a [`Cycle`] each time one is complete.
+/// Takes one sample of displacement and of `F` forces over it a tick, and gives a [`Cycle`] of each force each time one is
+/// complete.
 ///
 /// Only whole cycles are given: what comes before the first end of a cycle is left out, unless it began with the
 /// generator's phase 0.
-#[derive(Clone, Copy, Debug, Default)]
-pub struct CycleAccumulator {
-    sums: Integrals,
-    last: Sample,
+#[derive(Clone, Copy, Debug)]
+pub struct CycleAccumulator<const F: usize> {
+    sums: Integrals<F>,
+    last: Sample<F>,
     last_phase: u32,
     /// A sample has been seen.
     begun: bool,
@@ -218,26 +260,44 @@ pub struct CycleAccumulator {
     whole: bool,
 }
 
-impl CycleAccumulator {
+impl<const F: usize> Default for CycleAccumulator<F> {
+    fn default() -> Self {
+        Self::new()
+    }
+}
+
+impl<const F: usize> CycleAccumulator<F> {
     /// Before the first sample.
     pub fn new() -> Self {
-        Self::default()
+        let last = Sample::new(0.0, [0.0; F], (0.0, 0.0));
+        Self {
+            sums: Integrals::start(&last),
+            last,
+            last_phase: 0,
+            begun: false,
+            whole: false,
+        }
     }
 
     /// Forgets the cycle under way, as after a restart of the generator.
     pub fn reset(&mut self) {
-        *self = Self::default();
+        *self = Self::new();
     }
 
     /// One tick, where the phase is the generator's ([`crate::sine::Excitation::phase`]). A cycle ends where the phase
     /// passes through 0.
     ///
     /// * `displacement`: mm; beyond ±[`limits::DISPLACEMENT`] treated as the limit, NaN as 0
-    /// * `force`: kN; beyond ±[`limits::FORCE`] treated as the limit, NaN as 0
+    /// * `forces`: kN; beyond ±[`limits::FORCE`] treated as the limit, NaN as 0
     /// * `phase`: 2³² to the cycle. It must not go backwards, nor half a cycle or more forward; while it stays 0, as at
     ///   the end of a programme, the cycle does not begin.
     #[inline]
-    pub fn update(&mut self, displacement: f32, force: f32, phase: u32) -> Option<Cycle> {
+    pub fn update(
+        &mut self,
+        displacement: f32,
+        forces: [f32; F],
+        phase: u32,
+    ) -> Option<[Cycle; F]> {
         if phase == 0 && self.last_phase == 0 {
             self.reset();
         }
@@ -248,9 +308,9 @@ impl CycleAccumulator {
         } else {
             None
         };
-        let cycle = self.update_at(displacement, force, phase, boundary);
+        let cycles = self.update_at(displacement, forces, phase, boundary);
         self.whole |= begins;
-        cycle
+        cycles
     }
 
     /// One tick, where the caller knows the end of the cycle: `boundary` is the part of the way from the last sample to
@@ -260,13 +320,13 @@ impl CycleAccumulator {
     pub fn update_at(
         &mut self,
         displacement: f32,
-        force: f32,
+        forces: [f32; F],
         phase: u32,
         boundary: Option<f32>,
-    ) -> Option<Cycle> {
+    ) -> Option<[Cycle; F]> {
         let displacement = displacement.confined(limits::DISPLACEMENT as f32);
-        let force = force.confined(limits::FORCE as f32);
-        let sample = Sample::new(displacement, force, sin_cos(u64::from(phase) << 32));
+        let forces = forces.map(|force| force.confined(limits::FORCE as f32));
+        let sample = Sample::new(displacement, forces, sin_cos(u64::from(phase) << 32));
         let last = core::mem::replace(&mut self.last, sample);
         let last_phase = core::mem::replace(&mut self.last_phase, phase);
         if !self.begun {
@@ -285,26 +345,31 @@ impl CycleAccumulator {
 
     fn end_cycle(
         &mut self,
-        last: &Sample,
-        sample: &Sample,
+        last: &Sample<F>,
+        sample: &Sample<F>,
         boundary: f32,
         last_phase: u32,
         phase: u32,
-    ) -> Option<Cycle> {
+    ) -> Option<[Cycle; F]> {
         let between = |a: f32, b: f32| a + boundary * (b - a);
+        let mut forces = [0.0; F];
+        let both = last.forces.iter().zip(&sample.forces);
+        for (force, (last, sample)) in forces.iter_mut().zip(both) {
+            *force = between(last.force, sample.force);
+        }
         let middle = Sample::new(
             between(last.displacement, sample.displacement),
-            between(last.force, sample.force),
+            forces,
             (0.0, 1.0),
         );
         self.sums
             .add(last, &middle, boundary, last_phase.wrapping_neg() as f32);
         self.sums.fraction += boundary;
-        let cycle = self.whole.then(|| self.sums.finish());
+        let cycles = self.whole.then(|| self.sums.finish());
         self.whole = true;
         self.sums = Integrals::start(&middle);
         self.sums.add(&middle, sample, 1.0 - boundary, phase as f32);
         self.sums.fraction = 1.0 - boundary;
-        cycle
+        cycles
     }
 }

@@ -395,8 +395,8 @@ where
                 measured_force,
                 model_force,
                 excitation.cycle_end,
-                |accumulator, force| {
-                    accumulator.update(estimate.displacement, force, excitation.phase)
+                |accumulator, forces| {
+                    accumulator.update(estimate.displacement, forces, excitation.phase)
                 },
             );
             if excitation.done && self.output.is_running() {

@@ -113,7 +113,7 @@ pub struct VirtualTest<const B: usize, P = Programme<B>> {
     steady: Steady,
     law: RunningLaw<0>,
     generator: SineGenerator<B, P>,
-    accumulator: CycleAccumulator,
+    accumulator: CycleAccumulator<1>,
     results: Cycle,
     completed: u32,
     ramp: bool,
@@ -405,7 +405,10 @@ impl<const B: usize, P: Borrow<Programme<B>>> VirtualTest<B, P> {
             velocity: now.velocity,
             ..Motion::default()
         });
-        if let Some(cycle) = self.accumulator.update(now.displacement, force, now.phase) {
+        if let Some([cycle]) = self
+            .accumulator
+            .update(now.displacement, [force], now.phase)
+        {
             self.results = cycle;
             self.completed = self.completed.wrapping_add(1);
         }
@@ -480,7 +483,7 @@ impl<const B: usize, P: Borrow<Programme<B>>> VirtualTest<B, P> {
         let phase = ((SECTORS as u64 - 1) << 32 | last.phase >> 31) >> SECTORS.ilog2();
         self.accumulator.reset();
         self.accumulator
-            .update(self.steady.amplitude * sin, force, phase as u32);
+            .update(self.steady.amplitude * sin, [force], phase as u32);
         let past = self.walk.phase.saturating_sub(SECTOR_ROUNDING);
         self.generator.steady_ended(u128::from(past) << PHASE_SHIFT);
         self.walk = Walk::PARKED;

@@ -46,11 +46,27 @@ fn run(
         .filter_map(|n| {
             let phase = n as f64 / per_cycle;
             let (y, v) = motion(phase);
-            accumulator.update(y as f32, force(y, v) as f32, u32_phase(phase))
+            update(
+                &mut accumulator,
+                y as f32,
+                force(y, v) as f32,
+                u32_phase(phase),
+            )
         })
         .collect();
     assert_eq!(found.len(), cycles);
     found
+}
+
+/// [`CycleAccumulator::update`] of one force.
+fn update(
+    accumulator: &mut CycleAccumulator<1>,
+    displacement: f32,
+    force: f32,
+    phase: u32,
+) -> Option<Cycle> {
+    let cycles = accumulator.update(displacement, [force], phase);
+    cycles.map(|[cycle]| cycle)
 }
 
 fn near(is: f32, exact: f64, tolerance: f64, what: &str) {
@@ -376,7 +392,7 @@ proptest! {
             let (sin, cos) = (TAU * (n as f64 / per_cycle + shift)).sin_cos();
             let y = (amplitude * sin) as f32;
             let f = law.force(amplitude * sin, amplitude * TAU * cos) as f32;
-            let cycle = accumulator.update(y, f, phase);
+            let cycle = update(&mut accumulator, y, f, phase);
             let exact = plain.update(f64::from(y), f64::from(f), f64::from(phase) / 2f64.powi(32));
             prop_assert_eq!(cycle.is_some(), exact.is_some());
             if let (Some(cycle), Some(exact)) = (cycle, exact) {
@@ -401,7 +417,7 @@ proptest! {
             (0..(2.0 * per_cycle) as u64).find_map(|n| {
                 let (y, v) = sine(n as f64 / per_cycle + shift);
                 let force = factor * (0.3 * v + k * y + 10.0 * k * y * y * y);
-                accumulator.update(y as f32, force as f32, u32_phase(n as f64 / per_cycle))
+                update(&mut accumulator, y as f32, force as f32, u32_phase(n as f64 / per_cycle))
             }).unwrap()
         };
         let plain = run(0.0, 1.0, 0.0);
@@ -430,7 +446,7 @@ proptest! {
         let mut by_crossing = CrossingAccumulator::new(hysteresis).unwrap();
         let mut seen = 0;
         for (n, (y, f)) in samples.into_iter().enumerate() {
-            if let Some(cycle) = by_phase.update(y, f, u32_phase(n as f64 / 7.3)) {
+            if let Some(cycle) = update(&mut by_phase, y, f, u32_phase(n as f64 / 7.3)) {
                 prop_assert!(finite(cycle), "{:?}", cycle);
                 seen += 1;
             }
@@ -470,7 +486,7 @@ fn every_cell_of_the_table_in_f32_is_the_f64() {
                 break;
             }
             let force = law32.force(tick.displacement, tick.velocity);
-            let cycle = accumulator.update(tick.displacement, force, tick.phase);
+            let cycle = update(&mut accumulator, tick.displacement, force, tick.phase);
             let phase = (n % 10_000) as f64 / rate;
             let (sin, cos) = (TAU * phase).sin_cos();
             // f64's own cosine is 6e-17 where it ought to be 0, and |v|^α would blow that up.
@@ -511,7 +527,12 @@ fn a_long_run_does_not_drift() {
     for n in 0..=200_000 * 50u64 {
         let (y, v) = samples[(n % 50) as usize];
         let phase = (((n % 50) << 32) / 50) as u32;
-        if let Some(cycle) = accumulator.update(y as f32, (3.0 * y + 0.2 * v) as f32, phase) {
+        if let Some(cycle) = update(
+            &mut accumulator,
+            y as f32,
+            (3.0 * y + 0.2 * v) as f32,
+            phase,
+        ) {
             assert_eq!(*first.get_or_insert(cycle), cycle);
             found += 1;
         }
@@ -528,7 +549,12 @@ fn ten_million_ticks_in_one_cycle() {
         .find_map(|i| {
             let (sin, cos) = (TAU * i as f64 / n as f64).sin_cos();
             let phase = ((i << 32) / n) as u32;
-            accumulator.update(sin as f32, (sin + 0.5 * cos + 2.0) as f32, phase)
+            update(
+                &mut accumulator,
+                sin as f32,
+                (sin + 0.5 * cos + 2.0) as f32,
+                phase,
+            )
         })
         .unwrap();
     // A displacement's rounding is 6e-8 of X0, much more than its step, yet falls out of the sum but for the force's
@@ -570,11 +596,31 @@ fn degenerate_cycles_have_defined_results() {
 }
 
 #[test]
+fn forces_over_one_displacement_are_as_each_alone() {
+    let mut both = CycleAccumulator::<2>::new();
+    let mut alone = [CycleAccumulator::<1>::new(); 2];
+    let mut compared = 0;
+    for n in 0..1_000 {
+        let phase = f64::from(n) / 137.3;
+        let (y, v) = sine(phase);
+        let (y, phase) = (y as f32, u32_phase(phase));
+        let forces = [(2.0 * y + v as f32), 0.3 - v as f32];
+        let cycles = both.update(y, forces, phase);
+        for (index, accumulator) in alone.iter_mut().enumerate() {
+            let cycle = update(accumulator, y, forces[index], phase);
+            assert_eq!(cycles.map(|cycles| cycles[index]), cycle);
+            compared += usize::from(cycle.is_some());
+        }
+    }
+    assert_eq!(compared, 2 * 7);
+}
+
+#[test]
 fn only_whole_cycles_are_given() {
     let mut accumulator = CycleAccumulator::new();
     let mut at = |phase: f64| {
         let (y, v) = sine(phase);
-        accumulator.update(y as f32, v as f32, u32_phase(phase))
+        update(&mut accumulator, y as f32, v as f32, u32_phase(phase))
     };
     // From a quarter on, the cycle under way is no whole one; the next is.
     let found: Vec<_> = (25..250).filter_map(|n| at(f64::from(n) / 100.0)).collect();
@@ -584,11 +630,12 @@ fn only_whole_cycles_are_given() {
     // A generator that holds at 0 does not lengthen the cycle that follows.
     accumulator.reset();
     let held = (0..500)
-        .filter_map(|_| accumulator.update(0.0, 0.0, 0))
+        .filter_map(|_| update(&mut accumulator, 0.0, 0.0, 0))
         .count();
     assert_eq!(held, 0);
     let first = (1..=100).find_map(|n| {
-        accumulator.update(
+        update(
+            &mut accumulator,
             sine(f64::from(n) / 100.0).0 as f32,
             0.0,
             u32_phase(f64::from(n) / 100.0),

@@ -85,9 +85,12 @@ fn parts(
             velocity: now.velocity,
             ..Motion::default()
         });
-        given
-            .cycles
-            .extend(accumulator.update(now.displacement, force, now.phase));
+        given.cycles.extend(
+            accumulator
+                .update(now.displacement, [force], now.phase)
+                .into_iter()
+                .flatten(),
+        );
         if now.done {
             return given;
         }

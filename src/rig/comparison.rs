@@ -7,37 +7,31 @@ use crate::sum::{FOLD, Sum};
 /// The cycles of the measured force and of the model's, and the error between them.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Comparison {
-    measured: CycleAccumulator,
-    model: CycleAccumulator,
+    /// Of the measured force and of the model's.
+    cycles: CycleAccumulator<2>,
     error_square: Sum,
     force_square: Sum,
     ticks: u32,
 }
 
 impl Comparison {
-    /// One tick's forces in kN. `accumulate` gives a force to its accumulator, with the displacement and phase that both
-    /// share; `ended` says that a cycle ended before this tick.
+    /// One tick's forces in kN. `accumulate` gives both to the accumulator, with their displacement and phase; `ended` says
+    /// that a cycle ended before this tick.
     #[inline]
     pub(super) fn update(
         &mut self,
         measured: f32,
         model: f32,
         ended: bool,
-        accumulate: impl Fn(&mut CycleAccumulator, f32) -> Option<Cycle>,
-    ) -> Option<(Cycle, Cycle, f32)> {
-        let cycles = (
-            outlined(&accumulate, &mut self.measured, measured),
-            outlined(&accumulate, &mut self.model, model),
-        );
+        accumulate: impl FnOnce(&mut CycleAccumulator<2>, [f32; 2]) -> Option<[Cycle; 2]>,
+    ) -> Option<([Cycle; 2], f32)> {
+        let cycles = accumulate(&mut self.cycles, [measured, model]);
         let report = if ended {
             let nrmse = self.nrmse();
             self.error_square = Sum::default();
             self.force_square = Sum::default();
             self.ticks = 0;
-            match cycles {
-                (Some(measured), Some(model)) => Some((measured, model, nrmse)),
-                _ => None,
-            }
+            cycles.map(|cycles| (cycles, nrmse))
         } else {
             None
         };
@@ -63,20 +57,10 @@ impl Comparison {
     }
 }
 
-/// Both accumulators by one piece of code: it is long.
-#[inline(never)]
-fn outlined(
-    accumulate: &impl Fn(&mut CycleAccumulator, f32) -> Option<Cycle>,
-    accumulator: &mut CycleAccumulator,
-    force: f32,
-) -> Option<Cycle> {
-    accumulate(accumulator, force)
-}
-
 impl CycleReport {
     /// `results` as [`Comparison::update`] gives them, of the cycle before the `cycles` completed.
     pub(super) fn new(
-        (measured, model, nrmse): (Cycle, Cycle, f32),
+        ([measured, model], nrmse): ([Cycle; 2], f32),
         block: usize,
         cycles: u32,
         ramp: bool,

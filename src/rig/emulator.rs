@@ -194,10 +194,10 @@ where
         }
         let results =
             self.comparison
-                .update(measured_force, model_force, ended, |accumulator, force| {
+                .update(measured_force, model_force, ended, |accumulator, forces| {
                     accumulator.update_at(
                         estimate.displacement,
-                        force,
+                        forces,
                         crossing.phase,
                         crossing.boundary,
                     )

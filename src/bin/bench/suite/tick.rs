@@ -156,7 +156,7 @@ pub fn small(meter: &mut impl Meter) -> Result<(), ConfigError> {
 struct Parts {
     generator: SineGenerator<1>,
     law: RunningLaw<0>,
-    accumulator: CycleAccumulator,
+    accumulator: CycleAccumulator<1>,
     when: When,
     cycle: Option<Cycle>,
 }
@@ -168,7 +168,10 @@ extern "C" fn tick_of_parts(parts: &mut Parts, _: f32, _: f32) -> f32 {
         velocity: now.velocity,
         ..Motion::default()
     });
-    parts.cycle = parts.accumulator.update(now.displacement, force, now.phase);
+    parts.cycle = parts
+        .accumulator
+        .update(now.displacement, [force], now.phase)
+        .map(|[cycle]| cycle);
     parts.when = When::of(now.done, now.ramp, now.cycle_end);
     force
 }
