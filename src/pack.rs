@@ -24,7 +24,7 @@ use crate::tabulated::TabulatedLaw;
 pub const VERSION: u16 = 1;
 /// Bytes before the body.
 const HEADER: usize = 12;
-/// Most bytes of a pack: header, coefficients and seed are 284, eight effects of the largest kind 50 each.
+/// Most bytes of a pack: header, coefficients and seed are 284, and no effect takes more than 50.
 pub const LARGEST: usize = 768;
 
 const MAGIC: [u8; 4] = *b"MDCP";
@@ -122,9 +122,9 @@ pub fn encode<'b, const N: usize>(
     for value in law.damping().scale() {
         writer.f32(*value);
     }
-    let effects = law.augmented().effects();
-    writer.u8(u8::try_from(effects.len()).map_err(|_| too_short)?);
-    for effect in effects {
+    let effects = || law.augmented().effects();
+    writer.u8(u8::try_from(effects().count()).map_err(|_| too_short)?);
+    for effect in effects() {
         effect.pack(&mut writer);
     }
     let length = room - writer.left().ok_or(too_short)?;

@@ -4,6 +4,8 @@
 //! ticks that follow, a row a tick, so that no tick bears the whole: the row that the tick needs, or one more in turn where the
 //! tick before needed the same. So every force is the new law's from the first tick on.
 
+use core::mem::discriminant;
+
 use crate::effects::{AugmentedLaw, AugmentedState, Motion};
 use crate::law::Law;
 use crate::power::{PowerSeed, PowerTable, ROWS};
@@ -57,7 +59,7 @@ fn seed(law: &Law<f32>) -> PowerSeed {
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum Waiting {
     No,
-    /// With the same kinds of effects in the same order: what they remember stays.
+    /// With the same kinds of effects: what they remember stays.
     SameEffects,
     OtherEffects,
 }
@@ -75,7 +77,7 @@ pub struct RunningLaw<const N: usize> {
     /// Rows of the table that hold the law in force, and one beside them, which the last velocity needed.
     filled: usize,
     needed: usize,
-    state: AugmentedState<f32, N>,
+    state: AugmentedState<f32>,
 }
 
 impl<const N: usize> RunningLaw<N> {
@@ -132,8 +134,8 @@ impl<const N: usize> RunningLaw<N> {
             (first, second)
         };
         write(slot)?;
-        let kinds = slot.augmented.effects().iter().map(core::mem::discriminant);
-        let known = law.augmented.effects().iter().map(core::mem::discriminant);
+        let kinds = slot.augmented.effects().map(|effect| discriminant(&effect));
+        let known = law.augmented.effects().map(|effect| discriminant(&effect));
         self.waiting = if kinds.eq(known) {
             Waiting::SameEffects
         } else {
@@ -143,7 +145,7 @@ impl<const N: usize> RunningLaw<N> {
     }
 
     /// A cycle has ended: the waiting law takes over. What the effects remember stays where the new law has the same
-    /// kinds of effects in the same order, and is at rest otherwise.
+    /// kinds of effects, and is at rest otherwise.
     #[inline]
     pub fn boundary(&mut self) {
         if self.waiting == Waiting::No {

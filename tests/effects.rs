@@ -292,6 +292,22 @@ fn a_full_set_refuses_one_more() {
     );
 }
 
+/// Two of a kind are one with other coefficients, or more elements.
+#[test]
+fn a_second_effect_of_a_kind_is_refused() {
+    let law = one_of_each::<f64>();
+    let mut roomy = AugmentedLaw::<f64, 18>::new(*law.law());
+    for effect in law.effects() {
+        roomy = roomy.with(effect).unwrap();
+        let again = roomy.clone().with(effect);
+        assert!(
+            matches!(again, Err(ConfigError::Full { capacity: 1, .. })),
+            "{again:?}"
+        );
+    }
+    assert_eq!(roomy.effects().count(), 9);
+}
+
 #[test]
 fn constructors_name_the_field_they_refuse() {
     let field = |error: ConfigError| match error {

@@ -13,6 +13,8 @@ pub struct Asymmetry<R> {
 }
 
 impl<R: Real> Asymmetry<R> {
+    pub(super) const NONE: Self = Self { k2: R::ZERO };
+
     /// * `k2`: kN/mm², −1e9…1e9
     ///
     /// # Errors

@@ -46,8 +46,7 @@ impl<R: Real> EffectForce<R> for Drift<R> {
         in_range("rate", self.rate, -core::f64::consts::LOG2_E / 0.1, 0.0).map(|_| ())
     }
 
-    // Not inlined: its registers and constants are no matter of ticks without it.
-    #[inline(never)]
+    #[inline(always)]
     fn force(&self, _: &mut (), motion: &ConfinedMotion<R>, _: R) -> R {
         let change = self.stiffness * motion.displacement();
         change - change * (motion.cycles() * self.rate).exp2_of_negative()

@@ -12,6 +12,8 @@ pub struct Hardening<R> {
 }
 
 impl<R: Real> Hardening<R> {
+    pub(super) const NONE: Self = Self { k5: R::ZERO };
+
     /// * `k5`: kN/mm⁵, −1e9…1e9
     ///
     /// # Errors

@@ -16,6 +16,8 @@ pub struct Inertia<R> {
 }
 
 impl<R: Real> Inertia<R> {
+    pub(super) const NONE: Self = Self { mass: R::ZERO };
+
     /// * `mass`: kg, −1e6…1e6. A negative one is what a load cell shows that was compensated for too much mass.
     ///
     /// # Errors

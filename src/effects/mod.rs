@@ -129,24 +129,17 @@ pub trait EffectForce<R: Real> {
 
 macro_rules! effects {
     (
-        without_memory: $($(#[$doc:meta])* $name:ident),+;
-        with_memory: $($(#[$memory_doc:meta])* $memory:ident),+;
+        plain: $($(#[$doc:meta])* $field:ident: $name:ident),+;
+        costly: $($(#[$costly_doc:meta])* $costly_field:ident: $costly:ident),+;
+        with_memory: $($(#[$memory_doc:meta])* $memory_field:ident: $memory:ident),+;
     ) => {
         /// Any one effect's configuration.
         #[derive(Clone, Copy, Debug, PartialEq)]
         #[non_exhaustive]
         pub enum Effect<R> {
             $($(#[$doc])* $name($name<R>),)+
+            $($(#[$costly_doc])* $costly($costly<R>),)+
             $($(#[$memory_doc])* $memory($memory<R>)),+
-        }
-
-        /// What any one effect remembers.
-        #[derive(Clone, Copy, Debug)]
-        #[non_exhaustive]
-        pub enum EffectState<R: Real> {
-            /// Before the first tick; for good where the effect remembers nothing.
-            AtRest,
-            $($(#[$memory_doc])* $memory(<$memory<R> as EffectForce<R>>::State)),+
         }
 
         impl<R: Real> Effect<R> {
@@ -155,76 +148,131 @@ macro_rules! effects {
             pub(crate) fn check(&self) -> Result<(), ConfigError> {
                 match self {
                     $(Self::$name(effect) => effect.check(),)+
+                    $(Self::$costly(effect) => effect.check(),)+
                     $(Self::$memory(effect) => effect.check()),+
                 }
             }
+        }
 
-            /// The force in kN that the effect adds on this tick. It begins at rest where the state is
-            /// [`EffectState::AtRest`] or another effect's.
+        /// Up to one effect of each kind. The plain ones are a multiplication or two and are all taken where one is there.
+        #[derive(Clone, Debug, PartialEq)]
+        struct Effects<R> {
+            plain: bool,
+            $($field: $name<R>,)+
+            $($costly_field: Option<$costly<R>>,)+
+            $($memory_field: Option<$memory<R>>),+
+        }
+
+        /// What the effects of an [`AugmentedLaw`] remember: nothing before the first tick.
+        #[derive(Clone, Debug)]
+        pub struct AugmentedState<R: Real> {
+            $($memory_field: Option<<$memory<R> as EffectForce<R>>::State>),+
+        }
+
+        impl<R: Real> AugmentedState<R> {
+            /// Before the first tick, whatever the effects are. All bits are 0.
+            pub(crate) const AT_REST: Self = Self {
+                $($memory_field: None),+
+            };
+        }
+
+        impl<R: Real> Effects<R> {
+            const NONE: Self = Self {
+                plain: false,
+                $($field: $name::NONE,)+
+                $($costly_field: None,)+
+                $($memory_field: None),+
+            };
+
+            fn add(&mut self, effect: Effect<R>) -> Result<(), ConfigError> {
+                let full = |field| Err(ConfigError::Full { field, capacity: 1 });
+                match effect {
+                    $(Effect::$name(_) if self.$field != $name::NONE => return full(stringify!($field)),
+                    Effect::$name(effect) => {
+                        self.plain = true;
+                        self.$field = effect;
+                    })+
+                    $(Effect::$costly(_) if self.$costly_field.is_some() => {
+                        return full(stringify!($costly_field))
+                    }
+                    Effect::$costly(effect) => self.$costly_field = Some(effect),)+
+                    $(Effect::$memory(_) if self.$memory_field.is_some() => {
+                        return full(stringify!($memory_field))
+                    }
+                    Effect::$memory(effect) => self.$memory_field = Some(effect),)+
+                }
+                Ok(())
+            }
+
+            fn iter(&self) -> impl Iterator<Item = Effect<R>> {
+                [
+                    $((self.$field != $name::NONE).then_some(Effect::$name(self.$field)),)+
+                    $(self.$costly_field.map(Effect::$costly),)+
+                    $(self.$memory_field.map(Effect::$memory)),+
+                ]
+                .into_iter()
+                .flatten()
+            }
+
             #[inline(always)]
-            pub fn force(
+            fn add_force(
                 &self,
-                state: &mut EffectState<R>,
+                state: &mut AugmentedState<R>,
                 motion: &ConfinedMotion<R>,
                 law_force: R,
             ) -> R {
-                match self {
-                    $(Self::$name(effect) => effect.force(&mut (), motion, law_force),)+
-                    $(Self::$memory(effect) => {
-                        if let EffectState::$memory(own) = state {
-                            return effect.force(own, motion, law_force);
-                        }
-                        let (own, force) = effect.first(motion, law_force);
-                        *state = EffectState::$memory(own);
-                        force
-                    })+
+                let mut total = law_force;
+                if self.plain {
+                    $(total += self.$field.force(&mut (), motion, law_force);)+
                 }
+                $(if let Some(effect) = &self.$costly_field {
+                    total += effect.force(&mut (), motion, law_force);
+                })+
+                $(if let Some(effect) = &self.$memory_field {
+                    total += match &mut state.$memory_field {
+                        Some(own) => effect.force(own, motion, law_force),
+                        own => {
+                            let (first, force) = effect.first(motion, law_force);
+                            *own = Some(first);
+                            force
+                        }
+                    };
+                })+
+                total
             }
         }
     };
 }
 
 effects! {
-    without_memory:
+    plain:
     /// A constant force.
-    Offset,
+    offset: Offset,
     /// Even stiffness.
-    Asymmetry,
+    asymmetry: Asymmetry,
     /// Odd stiffness above the cubic.
-    Hardening,
+    hardening: Hardening,
     /// A linear dashpot.
-    Viscous,
+    viscous: Viscous,
     /// A moving mass.
-    Inertia,
-    /// A stiffness that settles with the cycles.
-    Drift,
+    inertia: Inertia,
     /// A force that scales with temperature.
-    Temperature;
+    temperature: Temperature;
+    costly:
+    /// A stiffness that settles with the cycles.
+    drift: Drift;
     with_memory:
     /// Rate-independent friction with elastic pre-sliding.
-    StickSlip,
+    stick_slip: StickSlip,
     /// A spring and a dashpot in series.
-    Relaxation;
+    relaxation: Relaxation;
 }
 
-/// Eq 13 and up to `N` added effects.
+/// Eq 13 and up to `N` added effects, one of each kind.
 #[derive(Clone, Debug, PartialEq)]
 pub struct AugmentedLaw<R, const N: usize> {
     law: Law<R>,
-    effects: heapless::Vec<Effect<R>, N>,
-}
-
-/// What the effects of an [`AugmentedLaw`] remember.
-#[derive(Clone, Debug)]
-pub struct AugmentedState<R: Real, const N: usize> {
-    effects: [EffectState<R>; N],
-}
-
-impl<R: Real, const N: usize> AugmentedState<R, N> {
-    /// Whatever the effects are: a state of another effect counts as the effect's own at rest. All bits are 0.
-    pub(crate) const AT_REST: Self = Self {
-        effects: [EffectState::AtRest; N],
-    };
+    effects: Effects<R>,
 }
 
 impl<R: Real, const N: usize> AugmentedLaw<R, N> {
@@ -232,14 +280,14 @@ impl<R: Real, const N: usize> AugmentedLaw<R, N> {
     pub const fn new(law: Law<R>) -> Self {
         Self {
             law,
-            effects: heapless::Vec::new(),
+            effects: Effects::NONE,
         }
     }
 
-    /// The law with one more effect.
+    /// The law with one more effect. A plain one whose every coefficient is 0 is none.
     ///
     /// # Errors
-    /// [`ConfigError::Full`] when `N` effects are in it already.
+    /// [`ConfigError::Full`] when `N` effects are in it already, or, naming the kind, one of this kind.
     pub fn with(mut self, effect: Effect<R>) -> Result<Self, ConfigError> {
         self.push(effect)?;
         Ok(self)
@@ -247,15 +295,18 @@ impl<R: Real, const N: usize> AugmentedLaw<R, N> {
 
     /// Takes all effects out.
     pub(crate) fn clear(&mut self) {
-        self.effects.clear();
+        self.effects = Effects::NONE;
     }
 
     /// [`AugmentedLaw::with`] in place.
     pub(crate) fn push(&mut self, effect: Effect<R>) -> Result<(), ConfigError> {
-        self.effects.push(effect).map_err(|_| ConfigError::Full {
-            field: "effects",
-            capacity: N,
-        })
+        if self.effects().count() >= N {
+            return Err(ConfigError::Full {
+                field: "effects",
+                capacity: N,
+            });
+        }
+        self.effects.add(effect)
     }
 
     /// The same effects beside another eq 13: when the amplitude changes and its coefficients are tabulated over it.
@@ -268,19 +319,19 @@ impl<R: Real, const N: usize> AugmentedLaw<R, N> {
         &self.law
     }
 
-    /// The added effects, in order.
-    pub fn effects(&self) -> &[Effect<R>] {
-        &self.effects
+    /// The added effects, in the order of [`Effect`].
+    pub fn effects(&self) -> impl Iterator<Item = Effect<R>> {
+        self.effects.iter()
     }
 
     /// All effects at rest.
-    pub fn at_rest(&self) -> AugmentedState<R, N> {
+    pub fn at_rest(&self) -> AugmentedState<R> {
         AugmentedState::AT_REST
     }
 
     /// Force in kN on this tick: the law's and every effect's. Call it once per tick.
     #[inline]
-    pub fn force(&self, state: &mut AugmentedState<R, N>, motion: &Motion<R>) -> R {
+    pub fn force(&self, state: &mut AugmentedState<R>, motion: &Motion<R>) -> R {
         let motion = motion.confined();
         let law_force = self.law.force(motion.displacement(), motion.velocity());
         self.with_effects(state, &motion, law_force)
@@ -290,14 +341,13 @@ impl<R: Real, const N: usize> AugmentedLaw<R, N> {
     #[inline(always)]
     pub(crate) fn with_effects(
         &self,
-        state: &mut AugmentedState<R, N>,
+        state: &mut AugmentedState<R>,
         motion: &ConfinedMotion<R>,
         law_force: R,
     ) -> R {
-        let mut total = law_force;
-        for (effect, state) in self.effects.iter().zip(&mut state.effects) {
-            total += effect.force(state, motion, law_force);
+        if N == 0 {
+            return law_force;
         }
-        total
+        self.effects.add_force(state, motion, law_force)
     }
 }

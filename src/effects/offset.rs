@@ -12,6 +12,8 @@ pub struct Offset<R> {
 }
 
 impl<R: Real> Offset<R> {
+    pub(super) const NONE: Self = Self { force: R::ZERO };
+
     /// * `force`: kN, −1e9…1e9
     ///
     /// # Errors

@@ -14,6 +14,11 @@ pub struct Temperature<R> {
 }
 
 impl<R: Real> Temperature<R> {
+    pub(super) const NONE: Self = Self {
+        beta: R::ZERO,
+        rise: R::ZERO,
+    };
+
     /// * `beta`: loss of force per degree, 1/°C, −1…1
     /// * `reference`: T0, the temperature at which the law's coefficients hold, °C, −273.15…1e4
     ///

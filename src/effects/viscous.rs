@@ -12,6 +12,8 @@ pub struct Viscous<R> {
 }
 
 impl<R: Real> Viscous<R> {
+    pub(super) const NONE: Self = Self { c1: R::ZERO };
+
     /// * `c1`: kN·s/mm, −1e9…1e9. A negative one is allowed: it may take back what |v|^α gives too much of.
     ///
     /// # Errors

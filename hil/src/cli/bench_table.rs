@@ -81,7 +81,8 @@ const SECTIONS: [Section; 5] = [
             row("effects/inertia", "call", "inertia"),
             row("effects/drift", "call", "drift"),
             row("effects/temperature", "call", "temperature"),
-            row("effects/all", "call", "all nine"),
+            row("effects/all_stick_slip_1", "call", "all nine, 1 element"),
+            row("effects/all", "call", "all nine, 6 elements"),
         ],
     },
     Section {

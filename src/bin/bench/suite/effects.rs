@@ -115,6 +115,13 @@ pub fn run(meter: &mut impl Meter) -> Result<(), Refused> {
         count(meter, name, &[effect])?;
     }
     count(meter, "effects/stick_slip_1", &[stick_slip(&[one])?])?;
-    count(meter, "effects/all", &each.map(|(_, effect)| effect))?;
+    let all = each.map(|(_, effect)| effect);
+    count(meter, "effects/all", &all)?;
+    let one = stick_slip(&[one])?;
+    let all_one = all.map(|effect| match effect {
+        Effect::StickSlip(_) => one,
+        other => other,
+    });
+    count(meter, "effects/all_stick_slip_1", &all_one)?;
     Ok(())
 }
