@@ -221,11 +221,11 @@ impl Upload {
         }
     }
 
-    /// The next part, whose first byte is byte `offset` of the pack. Offset 0 begins anew.
+    /// The next part, whose first byte is byte `offset` of the pack. Offset 0 begins anew, whatever comes of it.
     ///
     /// # Errors
     /// [`PackError::Order`] for a part that does not follow, [`PackError::Length`] for more bytes than [`LARGEST`]. What
-    /// came before stays.
+    /// came before stays, for the part that does follow.
     pub fn part(&mut self, offset: usize, bytes: &[u8]) -> Result<(), PackError> {
         if offset == 0 {
             self.received = 0;

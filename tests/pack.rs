@@ -1,13 +1,13 @@
 //! Coefficient packs: what goes in comes out, and nothing that is damaged does.
 
 use mesh_damper::effects::{
-    AugmentedLaw, Effect, EffectParameters, MAX_STICK_SLIP_ELEMENTS, StickSlip,
+    AugmentedLaw, Effect, EffectParameters, MAX_STICK_SLIP_ELEMENTS, Motion, StickSlip,
 };
 use mesh_damper::error::ConfigError;
 use mesh_damper::law::Law;
 use mesh_damper::pack::{self, LARGEST, PackError, Upload};
-use mesh_damper::power::{PowerSeed, PowerTable};
-use mesh_damper::tabulated::TabulatedLaw;
+use mesh_damper::power::PowerSeed;
+use mesh_damper::tabulated::{RunningLaw, TabulatedLaw};
 use proptest::prelude::*;
 
 const EFFECTS: usize = 8;
@@ -92,6 +92,34 @@ fn the_largest_effect_fits_often_enough() {
     let largest = Effect::StickSlip(StickSlip::new(&elements).unwrap());
     let effect = pack(&[largest]).len() - pack(&[]).len();
     assert!(pack(&[]).len() + every_effect().len() * effect <= LARGEST);
+}
+
+/// What a constructor takes, the rig takes too, though it sees only the numbers that were made of it.
+#[test]
+fn effects_at_the_ends_of_their_ranges_survive() {
+    let ends = [
+        EffectParameters::Offset { force: 1e9 },
+        EffectParameters::Drift {
+            stiffness: -1e9,
+            cycles: 1e9,
+        },
+        EffectParameters::Relaxation {
+            stiffness: 1e9,
+            time: 1e6,
+            tick: 1e-7,
+        },
+        EffectParameters::Relaxation {
+            stiffness: -1e9,
+            time: 1e-6,
+            tick: 1e3,
+        },
+        EffectParameters::StickSlip(core::iter::empty().collect()),
+    ];
+    for parameters in ends {
+        let effect = parameters.effect().unwrap();
+        let decoded = decode(&pack(&[effect])).unwrap();
+        assert_eq!(decoded.augmented().effects(), [effect]);
+    }
 }
 
 /// What the crate lays out by hand is postcard's own.
@@ -268,17 +296,32 @@ proptest! {
     #[test]
     fn what_is_not_refused_is_a_law(
         changes in prop::collection::vec((any::<prop::sample::Index>(), any::<u8>()), 1..8),
-        velocity in -1e6f32..1e6,
+        last in any::<bool>(),
+        amplitude in 1e-3f32..1e4,
+        frequency in 0.1f32..100.0,
     ) {
-        let mut body = pack(&every_effect()[..EFFECTS])[12..].to_vec();
+        let every = every_effect();
+        let effects = if last { &every[1..] } else { &every[..EFFECTS] };
+        let mut body = pack(effects)[12..].to_vec();
         for (index, value) in changes {
             let index = index.index(body.len());
             body[index] = value;
         }
         if let Ok(law) = decode(&with_header(&body)) {
-            let table = PowerTable::new(law.damping());
-            prop_assert!(table.damping_force(velocity).is_finite());
-            prop_assert!(law.augmented().law().force(0.1, velocity).is_finite());
+            let mut law = RunningLaw::new(law);
+            let angular = core::f32::consts::TAU * frequency;
+            for tick in 0..100 {
+                let cycles = 0.03 * tick as f32;
+                let (sin, cos) = (core::f32::consts::TAU * cycles).sin_cos();
+                let force = law.force(&Motion {
+                    displacement: amplitude * sin,
+                    velocity: amplitude * angular * cos,
+                    acceleration: -amplitude * angular * angular * sin,
+                    cycles,
+                    temperature: 20.0 + cycles,
+                });
+                prop_assert!(force.is_finite());
+            }
         }
     }
 
