@@ -197,8 +197,22 @@ fn a_stop_is_the_hosts_too_and_the_log_tells_it_with_its_time_and_level() {
         .unwrap();
     assert_eq!(stop.text, "stopped: DisplacementLimit");
     assert_eq!(f64::from(stop.tick), (time * 1e4).round() + 1.0);
-    let told = |text: &str| lines.iter().any(|line| line.text.contains(text));
-    assert!(told("start: true") && told("block 0") && told("coefficient pack accepted"));
+    let logged = |level, text: &str| {
+        let of_level = |line: &&LogLine| line.level == level;
+        let mut found = lines.iter().filter(of_level);
+        found.any(|line| line.text.starts_with(text))
+    };
+    for text in ["start: true", "block 0", "coefficient pack accepted"] {
+        assert!(logged(LogLevel::Info, text), "{text}: {lines:?}");
+    }
+    for report in &run.cycles {
+        let text = format!(
+            "cycle {}: stiffness {} kN/mm, loss factor {}, ",
+            report.cycle, report.measured.stiffness, report.measured.loss_factor
+        );
+        assert!(logged(LogLevel::Info, &text), "{text}: {lines:?}");
+    }
+    assert!(lines.is_sorted_by_key(|line| line.tick));
 }
 
 /// Loses, repeats, cuts and damages a tenth of the frames each, in both directions.
@@ -274,8 +288,8 @@ fn a_link_that_loses_repeats_cuts_and_damages_changes_nothing() {
         assert!(f64::from(count) > 0.09 * exchanges, "{injected:?}");
     }
     assert!(image.repeated() > run.ticks / 3);
-    // A request takes 1/(1 − p)² tries, p being what is lost of it: none here took more than a few.
-    assert!(image.most_tries() < 20, "{}", image.most_tries());
+    // 0.7² of the tries go well: that one of 10⁵ requests takes a hundred has a chance of 10⁻²⁴.
+    assert!(image.most_tries() < 100, "{}", image.most_tries());
 }
 
 #[test]
@@ -305,9 +319,13 @@ fn a_lost_frame_is_asked_for_again_when_nothing_moves() {
 
 #[test]
 fn a_damaged_pack_is_refused_and_the_law_in_force_stays() {
-    let Some(mut image) = image_on(Board::Mps2An386) else {
+    if emulated::image(&FIRMWARE, Board::Mps2An386).is_none() {
         return;
-    };
+    }
+    let lines = Arc::new(Mutex::new(Vec::<LogLine>::new()));
+    let sink = lines.clone();
+    let sink = Box::new(move |line| sink.lock().unwrap().push(line));
+    let mut image = Image::start(Board::Mps2An386, sink).unwrap();
     let law = law(&every_effect()[..2]);
     image.send_pack(&pack(&law)).unwrap();
     let motion = Motion {
@@ -339,9 +357,16 @@ fn a_damaged_pack_is_refused_and_the_law_in_force_stays() {
     }
     image.send_pack(&good).unwrap();
     let mut host = RunningLaw::new(other);
-    let mut forces = Vec::new();
-    image.forces(&[motion], &mut forces).unwrap();
-    assert_eq!(forces[0].to_bits(), host.force(&motion).to_bits());
+    assert_eq!(force(&mut image).to_bits(), host.force(&motion).to_bits());
+    drop(image);
+    let lines = lines.lock().unwrap();
+    let count = |level, text: &str| {
+        let is = |line: &&LogLine| line.level == level && line.text == text;
+        lines.iter().filter(is).count()
+    };
+    assert_eq!(count(LogLevel::Info, "coefficient pack accepted"), 2);
+    let damaged = 8 * good.len() + good.len() - 1;
+    assert_eq!(count(LogLevel::Warn, "coefficient pack refused"), damaged);
 }
 
 #[test]
@@ -363,6 +388,43 @@ fn an_emulator_that_dies_is_said() {
     assert!(matches!(error, LinkError::Ended { .. }), "{error}");
     assert!(error.to_string().contains("signal: 9"), "{error}");
     assert!(matches!(image.rest(), Err(LinkError::Ended { .. })));
+}
+
+/// The one line of a `hil run --on image` that finds neither compiler nor emulator but those it is given.
+fn said_where_missing(compiler: &std::ffi::OsStr) -> String {
+    let root = tempfile::tempdir().unwrap();
+    let output = std::process::Command::new(env!("CARGO_BIN_EXE_hil"))
+        .args(["run", "--on", "image"])
+        .current_dir(root.path())
+        .env("PATH", root.path())
+        .env("RUSTC", compiler)
+        .output()
+        .unwrap();
+    assert_eq!(output.status.code(), Some(2));
+    let said = String::from_utf8(output.stderr).unwrap();
+    assert_eq!(said.lines().count(), 1, "{said}");
+    assert_eq!(std::fs::read_dir(root.path()).unwrap().count(), 0);
+    said
+}
+
+#[test]
+fn what_is_missing_is_said_in_one_line_with_how_to_get_it() {
+    let said = said_where_missing("no-compiler".as_ref());
+    assert!(
+        said.contains("rustup target add thumbv7em-none-eabihf"),
+        "{said}"
+    );
+    let rustc = std::env::var_os("RUSTC").unwrap_or_else(|| "rustc".into());
+    let sysroot = std::process::Command::new(rustc)
+        .args(["--print", "sysroot"])
+        .output();
+    let sysroot = String::from_utf8(sysroot.unwrap().stdout).unwrap();
+    let sysroot = std::path::Path::new(sysroot.trim());
+    let target = sysroot.join("lib/rustlib").join(Board::Mps2An386.target());
+    if target.is_dir() {
+        let said = said_where_missing(sysroot.join("bin/rustc").as_os_str());
+        assert!(said.contains("apt-get install qemu-system-arm"), "{said}");
+    }
 }
 
 /// Whether there is a process with this number that has not ended.

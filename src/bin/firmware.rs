@@ -67,14 +67,21 @@ unsafe fn HardFault(_: &ExceptionFrame) -> ! {
     board::exit(false)
 }
 
+/// No other exception is due either. Without this the image would wait for ever, deaf to the harness's end.
+#[exception]
+unsafe fn DefaultHandler(_: i16) -> ! {
+    board::exit(false)
+}
+
 /// The image takes no interrupts; cortex-m-rt wants one at least, and fills 1 KiB where it is told of none.
 #[unsafe(link_section = ".vector_table.interrupts")]
 #[unsafe(no_mangle)]
-static __INTERRUPTS: [unsafe extern "C" fn(); 1] = [DefaultHandler];
+static __INTERRUPTS: [unsafe extern "C" fn(); 1] = [default_handler];
 
 unsafe extern "C" {
-    /// Of cortex-m-rt.
-    fn DefaultHandler();
+    /// The one above, as cortex-m-rt names it for the vector table.
+    #[link_name = "DefaultHandler"]
+    fn default_handler();
     /// Defined nowhere: the image links only where no panic can be reached.
     fn a_panic_can_be_reached() -> !;
 }

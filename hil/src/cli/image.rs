@@ -2,7 +2,7 @@
 
 use clap::ValueEnum;
 use hil::error::InputError;
-use hil::image::{Board, FIRMWARE, build};
+use hil::image::Board;
 use hil::link::image::{self, Emulator, Image};
 
 use super::progress::Progress;
@@ -32,11 +32,10 @@ impl LogLevel {
 /// The firmware's image in the emulator, its log on standard error with the time of ticks at `tick_rate` Hz.
 pub fn start_image(log: LogLevel, tick_rate: f64) -> Result<Image<Emulator>, InputError> {
     let board = Board::Mps2An386;
+    // Before anything is said of a build that cannot be.
     board.check()?;
     let progress = Progress::of(1);
     progress.step("building the firmware's image");
-    build(&FIRMWARE, board)?;
-    drop(progress);
     Image::start(
         board,
         Box::new(move |line| {

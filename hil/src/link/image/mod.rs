@@ -50,10 +50,20 @@ pub enum LinkError {
 
 impl LinkError {
     fn refused(refusal: &Refusal<'_>) -> Self {
-        match refusal {
-            Refusal::Field(field) => Self::Refused(format!("{field} cannot be so")),
-            refusal => Self::Refused(format!("{refusal:?}")),
-        }
+        let reason = match refusal {
+            Refusal::Field(field) => return Self::Refused(format!("{field} cannot be so")),
+            Refusal::Order => "it does not come in this order",
+            Refusal::Converter => "a converter did not answer its driver",
+            Refusal::PackMagic => "these bytes are no coefficient pack",
+            Refusal::PackVersion => "the coefficient pack is of another version",
+            Refusal::PackLength => {
+                "the coefficient pack has another length than it says, or than fits"
+            }
+            Refusal::PackOrder => "a part of the coefficient pack does not follow the one before",
+            Refusal::PackChecksum => "the coefficient pack's checksum does not match",
+            Refusal::PackBody => "the coefficient pack's body cannot be read",
+        };
+        Self::Refused(reason.into())
     }
 }
 
