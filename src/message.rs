@@ -4,14 +4,19 @@
 //! [`Request::Start`], and a [`Request::Tick`] for each tick of the rig. [`Request::Motions`] instead evaluate the law
 //! alone. Numbers go bit for bit, four bytes each: a target without f64 gets what a host computed.
 
+mod outcome;
+mod refusal;
+
+pub use outcome::{Outcome, write_outcome};
+pub use refusal::{Refusal, write_refusal};
+
 use crate::converter::Scale;
-use crate::cycle::Cycle;
 use crate::effects::Motion;
-use crate::error::ConfigError;
 use crate::frame::{Fields, Frame, FrameBuffer, Header, PAYLOAD, Reader, Writer};
-use crate::pack::PackError;
-use crate::rig::{CycleReport, Fault, RigConfig, State, Telemetry};
+use crate::rig::RigConfig;
 use crate::sine::{PlannedBlock, ProgrammeHead};
+use outcome::read_outcome;
+use refusal::read_refusal;
 
 /// Most blocks of a programme in the image.
 pub const MAX_BLOCKS: usize = 16;
@@ -235,77 +240,6 @@ impl<'a> Request<'a> {
     }
 }
 
-/// Why the image did not do what it was asked. A field's value and its range are not told: the harness has them.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Refusal<'a> {
-    /// It cannot be done in this order: a tick without a rig, or a law for a rig while there is none.
-    Order,
-    /// A converter did not answer its driver.
-    Converter,
-    /// This field of a configuration.
-    Field(&'a str),
-    /// [`PackError::Magic`].
-    PackMagic,
-    /// [`PackError::Version`].
-    PackVersion,
-    /// [`PackError::Length`].
-    PackLength,
-    /// [`PackError::Order`].
-    PackOrder,
-    /// [`PackError::Checksum`].
-    PackChecksum,
-    /// [`PackError::Body`].
-    PackBody,
-}
-
-/// The refusals without a field by the number that they have on the link.
-const REFUSALS: [Refusal<'static>; 8] = [
-    Refusal::Order,
-    Refusal::Converter,
-    Refusal::PackMagic,
-    Refusal::PackVersion,
-    Refusal::PackLength,
-    Refusal::PackOrder,
-    Refusal::PackChecksum,
-    Refusal::PackBody,
-];
-
-impl From<ConfigError> for Refusal<'static> {
-    fn from(error: ConfigError) -> Self {
-        let (ConfigError::NonFinite(field)
-        | ConfigError::OutOfRange { field, .. }
-        | ConfigError::NotIncreasing(field)
-        | ConfigError::Full { field, .. }
-        | ConfigError::Empty(field)) = error;
-        Self::Field(field)
-    }
-}
-
-impl From<PackError> for Refusal<'static> {
-    fn from(error: PackError) -> Self {
-        match error {
-            PackError::Magic => Self::PackMagic,
-            PackError::Version { .. } => Self::PackVersion,
-            PackError::Length { .. } => Self::PackLength,
-            PackError::Order { .. } => Self::PackOrder,
-            PackError::Checksum => Self::PackChecksum,
-            PackError::Body => Self::PackBody,
-            PackError::Refused(error) => error.into(),
-        }
-    }
-}
-
-/// What one tick of the rig came to.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Outcome {
-    /// The DAC's code.
-    pub code: u16,
-    /// Level of the enable line.
-    pub enabled: bool,
-    /// What the rig reported.
-    pub telemetry: Telemetry,
-}
-
 /// What the image took.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Statistics {
@@ -353,10 +287,7 @@ impl<'a> Answer<'a> {
         let mut reader = Reader(frame.payload);
         Some(match frame.header.kind {
             kind::DONE => Self::Done(reader.u8()? != 0),
-            kind::REFUSED => Self::Refused(match reader.u8()? {
-                FIELD => Refusal::Field(core::str::from_utf8(reader.rest()).ok()?),
-                number => *REFUSALS.get(usize::from(number))?,
-            }),
+            kind::REFUSED => Self::Refused(read_refusal(&mut reader)?),
             kind::OUTCOME => Self::Outcome(read_outcome(&mut reader)?),
             kind::FORCES => Self::Forces(Forces(frame.payload)),
             kind::STATISTICS_ANSWER => Self::Statistics(Statistics {
@@ -373,22 +304,6 @@ impl<'a> Answer<'a> {
 pub fn write_done(sequence: u32, done: bool, buffer: &mut FrameBuffer) {
     buffer.write(answer(kind::DONE, sequence, 1), |writer| {
         writer.u8(done.into())
-    });
-}
-
-/// Number of [`Refusal::Field`] on the link.
-const FIELD: u8 = u8::MAX;
-
-/// Writes [`Answer::Refused`].
-pub fn write_refusal(sequence: u32, refusal: &Refusal<'_>, buffer: &mut FrameBuffer) {
-    buffer.write(answer(kind::REFUSED, sequence, 1), |writer| {
-        if let Refusal::Field(field) = refusal {
-            writer.u8(FIELD);
-            writer.bytes(field.as_bytes());
-        } else {
-            let number = (0..).zip(&REFUSALS).find(|(_, other)| *other == refusal);
-            writer.u8(number.map_or(FIELD, |(number, _)| number));
-        }
     });
 }
 
@@ -424,176 +339,5 @@ fn answer(kind: u8, sequence: u32, count: u16) -> Header {
         kind,
         sequence,
         count,
-    }
-}
-
-const ENABLED: u8 = 1;
-const RAMP: u8 = 2;
-const REPORT: u8 = 4;
-const REPORT_RAMP: u8 = 8;
-
-/// Writes [`Answer::Outcome`].
-#[inline(never)]
-pub fn write_outcome(
-    sequence: u32,
-    code: u16,
-    enabled: bool,
-    telemetry: &Telemetry,
-    buffer: &mut FrameBuffer,
-) {
-    let flag = |set: bool, flag: u8| if set { flag } else { 0 };
-    let report = telemetry.report.as_ref();
-    let flags = flag(enabled, ENABLED)
-        | flag(telemetry.ramp, RAMP)
-        | flag(report.is_some(), REPORT)
-        | flag(report.is_some_and(|report| report.ramp), REPORT_RAMP);
-    let state = state_code(telemetry.state);
-    buffer.write(answer(kind::OUTCOME, sequence, 1), |writer| {
-        // Four bytes at a time: it is done every tick.
-        writer.words([
-            u32::from(code) | u32::from(flags) << 16 | u32::from(state) << 24,
-            telemetry.tick as u32,
-            (telemetry.tick >> 32) as u32,
-            telemetry.displacement.to_bits(),
-            telemetry.velocity.to_bits(),
-            telemetry.measured_force.to_bits(),
-            telemetry.model_force.to_bits(),
-            telemetry.command.to_bits(),
-            telemetry.block as u32,
-            telemetry.cycle,
-            telemetry.phase,
-        ]);
-        if let Some(report) = report {
-            write_report(writer, report);
-        }
-    });
-}
-
-fn read_outcome(reader: &mut Reader<'_>) -> Option<Outcome> {
-    let code = reader.u16()?;
-    let flags = reader.u8()?;
-    let state = state_of(reader.u8()?)?;
-    let tick = u64::from(reader.u32()?) | u64::from(reader.u32()?) << 32;
-    let telemetry = Telemetry {
-        tick,
-        displacement: reader.f32()?,
-        velocity: reader.f32()?,
-        measured_force: reader.f32()?,
-        model_force: reader.f32()?,
-        command: reader.f32()?,
-        block: reader.u32()? as usize,
-        cycle: reader.u32()?,
-        phase: reader.u32()?,
-        ramp: flags & RAMP != 0,
-        state,
-        report: if flags & REPORT != 0 {
-            Some(read_report(reader, flags & REPORT_RAMP != 0)?)
-        } else {
-            None
-        },
-    };
-    Some(Outcome {
-        code,
-        enabled: flags & ENABLED != 0,
-        telemetry,
-    })
-}
-
-#[inline(never)]
-fn write_report(writer: &mut Writer<'_>, report: &CycleReport) {
-    writer.words([report.block as u32, report.cycle, report.nrmse.to_bits()]);
-    write_cycle(writer, &report.measured);
-    write_cycle(writer, &report.model);
-}
-
-#[inline(never)]
-fn write_cycle(writer: &mut Writer<'_>, cycle: &Cycle) {
-    let values = [
-        cycle.force_max,
-        cycle.force_min,
-        cycle.displacement_max,
-        cycle.displacement_min,
-        cycle.amplitude,
-        cycle.energy,
-        cycle.energy_harmonic,
-        cycle.stiffness,
-        cycle.elastic_energy,
-        cycle.loss_factor,
-        cycle.mean_force,
-        cycle.mean_displacement,
-        cycle.ticks,
-    ];
-    writer.words(values.map(f32::to_bits));
-}
-
-fn read_report(reader: &mut Reader<'_>, ramp: bool) -> Option<CycleReport> {
-    let (block, cycle, nrmse) = (reader.u32()?, reader.u32()?, reader.f32()?);
-    let mut cycle_of = || {
-        Some(Cycle {
-            force_max: reader.f32()?,
-            force_min: reader.f32()?,
-            displacement_max: reader.f32()?,
-            displacement_min: reader.f32()?,
-            amplitude: reader.f32()?,
-            energy: reader.f32()?,
-            energy_harmonic: reader.f32()?,
-            stiffness: reader.f32()?,
-            elastic_energy: reader.f32()?,
-            loss_factor: reader.f32()?,
-            mean_force: reader.f32()?,
-            mean_displacement: reader.f32()?,
-            ticks: reader.f32()?,
-        })
-    };
-    Some(CycleReport {
-        block: block as usize,
-        cycle,
-        ramp,
-        measured: cycle_of()?,
-        model: cycle_of()?,
-        nrmse,
-    })
-}
-
-/// The faults by the number that they have on the link.
-const FAULTS: [Fault; 11] = [
-    Fault::AdcBus,
-    Fault::DacBus,
-    Fault::EnableLine,
-    Fault::DisplacementClipped,
-    Fault::ForceClipped,
-    Fault::CommandClipped,
-    Fault::DisplacementLimit,
-    Fault::ForceLimit,
-    Fault::TrackingLimit,
-    Fault::NoResponse,
-    Fault::NotFinite,
-];
-/// Number of the first one.
-const FIRST_FAULT: u8 = 16;
-
-fn state_code(state: State) -> u8 {
-    match state {
-        State::Idle => 0,
-        State::Running => 1,
-        State::Done => 2,
-        State::Faulted(fault) => {
-            let code = (FIRST_FAULT..)
-                .zip(FAULTS)
-                .find(|(_, other)| *other == fault);
-            code.map_or(u8::MAX, |(code, _)| code)
-        }
-    }
-}
-
-fn state_of(code: u8) -> Option<State> {
-    match code {
-        0 => Some(State::Idle),
-        1 => Some(State::Running),
-        2 => Some(State::Done),
-        _ => {
-            let index = usize::from(code.checked_sub(FIRST_FAULT)?);
-            FAULTS.get(index).copied().map(State::Faulted)
-        }
     }
 }

@@ -1,0 +1,188 @@
+//! [`super::Answer::Outcome`]: what one tick of the rig came to, and at the end of a cycle what that came to.
+
+use super::{answer, kind};
+use crate::cycle::Cycle;
+use crate::frame::{FrameBuffer, Reader, Writer};
+use crate::rig::{CycleReport, Fault, State, Telemetry};
+
+/// What one tick of the rig came to.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Outcome {
+    /// The DAC's code.
+    pub code: u16,
+    /// Level of the enable line.
+    pub enabled: bool,
+    /// What the rig reported.
+    pub telemetry: Telemetry,
+}
+
+const ENABLED: u8 = 1;
+const RAMP: u8 = 2;
+const REPORT: u8 = 4;
+const REPORT_RAMP: u8 = 8;
+
+/// Writes [`super::Answer::Outcome`].
+#[inline(never)]
+pub fn write_outcome(
+    sequence: u32,
+    code: u16,
+    enabled: bool,
+    telemetry: &Telemetry,
+    buffer: &mut FrameBuffer,
+) {
+    let flag = |set: bool, flag: u8| if set { flag } else { 0 };
+    let report = telemetry.report.as_ref();
+    let flags = flag(enabled, ENABLED)
+        | flag(telemetry.ramp, RAMP)
+        | flag(report.is_some(), REPORT)
+        | flag(report.is_some_and(|report| report.ramp), REPORT_RAMP);
+    let state = state_code(telemetry.state);
+    buffer.write(answer(kind::OUTCOME, sequence, 1), |writer| {
+        // Four bytes at a time: it is done every tick.
+        writer.words([
+            u32::from(code) | u32::from(flags) << 16 | u32::from(state) << 24,
+            telemetry.tick as u32,
+            (telemetry.tick >> 32) as u32,
+            telemetry.displacement.to_bits(),
+            telemetry.velocity.to_bits(),
+            telemetry.measured_force.to_bits(),
+            telemetry.model_force.to_bits(),
+            telemetry.command.to_bits(),
+            telemetry.block as u32,
+            telemetry.cycle,
+            telemetry.phase,
+        ]);
+        if let Some(report) = report {
+            write_report(writer, report);
+        }
+    });
+}
+
+pub(super) fn read_outcome(reader: &mut Reader<'_>) -> Option<Outcome> {
+    let code = reader.u16()?;
+    let flags = reader.u8()?;
+    let state = state_of(reader.u8()?)?;
+    let tick = u64::from(reader.u32()?) | u64::from(reader.u32()?) << 32;
+    let telemetry = Telemetry {
+        tick,
+        displacement: reader.f32()?,
+        velocity: reader.f32()?,
+        measured_force: reader.f32()?,
+        model_force: reader.f32()?,
+        command: reader.f32()?,
+        block: reader.u32()? as usize,
+        cycle: reader.u32()?,
+        phase: reader.u32()?,
+        ramp: flags & RAMP != 0,
+        state,
+        report: if flags & REPORT != 0 {
+            Some(read_report(reader, flags & REPORT_RAMP != 0)?)
+        } else {
+            None
+        },
+    };
+    Some(Outcome {
+        code,
+        enabled: flags & ENABLED != 0,
+        telemetry,
+    })
+}
+
+#[inline(never)]
+fn write_report(writer: &mut Writer<'_>, report: &CycleReport) {
+    writer.words([report.block as u32, report.cycle, report.nrmse.to_bits()]);
+    write_cycle(writer, &report.measured);
+    write_cycle(writer, &report.model);
+}
+
+#[inline(never)]
+fn write_cycle(writer: &mut Writer<'_>, cycle: &Cycle) {
+    let values = [
+        cycle.force_max,
+        cycle.force_min,
+        cycle.displacement_max,
+        cycle.displacement_min,
+        cycle.amplitude,
+        cycle.energy,
+        cycle.energy_harmonic,
+        cycle.stiffness,
+        cycle.elastic_energy,
+        cycle.loss_factor,
+        cycle.mean_force,
+        cycle.mean_displacement,
+        cycle.ticks,
+    ];
+    writer.words(values.map(f32::to_bits));
+}
+
+fn read_report(reader: &mut Reader<'_>, ramp: bool) -> Option<CycleReport> {
+    let (block, cycle, nrmse) = (reader.u32()?, reader.u32()?, reader.f32()?);
+    let mut cycle_of = || {
+        Some(Cycle {
+            force_max: reader.f32()?,
+            force_min: reader.f32()?,
+            displacement_max: reader.f32()?,
+            displacement_min: reader.f32()?,
+            amplitude: reader.f32()?,
+            energy: reader.f32()?,
+            energy_harmonic: reader.f32()?,
+            stiffness: reader.f32()?,
+            elastic_energy: reader.f32()?,
+            loss_factor: reader.f32()?,
+            mean_force: reader.f32()?,
+            mean_displacement: reader.f32()?,
+            ticks: reader.f32()?,
+        })
+    };
+    Some(CycleReport {
+        block: block as usize,
+        cycle,
+        ramp,
+        measured: cycle_of()?,
+        model: cycle_of()?,
+        nrmse,
+    })
+}
+
+/// The faults by the number that they have on the link.
+const FAULTS: [Fault; 11] = [
+    Fault::AdcBus,
+    Fault::DacBus,
+    Fault::EnableLine,
+    Fault::DisplacementClipped,
+    Fault::ForceClipped,
+    Fault::CommandClipped,
+    Fault::DisplacementLimit,
+    Fault::ForceLimit,
+    Fault::TrackingLimit,
+    Fault::NoResponse,
+    Fault::NotFinite,
+];
+/// Number of the first one.
+const FIRST_FAULT: u8 = 16;
+
+fn state_code(state: State) -> u8 {
+    match state {
+        State::Idle => 0,
+        State::Running => 1,
+        State::Done => 2,
+        State::Faulted(fault) => {
+            let code = (FIRST_FAULT..)
+                .zip(FAULTS)
+                .find(|(_, other)| *other == fault);
+            code.map_or(u8::MAX, |(code, _)| code)
+        }
+    }
+}
+
+fn state_of(code: u8) -> Option<State> {
+    match code {
+        0 => Some(State::Idle),
+        1 => Some(State::Running),
+        2 => Some(State::Done),
+        _ => {
+            let index = usize::from(code.checked_sub(FIRST_FAULT)?);
+            FAULTS.get(index).copied().map(State::Faulted)
+        }
+    }
+}
