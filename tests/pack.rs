@@ -110,7 +110,7 @@ fn effects_at_the_ends_of_their_ranges_survive() {
         },
         EffectParameters::Relaxation {
             stiffness: -1e9,
-            time: 1e-6,
+            time: 1.1e-6,
             tick: 1e3,
         },
         EffectParameters::StickSlip(core::iter::empty().collect()),

@@ -49,7 +49,7 @@ impl File {
     pub fn read<'b>(&mut self, buffer: &'b mut [u8]) -> &'b [u8] {
         let arguments = [self.0, buffer.as_mut_ptr() as usize, buffer.len()];
         let missing = call_with(SYS_READ, &arguments);
-        let came = buffer.len().checked_sub(missing).unwrap_or_default();
+        let came = buffer.len().saturating_sub(missing);
         buffer.get(..came).unwrap_or_default()
     }
 
