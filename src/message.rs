@@ -180,7 +180,9 @@ impl Iterator for Motions<'_> {
 }
 
 impl<'a> Request<'a> {
-    /// The request in `frame`; `None` where it is none.
+    /// The request in `frame`; `None` where it is none. Not inlined: what it takes of the stack is free again before the
+    /// request is carried out.
+    #[inline(never)]
     pub fn read(frame: &Frame<'a>) -> Option<Self> {
         let mut reader = Reader(frame.payload);
         Some(match frame.header.kind {

@@ -11,6 +11,7 @@ mod controller;
 #[path = "firmware/log.rs"]
 mod log;
 
+use core::mem::MaybeUninit;
 use core::panic::PanicInfo;
 
 use cortex_m as _;
@@ -21,13 +22,14 @@ use mesh_damper::pack::Upload;
 use mesh_damper::sine::Programme;
 use mesh_damper::tabulated::RunningLaw;
 
-use controller::{Controller, EFFECTS, Parts};
+use controller::{Controller, EFFECTS, Parts, WiredRig};
 
 #[entry]
 fn main() -> ! {
     // In statics, of which cortex-m-rt makes references: none of it passes through the stack.
     static mut PROGRAMME: Programme<MAX_BLOCKS> = Programme::empty();
     static mut LAW: RunningLaw<EFFECTS> = RunningLaw::empty();
+    static mut RIG: MaybeUninit<WiredRig> = MaybeUninit::uninit();
     static mut UPLOAD: Upload = Upload::new();
     static mut RECEIVED: [u8; LARGEST] = [0; LARGEST];
     static mut ANSWER: FrameBuffer = FrameBuffer::new();
@@ -37,6 +39,7 @@ fn main() -> ! {
     let parts = Parts {
         programme: PROGRAMME,
         law: LAW,
+        rig: RIG,
     };
     let mut controller = Controller::new(parts, UPLOAD);
     // Number of the next request. The one before is answered again with the same answer: it is not carried out twice.

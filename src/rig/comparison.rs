@@ -2,6 +2,7 @@
 
 use super::CycleReport;
 use crate::cycle::{Cycle, CycleAccumulator};
+use crate::real::square_root;
 use crate::sum::{FOLD, Sum};
 
 /// The cycles of the measured force and of the model's, and the error between them.
@@ -50,7 +51,7 @@ impl Comparison {
     fn nrmse(&self) -> f32 {
         let force = self.force_square.total();
         if force > f32::MIN_POSITIVE {
-            libm::sqrtf(self.error_square.total() / force)
+            square_root(self.error_square.total() / force)
         } else {
             0.0
         }

@@ -84,7 +84,8 @@ impl<D: SpiDevice, E: OutputPin> Output<D, E> {
         true
     }
 
-    /// Drops the line in this very tick and lets the command go to 0 in a straight line.
+    /// Drops the line in this very tick and lets the command go to 0 in a straight line. Not inlined: there are many causes.
+    #[inline(never)]
     pub(super) fn stop(&mut self, state: State) {
         self.state = state;
         self.low = self.enable.set_low().is_ok();
@@ -93,10 +94,16 @@ impl<D: SpiDevice, E: OutputPin> Output<D, E> {
         }
         // A way back that has begun is not prolonged, and every way ends.
         let step = self.command.abs() / self.stop_ticks;
-        self.stop_step = self.stop_step.max(step).max(f32::MIN_POSITIVE);
+        for least in [step, f32::MIN_POSITIVE] {
+            if least > self.stop_step {
+                self.stop_step = least;
+            }
+        }
     }
 
     /// Stops for `fault`. The first cause stays.
+    #[cold]
+    #[inline(never)]
     pub(super) fn trip(&mut self, fault: Fault) {
         if !matches!(self.state, State::Faulted(_)) {
             self.stop(State::Faulted(fault));

@@ -1,5 +1,6 @@
 //! What the image does when it is asked: one request, one answer.
 
+use core::mem::MaybeUninit;
 use core::sync::atomic::Ordering::Relaxed;
 
 use mesh_damper::adc::Ads8688;
@@ -21,7 +22,7 @@ use super::log;
 pub const EFFECTS: usize = 8;
 
 /// The crate's rig on the board.
-type WiredRig = Rig<
+pub type WiredRig = Rig<
     Adc,
     Dac,
     Enable,
@@ -31,10 +32,12 @@ type WiredRig = Rig<
     &'static mut RunningLaw<EFFECTS>,
 >;
 
-/// The programme and the law: the image's own until there is a rig, the rig's from then on.
+/// What a rig is made of: the image's own until there is one.
 pub struct Parts {
     pub programme: &'static mut Programme<MAX_BLOCKS>,
     pub law: &'static mut RunningLaw<EFFECTS>,
+    /// Where it will be.
+    pub rig: &'static mut MaybeUninit<WiredRig>,
 }
 
 /// Everything that requests act on.
@@ -62,25 +65,42 @@ impl Controller {
     /// Does what `frame` asks and writes the answer; says no, and does nothing, where it asks for nothing.
     #[inline]
     pub fn answer(&mut self, frame: &Frame<'_>, answer: &mut FrameBuffer) -> bool {
-        if let (Some(sensors), Some(rig)) = (Sensors::read(frame), &mut self.rig) {
-            let telemetry = tick(rig, sensors);
-            self.log(&telemetry);
-            let (code, enabled) = (WIRES.command.load(Relaxed), WIRES.enabled.load(Relaxed));
-            write_outcome(frame.header.sequence, code, enabled, &telemetry, answer);
+        if let Some(sensors) = Sensors::read(frame)
+            && self.rig.is_some()
+        {
+            self.tick(frame.header.sequence, sensors, answer);
             return true;
         }
         self.answer_others(frame, answer)
     }
 
+    /// One tick of the rig. Not inlined, as little as [`Controller::answer_others`]: what one keeps on the stack is no
+    /// matter of the other.
+    #[inline(never)]
+    fn tick(&mut self, sequence: u32, sensors: Sensors, answer: &mut FrameBuffer) {
+        let Some(rig) = &mut self.rig else {
+            return;
+        };
+        WIRES.displacement.store(sensors.displacement, Relaxed);
+        WIRES.force.store(sensors.force, Relaxed);
+        rig.set_temperature(sensors.temperature);
+        let telemetry = rig.tick();
+        self.log(&telemetry);
+        let (code, enabled) = (WIRES.command.load(Relaxed), WIRES.enabled.load(Relaxed));
+        write_outcome(sequence, code, enabled, &telemetry, answer);
+    }
+
     #[inline(never)]
     fn answer_others(&mut self, frame: &Frame<'_>, answer: &mut FrameBuffer) -> bool {
         let sequence = frame.header.sequence;
-        let Some(request) = Request::read(frame) else {
+        // Borrowed as it came: taken out, it would be on the stack twice.
+        let request = Request::read(frame);
+        let Some(request) = &request else {
             return false;
         };
         let done = match (request, &mut self.parts) {
             (Request::Motions(motions), Some(parts)) => {
-                write_forces(sequence, motions, |motion| parts.law.force(motion), answer);
+                write_forces(sequence, *motions, |motion| parts.law.force(motion), answer);
                 return true;
             }
             (Request::Statistics, _) => {
@@ -91,7 +111,7 @@ impl Controller {
                 write_statistics(sequence, &statistics, answer);
                 return true;
             }
-            (request, _) => self.act(&request),
+            _ => self.act(request),
         };
         match done {
             Ok(done) => write_done(sequence, done, answer),
@@ -174,8 +194,7 @@ impl Controller {
             &*parts.programme,
             parts.law,
         )?;
-        // Into a static, once.
-        self.rig = cortex_m::singleton!(: WiredRig = rig);
+        self.rig = Some(parts.rig.write(rig));
         Ok(true)
     }
 
@@ -204,12 +223,4 @@ impl Controller {
             }
         }
     }
-}
-
-#[inline]
-fn tick(rig: &mut WiredRig, sensors: Sensors) -> Telemetry {
-    WIRES.displacement.store(sensors.displacement, Relaxed);
-    WIRES.force.store(sensors.force, Relaxed);
-    rig.set_temperature(sensors.temperature);
-    rig.tick()
 }

@@ -62,6 +62,8 @@ impl File {
 }
 
 /// Ends the emulator, with status 0 or 1.
+#[cold]
+#[inline(never)]
 pub fn exit(success: bool) -> ! {
     call(
         SYS_EXIT,
