@@ -145,10 +145,10 @@ pub fn encode<'b, const N: usize>(
 /// Whatever is wrong with it; a pack with any one bit changed is refused.
 pub fn decode<const N: usize>(pack: &[u8], slot: &mut TabulatedLaw<N>) -> Result<(), PackError> {
     let mut reader = Reader(body(pack)?);
-    let mut value = || number(&mut reader);
-    slot.augmented
-        .set_law(Law::new(value()?, value()?, value()?, value()?)?);
-    slot.damping.read(value)?;
+    let eq13 = reader.words().ok_or(PackError::Body)?;
+    let [k1, k3, c, alpha] = eq13.map(f32::from_bits);
+    slot.augmented.set_law(Law::new(k1, k3, c, alpha)?);
+    slot.damping.read(|| number(&mut reader))?;
     slot.augmented.clear();
     for _ in 0..reader.u8().ok_or(PackError::Body)? {
         let effect = Effect::unpack(&mut reader).ok_or(PackError::Body)?;

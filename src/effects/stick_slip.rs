@@ -28,6 +28,21 @@ pub(super) struct Element<R> {
     pub(super) slip_limit: R,
 }
 
+impl<R: Real> Element<R> {
+    // Not inlined: the loop that calls it is unrolled.
+    #[inline(never)]
+    fn check(&self) -> Result<(), ConfigError> {
+        in_range(
+            "stiffness",
+            self.stiffness,
+            -limits::COEFFICIENT,
+            limits::COEFFICIENT,
+        )?;
+        in_range("slip_limit", self.slip_limit, 1e-9, limits::DISPLACEMENT)?;
+        Ok(())
+    }
+}
+
 /// What a [`StickSlip`] remembers.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct StickSlipState<R> {
@@ -76,18 +91,8 @@ impl<R: Real> EffectForce<R> for StickSlip<R> {
                 capacity: MAX_ELEMENTS,
             });
         };
-        for Element {
-            stiffness,
-            slip_limit,
-        } in used
-        {
-            in_range(
-                "stiffness",
-                *stiffness,
-                -limits::COEFFICIENT,
-                limits::COEFFICIENT,
-            )?;
-            in_range("slip_limit", *slip_limit, 1e-9, limits::DISPLACEMENT)?;
+        for element in used {
+            element.check()?;
         }
         Ok(())
     }
