@@ -7,8 +7,6 @@
 //! that goes up by one, the image answers with the same number and repeats its last answer when it is asked again. A frame
 //! is written in one piece, so that one that a read did not bring whole is lost, and asked for again like any other.
 
-use crc::{CRC_32_ISO_HDLC, Crc, Digest, Table};
-
 /// The version that is written, and the only one read.
 pub const VERSION: u8 = 1;
 /// Most bytes of a payload.
@@ -19,21 +17,35 @@ pub const LARGEST: usize = HEADER + PAYLOAD + TRAILER;
 const HEADER: usize = 12;
 const TRAILER: usize = 4;
 const MAGIC: [u8; 2] = *b"MD";
-const CHECKSUM: Crc<u32, Table<1>> = Crc::<u32, Table<1>>::new(&CRC_32_ISO_HDLC);
+
+/// What four bits make of the CRC, least significant bit first. A table for bytes would be 1 KiB of flash.
+const CRC_OF_NIBBLE: [u32; 16] = {
+    let mut table = [0; 16];
+    let mut nibble = 0;
+    while nibble < 16 {
+        let mut crc = nibble as u32;
+        let mut bit = 0;
+        while bit < 4 {
+            crc = (crc >> 1) ^ if crc & 1 == 1 { 0xedb8_8320 } else { 0 };
+            bit += 1;
+        }
+        table[nibble] = crc;
+        nibble += 1;
+    }
+    table
+};
 
 /// Ethernet's CRC-32 of `parts` as if they were one.
 pub(crate) fn checksum(parts: &[&[u8]]) -> u32 {
-    let mut digest = CHECKSUM.digest();
-    for part in parts {
-        update(&mut digest, part);
-    }
-    digest.finalize()
+    !parts.iter().fold(u32::MAX, |crc, part| update(crc, part))
 }
 
-/// Not inlined: it is unrolled, and there is more than one part.
+/// Not inlined: there is more than one part.
 #[inline(never)]
-fn update(digest: &mut Digest<'_, u32, Table<1>>, part: &[u8]) {
-    digest.update(part);
+fn update(crc: u32, part: &[u8]) -> u32 {
+    let shifted = |crc: u32| (crc >> 4) ^ CRC_OF_NIBBLE[(crc % 16) as usize];
+    let next = |crc: u32, byte: &u8| shifted(shifted(crc ^ u32::from(*byte)));
+    part.iter().fold(crc, next)
 }
 
 /// What a frame says of itself.

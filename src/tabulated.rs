@@ -4,8 +4,6 @@
 //! ticks that follow, a row a tick, so that no tick bears the whole: the row that the tick needs, or one more in turn where the
 //! tick before needed the same. So every force is the new law's from the first tick on.
 
-use core::mem::discriminant;
-
 use crate::effects::{AugmentedLaw, AugmentedState, Motion};
 use crate::law::Law;
 use crate::power::{PowerSeed, PowerTable, ROWS};
@@ -134,9 +132,7 @@ impl<const N: usize> RunningLaw<N> {
             (first, second)
         };
         write(slot)?;
-        let kinds = slot.augmented.effects().map(|effect| discriminant(&effect));
-        let known = law.augmented.effects().map(|effect| discriminant(&effect));
-        self.waiting = if kinds.eq(known) {
+        self.waiting = if slot.augmented.has_kinds_of(&law.augmented) {
             Waiting::SameEffects
         } else {
             Waiting::OtherEffects

@@ -204,6 +204,16 @@ macro_rules! effects {
                 Ok(())
             }
 
+            /// A bit for each kind that is there.
+            #[inline(never)]
+            fn kinds(&self) -> u32 {
+                let mut kinds = 0;
+                $(kinds = kinds << 1 | u32::from(self.$field != $name::NONE);)+
+                $(kinds = kinds << 1 | u32::from(self.$costly_field.is_some());)+
+                $(kinds = kinds << 1 | u32::from(self.$memory_field.is_some());)+
+                kinds
+            }
+
             fn iter(&self) -> impl Iterator<Item = Effect<R>> {
                 [
                     $((self.$field != $name::NONE).then_some(Effect::$name(self.$field)),)+
@@ -300,7 +310,7 @@ impl<R: Real, const N: usize> AugmentedLaw<R, N> {
 
     /// [`AugmentedLaw::with`] in place.
     pub(crate) fn push(&mut self, effect: Effect<R>) -> Result<(), ConfigError> {
-        if self.effects().count() >= N {
+        if self.effects.kinds().count_ones() as usize >= N {
             return Err(ConfigError::Full {
                 field: "effects",
                 capacity: N,
@@ -322,6 +332,11 @@ impl<R: Real, const N: usize> AugmentedLaw<R, N> {
     /// The added effects, in the order of [`Effect`].
     pub fn effects(&self) -> impl Iterator<Item = Effect<R>> {
         self.effects.iter()
+    }
+
+    /// Whether `other` has the same kinds of effects.
+    pub(crate) fn has_kinds_of(&self, other: &Self) -> bool {
+        self.effects.kinds() == other.effects.kinds()
     }
 
     /// All effects at rest.

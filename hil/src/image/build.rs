@@ -49,6 +49,9 @@ pub fn build(image: &Image, board: Board) -> Result<PathBuf, InputError> {
             "--message-format",
             "json-render-diagnostics",
         ])
+        // Of its own for each memory map: the binary's name is the same for all, and one would take another's place.
+        .arg("--target-dir")
+        .arg(target_directory(&root, board))
         // They would take the place of the link arguments in the workspace's configuration.
         .env_remove("RUSTFLAGS")
         .env_remove("CARGO_ENCODED_RUSTFLAGS")
@@ -69,6 +72,18 @@ pub fn build(image: &Image, board: Board) -> Result<PathBuf, InputError> {
         .filter_map(|line| serde_json::from_slice::<Value>(line).ok())
         .find_map(|message| Some(PathBuf::from(message.get("executable")?.as_str()?)))
         .ok_or_else(|| failed("cargo names no file that it built".into()))
+}
+
+/// Where cargo puts what it builds for `board`.
+fn target_directory(root: &Path, board: Board) -> PathBuf {
+    let directory = match std::env::var_os("CARGO_TARGET_DIR") {
+        Some(directory) => PathBuf::from(directory),
+        None => root.join("target"),
+    };
+    match board.feature() {
+        Some(feature) => directory.join(feature),
+        None => directory,
+    }
 }
 
 /// Whether the core library for `target` is there.
