@@ -103,6 +103,10 @@ fn effects_at_the_ends_of_their_ranges_survive() {
             stiffness: -1e9,
             cycles: 1e9,
         },
+        EffectParameters::Drift {
+            stiffness: 1e9,
+            cycles: 0.1,
+        },
         EffectParameters::Relaxation {
             stiffness: 1e9,
             time: 1e6,

@@ -43,7 +43,8 @@ impl<R: Real> EffectForce<R> for Drift<R> {
             -limits::COEFFICIENT,
             limits::COEFFICIENT,
         )?;
-        in_range("rate", self.rate, -core::f64::consts::LOG2_E / 0.1, 0.0).map(|_| ())
+        // A little beyond −log₂ e/0.1, which rounds to more of itself in f32.
+        in_range("rate", self.rate, -15.0, 0.0).map(|_| ())
     }
 
     #[inline(always)]
