@@ -81,10 +81,11 @@ pub struct RunningLaw<const N: usize> {
 impl<const N: usize> RunningLaw<N> {
     /// `law` at work, its effects at rest.
     pub fn new(law: TabulatedLaw<N>) -> Self {
-        let mut new = Self::empty();
-        new.swap(law);
-        new.boundary();
-        new
+        Self {
+            laws: [law, TabulatedLaw::EMPTY],
+            needed: ROWS,
+            ..Self::empty()
+        }
     }
 
     /// No force, until a law is swapped in. All bits are 0, so that it takes no flash in a static.

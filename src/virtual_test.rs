@@ -126,11 +126,12 @@ impl<const B: usize, P: Borrow<Programme<B>>> VirtualTest<B, P> {
     /// # Errors
     /// [`ConfigError::Empty`] for a programme with no block.
     pub fn new(programme: P, law: TabulatedLaw<0>) -> Result<Self, ConfigError> {
+        let generator = SineGenerator::new(programme)?;
         Ok(Self {
             walk: Walk::PARKED,
             law: RunningLaw::new(law),
             steady: Steady::default(),
-            generator: SineGenerator::new(programme)?,
+            generator,
             accumulator: CycleAccumulator::new(),
             results: Cycle::default(),
             completed: 0,

@@ -336,7 +336,7 @@ impl<R: Real, const N: usize> AugmentedLaw<R, N> {
 
     /// Whether `other` has the same kinds of effects.
     pub(crate) fn has_kinds_of(&self, other: &Self) -> bool {
-        self.effects.kinds() == other.effects.kinds()
+        N == 0 || self.effects.kinds() == other.effects.kinds()
     }
 
     /// All effects at rest.

@@ -38,31 +38,32 @@ fn programme(amplitude: f32) -> Result<Programme<1>, ConfigError> {
     Programme::new(TICK_RATE, 1)?.with(block)
 }
 
+/// `law` under a sine of `amplitude` mm.
+///
+/// # Errors
+/// None for a published law and its amplitude.
+pub fn virtual_test(amplitude: f32, law: Law<f32>) -> Result<VirtualTest<1>, ConfigError> {
+    let law = TabulatedLaw::new(AugmentedLaw::new(law));
+    VirtualTest::new(programme(amplitude)?, law)
+}
+
 /// What a tick works on.
-pub struct Whole {
-    test: VirtualTest<1>,
+pub struct Whole<'a> {
+    test: &'a mut VirtualTest<1>,
     /// What the last tick came to, beside its force.
     pub when: When,
     /// The results that were complete with it, of a cycle that had ended.
     pub cycle: Option<Cycle>,
-    /// Of the last block.
-    forces: [f32; BLOCK],
 }
 
-impl Whole {
-    /// `law` under a sine of `amplitude` mm.
-    ///
-    /// # Errors
-    /// None for a published law and its amplitude.
-    pub fn new(amplitude: f32, law: Law<f32>) -> Result<Self, ConfigError> {
-        let programme = programme(amplitude)?;
-        let law = TabulatedLaw::new(AugmentedLaw::new(law));
-        Ok(Self {
-            test: VirtualTest::new(programme, law)?,
+impl<'a> Whole<'a> {
+    /// Before the first tick of `test`.
+    pub fn new(test: &'a mut VirtualTest<1>) -> Self {
+        Self {
+            test,
             when: When::Ramp,
             cycle: None,
-            forces: [0.0; BLOCK],
-        })
+        }
     }
 
     /// Does `ticks`, and looks what they came to.
@@ -85,12 +86,18 @@ impl Whole {
 }
 
 /// Force in kN at the next tick, the other arguments unused.
-pub extern "C" fn tick(whole: &mut Whole, _: f32, _: f32) -> f32 {
+pub extern "C" fn tick(whole: &mut Whole<'_>, _: f32, _: f32) -> f32 {
     whole.test.tick()
 }
 
-extern "C" fn block(whole: &mut Whole, _: f32, _: f32) -> f32 {
-    whole.test.block(&mut whole.forces);
+/// What a block of ticks works on.
+struct BlockOfTicks<'a, 'p> {
+    whole: &'a mut Whole<'p>,
+    forces: &'a mut [f32; BLOCK],
+}
+
+extern "C" fn block(block: &mut BlockOfTicks<'_, '_>, _: f32, _: f32) -> f32 {
+    block.whole.test.block(block.forces);
     0.0
 }
 
@@ -106,7 +113,8 @@ fn alone(meter: &mut impl Meter) -> Result<(), ConfigError> {
     let mut extremes = [(u32::MAX, 0); COMPARED];
     for (amplitude, law) in laws() {
         let mut steady = 0;
-        let mut whole = Whole::new(amplitude, law)?;
+        let mut test = virtual_test(amplitude, law)?;
+        let mut whole = Whole::new(&mut test);
         let other = TabulatedLaw::new(AugmentedLaw::new(law));
         let mut ends = 0;
         while whole.when != When::Done {
@@ -142,7 +150,9 @@ fn alone(meter: &mut impl Meter) -> Result<(), ConfigError> {
 pub fn small(meter: &mut impl Meter) -> Result<(), ConfigError> {
     let mut moments = Moments::new();
     for (amplitude, law) in laws() {
-        let mut whole = Whole::new(amplitude, law)?;
+        // Not moved out of its result: there is no room for a copy either.
+        let mut built = virtual_test(amplitude, law);
+        let mut whole = Whole::new(built.as_mut().map_err(|error| *error)?);
         while whole.when != When::Done {
             let result = whole.told(|whole| meter.call(tick, whole, 0.0, 0.0));
             moments.add(whole.when, result, whole.cycle.as_ref());
@@ -197,10 +207,14 @@ fn parts(meter: &mut impl Meter) -> Result<(), ConfigError> {
 
 fn blocks(meter: &mut impl Meter) -> Result<(), ConfigError> {
     let mut moments = Moments::new();
+    let mut forces = [0.0; BLOCK];
     for (amplitude, law) in laws() {
-        let mut whole = Whole::new(amplitude, law)?;
+        let mut test = virtual_test(amplitude, law)?;
+        let mut whole = Whole::new(&mut test);
         while whole.when != When::Done {
-            let result = whole.told(|whole| meter.call(block, whole, 0.0, 0.0));
+            let forces = &mut forces;
+            let result = whole
+                .told(|whole| meter.call(block, &mut BlockOfTicks { whole, forces }, 0.0, 0.0));
             moments.add(whole.when, result, None);
         }
     }
