@@ -11,6 +11,10 @@ use mesh_damper::fixed_point::{
 use mesh_damper::law;
 use proptest::prelude::*;
 
+mod largest;
+
+use largest::Largest;
+
 /// How far the integers may be from f64.
 mod tolerance {
     /// One rounding of 16 bits.
@@ -55,28 +59,6 @@ mod tolerance {
 
 /// Ticks a second.
 const TICK_RATE: f64 = 10_000.0;
-
-/// The largest value that it was shown.
-#[derive(Default)]
-struct Largest(f64);
-
-impl Largest {
-    fn see(&mut self, error: f64) {
-        // A NaN stays, and no check lets it pass.
-        if error.is_nan() || error.abs() > self.0 {
-            self.0 = error.abs();
-        }
-    }
-
-    fn check(&self, name: &str, tolerance: f64) {
-        println!("{name}: {:.2e} of {tolerance:.2e}", self.0);
-        assert!(
-            self.0 <= tolerance,
-            "{name}: {:e} exceeds {tolerance:e}",
-            self.0
-        );
-    }
-}
 
 fn value(part: Part) -> f64 {
     part.to_num()

@@ -5,6 +5,7 @@
 use std::f64::consts::TAU;
 
 use hil::reference::law::Coefficients;
+use hil::reference::turn::sin_cos_of_turn;
 use hil::reference::{dynamic_test, tables};
 use mesh_damper::cycle::CycleAccumulator;
 use mesh_damper::effects::AugmentedLaw;
@@ -13,6 +14,10 @@ use mesh_damper::sine::{Block, Programme, SineGenerator};
 use mesh_damper::table::PAPER;
 use mesh_damper::tabulated::TabulatedLaw;
 use mesh_damper::virtual_test::VirtualTest;
+
+mod largest;
+
+use largest::Largest;
 
 /// The table. `U` = 2⁻²⁴ is the largest relative error of one rounding to f32; between ½ and 1 it is ½·U at most.
 mod tolerance {
@@ -92,48 +97,6 @@ const TICK_RATE: f64 = 10_000.0;
 /// Cycles a second over the table's cells, those of the paper's tests, and ticks to each.
 const FREQUENCY: f64 = 1.0;
 const TICKS: usize = 10_000;
-
-/// The largest value that it was shown.
-#[derive(Default)]
-struct Largest(f64);
-
-impl Largest {
-    fn see(&mut self, error: f64) {
-        // A NaN stays, and no check lets it pass.
-        if error.is_nan() || error.abs() > self.0 {
-            self.0 = error.abs();
-        }
-    }
-
-    fn check(&self, name: &str, tolerance: f64) {
-        println!(
-            "{name}: {:.2e}, {:.0} % of its tolerance",
-            self.0,
-            100.0 * self.0 / tolerance
-        );
-        assert!(
-            self.0 <= tolerance,
-            "{name}: {:e} exceeds {tolerance:e}",
-            self.0
-        );
-    }
-}
-
-/// sin and cos of 2π·n/count, exact where they are 0 or ±1: by rounding alone the cosine of a quarter of a turn is
-/// 6e-17, of which the law would make 0.3 % of its peak.
-fn sin_cos_of_turn(n: u64, count: u64) -> (f64, f64) {
-    let eighths = 8 * (n % count);
-    // The nearest multiple of a quarter of a turn, and the rest within ±π/4.
-    let quarter = (eighths + count) / (2 * count);
-    let rest = eighths as i64 - (2 * count * quarter) as i64;
-    let (sin, cos) = (rest as f64 / count as f64 * (TAU / 8.0)).sin_cos();
-    match quarter % 4 {
-        0 => (sin, cos),
-        1 => (cos, -sin),
-        2 => (-sin, -cos),
-        _ => (-cos, sin),
-    }
-}
 
 fn generator(amplitude: f64, frequency: f64, cycles: u32) -> SineGenerator<1> {
     let programme = Programme::new(TICK_RATE, 1)

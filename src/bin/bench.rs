@@ -13,7 +13,9 @@
 mod counter;
 #[path = "bench/known.rs"]
 mod known;
-#[path = "bench/semihosting.rs"]
+#[path = "bench/output.rs"]
+mod output;
+#[path = "emulated/semihosting.rs"]
 mod semihosting;
 #[path = "bench/suite/mod.rs"]
 mod suite;
@@ -40,12 +42,12 @@ fn main() -> ! {
 
 #[panic_handler]
 fn panic(fault: &PanicInfo) -> ! {
-    let _ = writeln!(semihosting::Output, "{fault}");
+    let _ = writeln!(output::Output, "{fault}");
     semihosting::exit(false)
 }
 
 #[exception]
 unsafe fn HardFault(frame: &ExceptionFrame) -> ! {
-    let _ = writeln!(semihosting::Output, "hard fault at {:#x}", frame.pc());
+    let _ = writeln!(output::Output, "hard fault at {:#x}", frame.pc());
     semihosting::exit(false)
 }

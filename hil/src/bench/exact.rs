@@ -5,6 +5,7 @@ use std::f64::consts::TAU;
 use super::suite::tick::{FREQUENCY, TICK_RATE};
 use crate::reference::dynamic_test;
 use crate::reference::law::Coefficients;
+use crate::reference::turn::sin_cos_of_turn;
 
 /// Cycles of a tick as a fraction of whole numbers.
 const STEP: u64 = (10.0 * FREQUENCY) as u64;
@@ -107,22 +108,6 @@ impl Exact {
         }
         let ((y0, f0), (y1, f1)) = (self.sample(after - 1), self.sample(after));
         (y1 + beyond * (y0 - y1), f1 + beyond * (f0 - f1))
-    }
-}
-
-/// sin and cos of 2π·n/count, exact where they are 0 or ±1: what rounding leaves of a 0, the law would make tenths of a
-/// percent of its peak of.
-fn sin_cos_of_turn(n: u64, count: u64) -> (f64, f64) {
-    let eighths = 8 * (n % count);
-    // The nearest multiple of a quarter of a turn, and the rest within ±π/4.
-    let quarter = (eighths + count) / (2 * count);
-    let rest = eighths as i64 - (2 * count * quarter) as i64;
-    let (sin, cos) = (rest as f64 / count as f64 * (TAU / 8.0)).sin_cos();
-    match quarter % 4 {
-        0 => (sin, cos),
-        1 => (cos, -sin),
-        2 => (-sin, -cos),
-        _ => (-cos, sin),
     }
 }
 

@@ -9,3 +9,4 @@ pub mod law;
 pub mod static_test;
 pub mod surfaces;
 pub mod tables;
+pub mod turn;

@@ -9,7 +9,7 @@ use core::hint::black_box;
 use cortex_m::peripheral::SYST;
 use cortex_m::peripheral::syst::SystClkSource;
 
-use super::semihosting::Output;
+use super::output::Output;
 use super::suite::tally::{Meter, Region, Tally};
 
 /// Clock of SysTick on the emulated board, MHz.

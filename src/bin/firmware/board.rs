@@ -6,15 +6,17 @@
 //!   from the link.
 //! - [`stack_used`]: needs nothing but the linker's symbols.
 
+#[path = "file.rs"]
+mod file;
 #[path = "parts.rs"]
 mod parts;
-#[path = "semihosting.rs"]
+#[path = "../emulated/semihosting.rs"]
 mod semihosting;
 
 pub use parts::{Adc, Dac, Enable, WIRES};
 pub use semihosting::exit;
 
-use semihosting::{File, Mode};
+use file::{File, Mode};
 
 /// Bytes to and from the harness.
 pub struct Link {

@@ -1,14 +1,10 @@
 //! Files of the emulator's host, by Arm's semihosting.
 
-use core::arch::asm;
+use super::semihosting::call;
 
 const SYS_OPEN: usize = 0x01;
 const SYS_WRITE: usize = 0x05;
 const SYS_READ: usize = 0x06;
-const SYS_EXIT: usize = 0x18;
-/// Reasons that [`SYS_EXIT`] takes on a 32-bit core.
-const APPLICATION_EXIT: usize = 0x2_0026;
-const RUN_TIME_ERROR: usize = 0x2_0023;
 
 /// Way to open a file, as C's `fopen`.
 pub enum Mode {
@@ -20,16 +16,6 @@ pub enum Mode {
 
 /// A file that is open.
 pub struct File(usize);
-
-#[inline]
-fn call(operation: usize, argument: usize) -> usize {
-    let result;
-    // SAFETY: the emulator reads what `argument` points to, writes to the buffer named there, and changes r0.
-    unsafe {
-        asm!("bkpt #0xab", inout("r0") operation => result, in("r1") argument, options(nostack));
-    }
-    result
-}
 
 #[inline]
 fn call_with(operation: usize, arguments: &[usize]) -> usize {
@@ -58,22 +44,5 @@ impl File {
     pub fn write(&mut self, bytes: &[u8]) -> bool {
         let arguments = [self.0, bytes.as_ptr() as usize, bytes.len()];
         call_with(SYS_WRITE, &arguments) == 0
-    }
-}
-
-/// Ends the emulator, with status 0 or 1.
-#[cold]
-#[inline(never)]
-pub fn exit(success: bool) -> ! {
-    call(
-        SYS_EXIT,
-        if success {
-            APPLICATION_EXIT
-        } else {
-            RUN_TIME_ERROR
-        },
-    );
-    loop {
-        core::hint::spin_loop();
     }
 }
