@@ -43,6 +43,9 @@ pub trait Real:
     /// `f32` takes the short form of [`crate::power`], `f64` libm's.
     fn abs_pow(self, exponent: Self) -> Self;
 
+    /// sin of `phase`, 2⁶⁴ to the cycle. `f32` takes that of [`crate::sine::sin_cos`], `f64` libm's.
+    fn sine(phase: u64) -> Self;
+
     /// Confined to `-limit..=limit`; NaN becomes 0.
     ///
     /// One comparison where it is within; `min` and `max` are calls on a Cortex-M.
@@ -138,6 +141,10 @@ impl Real for f32 {
         crate::power::abs_pow(self, exponent)
     }
     #[inline(always)]
+    fn sine(phase: u64) -> Self {
+        crate::sine::sin_cos(phase).0
+    }
+    #[inline(always)]
     fn clipped(self, limit: Self) -> Self {
         // Positive floats compare as their bits do.
         let bits = self.to_bits();
@@ -175,6 +182,10 @@ impl Real for f64 {
         } else {
             libm::pow(self.abs(), exponent)
         }
+    }
+    fn sine(phase: u64) -> Self {
+        // From −½ cycle, for the digits near 0.
+        libm::sin(phase.cast_signed() as f64 * (core::f64::consts::TAU / (1u128 << 64) as f64))
     }
     #[inline(always)]
     fn clipped(self, limit: Self) -> Self {

@@ -4,7 +4,7 @@
 //! ticks that follow, a row a tick, so that no tick bears the whole: the row that the tick needs, or one more in turn where the
 //! tick before needed the same. So every force is the new law's from the first tick on.
 
-use crate::effects::{AugmentedLaw, AugmentedState, Motion};
+use crate::effects::{AugmentedLaw, AugmentedState, ConfinedMotion, Motion};
 use crate::law::Law;
 use crate::power::{PowerSeed, PowerTable, ROWS};
 use crate::real::Real;
@@ -75,6 +75,8 @@ pub struct RunningLaw<const N: usize> {
     /// Rows of the table that hold the law in force, and one beside them, which the last velocity needed.
     filled: usize,
     needed: usize,
+    /// The table is filled, and the law has no stages: a tick is short.
+    settled: bool,
     state: AugmentedState<f32>,
 }
 
@@ -97,6 +99,7 @@ impl<const N: usize> RunningLaw<N> {
             table: PowerTable::empty(),
             filled: 0,
             needed: 0,
+            settled: false,
             state: AugmentedState::AT_REST,
         }
     }
@@ -155,6 +158,7 @@ impl<const N: usize> RunningLaw<N> {
         self.second = !self.second;
         self.filled = 0;
         self.needed = ROWS;
+        self.settled = false;
     }
 
     /// All effects at rest.
@@ -166,19 +170,48 @@ impl<const N: usize> RunningLaw<N> {
     #[inline]
     pub fn force(&mut self, motion: &Motion<f32>) -> f32 {
         let motion = motion.confined();
-        let elastic = self
-            .law()
+        if !self.settled {
+            return self.unsettled_force(&motion);
+        }
+        self.settled_force(&motion)
+    }
+
+    #[inline(always)]
+    fn settled_force(&mut self, motion: &ConfinedMotion<f32>) -> f32 {
+        let [first, second] = &self.laws;
+        let law = if self.second { second } else { first };
+        let elastic = law
             .augmented
             .law()
             .elastic_force_within(motion.displacement());
-        if self.is_filling() {
-            self.fill_aside(motion.velocity());
+        let law_force = self.table.add_damping_force(elastic, motion.velocity());
+        law.augmented
+            .with_effects(&mut self.state, motion, law_force)
+    }
+
+    /// Not inlined: its registers are no matter of other ticks.
+    #[inline(never)]
+    fn unsettled_force(&mut self, motion: &ConfinedMotion<f32>) -> f32 {
+        let filling = self.is_filling();
+        if filling {
+            self.fill(motion.velocity());
         }
-        let law_force = self.add_damping_force(elastic, motion.velocity());
+        self.settled = !self.is_filling() && !self.law().augmented.has_stages();
         let [first, second] = &self.laws;
         let law = if self.second { second } else { first };
+        if !law.augmented.has_stages() {
+            return self.settled_force(motion);
+        }
+        // What is tried may need another row than what was filled.
+        let damping = |v| {
+            if filling {
+                law.damping.damping_force(v)
+            } else {
+                self.table.damping_force(v)
+            }
+        };
         law.augmented
-            .with_effects(&mut self.state, &motion, law_force)
+            .through_stages(&mut self.state, motion, damping)
     }
 
     /// The damping force in kN at `v` mm/s, within ±[`crate::limits::VELOCITY`], whatever is filled: not for every tick.
@@ -196,13 +229,6 @@ impl<const N: usize> RunningLaw<N> {
     #[inline(always)]
     pub(crate) fn add_damping_force(&self, elastic: f32, v: f32) -> f32 {
         self.table.add_damping_force(elastic, v)
-    }
-
-    /// [`RunningLaw::fill`] where it is rare: its registers are no matter of other ticks.
-    #[cold]
-    #[inline(never)]
-    fn fill_aside(&mut self, v: f32) {
-        self.fill(v);
     }
 
     /// Fills the row for `v` mm/s, or the next one where that was the last to be needed.

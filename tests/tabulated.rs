@@ -1,7 +1,10 @@
 //! The law as it runs on the target, and its swap.
 
-use mesh_damper::effects::{AugmentedLaw, Effect, Motion, StickSlip};
+use mesh_damper::effects::{
+    AugmentedLaw, Compliance, Delay, Effect, Gap, Motion, StickSlip, Viscous,
+};
 use mesh_damper::law::Law;
+use mesh_damper::real::Real;
 use mesh_damper::tabulated::{RunningLaw, TabulatedLaw};
 
 fn law(k1: f32, c: f32, alpha: f32) -> TabulatedLaw<1> {
@@ -89,4 +92,50 @@ fn a_law_that_waits_does_nothing_before_the_boundary_and_the_last_one_counts() {
         let expected = if n < 400 { &old } else { &new };
         assert_eq!(running.force(&motion(n)), expected[n as usize]);
     }
+}
+
+/// Gap, compliance and delay around the tabulated law: in f32, while its table is being filled and after, what the f64 law
+/// gives.
+#[test]
+fn stages_run_around_the_tabulated_law() {
+    fn law<R: Real>() -> AugmentedLaw<R, 5> {
+        let r = R::from_f64;
+        let law = Law::new(r(1.05), r(10.5), r(0.11), r(0.4)).unwrap();
+        [
+            Effect::StickSlip(StickSlip::new(&[(r(1.0), r(0.02))]).unwrap()),
+            Effect::Viscous(Viscous::new(r(0.003)).unwrap()),
+            Effect::Gap(Gap::new(r(0.01), false).unwrap()),
+            Effect::Compliance(Compliance::new(r(15.0), r(1e-4)).unwrap()),
+            Effect::Delay(Delay::new(r(1.55e-3), r(1e-4)).unwrap()),
+        ]
+        .into_iter()
+        .fold(AugmentedLaw::new(law), |law, effect| {
+            law.with(effect).unwrap()
+        })
+    }
+    let exact = law::<f64>();
+    let mut state = exact.at_rest();
+    let mut running = RunningLaw::new(TabulatedLaw::new(law::<f32>()));
+    let omega = std::f64::consts::TAU * 5.0;
+    let (mut worst, mut peak) = (0.0_f64, 0.0_f64);
+    for n in 0..20_000 {
+        let (sin, cos) = (omega * 1e-4 * f64::from(n)).sin_cos();
+        let (displacement, velocity) = (0.1 * sin, 0.1 * omega * cos);
+        let motion = Motion {
+            displacement,
+            velocity,
+            ..Motion::default()
+        };
+        let expected = exact.force(&mut state, &motion);
+        let motion = Motion {
+            displacement: displacement as f32,
+            velocity: velocity as f32,
+            ..Motion::default()
+        };
+        let force = f64::from(running.force(&motion));
+        worst = worst.max((force - expected).abs());
+        peak = peak.max(expected.abs());
+    }
+    assert!(worst < 5e-6 * peak, "{worst} of {peak}");
+    assert!(worst > 0.0);
 }

@@ -1,28 +1,47 @@
 //! Physical effects that eq 13 lacks, one per file, and the law that carries a set of them.
 //!
-//! Every effect has a configuration (validated, shared, swappable at a cycle boundary) and a state (what it remembers),
-//! and adds a force. All are generic over the float: identification runs them in `f64`, the firmware in `f32`.
+//! Every effect has a configuration (validated, shared, swappable at a cycle boundary) and a state (what it remembers).
+//! All are generic over the float: identification runs them in `f64`, the firmware in `f32`.
+//!
+//! Most add a force to eq 13's. Three lie between the specimen and what is measured, and are stages that a tick passes
+//! through:
+//!
+//! ```text
+//! motion ─▶ gap ─▶ compliance ─▶ eq 13 and every effect that adds a force ─▶ delay ─▶ force
+//! ```
 
 mod asymmetry;
+mod bouc_wen;
+mod compliance;
+mod delay;
 mod drift;
+mod gap;
 mod hardening;
 mod inertia;
 mod offset;
 mod packed;
 mod parameters;
+mod periodic;
 mod relaxation;
 mod stick_slip;
+mod stop;
 mod temperature;
 mod viscous;
 
 pub use asymmetry::Asymmetry;
+pub use bouc_wen::BoucWen;
+pub use compliance::Compliance;
+pub use delay::{Delay, MAX_DELAY};
 pub use drift::Drift;
+pub use gap::Gap;
 pub use hardening::Hardening;
 pub use inertia::Inertia;
 pub use offset::Offset;
 pub use parameters::EffectParameters;
+pub use periodic::Periodic;
 pub use relaxation::Relaxation;
 pub use stick_slip::{MAX_ELEMENTS as MAX_STICK_SLIP_ELEMENTS, StickSlip};
+pub use stop::{MAX_CONTACTS, Stop};
 pub use temperature::Temperature;
 pub use viscous::Viscous;
 
@@ -30,6 +49,8 @@ use crate::error::ConfigError;
 use crate::law::Law;
 use crate::limits;
 use crate::real::Real;
+use compliance::ComplianceState;
+use delay::DelayState;
 
 /// One tick of motion as the effects see it.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -132,6 +153,7 @@ macro_rules! effects {
         plain: $($(#[$doc:meta])* $field:ident: $name:ident),+;
         costly: $($(#[$costly_doc:meta])* $costly_field:ident: $costly:ident),+;
         with_memory: $($(#[$memory_doc:meta])* $memory_field:ident: $memory:ident),+;
+        stages: $($(#[$stage_doc:meta])* $stage_field:ident: $stage:ident),+;
     ) => {
         /// Any one effect's configuration.
         #[derive(Clone, Copy, Debug, PartialEq)]
@@ -139,7 +161,8 @@ macro_rules! effects {
         pub enum Effect<R> {
             $($(#[$doc])* $name($name<R>),)+
             $($(#[$costly_doc])* $costly($costly<R>),)+
-            $($(#[$memory_doc])* $memory($memory<R>)),+
+            $($(#[$memory_doc])* $memory($memory<R>),)+
+            $($(#[$stage_doc])* $stage($stage<R>)),+
         }
 
         impl<R: Real> Effect<R> {
@@ -149,7 +172,8 @@ macro_rules! effects {
                 match self {
                     $(Self::$name(effect) => effect.check(),)+
                     $(Self::$costly(effect) => effect.check(),)+
-                    $(Self::$memory(effect) => effect.check()),+
+                    $(Self::$memory(effect) => effect.check(),)+
+                    $(Self::$stage(effect) => effect.check()),+
                 }
             }
         }
@@ -158,30 +182,38 @@ macro_rules! effects {
         #[derive(Clone, Debug, PartialEq)]
         struct Effects<R> {
             plain: bool,
+            staged: bool,
             $($field: $name<R>,)+
             $($costly_field: Option<$costly<R>>,)+
-            $($memory_field: Option<$memory<R>>),+
+            $($memory_field: Option<$memory<R>>,)+
+            $($stage_field: Option<$stage<R>>),+
         }
 
         /// What the effects of an [`AugmentedLaw`] remember: nothing before the first tick.
         #[derive(Clone, Debug)]
         pub struct AugmentedState<R: Real> {
-            $($memory_field: Option<<$memory<R> as EffectForce<R>>::State>),+
+            $($memory_field: Option<<$memory<R> as EffectForce<R>>::State>,)+
+            compliance: Option<ComplianceState<R>>,
+            delay: DelayState<R>,
         }
 
         impl<R: Real> AugmentedState<R> {
             /// Before the first tick, whatever the effects are. All bits are 0.
             pub(crate) const AT_REST: Self = Self {
-                $($memory_field: None),+
+                $($memory_field: None,)+
+                compliance: None,
+                delay: DelayState::EMPTY,
             };
         }
 
         impl<R: Real> Effects<R> {
             const NONE: Self = Self {
                 plain: false,
+                staged: false,
                 $($field: $name::NONE,)+
                 $($costly_field: None,)+
-                $($memory_field: None),+
+                $($memory_field: None,)+
+                $($stage_field: None),+
             };
 
             fn add(&mut self, effect: Effect<R>) -> Result<(), ConfigError> {
@@ -200,6 +232,13 @@ macro_rules! effects {
                         return full(stringify!($memory_field))
                     }
                     Effect::$memory(effect) => self.$memory_field = Some(effect),)+
+                    $(Effect::$stage(_) if self.$stage_field.is_some() => {
+                        return full(stringify!($stage_field))
+                    }
+                    Effect::$stage(effect) => {
+                        self.staged = true;
+                        self.$stage_field = Some(effect);
+                    })+
                 }
                 Ok(())
             }
@@ -211,6 +250,7 @@ macro_rules! effects {
                 $(kinds = kinds << 1 | u32::from(self.$field != $name::NONE);)+
                 $(kinds = kinds << 1 | u32::from(self.$costly_field.is_some());)+
                 $(kinds = kinds << 1 | u32::from(self.$memory_field.is_some());)+
+                $(kinds = kinds << 1 | u32::from(self.$stage_field.is_some());)+
                 kinds
             }
 
@@ -218,7 +258,8 @@ macro_rules! effects {
                 [
                     $((self.$field != $name::NONE).then_some(Effect::$name(self.$field)),)+
                     $(self.$costly_field.map(Effect::$costly),)+
-                    $(self.$memory_field.map(Effect::$memory)),+
+                    $(self.$memory_field.map(Effect::$memory),)+
+                    $(self.$stage_field.map(Effect::$stage)),+
                 ]
                 .into_iter()
                 .flatten()
@@ -270,12 +311,25 @@ effects! {
     temperature: Temperature;
     costly:
     /// A stiffness that settles with the cycles.
-    drift: Drift;
+    drift: Drift,
+    /// One-sided contact.
+    stop: Stop;
     with_memory:
     /// Rate-independent friction with elastic pre-sliding.
     stick_slip: StickSlip,
+    /// The same with a smooth transition.
+    bouc_wen: BoucWen,
     /// A spring and a dashpot in series.
-    relaxation: Relaxation;
+    relaxation: Relaxation,
+    /// A tone.
+    periodic: Periodic;
+    stages:
+    /// Free play of the mounting.
+    gap: Gap,
+    /// A spring in series with the specimen.
+    compliance: Compliance,
+    /// A force channel that is late.
+    delay: Delay;
 }
 
 /// Eq 13 and up to `N` added effects, one of each kind.
@@ -348,8 +402,57 @@ impl<R: Real, const N: usize> AugmentedLaw<R, N> {
     #[inline]
     pub fn force(&self, state: &mut AugmentedState<R>, motion: &Motion<R>) -> R {
         let motion = motion.confined();
-        let law_force = self.law.force(motion.displacement(), motion.velocity());
+        let damping = |v| self.law.damping_force(v);
+        if self.has_stages() {
+            return self.through_stages(state, &motion, damping);
+        }
+        let law_force =
+            self.law.elastic_force_within(motion.displacement()) + damping(motion.velocity());
         self.with_effects(state, &motion, law_force)
+    }
+
+    /// A gap, a compliance or a delay is among the effects.
+    #[inline(always)]
+    pub(crate) fn has_stages(&self) -> bool {
+        N > 0 && self.effects.staged
+    }
+
+    /// Force in kN on this tick where there are stages. `damping` gives eq 13's damping force at a velocity within the limit.
+    #[inline(always)]
+    pub(crate) fn through_stages(
+        &self,
+        state: &mut AugmentedState<R>,
+        motion: &ConfinedMotion<R>,
+        damping: impl Fn(R) -> R,
+    ) -> R {
+        let effects = &self.effects;
+        let mut motion = *motion;
+        if let Some(gap) = &effects.gap {
+            motion = gap.felt(&motion);
+        }
+        let mut law_force = None;
+        if let Some(compliance) = &effects.compliance {
+            let solved = compliance.deflect(
+                &mut state.compliance,
+                &motion,
+                &self.law,
+                effects.viscous.c1,
+                &damping,
+            );
+            motion = solved.0;
+            law_force = Some(solved.1);
+        }
+        let law_force = law_force.unwrap_or_else(|| {
+            self.law.elastic_force_within(motion.displacement()) + damping(motion.velocity())
+        });
+        let force = effects.add_force(state, &motion, law_force);
+        if let Some(compliance) = &effects.compliance {
+            compliance.remember(&mut state.compliance, force - law_force, effects.viscous.c1);
+        }
+        match &effects.delay {
+            Some(delay) => delay.delayed(&mut state.delay, force),
+            None => force,
+        }
     }
 
     /// `law_force`, which is eq 13's on this tick in kN whoever computed it, and every effect's force.

@@ -1,11 +1,12 @@
 //! An effect in a coefficient pack: its kind and its numbers, as postcard lays out a `(u8, Vec<f32>)`.
 
 use super::stick_slip::Element;
+use super::stop::Contact;
 use super::{
-    Asymmetry, Drift, Effect, Hardening, Inertia, MAX_STICK_SLIP_ELEMENTS, Offset, Relaxation,
-    StickSlip, Temperature, Viscous,
+    Asymmetry, BoucWen, Compliance, Delay, Drift, Effect, Gap, Hardening, Inertia,
+    MAX_STICK_SLIP_ELEMENTS, Offset, Periodic, Relaxation, StickSlip, Stop, Temperature, Viscous,
 };
-use crate::frame::{Reader, Writer};
+use crate::frame::{Reader, Writer, halves, whole};
 
 const OFFSET: u8 = 0;
 const ASYMMETRY: u8 = 1;
@@ -16,6 +17,12 @@ const DRIFT: u8 = 5;
 const TEMPERATURE: u8 = 6;
 const STICK_SLIP: u8 = 7;
 const RELAXATION: u8 = 8;
+const STOP: u8 = 9;
+const GAP: u8 = 10;
+const BOUC_WEN: u8 = 11;
+const PERIODIC: u8 = 12;
+const COMPLIANCE: u8 = 13;
+const DELAY: u8 = 14;
 
 /// Most numbers of an effect.
 const MOST: usize = 2 * MAX_STICK_SLIP_ELEMENTS;
@@ -39,6 +46,29 @@ impl Effect<f32> {
             Self::Drift(effect) => put(DRIFT, &[effect.stiffness, effect.rate]),
             Self::Temperature(effect) => put(TEMPERATURE, &[effect.beta, effect.rise]),
             Self::Relaxation(effect) => put(RELAXATION, &[effect.gain, effect.loss]),
+            Self::Stop(effect) => {
+                let [one, other] = effect.contacts;
+                put(STOP, &[one.stiffness, one.gap, other.stiffness, other.gap]);
+            }
+            Self::Gap(effect) => put(GAP, &[effect.half_width, effect.inside]),
+            Self::BoucWen(effect) => put(
+                BOUC_WEN,
+                &[effect.stiffness, effect.slip_limit, effect.sharpness],
+            ),
+            Self::Periodic(effect) => {
+                let [increment_low, increment_high] = halves(effect.increment).map(f32::from_bits);
+                let [phase_low, phase_high] = halves(effect.phase).map(f32::from_bits);
+                let numbers = [
+                    effect.amplitude,
+                    increment_low,
+                    increment_high,
+                    phase_low,
+                    phase_high,
+                ];
+                put(PERIODIC, &numbers);
+            }
+            Self::Compliance(effect) => put(COMPLIANCE, &[effect.stiffness, effect.step]),
+            Self::Delay(effect) => put(DELAY, &[f32::from(effect.whole), effect.part]),
             Self::StickSlip(effect) => {
                 let mut numbers = [0.0; MOST];
                 let (pairs, _) = numbers.as_chunks_mut();
@@ -71,6 +101,26 @@ impl Effect<f32> {
             (DRIFT, &[stiffness, rate]) => Self::Drift(Drift { stiffness, rate }),
             (TEMPERATURE, &[beta, rise]) => Self::Temperature(Temperature { beta, rise }),
             (RELAXATION, &[gain, loss]) => Self::Relaxation(Relaxation { gain, loss }),
+            (STOP, &[stiffness, gap, other_stiffness, other_gap]) => Self::Stop(Stop {
+                contacts: [(stiffness, gap), (other_stiffness, other_gap)]
+                    .map(|(stiffness, gap)| Contact { stiffness, gap }),
+            }),
+            (GAP, &[half_width, inside]) => Self::Gap(Gap { half_width, inside }),
+            (BOUC_WEN, &[stiffness, slip_limit, sharpness]) => Self::BoucWen(BoucWen {
+                stiffness,
+                slip_limit,
+                sharpness,
+            }),
+            (PERIODIC, &[amplitude, a, b, c, d]) => Self::Periodic(Periodic {
+                amplitude,
+                increment: whole([a, b].map(f32::to_bits)),
+                phase: whole([c, d].map(f32::to_bits)),
+            }),
+            (COMPLIANCE, &[stiffness, step]) => Self::Compliance(Compliance { stiffness, step }),
+            (DELAY, &[whole, part]) => Self::Delay(Delay {
+                whole: whole as u8,
+                part,
+            }),
             (STICK_SLIP, numbers) => {
                 let mut elements = [Element::default(); MAX_STICK_SLIP_ELEMENTS];
                 let (pairs, rest) = numbers.as_chunks();

@@ -1,8 +1,8 @@
 //! An effect by its parameters: as a file or a pack carries it.
 
 use super::{
-    Asymmetry, Drift, Effect, Hardening, Inertia, MAX_STICK_SLIP_ELEMENTS, Offset, Relaxation,
-    StickSlip, Temperature, Viscous,
+    Asymmetry, BoucWen, Compliance, Delay, Drift, Effect, Gap, Hardening, Inertia, MAX_CONTACTS,
+    MAX_STICK_SLIP_ELEMENTS, Offset, Periodic, Relaxation, StickSlip, Stop, Temperature, Viscous,
 };
 use crate::error::ConfigError;
 use crate::real::Real;
@@ -61,6 +61,49 @@ pub enum EffectParameters<R> {
         /// °C
         reference: R,
     },
+    /// Of [`Stop::new`]: stiffness in kN/mm and gap in mm of each contact.
+    Stop(heapless::Vec<(R, R), MAX_CONTACTS>),
+    /// Of [`Gap::new`].
+    Gap {
+        /// mm
+        half_width: R,
+        /// Whether velocity and acceleration are felt within the play.
+        damps_inside: bool,
+    },
+    /// Of [`BoucWen::new`].
+    BoucWen {
+        /// kN/mm
+        stiffness: R,
+        /// mm
+        slip_limit: R,
+        /// Exponent of the transition.
+        sharpness: R,
+    },
+    /// Of [`Periodic::new`].
+    Periodic {
+        /// kN
+        amplitude: R,
+        /// Hz
+        frequency: f64,
+        /// rad
+        phase: f64,
+        /// s
+        tick: f64,
+    },
+    /// Of [`Compliance::new`].
+    Compliance {
+        /// kN/mm
+        stiffness: R,
+        /// s
+        tick: R,
+    },
+    /// Of [`Delay::new`].
+    Delay {
+        /// s
+        time: R,
+        /// s
+        tick: R,
+    },
 }
 
 impl<R: Real> EffectParameters<R> {
@@ -85,6 +128,26 @@ impl<R: Real> EffectParameters<R> {
             Self::Temperature { beta, reference } => {
                 Temperature::new(*beta, *reference).map(Effect::Temperature)
             }
+            Self::Stop(contacts) => Stop::new(contacts).map(Effect::Stop),
+            Self::Gap {
+                half_width,
+                damps_inside,
+            } => Gap::new(*half_width, *damps_inside).map(Effect::Gap),
+            Self::BoucWen {
+                stiffness,
+                slip_limit,
+                sharpness,
+            } => BoucWen::new(*stiffness, *slip_limit, *sharpness).map(Effect::BoucWen),
+            Self::Periodic {
+                amplitude,
+                frequency,
+                phase,
+                tick,
+            } => Periodic::new(*amplitude, *frequency, *phase, *tick).map(Effect::Periodic),
+            Self::Compliance { stiffness, tick } => {
+                Compliance::new(*stiffness, *tick).map(Effect::Compliance)
+            }
+            Self::Delay { time, tick } => Delay::new(*time, *tick).map(Effect::Delay),
         }
     }
 }

@@ -1,85 +1,22 @@
 //! Every added effect against a closed form of another kind than its own recurrence.
 
+mod bouc_wen;
+mod compliance;
+mod loops;
+mod stages;
+mod stop_and_tone;
+
 use std::f64::consts::{PI, TAU};
 
+use loops::{TICKS, alone, close, energy, last_cycle, moduli, nothing, sine};
 use mesh_damper::effects::{
-    Asymmetry, AugmentedLaw, Drift, Effect, Hardening, Inertia, Motion, Offset, Relaxation,
-    StickSlip, Temperature, Viscous,
+    Asymmetry, AugmentedLaw, BoucWen, Compliance, Delay, Drift, Effect, Gap, Hardening, Inertia,
+    Motion, Offset, Periodic, Relaxation, StickSlip, Stop, Temperature, Viscous,
 };
 use mesh_damper::error::ConfigError;
 use mesh_damper::law::Law;
 use mesh_damper::real::Real;
 use proptest::prelude::*;
-
-/// Ticks per cycle of the sampled loops.
-const TICKS: usize = 20_000;
-
-/// A law without a force of its own.
-fn nothing<R: Real>() -> Law<R> {
-    Law::new(R::ZERO, R::ZERO, R::ZERO, R::ZERO).unwrap()
-}
-
-fn alone<R: Real>(effect: Effect<R>) -> AugmentedLaw<R, 1> {
-    AugmentedLaw::new(nothing()).with(effect).unwrap()
-}
-
-/// Tick `n` of y = X·sin ωt.
-fn sine<R: Real>(amplitude: f64, frequency: f64, n: usize) -> Motion<R> {
-    let omega = TAU * frequency;
-    let (sin, cos) = (TAU * n as f64 / TICKS as f64).sin_cos();
-    Motion {
-        displacement: R::from_f64(amplitude * sin),
-        velocity: R::from_f64(amplitude * omega * cos),
-        acceleration: R::from_f64(-amplitude * omega * omega * sin),
-        cycles: R::from_f64(n as f64 / TICKS as f64),
-        temperature: R::from_f64(20.0),
-    }
-}
-
-/// Forces of the last of `cycles` cycles, from rest.
-fn last_cycle<R: Real>(
-    effect: Effect<R>,
-    amplitude: f64,
-    frequency: f64,
-    cycles: usize,
-) -> Vec<f64> {
-    let law = alone(effect);
-    let mut state = law.at_rest();
-    let all: Vec<f64> = (0..cycles * TICKS)
-        .map(|n| {
-            law.force(&mut state, &sine(amplitude, frequency, n))
-                .to_f64()
-        })
-        .collect();
-    all[(cycles - 1) * TICKS..].to_vec()
-}
-
-/// ∮F dy over one cycle, trapezoids.
-fn energy(force: &[f64], amplitude: f64) -> f64 {
-    let y = |n: usize| amplitude * (TAU * n as f64 / TICKS as f64).sin();
-    (0..TICKS)
-        .map(|n| 0.5 * (force[n] + force[(n + 1) % TICKS]) * (y(n + 1) - y(n)))
-        .sum()
-}
-
-/// Components of the force in phase with displacement and with velocity, over the amplitude.
-fn moduli(force: &[f64], amplitude: f64) -> (f64, f64) {
-    let scale = 2.0 / (TICKS as f64 * amplitude);
-    force
-        .iter()
-        .enumerate()
-        .fold((0.0, 0.0), |(storage, loss), (n, f)| {
-            let (sin, cos) = (TAU * n as f64 / TICKS as f64).sin_cos();
-            (storage + scale * f * sin, loss + scale * f * cos)
-        })
-}
-
-fn close(value: f64, expected: f64, tolerance: f64) {
-    assert!(
-        (value - expected).abs() <= tolerance * expected.abs(),
-        "{value} is not {expected} within {tolerance}"
-    );
-}
 
 /// 4·k·x·(X − x) for each slider, and nothing below its slip limit.
 #[test]
@@ -296,7 +233,7 @@ fn a_full_set_refuses_one_more() {
 #[test]
 fn a_second_effect_of_a_kind_is_refused() {
     let law = one_of_each::<f64>();
-    let mut roomy = AugmentedLaw::<f64, 18>::new(*law.law());
+    let mut roomy = AugmentedLaw::<f64, 30>::new(*law.law());
     for effect in law.effects() {
         roomy = roomy.with(effect).unwrap();
         let again = roomy.clone().with(effect);
@@ -305,7 +242,7 @@ fn a_second_effect_of_a_kind_is_refused() {
             "{again:?}"
         );
     }
-    assert_eq!(roomy.effects().count(), 9);
+    assert_eq!(roomy.effects().count(), EFFECTS);
 }
 
 #[test]
@@ -341,10 +278,49 @@ fn constructors_name_the_field_they_refuse() {
         field(Temperature::new(0.1, -300.0).unwrap_err()),
         "reference"
     );
+    assert_eq!(field(Stop::<f32>::new(&[]).unwrap_err()), "contacts");
+    assert_eq!(field(Stop::new(&[(1.0, 0.1); 3]).unwrap_err()), "contacts");
+    assert_eq!(
+        field(Stop::new(&[(1.0, 0.1), (0.0, -0.1)]).unwrap_err()),
+        "stiffness"
+    );
+    assert_eq!(field(Stop::new(&[(1.0, 0.0)]).unwrap_err()), "gap");
+    assert_eq!(field(Gap::new(-0.1, true).unwrap_err()), "half_width");
+    assert_eq!(field(Gap::new(f32::NAN, false).unwrap_err()), "half_width");
+    assert_eq!(
+        field(BoucWen::new(f64::INFINITY, 0.1, 1.0).unwrap_err()),
+        "stiffness"
+    );
+    assert_eq!(
+        field(BoucWen::new(1.0, 0.0, 1.0).unwrap_err()),
+        "slip_limit"
+    );
+    assert_eq!(field(BoucWen::new(1.0, 0.1, 0.4).unwrap_err()), "sharpness");
+    assert_eq!(field(BoucWen::new(1.0, 0.1, 8.1).unwrap_err()), "sharpness");
+    let periodic = |amplitude, frequency, phase, tick| {
+        field(Periodic::new(amplitude, frequency, phase, tick).unwrap_err())
+    };
+    assert_eq!(periodic(f32::NAN, 50.0, 0.0, 1e-4), "amplitude");
+    assert_eq!(periodic(1.0, 5000.0, 0.0, 1e-4), "frequency");
+    assert_eq!(periodic(1.0, 0.0, 0.0, 1e-4), "frequency");
+    assert_eq!(periodic(1.0, 50.0, f64::NAN, 1e-4), "phase");
+    assert_eq!(periodic(1.0, 50.0, 0.0, 0.0), "tick");
+    assert_eq!(field(Compliance::new(0.0, 1e-4).unwrap_err()), "stiffness");
+    assert_eq!(field(Compliance::new(-5.0, 1e-4).unwrap_err()), "stiffness");
+    assert_eq!(
+        field(Compliance::new(5.0, f32::INFINITY).unwrap_err()),
+        "tick"
+    );
+    assert_eq!(field(Delay::new(-1e-3, 1e-4).unwrap_err()), "time");
+    assert_eq!(field(Delay::new(0.02551, 1e-4).unwrap_err()), "time");
+    assert_eq!(field(Delay::new(1e-3, 0.0).unwrap_err()), "tick");
 }
 
+/// Effects that there are.
+const EFFECTS: usize = 15;
+
 /// One of each, of ordinary size.
-fn one_of_each<R: Real>() -> AugmentedLaw<R, 9> {
+fn one_of_each<R: Real>() -> AugmentedLaw<R, EFFECTS> {
     let r = R::from_f64;
     let law = Law::new(r(1.05), r(10.5), r(0.11), r(0.4)).unwrap();
     [
@@ -357,6 +333,12 @@ fn one_of_each<R: Real>() -> AugmentedLaw<R, 9> {
         Effect::Inertia(Inertia::new(r(120.0)).unwrap()),
         Effect::Drift(Drift::new(r(-0.5), r(25.0)).unwrap()),
         Effect::Temperature(Temperature::new(r(0.004), r(20.0)).unwrap()),
+        Effect::Stop(Stop::new(&[(r(2.0), r(0.15)), (r(3.0), r(-0.1))]).unwrap()),
+        Effect::BoucWen(BoucWen::new(r(0.8), r(0.04), r(1.5)).unwrap()),
+        Effect::Periodic(Periodic::new(r(0.03), 50.0, 0.3, 1e-4).unwrap()),
+        Effect::Gap(Gap::new(r(0.02), false).unwrap()),
+        Effect::Compliance(Compliance::new(r(25.0), r(1e-4)).unwrap()),
+        Effect::Delay(Delay::new(r(0.0023), r(1e-4)).unwrap()),
     ]
     .into_iter()
     .fold(AugmentedLaw::new(law), |law, effect| {

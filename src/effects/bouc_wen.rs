@@ -1,0 +1,139 @@
+//! Rate-independent friction that gives way smoothly (Bouc 1967, Wen 1976): the second form of stick-slip.
+
+use super::{ConfinedMotion, EffectForce};
+use crate::error::ConfigError;
+use crate::limits;
+use crate::real::{Real, in_range};
+
+/// Largest exponent.
+const SHARPEST: f64 = 8.0;
+
+/// F = k·z, dz = dy·(1 − (|z|/x)ⁿ·(1 + sgn(dy·z))/2).
+///
+/// A branch towards 0 is straight, with stiffness k; away from 0 it bends towards ±x and never passes it: by 1 − e^(−y/x) for
+/// n = 1, by tanh y/x for n = 2, and ever later, like a Jenkins element, for a larger n.
+///
+/// # Step
+/// With δ = 1 − |z|/x the bent branch is dδ = −m·δ·|dy|/x, where m = (1 − (1 − δ)ⁿ)/δ lies between 1 and n and changes little.
+/// So a step with a = m·|dy|/x takes 1 − e⁻ᵃ of δ, with m from the middle of the step: of the second order, exact for n = 1,
+/// and bounded for steps of any length, as what stands for eᵃ, 1 + a + a²/2 + a³/6, is at least 1.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct BoucWen<R> {
+    pub(super) stiffness: R,
+    pub(super) slip_limit: R,
+    pub(super) sharpness: R,
+}
+
+/// What a [`BoucWen`] remembers.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct BoucWenState<R> {
+    /// z, mm.
+    stretch: R,
+    /// Displacement of the tick before, mm.
+    previous: R,
+}
+
+impl<R: Real> BoucWen<R> {
+    /// * `stiffness`: k, kN/mm, −1e9…1e9
+    /// * `slip_limit`: x, mm, 1e-9…1e4
+    /// * `sharpness`: n, 0.5…8
+    ///
+    /// # Errors
+    /// The field that is not finite or out of range.
+    pub fn new(stiffness: R, slip_limit: R, sharpness: R) -> Result<Self, ConfigError> {
+        let new = Self {
+            stiffness,
+            slip_limit,
+            sharpness,
+        };
+        new.check()?;
+        Ok(new)
+    }
+
+    /// m at |z|/x = `part`.
+    #[inline(always)]
+    fn bend(&self, part: R) -> R {
+        // |part|ⁿ by an exponent of at most 1.
+        let root = part.abs_pow(self.sharpness * R::from_f64(1.0 / SHARPEST));
+        let square = root * root;
+        let fourth = square * square;
+        let bend = (R::ONE - fourth * fourth) / (R::ONE - part);
+        // Next to the limit it is a quotient of what rounding leaves.
+        let (low, high) = if self.sharpness > R::ONE {
+            (R::ONE, self.sharpness)
+        } else {
+            (self.sharpness, R::ONE)
+        };
+        if bend < low {
+            low
+        } else if bend < high {
+            bend
+        } else {
+            high
+        }
+    }
+}
+
+/// 1 − e⁻ᵃ for an a of at least 0: within a⁴/24 of e⁻ᵃ, and below 1.
+#[inline(always)]
+fn taken<R: Real>(a: R) -> R {
+    // Beyond that the cube would overflow and nothing is left to take.
+    let most = R::from_f64(1e3);
+    let a = if a < most { a } else { most };
+    let grown = a * (R::ONE + a * (R::from_f64(0.5) + a * R::from_f64(1.0 / 6.0)));
+    grown / (R::ONE + grown)
+}
+
+impl<R: Real> EffectForce<R> for BoucWen<R> {
+    type State = BoucWenState<R>;
+
+    fn check(&self) -> Result<(), ConfigError> {
+        in_range(
+            "stiffness",
+            self.stiffness,
+            -limits::COEFFICIENT,
+            limits::COEFFICIENT,
+        )?;
+        in_range("slip_limit", self.slip_limit, 1e-9, limits::DISPLACEMENT)?;
+        in_range("sharpness", self.sharpness, 0.5, SHARPEST).map(|_| ())
+    }
+
+    fn begin(&self, motion: &ConfinedMotion<R>) -> Self::State {
+        BoucWenState {
+            previous: motion.displacement(),
+            ..BoucWenState::default()
+        }
+    }
+
+    // Not inlined: its registers and constants are no matter of ticks without it.
+    #[inline(never)]
+    fn force(&self, state: &mut Self::State, motion: &ConfinedMotion<R>, _: R) -> R {
+        let y = motion.displacement();
+        let step = y - state.previous;
+        state.previous = y;
+        let forward = step > R::ZERO;
+        let (way, stretch) = if forward {
+            (step, state.stretch)
+        } else {
+            (-step, -state.stretch)
+        };
+        // Straight as far as 0, and bent from there.
+        let sum = stretch + way;
+        let (start, bent) = if stretch >= R::ZERO {
+            (stretch, way)
+        } else if sum > R::ZERO {
+            (R::ZERO, sum)
+        } else {
+            (sum, R::ZERO)
+        };
+        let part = start / self.slip_limit;
+        let left = R::ONE - part;
+        let length = bent / self.slip_limit;
+        let half = R::from_f64(0.5) * length;
+        let middle = part + left * taken(half * self.bend(part));
+        let moved = start + self.slip_limit * (left * taken(length * self.bend(middle)));
+        let stretch = if forward { moved } else { -moved };
+        state.stretch = stretch.clipped(self.slip_limit);
+        self.stiffness * state.stretch
+    }
+}
