@@ -29,6 +29,7 @@
 
 pub mod actuator;
 pub mod bench;
+pub mod blind;
 pub mod demo;
 pub mod error;
 pub mod identify;

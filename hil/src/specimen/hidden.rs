@@ -1,8 +1,8 @@
-//! The effects a specimen can hide, and what each remembers.
+//! The effects a specimen can hide.
 
 use serde::Serialize;
 
-use super::REFERENCE_TEMPERATURE;
+use super::unlisted::Unlisted;
 
 /// An effect that eq 13 does not have. Sizes may have either sign where physics allows it.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
@@ -65,6 +65,41 @@ pub enum HiddenEffect {
         /// s.
         time: f64,
     },
+    /// F = k·max(s·y − gap, 0)·s with s = ±1: a stop touched on one side.
+    Stop {
+        /// Stiffness of the contact, kN/mm.
+        stiffness: f64,
+        /// Displacement at which it is touched, mm: on the positive side where positive, else on the negative.
+        gap: f64,
+    },
+    /// The specimen feels the displacement beyond ±half_width: play in the clamping.
+    Gap {
+        /// mm.
+        half_width: f64,
+        /// Whether it does not feel the velocity inside either.
+        loose: bool,
+    },
+    /// The force channel is late.
+    Delay {
+        /// s.
+        time: f64,
+    },
+    /// The specimen is held by a spring: what the sensor measures is the motion of both.
+    Compliance {
+        /// Of the spring, mm/kN.
+        compliance: f64,
+    },
+    /// F = force·sin(2π·frequency·t + phase), t from the test's beginning: a tone that something else makes.
+    Periodic {
+        /// kN.
+        force: f64,
+        /// Hz.
+        frequency: f64,
+        /// rad.
+        phase: f64,
+    },
+    /// An effect that no tracer has a name for.
+    Unlisted(Unlisted),
 }
 
 /// How the friction joints of [`HiddenEffect::StickSlip`] turn from sticking to slipping.
@@ -86,7 +121,7 @@ pub enum SlipShape {
 }
 
 impl HiddenEffect {
-    /// The family by which a trace names it.
+    /// The family by which a trace names it, or the kind of an unlisted one.
     pub fn family(&self) -> &'static str {
         match self {
             Self::Offset { .. } => "offset",
@@ -98,10 +133,17 @@ impl HiddenEffect {
             Self::Inertia { .. } => "inertia",
             Self::Drift { .. } => "drift",
             Self::Temperature { .. } => "temperature",
+            Self::Stop { .. } => "stop",
+            Self::Gap { .. } => "gap",
+            Self::Delay { .. } => "delay",
+            Self::Compliance { .. } => "compliance",
+            Self::Periodic { .. } => "periodic",
+            Self::Unlisted(effect) => effect.kind(),
         }
     }
 
-    /// The same effect with `factor` times the force.
+    /// The same effect with `factor` times the force; of a gap, a delay or a compliance, as many times as wide, late or
+    /// soft.
     pub fn scaled(mut self, factor: f64) -> Self {
         *match &mut self {
             Self::Offset { force } => force,
@@ -113,6 +155,12 @@ impl HiddenEffect {
             Self::Inertia { mass } => mass,
             Self::Drift { stiffness, .. } => stiffness,
             Self::Temperature { beta, .. } => beta,
+            Self::Stop { stiffness, .. } => stiffness,
+            Self::Gap { half_width, .. } => half_width,
+            Self::Delay { time } => time,
+            Self::Compliance { compliance } => compliance,
+            Self::Periodic { force, .. } => force,
+            Self::Unlisted(effect) => effect.size_mut(),
         } *= factor;
         self
     }
@@ -147,10 +195,27 @@ impl HiddenEffect {
                 ("rise", rise, "degC"),
                 ("time", time, "s"),
             ],
+            Self::Stop { stiffness, gap } => {
+                vec![("stiffness", stiffness, "kN/mm"), ("gap", gap, "mm")]
+            }
+            Self::Gap { half_width, .. } => vec![("half_width", half_width, "mm")],
+            Self::Delay { time } => vec![("time", time, "s")],
+            Self::Compliance { compliance } => vec![("compliance", compliance, "mm/kN")],
+            Self::Periodic {
+                force,
+                frequency,
+                phase,
+            } => vec![
+                ("force", force, "kN"),
+                ("frequency", frequency, "Hz"),
+                ("phase", phase, "rad"),
+            ],
+            Self::Unlisted(effect) => effect.parameters(),
         }
     }
 
-    /// Whether a specimen can have it: finite sizes, and limits, times, cycles and sliders above zero.
+    /// Whether a specimen can have it: finite sizes, limits, times, cycles and sliders above zero, and a gap, delay or
+    /// compliance not below it.
     pub fn is_admissible(&self) -> bool {
         let finite = self
             .parameters()
@@ -170,230 +235,11 @@ impl HiddenEffect {
                 }
                 Self::Relaxation { time, .. } | Self::Temperature { time, .. } => time > 0.0,
                 Self::Drift { cycles, .. } => cycles > 0.0,
+                Self::Gap { half_width, .. } => half_width >= 0.0,
+                Self::Delay { time } => time >= 0.0,
+                Self::Compliance { compliance } => compliance >= 0.0,
+                Self::Unlisted(effect) => effect.is_admissible(),
                 _ => true,
             }
-    }
-}
-
-/// One call of the specimen.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct Step {
-    /// s since the test began.
-    pub time: f64,
-    /// mm.
-    pub displacement: f64,
-    /// mm/s.
-    pub velocity: f64,
-    /// mm/s².
-    pub acceleration: f64,
-    /// s since the previous call.
-    pub dt: f64,
-    /// Force of eq 13, kN.
-    pub law: f64,
-}
-
-/// An effect and what it remembers.
-#[derive(Debug)]
-pub(super) struct Hidden {
-    effect: HiddenEffect,
-    memory: Memory,
-}
-
-impl Clone for Hidden {
-    fn clone(&self) -> Self {
-        Self {
-            effect: self.effect,
-            memory: self.memory.clone(),
-        }
-    }
-
-    /// Into the room that is there: an actuator tries copies of its specimen every tick.
-    #[inline]
-    fn clone_from(&mut self, source: &Self) {
-        self.effect = source.effect;
-        match (&mut self.memory, &source.memory) {
-            (
-                Memory::Sliders {
-                    stretch,
-                    displacement,
-                },
-                Memory::Sliders {
-                    stretch: others,
-                    displacement: other,
-                },
-            ) => {
-                stretch.clone_from(others);
-                *displacement = *other;
-            }
-            (memory, other) => memory.clone_from(other),
-        }
-    }
-}
-
-#[derive(Clone, Debug)]
-enum Memory {
-    None,
-    Sliders {
-        stretch: Vec<f64>,
-        displacement: f64,
-    },
-    Branch {
-        force: f64,
-        displacement: f64,
-    },
-    Cycles(CycleCount),
-    Heat {
-        temperature: f64,
-    },
-}
-
-impl Hidden {
-    /// Everything relaxed at displacement 0.
-    pub fn at_rest(effect: HiddenEffect) -> Self {
-        let memory = match effect {
-            HiddenEffect::StickSlip { shape, .. } => Memory::Sliders {
-                stretch: vec![
-                    0.0;
-                    match shape {
-                        SlipShape::Spread { sliders } => sliders,
-                        SlipShape::Sharp | SlipShape::Smooth { .. } => 1,
-                    }
-                ],
-                displacement: 0.0,
-            },
-            HiddenEffect::Relaxation { .. } => Memory::Branch {
-                force: 0.0,
-                displacement: 0.0,
-            },
-            HiddenEffect::Drift { .. } => Memory::Cycles(CycleCount::default()),
-            HiddenEffect::Temperature { .. } => Memory::Heat {
-                temperature: REFERENCE_TEMPERATURE,
-            },
-            _ => Memory::None,
-        };
-        Self { effect, memory }
-    }
-
-    pub fn effect(&self) -> HiddenEffect {
-        self.effect
-    }
-
-    /// °C, of the effect that sets it.
-    pub fn temperature(&self) -> Option<f64> {
-        match self.memory {
-            Memory::Heat { temperature } => Some(temperature),
-            _ => None,
-        }
-    }
-
-    /// kN beside eq 13.
-    pub fn force(&mut self, step: &Step) -> f64 {
-        let y = step.displacement;
-        match (self.effect, &mut self.memory) {
-            (HiddenEffect::Offset { force }, _) => force,
-            (HiddenEffect::Asymmetry { k2 }, _) => k2 * y * y,
-            (HiddenEffect::Hardening { k5 }, _) => k5 * y.powi(5),
-            (HiddenEffect::Viscous { c }, _) => c * step.velocity,
-            (HiddenEffect::Inertia { mass }, _) => mass * 1e-6 * step.acceleration,
-            (
-                HiddenEffect::StickSlip {
-                    stiffness,
-                    slip_limit,
-                    shape,
-                },
-                Memory::Sliders {
-                    stretch,
-                    displacement,
-                },
-            ) => {
-                let moved = y - *displacement;
-                *displacement = y;
-                stiffness * slip(stretch, moved, slip_limit, shape)
-            }
-            (
-                HiddenEffect::Relaxation { stiffness, time },
-                Memory::Branch {
-                    force,
-                    displacement,
-                },
-            ) => {
-                // Trapezoidal rule over Ḟ = k·v − F/τ, with the displacement's own increment for ∫v dt.
-                let half = step.dt / (2.0 * time);
-                *force = (*force * (1.0 - half) + stiffness * (y - *displacement)) / (1.0 + half);
-                *displacement = y;
-                *force
-            }
-            (HiddenEffect::Drift { stiffness, cycles }, Memory::Cycles(count)) => {
-                let run = count.update(y);
-                stiffness * (1.0 - (-run / cycles).exp()) * y
-            }
-            (HiddenEffect::Temperature { beta, rise, time }, Memory::Heat { temperature }) => {
-                let warmed = rise * (1.0 - (-step.time / time).exp());
-                *temperature = REFERENCE_TEMPERATURE + warmed;
-                -beta * warmed * step.law
-            }
-            _ => unreachable!("at_rest() gives every effect its own memory"),
-        }
-    }
-}
-
-/// Moves the sliders by `moved` mm and returns their mean stretch, mm.
-fn slip(stretch: &mut [f64], moved: f64, limit: f64, shape: SlipShape) -> f64 {
-    let count = stretch.len() as f64;
-    match shape {
-        SlipShape::Smooth { exponent } => {
-            // Substeps keep the explicit midpoint rule accurate however far the caller moves at once.
-            let substeps = (moved.abs() / (0.02 * limit)).ceil().max(1.0);
-            let by = moved / substeps;
-            let slope = |x: f64| {
-                if by * x > 0.0 {
-                    1.0 - (x / limit).abs().powf(exponent)
-                } else {
-                    1.0
-                }
-            };
-            for x in stretch.iter_mut() {
-                for _ in 0..substeps as usize {
-                    let middle = *x + 0.5 * by * slope(*x);
-                    *x += by * slope(middle);
-                }
-            }
-        }
-        SlipShape::Sharp => {
-            for x in stretch.iter_mut() {
-                *x = (*x + moved).clamp(-limit, limit);
-            }
-        }
-        SlipShape::Spread { .. } => {
-            for (i, x) in stretch.iter_mut().enumerate() {
-                let own = 2.0 * limit * (i as f64 + 0.5) / count;
-                *x = (*x + moved).clamp(-own, own);
-            }
-        }
-    }
-    stretch.iter().sum::<f64>() / count
-}
-
-/// Counts half cycles: passages through zero after a swing of at least a fifth of the largest so far.
-#[derive(Clone, Debug, Default)]
-struct CycleCount {
-    largest: f64,
-    /// Side of the last such swing, −1 or 1; 0 before the first.
-    side: f64,
-    completed: f64,
-}
-
-impl CycleCount {
-    /// Cycles completed, by halves.
-    fn update(&mut self, displacement: f64) -> f64 {
-        self.largest = self.largest.max(displacement.abs());
-        if displacement * self.side < 0.0 {
-            self.side = 0.0;
-            self.completed += 0.5;
-        }
-        if displacement.abs() > 0.2 * self.largest {
-            self.side = displacement.signum();
-        }
-        self.completed
     }
 }

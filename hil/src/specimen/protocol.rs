@@ -2,8 +2,10 @@
 
 use std::f64::consts::TAU;
 
+use serde::Serialize;
+
 /// Whole cycles of a sine that starts rising through 0.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Block {
     /// mm.
     pub amplitude: f64,

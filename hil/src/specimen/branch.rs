@@ -1,0 +1,244 @@
+//! Effects that act beside eq 13, and what each remembers.
+
+use std::f64::consts::TAU;
+
+use super::hidden::{HiddenEffect, SlipShape};
+use super::{REFERENCE_TEMPERATURE, unlisted};
+
+/// One call of the specimen.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Step {
+    /// s since the test began.
+    pub time: f64,
+    /// mm.
+    pub displacement: f64,
+    /// mm/s.
+    pub velocity: f64,
+    /// mm/s².
+    pub acceleration: f64,
+    /// s since the previous call.
+    pub dt: f64,
+    /// Hz of the block that runs.
+    pub frequency: f64,
+    /// Force of eq 13, kN.
+    pub law: f64,
+}
+
+/// An effect and what it remembers.
+#[derive(Debug)]
+pub(super) struct Hidden {
+    effect: HiddenEffect,
+    memory: Memory,
+}
+
+impl Clone for Hidden {
+    fn clone(&self) -> Self {
+        Self {
+            effect: self.effect,
+            memory: self.memory.clone(),
+        }
+    }
+
+    /// Into the room that is there: an actuator tries copies of its specimen every tick.
+    #[inline]
+    fn clone_from(&mut self, source: &Self) {
+        self.effect = source.effect;
+        match (&mut self.memory, &source.memory) {
+            (
+                Memory::Sliders {
+                    stretch,
+                    displacement,
+                },
+                Memory::Sliders {
+                    stretch: others,
+                    displacement: other,
+                },
+            ) => {
+                stretch.clone_from(others);
+                *displacement = *other;
+            }
+            (memory, other) => memory.clone_from(other),
+        }
+    }
+}
+
+#[derive(Clone, Debug)]
+enum Memory {
+    None,
+    Sliders {
+        stretch: Vec<f64>,
+        displacement: f64,
+    },
+    Branch {
+        force: f64,
+        displacement: f64,
+    },
+    Cycles(CycleCount),
+    Heat {
+        temperature: f64,
+    },
+    Unlisted(unlisted::Memory),
+}
+
+impl Hidden {
+    /// Everything relaxed at displacement 0.
+    pub fn at_rest(effect: HiddenEffect) -> Self {
+        let memory = match effect {
+            HiddenEffect::StickSlip { shape, .. } => Memory::Sliders {
+                stretch: vec![
+                    0.0;
+                    match shape {
+                        SlipShape::Spread { sliders } => sliders,
+                        SlipShape::Sharp | SlipShape::Smooth { .. } => 1,
+                    }
+                ],
+                displacement: 0.0,
+            },
+            HiddenEffect::Relaxation { .. } => Memory::Branch {
+                force: 0.0,
+                displacement: 0.0,
+            },
+            HiddenEffect::Drift { .. } => Memory::Cycles(CycleCount::default()),
+            HiddenEffect::Temperature { .. } => Memory::Heat {
+                temperature: REFERENCE_TEMPERATURE,
+            },
+            HiddenEffect::Unlisted(effect) => Memory::Unlisted(effect.at_rest()),
+            _ => Memory::None,
+        };
+        Self { effect, memory }
+    }
+
+    /// °C, of the effect that sets it.
+    pub fn temperature(&self) -> Option<f64> {
+        match self.memory {
+            Memory::Heat { temperature } => Some(temperature),
+            _ => None,
+        }
+    }
+
+    /// kN beside eq 13.
+    pub fn force(&mut self, step: &Step) -> f64 {
+        let y = step.displacement;
+        match (self.effect, &mut self.memory) {
+            (HiddenEffect::Offset { force }, _) => force,
+            (HiddenEffect::Asymmetry { k2 }, _) => k2 * y * y,
+            (HiddenEffect::Hardening { k5 }, _) => k5 * y.powi(5),
+            (HiddenEffect::Viscous { c }, _) => c * step.velocity,
+            (HiddenEffect::Inertia { mass }, _) => mass * 1e-6 * step.acceleration,
+            (
+                HiddenEffect::StickSlip {
+                    stiffness,
+                    slip_limit,
+                    shape,
+                },
+                Memory::Sliders {
+                    stretch,
+                    displacement,
+                },
+            ) => {
+                let moved = y - *displacement;
+                *displacement = y;
+                stiffness * slip(stretch, moved, slip_limit, shape)
+            }
+            (
+                HiddenEffect::Relaxation { stiffness, time },
+                Memory::Branch {
+                    force,
+                    displacement,
+                },
+            ) => {
+                // Trapezoidal rule over Ḟ = k·v − F/τ, with the displacement's own increment for ∫v dt.
+                let half = step.dt / (2.0 * time);
+                *force = (*force * (1.0 - half) + stiffness * (y - *displacement)) / (1.0 + half);
+                *displacement = y;
+                *force
+            }
+            (HiddenEffect::Drift { stiffness, cycles }, Memory::Cycles(count)) => {
+                let run = count.update(y);
+                stiffness * (1.0 - (-run / cycles).exp()) * y
+            }
+            (HiddenEffect::Temperature { beta, rise, time }, Memory::Heat { temperature }) => {
+                let warmed = rise * (1.0 - (-step.time / time).exp());
+                *temperature = REFERENCE_TEMPERATURE + warmed;
+                -beta * warmed * step.law
+            }
+            (HiddenEffect::Stop { stiffness, gap }, _) => {
+                let side = gap.signum();
+                side * stiffness * (side * y - gap.abs()).max(0.0)
+            }
+            (
+                HiddenEffect::Periodic {
+                    force,
+                    frequency,
+                    phase,
+                },
+                _,
+            ) => force * (TAU * frequency * step.time + phase).sin(),
+            (HiddenEffect::Unlisted(effect), Memory::Unlisted(memory)) => {
+                effect.force(memory, step)
+            }
+            _ => unreachable!("at_rest() gives every effect its own memory"),
+        }
+    }
+}
+
+/// Moves the sliders by `moved` mm and returns their mean stretch, mm.
+fn slip(stretch: &mut [f64], moved: f64, limit: f64, shape: SlipShape) -> f64 {
+    let count = stretch.len() as f64;
+    match shape {
+        SlipShape::Smooth { exponent } => {
+            // Substeps keep the explicit midpoint rule accurate however far the caller moves at once.
+            let substeps = (moved.abs() / (0.02 * limit)).ceil().max(1.0);
+            let by = moved / substeps;
+            let slope = |x: f64| {
+                if by * x > 0.0 {
+                    1.0 - (x / limit).abs().powf(exponent)
+                } else {
+                    1.0
+                }
+            };
+            for x in stretch.iter_mut() {
+                for _ in 0..substeps as usize {
+                    let middle = *x + 0.5 * by * slope(*x);
+                    *x += by * slope(middle);
+                }
+            }
+        }
+        SlipShape::Sharp => {
+            for x in stretch.iter_mut() {
+                *x = (*x + moved).clamp(-limit, limit);
+            }
+        }
+        SlipShape::Spread { .. } => {
+            for (i, x) in stretch.iter_mut().enumerate() {
+                let own = 2.0 * limit * (i as f64 + 0.5) / count;
+                *x = (*x + moved).clamp(-own, own);
+            }
+        }
+    }
+    stretch.iter().sum::<f64>() / count
+}
+
+/// Counts half cycles: passages through zero after a swing of at least a fifth of the largest so far.
+#[derive(Clone, Debug, Default)]
+struct CycleCount {
+    largest: f64,
+    /// Side of the last such swing, −1 or 1; 0 before the first.
+    side: f64,
+    completed: f64,
+}
+
+impl CycleCount {
+    /// Cycles completed, by halves.
+    fn update(&mut self, displacement: f64) -> f64 {
+        self.largest = self.largest.max(displacement.abs());
+        if displacement * self.side < 0.0 {
+            self.side = 0.0;
+            self.completed += 0.5;
+        }
+        if displacement.abs() > 0.2 * self.largest {
+            self.side = displacement.signum();
+        }
+        self.completed
+    }
+}

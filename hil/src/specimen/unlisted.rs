@@ -1,0 +1,387 @@
+//! Effects that no tracer has a name for: what a specimen or its rig may do that nobody thought to list.
+
+use std::f64::consts::TAU;
+
+use rand::SeedableRng;
+use rand_chacha::ChaCha8Rng;
+use rand_distr::{Distribution, StandardNormal};
+use serde::Serialize;
+
+use super::branch::Step;
+
+/// Relaxation times of [`Unlisted::Fractional`], from the first, three to a decade over five decades, s.
+const FIRST_RELAXATION_TIME: f64 = 1e-3;
+const RELAXATION_TIMES: usize = 16;
+const TIMES_PER_DECADE: f64 = 3.0;
+/// Sines that make up [`Unlisted::RandomWalk`], the longest with a period of four times [`WALK_DURATION`].
+const WALK_TERMS: usize = 80;
+/// Over which the walk is one, s; later it repeats.
+const WALK_DURATION: f64 = 100.0;
+
+/// An effect without a family.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+#[serde(tag = "kind", rename_all = "snake_case")]
+pub enum Unlisted {
+    /// F = μ·|y|·sgn v: friction under a load that grows with displacement.
+    LoadFriction {
+        /// kN/mm.
+        mu: f64,
+    },
+    /// F = f·e^(−(v/vs)²)·sgn v: friction that weakens with velocity (Stribeck).
+    VelocityWeakening {
+        /// kN.
+        force: f64,
+        /// vs, mm/s.
+        velocity: f64,
+    },
+    /// F = a·y·v.
+    CrossLinear {
+        /// kN·s/mm².
+        a: f64,
+    },
+    /// F = a·y²·v: a dashpot that grows with displacement.
+    CrossSquare {
+        /// kN·s/mm³.
+        a: f64,
+    },
+    /// F = −f·ln(1 + t/t0): a preload that creeps away.
+    Creep {
+        /// kN.
+        force: f64,
+        /// t0, s.
+        time: f64,
+    },
+    /// F = −k·(1 − e^(−m/m0))·y with m the largest past |y|: softening by the largest stretch (Mullins).
+    Mullins {
+        /// kN/mm.
+        stiffness: f64,
+        /// m0, mm.
+        stretch: f64,
+    },
+    /// F = c·v·|v|.
+    QuadraticDrag {
+        /// kN·s²/mm².
+        c: f64,
+    },
+    /// F = c·v for v > 0 only: a damper that pulls one way.
+    OneWayDamping {
+        /// kN·s/mm.
+        c: f64,
+    },
+    /// F = c·v for y > 0 only: a damper that touches on one side.
+    OneSidedDamping {
+        /// kN·s/mm.
+        c: f64,
+    },
+    /// Relaxation over all times, with modulus ∝ t^−order (a spring-pot).
+    Fractional {
+        /// kN/mm at 1 s.
+        stiffness: f64,
+        /// 0…1.
+        order: f64,
+    },
+    /// F = k·ln(frequency/1 Hz)·y with the frequency of the block that runs.
+    FrequencyStiffness {
+        /// kN/mm.
+        stiffness: f64,
+    },
+    /// F = f·e^(−((y − place)/width)²)·sgn v: friction at one place.
+    PlaceFriction {
+        /// kN.
+        force: f64,
+        /// mm.
+        place: f64,
+        /// mm.
+        width: f64,
+    },
+    /// A zero of the load cell that walks at random.
+    RandomWalk {
+        /// RMS after 1 s, kN.
+        force: f64,
+        /// Of the walk.
+        seed: u64,
+    },
+    /// A mass on a spring and a dashpot, hung on the moving end.
+    Resonance {
+        /// kg.
+        mass: f64,
+        /// Hz.
+        frequency: f64,
+        /// Ratio to critical damping.
+        damping: f64,
+    },
+}
+
+impl Unlisted {
+    /// What it is called in a confusion matrix.
+    pub fn kind(&self) -> &'static str {
+        match self {
+            Self::LoadFriction { .. } => "load_friction",
+            Self::VelocityWeakening { .. } => "velocity_weakening",
+            Self::CrossLinear { .. } => "cross_linear",
+            Self::CrossSquare { .. } => "cross_square",
+            Self::Creep { .. } => "creep",
+            Self::Mullins { .. } => "mullins",
+            Self::QuadraticDrag { .. } => "quadratic_drag",
+            Self::OneWayDamping { .. } => "one_way_damping",
+            Self::OneSidedDamping { .. } => "one_sided_damping",
+            Self::Fractional { .. } => "fractional",
+            Self::FrequencyStiffness { .. } => "frequency_stiffness",
+            Self::PlaceFriction { .. } => "place_friction",
+            Self::RandomWalk { .. } => "random_walk",
+            Self::Resonance { .. } => "resonance",
+        }
+    }
+
+    /// The parameter that its force is proportional to.
+    pub(super) fn size_mut(&mut self) -> &mut f64 {
+        match self {
+            Self::LoadFriction { mu } => mu,
+            Self::VelocityWeakening { force, .. }
+            | Self::Creep { force, .. }
+            | Self::PlaceFriction { force, .. }
+            | Self::RandomWalk { force, .. } => force,
+            Self::CrossLinear { a } | Self::CrossSquare { a } => a,
+            Self::Mullins { stiffness, .. }
+            | Self::Fractional { stiffness, .. }
+            | Self::FrequencyStiffness { stiffness } => stiffness,
+            Self::QuadraticDrag { c } | Self::OneWayDamping { c } | Self::OneSidedDamping { c } => {
+                c
+            }
+            Self::Resonance { mass, .. } => mass,
+        }
+    }
+
+    /// Its parameters as (name, value, unit).
+    pub fn parameters(&self) -> Vec<(&'static str, f64, &'static str)> {
+        match *self {
+            Self::LoadFriction { mu } => vec![("mu", mu, "kN/mm")],
+            Self::VelocityWeakening { force, velocity } => {
+                vec![("force", force, "kN"), ("velocity", velocity, "mm/s")]
+            }
+            Self::CrossLinear { a } => vec![("a", a, "kN*s/mm2")],
+            Self::CrossSquare { a } => vec![("a", a, "kN*s/mm3")],
+            Self::Creep { force, time } => vec![("force", force, "kN"), ("time", time, "s")],
+            Self::Mullins { stiffness, stretch } => {
+                vec![
+                    ("stiffness", stiffness, "kN/mm"),
+                    ("stretch", stretch, "mm"),
+                ]
+            }
+            Self::QuadraticDrag { c } => vec![("c", c, "kN*s2/mm2")],
+            Self::OneWayDamping { c } | Self::OneSidedDamping { c } => vec![("c", c, "kN*s/mm")],
+            Self::Fractional { stiffness, order } => {
+                vec![("stiffness", stiffness, "kN/mm"), ("order", order, "1")]
+            }
+            Self::FrequencyStiffness { stiffness } => vec![("stiffness", stiffness, "kN/mm")],
+            Self::PlaceFriction {
+                force,
+                place,
+                width,
+            } => vec![
+                ("force", force, "kN"),
+                ("place", place, "mm"),
+                ("width", width, "mm"),
+            ],
+            Self::RandomWalk { force, .. } => vec![("force", force, "kN")],
+            Self::Resonance {
+                mass,
+                frequency,
+                damping,
+            } => vec![
+                ("mass", mass, "kg"),
+                ("frequency", frequency, "Hz"),
+                ("damping", damping, "1"),
+            ],
+        }
+    }
+
+    /// Whether its scales are above zero.
+    pub(super) fn is_admissible(&self) -> bool {
+        match *self {
+            Self::VelocityWeakening { velocity, .. } => velocity > 0.0,
+            Self::Creep { time, .. } => time > 0.0,
+            Self::Mullins { stretch, .. } => stretch > 0.0,
+            Self::Fractional { order, .. } => order > 0.0 && order < 1.0,
+            Self::PlaceFriction { width, .. } => width > 0.0,
+            Self::Resonance {
+                frequency, damping, ..
+            } => frequency > 0.0 && damping >= 0.0,
+            _ => true,
+        }
+    }
+
+    pub(super) fn at_rest(&self) -> Memory {
+        match *self {
+            Self::Mullins { .. } => Memory::Largest(0.0),
+            Self::Fractional { .. } => Memory::Branches {
+                stretch: [0.0; RELAXATION_TIMES],
+                displacement: 0.0,
+            },
+            Self::RandomWalk { seed, .. } => Memory::Walk(walk(seed)),
+            Self::Resonance { .. } => Memory::Mass {
+                displacement: 0.0,
+                velocity: 0.0,
+                support: (0.0, 0.0),
+            },
+            _ => Memory::None,
+        }
+    }
+
+    /// kN beside eq 13.
+    pub(super) fn force(&self, memory: &mut Memory, step: &Step) -> f64 {
+        let (y, v) = (step.displacement, step.velocity);
+        let sign = if v == 0.0 { 0.0 } else { v.signum() };
+        match (*self, memory) {
+            (Self::LoadFriction { mu }, _) => mu * y.abs() * sign,
+            (Self::VelocityWeakening { force, velocity }, _) => {
+                force * (-(v / velocity).powi(2)).exp() * sign
+            }
+            (Self::CrossLinear { a }, _) => a * y * v,
+            (Self::CrossSquare { a }, _) => a * y * y * v,
+            (Self::Creep { force, time }, _) => -force * (step.time / time).ln_1p(),
+            (Self::Mullins { stiffness, stretch }, Memory::Largest(largest)) => {
+                *largest = largest.max(y.abs());
+                stiffness * (-*largest / stretch).exp_m1() * y
+            }
+            (Self::QuadraticDrag { c }, _) => c * v * v.abs(),
+            (Self::OneWayDamping { c }, _) => c * v.max(0.0),
+            (Self::OneSidedDamping { c }, _) => {
+                if y > 0.0 {
+                    c * v
+                } else {
+                    0.0
+                }
+            }
+            (
+                Self::Fractional { stiffness, order },
+                Memory::Branches {
+                    stretch,
+                    displacement,
+                },
+            ) => {
+                let moved = y - *displacement;
+                *displacement = y;
+                stiffness * relax(stretch, moved, step.dt, order)
+            }
+            (Self::FrequencyStiffness { stiffness }, _) => stiffness * step.frequency.ln() * y,
+            (
+                Self::PlaceFriction {
+                    force,
+                    place,
+                    width,
+                },
+                _,
+            ) => force * (-((y - place) / width).powi(2)).exp() * sign,
+            (Self::RandomWalk { force, .. }, Memory::Walk(weights)) => {
+                force * walked(weights, step.time)
+            }
+            (
+                Self::Resonance {
+                    mass,
+                    frequency,
+                    damping,
+                },
+                Memory::Mass {
+                    displacement,
+                    velocity,
+                    support,
+                },
+            ) => {
+                let omega = TAU * frequency;
+                let acceleration = swing(
+                    (displacement, velocity),
+                    support,
+                    (y, v),
+                    (omega, damping),
+                    step.dt,
+                );
+                mass * 1e-6 * acceleration
+            }
+            _ => unreachable!("at_rest() gives every effect its own memory"),
+        }
+    }
+}
+
+/// What an [`Unlisted`] effect remembers.
+#[derive(Clone, Debug)]
+pub(super) enum Memory {
+    None,
+    /// The largest past |y|, mm.
+    Largest(f64),
+    Branches {
+        stretch: [f64; RELAXATION_TIMES],
+        displacement: f64,
+    },
+    /// Weights of the walk's sines.
+    Walk(Vec<f64>),
+    Mass {
+        displacement: f64,
+        velocity: f64,
+        /// Displacement and velocity of what it hangs on, at the last call.
+        support: (f64, f64),
+    },
+}
+
+/// Maxwell branches with relaxation times spread evenly over the logarithm, whose moduli sum to t^−`order` between the
+/// first time and the last; returns their force with unit stiffness.
+///
+/// ∫ τ^−order·e^(−t/τ) d ln τ = Γ(order)·t^−order.
+fn relax(stretch: &mut [f64], moved: f64, dt: f64, order: f64) -> f64 {
+    let step = std::f64::consts::LN_10 / TIMES_PER_DECADE;
+    let mut force = 0.0;
+    for (i, x) in stretch.iter_mut().enumerate() {
+        let time = FIRST_RELAXATION_TIME * (i as f64 * step).exp();
+        // Exact for a velocity that is constant over the step.
+        let part = dt / time;
+        let kept = if part > 0.0 {
+            -(-part).exp_m1() / part
+        } else {
+            1.0
+        };
+        *x = *x * (-part).exp() + moved * kept;
+        force += time.powf(-order) * *x;
+    }
+    force * step / libm::tgamma(order)
+}
+
+/// Weights of a random walk in the sines that are its principal components (Karhunen–Loève) over [`WALK_DURATION`].
+fn walk(seed: u64) -> Vec<f64> {
+    let mut rng = ChaCha8Rng::seed_from_u64(seed);
+    (0..WALK_TERMS)
+        .map(|_| StandardNormal.sample(&mut rng))
+        .collect()
+}
+
+/// √(2T)·Σ z_k·sin(ω_k·t)/(ω_k·T), ω_k = (k − ½)·π/T, whose variance at t is t over 1 s.
+fn walked(weights: &[f64], time: f64) -> f64 {
+    let sum: f64 = weights
+        .iter()
+        .enumerate()
+        .map(|(k, weight)| {
+            let turns = (k as f64 + 0.5) * std::f64::consts::PI;
+            weight * (turns * time / WALK_DURATION).sin() / turns
+        })
+        .sum();
+    (2.0 * WALK_DURATION).sqrt() * sum
+}
+
+/// Moves a mass on a spring by one step of constant average acceleration (Newmark, β = ¼) and returns its acceleration.
+fn swing(
+    (x, v): (&mut f64, &mut f64),
+    support: &mut (f64, f64),
+    (y, w): (f64, f64),
+    (omega, damping): (f64, f64),
+    dt: f64,
+) -> f64 {
+    let pull = |stretch: f64, rate: f64| omega * omega * stretch + 2.0 * damping * omega * rate;
+    let before = pull(support.0 - *x, support.1 - *v);
+    let coasting_x = *x + dt * *v + 0.25 * dt * dt * before;
+    let coasting_v = *v + 0.5 * dt * before;
+    let after = pull(y - coasting_x, w - coasting_v)
+        / (1.0 + omega * omega * 0.25 * dt * dt + damping * omega * dt);
+    *x = coasting_x + 0.25 * dt * dt * after;
+    *v = coasting_v + 0.5 * dt * after;
+    *support = (y, w);
+    after
+}
