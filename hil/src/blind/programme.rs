@@ -4,6 +4,7 @@ use rand::seq::{IndexedRandom, SliceRandom};
 use rand::{Rng, RngExt};
 use serde::Serialize;
 
+use crate::reference::tables;
 use crate::specimen::Block;
 
 /// The shape of a test.
@@ -31,8 +32,9 @@ pub struct Programme {
     pub held_out: Vec<Block>,
 }
 
-/// Amplitudes stay below that of the tables' last row, mm.
-const LARGEST_AMPLITUDE: f64 = 0.25;
+/// The tables' amplitudes, mm. Coefficients are linear between them: a test that is to be predicted at other amplitudes has
+/// all of these that it spans, else no law could know how they go on.
+const NODES: [f64; 5] = tables::AMPLITUDES;
 
 /// A programme of `shape`, its amplitudes on a grid of 5 µm and its frequencies on one of 0.1 Hz.
 pub fn draw(shape: Shape, rng: &mut impl Rng) -> Programme {
@@ -67,26 +69,22 @@ pub fn draw(shape: Shape, rng: &mut impl Rng) -> Programme {
 /// Such as 0.05, 0.1, 0.2 mm at 1 and 5 Hz each and 0.15 mm at 2 Hz, in this order or another, at times with a block that
 /// returns; held out are two amplitudes between them at two frequencies between theirs.
 fn amplitudes(rng: &mut impl Rng) -> (Vec<Block>, Vec<Block>) {
-    let largest = *[0.2, 0.2, 0.2, LARGEST_AMPLITUDE]
-        .choose(rng)
-        .unwrap_or(&0.2);
+    let mut nodes = if rng.random_bool(0.25) {
+        NODES.to_vec()
+    } else {
+        NODES[..4].to_vec()
+    };
+    let (least, largest) = (nodes[0], nodes[nodes.len() - 1]);
     let slow = grid(rng.random_range(0.5..1.5), 0.1);
     let fast = grid(rng.random_range(4.0..8.0), 0.1);
-    let mut training = Vec::new();
-    for nominal in [0.25, 0.5, 1.0] {
-        let amplitude = if nominal < 1.0 {
-            grid(largest * nominal * rng.random_range(0.9..1.1), 0.005)
-        } else {
-            largest
-        };
-        training.push(block(amplitude, slow, rng.random_range(5..8)));
-        training.push(block(amplitude, fast, rng.random_range(8..13)));
-    }
-    training.push(block(
-        grid(0.75 * largest, 0.005),
-        grid(rng.random_range(1.6..3.0), 0.1),
-        8,
-    ));
+    // One amplitude is run at a frequency of its own, as in 0.15 mm at 2 Hz.
+    let alone = nodes.remove(rng.random_range(1..nodes.len()));
+    let mut training: Vec<Block> = nodes
+        .iter()
+        .flat_map(|&amplitude| [(amplitude, slow, 5..8), (amplitude, fast, 8..13)])
+        .map(|(amplitude, frequency, cycles)| block(amplitude, frequency, rng.random_range(cycles)))
+        .collect();
+    training.push(block(alone, grid(rng.random_range(1.6..3.0), 0.1), 8));
     if rng.random_bool(0.3) {
         training.shuffle(rng);
     }
@@ -94,14 +92,15 @@ fn amplitudes(rng: &mut impl Rng) -> (Vec<Block>, Vec<Block>) {
         let first = training[0];
         training.push(first);
     }
+    let between = |part: f64| grid(least + part * (largest - least), 0.005);
     let held_out = vec![
         block(
-            grid(largest * rng.random_range(0.55..0.65), 0.005),
+            between(rng.random_range(0.3..0.55)),
             grid(rng.random_range(2.5..3.5), 0.1),
             8,
         ),
         block(
-            grid(largest * rng.random_range(0.85..0.95), 0.005),
+            between(rng.random_range(0.75..0.95)),
             grid(rng.random_range(1.2..2.0), 0.1),
             6,
         ),
@@ -111,8 +110,8 @@ fn amplitudes(rng: &mut impl Rng) -> (Vec<Block>, Vec<Block>) {
 
 /// Such as 0.1 mm at 0.5, 1, 2, 5 and 10 Hz and 0.15 mm at 3 Hz; held out are an amplitude between and another frequency.
 fn frequencies(rng: &mut impl Rng) -> (Vec<Block>, Vec<Block>) {
-    let amplitude = grid(rng.random_range(0.08..0.13), 0.005);
-    let other = grid(amplitude * 1.5, 0.005);
+    let node = *[0, 1, 1, 1, 2].choose(rng).unwrap_or(&1);
+    let (amplitude, other) = (NODES[node], NODES[node + 1]);
     let mut training: Vec<Block> = [(0.5, 4), (1.0, 6), (2.0, 8), (5.0, 12), (10.0, 20)]
         .into_iter()
         .map(|(nominal, cycles)| {

@@ -2,6 +2,7 @@
 
 mod bench;
 mod bench_table;
+mod blind;
 mod demo;
 mod image;
 mod predict;
@@ -35,6 +36,7 @@ enum Command {
     Predict(predict::Predict),
     Run(run::RunCommand),
     Bench(bench::BenchCommand),
+    Blind(blind::BlindCommand),
 }
 
 impl Cli {
@@ -46,6 +48,7 @@ impl Cli {
             Command::Predict(command) => command.run(),
             Command::Run(command) => command.run(),
             Command::Bench(command) => command.run(),
+            Command::Blind(command) => command.run(),
         }
     }
 }

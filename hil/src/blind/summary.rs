@@ -1,0 +1,122 @@
+//! Rates, error ratios and the confusion matrix of many trials.
+
+use std::collections::BTreeMap;
+
+use serde::Serialize;
+
+use super::draw::Class;
+use super::judge::{Mark, Outcome};
+
+/// So many of so many.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
+pub struct Rate {
+    /// Of these.
+    pub count: usize,
+    /// All.
+    pub of: usize,
+}
+
+impl Rate {
+    /// Between 0 and 1; not a number where there are none.
+    pub fn value(&self) -> f64 {
+        self.count as f64 / self.of as f64
+    }
+
+    fn over<'a>(
+        outcomes: impl IntoIterator<Item = &'a Outcome>,
+        holds: impl Fn(&Outcome) -> bool,
+    ) -> Self {
+        let mut rate = Self::default();
+        for outcome in outcomes {
+            rate.count += usize::from(holds(outcome));
+            rate.of += 1;
+        }
+        rate
+    }
+}
+
+/// Held-out error of the embedded law over the noise.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct Ratios {
+    /// Half of them are below.
+    pub median: f64,
+    /// Nine in ten are below.
+    pub ninth_decile: f64,
+    /// All others are below.
+    pub worst: f64,
+}
+
+/// What came out of many trials. Rates of hidden effects count those that stand at least three times above the noise.
+#[derive(Clone, Debug, Serialize)]
+pub struct Summary {
+    /// One listed effect, and it alone named.
+    pub listed: Rate,
+    /// The same, or named among several that cannot be told apart.
+    pub listed_or_among: Rate,
+    /// Nothing hidden, and something found.
+    pub false_discoveries: Rate,
+    /// Two listed effects, both named.
+    pub pairs: Rate,
+    /// The same, or named among several.
+    pub pairs_or_among: Rate,
+    /// An unlisted effect, called so.
+    pub unlisted: Rate,
+    /// An unlisted effect without which the law predicts to 1.5 times the noise or a tenth of eq 13's error.
+    pub unlisted_mended: Rate,
+    /// By class.
+    pub ratios: BTreeMap<Class, Ratios>,
+    /// For each truth how often what was said. Unlisted truths are in brackets.
+    pub confusion: BTreeMap<String, BTreeMap<String, usize>>,
+    /// The trials.
+    pub outcomes: Vec<Outcome>,
+}
+
+impl Summary {
+    /// Counts `outcomes`.
+    pub fn of(outcomes: Vec<Outcome>) -> Self {
+        let counted = |class| {
+            outcomes
+                .iter()
+                .filter(move |o| o.secret.class == class && o.counts())
+        };
+        let right = |outcome: &Outcome| outcome.mark() == Mark::Right;
+        let named = |outcome: &Outcome| outcome.mark() != Mark::Wrong;
+        let mut confusion: BTreeMap<String, BTreeMap<String, usize>> = BTreeMap::new();
+        for outcome in &outcomes {
+            let row = confusion.entry(outcome.truth()).or_default();
+            *row.entry(outcome.answer()).or_default() += 1;
+        }
+        let classes = [Class::None, Class::Listed, Class::Pair, Class::Unlisted];
+        Self {
+            listed: Rate::over(counted(Class::Listed), right),
+            listed_or_among: Rate::over(counted(Class::Listed), named),
+            false_discoveries: Rate::over(counted(Class::None), |outcome| !right(outcome)),
+            pairs: Rate::over(counted(Class::Pair), right),
+            pairs_or_among: Rate::over(counted(Class::Pair), named),
+            unlisted: Rate::over(counted(Class::Unlisted), right),
+            unlisted_mended: Rate::over(counted(Class::Unlisted), Outcome::mended),
+            ratios: classes
+                .into_iter()
+                .filter_map(|class| Some((class, ratios(&outcomes, class)?)))
+                .collect(),
+            confusion,
+            outcomes,
+        }
+    }
+}
+
+fn ratios(outcomes: &[Outcome], class: Class) -> Option<Ratios> {
+    let mut sorted: Vec<f64> = outcomes
+        .iter()
+        .filter(|outcome| outcome.secret.class == class)
+        .filter_map(|outcome| Some(outcome.said.as_ref().ok()?.after))
+        .collect();
+    sorted.sort_by(f64::total_cmp);
+    let worst = *sorted.last()?;
+    let at = |part: f64| sorted[((sorted.len() - 1) as f64 * part).round() as usize];
+    Some(Ratios {
+        median: at(0.5),
+        ninth_decile: at(0.9),
+        worst,
+    })
+}
