@@ -1,9 +1,10 @@
 //! The model that a trace ends in and that the rig runs: eq 13 with coefficients over amplitude, and added effects.
 
+use std::cell::RefCell;
 use std::collections::BTreeMap;
 use std::fmt;
 
-use mesh_damper::effects::{AugmentedLaw, EffectParameters, MAX_STICK_SLIP_ELEMENTS};
+use mesh_damper::effects::{AugmentedLaw, EffectParameters, MAX_CONTACTS, MAX_STICK_SLIP_ELEMENTS};
 use mesh_damper::error::ConfigError;
 use mesh_damper::law::Law;
 use mesh_damper::pack::{self, LARGEST, PackError};
@@ -36,11 +37,21 @@ pub enum Family {
     Drift,
     /// A force that scales with temperature.
     Temperature,
+    /// One-sided contact.
+    Stop,
+    /// A dead zone.
+    Gap,
+    /// A force recorded late.
+    Delay,
+    /// A spring in series.
+    Compliance,
+    /// A tone.
+    Periodic,
 }
 
 impl Family {
     /// Every family, the simplest first.
-    pub const ALL: [Self; 9] = [
+    pub const ALL: [Self; 14] = [
         Self::Offset,
         Self::Asymmetry,
         Self::Hardening,
@@ -50,6 +61,11 @@ impl Family {
         Self::Relaxation,
         Self::Drift,
         Self::Temperature,
+        Self::Stop,
+        Self::Gap,
+        Self::Delay,
+        Self::Compliance,
+        Self::Periodic,
     ];
 
     /// The name it has in every file.
@@ -64,6 +80,11 @@ impl Family {
             Self::Inertia => "inertia",
             Self::Drift => "drift",
             Self::Temperature => "temperature",
+            Self::Stop => "stop",
+            Self::Gap => "gap",
+            Self::Delay => "delay",
+            Self::Compliance => "compliance",
+            Self::Periodic => "periodic",
         }
     }
 
@@ -71,13 +92,16 @@ impl Family {
     pub fn depends_on(self) -> &'static [&'static str] {
         match self {
             Self::Offset => &[],
-            Self::Asymmetry | Self::Hardening => &["displacement"],
+            Self::Asymmetry | Self::Hardening | Self::Stop | Self::Gap => &["displacement"],
             Self::StickSlip => &["displacement", "history"],
             Self::Viscous => &["velocity"],
             Self::Relaxation => &["displacement", "history", "frequency"],
             Self::Inertia => &["displacement", "frequency"],
             Self::Drift => &["displacement", "cycle"],
             Self::Temperature => &["temperature"],
+            Self::Delay => &["velocity", "frequency"],
+            Self::Compliance => &["displacement", "velocity", "amplitude"],
+            Self::Periodic => &["time"],
         }
     }
 }
@@ -104,6 +128,11 @@ pub fn parameter_unit(name: &str) -> Option<&'static str> {
         "cycles" => Some("1"),
         "beta" => Some("1/degC"),
         "reference" => Some("degC"),
+        "sharpness" | "damps_inside" => Some("1"),
+        "gap" | "half_width" => Some("mm"),
+        "frequency" => Some("Hz"),
+        "phase" => Some("rad"),
+        "amplitude" => Some("kN"),
         _ => None,
     }
 }
@@ -278,17 +307,19 @@ impl AddedEffect {
         tick: f64,
         place: impl Fn() -> String,
     ) -> Result<EffectParameters<R>, ModelError> {
-        let mut unused: Vec<&str> = self.parameters.keys().map(String::as_str).collect();
-        let mut get = |name: &str| -> Result<R, ModelError> {
-            unused.retain(|&other| other != name);
+        let unused: RefCell<Vec<&str>> =
+            RefCell::new(self.parameters.keys().map(String::as_str).collect());
+        let exact = |name: &str| -> Result<f64, ModelError> {
+            unused.borrow_mut().retain(|&other| other != name);
             self.parameters
                 .get(name)
-                .map(|&value| R::from_f64(value))
+                .copied()
                 .ok_or_else(|| ModelError::Parameters {
                     place: place(),
                     problem: format!("parameter {name} is missing"),
                 })
         };
+        let get = |name: &str| exact(name).map(R::from_f64);
         let parameters = match self.family {
             Family::Offset => EffectParameters::Offset {
                 force: get("force")?,
@@ -297,22 +328,41 @@ impl AddedEffect {
             Family::Hardening => EffectParameters::Hardening { k5: get("k5")? },
             Family::Viscous => EffectParameters::Viscous { c1: get("c1")? },
             Family::Inertia => EffectParameters::Inertia { mass: get("mass")? },
-            Family::StickSlip => {
-                let mut elements = vec![(get("stiffness")?, get("slip_limit")?)];
-                for number in 2..=MAX_STICK_SLIP_ELEMENTS {
-                    let (stiffness, slip_limit) = (
-                        format!("stiffness_{number}"),
-                        format!("slip_limit_{number}"),
-                    );
-                    if !self.parameters.contains_key(&stiffness)
-                        && !self.parameters.contains_key(&slip_limit)
-                    {
-                        break;
-                    }
-                    elements.push((get(&stiffness)?, get(&slip_limit)?));
+            Family::StickSlip if self.parameters.contains_key("sharpness") => {
+                EffectParameters::BoucWen {
+                    stiffness: get("stiffness")?,
+                    slip_limit: get("slip_limit")?,
+                    sharpness: get("sharpness")?,
                 }
-                EffectParameters::StickSlip(elements.into_iter().collect())
             }
+            Family::StickSlip => EffectParameters::StickSlip(
+                self.pairs(["stiffness", "slip_limit"], MAX_STICK_SLIP_ELEMENTS, get)?
+                    .into_iter()
+                    .collect(),
+            ),
+            Family::Stop => EffectParameters::Stop(
+                self.pairs(["stiffness", "gap"], MAX_CONTACTS, get)?
+                    .into_iter()
+                    .collect(),
+            ),
+            Family::Gap => EffectParameters::Gap {
+                half_width: get("half_width")?,
+                damps_inside: get("damps_inside")? != R::ZERO,
+            },
+            Family::Delay => EffectParameters::Delay {
+                time: get("time")?,
+                tick: R::from_f64(tick),
+            },
+            Family::Compliance => EffectParameters::Compliance {
+                stiffness: get("stiffness")?,
+                tick: R::from_f64(tick),
+            },
+            Family::Periodic => EffectParameters::Periodic {
+                amplitude: get("amplitude")?,
+                frequency: exact("frequency")?,
+                phase: exact("phase")?,
+                tick,
+            },
             Family::Relaxation => EffectParameters::Relaxation {
                 stiffness: get("stiffness")?,
                 time: get("time")?,
@@ -327,12 +377,34 @@ impl AddedEffect {
                 reference: get("reference")?,
             },
         };
-        match unused.first() {
+        match unused.borrow().first() {
             Some(name) => Err(ModelError::Parameters {
                 place: place(),
                 problem: format!("parameter {name} is not one of its own"),
             }),
             None => Ok(parameters),
         }
+    }
+
+    /// The elements of an effect that has up to `most`, each of two parameters; from the second on the names carry the
+    /// element's number.
+    fn pairs<R>(
+        &self,
+        names: [&str; 2],
+        most: usize,
+        get: impl Fn(&str) -> Result<R, ModelError>,
+    ) -> Result<Vec<(R, R)>, ModelError> {
+        let mut pairs = vec![(get(names[0])?, get(names[1])?)];
+        for number in 2..=most {
+            let numbered = names.map(|name| format!("{name}_{number}"));
+            if !numbered
+                .iter()
+                .any(|name| self.parameters.contains_key(name))
+            {
+                break;
+            }
+            pairs.push((get(&numbered[0])?, get(&numbered[1])?));
+        }
+        Ok(pairs)
     }
 }

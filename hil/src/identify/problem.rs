@@ -5,346 +5,241 @@
 //! the linear rest exactly (Golub and Pereyra 1973).
 
 use levenberg_marquardt::{LeastSquaresProblem, LevenbergMarquardt};
-use nalgebra::{Cholesky, DMatrix, DVector, Dyn, Owned};
+use nalgebra::{DMatrix, DVector, Dyn, Owned};
 
+use super::basis::{Basis, Columns};
+use super::normal::Normal;
 use super::rows::Rows;
+use super::shape::Extent;
 use super::solution::Solution;
-use super::term::{Shape, Term, TermValue};
-use crate::model::{Family, LawNode};
+use super::term::{Entry, Form, Term, TermValue};
+use crate::model::LawNode;
 
-/// Added to the diagonal of the scaled normal equations, so that a direction that the data do not show stays small.
-const RIDGE: f64 = 1e-11;
+/// Exponents that a search with nothing to start from begins with.
+const EXPONENTS: [f64; 3] = [0.15, 0.35, 0.6];
+/// The force behind a spring in series is worked out anew so many times.
+const SERIES_ROUNDS: usize = 4;
 
-/// A law and added terms, to be fitted to rows.
+/// Eq 13 and terms, to be fitted to rows.
 pub struct Problem<'r, 'a> {
     rows: &'r Rows<'a>,
+    extent: &'r Extent,
     terms: Vec<Term>,
-    shapes: Vec<Option<Shape>>,
-    parameters: DVector<f64>,
-    state: State,
-}
-
-/// What belongs to one set of searched parameters.
-#[derive(Clone)]
-struct State {
-    residuals: DVector<f64>,
-    linear: DVector<f64>,
 }
 
 impl<'r, 'a> Problem<'r, 'a> {
-    /// Fits eq 13 and `terms` to `rows`.
-    ///
-    /// `start` is a solution without the last term, whose exponents and shapes the search starts from; the last term's
-    /// shape starts from the best of its starting values.
-    pub fn solve(rows: &'r Rows<'a>, terms: &[Term], start: Option<&Solution>) -> Solution {
-        let shapes: Vec<Option<Shape>> = terms
-            .iter()
-            .map(|term| term.shape(rows.trajectories))
-            .collect();
-        let nodes = rows.nodes.len();
-        let starts: Vec<DVector<f64>> = match start {
-            None => [0.15, 0.35, 0.6]
-                .iter()
-                .map(|&alpha| {
-                    let searched = terms
-                        .iter()
-                        .zip(&shapes)
-                        .filter(|(term, _)| term.is_searched());
-                    let first = std::iter::repeat_n(alpha, nodes);
-                    DVector::from_vec(
-                        first
-                            .chain(searched.map(|(_, shape)| middle(shape)))
-                            .collect(),
-                    )
-                })
-                .collect(),
-            Some(solution) => {
-                // A term that `solution` lacks, if any, is the last.
-                let fresh = shapes.get(solution.terms.len()).and_then(Option::as_ref);
-                let ends: Vec<Option<f64>> = match fresh {
-                    Some(shape) => shape.starts.iter().map(|x| Some(x.ln())).collect(),
-                    None => vec![
-                        terms
-                            .get(solution.terms.len())
-                            .filter(|t| t.is_searched())
-                            .map(|_| 0.0),
-                    ],
-                };
-                ends.into_iter()
-                    .map(|end| {
-                        DVector::from_vec(solution.search.iter().copied().chain(end).collect())
-                    })
-                    .collect()
-            }
-        };
-        let problem = Self {
+    /// Eq 13 and `terms` on `rows`, whose shapes are searched within `extent`.
+    pub fn new(rows: &'r Rows<'a>, extent: &'r Extent, terms: &[Term]) -> Self {
+        Self {
             rows,
+            extent,
             terms: terms.to_vec(),
-            shapes,
-            parameters: starts[0].clone(),
-            state: State {
-                residuals: DVector::zeros(0),
-                linear: DVector::zeros(0),
-            },
-        };
-        let mut rated: Vec<(f64, DVector<f64>)> = starts
-            .into_iter()
-            .map(|start| (problem.evaluate(&start).residuals.norm_squared(), start))
-            .collect();
-        rated.sort_by(|a, b| a.0.total_cmp(&b.0));
-        // The two best starts: the best of a coarse grid may lead to the lesser of two minima.
-        let solutions: Vec<Self> = rated
-            .into_iter()
-            .take(2)
-            .map(|(_, start)| problem.search_from(start))
-            .collect();
-        solutions
+        }
+    }
+
+    /// The fit with nothing to start from.
+    pub fn solve(&self) -> Solution {
+        let ends: Vec<f64> = self
+            .terms
             .iter()
-            .min_by(|a, b| {
-                let rate = |p: &Self| p.state.residuals.norm_squared();
-                rate(a).total_cmp(&rate(b))
+            .flat_map(|term| match term.form.entry() {
+                Entry::Scales => vec![0.0],
+                _ => {
+                    let shapes = self.extent.shapes(term.form);
+                    let middle = |starts: &[f64]| starts.get(starts.len() / 2).copied();
+                    shapes
+                        .iter()
+                        .map(|shape| middle(&shape.starts).unwrap_or(shape.low).ln())
+                        .collect()
+                }
             })
-            .map(Self::solution)
+            .collect();
+        let starts = EXPONENTS.map(|alpha| {
+            let alphas = std::iter::repeat_n(alpha, self.rows.nodes.len());
+            alphas.chain(ends.iter().copied()).collect::<Vec<f64>>()
+        });
+        let found = starts.map(|start| self.minimized(self.basis(), start));
+        found
+            .into_iter()
+            .min_by(|a, b| a.squares.total_cmp(&b.squares))
             .expect("there is at least one start")
     }
 
-    fn search_from(&self, start: DVector<f64>) -> Self {
-        let mut problem = Self {
-            rows: self.rows,
-            terms: self.terms.clone(),
-            shapes: self.shapes.clone(),
-            parameters: start,
-            state: self.state.clone(),
-        };
-        problem.state = problem.evaluate(&problem.parameters);
-        LevenbergMarquardt::new()
-            .with_ftol(1e-9)
-            .with_xtol(1e-7)
-            .with_gtol(0.0)
-            .with_patience(10)
-            .minimize(problem)
-            .0
-    }
-
-    /// Solves the linear part for the searched parameters `at`.
-    fn evaluate(&self, at: &DVector<f64>) -> State {
-        let rows = self.rows;
-        let nodes = rows.nodes.len();
-        let effects = self.effect_columns(at);
-        let added = effects.len();
-        let width = 3 * nodes + added;
-        let law_columns = self.law_columns(at);
-
-        let mut gram = DMatrix::<f64>::zeros(width, width);
-        let mut right = DVector::<f64>::zeros(width);
-        let mut row = vec![0.0; 3 + added];
-        for (index, law) in law_columns.iter().enumerate() {
-            let weight = rows.weight[index];
-            for (slot, value) in row[..3].iter_mut().zip(law) {
-                *slot = weight * value;
-            }
-            for (slot, column) in row[3..].iter_mut().zip(&effects) {
-                *slot = weight * column[index];
-            }
-            let place = |i: usize| {
-                if i < 3 {
-                    3 * rows.node[index] + i
-                } else {
-                    3 * nodes + i - 3
-                }
-            };
-            for i in 0..row.len() {
-                let to = place(i);
-                right[to] += row[i] * weight * rows.force[index];
-                for j in 0..=i {
-                    gram[(to, place(j))] += row[i] * row[j];
-                }
+    /// The fit from `start`, a solution with these terms or with all but the last, whose shapes then are `shapes`.
+    pub fn solve_from(&self, start: &Solution, shapes: &[f64]) -> Solution {
+        let at = self.start(start, shapes);
+        let mut solution = self.minimized(self.basis().around(start), at);
+        if self.terms.iter().any(|term| term.form == Form::Compliance) {
+            for _ in 1..SERIES_ROUNDS {
+                let at = solution.search.clone();
+                solution = self.minimized(self.basis().around(&solution), at);
             }
         }
-        let linear = solve_normal(gram, &right, |i| i < 3 * nodes && i % 3 == 2);
-        let residuals = DVector::from_iterator(
-            rows.len(),
-            law_columns.iter().enumerate().map(|(index, law)| {
-                let node = 3 * rows.node[index];
-                let mut force = 0.0;
-                for (i, column) in law.iter().enumerate() {
-                    force += linear[node + i] * column;
-                }
-                for (i, column) in effects.iter().enumerate() {
-                    force += linear[3 * nodes + i] * column[index];
-                }
-                rows.weight[index] * (force - rows.force[index])
-            }),
-        );
-        State { residuals, linear }
+        solution
     }
 
-    /// y, y³ and |v|^α·sgn v at every row, scaled by temperature where that is a term.
-    fn law_columns(&self, at: &DVector<f64>) -> Vec<[f64; 3]> {
-        let rows = self.rows;
-        let scale = self
-            .terms
-            .iter()
-            .position(|term| term.family == Family::Temperature)
-            .and_then(|index| Some((at[self.slot(index)?], self.terms[index].reference)));
-        (0..rows.len())
-            .map(|index| {
-                let alpha = at[rows.node[index]].clamp(0.0, 1.0);
-                let factor = scale.map_or(1.0, |(beta, reference)| {
-                    1.0 - beta * (rows.temperature[index] - reference)
-                });
-                rows.law_row(index, alpha, factor)
-            })
-            .collect()
+    /// The fit from `known`, a solution with these terms, perhaps with nodes at other amplitudes.
+    pub fn solve_near(&self, known: &Solution) -> Solution {
+        let distance = |node: &LawNode, amplitude: f64| (node.amplitude - amplitude).abs();
+        let alphas = self.rows.nodes.iter().map(|&amplitude| {
+            let nearest = known
+                .law
+                .iter()
+                .min_by(|a, b| distance(a, amplitude).total_cmp(&distance(b, amplitude)));
+            nearest.map_or(EXPONENTS[1], |node| node.alpha)
+        });
+        let rest = &known.search[known.law.len()..];
+        let start = Solution {
+            search: alphas.chain(rest.iter().copied()).collect(),
+            ..known.clone()
+        };
+        self.solve_from(&start, &[])
     }
 
-    /// The forces of the terms with size 1, at every row; temperature, which scales the law, has none.
-    fn effect_columns(&self, at: &DVector<f64>) -> Vec<Vec<f64>> {
-        self.terms
-            .iter()
-            .enumerate()
-            .filter(|(_, term)| term.size_name().is_some())
-            .map(|(index, term)| self.rows.unit_force(term, self.shape_value(index, at)))
-            .collect()
+    /// The linear part alone, at the exponents of `start` and these `shapes` of the last term.
+    pub fn solve_at(&self, start: &Solution, shapes: &[f64]) -> Solution {
+        let basis = self.basis().around(start);
+        let search = Search::new(&basis, DVector::from_vec(self.start(start, shapes)));
+        search.solution()
     }
 
-    /// Where the searched parameter of `term` stands among the parameters, if it has one.
-    fn slot(&self, term: usize) -> Option<usize> {
-        let before = self.terms[..term]
-            .iter()
-            .filter(|term| term.is_searched())
-            .count();
-        self.terms[term]
-            .is_searched()
-            .then_some(self.rows.nodes.len() + before)
+    fn basis(&self) -> Basis<'r, 'a> {
+        Basis::new(self.rows, self.extent, &self.terms)
     }
 
-    /// The shape of `term`; 0 where it has none.
-    fn shape_value(&self, term: usize, at: &DVector<f64>) -> f64 {
-        match (&self.shapes[term], self.slot(term)) {
-            (Some(shape), Some(slot)) => at[slot].exp().clamp(shape.low, shape.high),
-            _ => 0.0,
+    /// The searched parameters of `start`, and of the last term where `start` lacks it.
+    fn start(&self, start: &Solution, shapes: &[f64]) -> Vec<f64> {
+        let fresh = self.terms.len() > start.terms.len();
+        let last = self.terms.last().filter(|_| fresh);
+        let end = last.map_or(Vec::new(), |term| match term.form.entry() {
+            Entry::Scales => vec![0.0],
+            _ => shapes.iter().map(|shape| shape.ln()).collect(),
+        });
+        start.search.iter().copied().chain(end).collect()
+    }
+
+    fn minimized(&self, basis: Basis<'r, 'a>, start: Vec<f64>) -> Solution {
+        let search = Search::new(&basis, DVector::from_vec(start));
+        LevenbergMarquardt::new()
+            .with_ftol(1e-8)
+            .with_xtol(1e-6)
+            .with_gtol(0.0)
+            .with_patience(8)
+            .minimize(search)
+            .0
+            .solution()
+    }
+}
+
+/// A search over exponents and shapes.
+struct Search<'b, 'r, 'a> {
+    basis: &'b Basis<'r, 'a>,
+    at: DVector<f64>,
+    columns: Columns,
+    linear: DVector<f64>,
+    residuals: DVector<f64>,
+}
+
+impl<'b, 'r, 'a> Search<'b, 'r, 'a> {
+    fn new(basis: &'b Basis<'r, 'a>, at: DVector<f64>) -> Self {
+        let columns = basis.columns(at.as_slice(), None);
+        let (linear, residuals) = project(basis, &columns);
+        Self {
+            basis,
+            at,
+            columns,
+            linear,
+            residuals,
         }
     }
 
     fn solution(&self) -> Solution {
-        let nodes = self.rows.nodes.len();
-        let linear = &self.state.linear;
+        let (basis, at) = (self.basis, self.at.as_slice());
+        let nodes = basis.rows.nodes.len();
         let law = (0..nodes)
             .map(|node| LawNode {
-                amplitude: self.rows.nodes[node],
-                k1: linear[3 * node],
-                k3: linear[3 * node + 1],
-                c: linear[3 * node + 2],
-                alpha: self.parameters[node].clamp(0.0, 1.0),
+                amplitude: basis.rows.nodes[node],
+                k1: self.linear[3 * node],
+                k3: self.linear[3 * node + 1],
+                c: self.linear[3 * node + 2],
+                alpha: basis.alpha(at, node),
             })
             .collect();
-        let mut sizes = linear.iter().skip(3 * nodes);
-        let terms = self
+        let mut sizes = self.linear.iter().skip(3 * nodes).copied();
+        let terms = basis
             .terms
             .iter()
             .enumerate()
-            .map(|(index, &term)| {
-                let size = match (term.size_name(), self.slot(index)) {
-                    (None, Some(slot)) => self.parameters[slot],
-                    _ => sizes.next().copied().unwrap_or(0.0),
-                };
-                TermValue {
-                    term,
-                    size,
-                    shape: self.shape_value(index, &self.parameters),
-                }
+            .map(|(index, &term)| TermValue {
+                term,
+                sizes: match term.form.entry() {
+                    Entry::Adds(count) => sizes.by_ref().take(count).collect(),
+                    Entry::Scales => vec![at[basis.slot(index).start]],
+                    Entry::Moves => Vec::new(),
+                },
+                shapes: basis.shapes(at, index),
             })
             .collect();
         Solution {
             law,
             terms,
-            search: self.parameters.iter().copied().collect(),
+            search: at.to_vec(),
+            squares: self.residuals.norm_squared(),
         }
     }
 }
 
-/// Where a searched parameter starts when nothing better is known: the middle of a shape's starts, β = 0.
-fn middle(shape: &Option<Shape>) -> f64 {
-    shape
-        .as_ref()
-        .map_or(0.0, |shape| shape.starts[shape.starts.len() / 2].ln())
+/// Solves the linear part: the unknowns, and what they leave of the force at every row.
+fn project(basis: &Basis, columns: &Columns) -> (DVector<f64>, DVector<f64>) {
+    let rows = basis.rows;
+    let nodes = rows.nodes.len();
+    let node = &basis.motion(columns).node;
+    let (law, added) = (columns.law(), columns.added());
+    let normal = Normal::assemble(rows, node, law, &added);
+    let linear = normal.solve(|i| match i.checked_sub(3 * nodes) {
+        None => i % 3 == 2,
+        Some(size) => basis.is_positive(size),
+    });
+    let force = basis.force(columns, linear.as_slice());
+    let residuals = (0..rows.len()).map(|i| rows.weight[i] * (force[i] - rows.force[i]));
+    let residuals = DVector::from_iterator(rows.len(), residuals);
+    (linear, residuals)
 }
 
-/// Solves the normal equations, of which the lower triangle is given, with the unknowns that `not_negative` picks at 0
-/// where they would be negative.
-fn solve_normal(
-    gram: DMatrix<f64>,
-    right: &DVector<f64>,
-    not_negative: impl Fn(usize) -> bool,
-) -> DVector<f64> {
-    let width = right.len();
-    let scale: Vec<f64> = (0..width)
-        .map(|i| {
-            let norm = gram[(i, i)].sqrt();
-            if norm > 0.0 { 1.0 / norm } else { 0.0 }
-        })
-        .collect();
-    let mut active: Vec<usize> = (0..width).filter(|&i| scale[i] > 0.0).collect();
-    loop {
-        let count = active.len();
-        let matrix = DMatrix::from_fn(count, count, |i, j| {
-            let (a, b) = (active[i].max(active[j]), active[i].min(active[j]));
-            gram[(a, b)] * scale[a] * scale[b] + if i == j { RIDGE } else { 0.0 }
-        });
-        let scaled = DVector::from_fn(count, |i, _| right[active[i]] * scale[active[i]]);
-        let Some(factor) = Cholesky::new(matrix) else {
-            return DVector::zeros(width);
-        };
-        let found = factor.solve(&scaled);
-        let negative = (0..count).find(|&i| not_negative(active[i]) && found[i] < 0.0);
-        match negative {
-            Some(i) => {
-                active.remove(i);
-            }
-            None => {
-                let mut solution = DVector::zeros(width);
-                for (i, &unknown) in active.iter().enumerate() {
-                    solution[unknown] = found[i] * scale[unknown];
-                }
-                return solution;
-            }
-        }
-    }
-}
-
-impl LeastSquaresProblem<f64, Dyn, Dyn> for Problem<'_, '_> {
+impl LeastSquaresProblem<f64, Dyn, Dyn> for Search<'_, '_, '_> {
     type ResidualStorage = Owned<f64, Dyn>;
     type JacobianStorage = Owned<f64, Dyn, Dyn>;
     type ParameterStorage = Owned<f64, Dyn>;
 
     fn set_params(&mut self, at: &DVector<f64>) {
-        self.state = self.evaluate(at);
-        self.parameters.copy_from(at);
+        self.columns = self.basis.columns(at.as_slice(), Some(&self.columns));
+        (self.linear, self.residuals) = project(self.basis, &self.columns);
+        self.at.copy_from(at);
     }
 
     fn params(&self) -> DVector<f64> {
-        self.parameters.clone()
+        self.at.clone()
     }
 
     fn residuals(&self) -> Option<DVector<f64>> {
-        Some(self.state.residuals.clone())
+        Some(self.residuals.clone())
     }
 
     fn jacobian(&self) -> Option<DMatrix<f64>> {
-        let mut jacobian = DMatrix::zeros(self.rows.len(), self.parameters.len());
-        for index in 0..self.parameters.len() {
-            let step = 1e-5;
-            let mut ahead = self.parameters.clone();
+        let mut jacobian = DMatrix::zeros(self.basis.rows.len(), self.at.len());
+        for index in 0..self.at.len() {
+            let step = self.basis.step(index);
+            let mut ahead = self.at.clone();
             // Inwards at the end of an exponent's range, where the clamp would hide the slope.
-            let signed = if index < self.rows.nodes.len() && ahead[index] + step > 1.0 {
+            let signed = if index < self.basis.rows.nodes.len() && ahead[index] + step > 1.0 {
                 -step
             } else {
                 step
             };
             ahead[index] += signed;
-            let moved = self.evaluate(&ahead).residuals;
-            jacobian.set_column(index, &((moved - &self.state.residuals) / signed));
+            let columns = self.basis.columns(ahead.as_slice(), Some(&self.columns));
+            let moved = project(self.basis, &columns).1;
+            jacobian.set_column(index, &((moved - &self.residuals) / signed));
         }
         Some(jacobian)
     }

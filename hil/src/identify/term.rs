@@ -3,122 +3,205 @@
 use std::collections::BTreeMap;
 
 use mesh_damper::effects::{
-    Asymmetry, Drift, EffectForce, Hardening, Inertia, MAX_STICK_SLIP_ELEMENTS, Offset, Relaxation,
-    StickSlip, Viscous,
+    Asymmetry, BoucWen, Drift, EffectForce, Hardening, Inertia, MAX_STICK_SLIP_ELEMENTS,
+    Offset, Periodic, Relaxation, StickSlip, Stop, Viscous,
 };
 use mesh_damper::error::ConfigError;
 
+use super::shape::Extent;
 use crate::model::{AddedEffect, Family};
 use crate::predict::motion_at;
 use crate::recording::trajectory::Trajectory;
 
-/// One added effect in a fit.
-///
-/// All but temperature add a force that is proportional to one parameter, the size; what else they have is a shape, a
-/// positive number that is searched on a logarithmic scale. Temperature scales the law's own force.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Term {
-    /// Which effect.
-    pub family: Family,
-    /// The temperature at which the law holds, °C; used by temperature only.
-    pub reference: f64,
+/// The forms in which effects are fitted. Most families have one.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Form {
+    /// A constant force.
+    Offset,
+    /// Even stiffness.
+    Asymmetry,
+    /// Odd stiffness above the cubic.
+    Hardening,
+    /// A linear dashpot.
+    Viscous,
+    /// A moving mass.
+    Inertia,
+    /// A contact on the side of positive displacement.
+    StopAbove,
+    /// A contact on the side of negative displacement.
+    StopBelow,
+    /// Stick-slip as one Jenkins element.
+    Jenkins,
+    /// Stick-slip as Bouc and Wen have it.
+    BoucWen,
+    /// A Maxwell branch.
+    Relaxation,
+    /// A stiffness that settles with the cycles.
+    Drift,
+    /// A force that scales with temperature.
+    Temperature,
+    /// A tone.
+    Periodic,
+    /// A dead zone in which nothing is moved.
+    Gap,
+    /// A dead zone in which only friction works.
+    DampedGap,
+    /// A force recorded late.
+    Delay,
+    /// A spring in series.
+    Compliance,
 }
 
-/// Range and starts of a shape.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Shape {
-    /// Smallest value.
-    pub low: f64,
-    /// Largest value.
-    pub high: f64,
-    /// Where a search starts, spread over what the data can show.
-    pub starts: Vec<f64>,
+/// How the force depends on a form's parameters.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Entry {
+    /// It adds so many forces, each proportional to a size.
+    Adds(usize),
+    /// It scales eq 13.
+    Scales,
+    /// It changes the motion that all else is given.
+    Moves,
 }
 
-impl Term {
-    /// The name of the parameter that the force is proportional to, or `None` where there is none.
-    pub fn size_name(&self) -> Option<&'static str> {
-        match self.family {
-            Family::Offset => Some("force"),
-            Family::Asymmetry => Some("k2"),
-            Family::Hardening => Some("k5"),
-            Family::Viscous => Some("c1"),
-            Family::Inertia => Some("mass"),
-            Family::StickSlip | Family::Relaxation | Family::Drift => Some("stiffness"),
-            Family::Temperature => None,
+impl Form {
+    /// Every form, the simplest first.
+    pub const ALL: [Self; 17] = [
+        Self::Offset,
+        Self::Asymmetry,
+        Self::Hardening,
+        Self::Viscous,
+        Self::Inertia,
+        Self::StopAbove,
+        Self::StopBelow,
+        Self::Jenkins,
+        Self::Relaxation,
+        Self::Drift,
+        Self::Temperature,
+        Self::Delay,
+        Self::Gap,
+        Self::DampedGap,
+        Self::Compliance,
+        Self::Periodic,
+        Self::BoucWen,
+    ];
+
+    /// The family it is of.
+    pub fn family(self) -> Family {
+        match self {
+            Self::Offset => Family::Offset,
+            Self::Asymmetry => Family::Asymmetry,
+            Self::Hardening => Family::Hardening,
+            Self::Viscous => Family::Viscous,
+            Self::Inertia => Family::Inertia,
+            Self::StopAbove | Self::StopBelow => Family::Stop,
+            Self::Jenkins | Self::BoucWen => Family::StickSlip,
+            Self::Relaxation => Family::Relaxation,
+            Self::Drift => Family::Drift,
+            Self::Temperature => Family::Temperature,
+            Self::Periodic => Family::Periodic,
+            Self::Gap | Self::DampedGap => Family::Gap,
+            Self::Delay => Family::Delay,
+            Self::Compliance => Family::Compliance,
         }
     }
 
-    /// The name of the shape, or `None` where the effect has none.
-    pub fn shape_name(&self) -> Option<&'static str> {
-        match self.family {
-            Family::StickSlip => Some("slip_limit"),
-            Family::Relaxation => Some("time"),
-            Family::Drift => Some("cycles"),
-            _ => None,
+    /// How the force depends on its parameters.
+    pub fn entry(self) -> Entry {
+        match self {
+            Self::Temperature => Entry::Scales,
+            Self::Gap | Self::DampedGap | Self::Delay | Self::Compliance => Entry::Moves,
+            // A sine and a cosine.
+            Self::Periodic => Entry::Adds(2),
+            _ => Entry::Adds(1),
         }
     }
 
-    /// Whether a parameter of it is searched: a shape, or temperature's β, which scales the law.
-    pub fn is_searched(&self) -> bool {
-        self.shape_name().is_some() || self.family == Family::Temperature
+    /// The names of its shapes: positive numbers that are searched on a logarithmic scale.
+    pub fn shape_names(self) -> &'static [&'static str] {
+        match self {
+            Self::StopAbove | Self::StopBelow => &["gap"],
+            Self::Jenkins => &["slip_limit"],
+            Self::BoucWen => &["slip_limit", "sharpness"],
+            Self::Relaxation | Self::Delay => &["time"],
+            Self::Drift => &["cycles"],
+            Self::Periodic => &["frequency"],
+            Self::Gap | Self::DampedGap => &["half_width"],
+            Self::Compliance => &["stiffness"],
+            _ => &[],
+        }
     }
 
-    /// Whether a negative size would be a source of energy, or a mass that pushes.
-    pub fn size_is_positive(&self) -> bool {
+    /// Whether a negative size would be a source of energy, or a mass or a wall that pulls.
+    pub fn size_is_positive(self) -> bool {
         matches!(
-            self.family,
-            Family::Viscous | Family::Inertia | Family::StickSlip | Family::Relaxation
+            self,
+            Self::Viscous
+                | Self::Inertia
+                | Self::StopAbove
+                | Self::StopBelow
+                | Self::Jenkins
+                | Self::BoucWen
+                | Self::Relaxation
         )
     }
 
-    /// The shape's range and starts for these data, or `None` where the effect has none.
-    pub fn shape(&self, trajectories: &[Trajectory]) -> Option<Shape> {
-        let amplitude = largest(
-            trajectories
-                .iter()
-                .flat_map(|t| t.amplitude.iter().copied()),
-        );
-        let duration = largest(trajectories.iter().map(|t| t.len() as f64 * t.tick));
-        let tick = trajectories
-            .iter()
-            .map(|t| t.tick)
-            .fold(f64::INFINITY, f64::min);
-        let noise = largest(trajectories.iter().map(|t| t.motion.noise));
-        let cycles = largest(trajectories.iter().filter_map(|t| t.cycles.last().copied()));
-        let (low, high, count) = match self.family {
-            // A smaller slip limit than the noise shows cannot be told from an error of the velocity at a reversal, and an
-            // element that hardly slips is a spring.
-            Family::StickSlip => {
-                let high = 0.9 * amplitude;
-                ((5.0 * noise).max(1e-3 * amplitude).min(0.5 * high), high, 8)
-            }
-            Family::Relaxation => (0.5 * tick, duration, 8),
-            Family::Drift => (0.3, 10.0 * cycles, 6),
-            _ => return None,
-        };
-        // The outermost starts stand one step inside the range.
-        let step = (high / low).powf(1.0 / (count + 1) as f64);
-        let starts = (1..=count).map(|i| low * step.powi(i)).collect();
-        Some(Shape { low, high, starts })
+    /// How many terms of this form one model may have.
+    pub fn most(self) -> usize {
+        match self {
+            Self::Jenkins => MAX_STICK_SLIP_ELEMENTS,
+            _ => 1,
+        }
     }
 
-    /// The force in kN of the effect with size 1 and this shape at every sample of `trajectory`.
+    /// Whether both may stand in one model.
+    pub fn excludes(self, other: Self) -> bool {
+        let gap = |form| matches!(form, Self::Gap | Self::DampedGap);
+        self != other && gap(self) && gap(other)
+    }
+
+    /// How many parameters of it are searched.
+    pub(super) fn searched(self) -> usize {
+        match self.entry() {
+            Entry::Scales => 1,
+            _ => self.shape_names().len(),
+        }
+    }
+
+    /// The forces in kN of the effect with each size 1 and these shapes at every sample of `trajectory`.
     ///
     /// # Errors
     /// A shape that the crate refuses.
-    pub fn unit_force(&self, shape: f64, trajectory: &Trajectory) -> Result<Vec<f64>, ConfigError> {
-        Ok(match self.family {
-            Family::Offset => run(&Offset::new(1.0)?, trajectory),
-            Family::Asymmetry => run(&Asymmetry::new(1.0)?, trajectory),
-            Family::Hardening => run(&Hardening::new(1.0)?, trajectory),
-            Family::Viscous => run(&Viscous::new(1.0)?, trajectory),
-            Family::Inertia => run(&Inertia::new(1.0)?, trajectory),
-            Family::StickSlip => run(&StickSlip::new(&[(1.0, shape)])?, trajectory),
-            Family::Relaxation => run(&Relaxation::new(1.0, shape, trajectory.tick)?, trajectory),
-            Family::Drift => run(&Drift::new(1.0, shape)?, trajectory),
-            Family::Temperature => vec![0.0; trajectory.len()],
-        })
+    pub(super) fn unit_forces(
+        self,
+        shapes: &[f64],
+        trajectory: &Trajectory,
+    ) -> Result<Vec<Vec<f64>>, ConfigError> {
+        let shape = |index: usize| shapes.get(index).copied().unwrap_or_default();
+        let tick = trajectory.tick;
+        let force = match self {
+            Self::Offset => run(&Offset::new(1.0)?, trajectory),
+            Self::Asymmetry => run(&Asymmetry::new(1.0)?, trajectory),
+            Self::Hardening => run(&Hardening::new(1.0)?, trajectory),
+            Self::Viscous => run(&Viscous::new(1.0)?, trajectory),
+            Self::Inertia => run(&Inertia::new(1.0)?, trajectory),
+            Self::StopAbove => run(&Stop::new(&[(1.0, shape(0))])?, trajectory),
+            Self::StopBelow => run(&Stop::new(&[(1.0, -shape(0))])?, trajectory),
+            Self::Jenkins => run(&StickSlip::new(&[(1.0, shape(0))])?, trajectory),
+            Self::BoucWen => run(&BoucWen::new(1.0, shape(0), shape(1))?, trajectory),
+            Self::Relaxation => run(&Relaxation::new(1.0, shape(0), tick)?, trajectory),
+            Self::Drift => run(&Drift::new(1.0, shape(0))?, trajectory),
+            Self::Periodic => {
+                let tone = |phase| {
+                    let tone = Periodic::new(1.0, shape(0), phase, tick)?;
+                    Ok(run(&tone, trajectory))
+                };
+                return Ok(vec![tone(0.0)?, tone(0.25 * std::f64::consts::TAU)?]);
+            }
+            Self::Temperature | Self::Gap | Self::DampedGap | Self::Delay | Self::Compliance => {
+                return Ok(Vec::new());
+            }
+        };
+        Ok(vec![force])
     }
 }
 
@@ -130,59 +213,119 @@ fn run<E: EffectForce<f64>>(effect: &E, trajectory: &Trajectory) -> Vec<f64> {
         .collect()
 }
 
-fn largest(values: impl Iterator<Item = f64>) -> f64 {
-    values.fold(f64::MIN_POSITIVE, f64::max)
+/// One added effect in a fit.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Term {
+    /// Which effect, in which form.
+    pub form: Form,
+    /// The temperature at which the law holds, °C; used by temperature only.
+    pub reference: f64,
 }
 
 /// A term's parameters after a fit.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct TermValue {
     /// The term.
     pub term: Term,
-    /// What its force is proportional to; β for temperature.
-    pub size: f64,
-    /// Its shape; 0 where it has none.
-    pub shape: f64,
+    /// What its forces are proportional to; β for temperature.
+    pub sizes: Vec<f64>,
+    /// Its shapes.
+    pub shapes: Vec<f64>,
 }
 
-/// The effects that fitted terms stand for: stick-slip terms become the elements of one effect.
-pub fn added_effects(values: &[TermValue]) -> Vec<AddedEffect> {
-    let mut effects: Vec<AddedEffect> = Vec::new();
-    for value in values {
-        let family = value.term.family;
-        let known = effects.iter().position(|effect| effect.family == family);
-        let index = known.unwrap_or_else(|| {
-            effects.push(AddedEffect {
-                family,
-                parameters: BTreeMap::new(),
-            });
-            effects.len() - 1
-        });
-        let parameters = &mut effects[index].parameters;
-        let suffix = match known {
-            None => String::new(),
-            Some(_) => format!("_{}", parameters.len() / 2 + 1),
-        };
-        match value.term.size_name() {
-            Some(size) => {
-                parameters.insert(format!("{size}{suffix}"), value.size);
-            }
-            None => {
-                parameters.insert("beta".into(), value.size);
-                parameters.insert("reference".into(), value.term.reference);
-            }
+impl TermValue {
+    /// Whether no size would be a source of energy, or a mass or a wall that pulls.
+    pub fn is_admissible(&self) -> bool {
+        !self.term.form.size_is_positive() || self.sizes.iter().all(|&size| size > 0.0)
+    }
+
+    /// Whether a shape stands where the effect can no longer be told from a simpler one.
+    pub fn is_degenerate(&self, extent: &Extent) -> bool {
+        self.shapes
+            .iter()
+            .zip(extent.shapes(self.term.form))
+            .any(|(&value, shape)| shape.is_limit(value))
+    }
+
+    /// Its parameters by the names of [`crate::model::parameter_unit`].
+    pub fn parameters(&self) -> Vec<(&'static str, f64)> {
+        let form = self.term.form;
+        let size = |index: usize| self.sizes.get(index).copied().unwrap_or_default();
+        let shape = |index: usize| self.shapes.get(index).copied().unwrap_or_default();
+        match form {
+            Form::Offset => vec![("force", size(0))],
+            Form::Asymmetry => vec![("k2", size(0))],
+            Form::Hardening => vec![("k5", size(0))],
+            Form::Viscous => vec![("c1", size(0))],
+            Form::Inertia => vec![("mass", size(0))],
+            Form::StopBelow => vec![("stiffness", size(0)), ("gap", -shape(0))],
+            Form::StopAbove => vec![("stiffness", size(0)), ("gap", shape(0))],
+            Form::Jenkins => vec![("stiffness", size(0)), ("slip_limit", shape(0))],
+            Form::BoucWen => vec![
+                ("stiffness", size(0)),
+                ("slip_limit", shape(0)),
+                ("sharpness", shape(1)),
+            ],
+            Form::Relaxation => vec![("stiffness", size(0)), ("time", shape(0))],
+            Form::Drift => vec![("stiffness", size(0)), ("cycles", shape(0))],
+            Form::Temperature => vec![("beta", size(0)), ("reference", self.term.reference)],
+            // a·sin x + b·cos x = √(a² + b²)·sin(x + φ), tan φ = b/a
+            Form::Periodic => vec![
+                ("amplitude", size(0).hypot(size(1))),
+                ("frequency", shape(0)),
+                ("phase", size(1).atan2(size(0))),
+            ],
+            Form::Gap => vec![("half_width", shape(0)), ("damps_inside", 0.0)],
+            Form::DampedGap => vec![("half_width", shape(0)), ("damps_inside", 1.0)],
+            Form::Delay => vec![("time", shape(0))],
+            Form::Compliance => vec![("stiffness", shape(0))],
         }
-        if let Some(shape) = value.term.shape_name() {
-            parameters.insert(format!("{shape}{suffix}"), value.shape);
+    }
+}
+
+/// The effects that fitted terms stand for.
+pub fn added_effects(values: &[TermValue]) -> Vec<AddedEffect> {
+    // What a fit held at 0, because it would have been a source of energy, is not there.
+    let there = values
+        .iter()
+        .filter(|value| value.is_admissible() || value.sizes.iter().any(|&size| size != 0.0));
+    let parts = there.map(|value| (value.term.form, value.parameters()));
+    effects_of(parts.collect())
+        .into_iter()
+        .map(|(family, parameters)| AddedEffect { family, parameters })
+        .collect()
+}
+
+/// Effects of terms whose parameters are given as anything: Jenkins terms become the elements of one effect, and so do the
+/// two contacts.
+pub(crate) fn effects_of<T>(
+    terms: Vec<(Form, Vec<(&'static str, T)>)>,
+) -> Vec<(Family, BTreeMap<String, T>)> {
+    let mut effects: Vec<(Form, BTreeMap<String, T>)> = Vec::new();
+    for (form, parameters) in terms {
+        let form = match form {
+            Form::StopBelow => Form::StopAbove,
+            form => form,
+        };
+        let place = match effects.iter().position(|(known, _)| *known == form) {
+            Some(place) => place,
+            None => {
+                effects.push((form, BTreeMap::new()));
+                effects.len() - 1
+            }
+        };
+        let effect = &mut effects[place].1;
+        let number = effect.len() / parameters.len() + 1;
+        for (name, parameter) in parameters {
+            let name = match number {
+                1 => name.to_owned(),
+                _ => format!("{name}_{number}"),
+            };
+            effect.insert(name, parameter);
         }
     }
     effects
-}
-
-/// How many terms of this family one model may have.
-pub fn most_terms(family: Family) -> usize {
-    match family {
-        Family::StickSlip => MAX_STICK_SLIP_ELEMENTS,
-        _ => 1,
-    }
+        .into_iter()
+        .map(|(form, parameters)| (form.family(), parameters))
+        .collect()
 }

@@ -2,10 +2,12 @@
 
 use nalgebra::{Cholesky, DMatrix};
 
+use super::basis::Basis;
 use super::rows::Rows;
+use super::shape::Extent;
 use super::solution::Solution;
-use super::term::Term;
-use crate::model::Family;
+use super::tangent::Tangent;
+use super::term::{Form, TermValue};
 
 /// A normal variable is within this many deviations of its mean in 90 % of the cases.
 const NINETY_PERCENT: f64 = 1.645;
@@ -17,29 +19,71 @@ const LONGEST_LAG: usize = 200;
 pub struct Uncertainty {
     /// k1, k3, c and α of each node.
     pub law: Vec<[f64; 4]>,
-    /// Size of each term, and the factor (≥ 1) by which its shape is uncertain either way.
-    pub terms: Vec<(f64, f64)>,
+    /// Of each term.
+    pub terms: Vec<TermUncertainty>,
+}
+
+/// Half widths of the 90 % intervals of one term.
+#[derive(Clone, Debug, PartialEq)]
+pub struct TermUncertainty {
+    /// Of each size.
+    pub sizes: Vec<f64>,
+    /// The factor (≥ 1) by which each shape is uncertain either way.
+    pub shapes: Vec<f64>,
+}
+
+impl TermUncertainty {
+    /// The least and the largest parameters of `value`, in the order of [`TermValue::parameters`].
+    pub fn bounds(&self, value: &TermValue) -> Vec<(f64, f64)> {
+        let ends: [Vec<(&str, f64)>; 2] = [-1.0, 1.0].map(|end| {
+            let shifted = TermValue {
+                term: value.term,
+                sizes: shifted(&value.sizes, &self.sizes, |size, half| size + end * half),
+                shapes: shifted(&value.shapes, &self.shapes, |shape, factor| {
+                    shape * f64::powf(factor, end)
+                }),
+            };
+            let mut parameters = shifted.parameters();
+            if let (Form::Periodic, [a, b], [of_a, of_b]) =
+                (value.term.form, &value.sizes[..], &self.sizes[..])
+            {
+                // Of √(a² + b²) and of its angle, from the independent errors of a and b.
+                let size = a.hypot(*b).max(f64::MIN_POSITIVE);
+                let force = (a * of_a).hypot(b * of_b) / size;
+                let phase = (b * of_a).hypot(a * of_b) / (size * size);
+                parameters[0].1 = size + end * force;
+                parameters[2].1 = b.atan2(*a) + end * phase;
+            }
+            parameters
+        });
+        ends[0]
+            .iter()
+            .zip(&ends[1])
+            .map(|(a, b)| (a.1.min(b.1), a.1.max(b.1)))
+            .collect()
+    }
+}
+
+fn shifted(values: &[f64], by: &[f64], shift: impl Fn(f64, f64) -> f64) -> Vec<f64> {
+    values.iter().zip(by).map(|(&v, &by)| shift(v, by)).collect()
 }
 
 impl Uncertainty {
     /// The intervals of `solution`, which was fitted to `rows`: s²·(JᵀJ)⁻¹, the residual variance s² raised by the
     /// residuals' integrated autocorrelation, because neighbouring samples do not err independently.
-    pub fn of(rows: &Rows, solution: &Solution) -> Self {
+    pub fn of(rows: &Rows, extent: &Extent, solution: &Solution) -> Self {
+        let basis = Basis::new(rows, extent, &solution.terms()).around(solution);
+        let columns = basis.columns(&solution.search, None);
+        let tangent = Tangent::of(&basis, &columns, solution);
         let nodes = solution.law.len();
-        let columns = term_columns(rows, solution);
-        let width = 4 * nodes + columns.len();
+        let width = 4 * nodes + tangent.shared.len();
         let mut gram = DMatrix::<f64>::zeros(width, width);
-        let mut row = vec![(0, 0.0); 4 + columns.len()];
+        let mut row = vec![(0, 0.0); 4 + tangent.shared.len()];
         for index in 0..rows.len() {
-            let node = rows.node[index];
-            let coefficients = &solution.law[node];
-            let [y, y3, damping] =
-                rows.law_row(index, coefficients.alpha, solution.scale(rows, index));
-            let slope = coefficients.c * damping * rows.log_speed[index];
-            for (slot, value) in [y, y3, damping, slope].into_iter().enumerate() {
-                row[slot] = (4 * node + slot, value);
+            for (slot, &value) in tangent.local[index].iter().enumerate() {
+                row[slot] = (4 * tangent.node[index] + slot, value);
             }
-            for (slot, column) in columns.iter().enumerate() {
+            for (slot, column) in tangent.shared.iter().enumerate() {
                 row[4 + slot] = (4 * nodes + slot, column[index]);
             }
             let weight = rows.weight[index].powi(2);
@@ -49,68 +93,36 @@ impl Uncertainty {
                 }
             }
         }
-        let residuals = rows.residuals(solution);
+        let force = basis.force(&columns, &solution.linear());
+        let residuals: Vec<f64> = (0..rows.len())
+            .map(|index| rows.weight[index] * (force[index] - rows.force[index]))
+            .collect();
         let freedom = (rows.len().saturating_sub(width)).max(1) as f64;
         let variance = residuals.iter().map(|r| r * r).sum::<f64>() / freedom
             * autocorrelation_time(&residuals);
-        let deviation = deviations(&gram, variance);
+        let half: Vec<f64> = deviations(&gram, variance)
+            .iter()
+            .map(|deviation| NINETY_PERCENT * deviation)
+            .collect();
 
         let law = (0..nodes)
-            .map(|node| std::array::from_fn(|slot| NINETY_PERCENT * deviation[4 * node + slot]))
+            .map(|node| std::array::from_fn(|slot| half[4 * node + slot]))
             .collect();
-        let mut rest = deviation[4 * nodes..].iter().map(|d| NINETY_PERCENT * d);
+        let mut rest = half[4 * nodes..].iter().copied();
         let terms = solution
             .terms
             .iter()
-            .map(|value| {
-                let size = rest.next().unwrap_or(f64::INFINITY);
-                let shape = value
-                    .term
-                    .shape_name()
-                    .and_then(|_| rest.next())
-                    .unwrap_or(0.0);
-                (size, shape.exp())
+            .map(|value| TermUncertainty {
+                sizes: rest.by_ref().take(value.sizes.len()).collect(),
+                shapes: rest
+                    .by_ref()
+                    .take(value.shapes.len())
+                    .map(f64::exp)
+                    .collect(),
             })
             .collect();
         Self { law, terms }
     }
-}
-
-/// The derivatives of the force by each term's size, and by the logarithm of its shape.
-fn term_columns(rows: &Rows, solution: &Solution) -> Vec<Vec<f64>> {
-    let mut columns = Vec::new();
-    for value in &solution.terms {
-        let Term { family, reference } = value.term;
-        if family == Family::Temperature {
-            columns.push(
-                (0..rows.len())
-                    .map(|index| {
-                        let node = &solution.law[rows.node[index]];
-                        let [y, y3, damping] = rows.law_row(index, node.alpha, 1.0);
-                        (reference - rows.temperature[index])
-                            * (node.k1 * y + node.k3 * y3 + node.c * damping)
-                    })
-                    .collect(),
-            );
-            continue;
-        }
-        let unit = rows.unit_force(&value.term, value.shape);
-        if value.term.shape_name().is_some() {
-            let step = 1e-3_f64;
-            let ahead = rows.unit_force(&value.term, value.shape * step.exp());
-            let behind = rows.unit_force(&value.term, value.shape * (-step).exp());
-            let slope = ahead
-                .iter()
-                .zip(&behind)
-                .map(|(a, b)| value.size * (a - b) / (2.0 * step))
-                .collect();
-            columns.push(unit);
-            columns.push(slope);
-        } else {
-            columns.push(unit);
-        }
-    }
-    columns
 }
 
 /// Square roots of the diagonal of `variance`·`gram`⁻¹; infinite for what the data say nothing of.

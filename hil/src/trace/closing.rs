@@ -1,7 +1,5 @@
 //! The end of a trace: what was found is fitted to all that may be fitted, and its error read where nothing was.
 
-use std::collections::BTreeMap;
-
 use super::result::{
     Baseline, Candidate, Errors, Estimate, FoundEffect, LawEstimate, OnTarget, TraceResult, Verdict,
 };
@@ -13,11 +11,15 @@ use crate::identify::problem::Problem;
 use crate::identify::rows::Rows;
 use crate::identify::solution::Solution;
 use crate::identify::staged::staged;
-use crate::identify::term::{Term, TermValue, added_effects};
+use crate::identify::shape::Extent;
+use crate::identify::term::effects_of;
 use crate::identify::uncertainty::Uncertainty;
-use crate::model::{Model, ModelError, parameter_unit};
+use crate::model::{Family, Model, ModelError, parameter_unit};
 use crate::predict::{predict, predict_embedded};
 use crate::recording::trajectory::Trajectory;
+
+/// The closing fit is made to at most about this many samples, evenly picked.
+const MOST_ROWS: usize = 60_000;
 
 /// The recordings of a trace, with what each sample is for.
 pub(super) struct Closing<'a> {
@@ -25,6 +27,7 @@ pub(super) struct Closing<'a> {
     recordings: Vec<(&'a Trajectory, Vec<Role>)>,
     fitted: usize,
     rows: Rows<'a>,
+    extent: Extent,
     noise_floor: f64,
 }
 
@@ -49,24 +52,28 @@ impl<'a> Closing<'a> {
             recordings: of_fitted.chain(of_held).collect(),
             fitted: fitted.len(),
             noise_floor: noise_floor(fitted),
-            rows: Rows::gather(fitted, nodes, |which, sample| {
+            rows: Rows::gather(fitted, nodes, MOST_ROWS, |which, sample| {
                 roles.of(which, sample) != Role::HeldOut
             }),
+            extent: Extent::of(fitted),
         }
     }
 
     /// Fits eq 13 alone and with what `selection` found, and reports.
     pub fn close(&self, selection: &Selection) -> Result<Trace, ModelError> {
-        let terms = terms_of(&selection.found.solution);
-        let baseline = Problem::solve(&self.rows, &[], None).model();
-        let solution = Problem::solve(&self.rows, &terms, Some(&selection.found.solution));
+        let baseline = self.fit_near(&selection.baseline.solution).model();
+        let mut solution = self.fit_near(&selection.found.solution);
+        // Held at 0 by all of the data.
+        while let Some(index) = solution.terms.iter().position(|term| !term.is_admissible()) {
+            solution = self.fit_near(&solution.without(index));
+        }
         let model = solution.model();
         let (before, without) = self.evaluate(&baseline, predict)?;
         let (after, with) = self.evaluate(&model, predict)?;
         let (_, on_target) = self.evaluate(&model, predict_embedded)?;
         let noise_floor = self.noise_floor;
-        let verdict = conclude(selection, noise_floor);
-        let uncertainty = Uncertainty::of(&self.rows, &solution);
+        let verdict = conclude(selection);
+        let uncertainty = Uncertainty::of(&self.rows, &self.extent, &solution);
         let mut effects = self.effects(&solution, &uncertainty, with.nrmse_held_out)?;
         if verdict == Verdict::Ambiguous {
             effects.extend(self.rivals(selection)?);
@@ -99,7 +106,6 @@ impl<'a> Closing<'a> {
                 &model,
                 selection,
                 (&without, &with),
-                noise_floor,
             ),
             augmented: with,
             on_target: OnTarget {
@@ -175,63 +181,60 @@ impl<'a> Closing<'a> {
         uncertainty: &Uncertainty,
         with: f64,
     ) -> Result<Vec<FoundEffect>, ModelError> {
-        let bound = |end: f64| {
-            let ends =
-                solution
-                    .terms
-                    .iter()
-                    .zip(&uncertainty.terms)
-                    .map(|(value, &(size, shape))| TermValue {
-                        size: value.size + end * size,
-                        shape: value.shape * shape.powf(end),
-                        ..*value
-                    });
-            added_effects(&ends.collect::<Vec<_>>())
-        };
-        let (low, high) = (bound(-1.0), bound(1.0));
-        added_effects(&solution.terms)
+        let estimates = solution.terms.iter().zip(&uncertainty.terms);
+        let estimates = estimates.map(|(value, uncertainty)| {
+            let bounds = uncertainty.bounds(value);
+            let parameters = value.parameters().into_iter().zip(bounds);
+            let parameters = parameters.map(|((name, value), (low, high))| {
+                let unit = parameter_unit(name).unwrap_or_default().to_owned();
+                let estimate = Estimate {
+                    value,
+                    low,
+                    high,
+                    unit,
+                };
+                (name, estimate)
+            });
+            (value.term.form, parameters.collect())
+        });
+        effects_of(estimates.collect())
             .into_iter()
-            .zip(low.iter().zip(&high))
-            .map(|(effect, (low, high))| {
-                let others: Vec<Term> = terms_of(solution)
-                    .into_iter()
-                    .filter(|term| term.family != effect.family)
-                    .collect();
-                let without = Problem::solve(&self.rows, &others, None).model();
-                let parameters: BTreeMap<String, Estimate> = effect
-                    .parameters
-                    .iter()
-                    .map(|(name, &value)| {
-                        let unit = parameter_unit(name).unwrap_or_default().to_owned();
-                        let (low, high) = (low.parameters[name], high.parameters[name]);
-                        (
-                            name.clone(),
-                            Estimate {
-                                value,
-                                low,
-                                high,
-                                unit,
-                            },
-                        )
-                    })
-                    .collect();
+            .map(|(family, parameters)| {
                 Ok(FoundEffect {
-                    family: effect.family.name().to_owned(),
+                    family: family.name().to_owned(),
                     parameters,
-                    nrmse_without: self.evaluate(&without, predict)?.1.nrmse_held_out,
+                    nrmse_without: self.without(solution, family)?,
                     nrmse_with: with,
                 })
             })
             .collect()
     }
 
+    /// The held-out error of a law without the terms of one family.
+    fn without(&self, solution: &Solution, family: Family) -> Result<f64, ModelError> {
+        let mut rest = solution.clone();
+        let of_family = |rest: &Solution| {
+            let mut terms = rest.terms.iter();
+            terms.position(|value| value.term.form.family() == family)
+        };
+        while let Some(index) = of_family(&rest) {
+            rest = rest.without(index);
+        }
+        let model = self.fit_near(&rest).model();
+        Ok(self.evaluate(&model, predict)?.1.nrmse_held_out)
+    }
+
+    /// The terms of `known` fitted to these rows.
+    fn fit_near(&self, known: &Solution) -> Solution {
+        Problem::new(&self.rows, &self.extent, &known.terms()).solve_near(known)
+    }
+
     /// The effects that the data cannot tell from the last one found, each fitted in its place.
     fn rivals(&self, selection: &Selection) -> Result<Vec<FoundEffect>, ModelError> {
         let mut effects = Vec::new();
         for rival in rivals(selection).into_iter().skip(1) {
-            let start = &rival.fitted.solution;
-            let solution = Problem::solve(&self.rows, &terms_of(start), Some(start));
-            let uncertainty = Uncertainty::of(&self.rows, &solution);
+            let solution = self.fit_near(&rival.fitted.solution);
+            let uncertainty = Uncertainty::of(&self.rows, &self.extent, &solution);
             let with = self.evaluate(&solution.model(), predict)?.1.nrmse_held_out;
             let of_family = |effect: &FoundEffect| effect.family == rival.family.name();
             effects.extend(
@@ -285,10 +288,6 @@ fn law_estimates(solution: &Solution, uncertainty: &Uncertainty) -> Vec<LawEstim
             }
         })
         .collect()
-}
-
-fn terms_of(solution: &Solution) -> Vec<Term> {
-    solution.terms.iter().map(|value| value.term).collect()
 }
 
 /// Whether a recording that is held out only repeats one that is fitted.

@@ -9,6 +9,7 @@ pub mod result;
 mod score;
 mod select;
 mod split;
+mod tones;
 mod verdict;
 
 pub use split::{Role, Roles};
@@ -133,18 +134,29 @@ fn search(
     progress: &(dyn Fn(&str) + Sync),
 ) -> Result<(bool, Selection), ModelError> {
     let nodes = amplitude_nodes(fitted, judging);
-    let one = Search::new(fitted, judging, vec![0.0]).run(progress)?;
+    let for_all = Search::new(fitted, judging, vec![0.0]);
     if nodes.len() < 2 || nodes.len() > MOST_NODES {
-        return Ok((false, one));
+        return Ok((false, for_all.run(progress)?));
     }
-    let each = Search::new(fitted, judging, nodes.clone()).run(progress)?;
+    let for_each = Search::new(fitted, judging, nodes.clone());
+    let each = for_each.run(progress)?;
+    let same = for_all.refit(&each.found)?;
+    if !each.found.score.beats(&same.score) {
+        // The same effects with fewer coefficients.
+        let found = Selection { found: same, ..each };
+        return Ok((false, found));
+    }
+    if for_each.is_settled(&each.found) {
+        return Ok((true, each));
+    }
+    let one = for_all.run(progress)?;
     if !each.found.score.beats(&one.found.score) {
         return Ok((false, one));
     }
     progress("testing amplitudes between the fitted ones");
     let inner = &nodes[1..nodes.len() - 1];
-    let between_of_each = error_between(fitted, &nodes, inner, &each.found.solution.terms)?;
-    let between_of_one = error_between(fitted, &[0.0], inner, &one.found.solution.terms)?;
+    let between_of_each = error_between(fitted, &nodes, inner, &each.found.solution)?;
+    let between_of_one = error_between(fitted, &[0.0], inner, &one.found.solution)?;
     let gain = one.found.score.nrmse() / each.found.score.nrmse();
     Ok(if between_of_each <= gain * between_of_one {
         (true, each)

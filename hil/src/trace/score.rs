@@ -12,8 +12,85 @@ const LEAST_GAIN: f64 = 0.05;
 /// How many deviations the gain per piece has to stand from zero.
 const DEVIATIONS: f64 = 3.0;
 
-/// Squared errors of one law on the samples of one role, summed over short pieces of time, as parts of the recording's
-/// squared force there.
+/// The samples of one role that a law is judged by, in short pieces of time.
+pub struct Jury<'a> {
+    trajectories: &'a [Trajectory],
+    /// Trajectory and samples of each piece.
+    pieces: Vec<(usize, Vec<usize>)>,
+    /// Of each trajectory, the sum of the squared force there, kN².
+    power: Vec<f64>,
+}
+
+impl<'a> Jury<'a> {
+    /// Of the samples of `role` that are [telling](Trajectory::is_telling).
+    pub fn of(trajectories: &'a [Trajectory], roles: &Roles, role: Role) -> Self {
+        let mut jury = Self {
+            trajectories,
+            pieces: Vec::new(),
+            power: Vec::new(),
+        };
+        for (which, trajectory) in trajectories.iter().enumerate() {
+            let mut power = 0.0;
+            for piece in pieces(trajectory) {
+                let samples: Vec<usize> = piece
+                    .filter(|&sample| {
+                        roles.of(which, sample) == role && trajectory.is_telling(sample)
+                    })
+                    .collect();
+                power += samples
+                    .iter()
+                    .map(|&sample| trajectory.force[sample].powi(2))
+                    .sum::<f64>();
+                if !samples.is_empty() {
+                    jury.pieces.push((which, samples));
+                }
+            }
+            jury.power.push(power);
+        }
+        jury
+    }
+
+    /// The error that a perfect law leaves: the noise of the force there; of several recordings the root of the mean square.
+    pub fn noise(&self) -> f64 {
+        let mut count = vec![0.0; self.trajectories.len()];
+        for (which, samples) in &self.pieces {
+            count[*which] += samples.len() as f64;
+        }
+        let squares: f64 = (0..count.len())
+            .filter(|&which| self.power[which] > 0.0)
+            .map(|which| {
+                count[which] * self.trajectories[which].force_noise.powi(2) / self.power[which]
+            })
+            .sum();
+        (squares / self.recordings() as f64).sqrt()
+    }
+
+    fn recordings(&self) -> usize {
+        self.power.iter().filter(|&&power| power > 0.0).count()
+    }
+
+    /// Compares `predicted` (kN, per trajectory and sample) with the measured force.
+    pub fn score(&self, predicted: &[Vec<f64>]) -> Score {
+        let pieces = self
+            .pieces
+            .iter()
+            .map(|(which, samples)| {
+                let (predicted, force) = (&predicted[*which], &self.trajectories[*which].force);
+                let error = samples
+                    .iter()
+                    .map(|&sample| (predicted[sample] - force[sample]).powi(2))
+                    .sum::<f64>();
+                error / self.power[*which]
+            })
+            .collect();
+        Score {
+            pieces,
+            recordings: self.recordings(),
+        }
+    }
+}
+
+/// Squared errors of one law, summed over short pieces of time, as parts of the recording's squared force.
 #[derive(Clone, Debug)]
 pub struct Score {
     pieces: Vec<f64>,
@@ -21,39 +98,6 @@ pub struct Score {
 }
 
 impl Score {
-    /// Compares `predicted` (kN, per trajectory and sample) with the measured force on the samples of `role`.
-    pub fn of(
-        trajectories: &[Trajectory],
-        roles: &Roles,
-        role: Role,
-        predicted: &[Vec<f64>],
-    ) -> Self {
-        let mut score = Self {
-            pieces: Vec::new(),
-            recordings: 0,
-        };
-        for (which, trajectory) in trajectories.iter().enumerate() {
-            let first = score.pieces.len();
-            let mut force_squared = 0.0;
-            for piece in pieces(trajectory) {
-                let mut error = None;
-                for sample in piece.filter(|&sample| {
-                    roles.of(which, sample) == role && trajectory.is_telling(sample)
-                }) {
-                    let force = trajectory.force[sample];
-                    *error.get_or_insert(0.0) += (predicted[which][sample] - force).powi(2);
-                    force_squared += force * force;
-                }
-                score.pieces.extend(error);
-            }
-            score.pieces[first..]
-                .iter_mut()
-                .for_each(|piece| *piece /= force_squared);
-            score.recordings += usize::from(score.pieces.len() > first);
-        }
-        score
-    }
-
     /// RMS error over RMS force; of several recordings the root of the mean square.
     pub fn nrmse(&self) -> f64 {
         (self.pieces.iter().sum::<f64>() / self.recordings as f64).sqrt()

@@ -2,26 +2,35 @@
 
 use rayon::prelude::*;
 
-use super::score::Score;
+use super::score::{Jury, Score};
 use super::split::{Role, Roles, same_amplitude};
+use super::tones::tones;
 use crate::identify::problem::Problem;
 use crate::identify::rows::Rows;
+use crate::identify::screen::{Screen, Start};
+use crate::identify::shape::Extent;
 use crate::identify::solution::Solution;
-use crate::identify::term::{Term, TermValue, most_terms};
+use crate::identify::term::{Form, Term};
 use crate::model::{Family, ModelError};
 use crate::predict::predict;
 use crate::recording::trajectory::Trajectory;
 
 /// Most terms beside eq 13.
 const MOST_TERMS: usize = 6;
+/// Laws that are carried on from one step to the next: the best with one effect need not be part of the best with two.
+const BEAM: usize = 3;
+/// Of all candidates beside a law, so many that promise most are fitted; the others are rated as they start.
+const FITTED: usize = 5;
+/// A candidate is fitted from so many starts.
+const STARTS: usize = 2;
 /// A law whose error is within so many times the noise lacks nothing that is larger than the noise; what a term could
 /// still gain there is the error of the estimated motion.
-const SETTLED: f64 = 1.5;
+const SETTLED: f64 = 1.1;
 /// However quiet a recording, errors below this part of the force are those of the estimated motion. What was filtered
 /// before it was written also looks quieter than it is.
 const QUIET: f64 = 1e-3;
-/// A search fits to at most about this many samples, evenly picked; the closing fit takes all.
-const MOST_ROWS: usize = 20_000;
+/// A search fits to at most about this many samples, evenly picked; the closing fit takes more.
+const MOST_ROWS: usize = 8_000;
 
 /// A fitted law and how it does on the cycles that judge.
 #[derive(Clone, Debug)]
@@ -30,9 +39,55 @@ pub struct Fitted {
     pub solution: Solution,
     /// Errors on the cycles that judge.
     pub score: Score,
+    /// Its force on every trajectory, kN.
+    pub predicted: Vec<Vec<f64>>,
 }
 
-/// One family tried beside the law found so far.
+impl Fitted {
+    /// The families of its effects in the order of their names, those of several terms once.
+    pub fn families(&self) -> Vec<Family> {
+        let terms = self.solution.terms.iter();
+        let mut families: Vec<Family> = terms.map(|value| value.term.form.family()).collect();
+        families.sort_by_key(|family| family.name());
+        families.dedup();
+        families
+    }
+
+    fn is_admissible(&self) -> bool {
+        self.solution.terms.iter().all(|value| value.is_admissible())
+    }
+
+    fn is_degenerate(&self, extent: &Extent) -> bool {
+        let terms = self.solution.terms.iter();
+        terms.into_iter().any(|value| value.is_degenerate(extent))
+    }
+
+    /// Forms and how often, whatever their order.
+    fn forms(&self) -> Vec<usize> {
+        let terms = self.solution.terms.iter();
+        let mut forms: Vec<usize> = terms.map(|value| value.term.form as usize).collect();
+        forms.sort_unstable();
+        forms
+    }
+
+    fn parameters(&self) -> usize {
+        let terms = self.solution.terms.iter();
+        terms
+            .map(|value| value.sizes.len() + value.shapes.len())
+            .sum()
+    }
+
+    fn named(&self) -> String {
+        self.solution
+            .terms
+            .iter()
+            .fold("eq 13".to_owned(), |text, value| {
+                format!("{text} + {}", value.term.form.family())
+            })
+    }
+}
+
+/// One effect tried beside a law found so far.
 #[derive(Clone, Debug)]
 pub struct Candidate {
     /// What was tried.
@@ -43,10 +98,12 @@ pub struct Candidate {
     pub fitted: Fitted,
     /// Whether the judging cycles tell it from the step's best.
     pub distinguishable: bool,
-    /// Whether it was added to the law at this step.
+    /// Whether the law found at this step is this one.
     pub added: bool,
     /// Whether no term of it would be a source of energy, or a mass that pushes.
     pub admissible: bool,
+    /// Whether a shape stands where the effect is a simpler one as far as the data show.
+    pub degenerate: bool,
 }
 
 /// What a search ended in.
@@ -58,65 +115,73 @@ pub struct Selection {
     pub found: Fitted,
     /// All that was tried, step by step, the best first.
     pub candidates: Vec<Candidate>,
+    /// The error on the judging cycles that a law is held to.
+    pub goal: f64,
 }
 
 /// The search over one set of data.
 pub struct Search<'a> {
     trajectories: &'a [Trajectory],
-    roles: &'a Roles,
+    jury: Jury<'a>,
     rows: Rows<'a>,
-    families: Vec<Term>,
-    noise_floor: f64,
+    extent: Extent,
+    terms: Vec<Term>,
 }
 
 impl<'a> Search<'a> {
     /// A search with eq 13's coefficients at the amplitudes `nodes`.
-    pub fn new(trajectories: &'a [Trajectory], roles: &'a Roles, nodes: Vec<f64>) -> Self {
+    pub fn new(trajectories: &'a [Trajectory], roles: &Roles, nodes: Vec<f64>) -> Self {
         let temperature = trajectories
             .iter()
             .find_map(|t| t.temperature.as_ref()?.first().copied());
-        let families = Family::ALL
+        let terms = Form::ALL
             .into_iter()
-            .filter(|&family| family != Family::Temperature || temperature.is_some())
-            .map(|family| Term {
-                family,
+            .filter(|&form| form != Form::Temperature || temperature.is_some())
+            .map(|form| Term {
+                form,
                 reference: temperature.unwrap_or_default(),
             })
             .collect();
         Self {
             trajectories,
-            roles,
-            rows: Rows::gather(trajectories, nodes, |which, sample| {
+            jury: Jury::of(trajectories, roles, Role::Judge),
+            rows: Rows::gather(trajectories, nodes, MOST_ROWS, |which, sample| {
                 roles.of(which, sample) == Role::Fit
-            })
-            .thinned(MOST_ROWS),
-            families,
-            noise_floor: noise_floor(trajectories),
+            }),
+            extent: Extent::of(trajectories),
+            terms,
         }
     }
 
     /// Adds effects while one of them makes the judging cycles' error clearly smaller, then drops those that became
-    /// needless. `progress` is called after each step with what is being done.
+    /// needless. `progress` is called before each step with what is being done.
     ///
     /// # Errors
     /// A fitted law that the crate refuses.
     pub fn run(&self, progress: &(dyn Fn(&str) + Sync)) -> Result<Selection, ModelError> {
         progress("fitting eq 13");
-        let baseline = self.fit(&[], None)?;
+        let baseline = self.fitted(Problem::new(&self.rows, &self.extent, &[]).solve())?;
         let mut found = baseline.clone();
+        let mut beam = vec![baseline.clone()];
         let mut candidates = Vec::new();
         for step in 1..=MOST_TERMS {
             progress(&format!(
-                "trying {} effects beside {}",
-                self.families.len(),
-                named(&found)
+                "trying {} forms of effects beside {}",
+                self.terms.len(),
+                found.named()
             ));
-            let mut tried = self.step(&found, step);
+            let mut tried = self.step(&beam, step);
             let Some(best) = tried.first_mut() else { break };
-            let settled = found.score.nrmse() <= SETTLED * goal(self.noise_floor);
-            let accepted = best.admissible && !settled && best.fitted.score.beats(&found.score);
+            let accepted =
+                best.admissible && !self.is_settled(&found) && best.fitted.score.beats(&found.score);
             let next = best.fitted.clone();
             best.added = accepted;
+            beam = tried
+                .iter()
+                .filter(|candidate| candidate.admissible)
+                .map(|candidate| candidate.fitted.clone())
+                .take(BEAM)
+                .collect();
             candidates.extend(tried);
             if !accepted {
                 break;
@@ -128,36 +193,43 @@ impl<'a> Search<'a> {
             baseline,
             found,
             candidates,
+            goal: self.goal(),
         })
     }
 
-    /// All families beside `law`, the best first, those that are not admissible last.
-    fn step(&self, law: &Fitted, step: usize) -> Vec<Candidate> {
-        let known: Vec<Term> = law.solution.terms.iter().map(|value| value.term).collect();
-        let mut tried: Vec<Candidate> = self
-            .families
+    /// Whether nothing that is larger than the noise is left.
+    pub fn is_settled(&self, law: &Fitted) -> bool {
+        law.score.nrmse() <= SETTLED * self.goal()
+    }
+
+    /// The error on the judging cycles that a law is held to: the noise, or [`QUIET`] where the recording is quieter.
+    pub fn goal(&self) -> f64 {
+        goal(self.jury.noise())
+    }
+
+    /// The same terms with other nodes' coefficients.
+    ///
+    /// # Errors
+    /// A fitted law that the crate refuses.
+    pub fn refit(&self, law: &Fitted) -> Result<Fitted, ModelError> {
+        let problem = Problem::new(&self.rows, &self.extent, &law.solution.terms());
+        self.fitted(problem.solve_near(&law.solution))
+    }
+
+    /// All forms beside each law of `beam`, the best first, those that are not admissible last.
+    fn step(&self, beam: &[Fitted], step: usize) -> Vec<Candidate> {
+        let mut tried: Vec<Candidate> = beam
             .par_iter()
-            .filter(|term| {
-                known.iter().filter(|k| k.family == term.family).count() < most_terms(term.family)
+            .flat_map(|law| self.beside(law))
+            .map(|(term, fitted)| Candidate {
+                family: term.form.family(),
+                step,
+                admissible: fitted.is_admissible(),
+                degenerate: fitted.is_degenerate(&self.extent),
+                fitted,
+                distinguishable: true,
+                added: false,
             })
-            .map(|&term| {
-                let terms: Vec<Term> = known.iter().copied().chain([term]).collect();
-                self.fit(&terms, Some(&law.solution))
-                    .map(|fitted| Candidate {
-                        family: term.family,
-                        step,
-                        admissible: fitted
-                            .solution
-                            .terms
-                            .iter()
-                            .all(|value| !value.term.size_is_positive() || value.size > 0.0),
-                        fitted,
-                        distinguishable: true,
-                        added: false,
-                    })
-            })
-            // A fit that ends in coefficients which the crate refuses is no candidate.
-            .filter_map(Result::ok)
             .collect();
         tried.sort_by(|a, b| {
             let score = |candidate: &Candidate| candidate.fitted.score.nrmse();
@@ -165,6 +237,19 @@ impl<'a> Search<'a> {
                 .cmp(&a.admissible)
                 .then(score(a).total_cmp(&score(b)))
         });
+        // The same terms found in another order are one candidate.
+        let mut known: Vec<Vec<usize>> = Vec::new();
+        tried.retain(|candidate| {
+            let forms = candidate.fitted.forms();
+            let is_new = !known.contains(&forms);
+            known.push(forms);
+            is_new
+        });
+        let preferred = self.preferred(&tried);
+        if preferred > 0 {
+            let preferred = tried.remove(preferred);
+            tried.insert(0, preferred);
+        }
         if let Some((best, rest)) = tried.split_first_mut() {
             for rival in rest {
                 rival.distinguishable =
@@ -174,19 +259,73 @@ impl<'a> Search<'a> {
         tried
     }
 
+    /// The best of `tried`, which are in order, or one that does as well and is simpler: of fewer parameters and the same
+    /// families, or one that stands for what the best is at the limit of its shape.
+    fn preferred(&self, tried: &[Candidate]) -> usize {
+        let Some(best) = tried.first() else { return 0 };
+        let simpler = |candidate: &Candidate| {
+            candidate.fitted.parameters() < best.fitted.parameters()
+                && (best.degenerate || candidate.fitted.families() == best.fitted.families())
+        };
+        tried
+            .iter()
+            .position(|candidate| {
+                candidate.admissible
+                    && !candidate.degenerate
+                    && simpler(candidate)
+                    && !best.fitted.score.beats(&candidate.fitted.score)
+            })
+            .unwrap_or(0)
+    }
+
+    /// Every form beside `law`: those that promise most fitted, the others with what they start from.
+    fn beside(&self, law: &Fitted) -> Vec<(Term, Fitted)> {
+        let known = law.solution.terms();
+        let extent = self
+            .extent
+            .with_tones(tones(self.trajectories, &law.predicted));
+        let screen = Screen::at(&self.rows, &extent, &law.solution);
+        let mut rated: Vec<(Term, Vec<Start>)> = self
+            .terms
+            .par_iter()
+            .filter(|term| {
+                let same = known.iter().filter(|known| known.form == term.form).count();
+                same < term.form.most()
+                    && !known.iter().any(|known| known.form.excludes(term.form))
+            })
+            .map(|&term| (term, screen.starts(term)))
+            .filter(|(_, starts)| !starts.is_empty())
+            .collect();
+        rated.sort_by(|a, b| b.1[0].gain.total_cmp(&a.1[0].gain));
+        rated
+            .into_par_iter()
+            .enumerate()
+            .filter_map(|(place, (term, starts))| {
+                let terms: Vec<Term> = known.iter().copied().chain([term]).collect();
+                let problem = Problem::new(&self.rows, &extent, &terms);
+                let solution = if place < FITTED && starts[0].gain > 0.0 {
+                    starts
+                        .iter()
+                        .take(STARTS)
+                        .map(|start| problem.solve_from(&law.solution, &start.shapes))
+                        .min_by(|a, b| a.squares.total_cmp(&b.squares))?
+                } else {
+                    problem.solve_at(&law.solution, &starts[0].shapes)
+                };
+                // A fit that ends in coefficients which the crate refuses is no candidate.
+                Some((term, self.fitted(solution).ok()?))
+            })
+            .collect()
+    }
+
     /// Drops terms without which the judging cycles are predicted as well.
     fn prune(&self, found: Fitted) -> Result<Fitted, ModelError> {
         let mut found = found;
         let mut index = 0;
         while found.solution.terms.len() > 1 && index < found.solution.terms.len() {
-            let mut terms: Vec<Term> = found
-                .solution
-                .terms
-                .iter()
-                .map(|value| value.term)
-                .collect();
-            terms.remove(index);
-            let without = self.fit(&terms, None)?;
+            let rest = found.solution.without(index);
+            let problem = Problem::new(&self.rows, &self.extent, &rest.terms());
+            let without = self.fitted(problem.solve_near(&rest))?;
             if found.score.beats(&without.score) {
                 index += 1;
             } else {
@@ -197,16 +336,18 @@ impl<'a> Search<'a> {
         Ok(found)
     }
 
-    fn fit(&self, terms: &[Term], start: Option<&Solution>) -> Result<Fitted, ModelError> {
-        let solution = Problem::solve(&self.rows, terms, start);
+    fn fitted(&self, solution: Solution) -> Result<Fitted, ModelError> {
         let model = solution.model();
         let predicted = self
             .trajectories
             .iter()
             .map(|trajectory| predict(&model, trajectory))
             .collect::<Result<Vec<_>, _>>()?;
-        let score = Score::of(self.trajectories, self.roles, Role::Judge, &predicted);
-        Ok(Fitted { solution, score })
+        Ok(Fitted {
+            solution,
+            score: self.jury.score(&predicted),
+            predicted,
+        })
     }
 }
 
@@ -216,9 +357,9 @@ pub fn error_between(
     trajectories: &[Trajectory],
     nodes: &[f64],
     left_out: &[f64],
-    terms: &[TermValue],
+    found: &Solution,
 ) -> Result<f64, ModelError> {
-    let terms: Vec<Term> = terms.iter().map(|value| value.term).collect();
+    let extent = Extent::of(trajectories);
     let mut error = 0.0;
     for &amplitude in left_out {
         let is_left_out = |which: usize, sample: usize| {
@@ -230,10 +371,12 @@ pub fn error_between(
             .copied()
             .filter(|&node| node != amplitude)
             .collect();
-        let rows = Rows::gather(trajectories, others, |which, sample| {
+        let rows = Rows::gather(trajectories, others, MOST_ROWS, |which, sample| {
             !is_left_out(which, sample)
         });
-        let model = Problem::solve(&rows, &terms, None).model();
+        let model = Problem::new(&rows, &extent, &found.terms())
+            .solve_near(found)
+            .model();
         for (which, trajectory) in trajectories.iter().enumerate() {
             let predicted = predict(&model, trajectory)?;
             error += (0..trajectory.len())
@@ -243,15 +386,6 @@ pub fn error_between(
         }
     }
     Ok(error.sqrt())
-}
-
-fn named(law: &Fitted) -> String {
-    law.solution
-        .terms
-        .iter()
-        .fold("eq 13".to_owned(), |text, value| {
-            format!("{text} + {}", value.term.family)
-        })
 }
 
 /// The noise of the force over its RMS; of several recordings the root of the mean square.

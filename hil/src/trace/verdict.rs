@@ -1,19 +1,17 @@
 //! What is concluded from a search, in the words of `trace.json`.
 
 use super::result::{Errors, Verdict};
-use super::select::{Candidate, Selection, goal};
-use crate::model::Model;
+use super::select::{Candidate, Selection};
+use crate::model::{Family, Model};
 use crate::recording::trajectory::Trajectory;
 
 /// An error of up to this many times the noise counts as explained.
 const EXPLAINED: f64 = 2.0;
-/// Effects that leave more than this part of eq 13's error, and more than the noise, do not explain it.
-const UNEXPLAINED: f64 = 0.5;
 
 /// The verdict on what a search found.
-pub(super) fn conclude(selection: &Selection, noise_floor: f64) -> Verdict {
+pub(super) fn conclude(selection: &Selection) -> Verdict {
     let left = selection.found.score.nrmse();
-    let explained = left <= EXPLAINED * goal(noise_floor);
+    let explained = left <= EXPLAINED * selection.goal;
     if selection.found.solution.terms.is_empty() {
         return if explained {
             Verdict::None
@@ -21,7 +19,7 @@ pub(super) fn conclude(selection: &Selection, noise_floor: f64) -> Verdict {
             Verdict::Unlisted
         };
     }
-    if !explained && left > UNEXPLAINED * selection.baseline.score.nrmse() {
+    if !explained {
         Verdict::Unlisted
     } else if rivals(selection).len() > 1 {
         Verdict::Ambiguous
@@ -30,17 +28,23 @@ pub(super) fn conclude(selection: &Selection, noise_floor: f64) -> Verdict {
     }
 }
 
-/// The families that did as well as the best at the step that ended in the law found, the best among them.
+/// The candidates that did as well as the law found: the best first, then one for each other set of families that the
+/// judging cycles do not tell from it.
 pub(super) fn rivals(selection: &Selection) -> Vec<&Candidate> {
-    let last = selection.found.solution.terms.len();
-    let at_last = selection
+    let found = &selection.found;
+    let last = found.solution.terms.len();
+    let mut known: Vec<Vec<Family>> = Vec::new();
+    selection
         .candidates
         .iter()
-        .filter(|candidate| candidate.step == last);
-    at_last
-        .enumerate()
-        .filter(|(place, candidate)| *place == 0 || !candidate.distinguishable)
-        .map(|(_, candidate)| candidate)
+        .filter(|candidate| candidate.step == last)
+        .filter(|candidate| candidate.added || !(candidate.distinguishable || candidate.degenerate))
+        .filter(|candidate| {
+            let families = candidate.fitted.families();
+            let is_new = !known.contains(&families);
+            known.push(families);
+            is_new
+        })
         .collect()
 }
 
@@ -81,7 +85,6 @@ pub(super) fn warnings<'t>(
     model: &Model,
     selection: &Selection,
     errors: (&Errors, &Errors),
-    noise_floor: f64,
 ) -> Vec<String> {
     let mut warnings = Vec::new();
     let (first, last) = (model.law.first(), model.law.last());
@@ -117,7 +120,7 @@ pub(super) fn warnings<'t>(
         }
     }
     let left = selection.found.score.nrmse();
-    let ratio = left / goal(noise_floor);
+    let ratio = left / selection.goal;
     if errors.1.nrmse_held_out > errors.0.nrmse_held_out {
         warnings.push(
             "on what was held out the law with what was added is no better than the law alone: don't use it there"

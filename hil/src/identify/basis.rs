@@ -1,0 +1,283 @@
+//! The columns that a fit is linear in, for given exponents and shapes.
+
+use std::ops::Range;
+use std::sync::Arc;
+
+use super::moved::moved;
+use super::rows::{RowMotion, Rows};
+use super::shape::{Extent, Shape};
+use super::solution::Solution;
+use super::term::{Entry, Form, Term};
+use crate::recording::trajectory::Trajectory;
+
+/// Eq 13 and added terms over the rows of a fit.
+///
+/// The searched parameters are the exponents of the nodes, then each term's: logarithms of shapes, and temperature's β.
+pub(super) struct Basis<'r, 'a> {
+    pub rows: &'r Rows<'a>,
+    pub terms: Vec<Term>,
+    shapes: Vec<Vec<Shape>>,
+    /// Where each term's searched parameters stand.
+    slots: Vec<Range<usize>>,
+    /// The force inside the specimen at every sample, kN, where a spring in series needs it.
+    inside: Option<Vec<Vec<f64>>>,
+}
+
+/// The columns for one set of searched parameters.
+#[derive(Clone)]
+pub(super) struct Columns {
+    at: Vec<f64>,
+    moved: Option<Arc<Moved>>,
+    /// y, y³ and |v|^α·sgn v at every row, scaled where temperature is a term.
+    law: Arc<Vec<[f64; 3]>>,
+    /// The forces of each term with size 1 at every row.
+    added: Vec<Vec<Arc<Vec<f64>>>>,
+}
+
+struct Moved {
+    trajectories: Vec<Trajectory>,
+    rows: RowMotion,
+}
+
+impl<'r, 'a> Basis<'r, 'a> {
+    pub fn new(rows: &'r Rows<'a>, extent: &Extent, terms: &[Term]) -> Self {
+        let mut from = rows.nodes.len();
+        let slots = terms
+            .iter()
+            .map(|term| {
+                let slot = from..from + term.form.searched();
+                from = slot.end;
+                slot
+            })
+            .collect();
+        Self {
+            rows,
+            shapes: terms.iter().map(|term| extent.shapes(term.form)).collect(),
+            terms: terms.to_vec(),
+            slots,
+            inside: None,
+        }
+    }
+
+    /// The same with the force of `solution` behind a spring in series, where there is one.
+    #[must_use]
+    pub fn around(mut self, solution: &Solution) -> Self {
+        if self.terms.iter().any(|term| term.form == Form::Compliance) {
+            self.inside = Some(solution.force_inside(self.rows.trajectories));
+        }
+        self
+    }
+
+    /// How far a searched parameter is moved for a derivative.
+    pub fn step(&self, slot: usize) -> f64 {
+        let tone = (0..self.terms.len())
+            .find(|&term| self.slot(term).contains(&slot))
+            .is_some_and(|term| self.terms[term].form == Form::Periodic);
+        // A tone's phase at the end of a recording is its frequency times thousands of periods.
+        if tone { 1e-7 } else { 1e-5 }
+    }
+
+    /// Where the searched parameters of a term stand.
+    pub fn slot(&self, term: usize) -> Range<usize> {
+        self.slots[term].clone()
+    }
+
+    /// Whether a size, counted over all terms, must not be negative.
+    pub fn is_positive(&self, size: usize) -> bool {
+        self.terms
+            .iter()
+            .flat_map(|term| match term.form.entry() {
+                Entry::Adds(count) => std::iter::repeat_n(term.form.size_is_positive(), count),
+                _ => std::iter::repeat_n(false, 0),
+            })
+            .nth(size)
+            .unwrap_or(false)
+    }
+
+    /// The exponent of a node.
+    pub fn alpha(&self, at: &[f64], node: usize) -> f64 {
+        at[node].clamp(0.0, 1.0)
+    }
+
+    /// The shapes of a term; β is none.
+    pub fn shapes(&self, at: &[f64], term: usize) -> Vec<f64> {
+        self.shapes[term]
+            .iter()
+            .zip(&at[self.slot(term)])
+            .map(|(shape, x)| x.exp().clamp(shape.low, shape.high))
+            .collect()
+    }
+
+    /// The columns at `at`; what does not change is taken from `known`.
+    pub fn columns(&self, at: &[f64], known: Option<&Columns>) -> Columns {
+        let same = |range: Range<usize>| known.filter(|known| known.at[range.clone()] == at[range]);
+        let stays = |entry: Entry| {
+            (0..self.terms.len())
+                .filter(|&term| self.terms[term].form.entry() == entry)
+                .all(|term| same(self.slot(term)).is_some())
+        };
+        let motion_stays = stays(Entry::Moves);
+        let moved = match known.filter(|_| motion_stays) {
+            Some(known) => known.moved.clone(),
+            None => self.moved(at).map(Arc::new),
+        };
+        let law_stays = motion_stays && stays(Entry::Scales);
+        let law = match known.filter(|_| law_stays && same(0..self.rows.nodes.len()).is_some()) {
+            Some(known) => known.law.clone(),
+            None => Arc::new(self.law(at, self.motion_of(&moved))),
+        };
+        let added = (0..self.terms.len())
+            .map(
+                |term| match same(self.slot(term)).filter(|_| motion_stays) {
+                    Some(known) => known.added[term].clone(),
+                    None => self.added(at, term, &moved),
+                },
+            )
+            .collect();
+        Columns {
+            at: at.to_vec(),
+            moved,
+            law,
+            added,
+        }
+    }
+
+    /// The force at every row with the `linear` unknowns: k1, k3 and c of every node, then the sizes; kN.
+    pub fn force(&self, columns: &Columns, linear: &[f64]) -> Vec<f64> {
+        let sizes = &linear[3 * self.rows.nodes.len()..];
+        let node = &self.motion(columns).node;
+        let mut force: Vec<f64> = columns
+            .law
+            .iter()
+            .zip(node)
+            .map(|(row, node)| (0..3).map(|i| linear[3 * node + i] * row[i]).sum())
+            .collect();
+        for (size, column) in sizes.iter().zip(columns.added()) {
+            for (force, unit) in force.iter_mut().zip(column) {
+                *force += size * unit;
+            }
+        }
+        force
+    }
+
+    /// The same with one searched parameter `step` away.
+    pub fn force_beside(&self, columns: &Columns, linear: &[f64], slot: usize, step: f64) -> Vec<f64> {
+        let mut at = columns.at.clone();
+        at[slot] += step;
+        self.force(&self.columns(&at, Some(columns)), linear)
+    }
+
+    /// The forces of another term with each size 1 at every row; none where the crate refuses the shapes, which it may at
+    /// the end of their range at some tick.
+    pub fn unit_forces(&self, form: Form, shapes: &[f64], columns: &Columns) -> Vec<Vec<f64>> {
+        self.forces(form, shapes, &columns.moved).unwrap_or_default()
+    }
+
+    /// What eq 13 sees at every row.
+    pub fn motion<'c>(&'c self, columns: &'c Columns) -> &'c RowMotion {
+        self.motion_of(&columns.moved)
+    }
+
+    fn motion_of<'c>(&'c self, moved: &'c Option<Arc<Moved>>) -> &'c RowMotion {
+        moved
+            .as_ref()
+            .map_or(&self.rows.motion, |moved| &moved.rows)
+    }
+
+    fn moved(&self, at: &[f64]) -> Option<Moved> {
+        let moves: Vec<(Form, f64)> = (0..self.terms.len())
+            .filter(|&term| self.terms[term].form.entry() == Entry::Moves)
+            .map(|term| (self.terms[term].form, self.shapes(at, term)[0]))
+            .collect();
+        if moves.is_empty() {
+            return None;
+        }
+        let trajectories: Vec<Trajectory> = self
+            .rows
+            .trajectories
+            .iter()
+            .enumerate()
+            .map(|(which, trajectory)| {
+                let inside = self.inside.as_ref().map(|inside| &inside[which][..]);
+                moved(trajectory, &moves, inside)
+            })
+            .collect();
+        let rows = self.rows.motion_in(&trajectories);
+        Some(Moved { trajectories, rows })
+    }
+
+    fn law(&self, at: &[f64], motion: &RowMotion) -> Vec<[f64; 3]> {
+        let temperature = (0..self.terms.len())
+            .find(|&term| self.terms[term].form.entry() == Entry::Scales)
+            .map(|term| (at[self.slot(term).start], self.terms[term].reference));
+        let alphas: Vec<f64> = (0..self.rows.nodes.len())
+            .map(|node| self.alpha(at, node))
+            .collect();
+        (0..self.rows.len())
+            .map(|index| {
+                let scale = temperature.map_or(1.0, |(beta, reference)| {
+                    1.0 - beta * (motion.temperature[index] - reference)
+                });
+                let y = motion.displacement[index];
+                let speed = (alphas[motion.node[index]] * motion.log_speed[index]).exp();
+                [
+                    scale * y,
+                    scale * y * y * y,
+                    scale * motion.direction[index] * speed,
+                ]
+            })
+            .collect()
+    }
+
+    fn added(
+        &self,
+        at: &[f64],
+        term: usize,
+        moved: &Option<Arc<Moved>>,
+    ) -> Vec<Arc<Vec<f64>>> {
+        let Entry::Adds(count) = self.terms[term].form.entry() else {
+            return Vec::new();
+        };
+        self.forces(self.terms[term].form, &self.shapes(at, term), moved)
+            .unwrap_or_else(|| vec![vec![0.0; self.rows.len()]; count])
+            .into_iter()
+            .map(Arc::new)
+            .collect()
+    }
+
+    fn forces(&self, form: Form, shapes: &[f64], moved: &Option<Arc<Moved>>) -> Option<Vec<Vec<f64>>> {
+        let trajectories = moved
+            .as_ref()
+            .map_or(self.rows.trajectories, |moved| &moved.trajectories);
+        let mut columns: Vec<Vec<Vec<f64>>> = Vec::new();
+        for trajectory in trajectories {
+            let forces = form.unit_forces(shapes, trajectory).ok()?;
+            columns.resize(forces.len(), Vec::new());
+            for (column, force) in columns.iter_mut().zip(forces) {
+                column.push(force);
+            }
+        }
+        Some(
+            columns
+                .iter()
+                .map(|column| self.rows.pick(column))
+                .collect(),
+        )
+    }
+}
+
+impl Columns {
+    /// y, y³ and |v|^α·sgn v at every row.
+    pub fn law(&self) -> &[[f64; 3]] {
+        &self.law
+    }
+
+    /// The added columns, term by term.
+    pub fn added(&self) -> Vec<&[f64]> {
+        self.added
+            .iter()
+            .flatten()
+            .map(|column| column.as_slice())
+            .collect()
+    }
+}

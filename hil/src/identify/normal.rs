@@ -1,0 +1,159 @@
+//! Weighted normal equations of columns of which some belong to one of the law's nodes each and the others to all.
+
+use nalgebra::{Cholesky, DMatrix, DVector, Dyn};
+
+use super::rows::Rows;
+
+/// Added to the diagonal of the scaled equations, so that a direction that the data do not show stays small.
+const RIDGE: f64 = 1e-11;
+
+/// Normal equations. The unknowns are `LOCAL` of each node in turn, then those of the shared columns.
+pub(super) struct Normal {
+    /// The lower triangle.
+    gram: DMatrix<f64>,
+    right: DVector<f64>,
+    /// Weighted sum of the squared force.
+    power: f64,
+}
+
+impl Normal {
+    /// For the force of `rows`; `local` columns belong to the node that `node` gives for each row.
+    pub fn assemble<const LOCAL: usize>(
+        rows: &Rows,
+        node: &[usize],
+        local: &[[f64; LOCAL]],
+        shared: &[&[f64]],
+    ) -> Self {
+        let first_shared = LOCAL * rows.nodes.len();
+        let width = first_shared + shared.len();
+        let mut normal = Self {
+            gram: DMatrix::zeros(width, width),
+            right: DVector::zeros(width),
+            power: 0.0,
+        };
+        let mut row = vec![0.0; LOCAL + shared.len()];
+        for index in 0..rows.len() {
+            let weight = rows.weight[index];
+            for (slot, value) in row.iter_mut().zip(&local[index]) {
+                *slot = weight * value;
+            }
+            for (slot, column) in row[LOCAL..].iter_mut().zip(shared) {
+                *slot = weight * column[index];
+            }
+            let force = weight * rows.force[index];
+            normal.power += force * force;
+            let first = LOCAL * node[index];
+            let place = |i: usize| {
+                if i < LOCAL {
+                    first + i
+                } else {
+                    first_shared + i - LOCAL
+                }
+            };
+            for i in 0..row.len() {
+                let to = place(i);
+                normal.right[to] += row[i] * force;
+                for j in 0..=i {
+                    normal.gram[(to, place(j))] += row[i] * row[j];
+                }
+            }
+        }
+        normal
+    }
+
+    /// The solution with the unknowns that `not_negative` picks at 0 where they would be negative.
+    pub fn solve(&self, not_negative: impl Fn(usize) -> bool) -> DVector<f64> {
+        let mut active: Vec<usize> = (0..self.right.len()).collect();
+        loop {
+            let Some(factor) = Factor::of(self, active) else {
+                return DVector::zeros(self.right.len());
+            };
+            let found = factor.solution(self);
+            let negative = factor
+                .active
+                .iter()
+                .position(|&i| not_negative(i) && found[i] < 0.0);
+            let Some(place) = negative else {
+                return found;
+            };
+            active = factor.active;
+            active.remove(place);
+        }
+    }
+}
+
+/// Factored normal equations: what other columns have beside these is read off.
+pub(super) struct Factor {
+    cholesky: Cholesky<f64, Dyn>,
+    scale: Vec<f64>,
+    active: Vec<usize>,
+}
+
+impl Factor {
+    /// Of the unknowns `among`, those that a column stands for.
+    fn of(normal: &Normal, among: Vec<usize>) -> Option<Self> {
+        let active: Vec<usize> = among
+            .into_iter()
+            .filter(|&i| normal.gram[(i, i)] > 0.0)
+            .collect();
+        let scale: Vec<f64> = active
+            .iter()
+            .map(|&i| normal.gram[(i, i)].sqrt().recip())
+            .collect();
+        let matrix = DMatrix::from_fn(active.len(), active.len(), |i, j| {
+            let (a, b) = (active[i].max(active[j]), active[i].min(active[j]));
+            normal.gram[(a, b)] * scale[i] * scale[j] + if i == j { RIDGE } else { 0.0 }
+        });
+        Some(Self {
+            cholesky: Cholesky::new(matrix)?,
+            scale,
+            active,
+        })
+    }
+
+    /// Of all unknowns.
+    pub fn of_all(normal: &Normal) -> Option<Self> {
+        Self::of(normal, (0..normal.right.len()).collect())
+    }
+
+    fn solution(&self, normal: &Normal) -> DVector<f64> {
+        let mut solution = DVector::zeros(normal.right.len());
+        let scaled = self.solve_scaled(normal.right.as_slice());
+        for ((&i, scale), value) in self.active.iter().zip(&self.scale).zip(&scaled) {
+            solution[i] = value * scale;
+        }
+        solution
+    }
+
+    fn solve_scaled(&self, right: &[f64]) -> DVector<f64> {
+        let scaled = DVector::from_fn(self.active.len(), |i, _| {
+            right[self.active[i]] * self.scale[i]
+        });
+        self.cholesky.solve(&scaled)
+    }
+
+    /// The part of a·b that these columns do not have, where `a` and `b` are the products of two other columns with these
+    /// and `product` is a·b.
+    pub fn beside(&self, a: &[f64], b: &[f64], product: f64) -> f64 {
+        let b = self.solve_scaled(b);
+        let taken: f64 = self
+            .active
+            .iter()
+            .zip(&self.scale)
+            .zip(&b)
+            .map(|((&i, scale), b)| a[i] * scale * b)
+            .sum();
+        product - taken
+    }
+
+    /// What is left of the squared force, kN² weighted.
+    pub fn left(&self, normal: &Normal) -> f64 {
+        let right = normal.right.as_slice();
+        self.beside(right, right, normal.power)
+    }
+
+    /// The part of a column's product with the force that these columns do not have.
+    pub fn force_beside(&self, normal: &Normal, products: &[f64], with_force: f64) -> f64 {
+        self.beside(products, normal.right.as_slice(), with_force)
+    }
+}

@@ -1,0 +1,173 @@
+//! What every effect could gain beside a fitted law, before any of them is fitted.
+//!
+//! The force is linearised at the fitted law; a candidate's gain is what its force has beside all the derivatives there
+//! of what is left (the score test of Rao 1948). It costs a few passes over the rows for each start, so that a grid of
+//! starts can be gone through and only the best be fitted.
+
+use super::basis::{Basis, Columns};
+use super::normal::{Factor, Normal};
+use super::rows::Rows;
+use super::shape::Extent;
+use super::solution::Solution;
+use super::tangent::Tangent;
+use super::term::{Entry, Form, Term};
+
+/// A fitted law, linearised.
+pub struct Screen<'s, 'r, 'a> {
+    extent: &'s Extent,
+    solution: &'s Solution,
+    basis: Basis<'r, 'a>,
+    columns: Columns,
+    tangent: Tangent,
+    normal: Normal,
+    /// `None` where the equations are singular: nothing can then be said.
+    factor: Option<Factor>,
+}
+
+/// Where a fit of a candidate may start.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Start {
+    /// The candidate's shapes.
+    pub shapes: Vec<f64>,
+    /// The part of the squared error that it could save, to first order.
+    pub gain: f64,
+}
+
+impl<'s, 'r, 'a> Screen<'s, 'r, 'a> {
+    /// At `solution`, which was fitted to `rows`.
+    pub fn at(rows: &'r Rows<'a>, extent: &'s Extent, solution: &'s Solution) -> Self {
+        let basis = Basis::new(rows, extent, &solution.terms()).around(solution);
+        let columns = basis.columns(&solution.search, None);
+        let tangent = Tangent::of(&basis, &columns, solution);
+        let (normal, factor) = normal_of(rows, &tangent);
+        Self {
+            extent,
+            solution,
+            basis,
+            columns,
+            tangent,
+            normal,
+            factor,
+        }
+    }
+
+    /// The starts of `term`, the best first; one without shapes has one.
+    pub fn starts(&self, term: Term) -> Vec<Start> {
+        let mut starts: Vec<Start> = grid(self.extent, term.form)
+            .into_iter()
+            .map(|shapes| Start {
+                gain: self.gain(term, &shapes),
+                shapes,
+            })
+            .collect();
+        starts.sort_by(|a, b| b.gain.total_cmp(&a.gain));
+        starts
+    }
+
+    fn gain(&self, term: Term, shapes: &[f64]) -> f64 {
+        let Some(factor) = &self.factor else {
+            return 0.0;
+        };
+        let left = factor.left(&self.normal);
+        let saved = match term.form.entry() {
+            Entry::Moves => left - self.left_when_moved(term, shapes).unwrap_or(left),
+            Entry::Scales => {
+                let temperature = &self.basis.rows.motion.temperature;
+                let column: Vec<f64> = (0..self.basis.rows.len())
+                    .map(|index| self.tangent.law[index] * (term.reference - temperature[index]))
+                    .collect();
+                self.saved_by(factor, &[column], false)
+            }
+            Entry::Adds(_) => {
+                let forces = self.basis.unit_forces(term.form, shapes, &self.columns);
+                self.saved_by(factor, &forces, term.form.size_is_positive())
+            }
+        };
+        (saved / left).max(0.0)
+    }
+
+    /// The squared error that columns save beside the law's own.
+    fn saved_by(&self, factor: &Factor, columns: &[Vec<f64>], positive: bool) -> f64 {
+        let products: Vec<Vec<f64>> = columns
+            .iter()
+            .map(|column| self.products_with_base(column))
+            .collect();
+        let inner = |a: &[f64], b: &[f64]| -> f64 {
+            let weights = self.basis.rows.weight.iter();
+            weights.zip(a.iter().zip(b)).map(|(w, (a, b))| w * w * a * b).sum()
+        };
+        let force: Vec<f64> = columns
+            .iter()
+            .zip(&products)
+            .map(|(column, products)| {
+                factor.force_beside(&self.normal, products, inner(column, &self.basis.rows.force))
+            })
+            .collect();
+        let gram = |i: usize, j: usize| {
+            factor.beside(&products[i], &products[j], inner(&columns[i], &columns[j]))
+        };
+        // A column that the law nearly has already can save nothing that could be told from rounding.
+        let is_new = |i: usize| gram(i, i) > 1e-9 * inner(&columns[i], &columns[i]);
+        match force.as_slice() {
+            [only] if is_new(0) && (!positive || *only > 0.0) => only * only / gram(0, 0),
+            [one, other] if is_new(0) && is_new(1) => {
+                let (a, b, c) = (gram(0, 0), gram(0, 1), gram(1, 1));
+                (c * one * one - 2.0 * b * one * other + a * other * other)
+                    / (a * c - b * b).max(f64::MIN_POSITIVE)
+            }
+            _ => 0.0,
+        }
+    }
+
+    fn products_with_base(&self, column: &[f64]) -> Vec<f64> {
+        let local = 4 * self.basis.rows.nodes.len();
+        let mut products = vec![0.0; local + self.tangent.shared.len()];
+        for (index, value) in column.iter().enumerate() {
+            let weighted = self.basis.rows.weight[index].powi(2) * value;
+            let first = 4 * self.tangent.node[index];
+            for (slot, own) in self.tangent.local[index].iter().enumerate() {
+                products[first + slot] += weighted * own;
+            }
+            for (slot, shared) in self.tangent.shared.iter().enumerate() {
+                products[local + slot] += weighted * shared[index];
+            }
+        }
+        products
+    }
+
+    /// The squared error that the law leaves when the motion is changed.
+    fn left_when_moved(&self, term: Term, shapes: &[f64]) -> Option<f64> {
+        let terms: Vec<Term> = self.solution.terms().into_iter().chain([term]).collect();
+        let basis = Basis::new(self.basis.rows, self.extent, &terms).around(self.solution);
+        let known = self.solution.search.iter().copied();
+        let at: Vec<f64> = known.chain(shapes.iter().map(|shape| shape.ln())).collect();
+        let tangent = Tangent::of(&basis, &basis.columns(&at, None), self.solution);
+        let (normal, factor) = normal_of(self.basis.rows, &tangent);
+        Some(factor?.left(&normal))
+    }
+}
+
+fn normal_of(rows: &Rows, tangent: &Tangent) -> (Normal, Option<Factor>) {
+    let shared: Vec<&[f64]> = tangent.shared.iter().map(Vec::as_slice).collect();
+    let normal = Normal::assemble(rows, &tangent.node, &tangent.local, &shared);
+    let factor = Factor::of_all(&normal);
+    (normal, factor)
+}
+
+/// Every combination of the starts of a form's shapes.
+fn grid(extent: &Extent, form: Form) -> Vec<Vec<f64>> {
+    extent
+        .shapes(form)
+        .iter()
+        .fold(vec![Vec::new()], |grid, shape| {
+            grid.iter()
+                .flat_map(|point| {
+                    shape.starts.iter().map(move |&start| {
+                        let mut point = point.clone();
+                        point.push(start);
+                        point
+                    })
+                })
+                .collect()
+        })
+}

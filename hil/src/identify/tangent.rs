@@ -1,0 +1,65 @@
+//! The derivatives of a fitted force by everything that was fitted: what a small change can do.
+
+use super::basis::{Basis, Columns};
+use super::solution::Solution;
+use super::term::Entry;
+
+/// Derivatives of the force at every row.
+pub(super) struct Tangent {
+    /// Which node holds at each row.
+    pub node: Vec<usize>,
+    /// By k1, k3, c and α of that node.
+    pub local: Vec<[f64; 4]>,
+    /// By the sizes, then by the searched parameters, term by term.
+    pub shared: Vec<Vec<f64>>,
+    /// Force of eq 13 at every row, kN.
+    pub law: Vec<f64>,
+}
+
+impl Tangent {
+    /// At `columns` of `basis` with the coefficients of `solution`; by the parameters of a term that `solution` lacks there
+    /// is no derivative.
+    pub fn of(basis: &Basis, columns: &Columns, solution: &Solution) -> Self {
+        let motion = basis.motion(columns);
+        let linear = solution.linear();
+        let local = columns
+            .law()
+            .iter()
+            .zip(motion.node.iter().zip(&motion.log_speed))
+            .map(|(&[y, y3, damping], (&node, log_speed))| {
+                [y, y3, damping, solution.law[node].c * damping * log_speed]
+            })
+            .collect();
+        let mut added = columns.added().into_iter();
+        let mut shared = Vec::new();
+        for (index, value) in solution.terms.iter().enumerate() {
+            if let Entry::Adds(count) = value.term.form.entry() {
+                shared.extend(added.by_ref().take(count).map(<[f64]>::to_vec));
+            }
+            shared.extend(basis.slot(index).map(|slot| {
+                let step = 30.0 * basis.step(slot);
+                let (ahead, behind) = (
+                    basis.force_beside(columns, &linear, slot, step),
+                    basis.force_beside(columns, &linear, slot, -step),
+                );
+                let pairs = ahead.iter().zip(&behind);
+                pairs.map(|(a, b)| (a - b) / (2.0 * step)).collect()
+            }));
+        }
+        Self {
+            node: motion.node.clone(),
+            local,
+            shared,
+            law: law_force(columns, &linear, &motion.node),
+        }
+    }
+}
+
+fn law_force(columns: &Columns, linear: &[f64], node: &[usize]) -> Vec<f64> {
+    columns
+        .law()
+        .iter()
+        .zip(node)
+        .map(|(row, node)| (0..3).map(|i| linear[3 * node + i] * row[i]).sum())
+        .collect()
+}
