@@ -4,9 +4,9 @@ use std::f64::consts::TAU;
 
 use hil::identify::problem::Problem;
 use hil::identify::rows::Rows;
-use hil::identify::term::Term;
+use hil::identify::shape::Extent;
+use hil::identify::term::{Form, Term};
 use hil::identify::uncertainty::Uncertainty;
-use hil::model::Family;
 use hil::recording::Recording;
 use hil::recording::trajectory::Trajectory;
 use hil::trace::result::Verdict;
@@ -333,20 +333,20 @@ fn the_verdict_does_not_depend_on_the_scale() {
 fn intervals_hold_the_truth() {
     let runs = 100;
     let term = Term {
-        family: Family::StickSlip,
+        form: Form::Jenkins,
         reference: 0.0,
     };
     let (mut sizes, mut shapes) = (0, 0);
     for seed in 0..runs {
         let recording = record("fitted", &BLOCKS, 0.01, 100 + seed, slider(0.9, 0.04));
         let trajectories = [Trajectory::of(&recording).unwrap()];
-        let rows = Rows::gather(&trajectories, vec![0.0], |_, _| true);
-        let law = Problem::solve(&rows, &[], None);
-        let found = Problem::solve(&rows, &[term], Some(&law));
-        let (size, shape) = Uncertainty::of(&rows, &found).terms[0];
-        let value = found.terms[0];
-        sizes += usize::from((value.size - 0.9).abs() < size);
-        shapes += usize::from((value.shape / 0.04).ln().abs() < shape.ln());
+        let extent = Extent::of(&trajectories);
+        let rows = Rows::gather(&trajectories, vec![0.0], usize::MAX, |_, _| true);
+        let found = Problem::new(&rows, &extent, &[term]).solve();
+        let Uncertainty { terms, .. } = Uncertainty::of(&rows, &extent, &found);
+        let value = &found.terms[0];
+        sizes += usize::from((value.sizes[0] - 0.9).abs() < terms[0].sizes[0]);
+        shapes += usize::from((value.shapes[0] / 0.04).ln().abs() < terms[0].shapes[0].ln());
     }
     // Of 100 at 90 %: 90 ± 3; beyond three deviations either way the intervals are wrong.
     assert!((80..=99).contains(&sizes), "stiffness: {sizes} of {runs}");

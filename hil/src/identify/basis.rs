@@ -68,20 +68,6 @@ impl<'r, 'a> Basis<'r, 'a> {
         self
     }
 
-    /// How far a searched parameter is moved for a derivative.
-    pub fn step(&self, slot: usize) -> f64 {
-        let tone = (0..self.terms.len())
-            .find(|&term| self.slot(term).contains(&slot))
-            .is_some_and(|term| self.terms[term].form == Form::Periodic);
-        // A tone's phase at the end of a recording is its frequency times thousands of periods.
-        if tone { 1e-7 } else { 1e-5 }
-    }
-
-    /// Where the searched parameters of a term stand.
-    pub fn slot(&self, term: usize) -> Range<usize> {
-        self.slots[term].clone()
-    }
-
     /// Whether a size, counted over all terms, must not be negative.
     pub fn is_positive(&self, size: usize) -> bool {
         self.terms
@@ -92,6 +78,11 @@ impl<'r, 'a> Basis<'r, 'a> {
             })
             .nth(size)
             .unwrap_or(false)
+    }
+
+    /// Where the searched parameters of a term stand.
+    pub fn slot(&self, term: usize) -> Range<usize> {
+        self.slots[term].clone()
     }
 
     /// The exponent of a node.
@@ -160,11 +151,39 @@ impl<'r, 'a> Basis<'r, 'a> {
         force
     }
 
-    /// The same with one searched parameter `step` away.
-    pub fn force_beside(&self, columns: &Columns, linear: &[f64], slot: usize, step: f64) -> Vec<f64> {
-        let mut at = columns.at.clone();
-        at[slot] += step;
-        self.force(&self.columns(&at, Some(columns)), linear)
+    /// The derivative of that force by one searched parameter, at every row.
+    pub fn slope(&self, columns: &Columns, linear: &[f64], slot: usize) -> Vec<f64> {
+        if slot < self.rows.nodes.len() {
+            return self.exponent_slope(columns, linear, slot);
+        }
+        // A tone's phase at the end of a recording is its frequency times thousands of periods.
+        let tone = (0..self.terms.len())
+            .find(|&term| self.slot(term).contains(&slot))
+            .is_some_and(|term| self.terms[term].form == Form::Periodic);
+        let step = if tone { 1e-7 } else { 1e-4 };
+        let beside = |step: f64| {
+            let mut at = columns.at.clone();
+            at[slot] += step;
+            self.force(&self.columns(&at, Some(columns)), linear)
+        };
+        let (ahead, behind) = (beside(step), beside(-step));
+        let pairs = ahead.iter().zip(&behind);
+        pairs.map(|(a, b)| (a - b) / (2.0 * step)).collect()
+    }
+
+    /// c·|v|^α·ln |v|·sgn v at the rows of a node.
+    fn exponent_slope(&self, columns: &Columns, linear: &[f64], node: usize) -> Vec<f64> {
+        let motion = self.motion(columns);
+        let damping = linear[3 * node + 2];
+        (0..self.rows.len())
+            .map(|index| {
+                if motion.node[index] == node && motion.direction[index] != 0.0 {
+                    damping * columns.law[index][2] * motion.log_speed[index]
+                } else {
+                    0.0
+                }
+            })
+            .collect()
     }
 
     /// The forces of another term with each size 1 at every row; none where the crate refuses the shapes, which it may at

@@ -61,20 +61,19 @@ impl Normal {
         normal
     }
 
-    /// The solution with the unknowns that `not_negative` picks at 0 where they would be negative.
-    pub fn solve(&self, not_negative: impl Fn(usize) -> bool) -> DVector<f64> {
+    /// The solution with the unknowns that `not_negative` picks at 0 where they would be negative, and the equations of the
+    /// others, factored. `None` where the equations are singular.
+    pub fn solve(&self, not_negative: impl Fn(usize) -> bool) -> Option<(DVector<f64>, Factor)> {
         let mut active: Vec<usize> = (0..self.right.len()).collect();
         loop {
-            let Some(factor) = Factor::of(self, active) else {
-                return DVector::zeros(self.right.len());
-            };
+            let factor = Factor::of(self, active)?;
             let found = factor.solution(self);
             let negative = factor
                 .active
                 .iter()
                 .position(|&i| not_negative(i) && found[i] < 0.0);
             let Some(place) = negative else {
-                return found;
+                return Some((found, factor));
             };
             active = factor.active;
             active.remove(place);
@@ -117,12 +116,7 @@ impl Factor {
     }
 
     fn solution(&self, normal: &Normal) -> DVector<f64> {
-        let mut solution = DVector::zeros(normal.right.len());
-        let scaled = self.solve_scaled(normal.right.as_slice());
-        for ((&i, scale), value) in self.active.iter().zip(&self.scale).zip(&scaled) {
-            solution[i] = value * scale;
-        }
-        solution
+        DVector::from_vec(self.nearest(normal.right.as_slice()))
     }
 
     fn solve_scaled(&self, right: &[f64]) -> DVector<f64> {
@@ -130,6 +124,16 @@ impl Factor {
             right[self.active[i]] * self.scale[i]
         });
         self.cholesky.solve(&scaled)
+    }
+
+    /// The coefficients with which these columns come nearest to one that has the `products` with them.
+    pub fn nearest(&self, products: &[f64]) -> Vec<f64> {
+        let mut coefficients = vec![0.0; products.len()];
+        let scaled = self.solve_scaled(products);
+        for ((&i, scale), value) in self.active.iter().zip(&self.scale).zip(&scaled) {
+            coefficients[i] = value * scale;
+        }
+        coefficients
     }
 
     /// The part of a·b that these columns do not have, where `a` and `b` are the products of two other columns with these

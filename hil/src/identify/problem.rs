@@ -8,7 +8,7 @@ use levenberg_marquardt::{LeastSquaresProblem, LevenbergMarquardt};
 use nalgebra::{DMatrix, DVector, Dyn, Owned};
 
 use super::basis::{Basis, Columns};
-use super::normal::Normal;
+use super::normal::{Factor, Normal};
 use super::rows::Rows;
 use super::shape::Extent;
 use super::solution::Solution;
@@ -121,8 +121,8 @@ impl<'r, 'a> Problem<'r, 'a> {
     fn minimized(&self, basis: Basis<'r, 'a>, start: Vec<f64>) -> Solution {
         let search = Search::new(&basis, DVector::from_vec(start));
         LevenbergMarquardt::new()
-            .with_ftol(1e-8)
-            .with_xtol(1e-6)
+            .with_ftol(1e-7)
+            .with_xtol(1e-5)
             .with_gtol(0.0)
             .with_patience(8)
             .minimize(search)
@@ -136,20 +136,27 @@ struct Search<'b, 'r, 'a> {
     basis: &'b Basis<'r, 'a>,
     at: DVector<f64>,
     columns: Columns,
+    projected: Projected,
+}
+
+/// The linear part, solved.
+struct Projected {
+    /// k1, k3 and c of every node, then the sizes.
     linear: DVector<f64>,
+    /// What they leave of the force at every row, weighted.
     residuals: DVector<f64>,
+    /// `None` where the columns say nothing.
+    factor: Option<Factor>,
 }
 
 impl<'b, 'r, 'a> Search<'b, 'r, 'a> {
     fn new(basis: &'b Basis<'r, 'a>, at: DVector<f64>) -> Self {
         let columns = basis.columns(at.as_slice(), None);
-        let (linear, residuals) = project(basis, &columns);
         Self {
             basis,
             at,
+            projected: project(basis, &columns),
             columns,
-            linear,
-            residuals,
         }
     }
 
@@ -159,13 +166,13 @@ impl<'b, 'r, 'a> Search<'b, 'r, 'a> {
         let law = (0..nodes)
             .map(|node| LawNode {
                 amplitude: basis.rows.nodes[node],
-                k1: self.linear[3 * node],
-                k3: self.linear[3 * node + 1],
-                c: self.linear[3 * node + 2],
+                k1: self.projected.linear[3 * node],
+                k3: self.projected.linear[3 * node + 1],
+                c: self.projected.linear[3 * node + 2],
                 alpha: basis.alpha(at, node),
             })
             .collect();
-        let mut sizes = self.linear.iter().skip(3 * nodes).copied();
+        let mut sizes = self.projected.linear.iter().skip(3 * nodes).copied();
         let terms = basis
             .terms
             .iter()
@@ -184,26 +191,31 @@ impl<'b, 'r, 'a> Search<'b, 'r, 'a> {
             law,
             terms,
             search: at.to_vec(),
-            squares: self.residuals.norm_squared(),
+            squares: self.projected.residuals.norm_squared(),
         }
     }
 }
 
-/// Solves the linear part: the unknowns, and what they leave of the force at every row.
-fn project(basis: &Basis, columns: &Columns) -> (DVector<f64>, DVector<f64>) {
+fn project(basis: &Basis, columns: &Columns) -> Projected {
     let rows = basis.rows;
     let nodes = rows.nodes.len();
-    let node = &basis.motion(columns).node;
-    let (law, added) = (columns.law(), columns.added());
-    let normal = Normal::assemble(rows, node, law, &added);
-    let linear = normal.solve(|i| match i.checked_sub(3 * nodes) {
+    let added = columns.added();
+    let normal = Normal::assemble(rows, &basis.motion(columns).node, columns.law(), &added);
+    let solved = normal.solve(|i| match i.checked_sub(3 * nodes) {
         None => i % 3 == 2,
         Some(size) => basis.is_positive(size),
     });
+    let (linear, factor) = match solved {
+        Some((linear, factor)) => (linear, Some(factor)),
+        None => (DVector::zeros(3 * nodes + added.len()), None),
+    };
     let force = basis.force(columns, linear.as_slice());
     let residuals = (0..rows.len()).map(|i| rows.weight[i] * (force[i] - rows.force[i]));
-    let residuals = DVector::from_iterator(rows.len(), residuals);
-    (linear, residuals)
+    Projected {
+        residuals: DVector::from_iterator(rows.len(), residuals),
+        linear,
+        factor,
+    }
 }
 
 impl LeastSquaresProblem<f64, Dyn, Dyn> for Search<'_, '_, '_> {
@@ -213,7 +225,7 @@ impl LeastSquaresProblem<f64, Dyn, Dyn> for Search<'_, '_, '_> {
 
     fn set_params(&mut self, at: &DVector<f64>) {
         self.columns = self.basis.columns(at.as_slice(), Some(&self.columns));
-        (self.linear, self.residuals) = project(self.basis, &self.columns);
+        self.projected = project(self.basis, &self.columns);
         self.at.copy_from(at);
     }
 
@@ -222,24 +234,34 @@ impl LeastSquaresProblem<f64, Dyn, Dyn> for Search<'_, '_, '_> {
     }
 
     fn residuals(&self) -> Option<DVector<f64>> {
-        Some(self.residuals.clone())
+        Some(self.projected.residuals.clone())
     }
 
+    /// The force's derivatives with the linear part held, less what the linear part would take up of them (Kaufman 1975).
     fn jacobian(&self) -> Option<DMatrix<f64>> {
-        let mut jacobian = DMatrix::zeros(self.basis.rows.len(), self.at.len());
-        for index in 0..self.at.len() {
-            let step = self.basis.step(index);
-            let mut ahead = self.at.clone();
-            // Inwards at the end of an exponent's range, where the clamp would hide the slope.
-            let signed = if index < self.basis.rows.nodes.len() && ahead[index] + step > 1.0 {
-                -step
-            } else {
-                step
-            };
-            ahead[index] += signed;
-            let columns = self.basis.columns(ahead.as_slice(), Some(&self.columns));
-            let moved = project(self.basis, &columns).1;
-            jacobian.set_column(index, &((moved - &self.residuals) / signed));
+        let rows = self.basis.rows;
+        let linear = self.projected.linear.as_slice();
+        let factor = self.projected.factor.as_ref()?;
+        let node = &self.basis.motion(&self.columns).node;
+        let (law, added) = (self.columns.law(), self.columns.added());
+        let first_size = 3 * rows.nodes.len();
+        let mut jacobian = DMatrix::zeros(rows.len(), self.at.len());
+        for (slot, mut column) in jacobian.column_iter_mut().enumerate() {
+            let slope = self.basis.slope(&self.columns, linear, slot);
+            let mut products = vec![0.0; linear.len()];
+            for (index, slope) in slope.iter().enumerate() {
+                let weighted = rows.weight[index].powi(2) * slope;
+                for (i, own) in law[index].iter().enumerate() {
+                    products[3 * node[index] + i] += weighted * own;
+                }
+                for (i, own) in added.iter().enumerate() {
+                    products[first_size + i] += weighted * own[index];
+                }
+            }
+            let taken = self.basis.force(&self.columns, &factor.nearest(&products));
+            for (index, value) in column.iter_mut().enumerate() {
+                *value = rows.weight[index] * (slope[index] - taken[index]);
+            }
         }
         Some(jacobian)
     }

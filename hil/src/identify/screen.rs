@@ -4,6 +4,8 @@
 //! of what is left (the score test of Rao 1948). It costs a few passes over the rows for each start, so that a grid of
 //! starts can be gone through and only the best be fitted.
 
+use nalgebra::{Cholesky, DMatrix, DVector};
+
 use super::basis::{Basis, Columns};
 use super::normal::{Factor, Normal};
 use super::rows::Rows;
@@ -96,27 +98,23 @@ impl<'s, 'r, 'a> Screen<'s, 'r, 'a> {
             let weights = self.basis.rows.weight.iter();
             weights.zip(a.iter().zip(b)).map(|(w, (a, b))| w * w * a * b).sum()
         };
-        let force: Vec<f64> = columns
-            .iter()
-            .zip(&products)
-            .map(|(column, products)| {
-                factor.force_beside(&self.normal, products, inner(column, &self.basis.rows.force))
-            })
-            .collect();
-        let gram = |i: usize, j: usize| {
-            factor.beside(&products[i], &products[j], inner(&columns[i], &columns[j]))
-        };
-        // A column that the law nearly has already can save nothing that could be told from rounding.
-        let is_new = |i: usize| gram(i, i) > 1e-9 * inner(&columns[i], &columns[i]);
-        match force.as_slice() {
-            [only] if is_new(0) && (!positive || *only > 0.0) => only * only / gram(0, 0),
-            [one, other] if is_new(0) && is_new(1) => {
-                let (a, b, c) = (gram(0, 0), gram(0, 1), gram(1, 1));
-                (c * one * one - 2.0 * b * one * other + a * other * other)
-                    / (a * c - b * b).max(f64::MIN_POSITIVE)
-            }
-            _ => 0.0,
+        let count = columns.len();
+        let force = DVector::from_fn(count, |i, _| {
+            let with_force = inner(&columns[i], &self.basis.rows.force);
+            factor.force_beside(&self.normal, &products[i], with_force)
+        });
+        let gram = DMatrix::from_fn(count, count, |i, j| {
+            let product = inner(&columns[i], &columns[j]);
+            // A column that the law nearly has already can save nothing that could be told from rounding.
+            let least = if i == j { 1e-9 * product } else { 0.0 };
+            factor.beside(&products[i], &products[j], product) + least
+        });
+        if let (true, [only]) = (positive, force.as_slice())
+            && *only <= 0.0
+        {
+            return 0.0;
         }
+        Cholesky::new(gram).map_or(0.0, |gram| force.dot(&gram.solve(&force)))
     }
 
     fn products_with_base(&self, column: &[f64]) -> Vec<f64> {

@@ -117,6 +117,12 @@ impl Extent {
         match form {
             // An element that hardly slips is a spring.
             Form::Jenkins => vec![Shape::spread(shortest, 0.9 * self.amplitude, 10)],
+            // The largest of the limits, of which the others are even parts.
+            Form::Iwan => vec![Shape::spread(
+                6.0 * shortest,
+                1.2 * self.amplitude,
+                6,
+            )],
             Form::BoucWen => vec![
                 Shape::spread(shortest, 2.0 * self.amplitude, 8),
                 Shape {
@@ -124,10 +130,10 @@ impl Extent {
                     ..Shape::spread(0.5, 8.0, 2)
                 },
             ],
-            Form::StopAbove => vec![Shape::spread(0.02 * self.above, 0.98 * self.above, 24)],
-            Form::StopBelow => vec![Shape::spread(0.02 * self.below, 0.98 * self.below, 24)],
+            Form::StopAbove => vec![Shape::spread(0.02 * self.above, 0.98 * self.above, 16)],
+            Form::StopBelow => vec![Shape::spread(0.02 * self.below, 0.98 * self.below, 16)],
             Form::Gap | Form::DampedGap => {
-                vec![Shape::spread(2.0 * shortest, 0.9 * self.amplitude, 12)]
+                vec![Shape::spread(2.0 * shortest, 0.9 * self.amplitude, 8)]
             }
             // With ω·time below 0.3 the branch is a dashpot within a tenth, beyond 1/0.1 a spring.
             Form::Relaxation => vec![Shape {
@@ -138,12 +144,12 @@ impl Extent {
             Form::Drift => vec![Shape::spread(0.3, 10.0 * self.cycles, 8)],
             Form::Delay => {
                 let longest = (0.2 / self.lowest_frequency).min(250.0 * self.tick);
-                vec![Shape::spread(0.02 * self.tick, longest, 14)]
+                vec![Shape::spread(0.02 * self.tick, longest, 9)]
             }
             Form::Compliance => vec![Shape::spread(
                 0.5 * self.stiffness,
                 300.0 * self.stiffness,
-                10,
+                6,
             )],
             Form::Periodic => vec![Shape {
                 starts: self.tones.clone(),

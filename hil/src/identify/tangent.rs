@@ -27,7 +27,8 @@ impl Tangent {
             .iter()
             .zip(motion.node.iter().zip(&motion.log_speed))
             .map(|(&[y, y3, damping], (&node, log_speed))| {
-                [y, y3, damping, solution.law[node].c * damping * log_speed]
+                let slope = if damping == 0.0 { 0.0 } else { damping * log_speed };
+                [y, y3, damping, solution.law[node].c * slope]
             })
             .collect();
         let mut added = columns.added().into_iter();
@@ -36,15 +37,7 @@ impl Tangent {
             if let Entry::Adds(count) = value.term.form.entry() {
                 shared.extend(added.by_ref().take(count).map(<[f64]>::to_vec));
             }
-            shared.extend(basis.slot(index).map(|slot| {
-                let step = 30.0 * basis.step(slot);
-                let (ahead, behind) = (
-                    basis.force_beside(columns, &linear, slot, step),
-                    basis.force_beside(columns, &linear, slot, -step),
-                );
-                let pairs = ahead.iter().zip(&behind);
-                pairs.map(|(a, b)| (a - b) / (2.0 * step)).collect()
-            }));
+            shared.extend(basis.slot(index).map(|slot| basis.slope(columns, &linear, slot)));
         }
         Self {
             node: motion.node.clone(),

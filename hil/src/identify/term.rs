@@ -32,6 +32,8 @@ pub enum Form {
     StopBelow,
     /// Stick-slip as one Jenkins element.
     Jenkins,
+    /// Stick-slip as Jenkins elements with evenly spread slip limits (Iwan 1966).
+    Iwan,
     /// Stick-slip as Bouc and Wen have it.
     BoucWen,
     /// A Maxwell branch.
@@ -65,7 +67,7 @@ pub enum Entry {
 
 impl Form {
     /// Every form, the simplest first.
-    pub const ALL: [Self; 17] = [
+    pub const ALL: [Self; 18] = [
         Self::Offset,
         Self::Asymmetry,
         Self::Hardening,
@@ -83,6 +85,7 @@ impl Form {
         Self::Compliance,
         Self::Periodic,
         Self::BoucWen,
+        Self::Iwan,
     ];
 
     /// The family it is of.
@@ -94,7 +97,7 @@ impl Form {
             Self::Viscous => Family::Viscous,
             Self::Inertia => Family::Inertia,
             Self::StopAbove | Self::StopBelow => Family::Stop,
-            Self::Jenkins | Self::BoucWen => Family::StickSlip,
+            Self::Jenkins | Self::Iwan | Self::BoucWen => Family::StickSlip,
             Self::Relaxation => Family::Relaxation,
             Self::Drift => Family::Drift,
             Self::Temperature => Family::Temperature,
@@ -112,6 +115,7 @@ impl Form {
             Self::Gap | Self::DampedGap | Self::Delay | Self::Compliance => Entry::Moves,
             // A sine and a cosine.
             Self::Periodic => Entry::Adds(2),
+            Self::Iwan => Entry::Adds(MAX_STICK_SLIP_ELEMENTS),
             _ => Entry::Adds(1),
         }
     }
@@ -120,7 +124,7 @@ impl Form {
     pub fn shape_names(self) -> &'static [&'static str] {
         match self {
             Self::StopAbove | Self::StopBelow => &["gap"],
-            Self::Jenkins => &["slip_limit"],
+            Self::Jenkins | Self::Iwan => &["slip_limit"],
             Self::BoucWen => &["slip_limit", "sharpness"],
             Self::Relaxation | Self::Delay => &["time"],
             Self::Drift => &["cycles"],
@@ -140,6 +144,7 @@ impl Form {
                 | Self::StopAbove
                 | Self::StopBelow
                 | Self::Jenkins
+                | Self::Iwan
                 | Self::BoucWen
                 | Self::Relaxation
         )
@@ -156,7 +161,8 @@ impl Form {
     /// Whether both may stand in one model.
     pub fn excludes(self, other: Self) -> bool {
         let gap = |form| matches!(form, Self::Gap | Self::DampedGap);
-        self != other && gap(self) && gap(other)
+        let slider = |form| matches!(form, Self::Jenkins | Self::Iwan | Self::BoucWen);
+        self != other && (gap(self) && gap(other) || slider(self) && slider(other))
     }
 
     /// How many parameters of it are searched.
@@ -187,6 +193,11 @@ impl Form {
             Self::StopAbove => run(&Stop::new(&[(1.0, shape(0))])?, trajectory),
             Self::StopBelow => run(&Stop::new(&[(1.0, -shape(0))])?, trajectory),
             Self::Jenkins => run(&StickSlip::new(&[(1.0, shape(0))])?, trajectory),
+            Self::Iwan => {
+                return iwan_limits(shape(0))
+                    .map(|limit| Ok(run(&StickSlip::new(&[(1.0, limit)])?, trajectory)))
+                    .collect();
+            }
             Self::BoucWen => run(&BoucWen::new(1.0, shape(0), shape(1))?, trajectory),
             Self::Relaxation => run(&Relaxation::new(1.0, shape(0), tick)?, trajectory),
             Self::Drift => run(&Drift::new(1.0, shape(0))?, trajectory),
@@ -203,6 +214,12 @@ impl Form {
         };
         Ok(vec![force])
     }
+}
+
+/// The slip limits of an Iwan model's elements, evenly spread up to `largest`.
+fn iwan_limits(largest: f64) -> impl Iterator<Item = f64> {
+    let count = MAX_STICK_SLIP_ELEMENTS;
+    (1..=count).map(move |i| largest * i as f64 / count as f64)
 }
 
 fn run<E: EffectForce<f64>>(effect: &E, trajectory: &Trajectory) -> Vec<f64> {
@@ -236,7 +253,12 @@ pub struct TermValue {
 impl TermValue {
     /// Whether no size would be a source of energy, or a mass or a wall that pulls.
     pub fn is_admissible(&self) -> bool {
-        !self.term.form.size_is_positive() || self.sizes.iter().all(|&size| size > 0.0)
+        let positive = |size: &f64| *size > 0.0;
+        match self.term.form {
+            // Some of its elements may be missing.
+            Form::Iwan => self.sizes.iter().any(positive),
+            form => !form.size_is_positive() || self.sizes.iter().all(positive),
+        }
     }
 
     /// Whether a shape stands where the effect can no longer be told from a simpler one.
@@ -247,8 +269,24 @@ impl TermValue {
             .any(|(&value, shape)| shape.is_limit(value))
     }
 
-    /// Its parameters by the names of [`crate::model::parameter_unit`].
-    pub fn parameters(&self) -> Vec<(&'static str, f64)> {
+    /// The elements that it stands for: one, or of an Iwan model those that are there. Which of its sizes each has is given
+    /// with it.
+    pub fn elements(&self) -> Vec<(usize, Vec<(&'static str, f64)>)> {
+        if self.term.form != Form::Iwan {
+            return vec![(0, self.parameters())];
+        }
+        let largest = self.shapes.first().copied().unwrap_or_default();
+        let elements = self.sizes.iter().zip(iwan_limits(largest)).enumerate();
+        elements
+            .filter(|(_, (size, _))| **size > 0.0)
+            .map(|(index, (&size, limit))| {
+                (index, vec![("stiffness", size), ("slip_limit", limit)])
+            })
+            .collect()
+    }
+
+    /// The parameters of its only element, by the names of [`crate::model::parameter_unit`].
+    fn parameters(&self) -> Vec<(&'static str, f64)> {
         let form = self.term.form;
         let size = |index: usize| self.sizes.get(index).copied().unwrap_or_default();
         let shape = |index: usize| self.shapes.get(index).copied().unwrap_or_default();
@@ -260,7 +298,9 @@ impl TermValue {
             Form::Inertia => vec![("mass", size(0))],
             Form::StopBelow => vec![("stiffness", size(0)), ("gap", -shape(0))],
             Form::StopAbove => vec![("stiffness", size(0)), ("gap", shape(0))],
-            Form::Jenkins => vec![("stiffness", size(0)), ("slip_limit", shape(0))],
+            Form::Jenkins | Form::Iwan => {
+                vec![("stiffness", size(0)), ("slip_limit", shape(0))]
+            }
             Form::BoucWen => vec![
                 ("stiffness", size(0)),
                 ("slip_limit", shape(0)),
@@ -286,17 +326,18 @@ impl TermValue {
 /// The effects that fitted terms stand for.
 pub fn added_effects(values: &[TermValue]) -> Vec<AddedEffect> {
     // What a fit held at 0, because it would have been a source of energy, is not there.
-    let there = values
-        .iter()
-        .filter(|value| value.is_admissible() || value.sizes.iter().any(|&size| size != 0.0));
-    let parts = there.map(|value| (value.term.form, value.parameters()));
+    let there = values.iter().filter(|value| value.is_admissible());
+    let parts = there.flat_map(|value| {
+        let elements = value.elements().into_iter();
+        elements.map(|(_, parameters)| (value.term.form, parameters))
+    });
     effects_of(parts.collect())
         .into_iter()
         .map(|(family, parameters)| AddedEffect { family, parameters })
         .collect()
 }
 
-/// Effects of terms whose parameters are given as anything: Jenkins terms become the elements of one effect, and so do the
+/// Effects of elements whose parameters are given as anything: Jenkins elements become the elements of one effect, and so do the
 /// two contacts.
 pub(crate) fn effects_of<T>(
     terms: Vec<(Form, Vec<(&'static str, T)>)>,
@@ -305,6 +346,7 @@ pub(crate) fn effects_of<T>(
     for (form, parameters) in terms {
         let form = match form {
             Form::StopBelow => Form::StopAbove,
+            Form::Iwan => Form::Jenkins,
             form => form,
         };
         let place = match effects.iter().position(|(known, _)| *known == form) {

@@ -33,39 +33,74 @@ pub struct TermUncertainty {
 }
 
 impl TermUncertainty {
-    /// The least and the largest parameters of `value`, in the order of [`TermValue::parameters`].
-    pub fn bounds(&self, value: &TermValue) -> Vec<(f64, f64)> {
-        let ends: [Vec<(&str, f64)>; 2] = [-1.0, 1.0].map(|end| {
-            let shifted = TermValue {
-                term: value.term,
-                sizes: shifted(&value.sizes, &self.sizes, |size, half| size + end * half),
-                shapes: shifted(&value.shapes, &self.shapes, |shape, factor| {
-                    shape * f64::powf(factor, end)
-                }),
-            };
-            let mut parameters = shifted.parameters();
-            if let (Form::Periodic, [a, b], [of_a, of_b]) =
-                (value.term.form, &value.sizes[..], &self.sizes[..])
-            {
-                // Of √(a² + b²) and of its angle, from the independent errors of a and b.
-                let size = a.hypot(*b).max(f64::MIN_POSITIVE);
-                let force = (a * of_a).hypot(b * of_b) / size;
-                let phase = (b * of_a).hypot(a * of_b) / (size * size);
-                parameters[0].1 = size + end * force;
-                parameters[2].1 = b.atan2(*a) + end * phase;
-            }
-            parameters
-        });
-        ends[0]
-            .iter()
-            .zip(&ends[1])
-            .map(|(a, b)| (a.1.min(b.1), a.1.max(b.1)))
+    /// The elements of `value` as [`TermValue::elements`] gives them, each parameter with its least and its largest value.
+    pub fn elements(&self, value: &TermValue) -> Vec<Vec<(&'static str, Interval)>> {
+        let elements = value.elements();
+        let [low, high] = [-1.0, 1.0].map(|end| self.shifted(value, end));
+        elements
+            .into_iter()
+            .map(|(size, parameters)| {
+                let bounds = low[size].iter().zip(&high[size]);
+                parameters
+                    .into_iter()
+                    .zip(bounds)
+                    .map(|((name, value), (&a, &b))| {
+                        let interval = Interval {
+                            value,
+                            low: a.min(b),
+                            high: a.max(b),
+                        };
+                        (name, interval)
+                    })
+                    .collect()
+            })
+            .collect()
+    }
+
+    /// The parameters of each size's element at one end of their intervals.
+    fn shifted(&self, value: &TermValue, end: f64) -> Vec<Vec<f64>> {
+        let shapes = value.shapes.iter().zip(&self.shapes);
+        let shapes: Vec<f64> = shapes
+            .map(|(shape, factor)| shape * factor.powf(end))
+            .collect();
+        if let (Form::Periodic, [a, b], [of_a, of_b]) =
+            (value.term.form, &value.sizes[..], &self.sizes[..])
+        {
+            // Of √(a² + b²) and of its angle, from the independent errors of a and b.
+            let size = a.hypot(*b).max(f64::MIN_POSITIVE);
+            let amplitude = size + end * (a * of_a).hypot(b * of_b) / size;
+            let phase = b.atan2(*a) + end * (b * of_a).hypot(a * of_b) / (size * size);
+            return vec![vec![amplitude, shapes[0], phase]];
+        }
+        let sizes = value.sizes.iter().zip(&self.sizes);
+        let at_end = TermValue {
+            term: value.term,
+            // Above 0, so that no element is lost.
+            sizes: sizes
+                .map(|(size, half)| match value.term.form {
+                    Form::Iwan => (size + end * half).max(f64::MIN_POSITIVE),
+                    _ => size + end * half,
+                })
+                .collect(),
+            shapes,
+        };
+        at_end
+            .elements()
+            .into_iter()
+            .map(|(_, parameters)| parameters.into_iter().map(|(_, value)| value).collect())
             .collect()
     }
 }
 
-fn shifted(values: &[f64], by: &[f64], shift: impl Fn(f64, f64) -> f64) -> Vec<f64> {
-    values.iter().zip(by).map(|(&v, &by)| shift(v, by)).collect()
+/// A parameter and its 90 % interval.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Interval {
+    /// What was fitted.
+    pub value: f64,
+    /// Least.
+    pub low: f64,
+    /// Largest.
+    pub high: f64,
 }
 
 impl Uncertainty {

@@ -13,7 +13,7 @@ use crate::identify::solution::Solution;
 use crate::identify::staged::staged;
 use crate::identify::shape::Extent;
 use crate::identify::term::effects_of;
-use crate::identify::uncertainty::Uncertainty;
+use crate::identify::uncertainty::{Interval, Uncertainty};
 use crate::model::{Family, Model, ModelError, parameter_unit};
 use crate::predict::{predict, predict_embedded};
 use crate::recording::trajectory::Trajectory;
@@ -181,21 +181,24 @@ impl<'a> Closing<'a> {
         uncertainty: &Uncertainty,
         with: f64,
     ) -> Result<Vec<FoundEffect>, ModelError> {
-        let estimates = solution.terms.iter().zip(&uncertainty.terms);
-        let estimates = estimates.map(|(value, uncertainty)| {
-            let bounds = uncertainty.bounds(value);
-            let parameters = value.parameters().into_iter().zip(bounds);
-            let parameters = parameters.map(|((name, value), (low, high))| {
-                let unit = parameter_unit(name).unwrap_or_default().to_owned();
-                let estimate = Estimate {
-                    value,
-                    low,
-                    high,
-                    unit,
-                };
-                (name, estimate)
-            });
-            (value.term.form, parameters.collect())
+        let estimate = |(name, interval): (&'static str, Interval)| {
+            let unit = parameter_unit(name).unwrap_or_default().to_owned();
+            let Interval { value, low, high } = interval;
+            let estimate = Estimate {
+                value,
+                low,
+                high,
+                unit,
+            };
+            (name, estimate)
+        };
+        let terms = solution.terms.iter().zip(&uncertainty.terms);
+        let estimates = terms.flat_map(|(value, uncertainty)| {
+            let elements = uncertainty.elements(value).into_iter();
+            elements.map(|parameters| {
+                let parameters = parameters.into_iter().map(estimate).collect();
+                (value.term.form, parameters)
+            })
         });
         effects_of(estimates.collect())
             .into_iter()
