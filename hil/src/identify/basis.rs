@@ -189,7 +189,8 @@ impl<'r, 'a> Basis<'r, 'a> {
     /// The forces of another term with each size 1 at every row; none where the crate refuses the shapes, which it may at
     /// the end of their range at some tick.
     pub fn unit_forces(&self, form: Form, shapes: &[f64], columns: &Columns) -> Vec<Vec<f64>> {
-        self.forces(form, shapes, &columns.moved).unwrap_or_default()
+        self.forces(form, shapes, &columns.moved)
+            .unwrap_or_default()
     }
 
     /// What eq 13 sees at every row.
@@ -248,12 +249,7 @@ impl<'r, 'a> Basis<'r, 'a> {
             .collect()
     }
 
-    fn added(
-        &self,
-        at: &[f64],
-        term: usize,
-        moved: &Option<Arc<Moved>>,
-    ) -> Vec<Arc<Vec<f64>>> {
+    fn added(&self, at: &[f64], term: usize, moved: &Option<Arc<Moved>>) -> Vec<Arc<Vec<f64>>> {
         let Entry::Adds(count) = self.terms[term].form.entry() else {
             return Vec::new();
         };
@@ -264,7 +260,12 @@ impl<'r, 'a> Basis<'r, 'a> {
             .collect()
     }
 
-    fn forces(&self, form: Form, shapes: &[f64], moved: &Option<Arc<Moved>>) -> Option<Vec<Vec<f64>>> {
+    fn forces(
+        &self,
+        form: Form,
+        shapes: &[f64],
+        moved: &Option<Arc<Moved>>,
+    ) -> Option<Vec<Vec<f64>>> {
         let trajectories = moved
             .as_ref()
             .map_or(self.rows.trajectories, |moved| &moved.trajectories);

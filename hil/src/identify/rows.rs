@@ -48,8 +48,7 @@ impl RowMotion {
                 velocity.signum()
             });
             rows.temperature.push(trajectory.temperature_at(sample));
-            rows.node
-                .push(nearest(nodes, trajectory.amplitude[sample]));
+            rows.node.push(nearest(nodes, trajectory.amplitude[sample]));
         }
         rows
     }

@@ -96,7 +96,10 @@ impl<'s, 'r, 'a> Screen<'s, 'r, 'a> {
             .collect();
         let inner = |a: &[f64], b: &[f64]| -> f64 {
             let weights = self.basis.rows.weight.iter();
-            weights.zip(a.iter().zip(b)).map(|(w, (a, b))| w * w * a * b).sum()
+            weights
+                .zip(a.iter().zip(b))
+                .map(|(w, (a, b))| w * w * a * b)
+                .sum()
         };
         let count = columns.len();
         let force = DVector::from_fn(count, |i, _| {

@@ -118,11 +118,7 @@ impl Extent {
             // An element that hardly slips is a spring.
             Form::Jenkins => vec![Shape::spread(shortest, 0.9 * self.amplitude, 10)],
             // The largest of the limits, of which the others are even parts.
-            Form::Iwan => vec![Shape::spread(
-                6.0 * shortest,
-                1.2 * self.amplitude,
-                6,
-            )],
+            Form::Iwan => vec![Shape::spread(6.0 * shortest, 1.2 * self.amplitude, 6)],
             Form::BoucWen => vec![
                 Shape::spread(shortest, 2.0 * self.amplitude, 8),
                 Shape {
@@ -146,9 +142,10 @@ impl Extent {
                 let longest = (0.2 / self.lowest_frequency).min(250.0 * self.tick);
                 vec![Shape::spread(0.02 * self.tick, longest, 9)]
             }
+            // A softer spring would take up more than the whole displacement.
             Form::Compliance => vec![Shape::spread(
-                0.5 * self.stiffness,
-                300.0 * self.stiffness,
+                1.3 * self.stiffness,
+                200.0 * self.stiffness,
                 6,
             )],
             Form::Periodic => vec![Shape {

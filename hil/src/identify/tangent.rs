@@ -27,7 +27,11 @@ impl Tangent {
             .iter()
             .zip(motion.node.iter().zip(&motion.log_speed))
             .map(|(&[y, y3, damping], (&node, log_speed))| {
-                let slope = if damping == 0.0 { 0.0 } else { damping * log_speed };
+                let slope = if damping == 0.0 {
+                    0.0
+                } else {
+                    damping * log_speed
+                };
                 [y, y3, damping, solution.law[node].c * slope]
             })
             .collect();
@@ -37,7 +41,11 @@ impl Tangent {
             if let Entry::Adds(count) = value.term.form.entry() {
                 shared.extend(added.by_ref().take(count).map(<[f64]>::to_vec));
             }
-            shared.extend(basis.slot(index).map(|slot| basis.slope(columns, &linear, slot)));
+            shared.extend(
+                basis
+                    .slot(index)
+                    .map(|slot| basis.slope(columns, &linear, slot)),
+            );
         }
         Self {
             node: motion.node.clone(),

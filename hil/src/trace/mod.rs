@@ -143,7 +143,10 @@ fn search(
     let same = for_all.refit(&each.found)?;
     if !each.found.score.beats(&same.score) {
         // The same effects with fewer coefficients.
-        let found = Selection { found: same, ..each };
+        let found = Selection {
+            found: same,
+            ..each
+        };
         return Ok((false, found));
     }
     if for_each.is_settled(&each.found) {

@@ -54,7 +54,10 @@ impl Fitted {
     }
 
     fn is_admissible(&self) -> bool {
-        self.solution.terms.iter().all(|value| value.is_admissible())
+        self.solution
+            .terms
+            .iter()
+            .all(|value| value.is_admissible())
     }
 
     fn is_degenerate(&self, extent: &Extent) -> bool {
@@ -172,8 +175,9 @@ impl<'a> Search<'a> {
             ));
             let mut tried = self.step(&beam, step);
             let Some(best) = tried.first_mut() else { break };
-            let accepted =
-                best.admissible && !self.is_settled(&found) && best.fitted.score.beats(&found.score);
+            let accepted = best.admissible
+                && !self.is_settled(&found)
+                && best.fitted.score.beats(&found.score);
             let next = best.fitted.clone();
             best.added = accepted;
             beam = tried
@@ -290,8 +294,7 @@ impl<'a> Search<'a> {
             .par_iter()
             .filter(|term| {
                 let same = known.iter().filter(|known| known.form == term.form).count();
-                same < term.form.most()
-                    && !known.iter().any(|known| known.form.excludes(term.form))
+                same < term.form.most() && !known.iter().any(|known| known.form.excludes(term.form))
             })
             .map(|&term| (term, screen.starts(term)))
             .filter(|(_, starts)| !starts.is_empty())

@@ -88,7 +88,10 @@ mod tests {
                 .map(|index| tone(strong, index) + 0.1 * tone(weak, index))
                 .collect();
             let found = lines(&samples);
-            assert!((found[0] - strong).abs() * 4000.0 < 0.02, "{found:?} {strong}");
+            assert!(
+                (found[0] - strong).abs() * 4000.0 < 0.02,
+                "{found:?} {strong}"
+            );
             assert!((found[1] - weak).abs() * 4000.0 < 0.1, "{found:?} {weak}");
         }
     }
