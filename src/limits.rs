@@ -19,3 +19,5 @@ pub const COEFFICIENT: f64 = 1e9;
 pub const FORCE: f64 = 1e12;
 /// Largest mass, kg.
 pub const MASS: f64 = 1e6;
+/// Largest part by which a mm of displacement adds to the friction, 1/mm.
+pub const LOAD: f64 = 1e6;

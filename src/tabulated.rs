@@ -4,7 +4,7 @@
 //! ticks that follow, a row a tick, so that no tick bears the whole: the row that the tick needs, or one more in turn where the
 //! tick before needed the same. So every force is the new law's from the first tick on.
 
-use crate::effects::{AugmentedLaw, AugmentedState, ConfinedMotion, Motion};
+use crate::effects::{AugmentedLaw, AugmentedState, ConfinedMotion, LawForce, Motion};
 use crate::law::Law;
 use crate::power::{PowerSeed, PowerTable, ROWS};
 use crate::real::Real;
@@ -184,9 +184,9 @@ impl<const N: usize> RunningLaw<N> {
             .augmented
             .law()
             .elastic_force_within(motion.displacement());
-        let law_force = self.table.add_damping_force(elastic, motion.velocity());
+        let total = self.table.add_damping_force(elastic, motion.velocity());
         law.augmented
-            .with_effects(&mut self.state, motion, law_force)
+            .with_effects(&mut self.state, motion, LawForce { elastic, total })
     }
 
     /// Not inlined: its registers are no matter of other ticks.

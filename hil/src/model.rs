@@ -47,10 +47,12 @@ pub enum Family {
     Compliance,
     /// A tone.
     Periodic,
+    /// Friction that grows with the displacement.
+    LoadFriction,
 }
 
 impl Family {
-    /// Every family, the simplest first.
+    /// Every family that a trace tries, the simplest first.
     pub const ALL: [Self; 14] = [
         Self::Offset,
         Self::Asymmetry,
@@ -85,6 +87,7 @@ impl Family {
             Self::Delay => "delay",
             Self::Compliance => "compliance",
             Self::Periodic => "periodic",
+            Self::LoadFriction => "load_friction",
         }
     }
 
@@ -102,6 +105,7 @@ impl Family {
             Self::Delay => &["velocity", "frequency"],
             Self::Compliance => &["displacement", "velocity", "amplitude"],
             Self::Periodic => &["time"],
+            Self::LoadFriction => &["displacement", "velocity"],
         }
     }
 }
@@ -126,6 +130,7 @@ pub fn parameter_unit(name: &str) -> Option<&'static str> {
         "slip_limit" => Some("mm"),
         "time" => Some("s"),
         "cycles" => Some("1"),
+        "load" => Some("1/mm"),
         "beta" => Some("1/degC"),
         "reference" => Some("degC"),
         "sharpness" | "damps_inside" => Some("1"),
@@ -328,6 +333,7 @@ impl AddedEffect {
             Family::Hardening => EffectParameters::Hardening { k5: get("k5")? },
             Family::Viscous => EffectParameters::Viscous { c1: get("c1")? },
             Family::Inertia => EffectParameters::Inertia { mass: get("mass")? },
+            Family::LoadFriction => EffectParameters::LoadFriction { load: get("load")? },
             Family::StickSlip if self.parameters.contains_key("sharpness") => {
                 EffectParameters::BoucWen {
                     stiffness: get("stiffness")?,

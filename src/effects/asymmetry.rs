@@ -1,7 +1,7 @@
 //! Even stiffness: a damper that is stiffer one way than the other, as a preloaded ring is. Eq 14 fits it as a2 and
 //! then drops it.
 
-use super::{ConfinedMotion, EffectForce};
+use super::{ConfinedMotion, EffectForce, LawForce};
 use crate::error::ConfigError;
 use crate::limits;
 use crate::real::{Real, in_range};
@@ -34,7 +34,7 @@ impl<R: Real> EffectForce<R> for Asymmetry<R> {
     }
 
     #[inline(always)]
-    fn force(&self, _: &mut (), motion: &ConfinedMotion<R>, _: R) -> R {
+    fn force(&self, _: &mut (), motion: &ConfinedMotion<R>, _: LawForce<R>) -> R {
         let y = motion.displacement();
         self.k2 * (y * y)
     }

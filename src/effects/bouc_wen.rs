@@ -1,6 +1,6 @@
 //! Rate-independent friction that gives way smoothly (Bouc 1967, Wen 1976): the second form of stick-slip.
 
-use super::{ConfinedMotion, EffectForce};
+use super::{ConfinedMotion, EffectForce, LawForce};
 use crate::error::ConfigError;
 use crate::limits;
 use crate::real::{Real, in_range};
@@ -107,7 +107,7 @@ impl<R: Real> EffectForce<R> for BoucWen<R> {
 
     // Not inlined: its registers and constants are no matter of ticks without it.
     #[inline(never)]
-    fn force(&self, state: &mut Self::State, motion: &ConfinedMotion<R>, _: R) -> R {
+    fn force(&self, state: &mut Self::State, motion: &ConfinedMotion<R>, _: LawForce<R>) -> R {
         let y = motion.displacement();
         let step = y - state.previous;
         state.previous = y;

@@ -1,6 +1,6 @@
 //! A stiffness that settles with the cycles: run-in, or wires that break one after another.
 
-use super::{ConfinedMotion, EffectForce};
+use super::{ConfinedMotion, EffectForce, LawForce};
 use crate::error::ConfigError;
 use crate::limits;
 use crate::real::{Real, in_range};
@@ -48,7 +48,7 @@ impl<R: Real> EffectForce<R> for Drift<R> {
     }
 
     #[inline(always)]
-    fn force(&self, _: &mut (), motion: &ConfinedMotion<R>, _: R) -> R {
+    fn force(&self, _: &mut (), motion: &ConfinedMotion<R>, _: LawForce<R>) -> R {
         let change = self.stiffness * motion.displacement();
         change - change * (motion.cycles() * self.rate).exp2_of_negative()
     }

@@ -1,6 +1,6 @@
 //! Odd stiffness above the cubic: wires that come to lie against each other towards the end of the stroke.
 
-use super::{ConfinedMotion, EffectForce};
+use super::{ConfinedMotion, EffectForce, LawForce};
 use crate::error::ConfigError;
 use crate::limits;
 use crate::real::{Real, in_range};
@@ -33,7 +33,7 @@ impl<R: Real> EffectForce<R> for Hardening<R> {
     }
 
     #[inline(always)]
-    fn force(&self, _: &mut (), motion: &ConfinedMotion<R>, _: R) -> R {
+    fn force(&self, _: &mut (), motion: &ConfinedMotion<R>, _: LawForce<R>) -> R {
         let y = motion.displacement();
         let square = y * y;
         self.k5 * (square * square) * y

@@ -1,6 +1,6 @@
 //! The force that accelerates a mass between the load cell and the specimen.
 
-use super::{ConfinedMotion, EffectForce};
+use super::{ConfinedMotion, EffectForce, LawForce};
 use crate::error::ConfigError;
 use crate::limits;
 use crate::real::{Real, in_range};
@@ -39,7 +39,7 @@ impl<R: Real> EffectForce<R> for Inertia<R> {
     }
 
     #[inline(always)]
-    fn force(&self, _: &mut (), motion: &ConfinedMotion<R>, _: R) -> R {
+    fn force(&self, _: &mut (), motion: &ConfinedMotion<R>, _: LawForce<R>) -> R {
         self.mass * motion.acceleration()
     }
 }

@@ -18,6 +18,7 @@ mod drift;
 mod gap;
 mod hardening;
 mod inertia;
+mod load_friction;
 mod offset;
 mod packed;
 mod parameters;
@@ -36,6 +37,7 @@ pub use drift::Drift;
 pub use gap::Gap;
 pub use hardening::Hardening;
 pub use inertia::Inertia;
+pub use load_friction::LoadFriction;
 pub use offset::Offset;
 pub use parameters::EffectParameters;
 pub use periodic::Periodic;
@@ -117,6 +119,23 @@ impl<R: Real> ConfinedMotion<R> {
     }
 }
 
+/// What eq 13 comes to on a tick, kN.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct LawForce<R> {
+    /// k1·y + k3·y³
+    pub elastic: R,
+    /// With the damping force.
+    pub total: R,
+}
+
+impl<R: Real> LawForce<R> {
+    /// c·|v|^α·sgn v, within the rounding of the whole.
+    #[inline(always)]
+    pub fn damping(&self) -> R {
+        self.total - self.elastic
+    }
+}
+
 /// A force beside the law's.
 pub trait EffectForce<R: Real> {
     /// What the effect remembers from tick to tick; `()` for most.
@@ -138,14 +157,14 @@ pub trait EffectForce<R: Real> {
     /// The force of the first tick, and the state after it.
     #[cold]
     #[inline(never)]
-    fn first(&self, motion: &ConfinedMotion<R>, law_force: R) -> (Self::State, R) {
+    fn first(&self, motion: &ConfinedMotion<R>, law: LawForce<R>) -> (Self::State, R) {
         let mut state = self.begin(motion);
-        let force = self.force(&mut state, motion, law_force);
+        let force = self.force(&mut state, motion, law);
         (state, force)
     }
 
-    /// The force in kN that the effect adds on this tick to eq 13's, `law_force` kN. Called once per tick, in order.
-    fn force(&self, state: &mut Self::State, motion: &ConfinedMotion<R>, law_force: R) -> R;
+    /// The force in kN that the effect adds on this tick to eq 13's, `law`. Called once per tick, in order.
+    fn force(&self, state: &mut Self::State, motion: &ConfinedMotion<R>, law: LawForce<R>) -> R;
 }
 
 macro_rules! effects {
@@ -270,20 +289,20 @@ macro_rules! effects {
                 &self,
                 state: &mut AugmentedState<R>,
                 motion: &ConfinedMotion<R>,
-                law_force: R,
+                law: LawForce<R>,
             ) -> R {
-                let mut total = law_force;
+                let mut total = law.total;
                 if self.plain {
-                    $(total += self.$field.force(&mut (), motion, law_force);)+
+                    $(total += self.$field.force(&mut (), motion, law);)+
                 }
                 $(if let Some(effect) = &self.$costly_field {
-                    total += effect.force(&mut (), motion, law_force);
+                    total += effect.force(&mut (), motion, law);
                 })+
                 $(if let Some(effect) = &self.$memory_field {
                     total += match &mut state.$memory_field {
-                        Some(own) => effect.force(own, motion, law_force),
+                        Some(own) => effect.force(own, motion, law),
                         own => {
-                            let (first, force) = effect.first(motion, law_force);
+                            let (first, force) = effect.first(motion, law);
                             *own = Some(first);
                             force
                         }
@@ -307,6 +326,8 @@ effects! {
     viscous: Viscous,
     /// A moving mass.
     inertia: Inertia,
+    /// Friction that grows with the displacement.
+    load_friction: LoadFriction,
     /// A force that scales with temperature.
     temperature: Temperature;
     costly:
@@ -406,9 +427,18 @@ impl<R: Real, const N: usize> AugmentedLaw<R, N> {
         if self.has_stages() {
             return self.through_stages(state, &motion, damping);
         }
-        let law_force =
-            self.law.elastic_force_within(motion.displacement()) + damping(motion.velocity());
-        self.with_effects(state, &motion, law_force)
+        let law = self.law_force(&motion, damping);
+        self.with_effects(state, &motion, law)
+    }
+
+    /// Eq 13's force at `motion`, its damping by `damping`.
+    #[inline(always)]
+    fn law_force(&self, motion: &ConfinedMotion<R>, damping: impl Fn(R) -> R) -> LawForce<R> {
+        let elastic = self.law.elastic_force_within(motion.displacement());
+        LawForce {
+            elastic,
+            total: elastic + damping(motion.velocity()),
+        }
     }
 
     /// A gap, a compliance or a delay is among the effects.
@@ -430,7 +460,7 @@ impl<R: Real, const N: usize> AugmentedLaw<R, N> {
         if let Some(gap) = &effects.gap {
             motion = gap.felt(&motion);
         }
-        let mut law_force = None;
+        let mut solved_force = None;
         if let Some(compliance) = &effects.compliance {
             let solved = compliance.deflect(
                 &mut state.compliance,
@@ -440,14 +470,18 @@ impl<R: Real, const N: usize> AugmentedLaw<R, N> {
                 &damping,
             );
             motion = solved.0;
-            law_force = Some(solved.1);
+            solved_force = Some(solved.1);
         }
-        let law_force = law_force.unwrap_or_else(|| {
-            self.law.elastic_force_within(motion.displacement()) + damping(motion.velocity())
-        });
-        let force = effects.add_force(state, &motion, law_force);
+        let law = match solved_force {
+            Some(total) => LawForce {
+                elastic: self.law.elastic_force_within(motion.displacement()),
+                total,
+            },
+            None => self.law_force(&motion, damping),
+        };
+        let force = effects.add_force(state, &motion, law);
         if let Some(compliance) = &effects.compliance {
-            compliance.remember(&mut state.compliance, force - law_force, effects.viscous.c1);
+            compliance.remember(&mut state.compliance, force - law.total, effects.viscous.c1);
         }
         match &effects.delay {
             Some(delay) => delay.delayed(&mut state.delay, force),
@@ -455,17 +489,17 @@ impl<R: Real, const N: usize> AugmentedLaw<R, N> {
         }
     }
 
-    /// `law_force`, which is eq 13's on this tick in kN whoever computed it, and every effect's force.
+    /// `law`, whoever computed it, and every effect's force, kN.
     #[inline(always)]
     pub(crate) fn with_effects(
         &self,
         state: &mut AugmentedState<R>,
         motion: &ConfinedMotion<R>,
-        law_force: R,
+        law: LawForce<R>,
     ) -> R {
         if N == 0 {
-            return law_force;
+            return law.total;
         }
-        self.effects.add_force(state, motion, law_force)
+        self.effects.add_force(state, motion, law)
     }
 }

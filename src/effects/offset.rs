@@ -1,6 +1,6 @@
 //! A constant force: a preload, or a load cell that was not zeroed.
 
-use super::{ConfinedMotion, EffectForce};
+use super::{ConfinedMotion, EffectForce, LawForce};
 use crate::error::ConfigError;
 use crate::limits;
 use crate::real::{Real, in_range};
@@ -39,7 +39,7 @@ impl<R: Real> EffectForce<R> for Offset<R> {
     }
 
     #[inline(always)]
-    fn force(&self, _: &mut (), _: &ConfinedMotion<R>, _: R) -> R {
+    fn force(&self, _: &mut (), _: &ConfinedMotion<R>, _: LawForce<R>) -> R {
         self.force
     }
 }

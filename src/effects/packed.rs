@@ -3,7 +3,7 @@
 use super::stick_slip::Element;
 use super::stop::Contact;
 use super::{
-    Asymmetry, BoucWen, Compliance, Delay, Drift, Effect, Gap, Hardening, Inertia,
+    Asymmetry, BoucWen, Compliance, Delay, Drift, Effect, Gap, Hardening, Inertia, LoadFriction,
     MAX_STICK_SLIP_ELEMENTS, Offset, Periodic, Relaxation, StickSlip, Stop, Temperature, Viscous,
 };
 use crate::frame::{Reader, Writer, halves, whole};
@@ -23,6 +23,7 @@ const BOUC_WEN: u8 = 11;
 const PERIODIC: u8 = 12;
 const COMPLIANCE: u8 = 13;
 const DELAY: u8 = 14;
+const LOAD_FRICTION: u8 = 15;
 
 /// Most numbers of an effect.
 const MOST: usize = 2 * MAX_STICK_SLIP_ELEMENTS;
@@ -43,6 +44,7 @@ impl Effect<f32> {
             Self::Hardening(effect) => put(HARDENING, &[effect.k5]),
             Self::Viscous(effect) => put(VISCOUS, &[effect.c1]),
             Self::Inertia(effect) => put(INERTIA, &[effect.mass]),
+            Self::LoadFriction(effect) => put(LOAD_FRICTION, &[effect.load]),
             Self::Drift(effect) => put(DRIFT, &[effect.stiffness, effect.rate]),
             Self::Temperature(effect) => put(TEMPERATURE, &[effect.beta, effect.rise]),
             Self::Relaxation(effect) => put(RELAXATION, &[effect.gain, effect.loss]),
@@ -98,6 +100,7 @@ impl Effect<f32> {
             (HARDENING, &[k5]) => Self::Hardening(Hardening { k5 }),
             (VISCOUS, &[c1]) => Self::Viscous(Viscous { c1 }),
             (INERTIA, &[mass]) => Self::Inertia(Inertia { mass }),
+            (LOAD_FRICTION, &[load]) => Self::LoadFriction(LoadFriction { load }),
             (DRIFT, &[stiffness, rate]) => Self::Drift(Drift { stiffness, rate }),
             (TEMPERATURE, &[beta, rise]) => Self::Temperature(Temperature { beta, rise }),
             (RELAXATION, &[gain, loss]) => Self::Relaxation(Relaxation { gain, loss }),

@@ -1,8 +1,9 @@
 //! An effect by its parameters: as a file or a pack carries it.
 
 use super::{
-    Asymmetry, BoucWen, Compliance, Delay, Drift, Effect, Gap, Hardening, Inertia, MAX_CONTACTS,
-    MAX_STICK_SLIP_ELEMENTS, Offset, Periodic, Relaxation, StickSlip, Stop, Temperature, Viscous,
+    Asymmetry, BoucWen, Compliance, Delay, Drift, Effect, Gap, Hardening, Inertia, LoadFriction,
+    MAX_CONTACTS, MAX_STICK_SLIP_ELEMENTS, Offset, Periodic, Relaxation, StickSlip, Stop,
+    Temperature, Viscous,
 };
 use crate::error::ConfigError;
 use crate::real::Real;
@@ -46,6 +47,11 @@ pub enum EffectParameters<R> {
     Inertia {
         /// kg
         mass: R,
+    },
+    /// Of [`LoadFriction::new`].
+    LoadFriction {
+        /// 1/mm
+        load: R,
     },
     /// Of [`Drift::new`].
     Drift {
@@ -124,6 +130,7 @@ impl<R: Real> EffectParameters<R> {
                 tick,
             } => Relaxation::new(*stiffness, *time, *tick).map(Effect::Relaxation),
             Self::Inertia { mass } => Inertia::new(*mass).map(Effect::Inertia),
+            Self::LoadFriction { load } => LoadFriction::new(*load).map(Effect::LoadFriction),
             Self::Drift { stiffness, cycles } => Drift::new(*stiffness, *cycles).map(Effect::Drift),
             Self::Temperature { beta, reference } => {
                 Temperature::new(*beta, *reference).map(Effect::Temperature)

@@ -2,7 +2,7 @@
 
 use core::f64::consts::TAU;
 
-use super::{ConfinedMotion, EffectForce};
+use super::{ConfinedMotion, EffectForce, LawForce};
 use crate::error::ConfigError;
 use crate::limits;
 use crate::real::{Real, in_range};
@@ -63,7 +63,7 @@ impl<R: Real> EffectForce<R> for Periodic<R> {
     }
 
     #[inline(always)]
-    fn force(&self, state: &mut u64, _: &ConfinedMotion<R>, _: R) -> R {
+    fn force(&self, state: &mut u64, _: &ConfinedMotion<R>, _: LawForce<R>) -> R {
         let phase = *state;
         *state = phase.wrapping_add(self.increment);
         self.amplitude * R::sine(phase)

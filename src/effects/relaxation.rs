@@ -1,6 +1,6 @@
 //! A spring and a dashpot in series (a Maxwell branch) beside the law: a force that fades when the motion stops.
 
-use super::{ConfinedMotion, EffectForce};
+use super::{ConfinedMotion, EffectForce, LawForce};
 use crate::error::ConfigError;
 use crate::limits;
 use crate::real::{Real, in_range};
@@ -68,7 +68,7 @@ impl<R: Real> EffectForce<R> for Relaxation<R> {
     }
 
     #[inline(always)]
-    fn force(&self, state: &mut Self::State, motion: &ConfinedMotion<R>, _: R) -> R {
+    fn force(&self, state: &mut Self::State, motion: &ConfinedMotion<R>, _: LawForce<R>) -> R {
         let y = motion.displacement();
         let step = y - state.previous;
         state.previous = y;

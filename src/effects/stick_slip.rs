@@ -4,7 +4,7 @@
 //! then slides at constant force. Many of them with spread slip limits are a bundle of wires whose contacts let go one
 //! after another.
 
-use super::{ConfinedMotion, EffectForce};
+use super::{ConfinedMotion, EffectForce, LawForce};
 use crate::error::ConfigError;
 use crate::limits;
 use crate::real::{Real, in_range};
@@ -106,7 +106,7 @@ impl<R: Real> EffectForce<R> for StickSlip<R> {
 
     // Not inlined: its registers and constants are no matter of ticks without it.
     #[inline(never)]
-    fn force(&self, state: &mut Self::State, motion: &ConfinedMotion<R>, _: R) -> R {
+    fn force(&self, state: &mut Self::State, motion: &ConfinedMotion<R>, _: LawForce<R>) -> R {
         let y = motion.displacement();
         let step = y - state.previous;
         state.previous = y;

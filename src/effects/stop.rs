@@ -1,6 +1,6 @@
 //! One-sided contact: a stop that the specimen or its fixture meets beyond a gap.
 
-use super::{ConfinedMotion, EffectForce};
+use super::{ConfinedMotion, EffectForce, LawForce};
 use crate::error::ConfigError;
 use crate::limits;
 use crate::real::{Real, in_range};
@@ -68,7 +68,7 @@ impl<R: Real> EffectForce<R> for Stop<R> {
     }
 
     #[inline(always)]
-    fn force(&self, _: &mut (), motion: &ConfinedMotion<R>, _: R) -> R {
+    fn force(&self, _: &mut (), motion: &ConfinedMotion<R>, _: LawForce<R>) -> R {
         let y = motion.displacement();
         let mut total = R::ZERO;
         for contact in &self.contacts {

@@ -1,6 +1,6 @@
 //! A force that scales with temperature: the wire's modulus and its friction change together.
 
-use super::{ConfinedMotion, EffectForce};
+use super::{ConfinedMotion, EffectForce, LawForce};
 use crate::error::ConfigError;
 use crate::limits;
 use crate::real::{Real, in_range};
@@ -43,7 +43,7 @@ impl<R: Real> EffectForce<R> for Temperature<R> {
     }
 
     #[inline(always)]
-    fn force(&self, _: &mut (), motion: &ConfinedMotion<R>, law_force: R) -> R {
-        (self.rise - self.beta * motion.temperature()) * law_force
+    fn force(&self, _: &mut (), motion: &ConfinedMotion<R>, law: LawForce<R>) -> R {
+        (self.rise - self.beta * motion.temperature()) * law.total
     }
 }

@@ -1,6 +1,6 @@
 //! A linear dashpot beside the |v|^α damping: a fluid, or the film between wires.
 
-use super::{ConfinedMotion, EffectForce};
+use super::{ConfinedMotion, EffectForce, LawForce};
 use crate::error::ConfigError;
 use crate::limits;
 use crate::real::{Real, in_range};
@@ -33,7 +33,7 @@ impl<R: Real> EffectForce<R> for Viscous<R> {
     }
 
     #[inline(always)]
-    fn force(&self, _: &mut (), motion: &ConfinedMotion<R>, _: R) -> R {
+    fn force(&self, _: &mut (), motion: &ConfinedMotion<R>, _: LawForce<R>) -> R {
         self.c1 * motion.velocity()
     }
 }

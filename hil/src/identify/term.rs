@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 
 use mesh_damper::effects::{
-    Asymmetry, BoucWen, Drift, EffectForce, Hardening, Inertia, MAX_STICK_SLIP_ELEMENTS, Offset,
+    Asymmetry, BoucWen, Drift, EffectForce, Hardening, Inertia, LawForce, MAX_STICK_SLIP_ELEMENTS, Offset,
     Periodic, Relaxation, StickSlip, Stop, Viscous,
 };
 use mesh_damper::error::ConfigError;
@@ -226,7 +226,7 @@ fn run<E: EffectForce<f64>>(effect: &E, trajectory: &Trajectory) -> Vec<f64> {
     let motion = |index| motion_at(trajectory, index).confined();
     let mut state = effect.begin(&motion(0));
     (0..trajectory.len())
-        .map(|index| effect.force(&mut state, &motion(index), 0.0))
+        .map(|index| effect.force(&mut state, &motion(index), LawForce::default()))
         .collect()
 }
 
