@@ -28,6 +28,7 @@
 #![forbid(unsafe_code)]
 
 pub mod actuator;
+pub mod amplitude_free;
 pub mod bench;
 pub mod blind;
 pub mod demo;

@@ -1,5 +1,6 @@
 //! The command line: one file per command.
 
+mod amplitude_free;
 mod bench;
 mod bench_table;
 mod blind;
@@ -37,6 +38,7 @@ enum Command {
     Run(run::RunCommand),
     Bench(bench::BenchCommand),
     Blind(blind::BlindCommand),
+    AmplitudeFree(amplitude_free::AmplitudeFreeCommand),
 }
 
 impl Cli {
@@ -49,6 +51,7 @@ impl Cli {
             Command::Run(command) => command.run(),
             Command::Bench(command) => command.run(),
             Command::Blind(command) => command.run(),
+            Command::AmplitudeFree(command) => command.run(),
         }
     }
 }

@@ -15,13 +15,13 @@ pub const MEASURED: RGBColor = RGBColor(90, 90, 90);
 pub const BEFORE: RGBColor = RGBColor(213, 94, 0);
 /// The law with what was found.
 pub const AFTER: RGBColor = RGBColor(0, 114, 178);
-const INK: RGBColor = RGBColor(34, 34, 34);
+pub(super) const INK: RGBColor = RGBColor(34, 34, 34);
 const GRID: RGBColor = RGBColor(228, 228, 228);
-const FONT: &str = "Helvetica, Arial, sans-serif";
+pub(super) const FONT: &str = "Helvetica, Arial, sans-serif";
 
 /// Units of the drawing in a pixel of the page: the library rounds to whole units, which would show as steps in a
 /// curve.
-const FINE: u32 = 4;
+pub(super) const FINE: u32 = 4;
 
 /// Most points of one curve.
 const CURVE_POINTS: usize = 400;
@@ -61,6 +61,20 @@ pub const WIDE: Style = Style {
     font: 13,
     legend: false,
 };
+
+/// Six panels, each like [`SMALL`].
+pub const PANELS: Style = Style {
+    size: (1140, 640),
+    font: 15,
+    legend: false,
+};
+
+impl Style {
+    /// Size of the letters, px.
+    pub fn font(&self) -> u32 {
+        self.font
+    }
+}
 
 /// What the residual is drawn against.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -155,13 +169,13 @@ pub fn residual_chart(series: &[Series], against: Against, style: &Style) -> Str
     })
 }
 
-type Area<'a> = DrawingArea<SVGBackend<'a>, Shift>;
-type Drawn = Result<(), Box<dyn std::error::Error>>;
-type Cartesian =
+pub(super) type Area<'a> = DrawingArea<SVGBackend<'a>, Shift>;
+pub(super) type Drawn = Result<(), Box<dyn std::error::Error>>;
+pub(super) type Cartesian =
     Cartesian2d<plotters::coord::types::RangedCoordf64, plotters::coord::types::RangedCoordf64>;
 
 /// The SVG that `paint` draws on white. Drawing into memory does not fail; were it to, the picture is empty.
-fn draw(style: &Style, paint: impl FnOnce(&Area<'_>) -> Drawn) -> String {
+pub(super) fn draw(style: &Style, paint: impl FnOnce(&Area<'_>) -> Drawn) -> String {
     let (width, height) = style.size;
     let fine = (FINE * width, FINE * height);
     let mut svg = String::new();
@@ -183,7 +197,7 @@ fn draw(style: &Style, paint: impl FnOnce(&Area<'_>) -> Drawn) -> String {
 }
 
 /// A chart with its grid, ticks and labels.
-fn axes<'a, 'b>(
+pub(super) fn axes<'a, 'b>(
     area: &'a Area<'b>,
     style: &Style,
     (x, y): (Range<f64>, Range<f64>),
@@ -259,7 +273,7 @@ fn tick(value: f64, range: &Range<f64>) -> String {
 }
 
 /// The range of `values` with room about it; never empty.
-fn padded(values: impl Iterator<Item = f64>) -> Range<f64> {
+pub(super) fn padded(values: impl Iterator<Item = f64>) -> Range<f64> {
     let (low, high) = values
         .filter(|value| value.is_finite())
         .fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), value| {

@@ -1,6 +1,7 @@
 //! `report.html`: what a trace found, in one file that opens anywhere and prints.
 
 mod charts;
+pub mod curves;
 mod from_trace;
 mod page;
 pub mod text;
