@@ -185,8 +185,13 @@ impl<const N: usize> RunningLaw<N> {
             .law()
             .elastic_force_within(motion.displacement());
         let total = self.table.add_damping_force(elastic, motion.velocity());
+        let law_force = LawForce {
+            // Within the rounding of the whole, for one instruction.
+            damping: total - elastic,
+            total,
+        };
         law.augmented
-            .with_effects(&mut self.state, motion, LawForce { elastic, total })
+            .with_effects(&mut self.state, motion, law_force)
     }
 
     /// Not inlined: its registers are no matter of other ticks.

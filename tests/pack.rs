@@ -232,6 +232,21 @@ fn a_sound_checksum_does_not_make_a_sound_law() {
 }
 
 #[test]
+fn load_friction_comes_out_as_it_went_in_and_is_never_below_0() {
+    let load = EffectParameters::LoadFriction { load: 7.5 };
+    let effects = [load.effect().unwrap()];
+    let good = pack(&effects);
+    assert_eq!(decode(&good).unwrap(), tabulated(&effects));
+    let mut negative = good[12..].to_vec();
+    let end = negative.len() - 4;
+    negative[end..].copy_from_slice(&(-7.5f32).to_le_bytes());
+    assert!(matches!(
+        refused(&with_header(&negative)),
+        PackError::Refused(ConfigError::OutOfRange { field: "load", .. })
+    ));
+}
+
+#[test]
 fn a_pack_that_does_not_fit_is_not_made() {
     let mut buffer = [0; LARGEST];
     for length in [0, 5, 12, 100, 283] {

@@ -37,6 +37,6 @@ impl<R: Real> EffectForce<R> for LoadFriction<R> {
 
     #[inline(always)]
     fn force(&self, _: &mut (), motion: &ConfinedMotion<R>, law: LawForce<R>) -> R {
-        self.load * motion.displacement().abs() * law.damping()
+        self.load * motion.displacement().abs() * law.damping
     }
 }

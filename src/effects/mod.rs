@@ -122,18 +122,10 @@ impl<R: Real> ConfinedMotion<R> {
 /// What eq 13 comes to on a tick, kN.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct LawForce<R> {
-    /// k1·y + k3·y³
-    pub elastic: R,
-    /// With the damping force.
+    /// c·|v|^α·sgn v
+    pub damping: R,
+    /// With the elastic force.
     pub total: R,
-}
-
-impl<R: Real> LawForce<R> {
-    /// c·|v|^α·sgn v, within the rounding of the whole.
-    #[inline(always)]
-    pub fn damping(&self) -> R {
-        self.total - self.elastic
-    }
 }
 
 /// A force beside the law's.
@@ -434,10 +426,10 @@ impl<R: Real, const N: usize> AugmentedLaw<R, N> {
     /// Eq 13's force at `motion`, its damping by `damping`.
     #[inline(always)]
     fn law_force(&self, motion: &ConfinedMotion<R>, damping: impl Fn(R) -> R) -> LawForce<R> {
-        let elastic = self.law.elastic_force_within(motion.displacement());
+        let damping = damping(motion.velocity());
         LawForce {
-            elastic,
-            total: elastic + damping(motion.velocity()),
+            damping,
+            total: self.law.elastic_force_within(motion.displacement()) + damping,
         }
     }
 
@@ -474,7 +466,7 @@ impl<R: Real, const N: usize> AugmentedLaw<R, N> {
         }
         let law = match solved_force {
             Some(total) => LawForce {
-                elastic: self.law.elastic_force_within(motion.displacement()),
+                damping: damping(motion.velocity()),
                 total,
             },
             None => self.law_force(&motion, damping),

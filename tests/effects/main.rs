@@ -2,6 +2,7 @@
 
 mod bouc_wen;
 mod compliance;
+mod load_friction;
 mod loops;
 mod stages;
 mod stop_and_tone;
@@ -11,7 +12,7 @@ use std::f64::consts::{PI, TAU};
 use loops::{TICKS, alone, close, energy, last_cycle, moduli, nothing, sine};
 use mesh_damper::effects::{
     Asymmetry, AugmentedLaw, BoucWen, Compliance, Delay, Drift, Effect, Gap, Hardening, Inertia,
-    Motion, Offset, Periodic, Relaxation, StickSlip, Stop, Temperature, Viscous,
+    LoadFriction, Motion, Offset, Periodic, Relaxation, StickSlip, Stop, Temperature, Viscous,
 };
 use mesh_damper::error::ConfigError;
 use mesh_damper::law::Law;
@@ -257,6 +258,8 @@ fn constructors_name_the_field_they_refuse() {
     assert_eq!(field(Hardening::new(f64::INFINITY).unwrap_err()), "k5");
     assert_eq!(field(Viscous::new(-2e9).unwrap_err()), "c1");
     assert_eq!(field(Inertia::new(2e6).unwrap_err()), "mass");
+    assert_eq!(field(LoadFriction::new(-1e-3).unwrap_err()), "load");
+    assert_eq!(field(LoadFriction::new(f32::INFINITY).unwrap_err()), "load");
     assert_eq!(field(StickSlip::<f32>::new(&[]).unwrap_err()), "elements");
     assert_eq!(
         field(StickSlip::new(&[(1.0, 0.1); 7]).unwrap_err()),
@@ -317,7 +320,7 @@ fn constructors_name_the_field_they_refuse() {
 }
 
 /// Effects that there are.
-const EFFECTS: usize = 15;
+const EFFECTS: usize = 16;
 
 /// One of each, of ordinary size.
 fn one_of_each<R: Real>() -> AugmentedLaw<R, EFFECTS> {
@@ -331,6 +334,7 @@ fn one_of_each<R: Real>() -> AugmentedLaw<R, EFFECTS> {
         Effect::Viscous(Viscous::new(r(0.006)).unwrap()),
         Effect::Relaxation(Relaxation::new(r(1.5), r(0.05), r(1e-4)).unwrap()),
         Effect::Inertia(Inertia::new(r(120.0)).unwrap()),
+        Effect::LoadFriction(LoadFriction::new(r(4.0)).unwrap()),
         Effect::Drift(Drift::new(r(-0.5), r(25.0)).unwrap()),
         Effect::Temperature(Temperature::new(r(0.004), r(20.0)).unwrap()),
         Effect::Stop(Stop::new(&[(r(2.0), r(0.15)), (r(3.0), r(-0.1))]).unwrap()),
