@@ -7,6 +7,7 @@
 //! |---|---|
 //! | the mixed damping law F = k1·y + k3·y³ + c·\|v\|^α·sgn v | [`law`], [`power`] |
 //! | its coefficients over density and amplitude, the published ones included | [`table`] |
+//! | the published loops by one law for every amplitude, for a motion that nobody declares | [`amplitude_free`] |
 //! | that law as it runs on the target, with a table for \|v\|^α and a swap at a cycle's end | [`tabulated`] |
 //! | what the law lacks: offset, asymmetry, hardening, stick-slip, viscosity, relaxation, inertia, drift, temperature | [`effects`] |
 //! | an excitation: sines, ramps and sweeps | [`sine`] |
@@ -55,6 +56,7 @@
 #![forbid(unsafe_code)]
 
 pub mod adc;
+pub mod amplitude_free;
 pub mod converter;
 pub mod crossing;
 pub mod cycle;

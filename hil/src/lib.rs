@@ -12,6 +12,7 @@
 //! | recordings as files; their motion and its cycles | [`recording`] |
 //! | fitting coefficients with their uncertainty | [`identify`] |
 //! | which effect is missing, and by how much the law is better with it | [`mod@trace`], [`report`] |
+//! | the published loops by one law for every amplitude | [`mod@amplitude_free`] |
 //! | a law as a file, and the force that it predicts | [`model`], [`model_file`], [`mod@predict`] |
 //! | the crate as an image for a microcontroller: built, measured, emulated | [`mod@image`] |
 //! | the instructions that it takes there, beside its peers' | [`mod@bench`] |

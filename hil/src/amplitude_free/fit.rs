@@ -25,9 +25,9 @@ const LIMIT_RANGE: (f64, f64) = (0.005, 0.2);
 /// Where |y| is this small, mm, friction counts as not of the load: λ is then at most its inverse, and c is not 0 where the
 /// friction is all of the load.
 const UNLOADED: f64 = 1e-3;
-/// Steps of the exponent, the second beside the best of the first.
-const COARSE: f64 = 0.05;
+/// Step of the exponent, and how many of them the search takes at once until it is near.
 const FINE: f64 = 0.01;
+const COARSE: usize = 5;
 
 /// Places of the columns: those that may be negative first.
 const K1: usize = 0;
@@ -107,34 +107,42 @@ impl Loops {
     }
 
     /// The best law of `structure` over all loops but those of the row `left_out`.
+    ///
+    /// # Panics
+    /// Without a loop.
     pub fn fit(&self, structure: Structure, left_out: Option<usize>) -> FittedLaw {
-        let steps = (COARSE / FINE).round() as usize;
-        let last = (1.0 / FINE).round() as usize;
-        let coarse = (0..=last).step_by(steps);
-        let best_of = |exponents: &mut dyn Iterator<Item = usize>| {
+        let sums = self.sums(left_out);
+        let last = sums.len() - 1;
+        let best = |exponents: &mut dyn Iterator<Item = usize>| {
             exponents
-                .filter_map(|exponent| self.fit_at(structure, left_out, exponent))
+                .filter_map(|exponent| sums[exponent].fit(&structure, exponent))
                 .min_by(|a, b| a.cost.total_cmp(&b.cost))
-                .expect("columns of a sine are independent, and the ridge makes sure")
+                .expect("a sine's columns are independent, and the ridge makes sure")
         };
-        let near = best_of(&mut coarse.into_iter()).exponent;
-        best_of(&mut (near.saturating_sub(steps)..=(near + steps).min(last))).law()
+        let near = best(&mut (0..=last).step_by(COARSE)).exponent;
+        best(&mut (near.saturating_sub(COARSE)..=(near + COARSE).min(last))).law()
     }
 
-    fn fit_at(
-        &self,
-        structure: Structure,
-        left_out: Option<usize>,
-        exponent: usize,
-    ) -> Option<Fit> {
-        let mut gram = DMatrix::zeros(WIDTH, WIDTH);
-        let mut right = DVector::zeros(WIDTH);
-        for (row, equations) in self.rows.iter().zip(&self.equations) {
-            if Some(*row) != left_out {
-                gram += &equations[exponent].gram;
-                right += &equations[exponent].right;
-            }
-        }
+    /// The equations of all loops but those of the row `left_out`, by exponent.
+    fn sums(&self, left_out: Option<usize>) -> Vec<Equations> {
+        let taken = self.rows.iter().zip(&self.equations);
+        let taken = taken.filter(|&(&row, _)| Some(row) != left_out);
+        taken
+            .map(|(_, equations)| equations.clone())
+            .reduce(|mut sums, equations| {
+                for (sum, one) in sums.iter_mut().zip(equations) {
+                    sum.gram += one.gram;
+                    sum.right += one.right;
+                }
+                sums
+            })
+            .expect("there is a loop")
+    }
+}
+
+impl Equations {
+    /// The best law of `structure` at this exponent.
+    fn fit(&self, structure: &Structure, exponent: usize) -> Option<Fit> {
         let mut columns: Vec<usize> = (0..WIDTH)
             .filter(|&column| match column {
                 LOAD => structure.load_friction,
@@ -142,51 +150,39 @@ impl Loops {
                 _ => true,
             })
             .collect();
-        let solve = |columns: &[usize]| -> Option<(f64, DVector<f64>)> {
-            let scale = |i: usize| 1.0 / gram[(columns[i], columns[i])].sqrt();
-            let count = columns.len();
-            let scaled = DMatrix::from_fn(count, count, |i, j| {
-                let ridge = if i == j { structure.ridge.powi(2) } else { 0.0 };
-                gram[(columns[i], columns[j])] * scale(i) * scale(j) + ridge
-            });
-            let target = DVector::from_fn(count, |i, _| right[columns[i]] * scale(i));
-            let x = nonnegative::solve(&scaled, &target, FREE)?;
-            // The forces' norms, which are the same for all, left out.
-            let cost = (&scaled * &x - 2.0 * &target).dot(&x);
-            Some((cost, DVector::from_fn(count, |i, _| x[i] * scale(i))))
-        };
-        let mut best = solve(&columns)?;
-        // The element that is missed least goes, until there are few enough.
+        let mut fit = self.solve(&columns, structure, exponent)?;
         loop {
-            let (_, x) = &best;
-            let mut place = 0;
-            columns.retain(|&column| {
-                place += 1;
-                column < ELEMENTS || x[place - 1] > 0.0
-            });
-            let elements = columns.iter().filter(|&&column| column >= ELEMENTS).count();
-            if elements <= structure.elements {
-                break;
+            columns.retain(|&column| column < ELEMENTS || fit.coefficients[column] > 0.0);
+            let elements = columns.iter().filter(|&&column| column >= ELEMENTS);
+            if elements.clone().count() <= structure.elements {
+                return Some(fit);
             }
-            let without = |gone: usize| -> Vec<usize> {
-                columns
-                    .iter()
-                    .copied()
-                    .filter(|&column| column != gone)
-                    .collect()
+            // The element that is missed least goes.
+            let without = |gone: usize| {
+                let rest = columns.iter().copied().filter(|&column| column != gone);
+                self.solve(&rest.collect::<Vec<_>>(), structure, exponent)
             };
-            let (gone, _) = columns
-                .iter()
-                .filter(|&&column| column >= ELEMENTS)
-                .filter_map(|&gone| Some((gone, solve(&without(gone))?.0)))
-                .min_by(|a, b| a.1.total_cmp(&b.1))?;
-            columns = without(gone);
-            best = solve(&columns)?;
+            fit = elements
+                .filter_map(|&gone| without(gone))
+                .min_by(|a, b| a.cost.total_cmp(&b.cost))?;
         }
-        let (cost, x) = solve(&columns)?;
+    }
+
+    /// The least of the squared error and the ridge over `columns`; the cost is without the forces' own squares, which are
+    /// the same for all.
+    fn solve(&self, columns: &[usize], structure: &Structure, exponent: usize) -> Option<Fit> {
+        let count = columns.len();
+        let scale = |i: usize| 1.0 / self.gram[(columns[i], columns[i])].sqrt();
+        let gram = DMatrix::from_fn(count, count, |i, j| {
+            let ridge = if i == j { structure.ridge.powi(2) } else { 0.0 };
+            self.gram[(columns[i], columns[j])] * scale(i) * scale(j) + ridge
+        });
+        let right = DVector::from_fn(count, |i, _| self.right[columns[i]] * scale(i));
+        let x = nonnegative::solve(&gram, &right, FREE)?;
+        let cost = (&gram * &x - 2.0 * &right).dot(&x);
         let mut coefficients = [0.0; WIDTH];
-        for (&column, &value) in columns.iter().zip(x.iter()) {
-            coefficients[column] = value;
+        for (i, &column) in columns.iter().enumerate() {
+            coefficients[column] = x[i] * scale(i);
         }
         Some(Fit {
             cost,

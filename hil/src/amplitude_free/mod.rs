@@ -21,6 +21,7 @@ mod nonnegative;
 
 pub use compare::{embedded_force, ticks_of};
 pub use fit::{FittedLaw, Structure};
+pub use loops::Sine;
 
 use std::f64::consts::TAU;
 
@@ -33,7 +34,7 @@ use crate::predict::nrmse;
 use crate::reference::tables::{AMPLITUDES, DENSITIES};
 use compare::{force_of, interpolated, loop_between, of_surfaces};
 use fit::{Loops, structures};
-use loops::{BETWEEN, FITTED, HELD_OUT, Sine, amplitude};
+use loops::{BETWEEN, FITTED, HELD_OUT, amplitude};
 
 /// The law without amplitude of every density, and what it is worth.
 #[derive(Clone, Debug, Serialize)]

@@ -24,7 +24,7 @@ pub(super) const FONT: &str = "Helvetica, Arial, sans-serif";
 pub(super) const FINE: u32 = 4;
 
 /// Most points of one curve.
-const CURVE_POINTS: usize = 400;
+pub(super) const CURVE_POINTS: usize = 400;
 /// Most points of one cloud.
 const CLOUD_POINTS: usize = 1500;
 /// Columns into which a long time is gathered, each with its least and largest value.
@@ -287,7 +287,7 @@ pub(super) fn padded(values: impl Iterator<Item = f64>) -> Range<f64> {
 }
 
 /// At most `most` of the samples, evenly spread, the last one among them.
-fn thinned(samples: Range<usize>, most: usize) -> Vec<usize> {
+pub(super) fn thinned(samples: Range<usize>, most: usize) -> Vec<usize> {
     let (start, count) = (samples.start, samples.len());
     if count <= most {
         return samples.collect();

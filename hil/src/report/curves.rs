@@ -36,8 +36,12 @@ pub fn panels(panels: &[Panel], labels: (&str, &str)) -> String {
             let y = charts::padded(points().map(|point| point.1));
             let mut chart = charts::axes(place, &charts::SMALL, (x, y), labels)?;
             for (index, (curve, colour)) in curves.iter().zip(COLOURS).enumerate() {
+                let chosen = charts::thinned(0..curve.points.len(), charts::CURVE_POINTS);
                 // A loop is closed.
-                let closed = curve.points.iter().chain(curve.points.first()).copied();
+                let closed = chosen
+                    .iter()
+                    .chain(chosen.first())
+                    .map(|&i| curve.points[i]);
                 chart.draw_series(LineSeries::new(closed, style_of(index, colour)))?;
             }
             let font = FINE * charts::SMALL.font();
