@@ -3,8 +3,8 @@
 use std::collections::BTreeMap;
 
 use mesh_damper::effects::{
-    Asymmetry, BoucWen, Drift, EffectForce, Hardening, Inertia, LawForce, MAX_STICK_SLIP_ELEMENTS, Offset,
-    Periodic, Relaxation, StickSlip, Stop, Viscous,
+    Asymmetry, BoucWen, Drift, EffectForce, Hardening, Inertia, LawForce, MAX_STICK_SLIP_ELEMENTS,
+    Offset, Periodic, Relaxation, StickSlip, Stop, Viscous,
 };
 use mesh_damper::error::ConfigError;
 
