@@ -55,6 +55,9 @@
 #![no_std]
 #![forbid(unsafe_code)]
 
+#[cfg(feature = "std")]
+extern crate std;
+
 pub mod adc;
 pub mod amplitude_free;
 pub mod converter;

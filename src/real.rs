@@ -153,6 +153,16 @@ impl Real for f32 {
     }
 }
 
+#[cfg(feature = "std")]
+fn pow(base: f64, exponent: f64) -> f64 {
+    base.powf(exponent)
+}
+
+#[cfg(not(feature = "std"))]
+fn pow(base: f64, exponent: f64) -> f64 {
+    libm::pow(base, exponent)
+}
+
 impl Real for f64 {
     const ZERO: Self = 0.0;
     const ONE: Self = 1.0;
@@ -180,7 +190,7 @@ impl Real for f64 {
         if self == 0.0 {
             0.0
         } else {
-            libm::pow(self.abs(), exponent)
+            pow(self.abs(), exponent)
         }
     }
     fn sine(phase: u64) -> Self {

@@ -1,5 +1,7 @@
 //! The end of a trace: what was found is fitted to all that may be fitted, and its error read where nothing was.
 
+use rayon::prelude::*;
+
 use super::result::{
     Baseline, Candidate, Errors, Estimate, FoundEffect, LawEstimate, OnTarget, TraceResult, Verdict,
 };
@@ -142,23 +144,25 @@ impl<'a> Closing<'a> {
             .iter()
             .map(|(trajectory, _)| predict(model, trajectory))
             .collect::<Result<Vec<_>, _>>()?;
-        let nrmse = |held_out: bool| {
-            let (mut error, mut force) = (0.0, 0.0);
-            for ((trajectory, roles), predicted) in self.recordings.iter().zip(&predicted) {
-                for (sample, &role) in roles.iter().enumerate() {
-                    if (role == Role::HeldOut) == held_out && trajectory.measured[sample] {
-                        error += (predicted[sample] - trajectory.force[sample]).powi(2);
-                        force += trajectory.force[sample].powi(2);
-                    }
-                }
-            }
-            (error / force).sqrt()
-        };
         let errors = Errors {
-            nrmse_fitted: nrmse(false),
-            nrmse_held_out: nrmse(true),
+            nrmse_fitted: self.nrmse(&predicted, false),
+            nrmse_held_out: self.nrmse(&predicted, true),
         };
         Ok((predicted, errors))
+    }
+
+    /// The error of `predicted`, kN for every sample of every recording, on what was held out or on the rest.
+    fn nrmse(&self, predicted: &[Vec<f64>], held_out: bool) -> f64 {
+        let (mut error, mut force) = (0.0, 0.0);
+        for ((trajectory, roles), predicted) in self.recordings.iter().zip(predicted) {
+            for (sample, &role) in roles.iter().enumerate() {
+                if (role == Role::HeldOut) == held_out && trajectory.measured[sample] {
+                    error += (predicted[sample] - trajectory.force[sample]).powi(2);
+                    force += trajectory.force[sample].powi(2);
+                }
+            }
+        }
+        (error / force).sqrt()
     }
 
     /// The errors of eq 13 identified as the paper does.
@@ -252,12 +256,16 @@ impl<'a> Closing<'a> {
     fn candidates(&self, selection: &Selection) -> Result<Vec<Candidate>, ModelError> {
         selection
             .candidates
-            .iter()
+            .par_iter()
             .map(|candidate| {
                 let model = candidate.fitted.solution.model();
+                let known = candidate.fitted.predicted.iter().cloned();
+                let held = &self.recordings[self.fitted..];
+                let held = held.iter().map(|(held, _)| predict(&model, held));
+                let predicted = known.map(Ok).chain(held).collect::<Result<Vec<_>, _>>()?;
                 Ok(Candidate {
                     family: candidate.family.name().to_owned(),
-                    nrmse_held_out: self.evaluate(&model, predict)?.1.nrmse_held_out,
+                    nrmse_held_out: self.nrmse(&predicted, true),
                     distinguishable: candidate.distinguishable,
                     step: candidate.step,
                     added: candidate.added,

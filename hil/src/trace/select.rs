@@ -19,8 +19,10 @@ use crate::recording::trajectory::Trajectory;
 const MOST_TERMS: usize = 6;
 /// Laws that are carried on from one step to the next: the best with one effect need not be part of the best with two.
 const BEAM: usize = 3;
-/// Of all candidates beside a law, so many that promise most are fitted; the others are rated as they start.
-const FITTED: usize = 5;
+/// Of all candidates beside a law, so many that promise most are fitted, if they promise this part of what the first does;
+/// the others are rated as they start.
+const FITTED: usize = 4;
+const PROMISING: f64 = 0.5;
 /// A candidate is fitted from so many starts.
 const STARTS: usize = 2;
 /// A law whose error is within so many times the noise lacks nothing that is larger than the noise; what a term could
@@ -300,13 +302,14 @@ impl<'a> Search<'a> {
             .filter(|(_, starts)| !starts.is_empty())
             .collect();
         rated.sort_by(|a, b| b.1[0].gain.total_cmp(&a.1[0].gain));
+        let promising = PROMISING * rated.first().map_or(0.0, |(_, starts)| starts[0].gain);
         rated
             .into_par_iter()
             .enumerate()
             .filter_map(|(place, (term, starts))| {
                 let terms: Vec<Term> = known.iter().copied().chain([term]).collect();
                 let problem = Problem::new(&self.rows, &extent, &terms);
-                let solution = if place < FITTED && starts[0].gain > 0.0 {
+                let solution = if place < FITTED && starts[0].gain > promising {
                     starts
                         .iter()
                         .take(STARTS)
