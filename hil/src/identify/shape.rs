@@ -150,7 +150,7 @@ impl Extent {
             )],
             Form::Periodic => vec![Shape {
                 starts: self.tones.clone(),
-                ..Shape::spread(0.5 / self.duration, 0.499 / self.tick, 1)
+                ..Shape::spread(4.0 / self.duration, 0.499 / self.tick, 1)
             }],
             Form::Offset
             | Form::Asymmetry
