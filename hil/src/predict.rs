@@ -1,6 +1,6 @@
 //! The force that a model gives for a recorded motion, evaluated by the crate.
 
-use mesh_damper::effects::Motion;
+use mesh_damper::effects::{AugmentedState, Motion};
 use mesh_damper::real::Real;
 use mesh_damper::tabulated::{RunningLaw, TabulatedLaw};
 
@@ -13,6 +13,15 @@ use crate::recording::trajectory::Trajectory;
 /// # Errors
 /// A model that the crate refuses.
 pub fn predict(model: &Model, trajectory: &Trajectory) -> Result<Vec<f64>, ModelError> {
+    run(model, trajectory, |force, _| force)
+}
+
+/// What `seen` makes of the force in kN and the effects' state at every sample of `trajectory`.
+pub(crate) fn run<T>(
+    model: &Model,
+    trajectory: &Trajectory,
+    seen: impl Fn(f64, &AugmentedState<f64>) -> T,
+) -> Result<Vec<T>, ModelError> {
     let mut amplitude = trajectory.amplitude[0];
     let mut law = model.augmented::<f64>(amplitude, trajectory.tick)?;
     let mut state = law.at_rest();
@@ -22,7 +31,8 @@ pub fn predict(model: &Model, trajectory: &Trajectory) -> Result<Vec<f64>, Model
                 amplitude = trajectory.amplitude[index];
                 law.set_law(model.law_at(amplitude)?);
             }
-            Ok(law.force(&mut state, &motion_at(trajectory, index)))
+            let force = law.force(&mut state, &motion_at(trajectory, index));
+            Ok(seen(force, &state))
         })
         .collect()
 }

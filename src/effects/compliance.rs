@@ -1,6 +1,6 @@
 //! A spring in series with the specimen: the fixture gives way, and the specimen moves less than is measured.
 
-use super::{ConfinedMotion, Motion};
+use super::{AugmentedState, ConfinedMotion, Motion};
 use crate::error::ConfigError;
 use crate::law::Law;
 use crate::limits;
@@ -185,5 +185,14 @@ impl<R: Real> Compliance<R> {
         if let Some(state) = state {
             state.others = added - viscous * state.velocity;
         }
+    }
+}
+
+impl<R: Real> AugmentedState<R> {
+    /// After a tick with a [`Compliance`]: by how much its spring gives way, mm, and the velocity of the specimen behind it,
+    /// mm/s.
+    pub fn behind_spring(&self) -> Option<(R, R)> {
+        let state = self.compliance.as_ref()?;
+        Some((state.deflections[0], state.velocity))
     }
 }

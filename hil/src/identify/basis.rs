@@ -6,7 +6,7 @@ use std::sync::Arc;
 use super::moved::moved;
 use super::rows::{RowMotion, Rows};
 use super::shape::{Extent, Shape};
-use super::solution::Solution;
+use super::solution::{Deflection, Solution};
 use super::term::{Entry, Form, Term};
 use crate::recording::trajectory::Trajectory;
 
@@ -19,8 +19,8 @@ pub(super) struct Basis<'r, 'a> {
     shapes: Vec<Vec<Shape>>,
     /// Where each term's searched parameters stand.
     slots: Vec<Range<usize>>,
-    /// The force inside the specimen at every sample, kN, where a spring in series needs it.
-    inside: Option<Vec<Vec<f64>>>,
+    /// How a spring in series gives way, where there is one.
+    deflections: Option<Vec<Deflection>>,
 }
 
 /// The columns for one set of searched parameters.
@@ -55,15 +55,15 @@ impl<'r, 'a> Basis<'r, 'a> {
             shapes: terms.iter().map(|term| extent.shapes(term.form)).collect(),
             terms: terms.to_vec(),
             slots,
-            inside: None,
+            deflections: None,
         }
     }
 
-    /// The same with the force of `solution` behind a spring in series, where there is one.
+    /// The same with a spring in series giving way as it does in `solution`, where there is one.
     #[must_use]
     pub fn around(mut self, solution: &Solution) -> Self {
         if self.terms.iter().any(|term| term.form == Form::Compliance) {
-            self.inside = Some(solution.force_inside(self.rows.trajectories));
+            self.deflections = Some(solution.deflections(self.rows.trajectories));
         }
         self
     }
@@ -218,8 +218,8 @@ impl<'r, 'a> Basis<'r, 'a> {
             .iter()
             .enumerate()
             .map(|(which, trajectory)| {
-                let inside = self.inside.as_ref().map(|inside| &inside[which][..]);
-                moved(trajectory, &moves, inside)
+                let deflection = self.deflections.as_ref().map(|each| &each[which]);
+                moved(trajectory, &moves, deflection)
             })
             .collect();
         let rows = self.rows.motion_in(&trajectories);

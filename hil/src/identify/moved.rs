@@ -2,18 +2,19 @@
 
 use mesh_damper::effects::Gap;
 
+use super::solution::Deflection;
 use super::term::Form;
 use crate::predict::motion_at;
 use crate::recording::trajectory::Trajectory;
 
-/// `trajectory` as the specimen sees it through `moves`, each a form with its shape. A spring in series needs the force
-/// `inside` the specimen, kN at every sample.
+/// `trajectory` as the specimen sees it through `moves`, each a form with its shape. A spring in series gives way
+/// as in `deflection`, in proportion to how soft it is.
 ///
-/// Identification takes the motion for given while it solves for the coefficients; the crate solves for both at once.
+/// Identification takes that for given while it solves for the coefficients; the crate solves for both at once.
 pub(super) fn moved(
     trajectory: &Trajectory,
     moves: &[(Form, f64)],
-    inside: Option<&[f64]>,
+    deflection: Option<&Deflection>,
 ) -> Trajectory {
     let mut moved = trajectory.clone();
     for &(form, shape) in moves {
@@ -24,8 +25,8 @@ pub(super) fn moved(
         }
     }
     for &(form, shape) in moves {
-        if let (Form::Compliance, Some(inside)) = (form, inside) {
-            behind_spring(&mut moved, shape, inside);
+        if let (Form::Compliance, Some(deflection)) = (form, deflection) {
+            behind_spring(&mut moved, shape, deflection);
         }
     }
     for &(form, shape) in moves {
@@ -49,14 +50,12 @@ fn through_gap(trajectory: &mut Trajectory, half_width: f64, damps_inside: bool)
     }
 }
 
-/// x = y − F/k
-fn behind_spring(trajectory: &mut Trajectory, stiffness: f64, inside: &[f64]) {
-    let last = trajectory.len() - 1;
-    for (index, force) in inside.iter().enumerate() {
-        let (before, after) = (index.saturating_sub(1), (index + 1).min(last));
-        let rate = (inside[after] - inside[before]) / ((after - before) as f64 * trajectory.tick);
-        trajectory.motion.displacement[index] -= force / stiffness;
-        trajectory.motion.velocity[index] -= rate / stiffness;
+/// x = y − d
+fn behind_spring(trajectory: &mut Trajectory, stiffness: f64, known: &Deflection) {
+    let part = known.stiffness / stiffness;
+    for (index, (deflection, rate)) in known.deflection.iter().enumerate() {
+        trajectory.motion.displacement[index] -= part * deflection;
+        trajectory.motion.velocity[index] -= part * rate;
     }
 }
 

@@ -18,7 +18,7 @@ use crate::model::LawNode;
 /// Exponents that a search with nothing to start from begins with.
 const EXPONENTS: [f64; 3] = [0.15, 0.35, 0.6];
 /// The force behind a spring in series is worked out anew so many times.
-const SERIES_ROUNDS: usize = 4;
+const SERIES_ROUNDS: usize = 8;
 
 /// Eq 13 and terms, to be fitted to rows.
 pub struct Problem<'r, 'a> {

@@ -118,7 +118,7 @@ impl Extent {
             // An element that hardly slips is a spring.
             Form::Jenkins => vec![Shape::spread(shortest, 0.9 * self.amplitude, 10)],
             // The largest of the limits, of which the others are even parts.
-            Form::Iwan => vec![Shape::spread(6.0 * shortest, 1.2 * self.amplitude, 6)],
+            Form::Iwan => vec![Shape::spread(6.0 * shortest, 0.9 * self.amplitude, 6)],
             Form::BoucWen => vec![
                 Shape::spread(shortest, 2.0 * self.amplitude, 8),
                 Shape {

@@ -2,7 +2,7 @@
 
 use super::term::{Form, Term, TermValue, added_effects};
 use crate::model::{LawNode, Model};
-use crate::predict::predict;
+use crate::predict::{predict, run};
 use crate::recording::trajectory::Trajectory;
 
 /// What a fit found.
@@ -58,24 +58,58 @@ impl Solution {
             .collect()
     }
 
-    /// The force before it is delayed, kN at every sample.
-    pub(super) fn force_inside(&self, trajectories: &[Trajectory]) -> Vec<Vec<f64>> {
-        let inside: Vec<TermValue> = self
+    /// How the spring in series gives way, trajectory by trajectory. Where there is none yet, as one of 1 kN/mm would under
+    /// this law's force.
+    pub(super) fn deflections(&self, trajectories: &[Trajectory]) -> Vec<Deflection> {
+        let spring = self
             .terms
             .iter()
-            .filter(|value| value.term.form != Form::Delay)
-            .cloned()
-            .collect();
-        let model = Model {
-            law: self.law.clone(),
-            effects: added_effects(&inside),
-        };
+            .find(|value| value.term.form == Form::Compliance);
+        let stiffness = spring.map_or(1.0, |value| value.shapes[0]);
+        let model = self.model();
         trajectories
             .iter()
             .map(|trajectory| {
-                // Where the crate refuses to run it, the measured force is the best that is known.
-                predict(&model, trajectory).unwrap_or_else(|_| trajectory.force.clone())
+                let tick = trajectory.tick;
+                let deflection = if spring.is_some() {
+                    let seen = run(&model, trajectory, |_, state| state.behind_spring());
+                    let seen = seen.unwrap_or_default();
+                    let velocity = &trajectory.motion.velocity;
+                    seen.into_iter()
+                        .zip(velocity)
+                        .map(|(seen, velocity)| {
+                            let (deflection, inner) = seen.unwrap_or((0.0, *velocity));
+                            (deflection, velocity - inner)
+                        })
+                        .collect()
+                } else {
+                    with_rates(&predict(&model, trajectory).unwrap_or_default(), tick)
+                };
+                Deflection {
+                    stiffness,
+                    deflection,
+                }
             })
             .collect()
     }
+}
+
+/// How a spring in series gives way.
+#[derive(Clone, Debug)]
+pub(super) struct Deflection {
+    /// The spring's, kN/mm.
+    pub stiffness: f64,
+    /// Deflection in mm and its rate in mm/s at every sample; none where the crate refuses the law.
+    pub deflection: Vec<(f64, f64)>,
+}
+
+fn with_rates(values: &[f64], tick: f64) -> Vec<(f64, f64)> {
+    let last = values.len().saturating_sub(1);
+    (0..values.len())
+        .map(|index| {
+            let (before, after) = (index.saturating_sub(1), (index + 1).min(last));
+            let span = (after - before).max(1) as f64 * tick;
+            (values[index], (values[after] - values[before]) / span)
+        })
+        .collect()
 }
