@@ -44,6 +44,8 @@ pub(super) fn find_kinks(samples: &[f64], tick: f64, period: &[f64], noise: f64)
             index += 1;
         }
     }
+    // One that is located may lie before one that was located earlier.
+    kinks.sort_unstable();
     kinks.dedup();
     kinks
 }

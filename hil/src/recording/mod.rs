@@ -4,8 +4,10 @@
 //! displacement and a force are required; `velocity_mm_s` (or `velocity_mm/s`) and `temperature_degC` are used when
 //! there; any other column is kept and ignored. See [`units`] for the units known.
 
+mod clock;
 mod consistency;
 pub mod cycles;
+pub mod faults;
 mod harmonic;
 mod kinks;
 pub mod motion;
@@ -21,6 +23,7 @@ pub use resample::Uniform;
 pub use units::{Unit, Units};
 
 use crate::error::{InputError, Place};
+use faults::Fault;
 
 /// The fewest samples that a recording may have: what estimating its motion needs.
 pub const FEWEST_SAMPLES: usize = 8;
@@ -47,6 +50,7 @@ pub struct Recording {
     /// The units that the file has or shall have.
     pub units: Units,
     source: Option<Source>,
+    faults: Vec<Fault>,
 }
 
 /// The file that a recording was read from, cell by cell.
@@ -78,6 +82,7 @@ impl Recording {
             comments: Vec::new(),
             units: Units::default(),
             source: None,
+            faults: Vec::new(),
         };
         recording.check()?;
         Ok(recording)

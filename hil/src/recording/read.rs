@@ -91,6 +91,7 @@ impl Recording {
             comments,
             units,
             source: Some(Source { header, rows }),
+            faults: Vec::new(),
         };
         for (channel, Column { quantity, unit, .. }) in channels.into_iter().zip(columns.used) {
             match quantity {

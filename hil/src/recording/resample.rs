@@ -1,15 +1,12 @@
 //! A recording on a uniform time base.
 
+use super::clock::Clock;
+use super::faults::Fault;
 use super::{Recording, units::Unit};
 use crate::error::{InputError, Place};
 
-/// A sample whose time is off its tick by up to this fraction of a period is taken as it is: the rounding of printed
-/// times. At a velocity v the displacement is then off by at most this fraction of v·period.
-const ROUNDING: f64 = 0.05;
-/// A step of more periods than this is a gap: samples are missing.
-const GAP: f64 = 1.75;
-/// The largest relative change of the period by which gaps can be said to be of whole periods.
-const REFINEMENT: f64 = 1e-3;
+/// Channels are interpolated by cubics across steps of up to so many periods; longer ones are gaps.
+const LONGEST: f64 = 2.2;
 /// More ticks than this many per sample, and the recording is mostly gaps.
 const MOST_TICKS_PER_SAMPLE: usize = 4;
 
@@ -32,6 +29,7 @@ pub struct Uniform {
     pub measured: Vec<bool>,
     /// Whether the recording's own samples were off the ticks, so that the channels are interpolated.
     pub interpolated: bool,
+    clock: Clock,
 }
 
 impl Uniform {
@@ -52,7 +50,6 @@ impl Uniform {
 
     /// `values`, one per tick, at the recording's own times: the way back from [`Recording::uniform`].
     pub fn at_samples_of(&self, recording: &Recording, values: &[f64]) -> Vec<f64> {
-        let position = |time: &f64| (time - self.start) / self.period;
         if self.interpolated {
             let ticks: Vec<f64> = (0..values.len()).map(|tick| self.time(tick)).collect();
             interpolate(
@@ -63,80 +60,69 @@ impl Uniform {
             )
         } else {
             let last = values.len().saturating_sub(1);
-            let tick = |time| (position(time).round() as usize).min(last);
-            recording.time.iter().map(|t| values[tick(t)]).collect()
+            let ticks = self.clock.ticks.iter();
+            ticks.map(|&tick| values[tick.min(last)]).collect()
         }
+    }
+
+    /// What is wrong with the recording's times.
+    pub(super) fn faults(&self) -> Vec<Fault> {
+        self.clock.faults()
     }
 }
 
 impl Recording {
-    /// Time between samples, s: the mean of the steps that are no gaps, so that neither jitter nor the rounding of
-    /// printed times biases it.
+    /// Time between samples, s, whatever jitter, gaps and the rounding of printed times.
     pub fn sample_period(&self) -> f64 {
-        let mut steps: Vec<f64> = self.time.windows(2).map(|pair| pair[1] - pair[0]).collect();
-        let middle = steps.len() / 2;
-        let median = *steps.select_nth_unstable_by(middle, f64::total_cmp).1;
-        let (short, long): (Vec<f64>, Vec<f64>) =
-            steps.into_iter().partition(|step| *step <= GAP * median);
-        let period = short.iter().sum::<f64>() / short.len() as f64;
-        // Over gaps of whole periods the count is longer and the period finer.
-        let missing: f64 = long.iter().map(|step| (step / period).round()).sum();
-        let span = self.time[self.len() - 1] - self.time[0];
-        let refined = span / (short.len() as f64 + missing);
-        if (refined / period - 1.0).abs() < REFINEMENT {
-            refined
-        } else {
-            period
-        }
+        self.clock().period
     }
 
-    /// Steps of time that are longer than 1.75 periods: the index of the sample before each, and how many
-    /// samples are missing there.
+    /// Where samples are missing: the index of the sample before each gap, and how many are missing there.
     pub fn gaps(&self) -> Vec<(usize, usize)> {
-        let period = self.sample_period();
-        let missing = |pair: &[f64]| ((pair[1] - pair[0]) / period).round().max(2.0) as usize - 1;
-        self.time
-            .windows(2)
-            .enumerate()
-            .filter(|(_, pair)| pair[1] - pair[0] > GAP * period)
-            .map(|(index, pair)| (index, missing(pair)))
-            .collect()
+        self.clock().gaps()
+    }
+
+    fn clock(&self) -> Clock {
+        Clock::of(&self.time, &self.displacement)
     }
 
     /// The recording at equal steps of [`Recording::sample_period`].
     ///
-    /// Samples that stand on the ticks are taken as they are; where the time base jitters, the channels are
-    /// interpolated by a cubic through each tick's neighbours. Gaps are bridged by straight lines and marked.
+    /// Samples that stand on the ticks are taken as they are, and so are those that the displacement shows to have been
+    /// taken on them though their times jitter; where the samples themselves jitter, the channels are interpolated by a
+    /// cubic through each tick's neighbours. Gaps are bridged by straight lines and marked.
     ///
     /// # Errors
     /// The line of the longest gap where the recording is mostly gaps.
     pub fn uniform(&self) -> Result<Uniform, InputError> {
-        let period = self.sample_period();
+        let clock = self.clock();
+        let period = clock.period;
         let start = self.time[0];
-        let last_tick = ((self.time[self.len() - 1] - start) / period).round();
-        if last_tick > (MOST_TICKS_PER_SAMPLE * self.len()) as f64 {
+        let last = self.len() - 1;
+        let tick_of = |sample: usize| {
+            if clock.on_ticks {
+                clock.ticks[sample]
+            } else {
+                ((self.time[sample] - start) / period).round() as usize
+            }
+        };
+        if tick_of(last) > MOST_TICKS_PER_SAMPLE * self.len() {
             return Err(self.mostly_gaps(period));
         }
-        let ticks = last_tick as usize + 1;
-        let tick_of = |time: f64| (time - start) / period;
-        let interpolated = self.time.iter().any(|&time| {
-            let position = tick_of(time);
-            (position - position.round()).abs() > ROUNDING
-        });
+        let ticks = tick_of(last) + 1;
         let time = (0..ticks).map(|tick| start + tick as f64 * period);
-        // On the ticks, the sample's tick is its time; else the longest step that is no gap is bridged by a cubic.
-        let on_ticks: Vec<f64> = if interpolated {
-            self.time.clone()
+        let nodes: Vec<f64> = if clock.on_ticks {
+            let on_tick = |&tick: &usize| start + tick as f64 * period;
+            clock.ticks.iter().map(on_tick).collect()
         } else {
-            let on_tick = |&t: &f64| start + tick_of(t).round() * period;
-            self.time.iter().map(on_tick).collect()
+            self.time.clone()
         };
-        let channel = |values: &[f64]| interpolate(&on_ticks, values, time.clone(), GAP * period);
+        let longest = if clock.on_ticks { 1.5 } else { LONGEST } * period;
+        let channel = |values: &[f64]| interpolate(&nodes, values, time.clone(), longest);
         let mut measured = vec![true; ticks];
-        for (before, _) in self.gaps() {
-            let first = tick_of(self.time[before]).round() as usize + 1;
-            let end = tick_of(self.time[before + 1]).round() as usize;
-            measured[first.min(ticks)..end.min(ticks)].fill(false);
+        for (before, _) in clock.gaps() {
+            let (first, end) = (tick_of(before) + 1, tick_of(before + 1));
+            measured[first.min(end)..end].fill(false);
         }
         Ok(Uniform {
             start,
@@ -146,7 +132,8 @@ impl Recording {
             velocity: self.velocity.as_deref().map(channel),
             temperature: self.temperature.as_deref().map(channel),
             measured,
-            interpolated,
+            interpolated: !clock.on_ticks,
+            clock,
         })
     }
 

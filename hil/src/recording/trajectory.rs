@@ -2,6 +2,7 @@
 
 use super::Recording;
 use super::cycles::{Block, Cycles, range};
+use super::faults::{self, Fault, Shift};
 use super::motion::{Motion, noise_deviation};
 use crate::error::InputError;
 
@@ -34,8 +35,11 @@ pub struct Trajectory {
     pub amplitude: Vec<f64>,
     /// Standard deviation of the force's noise, kN.
     pub force_noise: f64,
-    /// Whether samples stand about this tick; false inside a gap of the recording.
+    /// Whether the force was measured about this tick; false inside a gap of the recording, and where a fault of a
+    /// channel was found.
     pub measured: Vec<bool>,
+    /// Faults of the recording's channels.
+    pub faults: Vec<Fault>,
 }
 
 impl Trajectory {
@@ -45,7 +49,18 @@ impl Trajectory {
     /// Too few samples, a recording that is mostly gaps, or a displacement that is mostly noise.
     pub fn of(recording: &Recording) -> Result<Self, InputError> {
         recording.require_samples(FEWEST_SAMPLES)?;
-        let uniform = recording.uniform()?;
+        let recording = &recording.mended();
+        let mut uniform = recording.uniform()?;
+        let mut found = recording.faults().to_vec();
+        found.extend(uniform.faults());
+        found.extend(faults::examine(&mut uniform));
+        if uniform.measured.iter().filter(|&&measured| measured).count() < FEWEST_SAMPLES {
+            return Err(InputError::new(
+                &recording.name,
+                format!("hardly a sample of it can be used: {}", faults::listed(&found)),
+                "mend the channels, or leave the recording out",
+            ));
+        }
         let mut trajectory = Self::new(
             recording.name.clone(),
             uniform.period,
@@ -55,6 +70,11 @@ impl Trajectory {
             uniform.temperature,
         );
         trajectory.measured = uniform.measured;
+        if let Some(shift) = Shift::find(&trajectory) {
+            found.push(shift.fault(trajectory.tick));
+            trajectory.undo(shift);
+        }
+        trajectory.faults = found;
         let (low, high) = range(&trajectory.motion.displacement);
         if trajectory.motion.noise > LARGEST_NOISE * (high - low) {
             return Err(InputError::new(
@@ -109,10 +129,27 @@ impl Trajectory {
             force,
             temperature,
             measured: vec![true; count],
+            faults: Vec::new(),
             cycles: cycles.elapsed(count, tick),
             amplitude: cycles.amplitude_per_sample(count),
             blocks: cycles.blocks,
         }
+    }
+
+    /// Moves the force back by `shift`; what lies beyond the recording's ends was not measured.
+    fn undo(&mut self, shift: Shift) {
+        self.force = shift.undone(&self.force);
+        let count = self.len();
+        let beyond = (shift.late.abs().ceil() as usize + 1).min(count);
+        let lost = if shift.late > 0.0 { count - beyond..count } else { 0..beyond };
+        let moved: Vec<bool> = (0..count)
+            .map(|index| {
+                let from = (index as f64 + shift.late).round();
+                let from = (from.max(0.0) as usize).min(count - 1);
+                self.measured[from] && !lost.contains(&index)
+            })
+            .collect();
+        self.measured = moved;
     }
 
     /// Number of samples.

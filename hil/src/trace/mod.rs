@@ -72,6 +72,10 @@ pub fn trace(
     held_out: &[Recording],
     progress: &(dyn Fn(&str) + Sync),
 ) -> Result<Trace, TraceError> {
+    let mended = |recordings: &[Recording]| -> Vec<Recording> {
+        recordings.iter().map(Recording::mended).collect()
+    };
+    let (recordings, held_out) = (&mended(recordings), &mended(held_out));
     let all: Vec<&Recording> = recordings.iter().chain(held_out).collect();
     check_consistency(&all)?;
     for recording in &all {

@@ -89,22 +89,13 @@ pub(super) fn warnings<'t>(
     let mut warnings = Vec::new();
     let (first, last) = (model.law.first(), model.law.last());
     for trajectory in trajectories {
-        let missing = trajectory
-            .measured
-            .iter()
-            .filter(|&&measured| !measured)
-            .count();
+        let faults = trajectory.faults.iter();
+        warnings.extend(faults.map(|fault| format!("{}: {fault}", trajectory.name)));
         if trajectory.centre != 0.0 {
             warnings.push(format!(
                 "{}: the displacement's zero lies {:.4} mm from the middle of the motion; the law was given the \
                  displacement from the middle",
                 trajectory.name, trajectory.centre
-            ));
-        }
-        if missing > 0 {
-            warnings.push(format!(
-                "{}: {missing} samples are missing; they were left out",
-                trajectory.name
             ));
         }
         if let (Some(first), Some(last)) = (first, last)

@@ -1,0 +1,238 @@
+//! The clock behind a recording's times: equal steps, the tick that each sample belongs to, and how far times are off.
+
+use super::faults::{Channel, Fault, Kind};
+
+/// A time that is off its tick by up to this fraction of a period is taken as it is: the rounding of printed times. At a
+/// velocity v the displacement is then off by at most this fraction of v·period.
+const ROUNDING: f64 = 0.05;
+/// A step of more periods than this is a gap where the times keep no clock.
+const GAP: f64 = 1.75;
+/// The largest relative change of the period by which gaps can be said to be of whole periods.
+const REFINEMENT: f64 = 1e-3;
+/// Times that are off their ticks by more than this, RMS in periods, keep no clock.
+const KEEPS_NO_CLOCK: f64 = 0.45;
+/// Jitter below this is not worth a word, RMS in periods.
+const WORTH_SAYING: f64 = 0.03;
+/// Samples that the first estimate of a jittering clock is made of.
+const FIRST: usize = 32;
+
+/// Equal steps that a recording's samples stand on or about.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) struct Clock {
+    /// Time between ticks, s.
+    pub period: f64,
+    /// The tick of each sample from the first one's, increasing strictly.
+    pub ticks: Vec<usize>,
+    /// Whether the samples were taken on the ticks, whatever their times say.
+    pub on_ticks: bool,
+    /// RMS of the times from their ticks, periods; 0 where it is rounding.
+    pub jitter: f64,
+}
+
+impl Clock {
+    /// The clock of `time`, s, increasing; `displacement`, smooth over it, says whether times that jitter are true.
+    pub fn of(time: &[f64], displacement: &[f64]) -> Self {
+        let period = mean_step(time);
+        let positions: Vec<f64> = time.iter().map(|t| (t - time[0]) / period).collect();
+        if positions.iter().all(|p| (p - p.round()).abs() <= ROUNDING) {
+            return Self {
+                period,
+                ticks: positions.iter().map(|p| p.round() as usize).collect(),
+                on_ticks: true,
+                jitter: 0.0,
+            };
+        }
+        if let Some(clock) = Self::jittering(time, displacement) {
+            return clock;
+        }
+        // Times that wander: gaps are long steps, and ticks are where the times lead.
+        let mut ticks = vec![0];
+        for pair in time.windows(2) {
+            let step = (pair[1] - pair[0]) / period;
+            let ahead = if step > GAP { step.round() as usize } else { 1 };
+            ticks.push(ticks[ticks.len() - 1] + ahead);
+        }
+        let apart = time.windows(2).map(|pair| ((pair[1] - pair[0]) / period - 1.0).min(1.0));
+        Self {
+            period,
+            ticks,
+            on_ticks: false,
+            jitter: rms(apart),
+        }
+    }
+
+    /// A clock about which the times jitter.
+    fn jittering(time: &[f64], displacement: &[f64]) -> Option<Self> {
+        let (start, period) = lock(time)?;
+        // Ticks beyond the sample's number: those missing before it, and jitter. They can only grow.
+        let ahead: Vec<f64> = (0..time.len())
+            .map(|index| (time[index] - start) / period - index as f64)
+            .collect();
+        let missing: Vec<isize> = isotonic(&ahead).iter().map(|m| m.round() as isize).collect();
+        let ticks: Vec<usize> = missing
+            .iter()
+            .enumerate()
+            .map(|(index, m)| index.saturating_add_signed(m - missing[0]))
+            .collect();
+        let apart: Vec<f64> = ahead.iter().zip(&missing).map(|(a, &m)| a - m as f64).collect();
+        let jitter = rms(apart.iter().copied());
+        if jitter > KEEPS_NO_CLOCK {
+            return None;
+        }
+        let largest = apart.iter().fold(0.0_f64, |largest, a| largest.max(a.abs()));
+        let rounded = largest * period <= 0.55 * rounding(time);
+        let on_ticks = rounded || smoother_over_ticks(time, &ticks, displacement);
+        Some(Self {
+            period,
+            ticks,
+            on_ticks,
+            jitter: if rounded { 0.0 } else { jitter },
+        })
+    }
+
+    /// Steps of more than one tick: the sample before each, and how many samples are missing there.
+    pub fn gaps(&self) -> Vec<(usize, usize)> {
+        self.ticks
+            .windows(2)
+            .enumerate()
+            .filter(|(_, pair)| pair[1] - pair[0] > 1)
+            .map(|(index, pair)| (index, pair[1] - pair[0] - 1))
+            .collect()
+    }
+
+    /// What is wrong with the times.
+    pub fn faults(&self) -> Vec<Fault> {
+        let channel = Channel::Time;
+        let mut faults = Vec::new();
+        if self.jitter > WORTH_SAYING {
+            let kind = Kind::Jitter {
+                rms: self.jitter,
+                stamps_only: self.on_ticks,
+            };
+            faults.push(Fault { channel, kind });
+        }
+        let gaps = self.gaps();
+        if !gaps.is_empty() {
+            let kind = Kind::Missing {
+                samples: gaps.iter().map(|(_, missing)| missing).sum(),
+                gaps: gaps.len(),
+            };
+            faults.push(Fault { channel, kind });
+        }
+        faults
+    }
+}
+
+/// Mean of the steps that are no gaps, so that the rounding of printed times does not bias it.
+fn mean_step(time: &[f64]) -> f64 {
+    let mut steps: Vec<f64> = time.windows(2).map(|pair| pair[1] - pair[0]).collect();
+    let middle = steps.len() / 2;
+    let median = *steps.select_nth_unstable_by(middle, f64::total_cmp).1;
+    let (short, long): (Vec<f64>, Vec<f64>) =
+        steps.into_iter().partition(|step| *step <= GAP * median);
+    let period = short.iter().sum::<f64>() / short.len() as f64;
+    // Over gaps of whole periods the count is longer and the period finer.
+    let missing: f64 = long.iter().map(|step| (step / period).round()).sum();
+    let span = time[time.len() - 1] - time[0];
+    let refined = span / (short.len() as f64 + missing);
+    if (refined / period - 1.0).abs() < REFINEMENT {
+        refined
+    } else {
+        period
+    }
+}
+
+/// First tick and period of a clock with jitter and gaps: regressed on a few samples, and on twice as many each time, so
+/// that the next ones' ticks are always known to less than half a period.
+fn lock(time: &[f64]) -> Option<(f64, f64)> {
+    let stride = (time.len() / 4).clamp(1, 16);
+    let mut steps: Vec<f64> = time
+        .windows(stride + 1)
+        .map(|w| (w[stride] - w[0]) / stride as f64)
+        .collect();
+    let middle = steps.len() / 2;
+    let mut period = *steps.select_nth_unstable_by(middle, f64::total_cmp).1;
+    let mut start = time[0];
+    let mut count = FIRST.min(time.len());
+    loop {
+        for _ in 0..3 {
+            let ticks = |t: f64| ((t - start) / period).round();
+            let n = count as f64;
+            let mean_tick = time[..count].iter().map(|&t| ticks(t)).sum::<f64>() / n;
+            let mean_time = time[..count].iter().sum::<f64>() / n;
+            let (mut product, mut square) = (0.0, 0.0);
+            for &t in &time[..count] {
+                let tick = ticks(t) - mean_tick;
+                product += tick * (t - mean_time);
+                square += tick * tick;
+            }
+            let slope = product / square;
+            if !(slope > 0.0) {
+                return None;
+            }
+            (start, period) = (mean_time - slope * mean_tick, slope);
+        }
+        if count == time.len() {
+            return Some((start, period));
+        }
+        count = (2 * count).min(time.len());
+    }
+}
+
+/// The least-squares fit of `values` that never falls: neighbours that fall are pooled.
+fn isotonic(values: &[f64]) -> Vec<f64> {
+    let mut pools: Vec<(f64, usize)> = Vec::new();
+    for &value in values {
+        let mut pool = (value, 1);
+        while let Some(&(mean, count)) = pools.last()
+            && mean > pool.0
+        {
+            let total = count + pool.1;
+            pool = ((mean * count as f64 + pool.0 * pool.1 as f64) / total as f64, total);
+            pools.pop();
+        }
+        pools.push(pool);
+    }
+    let pooled = pools.into_iter();
+    pooled.flat_map(|(mean, count)| std::iter::repeat_n(mean, count)).collect()
+}
+
+/// The decimal step to which all of `time` were rounded, s; 0 where there is none above a nanosecond.
+fn rounding(time: &[f64]) -> f64 {
+    (0..=9)
+        .map(|decimals| 10f64.powi(-decimals))
+        .find(|step| time.iter().all(|t| (t / step - (t / step).round()).abs() < 1e-4))
+        .unwrap_or(0.0)
+}
+
+/// Whether each displacement is better foretold by the cubic through its four neighbours over the ticks than over the
+/// times.
+fn smoother_over_ticks(time: &[f64], ticks: &[usize], displacement: &[f64]) -> bool {
+    let left_out = |at: &dyn Fn(usize) -> f64| {
+        let mut errors: Vec<f64> = (2..time.len().saturating_sub(2))
+            .filter(|&index| ticks[index + 2] - ticks[index - 2] == 4)
+            .map(|index| {
+                let near = [index - 2, index - 1, index + 1, index + 2];
+                let (mut error, mut variance) = (displacement[index], 1.0);
+                for &j in &near {
+                    let others = near.iter().filter(|&&k| k != j);
+                    let weight: f64 = others
+                        .map(|&k| (at(index) - at(k)) / (at(j) - at(k)))
+                        .product();
+                    error -= weight * displacement[j];
+                    variance += weight * weight;
+                }
+                error.abs() / variance.sqrt()
+            })
+            .collect();
+        let middle = errors.len() / 2;
+        errors.sort_by(f64::total_cmp);
+        errors.get(middle).copied().unwrap_or(0.0)
+    };
+    left_out(&|index| ticks[index] as f64) < left_out(&|index| time[index])
+}
+
+fn rms(values: impl Iterator<Item = f64>) -> f64 {
+    let (sum, count) = values.fold((0.0, 0.0), |(sum, count), v| (sum + v * v, count + 1.0));
+    f64::sqrt(sum / f64::max(count, 1.0))
+}

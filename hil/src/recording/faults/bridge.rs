@@ -1,0 +1,113 @@
+//! What stands in for samples that were not measured, from the samples around them.
+
+use std::f64::consts::TAU;
+use std::ops::Range;
+
+use nalgebra::{SMatrix, SVector};
+
+use super::super::cycles::{Cycles, range};
+use super::runs;
+
+/// Up to so many samples in a row a cubic through their neighbours is taken.
+const SHORT: usize = 4;
+/// Samples to each side that the cubic goes through.
+const NEIGHBOURS: usize = 5;
+/// Part of a period to each side that a sine is fitted to.
+const REACH: f64 = 0.75;
+/// A sine that leaves less than this part of its amplitude is the motion.
+const IS_SINE: f64 = 0.03;
+
+/// Replaces the `unknown` ones of `values`, sampled every `tick` s: a few in a row by the cubic through their neighbours,
+/// more by the sine that the motion is around them, or, where it is none, by a straight line.
+pub(super) fn bridge(values: &mut [f64], unknown: &[bool], tick: f64) {
+    let gaps = runs(unknown);
+    if gaps.is_empty() {
+        return;
+    }
+    for gap in &gaps {
+        line(values, gap);
+    }
+    let (low, high) = range(values);
+    let cycles = Cycles::find(values, tick, 0.05 * (high - low));
+    let period = cycles.period_per_sample(values.len(), tick);
+    for gap in &gaps {
+        let samples = period[gap.start] / tick;
+        let filled = if gap.len() <= SHORT {
+            let cubic = |x: f64| SVector::from([1.0, x, x * x, x * x * x]);
+            fit(values, unknown, gap, NEIGHBOURS, cubic).map(|(filled, _)| filled)
+        } else {
+            let reach = (REACH * samples) as usize;
+            // The period is known to a few per cent only; the one that leaves least is taken.
+            (-4..=4)
+                .filter_map(|step| {
+                    let w = TAU / (samples * (1.0 + 0.01 * f64::from(step)));
+                    let sine = |x: f64| SVector::from([1.0, (w * x).cos(), (w * x).sin(), x]);
+                    fit(values, unknown, gap, reach, sine)
+                })
+                .filter(|(_, left)| *left < IS_SINE)
+                .min_by(|a, b| a.1.total_cmp(&b.1))
+                .map(|(filled, _)| filled)
+        };
+        if let Some(filled) = filled {
+            values[gap.clone()].copy_from_slice(&filled);
+        }
+    }
+}
+
+/// Replaces the `unknown` ones of `values` by straight lines between the samples beside them.
+pub(super) fn lines(values: &mut [f64], unknown: &[bool]) {
+    for gap in runs(unknown) {
+        line(values, &gap);
+    }
+}
+
+/// A straight line from the sample before to the sample after; at an end of the recording the one that there is.
+fn line(values: &mut [f64], gap: &Range<usize>) {
+    let before = gap.start.checked_sub(1).map(|index| values[index]);
+    let after = values.get(gap.end).copied();
+    let (Some(from), Some(to)) = (before.or(after), after.or(before)) else {
+        return;
+    };
+    let steps = (gap.len() + 1) as f64;
+    for (step, index) in gap.clone().enumerate() {
+        values[index] = from + (to - from) * (step + 1) as f64 / steps;
+    }
+}
+
+/// Least squares of the four functions `basis` of the place (samples after the gap's middle) through the known samples up
+/// to `reach` from the gap: their values in the gap, and the RMS that they leave over that of the samples about their
+/// mean.
+///
+/// `None` when one side has too few samples to say where the motion goes.
+fn fit(
+    values: &[f64],
+    unknown: &[bool],
+    gap: &Range<usize>,
+    reach: usize,
+    basis: impl Fn(f64) -> SVector<f64, 4>,
+) -> Option<(Vec<f64>, f64)> {
+    let middle = 0.5 * (gap.start + gap.end) as f64;
+    let at = |index: usize| basis(index as f64 - middle);
+    let around = gap.start.saturating_sub(reach)..(gap.end + reach).min(values.len());
+    let known: Vec<usize> = around.filter(|&index| !unknown[index]).collect();
+    let before = known.iter().filter(|&&index| index < gap.start).count();
+    if before < 3 || known.len() - before < 3 {
+        return None;
+    }
+    let mut gram = SMatrix::<f64, 4, 4>::zeros();
+    let mut right = SVector::<f64, 4>::zeros();
+    for &index in &known {
+        let row = at(index);
+        gram += row * row.transpose();
+        right += row * values[index];
+    }
+    let coefficients = gram.cholesky()?.solve(&right);
+    let mean = known.iter().map(|&index| values[index]).sum::<f64>() / known.len() as f64;
+    let (mut left, mut all) = (0.0, 0.0);
+    for &index in &known {
+        left += (values[index] - at(index).dot(&coefficients)).powi(2);
+        all += (values[index] - mean).powi(2);
+    }
+    let filled = gap.clone().map(|index| at(index).dot(&coefficients)).collect();
+    Some((filled, (left / all).sqrt()))
+}

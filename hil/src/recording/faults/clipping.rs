@@ -1,0 +1,97 @@
+//! A channel that ends at the limit of its range: sample after sample at one and the same extreme value.
+
+use super::super::cycles::range;
+use super::super::motion::noise_deviation;
+use super::super::resample::Uniform;
+use super::{Channel, Fault, Kind, runs, spread};
+
+/// Values that differ by less than this part of the channel's spread are the same.
+const SAME: f64 = 1e-7;
+/// Fewest samples at the limit,
+const SAMPLES: usize = 6;
+/// fewest times that the channel stays there for two samples or more,
+const STAYS: usize = 2;
+/// and how many times more of them than just below it. The turn of a smooth signal that was rounded to steps leaves
+/// as many in the next four steps as in the last.
+const PILE: f64 = 2.5;
+/// The other channel moves by more than this part of its spread meanwhile, beyond its noise.
+const MOVES: f64 = 0.01;
+/// Steps of rounding that count as just below.
+const STEPS: f64 = 4.0;
+
+/// Marks samples of displacement and force at a limit in `absent`.
+pub(super) fn find(
+    uniform: &Uniform,
+    present: &[bool],
+    absent: &mut [Vec<bool>; 2],
+    faults: &mut Vec<Fault>,
+) {
+    let channels = [
+        (Channel::Displacement, &uniform.displacement, &uniform.force),
+        (Channel::Force, &uniform.force, &uniform.displacement),
+    ];
+    for ((channel, values, other), absent) in channels.into_iter().zip(absent) {
+        for side in [1.0, -1.0] {
+            let signed: Vec<f64> = values.iter().map(|value| side * value).collect();
+            let Some((limit, marked)) = at_limit(&signed, present) else {
+                continue;
+            };
+            if !goes_on(other, &marked) {
+                continue;
+            }
+            let samples = marked.iter().filter(|&&marked| marked).count();
+            let limit = side * limit;
+            let kind = Kind::Clipping { samples, limit };
+            faults.push(Fault { channel, kind });
+            absent.iter_mut().zip(marked).for_each(|(absent, marked)| *absent |= marked);
+        }
+    }
+}
+
+/// The upper limit of `values` and the samples at it.
+fn at_limit(values: &[f64], present: &[bool]) -> Option<(f64, Vec<bool>)> {
+    let same = SAME * spread(values);
+    let limit = values.iter().zip(present).filter(|(_, p)| **p).map(|(v, _)| *v).fold(f64::NEG_INFINITY, f64::max);
+    let marked: Vec<bool> = values
+        .iter()
+        .zip(present)
+        .map(|(value, present)| *present && limit - value <= same)
+        .collect();
+    let samples = marked.iter().filter(|&&marked| marked).count();
+    let stays = runs(&marked).iter().filter(|run| run.len() >= 2).count();
+    let below = STEPS * rounding(values, same) + same;
+    let just_below = values
+        .iter()
+        .filter(|value| (same..=below).contains(&(limit - **value)))
+        .count();
+    let piled = samples as f64 > PILE * just_below as f64;
+    (samples >= SAMPLES && stays >= STAYS && piled).then_some((limit, marked))
+}
+
+/// The smallest difference between two values that are not the same: the step to which they were rounded, or next to
+/// nothing.
+fn rounding(values: &[f64], same: f64) -> f64 {
+    let mut sorted = values.to_vec();
+    sorted.sort_by(f64::total_cmp);
+    sorted
+        .windows(2)
+        .map(|pair| pair[1] - pair[0])
+        .filter(|&difference| difference > same)
+        .fold(f64::INFINITY, f64::min)
+}
+
+/// Whether the other channel moves while this one stays: in a dwell of the motion both stand still.
+fn goes_on(other: &[f64], marked: &[bool]) -> bool {
+    let noise = noise_deviation(other);
+    let (mut moved, mut by_noise, mut stays) = (0.0, 0.0, 0.0);
+    for run in runs(marked).into_iter().filter(|run| run.len() >= 2) {
+        // The ends of the stay belong to the motion that leads to it and away from it.
+        let inner = run.start + run.len() / 6..run.end - run.len() / 6;
+        // So far do n samples of white noise lie apart, about.
+        by_noise += noise * (1.0 + 2.0 * (2.0 * (inner.len() as f64).ln()).sqrt());
+        let (low, high) = range(&other[inner]);
+        moved += high - low;
+        stays += 1.0;
+    }
+    moved > by_noise + MOVES * spread(other) * stays
+}

@@ -1,0 +1,293 @@
+//! Faults of the channels: found between reading and identification, said, and kept from becoming physics.
+//!
+//! What repeats with the motion is physics, however sharp; what comes once, stands still while the rest moves, or no
+//! passive damper can do is a fault. A recording without faults comes out untouched.
+//!
+//! Whole channels come first ([`sign`], [`scale`]), on the recording as it was read. Then single samples, on the uniform
+//! time base: [`clipping`], [`held`], [`spikes`]. Forces that were not measured are left out; displacements are
+//! [bridged](bridge), because the motion of the samples around them, and what a specimen remembers, depends on them.
+
+mod bridge;
+mod clipping;
+mod held;
+mod scale;
+mod shift;
+mod sign;
+mod spikes;
+mod velocity;
+
+use super::resample::Uniform;
+use super::{Recording, counted};
+
+pub(super) use shift::Shift;
+
+/// A channel of a recording.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Channel {
+    /// The samples' times.
+    Time,
+    /// Displacement.
+    Displacement,
+    /// Force.
+    Force,
+    /// Velocity.
+    Velocity,
+    /// Temperature.
+    Temperature,
+}
+
+impl Channel {
+    /// As the column's name has it.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Time => "time",
+            Self::Displacement => "displacement",
+            Self::Force => "force",
+            Self::Velocity => "velocity",
+            Self::Temperature => "temperature",
+        }
+    }
+}
+
+/// What is wrong with a channel, and how much.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Kind {
+    /// Samples that stand out from both of their neighbours.
+    Spikes {
+        /// How many.
+        samples: usize,
+        /// The largest, over the spread of the channel.
+        largest: f64,
+    },
+    /// A channel that ends at the limit of its range.
+    Clipping {
+        /// Samples at the limit.
+        samples: usize,
+        /// The limit, in the code's unit of the channel.
+        limit: f64,
+    },
+    /// A value that was repeated while the motion went on.
+    Held {
+        /// Samples that repeat.
+        samples: usize,
+        /// In how many stretches.
+        stretches: usize,
+    },
+    /// Samples that are not there.
+    Missing {
+        /// How many.
+        samples: usize,
+        /// In how many gaps.
+        gaps: usize,
+    },
+    /// Times that are not equal steps.
+    Jitter {
+        /// RMS deviation from equal steps, periods.
+        rms: f64,
+        /// Whether the samples were taken in equal steps all the same, and only the times are wrong.
+        stamps_only: bool,
+    },
+    /// Force and displacement that are not of the same time.
+    Shifted {
+        /// By how much the force is late, s; negative when it is early.
+        late: f64,
+    },
+    /// A sign that is turned.
+    Flipped,
+    /// A unit that is not the one that the column's name says.
+    Unit {
+        /// What the channel was multiplied by, or would have to be.
+        factor: f64,
+        /// Samples of which that is so.
+        samples: usize,
+        /// Whether it was done.
+        mended: bool,
+    },
+    /// A velocity that is not the derivative of the displacement.
+    NotDerivative,
+}
+
+/// A fault found in a recording.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Fault {
+    /// Where.
+    pub channel: Channel,
+    /// What.
+    pub kind: Kind,
+}
+
+impl std::fmt::Display for Fault {
+    /// What is wrong, how much of it, and what was done.
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        let channel = self.channel.name();
+        let left = match self.channel {
+            Channel::Force => "left out",
+            _ => "replaced by what the samples around them say",
+        };
+        match self.kind {
+            Kind::Spikes { samples, largest } => write!(
+                f,
+                "spikes in the {channel}: {}, the largest {largest:.1} times the channel's spread; {left}",
+                counted(samples)
+            ),
+            Kind::Clipping { samples, limit } => write!(
+                f,
+                "clipping of the {channel} at {limit:.4} {}: {}; {left}",
+                if self.channel == Channel::Force { "kN" } else { "mm" },
+                counted(samples)
+            ),
+            Kind::Held { samples, stretches } => write!(
+                f,
+                "the {channel} stands still while the motion goes on: {} in {}; {left}",
+                counted(samples),
+                stretches_of(stretches, "stretch", "stretches")
+            ),
+            Kind::Missing { samples, gaps } => write!(
+                f,
+                "missing samples: {samples} in {}; the force there was left out, the motion bridged",
+                stretches_of(gaps, "gap", "gaps")
+            ),
+            Kind::Jitter { rms, stamps_only: true } => write!(
+                f,
+                "jitter of the times, {rms:.2} of a period RMS: the displacement is smoother over equal steps, so the \
+                 samples were taken to be equally spaced"
+            ),
+            Kind::Jitter { rms, stamps_only: false } => write!(
+                f,
+                "jitter of the times, {rms:.2} of a period RMS: the channels were interpolated at equal steps"
+            ),
+            Kind::Shifted { late } => write!(
+                f,
+                "channels shifted in time: the force is {} by {:.2} ms, which no passive damper can be; it was moved back",
+                if late < 0.0 { "early" } else { "late" },
+                1e3 * late.abs()
+            ),
+            Kind::Flipped if self.channel == Channel::Velocity => write!(
+                f,
+                "sign of the velocity flipped: it runs against the displacement; it was turned"
+            ),
+            Kind::Flipped => write!(
+                f,
+                "sign of the force flipped: as recorded the specimen would give energy and push along with the \
+                 motion; it was turned"
+            ),
+            Kind::Unit { factor, samples, mended } => {
+                let what = if mended {
+                    format!("{} multiplied by {factor:e}", was(samples))
+                } else {
+                    "nothing was changed: check the unit in the column's name, every size found is off by that".into()
+                };
+                write!(
+                    f,
+                    "units of the {channel} off by {:.0}: {what}",
+                    factor.max(1.0 / factor)
+                )
+            }
+            Kind::NotDerivative => write!(
+                f,
+                "the velocity is not the derivative of the displacement; it was left out and the derivative taken"
+            ),
+        }
+    }
+}
+
+/// The faults in one line.
+pub(super) fn listed(faults: &[Fault]) -> String {
+    let texts: Vec<String> = faults.iter().map(Fault::to_string).collect();
+    texts.join("; ")
+}
+
+fn was(samples: usize) -> String {
+    let verb = if samples == 1 { "was" } else { "were" };
+    format!("{} {verb}", counted(samples))
+}
+
+fn stretches_of(count: usize, one: &str, many: &str) -> String {
+    format!("{count} {}", if count == 1 { one } else { many })
+}
+
+impl Recording {
+    /// The recording with the channels mended that are wrong as a whole or from some time on: a sign, a unit. What was
+    /// mended is in [`Recording::faults`]; mending twice changes nothing more.
+    #[must_use]
+    pub fn mended(&self) -> Self {
+        let mut recording = self.clone();
+        scale::mend(&mut recording);
+        sign::mend(&mut recording);
+        recording
+    }
+
+    /// What [`Recording::mended`] mended.
+    pub fn faults(&self) -> &[Fault] {
+        &self.faults
+    }
+}
+
+/// Finds faults of single samples, takes them out of what counts as measured, and bridges the displacement.
+pub(super) fn examine(uniform: &mut Uniform) -> Vec<Fault> {
+    let mut faults = Vec::new();
+    let count = uniform.len();
+    let mut absent = [vec![false; count], vec![false; count]];
+    let present: Vec<bool> = uniform.measured.clone();
+    held::find(uniform, &present, &mut absent, &mut faults);
+    clipping::find(uniform, &present, &mut absent, &mut faults);
+    spikes::find(uniform, &present, &mut absent, &mut faults);
+    let [no_displacement, no_force] = absent;
+    let unknown: Vec<bool> = (0..count)
+        .map(|index| no_displacement[index] || !present[index])
+        .collect();
+    bridge::bridge(&mut uniform.displacement, &unknown, uniform.period);
+    for index in 0..count {
+        if no_force[index] || no_displacement[index] {
+            uniform.measured[index] = false;
+        }
+    }
+    bridge::bridge(&mut uniform.force, &no_force, uniform.period);
+    velocity::examine(uniform, &unknown, &mut faults);
+    faults
+}
+
+/// Runs of `true`.
+fn runs(marked: &[bool]) -> Vec<std::ops::Range<usize>> {
+    let mut runs = Vec::new();
+    let mut index = 0;
+    while index < marked.len() {
+        if !marked[index] {
+            index += 1;
+            continue;
+        }
+        let start = index;
+        while index < marked.len() && marked[index] {
+            index += 1;
+        }
+        runs.push(start..index);
+    }
+    runs
+}
+
+/// The value below which `part` (0…1) of `values` lie; 0 of none.
+fn quantile(values: &mut [f64], part: f64) -> f64 {
+    if values.is_empty() {
+        return 0.0;
+    }
+    let place = ((values.len() - 1) as f64 * part).round() as usize;
+    *values.select_nth_unstable_by(place, f64::total_cmp).1
+}
+
+/// Median of the `2·half + 1` values around each; those nearer to an end than `half` stay.
+fn median_filtered(values: &[f64], half: usize) -> Vec<f64> {
+    let mut filtered = values.to_vec();
+    let mut window = vec![0.0; 2 * half + 1];
+    for (index, around) in values.windows(2 * half + 1).enumerate() {
+        window.copy_from_slice(around);
+        filtered[index + half] = *window.select_nth_unstable_by(half, f64::total_cmp).1;
+    }
+    filtered
+}
+
+/// Spread of a channel: what nine tenths of its samples lie within, about the median.
+fn spread(values: &[f64]) -> f64 {
+    let median = quantile(&mut values.to_vec(), 0.5);
+    let mut apart: Vec<f64> = values.iter().map(|value| (value - median).abs()).collect();
+    quantile(&mut apart, 0.9)
+}

@@ -1,0 +1,250 @@
+//! Units off by a thousand: from some time on, or of a whole recording.
+
+use std::ops::Range;
+
+use super::super::Recording;
+use super::{Channel, Fault, Kind, spread};
+
+/// Stretch before and after which sizes are compared, as a part of the recording, and at least so many samples.
+const STRETCH: f64 = 0.05;
+const SHORTEST: usize = 16;
+/// A size that changes by more than this factor at once has changed its unit: no programme of one specimen does.
+const UNIT_APART: f64 = 200.0;
+/// By less than this factor, and it has not.
+const SAME_UNIT: f64 = 12.0;
+/// What units differ by.
+const THOUSAND: f64 = 1000.0;
+/// Stretches that a unit may change in before the recording is left as it is.
+const MOST_CHANGES: usize = 6;
+/// Force per displacement that a mesh damper of these sizes can have, kN/mm: the paper's lie in 0.2 … 9.
+const MESH_STIFFNESS: Range<f64> = 0.01..30.0;
+/// Displacements that such a damper is tested with, mm; its height is 15 mm.
+const MESH_TRAVEL: Range<f64> = 0.002..8.0;
+/// Force per displacement above which nothing that is called a damper lies, kN/mm.
+const STIFFEST: f64 = 300.0;
+/// Least correlation with the other channel of one that is in motion.
+const FOLLOWS: f64 = 0.3;
+/// Samples about which the change is sought.
+const NEAR: usize = 24;
+/// How far a declared sampling rate may be from that of the times.
+const SAME_RATE: f64 = 0.05;
+
+/// Mends units that change within a recording, and those of a declared mesh damper; says what cannot be decided.
+pub(super) fn mend(recording: &mut Recording) {
+    for channel in [Channel::Force, Channel::Displacement] {
+        mend_changes(recording, channel);
+    }
+    let stiffness = stiffness(recording);
+    let travel = spread(&recording.displacement);
+    let is_known = |recording: &Recording, channel| {
+        let known = |fault: &Fault| fault.channel == channel && matches!(fault.kind, Kind::Unit { .. });
+        recording.faults.iter().any(known)
+    };
+    if is_mesh(recording) {
+        for factor in [1.0 / THOUSAND, THOUSAND] {
+            if !MESH_TRAVEL.contains(&travel)
+                && MESH_TRAVEL.contains(&(travel * factor))
+                && MESH_STIFFNESS.contains(&(stiffness / factor))
+            {
+                multiply(recording, Channel::Displacement, 0..recording.len(), factor);
+                return;
+            }
+            if MESH_TRAVEL.contains(&travel)
+                && !MESH_STIFFNESS.contains(&stiffness)
+                && MESH_STIFFNESS.contains(&(stiffness * factor))
+            {
+                multiply(recording, Channel::Force, 0..recording.len(), factor);
+                return;
+            }
+        }
+    }
+    if stiffness > STIFFEST && !is_known(recording, Channel::Force) {
+        say(recording, Channel::Force, 1.0 / THOUSAND, recording.len(), false);
+    }
+    if let Some(rate) = declared_rate(recording)
+        && !is_known(recording, Channel::Time)
+    {
+        let factor = 1.0 / (rate * recording.sample_period());
+        if [THOUSAND, 1.0 / THOUSAND].iter().any(|unit| (factor / unit - 1.0).abs() < SAME_RATE) {
+            say(recording, Channel::Time, factor, recording.len(), false);
+        }
+    }
+}
+
+fn values(recording: &Recording, channel: Channel) -> &[f64] {
+    match channel {
+        Channel::Displacement => &recording.displacement,
+        _ => &recording.force,
+    }
+}
+
+fn multiply(recording: &mut Recording, channel: Channel, samples: Range<usize>, factor: f64) {
+    let count = samples.len();
+    let values = match channel {
+        Channel::Displacement => &mut recording.displacement,
+        _ => &mut recording.force,
+    };
+    values[samples].iter_mut().for_each(|value| *value *= factor);
+    say(recording, channel, factor, count, true);
+}
+
+fn say(recording: &mut Recording, channel: Channel, factor: f64, samples: usize, mended: bool) {
+    let kind = Kind::Unit {
+        factor,
+        samples,
+        mended,
+    };
+    recording.faults.push(Fault { channel, kind });
+}
+
+/// Finds where the size of one channel, and not that of the other, jumps by a unit, and mends the smaller part.
+fn mend_changes(recording: &mut Recording, channel: Channel) {
+    let other = match channel {
+        Channel::Force => Channel::Displacement,
+        _ => Channel::Force,
+    };
+    let mut levels: Vec<(usize, i32)> = vec![(0, 0)];
+    let mut mended = values(recording, channel).to_vec();
+    for _ in 0..MOST_CHANGES {
+        let Some((at, up)) = change(&mended, values(recording, other)) else {
+            break;
+        };
+        let factor = if up { 1.0 / THOUSAND } else { THOUSAND };
+        mended[at..].iter_mut().for_each(|value| *value *= factor);
+        levels.push((at, if up { 1 } else { -1 }));
+    }
+    if levels.len() == 1 || change(&mended, values(recording, other)).is_some() {
+        return;
+    }
+    // Thousands that each sample is above the first one's unit.
+    levels.sort_by_key(|&(at, _)| at);
+    let count = mended.len();
+    let mut above = vec![0; count];
+    for &(at, step) in &levels {
+        above[at..].iter_mut().for_each(|above| *above += step);
+    }
+    // The unit of most of the samples is the right one.
+    let most = (-1..=1).max_by_key(|level| above.iter().filter(|above| *above == level).count());
+    let most = most.unwrap_or(0);
+    let wrong = above.iter().filter(|&&level| level != most).count();
+    let towards = (above.iter().find(|&&level| level != most)).map_or(0, |&level| most - level);
+    let values = match channel {
+        Channel::Displacement => &mut recording.displacement,
+        _ => &mut recording.force,
+    };
+    for (value, level) in values.iter_mut().zip(&above) {
+        *value *= THOUSAND.powi(most - level);
+    }
+    say(recording, channel, THOUSAND.powi(towards), wrong, true);
+}
+
+/// Where the size of `values` jumps by a unit for good, or for a stretch, while `other` goes on; and whether upwards.
+fn change(values: &[f64], other: &[f64]) -> Option<(usize, bool)> {
+    let stretch = ((STRETCH * values.len() as f64) as usize).max(SHORTEST);
+    if values.len() < 3 * stretch {
+        return None;
+    }
+    let (own, others) = (Sizes::of(values), Sizes::of(other));
+    let ratio = |sizes: &Sizes, at: usize| {
+        sizes.deviation(at..at + stretch) / sizes.deviation(at - stretch..at)
+    };
+    let beyond = |ratio: f64| ratio.max(1.0 / ratio);
+    let (at, _) = (stretch..values.len() - stretch)
+        .map(|at| (at, beyond(ratio(&own, at))))
+        .filter(|&(at, jump)| {
+            let others = beyond(ratio(&others, at));
+            jump > UNIT_APART && jump < UNIT_APART * UNIT_APART && others < SAME_UNIT
+        })
+        .max_by(|a, b| a.1.total_cmp(&b.1))?;
+    let up = ratio(&own, at) > 1.0;
+    let smaller = if up { at - stretch..at } else { at..at + stretch };
+    // A channel at rest is small too, but does not follow the other.
+    if correlation(&values[smaller.clone()], &other[smaller.clone()]).abs() < FOLLOWS {
+        return None;
+    }
+    let around = at - stretch..at + stretch;
+    let too_large = |index: &usize| values[*index].abs() > SAME_UNIT * own.rms(smaller.clone());
+    let at = if up {
+        around.clone().find(too_large)?
+    } else {
+        around.clone().rev().find(too_large)? + 1
+    };
+    // Samples about 0 are not too large in either unit: the change is where what was mended is smoothest.
+    let near = at.saturating_sub(NEAR).max(2)..(at + NEAR).min(values.len() - 2);
+    let roughness = |change: usize| -> f64 {
+        let factor = if up { 1.0 / THOUSAND } else { THOUSAND };
+        let mended = |index: usize| values[index] * if index < change { 1.0 } else { factor };
+        let bend = |index: usize| mended(index + 1) - 2.0 * mended(index) + mended(index - 1);
+        let size = if up { 1.0 } else { THOUSAND };
+        near.clone().map(|index| (bend(index) / size).powi(2)).sum()
+    };
+    let at = near.clone().min_by(|&a, &b| roughness(a).total_cmp(&roughness(b)))?;
+    Some((at, up))
+}
+
+/// Correlation of two channels.
+fn correlation(a: &[f64], b: &[f64]) -> f64 {
+    let mean = |values: &[f64]| values.iter().sum::<f64>() / values.len() as f64;
+    let (mean_a, mean_b) = (mean(a), mean(b));
+    let (mut ab, mut aa, mut bb) = (0.0, 0.0, 0.0);
+    for (a, b) in a.iter().zip(b) {
+        let (a, b) = (a - mean_a, b - mean_b);
+        ab += a * b;
+        aa += a * a;
+        bb += b * b;
+    }
+    if aa * bb > 0.0 { ab / (aa * bb).sqrt() } else { 0.0 }
+}
+
+/// Sums of values and of their squares up to each sample.
+struct Sizes(Vec<(f64, f64)>);
+
+impl Sizes {
+    fn of(values: &[f64]) -> Self {
+        let (mut sum, mut square) = (0.0, 0.0);
+        let sums = values.iter().map(|value| {
+            sum += value;
+            square += value * value;
+            (sum, square)
+        });
+        Self(std::iter::once((0.0, 0.0)).chain(sums).collect())
+    }
+
+    fn mean_square(&self, samples: &Range<usize>) -> (f64, f64) {
+        let ((from, from_square), (to, to_square)) = (self.0[samples.start], self.0[samples.end]);
+        let count = samples.len() as f64;
+        ((to - from) / count, (to_square - from_square) / count)
+    }
+
+    fn rms(&self, samples: Range<usize>) -> f64 {
+        self.mean_square(&samples).1.sqrt()
+    }
+
+    /// About the stretch's own mean; never 0.
+    fn deviation(&self, samples: Range<usize>) -> f64 {
+        let (mean, square) = self.mean_square(&samples);
+        (square - mean * mean).max(1e-14 * square).sqrt().max(f64::MIN_POSITIVE)
+    }
+}
+
+/// Force per displacement, kN/mm; no spike decides.
+fn stiffness(recording: &Recording) -> f64 {
+    spread(&recording.force) / spread(&recording.displacement)
+}
+
+/// Whether the comments declare a metal mesh damper.
+fn is_mesh(recording: &Recording) -> bool {
+    ["specimen", "device"]
+        .iter()
+        .filter_map(|key| recording.declared(key))
+        .any(|text| text.contains("MMD") || text.to_lowercase().contains("mesh"))
+}
+
+/// `sample_rate_hz = 500` in the comments, Hz.
+fn declared_rate(recording: &Recording) -> Option<f64> {
+    recording.comments.iter().find_map(|comment| {
+        let (name, rate) = comment.split_once(['=', ':'])?;
+        let is_rate = name.trim().eq_ignore_ascii_case("sample_rate_hz");
+        is_rate.then(|| rate.trim().parse().ok()).flatten()
+    })
+}

@@ -1,0 +1,163 @@
+//! Force and displacement that are not of the same time.
+
+use nalgebra::{SMatrix, SVector};
+
+use super::super::cycles::Block;
+use super::super::trajectory::Trajectory;
+use super::{Channel, Fault, Kind};
+
+/// Samples that a shift is judged on, at most.
+const MOST_ROWS: usize = 3000;
+/// Shifts are sought up to this part of the shortest period, and up to so many ticks: filters and loggers are late by no
+/// more, and a slow specimen with memory may look as if it were early by more.
+const REACH: f64 = 0.3;
+const MOST_TICKS: usize = 64;
+/// The least shift that is said, ticks.
+const LEAST: f64 = 0.7;
+/// A shift has to bring the error of a general damper below this part of what it is unshifted,
+const BETTER: f64 = 0.6;
+/// and below this part of the force: what no such damper describes says nothing about its times.
+const DESCRIBED: f64 = 0.12;
+/// of one frequency only, where a phase may be a loss as well as a time, below this.
+const WELL_DESCRIBED: f64 = 0.05;
+/// A block of so many cycles has a frequency.
+const STEADY: usize = 3;
+/// Frequencies that differ by this factor are several.
+const SEVERAL: f64 = 1.4;
+/// Functions of the motion of which a general damper's force is a sum.
+const FUNCTIONS: usize = 9;
+
+/// Time by which the force is late against the displacement.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(in super::super) struct Shift {
+    /// Ticks; negative when the force is early.
+    pub late: f64,
+}
+
+impl Shift {
+    /// The shift of `trajectory` where it is one that no passive damper has: a force that is early, or late by more than
+    /// its loss angle, so that it gives energy. A lag below that is what the trace calls `delay`.
+    ///
+    /// A force that comes with the motion, its powers, the direction of the motion, its velocity and its acceleration
+    /// is regressed on those at every shift; the shift that leaves least is the channels'.
+    pub fn find(trajectory: &Trajectory) -> Option<Self> {
+        let steady = |block: &&Block| block.cycles.len() >= STEADY;
+        let frequencies = || trajectory.blocks.iter().filter(steady).map(|block| block.frequency);
+        let highest = frequencies().fold(0.0, f64::max);
+        let lowest = frequencies().fold(f64::INFINITY, f64::min);
+        let shortest = 1.0 / (highest * trajectory.tick);
+        let reach = ((REACH * shortest) as usize).min(MOST_TICKS);
+        if highest == 0.0 || reach < 2 || trajectory.len() < 8 * reach {
+            return None;
+        }
+        let rows = Rows::of(trajectory, reach);
+        let left: Vec<f64> = (0..=2 * reach)
+            .map(|step| rows.left(trajectory, step as isize - reach as isize))
+            .collect();
+        let (best, &least) = left.iter().enumerate().min_by(|a, b| a.1.total_cmp(b.1))?;
+        if best == 0 || best == 2 * reach {
+            return None;
+        }
+        // The vertex of the parabola through the least and its neighbours.
+        let (before, after) = (left[best - 1], left[best + 1]);
+        let vertex = 0.5 * (before - after) / (before - 2.0 * least + after);
+        let late = best as f64 - reach as f64 + vertex;
+        let described = if highest > SEVERAL * lowest {
+            DESCRIBED
+        } else {
+            WELL_DESCRIBED
+        };
+        let better = least < BETTER * BETTER * left[reach] && least < described * described;
+        let impossible = late < 0.0 || gives_energy(trajectory);
+        (better && impossible && late.abs() >= LEAST).then_some(Self { late })
+    }
+
+    /// `force` moved back by this shift, between ticks by a cubic; ends are held.
+    pub fn undone(self, force: &[f64]) -> Vec<f64> {
+        let last = force.len() - 1;
+        let at = |index: isize| force[index.clamp(0, last as isize) as usize];
+        (0..force.len())
+            .map(|index| {
+                let place = index as f64 + self.late;
+                let (whole, u) = (place.floor() as isize, place - place.floor());
+                let [a, b, c, d] = [-1, 0, 1, 2].map(|offset| at(whole + offset));
+                // Catmull–Rom.
+                b + 0.5 * u * (c - a + u * (2.0 * a - 5.0 * b + 4.0 * c - d + u * (3.0 * (b - c) + d - a)))
+            })
+            .collect()
+    }
+
+    /// What is said of it, at `tick` s.
+    pub fn fault(self, tick: f64) -> Fault {
+        Fault {
+            channel: Channel::Force,
+            kind: Kind::Shifted {
+                late: self.late * tick,
+            },
+        }
+    }
+}
+
+/// Whether the specimen gives energy in the block of highest frequency.
+fn gives_energy(trajectory: &Trajectory) -> bool {
+    let fastest = trajectory.blocks.iter().max_by(|a, b| a.frequency.total_cmp(&b.frequency));
+    fastest.is_some_and(|block| {
+        let whole = block.cycles.first().map_or(0, |cycle| cycle.start)
+            ..block.cycles.last().map_or(0, |cycle| cycle.end);
+        let power = |index: usize| trajectory.force[index] * trajectory.motion.velocity[index];
+        whole.clone().map(power).sum::<f64>() < 0.0
+    })
+}
+
+/// Samples of the motion, evenly picked, with the functions of it and the inverse of their Gram matrix.
+struct Rows {
+    samples: Vec<usize>,
+    functions: Vec<SVector<f64, FUNCTIONS>>,
+    gram_inverse: SMatrix<f64, FUNCTIONS, FUNCTIONS>,
+}
+
+impl Rows {
+    fn of(trajectory: &Trajectory, reach: usize) -> Self {
+        let motion = &trajectory.motion;
+        let largest = |values: &[f64]| values.iter().fold(f64::MIN_POSITIVE, |a: f64, v| a.max(v.abs()));
+        let (y_max, v_max, a_max) = (
+            largest(&motion.displacement),
+            largest(&motion.velocity),
+            largest(&motion.acceleration),
+        );
+        let inner = reach..trajectory.len() - reach;
+        let every = inner.len().div_ceil(MOST_ROWS).max(1);
+        let samples: Vec<usize> = inner.step_by(every).collect();
+        let functions: Vec<SVector<f64, FUNCTIONS>> = samples
+            .iter()
+            .map(|&index| {
+                let y = motion.displacement[index] / y_max;
+                let v = motion.velocity[index] / v_max;
+                let a = motion.acceleration[index] / a_max;
+                let friction = v.signum() * v.abs().powf(0.3);
+                SVector::from([1.0, y, y * y, y.powi(3), y.powi(5), friction, v, y.abs() * friction, a])
+            })
+            .collect();
+        let mut gram = SMatrix::<f64, FUNCTIONS, FUNCTIONS>::identity() * (1e-9 * samples.len() as f64);
+        for row in &functions {
+            gram += row * row.transpose();
+        }
+        Self {
+            samples,
+            functions,
+            gram_inverse: gram.try_inverse().unwrap_or_else(SMatrix::zeros),
+        }
+    }
+
+    /// Sum of squares that the functions leave of the force `shift` ticks later, over the force's own.
+    fn left(&self, trajectory: &Trajectory, shift: isize) -> f64 {
+        let mut right = SVector::<f64, FUNCTIONS>::zeros();
+        let mut power = 0.0;
+        for (&sample, row) in self.samples.iter().zip(&self.functions) {
+            let force = trajectory.force[sample.saturating_add_signed(shift)];
+            right += row * force;
+            power += force * force;
+        }
+        1.0 - right.dot(&(self.gram_inverse * right)) / power
+    }
+}

@@ -1,0 +1,228 @@
+//! Samples that stand out from both of their neighbours, and from what the channel does elsewhere in the same state.
+
+use std::collections::HashMap;
+
+use super::super::motion::noise_deviation;
+use super::super::resample::Uniform;
+use super::{Channel, Fault, Kind, bridge, median_filtered, quantile, runs, spread};
+
+/// Samples to each side of the running median: up to this many in a row are seen as one spike.
+const HALF: usize = 3;
+/// A spike stands out by more than so many deviations of the noise,
+const NOISES: f64 = 8.0;
+/// and by more than this part of the channel's spread,
+const SMALLEST: f64 = 0.06;
+/// above which it is a large one,
+const LARGE: f64 = 0.25;
+/// and so many times more than nine tenths of the samples in the same state: contact and friction come back in
+/// every cycle; small spikes have to be the rarer,
+const TIMES_USUAL: [f64; 2] = [8.0, 4.0];
+/// and so many times more than nine tenths of the samples around it: a tone comes back too,
+const TIMES_AROUND: [f64; 2] = [8.0, 3.0];
+/// of which there are this many to each side.
+const AROUND: usize = 25;
+/// Fewest samples that say what is usual in a state.
+const ENOUGH: usize = 20;
+/// More than this part of all samples, and it is how the channel is and no fault.
+const MOST: f64 = 0.08;
+/// How often the channel is searched.
+const PASSES: usize = 4;
+/// Levels of displacement that states are told apart by.
+const LEVELS: f64 = 16.0;
+
+/// Marks the spikes of displacement and force in `absent`, and mends those of velocity and temperature.
+pub(super) fn find(
+    uniform: &mut Uniform,
+    present: &[bool],
+    absent: &mut [Vec<bool>; 2],
+    faults: &mut Vec<Fault>,
+) {
+    let states = states(&uniform.displacement);
+    let period = uniform.period;
+    let mut examine = |channel, values: &[f64], absent: &[bool]| -> Vec<bool> {
+        let usable: Vec<bool> = present.iter().zip(absent).map(|(p, a)| *p && !a).collect();
+        let found = Spikes::of(values, &states, &usable);
+        if found.samples > 0 {
+            let kind = Kind::Spikes {
+                samples: found.samples,
+                largest: found.largest / spread(values),
+            };
+            faults.push(Fault { channel, kind });
+        }
+        found.marked
+    };
+    let [no_displacement, no_force] = absent;
+    for (channel, values, absent) in [
+        (Channel::Displacement, &uniform.displacement, no_displacement),
+        (Channel::Force, &uniform.force, no_force),
+    ] {
+        let spiked = examine(channel, values, absent);
+        absent.iter_mut().zip(spiked).for_each(|(absent, spiked)| *absent |= spiked);
+    }
+    let nothing = vec![false; present.len()];
+    for (channel, values) in [
+        (Channel::Velocity, &mut uniform.velocity),
+        (Channel::Temperature, &mut uniform.temperature),
+    ] {
+        if let Some(values) = values {
+            let spiked = examine(channel, values, &nothing);
+            bridge::bridge(values, &spiked, period);
+        }
+    }
+}
+
+/// Level of displacement, and direction and octave of its change: where on its way the motion is at a sample.
+type State = (i32, i32);
+
+/// The state at every sample, read off the displacement without its spikes.
+fn states(displacement: &[f64]) -> Vec<State> {
+    let y = median_filtered(displacement, HALF);
+    let range = 2.0 * spread(&y).max(f64::MIN_POSITIVE);
+    (0..y.len())
+        .map(|index| {
+            let (before, after) = (index.saturating_sub(HALF), (index + HALF).min(y.len() - 1));
+            let change = (y[after] - y[before]) / range;
+            let octave = (change.abs() * 256.0).max(1.0).log2().floor() as i32;
+            let level = (y[index] / range * LEVELS).floor() as i32;
+            (level, (octave + 1) * change.signum() as i32)
+        })
+        .collect()
+}
+
+struct Spikes {
+    marked: Vec<bool>,
+    samples: usize,
+    largest: f64,
+}
+
+impl Spikes {
+    fn of(values: &[f64], states: &[State], usable: &[bool]) -> Self {
+        let mut found = Self {
+            marked: vec![false; values.len()],
+            samples: 0,
+            largest: 0.0,
+        };
+        let spread = spread(values);
+        let floor = (NOISES * noise_deviation(values)).max(SMALLEST * spread);
+        let mut left = values.to_vec();
+        let unusable: Vec<bool> = usable.iter().map(|usable| !usable).collect();
+        bridge::lines(&mut left, &unusable);
+        // Large ones hide small ones beside them.
+        for _ in 0..PASSES {
+            let before = found.samples;
+            found.look(&left, states, usable, floor, LARGE * spread);
+            if found.samples == before {
+                break;
+            }
+            bridge::lines(&mut left, &found.marked);
+        }
+        if found.samples as f64 > MOST * values.len() as f64 {
+            found.marked.fill(false);
+            found.samples = 0;
+        }
+        found
+    }
+
+    fn look(&mut self, values: &[f64], states: &[State], usable: &[bool], floor: f64, large: f64) {
+        let median = median_filtered(values, HALF);
+        let apart: Vec<f64> = values.iter().zip(&median).map(|(x, m)| x - m).collect();
+        let mut usual = Usual::of(&apart, states);
+        let mut candidates = vec![false; values.len()];
+        for index in HALF..values.len().saturating_sub(HALF) {
+            let size = apart[index].abs();
+            let tier = usize::from(size > large);
+            candidates[index] = usable[index]
+                && !self.marked[index]
+                && size > floor
+                && size > TIMES_USUAL[tier] * usual.at(states[index])
+                && size > TIMES_AROUND[tier] * around(&apart, index);
+        }
+        for run in runs(&candidates) {
+            let largest = apart[run.clone()].iter().fold(0.0_f64, |a, &b| if b.abs() > a.abs() { b } else { a });
+            // The median of a few spikes and their neighbours is off, and the neighbours from it.
+            let high = |&index: &usize| apart[index] * largest.signum() > 0.4 * largest.abs();
+            let (Some(first), Some(last)) = (run.clone().find(high), run.clone().rev().find(high)) else {
+                continue;
+            };
+            let run = first..last + 1;
+            if run.len() <= HALF && stands_out(values, run.clone(), largest.signum(), floor.max(0.3 * largest.abs())) {
+                self.marked[run.clone()].fill(true);
+                self.samples += run.len();
+                self.largest = self.largest.max(largest.abs());
+            }
+        }
+    }
+}
+
+/// Whether all of `run` lies beyond what either side leads to, by more than `least`, in the direction `sign`. A step, the
+/// corner of a triangle and a turn of the motion are led to from one side at least.
+fn stands_out(values: &[f64], run: std::ops::Range<usize>, sign: f64, least: f64) -> bool {
+    let beyond = |index: usize, near: usize, far: usize| {
+        let slope = (values[near] - values[far]) / (near as f64 - far as f64);
+        let led_to = values[near] + slope * (index as f64 - near as f64);
+        sign * values[index] - (sign * values[near]).max(sign * led_to)
+    };
+    let (Some(far_left), far_right) = (run.start.checked_sub(HALF), run.end + HALF - 1) else {
+        return false;
+    };
+    if far_right >= values.len() {
+        return false;
+    }
+    let (left, right) = (run.start - 1, run.end);
+    run.into_iter().all(|index| {
+        beyond(index, left, far_left) > least && beyond(index, right, far_right) > least
+    })
+}
+
+/// Nine tenths of the samples around `index`, it and its neighbours left out, lie nearer to the running median than this.
+fn around(apart: &[f64], index: usize) -> f64 {
+    let before = &apart[index.saturating_sub(AROUND)..index.saturating_sub(HALF)];
+    let after = &apart[(index + HALF + 1).min(apart.len())..(index + AROUND + 1).min(apart.len())];
+    let mut apart: Vec<f64> = before.iter().chain(after).map(|a| a.abs()).collect();
+    quantile(&mut apart, 0.9)
+}
+
+/// How far from the running median samples usually lie, state by state.
+struct Usual {
+    apart: HashMap<State, Vec<f64>>,
+    known: HashMap<State, f64>,
+    everywhere: f64,
+}
+
+impl Usual {
+    fn of(apart: &[f64], states: &[State]) -> Self {
+        let mut by_state: HashMap<State, Vec<f64>> = HashMap::new();
+        for (&apart, &state) in apart.iter().zip(states) {
+            by_state.entry(state).or_default().push(apart.abs());
+        }
+        let mut all: Vec<f64> = apart.iter().map(|apart| apart.abs()).collect();
+        Self {
+            apart: by_state,
+            known: HashMap::new(),
+            everywhere: quantile(&mut all, 0.9),
+        }
+    }
+
+    /// Nine tenths of the samples in a state lie nearer than this; of a rare state, those in the states around it.
+    fn at(&mut self, state: State) -> f64 {
+        if let Some(&known) = self.known.get(&state) {
+            return known;
+        }
+        let mut usual = self.everywhere;
+        for reach in 0..=3 {
+            let mut around: Vec<f64> = Vec::new();
+            for level in -reach..=reach {
+                for octave in -reach..=reach {
+                    let near = (state.0 + level, state.1 + octave);
+                    around.extend(self.apart.get(&near).into_iter().flatten());
+                }
+            }
+            if around.len() >= ENOUGH {
+                usual = quantile(&mut around, 0.9);
+                break;
+            }
+        }
+        self.known.insert(state, usual);
+        usual
+    }
+}
