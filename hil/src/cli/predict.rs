@@ -93,6 +93,9 @@ impl Predict {
         })?;
         let force = uniform.at_samples_of(&recording, &force);
 
+        for fault in &trajectory.faults {
+            warn(&format!("{}: {fault}", recording.name));
+        }
         let motion = &trajectory.motion;
         let beyond = FittedRange::of(&motion.displacement, &motion.velocity)
             .map_or(0.0, |motion| file.fitted_range().exceeded_by(&motion));

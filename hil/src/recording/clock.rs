@@ -1,5 +1,7 @@
 //! The clock behind a recording's times: equal steps, the tick that each sample belongs to, and how far times are off.
 
+use std::f64::consts::TAU;
+
 use super::faults::{Channel, Fault, Kind};
 
 /// A time that is off its tick by up to this fraction of a period is taken as it is: the rounding of printed times. At a
@@ -52,7 +54,9 @@ impl Clock {
             let ahead = if step > GAP { step.round() as usize } else { 1 };
             ticks.push(ticks[ticks.len() - 1] + ahead);
         }
-        let apart = time.windows(2).map(|pair| ((pair[1] - pair[0]) / period - 1.0).min(1.0));
+        let apart = time
+            .windows(2)
+            .map(|pair| ((pair[1] - pair[0]) / period - 1.0).min(1.0));
         Self {
             period,
             ticks,
@@ -68,18 +72,27 @@ impl Clock {
         let ahead: Vec<f64> = (0..time.len())
             .map(|index| (time[index] - start) / period - index as f64)
             .collect();
-        let missing: Vec<isize> = isotonic(&ahead).iter().map(|m| m.round() as isize).collect();
+        let missing: Vec<isize> = isotonic(&ahead)
+            .iter()
+            .map(|m| m.round() as isize)
+            .collect();
         let ticks: Vec<usize> = missing
             .iter()
             .enumerate()
             .map(|(index, m)| index.saturating_add_signed(m - missing[0]))
             .collect();
-        let apart: Vec<f64> = ahead.iter().zip(&missing).map(|(a, &m)| a - m as f64).collect();
+        let apart: Vec<f64> = ahead
+            .iter()
+            .zip(&missing)
+            .map(|(a, &m)| a - m as f64)
+            .collect();
         let jitter = rms(apart.iter().copied());
         if jitter > KEEPS_NO_CLOCK {
             return None;
         }
-        let largest = apart.iter().fold(0.0_f64, |largest, a| largest.max(a.abs()));
+        let largest = apart
+            .iter()
+            .fold(0.0_f64, |largest, a| largest.max(a.abs()));
         let rounded = largest * period <= 0.55 * rounding(time);
         let on_ticks = rounded || smoother_over_ticks(time, &ticks, displacement);
         Some(Self {
@@ -156,6 +169,7 @@ fn lock(time: &[f64]) -> Option<(f64, f64)> {
     let mut count = FIRST.min(time.len());
     loop {
         for _ in 0..3 {
+            start = phase(&time[..count], period);
             let ticks = |t: f64| ((t - start) / period).round();
             let n = count as f64;
             let mean_tick = time[..count].iter().map(|&t| ticks(t)).sum::<f64>() / n;
@@ -167,7 +181,7 @@ fn lock(time: &[f64]) -> Option<(f64, f64)> {
                 square += tick * tick;
             }
             let slope = product / square;
-            if !(slope > 0.0) {
+            if slope.is_nan() || slope <= 0.0 {
                 return None;
             }
             (start, period) = (mean_time - slope * mean_tick, slope);
@@ -179,6 +193,16 @@ fn lock(time: &[f64]) -> Option<(f64, f64)> {
     }
 }
 
+/// The tick next to the first of `time`, s: the direction of the mean of the times' phases, which half a tick of error in
+/// the first time cannot mislead.
+fn phase(time: &[f64], period: f64) -> f64 {
+    let (sin, cos) = time.iter().fold((0.0, 0.0), |(sin, cos), t| {
+        let (s, c) = (TAU * (t - time[0]) / period).sin_cos();
+        (sin + s, cos + c)
+    });
+    time[0] + sin.atan2(cos) / TAU * period
+}
+
 /// The least-squares fit of `values` that never falls: neighbours that fall are pooled.
 fn isotonic(values: &[f64]) -> Vec<f64> {
     let mut pools: Vec<(f64, usize)> = Vec::new();
@@ -188,20 +212,28 @@ fn isotonic(values: &[f64]) -> Vec<f64> {
             && mean > pool.0
         {
             let total = count + pool.1;
-            pool = ((mean * count as f64 + pool.0 * pool.1 as f64) / total as f64, total);
+            pool = (
+                (mean * count as f64 + pool.0 * pool.1 as f64) / total as f64,
+                total,
+            );
             pools.pop();
         }
         pools.push(pool);
     }
     let pooled = pools.into_iter();
-    pooled.flat_map(|(mean, count)| std::iter::repeat_n(mean, count)).collect()
+    pooled
+        .flat_map(|(mean, count)| std::iter::repeat_n(mean, count))
+        .collect()
 }
 
 /// The decimal step to which all of `time` were rounded, s; 0 where there is none above a nanosecond.
 fn rounding(time: &[f64]) -> f64 {
     (0..=9)
         .map(|decimals| 10f64.powi(-decimals))
-        .find(|step| time.iter().all(|t| (t / step - (t / step).round()).abs() < 1e-4))
+        .find(|step| {
+            time.iter()
+                .all(|t| (t / step - (t / step).round()).abs() < 1e-4)
+        })
         .unwrap_or(0.0)
 }
 

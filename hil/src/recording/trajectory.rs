@@ -54,10 +54,19 @@ impl Trajectory {
         let mut found = recording.faults().to_vec();
         found.extend(uniform.faults());
         found.extend(faults::examine(&mut uniform));
-        if uniform.measured.iter().filter(|&&measured| measured).count() < FEWEST_SAMPLES {
+        if uniform
+            .measured
+            .iter()
+            .filter(|&&measured| measured)
+            .count()
+            < FEWEST_SAMPLES
+        {
             return Err(InputError::new(
                 &recording.name,
-                format!("hardly a sample of it can be used: {}", faults::listed(&found)),
+                format!(
+                    "hardly a sample of it can be used: {}",
+                    faults::listed(&found)
+                ),
                 "mend the channels, or leave the recording out",
             ));
         }
@@ -141,7 +150,11 @@ impl Trajectory {
         self.force = shift.undone(&self.force);
         let count = self.len();
         let beyond = (shift.late.abs().ceil() as usize + 1).min(count);
-        let lost = if shift.late > 0.0 { count - beyond..count } else { 0..beyond };
+        let lost = if shift.late > 0.0 {
+            count - beyond..count
+        } else {
+            0..beyond
+        };
         let moved: Vec<bool> = (0..count)
             .map(|index| {
                 let from = (index as f64 + shift.late).round();

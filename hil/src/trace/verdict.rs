@@ -112,7 +112,7 @@ pub(super) fn warnings<'t>(
     }
     let left = selection.found.score.nrmse();
     let ratio = left / selection.goal;
-    if errors.1.nrmse_held_out > errors.0.nrmse_held_out {
+    if !model.effects.is_empty() && errors.1.nrmse_held_out > errors.0.nrmse_held_out {
         warnings.push(
             "on what was held out the law with what was added is no better than the law alone: don't use it there"
                 .to_owned(),

@@ -108,6 +108,9 @@ fn fit(
         left += (values[index] - at(index).dot(&coefficients)).powi(2);
         all += (values[index] - mean).powi(2);
     }
-    let filled = gap.clone().map(|index| at(index).dot(&coefficients)).collect();
+    let filled = gap
+        .clone()
+        .map(|index| at(index).dot(&coefficients))
+        .collect();
     Some((filled, (left / all).sqrt()))
 }

@@ -43,7 +43,10 @@ pub(super) fn find(
             let limit = side * limit;
             let kind = Kind::Clipping { samples, limit };
             faults.push(Fault { channel, kind });
-            absent.iter_mut().zip(marked).for_each(|(absent, marked)| *absent |= marked);
+            absent
+                .iter_mut()
+                .zip(marked)
+                .for_each(|(absent, marked)| *absent |= marked);
         }
     }
 }
@@ -51,7 +54,12 @@ pub(super) fn find(
 /// The upper limit of `values` and the samples at it.
 fn at_limit(values: &[f64], present: &[bool]) -> Option<(f64, Vec<bool>)> {
     let same = SAME * spread(values);
-    let limit = values.iter().zip(present).filter(|(_, p)| **p).map(|(v, _)| *v).fold(f64::NEG_INFINITY, f64::max);
+    let limit = values
+        .iter()
+        .zip(present)
+        .filter(|(_, p)| **p)
+        .map(|(v, _)| *v)
+        .fold(f64::NEG_INFINITY, f64::max);
     let marked: Vec<bool> = values
         .iter()
         .zip(present)

@@ -89,14 +89,21 @@ fn held(values: &[f64], present: &[bool]) -> Vec<std::ops::Range<usize>> {
 fn often_around(repeats: &[bool], run: &std::ops::Range<usize>) -> f64 {
     let before = &repeats[run.start.saturating_sub(AROUND)..=run.start];
     let after = &repeats[run.end..(run.end + AROUND).min(repeats.len())];
-    let equal = before.iter().chain(after).filter(|&&repeats| repeats).count();
+    let equal = before
+        .iter()
+        .chain(after)
+        .filter(|&&repeats| repeats)
+        .count();
     equal as f64 / (before.len() + after.len()) as f64
 }
 
 /// Whether the channel jumps when it is let go, by more than the steps, the rounding and the noise before it was held.
 fn jumps(values: &[f64], run: &std::ops::Range<usize>, step: f64, noise: f64) -> bool {
     let before = &values[run.start.saturating_sub(2 * SHORTEST)..=run.start];
-    let mut steps: Vec<f64> = before.windows(2).map(|pair| (pair[1] - pair[0]).abs()).collect();
+    let mut steps: Vec<f64> = before
+        .windows(2)
+        .map(|pair| (pair[1] - pair[0]).abs())
+        .collect();
     let jump = (values[run.end] - values[run.start]).abs();
     jump > JUMP * (0.5 * quantile(&mut steps, 0.5)).max(step).max(noise)
 }

@@ -133,7 +133,11 @@ impl std::fmt::Display for Fault {
             Kind::Clipping { samples, limit } => write!(
                 f,
                 "clipping of the {channel} at {limit:.4} {}: {}; {left}",
-                if self.channel == Channel::Force { "kN" } else { "mm" },
+                if self.channel == Channel::Force {
+                    "kN"
+                } else {
+                    "mm"
+                },
                 counted(samples)
             ),
             Kind::Held { samples, stretches } => write!(
@@ -147,12 +151,18 @@ impl std::fmt::Display for Fault {
                 "missing samples: {samples} in {}; the force there was left out, the motion bridged",
                 stretches_of(gaps, "gap", "gaps")
             ),
-            Kind::Jitter { rms, stamps_only: true } => write!(
+            Kind::Jitter {
+                rms,
+                stamps_only: true,
+            } => write!(
                 f,
                 "jitter of the times, {rms:.2} of a period RMS: the displacement is smoother over equal steps, so the \
                  samples were taken to be equally spaced"
             ),
-            Kind::Jitter { rms, stamps_only: false } => write!(
+            Kind::Jitter {
+                rms,
+                stamps_only: false,
+            } => write!(
                 f,
                 "jitter of the times, {rms:.2} of a period RMS: the channels were interpolated at equal steps"
             ),
@@ -171,7 +181,11 @@ impl std::fmt::Display for Fault {
                 "sign of the force flipped: as recorded the specimen would give energy and push along with the \
                  motion; it was turned"
             ),
-            Kind::Unit { factor, samples, mended } => {
+            Kind::Unit {
+                factor,
+                samples,
+                mended,
+            } => {
                 let what = if mended {
                     format!("{} multiplied by {factor:e}", was(samples))
                 } else {

@@ -37,7 +37,8 @@ pub(super) fn mend(recording: &mut Recording) {
     let stiffness = stiffness(recording);
     let travel = spread(&recording.displacement);
     let is_known = |recording: &Recording, channel| {
-        let known = |fault: &Fault| fault.channel == channel && matches!(fault.kind, Kind::Unit { .. });
+        let known =
+            |fault: &Fault| fault.channel == channel && matches!(fault.kind, Kind::Unit { .. });
         recording.faults.iter().any(known)
     };
     if is_mesh(recording) {
@@ -59,13 +60,22 @@ pub(super) fn mend(recording: &mut Recording) {
         }
     }
     if stiffness > STIFFEST && !is_known(recording, Channel::Force) {
-        say(recording, Channel::Force, 1.0 / THOUSAND, recording.len(), false);
+        say(
+            recording,
+            Channel::Force,
+            1.0 / THOUSAND,
+            recording.len(),
+            false,
+        );
     }
     if let Some(rate) = declared_rate(recording)
         && !is_known(recording, Channel::Time)
     {
         let factor = 1.0 / (rate * recording.sample_period());
-        if [THOUSAND, 1.0 / THOUSAND].iter().any(|unit| (factor / unit - 1.0).abs() < SAME_RATE) {
+        if [THOUSAND, 1.0 / THOUSAND]
+            .iter()
+            .any(|unit| (factor / unit - 1.0).abs() < SAME_RATE)
+        {
             say(recording, Channel::Time, factor, recording.len(), false);
         }
     }
@@ -84,7 +94,9 @@ fn multiply(recording: &mut Recording, channel: Channel, samples: Range<usize>, 
         Channel::Displacement => &mut recording.displacement,
         _ => &mut recording.force,
     };
-    values[samples].iter_mut().for_each(|value| *value *= factor);
+    values[samples]
+        .iter_mut()
+        .for_each(|value| *value *= factor);
     say(recording, channel, factor, count, true);
 }
 
@@ -157,7 +169,11 @@ fn change(values: &[f64], other: &[f64]) -> Option<(usize, bool)> {
         })
         .max_by(|a, b| a.1.total_cmp(&b.1))?;
     let up = ratio(&own, at) > 1.0;
-    let smaller = if up { at - stretch..at } else { at..at + stretch };
+    let smaller = if up {
+        at - stretch..at
+    } else {
+        at..at + stretch
+    };
     // A channel at rest is small too, but does not follow the other.
     if correlation(&values[smaller.clone()], &other[smaller.clone()]).abs() < FOLLOWS {
         return None;
@@ -178,7 +194,9 @@ fn change(values: &[f64], other: &[f64]) -> Option<(usize, bool)> {
         let size = if up { 1.0 } else { THOUSAND };
         near.clone().map(|index| (bend(index) / size).powi(2)).sum()
     };
-    let at = near.clone().min_by(|&a, &b| roughness(a).total_cmp(&roughness(b)))?;
+    let at = near
+        .clone()
+        .min_by(|&a, &b| roughness(a).total_cmp(&roughness(b)))?;
     Some((at, up))
 }
 
@@ -193,7 +211,11 @@ fn correlation(a: &[f64], b: &[f64]) -> f64 {
         aa += a * a;
         bb += b * b;
     }
-    if aa * bb > 0.0 { ab / (aa * bb).sqrt() } else { 0.0 }
+    if aa * bb > 0.0 {
+        ab / (aa * bb).sqrt()
+    } else {
+        0.0
+    }
 }
 
 /// Sums of values and of their squares up to each sample.
@@ -223,7 +245,10 @@ impl Sizes {
     /// About the stretch's own mean; never 0.
     fn deviation(&self, samples: Range<usize>) -> f64 {
         let (mean, square) = self.mean_square(&samples);
-        (square - mean * mean).max(1e-14 * square).sqrt().max(f64::MIN_POSITIVE)
+        (square - mean * mean)
+            .max(1e-14 * square)
+            .sqrt()
+            .max(f64::MIN_POSITIVE)
     }
 }
 

@@ -42,7 +42,13 @@ impl Shift {
     /// is regressed on those at every shift; the shift that leaves least is the channels'.
     pub fn find(trajectory: &Trajectory) -> Option<Self> {
         let steady = |block: &&Block| block.cycles.len() >= STEADY;
-        let frequencies = || trajectory.blocks.iter().filter(steady).map(|block| block.frequency);
+        let frequencies = || {
+            trajectory
+                .blocks
+                .iter()
+                .filter(steady)
+                .map(|block| block.frequency)
+        };
         let highest = frequencies().fold(0.0, f64::max);
         let lowest = frequencies().fold(f64::INFINITY, f64::min);
         let shortest = 1.0 / (highest * trajectory.tick);
@@ -82,7 +88,9 @@ impl Shift {
                 let (whole, u) = (place.floor() as isize, place - place.floor());
                 let [a, b, c, d] = [-1, 0, 1, 2].map(|offset| at(whole + offset));
                 // Catmull–Rom.
-                b + 0.5 * u * (c - a + u * (2.0 * a - 5.0 * b + 4.0 * c - d + u * (3.0 * (b - c) + d - a)))
+                b + 0.5
+                    * u
+                    * (c - a + u * (2.0 * a - 5.0 * b + 4.0 * c - d + u * (3.0 * (b - c) + d - a)))
             })
             .collect()
     }
@@ -100,7 +108,10 @@ impl Shift {
 
 /// Whether the specimen gives energy in the block of highest frequency.
 fn gives_energy(trajectory: &Trajectory) -> bool {
-    let fastest = trajectory.blocks.iter().max_by(|a, b| a.frequency.total_cmp(&b.frequency));
+    let fastest = trajectory
+        .blocks
+        .iter()
+        .max_by(|a, b| a.frequency.total_cmp(&b.frequency));
     fastest.is_some_and(|block| {
         let whole = block.cycles.first().map_or(0, |cycle| cycle.start)
             ..block.cycles.last().map_or(0, |cycle| cycle.end);
@@ -119,7 +130,11 @@ struct Rows {
 impl Rows {
     fn of(trajectory: &Trajectory, reach: usize) -> Self {
         let motion = &trajectory.motion;
-        let largest = |values: &[f64]| values.iter().fold(f64::MIN_POSITIVE, |a: f64, v| a.max(v.abs()));
+        let largest = |values: &[f64]| {
+            values
+                .iter()
+                .fold(f64::MIN_POSITIVE, |a: f64, v| a.max(v.abs()))
+        };
         let (y_max, v_max, a_max) = (
             largest(&motion.displacement),
             largest(&motion.velocity),
@@ -135,10 +150,21 @@ impl Rows {
                 let v = motion.velocity[index] / v_max;
                 let a = motion.acceleration[index] / a_max;
                 let friction = v.signum() * v.abs().powf(0.3);
-                SVector::from([1.0, y, y * y, y.powi(3), y.powi(5), friction, v, y.abs() * friction, a])
+                SVector::from([
+                    1.0,
+                    y,
+                    y * y,
+                    y.powi(3),
+                    y.powi(5),
+                    friction,
+                    v,
+                    y.abs() * friction,
+                    a,
+                ])
             })
             .collect();
-        let mut gram = SMatrix::<f64, FUNCTIONS, FUNCTIONS>::identity() * (1e-9 * samples.len() as f64);
+        let mut gram =
+            SMatrix::<f64, FUNCTIONS, FUNCTIONS>::identity() * (1e-9 * samples.len() as f64);
         for row in &functions {
             gram += row * row.transpose();
         }

@@ -18,7 +18,10 @@ pub(super) fn mend(recording: &mut Recording) {
     if !is_flipped(&recording.displacement, &recording.force) {
         return;
     }
-    recording.force.iter_mut().for_each(|force| *force = -*force);
+    recording
+        .force
+        .iter_mut()
+        .for_each(|force| *force = -*force);
     recording.faults.push(Fault {
         channel: Channel::Force,
         kind: Kind::Flipped,

@@ -22,7 +22,7 @@ const TIMES_AROUND: [f64; 2] = [8.0, 3.0];
 /// of which there are this many to each side.
 const AROUND: usize = 25;
 /// Fewest samples that say what is usual in a state.
-const ENOUGH: usize = 20;
+const ENOUGH: usize = 30;
 /// More than this part of all samples, and it is how the channel is and no fault.
 const MOST: f64 = 0.08;
 /// How often the channel is searched.
@@ -53,11 +53,18 @@ pub(super) fn find(
     };
     let [no_displacement, no_force] = absent;
     for (channel, values, absent) in [
-        (Channel::Displacement, &uniform.displacement, no_displacement),
+        (
+            Channel::Displacement,
+            &uniform.displacement,
+            no_displacement,
+        ),
         (Channel::Force, &uniform.force, no_force),
     ] {
         let spiked = examine(channel, values, absent);
-        absent.iter_mut().zip(spiked).for_each(|(absent, spiked)| *absent |= spiked);
+        absent
+            .iter_mut()
+            .zip(spiked)
+            .for_each(|(absent, spiked)| *absent |= spiked);
     }
     let nothing = vec![false; present.len()];
     for (channel, values) in [
@@ -126,7 +133,7 @@ impl Spikes {
     fn look(&mut self, values: &[f64], states: &[State], usable: &[bool], floor: f64, large: f64) {
         let median = median_filtered(values, HALF);
         let apart: Vec<f64> = values.iter().zip(&median).map(|(x, m)| x - m).collect();
-        let mut usual = Usual::of(&apart, states);
+        let usual = Usual::of(&apart, states);
         let mut candidates = vec![false; values.len()];
         for index in HALF..values.len().saturating_sub(HALF) {
             let size = apart[index].abs();
@@ -134,18 +141,28 @@ impl Spikes {
             candidates[index] = usable[index]
                 && !self.marked[index]
                 && size > floor
-                && size > TIMES_USUAL[tier] * usual.at(states[index])
-                && size > TIMES_AROUND[tier] * around(&apart, index);
+                && size > TIMES_AROUND[tier] * around(&apart, index)
+                && size > TIMES_USUAL[tier] * usual.at(index, states[index]);
         }
         for run in runs(&candidates) {
-            let largest = apart[run.clone()].iter().fold(0.0_f64, |a, &b| if b.abs() > a.abs() { b } else { a });
+            let largest = apart[run.clone()]
+                .iter()
+                .fold(0.0_f64, |a, &b| if b.abs() > a.abs() { b } else { a });
             // The median of a few spikes and their neighbours is off, and the neighbours from it.
             let high = |&index: &usize| apart[index] * largest.signum() > 0.4 * largest.abs();
-            let (Some(first), Some(last)) = (run.clone().find(high), run.clone().rev().find(high)) else {
+            let (Some(first), Some(last)) = (run.clone().find(high), run.clone().rev().find(high))
+            else {
                 continue;
             };
             let run = first..last + 1;
-            if run.len() <= HALF && stands_out(values, run.clone(), largest.signum(), floor.max(0.3 * largest.abs())) {
+            if run.len() <= HALF
+                && stands_out(
+                    values,
+                    run.clone(),
+                    largest.signum(),
+                    floor.max(0.3 * largest.abs()),
+                )
+            {
                 self.marked[run.clone()].fill(true);
                 self.samples += run.len();
                 self.largest = self.largest.max(largest.abs());
@@ -183,46 +200,40 @@ fn around(apart: &[f64], index: usize) -> f64 {
 }
 
 /// How far from the running median samples usually lie, state by state.
-struct Usual {
-    apart: HashMap<State, Vec<f64>>,
-    known: HashMap<State, f64>,
-    everywhere: f64,
+struct Usual<'a> {
+    apart: &'a [f64],
+    samples: HashMap<State, Vec<usize>>,
 }
 
-impl Usual {
-    fn of(apart: &[f64], states: &[State]) -> Self {
-        let mut by_state: HashMap<State, Vec<f64>> = HashMap::new();
-        for (&apart, &state) in apart.iter().zip(states) {
-            by_state.entry(state).or_default().push(apart.abs());
+impl<'a> Usual<'a> {
+    fn of(apart: &'a [f64], states: &[State]) -> Self {
+        let mut samples: HashMap<State, Vec<usize>> = HashMap::new();
+        for (index, &state) in states.iter().enumerate() {
+            samples.entry(state).or_default().push(index);
         }
-        let mut all: Vec<f64> = apart.iter().map(|apart| apart.abs()).collect();
-        Self {
-            apart: by_state,
-            known: HashMap::new(),
-            everywhere: quantile(&mut all, 0.9),
-        }
+        Self { apart, samples }
     }
 
-    /// Nine tenths of the samples in a state lie nearer than this; of a rare state, those in the states around it.
-    fn at(&mut self, state: State) -> f64 {
-        if let Some(&known) = self.known.get(&state) {
-            return known;
-        }
-        let mut usual = self.everywhere;
+    /// Nine tenths of the samples in the state of `index` lie nearer than this, those beside it left out; of a rare state,
+    /// those in the states around it too.
+    fn at(&self, index: usize, state: State) -> f64 {
+        let mut around: Vec<f64> = Vec::new();
         for reach in 0..=3 {
-            let mut around: Vec<f64> = Vec::new();
+            around.clear();
             for level in -reach..=reach {
                 for octave in -reach..=reach {
-                    let near = (state.0 + level, state.1 + octave);
-                    around.extend(self.apart.get(&near).into_iter().flatten());
+                    let near = self.samples.get(&(state.0 + level, state.1 + octave));
+                    let others = near
+                        .into_iter()
+                        .flatten()
+                        .filter(|other| other.abs_diff(index) > HALF);
+                    around.extend(others.map(|&other| self.apart[other].abs()));
                 }
             }
             if around.len() >= ENOUGH {
-                usual = quantile(&mut around, 0.9);
                 break;
             }
         }
-        self.known.insert(state, usual);
-        usual
+        quantile(&mut around, 0.9)
     }
 }

@@ -29,7 +29,8 @@ pub(super) fn examine(uniform: &mut Uniform, unknown: &[bool], faults: &mut Vec<
         .filter(|&index| !unknown[index - stride..=index + stride].contains(&true))
         .map(|index| {
             // Both averaged over the same stretch.
-            let slope = (y[index + stride] - y[index - stride]) / (2.0 * stride as f64 * uniform.period);
+            let slope =
+                (y[index + stride] - y[index - stride]) / (2.0 * stride as f64 * uniform.period);
             let around = &velocity[index - stride..=index + stride];
             let ends = 0.5 * (around[0] + around[2 * stride]);
             let inner: f64 = around[1..2 * stride].iter().sum();
@@ -37,10 +38,12 @@ pub(super) fn examine(uniform: &mut Uniform, unknown: &[bool], faults: &mut Vec<
         })
         .collect();
     let sum = |of: fn(&(f64, f64)) -> f64| pairs.iter().map(of).sum::<f64>();
-    let (product, slopes, velocities) = (sum(|p| p.0 * p.1), sum(|p| p.0 * p.0), sum(|p| p.1 * p.1));
+    let (product, slopes, velocities) =
+        (sum(|p| p.0 * p.1), sum(|p| p.0 * p.0), sum(|p| p.1 * p.1));
     let correlation = product / (slopes * velocities).sqrt();
     let ratio = product / slopes;
-    if pairs.is_empty() || !(correlation.abs() >= IS_DERIVATIVE) {
+    // A velocity that never changes has no correlation.
+    if correlation.is_nan() || correlation.abs() < IS_DERIVATIVE {
         say(Kind::NotDerivative);
         uniform.velocity = None;
         return;
@@ -53,7 +56,10 @@ pub(super) fn examine(uniform: &mut Uniform, unknown: &[bool], faults: &mut Vec<
     if SAME_UNIT.contains(&size) {
         return;
     }
-    let Some(unit) = THOUSANDS.into_iter().find(|unit| (size / unit - 1.0).abs() < NEAR) else {
+    let Some(unit) = THOUSANDS
+        .into_iter()
+        .find(|unit| (size / unit - 1.0).abs() < NEAR)
+    else {
         say(Kind::NotDerivative);
         uniform.velocity = None;
         return;
