@@ -371,8 +371,7 @@ fn recordings_that_contradict_each_other_are_refused() {
     let one = record("one", &BLOCKS, 0.004, 51, |_| 0.0);
     let elsewhere = record("elsewhere", &OTHERS, 0.004, 52, |_| 0.0);
     for (other, what) in [
-        (with_force(&one, "other", |f| -f), "sign"),
-        (with_force(&elsewhere, "other", |f| -f), "sign"),
+        (with_force(&one, "other", |f| 1.5 * f), "1.5"),
         (with_force(&elsewhere, "other", |f| 1000.0 * f), "unit"),
     ] {
         let error = trace(std::slice::from_ref(&one), &[other], &|_| ())
@@ -381,6 +380,33 @@ fn recordings_that_contradict_each_other_are_refused() {
         assert!(error.contains("other") && error.contains(what), "{error}");
     }
     assert!(trace(&[one], &[elsewhere], &|_| ()).is_ok());
+}
+
+/// One whose sign is turned among several contradicts them no more once it is turned back.
+#[test]
+fn a_turned_sign_is_turned_back_and_said() {
+    let one = record("one", &BLOCKS, 0.004, 51, |_| 0.0);
+    let elsewhere = record("elsewhere", &OTHERS, 0.004, 52, |_| 0.0);
+    let turned = with_force(&elsewhere, "turned", |f| -f);
+    let clean = trace(std::slice::from_ref(&one), &[elsewhere], &|_| ()).unwrap();
+    let mended = trace(std::slice::from_ref(&one), &[turned], &|_| ()).unwrap();
+    assert_eq!(mended.result.verdict, clean.result.verdict);
+    assert_eq!(mended.result.augmented, clean.result.augmented);
+    let said = "turned: sign of the force flipped";
+    assert!(
+        mended
+            .result
+            .warnings
+            .iter()
+            .any(|warning| warning.starts_with(said))
+    );
+    // The same motion with the force turned is the same recording again.
+    let copy = with_force(&one, "copy", |f| -f);
+    let error = trace(&[one], &[copy], &|_| ()).unwrap_err().to_string();
+    assert!(
+        error.contains("copy") && error.contains("nothing that is not fitted"),
+        "{error}"
+    );
 }
 
 #[test]

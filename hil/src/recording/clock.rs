@@ -95,6 +95,13 @@ impl Clock {
             .fold(0.0_f64, |largest, a| largest.max(a.abs()));
         let rounded = largest * period <= 0.55 * rounding(time);
         let on_ticks = rounded || smoother_over_ticks(time, &ticks, displacement);
+        // Where the channels are interpolated anyway, the ticks end with the samples.
+        let span = time[time.len() - 1] - time[0];
+        let period = if on_ticks {
+            period
+        } else {
+            span / (span / period).round()
+        };
         Some(Self {
             period,
             ticks,
