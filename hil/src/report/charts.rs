@@ -1,4 +1,4 @@
-//! The pictures, as SVG: force–displacement loops, and residuals against what they may depend on.
+//! The pictures, as SVG: force–displacement loops, and residuals over time.
 
 use std::ops::Range;
 
@@ -25,15 +25,13 @@ pub(super) const FINE: u32 = 4;
 
 /// Most points of one curve.
 pub(super) const CURVE_POINTS: usize = 400;
-/// Most points of one cloud.
-const CLOUD_POINTS: usize = 1500;
 /// Columns into which a long time is gathered, each with its least and largest value.
 const TIME_COLUMNS: usize = 900;
 
 /// How large a chart is and what it shows beside its curves, px.
 pub struct Style {
-    size: (u32, u32),
-    font: u32,
+    pub(super) size: (u32, u32),
+    pub(super) font: u32,
     legend: bool,
 }
 
@@ -76,17 +74,6 @@ impl Style {
     }
 }
 
-/// What the residual is drawn against.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Against {
-    /// mm
-    Displacement,
-    /// mm/s
-    Velocity,
-    /// s
-    Time,
-}
-
 /// Force over displacement for one cycle: measured, before, after.
 pub fn loop_chart(series: &Series, block: &SeriesBlock, style: &Style) -> String {
     let samples = thinned(block.cycle.clone(), CURVE_POINTS);
@@ -118,23 +105,19 @@ pub fn loop_chart(series: &Series, block: &SeriesBlock, style: &Style) -> String
     })
 }
 
-/// The force's error before and after against one quantity, over all `series`.
-pub fn residual_chart(series: &[Series], against: Against, style: &Style) -> String {
+/// The force's error before and after over time, recordings one after another.
+pub fn residual_chart(series: &[Series], style: &Style) -> String {
     let residuals = |force: fn(&Series) -> &[f64]| -> Vec<(f64, f64)> {
         let mut offset = 0.0;
         let mut points = Vec::new();
         for one in series {
             let start = one.time.first().copied().unwrap_or_default();
-            let x = |i: usize| match against {
-                Against::Displacement => one.displacement.get(i).copied(),
-                Against::Velocity => one.velocity.get(i).copied(),
-                // Recordings stand one after another.
-                Against::Time => one.time.get(i).map(|time| time - start + offset),
+            let measured = |&i: &usize| one.measured.get(i).copied().unwrap_or(true);
+            let point = |i: usize| {
+                let time = one.time.get(i)? - start + offset;
+                Some((time, one.force.get(i)? - force(one).get(i)?))
             };
-            points.extend(
-                (0..one.time.len())
-                    .filter_map(|i| Some((x(i)?, one.force.get(i)? - force(one).get(i)?))),
-            );
+            points.extend((0..one.time.len()).filter(measured).filter_map(point));
             offset += one.time.last().map_or(0.0, |end| end - start);
         }
         points
@@ -143,27 +126,16 @@ pub fn residual_chart(series: &[Series], against: Against, style: &Style) -> Str
     let after = residuals(|one| &one.after);
     let x = padded(before.iter().map(|point| point.0));
     let y = padded(before.iter().chain(&after).map(|point| point.1));
-    let label = match against {
-        Against::Displacement => "displacement, mm",
-        Against::Velocity => "velocity, mm/s",
-        Against::Time if series.len() > 1 => "time, s (recordings one after another)",
-        Against::Time => "time, s",
+    let label = if series.len() > 1 {
+        "time, s (recordings one after another)"
+    } else {
+        "time, s"
     };
     draw(style, |area| {
         let mut chart = axes(area, style, (x, y), (label, "measured − law, kN"))?;
         for (points, colour) in [(before, BEFORE), (after, AFTER)] {
-            if against == Against::Time {
-                let columns = envelope(&points, TIME_COLUMNS);
-                chart.draw_series(LineSeries::new(columns, colour.stroke_width(FINE)))?;
-            } else {
-                let dot = colour.mix(0.55).filled();
-                let chosen = thinned(0..points.len(), CLOUD_POINTS);
-                chart.draw_series(
-                    chosen
-                        .into_iter()
-                        .map(|i| Circle::new(points[i], FINE, dot)),
-                )?;
-            }
+            let columns = envelope(&points, TIME_COLUMNS);
+            chart.draw_series(LineSeries::new(columns, colour.stroke_width(FINE)))?;
         }
         Ok(())
     })
@@ -196,20 +168,40 @@ pub(super) fn draw(style: &Style, paint: impl FnOnce(&Area<'_>) -> Drawn) -> Str
     svg.replacen(&size(fine), &size(style.size), 1)
 }
 
+type Chart<'a, 'b> = ChartContext<'a, SVGBackend<'b>, Cartesian>;
+
 /// A chart with its grid, ticks and labels.
 pub(super) fn axes<'a, 'b>(
     area: &'a Area<'b>,
     style: &Style,
     (x, y): (Range<f64>, Range<f64>),
+    labels: (&str, &str),
+) -> Result<Chart<'a, 'b>, Box<dyn std::error::Error>> {
+    let written = (|value: f64| tick(value, &x), |value: f64| tick(value, &y));
+    axes_labelled(
+        area,
+        style,
+        (x.clone(), y.clone()),
+        labels,
+        (&written.0, &written.1),
+    )
+}
+
+/// The same with ticks that are written so.
+pub(super) fn axes_labelled<'a, 'b>(
+    area: &'a Area<'b>,
+    style: &Style,
+    (x, y): (Range<f64>, Range<f64>),
     (x_label, y_label): (&str, &str),
-) -> Result<ChartContext<'a, SVGBackend<'b>, Cartesian>, Box<dyn std::error::Error>> {
+    (x_tick, y_tick): (&dyn Fn(f64) -> String, &dyn Fn(f64) -> String),
+) -> Result<Chart<'a, 'b>, Box<dyn std::error::Error>> {
     let font = FINE * style.font;
     let mut chart = ChartBuilder::on(area)
         .margin(font / 2)
         .margin_right(font)
         .x_label_area_size(3 * font)
         .y_label_area_size(5 * font)
-        .build_cartesian_2d(x.clone(), y.clone())?;
+        .build_cartesian_2d(x, y)?;
     let text = (FONT, font).into_font().color(&INK);
     chart
         .configure_mesh()
@@ -217,8 +209,8 @@ pub(super) fn axes<'a, 'b>(
         .y_desc(y_label)
         .x_labels((style.size.0 / (5 * style.font)) as usize)
         .y_labels((style.size.1 / (3 * style.font)) as usize)
-        .x_label_formatter(&|value| tick(*value, &x))
-        .y_label_formatter(&|value| tick(*value, &y))
+        .x_label_formatter(&|value| x_tick(*value))
+        .y_label_formatter(&|value| y_tick(*value))
         .max_light_lines(0)
         .set_all_tick_mark_size(5 * FINE)
         .bold_line_style(GRID.stroke_width(FINE))
@@ -249,7 +241,7 @@ fn legend(area: &Area<'_>, font: u32) -> Drawn {
 }
 
 /// A tick's label with as many decimals as `range` asks for.
-fn tick(value: f64, range: &Range<f64>) -> String {
+pub(super) fn tick(value: f64, range: &Range<f64>) -> String {
     let span = range.end - range.start;
     if span.abs() < 1e-4 || span.abs() > 1e6 {
         return if value.abs() < 1e-9 * span.abs() {

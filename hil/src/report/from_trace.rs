@@ -31,6 +31,7 @@ impl Series {
             force: trajectory.force.clone(),
             before: traced.before.clone(),
             after: traced.after.clone(),
+            measured: trajectory.measured.clone(),
             blocks: trajectory
                 .blocks
                 .iter()

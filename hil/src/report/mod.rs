@@ -2,8 +2,11 @@
 
 mod charts;
 pub mod curves;
+mod evidence;
 mod from_trace;
 mod page;
+mod reasoning;
+mod residual;
 pub mod text;
 
 use std::ops::Range;
@@ -45,6 +48,8 @@ pub struct Series {
     pub before: Vec<f64>,
     /// The law with what was found, kN.
     pub after: Vec<f64>,
+    /// Whether the force was measured, and not left out for a fault of a channel.
+    pub measured: Vec<bool>,
     /// Its blocks in order; none where no cycle was found.
     pub blocks: Vec<SeriesBlock>,
 }

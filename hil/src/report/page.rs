@@ -3,7 +3,8 @@
 use maud::{DOCTYPE, Markup, PreEscaped, html};
 use plotters::style::RGBColor;
 
-use super::charts::{self, Against};
+use super::charts;
+use super::reasoning::{self, Evidence};
 use super::{ReportData, Series, SeriesBlock, text};
 use crate::trace::result::TraceResult;
 
@@ -13,6 +14,7 @@ const MOST_LOOPS: usize = 12;
 /// The report as one HTML file that needs no other.
 pub fn render(data: &ReportData) -> String {
     let (heading, sentence) = text::verdict(&data.result);
+    let evidence = Evidence::of(data);
     let page = html! {
         (DOCTYPE)
         html lang="en" {
@@ -27,19 +29,17 @@ pub fn render(data: &ReportData) -> String {
                 section.verdict {
                     h2 { (heading) }
                     p { (sentence) }
-                    @if let Some(test) = &data.result.separating_test {
-                        p { "The test that would tell them apart: " (test) }
-                    }
                 }
-                (warnings(&data.result.warnings))
-                (facts(&data.facts))
+                (given(data))
+                (evidence.before(data))
+                (reasoning::tried(&data.result))
+                (found(&data.result))
+                (evidence.after(data))
                 (errors(&data.result))
                 (loops(&data.series))
-                (residuals(&data.series))
-                (parameters(&data.result))
+                (over_time(&data.series))
                 (candidates(&data.result))
                 (law(data))
-                (recordings(data))
                 footer {
                     "Errors are the RMS of the force's error over the RMS of the measured force. Held out means never \
                      fitted. Intervals are of 90 %."
@@ -50,22 +50,21 @@ pub fn render(data: &ReportData) -> String {
     page.into_string()
 }
 
-fn warnings(warnings: &[String]) -> Markup {
+/// The recordings, what is declared of them, and what is wrong with them.
+fn given(data: &ReportData) -> Markup {
     html! {
-        @if !warnings.is_empty() {
+        h2 { "1. What was given" }
+        @if !data.facts.is_empty() {
+            table { @for (name, text) in &data.facts { tr { td { (name) } td.text { (text) } } } }
+        }
+        (recordings(data))
+        @if data.result.warnings.is_empty() {
+            p { "No fault was found in the channels." }
+        } @else {
             section.warnings {
                 strong { "About the data" }
-                ul { @for warning in warnings { li { (warning) } } }
+                ul { @for warning in &data.result.warnings { li { (warning) } } }
             }
-        }
-    }
-}
-
-fn facts(facts: &[(String, String)]) -> Markup {
-    html! {
-        @if !facts.is_empty() {
-            h2 { "The test" }
-            table { @for (name, text) in facts { tr { td { (name) } td.text { (text) } } } }
         }
     }
 }
@@ -74,7 +73,7 @@ fn errors(result: &TraceResult) -> Markup {
     let noise = result.noise_floor_nrmse;
     let times = |error: f64| format!("{}×", text::number(error / noise));
     html! {
-        h2 { "Error of the force, before and after" }
+        h2 { "6. Error of the force, before and after" }
         div.scroll { table {
             thead { tr { th { "" } th { "fitted" } th { "held out" } th { "held out, in noise floors" } } }
             tbody {
@@ -179,33 +178,19 @@ fn spread(indices: &[usize], most: usize) -> Vec<usize> {
         .collect()
 }
 
-fn residuals(series: &[Series]) -> Markup {
-    let chart =
-        |against, style: &charts::Style| PreEscaped(charts::residual_chart(series, against, style));
+fn over_time(series: &[Series]) -> Markup {
     html! {
-        h2 { "What is left: measured force less the law's" }
+        h2 { "The force left over time" }
         (key(false))
-        div.pair {
-            figure {
-                figcaption { "against displacement" }
-                (chart(Against::Displacement, &charts::HALF))
-            }
-            figure {
-                figcaption { "against velocity" }
-                (chart(Against::Velocity, &charts::HALF))
-            }
-        }
-        figure {
-            figcaption { "against time" }
-            (chart(Against::Time, &charts::WIDE))
-        }
+        figure { (PreEscaped(charts::residual_chart(series, &charts::WIDE))) }
     }
 }
 
-fn parameters(result: &TraceResult) -> Markup {
+fn found(result: &TraceResult) -> Markup {
     html! {
+        h2 { "4. What was found" }
+        (reasoning::concluded(result))
         @if !result.effects.is_empty() {
-            h2 { "What was added" }
             div.scroll { table {
                 thead { tr {
                     th { "effect" } th.text { "parameter" } th { "value" } th { "90 % interval" } th.text { "unit" }
@@ -228,9 +213,6 @@ fn parameters(result: &TraceResult) -> Markup {
                     }
                 }
             } }
-            @if !result.depends_on.is_empty() {
-                p { "What the law lacked depends on " (text::listed(&result.depends_on)) "." }
-            }
         }
     }
 }
@@ -238,12 +220,7 @@ fn parameters(result: &TraceResult) -> Markup {
 fn candidates(result: &TraceResult) -> Markup {
     html! {
         @if !result.candidates.is_empty() {
-            h2 { "What was tried" }
-            p {
-                "Each step adds to the law what the steps before had found. The candidates of a step are ranked by \
-                 their error on cycles kept apart for judging. A step without a clear gain adds nothing and ends the \
-                 search."
-            }
+            h2 { "All candidates" }
             div.scroll { table {
                 thead { tr {
                     th { "step" } th.text { "candidate" } th { "judging error" } th { "held-out error" }
@@ -299,7 +276,6 @@ fn law(data: &ReportData) -> Markup {
 
 fn recordings(data: &ReportData) -> Markup {
     html! {
-        h2 { "The recordings" }
         div.scroll { table {
             thead { tr {
                 th { "recording" } th.text { "use" } th { "samples" } th { "length, s" }

@@ -35,6 +35,7 @@ fn series(name: &str, blocks: &[(f64, f64)], held_out: bool) -> Series {
             made.force.push(law + 1.2 * stretch + noise);
             made.before.push(1.15 * law);
             made.after.push(law + 1.2 * stretch);
+            made.measured.push(true);
             time += 0.002;
         }
         made.blocks.push(SeriesBlock {
@@ -164,8 +165,21 @@ fn is_one_small_file_with_everything_in_it() {
         let own = page.replace("http://www.w3.org/2000/svg", "");
         assert!(!own.contains(foreign), "{foreign}");
     }
-    // Nine loops and three residuals, and the swatches of two keys.
-    assert_eq!(page.matches("<svg").count(), 9 + 3 + 3 + 2);
+    // Nine loops; two maps, two spectra, an autocorrelation, the force over time; and the swatches of two keys.
+    assert_eq!(page.matches("<svg").count(), 9 + 6 + 3 + 2);
+    // Top to bottom as one would argue.
+    let steps = [
+        "1. What was given",
+        "2. What the",
+        "3. What was tried",
+        "4. What was found",
+        "5. What is left",
+        "6. Error",
+    ];
+    let places = steps.map(|step| page.find(step).unwrap());
+    assert!(places.is_sorted());
+    assert!(page.contains("not white"));
+    assert_eq!(page.matches("bar won").count(), 1);
 }
 
 #[test]
