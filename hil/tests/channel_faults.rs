@@ -680,10 +680,33 @@ fn faults_do_not_become_physics() {
     let mut wrong = Vec::new();
     let mut tried = 0;
     for (hides, faults) in [
-        (Hides::Nothing, &SPOILT[..]),
+        (
+            Hides::Nothing,
+            &[
+                Spoilt::ForceSpikes(60, 5.0),
+                Spoilt::DisplacementSpikes(60, 5.0),
+                Spoilt::ForceClipped(0.8),
+                Spoilt::DisplacementClipped(0.8),
+                Spoilt::Missing(20, 10),
+                Spoilt::ForceHeld(5, 60),
+                Spoilt::DisplacementHeld(5, 60),
+                Spoilt::Stamps(0.4),
+                Spoilt::Early(5),
+                Spoilt::Flipped,
+                Spoilt::ForceUnit(0.4),
+                Spoilt::DisplacementUnit(0.3),
+                Spoilt::VelocityUnit,
+            ][..],
+        ),
         (
             Hides::Listed(HiddenEffect::Asymmetry { k2: 3.0 }),
-            &SPOILT[..],
+            &[
+                Spoilt::ForceSpikes(60, 5.0),
+                Spoilt::ForceClippedAbove(0.8),
+                Spoilt::Missing(5, 60),
+                Spoilt::Flipped,
+                Spoilt::Newtons,
+            ],
         ),
         (
             Hides::Listed(HiddenEffect::StickSlip {
@@ -691,12 +714,7 @@ fn faults_do_not_become_physics() {
                 slip_limit: 0.03,
                 shape: SlipShape::Sharp,
             }),
-            &[
-                Spoilt::ForceSpikes(60, 5.0),
-                Spoilt::ForceClipped(0.8),
-                Spoilt::Flipped,
-                Spoilt::Stamps(0.4),
-            ],
+            &[Spoilt::ForceClipped(0.8), Spoilt::Stamps(0.4)],
         ),
     ] {
         let clean = test(&samples_of(&blocks, 500.0), hides, 0.004, false, 11);
