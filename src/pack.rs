@@ -6,7 +6,7 @@
 //! Numbers are little-endian, the CRC is that of Ethernet, the body is laid out as
 //! [postcard](https://postcard.jamesmunns.com) does, by hand, as its code would take 3 KiB of a target's flash: eq 13's
 //! coefficients, the [`crate::power::PowerSeed`] that the host computed in f64, and a `Vec` of each effect's kind and
-//! numbers, `(u8, Vec<f32>)`.
+//! numbers, `(u8, Vec<f32>)`, and an `Option` of the correction: its numbers, and its tables as bytes.
 //!
 //! The host makes a pack with [`encode`]. The rig collects it with an [`Upload`], which gives a law only when every byte is
 //! there and right; [`crate::rig::Rig::swap_law_with`] writes that law beside the one in force and takes it at the end of a
@@ -21,11 +21,11 @@ use crate::law::Law;
 use crate::tabulated::TabulatedLaw;
 
 /// The version that is written, and the only one read.
-pub const VERSION: u16 = 1;
+pub const VERSION: u16 = 2;
 /// Bytes before the body.
 const HEADER: usize = 12;
-/// Most bytes of a pack: header, coefficients and seed are 284, and no effect takes more than 50.
-pub const LARGEST: usize = 768;
+/// Most bytes of a pack: header, coefficients and seed are 284, no effect takes more than 50, a correction 541.
+pub const LARGEST: usize = 1280;
 
 const MAGIC: [u8; 4] = *b"MDCP";
 
@@ -127,6 +127,11 @@ pub fn encode<'b, const N: usize>(
     for effect in effects() {
         effect.pack(&mut writer);
     }
+    let correction = law.augmented().correction();
+    writer.u8(u8::from(correction.is_some()));
+    if let Some(correction) = correction {
+        correction.pack(&mut writer);
+    }
     let length = room - writer.left().ok_or(too_short)?;
     let [version_low, version_high] = VERSION.to_le_bytes();
     let [length_low, length_high] = (length as u16).to_le_bytes();
@@ -154,6 +159,15 @@ pub fn decode<const N: usize>(pack: &[u8], slot: &mut TabulatedLaw<N>) -> Result
         let effect = Effect::unpack(&mut reader).ok_or(PackError::Body)?;
         effect.check()?;
         slot.augmented.push(effect)?;
+    }
+    match reader.u8() {
+        Some(0) => {}
+        Some(1) => {
+            let correction = slot.augmented.correction_mut();
+            correction.unpack(&mut reader).ok_or(PackError::Body)?;
+            correction.check()?;
+        }
+        _ => return Err(PackError::Body),
     }
     if reader.rest().is_empty() {
         Ok(())

@@ -31,6 +31,12 @@ pub trait Real:
     fn from_f64(value: f64) -> Self;
     /// The same value as `f64`, exactly.
     fn to_f64(self) -> f64;
+    /// The nearest value of this float.
+    fn from_i32(value: i32) -> Self;
+    /// The integer towards 0; the nearest `i32` of what is beyond, 0 of NaN.
+    fn to_i32(self) -> i32;
+    /// 4096·log₂ of a positive number by straight lines between powers of two, rounded down; some number of any other.
+    fn octaves(self) -> i32;
     /// Magnitude.
     fn abs(self) -> Self;
     /// Neither infinite nor NaN.
@@ -125,6 +131,19 @@ impl Real for f32 {
         f64::from(self)
     }
     #[inline(always)]
+    fn from_i32(value: i32) -> Self {
+        value as f32
+    }
+    #[inline(always)]
+    fn to_i32(self) -> i32 {
+        self as i32
+    }
+    #[inline(always)]
+    fn octaves(self) -> i32 {
+        // The mantissa follows the exponent.
+        (self.to_bits() >> 11) as i32 - (127 << 12)
+    }
+    #[inline(always)]
     fn abs(self) -> Self {
         f32::abs(self)
     }
@@ -174,6 +193,18 @@ impl Real for f64 {
     #[inline(always)]
     fn to_f64(self) -> f64 {
         self
+    }
+    #[inline(always)]
+    fn from_i32(value: i32) -> Self {
+        f64::from(value)
+    }
+    #[inline(always)]
+    fn to_i32(self) -> i32 {
+        self as i32
+    }
+    #[inline(always)]
+    fn octaves(self) -> i32 {
+        (self.to_bits() >> 40) as i32 - (1023 << 12)
     }
     #[inline(always)]
     fn abs(self) -> Self {

@@ -1,7 +1,8 @@
 //! Coefficient packs: what goes in comes out, and nothing that is damaged does.
 
+use mesh_damper::effects::correction::{CELLS, CorrectionParts, MEMORY_CELLS, Memory};
 use mesh_damper::effects::{
-    AugmentedLaw, Effect, EffectParameters, MAX_STICK_SLIP_ELEMENTS, Motion, StickSlip,
+    AugmentedLaw, Correction, Effect, EffectParameters, MAX_STICK_SLIP_ELEMENTS, Motion, StickSlip,
 };
 use mesh_damper::error::ConfigError;
 use mesh_damper::law::Law;
@@ -91,7 +92,9 @@ fn the_largest_effect_fits_often_enough() {
     let elements = [(1.0, 0.1); MAX_STICK_SLIP_ELEMENTS];
     let largest = Effect::StickSlip(StickSlip::new(&elements).unwrap());
     let effect = pack(&[largest]).len() - pack(&[]).len();
-    assert!(pack(&[]).len() + every_effect().len() * effect <= LARGEST);
+    let correction = corrected_pack().len() - pack(&[]).len();
+    let effects = every_effect().len() * effect;
+    assert!(pack(&[]).len() + effects + correction <= LARGEST);
 }
 
 /// What a constructor takes, the rig takes too, though it sees only the numbers that were made of it.
@@ -129,16 +132,64 @@ fn effects_at_the_ends_of_their_ranges_survive() {
 /// What the crate lays out by hand is postcard's own.
 #[test]
 fn the_body_is_postcard() {
-    type Body = ([f32; 4], [f32; 32], [f32; 32], Vec<(u8, Vec<f32>)>);
+    // Numbers of a correction, what it remembers, its numbers, its tables.
+    type Tables = ([f32; 4], u8, [[u8; 4]; 4], Vec<u8>, Vec<u8>);
+    type Body = (
+        [f32; 4],
+        [f32; 32],
+        [f32; 32],
+        Vec<(u8, Vec<f32>)>,
+        Option<Tables>,
+    );
     let effects = &every_effect()[..EFFECTS];
-    let pack = pack(effects);
-    let (eq13, octave, scale, packed): Body = postcard::from_bytes(&pack[12..]).unwrap();
+    let body = |pack: &[u8]| postcard::from_bytes::<Body>(&pack[12..]).unwrap();
+    let (eq13, octave, scale, packed, none) = body(&pack(effects));
+    assert_eq!(none, None);
     assert_eq!(eq13, [1.0539, 10.5, 0.1114, 0.3969]);
     let law = tabulated::<EFFECTS>(effects);
     assert_eq!(octave, law.damping().octave().as_flattened());
     assert_eq!(scale, *law.damping().scale());
     assert_eq!(packed.len(), EFFECTS);
     assert_eq!(packed[0], (0, vec![0.02]));
+    let (numbers, kind, _, cells, memory_cells) = body(&corrected_pack()).4.unwrap();
+    assert_eq!(numbers[2], 1e-5);
+    assert_eq!(kind, 2);
+    assert_eq!(cells.len(), 2 * CELLS);
+    assert_eq!(cells[2..4], 7i16.to_le_bytes());
+    assert_eq!(memory_cells.len(), 2 * MEMORY_CELLS);
+}
+
+fn correction() -> Correction<f32> {
+    let cells = |count: usize| -> Vec<i16> { (0..count).map(|n| 7 * n as i16).collect() };
+    let parts = CorrectionParts {
+        reach: 0.2,
+        speed: 6.0,
+        unit: 1e-5,
+        cells: &cells(CELLS),
+        memory: Some((Memory::Lag { time: 0.05 }, [-0.1, 0.1])),
+        memory_cells: &cells(MEMORY_CELLS),
+    };
+    Correction::new(&parts, 1e-4).unwrap()
+}
+
+/// A law with a correction.
+fn corrected() -> TabulatedLaw<EFFECTS> {
+    let law = AugmentedLaw::new(law()).with_correction(correction());
+    TabulatedLaw::new(law.unwrap())
+}
+
+fn corrected_pack() -> Vec<u8> {
+    let mut buffer = [0; LARGEST];
+    pack::encode(&corrected(), &mut buffer).unwrap().to_vec()
+}
+
+#[test]
+fn a_correction_survives() {
+    assert_eq!(decode(&corrected_pack()).unwrap(), corrected());
+    // It leaves with the law that had it.
+    let mut slot = corrected();
+    pack::decode(&pack(&[]), &mut slot).unwrap();
+    assert_eq!(slot.augmented().correction(), None);
 }
 
 #[test]
@@ -175,7 +226,7 @@ fn each_damage_is_named() {
 
 /// A body as bytes with the header that a pack has.
 fn with_header(body: &[u8]) -> Vec<u8> {
-    let mut stamped = 1u16.to_le_bytes().to_vec();
+    let mut stamped = 2u16.to_le_bytes().to_vec();
     stamped.extend((body.len() as u16).to_le_bytes());
     let mut crc = !0u32;
     for byte in stamped.iter().chain(body) {
@@ -224,10 +275,10 @@ fn a_sound_checksum_does_not_make_a_sound_law() {
         capacity: EFFECTS,
     };
     assert_eq!(refused(nine), PackError::Refused(full));
-    // An effect whose numbers its constructor never gives: the offset's force is the last of the body.
+    // An effect whose numbers its constructor never gives: the offset's force is the last of the body but for one byte.
     let mut infinite = body.clone();
-    let end = infinite.len() - 4;
-    infinite[end..].copy_from_slice(&f32::INFINITY.to_le_bytes());
+    let end = infinite.len() - 5;
+    infinite[end..end + 4].copy_from_slice(&f32::INFINITY.to_le_bytes());
     assert_eq!(refused(&with_header(&infinite)), non_finite("force"));
 }
 
@@ -315,13 +366,17 @@ proptest! {
     #[test]
     fn what_is_not_refused_is_a_law(
         changes in prop::collection::vec((any::<prop::sample::Index>(), any::<u8>()), 1..8),
-        last in any::<bool>(),
+        which in 0..3usize,
         amplitude in 1e-3f32..1e4,
         frequency in 0.1f32..100.0,
     ) {
         let every = every_effect();
-        let effects = if last { &every[1..] } else { &every[..EFFECTS] };
-        let mut body = pack(effects)[12..].to_vec();
+        let pack = match which {
+            0 => pack(&every[..EFFECTS]),
+            1 => pack(&every[1..]),
+            _ => corrected_pack(),
+        };
+        let mut body = pack[12..].to_vec();
         for (index, value) in changes {
             let index = index.index(body.len());
             body[index] = value;

@@ -132,6 +132,7 @@ pub fn demo(seed: u64, progress: &(dyn Fn(&str) + Sync)) -> Result<Demo, DemoErr
             alpha: table.alpha,
         }],
         effects: Vec::new(),
+        correction: None,
     };
     progress("running the rig with the published law");
     let first = run(&specimen, &published, &PROTOCOL, seed)?;

@@ -32,6 +32,7 @@ pub mod actuator;
 pub mod amplitude_free;
 pub mod bench;
 pub mod blind;
+pub mod correction;
 pub mod demo;
 pub mod error;
 pub mod identify;

@@ -12,6 +12,8 @@ use mesh_damper::real::Real;
 use mesh_damper::tabulated::TabulatedLaw;
 use serde::{Deserialize, Serialize};
 
+use crate::correction::CorrectionTable;
+
 /// Most effects that a model carries beside eq 13.
 pub const MAX_EFFECTS: usize = 8;
 
@@ -209,6 +211,8 @@ pub struct Model {
     pub law: Vec<LawNode>,
     /// The added effects in the order in which their forces are added.
     pub effects: Vec<AddedEffect>,
+    /// What is added beside them without a name.
+    pub correction: Option<CorrectionTable>,
 }
 
 impl Model {
@@ -266,6 +270,15 @@ impl Model {
                 .effect()
                 .and_then(|effect| law.with(effect))
                 .map_err(|error| self.refused(index, error))?;
+        }
+        if let Some(table) = &self.correction {
+            law = table
+                .build(tick)
+                .and_then(|correction| law.with_correction(correction))
+                .map_err(|error| ModelError::Refused {
+                    place: "correction".into(),
+                    error,
+                })?;
         }
         Ok(law)
     }

@@ -16,6 +16,7 @@ use mesh_damper::error::ConfigError;
 use mesh_damper::law::Law;
 use serde::{Deserialize, Serialize};
 
+use crate::correction::CorrectionTable;
 use crate::error::{InputError, Place};
 use crate::model::{AddedEffect, LawNode, Model, ModelError};
 
@@ -35,6 +36,8 @@ pub struct ModelFile {
     units: ModelUnits,
     law: Vec<LawNode>,
     effects: Vec<AddedEffect>,
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    correction: Option<CorrectionTable>,
     fitted_range: FittedRange,
 }
 
@@ -123,6 +126,7 @@ impl ModelFile {
             },
             law: model.law,
             effects: model.effects,
+            correction: model.correction,
             fitted_range,
         }
     }
@@ -195,6 +199,7 @@ impl ModelFile {
         Model {
             law: self.law.clone(),
             effects: self.effects.clone(),
+            correction: self.correction.clone(),
         }
     }
 
@@ -282,7 +287,28 @@ fn field_of(error: &ConfigError) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::correction::{MemoryTable, Remembered};
     use crate::model::Family;
+    use mesh_damper::effects::correction::{CELLS, MEMORY_CELLS};
+
+    fn correction() -> CorrectionTable {
+        let cells = |count| {
+            (0..count)
+                .map(|cell| 100 * (cell as i16 % 300) - 15_000)
+                .collect()
+        };
+        CorrectionTable {
+            reach: 0.2,
+            speed: 6.3,
+            unit: 1e-6,
+            cells: cells(CELLS),
+            memory: Some(MemoryTable {
+                of: Remembered::Lag { time: 0.05 },
+                range: [-0.1, 0.1],
+                cells: cells(MEMORY_CELLS),
+            }),
+        }
+    }
 
     fn example() -> ModelFile {
         let node = |amplitude| LawNode {
@@ -320,6 +346,7 @@ mod tests {
                     effect(Family::Relaxation, &[("stiffness", 0.4), ("time", 0.05)]),
                     effect(Family::Temperature, &[("beta", 0.004), ("reference", 20.0)]),
                 ],
+                correction: Some(correction()),
             },
             FittedRange {
                 displacement: [-0.2, 0.2],
@@ -389,6 +416,14 @@ mod tests {
             (
                 "m.json: field units.force: unknown variant `N`",
                 read_changed(|v| v["units"]["force"] = "N".into()),
+            ),
+            (
+                "m.json: field correction: cells = 161 is outside 162",
+                read_changed(|v| drop(v["correction"]["cells"].as_array_mut().unwrap().pop())),
+            ),
+            (
+                "m.json: field correction.memory.of: unknown variant `dreams`",
+                read_changed(|v| v["correction"]["memory"]["of"] = "dreams".into()),
             ),
             (
                 "m.json: field law[0].k1: invalid type: string",

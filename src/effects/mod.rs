@@ -13,6 +13,7 @@
 mod asymmetry;
 mod bouc_wen;
 mod compliance;
+pub mod correction;
 mod delay;
 mod drift;
 mod gap;
@@ -32,6 +33,7 @@ mod viscous;
 pub use asymmetry::Asymmetry;
 pub use bouc_wen::BoucWen;
 pub use compliance::Compliance;
+pub use correction::Correction;
 pub use delay::{Delay, MAX_DELAY};
 pub use drift::Drift;
 pub use gap::Gap;
@@ -52,6 +54,7 @@ use crate::law::Law;
 use crate::limits;
 use crate::real::Real;
 use compliance::ComplianceState;
+use correction::CorrectionState;
 use delay::DelayState;
 
 /// One tick of motion as the effects see it.
@@ -206,6 +209,7 @@ macro_rules! effects {
             $($memory_field: Option<<$memory<R> as EffectForce<R>>::State>,)+
             compliance: Option<ComplianceState<R>>,
             delay: DelayState<R>,
+            correction: Option<CorrectionState>,
         }
 
         impl<R: Real> AugmentedState<R> {
@@ -214,6 +218,7 @@ macro_rules! effects {
                 $($memory_field: None,)+
                 compliance: None,
                 delay: DelayState::EMPTY,
+                correction: None,
             };
         }
 
@@ -350,6 +355,7 @@ effects! {
 pub struct AugmentedLaw<R, const N: usize> {
     law: Law<R>,
     effects: Effects<R>,
+    correction: Correction<R>,
 }
 
 impl<R: Real, const N: usize> AugmentedLaw<R, N> {
@@ -358,6 +364,7 @@ impl<R: Real, const N: usize> AugmentedLaw<R, N> {
         Self {
             law,
             effects: Effects::NONE,
+            correction: Correction::NONE,
         }
     }
 
@@ -370,9 +377,35 @@ impl<R: Real, const N: usize> AugmentedLaw<R, N> {
         Ok(self)
     }
 
-    /// Takes all effects out.
+    /// The law with a correction in the place of the one that it has, or has not. It counts among the `N` as none.
+    ///
+    /// # Errors
+    /// [`ConfigError::Full`] where `N` is 0: such a law has no place for what is remembered.
+    pub fn with_correction(mut self, correction: Correction<R>) -> Result<Self, ConfigError> {
+        if N == 0 {
+            return Err(ConfigError::Full {
+                field: "correction",
+                capacity: 0,
+            });
+        }
+        self.correction = correction;
+        Ok(self)
+    }
+
+    /// The correction, where there is one.
+    pub fn correction(&self) -> Option<&Correction<R>> {
+        Some(&self.correction).filter(|correction| correction.is_there())
+    }
+
+    /// Where the correction is kept.
+    pub(crate) fn correction_mut(&mut self) -> &mut Correction<R> {
+        &mut self.correction
+    }
+
+    /// Takes all effects out, and the correction.
     pub(crate) fn clear(&mut self) {
         self.effects = Effects::NONE;
+        self.correction = Correction::NONE;
     }
 
     /// [`AugmentedLaw::with`] in place.
@@ -403,7 +436,9 @@ impl<R: Real, const N: usize> AugmentedLaw<R, N> {
 
     /// Whether `other` has the same kinds of effects.
     pub(crate) fn has_kinds_of(&self, other: &Self) -> bool {
-        N == 0 || self.effects.kinds() == other.effects.kinds()
+        N == 0
+            || (self.effects.kinds() == other.effects.kinds()
+                && self.correction.remembers_as(&other.correction))
     }
 
     /// All effects at rest.
@@ -448,6 +483,7 @@ impl<R: Real, const N: usize> AugmentedLaw<R, N> {
         damping: impl Fn(R) -> R,
     ) -> R {
         let effects = &self.effects;
+        let correction = self.correction_force(state, motion);
         let mut motion = *motion;
         if let Some(gap) = &effects.gap {
             motion = gap.felt(&motion);
@@ -475,10 +511,22 @@ impl<R: Real, const N: usize> AugmentedLaw<R, N> {
         if let Some(compliance) = &effects.compliance {
             compliance.remember(&mut state.compliance, force - law.total, effects.viscous.c1);
         }
-        match &effects.delay {
+        let force = match &effects.delay {
             Some(delay) => delay.delayed(&mut state.delay, force),
             None => force,
+        };
+        force + correction
+    }
+
+    /// The correction's force on this tick, kN. It was fitted to what is measured: no stage stands before it.
+    #[inline(always)]
+    fn correction_force(&self, state: &mut AugmentedState<R>, motion: &ConfinedMotion<R>) -> R {
+        if !self.correction.is_there() {
+            return R::ZERO;
         }
+        let begin = || self.correction.begin(motion);
+        let state = state.correction.get_or_insert_with(begin);
+        self.correction.force(state, motion)
     }
 
     /// `law`, whoever computed it, and every effect's force, kN.
@@ -492,6 +540,7 @@ impl<R: Real, const N: usize> AugmentedLaw<R, N> {
         if N == 0 {
             return law.total;
         }
-        self.effects.add_force(state, motion, law)
+        let force = self.effects.add_force(state, motion, law);
+        force + self.correction_force(state, motion)
     }
 }

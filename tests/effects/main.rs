@@ -2,6 +2,7 @@
 
 mod bouc_wen;
 mod compliance;
+mod correction;
 mod load_friction;
 mod loops;
 mod stages;

@@ -1,6 +1,7 @@
 //! Identification: coefficients of eq 13 and of added effects from recorded motion and force.
 
 mod basis;
+pub mod correction;
 mod moved;
 mod normal;
 pub mod problem;

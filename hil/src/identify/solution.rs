@@ -24,6 +24,7 @@ impl Solution {
         Model {
             law: self.law.clone(),
             effects: added_effects(&self.terms),
+            correction: None,
         }
     }
 

@@ -173,6 +173,7 @@ impl<'a> Closing<'a> {
         let model = Model {
             law,
             effects: Vec::new(),
+            correction: None,
         };
         Ok(Some(self.evaluate(&model, predict)?.1))
     }

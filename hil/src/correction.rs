@@ -1,0 +1,84 @@
+//! A correction without a name as a model carries it: tables over displacement and velocity, and over what is remembered.
+
+use mesh_damper::effects::Correction;
+use mesh_damper::effects::correction::{CorrectionParts, Memory};
+use mesh_damper::error::ConfigError;
+use mesh_damper::real::Real;
+use serde::{Deserialize, Serialize};
+
+/// The tables of [`mesh_damper::effects::correction`], as JSON.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct CorrectionTable {
+    /// Largest displacement of the tables, mm; outside, their edge holds.
+    pub reach: f64,
+    /// Largest speed, mm/s; outside, their edge holds.
+    pub speed: f64,
+    /// kN of one count in a cell.
+    pub unit: f64,
+    /// Displacement runs fastest, then speed, then direction.
+    pub cells: Vec<i16>,
+    /// What the motion was before, where the force depends on it.
+    pub memory: Option<MemoryTable>,
+}
+
+/// The table over displacement and over what is remembered.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct MemoryTable {
+    /// What is remembered.
+    pub of: Remembered,
+    /// Its values at the first and at the last node.
+    pub range: [f64; 2],
+    /// Displacement runs fastest, then memory, then direction.
+    pub cells: Vec<i16>,
+}
+
+/// What a correction remembers, as [`Memory`] says it: times in s, the limit in mm.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+#[expect(missing_docs, reason = "said by Memory")]
+pub enum Remembered {
+    Slip { limit: f64 },
+    Lag { time: f64 },
+    Travel { time: f64 },
+    Largest,
+    Age { time: f64 },
+    Cycles { cycles: f64 },
+}
+
+impl Remembered {
+    /// As the crate takes it.
+    pub fn memory<R: Real>(self) -> Memory<R> {
+        let real = R::from_f64;
+        match self {
+            Self::Slip { limit } => Memory::Slip { limit: real(limit) },
+            Self::Lag { time } => Memory::Lag { time: real(time) },
+            Self::Travel { time } => Memory::Travel { time: real(time) },
+            Self::Largest => Memory::Largest,
+            Self::Age { time } => Memory::Age { time: real(time) },
+            Self::Cycles { cycles } => Memory::Cycles {
+                cycles: real(cycles),
+            },
+        }
+    }
+}
+
+impl CorrectionTable {
+    /// The effect for a tick of `tick` s.
+    ///
+    /// # Errors
+    /// The field that the crate refuses.
+    pub fn build<R: Real>(&self, tick: f64) -> Result<Correction<R>, ConfigError> {
+        let memory = self.memory.as_ref();
+        let parts = CorrectionParts {
+            reach: R::from_f64(self.reach),
+            speed: R::from_f64(self.speed),
+            unit: R::from_f64(self.unit),
+            cells: &self.cells,
+            memory: memory.map(|memory| (memory.of.memory(), memory.range.map(R::from_f64))),
+            memory_cells: memory.map_or(&[], |memory| &memory.cells),
+        };
+        Correction::new(&parts, R::from_f64(tick))
+    }
+}

@@ -1,0 +1,326 @@
+//! The samples of a fit, as the tables and eq 13 see them.
+
+use mesh_damper::effects::Correction;
+use mesh_damper::effects::correction::{CELLS, CorrectionParts, MEMORY_CELLS};
+
+use crate::correction::Remembered;
+use crate::model::{Family, LawNode, Model, ModelError};
+use crate::predict::{motion_at, predict};
+use crate::recording::trajectory::Trajectory;
+
+/// At most about so many samples are fitted, evenly picked.
+const MOST_ROWS: usize = 6000;
+/// Two blocks whose amplitudes differ by less than this part are of one amplitude.
+const SAME: f64 = 0.06;
+
+/// How far the motion goes.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Extent {
+    /// mm
+    pub displacement: f64,
+    /// mm/s
+    pub speed: f64,
+}
+
+/// Eq 13 at each amplitude: k1, k3, c and α.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) struct Coefficients(pub Vec<[f64; 4]>);
+
+impl Coefficients {
+    pub fn of(model: &Model) -> Self {
+        let node = |node: &LawNode| [node.k1, node.k3, node.c, node.alpha];
+        Self(model.law.iter().map(node).collect())
+    }
+
+    /// The nodes of `model` with these coefficients.
+    pub fn nodes(&self, model: &Model) -> Vec<LawNode> {
+        let pairs = model.law.iter().zip(&self.0);
+        pairs
+            .map(|(node, &[k1, k3, c, alpha])| LawNode {
+                amplitude: node.amplitude,
+                k1,
+                k3,
+                c,
+                alpha,
+            })
+            .collect()
+    }
+}
+
+/// One sample.
+pub(super) struct Row {
+    /// Trajectory and sample.
+    pub origin: (usize, usize),
+    pub block: usize,
+    /// The node of eq 13 below the amplitude, and the weight of the one above.
+    pub node: usize,
+    pub above: f64,
+    pub displacement: f64,
+    pub log_speed: f64,
+    pub direction: f64,
+    /// Measured force without that of the effects, kN.
+    pub force: f64,
+    pub cells: [(usize, f64); 4],
+}
+
+/// All samples of a fit.
+pub(super) struct Design<'a> {
+    pub trajectories: &'a [Trajectory],
+    pub extent: Extent,
+    pub rows: Vec<Row>,
+    /// Amplitudes of eq 13's nodes, mm.
+    pub nodes: Vec<f64>,
+    /// Eq 13 is fitted anew: no effect stands between it and the motion.
+    pub fits_law: bool,
+    /// Number of blocks, and those that are left out one at a time.
+    pub blocks: usize,
+    pub left_out: Vec<usize>,
+    /// Variance of the force's noise, kN².
+    pub noise: f64,
+}
+
+/// What was remembered at each row.
+pub(super) struct Recalled {
+    /// z at the first and at the last node.
+    pub range: [f64; 2],
+    /// Cells of U at each row.
+    pub cells: Vec<[(usize, f64); 4]>,
+}
+
+impl<'a> Design<'a> {
+    /// The samples that `included` picks; `None` where there are none, or where they do not move.
+    pub fn new(
+        trajectories: &'a [Trajectory],
+        model: &Model,
+        included: impl Fn(usize, usize) -> bool,
+    ) -> Result<Option<Self>, ModelError> {
+        let picked: Vec<(usize, usize)> = trajectories
+            .iter()
+            .enumerate()
+            .flat_map(|(which, trajectory)| {
+                (0..trajectory.len()).map(move |sample| (which, sample))
+            })
+            .filter(|&(which, sample)| {
+                included(which, sample) && trajectories[which].is_telling(sample)
+            })
+            .collect();
+        let largest = |channel: &dyn Fn(&Trajectory) -> &[f64]| {
+            picked.iter().fold(0.0_f64, |most, &(which, sample)| {
+                most.max(channel(&trajectories[which])[sample].abs())
+            })
+        };
+        let extent = Extent {
+            displacement: largest(&|t| &t.motion.displacement),
+            speed: largest(&|t| &t.motion.velocity),
+        };
+        let Some(tables) = empty(&extent, None, 1.0) else {
+            return Ok(None);
+        };
+
+        // What scales eq 13, or changes the motion that it is given, would scale or change its new coefficients.
+        let fits_law = model
+            .effects
+            .iter()
+            .all(|effect| adds_a_force(effect.family));
+        let law = Coefficients::of(model);
+        let mut beside_law = Vec::new();
+        for trajectory in trajectories {
+            let predicted = predict(model, trajectory)?;
+            beside_law.push(predicted);
+        }
+        let first_block: Vec<usize> = trajectories
+            .iter()
+            .scan(0, |next, trajectory| {
+                *next += trajectory.blocks.len();
+                Some(*next - trajectory.blocks.len())
+            })
+            .collect();
+        let nodes: Vec<f64> = model.law.iter().map(|node| node.amplitude).collect();
+        let every = picked.len().div_ceil(MOST_ROWS).max(1);
+        let rows: Vec<Row> = picked
+            .iter()
+            .step_by(every)
+            .map(|&(which, sample)| {
+                let trajectory = &trajectories[which];
+                let motion = motion_at(trajectory, sample);
+                let after = trajectory
+                    .blocks
+                    .partition_point(|block| block.samples.start <= sample);
+                let (node, above) = between(&nodes, trajectory.amplitude[sample]);
+                let mut row = Row {
+                    origin: (which, sample),
+                    block: first_block[which] + after.saturating_sub(1),
+                    node,
+                    above,
+                    displacement: motion.displacement,
+                    log_speed: motion.velocity.abs().max(f64::MIN_POSITIVE).ln(),
+                    direction: motion.velocity.signum(),
+                    force: 0.0,
+                    cells: tables.support(&mut None, &motion.confined()).cells,
+                };
+                let beside = if fits_law { row.law_force(&law) } else { 0.0 };
+                row.force = trajectory.force[sample] - (beside_law[which][sample] - beside);
+                row
+            })
+            .collect();
+        let blocks = trajectories.iter().map(|t| t.blocks.len()).sum();
+        let noise = trajectories
+            .iter()
+            .map(|t| t.force_noise.powi(2))
+            .sum::<f64>()
+            / trajectories.len() as f64;
+        Ok(Some(Self {
+            trajectories,
+            extent,
+            left_out: left_out(trajectories, &rows),
+            rows,
+            nodes,
+            fits_law,
+            blocks,
+            noise,
+        }))
+    }
+
+    /// What is remembered at each row; `None` where it never changes.
+    pub fn recall(&self, of: Remembered) -> Option<Recalled> {
+        let longest = self
+            .trajectories
+            .iter()
+            .map(|t| t.len() as f64 * t.tick)
+            .fold(0.0, f64::max);
+        let wide = match of {
+            Remembered::Slip { limit } => [-limit, limit],
+            Remembered::Lag { .. } => [-self.extent.displacement, self.extent.displacement],
+            Remembered::Travel { .. } => [0.0, self.extent.speed],
+            Remembered::Largest => [0.0, self.extent.displacement],
+            Remembered::Age { time } => [0.0, 1.0 + (longest / time).log2().max(0.0)],
+            Remembered::Cycles { .. } => [0.0, 16.0],
+        };
+        let (low, high) = self
+            .through(of, wide, |memory, _| memory)?
+            .into_iter()
+            .fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), memory| {
+                (low.min(memory), high.max(memory))
+            });
+        let place = |memory: f64| wide[0] + memory * (wide[1] - wide[0]);
+        let range = [place(low), place(high)];
+        if high - low < 1e-3 {
+            return None;
+        }
+        let cells = self.through(of, range, |_, cells| cells)?;
+        Some(Recalled { range, cells })
+    }
+
+    /// What `take` takes of where z stands and of its cells, at every row.
+    fn through<T>(
+        &self,
+        of: Remembered,
+        range: [f64; 2],
+        take: impl Fn(f64, [(usize, f64); 4]) -> T,
+    ) -> Option<Vec<T>> {
+        let mut taken = Vec::with_capacity(self.rows.len());
+        let mut rows = self.rows.iter().map(|row| row.origin).peekable();
+        for (which, trajectory) in self.trajectories.iter().enumerate() {
+            let tables = empty(&self.extent, Some((of, range)), trajectory.tick)?;
+            let mut state = None;
+            for sample in 0..trajectory.len() {
+                let support = tables.support(&mut state, &motion_at(trajectory, sample).confined());
+                if rows.next_if_eq(&(which, sample)).is_some() {
+                    taken.push(take(support.memory, support.memory_cells));
+                }
+            }
+        }
+        Some(taken)
+    }
+}
+
+impl Row {
+    /// Eq 13's force, kN.
+    pub fn law_force(&self, law: &Coefficients) -> f64 {
+        let [k1, k3, c, alpha] = self.at_amplitude(law);
+        let y = self.displacement;
+        k1 * y + k3 * y.powi(3) + c * self.direction * (alpha * self.log_speed).exp()
+    }
+
+    /// The coefficients at the row's amplitude.
+    pub fn at_amplitude(&self, law: &Coefficients) -> [f64; 4] {
+        let low = law.0[self.node];
+        let high = law.0[(self.node + 1).min(law.0.len() - 1)];
+        std::array::from_fn(|i| low[i] + self.above * (high[i] - low[i]))
+    }
+}
+
+/// The node below `amplitude` and the weight of the one above, as [`Model::law_at`] interpolates.
+fn between(nodes: &[f64], amplitude: f64) -> (usize, f64) {
+    let above = nodes.partition_point(|&node| node < amplitude);
+    let low = above.saturating_sub(1);
+    let high = above.min(nodes.len() - 1);
+    let span = nodes[high] - nodes[low];
+    let weight = if span > 0.0 {
+        (amplitude - nodes[low]) / span
+    } else {
+        0.0
+    };
+    (low, weight.clamp(0.0, 1.0))
+}
+
+/// Tables with nothing in them.
+fn empty(
+    extent: &Extent,
+    memory: Option<(Remembered, [f64; 2])>,
+    tick: f64,
+) -> Option<Correction<f64>> {
+    let memory = memory.map(|(of, range)| (of.memory(), range));
+    let parts = CorrectionParts {
+        reach: extent.displacement,
+        speed: extent.speed,
+        unit: 1.0,
+        cells: &[0; CELLS],
+        memory_cells: if memory.is_some() {
+            &[0; MEMORY_CELLS]
+        } else {
+            &[]
+        },
+        memory,
+    };
+    Correction::new(&parts, tick).ok()
+}
+
+/// Whether an effect only adds a force to eq 13's.
+fn adds_a_force(family: Family) -> bool {
+    !matches!(
+        family,
+        Family::Temperature | Family::Gap | Family::Delay | Family::Compliance
+    )
+}
+
+/// Blocks to leave out one at a time: those whose amplitude another block has, so that eq 13 is known there, and that are
+/// not the only ones at so high a speed, where the table would be asked for what it cannot know. All of them where there is
+/// none such.
+fn left_out(trajectories: &[Trajectory], rows: &[Row]) -> Vec<usize> {
+    let blocks: Vec<(f64, f64)> = trajectories
+        .iter()
+        .flat_map(|t| {
+            t.blocks
+                .iter()
+                .map(|b| (b.amplitude, b.amplitude * b.frequency))
+        })
+        .collect();
+    let others = |own: usize| {
+        let all = blocks.iter().enumerate();
+        all.filter(move |(other, _)| *other != own)
+            .map(|(_, block)| *block)
+    };
+    let fitted = |block: &usize| rows.iter().any(|row| row.block == *block);
+    let all: Vec<usize> = (0..blocks.len()).filter(fitted).collect();
+    let inner: Vec<usize> = all
+        .iter()
+        .copied()
+        .filter(|&block| {
+            let (amplitude, speed) = blocks[block];
+            others(block).any(|(other, _)| (other - amplitude).abs() < SAME * amplitude)
+                && others(block).any(|(_, other)| other > (1.0 - SAME) * speed)
+        })
+        .collect();
+    if inner.is_empty() { all } else { inner }
+}

@@ -1,0 +1,68 @@
+//! What a correction may remember, tried one after the other.
+
+use super::design::Design;
+use crate::correction::Remembered;
+use crate::recording::trajectory::Trajectory;
+
+/// Every kind, each with its limit or time over all that the data can show.
+pub(super) fn kinds(design: &Design) -> Vec<Vec<Remembered>> {
+    let trajectories = design.trajectories;
+    let reach = design.extent.displacement;
+    let longest =
+        |value: fn(&Trajectory) -> f64| trajectories.iter().map(value).fold(0.0, f64::max);
+    let blocks = trajectories.iter().flat_map(|t| &t.blocks);
+    let (slowest, fastest) = blocks.fold((f64::INFINITY, 0.0_f64), |(low, high), block| {
+        (low.min(block.frequency), high.max(block.frequency))
+    });
+    let duration = longest(|t| t.len() as f64 * t.tick);
+    let cycles = longest(|t| t.cycles.last().copied().unwrap_or_default());
+    let tick = longest(|t| t.tick);
+    // From where the fastest motion hardly lags to where the slowest has lost it.
+    let short = (0.02 / fastest).max(2.0 * tick);
+    let long = (1.0 / slowest).min(duration).max(2.0 * short);
+    vec![
+        spread(0.05 * reach, 0.8 * reach, 6, |limit| Remembered::Slip {
+            limit,
+        }),
+        spread(short, long, 6, |time| Remembered::Lag { time }),
+        spread(5.0 * short, 0.5 * duration, 5, |time| Remembered::Travel {
+            time,
+        }),
+        vec![Remembered::Largest],
+        spread(0.01 * duration, 0.5 * duration, 3, |time| Remembered::Age {
+            time,
+        }),
+        spread(0.01 * cycles.max(1.0), 0.3 * cycles.max(1.0), 3, |cycles| {
+            Remembered::Cycles { cycles }
+        }),
+    ]
+}
+
+/// The same kind with its limit or time a little smaller, as it is, and a little larger.
+pub(super) fn around(of: Remembered) -> Vec<Remembered> {
+    let scaled = |factor: f64| match of {
+        Remembered::Slip { limit } => Remembered::Slip {
+            limit: factor * limit,
+        },
+        Remembered::Lag { time } => Remembered::Lag {
+            time: factor * time,
+        },
+        Remembered::Travel { time } => Remembered::Travel {
+            time: factor * time,
+        },
+        Remembered::Largest => Remembered::Largest,
+        Remembered::Age { time } => Remembered::Age {
+            time: factor * time,
+        },
+        Remembered::Cycles { cycles } => Remembered::Cycles {
+            cycles: factor * cycles,
+        },
+    };
+    [0.65, 0.8, 1.0, 1.25, 1.55].map(scaled).to_vec()
+}
+
+/// `of` `count` numbers from `low` to `high` in equal ratios.
+fn spread(low: f64, high: f64, count: i32, of: fn(f64) -> Remembered) -> Vec<Remembered> {
+    let step = (high / low).powf(1.0 / f64::from(count - 1));
+    (0..count).map(|i| of(low * step.powi(i))).collect()
+}

@@ -1,0 +1,285 @@
+//! What a correction remembers of the motion, in integers.
+
+use super::{FRACTION, LAST, MIDDLE, ONE};
+use crate::error::ConfigError;
+use crate::limits;
+use crate::real::{Real, in_range};
+
+/// The last place over what is remembered.
+const LAST_MEMORY: i32 = 4 * ONE - 1;
+/// Readings are within ± this.
+const LARGEST_READING: i32 = 0xffff;
+/// A gain is in 1024ths of a place per reading.
+const GAIN: u32 = 10;
+const LARGEST_GAIN: i32 = 1 << 13;
+/// Bits of an average below the last of a place.
+const AVERAGE: u32 = 15;
+
+/// What z remembers.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Memory<R> {
+    /// The stretch in mm of a spring that slips at `limit`: where the motion last turned, whatever its rate.
+    Slip {
+        /// mm, 1e-9…1e4
+        limit: R,
+    },
+    /// The displacement less its average over `time`, mm.
+    Lag {
+        /// s, 1e-6…1e6; at least two ticks are taken.
+        time: R,
+    },
+    /// The mean speed over `time`, mm/s.
+    Travel {
+        /// s, 1e-6…1e6; at least two ticks are taken.
+        time: R,
+    },
+    /// The largest displacement so far to either side, mm.
+    Largest,
+    /// log₂(1 + t/`time`), t the time since the start, by straight lines between powers of two.
+    Age {
+        /// s, 1e-6…1e6
+        time: R,
+    },
+    /// log₂(1 + n/`cycles`), n the cycles since the test began, likewise.
+    Cycles {
+        /// 0.01…1e9
+        cycles: R,
+    },
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Kind {
+    None,
+    Slip,
+    Lag,
+    Travel,
+    Largest,
+    Age,
+    Cycles,
+}
+
+impl Kind {
+    /// By their numbers in a pack.
+    pub const ALL: [Self; 7] = [
+        Self::None,
+        Self::Slip,
+        Self::Lag,
+        Self::Travel,
+        Self::Largest,
+        Self::Age,
+        Self::Cycles,
+    ];
+}
+
+/// How z is remembered, and where it stands in its table.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Recall<R> {
+    pub kind: Kind,
+    /// 1/time in ticks, or 1/cycles.
+    pub rate: R,
+    /// Slip limit in places, or what an average loses in a tick, of 2³².
+    pub step: i32,
+    /// Bits of an average that a reading leaves out.
+    pub shift: i32,
+    /// The reading of node 0.
+    pub low: i32,
+    /// 1024ths of a place per reading.
+    pub gain: i32,
+}
+
+/// What a correction remembers.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct CorrectionState {
+    /// Place of the tick before.
+    previous: i32,
+    /// Stretch, average, largest displacement or ticks.
+    value: i32,
+}
+
+impl<R: Real> Recall<R> {
+    pub const NONE: Self = Self {
+        kind: Kind::None,
+        rate: R::ZERO,
+        step: 0,
+        shift: 0,
+        low: 0,
+        gain: 0,
+    };
+
+    /// `memory` from `low` to `high`, over places of which ±`reach` mm are 8·4096, every `tick` s.
+    ///
+    /// # Errors
+    /// As for [`super::Correction::new`].
+    pub fn new(
+        memory: Memory<R>,
+        [low, high]: [R; 2],
+        reach: f64,
+        tick: f64,
+    ) -> Result<Self, ConfigError> {
+        let low = in_range("low", low, -limits::VELOCITY, limits::VELOCITY)?.to_f64();
+        let high = in_range("high", high, -limits::VELOCITY, limits::VELOCITY)?.to_f64();
+        if low >= high {
+            return Err(ConfigError::OutOfRange {
+                field: "high",
+                value: high,
+                low,
+                high: limits::VELOCITY,
+            });
+        }
+        let loss = |time: R| -> Result<i32, ConfigError> {
+            let time = in_range("time", time, 1e-6, 1e6)?.to_f64();
+            Ok((-libm::expm1(-tick / time.max(2.0 * tick)) * 4_294_967_296.0) as i32)
+        };
+        let mut new = Self::NONE;
+        let mut per_reading = reach / f64::from(MIDDLE);
+        match memory {
+            Memory::Slip { limit } => {
+                let limit = in_range("limit", limit, 1e-9, limits::DISPLACEMENT)?.to_f64();
+                new.kind = Kind::Slip;
+                new.step = ((limit / per_reading) as i32).clamp(1, LAST);
+            }
+            Memory::Lag { time } => {
+                new.kind = Kind::Lag;
+                new.step = loss(time)?;
+            }
+            Memory::Travel { time } => {
+                new.kind = Kind::Travel;
+                new.step = loss(time)?;
+                per_reading /= tick;
+                new.shift = AVERAGE as i32;
+                // As fine as the largest reading allows.
+                while new.shift > 0 && high / per_reading < f64::from(LARGEST_READING / 2) {
+                    per_reading /= 2.0;
+                    new.shift -= 1;
+                }
+            }
+            Memory::Largest => new.kind = Kind::Largest,
+            Memory::Age { time } => {
+                let time = in_range("time", time, 1e-6, 1e6)?.to_f64();
+                new.kind = Kind::Age;
+                new.rate = R::from_f64(tick / time);
+                per_reading = 1.0 / f64::from(ONE);
+            }
+            Memory::Cycles { cycles } => {
+                let cycles = in_range("cycles", cycles, 0.01, limits::CYCLES)?;
+                new.kind = Kind::Cycles;
+                new.rate = R::ONE / cycles;
+                per_reading = 1.0 / f64::from(ONE);
+            }
+        }
+        let largest = f64::from(LARGEST_READING);
+        let (low, high) = (low / per_reading, high / per_reading);
+        new.low = low.clamp(-largest, largest) as i32;
+        let gain = f64::from(LAST_MEMORY << GAIN) / (high - low);
+        new.gain = gain.min(f64::from(LARGEST_GAIN)) as i32;
+        Ok(new)
+    }
+
+    /// Whether these are numbers that [`Self::new`] could give.
+    ///
+    /// # Errors
+    /// The field that is not.
+    pub fn check(&self) -> Result<(), ConfigError> {
+        let in_range = |field, value: i32, low: i32, high: i32| {
+            if (low..=high).contains(&value) {
+                return Ok(());
+            }
+            Err(ConfigError::OutOfRange {
+                field,
+                value: f64::from(value),
+                low: f64::from(low),
+                high: f64::from(high),
+            })
+        };
+        self::in_range("rate", self.rate, 0.0, limits::COEFFICIENT)?;
+        let most = if self.kind == Kind::Slip {
+            LAST
+        } else {
+            i32::MAX
+        };
+        in_range("step", self.step, 0, most)?;
+        in_range("shift", self.shift, 0, AVERAGE as i32)?;
+        in_range("low", self.low, -LARGEST_READING, LARGEST_READING)?;
+        in_range("gain", self.gain, 0, LARGEST_GAIN)
+    }
+
+    #[inline(always)]
+    pub fn is_there(&self) -> bool {
+        self.kind != Kind::None
+    }
+
+    pub fn is_like(&self, other: &Self) -> bool {
+        self.kind == other.kind
+    }
+
+    /// At rest at `place`.
+    #[inline(always)]
+    pub fn begin(&self, place: i32) -> CorrectionState {
+        CorrectionState {
+            previous: place,
+            value: match self.kind {
+                Kind::Lag => place << AVERAGE,
+                _ => 0,
+            },
+        }
+    }
+
+    /// What is read on this tick, within ±[`LARGEST_READING`].
+    ///
+    /// An average follows within a loss of 2⁻³²: over 60 s at 10 kHz it stands still within 6e-4 of the tables' range.
+    #[inline(always)]
+    pub fn reading(&self, state: &mut CorrectionState, place: i32, cycles: R) -> i32 {
+        let value = state.value;
+        let toward = |target: i32| {
+            let change = i64::from(target.wrapping_sub(value)) * i64::from(self.step);
+            value.wrapping_add((change >> 32) as i32)
+        };
+        let reading = match self.kind {
+            Kind::None => 0,
+            Kind::Slip => {
+                let stretch = value.wrapping_add(place - state.previous);
+                state.value = stretch.min(self.step).max(-self.step);
+                state.previous = place;
+                state.value
+            }
+            Kind::Lag => {
+                state.value = toward(place << AVERAGE);
+                place - (state.value >> AVERAGE)
+            }
+            Kind::Travel => {
+                state.value = toward((place - state.previous).abs() << AVERAGE);
+                state.previous = place;
+                state.value >> self.shift
+            }
+            Kind::Largest => {
+                state.value = value.max((place - MIDDLE).abs());
+                state.value
+            }
+            Kind::Age => {
+                state.value = value.saturating_add(1);
+                self.age(R::from_i32(value))
+            }
+            Kind::Cycles => self.age(cycles),
+        };
+        reading.clamp(-LARGEST_READING, LARGEST_READING)
+    }
+
+    #[inline(always)]
+    fn age(&self, elapsed: R) -> i32 {
+        (elapsed * self.rate + R::ONE).octaves().max(0)
+    }
+
+    /// Where a reading stands in the table.
+    #[inline(always)]
+    pub fn place(&self, reading: i32) -> i32 {
+        // Within 2·65535·2¹³.
+        let gained = (reading - self.low).wrapping_mul(self.gain);
+        (gained >> GAIN).clamp(0, LAST_MEMORY)
+    }
+
+    /// The same as a part of the table's range, below 0 and above 1 outside.
+    pub fn part(&self, reading: i32) -> f64 {
+        let gained = f64::from(reading - self.low) * f64::from(self.gain);
+        gained / f64::from(4 << (FRACTION + GAIN))
+    }
+}

@@ -1,0 +1,239 @@
+//! A correction without a name: a table of what a law still lacks where no known effect explains it.
+//!
+//! F = T(y, v) + U(y, sgn v, z). T stands over displacement and velocity, once for each direction of motion, so that
+//! friction's jump at rest is exact. U stands over displacement and over z, what the motion was before; without a memory
+//! it is 0.
+//!
+//! Displacement is divided evenly over ±reach, speed by octaves: its node j is at (2ʲ − 1)/255 of the largest. Between
+//! nodes a table is a straight line in each of its variables; outside, its edge holds. So the force is bounded by the
+//! largest cells, whatever the motion.
+//!
+//! After two conversions everything is in integers, so that `f32` and `f64` differ only by where these round: to a 4096th
+//! of the way between two nodes.
+
+mod memory;
+mod packed;
+
+use super::ConfinedMotion;
+use crate::error::ConfigError;
+use crate::limits;
+use crate::real::{Real, in_range};
+use memory::Recall;
+
+pub use memory::{CorrectionState, Memory};
+
+/// Nodes over displacement.
+pub const DISPLACEMENTS: usize = 9;
+/// Nodes over speed.
+pub const SPEEDS: usize = 9;
+/// Nodes over what is remembered.
+pub const MEMORIES: usize = 5;
+/// Cells of T: displacement runs fastest, then speed, then direction, that of growing displacement first.
+pub const CELLS: usize = 2 * SPEEDS * DISPLACEMENTS;
+/// Cells of U: displacement runs fastest, then memory, then direction.
+pub const MEMORY_CELLS: usize = 2 * MEMORIES * DISPLACEMENTS;
+
+/// Bits of the way between two nodes.
+const FRACTION: u32 = 12;
+const ONE: i32 = 1 << FRACTION;
+/// The last place over displacement, and over speed.
+const LAST: i32 = 8 * ONE - 1;
+/// No displacement.
+const MIDDLE: i32 = 4 * ONE;
+
+/// The parts of a [`Correction`].
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct CorrectionParts<'t, R> {
+    /// Largest displacement of the tables, mm, 1e-9…1e4.
+    pub reach: R,
+    /// Largest speed, mm/s, 1e-9…1e6.
+    pub speed: R,
+    /// kN of one count in a cell, 0…1e9.
+    pub unit: R,
+    /// [`CELLS`] cells of T.
+    pub cells: &'t [i16],
+    /// What U depends on, and the z of its first and of its last node.
+    pub memory: Option<(Memory<R>, [R; 2])>,
+    /// [`MEMORY_CELLS`] cells of U; none without a memory.
+    pub memory_cells: &'t [i16],
+}
+
+/// A force as a table.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Correction<R> {
+    /// Places per mm.
+    per_displacement: R,
+    /// 1/(the speed of node 1).
+    per_speed: R,
+    /// kN
+    unit: R,
+    recall: Recall<R>,
+    cells: [i16; CELLS],
+    memory_cells: [i16; MEMORY_CELLS],
+}
+
+/// Which cells make up a force, and with what weights: the force is `unit` times their weighted sum.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Support {
+    /// Of T.
+    pub cells: [(usize, f64); 4],
+    /// Of U; all 0 without a memory.
+    pub memory_cells: [(usize, f64); 4],
+    /// Where z stands in its range: 0 at the first node of U, 1 at the last.
+    pub memory: f64,
+}
+
+/// Where a motion stands in the tables.
+struct Place {
+    displacement: i32,
+    speed: i32,
+    back: usize,
+}
+
+impl<R: Real> Correction<R> {
+    /// No force. All bits are 0.
+    pub(super) const NONE: Self = Self {
+        per_displacement: R::ZERO,
+        per_speed: R::ZERO,
+        unit: R::ZERO,
+        recall: Recall::NONE,
+        cells: [0; CELLS],
+        memory_cells: [0; MEMORY_CELLS],
+    };
+
+    /// The correction of these parts for a tick of `tick` s, 1e-7…1e3.
+    ///
+    /// # Errors
+    /// The field that is not finite or out of range; cells that are too few or too many; a memory whose last node does not
+    /// lie above its first.
+    pub fn new(parts: &CorrectionParts<'_, R>, tick: R) -> Result<Self, ConfigError> {
+        let reach = in_range("reach", parts.reach, 1e-9, limits::DISPLACEMENT)?.to_f64();
+        let speed = in_range("speed", parts.speed, 1e-9, limits::VELOCITY)?.to_f64();
+        let tick = in_range("tick", tick, 1e-7, 1e3)?.to_f64();
+        let mut new = Self {
+            per_displacement: R::from_f64(f64::from(MIDDLE) / reach),
+            per_speed: R::from_f64(255.0 / speed),
+            unit: in_range("unit", parts.unit, 0.0, limits::COEFFICIENT)?,
+            ..Self::NONE
+        };
+        copy("cells", parts.cells, &mut new.cells)?;
+        if let Some((memory, range)) = parts.memory {
+            copy("memory_cells", parts.memory_cells, &mut new.memory_cells)?;
+            new.recall = Recall::new(memory, range, reach, tick)?;
+        }
+        Ok(new)
+    }
+
+    /// Whether there is any.
+    #[inline(always)]
+    pub(super) fn is_there(&self) -> bool {
+        self.unit > R::ZERO
+    }
+
+    /// Whether `other` remembers the same.
+    pub(super) fn remembers_as(&self, other: &Self) -> bool {
+        self.recall.is_like(&other.recall)
+    }
+
+    #[inline(always)]
+    fn place(&self, motion: &ConfinedMotion<R>) -> Place {
+        let y = motion.displacement() * self.per_displacement;
+        let v = motion.velocity();
+        let speed = (v.abs() * self.per_speed + R::ONE).octaves();
+        Place {
+            // A pack may say of a millimetre that it is more places than there are.
+            displacement: y.to_i32().saturating_add(MIDDLE).clamp(0, LAST),
+            speed: speed.clamp(0, LAST),
+            back: usize::from(v < R::ZERO),
+        }
+    }
+
+    /// The state at rest at `motion`, that of the first tick.
+    #[inline(always)]
+    pub(super) fn begin(&self, motion: &ConfinedMotion<R>) -> CorrectionState {
+        self.recall.begin(self.place(motion).displacement)
+    }
+
+    /// Force in kN on this tick. Call it once per tick, in order.
+    #[inline(always)]
+    pub(super) fn force(&self, state: &mut CorrectionState, motion: &ConfinedMotion<R>) -> R {
+        let place = self.place(motion);
+        let (first, across) = (SPEEDS * place.back, place.displacement);
+        let mut counts = between(&self.cells, first, across, place.speed);
+        if self.recall.is_there() {
+            let reading = self.recall.reading(state, across, motion.cycles());
+            let memory = self.recall.place(reading);
+            counts += between(&self.memory_cells, MEMORIES * place.back, across, memory);
+        }
+        R::from_i32(counts) * self.unit
+    }
+
+    /// The cells that the force on this tick comes from, for one who seeks what should stand in them. `state` is `None`
+    /// before the first tick.
+    pub fn support(
+        &self,
+        state: &mut Option<CorrectionState>,
+        motion: &ConfinedMotion<R>,
+    ) -> Support {
+        let place = self.place(motion);
+        let across = place.displacement;
+        let weights = |first: usize, along: i32| {
+            let part = |place: i32| f64::from(place & (ONE - 1)) / f64::from(ONE);
+            let (x, y) = (part(across), part(along));
+            let corner = corner(first, across, along);
+            [
+                (corner, (1.0 - x) * (1.0 - y)),
+                (corner + 1, x * (1.0 - y)),
+                (corner + DISPLACEMENTS, (1.0 - x) * y),
+                (corner + DISPLACEMENTS + 1, x * y),
+            ]
+        };
+        let cells = weights(SPEEDS * place.back, place.speed);
+        if !self.recall.is_there() {
+            return Support {
+                cells,
+                memory_cells: [(0, 0.0); 4],
+                memory: 0.0,
+            };
+        }
+        let state = state.get_or_insert_with(|| self.begin(motion));
+        let reading = self.recall.reading(state, across, motion.cycles());
+        let memory = self.recall.place(reading);
+        Support {
+            cells,
+            memory_cells: weights(MEMORIES * place.back, memory),
+            memory: self.recall.part(reading),
+        }
+    }
+}
+
+fn copy<const N: usize>(
+    field: &'static str,
+    from: &[i16],
+    to: &mut [i16; N],
+) -> Result<(), ConfigError> {
+    *to = from.try_into().map_err(|_| ConfigError::OutOfRange {
+        field,
+        value: from.len() as f64,
+        low: N as f64,
+        high: N as f64,
+    })?;
+    Ok(())
+}
+
+/// The first of the four cells around a place, in a table whose rows for this direction begin with row `first`.
+#[inline(always)]
+fn corner(first: usize, across: i32, along: i32) -> usize {
+    (first + (along >> FRACTION) as usize) * DISPLACEMENTS + (across >> FRACTION) as usize
+}
+
+/// The value between the four cells around a place.
+#[inline(always)]
+fn between(cells: &[i16], first: usize, across: i32, along: i32) -> i32 {
+    let corner = corner(first, across, along);
+    let cell = |index: usize| cells.get(corner + index).copied().map_or(0, i32::from);
+    let mix = |a: i32, b: i32, place: i32| a + (((b - a) * (place & (ONE - 1))) >> FRACTION);
+    let near = mix(cell(0), cell(1), across);
+    let far = mix(cell(DISPLACEMENTS), cell(DISPLACEMENTS + 1), across);
+    mix(near, far, along)
+}

@@ -1,0 +1,87 @@
+//! A correction in a coefficient pack: its numbers, four bytes each, and for each table what postcard makes of a `Vec<u8>`.
+
+use super::Correction;
+use super::memory::Kind;
+use crate::error::ConfigError;
+use crate::frame::{Reader, Writer};
+use crate::limits;
+use crate::real::in_range;
+
+impl Correction<f32> {
+    /// Writes numbers and tables.
+    pub(crate) fn pack(&self, writer: &mut Writer<'_>) {
+        let recall = &self.recall;
+        for number in [
+            self.per_displacement,
+            self.per_speed,
+            self.unit,
+            recall.rate,
+        ] {
+            writer.f32(number);
+        }
+        let kind = Kind::ALL.iter().position(|kind| *kind == recall.kind);
+        writer.u8(kind.unwrap_or_default() as u8);
+        for number in [recall.step, recall.shift, recall.low, recall.gain] {
+            writer.u32(number as u32);
+        }
+        for table in [&self.cells[..], &self.memory_cells] {
+            for byte in length(table) {
+                writer.u8(byte);
+            }
+            for cell in table {
+                writer.u16(*cell as u16);
+            }
+        }
+    }
+
+    /// Reads what [`Self::pack`] wrote into `self`; `None` where it is no correction. Its numbers are still to be checked.
+    pub(crate) fn unpack(&mut self, reader: &mut Reader<'_>) -> Option<()> {
+        let recall = &mut self.recall;
+        for number in [
+            &mut self.per_displacement,
+            &mut self.per_speed,
+            &mut self.unit,
+            &mut recall.rate,
+        ] {
+            *number = reader.f32()?;
+        }
+        recall.kind = *Kind::ALL.get(usize::from(reader.u8()?))?;
+        for number in [
+            &mut recall.step,
+            &mut recall.shift,
+            &mut recall.low,
+            &mut recall.gain,
+        ] {
+            *number = reader.u32()? as i32;
+        }
+        for table in [&mut self.cells[..], &mut self.memory_cells] {
+            for byte in length(table) {
+                if reader.u8()? != byte {
+                    return None;
+                }
+            }
+            for cell in table {
+                *cell = reader.u16()? as i16;
+            }
+        }
+        Some(())
+    }
+
+    /// Whether its numbers are finite and within what [`Correction::new`] can give, for one that was read.
+    ///
+    /// # Errors
+    /// The field that is not.
+    pub(crate) fn check(&self) -> Result<(), ConfigError> {
+        const MOST: f64 = 1e14;
+        in_range("per_displacement", self.per_displacement, 0.0, MOST)?;
+        in_range("per_speed", self.per_speed, 0.0, MOST)?;
+        in_range("unit", self.unit, 0.0, limits::COEFFICIENT)?;
+        self.recall.check()
+    }
+}
+
+/// How many bytes a table takes, as postcard writes a length of 128…16383.
+fn length(table: &[i16]) -> [u8; 2] {
+    let bytes = 2 * table.len();
+    [bytes as u8 | 0x80, (bytes >> 7) as u8]
+}

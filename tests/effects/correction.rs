@@ -1,0 +1,267 @@
+//! The correction without a name: what its tables give between their nodes and outside, and what it remembers.
+
+use mesh_damper::effects::correction::{
+    CELLS, CorrectionParts, DISPLACEMENTS, MEMORIES, MEMORY_CELLS, Memory, SPEEDS,
+};
+use mesh_damper::effects::{AugmentedLaw, AugmentedState, Correction, Motion};
+use mesh_damper::error::ConfigError;
+use mesh_damper::law::Law;
+use mesh_damper::real::Real;
+use proptest::prelude::*;
+
+const REACH: f64 = 0.2;
+const SPEED: f64 = 6.0;
+/// kN
+const UNIT: f64 = 2e-4;
+const TICK: f64 = 1e-3;
+
+/// Cells of T from a function of displacement mm and velocity mm/s, in kN.
+fn table(force: impl Fn(f64, f64) -> f64) -> Vec<i16> {
+    let node = |cell: usize| {
+        let (i, j) = (cell % DISPLACEMENTS, cell / DISPLACEMENTS);
+        let y = REACH * (i as f64 / 4.0 - 1.0);
+        let speed = SPEED * (f64::from(1 << (j % SPEEDS)) - 1.0) / 255.0;
+        (y, if j < SPEEDS { speed } else { -speed })
+    };
+    let count = |cell| {
+        let (y, v) = node(cell);
+        (force(y, v) / UNIT).round() as i16
+    };
+    (0..CELLS).map(count).collect()
+}
+
+/// Cells of U that say how far along its range z is, in 4000ths, whatever the displacement.
+fn ramp() -> Vec<i16> {
+    let memory = |cell: usize| cell / DISPLACEMENTS % MEMORIES;
+    (0..MEMORY_CELLS)
+        .map(|cell| 1000 * memory(cell) as i16)
+        .collect()
+}
+
+fn correction<R: Real>(
+    cells: &[i16],
+    memory: Option<(Memory<R>, [R; 2])>,
+) -> Result<Correction<R>, ConfigError> {
+    let parts = CorrectionParts {
+        reach: R::from_f64(REACH),
+        speed: R::from_f64(SPEED),
+        unit: R::from_f64(UNIT),
+        cells,
+        memory,
+        memory_cells: if memory.is_some() { &ramp() } else { &[] },
+    };
+    Correction::new(&parts, R::from_f64(TICK))
+}
+
+struct Alone<R: Real> {
+    law: AugmentedLaw<R, 1>,
+    state: AugmentedState<R>,
+}
+
+impl<R: Real> Alone<R> {
+    fn new(correction: Correction<R>) -> Self {
+        let none = Law::new(R::ZERO, R::ZERO, R::ZERO, R::ZERO).unwrap();
+        let law = AugmentedLaw::new(none).with_correction(correction).unwrap();
+        Self {
+            state: law.at_rest(),
+            law,
+        }
+    }
+
+    fn force(&mut self, displacement: f64, velocity: f64, cycles: f64) -> f64 {
+        let motion = Motion {
+            displacement: R::from_f64(displacement),
+            velocity: R::from_f64(velocity),
+            cycles: R::from_f64(cycles),
+            ..Motion::default()
+        };
+        self.law.force(&mut self.state, &motion).to_f64()
+    }
+}
+
+/// Where z stands in `range` after each displacement.
+fn remembered(memory: Memory<f64>, range: [f64; 2], motion: impl Iterator<Item = f64>) -> Vec<f64> {
+    let mut alone = Alone::new(correction(&[0; CELLS], Some((memory, range))).unwrap());
+    let z = |y| range[0] + (range[1] - range[0]) * alone.force(y, 0.0, 0.0) / (4000.0 * UNIT);
+    motion.map(z).collect()
+}
+
+fn close(value: f64, expected: f64, within: f64) {
+    assert!(
+        (value - expected).abs() <= within,
+        "{value}, not {expected}"
+    );
+}
+
+/// y·|v| and v are straight between the nodes, and a jump at rest is one.
+#[test]
+fn what_is_straight_between_the_nodes_is_exact() {
+    let force = |y: f64, v: f64| 0.5 + 2.0 * y + 0.1 * v + 1.5 * y * v.abs() + 0.3 * v.signum();
+    let mut alone = Alone::new(correction::<f64>(&table(force), None).unwrap());
+    for y in [-0.199, -0.13, 0.0, 0.01, 0.077, 0.2] {
+        for v in [-5.9, -1.0, -0.02, -1e-6, 1e-6, 0.3, 2.2, 6.0] {
+            // A count, and a 4096th of a cell.
+            close(alone.force(y, v, 0.0), force(y, v), 1.5 * UNIT + 1e-3);
+        }
+    }
+}
+
+#[test]
+fn outside_the_edge_holds() {
+    let force = |y: f64, v: f64| 4.0 * y + 0.2 * v;
+    let mut alone = Alone::new(correction::<f64>(&table(force), None).unwrap());
+    for (y, v, edge) in [
+        (5.0, 1e9, force(REACH, SPEED)),
+        (-0.21, 60.0, force(-REACH, SPEED)),
+        (1e30, -7.0, force(REACH, -SPEED)),
+        (f64::INFINITY, f64::NEG_INFINITY, force(REACH, -SPEED)),
+    ] {
+        close(alone.force(y, v, 0.0), edge, 2e-3);
+    }
+    close(alone.force(f64::NAN, f64::NAN, f64::NAN), 0.0, 2e-3);
+}
+
+/// The stop operator: it follows until the limit, and turns with the motion.
+#[test]
+fn slip_is_a_stop() {
+    let motion = [0.0, 0.02, 0.15, 0.14, 0.08, -0.1, -0.08];
+    let z = remembered(
+        Memory::Slip { limit: 0.05 },
+        [-0.05, 0.05],
+        motion.into_iter(),
+    );
+    for (z, expected) in z.iter().zip([0.0, 0.02, 0.05, 0.04, -0.02, -0.05, -0.03]) {
+        close(*z, expected, 1e-4);
+    }
+}
+
+/// After a step of 0.1 mm it is 0.1·e^(−t/τ).
+#[test]
+fn lag_fades_with_its_time() {
+    let motion = std::iter::once(0.0).chain(std::iter::repeat_n(0.1, 200));
+    let z = remembered(Memory::Lag { time: 0.05 }, [0.0, 0.1], motion);
+    for ticks in [1, 20, 50, 150] {
+        close(z[ticks], 0.1 * (-(ticks as f64) * TICK / 0.05).exp(), 2e-4);
+    }
+}
+
+/// A triangle of 2 mm/s, seen since long.
+#[test]
+fn travel_is_the_mean_speed() {
+    let motion = (0..2000).map(|tick| 0.002 * f64::from((tick % 100 - 50_i32).abs()));
+    let z = remembered(Memory::Travel { time: 0.1 }, [0.0, 4.0], motion);
+    close(z[50], 2.0 * (1.0 - f64::exp(-0.5)), 2e-2);
+    close(z[1999], 2.0, 2e-2);
+}
+
+#[test]
+fn the_largest_displacement_stays() {
+    let motion = [0.01, -0.06, 0.05, 0.1, -0.02, 0.0];
+    let z = remembered(Memory::Largest, [0.0, 0.2], motion.into_iter());
+    for (z, expected) in z.iter().zip([0.01, 0.06, 0.06, 0.1, 0.1, 0.1]) {
+        close(*z, expected, 2e-4);
+    }
+}
+
+/// log₂(1 + t/τ) is exact where 1 + t/τ is a power of two.
+#[test]
+fn age_grows_with_the_logarithm_of_time() {
+    let z = remembered(
+        Memory::Age { time: 0.01 },
+        [0.0, 8.0],
+        std::iter::repeat_n(0.0, 701),
+    );
+    for (ticks, octaves) in [(0, 0.0), (10, 1.0), (30, 2.0), (70, 3.0), (630, 6.0)] {
+        close(z[ticks], octaves, 1e-2);
+    }
+    let memory = (Memory::Cycles { cycles: 2.0 }, [0.0, 4.0]);
+    let mut alone = Alone::new(correction::<f64>(&[0; CELLS], Some(memory)).unwrap());
+    for (cycles, octaves) in [(0.0, 0.0), (2.0, 1.0), (14.0, 3.0), (1e9, 4.0)] {
+        close(
+            alone.force(0.0, 0.0, cycles) / (1000.0 * UNIT),
+            octaves,
+            5e-3,
+        );
+    }
+}
+
+#[test]
+fn what_cannot_be_is_refused() {
+    let field = |error: ConfigError| match error {
+        ConfigError::NonFinite(field) | ConfigError::OutOfRange { field, .. } => field,
+        other => panic!("{other}"),
+    };
+    let refused = |cells: &[i16], memory| field(correction::<f64>(cells, memory).unwrap_err());
+    let cells = [0; CELLS];
+    assert_eq!(refused(&cells[1..], None), "cells");
+    for (memory, range, said) in [
+        (Memory::Slip { limit: 0.0 }, [0.0, 1.0], "limit"),
+        (Memory::Lag { time: f64::NAN }, [0.0, 1.0], "time"),
+        (Memory::Travel { time: -1.0 }, [0.0, 1.0], "time"),
+        (Memory::Age { time: 1e7 }, [0.0, 1.0], "time"),
+        (Memory::Cycles { cycles: 0.0 }, [0.0, 1.0], "cycles"),
+        (Memory::Largest, [1.0, 1.0], "high"),
+        (Memory::Largest, [f64::NAN, 1.0], "low"),
+    ] {
+        assert_eq!(refused(&cells, Some((memory, range))), said);
+    }
+    let law = AugmentedLaw::<f64, 0>::new(Law::new(1.0, 0.0, 0.0, 0.0).unwrap());
+    assert!(
+        law.with_correction(correction(&cells, None).unwrap())
+            .is_err()
+    );
+}
+
+proptest! {
+    /// In f32 as in f64, but for where a displacement or a speed is rounded.
+    #[test]
+    fn both_floats_give_the_same(
+        motion in prop::collection::vec((-0.3f64..0.3, -8.0f64..8.0), 1..200),
+        kind in 0usize..6,
+    ) {
+        fn memory<R: Real>(kind: usize) -> (Memory<R>, [R; 2]) {
+            let real = R::from_f64;
+            let memory = [
+                Memory::Slip { limit: real(0.05) },
+                Memory::Lag { time: real(0.05) },
+                Memory::Travel { time: real(0.05) },
+                Memory::Largest,
+                Memory::Age { time: real(0.05) },
+                Memory::Cycles { cycles: real(3.0) },
+            ][kind];
+            (memory, [real([-0.05, -0.1, 0.0, 0.0, 0.0, 0.0][kind]), real([0.05, 0.1, 200.0, 0.2, 3.0, 3.0][kind])])
+        }
+        let cells = table(|y, v| 4.0 * y + 0.2 * v + v.signum());
+        let mut double = Alone::new(correction::<f64>(&cells, Some(memory(kind))).unwrap());
+        let mut single = Alone::new(correction::<f32>(&cells, Some(memory(kind))).unwrap());
+        for (tick, (y, v)) in motion.into_iter().enumerate() {
+            let cycles = 0.01 * tick as f64;
+            let difference = double.force(y, v, cycles) - single.force(y, v, cycles);
+            // Of 2.4 kN.
+            prop_assert!(difference.abs() < 5e-3, "{difference}");
+        }
+    }
+
+    /// What an identification is told of the cells is what the force is made of.
+    #[test]
+    fn the_support_is_what_the_force_comes_from(
+        motion in prop::collection::vec((-0.3f64..0.3, -8.0f64..8.0), 1..50),
+    ) {
+        let cells = table(|y, v| 4.0 * y + 0.2 * v + y * v + v.signum());
+        let memory = (Memory::Slip { limit: 0.05 }, [-0.05, 0.05]);
+        let correction = correction::<f64>(&cells, Some(memory)).unwrap();
+        let memory_cells = ramp();
+        let mut alone = Alone::new(correction);
+        let mut state = None;
+        for (displacement, velocity) in motion {
+            let moved = Motion { displacement, velocity, ..Motion::default() };
+            let support = correction.support(&mut state, &moved.confined());
+            let sum = |cells: &[i16], weights: &[(usize, f64); 4]| -> f64 {
+                weights.iter().map(|&(cell, weight)| weight * f64::from(cells[cell])).sum()
+            };
+            let expected = sum(&cells, &support.cells) + sum(&memory_cells, &support.memory_cells);
+            // Three roundings down in each table.
+            prop_assert!((alone.force(displacement, velocity, 0.0) / UNIT - expected).abs() < 7.0);
+        }
+    }
+}
