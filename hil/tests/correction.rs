@@ -1,112 +1,17 @@
 //! The correction without a name, on specimens with effects that no family has: fitted on one programme, compared on another.
 
-use std::f64::consts::TAU;
+mod hidden;
 
+use hidden::{Hidden, NOISE, RATE, Sample, block, fitted, record, start};
 use hil::correction::Remembered;
 use hil::identify::correction::fit;
-use hil::model::{LawNode, Model};
+use hil::model::Model;
 use hil::predict::{nrmse, predict, predict_embedded};
-use hil::recording::trajectory::Trajectory;
-use hil::reference::tables;
-use hil::specimen::{Block, motion};
-use rand::{RngExt, SeedableRng};
-use rand_chacha::ChaCha8Rng;
+use hil::specimen::Block;
 
-/// Hz
-const RATE: f64 = 500.0;
-/// g/cm³
-const DENSITY: f64 = 3.0;
-/// Of the force, over its RMS.
-const NOISE: f64 = 0.004;
-
-/// What a specimen's force may depend on.
-struct Sample {
-    time: f64,
-    displacement: f64,
-    velocity: f64,
-    /// kN, of eq 13.
-    law: f64,
-}
-
-/// Force beside eq 13, kN, with its memory.
-type Hidden = Box<dyn FnMut(&Sample) -> f64>;
-
-fn block(amplitude: f64, frequency: f64, cycles: u32) -> Block {
-    Block {
-        amplitude,
-        frequency,
-        cycles,
-    }
-}
-
-fn fitted() -> Vec<Block> {
-    let amplitudes = [0.05, 0.1, 0.2];
-    let pairs = amplitudes.map(|a| [block(a, 1.0, 6), block(a, 5.0, 10)]);
-    pairs
-        .concat()
-        .into_iter()
-        .chain([block(0.15, 2.0, 8)])
-        .collect()
-}
-
-/// Other amplitudes and frequencies.
+/// Other amplitudes and frequencies than those fitted.
 fn held() -> Vec<Block> {
     vec![block(0.12, 3.0, 8), block(0.18, 1.5, 6)]
-}
-
-/// A test of a specimen whose eq 13 is tabulated over amplitude.
-fn record(blocks: &[Block], mut hidden: Hidden, seed: u64) -> Trajectory {
-    let mut rng = ChaCha8Rng::seed_from_u64(seed);
-    let mut normal = move || {
-        let (radius, angle): (f64, f64) = (1.0 - rng.random::<f64>(), rng.random());
-        (-2.0 * radius.ln()).sqrt() * (TAU * angle).cos()
-    };
-    let mut remaining = blocks.iter();
-    let (mut now, mut end) = (blocks[0], 0.0);
-    let clean: Vec<(f64, f64)> = motion(blocks, RATE)
-        .iter()
-        .map(|m| {
-            if m.time > end - 0.5 / RATE {
-                now = *remaining.next().unwrap_or(&now);
-                end += f64::from(now.cycles) / now.frequency;
-            }
-            let law = tables::interpolate(DENSITY, now.amplitude).force(m.displacement, m.velocity);
-            let sample = Sample {
-                time: m.time,
-                displacement: m.displacement,
-                velocity: m.velocity,
-                law,
-            };
-            (m.displacement, law + hidden(&sample))
-        })
-        .collect();
-    let power = clean.iter().map(|(_, force)| force * force).sum::<f64>();
-    let rms = (power / clean.len() as f64).sqrt();
-    let force = clean
-        .iter()
-        .map(|(_, force)| force + NOISE * rms * normal())
-        .collect();
-    let displacement: Vec<f64> = clean.iter().map(|(y, _)| y + 1e-4 * normal()).collect();
-    Trajectory::new("test", 1.0 / RATE, &displacement, force, None, None)
-}
-
-/// The published law at the fitted amplitudes, off as a fit is that puts an unknown effect into eq 13.
-fn start() -> Model {
-    let node = |amplitude| {
-        let law = tables::interpolate(DENSITY, amplitude);
-        LawNode {
-            amplitude,
-            k1: 1.2 * law.k1,
-            k3: law.k3 - 5.0,
-            c: 0.9 * law.c,
-            alpha: law.alpha - 0.1,
-        }
-    };
-    Model {
-        law: [0.05, 0.1, 0.15, 0.2].map(node).to_vec(),
-        effects: Vec::new(),
-        correction: None,
-    }
 }
 
 fn corrected(hidden: impl Fn() -> Hidden) -> Option<Model> {
@@ -133,7 +38,8 @@ fn momentary(force: fn(&Sample) -> f64) -> impl Fn() -> Hidden {
 
 #[test]
 fn a_force_of_displacement_and_velocity_needs_no_memory() {
-    let cases: [(fn(&Sample) -> f64, f64); 4] = [
+    type Case = (fn(&Sample) -> f64, f64);
+    let cases: [Case; 4] = [
         (|s| 0.3 * s.displacement * s.velocity, 2.2),
         (|s| 1.0 * s.displacement.powi(2) * s.velocity, 2.5),
         (

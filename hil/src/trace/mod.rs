@@ -5,6 +5,7 @@
 //! error is reported.
 
 mod closing;
+pub mod dependence;
 pub mod result;
 mod score;
 mod select;

@@ -15,7 +15,7 @@ const SAME: f64 = 0.06;
 
 /// How far the motion goes.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Extent {
+pub(crate) struct Extent {
     /// mm
     pub displacement: f64,
     /// mm/s
@@ -24,7 +24,7 @@ pub(super) struct Extent {
 
 /// Eq 13 at each amplitude: k1, k3, c and α.
 #[derive(Clone, Debug, PartialEq)]
-pub(super) struct Coefficients(pub Vec<[f64; 4]>);
+pub(crate) struct Coefficients(pub Vec<[f64; 4]>);
 
 impl Coefficients {
     pub fn of(model: &Model) -> Self {
@@ -48,7 +48,7 @@ impl Coefficients {
 }
 
 /// One sample.
-pub(super) struct Row {
+pub(crate) struct Row {
     /// Trajectory and sample.
     pub origin: (usize, usize),
     pub block: usize,
@@ -64,7 +64,7 @@ pub(super) struct Row {
 }
 
 /// All samples of a fit.
-pub(super) struct Design<'a> {
+pub(crate) struct Design<'a> {
     pub trajectories: &'a [Trajectory],
     pub extent: Extent,
     pub rows: Vec<Row>,
@@ -80,7 +80,7 @@ pub(super) struct Design<'a> {
 }
 
 /// What was remembered at each row.
-pub(super) struct Recalled {
+pub(crate) struct Recalled {
     /// z at the first and at the last node.
     pub range: [f64; 2],
     /// Cells of U at each row.
@@ -240,6 +240,20 @@ impl Row {
         let [k1, k3, c, alpha] = self.at_amplitude(law);
         let y = self.displacement;
         k1 * y + k3 * y.powi(3) + c * self.direction * (alpha * self.log_speed).exp()
+    }
+
+    /// The derivatives of that by the coefficients of every node.
+    pub fn law_derivatives(&self, law: &Coefficients, entries: &mut Vec<(usize, f64)>) {
+        let [_, _, c, alpha] = self.at_amplitude(law);
+        let y = self.displacement;
+        let damping = self.direction * (alpha * self.log_speed).exp();
+        let derivatives = [y, y.powi(3), damping, c * self.log_speed * damping];
+        for (node, weight) in [(self.node, 1.0 - self.above), (self.node + 1, self.above)] {
+            if weight > 0.0 {
+                let own = derivatives.iter().enumerate();
+                entries.extend(own.map(|(i, d)| (4 * node + i, weight * d)));
+            }
+        }
     }
 
     /// The coefficients at the row's amplitude.

@@ -3,7 +3,7 @@
 use mesh_damper::effects::correction::{CELLS, DISPLACEMENTS, MEMORIES, MEMORY_CELLS, SPEEDS};
 use nalgebra::{Cholesky, DMatrix, DVector};
 
-use super::design::{Coefficients, Design, Recalled, Row};
+use super::design::{Coefficients, Design, Recalled};
 
 /// What a bend between neighbouring amplitudes costs eq 13's coefficients, over what the data say of them.
 const BEND: f64 = 1e-3;
@@ -214,7 +214,7 @@ fn accumulate(
         let mut left = row.force;
         if layout.law > 0 {
             left -= row.law_force(at);
-            law_entries(row, at, &mut entries);
+            row.law_derivatives(at, &mut entries);
         }
         if layout.table > 0 {
             entries.extend(row.cells.map(|(cell, weight)| (layout.law + cell, weight)));
@@ -234,24 +234,6 @@ fn accumulate(
         block.count += 1.0;
     }
     blocks
-}
-
-/// The derivatives of eq 13 by its coefficients.
-fn law_entries(row: &Row, at: &Coefficients, entries: &mut Vec<(usize, f64)>) {
-    let [_, _, c, alpha] = row.at_amplitude(at);
-    let y = row.displacement;
-    let damping = row.direction * (alpha * row.log_speed).exp();
-    let derivatives = [y, y.powi(3), damping, c * row.log_speed * damping];
-    for (node, weight) in [(row.node, 1.0 - row.above), (row.node + 1, row.above)] {
-        if weight > 0.0 {
-            entries.extend(
-                derivatives
-                    .iter()
-                    .enumerate()
-                    .map(|(i, d)| (4 * node + i, weight * d)),
-            );
-        }
-    }
 }
 
 /// The penalties.

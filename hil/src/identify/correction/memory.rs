@@ -5,7 +5,7 @@ use crate::correction::Remembered;
 use crate::recording::trajectory::Trajectory;
 
 /// Every kind, each with its limit or time over all that the data can show.
-pub(super) fn kinds(design: &Design) -> Vec<Vec<Remembered>> {
+pub(crate) fn kinds(design: &Design) -> Vec<Vec<Remembered>> {
     let trajectories = design.trajectories;
     let reach = design.extent.displacement;
     let longest =

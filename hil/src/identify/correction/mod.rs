@@ -4,9 +4,9 @@
 //! together with eq 13's coefficients, as smooth as keeps the error small where the data were left out. A table without
 //! memory comes first; one that remembers takes its place only where that clearly pays.
 
-mod design;
+pub(crate) mod design;
 mod gram;
-mod memory;
+pub(crate) mod memory;
 
 use mesh_damper::effects::correction::{CELLS, MEMORY_CELLS};
 use rayon::prelude::*;
