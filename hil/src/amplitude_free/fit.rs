@@ -270,6 +270,7 @@ impl FittedLaw {
                 alpha: self.alpha,
             }],
             effects,
+            correction: None,
         }
     }
 }

@@ -2,8 +2,11 @@
 
 use rayon::prelude::*;
 
+use super::dependence::dependence;
+use super::mend::mended;
 use super::result::{
-    Baseline, Candidate, Errors, Estimate, FoundEffect, LawEstimate, OnTarget, TraceResult, Verdict,
+    Baseline, Candidate, CorrectionSummary, Dependence, Errors, Estimate, FoundEffect, LawEstimate,
+    OnTarget, TraceResult, Verdict,
 };
 use super::select::{Selection, noise_floor};
 use super::split::{Role, Roles};
@@ -27,17 +30,21 @@ const MOST_ROWS: usize = 60_000;
 pub(super) struct Closing<'a> {
     /// The recordings fitted, then those held out.
     recordings: Vec<(&'a Trajectory, Vec<Role>)>,
+    /// Those fitted.
+    trajectories: &'a [Trajectory],
     fitted: usize,
+    judging: &'a Roles,
+    roles: &'a Roles,
     rows: Rows<'a>,
     extent: Extent,
     noise_floor: f64,
 }
 
 impl<'a> Closing<'a> {
-    /// `nodes` are the amplitudes at which eq 13 has coefficients of its own, mm.
+    /// Effects were chosen by the roles `judging`; what `roles` hold out is left out of all fits. `nodes` are the amplitudes at which eq 13 has coefficients of its own, mm.
     pub fn new(
         fitted: &'a [Trajectory],
-        roles: &'a Roles,
+        [judging, roles]: [&'a Roles; 2],
         held: &'a [Trajectory],
         nodes: Vec<f64>,
     ) -> Self {
@@ -52,7 +59,10 @@ impl<'a> Closing<'a> {
             .map(|trajectory| (trajectory, held_roles(trajectory, fitted)));
         Self {
             recordings: of_fitted.chain(of_held).collect(),
+            trajectories: fitted,
             fitted: fitted.len(),
+            judging,
+            roles,
             noise_floor: noise_floor(fitted),
             rows: Rows::gather(fitted, nodes, MOST_ROWS, |which, sample| {
                 roles.of(which, sample) != Role::HeldOut
@@ -62,19 +72,35 @@ impl<'a> Closing<'a> {
     }
 
     /// Fits eq 13 alone and with what `selection` found, and reports.
-    pub fn close(&self, selection: &Selection) -> Result<Trace, ModelError> {
-        let baseline = self.fit_near(&selection.baseline.solution).model();
+    pub fn close(
+        &self,
+        selection: &Selection,
+        progress: &(dyn Fn(&str) + Sync),
+    ) -> Result<Trace, ModelError> {
+        let alone = self.fit_near(&selection.baseline.solution);
+        let baseline = alone.model();
         let mut solution = self.fit_near(&selection.found.solution);
         // Held at 0 by all of the data.
         while let Some(index) = solution.terms.iter().position(|term| !term.is_admissible()) {
             solution = self.fit_near(&solution.without(index));
         }
-        let model = solution.model();
+        let verdict = conclude(selection);
+        let mut model = solution.model();
+        let mut dependences = Vec::new();
+        if verdict == Verdict::Unlisted {
+            progress("asking on what the rest depends, and correcting it without a name");
+            dependences = self.dependences(&baseline)?;
+            if let Some(mended) = self.mended(&baseline, &model)? {
+                if mended.effects.is_empty() {
+                    solution = alone;
+                }
+                model = mended;
+            }
+        }
         let (before, without) = self.evaluate(&baseline, predict)?;
         let (after, with) = self.evaluate(&model, predict)?;
         let (_, on_target) = self.evaluate(&model, predict_embedded)?;
         let noise_floor = self.noise_floor;
-        let verdict = conclude(selection);
         let uncertainty = Uncertainty::of(&self.rows, &self.extent, &solution);
         let mut effects = self.effects(&solution, &uncertainty, with.nrmse_held_out)?;
         if verdict == Verdict::Ambiguous {
@@ -97,12 +123,14 @@ impl<'a> Closing<'a> {
                 nrmse_held_out: without.nrmse_held_out,
                 staged: self.staged()?,
             },
-            law: law_estimates(&solution, &uncertainty),
+            law: law_estimates(&model, &uncertainty),
             verdict,
             effects,
             candidates: self.candidates(selection)?,
             separating_test: separating_test(verdict, selection),
-            depends_on: depends_on(&model),
+            depends_on: depends_on(&model, &dependences),
+            dependences,
+            correction: model.correction.as_ref().map(CorrectionSummary::of),
             warnings: warnings(
                 self.recordings.iter().map(|(trajectory, _)| *trajectory),
                 &model,
@@ -131,6 +159,26 @@ impl<'a> Closing<'a> {
             model,
             recordings,
         })
+    }
+
+    fn dependences(&self, model: &Model) -> Result<Vec<Dependence>, ModelError> {
+        let found = dependence(self.trajectories, model, |which, sample| {
+            self.roles.of(which, sample) != Role::HeldOut
+        })?;
+        let found = found.into_iter().map(|found| Dependence {
+            on: found.on.to_owned(),
+            share: found.share,
+            deviations: found.deviations,
+        });
+        Ok(found.collect())
+    }
+
+    fn mended(&self, baseline: &Model, found: &Model) -> Result<Option<Model>, ModelError> {
+        mended(
+            self.trajectories,
+            [self.judging, self.roles],
+            [baseline, found],
+        )
     }
 
     /// The model's force on every recording, kN, and its errors.
@@ -279,8 +327,8 @@ impl<'a> Closing<'a> {
 }
 
 /// Eq 13's coefficients with their intervals.
-fn law_estimates(solution: &Solution, uncertainty: &Uncertainty) -> Vec<LawEstimate> {
-    solution
+fn law_estimates(model: &Model, uncertainty: &Uncertainty) -> Vec<LawEstimate> {
+    model
         .law
         .iter()
         .zip(&uncertainty.law)

@@ -6,6 +6,7 @@
 
 mod closing;
 pub mod dependence;
+mod mend;
 pub mod result;
 mod score;
 mod select;
@@ -124,8 +125,8 @@ pub fn trace(
     } else {
         vec![0.0]
     };
-    let closing = Closing::new(&fitted, &roles, &held, nodes);
-    Ok(closing.close(&selection)?)
+    let closing = Closing::new(&fitted, [&judging, &roles], &held, nodes);
+    Ok(closing.close(&selection, progress)?)
 }
 
 /// Searches with one set of coefficients for all amplitudes, and with one for each; returns whether the latter is to be

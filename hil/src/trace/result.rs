@@ -6,6 +6,8 @@ use std::collections::BTreeMap;
 
 use serde::{Deserialize, Serialize};
 
+use crate::correction::{CorrectionTable, Remembered};
+
 /// The result of a trace.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct TraceResult {
@@ -30,6 +32,10 @@ pub struct TraceResult {
     /// What the force beyond the law depends on: `displacement`, `velocity`, `history`, `time`, `cycle`,
     /// `temperature`, `frequency`, `amplitude`.
     pub depends_on: Vec<String>,
+    /// The tests on what eq 13 leaves, where no listed effect explains it.
+    pub dependences: Vec<Dependence>,
+    /// The correction without a name, where there is one.
+    pub correction: Option<CorrectionSummary>,
     /// What is wrong with the data, in words.
     pub warnings: Vec<String>,
     /// The law with what was found, in f64.
@@ -170,5 +176,44 @@ mod tests {
         let contract: serde_json::Value = serde_json::from_str(text).unwrap();
         let result: TraceResult = serde_json::from_str(text).unwrap();
         assert_eq!(serde_json::to_value(&result).unwrap(), contract);
+    }
+}
+
+/// Something that the residual depends on.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Dependence {
+    /// One of the names of [`TraceResult::depends_on`].
+    pub on: String,
+    /// The part of the residual's variance above the noise that is explained with it and not without.
+    pub share: f64,
+    /// How many deviations the mean gain per cycle stands from zero.
+    pub deviations: f64,
+}
+
+/// A correction without a name.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct CorrectionSummary {
+    /// What it remembers of the motion, where it does.
+    pub remembers: Option<Remembered>,
+    /// Largest force of its tables together, kN; it is never exceeded, wherever the motion goes.
+    pub largest: f64,
+}
+
+impl CorrectionSummary {
+    /// Of a model's table.
+    pub fn of(table: &CorrectionTable) -> Self {
+        let largest = |cells: &[i16]| cells.iter().map(|cell| cell.unsigned_abs()).max();
+        let memory = table.memory.as_ref();
+        let counts = [Some(&table.cells), memory.map(|memory| &memory.cells)];
+        let sum: u32 = counts
+            .into_iter()
+            .flatten()
+            .filter_map(|cells| largest(cells))
+            .map(u32::from)
+            .sum();
+        Self {
+            remembers: memory.map(|memory| memory.of),
+            largest: table.unit * f64::from(sum),
+        }
     }
 }
