@@ -5,6 +5,7 @@ mod bench;
 mod bench_table;
 mod blind;
 mod demo;
+mod effect;
 mod image;
 mod predict;
 mod programme;

@@ -17,6 +17,7 @@ use mesh_damper::sine::Programme;
 use mesh_damper::table::PAPER;
 use serde::Serialize;
 
+use super::effect;
 use super::image::{LogLevel, start_image};
 use super::programme::{self, MOST_BLOCKS};
 use super::progress::Progress;
@@ -27,6 +28,7 @@ use super::{Failure, say};
 /// Writes DIR/recording.csv.gz and DIR/cycles.csv: what was measured, and what every cycle came to beside the law.
 #[derive(Args, Debug)]
 #[command(after_help = "Examples:\n  hil run --blocks 0.1:1:6,0.1:5:10\n  \
+    hil run --effect stick_slip:stiffness=1.2,slip_limit=0.03\n  \
     hil run --drawn --seed 7 --model trace-out/model.json --blocks 0.1:1-10:40 --out run-out\n\n\
     Exit code 1 says that the rig stopped on a limit; what it recorded until then is written.")]
 pub struct RunCommand {
@@ -53,8 +55,11 @@ pub struct RunCommand {
     #[arg(long, value_name = "G_PER_CM3", default_value_t = 3.0)]
     density: f64,
     /// Test the specimen with an undeclared effect that the seed draws, as the demonstration does
-    #[arg(long, conflicts_with = "density")]
+    #[arg(long, conflicts_with_all = ["density", "effect"])]
     drawn: bool,
+    /// Test the specimen with this effect, family:name=value,name=value; may be given more than once
+    #[arg(long, value_name = "EFFECT")]
+    effect: Vec<String>,
     /// Of the sensors' noise, and of the effect drawn
     #[arg(long, default_value_t = 1)]
     seed: u64,
@@ -249,8 +254,12 @@ impl RunCommand {
                 format!("give {low} to {high}"),
             ));
         }
-        let described = format!("simulated MMD, density_g_cm3 = {}", self.density);
-        let specimen = Specimen::of_density(self.density, SPECIMEN_AMPLITUDE);
+        let mut described = format!("simulated MMD, density_g_cm3 = {}", self.density);
+        let mut specimen = Specimen::of_density(self.density, SPECIMEN_AMPLITUDE);
+        for text in &self.effect {
+            specimen = specimen.with(effect::parse(text)?);
+            described = format!("{described}, {text}");
+        }
         Ok((specimen, self.density, described))
     }
 

@@ -1,12 +1,12 @@
 //! The effects a specimen can hide.
 
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 
 use super::unlisted::Unlisted;
 
 /// An effect that eq 13 does not have. Sizes may have either sign where physics allows it.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
-#[serde(tag = "family", rename_all = "snake_case")]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(tag = "family", rename_all = "snake_case", deny_unknown_fields)]
 pub enum HiddenEffect {
     /// F = f0: a preload.
     Offset {
@@ -103,8 +103,8 @@ pub enum HiddenEffect {
 }
 
 /// How the friction joints of [`HiddenEffect::StickSlip`] turn from sticking to slipping.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
-#[serde(rename_all = "snake_case")]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case", deny_unknown_fields)]
 pub enum SlipShape {
     /// All at once: one Jenkins element.
     Sharp,

@@ -5,7 +5,7 @@ use std::f64::consts::TAU;
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, StandardNormal};
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 
 use super::branch::Step;
 
@@ -19,8 +19,8 @@ const WALK_TERMS: usize = 80;
 const WALK_DURATION: f64 = 100.0;
 
 /// An effect without a family.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
-#[serde(tag = "kind", rename_all = "snake_case")]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(tag = "kind", rename_all = "snake_case", deny_unknown_fields)]
 pub enum Unlisted {
     /// F = μ·|y|·sgn v: friction under a load that grows with displacement.
     LoadFriction {
