@@ -18,6 +18,7 @@ pub use floors::{FLOORS, Floors};
 pub use judge::{Mark, Outcome, Said, judge};
 pub use programme::{Programme, Shape};
 pub use summary::{Rate, Ratios, Summary};
+pub use test_rig::{Sensors, Truth, answer, record};
 
 /// What eq 13 leaves of a hidden effect is at least so many times the noise where its trial counts.
 pub const LEAST_VISIBLE: f64 = 3.0;

@@ -18,8 +18,8 @@ pub(super) struct Step {
     pub acceleration: f64,
     /// s since the previous call.
     pub dt: f64,
-    /// Hz of the block that runs.
-    pub frequency: f64,
+    /// Hz of the block that runs, where it is known.
+    pub frequency: Option<f64>,
     /// Force of eq 13, kN.
     pub law: f64,
 }
@@ -154,7 +154,10 @@ impl Hidden {
                 *force
             }
             (HiddenEffect::Drift { stiffness, cycles }, Memory::Cycles(count)) => {
-                let run = count.update(y);
+                let run = match step.frequency {
+                    Some(frequency) => count.run_on(frequency * step.dt),
+                    None => count.update(y),
+                };
                 stiffness * (1.0 - (-run / cycles).exp()) * y
             }
             (HiddenEffect::Temperature { beta, rise, time }, Memory::Heat { temperature }) => {
@@ -219,7 +222,7 @@ fn slip(stretch: &mut [f64], moved: f64, limit: f64, shape: SlipShape) -> f64 {
     stretch.iter().sum::<f64>() / count
 }
 
-/// Counts half cycles: passages through zero after a swing of at least a fifth of the largest so far.
+/// Counts cycles: as they run where their frequency is known, else by halves, passages through zero after a swing of at least a fifth of the largest so far.
 #[derive(Clone, Debug, Default)]
 struct CycleCount {
     largest: f64,
@@ -229,6 +232,12 @@ struct CycleCount {
 }
 
 impl CycleCount {
+    /// Cycles run, after `part` of one more.
+    fn run_on(&mut self, part: f64) -> f64 {
+        self.completed += part;
+        self.completed
+    }
+
     /// Cycles completed, by halves.
     fn update(&mut self, displacement: f64) -> f64 {
         self.largest = self.largest.max(displacement.abs());

@@ -58,8 +58,8 @@ pub struct Specimen {
     gap: Option<(f64, bool)>,
     spring: Option<Spring>,
     late: Option<Late>,
-    /// Hz.
-    frequency: f64,
+    /// Hz of the block that runs, where it is known.
+    frequency: Option<f64>,
     temperature: f64,
 }
 
@@ -117,7 +117,7 @@ impl Specimen {
             gap: None,
             spring: None,
             late: None,
-            frequency: 1.0,
+            frequency: None,
             temperature: REFERENCE_TEMPERATURE,
         }
     }
@@ -161,7 +161,7 @@ impl Specimen {
     /// Goes on with the coefficients of another amplitude, in a block of `frequency` Hz.
     pub fn begin_block(&mut self, coefficients: Coefficients, frequency: f64) {
         self.coefficients = coefficients;
-        self.frequency = frequency;
+        self.frequency = Some(frequency);
     }
 
     /// The effects in it, in the order in which they were added.

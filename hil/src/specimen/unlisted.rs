@@ -80,7 +80,7 @@ pub enum Unlisted {
         /// 0…1.
         order: f64,
     },
-    /// F = k·ln(frequency/1 Hz)·y with the frequency of the block that runs.
+    /// F = k·ln(frequency/1 Hz)·y with the frequency of the block that runs, 1 Hz where it is not known.
     FrequencyStiffness {
         /// kN/mm.
         stiffness: f64,
@@ -264,7 +264,9 @@ impl Unlisted {
                 *displacement = y;
                 stiffness * relax(stretch, moved, step.dt, order)
             }
-            (Self::FrequencyStiffness { stiffness }, _) => stiffness * step.frequency.ln() * y,
+            (Self::FrequencyStiffness { stiffness }, _) => {
+                stiffness * step.frequency.unwrap_or(1.0).ln() * y
+            }
             (
                 Self::PlaceFriction {
                     force,
