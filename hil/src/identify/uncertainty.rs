@@ -11,6 +11,8 @@ use super::term::{Form, TermValue};
 
 /// A normal variable is within this many deviations of its mean in 90 % of the cases.
 const NINETY_PERCENT: f64 = 1.645;
+/// A row that is fitted by itself alone keeps this part of its residual.
+const LEAST_KEPT: f64 = 0.1;
 /// Longest lag, in samples, over which residuals are taken as correlated.
 const LONGEST_LAG: usize = 200;
 
@@ -104,39 +106,58 @@ pub struct Interval {
 }
 
 impl Uncertainty {
-    /// The intervals of `solution`, which was fitted to `rows`: s²·(JᵀJ)⁻¹, the residual variance s² raised by the
-    /// residuals' integrated autocorrelation, because neighbouring samples do not err independently.
+    /// The intervals of `solution`, which was fitted to `rows`.
+    ///
+    /// With H = (JᵀJ)⁻¹ their variances are on the diagonal of H·(Σ jᵢjᵢᵀ·(rᵢ/(1 − hᵢ))²)·H, hᵢ = jᵢᵀHjᵢ (HC3, MacKinnon
+    /// and White 1985): where the force is steepest, at reversals, an error of the motion makes the residuals large, and
+    /// there the data say less than a common residual variance would have it. They are raised by the residuals'
+    /// integrated autocorrelation, because neighbouring samples do not err independently.
     pub fn of(rows: &Rows, extent: &Extent, solution: &Solution) -> Self {
         let basis = Basis::new(rows, extent, &solution.terms()).around(solution);
         let columns = basis.columns(&solution.search, None);
         let tangent = Tangent::of(&basis, &columns, solution);
         let nodes = solution.law.len();
         let width = 4 * nodes + tangent.shared.len();
-        let mut gram = DMatrix::<f64>::zeros(width, width);
-        let mut row = vec![(0, 0.0); 4 + tangent.shared.len()];
-        for index in 0..rows.len() {
+        let fill = |index: usize, row: &mut [(usize, f64)]| {
+            let weight = rows.weight[index];
             for (slot, &value) in tangent.local[index].iter().enumerate() {
-                row[slot] = (4 * tangent.node[index] + slot, value);
+                row[slot] = (4 * tangent.node[index] + slot, weight * value);
             }
             for (slot, column) in tangent.shared.iter().enumerate() {
-                row[4 + slot] = (4 * nodes + slot, column[index]);
+                row[4 + slot] = (4 * nodes + slot, weight * column[index]);
             }
-            let weight = rows.weight[index].powi(2);
-            for &(i, a) in &row {
-                for &(j, b) in &row {
-                    gram[(i, j)] += weight * a * b;
-                }
-            }
+        };
+        let mut row = vec![(0, 0.0); 4 + tangent.shared.len()];
+        let mut gram = DMatrix::<f64>::zeros(width, width);
+        for index in 0..rows.len() {
+            fill(index, &mut row);
+            add_square(&mut gram, &row, 1.0);
         }
+        let inverse = inverse(&gram);
         let force = basis.force(&columns, &solution.linear());
         let residuals: Vec<f64> = (0..rows.len())
             .map(|index| rows.weight[index] * (force[index] - rows.force[index]))
             .collect();
-        let freedom = (rows.len().saturating_sub(width)).max(1) as f64;
-        let variance = residuals.iter().map(|r| r * r).sum::<f64>() / freedom
-            * autocorrelation_time(&residuals);
-        let half: Vec<f64> = deviations(&gram, variance)
-            .iter()
+        let mut spread = DMatrix::<f64>::zeros(width, width);
+        for (index, residual) in residuals.iter().enumerate() {
+            fill(index, &mut row);
+            let leverage: f64 = row
+                .iter()
+                .flat_map(|&(i, a)| row.iter().map(move |&(j, b)| (i, j, a * b)))
+                .map(|(i, j, product)| inverse[(i, j)] * product)
+                .sum();
+            let kept = (1.0 - leverage).max(LEAST_KEPT);
+            add_square(&mut spread, &row, (residual / kept).powi(2));
+        }
+        let covariance = &inverse * spread * &inverse * autocorrelation_time(&residuals);
+        let deviations = (0..width).map(|i| {
+            if inverse[(i, i)] > 0.0 {
+                covariance[(i, i)].max(0.0).sqrt()
+            } else {
+                f64::INFINITY
+            }
+        });
+        let half: Vec<f64> = deviations
             .map(|deviation| NINETY_PERCENT * deviation)
             .collect();
 
@@ -160,21 +181,32 @@ impl Uncertainty {
     }
 }
 
-/// Square roots of the diagonal of `variance`·`gram`⁻¹; infinite for what the data say nothing of.
-fn deviations(gram: &DMatrix<f64>, variance: f64) -> Vec<f64> {
-    let mut deviations = vec![f64::INFINITY; gram.nrows()];
+/// Adds `factor`·jjᵀ of a row j given as its (place, value).
+fn add_square(matrix: &mut DMatrix<f64>, row: &[(usize, f64)], factor: f64) {
+    for &(i, a) in row {
+        for &(j, b) in row {
+            matrix[(i, j)] += factor * a * b;
+        }
+    }
+}
+
+/// `gram`⁻¹, with zeros where the data say nothing.
+fn inverse(gram: &DMatrix<f64>) -> DMatrix<f64> {
+    let mut whole = DMatrix::zeros(gram.nrows(), gram.ncols());
     let seen: Vec<usize> = (0..gram.nrows()).filter(|&i| gram[(i, i)] > 0.0).collect();
-    let scale = |i: usize| gram[(seen[i], seen[i])].sqrt();
+    let scale: Vec<f64> = seen.iter().map(|&i| gram[(i, i)].sqrt()).collect();
     let scaled = DMatrix::from_fn(seen.len(), seen.len(), |i, j| {
-        gram[(seen[i], seen[j])] / (scale(i) * scale(j))
+        gram[(seen[i], seen[j])] / (scale[i] * scale[j])
     });
     if let Some(factor) = Cholesky::new(scaled) {
         let inverse = factor.inverse();
-        for (i, &place) in seen.iter().enumerate() {
-            deviations[place] = (variance * inverse[(i, i)]).sqrt() / scale(i);
+        for (i, &row) in seen.iter().enumerate() {
+            for (j, &column) in seen.iter().enumerate() {
+                whole[(row, column)] = inverse[(i, j)] / (scale[i] * scale[j]);
+            }
         }
     }
-    deviations
+    whole
 }
 
 /// 1 + 2·Σ ρ(lag) up to the first lag without correlation: how many samples count as one.
