@@ -9,7 +9,7 @@
 //! | its coefficients over density and amplitude, the published ones included | [`table`] |
 //! | the published loops by one law for every amplitude, for a motion that nobody declares | [`amplitude_free`] |
 //! | that law as it runs on the target, with a table for \|v\|^α and a swap at a cycle's end | [`tabulated`] |
-//! | what the law lacks: offset, asymmetry, hardening, stick-slip, viscosity, relaxation, inertia, drift, temperature | [`effects`] |
+//! | what the law lacks: offset, asymmetry, hardening, stops, gaps, stick-slip, viscosity, relaxation, inertia, drift, temperature, tones, series compliance, delay | [`effects`] |
 //! | an excitation: sines, ramps and sweeps | [`sine`] |
 //! | stiffness, energy and loss factor of each cycle | [`cycle`]; without a generator, [`crossing`] |
 //! | the same without a floating-point unit: law, sine and cycles in integers | [`fixed_point`] |

@@ -170,6 +170,7 @@ impl PowerSeed {
     }
 
     /// c·|v|^α·sgn v as a table filled from this gives it for `v` mm/s, bit for bit, without one: not for every tick.
+    #[inline(never)]
     pub(crate) fn damping_force(&self, v: f32) -> f32 {
         let (t, quotient) = edge_and_quotient(&self.row(PowerTable::row_of(v)), v);
         t * quotient

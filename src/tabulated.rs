@@ -4,7 +4,7 @@
 //! ticks that follow, a row a tick, so that no tick bears the whole: the row that the tick needs, or one more in turn where the
 //! tick before needed the same. So every force is the new law's from the first tick on.
 
-use crate::effects::{AugmentedLaw, AugmentedState, ConfinedMotion, LawForce, Motion};
+use crate::effects::{AugmentedLaw, AugmentedState, LawForce, Motion};
 use crate::law::Law;
 use crate::power::{PowerSeed, PowerTable, ROWS};
 use crate::real::Real;
@@ -64,10 +64,11 @@ enum Waiting {
 
 /// A [`TabulatedLaw`] at work, and another one that may wait for the end of the cycle.
 #[derive(Clone, Debug)]
-// The table comes first, within reach of a load's offset.
+// What is long comes first: the table within reach of a load's offset, and of one another what follows.
 #[repr(C)]
 pub struct RunningLaw<const N: usize> {
     table: PowerTable,
+    state: AugmentedState<f32>,
     laws: [TabulatedLaw<N>; 2],
     /// The second one is in force.
     second: bool,
@@ -75,9 +76,8 @@ pub struct RunningLaw<const N: usize> {
     /// Rows of the table that hold the law in force, and one beside them, which the last velocity needed.
     filled: usize,
     needed: usize,
-    /// The table is filled, and the law has no stages: a tick is short.
+    /// The table is filled, and the law has no stages.
     settled: bool,
-    state: AugmentedState<f32>,
 }
 
 impl<const N: usize> RunningLaw<N> {
@@ -169,15 +169,13 @@ impl<const N: usize> RunningLaw<N> {
     /// Force in kN on this tick: eq 13's and every effect's. Call it once per tick.
     #[inline]
     pub fn force(&mut self, motion: &Motion<f32>) -> f32 {
-        let motion = motion.confined();
         if !self.settled {
-            return self.unsettled_force(&motion);
+            if self.law().augmented.has_stages() {
+                return self.force_through_stages(motion);
+            }
+            self.settle(motion);
         }
-        self.settled_force(&motion)
-    }
-
-    #[inline(always)]
-    fn settled_force(&mut self, motion: &ConfinedMotion<f32>) -> f32 {
+        let motion = motion.confined();
         let [first, second] = &self.laws;
         let law = if self.second { second } else { first };
         let elastic = law
@@ -191,32 +189,37 @@ impl<const N: usize> RunningLaw<N> {
             total,
         };
         law.augmented
-            .with_effects(&mut self.state, motion, law_force)
+            .with_effects(&mut self.state, &motion, law_force)
+    }
+
+    /// [`RunningLaw::fill`] where it is rare: its registers are no matter of other ticks.
+    #[cold]
+    #[inline(never)]
+    fn settle(&mut self, motion: &Motion<f32>) {
+        self.fill(motion.confined().velocity());
+        self.settled = !self.is_filling();
     }
 
     /// Not inlined: its registers are no matter of other ticks.
     #[inline(never)]
-    fn unsettled_force(&mut self, motion: &ConfinedMotion<f32>) -> f32 {
+    fn force_through_stages(&mut self, motion: &Motion<f32>) -> f32 {
+        let motion = motion.confined();
         let filling = self.is_filling();
         if filling {
             self.fill(motion.velocity());
         }
-        self.settled = !self.is_filling() && !self.law().augmented.has_stages();
         let [first, second] = &self.laws;
         let law = if self.second { second } else { first };
-        if !law.augmented.has_stages() {
-            return self.settled_force(motion);
-        }
-        // What is tried may need another row than what was filled.
         let damping = |v| {
             if filling {
+                // Another row may be asked for than what was filled.
                 law.damping.damping_force(v)
             } else {
                 self.table.damping_force(v)
             }
         };
         law.augmented
-            .through_stages(&mut self.state, motion, damping)
+            .force_through_stages(&mut self.state, &motion, damping)
     }
 
     /// The damping force in kN at `v` mm/s, within ±[`crate::limits::VELOCITY`], whatever is filled: not for every tick.

@@ -34,6 +34,12 @@ pub struct BoucWenState<R> {
 }
 
 impl<R: Real> BoucWen<R> {
+    pub(super) const NONE: Self = Self {
+        stiffness: R::ZERO,
+        slip_limit: R::ZERO,
+        sharpness: R::ZERO,
+    };
+
     /// * `stiffness`: k, kN/mm, −1e9…1e9
     /// * `slip_limit`: x, mm, 1e-9…1e4
     /// * `sharpness`: n, 0.5…8
@@ -50,8 +56,8 @@ impl<R: Real> BoucWen<R> {
         Ok(new)
     }
 
-    /// m at |z|/x = `part`.
-    #[inline(always)]
+    /// m at |z|/x = `part`. Not inlined: it is taken twice.
+    #[inline(never)]
     fn bend(&self, part: R) -> R {
         // |part|ⁿ by an exponent of at most 1.
         let root = part.abs_pow(self.sharpness * R::from_f64(1.0 / SHARPEST));

@@ -1,6 +1,6 @@
 //! A spring in series with the specimen: the fixture gives way, and the specimen moves less than is measured.
 
-use super::{AugmentedState, ConfinedMotion, Motion};
+use super::{AugmentedState, ConfinedMotion, LawForce, Motion};
 use crate::error::ConfigError;
 use crate::law::Law;
 use crate::limits;
@@ -10,9 +10,9 @@ use crate::real::{Real, in_range};
 ///
 /// K·(y − x) = F(x, ẋ) + c1·ẋ + E,
 ///
-/// F eq 13, c1 that of [`super::Viscous`], E the other effects' force of the tick before: a step of at most K and what damps
-/// per tick is fed back with a delay of one tick, so that stiffness which has memory has to be below that. All effects see x
-/// and ẋ; the acceleration stays y's.
+/// F eq 13, c1 that of [`super::Viscous`], E the other effects' force. All effects see x and ẋ; the acceleration stays y's.
+/// E is that of the tick before, 0 at the first: where the other effects together are stiffer than spring and law, and
+/// nothing damps, the force swings from tick to tick.
 ///
 /// # Step
 /// The spring's deflection d = y − x follows from its last two by the second backward difference, which damps a stiff spring
@@ -49,6 +49,11 @@ const POWER: f64 = (1 << SQUARINGS) as f64;
 const SLOWEST: f64 = 1e-20;
 
 impl<R: Real> Compliance<R> {
+    pub(super) const NONE: Self = Self {
+        stiffness: R::ZERO,
+        step: R::ZERO,
+    };
+
     /// * `stiffness`: K, kN/mm, 1e-3…1e9
     /// * `tick`: Δt, s, 1e-7…1e3
     ///
@@ -95,7 +100,7 @@ impl<R: Real> Compliance<R> {
         law: &Law<R>,
         viscous: R,
         damping: impl Fn(R) -> R,
-    ) -> (ConfinedMotion<R>, R) {
+    ) -> (ConfinedMotion<R>, LawForce<R>) {
         let before = match *state {
             Some(before) => before,
             None => self.begin(motion, law, damping(motion.velocity())),
@@ -103,29 +108,19 @@ impl<R: Real> Compliance<R> {
         let [last, last_but_one] = before.deflections;
         let unmoved =
             last + (last - last_but_one) * R::from_f64(1.0 / 3.0) + self.step * motion.velocity();
-        let position = |v: R| {
-            let x = motion.displacement() - (unmoved - self.step * v);
-            x.confined(R::from_f64(limits::DISPLACEMENT))
+        let mut trial = Trial {
+            compliance: self,
+            law,
+            viscous,
+            damping,
+            displacement: motion.displacement(),
+            unmoved,
+            others: before.others,
+            forward: true,
         };
-        // All but the damping's force, against the spring's.
-        let balance = |x: R, v: R| {
-            let deflection = unmoved - self.step * v;
-            law.elastic_force_within(x) + viscous * v + before.others - self.stiffness * deflection
-        };
-        // kN·s/mm: what a velocity adds to that.
-        let quarter = R::from_f64(0.25) * self.step * self.stiffness;
-        let rate = |x: R| {
-            let tangent = law.k1() + R::from_f64(3.0) * law.k3() * (x * x);
-            let rate = self.step * (self.stiffness + tangent) + viscous;
-            // A law that gives way faster than the spring has no solution.
-            if rate > quarter { rate } else { quarter }
-        };
-
-        let start = position(R::ZERO);
-        let pull = balance(start, R::ZERO);
-        let forward = pull < R::ZERO;
-        let signed = |value: R| if forward { value } else { -value };
-        let pull = pull.abs();
+        let start = trial.at(R::ZERO);
+        trial.forward = start.excess < R::ZERO;
+        let pull = start.excess.abs();
         // (pull/c)^(1/α), α at least 1/64.
         let alpha = law.alpha();
         let least = R::from_f64(1.0 / POWER);
@@ -134,36 +129,20 @@ impl<R: Real> Compliance<R> {
         for _ in 0..SQUARINGS {
             held = held * held;
         }
-        let free = pull / rate(start);
-        let mut speed = if held < free { held } else { free };
-
-        let (slowest, fastest) = (R::from_f64(SLOWEST), R::from_f64(limits::VELOCITY));
-        let within = |speed: R| {
-            if speed > fastest {
-                fastest
-            } else if speed > slowest {
-                speed
-            } else {
-                slowest
-            }
-        };
-        speed = within(speed);
+        let free = pull / start.rate;
+        let mut speed = within(if held < free { held } else { free });
+        let mut at = trial.at(speed);
         for _ in 0..STEPS {
-            let v = signed(speed);
-            let x = position(v);
-            let force = damping(speed);
-            let excess = force + signed(balance(x, v));
-            let next = speed - excess * speed / (alpha * force + rate(x) * speed);
+            let next = speed - at.excess * speed / (alpha * at.damping + at.rate * speed);
             // Friction next to Coulomb's bends so much that a step may lead beyond 0.
             let lowest = speed * R::from_f64(1.0 / 16.0);
             speed = within(if next > lowest { next } else { lowest });
+            at = trial.at(speed);
         }
-        let v = signed(speed);
-        let x = position(v);
-        let force = damping(speed);
-        let excess = force + signed(balance(x, v));
+        let v = trial.signed(speed);
         // Where it holds the balance's force, where it slides the law's: they differ by what the steps have left.
-        let force = force - excess * force / (force + self.step * self.stiffness * speed);
+        let held = at.damping / (at.damping.abs() + self.step * self.stiffness * speed);
+        let force = trial.signed(at.damping - at.excess * held);
         let deflection =
             (unmoved - self.step * v).confined(R::from_f64(2.0 * limits::DISPLACEMENT));
         *state = Some(ComplianceState {
@@ -172,11 +151,15 @@ impl<R: Real> Compliance<R> {
             velocity: v,
         });
         let seen = ConfinedMotion(Motion {
-            displacement: x,
+            displacement: at.displacement,
             velocity: v,
             ..motion.0
         });
-        (seen, law.elastic_force_within(x) + signed(force))
+        let law = LawForce {
+            damping: force,
+            total: at.elastic + force,
+        };
+        (seen, law)
     }
 
     /// What the effects added to eq 13's force on this tick, kN.
@@ -194,5 +177,80 @@ impl<R: Real> AugmentedState<R> {
     pub fn behind_spring(&self) -> Option<(R, R)> {
         let state = self.compliance.as_ref()?;
         Some((state.deflections[0], state.velocity))
+    }
+}
+
+/// A tick's equation, with what is known.
+struct Trial<'a, R, D> {
+    compliance: &'a Compliance<R>,
+    law: &'a Law<R>,
+    viscous: R,
+    /// Eq 13's damping force over a velocity.
+    damping: D,
+    /// y, mm.
+    displacement: R,
+    /// D, mm.
+    unmoved: R,
+    /// E, kN.
+    others: R,
+    /// The velocity is positive.
+    forward: bool,
+}
+
+/// The equation at a speed.
+#[derive(Clone, Copy)]
+struct Tried<R> {
+    /// x, mm.
+    displacement: R,
+    /// Eq 13's elastic force, kN.
+    elastic: R,
+    /// Eq 13's damping force, kN, as the speed without a sign.
+    damping: R,
+    /// All forces less the spring's, kN, likewise.
+    excess: R,
+    /// What a velocity adds to them but for eq 13's damping, kN·s/mm.
+    rate: R,
+}
+
+impl<R: Real, D: Fn(R) -> R> Trial<'_, R, D> {
+    #[inline(always)]
+    fn signed(&self, value: R) -> R {
+        if self.forward { value } else { -value }
+    }
+
+    // Not inlined: a tick takes it six times.
+    #[inline(never)]
+    fn at(&self, speed: R) -> Tried<R> {
+        let Compliance { stiffness, step } = *self.compliance;
+        let v = self.signed(speed);
+        let deflection = self.unmoved - step * v;
+        let x = (self.displacement - deflection).confined(R::from_f64(limits::DISPLACEMENT));
+        let elastic = self.law.elastic_force_within(x);
+        let damping = (self.damping)(speed);
+        let balance = elastic + self.viscous * v + self.others - stiffness * deflection;
+        let tangent = self.law.k1() + R::from_f64(3.0) * self.law.k3() * (x * x);
+        let rate = step * (stiffness + tangent) + self.viscous;
+        // A law that gives way faster than the spring has no solution.
+        let least = R::from_f64(0.25) * step * stiffness;
+        Tried {
+            displacement: x,
+            elastic,
+            damping,
+            excess: damping + self.signed(balance),
+            rate: if rate > least { rate } else { least },
+        }
+    }
+}
+
+/// A magnitude of the velocity that leads to no overflow.
+#[inline(always)]
+fn within<R: Real>(speed: R) -> R {
+    let (slowest, fastest) = (R::from_f64(SLOWEST), R::from_f64(limits::VELOCITY));
+    if speed > fastest {
+        fastest
+    } else if speed > slowest {
+        speed
+    } else {
+        slowest
     }
 }

@@ -20,6 +20,7 @@ pub struct Delay<R> {
 
 /// The last forces, kN.
 #[derive(Clone, Debug)]
+#[repr(C)]
 pub(super) struct DelayState<R> {
     forces: [R; KEPT],
     /// Where the next one goes.
@@ -37,6 +38,11 @@ impl<R: Real> DelayState<R> {
 }
 
 impl<R: Real> Delay<R> {
+    pub(super) const NONE: Self = Self {
+        whole: 0,
+        part: R::ZERO,
+    };
+
     /// * `time`: T, s, 0 to 255 ticks
     /// * `tick`: s, 1e-7…1e3
     ///

@@ -14,6 +14,11 @@ pub struct Drift<R> {
 }
 
 impl<R: Real> Drift<R> {
+    pub(super) const NONE: Self = Self {
+        stiffness: R::ZERO,
+        rate: R::ZERO,
+    };
+
     /// * `stiffness`: what the stiffness has changed by in the end, kN/mm, −1e9…1e9
     /// * `cycles`: N, after which 63 % of the change is done, 0.1…1e9
     ///

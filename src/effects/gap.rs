@@ -10,12 +10,16 @@ use crate::real::{Real, in_range};
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Gap<R> {
     pub(super) half_width: R,
-    /// What part of velocity and acceleration is felt within ±w: 0 or 1. Not a `bool`, whose spare bits would make the absence
-    /// of a gap other than all 0.
+    /// What part of velocity and acceleration is felt within ±w: 0 or 1.
     pub(super) inside: R,
 }
 
 impl<R: Real> Gap<R> {
+    pub(super) const NONE: Self = Self {
+        half_width: R::ZERO,
+        inside: R::ZERO,
+    };
+
     /// * `half_width`: w, mm, 0…1e4
     /// * `damps_inside`: velocity and acceleration stay within ±w
     ///

@@ -149,13 +149,16 @@ pub trait EffectForce<R: Real> {
         Default::default()
     }
 
-    /// The force of the first tick, and the state after it.
-    #[cold]
-    #[inline(never)]
-    fn first(&self, motion: &ConfinedMotion<R>, law: LawForce<R>) -> (Self::State, R) {
-        let mut state = self.begin(motion);
-        let force = self.force(&mut state, motion, law);
-        (state, force)
+    /// The force of this tick, where the state is none before the first.
+    #[inline(always)]
+    fn next(
+        &self,
+        state: &mut Option<Self::State>,
+        motion: &ConfinedMotion<R>,
+        law: LawForce<R>,
+    ) -> R {
+        let state = state.get_or_insert_with(|| self.begin(motion));
+        self.force(state, motion, law)
     }
 
     /// The force in kN that the effect adds on this tick to eq 13's, `law`. Called once per tick, in order.
@@ -167,6 +170,7 @@ macro_rules! effects {
         plain: $($(#[$doc:meta])* $field:ident: $name:ident),+;
         costly: $($(#[$costly_doc:meta])* $costly_field:ident: $costly:ident),+;
         with_memory: $($(#[$memory_doc:meta])* $memory_field:ident: $memory:ident),+;
+        rare: $($(#[$rare_doc:meta])* $rare_field:ident: $rare:ident),+;
         stages: $($(#[$stage_doc:meta])* $stage_field:ident: $stage:ident),+;
     ) => {
         /// Any one effect's configuration.
@@ -176,6 +180,7 @@ macro_rules! effects {
             $($(#[$doc])* $name($name<R>),)+
             $($(#[$costly_doc])* $costly($costly<R>),)+
             $($(#[$memory_doc])* $memory($memory<R>),)+
+            $($(#[$rare_doc])* $rare($rare<R>),)+
             $($(#[$stage_doc])* $stage($stage<R>)),+
         }
 
@@ -187,28 +192,65 @@ macro_rules! effects {
                     $(Self::$name(effect) => effect.check(),)+
                     $(Self::$costly(effect) => effect.check(),)+
                     $(Self::$memory(effect) => effect.check(),)+
+                    $(Self::$rare(effect) => effect.check(),)+
                     $(Self::$stage(effect) => effect.check()),+
+                }
+            }
+
+            /// Its bit, and the field that holds it.
+            fn kind(&self) -> (u32, &'static str) {
+                match self {
+                    $(Self::$name(_) => (Kind::$name.bit(), stringify!($field)),)+
+                    $(Self::$costly(_) => (Kind::$costly.bit(), stringify!($costly_field)),)+
+                    $(Self::$memory(_) => (Kind::$memory.bit(), stringify!($memory_field)),)+
+                    $(Self::$rare(_) => (Kind::$rare.bit(), stringify!($rare_field)),)+
+                    $(Self::$stage(_) => (Kind::$stage.bit(), stringify!($stage_field))),+
                 }
             }
         }
 
-        /// Up to one effect of each kind. The plain ones are a multiplication or two and are all taken where one is there.
+        /// Kinds of effects, by the number of their bit.
+        #[derive(Clone, Copy)]
+        enum Kind {
+            $($name,)+
+            $($costly,)+
+            $($memory,)+
+            $($rare,)+
+            $($stage),+
+        }
+
+        impl Kind {
+            const PLAIN: u32 = $(Self::$name.bit())|+;
+            const RARE: u32 = $(Self::$rare.bit())|+;
+            const STAGES: u32 = $(Self::$stage.bit())|+;
+
+            const fn bit(self) -> u32 {
+                1 << self as u32
+            }
+        }
+
+        /// Up to one effect of each kind. The plain ones are a multiplication or two and are all taken where one is there; one
+        /// test stands for all rare ones.
         #[derive(Clone, Debug, PartialEq)]
         struct Effects<R> {
-            plain: bool,
-            staged: bool,
+            /// The bits of those that are there.
+            present: u32,
             $($field: $name<R>,)+
-            $($costly_field: Option<$costly<R>>,)+
-            $($memory_field: Option<$memory<R>>,)+
-            $($stage_field: Option<$stage<R>>),+
+            $($costly_field: $costly<R>,)+
+            $($memory_field: $memory<R>,)+
+            $($rare_field: $rare<R>,)+
+            $($stage_field: $stage<R>),+
         }
 
         /// What the effects of an [`AugmentedLaw`] remember: nothing before the first tick.
         #[derive(Clone, Debug)]
+        // The longest comes first: the others are within reach of a load's offset from what follows.
+        #[repr(C)]
         pub struct AugmentedState<R: Real> {
-            $($memory_field: Option<<$memory<R> as EffectForce<R>>::State>,)+
-            compliance: Option<ComplianceState<R>>,
             delay: DelayState<R>,
+            $($memory_field: Option<<$memory<R> as EffectForce<R>>::State>,)+
+            $($rare_field: Option<<$rare<R> as EffectForce<R>>::State>,)+
+            compliance: Option<ComplianceState<R>>,
             correction: Option<CorrectionState>,
         }
 
@@ -216,6 +258,7 @@ macro_rules! effects {
             /// Before the first tick, whatever the effects are. All bits are 0.
             pub(crate) const AT_REST: Self = Self {
                 $($memory_field: None,)+
+                $($rare_field: None,)+
                 compliance: None,
                 delay: DelayState::EMPTY,
                 correction: None,
@@ -223,64 +266,50 @@ macro_rules! effects {
         }
 
         impl<R: Real> Effects<R> {
+            /// All bits are 0.
             const NONE: Self = Self {
-                plain: false,
-                staged: false,
+                present: 0,
                 $($field: $name::NONE,)+
-                $($costly_field: None,)+
-                $($memory_field: None,)+
-                $($stage_field: None),+
+                $($costly_field: $costly::NONE,)+
+                $($memory_field: $memory::NONE,)+
+                $($rare_field: $rare::NONE,)+
+                $($stage_field: $stage::NONE),+
             };
 
             fn add(&mut self, effect: Effect<R>) -> Result<(), ConfigError> {
-                let full = |field| Err(ConfigError::Full { field, capacity: 1 });
+                let (bit, field) = effect.kind();
+                if self.present & bit != 0 {
+                    return Err(ConfigError::Full { field, capacity: 1 });
+                }
+                self.present |= bit;
                 match effect {
-                    $(Effect::$name(_) if self.$field != $name::NONE => return full(stringify!($field)),
-                    Effect::$name(effect) => {
-                        self.plain = true;
-                        self.$field = effect;
-                    })+
-                    $(Effect::$costly(_) if self.$costly_field.is_some() => {
-                        return full(stringify!($costly_field))
-                    }
-                    Effect::$costly(effect) => self.$costly_field = Some(effect),)+
-                    $(Effect::$memory(_) if self.$memory_field.is_some() => {
-                        return full(stringify!($memory_field))
-                    }
-                    Effect::$memory(effect) => self.$memory_field = Some(effect),)+
-                    $(Effect::$stage(_) if self.$stage_field.is_some() => {
-                        return full(stringify!($stage_field))
-                    }
-                    Effect::$stage(effect) => {
-                        self.staged = true;
-                        self.$stage_field = Some(effect);
-                    })+
+                    $(Effect::$name(effect) => self.$field = effect,)+
+                    $(Effect::$costly(effect) => self.$costly_field = effect,)+
+                    $(Effect::$memory(effect) => self.$memory_field = effect,)+
+                    $(Effect::$rare(effect) => self.$rare_field = effect,)+
+                    $(Effect::$stage(effect) => self.$stage_field = effect),+
                 }
                 Ok(())
             }
 
-            /// A bit for each kind that is there.
-            #[inline(never)]
-            fn kinds(&self) -> u32 {
-                let mut kinds = 0;
-                $(kinds = kinds << 1 | u32::from(self.$field != $name::NONE);)+
-                $(kinds = kinds << 1 | u32::from(self.$costly_field.is_some());)+
-                $(kinds = kinds << 1 | u32::from(self.$memory_field.is_some());)+
-                $(kinds = kinds << 1 | u32::from(self.$stage_field.is_some());)+
-                kinds
+            #[inline(always)]
+            fn has(&self, kind: Kind) -> bool {
+                self.present & kind.bit() != 0
             }
 
             fn iter(&self) -> impl Iterator<Item = Effect<R>> {
                 [
-                    $((self.$field != $name::NONE).then_some(Effect::$name(self.$field)),)+
-                    $(self.$costly_field.map(Effect::$costly),)+
-                    $(self.$memory_field.map(Effect::$memory),)+
-                    $(self.$stage_field.map(Effect::$stage)),+
+                    $(self.has(Kind::$name).then_some(Effect::$name(self.$field)),)+
+                    $(self.has(Kind::$costly).then_some(Effect::$costly(self.$costly_field)),)+
+                    $(self.has(Kind::$memory).then_some(Effect::$memory(self.$memory_field)),)+
+                    $(self.has(Kind::$rare).then_some(Effect::$rare(self.$rare_field)),)+
+                    $(self.has(Kind::$stage).then_some(Effect::$stage(self.$stage_field))),+
                 ]
                 .into_iter()
                 .flatten()
             }
 
+            /// `law` and every effect's force but the stages', kN.
             #[inline(always)]
             fn add_force(
                 &self,
@@ -289,22 +318,22 @@ macro_rules! effects {
                 law: LawForce<R>,
             ) -> R {
                 let mut total = law.total;
-                if self.plain {
+                if self.present & Kind::PLAIN != 0 {
                     $(total += self.$field.force(&mut (), motion, law);)+
                 }
-                $(if let Some(effect) = &self.$costly_field {
-                    total += effect.force(&mut (), motion, law);
+                $(if self.has(Kind::$costly) {
+                    total += self.$costly_field.force(&mut (), motion, law);
                 })+
-                $(if let Some(effect) = &self.$memory_field {
-                    total += match &mut state.$memory_field {
-                        Some(own) => effect.force(own, motion, law),
-                        own => {
-                            let (first, force) = effect.first(motion, law);
-                            *own = Some(first);
-                            force
-                        }
-                    };
+                $(if self.has(Kind::$memory) {
+                    let state = &mut state.$memory_field;
+                    total += self.$memory_field.next(state, motion, law);
                 })+
+                if self.present & Kind::RARE != 0 {
+                    $(if self.has(Kind::$rare) {
+                        let state = &mut state.$rare_field;
+                        total += self.$rare_field.next(state, motion, law);
+                    })+
+                }
                 total
             }
         }
@@ -329,16 +358,17 @@ effects! {
     temperature: Temperature;
     costly:
     /// A stiffness that settles with the cycles.
-    drift: Drift,
-    /// One-sided contact.
-    stop: Stop;
+    drift: Drift;
     with_memory:
     /// Rate-independent friction with elastic pre-sliding.
     stick_slip: StickSlip,
-    /// The same with a smooth transition.
-    bouc_wen: BoucWen,
     /// A spring and a dashpot in series.
-    relaxation: Relaxation,
+    relaxation: Relaxation;
+    rare:
+    /// One-sided contact.
+    stop: Stop,
+    /// Rate-independent friction with a smooth transition.
+    bouc_wen: BoucWen,
     /// A tone.
     periodic: Periodic;
     stages:
@@ -368,7 +398,7 @@ impl<R: Real, const N: usize> AugmentedLaw<R, N> {
         }
     }
 
-    /// The law with one more effect. A plain one whose every coefficient is 0 is none.
+    /// The law with one more effect.
     ///
     /// # Errors
     /// [`ConfigError::Full`] when `N` effects are in it already, or, naming the kind, one of this kind.
@@ -410,7 +440,7 @@ impl<R: Real, const N: usize> AugmentedLaw<R, N> {
 
     /// [`AugmentedLaw::with`] in place.
     pub(crate) fn push(&mut self, effect: Effect<R>) -> Result<(), ConfigError> {
-        if self.effects.kinds().count_ones() as usize >= N {
+        if self.effects.present.count_ones() as usize >= N {
             return Err(ConfigError::Full {
                 field: "effects",
                 capacity: N,
@@ -437,7 +467,7 @@ impl<R: Real, const N: usize> AugmentedLaw<R, N> {
     /// Whether `other` has the same kinds of effects.
     pub(crate) fn has_kinds_of(&self, other: &Self) -> bool {
         N == 0
-            || (self.effects.kinds() == other.effects.kinds()
+            || (self.effects.present == other.effects.present
                 && self.correction.remembers_as(&other.correction))
     }
 
@@ -452,7 +482,7 @@ impl<R: Real, const N: usize> AugmentedLaw<R, N> {
         let motion = motion.confined();
         let damping = |v| self.law.damping_force(v);
         if self.has_stages() {
-            return self.through_stages(state, &motion, damping);
+            return self.force_through_stages(state, &motion, damping);
         }
         let law = self.law_force(&motion, damping);
         self.with_effects(state, &motion, law)
@@ -471,12 +501,12 @@ impl<R: Real, const N: usize> AugmentedLaw<R, N> {
     /// A gap, a compliance or a delay is among the effects.
     #[inline(always)]
     pub(crate) fn has_stages(&self) -> bool {
-        N > 0 && self.effects.staged
+        N > 0 && self.effects.present & Kind::STAGES != 0
     }
 
-    /// Force in kN on this tick where there are stages. `damping` gives eq 13's damping force at a velocity within the limit.
+    /// Force in kN on this tick whatever the effects are. `damping` gives eq 13's damping force at a velocity within the limit.
     #[inline(always)]
-    pub(crate) fn through_stages(
+    pub(crate) fn force_through_stages(
         &self,
         state: &mut AugmentedState<R>,
         motion: &ConfinedMotion<R>,
@@ -485,35 +515,28 @@ impl<R: Real, const N: usize> AugmentedLaw<R, N> {
         let effects = &self.effects;
         let correction = self.correction_force(state, motion);
         let mut motion = *motion;
-        if let Some(gap) = &effects.gap {
-            motion = gap.felt(&motion);
+        if effects.has(Kind::Gap) {
+            motion = effects.gap.felt(&motion);
         }
-        let mut solved_force = None;
-        if let Some(compliance) = &effects.compliance {
-            let solved = compliance.deflect(
-                &mut state.compliance,
-                &motion,
-                &self.law,
-                effects.viscous.c1,
-                &damping,
-            );
-            motion = solved.0;
-            solved_force = Some(solved.1);
-        }
-        let law = match solved_force {
-            Some(total) => LawForce {
-                damping: damping(motion.velocity()),
-                total,
-            },
+        let spring = effects.has(Kind::Compliance).then_some(&effects.compliance);
+        let viscous = effects.viscous.c1;
+        let law = match spring {
+            Some(compliance) => {
+                let before = &mut state.compliance;
+                let (seen, law) = compliance.deflect(before, &motion, &self.law, viscous, damping);
+                motion = seen;
+                law
+            }
             None => self.law_force(&motion, damping),
         };
         let force = effects.add_force(state, &motion, law);
-        if let Some(compliance) = &effects.compliance {
-            compliance.remember(&mut state.compliance, force - law.total, effects.viscous.c1);
+        if let Some(compliance) = spring {
+            compliance.remember(&mut state.compliance, force - law.total, viscous);
         }
-        let force = match &effects.delay {
-            Some(delay) => delay.delayed(&mut state.delay, force),
-            None => force,
+        let force = if effects.has(Kind::Delay) {
+            effects.delay.delayed(&mut state.delay, force)
+        } else {
+            force
         };
         force + correction
     }
@@ -529,7 +552,7 @@ impl<R: Real, const N: usize> AugmentedLaw<R, N> {
         self.correction.force(state, motion)
     }
 
-    /// `law`, whoever computed it, and every effect's force, kN.
+    /// `law`, whoever computed it, and every effect's force but the stages', kN.
     #[inline(always)]
     pub(crate) fn with_effects(
         &self,

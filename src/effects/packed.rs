@@ -6,7 +6,7 @@ use super::{
     Asymmetry, BoucWen, Compliance, Delay, Drift, Effect, Gap, Hardening, Inertia, LoadFriction,
     MAX_STICK_SLIP_ELEMENTS, Offset, Periodic, Relaxation, StickSlip, Stop, Temperature, Viscous,
 };
-use crate::frame::{Reader, Writer, halves, whole};
+use crate::frame::{Reader, Writer};
 
 const OFFSET: u8 = 0;
 const ASYMMETRY: u8 = 1;
@@ -58,8 +58,8 @@ impl Effect<f32> {
                 &[effect.stiffness, effect.slip_limit, effect.sharpness],
             ),
             Self::Periodic(effect) => {
-                let [increment_low, increment_high] = halves(effect.increment).map(f32::from_bits);
-                let [phase_low, phase_high] = halves(effect.phase).map(f32::from_bits);
+                let [increment_low, increment_high] = effect.increment.map(f32::from_bits);
+                let [phase_low, phase_high] = effect.phase.map(f32::from_bits);
                 let numbers = [
                     effect.amplitude,
                     increment_low,
@@ -116,8 +116,8 @@ impl Effect<f32> {
             }),
             (PERIODIC, &[amplitude, a, b, c, d]) => Self::Periodic(Periodic {
                 amplitude,
-                increment: whole([a, b].map(f32::to_bits)),
-                phase: whole([c, d].map(f32::to_bits)),
+                increment: [a, b].map(f32::to_bits),
+                phase: [c, d].map(f32::to_bits),
             }),
             (COMPLIANCE, &[stiffness, step]) => Self::Compliance(Compliance { stiffness, step }),
             (DELAY, &[whole, part]) => Self::Delay(Delay {

@@ -4,6 +4,7 @@ use core::f64::consts::TAU;
 
 use super::{ConfinedMotion, EffectForce, LawForce};
 use crate::error::ConfigError;
+use crate::frame::{halves, whole};
 use crate::limits;
 use crate::real::{Real, in_range};
 use crate::sine::{FREQUENCY_MIN, increment};
@@ -14,13 +15,19 @@ use crate::sine::{FREQUENCY_MIN, increment};
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Periodic<R> {
     pub(super) amplitude: R,
-    /// Of a tick, 2⁶⁴ to the cycle.
-    pub(super) increment: u64,
+    /// Of a tick, 2⁶⁴ to the cycle, in halves: aligned as all else that a law is made of.
+    pub(super) increment: [u32; 2],
     /// At the first tick.
-    pub(super) phase: u64,
+    pub(super) phase: [u32; 2],
 }
 
 impl<R: Real> Periodic<R> {
+    pub(super) const NONE: Self = Self {
+        amplitude: R::ZERO,
+        increment: [0; 2],
+        phase: [0; 2],
+    };
+
     /// The time's parameters are `f64` whatever the float: rounded to `f32` they would be a cycle apart after 10⁷ cycles.
     ///
     /// * `amplitude`: F0, kN, −1e9…1e9
@@ -36,8 +43,8 @@ impl<R: Real> Periodic<R> {
         let turns = in_range("phase", phase, -1e3, 1e3)? / TAU;
         let new = Self {
             amplitude,
-            increment: (increment(frequency, tick_rate) >> 64) as u64,
-            phase: ((turns - libm::floor(turns)) * (1u128 << 64) as f64) as u64,
+            increment: halves((increment(frequency, tick_rate) >> 64) as u64),
+            phase: halves(((turns - libm::floor(turns)) * (1u128 << 64) as f64) as u64),
         };
         new.check()?;
         Ok(new)
@@ -46,7 +53,7 @@ impl<R: Real> Periodic<R> {
 
 impl<R: Real> EffectForce<R> for Periodic<R> {
     /// Phase of the next tick.
-    type State = u64;
+    type State = [u32; 2];
 
     fn check(&self) -> Result<(), ConfigError> {
         in_range(
@@ -58,14 +65,14 @@ impl<R: Real> EffectForce<R> for Periodic<R> {
         .map(|_| ())
     }
 
-    fn begin(&self, _: &ConfinedMotion<R>) -> u64 {
+    fn begin(&self, _: &ConfinedMotion<R>) -> [u32; 2] {
         self.phase
     }
 
     #[inline(always)]
-    fn force(&self, state: &mut u64, _: &ConfinedMotion<R>, _: LawForce<R>) -> R {
-        let phase = *state;
-        *state = phase.wrapping_add(self.increment);
+    fn force(&self, state: &mut [u32; 2], _: &ConfinedMotion<R>, _: LawForce<R>) -> R {
+        let phase = whole(*state);
+        *state = halves(phase.wrapping_add(whole(self.increment)));
         self.amplitude * R::sine(phase)
     }
 }

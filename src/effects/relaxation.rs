@@ -28,6 +28,11 @@ pub struct RelaxationState<R> {
 }
 
 impl<R: Real> Relaxation<R> {
+    pub(super) const NONE: Self = Self {
+        gain: R::ZERO,
+        loss: R::ZERO,
+    };
+
     /// * `stiffness`: k, kN/mm, −1e9…1e9
     /// * `time`: τ, s, 1e-6…1e6
     /// * `tick`: Δt, s, 1e-7…1e3

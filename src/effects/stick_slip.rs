@@ -52,6 +52,14 @@ pub struct StickSlipState<R> {
 }
 
 impl<R: Real> StickSlip<R> {
+    pub(super) const NONE: Self = Self {
+        elements: [Element {
+            stiffness: R::ZERO,
+            slip_limit: R::ZERO,
+        }; MAX_ELEMENTS],
+        used: 0,
+    };
+
     /// * `elements`: 1…6 pairs of stiffness, kN/mm, −1e9…1e9, and slip limit, mm, 1e-9…1e4
     ///
     /// # Errors
@@ -64,8 +72,8 @@ impl<R: Real> StickSlip<R> {
             });
         }
         let mut new = Self {
-            elements: [Element::default(); MAX_ELEMENTS],
             used: elements.len(),
+            ..Self::NONE
         };
         for (slot, &(stiffness, slip_limit)) in new.elements.iter_mut().zip(elements) {
             *slot = Element {

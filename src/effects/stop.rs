@@ -17,13 +17,20 @@ pub struct Stop<R> {
     pub(super) contacts: [Contact<R>; MAX_CONTACTS],
 }
 
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Contact<R> {
     pub(super) stiffness: R,
     pub(super) gap: R,
 }
 
 impl<R: Real> Stop<R> {
+    pub(super) const NONE: Self = Self {
+        contacts: [Contact {
+            stiffness: R::ZERO,
+            gap: R::ZERO,
+        }; MAX_CONTACTS],
+    };
+
     /// * `contacts`: 1 or 2 pairs of stiffness, kN/mm, 1e-9…1e9, and gap, mm, 1e-9…1e4 on the side of positive displacement,
     ///   −1e4…−1e-9 on the other
     ///
@@ -39,9 +46,7 @@ impl<R: Real> Stop<R> {
                 capacity: MAX_CONTACTS,
             });
         }
-        let mut new = Self {
-            contacts: [Contact::default(); MAX_CONTACTS],
-        };
+        let mut new = Self::NONE;
         for (slot, &(stiffness, gap)) in new.contacts.iter_mut().zip(contacts) {
             in_range("stiffness", stiffness, 1e-9, limits::COEFFICIENT)?;
             in_range("gap", gap.abs(), 1e-9, limits::DISPLACEMENT)?;

@@ -1,8 +1,8 @@
 //! What each added effect costs: the law as it runs on the target with none, with one, and with all of them.
 
 use mesh_damper::effects::{
-    Asymmetry, AugmentedLaw, Drift, Effect, Hardening, Inertia, Motion, Offset, Relaxation,
-    StickSlip, Temperature, Viscous,
+    Asymmetry, AugmentedLaw, BoucWen, Compliance, Delay, Drift, Effect, Gap, Hardening, Inertia,
+    LoadFriction, Motion, Offset, Periodic, Relaxation, StickSlip, Stop, Temperature, Viscous,
 };
 use mesh_damper::error::ConfigError;
 use mesh_damper::sine::{Block, Programme, SineGenerator};
@@ -14,7 +14,9 @@ use super::tally::{Meter, Tally};
 use super::tick::{FREQUENCY, TICK_RATE};
 
 /// Effects that there are.
-const EFFECTS: usize = 9;
+const EFFECTS: usize = 16;
+/// Of these, the first so many are ordinary; stages and what is rare come last.
+const ORDINARY: usize = 10;
 /// mm
 const AMPLITUDE: f32 = 0.1;
 /// Elements, kN/mm and mm.
@@ -27,9 +29,11 @@ const ELEMENTS: [(f32, f32); 6] = [
     (0.4, 0.09),
 ];
 
+// Both within reach of a load's offset.
+#[repr(C)]
 struct Beside {
-    law: RunningLaw<EFFECTS>,
     motion: Motion<f32>,
+    law: RunningLaw<EFFECTS>,
 }
 
 extern "C" fn force(beside: &mut Beside, _: f32, _: f32) -> f32 {
@@ -102,6 +106,31 @@ pub fn each() -> Result<[(&'static str, Effect<f32>); EFFECTS], ConfigError> {
             "effects/temperature",
             Effect::Temperature(Temperature::new(0.002, 20.0)?),
         ),
+        (
+            "effects/load_friction",
+            Effect::LoadFriction(LoadFriction::new(4.0)?),
+        ),
+        (
+            "effects/stop",
+            Effect::Stop(Stop::new(&[(2.0, 0.06), (3.0, -0.08)])?),
+        ),
+        (
+            "effects/bouc_wen",
+            Effect::BoucWen(BoucWen::new(0.9, 0.02, 1.5)?),
+        ),
+        (
+            "effects/periodic",
+            Effect::Periodic(Periodic::new(0.02, 50.0, 0.3, 1.0 / TICK_RATE)?),
+        ),
+        ("effects/gap", Effect::Gap(Gap::new(0.01, false)?)),
+        (
+            "effects/compliance",
+            Effect::Compliance(Compliance::new(20.0, (1.0 / TICK_RATE) as f32)?),
+        ),
+        (
+            "effects/delay",
+            Effect::Delay(Delay::new(0.0012, (1.0 / TICK_RATE) as f32)?),
+        ),
     ])
 }
 
@@ -116,12 +145,15 @@ pub fn run(meter: &mut impl Meter) -> Result<(), Refused> {
     }
     count(meter, "effects/stick_slip_1", &[stick_slip(&[one])?])?;
     let all = each.map(|(_, effect)| effect);
-    count(meter, "effects/all", &all)?;
+    let (ordinary, _) = all.split_at(ORDINARY);
+    count(meter, "effects/all", ordinary)?;
+    count(meter, "effects/all_with_stages", &all)?;
     let one = stick_slip(&[one])?;
     let all_one = all.map(|effect| match effect {
         Effect::StickSlip(_) => one,
         other => other,
     });
-    count(meter, "effects/all_stick_slip_1", &all_one)?;
+    let (ordinary_one, _) = all_one.split_at(ORDINARY);
+    count(meter, "effects/all_stick_slip_1", ordinary_one)?;
     Ok(())
 }
