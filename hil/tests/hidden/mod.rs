@@ -17,6 +17,7 @@ pub const DENSITY: f64 = 3.0;
 pub const NOISE: f64 = 0.004;
 
 /// What a specimen's force may depend on.
+#[allow(dead_code, reason = "each test needs some of it")]
 pub struct Sample {
     /// s
     pub time: f64,
@@ -27,6 +28,7 @@ pub struct Sample {
     /// Since the test began.
     pub cycles: f64,
     /// kN, of eq 13.
+    #[allow(dead_code, reason = "not every test needs it")]
     pub law: f64,
 }
 

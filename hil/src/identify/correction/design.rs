@@ -304,7 +304,11 @@ fn empty(
 fn adds_a_force(family: Family) -> bool {
     !matches!(
         family,
-        Family::Temperature | Family::Gap | Family::Delay | Family::Compliance
+        Family::Temperature
+            | Family::LoadFriction
+            | Family::Gap
+            | Family::Delay
+            | Family::Compliance
     )
 }
 
