@@ -166,7 +166,8 @@ impl<R: Real> Compliance<R> {
     #[inline(always)]
     pub(super) fn remember(&self, state: &mut Option<ComplianceState<R>>, added: R, viscous: R) {
         if let Some(state) = state {
-            state.others = added - viscous * state.velocity;
+            // What is beyond all measure must not stay: a difference of infinities would.
+            state.others = (added - viscous * state.velocity).confined(R::from_f64(limits::FORCE));
         }
     }
 }

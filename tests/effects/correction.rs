@@ -172,7 +172,8 @@ fn age_grows_with_the_logarithm_of_time() {
         std::iter::repeat_n(0.0, 701),
     );
     for (ticks, octaves) in [(0, 0.0), (10, 1.0), (30, 2.0), (70, 3.0), (630, 6.0)] {
-        close(z[ticks], octaves, 1e-2);
+        // The range is resolved in 2⁻¹⁰, and both the memory and its place in the table are cut off.
+        close(z[ticks], octaves, 2.0 * 8.0 / 1024.0);
     }
     let memory = (Memory::Cycles { cycles: 2.0 }, [0.0, 4.0]);
     let mut alone = Alone::new(correction::<f64>(&[0; CELLS], Some(memory)).unwrap());

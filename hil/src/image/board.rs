@@ -62,8 +62,12 @@ impl Board {
     /// No emulator.
     pub fn emulator(self, elf: &Path) -> Result<Command, InputError> {
         let mut command = Command::new(find_emulator()?);
+        command.args(["-machine", self.machine()]);
+        if self == Self::Microbit {
+            // The larger form of its processor: the emulator takes the one with 16 KiB.
+            command.args(["-global", "nrf51-soc.sram-size=32768"]);
+        }
         command
-            .args(["-machine", self.machine()])
             .args(["-display", "none", "-monitor", "none", "-serial", "none"])
             .args(["-nic", "none"])
             .arg("-kernel")

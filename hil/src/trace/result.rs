@@ -148,37 +148,6 @@ pub struct OnTarget {
     pub nrmse_held_out: f64,
 }
 
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    /// The names that other programs read.
-    #[test]
-    fn keeps_the_names_of_the_contract() {
-        let text = r#"{
-            "recordings": ["a.csv"], "held_out": ["b.csv"], "noise_floor_nrmse": 0.004,
-            "baseline": {"law": "mixed_damping", "nrmse_fitted": 0.1, "nrmse_held_out": 0.2,
-                "staged": {"nrmse_fitted": 0.15, "nrmse_held_out": 0.25}},
-            "law": [{"amplitude": 0.0,
-                "k1": {"value": 1.0, "low": 0.9, "high": 1.1, "unit": "kN/mm"},
-                "k3": {"value": 10.0, "low": 9.0, "high": 11.0, "unit": "kN/mm^3"},
-                "c": {"value": 0.1, "low": 0.09, "high": 0.11, "unit": "kN*(s/mm)^alpha"},
-                "alpha": {"value": 0.4, "low": 0.39, "high": 0.41, "unit": "1"}}],
-            "verdict": "found",
-            "effects": [{"family": "stick_slip",
-                "parameters": {"slip_limit": {"value": 0.03, "low": 0.02, "high": 0.04, "unit": "mm"}},
-                "nrmse_without": 0.2, "nrmse_with": 0.005}],
-            "candidates": [{"family": "stick_slip", "nrmse_held_out": 0.005, "distinguishable": true,
-                "step": 1, "added": true, "admissible": true, "nrmse_judged": 0.005}],
-            "separating_test": null, "depends_on": ["displacement", "history"], "warnings": [],
-            "augmented": {"nrmse_fitted": 0.004, "nrmse_held_out": 0.005},
-            "on_target": {"nrmse_held_out": 0.005}}"#;
-        let contract: serde_json::Value = serde_json::from_str(text).unwrap();
-        let result: TraceResult = serde_json::from_str(text).unwrap();
-        assert_eq!(serde_json::to_value(&result).unwrap(), contract);
-    }
-}
-
 /// Something that the residual depends on.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Dependence {
@@ -215,5 +184,38 @@ impl CorrectionSummary {
             remembers: memory.map(|memory| memory.of),
             largest: table.unit * f64::from(sum),
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// The names that other programs read.
+    #[test]
+    fn keeps_the_names_of_the_contract() {
+        let text = r#"{
+            "recordings": ["a.csv"], "held_out": ["b.csv"], "noise_floor_nrmse": 0.004,
+            "baseline": {"law": "mixed_damping", "nrmse_fitted": 0.1, "nrmse_held_out": 0.2,
+                "staged": {"nrmse_fitted": 0.15, "nrmse_held_out": 0.25}},
+            "law": [{"amplitude": 0.0,
+                "k1": {"value": 1.0, "low": 0.9, "high": 1.1, "unit": "kN/mm"},
+                "k3": {"value": 10.0, "low": 9.0, "high": 11.0, "unit": "kN/mm^3"},
+                "c": {"value": 0.1, "low": 0.09, "high": 0.11, "unit": "kN*(s/mm)^alpha"},
+                "alpha": {"value": 0.4, "low": 0.39, "high": 0.41, "unit": "1"}}],
+            "verdict": "found",
+            "effects": [{"family": "stick_slip",
+                "parameters": {"slip_limit": {"value": 0.03, "low": 0.02, "high": 0.04, "unit": "mm"}},
+                "nrmse_without": 0.2, "nrmse_with": 0.005}],
+            "candidates": [{"family": "stick_slip", "nrmse_held_out": 0.005, "distinguishable": true,
+                "step": 1, "added": true, "admissible": true, "nrmse_judged": 0.005}],
+            "separating_test": null, "depends_on": ["displacement", "history"],
+            "dependences": [{"on": "history", "share": 0.4, "deviations": 8.0}],
+            "correction": {"remembers": {"slip": {"limit": 0.03}}, "largest": 0.1}, "warnings": [],
+            "augmented": {"nrmse_fitted": 0.004, "nrmse_held_out": 0.005},
+            "on_target": {"nrmse_held_out": 0.005}}"#;
+        let contract: serde_json::Value = serde_json::from_str(text).unwrap();
+        let result: TraceResult = serde_json::from_str(text).unwrap();
+        assert_eq!(serde_json::to_value(&result).unwrap(), contract);
     }
 }

@@ -28,7 +28,6 @@ pub struct Sample {
     /// Since the test began.
     pub cycles: f64,
     /// kN, of eq 13.
-    #[allow(dead_code, reason = "not every test needs it")]
     pub law: f64,
 }
 

@@ -142,7 +142,7 @@ fn alone(meter: &mut impl Meter) -> Result<(), ConfigError> {
     Ok(())
 }
 
-/// Alone, without a swap: there is no room for a third law in the 16 KiB of a small core.
+/// Alone, without a swap: there is no room for a third law in the 32 KiB of a small core.
 ///
 /// # Errors
 /// None: every value is in its range.
