@@ -65,6 +65,22 @@ impl Remembered {
 }
 
 impl CorrectionTable {
+    /// What its force depends on, by the names of `trace.json`.
+    pub fn depends_on(&self) -> Vec<&'static str> {
+        let remembered = self.memory.as_ref().map(|memory| match memory.of {
+            Remembered::Slip { .. }
+            | Remembered::Lag { .. }
+            | Remembered::Travel { .. }
+            | Remembered::Largest => "history",
+            Remembered::Age { .. } => "time",
+            Remembered::Cycles { .. } => "cycle",
+        });
+        ["displacement", "velocity"]
+            .into_iter()
+            .chain(remembered)
+            .collect()
+    }
+
     /// The effect for a tick of `tick` s.
     ///
     /// # Errors

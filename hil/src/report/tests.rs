@@ -106,7 +106,6 @@ fn data() -> ReportData {
             ],
             separating_test: None,
             depends_on: vec!["displacement".into(), "history".into()],
-            dependences: Vec::new(),
             correction: None,
             warnings: vec!["3 samples are missing after 4.2 s".into()],
             augmented: Errors {

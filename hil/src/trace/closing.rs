@@ -2,11 +2,10 @@
 
 use rayon::prelude::*;
 
-use super::dependence::dependence;
 use super::mend::mended;
 use super::result::{
-    Baseline, Candidate, CorrectionSummary, Dependence, Errors, Estimate, FoundEffect, LawEstimate,
-    OnTarget, TraceResult, Verdict,
+    Baseline, Candidate, CorrectionSummary, Errors, Estimate, FoundEffect, LawEstimate, OnTarget,
+    TraceResult, Verdict,
 };
 use super::select::{Selection, noise_floor};
 use super::split::{Role, Roles};
@@ -86,10 +85,8 @@ impl<'a> Closing<'a> {
         }
         let verdict = conclude(selection);
         let mut model = solution.model();
-        let mut dependences = Vec::new();
         if verdict == Verdict::Unlisted {
-            progress("asking on what the rest depends, and correcting it without a name");
-            dependences = self.dependences(&baseline)?;
+            progress("correcting without a name what is left");
             if let Some(mended) = self.mended(&baseline, &model)? {
                 if mended.effects.is_empty() {
                     solution = alone;
@@ -128,8 +125,7 @@ impl<'a> Closing<'a> {
             effects,
             candidates: self.candidates(selection)?,
             separating_test: separating_test(verdict, selection),
-            depends_on: depends_on(&model, &dependences),
-            dependences,
+            depends_on: depends_on(&model),
             correction: model.correction.as_ref().map(CorrectionSummary::of),
             warnings: warnings(
                 self.recordings.iter().map(|(trajectory, _)| *trajectory),
@@ -159,18 +155,6 @@ impl<'a> Closing<'a> {
             model,
             recordings,
         })
-    }
-
-    fn dependences(&self, model: &Model) -> Result<Vec<Dependence>, ModelError> {
-        let found = dependence(self.trajectories, model, |which, sample| {
-            self.roles.of(which, sample) != Role::HeldOut
-        })?;
-        let found = found.into_iter().map(|found| Dependence {
-            on: found.on.to_owned(),
-            share: found.share,
-            deviations: found.deviations,
-        });
-        Ok(found.collect())
     }
 
     fn mended(&self, baseline: &Model, found: &Model) -> Result<Option<Model>, ModelError> {

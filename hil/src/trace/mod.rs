@@ -5,7 +5,6 @@
 //! error is reported.
 
 mod closing;
-pub mod dependence;
 mod mend;
 pub mod result;
 mod score;

@@ -32,8 +32,6 @@ pub struct TraceResult {
     /// What the force beyond the law depends on: `displacement`, `velocity`, `history`, `time`, `cycle`,
     /// `temperature`, `frequency`, `amplitude`.
     pub depends_on: Vec<String>,
-    /// The tests on what eq 13 leaves, where no listed effect explains it.
-    pub dependences: Vec<Dependence>,
     /// The correction without a name, where there is one.
     pub correction: Option<CorrectionSummary>,
     /// What is wrong with the data, in words.
@@ -148,17 +146,6 @@ pub struct OnTarget {
     pub nrmse_held_out: f64,
 }
 
-/// Something that the residual depends on.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub struct Dependence {
-    /// One of the names of [`TraceResult::depends_on`].
-    pub on: String,
-    /// The part of the residual's variance above the noise that is explained with it and not without.
-    pub share: f64,
-    /// How many deviations the mean gain per cycle stands from zero.
-    pub deviations: f64,
-}
-
 /// A correction without a name.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct CorrectionSummary {
@@ -210,7 +197,6 @@ mod tests {
             "candidates": [{"family": "stick_slip", "nrmse_held_out": 0.005, "distinguishable": true,
                 "step": 1, "added": true, "admissible": true, "nrmse_judged": 0.005}],
             "separating_test": null, "depends_on": ["displacement", "history"],
-            "dependences": [{"on": "history", "share": 0.4, "deviations": 8.0}],
             "correction": {"remembers": {"slip": {"limit": 0.03}}, "largest": 0.1}, "warnings": [],
             "augmented": {"nrmse_fitted": 0.004, "nrmse_held_out": 0.005},
             "on_target": {"nrmse_held_out": 0.005}}"#;

@@ -1,6 +1,6 @@
 //! What is concluded from a search, in the words of `trace.json`.
 
-use super::result::{Dependence, Errors, Verdict};
+use super::result::{Errors, Verdict};
 use super::select::{Candidate, Selection};
 use crate::model::{Family, Model};
 use crate::recording::trajectory::Trajectory;
@@ -64,15 +64,15 @@ pub(super) fn separating_test(verdict: Verdict, selection: &Selection) -> Option
     ))
 }
 
-/// What the added forces depend on: those of named effects, and what tests on the residual tell of the others.
-pub(super) fn depends_on(model: &Model, dependences: &[Dependence]) -> Vec<String> {
+/// What the added forces depend on: those of named effects, and those of a correction's tables.
+pub(super) fn depends_on(model: &Model) -> Vec<String> {
     let mut names: Vec<String> = Vec::new();
     let of_effects = model
         .effects
         .iter()
         .flat_map(|effect| effect.family.depends_on().iter().copied());
-    let tested = dependences.iter().map(|dependence| &dependence.on[..]);
-    for name in of_effects.chain(tested) {
+    let of_tables = model.correction.iter().flat_map(|table| table.depends_on());
+    for name in of_effects.chain(of_tables) {
         if !names.iter().any(|known| known == name) {
             names.push(name.to_owned());
         }
