@@ -3,9 +3,9 @@
 //! What repeats with the motion is physics, however sharp; what comes once, stands still while the rest moves, or no
 //! passive damper can do is a fault. A recording without faults comes out untouched.
 //!
-//! Whole channels come first ([`sign`], [`scale`]), on the recording as it was read. Then single samples, on the uniform
-//! time base: [`clipping`], [`held`], [`spikes`]. Forces that were not measured are left out; displacements are
-//! [bridged](bridge), because the motion of the samples around them, and what a specimen remembers, depends on them.
+//! Whole channels come first (`sign`, `scale`), on the recording as it was read. Then single samples, on the uniform
+//! time base: `clipping`, `held`, `spikes`. Forces that were not measured are left out; displacements are
+//! bridged, because the motion of the samples around them, and what a specimen remembers, depends on them.
 
 mod bridge;
 mod clipping;
