@@ -128,6 +128,14 @@ pub fn verdict(result: &TraceResult) -> (String, String) {
             format!("Ambiguous: {}", named.join(" or ")),
             format!("The recordings cannot tell these apart. {change}"),
         ),
+        Verdict::Unlisted if result.correction.is_some() => (
+            "An effect that is not on the list".into(),
+            format!(
+                "The law lacks something that none of the effects tried explains. A correction that has no name, a table over \
+                 {}, was fitted to it. {change}",
+                result.depends_on.join(", ")
+            ),
+        ),
         Verdict::Unlisted if result.effects.is_empty() => (
             "An effect that is not on the list".into(),
             "The law lacks something, and none of the effects tried explains any of it. Nothing was added.".into(),

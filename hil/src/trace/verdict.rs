@@ -119,7 +119,11 @@ pub(super) fn warnings<'t>(
                 .to_owned(),
         );
     }
-    if ratio > EXPLAINED {
+    if model.correction.is_some() {
+        warnings.push(
+            "no listed effect explains what the law lacks: a table stands in for it, which is held at its edges".to_owned(),
+        );
+    } else if ratio > EXPLAINED {
         warnings.push(format!(
             "what is left is {ratio:.1} times the noise of the force: more is missing from the law than was found"
         ));
