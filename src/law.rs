@@ -6,7 +6,7 @@
 
 use crate::error::ConfigError;
 use crate::limits;
-use crate::real::{Real, in_range};
+use crate::real::{Real, coefficient, in_range};
 
 /// The four coefficients of eq 13, validated.
 ///
@@ -39,8 +39,8 @@ impl<R: Real> Law<R> {
     /// The field that is not finite or out of range.
     pub fn new(k1: R, k3: R, c: R, alpha: R) -> Result<Self, ConfigError> {
         Ok(Self {
-            k1: in_range("k1", k1, -limits::COEFFICIENT, limits::COEFFICIENT)?,
-            k3: in_range("k3", k3, -limits::COEFFICIENT, limits::COEFFICIENT)?,
+            k1: coefficient("k1", k1)?,
+            k3: coefficient("k3", k3)?,
             c: in_range("c", c, 0.0, limits::COEFFICIENT)?,
             alpha: in_range("alpha", alpha, 0.0, 1.0)?,
         })

@@ -4,6 +4,7 @@
 //! what ships.
 
 use crate::error::ConfigError;
+use crate::limits;
 use core::fmt::Debug;
 use core::ops::{Add, AddAssign, Div, Mul, Neg, Sub, SubAssign};
 
@@ -82,6 +83,11 @@ pub(crate) fn in_range<R: Real>(
     high: f64,
 ) -> Result<R, ConfigError> {
     compare(field, value, R::from_f64(low), R::from_f64(high))
+}
+
+/// `value` if it can be a stiffness, damping or force coefficient.
+pub(crate) fn coefficient<R: Real>(field: &'static str, value: R) -> Result<R, ConfigError> {
+    in_range(field, value, -limits::COEFFICIENT, limits::COEFFICIENT)
 }
 
 // Not inlined: there are many, and none is called every tick.

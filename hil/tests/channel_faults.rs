@@ -324,34 +324,10 @@ impl Spoilt {
                 .collect();
             counts.is_some_and(|counts| !counts.is_empty() && about(counts.iter().sum(), part))
         };
-        let spikes = |kind| {
-            if let Kind::Spikes { samples, .. } = kind {
-                Some(samples)
-            } else {
-                None
-            }
-        };
-        let clipped = |kind| {
-            if let Kind::Clipping { samples, .. } = kind {
-                Some(samples)
-            } else {
-                None
-            }
-        };
-        let held = |kind| {
-            if let Kind::Held { samples, .. } = kind {
-                Some(samples)
-            } else {
-                None
-            }
-        };
-        let missing = |kind| {
-            if let Kind::Missing { samples, .. } = kind {
-                Some(samples)
-            } else {
-                None
-            }
-        };
+        let spikes = |kind| matches!(kind, Kind::Spikes { .. }).then(|| spoilt_samples(kind));
+        let clipped = |kind| matches!(kind, Kind::Clipping { .. }).then(|| spoilt_samples(kind));
+        let held = |kind| matches!(kind, Kind::Held { .. }).then(|| spoilt_samples(kind));
+        let missing = |kind| matches!(kind, Kind::Missing { .. }).then(|| spoilt_samples(kind));
         let units = |factors: [f64; 2]| {
             move |kind| match kind {
                 Kind::Unit {
@@ -414,6 +390,17 @@ impl Spoilt {
                 }]
             ),
         }
+    }
+}
+
+/// How many samples have the fault.
+fn spoilt_samples(kind: Kind) -> usize {
+    match kind {
+        Kind::Spikes { samples, .. }
+        | Kind::Clipping { samples, .. }
+        | Kind::Held { samples, .. }
+        | Kind::Missing { samples, .. } => samples,
+        _ => 0,
     }
 }
 

@@ -3,8 +3,7 @@
 
 use super::{ConfinedMotion, EffectForce, LawForce};
 use crate::error::ConfigError;
-use crate::limits;
-use crate::real::{Real, in_range};
+use crate::real::{Real, coefficient};
 
 /// F = k2·y².
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -30,7 +29,7 @@ impl<R: Real> EffectForce<R> for Asymmetry<R> {
     type State = ();
 
     fn check(&self) -> Result<(), ConfigError> {
-        in_range("k2", self.k2, -limits::COEFFICIENT, limits::COEFFICIENT).map(|_| ())
+        coefficient("k2", self.k2).map(|_| ())
     }
 
     #[inline(always)]

@@ -3,7 +3,7 @@
 use super::{ConfinedMotion, EffectForce, LawForce};
 use crate::error::ConfigError;
 use crate::limits;
-use crate::real::{Real, in_range};
+use crate::real::{Real, coefficient, in_range};
 
 /// Largest exponent.
 const SHARPEST: f64 = 8.0;
@@ -94,12 +94,7 @@ impl<R: Real> EffectForce<R> for BoucWen<R> {
     type State = BoucWenState<R>;
 
     fn check(&self) -> Result<(), ConfigError> {
-        in_range(
-            "stiffness",
-            self.stiffness,
-            -limits::COEFFICIENT,
-            limits::COEFFICIENT,
-        )?;
+        coefficient("stiffness", self.stiffness)?;
         in_range("slip_limit", self.slip_limit, 1e-9, limits::DISPLACEMENT)?;
         in_range("sharpness", self.sharpness, 0.5, SHARPEST).map(|_| ())
     }

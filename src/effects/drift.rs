@@ -3,7 +3,7 @@
 use super::{ConfinedMotion, EffectForce, LawForce};
 use crate::error::ConfigError;
 use crate::limits;
-use crate::real::{Real, in_range};
+use crate::real::{Real, coefficient, in_range};
 
 /// F = k·(1 − e^(−n/N))·y, n the cycles since the test began.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -27,12 +27,7 @@ impl<R: Real> Drift<R> {
     pub fn new(stiffness: R, cycles: R) -> Result<Self, ConfigError> {
         let cycles = in_range("cycles", cycles, 0.1, limits::CYCLES)?;
         Ok(Self {
-            stiffness: in_range(
-                "stiffness",
-                stiffness,
-                -limits::COEFFICIENT,
-                limits::COEFFICIENT,
-            )?,
+            stiffness: coefficient("stiffness", stiffness)?,
             rate: R::from_f64(-core::f64::consts::LOG2_E) / cycles,
         })
     }
@@ -42,12 +37,7 @@ impl<R: Real> EffectForce<R> for Drift<R> {
     type State = ();
 
     fn check(&self) -> Result<(), ConfigError> {
-        in_range(
-            "stiffness",
-            self.stiffness,
-            -limits::COEFFICIENT,
-            limits::COEFFICIENT,
-        )?;
+        coefficient("stiffness", self.stiffness)?;
         // A little beyond −log₂ e/0.1, which rounds to more of itself in f32.
         in_range("rate", self.rate, -15.0, 0.0).map(|_| ())
     }

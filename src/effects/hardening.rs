@@ -2,8 +2,7 @@
 
 use super::{ConfinedMotion, EffectForce, LawForce};
 use crate::error::ConfigError;
-use crate::limits;
-use crate::real::{Real, in_range};
+use crate::real::{Real, coefficient};
 
 /// F = k5·y⁵.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -29,7 +28,7 @@ impl<R: Real> EffectForce<R> for Hardening<R> {
     type State = ();
 
     fn check(&self) -> Result<(), ConfigError> {
-        in_range("k5", self.k5, -limits::COEFFICIENT, limits::COEFFICIENT).map(|_| ())
+        coefficient("k5", self.k5).map(|_| ())
     }
 
     #[inline(always)]

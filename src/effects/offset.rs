@@ -2,8 +2,7 @@
 
 use super::{ConfinedMotion, EffectForce, LawForce};
 use crate::error::ConfigError;
-use crate::limits;
-use crate::real::{Real, in_range};
+use crate::real::{Real, coefficient};
 
 /// F = f0.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -29,13 +28,7 @@ impl<R: Real> EffectForce<R> for Offset<R> {
     type State = ();
 
     fn check(&self) -> Result<(), ConfigError> {
-        in_range(
-            "force",
-            self.force,
-            -limits::COEFFICIENT,
-            limits::COEFFICIENT,
-        )
-        .map(|_| ())
+        coefficient("force", self.force).map(|_| ())
     }
 
     #[inline(always)]

@@ -5,8 +5,7 @@ use core::f64::consts::TAU;
 use super::{ConfinedMotion, EffectForce, LawForce};
 use crate::error::ConfigError;
 use crate::frame::{halves, whole};
-use crate::limits;
-use crate::real::{Real, in_range};
+use crate::real::{Real, coefficient, in_range};
 use crate::sine::{FREQUENCY_MIN, increment};
 
 /// F = F0·sin(2πf·t + φ), t = 0 at the first tick.
@@ -56,13 +55,7 @@ impl<R: Real> EffectForce<R> for Periodic<R> {
     type State = [u32; 2];
 
     fn check(&self) -> Result<(), ConfigError> {
-        in_range(
-            "amplitude",
-            self.amplitude,
-            -limits::COEFFICIENT,
-            limits::COEFFICIENT,
-        )
-        .map(|_| ())
+        coefficient("amplitude", self.amplitude).map(|_| ())
     }
 
     fn begin(&self, _: &ConfinedMotion<R>) -> [u32; 2] {

@@ -2,8 +2,7 @@
 
 use super::{ConfinedMotion, EffectForce, LawForce};
 use crate::error::ConfigError;
-use crate::limits;
-use crate::real::{Real, in_range};
+use crate::real::{Real, coefficient, in_range};
 
 /// dz/dt = k·v − z/τ, F = z.
 ///
@@ -40,13 +39,7 @@ impl<R: Real> Relaxation<R> {
     /// # Errors
     /// The field that is not finite or out of range.
     pub fn new(stiffness: R, time: R, tick: R) -> Result<Self, ConfigError> {
-        let stiffness = in_range(
-            "stiffness",
-            stiffness,
-            -limits::COEFFICIENT,
-            limits::COEFFICIENT,
-        )?
-        .to_f64();
+        let stiffness = coefficient("stiffness", stiffness)?.to_f64();
         let time = in_range("time", time, 1e-6, 1e6)?.to_f64();
         let tick = in_range("tick", tick, 1e-7, 1e3)?.to_f64();
         let loss = -libm::expm1(-tick / time);
@@ -61,7 +54,7 @@ impl<R: Real> EffectForce<R> for Relaxation<R> {
     type State = RelaxationState<R>;
 
     fn check(&self) -> Result<(), ConfigError> {
-        in_range("gain", self.gain, -limits::COEFFICIENT, limits::COEFFICIENT)?;
+        coefficient("gain", self.gain)?;
         in_range("loss", self.loss, 0.0, 1.0).map(|_| ())
     }
 

@@ -7,7 +7,7 @@
 use super::{ConfinedMotion, EffectForce, LawForce};
 use crate::error::ConfigError;
 use crate::limits;
-use crate::real::{Real, in_range};
+use crate::real::{Real, coefficient, in_range};
 
 /// Most elements in one [`StickSlip`].
 pub const MAX_ELEMENTS: usize = 6;
@@ -32,12 +32,7 @@ impl<R: Real> Element<R> {
     // Not inlined: the loop that calls it is unrolled.
     #[inline(never)]
     fn check(&self) -> Result<(), ConfigError> {
-        in_range(
-            "stiffness",
-            self.stiffness,
-            -limits::COEFFICIENT,
-            limits::COEFFICIENT,
-        )?;
+        coefficient("stiffness", self.stiffness)?;
         in_range("slip_limit", self.slip_limit, 1e-9, limits::DISPLACEMENT)?;
         Ok(())
     }

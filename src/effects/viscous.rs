@@ -2,8 +2,7 @@
 
 use super::{ConfinedMotion, EffectForce, LawForce};
 use crate::error::ConfigError;
-use crate::limits;
-use crate::real::{Real, in_range};
+use crate::real::{Real, coefficient};
 
 /// F = c1·v.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -29,7 +28,7 @@ impl<R: Real> EffectForce<R> for Viscous<R> {
     type State = ();
 
     fn check(&self) -> Result<(), ConfigError> {
-        in_range("c1", self.c1, -limits::COEFFICIENT, limits::COEFFICIENT).map(|_| ())
+        coefficient("c1", self.c1).map(|_| ())
     }
 
     #[inline(always)]

@@ -3,7 +3,8 @@
 use std::io::Read as _;
 use std::path::Path;
 
-use super::units::{self, Unit, Units};
+use super::channel::Channel;
+use super::units::{Unit, Units};
 use super::{Recording, Source};
 use crate::error::{InputError, Place, quoted};
 
@@ -95,15 +96,15 @@ impl Recording {
         };
         for (channel, Column { quantity, unit, .. }) in channels.into_iter().zip(columns.used) {
             match quantity {
-                Quantity::Time => (recording.time, units.time) = (channel, unit),
-                Quantity::Displacement => {
+                Channel::Time => (recording.time, units.time) = (channel, unit),
+                Channel::Displacement => {
                     (recording.displacement, units.displacement) = (channel, unit);
                 }
-                Quantity::Force => (recording.force, units.force) = (channel, unit),
-                Quantity::Velocity => {
+                Channel::Force => (recording.force, units.force) = (channel, unit),
+                Channel::Velocity => {
                     (recording.velocity, units.velocity) = (Some(channel), unit);
                 }
-                Quantity::Temperature => {
+                Channel::Temperature => {
                     (recording.temperature, units.temperature) = (Some(channel), unit);
                 }
             }
@@ -114,64 +115,10 @@ impl Recording {
     }
 }
 
-/// What a column measures.
-#[derive(Clone, Copy, Debug, PartialEq)]
-enum Quantity {
-    Time,
-    Displacement,
-    Force,
-    Velocity,
-    Temperature,
-}
-
-impl Quantity {
-    const ALL: [Self; 5] = [
-        Self::Time,
-        Self::Displacement,
-        Self::Force,
-        Self::Velocity,
-        Self::Temperature,
-    ];
-
-    fn name(self) -> &'static str {
-        match self {
-            Self::Time => "time",
-            Self::Displacement => "displacement",
-            Self::Force => "force",
-            Self::Velocity => "velocity",
-            Self::Temperature => "temperature",
-        }
-    }
-
-    fn units(self) -> &'static [Unit] {
-        match self {
-            Self::Time => units::TIME,
-            Self::Displacement => units::DISPLACEMENT,
-            Self::Force => units::FORCE,
-            Self::Velocity => units::VELOCITY,
-            Self::Temperature => units::TEMPERATURE,
-        }
-    }
-
-    fn required(self) -> bool {
-        matches!(self, Self::Time | Self::Displacement | Self::Force)
-    }
-
-    /// `displacement_mm, displacement_m, …`
-    fn column_names(self) -> String {
-        let names: Vec<String> = self
-            .units()
-            .iter()
-            .map(|unit| format!("{}_{}", self.name(), unit.symbol))
-            .collect();
-        names.join(", ")
-    }
-}
-
 /// A column that is used.
 struct Column {
     index: usize,
-    quantity: Quantity,
+    quantity: Channel,
     unit: Unit,
 }
 
@@ -239,7 +186,7 @@ impl Columns {
                 unit: *unit,
             });
         }
-        for quantity in Quantity::ALL.into_iter().filter(|q| q.required()) {
+        for quantity in Channel::ALL.into_iter().filter(|q| q.is_required()) {
             if !used.iter().any(|column| column.quantity == quantity) {
                 let found: Vec<&str> = header.iter().collect();
                 return Err(InputError::new(
@@ -272,8 +219,8 @@ fn quoted_list(names: &[&str]) -> String {
 /// The quantity and the unit's symbol that a column's name says; `None` for a column that is ignored.
 ///
 /// A further word between the two, as in `force_command_kN`, makes it another column.
-fn quantity_of(name: &str) -> Option<(Quantity, &str)> {
-    let quantity = Quantity::ALL
+fn quantity_of(name: &str) -> Option<(Channel, &str)> {
+    let quantity = Channel::ALL
         .into_iter()
         .find(|quantity| name.starts_with(quantity.name()))?;
     let rest = &name[quantity.name().len()..];

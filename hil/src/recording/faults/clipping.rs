@@ -3,7 +3,7 @@
 use super::super::cycles::range;
 use super::super::motion::noise_deviation;
 use super::super::resample::Uniform;
-use super::{Channel, Fault, Kind, runs, spread};
+use super::{Fault, Kind, mark, runs, sampled, spread};
 
 /// Values that differ by less than this part of the channel's spread are the same.
 const SAME: f64 = 1e-7;
@@ -26,11 +26,8 @@ pub(super) fn find(
     absent: &mut [Vec<bool>; 2],
     faults: &mut Vec<Fault>,
 ) {
-    let channels = [
-        (Channel::Displacement, &uniform.displacement, &uniform.force),
-        (Channel::Force, &uniform.force, &uniform.displacement),
-    ];
-    for ((channel, values, other), absent) in channels.into_iter().zip(absent) {
+    let others = [&uniform.force, &uniform.displacement];
+    for ((channel, values, absent), other) in sampled(uniform, absent).into_iter().zip(others) {
         for side in [1.0, -1.0] {
             let signed: Vec<f64> = values.iter().map(|value| side * value).collect();
             let Some((limit, marked)) = at_limit(&signed, present) else {
@@ -43,10 +40,7 @@ pub(super) fn find(
             let limit = side * limit;
             let kind = Kind::Clipping { samples, limit };
             faults.push(Fault { channel, kind });
-            absent
-                .iter_mut()
-                .zip(marked)
-                .for_each(|(absent, marked)| *absent |= marked);
+            mark(absent, &marked);
         }
     }
 }

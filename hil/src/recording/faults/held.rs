@@ -3,7 +3,7 @@
 use super::super::cycles::range;
 use super::super::motion::noise_deviation;
 use super::super::resample::Uniform;
-use super::{Channel, Fault, Kind, quantile, runs, spread};
+use super::{Fault, Kind, quantile, runs, sampled, spread};
 
 /// Values that differ by less than this part of the channel's spread are the same.
 const SAME: f64 = 1e-7;
@@ -23,11 +23,7 @@ pub(super) fn find(
     absent: &mut [Vec<bool>; 2],
     faults: &mut Vec<Fault>,
 ) {
-    let channels = [
-        (Channel::Displacement, &uniform.displacement),
-        (Channel::Force, &uniform.force),
-    ];
-    for ((channel, values), absent) in channels.into_iter().zip(absent) {
+    for (channel, values, absent) in sampled(uniform, absent) {
         let mut samples = 0;
         let held = held(values, present);
         for run in &held {

@@ -16,38 +16,11 @@ mod sign;
 mod spikes;
 mod velocity;
 
+pub use super::channel::Channel;
 use super::resample::Uniform;
 use super::{Recording, counted};
 
 pub(super) use shift::Shift;
-
-/// A channel of a recording.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Channel {
-    /// The samples' times.
-    Time,
-    /// Displacement.
-    Displacement,
-    /// Force.
-    Force,
-    /// Velocity.
-    Velocity,
-    /// Temperature.
-    Temperature,
-}
-
-impl Channel {
-    /// As the column's name has it.
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::Time => "time",
-            Self::Displacement => "displacement",
-            Self::Force => "force",
-            Self::Velocity => "velocity",
-            Self::Temperature => "temperature",
-        }
-    }
-}
 
 /// What is wrong with a channel, and how much.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -259,6 +232,25 @@ pub(super) fn examine(uniform: &mut Uniform) -> Vec<Fault> {
     bridge::bridge(&mut uniform.force, &no_force, uniform.period);
     velocity::examine(uniform, &unknown, &mut faults);
     faults
+}
+
+/// The channels of which single samples may be faulty, with what is `absent` of each.
+fn sampled<'a>(
+    uniform: &'a Uniform,
+    absent: &'a mut [Vec<bool>; 2],
+) -> [(Channel, &'a [f64], &'a mut Vec<bool>); 2] {
+    let [displacement, force] = absent;
+    [
+        (Channel::Displacement, &uniform.displacement, displacement),
+        (Channel::Force, &uniform.force, force),
+    ]
+}
+
+/// Marks what is in `more` too.
+fn mark(marked: &mut [bool], more: &[bool]) {
+    for (marked, more) in marked.iter_mut().zip(more) {
+        *marked |= more;
+    }
 }
 
 /// Runs of `true`.

@@ -4,7 +4,7 @@ use std::collections::HashMap;
 
 use super::super::motion::noise_deviation;
 use super::super::resample::Uniform;
-use super::{Channel, Fault, Kind, bridge, median_filtered, quantile, runs, spread};
+use super::{Channel, Fault, Kind, bridge, mark, median_filtered, quantile, runs, sampled, spread};
 
 /// Samples to each side of the running median: up to this many in a row are seen as one spike.
 const HALF: usize = 3;
@@ -51,20 +51,9 @@ pub(super) fn find(
         }
         found.marked
     };
-    let [no_displacement, no_force] = absent;
-    for (channel, values, absent) in [
-        (
-            Channel::Displacement,
-            &uniform.displacement,
-            no_displacement,
-        ),
-        (Channel::Force, &uniform.force, no_force),
-    ] {
+    for (channel, values, absent) in sampled(uniform, absent) {
         let spiked = examine(channel, values, absent);
-        absent
-            .iter_mut()
-            .zip(spiked)
-            .for_each(|(absent, spiked)| *absent |= spiked);
+        mark(absent, &spiked);
     }
     let nothing = vec![false; present.len()];
     for (channel, values) in [

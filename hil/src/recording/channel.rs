@@ -1,0 +1,66 @@
+//! The channels of a recording.
+
+use super::units::{self, Unit};
+
+/// A channel of a recording.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Channel {
+    /// The samples' times.
+    Time,
+    /// Displacement.
+    Displacement,
+    /// Force.
+    Force,
+    /// Velocity.
+    Velocity,
+    /// Temperature.
+    Temperature,
+}
+
+impl Channel {
+    /// Every channel.
+    pub const ALL: [Self; 5] = [
+        Self::Time,
+        Self::Displacement,
+        Self::Force,
+        Self::Velocity,
+        Self::Temperature,
+    ];
+
+    /// As the column's name has it.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Time => "time",
+            Self::Displacement => "displacement",
+            Self::Force => "force",
+            Self::Velocity => "velocity",
+            Self::Temperature => "temperature",
+        }
+    }
+
+    /// The units that its column may have.
+    pub fn units(self) -> &'static [Unit] {
+        match self {
+            Self::Time => units::TIME,
+            Self::Displacement => units::DISPLACEMENT,
+            Self::Force => units::FORCE,
+            Self::Velocity => units::VELOCITY,
+            Self::Temperature => units::TEMPERATURE,
+        }
+    }
+
+    /// Whether a recording must have it.
+    pub fn is_required(self) -> bool {
+        matches!(self, Self::Time | Self::Displacement | Self::Force)
+    }
+
+    /// `displacement_mm, displacement_m, …`
+    pub fn column_names(self) -> String {
+        let names: Vec<String> = self
+            .units()
+            .iter()
+            .map(|unit| format!("{}_{}", self.name(), unit.symbol))
+            .collect();
+        names.join(", ")
+    }
+}
