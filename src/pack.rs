@@ -21,11 +21,11 @@ use crate::law::Law;
 use crate::tabulated::TabulatedLaw;
 
 /// The version that is written, and the only one read.
-pub const VERSION: u16 = 2;
+pub const VERSION: u16 = 3;
 /// Bytes before the body.
 const HEADER: usize = 12;
 /// Most bytes of a pack: header, coefficients and seed are 284, no effect takes more than 50, a correction 541.
-pub const LARGEST: usize = 1280;
+pub const LARGEST: usize = 1568;
 
 const MAGIC: [u8; 4] = *b"MDCP";
 

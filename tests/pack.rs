@@ -268,7 +268,7 @@ fn each_damage_is_named() {
 
 /// A body as bytes with the header that a pack has.
 fn with_header(body: &[u8]) -> Vec<u8> {
-    let mut stamped = 2u16.to_le_bytes().to_vec();
+    let mut stamped = pack::VERSION.to_le_bytes().to_vec();
     stamped.extend((body.len() as u16).to_le_bytes());
     let mut crc = !0u32;
     for byte in stamped.iter().chain(body) {

@@ -16,7 +16,8 @@ fn held() -> Vec<Block> {
 
 fn corrected(hidden: impl Fn() -> Hidden) -> Option<Model> {
     let recording = record(&fitted(), hidden(), 1);
-    fit(&[recording], &start(), |_, _| true).unwrap()
+    let fitted = fit(&[recording], &start(), |_, _| true).unwrap();
+    fitted.map(|(model, _)| model)
 }
 
 /// What is remembered, and the error at other amplitudes and frequencies over the noise.

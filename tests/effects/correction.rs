@@ -1,7 +1,7 @@
 //! The correction without a name: what its tables give between their nodes and outside, and what it remembers.
 
 use mesh_damper::effects::correction::{
-    CELLS, CorrectionParts, DISPLACEMENTS, MEMORIES, MEMORY_CELLS, Memory, SPEEDS,
+    CELLS, CorrectionParts, DISPLACEMENTS, MEMORIES, MEMORY_CELLS, Memory, SPEEDS, part_of_speed,
 };
 use mesh_damper::effects::{AugmentedLaw, AugmentedState, Correction, Motion};
 use mesh_damper::error::ConfigError;
@@ -20,7 +20,7 @@ fn table(force: impl Fn(f64, f64) -> f64) -> Vec<i16> {
     let node = |cell: usize| {
         let (i, j) = (cell % DISPLACEMENTS, cell / DISPLACEMENTS);
         let y = REACH * (i as f64 / 4.0 - 1.0);
-        let speed = SPEED * (f64::from(1 << (j % SPEEDS)) - 1.0) / 255.0;
+        let speed = SPEED * part_of_speed(j % SPEEDS);
         (y, if j < SPEEDS { speed } else { -speed })
     };
     let count = |cell| {

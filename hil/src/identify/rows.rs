@@ -55,6 +55,11 @@ impl RowMotion {
 }
 
 impl<'a> Rows<'a> {
+    /// Amplitudes in mm at which eq 13 has coefficients of its own.
+    pub fn nodes(&self) -> &[f64] {
+        &self.nodes
+    }
+
     /// Gathers the samples that `included(trajectory, sample)` picks, of which every n-th is taken so that there are at most
     /// about `most`. `nodes` are the amplitudes in mm at which eq 13 has coefficients of its own; each sample is of the
     /// nearest.

@@ -36,7 +36,26 @@ pub struct Motion {
     pub start_from_rest: usize,
 }
 
+/// A speed within so many of its deviations has no certain direction,
+const UNCERTAIN: f64 = 2.0;
+/// if it is below this part of the largest.
+const AT_REST: f64 = 1e-3;
+
 impl Motion {
+    /// Velocities that are 0 as far as the data show become 0: a friction whose direction is not known is then taken as
+    /// none, and not as one that may be the wrong way.
+    pub(super) fn rest_at_reversals(&mut self) {
+        let largest = self
+            .velocity
+            .iter()
+            .fold(0.0_f64, |most, v| most.max(v.abs()));
+        for (velocity, deviation) in self.velocity.iter_mut().zip(&self.velocity_deviation) {
+            if velocity.abs() < (UNCERTAIN * deviation).min(AT_REST * largest) {
+                *velocity = 0.0;
+            }
+        }
+    }
+
     /// Estimates the motion from `displacement` in mm, sampled every `tick` s, whose dominant period around each sample
     /// is `period` s.
     ///

@@ -129,6 +129,7 @@ impl Trajectory {
             motion.velocity_deviation = vec![noise_deviation(&velocity); count];
             motion.velocity = velocity;
         }
+        motion.rest_at_reversals();
         Self {
             name: name.into(),
             tick,

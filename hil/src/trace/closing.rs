@@ -2,6 +2,7 @@
 
 use rayon::prelude::*;
 
+use super::left_out::{Fit, LeftOut, Picked};
 use super::mend::mended;
 use super::result::{
     Baseline, Candidate, CorrectionSummary, Errors, Estimate, FoundEffect, LawEstimate, OnTarget,
@@ -9,7 +10,7 @@ use super::result::{
 };
 use super::select::{Selection, noise_floor};
 use super::split::{Role, Roles};
-use super::verdict::{conclude, depends_on, rivals, separating_test, warnings};
+use super::verdict::{conclude, depends_on, generalises, rivals, separating_test, warnings};
 use super::{Trace, Traced};
 use crate::identify::problem::Problem;
 use crate::identify::rows::Rows;
@@ -24,6 +25,8 @@ use crate::recording::trajectory::Trajectory;
 
 /// The closing fit is made to at most about this many samples, evenly picked.
 const MOST_ROWS: usize = 60_000;
+/// Fits that leave out one block after the other are made to about this many.
+const ROWS_IN_TURN: usize = 8_000;
 
 /// The recordings of a trace, with what each sample is for.
 pub(super) struct Closing<'a> {
@@ -34,18 +37,20 @@ pub(super) struct Closing<'a> {
     fitted: usize,
     judging: &'a Roles,
     roles: &'a Roles,
-    rows: Rows<'a>,
+    /// With the nodes preferred, then with others.
+    rows: Vec<Rows<'a>>,
     extent: Extent,
     noise_floor: f64,
 }
 
 impl<'a> Closing<'a> {
-    /// Effects were chosen by the roles `judging`; what `roles` hold out is left out of all fits. `nodes` are the amplitudes at which eq 13 has coefficients of its own, mm.
+    /// Effects were chosen by the roles `judging`; what `roles` hold out is left out of all fits. `nodes` are the amplitudes
+    /// at which eq 13 has coefficients of its own, mm: those preferred, then others that may be.
     pub fn new(
         fitted: &'a [Trajectory],
         [judging, roles]: [&'a Roles; 2],
         held: &'a [Trajectory],
-        nodes: Vec<f64>,
+        nodes: Vec<Vec<f64>>,
     ) -> Self {
         let of_fitted = fitted.iter().enumerate().map(|(which, trajectory)| {
             let roles = (0..trajectory.len())
@@ -63,9 +68,14 @@ impl<'a> Closing<'a> {
             judging,
             roles,
             noise_floor: noise_floor(fitted),
-            rows: Rows::gather(fitted, nodes, MOST_ROWS, |which, sample| {
-                roles.of(which, sample) != Role::HeldOut
-            }),
+            rows: nodes
+                .into_iter()
+                .map(|nodes| {
+                    Rows::gather(fitted, nodes, MOST_ROWS, |which, sample| {
+                        roles.of(which, sample) != Role::HeldOut
+                    })
+                })
+                .collect(),
             extent: Extent::of(fitted),
         }
     }
@@ -76,30 +86,40 @@ impl<'a> Closing<'a> {
         selection: &Selection,
         progress: &(dyn Fn(&str) + Sync),
     ) -> Result<Trace, ModelError> {
-        let alone = self.fit_near(&selection.baseline.solution);
+        let mut rows = &self.rows[0];
+        let alone = self.fit_near(rows, &selection.baseline.solution);
         let baseline = alone.model();
-        let mut solution = self.fit_near(&selection.found.solution);
+        let mut solution = self.fit_near(rows, &selection.found.solution);
         // Held at 0 by all of the data.
         while let Some(index) = solution.terms.iter().position(|term| !term.is_admissible()) {
-            solution = self.fit_near(&solution.without(index));
+            solution = self.fit_near(rows, &solution.without(index));
         }
-        let verdict = conclude(selection);
+        let left_out = LeftOut::of(self.trajectories, [self.judging, self.roles]);
+        let verdict = self.verdict(selection, &left_out, [&alone, &solution])?;
         let mut model = solution.model();
         if verdict == Verdict::Unlisted {
             progress("correcting without a name what is left");
-            if let Some(mended) = self.mended(&baseline, &model)? {
-                if mended.effects.is_empty() {
-                    solution = alone;
-                }
-                model = mended;
+            let mut laws: Vec<(&Rows, &Solution)> =
+                self.rows.iter().map(|rows| (rows, &alone)).collect();
+            if !solution.terms.is_empty() {
+                laws.push((rows, &solution));
             }
+            let fits: Vec<_> = laws
+                .iter()
+                .map(|&(rows, law)| move |picked: Picked| Ok(self.refit(rows, law, picked)))
+                .collect();
+            let fits: Vec<Fit> = fits.iter().map(|fit| fit as Fit).collect();
+            let (law, mended) = mended(self.trajectories, &left_out, &fits)?;
+            model = mended;
+            rows = laws[law].0;
+            solution = self.fit_near(rows, laws[law].1);
         }
         let (before, without) = self.evaluate(&baseline, predict)?;
         let (after, with) = self.evaluate(&model, predict)?;
         let (_, on_target) = self.evaluate(&model, predict_embedded)?;
         let noise_floor = self.noise_floor;
-        let uncertainty = Uncertainty::of(&self.rows, &self.extent, &solution);
-        let mut effects = self.effects(&solution, &uncertainty, with.nrmse_held_out)?;
+        let uncertainty = Uncertainty::of(rows, &self.extent, &solution);
+        let mut effects = self.effects(rows, &solution, &uncertainty, with.nrmse_held_out)?;
         if verdict == Verdict::Ambiguous {
             effects.extend(self.rivals(selection)?);
         }
@@ -157,12 +177,32 @@ impl<'a> Closing<'a> {
         })
     }
 
-    fn mended(&self, baseline: &Model, found: &Model) -> Result<Option<Model>, ModelError> {
-        mended(
-            self.trajectories,
-            [self.judging, self.roles],
-            [baseline, found],
+    /// What a search that ended in `solution` says, unless blocks that were not fitted speak against it.
+    fn verdict(
+        &self,
+        selection: &Selection,
+        left_out: &LeftOut,
+        [alone, solution]: [&Solution; 2],
+    ) -> Result<Verdict, ModelError> {
+        if solution.terms.is_empty() {
+            return Ok(conclude(selection));
+        }
+        let error = |law| left_out.error(&|picked| Ok(self.refit(&self.rows[0], law, picked)));
+        Ok(
+            if generalises(error(alone)?, error(solution)?, selection.goal) {
+                conclude(selection)
+            } else {
+                Verdict::Unlisted
+            },
         )
+    }
+
+    /// The terms of `known` fitted to the samples picked, fewer than in the closing fit.
+    fn refit(&self, rows: &Rows, known: &Solution, picked: Picked) -> Model {
+        let nodes = rows.nodes().to_vec();
+        let rows = Rows::gather(self.trajectories, nodes, ROWS_IN_TURN, picked);
+        let problem = Problem::new(&rows, &self.extent, &known.terms());
+        problem.solve_near(known).model()
     }
 
     /// The model's force on every recording, kN, and its errors.
@@ -199,7 +239,7 @@ impl<'a> Closing<'a> {
 
     /// The errors of eq 13 identified as the paper does.
     fn staged(&self) -> Result<Option<Errors>, ModelError> {
-        let Some(law) = staged(&self.rows) else {
+        let Some(law) = staged(&self.rows[0]) else {
             return Ok(None);
         };
         let model = Model {
@@ -214,6 +254,7 @@ impl<'a> Closing<'a> {
     /// all of them leave.
     fn effects(
         &self,
+        rows: &Rows,
         solution: &Solution,
         uncertainty: &Uncertainty,
         with: f64,
@@ -243,7 +284,7 @@ impl<'a> Closing<'a> {
                 Ok(FoundEffect {
                     family: family.name().to_owned(),
                     parameters,
-                    nrmse_without: self.without(solution, family)?,
+                    nrmse_without: self.without(rows, solution, family)?,
                     nrmse_with: with,
                 })
             })
@@ -251,7 +292,7 @@ impl<'a> Closing<'a> {
     }
 
     /// The held-out error of a law without the terms of one family.
-    fn without(&self, solution: &Solution, family: Family) -> Result<f64, ModelError> {
+    fn without(&self, rows: &Rows, solution: &Solution, family: Family) -> Result<f64, ModelError> {
         let mut rest = solution.clone();
         let of_family = |rest: &Solution| {
             let mut terms = rest.terms.iter();
@@ -260,25 +301,26 @@ impl<'a> Closing<'a> {
         while let Some(index) = of_family(&rest) {
             rest = rest.without(index);
         }
-        let model = self.fit_near(&rest).model();
+        let model = self.fit_near(rows, &rest).model();
         Ok(self.evaluate(&model, predict)?.1.nrmse_held_out)
     }
 
     /// The terms of `known` fitted to these rows.
-    fn fit_near(&self, known: &Solution) -> Solution {
-        Problem::new(&self.rows, &self.extent, &known.terms()).solve_near(known)
+    fn fit_near(&self, rows: &Rows, known: &Solution) -> Solution {
+        Problem::new(rows, &self.extent, &known.terms()).solve_near(known)
     }
 
     /// The effects that the data cannot tell from the last one found, each fitted in its place.
     fn rivals(&self, selection: &Selection) -> Result<Vec<FoundEffect>, ModelError> {
         let mut effects = Vec::new();
         for rival in rivals(selection).into_iter().skip(1) {
-            let solution = self.fit_near(&rival.fitted.solution);
-            let uncertainty = Uncertainty::of(&self.rows, &self.extent, &solution);
+            let rows = &self.rows[0];
+            let solution = self.fit_near(rows, &rival.fitted.solution);
+            let uncertainty = Uncertainty::of(rows, &self.extent, &solution);
             let with = self.evaluate(&solution.model(), predict)?.1.nrmse_held_out;
             let of_family = |effect: &FoundEffect| effect.family == rival.family.name();
             effects.extend(
-                self.effects(&solution, &uncertainty, with)?
+                self.effects(rows, &solution, &uncertainty, with)?
                     .into_iter()
                     .filter(of_family),
             );

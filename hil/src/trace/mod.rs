@@ -5,6 +5,7 @@
 //! error is reported.
 
 mod closing;
+mod left_out;
 mod mend;
 pub mod result;
 mod score;
@@ -119,11 +120,11 @@ pub fn trace(
     judging.keep_apart(&fitted, Role::Judge);
     let (over_amplitude, selection) = search(&fitted, &judging, progress)?;
     progress("fitting what was found to all that is not held out");
-    let nodes = if over_amplitude {
-        amplitude_nodes(&fitted, &roles)
-    } else {
-        vec![0.0]
-    };
+    let mut nodes = vec![vec![0.0]];
+    let over = amplitude_nodes(&fitted, &roles);
+    if (2..=MOST_NODES).contains(&over.len()) {
+        nodes.insert(usize::from(!over_amplitude), over);
+    }
     let closing = Closing::new(&fitted, [&judging, &roles], &held, nodes);
     Ok(closing.close(&selection, progress)?)
 }

@@ -5,13 +5,25 @@ use super::select::{Candidate, Selection};
 use crate::model::{Family, Model};
 use crate::recording::trajectory::Trajectory;
 
-/// An error of up to this many times the noise counts as explained.
-const EXPLAINED: f64 = 2.0;
+/// What `families` of effects leave counts as explained up to so many times the noise. Each makes it easier to come near
+/// something that is none of them, so that more of them have to come nearer.
+fn explained(families: usize) -> f64 {
+    1.0 + 1.0 / families.max(1) as f64
+}
+
+/// Effects that are there take at least this part of the error in blocks that were not fitted.
+const LEAST_TAKEN: f64 = 0.35;
+
+/// Whether effects that bring the error in blocks left out of the fit from `without` to `with` say something of other
+/// conditions than those they were fitted to; `goal` is the error of a perfect law.
+pub(super) fn generalises(without: f64, with: f64, goal: f64) -> bool {
+    with <= explained(1) * goal || with <= (1.0 - LEAST_TAKEN) * without
+}
 
 /// The verdict on what a search found.
 pub(super) fn conclude(selection: &Selection) -> Verdict {
     let left = selection.found.score.nrmse();
-    let explained = left <= EXPLAINED * selection.goal;
+    let explained = left <= explained(selection.found.families().len()) * selection.goal;
     if selection.found.solution.terms.is_empty() {
         return if explained {
             Verdict::None
@@ -123,7 +135,7 @@ pub(super) fn warnings<'t>(
         warnings.push(
             "no listed effect explains what the law lacks: a table stands in for it, which is held at its edges".to_owned(),
         );
-    } else if ratio > EXPLAINED {
+    } else if ratio > explained(1) {
         warnings.push(format!(
             "what is left is {ratio:.1} times the noise of the force: more is missing from the law than was found"
         ));

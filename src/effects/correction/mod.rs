@@ -4,9 +4,9 @@
 //! friction's jump at rest is exact. U stands over displacement and over z, what the motion was before; without a memory
 //! it is 0.
 //!
-//! Displacement is divided evenly over ±reach, speed by octaves: its node j is at (2ʲ − 1)/255 of the largest. Between
-//! nodes a table is a straight line in each of its variables; outside, its edge holds. So the force is bounded by the
-//! largest cells, whatever the motion.
+//! Displacement is divided evenly over ±reach, speed by half octaves ([`part_of_speed`]). Between nodes a table is a
+//! straight line in each of its variables; outside, its edge holds. So the force is bounded by the largest cells, whatever
+//! the motion. At rest, which has no direction, it is the mean of both.
 //!
 //! After two conversions everything is in integers, so that `f32` and `f64` differ only by where these round: to a 4096th
 //! of the way between two nodes.
@@ -25,7 +25,7 @@ pub use memory::{CorrectionState, Memory};
 /// Nodes over displacement.
 pub const DISPLACEMENTS: usize = 9;
 /// Nodes over speed.
-pub const SPEEDS: usize = 9;
+pub const SPEEDS: usize = 17;
 /// Nodes over what is remembered.
 pub const MEMORIES: usize = 5;
 /// Cells of T: displacement runs fastest, then speed, then direction, that of growing displacement first.
@@ -36,8 +36,10 @@ pub const MEMORY_CELLS: usize = 2 * MEMORIES * DISPLACEMENTS;
 /// Bits of the way between two nodes.
 const FRACTION: u32 = 12;
 const ONE: i32 = 1 << FRACTION;
-/// The last place over displacement, and over speed.
+/// The last place over displacement,
 const LAST: i32 = 8 * ONE - 1;
+/// and over speed.
+const LAST_SPEED: i32 = 16 * ONE - 1;
 /// No displacement.
 const MIDDLE: i32 = 4 * ONE;
 
@@ -63,7 +65,7 @@ pub struct CorrectionParts<'t, R> {
 pub struct Correction<R> {
     /// Places per mm.
     per_displacement: R,
-    /// 1/(the speed of node 1).
+    /// 1/(the speed of node 2).
     per_speed: R,
     /// kN
     unit: R,
@@ -139,11 +141,11 @@ impl<R: Real> Correction<R> {
     fn place(&self, motion: &ConfinedMotion<R>) -> Place {
         let y = motion.displacement() * self.per_displacement;
         let v = motion.velocity();
-        let speed = (v.abs() * self.per_speed + R::ONE).octaves();
+        let speed = 2 * (v.abs() * self.per_speed + R::ONE).octaves();
         Place {
             // A pack may say of a millimetre that it is more places than there are.
             displacement: y.to_i32().saturating_add(MIDDLE).clamp(0, LAST),
-            speed: speed.clamp(0, LAST),
+            speed: speed.clamp(0, LAST_SPEED),
             back: usize::from(v < R::ZERO),
         }
     }
@@ -158,13 +160,24 @@ impl<R: Real> Correction<R> {
     #[inline(always)]
     pub(super) fn force(&self, state: &mut CorrectionState, motion: &ConfinedMotion<R>) -> R {
         let place = self.place(motion);
-        let (first, across) = (SPEEDS * place.back, place.displacement);
-        let mut counts = between(&self.cells, first, across, place.speed);
-        if self.recall.is_there() {
+        let across = place.displacement;
+        let memory = if self.recall.is_there() {
             let reading = self.recall.reading(state, across, motion.cycles());
-            let memory = self.recall.place(reading);
-            counts += between(&self.memory_cells, MEMORIES * place.back, across, memory);
-        }
+            Some(self.recall.place(reading))
+        } else {
+            None
+        };
+        let counts = |back: usize| {
+            let counts = between(&self.cells, SPEEDS * back, across, place.speed);
+            memory.map_or(counts, |memory| {
+                counts + between(&self.memory_cells, MEMORIES * back, across, memory)
+            })
+        };
+        let counts = if motion.velocity() == R::ZERO {
+            (counts(0) + counts(1)) / 2
+        } else {
+            counts(place.back)
+        };
         R::from_i32(counts) * self.unit
     }
 
@@ -205,6 +218,17 @@ impl<R: Real> Correction<R> {
             memory: self.recall.part(reading),
         }
     }
+}
+
+/// The speed at `node` of T, over the largest: (2ⁱ − 1)/255 at node 2i, and the middle between these at those between.
+pub fn part_of_speed(node: usize) -> f64 {
+    let octave = f64::from(1u32 << (node / 2).min(8));
+    let part = if node.is_multiple_of(2) {
+        octave
+    } else {
+        1.5 * octave
+    };
+    (part - 1.0) / 255.0
 }
 
 fn copy<const N: usize>(

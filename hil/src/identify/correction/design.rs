@@ -88,10 +88,12 @@ pub(crate) struct Recalled {
 }
 
 impl<'a> Design<'a> {
-    /// The samples that `included` picks; `None` where there are none, or where they do not move.
+    /// The samples that `included` picks, for tables of `extent`, or of their own; `None` where there are none, or where they
+    /// do not move.
     pub fn new(
         trajectories: &'a [Trajectory],
         model: &Model,
+        extent: Option<Extent>,
         included: impl Fn(usize, usize) -> bool,
     ) -> Result<Option<Self>, ModelError> {
         let picked: Vec<(usize, usize)> = trajectories
@@ -109,10 +111,10 @@ impl<'a> Design<'a> {
                 most.max(channel(&trajectories[which])[sample].abs())
             })
         };
-        let extent = Extent {
+        let extent = extent.unwrap_or_else(|| Extent {
             displacement: largest(&|t| &t.motion.displacement),
             speed: largest(&|t| &t.motion.velocity),
-        };
+        });
         let Some(tables) = empty(&extent, None, 1.0) else {
             return Ok(None);
         };
@@ -207,6 +209,11 @@ impl<'a> Design<'a> {
         if high - low < 1e-3 {
             return None;
         }
+        self.recall_within(of, range)
+    }
+
+    /// The same in a table over `range`.
+    pub fn recall_within(&self, of: Remembered, range: [f64; 2]) -> Option<Recalled> {
         let cells = self.through(of, range, |_, cells| cells)?;
         Some(Recalled { range, cells })
     }

@@ -1,9 +1,10 @@
 //! The least squares of eq 13 and the tables, with each block left out in turn.
 
-use mesh_damper::effects::correction::{CELLS, DISPLACEMENTS, MEMORIES, MEMORY_CELLS, SPEEDS};
+use mesh_damper::effects::correction::{CELLS, DISPLACEMENTS, MEMORIES, MEMORY_CELLS};
 use nalgebra::{Cholesky, DMatrix, DVector};
 
 use super::design::{Coefficients, Design, Recalled};
+use super::trend::{KNOTS, Trend, hats_of_memory, hats_of_table};
 
 /// What a bend between neighbouring amplitudes costs eq 13's coefficients, over what the data say of them.
 const BEND: f64 = 1e-3;
@@ -18,18 +19,18 @@ const RIDGE: f64 = 1e-10;
 /// What holds a coefficient at the end of its range.
 const PIN: f64 = 1e9;
 
-/// What is fitted beside eq 13.
+/// What is fitted beside eq 13: trends, and tables around them.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Form {
-    /// T is; U is where something is remembered.
-    pub table: bool,
-    /// What a bend of T costs, over what the data say of a cell.
-    pub smoothness: f64,
+pub(super) struct Form<'t> {
+    pub trends: &'t [Trend],
+    /// What a bend of T costs, over what the data say of a cell; `None` without the table.
+    pub table: Option<f64>,
     /// The same of U.
-    pub memory_smoothness: f64,
+    pub memory: Option<f64>,
 }
 
 /// What was solved for.
+#[derive(Clone)]
 pub(super) struct Solved {
     pub coefficients: Coefficients,
     /// The cells of T, then those of U, kN.
@@ -38,16 +39,18 @@ pub(super) struct Solved {
     pub error: f64,
 }
 
-/// Where each unknown stands.
+/// Where each unknown stands: eq 13's, the trends' factors, the cells of T, those of U.
+#[derive(Clone, Copy)]
 struct Layout {
     law: usize,
+    trends: usize,
     table: usize,
     memory: usize,
 }
 
 impl Layout {
     fn width(&self) -> usize {
-        self.law + self.table + self.memory
+        self.law + self.trends + self.table + self.memory
     }
 }
 
@@ -59,94 +62,209 @@ struct Block {
     count: f64,
 }
 
-/// One step from the coefficients `at`, for the error in the fit alone; `None` where the equations cannot be solved.
-pub(super) fn solve(
-    design: &Design,
-    at: &Coefficients,
-    form: Form,
-    recalled: Option<&Recalled>,
-) -> Option<Solved> {
-    Sums::over(design, at, form, recalled)?.solve(at)
+/// The sums of every block over eq 13 and over all cells, at given coefficients.
+pub(super) struct Raw<'d> {
+    design: &'d Design<'d>,
+    at: &'d Coefficients,
+    law: usize,
+    blocks: Vec<Block>,
 }
 
-/// The same for the geometric mean of the error in the fit and of the errors in the blocks left out, one at a time.
-pub(super) fn judge(
-    design: &Design,
-    at: &Coefficients,
-    form: Form,
-    recalled: Option<&Recalled>,
-) -> Option<Solved> {
-    let sums = Sums::over(design, at, form, recalled)?;
-    let mut solved = sums.solve(at)?;
-    // A block that is predicted better than its noise counts no more than one that is predicted to it.
-    let floor = 0.3 * design.noise;
-    let mut outside = 0.0;
-    for &left_out in &design.left_out {
-        let block = &sums.blocks[left_out];
-        let (gram, right) = (
-            &sums.total.gram - &block.gram,
-            &sums.total.right - &block.right,
-        );
-        outside += (block.error(&sums.system.solve(gram, right)?) + floor).ln();
+impl<'d> Raw<'d> {
+    /// Over what eq 13 with `at` leaves. The unknowns of eq 13 are changes from `at`.
+    pub fn over(design: &'d Design<'d>, at: &'d Coefficients, recalled: Option<&Recalled>) -> Self {
+        Self::gather(design, at, recalled, design.blocks)
     }
-    let outside = outside / design.left_out.len() as f64;
-    let inside = (solved.error.powi(2) + floor).ln();
-    solved.error = (0.25 * (inside + outside)).exp();
-    Some(solved)
+
+    /// The same with all blocks as one, of which none can be left out.
+    pub fn of_whole(
+        design: &'d Design<'d>,
+        at: &'d Coefficients,
+        recalled: Option<&Recalled>,
+    ) -> Self {
+        Self::gather(design, at, recalled, 1)
+    }
+
+    fn gather(
+        design: &'d Design<'d>,
+        at: &'d Coefficients,
+        recalled: Option<&Recalled>,
+        blocks: usize,
+    ) -> Self {
+        let law = if design.fits_law { 4 * at.0.len() } else { 0 };
+        let memory = recalled.map_or(0, |_| MEMORY_CELLS);
+        let mut blocks: Vec<Block> = (0..blocks)
+            .map(|_| Block::new(law + CELLS + memory))
+            .collect();
+        let mut entries: Vec<(usize, f64)> = Vec::new();
+        for (index, row) in design.rows.iter().enumerate() {
+            entries.clear();
+            let mut left = row.force;
+            if law > 0 {
+                left -= row.law_force(at);
+                row.law_derivatives(at, &mut entries);
+            }
+            entries.extend(row.cells.map(|(cell, weight)| (law + cell, weight)));
+            if let Some(recalled) = recalled {
+                let cells = recalled.cells[index];
+                entries.extend(cells.map(|(cell, weight)| (law + CELLS + cell, weight)));
+            }
+            let last = blocks.len() - 1;
+            let block = &mut blocks[row.block.min(last)];
+            for (place, &(i, a)) in entries.iter().enumerate() {
+                block.right[i] += a * left;
+                for &(j, b) in &entries[..=place] {
+                    block.gram[(i.max(j), i.min(j))] += a * b;
+                }
+            }
+            block.energy += left * left;
+            block.count += 1.0;
+        }
+        for block in &mut blocks {
+            block.gram.fill_upper_triangle_with_lower_triangle();
+        }
+        Self {
+            design,
+            at,
+            law,
+            blocks,
+        }
+    }
+
+    /// The sums over eq 13 and what `form` has beside it; `None` without samples.
+    pub fn sums<'t>(&self, form: Form<'t>) -> Option<Sums<'_, 't>> {
+        let table = form.table.map_or(Vec::new(), |_| hats_of_table());
+        let memory = form.memory.map_or(Vec::new(), |_| hats_of_memory());
+        let layout = Layout {
+            law: self.law,
+            trends: form.trends.len(),
+            table: table.len(),
+            memory: memory.len(),
+        };
+        let hats: Vec<Trend> = table.into_iter().chain(memory).collect();
+        let blocks = self
+            .blocks
+            .iter()
+            .map(|block| block.mapped(self.law, form.trends, &hats));
+        Sums::of(self.design, self.at, layout, form, blocks.collect())
+    }
 }
 
 /// The normal equations.
-struct Sums {
+pub(super) struct Sums<'d, 't> {
+    design: &'d Design<'d>,
+    at: &'d Coefficients,
     layout: Layout,
+    form: Form<'t>,
     blocks: Vec<Block>,
     total: Block,
     system: System,
 }
 
-impl Sums {
-    fn over(
-        design: &Design,
-        at: &Coefficients,
-        form: Form,
-        recalled: Option<&Recalled>,
+impl<'d, 't> Sums<'d, 't> {
+    fn of(
+        design: &'d Design<'d>,
+        at: &'d Coefficients,
+        layout: Layout,
+        form: Form<'t>,
+        blocks: Vec<Block>,
     ) -> Option<Self> {
-        let layout = Layout {
-            law: if design.fits_law { 4 * at.0.len() } else { 0 },
-            table: if form.table { CELLS } else { 0 },
-            memory: recalled.map_or(0, |_| MEMORY_CELLS),
-        };
-        let blocks = accumulate(design, at, &layout, recalled);
         let mut total = Block::new(layout.width());
         for block in &blocks {
             total.add(block);
         }
-        if total.count == 0.0 {
-            return None;
-        }
-        Some(Self {
+        (total.count > 0.0).then(|| Self {
             system: System::new(design, at, &layout, form, &total),
+            design,
+            at,
             layout,
+            form,
             blocks,
             total,
         })
     }
 
-    fn solve(&self, at: &Coefficients) -> Option<Solved> {
+    /// The judged error with some of the trends, without tables.
+    pub fn error_with(&self, trends: &[usize]) -> Option<f64> {
+        let law = self.layout.law;
+        let layout = Layout {
+            trends: trends.len(),
+            table: 0,
+            memory: 0,
+            ..self.layout
+        };
+        let unknowns: Vec<usize> = (0..law).chain(trends.iter().map(|t| law + t)).collect();
+        let blocks = self
+            .blocks
+            .iter()
+            .map(|block| block.only(&unknowns))
+            .collect();
+        let form = Form {
+            trends: &[],
+            table: None,
+            memory: None,
+        };
+        let sums = Sums::of(self.design, self.at, layout, form, blocks)?;
+        sums.judged_error(&sums.unknowns()?)
+    }
+
+    /// One step from the coefficients, with the error in the fit alone; `None` where the equations cannot be solved.
+    pub fn solved(&self) -> Option<Solved> {
+        Some(self.solution(&self.unknowns()?))
+    }
+
+    /// The same with the geometric mean of the error in the fit and of the errors in the blocks left out, one at a time.
+    pub fn judged(&self) -> Option<Solved> {
+        let unknowns = self.unknowns()?;
+        Some(Solved {
+            error: self.judged_error(&unknowns)?,
+            ..self.solution(&unknowns)
+        })
+    }
+
+    fn judged_error(&self, unknowns: &DVector<f64>) -> Option<f64> {
+        // A block that is predicted better than its noise counts no more than one that is predicted to it.
+        let floor = 0.3 * self.design.noise;
+        let mut outside = 0.0;
+        for &left_out in &self.design.left_out {
+            let block = &self.blocks[left_out];
+            let (gram, right) = (
+                &self.total.gram - &block.gram,
+                &self.total.right - &block.right,
+            );
+            outside += (block.error(&self.system.solve(gram, right)?) + floor).ln();
+        }
+        let outside = outside / self.design.left_out.len() as f64;
+        let inside = (self.total.error(unknowns) + floor).ln();
+        Some((0.25 * (inside + outside)).exp())
+    }
+
+    fn unknowns(&self) -> Option<DVector<f64>> {
         let solve =
             |system: &System| system.solve(self.total.gram.clone(), self.total.right.clone());
-        let law = self.layout.law;
+        let (law, at) = (self.layout.law, &self.at.0);
         let mut x = solve(&self.system)?;
         // Damping that feeds energy in is none.
         let negative = |x: &DVector<f64>| {
             let mut nodes = 0..law / 4;
-            nodes.find(|&node| at.0[node][2] + x[4 * node + 2] < -1e-12 * at.0[node][2])
+            nodes.find(|&node| at[node][2] + x[4 * node + 2] < -1e-12 * at[node][2])
         };
         let mut system = self.system.clone();
         for _ in 0..law / 4 {
             let Some(node) = negative(&x) else { break };
-            system.pin(4 * node + 2, -at.0[node][2]);
+            system.pin(4 * node + 2, -at[node][2]);
             x = solve(&system)?;
         }
+        Some(x)
+    }
+
+    fn solution(&self, x: &DVector<f64>) -> Solved {
+        let Layout {
+            law,
+            trends,
+            table,
+            memory,
+        } = self.layout;
         let moved = |(node, &[k1, k3, c, alpha]): (usize, &[f64; 4])| {
             if law == 0 {
                 return [k1, k3, c, alpha];
@@ -160,11 +278,32 @@ impl Sums {
                 (alpha + step).clamp(0.0, 1.0),
             ]
         };
-        Some(Solved {
-            coefficients: Coefficients(at.0.iter().enumerate().map(moved).collect()),
-            cells: x.iter().skip(law).copied().collect(),
-            error: self.total.error(&x).sqrt(),
-        })
+        let mut cells = vec![0.0; CELLS + MEMORY_CELLS];
+        for (trend, factor) in self.form.trends.iter().zip(x.iter().skip(law)) {
+            for &(cell, value) in &trend.0 {
+                cells[cell] += factor * value;
+            }
+        }
+        let mut rest = x.iter().skip(law + trends);
+        let hats = [
+            (table, hats_of_table as fn() -> _),
+            (memory, hats_of_memory),
+        ];
+        for hat in hats
+            .iter()
+            .filter(|(count, _)| *count > 0)
+            .flat_map(|(_, hats)| hats())
+        {
+            let factor = rest.next().copied().unwrap_or_default();
+            for (cell, value) in hat.0 {
+                cells[cell] += factor * value;
+            }
+        }
+        Solved {
+            coefficients: Coefficients(self.at.0.iter().enumerate().map(moved).collect()),
+            cells,
+            error: self.total.error(x).sqrt(),
+        }
     }
 }
 
@@ -185,55 +324,78 @@ impl Block {
         self.count += other.count;
     }
 
-    /// Mean squared error with the unknowns `x`, kN². Only the lower triangle of the sums is filled.
-    fn error(&self, x: &DVector<f64>) -> f64 {
-        let mut error = self.energy - 2.0 * x.dot(&self.right);
-        for column in 0..x.len() {
-            error += x[column] * x[column] * self.gram[(column, column)];
-            for row in column + 1..x.len() {
-                error += 2.0 * x[row] * x[column] * self.gram[(row, column)];
+    /// The sums over the unknowns of eq 13 and over the factors of `trends`, which fill most cells, and of `hats`, which fill
+    /// few.
+    fn mapped(&self, law: usize, trends: &[Trend], hats: &[Trend]) -> Self {
+        let (first_hat, width) = (law + trends.len(), law + trends.len() + hats.len());
+        let mut mapped = Self {
+            energy: self.energy,
+            count: self.count,
+            ..Self::new(width)
+        };
+        let own = self.gram.view((0, 0), (law, law));
+        mapped.gram.view_mut((0, 0), (law, law)).copy_from(&own);
+        mapped
+            .right
+            .rows_mut(0, law)
+            .copy_from(&self.right.rows(0, law));
+        let mut dense = DMatrix::zeros(self.gram.nrows() - law, trends.len());
+        for (column, trend) in trends.iter().enumerate() {
+            for &(cell, value) in &trend.0 {
+                dense[(cell, column)] = value;
             }
         }
+        let products = self.gram.columns_range(law..) * &dense;
+        let size = (trends.len(), trends.len());
+        let squares = dense.tr_mul(&products.rows_range(law..));
+        mapped.gram.view_mut((law, law), size).copy_from(&squares);
+        let right = dense.tr_mul(&self.right.rows_range(law..));
+        mapped.right.rows_mut(law, trends.len()).copy_from(&right);
+        for column in 0..trends.len() {
+            for i in 0..law {
+                mapped.gram[(i, law + column)] = products[(i, column)];
+                mapped.gram[(law + column, i)] = products[(i, column)];
+            }
+        }
+        for (hat, cells) in hats.iter().enumerate() {
+            let place = first_hat + hat;
+            for &(cell, value) in &cells.0 {
+                mapped.right[place] += value * self.right[law + cell];
+                for i in 0..law {
+                    mapped.gram[(place, i)] += value * self.gram[(i, law + cell)];
+                }
+                for column in 0..trends.len() {
+                    mapped.gram[(place, law + column)] += value * products[(law + cell, column)];
+                }
+                for (other, beside) in hats.iter().enumerate() {
+                    for &(neighbour, weight) in &beside.0 {
+                        mapped.gram[(place, first_hat + other)] +=
+                            value * weight * self.gram[(law + neighbour, law + cell)];
+                    }
+                }
+            }
+            for i in 0..first_hat {
+                mapped.gram[(i, place)] = mapped.gram[(place, i)];
+            }
+        }
+        mapped
+    }
+
+    /// The sums over some of the unknowns.
+    fn only(&self, unknowns: &[usize]) -> Self {
+        Self {
+            gram: self.gram.select_rows(unknowns).select_columns(unknowns),
+            right: self.right.select_rows(unknowns),
+            energy: self.energy,
+            count: self.count,
+        }
+    }
+
+    /// Mean squared error with the unknowns `x`, kN².
+    fn error(&self, x: &DVector<f64>) -> f64 {
+        let error = self.energy - 2.0 * x.dot(&self.right) + x.dot(&(&self.gram * x));
         error.max(0.0) / self.count.max(1.0)
     }
-}
-
-/// The sums of every block, over what eq 13 with `at` leaves. The unknowns of eq 13 are changes from `at`.
-fn accumulate(
-    design: &Design,
-    at: &Coefficients,
-    layout: &Layout,
-    recalled: Option<&Recalled>,
-) -> Vec<Block> {
-    let mut blocks: Vec<Block> = (0..design.blocks)
-        .map(|_| Block::new(layout.width()))
-        .collect();
-    let mut entries: Vec<(usize, f64)> = Vec::new();
-    for (index, row) in design.rows.iter().enumerate() {
-        entries.clear();
-        let mut left = row.force;
-        if layout.law > 0 {
-            left -= row.law_force(at);
-            row.law_derivatives(at, &mut entries);
-        }
-        if layout.table > 0 {
-            entries.extend(row.cells.map(|(cell, weight)| (layout.law + cell, weight)));
-        }
-        if let Some(recalled) = recalled {
-            let first = layout.law + layout.table;
-            entries.extend(recalled.cells[index].map(|(cell, weight)| (first + cell, weight)));
-        }
-        let block = &mut blocks[row.block];
-        for (place, &(i, a)) in entries.iter().enumerate() {
-            block.right[i] += a * left;
-            for &(j, b) in &entries[..=place] {
-                block.gram[(i.max(j), i.min(j))] += a * b;
-            }
-        }
-        block.energy += left * left;
-        block.count += 1.0;
-    }
-    blocks
 }
 
 /// The penalties.
@@ -244,7 +406,13 @@ struct System {
 }
 
 impl System {
-    fn new(design: &Design, at: &Coefficients, layout: &Layout, form: Form, total: &Block) -> Self {
+    fn new(
+        design: &Design,
+        at: &Coefficients,
+        layout: &Layout,
+        form: Form<'_>,
+        total: &Block,
+    ) -> Self {
         let width = layout.width();
         let mut system = Self {
             penalty: DMatrix::zeros(width, width),
@@ -253,18 +421,14 @@ impl System {
         if layout.law > 0 {
             system.law(design, at, total);
         }
-        let per_cell = total.count / CELLS as f64;
-        if layout.table > 0 {
+        let per_cell = total.count / (2 * KNOTS * DISPLACEMENTS) as f64;
+        let first = layout.law + layout.trends;
+        if let Some(smoothness) = form.table {
             // A straight line over speed costs nothing: nodes stand twice as far apart each time.
-            system.table(layout.law, SPEEDS, 2.0, form.smoothness * per_cell);
+            system.table(first, KNOTS, 2.0, smoothness * per_cell);
         }
-        if layout.memory > 0 {
-            system.table(
-                layout.law + layout.table,
-                MEMORIES,
-                1.0,
-                form.memory_smoothness * per_cell,
-            );
+        if let Some(smoothness) = form.memory {
+            system.table(first + layout.table, MEMORIES, 1.0, smoothness * per_cell);
         }
         system
     }
@@ -359,7 +523,7 @@ impl System {
         self.add(&[(unknown, 1.0)], value, weight);
     }
 
-    /// The unknowns for these sums, of which the lower triangle is filled.
+    /// The unknowns for these sums.
     fn solve(&self, mut gram: DMatrix<f64>, right: DVector<f64>) -> Option<DVector<f64>> {
         gram += &self.penalty;
         let scale = DVector::from_iterator(

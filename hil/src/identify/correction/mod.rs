@@ -1,42 +1,96 @@
 //! The correction without a name: fitted to what a law leaves when nothing listed explains it.
 //!
 //! The tables of [`mesh_damper::effects::correction`] are linear in their cells, so they are fitted by least squares
-//! together with eq 13's coefficients, as smooth as keeps the error small where the data were left out. A table without
-//! memory comes first; one that remembers takes its place only where that clearly pays.
+//! together with eq 13's coefficients: along a few trends, and as smooth around them as keeps the error small where the data
+//! were left out. A table without memory comes first; one that remembers takes its place only where that clearly pays.
 
 pub(crate) mod design;
 mod gram;
 pub(crate) mod memory;
+mod trend;
 
-use mesh_damper::effects::correction::{CELLS, MEMORY_CELLS};
+use mesh_damper::effects::correction::CELLS;
 use rayon::prelude::*;
 
 use crate::correction::{CorrectionTable, MemoryTable, Remembered};
 use crate::model::{Model, ModelError};
 use crate::recording::trajectory::Trajectory;
-use design::{Coefficients, Design, Recalled};
-use gram::{Form, Solved};
+use design::{Coefficients, Design, Extent, Recalled};
+use gram::{Form, Raw, Solved};
+use trend::Trend;
 
-/// Penalties of a table's bends that are tried, over what the data say of a cell.
+/// Penalties of the bends of T that are tried, over what the data say of a cell.
 const SMOOTHNESS: [f64; 7] = [1e-5, 1e-4, 1e-3, 1e-2, 1e-1, 1.0, 10.0];
-/// For the memory's table, over that for the other.
-const MEMORY_SMOOTHNESS: [f64; 3] = [0.1, 1.0, 10.0];
-/// A table is taken for an error that is at most this part of that without.
+/// The same of U, or none.
+const MEMORY_SMOOTHNESS: [Option<f64>; 6] = [
+    None,
+    Some(1e-4),
+    Some(1e-3),
+    Some(1e-2),
+    Some(0.1),
+    Some(1.0),
+];
+/// With which kinds of memory are compared.
+const TYPICAL: f64 = 1e-2;
+/// A correction is taken for an error that is at most this part of that without.
 const WORTHWHILE: f64 = 0.85;
-/// A memory is taken for an error that is at most this part of that without: with so many to choose from, one will look
-/// better by chance.
+/// A table around the trends, likewise.
+const TABULATED: f64 = 0.9;
+/// A memory, likewise: with so many to choose from, one will look better by chance.
 const REMEMBERED: f64 = 0.75;
+/// Times that trends are sought, each beside the exponents of eq 13 that those before led to.
+const ROUNDS: usize = 2;
 /// Steps in which eq 13's exponents follow.
 const STEPS: usize = 3;
+/// Eq 13 and nothing else.
+const LAW_ALONE: Form = Form {
+    trends: &[],
+    table: None,
+    memory: None,
+};
 /// Counts of the largest cell.
 const FULL: f64 = 32_000.0;
+
+/// What a correction is made of, before its cells are solved for.
+#[derive(Clone, Debug)]
+pub struct Choice {
+    extent: Extent,
+    trends: Vec<Trend>,
+    /// How smooth T is around them, where it is.
+    table: Option<f64>,
+    memory: Option<MemoryChoice>,
+}
+
+#[derive(Clone, Copy, Debug)]
+struct MemoryChoice {
+    of: Remembered,
+    range: [f64; 2],
+    /// How smooth U is around its trends, where it is.
+    table: Option<f64>,
+}
+
+impl Choice {
+    fn form(&self) -> Form<'_> {
+        Form {
+            trends: &self.trends,
+            table: self.table,
+            memory: self.memory.and_then(|memory| memory.table),
+        }
+    }
+}
+
+/// A choice and what it led to.
+struct Fitted {
+    choice: Choice,
+    solved: Solved,
+}
 
 /// `model` with a correction, and with eq 13 fitted anew beside it, where that predicts clearly better than `model` with eq
 /// 13 fitted anew alone; `None` where it does not.
 ///
-/// It is fitted to the samples that `included(trajectory, sample)` picks. How smooth it is and what it remembers is chosen
-/// by the error in blocks left out of the fit one at a time, each of an amplitude that another block has, and by the error
-/// in the fit.
+/// It is fitted to the samples that `included(trajectory, sample)` picks. Which trends it follows, how smooth it is around
+/// them and what it remembers is chosen by the error in blocks left out of the fit one at a time, each of an amplitude that
+/// another block has, and by the error in the fit. The choice is returned too.
 ///
 /// # Errors
 /// A model that the crate refuses.
@@ -44,77 +98,148 @@ pub fn fit(
     trajectories: &[Trajectory],
     model: &Model,
     included: impl Fn(usize, usize) -> bool,
-) -> Result<Option<Model>, ModelError> {
-    let Some(design) = Design::new(trajectories, model, included)? else {
+) -> Result<Option<(Model, Choice)>, ModelError> {
+    let Some(design) = Design::new(trajectories, model, None, included)? else {
         return Ok(None);
-    };
-    let law_alone = Form {
-        table: false,
-        smoothness: 0.0,
-        memory_smoothness: 0.0,
     };
     let start = Coefficients::of(model);
-    let Some(alone) = settle(&design, &start, law_alone, None) else {
+    let Some(alone) = settle(&design, &start, LAW_ALONE, None) else {
         return Ok(None);
     };
-    let plain = SMOOTHNESS.par_iter().filter_map(|&smoothness| {
-        let form = Form {
-            table: true,
-            smoothness,
-            memory_smoothness: smoothness,
-        };
-        Some((form, settle(&design, &start, form, None)?))
-    });
-    let Some((form, plain)) = plain.min_by(|(_, a), (_, b)| a.error.total_cmp(&b.error)) else {
+    let Some(plain) = momentary(&design, &alone) else {
         return Ok(None);
     };
-    let remembering = best_memory(&design, &plain, form);
-    let (solved, memory) = match remembering {
-        Some((of, recalled, solved)) => (solved, Some((of, recalled))),
-        None => (plain, None),
-    };
+    let Fitted { choice, solved } = remembering(&design, &plain).unwrap_or(plain);
     if solved.error > WORTHWHILE * alone.error {
         return Ok(None);
     }
-    Ok(Some(corrected(model, &design, &solved, memory)))
+    Ok(Some((corrected(model, &solved, &choice), choice)))
 }
 
-/// What is best remembered beside the table `plain`, where that clearly pays.
-fn best_memory(
-    design: &Design,
-    plain: &Solved,
-    form: Form,
-) -> Option<(Remembered, Recalled, Solved)> {
+/// `model` with the correction of a choice made before, fitted to other samples; without one where they say nothing.
+///
+/// # Errors
+/// A model that the crate refuses.
+pub fn refit(
+    choice: &Choice,
+    trajectories: &[Trajectory],
+    model: &Model,
+    included: impl Fn(usize, usize) -> bool,
+) -> Result<Model, ModelError> {
+    let design = Design::new(trajectories, model, Some(choice.extent), included)?;
+    let solved = design.and_then(|design| {
+        let recalled = choice
+            .memory
+            .map(|memory| design.recall_within(memory.of, memory.range));
+        let recalled = recalled.flatten();
+        let start = Coefficients::of(model);
+        settle(&design, &start, choice.form(), recalled.as_ref())
+    });
+    Ok(solved.map_or_else(|| model.clone(), |solved| corrected(model, &solved, choice)))
+}
+
+/// The best correction without memory.
+fn momentary(design: &Design, alone: &Solved) -> Option<Fitted> {
+    let mut solved = alone.clone();
+    let mut choice = Choice {
+        extent: design.extent,
+        trends: Vec::new(),
+        table: None,
+        memory: None,
+    };
+    // Eq 13's exponents may be far off until something stands in for what it lacks.
+    for _ in 0..ROUNDS {
+        let at = solved.coefficients.clone();
+        let raw = Raw::over(design, &at, None);
+        (_, choice.trends) = trend::grown(&raw, &[], &trend::of_table())?;
+        solved = settle(design, &at, choice.form(), None)?;
+    }
+    let raw = Raw::over(design, &solved.coefficients, None);
+    let around = SMOOTHNESS.par_iter().filter_map(|&smoothness| {
+        let form = Form {
+            table: Some(smoothness),
+            ..choice.form()
+        };
+        Some((raw.sums(form)?.judged()?, smoothness))
+    });
+    let around = around.min_by(|(a, _), (b, _)| a.error.total_cmp(&b.error));
+    if let Some((with, smoothness)) = around
+        && with.error < TABULATED * solved.error
+    {
+        choice.table = Some(smoothness);
+        solved = with.clone();
+    }
+    Some(Fitted { choice, solved })
+}
+
+/// What is best remembered beside `plain`, where that clearly pays.
+fn remembering(design: &Design, plain: &Fitted) -> Option<Fitted> {
+    let at = &plain.solved.coefficients;
+    let known = &plain.choice.trends;
+    let tabulated = Form {
+        memory: Some(TYPICAL),
+        ..plain.choice.form()
+    };
     let fitted = |of: Remembered| {
-        let recalled = design.recall(of)?;
-        let error = gram::solve(design, &plain.coefficients, form, Some(&recalled))?.error;
-        Some((error, of))
+        let raw = Raw::of_whole(design, at, Some(&design.recall(of)?));
+        Some((raw.sums(tabulated)?.solved()?.error, of))
     };
     let best_of = |candidates: Vec<Remembered>| {
         let fitted = candidates.into_par_iter().filter_map(fitted);
         fitted.min_by(|a, b| a.0.total_cmp(&b.0))
     };
-    let kinds = memory::kinds(design);
-    let best_of_each = kinds.into_iter().filter_map(|kind| {
+    let candidates = trend::of_memory();
+    let best_of_each = memory::kinds(design).into_iter().filter_map(|kind| {
         let (_, coarse) = best_of(kind)?;
         let (_, of) = best_of(memory::around(coarse))?;
         let recalled = design.recall(of)?;
-        let judged = gram::judge(design, &plain.coefficients, form, Some(&recalled))?;
-        Some((judged.error, of, recalled))
+        let raw = Raw::over(design, at, Some(&recalled));
+        let (error, trends) = trend::grown(&raw, known, &candidates)?;
+        let with_table = raw.sums(tabulated)?.judged()?.error;
+        let (error, trends) = if error < with_table {
+            (error, trends)
+        } else {
+            (with_table, known.clone())
+        };
+        Some((error, of, recalled, trends))
     });
-    let (error, of, recalled) = best_of_each.min_by(|a, b| a.0.total_cmp(&b.0))?;
-    if error > REMEMBERED * plain.error {
+    let (error, of, recalled, trends) = best_of_each.min_by(|a, b| a.0.total_cmp(&b.0))?;
+    let raw = Raw::over(design, at, Some(&recalled));
+    // What was taken without the memory may have stood in for it.
+    let all: Vec<Trend> = trend::of_table().into_iter().chain(candidates).collect();
+    let trends = match trend::grown(&raw, &[], &all) {
+        Some((anew, others)) if anew < error => others,
+        _ => trends,
+    };
+    let forms: Vec<Form> = MEMORY_SMOOTHNESS
+        .iter()
+        .flat_map(|&memory| {
+            [plain.choice.table, Some(TYPICAL)].map(|table| Form {
+                trends: &trends,
+                table,
+                memory,
+            })
+        })
+        .collect();
+    let judged = forms
+        .into_par_iter()
+        .filter_map(|form| Some((raw.sums(form)?.judged()?, form)));
+    let (solved, form) = judged.min_by(|(a, _), (b, _)| a.error.total_cmp(&b.error))?;
+    if solved.error > REMEMBERED * plain.solved.error {
         return None;
     }
-    let settled = MEMORY_SMOOTHNESS.par_iter().filter_map(|factor| {
-        let form = Form {
-            memory_smoothness: factor * form.smoothness,
-            ..form
-        };
-        settle(design, &plain.coefficients, form, Some(&recalled))
-    });
-    let solved = settled.min_by(|a, b| a.error.total_cmp(&b.error))?;
-    (solved.error < plain.error).then_some((of, recalled, solved))
+    let memory = MemoryChoice {
+        of,
+        range: recalled.range,
+        table: form.memory,
+    };
+    let choice = Choice {
+        table: form.table,
+        trends: form.trends.to_vec(),
+        memory: Some(memory),
+        ..plain.choice.clone()
+    };
+    Some(Fitted { choice, solved })
 }
 
 /// Solves until eq 13's exponents have settled, and judges that.
@@ -126,18 +251,16 @@ fn settle(
 ) -> Option<Solved> {
     let mut at = start.clone();
     for _ in 1..STEPS {
-        at = gram::solve(design, &at, form, recalled)?.coefficients;
+        at = Raw::over(design, &at, recalled)
+            .sums(form)?
+            .solved()?
+            .coefficients;
     }
-    gram::judge(design, &at, form, recalled)
+    Raw::over(design, &at, recalled).sums(form)?.judged()
 }
 
 /// The model with the tables rounded to what the crate stores.
-fn corrected(
-    model: &Model,
-    design: &Design,
-    solved: &Solved,
-    memory: Option<(Remembered, Recalled)>,
-) -> Model {
+fn corrected(model: &Model, solved: &Solved, choice: &Choice) -> Model {
     let largest = solved
         .cells
         .iter()
@@ -150,18 +273,17 @@ fn corrected(
             .collect()
     };
     let (cells, memory_cells) = solved.cells.split_at(CELLS);
-    debug_assert!(memory_cells.is_empty() || memory_cells.len() == MEMORY_CELLS);
     Model {
         law: solved.coefficients.nodes(model),
         effects: model.effects.clone(),
         correction: Some(CorrectionTable {
-            reach: design.extent.displacement,
-            speed: design.extent.speed,
+            reach: choice.extent.displacement,
+            speed: choice.extent.speed,
             unit,
             cells: counts(cells),
-            memory: memory.map(|(of, recalled)| MemoryTable {
-                of,
-                range: recalled.range,
+            memory: choice.memory.map(|memory| MemoryTable {
+                of: memory.of,
+                range: memory.range,
                 cells: counts(memory_cells),
             }),
         }),

@@ -1,0 +1,164 @@
+//! Smooth courses that the tables may follow at no cost: what a force over displacement and velocity mostly is.
+//!
+//! A table that is only asked to be smooth knows little between two blocks of a test and nothing beyond them. One that
+//! follows a few products of a function of displacement and one of speed does, and the table proper is left with the rest.
+
+use mesh_damper::effects::correction::{
+    CELLS, DISPLACEMENTS, MEMORIES, MEMORY_CELLS, SPEEDS, part_of_speed,
+};
+
+use super::gram::{Form, Raw};
+
+/// Most trends that are added at once.
+const MOST: usize = 5;
+/// A trend is taken for an error that is at most this part of that without.
+const WORTHWHILE: f64 = 0.93;
+
+/// Values in the cells of T, and in those of U after them.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) struct Trend(pub Vec<(usize, f64)>);
+
+/// Functions of displacement over its largest value.
+const OVER_DISPLACEMENT: [fn(f64) -> f64; 6] = [
+    |_| 1.0,
+    |u| u,
+    f64::abs,
+    |u| u * u,
+    |u| u * u.abs(),
+    |u| u * u * u,
+];
+
+/// Functions of speed over its largest value: powers, friction that grows from rest within a little speed, and what fades.
+const OVER_SPEED: [fn(f64) -> f64; 12] = [
+    |_| 1.0,
+    f64::sqrt,
+    |w| w,
+    |w| w * w,
+    |w| (w / 0.002).min(1.0),
+    |w| (w / 0.006).min(1.0),
+    |w| (-w / 0.03).exp(),
+    |w| (-w / 0.1).exp(),
+    |w| (-w / 0.3).exp(),
+    |w| (-(w / 0.03).powi(2)).exp(),
+    |w| (-(w / 0.1).powi(2)).exp(),
+    |w| (-(w / 0.3).powi(2)).exp(),
+];
+
+/// Functions of where z stands in its range: some of what grows from its least value, some of what is lost at its middle.
+const OVER_MEMORY: [fn(f64) -> f64; 5] = [
+    |z| z,
+    |z| z * z,
+    |z| z - 0.5,
+    |z| (z - 0.5).abs(),
+    |z| (z - 0.5).powi(2),
+];
+
+/// Whether a force is the same or the opposite on the way back.
+const OVER_DIRECTION: [[f64; 2]; 2] = [[1.0, 1.0], [1.0, -1.0]];
+
+/// Every trend of T that eq 13 has not.
+pub(crate) fn of_table() -> Vec<Trend> {
+    // y and y³ are in eq 13.
+    let is_new =
+        |displacement, speed, back| !(back == 0 && speed == 0 && matches!(displacement, 1 | 5));
+    products(0, SPEEDS, part_of_speed, &OVER_SPEED, is_new)
+}
+
+/// Every trend of U.
+pub(crate) fn of_memory() -> Vec<Trend> {
+    let place = |node: usize| node as f64 / (MEMORIES - 1) as f64;
+    products(CELLS, MEMORIES, place, &OVER_MEMORY, |_, _, _| true)
+}
+
+/// Nodes over speed at which T bends around its trends: every other one.
+pub(super) const KNOTS: usize = SPEEDS.div_ceil(2);
+
+/// What T is made of around its trends: displacement runs fastest, then the knots over speed, then direction.
+pub(super) fn hats_of_table() -> Vec<Trend> {
+    let hat = |way: usize, knot: usize, place: usize| {
+        let cell = |node: usize| (way * SPEEDS + node) * DISPLACEMENTS + place;
+        let middle = 2 * knot;
+        let mut cells = vec![(cell(middle), 1.0)];
+        if knot > 0 {
+            cells.push((cell(middle - 1), 0.5));
+        }
+        if middle + 1 < SPEEDS {
+            cells.push((cell(middle + 1), 0.5));
+        }
+        Trend(cells)
+    };
+    let mut hats = Vec::new();
+    for way in 0..2 {
+        for knot in 0..KNOTS {
+            hats.extend((0..DISPLACEMENTS).map(|place| hat(way, knot, place)));
+        }
+    }
+    hats
+}
+
+/// The same of U: its cells.
+pub(super) fn hats_of_memory() -> Vec<Trend> {
+    let cells = CELLS..CELLS + MEMORY_CELLS;
+    cells.map(|cell| Trend(vec![(cell, 1.0)])).collect()
+}
+
+fn products(
+    first: usize,
+    nodes: usize,
+    at: impl Fn(usize) -> f64,
+    functions: &[fn(f64) -> f64],
+    is_new: impl Fn(usize, usize, usize) -> bool,
+) -> Vec<Trend> {
+    let mut trends = Vec::new();
+    for (i, over_displacement) in OVER_DISPLACEMENT.iter().enumerate() {
+        for (j, along) in functions.iter().enumerate() {
+            for (back, direction) in OVER_DIRECTION.iter().enumerate() {
+                if !is_new(i, j, back) {
+                    continue;
+                }
+                let mut cells = Vec::new();
+                for (way, sign) in direction.iter().enumerate() {
+                    for node in 0..nodes {
+                        for place in 0..DISPLACEMENTS {
+                            let u = 2.0 * place as f64 / (DISPLACEMENTS - 1) as f64 - 1.0;
+                            let value = sign * over_displacement(u) * along(at(node));
+                            cells.push((
+                                first + (way * nodes + node) * DISPLACEMENTS + place,
+                                value,
+                            ));
+                        }
+                    }
+                }
+                trends.push(Trend(cells));
+            }
+        }
+    }
+    trends
+}
+
+/// `known` with those of `candidates` that make the judged error clearly smaller, one at a time; and that error, kN.
+pub(super) fn grown(raw: &Raw, known: &[Trend], candidates: &[Trend]) -> Option<(f64, Vec<Trend>)> {
+    let all: Vec<Trend> = known.iter().chain(candidates).cloned().collect();
+    let sums = raw.sums(Form {
+        trends: &all,
+        table: None,
+        memory: None,
+    })?;
+    let mut taken: Vec<usize> = (0..known.len()).collect();
+    let mut error = sums.error_with(&taken)?;
+    while taken.len() < known.len() + MOST {
+        let next = (known.len()..all.len())
+            .filter(|candidate| !taken.contains(candidate))
+            .filter_map(|candidate| {
+                let more: Vec<usize> = taken.iter().copied().chain([candidate]).collect();
+                Some((sums.error_with(&more)?, more))
+            })
+            .min_by(|a, b| a.0.total_cmp(&b.0));
+        match next {
+            Some((less, more)) if less <= WORTHWHILE * error => (error, taken) = (less, more),
+            _ => break,
+        }
+    }
+    let taken = taken.into_iter().map(|index| all[index].clone());
+    Some((error, taken.collect()))
+}

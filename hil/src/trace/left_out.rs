@@ -1,0 +1,112 @@
+//! How well a law predicts blocks that are left out of its fit, one after the other: a term may know the conditions that it
+//! was fitted to and no others.
+
+use super::score::Jury;
+use super::split::{Role, Roles, same_amplitude};
+use crate::model::{Model, ModelError};
+use crate::predict::predict;
+use crate::recording::cycles::Block;
+use crate::recording::trajectory::Trajectory;
+
+/// With fewer blocks none is left out.
+const FEWEST_BLOCKS: usize = 4;
+/// At most so many are.
+const MOST_LEFT_OUT: usize = 4;
+
+/// The samples of a fit: whether it takes that of a trajectory.
+pub(super) type Picked<'p> = &'p dyn Fn(usize, usize) -> bool;
+/// A law fitted to the samples that are picked.
+pub(super) type Fit<'f> = &'f dyn Fn(Picked) -> Result<Model, ModelError>;
+
+/// Recordings and the blocks of them that are left out.
+pub(super) struct LeftOut<'a> {
+    trajectories: &'a [Trajectory],
+    judging: &'a Roles,
+    roles: &'a Roles,
+    blocks: Vec<(usize, &'a Block)>,
+}
+
+impl<'a> LeftOut<'a> {
+    /// What `roles` hold out is never fitted. Where there are too few blocks, the cycles that `judging` keeps apart take
+    /// their place.
+    pub fn of(trajectories: &'a [Trajectory], [judging, roles]: [&'a Roles; 2]) -> Self {
+        Self {
+            trajectories,
+            judging,
+            roles,
+            blocks: blocks(trajectories, roles),
+        }
+    }
+
+    /// Whether a sample may be fitted.
+    pub fn is_open(&self, which: usize, sample: usize) -> bool {
+        self.roles.of(which, sample) != Role::HeldOut
+    }
+
+    /// The RMS error there over the RMS force, each block counting the same.
+    pub fn error(&self, fit: Fit) -> Result<f64, ModelError> {
+        if self.blocks.is_empty() {
+            let model = fit(&|which, sample| self.judging.of(which, sample) == Role::Fit)?;
+            let predicted = self
+                .trajectories
+                .iter()
+                .map(|trajectory| predict(&model, trajectory))
+                .collect::<Result<Vec<_>, _>>()?;
+            let jury = Jury::of(self.trajectories, self.judging, Role::Judge);
+            return Ok(jury.score(&predicted).nrmse());
+        }
+        let mut error = 0.0;
+        for (which, block) in &self.blocks {
+            let model = fit(&|other, sample| {
+                self.is_open(other, sample) && !(other == *which && block.samples.contains(&sample))
+            })?;
+            let trajectory = &self.trajectories[*which];
+            error += relative_error(trajectory, &predict(&model, trajectory)?, block);
+        }
+        Ok((error / self.blocks.len() as f64).sqrt())
+    }
+}
+
+/// The squared error over the squared force in a block.
+fn relative_error(trajectory: &Trajectory, predicted: &[f64], block: &Block) -> f64 {
+    let telling = || block.samples.clone().filter(|&i| trajectory.is_telling(i));
+    let error: f64 = telling()
+        .map(|i| (predicted[i] - trajectory.force[i]).powi(2))
+        .sum();
+    let force: f64 = telling().map(|i| trajectory.force[i].powi(2)).sum();
+    error / force
+}
+
+/// Of the blocks whose amplitude another one has, so that eq 13 is known there, some that are evenly spread over amplitude
+/// and frequency; of all where there is none such.
+fn blocks<'t>(trajectories: &'t [Trajectory], roles: &Roles) -> Vec<(usize, &'t Block)> {
+    let mut blocks: Vec<(usize, &Block)> = trajectories
+        .iter()
+        .enumerate()
+        .flat_map(|(which, trajectory)| trajectory.blocks.iter().map(move |block| (which, block)))
+        .filter(|(which, block)| {
+            let mut samples = block.samples.clone();
+            block.cycles.len() > 1 && samples.any(|i| roles.of(*which, i) != Role::HeldOut)
+        })
+        .collect();
+    if blocks.len() < FEWEST_BLOCKS {
+        return Vec::new();
+    }
+    blocks.sort_by(|(_, a), (_, b)| {
+        let by_amplitude = a.amplitude.total_cmp(&b.amplitude);
+        by_amplitude.then(a.frequency.total_cmp(&b.frequency))
+    });
+    let known: Vec<(usize, &Block)> = blocks
+        .iter()
+        .filter(|(_, block)| {
+            let mut others = blocks.iter().filter(|(_, b)| !std::ptr::eq(*b, *block));
+            others.any(|(_, other)| same_amplitude(other.amplitude, block.amplitude))
+        })
+        .copied()
+        .collect();
+    let known = if known.is_empty() { blocks } else { known };
+    let count = known.len().min(MOST_LEFT_OUT);
+    (0..count)
+        .map(|place| known[(2 * place + 1) * known.len() / (2 * count)])
+        .collect()
+}
