@@ -2,6 +2,13 @@
 
 use super::polynomial::{Cubic, fit_polynomial};
 
+/// Times that a kink is moved to where the sides meet,
+const MEETINGS: usize = 3;
+/// by at most so many samples each time;
+const FARTHEST: f64 = 6.0;
+/// in the end they meet within so many samples of it.
+const CLOSEST: f64 = 2.0;
+
 /// First samples after the displacement's slope jumps.
 ///
 /// At each sample a quadratic is fitted to the samples before and another to those after. Their slopes differ by noise
@@ -109,10 +116,15 @@ fn locate_kink(
     let (index, jump) = (near.saturating_sub(before)..near + after)
         .filter_map(|index| Some((index, Jump::at(samples, index, before, after, 3, noise)?)))
         .max_by(|a, b| a.1.surely().total_cmp(&b.1.surely()))?;
-    // Once more with the sample at the kink left out, which would bend the side that it is not on.
-    let at_kink = (index as f64 + jump.meeting.clamp(-3.0, 3.0)).round() as usize;
-    let meeting = at_kink as f64 + Jump::at(samples, at_kink, before, after, 3, noise)?.meeting;
+    // Again with the sample at the kink left out, which would bend the side that it is not on. The first may lie some samples
+    // off: of a long window on the other side they are a small part.
+    let mut at = index;
+    let mut meeting = jump.meeting;
+    for _ in 0..MEETINGS {
+        at = (at as f64 + meeting.clamp(-FARTHEST, FARTHEST)).round() as usize;
+        meeting = Jump::at(samples, at, before, after, 3, noise)?.meeting;
+    }
     // The sample at the kink itself belongs to what comes after.
-    let first_after = (meeting - 0.2).ceil();
-    ((first_after - index as f64).abs() <= 4.0).then_some(first_after as usize)
+    let first_after = (at as f64 + meeting - 0.2).ceil();
+    (meeting.abs() <= CLOSEST).then_some(first_after as usize)
 }

@@ -8,7 +8,8 @@ use super::result::{
     Baseline, Candidate, CorrectionSummary, Errors, Estimate, FoundEffect, LawEstimate, OnTarget,
     TraceResult, Verdict,
 };
-use super::select::{Selection, noise_floor};
+use super::score::Jury;
+use super::select::{Selection, goal, noise_floor};
 use super::split::{Role, Roles};
 use super::verdict::{conclude, depends_on, generalises, rivals, separating_test, warnings};
 use super::{Trace, Traced};
@@ -95,7 +96,7 @@ impl<'a> Closing<'a> {
             solution = self.fit_near(rows, &solution.without(index));
         }
         let left_out = LeftOut::of(self.trajectories, [self.judging, self.roles]);
-        let verdict = self.verdict(selection, &left_out, [&alone, &solution])?;
+        let (verdict, left) = self.verdict(selection, &left_out, [&alone, &solution])?;
         let mut model = solution.model();
         if verdict == Verdict::Unlisted {
             progress("correcting without a name what is left");
@@ -150,7 +151,7 @@ impl<'a> Closing<'a> {
             warnings: warnings(
                 self.recordings.iter().map(|(trajectory, _)| *trajectory),
                 &model,
-                selection,
+                left,
                 (&without, &with),
             ),
             augmented: with,
@@ -177,24 +178,29 @@ impl<'a> Closing<'a> {
         })
     }
 
-    /// What a search that ended in `solution` says, unless blocks that were not fitted speak against it.
+    /// What is said of a search that ended in `solution`: by what it leaves of all that may be fitted, and by blocks that
+    /// were left out.
     fn verdict(
         &self,
         selection: &Selection,
         left_out: &LeftOut,
         [alone, solution]: [&Solution; 2],
-    ) -> Result<Verdict, ModelError> {
-        if solution.terms.is_empty() {
-            return Ok(conclude(selection));
+    ) -> Result<(Verdict, f64), ModelError> {
+        let jury = Jury::of(self.trajectories, self.roles, Role::Fit);
+        let model = solution.model();
+        let predicted = self
+            .trajectories
+            .iter()
+            .map(|trajectory| predict(&model, trajectory))
+            .collect::<Result<Vec<_>, _>>()?;
+        let left = jury.score(&predicted).nrmse() / goal(jury.noise());
+        let verdict = conclude(selection, left);
+        if solution.terms.is_empty() || verdict == Verdict::Unlisted {
+            return Ok((verdict, left));
         }
         let error = |law| left_out.error(&|picked| Ok(self.refit(&self.rows[0], law, picked)));
-        Ok(
-            if generalises(error(alone)?, error(solution)?, selection.goal) {
-                conclude(selection)
-            } else {
-                Verdict::Unlisted
-            },
-        )
+        let holds = generalises(error(alone)?, error(solution)?, selection.goal);
+        Ok((if holds { verdict } else { Verdict::Unlisted }, left))
     }
 
     /// The terms of `known` fitted to the samples picked, fewer than in the closing fit.

@@ -9,6 +9,8 @@ use crate::recording::trajectory::Trajectory;
 const PIECES_PER_PERIOD: f64 = 4.0;
 /// The least part of the other's squared error that a better law has to save.
 const LEAST_GAIN: f64 = 0.05;
+/// A part that is large.
+const LARGE_GAIN: f64 = 0.2;
 /// How many deviations the gain per piece has to stand from zero.
 const DEVIATIONS: f64 = 3.0;
 
@@ -106,19 +108,24 @@ impl Score {
     /// Whether this law is better than `other` on the same samples: it saves a part of the squared error that matters,
     /// and does so piece after piece and not in a few by chance.
     ///
-    /// What counts of a piece is its relative gain (a − b)/(a + b), which lies in −1…1, so that no piece can decide alone.
+    /// What counts of a piece is its relative gain (a − b)/(a + b), which lies in −1…1, so that no piece can decide alone. A
+    /// contact acts in few pieces and leaves the others as they are: it may also save a large part without the piece in
+    /// which it saves most.
     pub fn beats(&self, other: &Self) -> bool {
-        let saved = 1.0 - self.pieces.iter().sum::<f64>() / other.pieces.iter().sum::<f64>();
-        let gains: Vec<f64> = other
-            .pieces
-            .iter()
-            .zip(&self.pieces)
+        let pieces = || other.pieces.iter().zip(&self.pieces);
+        let before: f64 = other.pieces.iter().sum();
+        let saved: f64 = pieces().map(|(a, b)| a - b).sum();
+        if saved <= LEAST_GAIN * before {
+            return false;
+        }
+        let most = pieces().map(|(a, b)| a - b).fold(0.0, f64::max);
+        let gains: Vec<f64> = pieces()
             .map(|(a, b)| (a - b) / (a + b).max(f64::MIN_POSITIVE))
             .collect();
         let count = gains.len() as f64;
         let mean = gains.iter().sum::<f64>() / count;
         let variance = gains.iter().map(|gain| (gain - mean).powi(2)).sum::<f64>() / (count - 1.0);
-        saved > LEAST_GAIN && mean > DEVIATIONS * (variance / count).sqrt()
+        saved - most > LARGE_GAIN * before || mean > DEVIATIONS * (variance / count).sqrt()
     }
 }
 

@@ -5,11 +5,11 @@ use super::select::{Candidate, Selection};
 use crate::model::{Family, Model};
 use crate::recording::trajectory::Trajectory;
 
-/// What `families` of effects leave counts as explained up to so many times the noise. Each makes it easier to come near
-/// something that is none of them, so that more of them have to come nearer.
-fn explained(families: usize) -> f64 {
-    1.0 + 1.0 / families.max(1) as f64
-}
+/// So many times the noise may a law leave that explains a recording: the estimated motion errs too.
+const EXPLAINED: f64 = 1.5;
+/// The same of a law with more than [`FEW`] families: enough of them come near anything.
+const EXPLAINED_BY_MANY: f64 = 1.25;
+const FEW: usize = 2;
 
 /// Effects that are there take at least this part of the error in blocks that were not fitted.
 const LEAST_TAKEN: f64 = 0.35;
@@ -17,13 +17,13 @@ const LEAST_TAKEN: f64 = 0.35;
 /// Whether effects that bring the error in blocks left out of the fit from `without` to `with` say something of other
 /// conditions than those they were fitted to; `goal` is the error of a perfect law.
 pub(super) fn generalises(without: f64, with: f64, goal: f64) -> bool {
-    with <= explained(1) * goal || with <= (1.0 - LEAST_TAKEN) * without
+    with <= EXPLAINED * goal || with <= (1.0 - LEAST_TAKEN) * without
 }
 
-/// The verdict on what a search found.
-pub(super) fn conclude(selection: &Selection) -> Verdict {
-    let left = selection.found.score.nrmse();
-    let explained = left <= explained(selection.found.families().len()) * selection.goal;
+/// The verdict on what a search found, of which so many times the noise is `left`.
+pub(super) fn conclude(selection: &Selection, left: f64) -> Verdict {
+    let few = selection.found.families().len() <= FEW;
+    let explained = left <= if few { EXPLAINED } else { EXPLAINED_BY_MANY };
     if selection.found.solution.terms.is_empty() {
         return if explained {
             Verdict::None
@@ -92,11 +92,12 @@ pub(super) fn depends_on(model: &Model) -> Vec<String> {
     names
 }
 
-/// What a reader should know before trusting the result; `errors` of the law alone and with what was added.
+/// What a reader should know before trusting the result: `left` times the noise is what effects leave, `errors` are of the law
+/// alone and with what was added.
 pub(super) fn warnings<'t>(
     trajectories: impl Iterator<Item = &'t Trajectory>,
     model: &Model,
-    selection: &Selection,
+    left: f64,
     errors: (&Errors, &Errors),
 ) -> Vec<String> {
     let mut warnings = Vec::new();
@@ -123,8 +124,6 @@ pub(super) fn warnings<'t>(
             ));
         }
     }
-    let left = selection.found.score.nrmse();
-    let ratio = left / selection.goal;
     if !model.effects.is_empty() && errors.1.nrmse_held_out > errors.0.nrmse_held_out {
         warnings.push(
             "on what was held out the law with what was added is no better than the law alone: don't use it there"
@@ -135,9 +134,9 @@ pub(super) fn warnings<'t>(
         warnings.push(
             "no listed effect explains what the law lacks: a table stands in for it, which is held at its edges".to_owned(),
         );
-    } else if ratio > explained(1) {
+    } else if left > EXPLAINED {
         warnings.push(format!(
-            "what is left is {ratio:.1} times the noise of the force: more is missing from the law than was found"
+            "what is left is {left:.1} times the noise of the force: more is missing from the law than was found"
         ));
     }
     warnings
