@@ -7,12 +7,14 @@ use super::moved::moved;
 use super::rows::{RowMotion, Rows};
 use super::shape::{Extent, Shape};
 use super::solution::{Deflection, Solution};
-use super::term::{Entry, Form, Term};
+use super::term::{Entry, Form, Term, TermValue};
+use crate::model::LawNode;
 use crate::recording::trajectory::Trajectory;
 
 /// Eq 13 and added terms over the rows of a fit.
 ///
 /// The searched parameters are the exponents of the nodes, then each term's: logarithms of shapes, and temperature's β.
+#[derive(Clone)]
 pub(super) struct Basis<'r, 'a> {
     pub rows: &'r Rows<'a>,
     pub terms: Vec<Term>,
@@ -78,6 +80,41 @@ impl<'r, 'a> Basis<'r, 'a> {
             })
             .nth(size)
             .unwrap_or(false)
+    }
+
+    /// What the searched parameters `at` and the `linear` unknowns stand for; `squares` is what they leave, kN².
+    pub fn solution(&self, at: &[f64], linear: &[f64], squares: f64) -> Solution {
+        let nodes = self.rows.nodes.len();
+        let law = (0..nodes)
+            .map(|node| LawNode {
+                amplitude: self.rows.nodes[node],
+                k1: linear[3 * node],
+                k3: linear[3 * node + 1],
+                c: linear[3 * node + 2],
+                alpha: self.alpha(at, node),
+            })
+            .collect();
+        let mut sizes = linear.iter().skip(3 * nodes).copied();
+        let terms = self
+            .terms
+            .iter()
+            .enumerate()
+            .map(|(index, &term)| TermValue {
+                term,
+                sizes: match term.form.entry() {
+                    Entry::Adds(count) => sizes.by_ref().take(count).collect(),
+                    Entry::Scales => vec![at[self.slot(index).start]],
+                    Entry::Moves => Vec::new(),
+                },
+                shapes: self.shapes(at, index),
+            })
+            .collect();
+        Solution {
+            law,
+            terms,
+            search: at.to_vec(),
+            squares,
+        }
     }
 
     /// Where the searched parameters of a term stand.

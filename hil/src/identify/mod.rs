@@ -2,6 +2,7 @@
 
 mod basis;
 pub mod correction;
+mod exact;
 mod moved;
 mod normal;
 pub mod problem;

@@ -17,9 +17,10 @@ pub(super) struct Normal {
 }
 
 impl Normal {
-    /// For the force of `rows`; `local` columns belong to the node that `node` gives for each row.
+    /// For the `force` in kN at `rows`; `local` columns belong to the node that `node` gives for each row.
     pub fn assemble<const LOCAL: usize>(
         rows: &Rows,
+        force: &[f64],
         node: &[usize],
         local: &[[f64; LOCAL]],
         shared: &[&[f64]],
@@ -40,7 +41,7 @@ impl Normal {
             for (slot, column) in row[LOCAL..].iter_mut().zip(shared) {
                 *slot = weight * column[index];
             }
-            let force = weight * rows.force[index];
+            let force = weight * force[index];
             normal.power += force * force;
             let first = LOCAL * node[index];
             let place = |i: usize| {

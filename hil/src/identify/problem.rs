@@ -8,17 +8,18 @@ use levenberg_marquardt::{LeastSquaresProblem, LevenbergMarquardt};
 use nalgebra::{DMatrix, DVector, Dyn, Owned};
 
 use super::basis::{Basis, Columns};
+use super::exact;
 use super::normal::{Factor, Normal};
 use super::rows::Rows;
 use super::shape::Extent;
 use super::solution::Solution;
-use super::term::{Entry, Form, Term, TermValue};
+use super::term::{Entry, Form, Term};
 use crate::model::LawNode;
 
 /// Exponents that a search with nothing to start from begins with.
 const EXPONENTS: [f64; 3] = [0.15, 0.35, 0.6];
-/// The force behind a spring in series is worked out anew so many times.
-const SERIES_ROUNDS: usize = 8;
+/// The deflection of a spring in series is worked out anew so many times before all is fitted at once.
+const SERIES_ROUNDS: usize = 4;
 
 /// Eq 13 and terms, to be fitted to rows.
 pub struct Problem<'r, 'a> {
@@ -74,6 +75,7 @@ impl<'r, 'a> Problem<'r, 'a> {
                 let at = solution.search.clone();
                 solution = self.minimized(self.basis().around(&solution), at);
             }
+            solution = exact::refined(&self.basis(), solution);
         }
         solution
     }
@@ -161,38 +163,9 @@ impl<'b, 'r, 'a> Search<'b, 'r, 'a> {
     }
 
     fn solution(&self) -> Solution {
-        let (basis, at) = (self.basis, self.at.as_slice());
-        let nodes = basis.rows.nodes.len();
-        let law = (0..nodes)
-            .map(|node| LawNode {
-                amplitude: basis.rows.nodes[node],
-                k1: self.projected.linear[3 * node],
-                k3: self.projected.linear[3 * node + 1],
-                c: self.projected.linear[3 * node + 2],
-                alpha: basis.alpha(at, node),
-            })
-            .collect();
-        let mut sizes = self.projected.linear.iter().skip(3 * nodes).copied();
-        let terms = basis
-            .terms
-            .iter()
-            .enumerate()
-            .map(|(index, &term)| TermValue {
-                term,
-                sizes: match term.form.entry() {
-                    Entry::Adds(count) => sizes.by_ref().take(count).collect(),
-                    Entry::Scales => vec![at[basis.slot(index).start]],
-                    Entry::Moves => Vec::new(),
-                },
-                shapes: basis.shapes(at, index),
-            })
-            .collect();
-        Solution {
-            law,
-            terms,
-            search: at.to_vec(),
-            squares: self.projected.residuals.norm_squared(),
-        }
+        let linear = self.projected.linear.as_slice();
+        let squares = self.projected.residuals.norm_squared();
+        self.basis.solution(self.at.as_slice(), linear, squares)
     }
 }
 
@@ -200,7 +173,13 @@ fn project(basis: &Basis, columns: &Columns) -> Projected {
     let rows = basis.rows;
     let nodes = rows.nodes.len();
     let added = columns.added();
-    let normal = Normal::assemble(rows, &basis.motion(columns).node, columns.law(), &added);
+    let normal = Normal::assemble(
+        rows,
+        &rows.force,
+        &basis.motion(columns).node,
+        columns.law(),
+        &added,
+    );
     let solved = normal.solve(|i| match i.checked_sub(3 * nodes) {
         None => i % 3 == 2,
         Some(size) => basis.is_positive(size),

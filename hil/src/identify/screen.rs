@@ -150,7 +150,7 @@ impl<'s, 'r, 'a> Screen<'s, 'r, 'a> {
 
 fn normal_of(rows: &Rows, tangent: &Tangent) -> (Normal, Option<Factor>) {
     let shared: Vec<&[f64]> = tangent.shared.iter().map(Vec::as_slice).collect();
-    let normal = Normal::assemble(rows, &tangent.node, &tangent.local, &shared);
+    let normal = Normal::assemble(rows, &rows.force, &tangent.node, &tangent.local, &shared);
     let factor = Factor::of_all(&normal);
     (normal, factor)
 }

@@ -3,11 +3,12 @@
 use nalgebra::{Cholesky, DMatrix};
 
 use super::basis::Basis;
+use super::exact;
 use super::rows::Rows;
 use super::shape::Extent;
 use super::solution::Solution;
 use super::tangent::Tangent;
-use super::term::{Form, TermValue};
+use super::term::{Form, Term, TermValue};
 
 /// A normal variable is within this many deviations of its mean in 90 % of the cases.
 const NINETY_PERCENT: f64 = 1.645;
@@ -115,7 +116,11 @@ impl Uncertainty {
     pub fn of(rows: &Rows, extent: &Extent, solution: &Solution) -> Self {
         let basis = Basis::new(rows, extent, &solution.terms()).around(solution);
         let columns = basis.columns(&solution.search, None);
-        let tangent = Tangent::of(&basis, &columns, solution);
+        let linearized = || {
+            let force = basis.force(&columns, &solution.linear());
+            (Tangent::of(&basis, &columns, solution), force)
+        };
+        let (tangent, force) = exactly(&basis, solution).unwrap_or_else(linearized);
         let nodes = solution.law.len();
         let width = 4 * nodes + tangent.shared.len();
         let fill = |index: usize, row: &mut [(usize, f64)]| {
@@ -134,7 +139,6 @@ impl Uncertainty {
             add_square(&mut gram, &row, 1.0);
         }
         let inverse = inverse(&gram);
-        let force = basis.force(&columns, &solution.linear());
         let residuals: Vec<f64> = (0..rows.len())
             .map(|index| rows.weight[index] * (force[index] - rows.force[index]))
             .collect();
@@ -179,6 +183,14 @@ impl Uncertainty {
             .collect();
         Self { law, terms }
     }
+}
+
+/// The derivatives and the force behind a spring in series, whose deflection they change; `None` where there is none.
+fn exactly(basis: &Basis, solution: &Solution) -> Option<(Tangent, Vec<f64>)> {
+    let in_series = |term: &Term| term.form == Form::Compliance;
+    let exact = basis.terms.iter().any(in_series);
+    let tangent = exact.then(|| exact::tangent(basis, solution)).flatten()?;
+    Some((tangent, exact::force(basis, solution)?))
 }
 
 /// Adds `factor`·jjᵀ of a row j given as its (place, value).
