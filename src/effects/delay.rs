@@ -1,5 +1,6 @@
 //! A force channel that is late: the skew of a multiplexed converter, or of a filter that the displacement does not pass.
 
+use super::{ConfinedMotion, Motion};
 use crate::error::ConfigError;
 use crate::real::{Real, in_range};
 
@@ -8,14 +9,16 @@ pub const MAX_DELAY: u8 = 255;
 /// Forces that are kept: as many as an index of 8 bits tells apart.
 const KEPT: usize = 256;
 
-/// F(t) = F_all(t − T), the last of all: of the law's force with every effect's, as it was T ago. Between two ticks it is taken
-/// from a straight line; before the first tick it is the first tick's.
+/// F(t) = F_all(t − T): of the law's force with every effect's, as it was T ago.
+///
+/// Of T the whole ticks are those of a force that is kept; before the first tick it is the first tick's. The rest, at most
+/// half a tick to either side, is taken off the motion: a force between two ticks would be wrong where friction turns.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Delay<R> {
     /// Whole ticks.
     pub(super) whole: u8,
-    /// The rest of a tick, 0 to below 1.
-    pub(super) part: R,
+    /// The rest, s.
+    pub(super) rest: R,
 }
 
 /// The last forces, kN.
@@ -40,7 +43,7 @@ impl<R: Real> DelayState<R> {
 impl<R: Real> Delay<R> {
     pub(super) const NONE: Self = Self {
         whole: 0,
-        part: R::ZERO,
+        rest: R::ZERO,
     };
 
     /// * `time`: T, s, 0 to 255 ticks
@@ -54,15 +57,40 @@ impl<R: Real> Delay<R> {
         // What rounding to a float adds is no longer a delay.
         let ticks = in_range("time", time, 0.0, most * tick)?.to_f64() / tick;
         let ticks = if ticks < most { ticks } else { most };
-        let whole = ticks as u8;
+        let whole = (ticks + 0.5) as u8;
         Ok(Self {
             whole,
-            part: R::from_f64(ticks - f64::from(whole)),
+            rest: R::from_f64((ticks - f64::from(whole)) * tick),
         })
     }
 
     pub(super) fn check(&self) -> Result<(), ConfigError> {
-        in_range("part", self.part, 0.0, 1.0).map(|_| ())
+        in_range("rest", self.rest, -500.0, 500.0).map(|_| ())
+    }
+
+    /// How many ticks late the force of [`Self::shifted`] motion is.
+    pub fn whole_ticks(&self) -> usize {
+        self.whole.into()
+    }
+
+    /// `motion` as it was by the rest of T before: within (ω·rest)²/2 of a sine's velocity, (ω·rest)³/6 of its displacement.
+    /// Cycles and temperature stay.
+    #[inline]
+    pub fn shifted(&self, motion: &Motion<R>) -> Motion<R> {
+        let change = self.rest * motion.acceleration;
+        let velocity = motion.velocity - change;
+        let mean = velocity + R::from_f64(0.5) * change;
+        Motion {
+            displacement: motion.displacement - self.rest * mean,
+            velocity,
+            ..*motion
+        }
+    }
+
+    /// The same, within the limits.
+    #[inline(always)]
+    pub(super) fn felt(&self, motion: &ConfinedMotion<R>) -> ConfinedMotion<R> {
+        self.shifted(&motion.0).confined()
     }
 
     /// What `force` kN of this tick becomes.
@@ -71,10 +99,8 @@ impl<R: Real> Delay<R> {
         let now = state.next;
         state.forces[usize::from(now)] = force;
         state.next = now.wrapping_add(1);
-        let kept = |lag: u8| state.forces[usize::from(now.wrapping_sub(lag.min(state.filled)))];
-        let newer = kept(self.whole);
-        let older = kept(self.whole.saturating_add(1));
+        let lag = self.whole.min(state.filled);
         state.filled = state.filled.saturating_add(1);
-        newer + self.part * (older - newer)
+        state.forces[usize::from(now.wrapping_sub(lag))]
     }
 }

@@ -7,7 +7,7 @@
 //! through:
 //!
 //! ```text
-//! motion ─▶ gap ─▶ compliance ─▶ eq 13 and every effect that adds a force ─▶ delay ─▶ force
+//! motion ─▶ part of a tick ─▶ gap ─▶ compliance ─▶ eq 13 and every effect that adds a force ─▶ whole ticks ─▶ force
 //! ```
 
 mod asymmetry;
@@ -515,6 +515,9 @@ impl<R: Real, const N: usize> AugmentedLaw<R, N> {
         let effects = &self.effects;
         let correction = self.correction_force(state, motion);
         let mut motion = *motion;
+        if effects.has(Kind::Delay) {
+            motion = effects.delay.felt(&motion);
+        }
         if effects.has(Kind::Gap) {
             motion = effects.gap.felt(&motion);
         }

@@ -70,7 +70,7 @@ impl Effect<f32> {
                 put(PERIODIC, &numbers);
             }
             Self::Compliance(effect) => put(COMPLIANCE, &[effect.stiffness, effect.step]),
-            Self::Delay(effect) => put(DELAY, &[f32::from(effect.whole), effect.part]),
+            Self::Delay(effect) => put(DELAY, &[f32::from(effect.whole), effect.rest]),
             Self::StickSlip(effect) => {
                 let mut numbers = [0.0; MOST];
                 let (pairs, _) = numbers.as_chunks_mut();
@@ -120,9 +120,9 @@ impl Effect<f32> {
                 phase: [c, d].map(f32::to_bits),
             }),
             (COMPLIANCE, &[stiffness, step]) => Self::Compliance(Compliance { stiffness, step }),
-            (DELAY, &[whole, part]) => Self::Delay(Delay {
+            (DELAY, &[whole, rest]) => Self::Delay(Delay {
                 whole: whole as u8,
-                part,
+                rest,
             }),
             (STICK_SLIP, numbers) => {
                 let mut elements = [Element::default(); MAX_STICK_SLIP_ELEMENTS];

@@ -1,6 +1,6 @@
 //! The motion that reaches the law when something stands between it and the recorded displacement.
 
-use mesh_damper::effects::Gap;
+use mesh_damper::effects::{Delay, Gap, Motion};
 
 use super::solution::Deflection;
 use super::term::Form;
@@ -17,6 +17,13 @@ pub(super) fn moved(
     deflection: Option<&Deflection>,
 ) -> Trajectory {
     let mut moved = trajectory.clone();
+    let delay = moves
+        .iter()
+        .find(|(form, _)| *form == Form::Delay)
+        .and_then(|&(_, time)| Delay::new(time, trajectory.tick).ok());
+    if let Some(delay) = &delay {
+        through(&mut moved, |motion| delay.shifted(motion));
+    }
     for &(form, shape) in moves {
         match form {
             Form::Gap => through_gap(&mut moved, shape, false),
@@ -29,12 +36,20 @@ pub(super) fn moved(
             behind_spring(&mut moved, shape, deflection);
         }
     }
-    for &(form, shape) in moves {
-        if form == Form::Delay {
-            delayed(&mut moved, shape);
-        }
+    if let Some(delay) = &delay {
+        delayed(&mut moved, delay.whole_ticks());
     }
     moved
+}
+
+/// The motion that `change` makes of it, sample by sample.
+fn through(trajectory: &mut Trajectory, change: impl Fn(&Motion<f64>) -> Motion<f64>) {
+    for index in 0..trajectory.len() {
+        let inner = change(&motion_at(trajectory, index));
+        trajectory.motion.displacement[index] = inner.displacement;
+        trajectory.motion.velocity[index] = inner.velocity;
+        trajectory.motion.acceleration[index] = inner.acceleration;
+    }
 }
 
 fn through_gap(trajectory: &mut Trajectory, half_width: f64, damps_inside: bool) {
@@ -42,12 +57,7 @@ fn through_gap(trajectory: &mut Trajectory, half_width: f64, damps_inside: bool)
     let Ok(gap) = Gap::new(half_width, damps_inside) else {
         return;
     };
-    for index in 0..trajectory.len() {
-        let inner = gap.transform(&motion_at::<f64>(trajectory, index));
-        trajectory.motion.displacement[index] = inner.displacement;
-        trajectory.motion.velocity[index] = inner.velocity;
-        trajectory.motion.acceleration[index] = inner.acceleration;
-    }
+    through(trajectory, |motion| gap.transform(motion));
 }
 
 /// x = y − d
@@ -59,14 +69,11 @@ fn behind_spring(trajectory: &mut Trajectory, stiffness: f64, known: &Deflection
     }
 }
 
-/// Everything of `time` s ago, linearly between samples; the first sample's before there was one.
-fn delayed(trajectory: &mut Trajectory, time: f64) {
-    let samples = time / trajectory.tick;
-    let (whole, part) = (samples.floor() as usize, samples.fract());
+/// Everything of so many ticks ago; the first sample's before there was one.
+fn delayed(trajectory: &mut Trajectory, ticks: usize) {
     let delay = |values: &mut Vec<f64>| {
-        let past = |index: usize| values[index.saturating_sub(whole)];
         *values = (0..values.len())
-            .map(|index| (1.0 - part) * past(index) + part * past(index.saturating_sub(1)))
+            .map(|index| values[index.saturating_sub(ticks)])
             .collect();
     };
     let motion = &mut trajectory.motion;
@@ -77,8 +84,5 @@ fn delayed(trajectory: &mut Trajectory, time: f64) {
     if let Some(temperature) = &mut trajectory.temperature {
         delay(temperature);
     }
-    let amplitude = &trajectory.amplitude;
-    trajectory.amplitude = (0..amplitude.len())
-        .map(|index| amplitude[index.saturating_sub(whole)])
-        .collect();
+    delay(&mut trajectory.amplitude);
 }
