@@ -48,6 +48,15 @@ pub enum Remembered {
 }
 
 impl Remembered {
+    /// What it is of, by the names of `trace.json`.
+    pub fn is_of(self) -> &'static str {
+        match self {
+            Self::Slip { .. } | Self::Lag { .. } | Self::Travel { .. } | Self::Largest => "history",
+            Self::Age { .. } => "time",
+            Self::Cycles { .. } => "cycle",
+        }
+    }
+
     /// As the crate takes it.
     pub fn memory<R: Real>(self) -> Memory<R> {
         let real = R::from_f64;
@@ -65,22 +74,6 @@ impl Remembered {
 }
 
 impl CorrectionTable {
-    /// What its force depends on, by the names of `trace.json`.
-    pub fn depends_on(&self) -> Vec<&'static str> {
-        let remembered = self.memory.as_ref().map(|memory| match memory.of {
-            Remembered::Slip { .. }
-            | Remembered::Lag { .. }
-            | Remembered::Travel { .. }
-            | Remembered::Largest => "history",
-            Remembered::Age { .. } => "time",
-            Remembered::Cycles { .. } => "cycle",
-        });
-        ["displacement", "velocity"]
-            .into_iter()
-            .chain(remembered)
-            .collect()
-    }
-
     /// The effect for a tick of `tick` s.
     ///
     /// # Errors

@@ -5,6 +5,9 @@ use std::f64::consts::TAU;
 use super::term::Form;
 use crate::recording::trajectory::Trajectory;
 
+/// The highest frequency is so many times the lowest where there are several.
+const SEVERAL: f64 = 1.2;
+
 /// Range and starts of a shape.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Shape {
@@ -132,11 +135,18 @@ impl Extent {
                 vec![Shape::spread(2.0 * shortest, 0.9 * self.amplitude, 8)]
             }
             // With ω·time below 0.3 the branch is a dashpot within a tenth, beyond 1/0.1 a spring.
-            Form::Relaxation => vec![Shape {
-                simple_below: 0.2 / (TAU * self.highest_frequency),
-                simple_above: 10.0 / (TAU * self.lowest_frequency),
-                ..Shape::spread(0.5 * self.tick, self.duration, 12)
-            }],
+            // At one frequency any branch is a spring and a dashpot, and none of them is simpler than the truth may be.
+            Form::Relaxation => {
+                let spread = Shape::spread(0.5 * self.tick, self.duration, 12);
+                if self.highest_frequency < SEVERAL * self.lowest_frequency {
+                    return vec![spread];
+                }
+                vec![Shape {
+                    simple_below: 0.2 / (TAU * self.highest_frequency),
+                    simple_above: 10.0 / (TAU * self.lowest_frequency),
+                    ..spread
+                }]
+            }
             Form::Drift => vec![Shape::spread(0.3, 10.0 * self.cycles, 8)],
             Form::Delay => {
                 let longest = (0.2 / self.lowest_frequency).min(250.0 * self.tick);

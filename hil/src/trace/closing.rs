@@ -8,10 +8,10 @@ use super::result::{
     Baseline, Candidate, CorrectionSummary, Errors, Estimate, FoundEffect, LawEstimate, OnTarget,
     TraceResult, Verdict,
 };
-use super::score::Jury;
-use super::select::{Selection, goal, noise_floor};
+use super::select::{Selection, noise_floor};
+use super::separating::separating_test;
 use super::split::{Role, Roles};
-use super::verdict::{conclude, depends_on, generalises, rivals, separating_test, warnings};
+use super::verdict::{conclude, depends_on, generalises, rivals, warnings};
 use super::{Trace, Traced};
 use crate::identify::problem::Problem;
 use crate::identify::rows::Rows;
@@ -98,6 +98,7 @@ impl<'a> Closing<'a> {
         let left_out = LeftOut::of(self.trajectories, [self.judging, self.roles]);
         let (verdict, left) = self.verdict(selection, &left_out, [&alone, &solution])?;
         let mut model = solution.model();
+        let mut nameless = Vec::new();
         if verdict == Verdict::Unlisted {
             progress("correcting without a name what is left");
             let mut laws: Vec<(&Rows, &Solution)> =
@@ -110,10 +111,11 @@ impl<'a> Closing<'a> {
                 .map(|&(rows, law)| move |picked: Picked| Ok(self.refit(rows, law, picked)))
                 .collect();
             let fits: Vec<Fit> = fits.iter().map(|fit| fit as Fit).collect();
-            let (law, mended) = mended(self.trajectories, &left_out, &fits)?;
-            model = mended;
-            rows = laws[law].0;
-            solution = self.fit_near(rows, laws[law].1);
+            let mended = mended(self.trajectories, &left_out, &fits)?;
+            model = mended.model;
+            nameless = mended.depends_on;
+            rows = laws[mended.law].0;
+            solution = self.fit_near(rows, laws[mended.law].1);
         }
         let (before, without) = self.evaluate(&baseline, predict)?;
         let (after, with) = self.evaluate(&model, predict)?;
@@ -125,6 +127,13 @@ impl<'a> Closing<'a> {
             effects.extend(self.rivals(selection)?);
         }
 
+        let separating_test = match verdict {
+            Verdict::Ambiguous => {
+                progress("seeking the test that would tell the rivals apart");
+                Some(separating_test(selection, self.trajectories)?)
+            }
+            _ => None,
+        };
         let names = |held: bool| {
             let recordings = self.recordings.iter().enumerate();
             let some = recordings.filter(move |(index, _)| (*index >= self.fitted) == held);
@@ -145,8 +154,8 @@ impl<'a> Closing<'a> {
             verdict,
             effects,
             candidates: self.candidates(selection)?,
-            separating_test: separating_test(verdict, selection),
-            depends_on: depends_on(&model),
+            separating_test,
+            depends_on: depends_on(&model, &nameless),
             correction: model.correction.as_ref().map(CorrectionSummary::of),
             warnings: warnings(
                 self.recordings.iter().map(|(trajectory, _)| *trajectory),
@@ -178,22 +187,15 @@ impl<'a> Closing<'a> {
         })
     }
 
-    /// What is said of a search that ended in `solution`: by what it leaves of all that may be fitted, and by blocks that
-    /// were left out.
+    /// What is said of a search that ended in `solution`, and how many times the noise it leaves: by all that may be fitted,
+    /// and by blocks that were left out.
     fn verdict(
         &self,
         selection: &Selection,
         left_out: &LeftOut,
         [alone, solution]: [&Solution; 2],
     ) -> Result<(Verdict, f64), ModelError> {
-        let jury = Jury::of(self.trajectories, self.roles, Role::Fit);
-        let model = solution.model();
-        let predicted = self
-            .trajectories
-            .iter()
-            .map(|trajectory| predict(&model, trajectory))
-            .collect::<Result<Vec<_>, _>>()?;
-        let left = jury.score(&predicted).nrmse() / goal(jury.noise());
+        let left = left_out.left_in_most_cycles(&solution.model())?;
         let verdict = conclude(selection, left);
         if solution.terms.is_empty() || verdict == Verdict::Unlisted {
             return Ok((verdict, left));

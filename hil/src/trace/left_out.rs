@@ -2,6 +2,7 @@
 //! was fitted to and no others.
 
 use super::score::Jury;
+use super::select::goal;
 use super::split::{Role, Roles, same_amplitude};
 use crate::model::{Model, ModelError};
 use crate::predict::predict;
@@ -12,6 +13,11 @@ use crate::recording::trajectory::Trajectory;
 const FEWEST_BLOCKS: usize = 4;
 /// At most so many are.
 const MOST_LEFT_OUT: usize = 4;
+
+/// The part of the cycles that are not the worst.
+const MOST_CYCLES: f64 = 0.8;
+/// Squared differences of cycles' means are so many times those of noise where a force wanders.
+const WANDERS: f64 = 20.0;
 
 /// The samples of a fit: whether it takes that of a trajectory.
 pub(super) type Picked<'p> = &'p dyn Fn(usize, usize) -> bool;
@@ -41,6 +47,62 @@ impl<'a> LeftOut<'a> {
     /// Whether a sample may be fitted.
     pub fn is_open(&self, which: usize, sample: usize) -> bool {
         self.roles.of(which, sample) != Role::HeldOut
+    }
+
+    /// What `model` leaves of the cycles that may be fitted, over the noise: RMS of all but the worst of them, which may be
+    /// those of a start or of a change between blocks.
+    pub fn left_in_most_cycles(&self, model: &Model) -> Result<f64, ModelError> {
+        let mut left = Vec::new();
+        for (which, trajectory) in self.trajectories.iter().enumerate() {
+            let predicted = predict(model, trajectory)?;
+            let power: f64 = trajectory.force.iter().map(|force| force * force).sum();
+            let noise = goal(trajectory.force_noise / (power / trajectory.len() as f64).sqrt());
+            let noise_power = noise * noise * power / trajectory.len() as f64;
+            for cycle in trajectory.blocks.iter().flat_map(|block| &block.cycles) {
+                let telling = || {
+                    let samples = cycle.clone();
+                    samples.filter(|&i| self.is_open(which, i) && trajectory.is_telling(i))
+                };
+                let errors = telling().map(|i| (predicted[i] - trajectory.force[i]).powi(2));
+                let count = telling().count();
+                if count > 0 {
+                    left.push((
+                        errors.sum::<f64>() / noise_power / count as f64,
+                        count as f64,
+                    ));
+                }
+            }
+        }
+        left.sort_by(|a, b| a.0.total_cmp(&b.0));
+        left.truncate((MOST_CYCLES * left.len() as f64).ceil() as usize);
+        let samples: f64 = left.iter().map(|(_, count)| count).sum();
+        let squares: f64 = left.iter().map(|(square, count)| square * count).sum();
+        Ok((squares / samples).sqrt())
+    }
+
+    /// Whether the mean of what `model` leaves differs from cycle to cycle of one block by more than noise would have it: a
+    /// force that changes by itself, whatever the motion.
+    pub fn wanders(&self, model: &Model) -> Result<bool, ModelError> {
+        let (mut squares, mut expected) = (0.0, 0.0);
+        for (which, trajectory) in self.trajectories.iter().enumerate() {
+            let predicted = predict(model, trajectory)?;
+            for block in &trajectory.blocks {
+                let cycles = block.cycles.iter().filter(|cycle| {
+                    let mut samples = (*cycle).clone();
+                    samples.all(|i| trajectory.measured[i] && self.is_open(which, i))
+                });
+                let means: Vec<f64> = cycles
+                    .map(|cycle| {
+                        let left = cycle.clone().map(|i| trajectory.force[i] - predicted[i]);
+                        expected += trajectory.force_noise.powi(2) / cycle.len() as f64;
+                        left.sum::<f64>() / cycle.len() as f64
+                    })
+                    .collect();
+                let mean = means.iter().sum::<f64>() / means.len().max(1) as f64;
+                squares += means.iter().map(|m| (m - mean).powi(2)).sum::<f64>();
+            }
+        }
+        Ok(squares > WANDERS * expected)
     }
 
     /// The RMS error there over the RMS force, each block counting the same.

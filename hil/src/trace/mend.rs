@@ -1,7 +1,7 @@
 //! What is done when no listed effect explains a recording: a correction that needs no name.
 
 use super::left_out::{Fit, LeftOut, Picked};
-use crate::identify::correction;
+use crate::identify::correction::{self, Choice};
 use crate::model::{Model, ModelError};
 use crate::recording::trajectory::Trajectory;
 
@@ -10,35 +10,57 @@ const BETTER: f64 = 0.95;
 /// The same for effects beside a table, which could stand in for most of them.
 const NEEDED: f64 = 0.75;
 
-/// The law for recordings that no listed effect explains, and which of `laws`, the simplest first, it is made of: that
-/// alone or with a correction. Taken is what predicts best where it was not fitted; it is fitted to all that may be.
+/// The law for recordings that no listed effect explains.
+pub(super) struct Mended {
+    /// Which of the laws it is made of.
+    pub law: usize,
+    /// With its correction, if it has one.
+    pub model: Model,
+    /// What the correction depends on, by the names of `trace.json`.
+    pub depends_on: Vec<&'static str>,
+}
+
+/// One of `laws`, the simplest first, alone or with a correction. Taken is what predicts best where it was not fitted; it is
+/// fitted to all that may be.
 pub(super) fn mended(
     trajectories: &[Trajectory],
     left_out: &LeftOut,
     laws: &[Fit],
-) -> Result<(usize, Model), ModelError> {
+) -> Result<Mended, ModelError> {
     let open: Picked = &|which, sample| left_out.is_open(which, sample);
-    let mut best: Option<(f64, usize, Model)> = None;
-    let mut consider = |error: f64, law: usize, model: Model| {
-        let part = if model.correction.is_some() && !model.effects.is_empty() {
+    let mut best: Option<(f64, usize, Model, Option<Choice>)> = None;
+    let mut consider = |error: f64, law: usize, model: Model, choice: Option<Choice>| {
+        let part = if choice.is_some() && !model.effects.is_empty() {
             NEEDED
         } else {
             BETTER
         };
         if best.as_ref().is_none_or(|(least, ..)| error < part * least) {
-            best = Some((error, law, model));
+            best = Some((error, law, model, choice));
         }
     };
     for (number, &law) in laws.iter().enumerate() {
-        consider(left_out.error(law)?, number, law(open)?);
+        consider(left_out.error(law)?, number, law(open)?, None);
     }
     for (number, &law) in laws.iter().enumerate() {
         if let Some((model, choice)) = correction::fit(trajectories, &law(open)?, open)? {
             let error = left_out
                 .error(&|picked| correction::refit(&choice, trajectories, &law(picked)?, picked))?;
-            consider(error, number, model);
+            consider(error, number, model, Some(choice));
         }
     }
-    let (_, law, model) = best.expect("at least one law is given");
-    Ok((law, model))
+    let (_, law, model, choice) = best.expect("at least one law is given");
+    let depends_on = match choice {
+        Some(choice) => {
+            let plain = laws[law](open)?;
+            correction::depends_on(&choice, trajectories, &plain, open)?
+        }
+        None if left_out.wanders(&model)? => vec!["time"],
+        None => Vec::new(),
+    };
+    Ok(Mended {
+        law,
+        model,
+        depends_on,
+    })
 }

@@ -10,6 +10,7 @@ mod mend;
 pub mod result;
 mod score;
 mod select;
+mod separating;
 mod split;
 mod tones;
 mod verdict;

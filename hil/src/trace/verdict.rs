@@ -8,7 +8,7 @@ use crate::recording::trajectory::Trajectory;
 /// So many times the noise may a law leave that explains a recording: the estimated motion errs too.
 const EXPLAINED: f64 = 1.5;
 /// The same of a law with more than [`FEW`] families: enough of them come near anything.
-const EXPLAINED_BY_MANY: f64 = 1.25;
+const EXPLAINED_BY_MANY: f64 = 1.1;
 const FEW: usize = 2;
 
 /// Effects that are there take at least this part of the error in blocks that were not fitted.
@@ -60,33 +60,16 @@ pub(super) fn rivals(selection: &Selection) -> Vec<&Candidate> {
         .collect()
 }
 
-/// The test that tells rivals apart, as text with a programme of blocks.
-pub(super) fn separating_test(verdict: Verdict, selection: &Selection) -> Option<String> {
-    if verdict != Verdict::Ambiguous {
-        return None;
-    }
-    let names: Vec<&str> = rivals(selection)
-        .iter()
-        .map(|candidate| candidate.family.name())
-        .collect();
-    Some(format!(
-        "{} predict these recordings equally well; they differ over frequency and amplitude: \
-         record --blocks 0.05:1:6,0.1:0.5:4,0.1:1:6,0.1:2:8,0.1:5:12,0.1:10:20,0.2:1:6,0.2:5:12 and trace that",
-        names.join(" and ")
-    ))
-}
-
-/// What the added forces depend on: those of named effects, and those of a correction's tables.
-pub(super) fn depends_on(model: &Model) -> Vec<String> {
+/// What the added forces depend on: those of named effects, and `correction` for what has no name.
+pub(super) fn depends_on(model: &Model, correction: &[&str]) -> Vec<String> {
     let mut names: Vec<String> = Vec::new();
     let of_effects = model
         .effects
         .iter()
-        .flat_map(|effect| effect.family.depends_on().iter().copied());
-    let of_tables = model.correction.iter().flat_map(|table| table.depends_on());
-    for name in of_effects.chain(of_tables) {
+        .flat_map(|effect| effect.family.depends_on());
+    for name in of_effects.chain(correction) {
         if !names.iter().any(|known| known == name) {
-            names.push(name.to_owned());
+            names.push((*name).to_owned());
         }
     }
     names

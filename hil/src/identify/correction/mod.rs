@@ -17,7 +17,7 @@ use crate::model::{Model, ModelError};
 use crate::recording::trajectory::Trajectory;
 use design::{Coefficients, Design, Extent, Recalled};
 use gram::{Form, Raw, Solved};
-use trend::Trend;
+use trend::{Trend, Variables};
 
 /// Penalties of the bends of T that are tried, over what the data say of a cell.
 const SMOOTHNESS: [f64; 7] = [1e-5, 1e-4, 1e-3, 1e-2, 1e-1, 1.0, 10.0];
@@ -36,6 +36,8 @@ const TYPICAL: f64 = 1e-2;
 const WORTHWHILE: f64 = 0.85;
 /// A table around the trends, likewise.
 const TABULATED: f64 = 0.9;
+/// A variable is needed whose absence makes the error more than so many times as large.
+const NEEDED: f64 = 1.1;
 /// A memory, likewise: with so many to choose from, one will look better by chance.
 const REMEMBERED: f64 = 0.75;
 /// Times that trends are sought, each beside the exponents of eq 13 that those before led to.
@@ -138,6 +140,51 @@ pub fn refit(
     Ok(solved.map_or_else(|| model.clone(), |solved| corrected(model, &solved, choice)))
 }
 
+/// What the correction of a choice depends on, by the names of `trace.json`: each variable without which the samples that
+/// `included` picks are explained clearly worse, and what is remembered.
+///
+/// # Errors
+/// A model that the crate refuses.
+pub fn depends_on(
+    choice: &Choice,
+    trajectories: &[Trajectory],
+    model: &Model,
+    included: impl Fn(usize, usize) -> bool,
+) -> Result<Vec<&'static str>, ModelError> {
+    let mut names = Vec::new();
+    let design = Design::new(trajectories, model, Some(choice.extent), included)?;
+    if let Some(design) = &design {
+        let of = |memory: MemoryChoice| design.recall_within(memory.of, memory.range);
+        let recalled = choice.memory.and_then(of);
+        let at = Coefficients::of(model);
+        let raw = Raw::over(design, &at, recalled.as_ref());
+        let error_with = |variables: Variables| {
+            let mut trends = trend::of_table(variables);
+            if recalled.is_some() {
+                trends.extend(trend::of_memory(variables));
+            }
+            trend::grown(&raw, &[], &trends).map_or(f64::INFINITY, |(error, _)| error)
+        };
+        let all = error_with(Variables::BOTH);
+        let without_displacement = Variables {
+            displacement: false,
+            ..Variables::BOTH
+        };
+        let without_velocity = Variables {
+            velocity: false,
+            ..Variables::BOTH
+        };
+        if error_with(without_displacement) > NEEDED * all {
+            names.push("displacement");
+        }
+        if error_with(without_velocity) > NEEDED * all {
+            names.push("velocity");
+        }
+    }
+    names.extend(choice.memory.map(|memory| memory.of.is_of()));
+    Ok(names)
+}
+
 /// The best correction without memory.
 fn momentary(design: &Design, alone: &Solved) -> Option<Fitted> {
     let mut solved = alone.clone();
@@ -151,7 +198,7 @@ fn momentary(design: &Design, alone: &Solved) -> Option<Fitted> {
     for _ in 0..ROUNDS {
         let at = solved.coefficients.clone();
         let raw = Raw::over(design, &at, None);
-        (_, choice.trends) = trend::grown(&raw, &[], &trend::of_table())?;
+        (_, choice.trends) = trend::grown(&raw, &[], &trend::of_table(Variables::BOTH))?;
         solved = settle(design, &at, choice.form(), None)?;
     }
     let raw = Raw::over(design, &solved.coefficients, None);
@@ -188,7 +235,7 @@ fn remembering(design: &Design, plain: &Fitted) -> Option<Fitted> {
         let fitted = candidates.into_par_iter().filter_map(fitted);
         fitted.min_by(|a, b| a.0.total_cmp(&b.0))
     };
-    let candidates = trend::of_memory();
+    let candidates = trend::of_memory(Variables::BOTH);
     let best_of_each = memory::kinds(design).into_iter().filter_map(|kind| {
         let (_, coarse) = best_of(kind)?;
         let (_, of) = best_of(memory::around(coarse))?;
@@ -206,7 +253,10 @@ fn remembering(design: &Design, plain: &Fitted) -> Option<Fitted> {
     let (error, of, recalled, trends) = best_of_each.min_by(|a, b| a.0.total_cmp(&b.0))?;
     let raw = Raw::over(design, at, Some(&recalled));
     // What was taken without the memory may have stood in for it.
-    let all: Vec<Trend> = trend::of_table().into_iter().chain(candidates).collect();
+    let all: Vec<Trend> = trend::of_table(Variables::BOTH)
+        .into_iter()
+        .chain(candidates)
+        .collect();
     let trends = match trend::grown(&raw, &[], &all) {
         Some((anew, others)) if anew < error => others,
         _ => trends,

@@ -56,18 +56,30 @@ const OVER_MEMORY: [fn(f64) -> f64; 5] = [
 /// Whether a force is the same or the opposite on the way back.
 const OVER_DIRECTION: [[f64; 2]; 2] = [[1.0, 1.0], [1.0, -1.0]];
 
+/// What trends may depend on.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Variables {
+    pub displacement: bool,
+    /// Speed and direction.
+    pub velocity: bool,
+}
+
+impl Variables {
+    pub const BOTH: Self = Self {
+        displacement: true,
+        velocity: true,
+    };
+}
+
 /// Every trend of T that eq 13 has not.
-pub(crate) fn of_table() -> Vec<Trend> {
-    // y and y³ are in eq 13.
-    let is_new =
-        |displacement, speed, back| !(back == 0 && speed == 0 && matches!(displacement, 1 | 5));
-    products(0, SPEEDS, part_of_speed, &OVER_SPEED, is_new)
+pub(super) fn of_table(variables: Variables) -> Vec<Trend> {
+    products(variables, 0, SPEEDS, part_of_speed, &OVER_SPEED)
 }
 
 /// Every trend of U.
-pub(crate) fn of_memory() -> Vec<Trend> {
+pub(super) fn of_memory(variables: Variables) -> Vec<Trend> {
     let place = |node: usize| node as f64 / (MEMORIES - 1) as f64;
-    products(CELLS, MEMORIES, place, &OVER_MEMORY, |_, _, _| true)
+    products(variables, CELLS, MEMORIES, place, &OVER_MEMORY)
 }
 
 /// Nodes over speed at which T bends around its trends: every other one.
@@ -103,17 +115,22 @@ pub(super) fn hats_of_memory() -> Vec<Trend> {
 }
 
 fn products(
+    variables: Variables,
     first: usize,
     nodes: usize,
     at: impl Fn(usize) -> f64,
     functions: &[fn(f64) -> f64],
-    is_new: impl Fn(usize, usize, usize) -> bool,
 ) -> Vec<Trend> {
     let mut trends = Vec::new();
     for (i, over_displacement) in OVER_DISPLACEMENT.iter().enumerate() {
         for (j, along) in functions.iter().enumerate() {
             for (back, direction) in OVER_DIRECTION.iter().enumerate() {
-                if !is_new(i, j, back) {
+                let of_speed = first == 0 && j > 0;
+                // y and y³ are in eq 13.
+                let is_known = first == 0 && j == 0 && back == 0 && matches!(i, 1 | 5);
+                let is_allowed = (variables.displacement || i == 0)
+                    && (variables.velocity || !(of_speed || back > 0));
+                if is_known || !is_allowed {
                     continue;
                 }
                 let mut cells = Vec::new();
@@ -122,10 +139,8 @@ fn products(
                         for place in 0..DISPLACEMENTS {
                             let u = 2.0 * place as f64 / (DISPLACEMENTS - 1) as f64 - 1.0;
                             let value = sign * over_displacement(u) * along(at(node));
-                            cells.push((
-                                first + (way * nodes + node) * DISPLACEMENTS + place,
-                                value,
-                            ));
+                            let row = way * nodes + node;
+                            cells.push((first + row * DISPLACEMENTS + place, value));
                         }
                     }
                 }

@@ -1,0 +1,74 @@
+//! What one condition cannot tell apart, the test that a trace asks for does.
+
+use std::path::Path;
+use std::process::Command;
+
+use serde_json::Value;
+
+/// One amplitude at one frequency.
+const ONE_CONDITION: &str = "0.1:2:12";
+
+fn hil(directory: &Path, arguments: &[&str]) {
+    let output = Command::new(env!("CARGO_BIN_EXE_hil"))
+        .args(arguments)
+        .current_dir(directory)
+        .output()
+        .unwrap();
+    let said = String::from_utf8_lossy(&output.stderr);
+    assert!(output.status.success(), "hil {arguments:?}: {said}");
+}
+
+/// The trace of a specimen with `effect` under `blocks`.
+fn traced(effect: &str, blocks: &str) -> Value {
+    let root = tempfile::tempdir().unwrap();
+    hil(
+        root.path(),
+        &["run", "--effect", effect, "--blocks", blocks],
+    );
+    hil(root.path(), &["trace", "run-out/recording.csv.gz"]);
+    let text = std::fs::read_to_string(root.path().join("trace-out/trace.json")).unwrap();
+    serde_json::from_str(&text).unwrap()
+}
+
+fn families(result: &Value) -> Vec<&str> {
+    let effects = result["effects"].as_array().unwrap();
+    effects
+        .iter()
+        .map(|effect| effect["family"].as_str().unwrap())
+        .collect()
+}
+
+fn separates(family: &str, effect: &str) {
+    let before = traced(effect, ONE_CONDITION);
+    let rivals = families(&before);
+    assert_eq!(before["verdict"], "ambiguous", "{rivals:?}");
+    assert!(rivals.contains(&family) && rivals.len() > 1, "{rivals:?}");
+
+    let asked = before["separating_test"].as_str().unwrap();
+    let (_, programme) = asked.split_once("--blocks ").unwrap();
+    let programme = programme.split_whitespace().next().unwrap();
+    let after = traced(effect, programme);
+    let named = families(&after);
+    assert_eq!(after["verdict"], "found", "{named:?}");
+    assert!(named.contains(&family), "{named:?}");
+    let other = rivals
+        .iter()
+        .find(|rival| **rival != family && named.contains(rival));
+    assert_eq!(other, None, "{named:?}");
+    assert!(after["separating_test"].is_null());
+}
+
+#[test]
+fn a_dashpot() {
+    separates("viscous", "viscous:c=0.02");
+}
+
+#[test]
+fn a_maxwell_branch() {
+    separates("relaxation", "relaxation:stiffness=1.0,time=0.05");
+}
+
+#[test]
+fn a_late_channel() {
+    separates("delay", "delay:time=0.001");
+}
