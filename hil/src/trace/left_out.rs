@@ -140,7 +140,7 @@ fn relative_error(trajectory: &Trajectory, predicted: &[f64], block: &Block) -> 
 }
 
 /// Of the blocks whose amplitude another one has, so that eq 13 is known there, some that are evenly spread over amplitude
-/// and frequency; of all where there is none such.
+/// and frequency; where those are few, of amplitudes between others too, and of all where there is none such.
 fn blocks<'t>(trajectories: &'t [Trajectory], roles: &Roles) -> Vec<(usize, &'t Block)> {
     let mut blocks: Vec<(usize, &Block)> = trajectories
         .iter()
@@ -158,12 +158,19 @@ fn blocks<'t>(trajectories: &'t [Trajectory], roles: &Roles) -> Vec<(usize, &'t 
         let by_amplitude = a.amplitude.total_cmp(&b.amplitude);
         by_amplitude.then(a.frequency.total_cmp(&b.frequency))
     });
+    let has_another = |block: &Block| {
+        let mut others = blocks.iter().filter(|(_, b)| !std::ptr::eq(*b, block));
+        others.any(|(_, other)| same_amplitude(other.amplitude, block.amplitude))
+    };
+    let (least, largest) = (blocks[0].1.amplitude, blocks[blocks.len() - 1].1.amplitude);
+    let is_between = |block: &Block| {
+        let is_end = |end: f64| same_amplitude(block.amplitude, end);
+        !is_end(least) && !is_end(largest)
+    };
+    let few = blocks.iter().filter(|(_, b)| has_another(b)).count() < MOST_LEFT_OUT;
     let known: Vec<(usize, &Block)> = blocks
         .iter()
-        .filter(|(_, block)| {
-            let mut others = blocks.iter().filter(|(_, b)| !std::ptr::eq(*b, *block));
-            others.any(|(_, other)| same_amplitude(other.amplitude, block.amplitude))
-        })
+        .filter(|(_, block)| has_another(block) || few && is_between(block))
         .copied()
         .collect();
     let known = if known.is_empty() { blocks } else { known };

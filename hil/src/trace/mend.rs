@@ -7,7 +7,8 @@ use crate::recording::trajectory::Trajectory;
 
 /// A law is taken in the place of a simpler one if its error in blocks left out is at most this part of the other's.
 const BETTER: f64 = 0.95;
-/// The same for effects beside a table, which could stand in for most of them.
+/// The same for effects beside a table, which could stand in for most of them, and for a table in the place of effects, whose
+/// force is known where no table was fitted.
 const NEEDED: f64 = 0.75;
 
 /// The law for recordings that no listed effect explains.
@@ -30,7 +31,11 @@ pub(super) fn mended(
     let open: Picked = &|which, sample| left_out.is_open(which, sample);
     let mut best: Option<(f64, usize, Model, Option<Choice>)> = None;
     let mut consider = |error: f64, law: usize, model: Model, choice: Option<Choice>| {
-        let part = if choice.is_some() && !model.effects.is_empty() {
+        let named = !model.effects.is_empty();
+        let was_named = best
+            .as_ref()
+            .is_some_and(|(_, _, best, _)| !best.effects.is_empty());
+        let part = if choice.is_some() && (named || was_named) {
             NEEDED
         } else {
             BETTER
