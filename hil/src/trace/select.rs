@@ -27,7 +27,7 @@ const PROMISING: f64 = 0.5;
 const STARTS: usize = 2;
 /// A law whose error is within so many times the noise lacks nothing that is larger than the noise; what a term could
 /// still gain there is the error of the estimated motion.
-const SETTLED: f64 = 1.25;
+const SETTLED: f64 = 1.5;
 /// However quiet a recording, errors below this part of the force are those of the estimated motion. What was filtered
 /// before it was written also looks quieter than it is.
 const QUIET: f64 = 1e-3;
