@@ -7,6 +7,7 @@
 pub(crate) mod design;
 mod gram;
 pub(crate) mod memory;
+mod system;
 mod trend;
 
 use mesh_damper::effects::correction::CELLS;

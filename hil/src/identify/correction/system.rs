@@ -1,0 +1,165 @@
+//! What keeps the tables smooth and eq 13's coefficients near each other, and the solution of the normal equations with it.
+
+use mesh_damper::effects::correction::{DISPLACEMENTS, MEMORIES};
+use nalgebra::{Cholesky, DMatrix, DVector};
+
+use super::design::{Coefficients, Design};
+use super::gram::{Block, Form, Layout};
+use super::trend::KNOTS;
+
+/// What a bend between neighbouring amplitudes costs eq 13's coefficients, over what the data say of them.
+const BEND: f64 = 1e-3;
+/// What a change of α costs, likewise: a step of the search, that later ones carry on.
+const STEP: f64 = 1e-3;
+/// What a slope costs a table, over what a bend costs: so that it ends flat where nothing is known.
+const SLOPE: f64 = 1e-3;
+/// Added to the diagonal of the scaled normal equations.
+const RIDGE: f64 = 1e-10;
+/// What holds a coefficient at the end of its range.
+const PIN: f64 = 1e9;
+
+/// The penalties.
+#[derive(Clone)]
+pub(super) struct System {
+    penalty: DMatrix<f64>,
+    pull: DVector<f64>,
+}
+
+impl System {
+    pub fn new(
+        design: &Design,
+        at: &Coefficients,
+        layout: &Layout,
+        form: Form<'_>,
+        total: &Block,
+    ) -> Self {
+        let width = layout.width();
+        let mut system = Self {
+            penalty: DMatrix::zeros(width, width),
+            pull: DVector::zeros(width),
+        };
+        if layout.law > 0 {
+            system.law(design, at, total);
+        }
+        let per_cell = total.count / (2 * KNOTS * DISPLACEMENTS) as f64;
+        let first = layout.law + layout.trends;
+        if let Some(smoothness) = form.table {
+            // A straight line over speed costs nothing: nodes stand twice as far apart each time.
+            system.table(first, KNOTS, 2.0, smoothness * per_cell);
+        }
+        if let Some(smoothness) = form.memory {
+            system.table(first + layout.table, MEMORIES, 1.0, smoothness * per_cell);
+        }
+        system
+    }
+
+    /// Adds weight·(Σ aᵢ·xᵢ − target)².
+    fn add(&mut self, terms: &[(usize, f64)], target: f64, weight: f64) {
+        for &(i, a) in terms {
+            self.pull[i] += weight * a * target;
+            for &(j, b) in terms {
+                self.penalty[(i, j)] += weight * a * b;
+            }
+        }
+    }
+
+    /// Eq 13's coefficients shall not bend over amplitude more than the data ask for, nor α run away.
+    fn law(&mut self, design: &Design, at: &Coefficients, total: &Block) {
+        let count = at.0.len();
+        for i in 0..4 {
+            let power = (0..count)
+                .map(|node| total.gram[(4 * node + i, 4 * node + i)])
+                .sum::<f64>()
+                / count as f64;
+            if i == 3 {
+                for node in 0..count {
+                    self.add(
+                        &[(4 * node + 3, 1.0)],
+                        0.0,
+                        STEP * power + f64::MIN_POSITIVE,
+                    );
+                }
+                continue;
+            }
+            for node in 0..count.saturating_sub(2) {
+                let [low, middle, high] = [0, 1, 2].map(|next| design.nodes[node + next]);
+                let part = (middle - low) / (high - low);
+                let weights = [1.0 - part, -1.0, part];
+                let terms = [0, 1, 2].map(|next| (4 * (node + next) + i, weights[next]));
+                let bend = (0..3)
+                    .map(|next| weights[next] * at.0[node + next][i])
+                    .sum::<f64>();
+                self.add(&terms, -bend, BEND * power);
+            }
+        }
+    }
+
+    /// The bends of a table over displacement, and those along its other variable, where each step is `ratio` times as long
+    /// as the one before.
+    fn table(&mut self, first: usize, along: usize, ratio: f64, weight: f64) {
+        for direction in 0..2 {
+            for j in 0..along {
+                for i in 0..DISPLACEMENTS {
+                    let cell =
+                        |i: usize, j: usize| first + (direction * along + j) * DISPLACEMENTS + i;
+                    if i + 1 < DISPLACEMENTS {
+                        self.add(
+                            &[(cell(i, j), -1.0), (cell(i + 1, j), 1.0)],
+                            0.0,
+                            SLOPE * weight,
+                        );
+                    }
+                    if j + 1 < along {
+                        self.add(
+                            &[(cell(i, j), -1.0), (cell(i, j + 1), 1.0)],
+                            0.0,
+                            SLOPE * weight,
+                        );
+                    }
+                    if i + 2 < DISPLACEMENTS {
+                        let bend = [
+                            (cell(i, j), 1.0),
+                            (cell(i + 1, j), -2.0),
+                            (cell(i + 2, j), 1.0),
+                        ];
+                        self.add(&bend, 0.0, weight);
+                    }
+                    if j + 2 < along {
+                        let bend = [
+                            (cell(i, j), ratio),
+                            (cell(i, j + 1), -1.0 - ratio),
+                            (cell(i, j + 2), 1.0),
+                        ];
+                        self.add(&bend, 0.0, weight);
+                    }
+                }
+            }
+        }
+    }
+
+    /// Holds an unknown at `value`.
+    pub fn pin(&mut self, unknown: usize, value: f64) {
+        let weight = PIN * self.penalty[(unknown, unknown)].max(1.0);
+        self.add(&[(unknown, 1.0)], value, weight);
+    }
+
+    /// The unknowns for these sums.
+    pub fn solve(&self, mut gram: DMatrix<f64>, right: DVector<f64>) -> Option<DVector<f64>> {
+        gram += &self.penalty;
+        let scale = DVector::from_iterator(
+            gram.nrows(),
+            gram.diagonal()
+                .iter()
+                .map(|d| if *d > 0.0 { d.sqrt().recip() } else { 0.0 }),
+        );
+        for column in 0..gram.ncols() {
+            for row in column..gram.nrows() {
+                gram[(row, column)] *= scale[row] * scale[column];
+            }
+            gram[(column, column)] += RIDGE;
+        }
+        let right = (right + &self.pull).component_mul(&scale);
+        let x = Cholesky::new(gram)?.solve(&right);
+        Some(x.component_mul(&scale))
+    }
+}
