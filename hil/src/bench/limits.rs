@@ -301,15 +301,33 @@ const EFFECTS: [(&str, &str); 17] = [
     ("effects/delay", "delay"),
 ];
 
+/// Corrections, by what they remember, and what their limit is called.
+const CORRECTIONS: [(&str, &str); 7] = [
+    ("correction/without_memory", "correction without memory"),
+    ("correction/slip", "correction that remembers a slip"),
+    ("correction/lag", "correction that remembers a lag"),
+    ("correction/travel", "correction that remembers travel"),
+    (
+        "correction/largest",
+        "correction that remembers the largest displacement",
+    ),
+    ("correction/age", "correction that remembers its age"),
+    ("correction/cycles", "correction over the cycles"),
+];
+
 fn effects(results: &Results) -> Vec<Verdict> {
     let none = results.count(Core::CortexM4f, "effects/none", "call");
-    let each = EFFECTS.map(|(name, effect)| {
-        let with = results.count(Core::CortexM4f, name, "call");
-        let more = with
-            .zip(none)
-            .map(|(with, none)| with.most as f64 - none.least as f64);
-        at_most(effect, INSTRUCTIONS, 25.0, more)
-    });
+    let more_than_none = |limit: f64| {
+        move |(name, called): (&str, &'static str)| {
+            let with = results.count(Core::CortexM4f, name, "call");
+            let more = with
+                .zip(none)
+                .map(|(with, none)| with.most as f64 - none.least as f64);
+            at_most(called, INSTRUCTIONS, limit, more)
+        }
+    };
+    let each = EFFECTS.map(more_than_none(25.0));
+    let corrections = CORRECTIONS.map(more_than_none(60.0));
     let all = [
         ("effects/all_stick_slip_1", "every effect, 1 element"),
         ("effects/all", "every effect, 6 elements"),
@@ -323,7 +341,7 @@ fn effects(results: &Results) -> Vec<Verdict> {
             count.map(|count| count.most as f64),
         )
     });
-    each.into_iter().chain(all).collect()
+    each.into_iter().chain(corrections).chain(all).collect()
 }
 
 /// Integers on a core without a floating-point unit.

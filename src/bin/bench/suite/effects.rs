@@ -1,8 +1,11 @@
-//! What each added effect costs: the law as it runs on the target with none, with one, and with all of them.
+//! What each added effect costs: the law as it runs on the target with none, with one, and with all of them; and what the
+//! correction without a name does, with each kind of memory.
 
+use mesh_damper::effects::correction::{CELLS, CorrectionParts, MEMORY_CELLS, Memory};
 use mesh_damper::effects::{
-    Asymmetry, AugmentedLaw, BoucWen, Compliance, Delay, Drift, Effect, Gap, Hardening, Inertia,
-    LoadFriction, Motion, Offset, Periodic, Relaxation, StickSlip, Stop, Temperature, Viscous,
+    Asymmetry, AugmentedLaw, BoucWen, Compliance, Correction, Delay, Drift, Effect, Gap, Hardening,
+    Inertia, LoadFriction, Motion, Offset, Periodic, Relaxation, StickSlip, Stop, Temperature,
+    Viscous,
 };
 use mesh_damper::error::ConfigError;
 use mesh_damper::sine::{Block, Programme, SineGenerator};
@@ -19,6 +22,8 @@ const EFFECTS: usize = 16;
 const ORDINARY: usize = 10;
 /// mm
 const AMPLITUDE: f32 = 0.1;
+/// Largest speed of a correction's table, mm/s.
+const SPEED: f32 = 8.0;
 /// Elements, kN/mm and mm.
 const ELEMENTS: [(f32, f32); 6] = [
     (0.9, 0.01),
@@ -40,20 +45,26 @@ extern "C" fn force(beside: &mut Beside, _: f32, _: f32) -> f32 {
     beside.law.force(&beside.motion)
 }
 
-fn law(effects: &[Effect<f32>]) -> Result<RunningLaw<EFFECTS>, ConfigError> {
-    let mut law = AugmentedLaw::new(PAPER.lookup(3.0, AMPLITUDE).law);
+type Augmented = AugmentedLaw<f32, EFFECTS>;
+
+fn eq13() -> Augmented {
+    AugmentedLaw::new(PAPER.lookup(3.0, AMPLITUDE).law)
+}
+
+fn law(effects: &[Effect<f32>]) -> Result<Augmented, ConfigError> {
+    let mut law = eq13();
     for effect in effects {
         law = law.with(*effect)?;
     }
-    Ok(RunningLaw::new(TabulatedLaw::new(law)))
+    Ok(law)
 }
 
 /// Over the second and the third cycle of a sine; the first fills the table.
-fn count(meter: &mut impl Meter, name: &str, effects: &[Effect<f32>]) -> Result<(), ConfigError> {
+fn count(meter: &mut impl Meter, name: &str, law: Augmented) -> Result<(), ConfigError> {
     let block = Block::sine(f64::from(AMPLITUDE), FREQUENCY, 2)?;
     let mut generator = SineGenerator::new(Programme::<1>::new(TICK_RATE, 1)?.with(block)?)?;
     let mut beside = Beside {
-        law: law(effects)?,
+        law: RunningLaw::new(TabulatedLaw::new(law)),
         motion: Motion::default(),
     };
     let mut tally = Tally::new();
@@ -134,26 +145,77 @@ pub fn each() -> Result<[(&'static str, Effect<f32>); EFFECTS], ConfigError> {
     ])
 }
 
+/// What a correction remembers, and the z of its first and of its last node.
+type Remembered = (Memory<f32>, [f32; 2]);
+
+/// Every kind of memory that a correction may have, with the name that it is counted under. Half of the range of each is
+/// reached in the cycles that are counted.
+fn memories() -> [(&'static str, Option<Remembered>); 7] {
+    [
+        ("correction/without_memory", None),
+        (
+            "correction/slip",
+            Some((Memory::Slip { limit: 0.05 }, [-0.05, 0.05])),
+        ),
+        (
+            "correction/lag",
+            Some((Memory::Lag { time: 0.05 }, [-0.2, 0.2])),
+        ),
+        (
+            "correction/travel",
+            Some((Memory::Travel { time: 0.2 }, [0.0, 8.0])),
+        ),
+        ("correction/largest", Some((Memory::Largest, [0.0, 0.2]))),
+        (
+            "correction/age",
+            Some((Memory::Age { time: 0.1 }, [0.0, 8.0])),
+        ),
+        (
+            "correction/cycles",
+            Some((Memory::Cycles { cycles: 0.5 }, [0.0, 4.0])),
+        ),
+    ]
+}
+
+/// Of tables that reach as far as the motion and have no two cells alike side by side.
+fn correction(memory: Option<Remembered>) -> Result<Correction<f32>, ConfigError> {
+    let uneven = |cell: usize| (cell * 7919 % 2003) as i16 - 1001;
+    let cells: [i16; CELLS] = core::array::from_fn(uneven);
+    let memory_cells: [i16; MEMORY_CELLS] = core::array::from_fn(uneven);
+    let parts = CorrectionParts {
+        reach: AMPLITUDE,
+        speed: SPEED,
+        unit: 1e-5,
+        cells: &cells,
+        memory,
+        memory_cells: &memory_cells,
+    };
+    Correction::new(&parts, (1.0 / TICK_RATE) as f32)
+}
+
 /// # Errors
 /// None: every value is in its range.
 pub fn run(meter: &mut impl Meter) -> Result<(), Refused> {
     let each = each()?;
     let [one, ..] = ELEMENTS;
-    count(meter, "effects/none", &[])?;
+    count(meter, "effects/none", eq13())?;
     for (name, effect) in each {
-        count(meter, name, &[effect])?;
+        count(meter, name, law(&[effect])?)?;
     }
-    count(meter, "effects/stick_slip_1", &[stick_slip(&[one])?])?;
+    count(meter, "effects/stick_slip_1", law(&[stick_slip(&[one])?])?)?;
     let all = each.map(|(_, effect)| effect);
     let (ordinary, _) = all.split_at(ORDINARY);
-    count(meter, "effects/all", ordinary)?;
-    count(meter, "effects/all_with_stages", &all)?;
+    count(meter, "effects/all", law(ordinary)?)?;
+    count(meter, "effects/all_with_stages", law(&all)?)?;
     let one = stick_slip(&[one])?;
     let all_one = all.map(|effect| match effect {
         Effect::StickSlip(_) => one,
         other => other,
     });
     let (ordinary_one, _) = all_one.split_at(ORDINARY);
-    count(meter, "effects/all_stick_slip_1", ordinary_one)?;
+    count(meter, "effects/all_stick_slip_1", law(ordinary_one)?)?;
+    for (name, memory) in memories() {
+        count(meter, name, eq13().with_correction(correction(memory)?)?)?;
+    }
     Ok(())
 }
