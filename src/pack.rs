@@ -162,11 +162,10 @@ pub fn decode<const N: usize>(pack: &[u8], slot: &mut TabulatedLaw<N>) -> Result
     }
     match reader.u8() {
         Some(0) => {}
-        Some(1) => {
-            let correction = slot.augmented.correction_mut();
+        Some(1) => slot.augmented.correct_with(|correction| {
             correction.unpack(&mut reader).ok_or(PackError::Body)?;
-            correction.check()?;
-        }
+            Ok::<_, PackError>(correction.check()?)
+        })?,
         _ => return Err(PackError::Body),
     }
     if reader.rest().is_empty() {

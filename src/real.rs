@@ -40,6 +40,8 @@ pub trait Real:
     fn octaves(self) -> i32;
     /// Magnitude.
     fn abs(self) -> Self;
+    /// 1 of what is below 0 and of −0, else 0.
+    fn sign_bit(self) -> usize;
     /// Neither infinite nor NaN.
     fn is_finite(self) -> bool;
     /// 2ˣ of an x of at most 0, 1 at 0; of one above 0, and of NaN, it is finite. `f32` takes the short form of
@@ -154,6 +156,10 @@ impl Real for f32 {
         f32::abs(self)
     }
     #[inline(always)]
+    fn sign_bit(self) -> usize {
+        (self.to_bits() >> 31) as usize
+    }
+    #[inline(always)]
     fn is_finite(self) -> bool {
         f32::is_finite(self)
     }
@@ -215,6 +221,10 @@ impl Real for f64 {
     #[inline(always)]
     fn abs(self) -> Self {
         f64::abs(self)
+    }
+    #[inline(always)]
+    fn sign_bit(self) -> usize {
+        (self.to_bits() >> 63) as usize
     }
     #[inline(always)]
     fn is_finite(self) -> bool {

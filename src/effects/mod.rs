@@ -216,12 +216,15 @@ macro_rules! effects {
             $($costly,)+
             $($memory,)+
             $($rare,)+
-            $($stage),+
+            $($stage,)+
+            /// No [`Effect`]: it counts among them as none.
+            Correction,
         }
 
         impl Kind {
             const PLAIN: u32 = $(Self::$name.bit())|+;
             const RARE: u32 = $(Self::$rare.bit())|+;
+            const CORRECTION: u32 = Self::Correction.bit();
             const STAGES: u32 = $(Self::$stage.bit())|+;
 
             const fn bit(self) -> u32 {
@@ -230,10 +233,10 @@ macro_rules! effects {
         }
 
         /// Up to one effect of each kind. The plain ones are a multiplication or two and are all taken where one is there; one
-        /// test stands for all rare ones.
+        /// test stands for all rare ones and the correction.
         #[derive(Clone, Debug, PartialEq)]
         struct Effects<R> {
-            /// The bits of those that are there.
+            /// The bits of those that are there, and of the correction.
             present: u32,
             $($field: $name<R>,)+
             $($costly_field: $costly<R>,)+
@@ -292,6 +295,11 @@ macro_rules! effects {
                 Ok(())
             }
 
+            /// The bits of the effects.
+            fn kinds(&self) -> u32 {
+                self.present & !Kind::CORRECTION
+            }
+
             #[inline(always)]
             fn has(&self, kind: Kind) -> bool {
                 self.present & kind.bit() != 0
@@ -309,7 +317,7 @@ macro_rules! effects {
                 .flatten()
             }
 
-            /// `law` and every effect's force but the stages', kN.
+            /// `law` and every effect's force but those of the rare ones and of the stages, kN.
             #[inline(always)]
             fn add_force(
                 &self,
@@ -328,6 +336,19 @@ macro_rules! effects {
                     let state = &mut state.$memory_field;
                     total += self.$memory_field.next(state, motion, law);
                 })+
+                total
+            }
+
+            /// The sum of `force` and the rare effects' forces, kN.
+            #[inline(always)]
+            fn add_rare_force(
+                &self,
+                state: &mut AugmentedState<R>,
+                motion: &ConfinedMotion<R>,
+                law: LawForce<R>,
+                force: R,
+            ) -> R {
+                let mut total = force;
                 if self.present & Kind::RARE != 0 {
                     $(if self.has(Kind::$rare) {
                         let state = &mut state.$rare_field;
@@ -418,18 +439,32 @@ impl<R: Real, const N: usize> AugmentedLaw<R, N> {
                 capacity: 0,
             });
         }
-        self.correction = correction;
+        self.correct_with(|slot| {
+            *slot = correction;
+            Ok(())
+        })?;
         Ok(self)
     }
 
     /// The correction, where there is one.
     pub fn correction(&self) -> Option<&Correction<R>> {
-        Some(&self.correction).filter(|correction| correction.is_there())
+        Some(&self.correction).filter(|_| self.effects.has(Kind::Correction))
     }
 
-    /// Where the correction is kept.
-    pub(crate) fn correction_mut(&mut self) -> &mut Correction<R> {
-        &mut self.correction
+    /// [`AugmentedLaw::with_correction`] with the one that `write` writes in place.
+    ///
+    /// # Errors
+    /// That of `write`; the law has no correction then.
+    pub(crate) fn correct_with<E>(
+        &mut self,
+        write: impl FnOnce(&mut Correction<R>) -> Result<(), E>,
+    ) -> Result<(), E> {
+        self.effects.present &= !Kind::CORRECTION;
+        write(&mut self.correction)?;
+        if self.correction.is_there() {
+            self.effects.present |= Kind::CORRECTION;
+        }
+        Ok(())
     }
 
     /// Takes all effects out, and the correction.
@@ -440,7 +475,7 @@ impl<R: Real, const N: usize> AugmentedLaw<R, N> {
 
     /// [`AugmentedLaw::with`] in place.
     pub(crate) fn push(&mut self, effect: Effect<R>) -> Result<(), ConfigError> {
-        if self.effects.present.count_ones() as usize >= N {
+        if self.effects.kinds().count_ones() as usize >= N {
             return Err(ConfigError::Full {
                 field: "effects",
                 capacity: N,
@@ -467,7 +502,7 @@ impl<R: Real, const N: usize> AugmentedLaw<R, N> {
     /// Whether `other` has the same kinds of effects.
     pub(crate) fn has_kinds_of(&self, other: &Self) -> bool {
         N == 0
-            || (self.effects.present == other.effects.present
+            || (self.effects.kinds() == other.effects.kinds()
                 && self.correction.remembers_as(&other.correction))
     }
 
@@ -513,7 +548,7 @@ impl<R: Real, const N: usize> AugmentedLaw<R, N> {
         damping: impl Fn(R) -> R,
     ) -> R {
         let effects = &self.effects;
-        let correction = self.correction_force(state, motion);
+        let measured = motion;
         let mut motion = *motion;
         if effects.has(Kind::Delay) {
             motion = effects.delay.felt(&motion);
@@ -533,6 +568,7 @@ impl<R: Real, const N: usize> AugmentedLaw<R, N> {
             None => self.law_force(&motion, damping),
         };
         let force = effects.add_force(state, &motion, law);
+        let force = effects.add_rare_force(state, &motion, law, force);
         if let Some(compliance) = spring {
             compliance.remember(&mut state.compliance, force - law.total, viscous);
         }
@@ -541,18 +577,20 @@ impl<R: Real, const N: usize> AugmentedLaw<R, N> {
         } else {
             force
         };
-        force + correction
+        // It was fitted to what is measured: no stage stands before it.
+        self.corrected(state, measured, force)
     }
 
-    /// The correction's force on this tick, kN. It was fitted to what is measured: no stage stands before it.
+    /// The sum of `force` and the correction's, kN.
     #[inline(always)]
-    fn correction_force(&self, state: &mut AugmentedState<R>, motion: &ConfinedMotion<R>) -> R {
-        if !self.correction.is_there() {
-            return R::ZERO;
+    fn corrected(&self, state: &mut AugmentedState<R>, motion: &ConfinedMotion<R>, force: R) -> R {
+        if self.effects.has(Kind::Correction) {
+            let (y, v) = (motion.displacement(), motion.velocity());
+            let state = &mut state.correction;
+            force + self.correction.force(state, y, v, motion.cycles())
+        } else {
+            force
         }
-        let begin = || self.correction.begin(motion);
-        let state = state.correction.get_or_insert_with(begin);
-        self.correction.force(state, motion)
     }
 
     /// `law`, whoever computed it, and every effect's force but the stages', kN.
@@ -567,6 +605,10 @@ impl<R: Real, const N: usize> AugmentedLaw<R, N> {
             return law.total;
         }
         let force = self.effects.add_force(state, motion, law);
-        force + self.correction_force(state, motion)
+        if self.effects.present & (Kind::RARE | Kind::CORRECTION) == 0 {
+            return force;
+        }
+        let force = self.effects.add_rare_force(state, motion, law, force);
+        self.corrected(state, motion, force)
     }
 }

@@ -234,7 +234,7 @@ impl<R: Real> Recall<R> {
             let change = i64::from(target.wrapping_sub(value)) * i64::from(self.step);
             value.wrapping_add((change >> 32) as i32)
         };
-        let reading = match self.kind {
+        match self.kind {
             Kind::None => 0,
             Kind::Slip => {
                 let stretch = value.wrapping_add(place - state.previous);
@@ -249,7 +249,7 @@ impl<R: Real> Recall<R> {
             Kind::Travel => {
                 state.value = toward((place - state.previous).abs() << AVERAGE);
                 state.previous = place;
-                state.value >> self.shift
+                (state.value >> self.shift).min(LARGEST_READING)
             }
             Kind::Largest => {
                 state.value = value.max((place - MIDDLE).abs());
@@ -260,13 +260,14 @@ impl<R: Real> Recall<R> {
                 self.age(R::from_i32(value))
             }
             Kind::Cycles => self.age(cycles),
-        };
-        reading.clamp(-LARGEST_READING, LARGEST_READING)
+        }
     }
 
     #[inline(always)]
     fn age(&self, elapsed: R) -> i32 {
-        (elapsed * self.rate + R::ONE).octaves().max(0)
+        (elapsed * self.rate + R::ONE)
+            .octaves()
+            .clamp(0, LARGEST_READING)
     }
 
     /// Where a reading stands in the table.

@@ -138,47 +138,72 @@ impl<R: Real> Correction<R> {
     }
 
     #[inline(always)]
-    fn place(&self, motion: &ConfinedMotion<R>) -> Place {
-        let y = motion.displacement() * self.per_displacement;
-        let v = motion.velocity();
-        let speed = 2 * (v.abs() * self.per_speed + R::ONE).octaves();
+    fn place(&self, displacement: R, velocity: R) -> Place {
+        let y = displacement * self.per_displacement;
+        // At least 0: its argument is at least 1.
+        let octaves = (velocity.abs() * self.per_speed + R::ONE).octaves();
         Place {
             // A pack may say of a millimetre that it is more places than there are.
             displacement: y.to_i32().saturating_add(MIDDLE).clamp(0, LAST),
-            speed: speed.clamp(0, LAST_SPEED),
-            back: usize::from(v < R::ZERO),
+            speed: (2 * octaves).min(LAST_SPEED),
+            back: velocity.sign_bit(),
         }
     }
 
-    /// The state at rest at `motion`, that of the first tick.
-    #[inline(always)]
-    pub(super) fn begin(&self, motion: &ConfinedMotion<R>) -> CorrectionState {
-        self.recall.begin(self.place(motion).displacement)
-    }
-
-    /// Force in kN on this tick. Call it once per tick, in order.
-    #[inline(always)]
-    pub(super) fn force(&self, state: &mut CorrectionState, motion: &ConfinedMotion<R>) -> R {
-        let place = self.place(motion);
-        let across = place.displacement;
-        let memory = if self.recall.is_there() {
-            let reading = self.recall.reading(state, across, motion.cycles());
-            Some(self.recall.place(reading))
+    /// Force in kN on this tick of a [`ConfinedMotion`], where the state is none before the first. Call it once per tick, in order.
+    // Not inlined: its registers and constants are no matter of ticks without it.
+    #[inline(never)]
+    pub(super) fn force(
+        &self,
+        state: &mut Option<CorrectionState>,
+        displacement: R,
+        velocity: R,
+        cycles: R,
+    ) -> R {
+        let place = self.place(displacement, velocity);
+        let memory = self.memory(state, place.displacement, cycles);
+        let counts = if velocity == R::ZERO {
+            self.counts_at_rest(place.displacement, memory)
         } else {
-            None
-        };
-        let counts = |back: usize| {
-            let counts = between(&self.cells, SPEEDS * back, across, place.speed);
-            memory.map_or(counts, |memory| {
-                counts + between(&self.memory_cells, MEMORIES * back, across, memory)
-            })
-        };
-        let counts = if motion.velocity() == R::ZERO {
-            (counts(0) + counts(1)) / 2
-        } else {
-            counts(place.back)
+            self.counts(&place, memory)
         };
         R::from_i32(counts) * self.unit
+    }
+
+    /// Where what is remembered stands in U, where there is a U.
+    #[inline(always)]
+    fn memory(&self, state: &mut Option<CorrectionState>, across: i32, cycles: R) -> Option<i32> {
+        if !self.recall.is_there() {
+            return None;
+        }
+        let state = state.get_or_insert_with(|| self.recall.begin(across));
+        let reading = self.recall.reading(state, across, cycles);
+        Some(self.recall.place(reading))
+    }
+
+    /// What both tables come to, in units.
+    #[inline(always)]
+    fn counts(&self, place: &Place, memory: Option<i32>) -> i32 {
+        let across = place.displacement;
+        let counts = between(&self.cells, SPEEDS * place.back, across, place.speed);
+        memory.map_or(counts, |memory| {
+            counts + between(&self.memory_cells, MEMORIES * place.back, across, memory)
+        })
+    }
+
+    /// The mean of both directions.
+    #[cold]
+    #[inline(never)]
+    fn counts_at_rest(&self, displacement: i32, memory: Option<i32>) -> i32 {
+        let counts = |back| {
+            let place = Place {
+                displacement,
+                speed: 0,
+                back,
+            };
+            self.counts(&place, memory)
+        };
+        (counts(0) + counts(1)) / 2
     }
 
     /// The cells that the force on this tick comes from, for one who seeks what should stand in them. `state` is `None`
@@ -188,7 +213,7 @@ impl<R: Real> Correction<R> {
         state: &mut Option<CorrectionState>,
         motion: &ConfinedMotion<R>,
     ) -> Support {
-        let place = self.place(motion);
+        let place = self.place(motion.displacement(), motion.velocity());
         let across = place.displacement;
         let weights = |first: usize, along: i32| {
             let part = |place: i32| f64::from(place & (ONE - 1)) / f64::from(ONE);
@@ -209,7 +234,7 @@ impl<R: Real> Correction<R> {
                 memory: 0.0,
             };
         }
-        let state = state.get_or_insert_with(|| self.begin(motion));
+        let state = state.get_or_insert_with(|| self.recall.begin(across));
         let reading = self.recall.reading(state, across, motion.cycles());
         let memory = self.recall.place(reading);
         Support {
@@ -255,9 +280,12 @@ fn corner(first: usize, across: i32, along: i32) -> usize {
 #[inline(always)]
 fn between(cells: &[i16], first: usize, across: i32, along: i32) -> i32 {
     let corner = corner(first, across, along);
-    let cell = |index: usize| cells.get(corner + index).copied().map_or(0, i32::from);
+    let around = cells.get(corner..).and_then(<[i16]>::first_chunk);
+    // Every place is within the tables.
+    let Some(&[a, b, .., c, d]): Option<&[i16; DISPLACEMENTS + 2]> = around else {
+        return 0;
+    };
+    let [a, b, c, d] = [a, b, c, d].map(i32::from);
     let mix = |a: i32, b: i32, place: i32| a + (((b - a) * (place & (ONE - 1))) >> FRACTION);
-    let near = mix(cell(0), cell(1), across);
-    let far = mix(cell(DISPLACEMENTS), cell(DISPLACEMENTS + 1), across);
-    mix(near, far, along)
+    mix(mix(a, b, across), mix(c, d, across), along)
 }
