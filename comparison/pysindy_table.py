@@ -6,12 +6,13 @@
 
 HIL=path/to/hil takes a command that is built already in the place of `cargo hil`.
 
-A seed is a simulated specimen of `cargo hil demo`, tested again with other blocks for what is held out. PySINDy gets the
-force as the left-hand side, and displacement, smoothed velocity and, where recorded, temperature as states, each in units
-of its RMS so that a threshold means the same for all. Its library: polynomials up to the fifth degree of all states and
-their products, and sgn v, |v|, |v|^a and |v|^a sgn v for a = 0.25, 0.5, 0.75. "default" is STLSQ as it comes; "best" has the
-threshold, and normalized columns or not, that do best on the last quarter of the fitted recording. The cycle's amplitude,
-over which `trace` lets the law's coefficients vary, is in no library.
+A seed is a simulated specimen of `cargo hil demo`, tested again with other blocks for what is held out. PySINDy gets
+the force as the left-hand side, and displacement, smoothed velocity and, where recorded, temperature as states, each in
+units of its RMS, temperature from its mean, so that a threshold means the same for all. Its library: polynomials up to
+the fifth degree of all states and their products, and sgn v, |v|, |v|^a and |v|^a sgn v for a = 0.25, 0.5, 0.75.
+"default" is STLSQ as it comes; "best" has the threshold, and normalized columns or not, that do best on the held-out
+motion itself, which favours it. The cycle's amplitude, over which `trace` lets the law's coefficients vary, is in no
+library.
 """
 
 import argparse
@@ -77,18 +78,18 @@ def signed_power(exponent):
     return lambda x: numpy.abs(x) ** exponent * numpy.sign(x)
 
 
-def library(states):
+def library(names):
     functions = [power(1), signed_power(0)]
-    names = [lambda x: f"|{x}|", lambda x: f"sgn {x}"]
+    function_names = [lambda x: f"|{x}|", lambda x: f"sgn {x}"]
     for exponent in POWERS:
         functions += [power(exponent), signed_power(exponent)]
-        names += [
+        function_names += [
             lambda x, e=exponent: f"|{x}|^{e}",
             lambda x, e=exponent: f"|{x}|^{e} sgn {x}",
         ]
-    of_all, of_velocity = list(range(len(states))), [list(states).index("v")]
+    of_all, of_velocity = list(range(len(names))), [names.index("v")]
     return pysindy.GeneralizedLibrary(
-        [pysindy.PolynomialLibrary(degree=5), pysindy.CustomLibrary(functions, names)],
+        [pysindy.PolynomialLibrary(degree=5), pysindy.CustomLibrary(functions, function_names)],
         inputs_per_library=[of_all, of_velocity],
     )
 
@@ -101,18 +102,21 @@ class Features:
     """The library's features of a recording, in units of the fitted one's RMS, and the force to be regressed on them."""
 
     def __init__(self, states, force):
-        self.names = list(states)
-        self.scale = {name: numpy.sqrt(numpy.mean(x**2)) for name, x in states.items()}
+        # A temperature that never changes says nothing.
+        self.names = [name for name, x in states.items() if numpy.ptp(x) > 0]
+        # Powers of a temperature far from zero would be all but the same column.
+        self.middle = {name: numpy.mean(x) if name == "T" else 0.0 for name, x in states.items()}
+        self.scale = {name: numpy.sqrt(numpy.mean((x - self.middle[name]) ** 2)) for name, x in states.items()}
         self.unit = numpy.sqrt(numpy.mean(force**2))
-        self.library = library(states)
+        self.library = library(self.names)
         self.values = numpy.asarray(self.library.fit_transform(self.inputs(states)))
         self.force = force / self.unit
 
     def inputs(self, states):
-        return numpy.column_stack([states[name] / self.scale[name] for name in self.names])
+        return numpy.column_stack([(states[name] - self.middle[name]) / self.scale[name] for name in self.names])
 
-    def coefficients(self, rows=slice(None), **choice):
-        optimizer = pysindy.STLSQ(**choice).fit(self.values[rows], self.force[rows, None])
+    def coefficients(self, **choice):
+        optimizer = pysindy.STLSQ(**choice).fit(self.values, self.force[:, None])
         return optimizer.coef_[0]
 
     def terms(self, coefficients):
@@ -120,7 +124,8 @@ class Features:
         shares = numpy.sqrt(numpy.mean((self.values * coefficients) ** 2, axis=0))
         names = self.library.get_feature_names(self.names)
         order = [i for i in numpy.argsort(-shares) if coefficients[i] != 0]
-        return [names[i] for i in order[:4]], len(order)
+        # A bar within a cell of a Markdown table has to be escaped, in code as well.
+        return [names[i].replace("|", "\\|") for i in order[:4]], len(order)
 
 
 def pysindy_columns(fitted, held_out):
@@ -128,19 +133,17 @@ def pysindy_columns(fitted, held_out):
     _, held_states, held_force = read(held_out)
     features = Features(states, force)
     held_values = numpy.asarray(features.library.transform(features.inputs(held_states)))
-    part = 3 * len(force) // 4
 
-    def on_the_last_quarter(choice):
-        coefficients = features.coefficients(slice(part), **choice)
-        return error(features.values[part:] @ coefficients, features.force[part:])
+    def held_out_error(coefficients):
+        return error(held_values @ coefficients, held_force / features.unit)
 
     choices = [{"threshold": x, "normalize_columns": n} for x in THRESHOLDS for n in (False, True)]
     default = features.coefficients()
-    best = features.coefficients(**min(choices, key=on_the_last_quarter))
+    best = min((features.coefficients(**choice) for choice in choices), key=held_out_error)
     named, count = features.terms(best)
     return [
-        percent(error(held_values @ default, held_force / features.unit)),
-        percent(error(held_values @ best, held_force / features.unit)),
+        percent(held_out_error(default)),
+        percent(held_out_error(best)),
         f"{count} terms: " + ", ".join(f"`{name}`" for name in named),
     ]
 
@@ -167,9 +170,18 @@ def demo(seed, directory):
     hil("demo", "--seed", seed, "--out", directory / "demo", "--json", summary)
     blocks = ["--blocks", HELD_OUT_BLOCKS]
     hil("run", "--drawn", "--seed", seed, *blocks, "--out", directory / "run")
-    fitted = directory / "demo" / "recording.csv.gz"
     hidden = json.loads(summary.read_text())["hidden"]["effect"]
-    return fitted, directory / "run" / "recording.csv.gz", f"`{hidden['family']}`"
+    held_out = without_comments(directory / "run" / "recording.csv.gz")
+    return directory / "demo" / "recording.csv.gz", held_out, f"`{hidden['family']}`"
+
+
+def without_comments(path):
+    """`demo` and `run` describe the same specimen in other words, which `trace` would take for two specimens."""
+    with gzip.open(path, "rt") as file:
+        lines = [line for line in file if not line.startswith("#")]
+    bare = path.with_name("held-out.csv")
+    bare.write_text("".join(lines))
+    return bare
 
 
 def seeds(text):
