@@ -121,15 +121,18 @@ fn stages_run_around_the_tabulated_law() {
     for n in 0..20_000 {
         let (sin, cos) = (omega * 1e-4 * f64::from(n)).sin_cos();
         let (displacement, velocity) = (0.1 * sin, 0.1 * omega * cos);
+        let acceleration = -omega * omega * displacement;
         let motion = Motion {
             displacement,
             velocity,
+            acceleration,
             ..Motion::default()
         };
         let expected = exact.force(&mut state, &motion);
         let motion = Motion {
             displacement: displacement as f32,
             velocity: velocity as f32,
+            acceleration: acceleration as f32,
             ..Motion::default()
         };
         let force = f64::from(running.force(&motion));

@@ -1,6 +1,6 @@
 //! The blind trial.
 
-use hil::blind::{Class, GROUP, draw};
+use hil::blind::{Class, FLOORS_OF_A_PART, GROUP, PART, draw, run};
 
 /// Every group has its shares of the classes; what is hidden is as large as promised; the same seed hides the same.
 #[test]
@@ -38,4 +38,12 @@ fn trials_are_what_they_promise() {
     assert_eq!(once.secret, again.secret);
     assert_eq!(once.training, again.training);
     assert_eq!(once.held_out, again.held_out);
+}
+
+/// A part of the trial; `cargo hil blind --seeds 500 --check` is the whole.
+#[test]
+fn a_part_of_the_trial_reaches_what_it_has_reached() {
+    let summary = run(PART, &|_| ());
+    let missed = FLOORS_OF_A_PART.missed(&summary);
+    assert!(missed.is_empty(), "{}", missed.join("\n"));
 }

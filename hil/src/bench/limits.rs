@@ -136,7 +136,7 @@ const NOT_REACHED: [(&str, &str); 21] = [
     ),
     (
         "delay",
-        "about 40 for the longer way of a tick through stages, two forces and the line between them",
+        "about 40 for the longer way of a tick through stages, the motion a part of a tick before, and the ring of forces",
     ),
     (
         "correction without memory",

@@ -14,7 +14,7 @@ use std::ops::Range;
 use rayon::iter::{IntoParallelIterator, ParallelIterator};
 
 pub use draw::{Class, GROUP, Secret, Sized, Trial, draw};
-pub use floors::{FLOORS, Floors};
+pub use floors::{FLOORS, FLOORS_OF_A_PART, Floors, PART};
 pub use judge::{Mark, Outcome, Said, judge};
 pub use programme::{Programme, Shape};
 pub use summary::{Rate, Ratios, Summary};

@@ -195,7 +195,11 @@ impl<'a> Closing<'a> {
         left_out: &LeftOut,
         [alone, solution]: [&Solution; 2],
     ) -> Result<(Verdict, f64), ModelError> {
-        let left = left_out.left_in_most_cycles(&solution.model())?;
+        let judged = selection.found.score.nrmse() / selection.goal;
+        let left = match left_out.left_in_most_cycles(&solution.model())? {
+            left if left.is_nan() => judged,
+            left => left,
+        };
         let verdict = conclude(selection, left);
         if solution.terms.is_empty() || verdict == Verdict::Unlisted {
             return Ok((verdict, left));

@@ -49,15 +49,20 @@ impl<'a> LeftOut<'a> {
         self.roles.of(which, sample) != Role::HeldOut
     }
 
+    /// RMS of the noise that a law is held to, kN.
+    fn noise(&self, trajectory: &Trajectory) -> f64 {
+        let power: f64 = trajectory.force.iter().map(|force| force * force).sum();
+        let force = (power / trajectory.len() as f64).sqrt();
+        goal(trajectory.force_noise / force) * force
+    }
+
     /// What `model` leaves of the cycles that may be fitted, over the noise: RMS of all but the worst of them, which may be
-    /// those of a start or of a change between blocks.
+    /// those of a start or of a change between blocks; not a number where there is not one whole cycle.
     pub fn left_in_most_cycles(&self, model: &Model) -> Result<f64, ModelError> {
         let mut left = Vec::new();
         for (which, trajectory) in self.trajectories.iter().enumerate() {
             let predicted = predict(model, trajectory)?;
-            let power: f64 = trajectory.force.iter().map(|force| force * force).sum();
-            let noise = goal(trajectory.force_noise / (power / trajectory.len() as f64).sqrt());
-            let noise_power = noise * noise * power / trajectory.len() as f64;
+            let noise_power = self.noise(trajectory).powi(2);
             for cycle in trajectory.blocks.iter().flat_map(|block| &block.cycles) {
                 let telling = || {
                     let samples = cycle.clone();
@@ -73,6 +78,9 @@ impl<'a> LeftOut<'a> {
                 }
             }
         }
+        if left.is_empty() {
+            return Ok(f64::NAN);
+        }
         left.sort_by(|a, b| a.0.total_cmp(&b.0));
         left.truncate((MOST_CYCLES * left.len() as f64).ceil() as usize);
         let samples: f64 = left.iter().map(|(_, count)| count).sum();
@@ -86,6 +94,7 @@ impl<'a> LeftOut<'a> {
         let (mut squares, mut expected) = (0.0, 0.0);
         for (which, trajectory) in self.trajectories.iter().enumerate() {
             let predicted = predict(model, trajectory)?;
+            let noise = self.noise(trajectory);
             for block in &trajectory.blocks {
                 let cycles = block.cycles.iter().filter(|cycle| {
                     let mut samples = (*cycle).clone();
@@ -94,7 +103,7 @@ impl<'a> LeftOut<'a> {
                 let means: Vec<f64> = cycles
                     .map(|cycle| {
                         let left = cycle.clone().map(|i| trajectory.force[i] - predicted[i]);
-                        expected += trajectory.force_noise.powi(2) / cycle.len() as f64;
+                        expected += noise.powi(2) / cycle.len() as f64;
                         left.sum::<f64>() / cycle.len() as f64
                     })
                     .collect();
@@ -123,15 +132,21 @@ impl<'a> LeftOut<'a> {
                 self.is_open(other, sample) && !(other == *which && block.samples.contains(&sample))
             })?;
             let trajectory = &self.trajectories[*which];
-            error += relative_error(trajectory, &predict(&model, trajectory)?, block);
+            let is_fair = |i: usize| self.is_open(*which, i) && trajectory.is_telling(i);
+            error += relative_error(trajectory, &predict(&model, trajectory)?, block, is_fair);
         }
         Ok((error / self.blocks.len() as f64).sqrt())
     }
 }
 
-/// The squared error over the squared force in a block.
-fn relative_error(trajectory: &Trajectory, predicted: &[f64], block: &Block) -> f64 {
-    let telling = || block.samples.clone().filter(|&i| trajectory.is_telling(i));
+/// The squared error over the squared force in the samples of a block that are `is_fair`.
+fn relative_error(
+    trajectory: &Trajectory,
+    predicted: &[f64],
+    block: &Block,
+    is_fair: impl Fn(usize) -> bool,
+) -> f64 {
+    let telling = || block.samples.clone().filter(|&i| is_fair(i));
     let error: f64 = telling()
         .map(|i| (predicted[i] - trajectory.force[i]).powi(2))
         .sum();
@@ -148,7 +163,9 @@ fn blocks<'t>(trajectories: &'t [Trajectory], roles: &Roles) -> Vec<(usize, &'t 
         .flat_map(|(which, trajectory)| trajectory.blocks.iter().map(move |block| (which, block)))
         .filter(|(which, block)| {
             let mut samples = block.samples.clone();
-            block.cycles.len() > 1 && samples.any(|i| roles.of(*which, i) != Role::HeldOut)
+            let trajectory = &trajectories[*which];
+            block.cycles.len() > 1
+                && samples.any(|i| roles.of(*which, i) != Role::HeldOut && trajectory.is_telling(i))
         })
         .collect();
     if blocks.len() < FEWEST_BLOCKS {

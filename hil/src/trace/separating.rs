@@ -3,7 +3,7 @@
 //! Each rival's force is simulated under blocks that a rig can run, and every other rival is fitted to it with all of its
 //! coefficients free. Blocks are added that make the nearest two differ most (Atkinson and Fedorov 1975).
 
-use super::select::{Candidate, Selection};
+use super::select::{Candidate, Selection, goal};
 use super::verdict::rivals;
 use crate::identify::problem::Problem;
 use crate::identify::rows::Rows;
@@ -68,15 +68,17 @@ pub(super) fn separating_test(
     })
 }
 
-/// The least cosine between what two rivals add to what eq 13 alone predicts.
+/// The least cosine between what two rivals add to what was predicted before the step at which they were tried.
 fn collinearity(rivals: &[&Candidate], selection: &Selection, trajectories: &[Trajectory]) -> f64 {
+    let before = selection
+        .candidates
+        .iter()
+        .rfind(|candidate| candidate.added && candidate.step < rivals[0].step)
+        .map_or(&selection.baseline, |candidate| &candidate.fitted);
     let added = |rival: &Candidate| -> Vec<f64> {
         let mut added = Vec::new();
         for (which, trajectory) in trajectories.iter().enumerate() {
-            let (with, without) = (
-                &rival.fitted.predicted[which],
-                &selection.baseline.predicted[which],
-            );
+            let (with, without) = (&rival.fitted.predicted[which], &before.predicted[which]);
             let telling = (0..trajectory.len()).filter(|&i| trajectory.is_telling(i));
             added.extend(telling.map(|i| with[i] - without[i]));
         }
@@ -137,7 +139,11 @@ impl<'s> Simulation<'s> {
                 })
             })
             .collect::<Result<_, ModelError>>()?;
-        let noise = trajectories.iter().map(|t| t.force_noise);
+        let noise = trajectories.iter().map(|trajectory| {
+            let power: f64 = trajectory.force.iter().map(|force| force * force).sum();
+            let force = (power / trajectory.len() as f64).sqrt();
+            goal(trajectory.force_noise / force) * force
+        });
         Ok(Self {
             rivals,
             blocks,
@@ -148,7 +154,7 @@ impl<'s> Simulation<'s> {
     }
 
     /// The blocks that tell the rivals apart, and by how many times the noise the nearest two then differ. The first block
-    /// is one that was recorded.
+    /// is about one that was recorded.
     fn programme(&self) -> Result<(Vec<Block>, f64), ModelError> {
         let mut chosen = vec![0];
         let mut apart = 0.0;
@@ -216,7 +222,8 @@ impl<'s> Simulation<'s> {
     }
 }
 
-/// A block that was recorded, then others of its amplitude slower and faster, and of its frequency smaller and larger.
+/// A block about in the middle of what was recorded, then others of its amplitude slower and faster, and of its frequency
+/// smaller and larger, all within what the rig runs.
 fn tried(trajectories: &[Trajectory]) -> Vec<Block> {
     let recorded = || trajectories.iter().flat_map(|t| &t.blocks);
     let (slowest, fastest) = recorded().fold((f64::INFINITY, 0.0_f64), |(low, high), block| {
@@ -229,7 +236,14 @@ fn tried(trajectories: &[Trajectory]) -> Vec<Block> {
         let (low, high) = FREQUENCIES;
         (round(value.clamp(low, high), 0.05) * 1e3).round() / 1e3
     };
-    let amplitude = |value: f64| (round(value.min(LARGEST_AMPLITUDE), 0.005) * 1e4).round() / 1e4;
+    // To two digits.
+    let amplitude = |value: f64| {
+        let value = value.min(LARGEST_AMPLITUDE);
+        let step = 10f64.powf(value.log10().floor() - 1.0);
+        format!("{:.9}", round(value, step))
+            .parse()
+            .unwrap_or(value)
+    };
     let frequencies = BELOW
         .map(|part| part * slowest)
         .into_iter()

@@ -37,10 +37,10 @@ const TYPICAL: f64 = 1e-2;
 const WORTHWHILE: f64 = 0.85;
 /// A table around the trends, likewise.
 const TABULATED: f64 = 0.9;
-/// A variable is needed whose absence makes the error more than so many times as large.
-const NEEDED: f64 = 1.1;
 /// A memory, likewise: with so many to choose from, one will look better by chance.
 const REMEMBERED: f64 = 0.75;
+/// A variable is needed whose absence makes the error more than so many times as large.
+const NEEDED: f64 = 1.1;
 /// Times that trends are sought, each beside the exponents of eq 13 that those before led to.
 const ROUNDS: usize = 2;
 /// Steps in which eq 13's exponents follow.
@@ -276,7 +276,11 @@ fn remembering(design: &Design, plain: &Fitted) -> Option<Fitted> {
         .into_par_iter()
         .filter_map(|form| Some((raw.sums(form)?.judged()?, form)));
     let (solved, form) = judged.min_by(|(a, _), (b, _)| a.error.total_cmp(&b.error))?;
-    if solved.error > REMEMBERED * plain.solved.error {
+    let uses_memory = form.memory.is_some()
+        || trends
+            .iter()
+            .any(|trend| trend.0.iter().any(|(cell, _)| *cell >= CELLS));
+    if !uses_memory || solved.error > REMEMBERED * plain.solved.error {
         return None;
     }
     let memory = MemoryChoice {
