@@ -19,7 +19,7 @@ pub fn map_chart(map: &Map, scale: f64, style: &Style) -> String {
     let velocity = |root: f64| text::nominal(v * (root * 10.0).round().powi(3) / 1000.0);
     draw(style, |area| {
         let (left, right) = area.split_horizontally(area.dim_in_pixel().0 * 17 / 20);
-        let labels = ("displacement, mm", "velocity, mm/s");
+        let labels = ("displacement, mm", "velocity, mm/s, by its cube root");
         let mut chart = axes_labelled(
             &left,
             style,

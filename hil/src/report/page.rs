@@ -252,7 +252,11 @@ fn candidates(result: &TraceResult) -> Markup {
 fn law(data: &ReportData) -> Markup {
     html! {
         h2 { "The law" }
-        p { "F = k₁·y + k₃·y³ + c·|v|" sup { "α" } "·sgn v" @if !data.result.effects.is_empty() { " + what was added" } }
+        p {
+            "F = k₁·y + k₃·y³ + c·|v|" sup { "α" } "·sgn v"
+            @if !data.result.effects.is_empty() { " + what was added" }
+            @if data.result.correction.is_some() { " + the table" }
+        }
         p { "With half widths of the 90 % intervals." }
         div.scroll { table {
             thead { tr {
@@ -285,7 +289,7 @@ fn recordings(data: &ReportData) -> Markup {
             tbody {
                 @for one in &data.series {
                     tr {
-                        td { (one.name) }
+                        td.path { (one.name) }
                         td.text { @if data.result.held_out.contains(&one.name) { "held out" } @else { "fitted" } }
                         td { (one.time.len()) }
                         td { (text::number(length(one))) }

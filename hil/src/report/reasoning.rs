@@ -117,10 +117,12 @@ pub fn tried(result: &TraceResult) -> Markup {
         } @else {
             p {
                 "Each step adds to the law what the steps before had found, and tries every family of effects beside it. The \
-                 bars are errors on cycles kept apart for judging, none of which was fitted; the dotted line is the noise. A \
-                 step without a clear gain adds nothing and ends the search."
+                 bars are errors on cycles kept apart for judging, none of which was fitted; the dotted line is the noise. Each \
+                 family is shown at its best, and a bar twice as long as most is cut. A step without a clear gain adds \
+                 nothing and ends the search."
             }
             div.key {
+                span { i.swatch.stood {} "before the step" }
                 span { i.swatch.won {} "added" }
                 span { i.swatch.rival {} "not told apart from the best" }
                 span { i.swatch {} "worse" }
@@ -141,13 +143,8 @@ fn bars(step: &[Candidate], result: &TraceResult) -> Markup {
         .filter(|c| c.added && c.step < number)
         .collect();
     let reference = before.last().map(|candidate| candidate.nrmse_judged);
-    let largest = step
-        .iter()
-        .map(|candidate| candidate.nrmse_judged)
-        .filter(|error| error.is_finite())
-        .chain(reference)
-        .fold(0.0, f64::max)
-        .max(f64::MIN_POSITIVE);
+    let shown = best_of_families(step);
+    let largest = longest_bar(&shown, reference);
     let width = |error: f64| format!("width:{:.2}%", 100.0 * (error / largest).clamp(0.0, 1.0));
     let noise = format!(
         "left:{:.2}%",
@@ -160,11 +157,11 @@ fn bars(step: &[Candidate], result: &TraceResult) -> Markup {
         }
         div.bars {
             @if let Some(reference) = reference {
-                div.name { "as it stood" }
+                div.name { "before the step" }
                 div.track { div.bar.stood style=(width(reference)) {} div.noise style=(noise) {} }
                 div.value { (text::percent(reference)) }
             }
-            @for (place, candidate) in step.iter().enumerate() {
+            @for (place, candidate) in shown.iter().enumerate() {
                 @let class = if candidate.added { "bar won" } else if !candidate.admissible { "bar refused" }
                     else if place == 0 || !candidate.distinguishable { "bar rival" } else { "bar" };
                 div.name title=(text::description(&candidate.family)) { (text::name(&candidate.family)) }
@@ -173,6 +170,48 @@ fn bars(step: &[Candidate], result: &TraceResult) -> Markup {
             }
         }
     }
+}
+
+/// The first of each family, as the search ranks them, and what was added.
+fn best_of_families(step: &[Candidate]) -> Vec<&Candidate> {
+    let first = |place: usize| {
+        let mut earlier = step[..place].iter();
+        earlier.all(|other| other.family != step[place].family)
+    };
+    (0..step.len())
+        .filter(|&place| first(place) || step[place].added)
+        .map(|place| &step[place])
+        .collect()
+}
+
+/// The error at the end of the bars' tracks: at most twice the median, lest one bad fit squeeze all others.
+fn longest_bar(shown: &[&Candidate], reference: Option<f64>) -> f64 {
+    let mut errors: Vec<f64> = shown
+        .iter()
+        .map(|candidate| candidate.nrmse_judged)
+        .filter(|error| error.is_finite())
+        .chain(reference)
+        .collect();
+    errors.sort_unstable_by(f64::total_cmp);
+    let median = errors.get(errors.len() / 2).copied().unwrap_or(0.0);
+    let largest = errors.last().copied().unwrap_or(0.0);
+    largest
+        .min((2.0 * median).max(reference.unwrap_or(0.0)))
+        .max(f64::MIN_POSITIVE)
+}
+
+/// What a step added and the law has no more.
+fn dropped(result: &TraceResult) -> Vec<String> {
+    let kept = |family: &str| result.effects.iter().any(|effect| effect.family == family);
+    let mut names: Vec<String> = result
+        .candidates
+        .iter()
+        .filter(|candidate| candidate.added && !kept(&candidate.family))
+        .map(|candidate| text::name(&candidate.family))
+        .collect();
+    names.sort_unstable();
+    names.dedup();
+    names
 }
 
 /// What was found, in words, and what would settle what is open.
@@ -189,9 +228,15 @@ pub fn concluded(result: &TraceResult) -> Markup {
             Verdict::Unlisted => {
                 p {
                     "Something that is none of the families tried, or more of it than they explain"
-                    @if result.effects.is_empty() { "." } @else { "; what mends most of it is below." }
+                    @if !result.effects.is_empty() { "; what mends most of it is below." }
+                    @else if result.correction.is_some() { "; a table without a name stands in for it." }
+                    @else { "." }
                 }
             }
+        }
+        @let dropped = dropped(result);
+        @if !dropped.is_empty() {
+            p { "Added at a step, but not kept in the end: " (text::listed(&dropped)) "." }
         }
         @if !result.depends_on.is_empty() {
             p { "What the law lacked depends on " strong { (text::listed(&result.depends_on)) } "." }

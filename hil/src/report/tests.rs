@@ -184,6 +184,21 @@ fn is_one_small_file_with_everything_in_it() {
 }
 
 #[test]
+fn a_step_shows_each_family_at_its_best_and_cuts_the_bar_of_a_bad_fit() {
+    let mut data = data();
+    let mut again = data.result.candidates[1].clone();
+    again.nrmse_judged = 0.0444;
+    data.result.candidates.push(again);
+    data.result.candidates[2].nrmse_judged = 10.0;
+    let page = render(&data);
+    let steps = page.find("3. What was tried").unwrap()..page.find("4. What was found").unwrap();
+    assert_eq!(page[steps.clone()].matches("relaxation").count(), 1);
+    // Of the three shown the median is relaxation's, and twice that is the track's end.
+    assert!(page[steps.clone()].contains("class=\"bar\" style=\"width:50.00%\""));
+    assert!(page[steps].contains("class=\"bar\" style=\"width:100.00%\""));
+}
+
+#[test]
 fn a_long_test_is_thinned() {
     let mut data = data();
     let block = [(0.2, 0.05); 30];
@@ -204,6 +219,7 @@ fn nothing_found_and_nothing_recorded_still_make_a_page() {
     assert!(render(&data).contains("Nothing is missing"));
     data.result.verdict = Verdict::Unlisted;
     assert!(render(&data).contains("Nothing was added"));
+    assert!(render(&data).contains("not kept in the end: stick-slip."));
     data.result.verdict = Verdict::Ambiguous;
     data.result.separating_test = Some("a ramp and hold".into());
     assert!(render(&data).contains("a ramp and hold"));

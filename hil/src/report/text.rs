@@ -131,9 +131,8 @@ pub fn verdict(result: &TraceResult) -> (String, String) {
         Verdict::Unlisted if result.correction.is_some() => (
             "An effect that is not on the list".into(),
             format!(
-                "The law lacks something that none of the effects tried explains. A correction that has no name, a table over \
-                 {}, was fitted to it. {change}",
-                result.depends_on.join(", ")
+                "The law lacks something that none of the effects tried explains. {} {change}",
+                correction(&named, &result.depends_on)
             ),
         ),
         Verdict::Unlisted if result.effects.is_empty() => (
@@ -148,6 +147,19 @@ pub fn verdict(result: &TraceResult) -> (String, String) {
             ),
         ),
     }
+}
+
+/// What was fitted where no effect has a name for all of it.
+fn correction(named: &[String], depends_on: &[String]) -> String {
+    let beside = match named {
+        [] => String::new(),
+        _ => format!(" beside {}", listed(named)),
+    };
+    let over = match depends_on {
+        [] => String::new(),
+        _ => format!("; it depends on {}", listed(depends_on)),
+    };
+    format!("A correction that has no name, a table, was fitted to it{beside}{over}.")
 }
 
 /// `a, b and c`.
@@ -189,5 +201,27 @@ mod tests {
         assert_eq!(interval(-3.0, 20.0, 43.0), ["−3", "20", "43"]);
         assert_eq!(percent(0.00412), "0.412 %");
         assert_eq!(unit("kN/mm^2"), "kN/mm²");
+    }
+
+    #[test]
+    fn a_correction_is_told_with_the_effects_that_stay_beside_it() {
+        let words = |words: &[&str]| {
+            words
+                .iter()
+                .map(|&word| word.to_owned())
+                .collect::<Vec<_>>()
+        };
+        assert_eq!(
+            correction(
+                &words(&["stick-slip", "offset"]),
+                &words(&["displacement", "velocity"])
+            ),
+            "A correction that has no name, a table, was fitted to it beside stick-slip and offset; it depends on \
+             displacement and velocity."
+        );
+        assert_eq!(
+            correction(&[], &[]),
+            "A correction that has no name, a table, was fitted to it."
+        );
     }
 }
