@@ -418,7 +418,7 @@ mod tests {
                 read_changed(|v| v["units"]["force"] = "N".into()),
             ),
             (
-                "m.json: field correction: cells = 161 is outside 162",
+                "m.json: field correction: cells = 305 is outside 306",
                 read_changed(|v| drop(v["correction"]["cells"].as_array_mut().unwrap().pop())),
             ),
             (
