@@ -569,6 +569,7 @@ fn the_image_is_small() {
         let sizes = sections(&elf).unwrap();
         // 24 KiB were asked for before there were six effects more, which take 5.
         assert!(sizes.flash > 0 && sizes.flash <= 33 * 1024, "{sizes:?}");
-        assert!(sizes.ram <= 13 * 1024 + 512, "{sizes:?}");
+        // 12 KiB likewise; of the rest the correction's tables, in two laws and a pack, are 2.
+        assert!(sizes.ram <= 14 * 1024, "{sizes:?}");
     }
 }

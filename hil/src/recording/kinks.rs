@@ -123,6 +123,9 @@ fn locate_kink(
     for _ in 0..MEETINGS {
         at = (at as f64 + meeting.clamp(-FARTHEST, FARTHEST)).round() as usize;
         meeting = Jump::at(samples, at, before, after, 3, noise)?.meeting;
+        if meeting.abs() <= CLOSEST {
+            break;
+        }
     }
     // The sample at the kink itself belongs to what comes after.
     let first_after = (at as f64 + meeting - 0.2).ceil();
