@@ -1,24 +1,14 @@
 //! `hil demo`: one command from nothing to a report, and the files that it leaves can be used by the others.
 
-use std::path::Path;
-use std::process::Command;
+mod command;
 
-fn hil(directory: &Path, arguments: &[&str]) -> Vec<u8> {
-    let output = Command::new(env!("CARGO_BIN_EXE_hil"))
-        .args(arguments)
-        .current_dir(directory)
-        .output()
-        .unwrap();
-    let error = String::from_utf8_lossy(&output.stderr);
-    assert!(output.status.success(), "{arguments:?}: {error}");
-    output.stdout
-}
+use command::hil;
 
 #[test]
 fn the_effect_is_shown_and_the_files_are_used_by_the_other_commands() {
     let root = tempfile::tempdir().unwrap();
     let printed = hil(root.path(), &["demo", "--seed", "3", "--json", "-"]);
-    let summary: serde_json::Value = serde_json::from_slice(&printed).unwrap();
+    let summary: serde_json::Value = serde_json::from_str(&printed).unwrap();
     // What is said of the loop is what its errors say.
     let (before, after) = (&summary["loop_error_before"], &summary["loop_error_after"]);
     let nearer = after.as_f64().unwrap() < before.as_f64().unwrap();

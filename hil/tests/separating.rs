@@ -1,22 +1,12 @@
 //! What one condition cannot tell apart, the test that a trace asks for does.
 
-use std::path::Path;
-use std::process::Command;
+mod command;
 
+use command::hil;
 use serde_json::Value;
 
 /// One amplitude at one frequency.
 const ONE_CONDITION: &str = "0.1:2:12";
-
-fn hil(directory: &Path, arguments: &[&str]) {
-    let output = Command::new(env!("CARGO_BIN_EXE_hil"))
-        .args(arguments)
-        .current_dir(directory)
-        .output()
-        .unwrap();
-    let said = String::from_utf8_lossy(&output.stderr);
-    assert!(output.status.success(), "hil {arguments:?}: {said}");
-}
 
 /// The trace of a specimen with `effect` under `blocks`.
 fn traced(effect: &str, blocks: &str) -> Value {

@@ -1,22 +1,13 @@
 //! `hil trace` and `hil predict` one after the other: the files that they leave agree with each other.
 
+mod command;
+
 use std::fs;
 use std::path::Path;
-use std::process::Command;
 
+use command::hil;
 use hil::recording::Recording;
 use hil::trace::result::{TraceResult, Verdict};
-
-fn hil(directory: &Path, arguments: &[&str]) -> String {
-    let output = Command::new(env!("CARGO_BIN_EXE_hil"))
-        .args(arguments)
-        .current_dir(directory)
-        .output()
-        .unwrap();
-    let error = String::from_utf8_lossy(&output.stderr);
-    assert!(output.status.success(), "{arguments:?}: {error}");
-    String::from_utf8(output.stdout).unwrap()
-}
 
 /// Eq 13 and a constant force under blocks of sines (amplitude mm, frequency Hz), with noise that is the same on every
 /// run.

@@ -73,7 +73,7 @@ impl<'a> Closing<'a> {
                 .into_iter()
                 .map(|nodes| {
                     Rows::gather(fitted, nodes, MOST_ROWS, |which, sample| {
-                        roles.of(which, sample) != Role::HeldOut
+                        roles.is_open(which, sample)
                     })
                 })
                 .collect(),
@@ -196,10 +196,9 @@ impl<'a> Closing<'a> {
         [alone, solution]: [&Solution; 2],
     ) -> Result<(Verdict, f64), ModelError> {
         let judged = selection.found.score.nrmse() / selection.goal;
-        let left = match left_out.left_in_most_cycles(&solution.model())? {
-            left if left.is_nan() => judged,
-            left => left,
-        };
+        let left = left_out
+            .left_in_most_cycles(&solution.model())?
+            .unwrap_or(judged);
         let verdict = conclude(selection, left);
         if solution.terms.is_empty() || verdict == Verdict::Unlisted {
             return Ok((verdict, left));

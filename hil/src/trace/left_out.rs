@@ -2,7 +2,7 @@
 //! was fitted to and no others.
 
 use super::score::Jury;
-use super::select::goal;
+use super::select::held_to;
 use super::split::{Role, Roles, same_amplitude};
 use crate::model::{Model, ModelError};
 use crate::predict::predict;
@@ -46,23 +46,16 @@ impl<'a> LeftOut<'a> {
 
     /// Whether a sample may be fitted.
     pub fn is_open(&self, which: usize, sample: usize) -> bool {
-        self.roles.of(which, sample) != Role::HeldOut
-    }
-
-    /// RMS of the noise that a law is held to, kN.
-    fn noise(&self, trajectory: &Trajectory) -> f64 {
-        let power: f64 = trajectory.force.iter().map(|force| force * force).sum();
-        let force = (power / trajectory.len() as f64).sqrt();
-        goal(trajectory.force_noise / force) * force
+        self.roles.is_open(which, sample)
     }
 
     /// What `model` leaves of the cycles that may be fitted, over the noise: RMS of all but the worst of them, which may be
-    /// those of a start or of a change between blocks; not a number where there is not one whole cycle.
-    pub fn left_in_most_cycles(&self, model: &Model) -> Result<f64, ModelError> {
+    /// those of a start or of a change between blocks; none where there is not one whole cycle.
+    pub fn left_in_most_cycles(&self, model: &Model) -> Result<Option<f64>, ModelError> {
         let mut left = Vec::new();
         for (which, trajectory) in self.trajectories.iter().enumerate() {
             let predicted = predict(model, trajectory)?;
-            let noise_power = self.noise(trajectory).powi(2);
+            let noise_power = held_to(trajectory).powi(2);
             for cycle in trajectory.blocks.iter().flat_map(|block| &block.cycles) {
                 let telling = || {
                     let samples = cycle.clone();
@@ -79,13 +72,13 @@ impl<'a> LeftOut<'a> {
             }
         }
         if left.is_empty() {
-            return Ok(f64::NAN);
+            return Ok(None);
         }
         left.sort_by(|a, b| a.0.total_cmp(&b.0));
         left.truncate((MOST_CYCLES * left.len() as f64).ceil() as usize);
         let samples: f64 = left.iter().map(|(_, count)| count).sum();
         let squares: f64 = left.iter().map(|(square, count)| square * count).sum();
-        Ok((squares / samples).sqrt())
+        Ok(Some((squares / samples).sqrt()))
     }
 
     /// Whether the mean of what `model` leaves differs from cycle to cycle of one block by more than noise would have it: a
@@ -94,7 +87,7 @@ impl<'a> LeftOut<'a> {
         let (mut squares, mut expected) = (0.0, 0.0);
         for (which, trajectory) in self.trajectories.iter().enumerate() {
             let predicted = predict(model, trajectory)?;
-            let noise = self.noise(trajectory);
+            let noise = held_to(trajectory);
             for block in &trajectory.blocks {
                 let cycles = block.cycles.iter().filter(|cycle| {
                     let mut samples = (*cycle).clone();
@@ -165,7 +158,7 @@ fn blocks<'t>(trajectories: &'t [Trajectory], roles: &Roles) -> Vec<(usize, &'t 
             let mut samples = block.samples.clone();
             let trajectory = &trajectories[*which];
             block.cycles.len() > 1
-                && samples.any(|i| roles.of(*which, i) != Role::HeldOut && trajectory.is_telling(i))
+                && samples.any(|i| roles.is_open(*which, i) && trajectory.is_telling(i))
         })
         .collect();
     if blocks.len() < FEWEST_BLOCKS {

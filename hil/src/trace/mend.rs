@@ -44,11 +44,12 @@ pub(super) fn mended(
             best = Some((error, law, model, choice));
         }
     };
+    let plain: Vec<Model> = laws.iter().map(|law| law(open)).collect::<Result<_, _>>()?;
     for (number, &law) in laws.iter().enumerate() {
-        consider(left_out.error(law)?, number, law(open)?, None);
+        consider(left_out.error(law)?, number, plain[number].clone(), None);
     }
     for (number, &law) in laws.iter().enumerate() {
-        if let Some((model, choice)) = correction::fit(trajectories, &law(open)?, open)? {
+        if let Some((model, choice)) = correction::fit(trajectories, &plain[number], open)? {
             let error = left_out
                 .error(&|picked| correction::refit(&choice, trajectories, &law(picked)?, picked))?;
             consider(error, number, model, Some(choice));
@@ -56,10 +57,7 @@ pub(super) fn mended(
     }
     let (_, law, model, choice) = best.expect("at least one law is given");
     let depends_on = match choice {
-        Some(choice) => {
-            let plain = laws[law](open)?;
-            correction::depends_on(&choice, trajectories, &plain, open)?
-        }
+        Some(choice) => correction::depends_on(&choice, trajectories, &plain[law], open)?,
         None if left_out.wanders(&model)? => vec!["time"],
         None => Vec::new(),
     };

@@ -396,16 +396,22 @@ pub fn error_between(
 
 /// The noise of the force over its RMS; of several recordings the root of the mean square.
 pub fn noise_floor(trajectories: &[Trajectory]) -> f64 {
-    let squares = trajectories.iter().map(|trajectory| {
-        let power = trajectory
-            .force
-            .iter()
-            .map(|force| force * force)
-            .sum::<f64>()
-            / trajectory.len() as f64;
-        trajectory.force_noise.powi(2) / power
-    });
+    let squares = trajectories
+        .iter()
+        .map(|trajectory| trajectory.force_noise.powi(2) / power(trajectory));
     (squares.sum::<f64>() / trajectories.len() as f64).sqrt()
+}
+
+/// RMS of the error that a law of `trajectory` is held to, kN.
+pub fn held_to(trajectory: &Trajectory) -> f64 {
+    let force = power(trajectory).sqrt();
+    goal(trajectory.force_noise / force) * force
+}
+
+/// The mean squared force, kN².
+fn power(trajectory: &Trajectory) -> f64 {
+    let squares = trajectory.force.iter().map(|force| force * force);
+    squares.sum::<f64>() / trajectory.len() as f64
 }
 
 /// The error that a law is held to: the noise, or [`QUIET`] where the recording is quieter.

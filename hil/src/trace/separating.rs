@@ -3,7 +3,7 @@
 //! Each rival's force is simulated under blocks that a rig can run, and every other rival is fitted to it with all of its
 //! coefficients free. Blocks are added that make the nearest two differ most (Atkinson and Fedorov 1975).
 
-use super::select::{Candidate, Selection, goal};
+use super::select::{Candidate, Selection, held_to};
 use super::verdict::rivals;
 use crate::identify::problem::Problem;
 use crate::identify::rows::Rows;
@@ -139,11 +139,7 @@ impl<'s> Simulation<'s> {
                 })
             })
             .collect::<Result<_, ModelError>>()?;
-        let noise = trajectories.iter().map(|trajectory| {
-            let power: f64 = trajectory.force.iter().map(|force| force * force).sum();
-            let force = (power / trajectory.len() as f64).sqrt();
-            goal(trajectory.force_noise / force) * force
-        });
+        let noise = trajectories.iter().map(held_to);
         Ok(Self {
             rivals,
             blocks,

@@ -43,6 +43,11 @@ impl Roles {
         self.0[trajectory][sample]
     }
 
+    /// Whether a sample may be fitted in the end.
+    pub fn is_open(&self, trajectory: usize, sample: usize) -> bool {
+        self.of(trajectory, sample) != Role::HeldOut
+    }
+
     /// Takes the last quarter of the cycles that are still fitted in every block, and one whole block, for `role`.
     ///
     /// The whole block is one whose amplitude other fitted blocks have too: eq 13's coefficients depend on amplitude, and a

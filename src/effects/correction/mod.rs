@@ -161,7 +161,8 @@ impl<R: Real> Correction<R> {
         cycles: R,
     ) -> R {
         let place = self.place(displacement, velocity);
-        let memory = self.memory(state, place.displacement, cycles);
+        let reading = self.reading(state, place.displacement, cycles);
+        let memory = reading.map(|reading| self.recall.place(reading));
         let counts = if velocity == R::ZERO {
             self.counts_at_rest(place.displacement, memory)
         } else {
@@ -170,15 +171,14 @@ impl<R: Real> Correction<R> {
         R::from_i32(counts) * self.unit
     }
 
-    /// Where what is remembered stands in U, where there is a U.
+    /// What is remembered, where there is a U.
     #[inline(always)]
-    fn memory(&self, state: &mut Option<CorrectionState>, across: i32, cycles: R) -> Option<i32> {
+    fn reading(&self, state: &mut Option<CorrectionState>, across: i32, cycles: R) -> Option<i32> {
         if !self.recall.is_there() {
             return None;
         }
         let state = state.get_or_insert_with(|| self.recall.begin(across));
-        let reading = self.recall.reading(state, across, cycles);
-        Some(self.recall.place(reading))
+        Some(self.recall.reading(state, across, cycles))
     }
 
     /// What both tables come to, in units.
@@ -227,15 +227,13 @@ impl<R: Real> Correction<R> {
             ]
         };
         let cells = weights(SPEEDS * place.back, place.speed);
-        if !self.recall.is_there() {
+        let Some(reading) = self.reading(state, across, motion.cycles()) else {
             return Support {
                 cells,
                 memory_cells: [(0, 0.0); 4],
                 memory: 0.0,
             };
-        }
-        let state = state.get_or_insert_with(|| self.recall.begin(across));
-        let reading = self.recall.reading(state, across, motion.cycles());
+        };
         let memory = self.recall.place(reading);
         Support {
             cells,

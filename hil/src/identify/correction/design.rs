@@ -125,11 +125,8 @@ impl<'a> Design<'a> {
             .iter()
             .all(|effect| adds_a_force(effect.family));
         let law = Coefficients::of(model);
-        let mut beside_law = Vec::new();
-        for trajectory in trajectories {
-            let predicted = predict(model, trajectory)?;
-            beside_law.push(predicted);
-        }
+        let predicted = trajectories.iter().map(|t| predict(model, t));
+        let beside_law: Vec<Vec<f64>> = predicted.collect::<Result<_, _>>()?;
         let first_block: Vec<usize> = trajectories
             .iter()
             .scan(0, |next, trajectory| {

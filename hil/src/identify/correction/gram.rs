@@ -20,6 +20,15 @@ pub(super) struct Form<'t> {
     pub memory: Option<f64>,
 }
 
+impl Form<'_> {
+    /// Eq 13 and nothing else.
+    pub const NONE: Self = Form {
+        trends: &[],
+        table: None,
+        memory: None,
+    };
+}
+
 /// What was solved for.
 #[derive(Clone)]
 pub(super) struct Solved {
@@ -137,7 +146,8 @@ impl<'d> Raw<'d> {
             .blocks
             .iter()
             .map(|block| block.mapped(self.law, form.trends, &hats));
-        Sums::of(self.design, self.at, layout, form, blocks.collect())
+        let blocks = blocks.collect();
+        Sums::of(self.design, self.at, layout, form, hats, blocks)
     }
 }
 
@@ -146,7 +156,9 @@ pub(super) struct Sums<'d, 't> {
     design: &'d Design<'d>,
     at: &'d Coefficients,
     layout: Layout,
-    form: Form<'t>,
+    trends: &'t [Trend],
+    /// What the tables are made of.
+    hats: Vec<Trend>,
     blocks: Vec<Block>,
     total: Block,
     system: System,
@@ -158,6 +170,7 @@ impl<'d, 't> Sums<'d, 't> {
         at: &'d Coefficients,
         layout: Layout,
         form: Form<'t>,
+        hats: Vec<Trend>,
         blocks: Vec<Block>,
     ) -> Option<Self> {
         let mut total = Block::new(layout.width());
@@ -169,7 +182,8 @@ impl<'d, 't> Sums<'d, 't> {
             design,
             at,
             layout,
-            form,
+            trends: form.trends,
+            hats,
             blocks,
             total,
         })
@@ -190,12 +204,7 @@ impl<'d, 't> Sums<'d, 't> {
             .iter()
             .map(|block| block.only(&unknowns))
             .collect();
-        let form = Form {
-            trends: &[],
-            table: None,
-            memory: None,
-        };
-        let sums = Sums::of(self.design, self.at, layout, form, blocks)?;
+        let sums = Sums::of(self.design, self.at, layout, Form::NONE, Vec::new(), blocks)?;
         sums.judged_error(&sums.unknowns()?)
     }
 
@@ -250,12 +259,7 @@ impl<'d, 't> Sums<'d, 't> {
     }
 
     fn solution(&self, x: &DVector<f64>) -> Solved {
-        let Layout {
-            law,
-            trends,
-            table,
-            memory,
-        } = self.layout;
+        let law = self.layout.law;
         let moved = |(node, &[k1, k3, c, alpha]): (usize, &[f64; 4])| {
             if law == 0 {
                 return [k1, k3, c, alpha];
@@ -270,23 +274,9 @@ impl<'d, 't> Sums<'d, 't> {
             ]
         };
         let mut cells = vec![0.0; CELLS + MEMORY_CELLS];
-        for (trend, factor) in self.form.trends.iter().zip(x.iter().skip(law)) {
-            for &(cell, value) in &trend.0 {
-                cells[cell] += factor * value;
-            }
-        }
-        let mut rest = x.iter().skip(law + trends);
-        let hats = [
-            (table, hats_of_table as fn() -> _),
-            (memory, hats_of_memory),
-        ];
-        for hat in hats
-            .iter()
-            .filter(|(count, _)| *count > 0)
-            .flat_map(|(_, hats)| hats())
-        {
-            let factor = rest.next().copied().unwrap_or_default();
-            for (cell, value) in hat.0 {
+        let columns = self.trends.iter().chain(&self.hats);
+        for (column, factor) in columns.zip(x.iter().skip(law)) {
+            for &(cell, value) in &column.0 {
                 cells[cell] += factor * value;
             }
         }

@@ -45,12 +45,6 @@ const NEEDED: f64 = 1.1;
 const ROUNDS: usize = 2;
 /// Steps in which eq 13's exponents follow.
 const STEPS: usize = 3;
-/// Eq 13 and nothing else.
-const LAW_ALONE: Form = Form {
-    trends: &[],
-    table: None,
-    memory: None,
-};
 /// Counts of the largest cell.
 const FULL: f64 = 32_000.0;
 
@@ -80,6 +74,12 @@ impl Choice {
             memory: self.memory.and_then(|memory| memory.table),
         }
     }
+
+    /// What is remembered at each row of `design`.
+    fn recalled(&self, design: &Design) -> Option<Recalled> {
+        let memory = self.memory?;
+        design.recall_within(memory.of, memory.range)
+    }
 }
 
 /// A choice and what it led to.
@@ -106,7 +106,7 @@ pub fn fit(
         return Ok(None);
     };
     let start = Coefficients::of(model);
-    let Some(alone) = settle(&design, &start, LAW_ALONE, None) else {
+    let Some(alone) = settle(&design, &start, Form::NONE, None) else {
         return Ok(None);
     };
     let Some(plain) = momentary(&design, &alone) else {
@@ -131,10 +131,7 @@ pub fn refit(
 ) -> Result<Model, ModelError> {
     let design = Design::new(trajectories, model, Some(choice.extent), included)?;
     let solved = design.and_then(|design| {
-        let recalled = choice
-            .memory
-            .map(|memory| design.recall_within(memory.of, memory.range));
-        let recalled = recalled.flatten();
+        let recalled = choice.recalled(&design);
         let start = Coefficients::of(model);
         settle(&design, &start, choice.form(), recalled.as_ref())
     });
@@ -155,8 +152,7 @@ pub fn depends_on(
     let mut names = Vec::new();
     let design = Design::new(trajectories, model, Some(choice.extent), included)?;
     if let Some(design) = &design {
-        let of = |memory: MemoryChoice| design.recall_within(memory.of, memory.range);
-        let recalled = choice.memory.and_then(of);
+        let recalled = choice.recalled(design);
         let at = Coefficients::of(model);
         let raw = Raw::over(design, &at, recalled.as_ref());
         let error_with = |variables: Variables| {

@@ -156,8 +156,7 @@ pub(super) fn grown(raw: &Raw, known: &[Trend], candidates: &[Trend]) -> Option<
     let all: Vec<Trend> = known.iter().chain(candidates).cloned().collect();
     let sums = raw.sums(Form {
         trends: &all,
-        table: None,
-        memory: None,
+        ..Form::NONE
     })?;
     let mut taken: Vec<usize> = (0..known.len()).collect();
     let mut error = sums.error_with(&taken)?;
