@@ -11,7 +11,7 @@ use super::result::{
 use super::select::{Selection, noise_floor};
 use super::separating::separating_test;
 use super::split::{Role, Roles};
-use super::verdict::{conclude, depends_on, generalises, rivals, warnings};
+use super::verdict::{accounts_for, conclude, depends_on, generalises, rivals, warnings};
 use super::{Trace, Traced};
 use crate::identify::problem::Problem;
 use crate::identify::rows::Rows;
@@ -203,8 +203,13 @@ impl<'a> Closing<'a> {
         if solution.terms.is_empty() || verdict == Verdict::Unlisted {
             return Ok((verdict, left));
         }
+        let beyond = |law: &Solution| left_out.left_beyond_noise(&law.model());
+        let accounts = match (beyond(alone)?, beyond(solution)?) {
+            (Some(alone), Some(left)) => accounts_for(alone, left),
+            _ => true,
+        };
         let error = |law| left_out.error(&|picked| Ok(self.refit(&self.rows[0], law, picked)));
-        let holds = generalises(error(alone)?, error(solution)?, selection.goal);
+        let holds = accounts && generalises(error(alone)?, error(solution)?, selection.goal);
         Ok((if holds { verdict } else { Verdict::Unlisted }, left))
     }
 

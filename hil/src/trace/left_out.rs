@@ -1,6 +1,8 @@
 //! How well a law predicts blocks that are left out of its fit, one after the other: a term may know the conditions that it
 //! was fitted to and no others.
 
+use std::ops::Range;
+
 use super::score::Jury;
 use super::select::held_to;
 use super::split::{Role, Roles, same_amplitude};
@@ -18,6 +20,28 @@ const MOST_LEFT_OUT: usize = 4;
 const MOST_CYCLES: f64 = 0.8;
 /// Squared differences of cycles' means are so many times those of noise where a force wanders.
 const WANDERS: f64 = 20.0;
+
+/// Squared errors over the noise's variance, and of how many samples.
+#[derive(Clone, Copy, Debug, Default)]
+struct Left {
+    squares: f64,
+    count: f64,
+}
+
+impl Left {
+    fn mean(&self) -> f64 {
+        self.squares / self.count
+    }
+
+    /// None of nothing.
+    fn sum(parts: &[Self]) -> Option<Self> {
+        let sum = |of: fn(&Self) -> f64| parts.iter().map(of).sum();
+        (!parts.is_empty()).then(|| Self {
+            squares: sum(|left| left.squares),
+            count: sum(|left| left.count),
+        })
+    }
+}
 
 /// The samples of a fit: whether it takes that of a trajectory.
 pub(super) type Picked<'p> = &'p dyn Fn(usize, usize) -> bool;
@@ -52,33 +76,47 @@ impl<'a> LeftOut<'a> {
     /// What `model` leaves of the cycles that may be fitted, over the noise: RMS of all but the worst of them, which may be
     /// those of a start or of a change between blocks; none where there is not one whole cycle.
     pub fn left_in_most_cycles(&self, model: &Model) -> Result<Option<f64>, ModelError> {
-        let mut left = Vec::new();
+        let mut left: Vec<Left> = self.left(model)?.concat();
+        left.sort_by(|a, b| a.mean().total_cmp(&b.mean()));
+        left.truncate((MOST_CYCLES * left.len() as f64).ceil() as usize);
+        Ok(Left::sum(&left).map(|all| all.mean().sqrt()))
+    }
+
+    /// The same beyond the noise, √(left² − 1), of every block's cycles but its first, each block counting the same.
+    pub fn left_beyond_noise(&self, model: &Model) -> Result<Option<f64>, ModelError> {
+        let blocks: Vec<f64> = self
+            .left(model)?
+            .iter()
+            .filter_map(|cycles| Left::sum(cycles.get(1..)?))
+            .map(|block| block.mean() - 1.0)
+            .collect();
+        let mean = blocks.iter().sum::<f64>() / blocks.len() as f64;
+        Ok((!blocks.is_empty()).then(|| mean.max(0.0).sqrt()))
+    }
+
+    /// What `model` leaves of every block's cycles, as far as they may be fitted.
+    fn left(&self, model: &Model) -> Result<Vec<Vec<Left>>, ModelError> {
+        let mut blocks = Vec::new();
         for (which, trajectory) in self.trajectories.iter().enumerate() {
             let predicted = predict(model, trajectory)?;
-            let noise_power = held_to(trajectory).powi(2);
-            for cycle in trajectory.blocks.iter().flat_map(|block| &block.cycles) {
-                let telling = || {
-                    let samples = cycle.clone();
-                    samples.filter(|&i| self.is_open(which, i) && trajectory.is_telling(i))
-                };
-                let errors = telling().map(|i| (predicted[i] - trajectory.force[i]).powi(2));
-                let count = telling().count();
-                if count > 0 {
-                    left.push((
-                        errors.sum::<f64>() / noise_power / count as f64,
-                        count as f64,
-                    ));
-                }
+            let noise = held_to(trajectory);
+            let of_cycle = |cycle: &Range<usize>| {
+                let telling = cycle
+                    .clone()
+                    .filter(|&i| self.is_open(which, i) && trajectory.is_telling(i));
+                let errors =
+                    telling.map(|i| ((predicted[i] - trajectory.force[i]) / noise).powi(2));
+                errors.fold(Left::default(), |left, error| Left {
+                    squares: left.squares + error,
+                    count: left.count + 1.0,
+                })
+            };
+            for block in &trajectory.blocks {
+                let cycles = block.cycles.iter().map(of_cycle);
+                blocks.push(cycles.filter(|cycle| cycle.count > 0.0).collect());
             }
         }
-        if left.is_empty() {
-            return Ok(None);
-        }
-        left.sort_by(|a, b| a.0.total_cmp(&b.0));
-        left.truncate((MOST_CYCLES * left.len() as f64).ceil() as usize);
-        let samples: f64 = left.iter().map(|(_, count)| count).sum();
-        let squares: f64 = left.iter().map(|(square, count)| square * count).sum();
-        Ok(Some((squares / samples).sqrt()))
+        Ok(blocks)
     }
 
     /// Whether the mean of what `model` leaves differs from cycle to cycle of one block by more than noise would have it: a

@@ -20,6 +20,17 @@ pub(super) fn generalises(without: f64, with: f64, goal: f64) -> bool {
     with <= EXPLAINED * goal || with <= (1.0 - LEAST_TAKEN) * without
 }
 
+/// Effects that explain a recording leave of what the law alone leaves beyond the noise at most this part,
+const MOST_LEFT: f64 = 0.12;
+/// or nothing that shows beside so many times the noise. An effect that is like the one at work leaves more: a dashpot a
+/// fifth of a drag that grows with v².
+const UNSEEN: f64 = 0.6;
+
+/// Whether effects explain what the law alone leaves beyond the noise, `alone`, and leave only `left` of it, over the noise.
+pub(super) fn accounts_for(alone: f64, left: f64) -> bool {
+    left <= UNSEEN || left <= MOST_LEFT * alone
+}
+
 /// The verdict on what a search found, of which so many times the noise is `left`.
 pub(super) fn conclude(selection: &Selection, left: f64) -> Verdict {
     let few = selection.found.families().len() <= FEW;
