@@ -8,12 +8,13 @@ use crate::link::image::{Image, LinkError, Wire};
 use crate::model::{Model, ModelError};
 use crate::recording::trajectory::Trajectory;
 
-/// The model's force in kN at every sample of `trajectory` in f64, as identification fitted it.
+/// The model's force in kN at every sample of `trajectory` in f64, as identification fitted it and as the recording's channel
+/// would show it.
 ///
 /// # Errors
 /// A model that the crate refuses.
 pub fn predict(model: &Model, trajectory: &Trajectory) -> Result<Vec<f64>, ModelError> {
-    run(model, trajectory, |force, _| force)
+    Ok(trajectory.shown(run(model, trajectory, |force, _| force)?))
 }
 
 /// What `seen` makes of the force in kN and the effects' state at every sample of `trajectory`.
@@ -45,7 +46,7 @@ pub fn predict_embedded(model: &Model, trajectory: &Trajectory) -> Result<Vec<f6
     let mut amplitude = trajectory.amplitude[0];
     let mut law = TabulatedLaw::new(model.augmented(amplitude, trajectory.tick)?);
     let mut running = RunningLaw::new(law.clone());
-    (0..trajectory.len())
+    let force = (0..trajectory.len())
         .map(|index| {
             if trajectory.amplitude[index] != amplitude {
                 amplitude = trajectory.amplitude[index];
@@ -55,7 +56,8 @@ pub fn predict_embedded(model: &Model, trajectory: &Trajectory) -> Result<Vec<f6
             }
             Ok(f64::from(running.force(&motion_at(trajectory, index))))
         })
-        .collect()
+        .collect::<Result<_, ModelError>>()?;
+    Ok(trajectory.shown(force))
 }
 
 /// Why an image made no prediction.
@@ -88,7 +90,7 @@ pub fn predict_on<W: Wire>(
         let from = forces.len();
         image.forces(&motions[from..from + same.len()], &mut forces)?;
     }
-    Ok(forces.into_iter().map(f64::from).collect())
+    Ok(trajectory.shown(forces.into_iter().map(f64::from).collect()))
 }
 
 /// What the law sees at one sample.

@@ -30,15 +30,23 @@ pub(super) struct Basis<'r, 'a> {
 pub(super) struct Columns {
     at: Vec<f64>,
     moved: Option<Arc<Moved>>,
-    /// y, y³ and |v|^α·sgn v at every row, scaled where temperature is a term.
-    law: Arc<Vec<[f64; 3]>>,
+    law: Arc<LawColumns>,
     /// The forces of each term with size 1 at every row.
     added: Vec<Vec<Arc<Vec<f64>>>>,
+}
+
+/// Eq 13's at every row, scaled where temperature is a term.
+struct LawColumns {
+    /// y, y³ and |v|^α·sgn v.
+    unit: Vec<[f64; 3]>,
+    /// |v|^α·ln |v|·sgn v, the derivative of the last by α.
+    by_exponent: Vec<f64>,
 }
 
 struct Moved {
     trajectories: Vec<Trajectory>,
     rows: RowMotion,
+    throughout: Option<RowMotion>,
 }
 
 impl<'r, 'a> Basis<'r, 'a> {
@@ -152,7 +160,7 @@ impl<'r, 'a> Basis<'r, 'a> {
         let law_stays = motion_stays && stays(Entry::Scales);
         let law = match known.filter(|_| law_stays && same(0..self.rows.nodes.len()).is_some()) {
             Some(known) => known.law.clone(),
-            None => Arc::new(self.law(at, self.motion_of(&moved))),
+            None => Arc::new(self.law(at, &moved)),
         };
         let added = (0..self.terms.len())
             .map(
@@ -176,6 +184,7 @@ impl<'r, 'a> Basis<'r, 'a> {
         let node = &self.motion(columns).node;
         let mut force: Vec<f64> = columns
             .law
+            .unit
             .iter()
             .zip(node)
             .map(|(row, node)| (0..3).map(|i| linear[3 * node + i] * row[i]).sum())
@@ -214,8 +223,8 @@ impl<'r, 'a> Basis<'r, 'a> {
         let damping = linear[3 * node + 2];
         (0..self.rows.len())
             .map(|index| {
-                if motion.node[index] == node && motion.direction[index] != 0.0 {
-                    damping * columns.law[index][2] * motion.log_speed[index]
+                if motion.node[index] == node {
+                    damping * columns.law.by_exponent[index]
                 } else {
                     0.0
                 }
@@ -259,18 +268,45 @@ impl<'r, 'a> Basis<'r, 'a> {
                 moved(trajectory, &moves, deflection)
             })
             .collect();
-        let rows = self.rows.motion_in(&trajectories);
-        Some(Moved { trajectories, rows })
+        let (rows, throughout) = self.rows.motion_in(&trajectories);
+        Some(Moved {
+            trajectories,
+            rows,
+            throughout,
+        })
     }
 
-    fn law(&self, at: &[f64], motion: &RowMotion) -> Vec<[f64; 3]> {
+    fn law(&self, at: &[f64], moved: &Option<Arc<Moved>>) -> LawColumns {
+        let throughout = match moved {
+            Some(moved) => &moved.throughout,
+            None => &self.rows.throughout,
+        };
+        let Some(throughout) = throughout else {
+            return self.law_of(at, self.motion_of(moved));
+        };
+        let all = self.law_of(at, throughout);
+        let shown = |take: &dyn Fn(usize) -> f64| {
+            let force: Vec<f64> = (0..all.unit.len()).map(take).collect();
+            self.rows.shown_of_all(&force)
+        };
+        let unit = [0, 1, 2].map(|i| shown(&|index| all.unit[index][i]));
+        LawColumns {
+            unit: (0..self.rows.len())
+                .map(|index| std::array::from_fn(|i| unit[i][index]))
+                .collect(),
+            by_exponent: shown(&|index| all.by_exponent[index]),
+        }
+    }
+
+    /// At each instant of `motion`.
+    fn law_of(&self, at: &[f64], motion: &RowMotion) -> LawColumns {
         let temperature = (0..self.terms.len())
             .find(|&term| self.terms[term].form.entry() == Entry::Scales)
             .map(|term| (at[self.slot(term).start], self.terms[term].reference));
         let alphas: Vec<f64> = (0..self.rows.nodes.len())
             .map(|node| self.alpha(at, node))
             .collect();
-        (0..self.rows.len())
+        let unit: Vec<[f64; 3]> = (0..motion.displacement.len())
             .map(|index| {
                 let scale = temperature.map_or(1.0, |(beta, reference)| {
                     1.0 - beta * (motion.temperature[index] - reference)
@@ -283,7 +319,12 @@ impl<'r, 'a> Basis<'r, 'a> {
                     scale * motion.direction[index] * speed,
                 ]
             })
-            .collect()
+            .collect();
+        let damping = unit.iter().zip(&motion.log_speed);
+        LawColumns {
+            by_exponent: damping.map(|(row, log_speed)| row[2] * log_speed).collect(),
+            unit,
+        }
     }
 
     fn added(&self, at: &[f64], term: usize, moved: &Option<Arc<Moved>>) -> Vec<Arc<Vec<f64>>> {
@@ -314,19 +355,20 @@ impl<'r, 'a> Basis<'r, 'a> {
                 column.push(force);
             }
         }
-        Some(
-            columns
-                .iter()
-                .map(|column| self.rows.pick(column))
-                .collect(),
-        )
+        let columns = columns.into_iter();
+        Some(columns.map(|column| self.rows.shown(column)).collect())
     }
 }
 
 impl Columns {
     /// y, y³ and |v|^α·sgn v at every row.
     pub fn law(&self) -> &[[f64; 3]] {
-        &self.law
+        &self.law.unit
+    }
+
+    /// The derivative of the last by α.
+    pub fn by_exponent(&self) -> &[f64] {
+        &self.law.by_exponent
     }
 
     /// The added columns, term by term.

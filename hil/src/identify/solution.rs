@@ -2,7 +2,7 @@
 
 use super::term::{Form, Term, TermValue, added_effects};
 use crate::model::{LawNode, Model};
-use crate::predict::{predict, run};
+use crate::predict::run;
 use crate::recording::trajectory::Trajectory;
 
 /// What a fit found.
@@ -84,7 +84,10 @@ impl Solution {
                         })
                         .collect()
                 } else {
-                    with_rates(&predict(&model, trajectory).unwrap_or_default(), tick)
+                    {
+                        let force = run(&model, trajectory, |force, _| force);
+                        with_rates(&force.unwrap_or_default(), tick)
+                    }
                 };
                 Deflection {
                     stiffness,

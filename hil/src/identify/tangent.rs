@@ -25,13 +25,8 @@ impl Tangent {
         let local = columns
             .law()
             .iter()
-            .zip(motion.node.iter().zip(&motion.log_speed))
-            .map(|(&[y, y3, damping], (&node, log_speed))| {
-                let slope = if damping == 0.0 {
-                    0.0
-                } else {
-                    damping * log_speed
-                };
+            .zip(motion.node.iter().zip(columns.by_exponent()))
+            .map(|(&[y, y3, damping], (&node, slope))| {
                 [y, y3, damping, solution.law[node].c * slope]
             })
             .collect();

@@ -4,6 +4,7 @@
 //! displacement and a force are required; `velocity_mm_s` (or `velocity_mm/s`) and `temperature_degC` are used when
 //! there; any other column is kept and ignored. See [`units`] for the units known.
 
+pub mod averaging;
 mod channel;
 mod clock;
 mod consistency;

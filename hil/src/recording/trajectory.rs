@@ -1,8 +1,9 @@
 //! A recording made ready for identification: uniform time base, estimated motion, cycles and blocks.
 
 use super::Recording;
+use super::averaging::MovingAverage;
 use super::cycles::{Block, Cycles, range};
-use super::faults::{self, Fault, Shift};
+use super::faults::{self, Channel, Fault, Kind, Shift};
 use super::motion::{Motion, noise_deviation};
 use crate::error::InputError;
 
@@ -38,6 +39,8 @@ pub struct Trajectory {
     /// Whether the force was measured about this tick; false inside a gap of the recording, and where a fault of a
     /// channel was found.
     pub measured: Vec<bool>,
+    /// What the channels were smoothed by before they were written.
+    pub average: Option<MovingAverage>,
     /// Faults of the recording's channels.
     pub faults: Vec<Fault>,
 }
@@ -70,6 +73,7 @@ impl Trajectory {
                 "mend the channels, or leave the recording out",
             ));
         }
+        let average = MovingAverage::find(&uniform.displacement, &uniform.force);
         let mut trajectory = Self::new(
             recording.name.clone(),
             uniform.period,
@@ -79,6 +83,15 @@ impl Trajectory {
             uniform.temperature,
         );
         trajectory.measured = uniform.measured;
+        if let Some(average) = average {
+            trajectory.see_through(average);
+            found.push(Fault {
+                channel: Channel::Force,
+                kind: Kind::Averaged {
+                    time: average.window * trajectory.tick,
+                },
+            });
+        }
         if let Some(shift) = Shift::find(&trajectory) {
             found.push(shift.fault(trajectory.tick));
             trajectory.undo(shift);
@@ -139,6 +152,7 @@ impl Trajectory {
             force,
             temperature,
             measured: vec![true; count],
+            average: None,
             faults: Vec::new(),
             cycles: cycles.elapsed(count, tick),
             amplitude: cycles.amplitude_per_sample(count),
@@ -166,6 +180,34 @@ impl Trajectory {
         self.measured = moved;
     }
 
+    /// The motion before it was averaged, taken for a sine about its mean in every block.
+    fn see_through(&mut self, average: MovingAverage) {
+        self.average = Some(average);
+        self.force_noise = average.noise(self.force_noise);
+        for block in &mut self.blocks {
+            let gain = 1.0 / average.gain(block.frequency * self.tick);
+            block.amplitude *= gain;
+            let samples = block.samples.clone();
+            let motion = &mut self.motion;
+            let displacement = &mut motion.displacement[samples.clone()];
+            let mean = displacement.iter().sum::<f64>() / displacement.len() as f64;
+            for y in displacement {
+                *y = mean + gain * (*y - mean);
+            }
+            let rates = [
+                &mut motion.velocity,
+                &mut motion.acceleration,
+                &mut motion.velocity_deviation,
+                &mut self.amplitude,
+            ];
+            for channel in rates {
+                channel[samples.clone()]
+                    .iter_mut()
+                    .for_each(|value| *value *= gain);
+            }
+        }
+    }
+
     /// Number of samples.
     pub fn len(&self) -> usize {
         self.force.len()
@@ -188,6 +230,14 @@ impl Trajectory {
         let certain =
             self.motion.velocity[index].abs() > 3.0 * self.motion.velocity_deviation[index];
         self.measured[index] && certain && !at_kink
+    }
+
+    /// What the channel shows of `force`, one value per sample.
+    pub fn shown(&self, force: Vec<f64>) -> Vec<f64> {
+        match &self.average {
+            Some(average) => average.of(&force),
+            None => force,
+        }
     }
 
     /// Temperature at a sample, °C; 20 °C where none was measured.

@@ -10,6 +10,8 @@ use crate::recording::trajectory::Trajectory;
 
 /// At most about so many samples are fitted, evenly picked.
 const MOST_ROWS: usize = 6000;
+/// The mean over a window is taken over at most so many of its samples.
+const MOST_INSTANTS: usize = 9;
 /// Two blocks whose amplitudes differ by less than this part are of one amplitude.
 const SAME: f64 = 0.06;
 
@@ -47,21 +49,30 @@ impl Coefficients {
     }
 }
 
-/// One sample.
+/// One sample of the force.
 pub(crate) struct Row {
-    /// Trajectory and sample.
-    pub origin: (usize, usize),
     pub block: usize,
     /// The node of eq 13 below the amplitude, and the weight of the one above.
-    pub node: usize,
-    pub above: f64,
-    pub displacement: f64,
-    pub log_speed: f64,
-    pub direction: f64,
+    node: usize,
+    above: f64,
+    /// The instants of which it is the mean.
+    instants: Vec<Instant>,
     /// Measured force without that of the effects, kN.
     pub force: f64,
-    pub cells: [(usize, f64); 4],
 }
+
+/// One sample of the motion.
+struct Instant {
+    /// Trajectory and sample.
+    origin: (usize, usize),
+    displacement: f64,
+    log_speed: f64,
+    direction: f64,
+    cells: Cells,
+}
+
+/// Cells of a table that are at work at an instant, each with its weight.
+type Cells = [(usize, f64); 4];
 
 /// All samples of a fit.
 pub(crate) struct Design<'a> {
@@ -83,8 +94,8 @@ pub(crate) struct Design<'a> {
 pub(crate) struct Recalled {
     /// z at the first and at the last node.
     pub range: [f64; 2],
-    /// Cells of U at each row.
-    pub cells: Vec<[(usize, f64); 4]>,
+    /// Cells of U at each instant of each row.
+    cells: Vec<Vec<Cells>>,
 }
 
 impl<'a> Design<'a> {
@@ -141,21 +152,26 @@ impl<'a> Design<'a> {
             .step_by(every)
             .map(|&(which, sample)| {
                 let trajectory = &trajectories[which];
-                let motion = motion_at(trajectory, sample);
                 let after = trajectory
                     .blocks
                     .partition_point(|block| block.samples.start <= sample);
                 let (node, above) = between(&nodes, trajectory.amplitude[sample]);
+                let instant = |sample: usize| {
+                    let motion = motion_at(trajectory, sample);
+                    Instant {
+                        origin: (which, sample),
+                        displacement: motion.displacement,
+                        log_speed: motion.velocity.abs().max(f64::MIN_POSITIVE).ln(),
+                        direction: motion.velocity.signum(),
+                        cells: tables.support(&mut None, &motion.confined()).cells,
+                    }
+                };
                 let mut row = Row {
-                    origin: (which, sample),
                     block: first_block[which] + after.saturating_sub(1),
                     node,
                     above,
-                    displacement: motion.displacement,
-                    log_speed: motion.velocity.abs().max(f64::MIN_POSITIVE).ln(),
-                    direction: motion.velocity.signum(),
+                    instants: seen_at(trajectory, sample).map(instant).collect(),
                     force: 0.0,
-                    cells: tables.support(&mut None, &motion.confined()).cells,
                 };
                 let beside = if fits_law { row.law_force(&law) } else { 0.0 };
                 row.force = trajectory.force[sample] - (beside_law[which][sample] - beside);
@@ -198,6 +214,7 @@ impl<'a> Design<'a> {
         let (low, high) = self
             .through(of, wide, |memory, _| memory)?
             .into_iter()
+            .flatten()
             .fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), memory| {
                 (low.min(memory), high.max(memory))
             });
@@ -215,22 +232,27 @@ impl<'a> Design<'a> {
         Some(Recalled { range, cells })
     }
 
-    /// What `take` takes of where z stands and of its cells, at every row.
+    /// What `take` takes of where z stands and of its cells, at every instant of every row.
     fn through<T>(
         &self,
         of: Remembered,
         range: [f64; 2],
-        take: impl Fn(f64, [(usize, f64); 4]) -> T,
-    ) -> Option<Vec<T>> {
-        let mut taken = Vec::with_capacity(self.rows.len());
-        let mut rows = self.rows.iter().map(|row| row.origin).peekable();
+        take: impl Fn(f64, Cells) -> T,
+    ) -> Option<Vec<Vec<T>>> {
+        let mut wanted: Vec<((usize, usize), usize)> = Vec::new();
+        for (index, row) in self.rows.iter().enumerate() {
+            wanted.extend(row.instants.iter().map(|instant| (instant.origin, index)));
+        }
+        wanted.sort_unstable();
+        let mut wanted = wanted.into_iter().peekable();
+        let mut taken: Vec<Vec<T>> = self.rows.iter().map(|_| Vec::new()).collect();
         for (which, trajectory) in self.trajectories.iter().enumerate() {
             let tables = empty(&self.extent, Some((of, range)), trajectory.tick)?;
             let mut state = None;
             for sample in 0..trajectory.len() {
                 let support = tables.support(&mut state, &motion_at(trajectory, sample).confined());
-                if rows.next_if_eq(&(which, sample)).is_some() {
-                    taken.push(take(support.memory, support.memory_cells));
+                while let Some((_, row)) = wanted.next_if(|(at, _)| *at == (which, sample)) {
+                    taken[row].push(take(support.memory, support.memory_cells));
                 }
             }
         }
@@ -238,20 +260,31 @@ impl<'a> Design<'a> {
     }
 }
 
+impl Recalled {
+    /// The cells of U in the force at a row.
+    pub fn cells_of(&self, row: usize) -> impl Iterator<Item = (usize, f64)> + '_ {
+        let cells = &self.cells[row];
+        let part = 1.0 / cells.len() as f64;
+        cells
+            .iter()
+            .flatten()
+            .map(move |(cell, weight)| (*cell, part * weight))
+    }
+}
+
 impl Row {
     /// Eq 13's force, kN.
     pub fn law_force(&self, law: &Coefficients) -> f64 {
         let [k1, k3, c, alpha] = self.at_amplitude(law);
-        let y = self.displacement;
-        k1 * y + k3 * y.powi(3) + c * self.direction * (alpha * self.log_speed).exp()
+        let [y, y3, damping, _] = self.shown(alpha);
+        k1 * y + k3 * y3 + c * damping
     }
 
     /// The derivatives of that by the coefficients of every node.
     pub fn law_derivatives(&self, law: &Coefficients, entries: &mut Vec<(usize, f64)>) {
         let [_, _, c, alpha] = self.at_amplitude(law);
-        let y = self.displacement;
-        let damping = self.direction * (alpha * self.log_speed).exp();
-        let derivatives = [y, y.powi(3), damping, c * self.log_speed * damping];
+        let [y, y3, damping, by_exponent] = self.shown(alpha);
+        let derivatives = [y, y3, damping, c * by_exponent];
         for (node, weight) in [(self.node, 1.0 - self.above), (self.node + 1, self.above)] {
             if weight > 0.0 {
                 let own = derivatives.iter().enumerate();
@@ -260,12 +293,43 @@ impl Row {
         }
     }
 
+    /// The cells of T in the force.
+    pub fn cells(&self) -> impl Iterator<Item = (usize, f64)> + '_ {
+        let part = 1.0 / self.instants.len() as f64;
+        let cells = self.instants.iter().flat_map(|instant| instant.cells);
+        cells.map(move |(cell, weight)| (cell, part * weight))
+    }
+
+    /// The means of y, y³, |v|^α·sgn v and of the derivative of the last by α.
+    fn shown(&self, alpha: f64) -> [f64; 4] {
+        let mut sums = [0.0; 4];
+        for instant in &self.instants {
+            let y = instant.displacement;
+            let damping = instant.direction * (alpha * instant.log_speed).exp();
+            let own = [y, y.powi(3), damping, instant.log_speed * damping];
+            sums.iter_mut().zip(own).for_each(|(sum, own)| *sum += own);
+        }
+        sums.map(|sum| sum / self.instants.len() as f64)
+    }
+
     /// The coefficients at the row's amplitude.
-    pub fn at_amplitude(&self, law: &Coefficients) -> [f64; 4] {
+    fn at_amplitude(&self, law: &Coefficients) -> [f64; 4] {
         let low = law.0[self.node];
         let high = law.0[(self.node + 1).min(law.0.len() - 1)];
         std::array::from_fn(|i| low[i] + self.above * (high[i] - low[i]))
     }
+}
+
+/// The samples of the motion that the force at a sample shows: itself, or some that a moving average is over.
+fn seen_at(trajectory: &Trajectory, sample: usize) -> impl Iterator<Item = usize> {
+    let window = trajectory.average.map_or(1.0, |average| average.window);
+    let count = (window as usize).clamp(1, MOST_INSTANTS);
+    let last = trajectory.len() - 1;
+    (0..count).map(move |place| {
+        let place = (place as f64 + 0.5) / count as f64 - 0.5;
+        let at = sample as f64 + place * window;
+        (at.round().max(0.0) as usize).min(last)
+    })
 }
 
 /// The node below `amplitude` and the weight of the one above, as [`Model::law_at`] interpolates.

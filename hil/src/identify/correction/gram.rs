@@ -104,11 +104,12 @@ impl<'d> Raw<'d> {
                 left -= row.law_force(at);
                 row.law_derivatives(at, &mut entries);
             }
-            entries.extend(row.cells.map(|(cell, weight)| (law + cell, weight)));
+            entries.extend(row.cells().map(|(cell, weight)| (law + cell, weight)));
             if let Some(recalled) = recalled {
-                let cells = recalled.cells[index];
+                let cells = recalled.cells_of(index);
                 entries.extend(cells.map(|(cell, weight)| (law + CELLS + cell, weight)));
             }
+            add_up(&mut entries);
             let last = blocks.len() - 1;
             let block = &mut blocks[row.block.min(last)];
             for (place, &(i, a)) in entries.iter().enumerate() {
@@ -149,6 +150,18 @@ impl<'d> Raw<'d> {
         let blocks = blocks.collect();
         Sums::of(self.design, self.at, layout, form, hats, blocks)
     }
+}
+
+/// Leaves one entry for each place.
+fn add_up(entries: &mut Vec<(usize, f64)>) {
+    entries.sort_unstable_by_key(|(place, _)| *place);
+    entries.dedup_by(|next, kept| {
+        let same = next.0 == kept.0;
+        if same {
+            kept.1 += next.1;
+        }
+        same
+    });
 }
 
 /// The normal equations.

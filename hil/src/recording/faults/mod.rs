@@ -78,6 +78,11 @@ pub enum Kind {
     },
     /// A velocity that is not the derivative of the displacement.
     NotDerivative,
+    /// Displacement and force that were smoothed by a moving average.
+    Averaged {
+        /// Time that it is over, s.
+        time: f64,
+    },
 }
 
 /// A fault found in a recording.
@@ -170,6 +175,12 @@ impl std::fmt::Display for Fault {
                     factor.max(1.0 / factor)
                 )
             }
+            Kind::Averaged { time } => write!(
+                f,
+                "displacement and force are moving averages over {time:.3} s: neither has noise at {:.1} Hz and its multiples; \
+                 the law's force is averaged likewise before it is compared",
+                1.0 / time
+            ),
             Kind::NotDerivative => write!(
                 f,
                 "the velocity is not the derivative of the displacement; it was left out and the derivative taken"

@@ -1,0 +1,249 @@
+//! Channels that were smoothed by a moving average before they were written.
+//!
+//! A mean over w samples has no noise at the frequencies k/w: its gain there is sin(πfw)/(πfw) = 0. No motion leaves such
+//! notches at all multiples of one frequency in displacement and force alike. A force that jumps at a reversal, averaged,
+//! does not jump any more; a law can only be compared with it when its own force is averaged likewise.
+//!
+//! A strong harmonic of the motion beside a notch hides it, and with it the average.
+
+use realfft::RealFftPlanner;
+
+/// At most so many notches are looked for.
+const MOST_NOTCHES: usize = 5;
+/// Two at least, so that a filter against the mains is not taken for an average.
+const FEWEST_NOTCHES: usize = 2;
+/// Half the width of a notch over the distance of two: the gain is below a twentieth there.
+const NOTCH: f64 = 0.06;
+/// What lies between notches, likewise from the first to the second number beside one.
+const BETWEEN: [f64; 2] = [0.25, 0.75];
+/// A notch is at least so many bins of the spectrum wide to either side.
+const FEWEST_BINS: f64 = 2.4;
+/// Logarithm of the power in notches over that between them, on average at most: −1.9 to −5.2 in recordings that were averaged,
+/// above −0.9 at its deepest in others.
+const DEEP: f64 = -1.4;
+/// And in each of them.
+const SEEN: f64 = -0.4;
+/// Notches whose distances are within this ratio are the same.
+const NEAR: f64 = 1.15;
+
+/// A moving average over samples before and after.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct MovingAverage {
+    /// Samples that it is over, 2 and more; a part of one counts in part.
+    pub window: f64,
+}
+
+impl MovingAverage {
+    /// The average that both channels went through, if they did.
+    pub fn find(displacement: &[f64], force: &[f64]) -> Option<Self> {
+        let spectra = [displacement, force].map(Spectrum::of);
+        let [Some(displacement), Some(force)] = spectra else {
+            return None;
+        };
+        let bins = displacement.bins();
+        let mut found: Vec<(f64, f64)> = Vec::new();
+        let mut distance = FEWEST_BINS / NOTCH;
+        while distance * FEWEST_NOTCHES as f64 <= bins {
+            let depths = [&displacement, &force].map(|spectrum| spectrum.depth(distance));
+            if let [Some(one), Some(other)] = depths {
+                found.push((distance, one.max(other)));
+            }
+            distance += (0.002 * distance).max(0.5);
+        }
+        // Every second notch of an average is a notch too, so those that are nearest together count.
+        let (first, _) = *found.first()?;
+        let same = found
+            .iter()
+            .take_while(|(distance, _)| *distance < NEAR * first);
+        let (distance, _) = same.min_by(|a, b| a.1.total_cmp(&b.1))?;
+        Some(Self {
+            window: 2.0 * bins / distance,
+        })
+    }
+
+    /// What is left of a sine of `frequency` cycles per sample, below the first notch: sin(πfw)/(w·sin πf).
+    pub fn gain(&self, frequency: f64) -> f64 {
+        let half_turn = std::f64::consts::PI * frequency;
+        (half_turn * self.window).sin() / (self.window * half_turn.sin())
+    }
+
+    /// The deviation of averaged white noise, of which sixth differences show `seen` only
+    /// ([`noise_deviation`](super::motion::noise_deviation)): neighbours share most of what they are the average of.
+    pub fn noise(&self, seen: f64) -> f64 {
+        let half = 0.5 * (self.window - 1.0);
+        let end = [half.fract()];
+        let taps = [&end[..], &vec![1.0; 2 * half as usize + 1], &end].concat();
+        let mut differences = vec![0.0; taps.len() + SIXTH_DIFFERENCE.len() - 1];
+        for (index, tap) in taps.iter().enumerate() {
+            for (own, weight) in differences[index..].iter_mut().zip(SIXTH_DIFFERENCE) {
+                *own += weight * tap;
+            }
+        }
+        let squares = |values: &[f64]| values.iter().map(|value| value * value).sum::<f64>();
+        let shown = squares(&differences) / squares(&SIXTH_DIFFERENCE);
+        seen * (squares(&taps) / shown).sqrt()
+    }
+
+    /// The average of `values` about each of them; at an end, of those that are there.
+    pub fn of(&self, values: &[f64]) -> Vec<f64> {
+        let half = 0.5 * (self.window - 1.0);
+        let (whole, part) = (half as usize, half.fract());
+        let mut sums = Vec::with_capacity(values.len() + 1);
+        let mut sum = 0.0;
+        sums.push(sum);
+        for value in values {
+            sum += value;
+            sums.push(sum);
+        }
+        let count = values.len();
+        (0..count)
+            .map(|index| {
+                let (first, last) = (index.saturating_sub(whole), (index + whole).min(count - 1));
+                let mut total = sums[last + 1] - sums[first];
+                let mut weight = (last + 1 - first) as f64;
+                let ends = [index.checked_sub(whole + 1), Some(index + whole + 1)];
+                for value in ends.into_iter().flatten().filter_map(|end| values.get(end)) {
+                    total += part * value;
+                    weight += part;
+                }
+                total / weight
+            })
+            .collect()
+    }
+}
+
+/// The weights of the samples of a sixth difference.
+const SIXTH_DIFFERENCE: [f64; 7] = [1.0, -6.0, 15.0, -20.0, 15.0, -6.0, 1.0];
+
+/// Sums of the logarithm of a channel's power, bin by bin.
+struct Spectrum {
+    sums: Vec<f64>,
+}
+
+impl Spectrum {
+    /// Of the channel's differences, which are more alike over frequency than the channel is; `None` where it is too short.
+    fn of(channel: &[f64]) -> Option<Self> {
+        let mut differences: Vec<f64> = channel.windows(2).map(|pair| pair[1] - pair[0]).collect();
+        let count = differences.len();
+        for (index, value) in differences.iter_mut().enumerate() {
+            let turn = (index as f64 + 0.5) / count as f64 * std::f64::consts::TAU;
+            *value *= 1.0 - turn.cos();
+        }
+        let plan = RealFftPlanner::<f64>::new().plan_fft_forward(count);
+        let mut spectrum = plan.make_output_vec();
+        plan.process(&mut differences, &mut spectrum).ok()?;
+        let mut sum = 0.0;
+        let logarithms = spectrum.iter().map(|bin| {
+            sum += bin.norm_sqr().max(f64::MIN_POSITIVE).ln();
+            sum
+        });
+        Some(Self {
+            sums: [0.0].into_iter().chain(logarithms).collect(),
+        })
+    }
+
+    /// Up to half the sampling rate.
+    fn bins(&self) -> f64 {
+        (self.sums.len() - 2) as f64
+    }
+
+    /// Mean logarithm of the power in the bins from one place to another, `None` beyond the last bin.
+    fn mean(&self, from: f64, to: f64) -> Option<f64> {
+        let (from, to) = (from.ceil() as usize, to.floor().min(self.bins()) as usize);
+        (from < to).then(|| (self.sums[to + 1] - self.sums[from]) / (to + 1 - from) as f64)
+    }
+
+    /// The mean depth of the notches that are so many bins apart, `None` where one is not deep.
+    fn depth(&self, distance: f64) -> Option<f64> {
+        let notches = ((self.bins() + NOTCH * distance) / distance) as usize;
+        let depths: Vec<f64> = (1..=notches.min(MOST_NOTCHES))
+            .map(|notch| {
+                let at = |place: f64| (notch as f64 + place) * distance;
+                let within = self.mean(at(-NOTCH), at(NOTCH))?;
+                let [near, far] = BETWEEN;
+                let below = self.mean(at(-far), at(-near))?;
+                let above = (at(far) <= self.bins())
+                    .then(|| self.mean(at(near), at(far)))
+                    .flatten();
+                Some(within - above.map_or(below, |above| below.min(above)))
+            })
+            .collect::<Option<_>>()?;
+        let mean = depths.iter().sum::<f64>() / depths.len() as f64;
+        let is_average = depths.len() >= FEWEST_NOTCHES
+            && mean < DEEP
+            && depths.iter().all(|depth| *depth < SEEN);
+        is_average.then_some(mean)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::motion::noise_deviation;
+    use super::MovingAverage;
+    use proptest::prelude::*;
+    use rand::rngs::StdRng;
+    use rand::{RngExt, SeedableRng};
+
+    /// A tone with harmonics in noise.
+    fn channel(count: usize, period: f64, noise: f64, seed: u64) -> Vec<f64> {
+        let mut random = StdRng::seed_from_u64(seed);
+        (0..count)
+            .map(|index| {
+                let turn = std::f64::consts::TAU * index as f64 / period;
+                let harmonics = turn.sin() + 0.3 * (3.0 * turn).cos() + 0.1 * (5.0 * turn).sin();
+                harmonics + noise * (random.random::<f64>() - 0.5)
+            })
+            .collect()
+    }
+
+    proptest! {
+        #![proptest_config(ProptestConfig::with_cases(24))]
+
+        /// The window is found to a part in fifty, and nothing where there is none. No harmonic is as fast as the first notch.
+        #[test]
+        fn a_window_is_found(window in 4.0..40.0_f64, period in 500.0..900.0_f64, noise in 1e-3..0.1_f64, seed: u64) {
+            let raw = [0, 1].map(|which| channel(4000, period, noise, seed ^ which));
+            prop_assert_eq!(MovingAverage::find(&raw[0], &raw[1]), None);
+            let average = MovingAverage { window: window.round() };
+            let [displacement, force] = raw.map(|channel| average.of(&channel));
+            let found = MovingAverage::find(&displacement, &force);
+            let found = found.expect("an average").window;
+            prop_assert!((found / window.round() - 1.0).abs() < 0.02, "{} {}", found, window);
+            let noise = average.of(&channel(4000, f64::INFINITY, noise, seed));
+            let mean = noise.iter().sum::<f64>() / 4000.0;
+            let deviation = (noise.iter().map(|n| (n - mean).powi(2)).sum::<f64>() / 4000.0).sqrt();
+            let seen = average.noise(noise_deviation(&noise));
+            prop_assert!((seen / deviation - 1.0).abs() < 0.25, "{} {}", seen, deviation);
+        }
+
+        /// A mean of a constant is that constant, and of a line that line, but for the ends.
+        #[test]
+        fn an_average_keeps_lines(window in 2.0..30.0_f64, slope in -1.0..1.0_f64) {
+            let line: Vec<f64> = (0..100).map(|index| 3.0 + slope * f64::from(index)).collect();
+            let averaged = MovingAverage { window }.of(&line);
+            for index in 16..84 {
+                prop_assert!((averaged[index] - line[index]).abs() < 1e-9);
+            }
+            let constant = MovingAverage { window }.of(&[2.5; 40]);
+            prop_assert!(constant.iter().all(|value| (value - 2.5).abs() < 1e-12));
+        }
+    }
+
+    /// A notch at one frequency, as against the mains, is no average; nor is one channel's alone.
+    #[test]
+    fn one_notch_or_one_channel_is_no_average() {
+        let [one, other] = [3, 4].map(|seed| channel(6000, 250.0, 0.02, seed));
+        let average = MovingAverage { window: 20.0 };
+        assert_eq!(MovingAverage::find(&average.of(&one), &other), None);
+        assert_eq!(MovingAverage::find(&one, &average.of(&other)), None);
+        // y(i) − 2·cos ω·y(i−1) + y(i−2) has no gain at ω.
+        let notch = |channel: &[f64]| -> Vec<f64> {
+            let beside = 2.0 * (std::f64::consts::TAU / 20.0).cos();
+            channel
+                .windows(3)
+                .map(|y| y[2] - beside * y[1] + y[0])
+                .collect()
+        };
+        assert_eq!(MovingAverage::find(&notch(&one), &notch(&other)), None);
+    }
+}

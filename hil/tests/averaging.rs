@@ -1,0 +1,53 @@
+//! Recordings whose channels were smoothed by a moving average before they were written.
+
+use hil::blind::draw;
+use hil::recording::Recording;
+use hil::recording::averaging::MovingAverage;
+use hil::recording::trajectory::Trajectory;
+use hil::trace::result::Verdict;
+use hil::trace::trace;
+
+/// Of a specimen with Bouc–Wen friction, 2000 samples a second.
+const SEED: u64 = 367;
+const AVERAGE: MovingAverage = MovingAverage { window: 21.0 };
+
+fn averaged(recording: &Recording) -> Recording {
+    let mut averaged = recording.clone();
+    averaged.displacement = AVERAGE.of(&recording.displacement);
+    averaged.force = AVERAGE.of(&recording.force);
+    averaged
+}
+
+/// What smoothed the channels is said and taken into account: friction is still found, and predicts motion that was not fitted
+/// as well as it does from channels that were not smoothed. The same law is far off where the smoothing is not known.
+#[test]
+fn friction_is_found_behind_a_moving_average() {
+    let trial = draw(SEED);
+    let recordings = [averaged(&trial.training)];
+    let held_out = [averaged(&trial.held_out)];
+    let found = trace(&recordings, &held_out, &|_| ()).expect("a trace");
+    let result = &found.result;
+    assert_eq!(result.verdict, Verdict::Found, "{:?}", result.warnings);
+    assert_eq!(result.effects[0].family, "stick_slip");
+    assert!(
+        result
+            .warnings
+            .iter()
+            .any(|text| text.contains("moving averages over 0.011 s")),
+        "{:?}",
+        result.warnings
+    );
+    let plain = trace(&[trial.training], &[trial.held_out], &|_| ()).expect("a trace");
+    let (own, before) = (
+        result.augmented.nrmse_held_out,
+        result.baseline.nrmse_held_out,
+    );
+    assert!(own < 0.1 * before, "{own} {before}");
+    assert!(own < 1.1 * plain.result.augmented.nrmse_held_out, "{own}");
+
+    let mut unaware = Trajectory::of(&held_out[0]).expect("a trajectory");
+    unaware.average = None;
+    let force = hil::predict::predict(&found.model, &unaware).expect("a force");
+    let unaware = hil::predict::nrmse(&force, &unaware.force, |_| true);
+    assert!(unaware > 2.0 * own, "{unaware} {own}");
+}
