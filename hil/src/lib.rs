@@ -12,6 +12,7 @@
 //! | recordings as files; their motion and its cycles | [`recording`] |
 //! | fitting coefficients with their uncertainty | [`identify`] |
 //! | which effect is missing, and by how much the law is better with it | [`mod@trace`], [`report`] |
+//! | which factor of a test matters, and whether that can be told | [`mod@orthogonal`] |
 //! | the published loops by one law for every amplitude | [`mod@amplitude_free`] |
 //! | a law as a file, and the force that it predicts | [`model`], [`model_file`], [`mod@predict`] |
 //! | the crate as an image for a microcontroller: built, measured, emulated | [`mod@image`] |
@@ -33,6 +34,7 @@ pub mod amplitude_free;
 pub mod bench;
 pub mod blind;
 pub mod correction;
+mod csv_text;
 pub mod demo;
 pub mod error;
 pub mod identify;
@@ -40,6 +42,7 @@ pub mod image;
 pub mod link;
 pub mod model;
 pub mod model_file;
+pub mod orthogonal;
 pub mod output;
 pub mod predict;
 pub mod recording;

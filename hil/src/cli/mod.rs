@@ -7,6 +7,7 @@ mod blind;
 mod demo;
 mod effect;
 mod image;
+mod orthogonal;
 mod predict;
 mod programme;
 mod progress;
@@ -40,6 +41,7 @@ enum Command {
     Bench(bench::BenchCommand),
     Blind(blind::BlindCommand),
     AmplitudeFree(amplitude_free::AmplitudeFreeCommand),
+    Orthogonal(orthogonal::OrthogonalCommand),
 }
 
 impl Cli {
@@ -53,6 +55,7 @@ impl Cli {
             Command::Bench(command) => command.run(),
             Command::Blind(command) => command.run(),
             Command::AmplitudeFree(command) => command.run(),
+            Command::Orthogonal(command) => command.run(),
         }
     }
 }

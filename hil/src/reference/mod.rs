@@ -6,6 +6,7 @@ pub mod comparison;
 pub mod cubic_fit;
 pub mod dynamic_test;
 pub mod law;
+pub mod orthogonal_test;
 pub mod static_test;
 pub mod surfaces;
 pub mod tables;
