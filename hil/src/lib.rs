@@ -12,7 +12,9 @@
 //! | recordings as files; their motion and its cycles | [`recording`] |
 //! | fitting coefficients with their uncertainty | [`identify`] |
 //! | which effect is missing, and by how much the law is better with it | [`mod@trace`], [`report`] |
+//! | stiffness and loss factor of a recording, eqs 1–7 | [`mod@characterize`] |
 //! | which factor of a test matters, and whether that can be told | [`mod@orthogonal`] |
+//! | the density that gives a stiffness and a loss factor | [`mod@design`] |
 //! | the published loops by one law for every amplitude | [`mod@amplitude_free`] |
 //! | a law as a file, and the force that it predicts | [`model`], [`model_file`], [`mod@predict`] |
 //! | the crate as an image for a microcontroller: built, measured, emulated | [`mod@image`] |
@@ -33,9 +35,11 @@ pub mod actuator;
 pub mod amplitude_free;
 pub mod bench;
 pub mod blind;
+pub mod characterize;
 pub mod correction;
 mod csv_text;
 pub mod demo;
+pub mod design;
 pub mod error;
 pub mod identify;
 pub mod image;

@@ -1,52 +1,17 @@
 //! Bad input through the real command: one line that names the place, exit code 2, no output left.
 
+mod refusal;
+
 use std::fs;
 use std::io::Write as _;
-use std::path::Path;
-use std::process::{Command, Output};
+
+use refusal::{hil, refuses};
 
 const MODEL: &str = r#"{ "format": "mesh-damper-model", "version": 1,
   "units": { "displacement": "mm", "force": "kN", "time": "s", "temperature": "degC" },
   "law": [ { "amplitude": 0.0, "k1": 1.2, "k3": 30.0, "c": 0.1, "alpha": 0.3 } ],
   "effects": [ { "family": "offset", "parameters": { "force": 0.01 } } ],
   "fitted_range": { "displacement": [-0.2, 0.2], "velocity": [-6.3, 6.3] } }"#;
-
-fn hil(directory: &Path, arguments: &[&str]) -> Output {
-    Command::new(env!("CARGO_BIN_EXE_hil"))
-        .args(arguments)
-        .current_dir(directory)
-        .env("RUST_BACKTRACE", "1")
-        .output()
-        .unwrap()
-}
-
-fn names(directory: &Path) -> Vec<String> {
-    let mut names: Vec<String> = fs::read_dir(directory)
-        .unwrap()
-        .map(|entry| entry.unwrap().file_name().into_string().unwrap())
-        .collect();
-    names.sort();
-    names
-}
-
-/// Asserts that the command refuses with `said` in its one line, and leaves `directory` as it was.
-#[track_caller]
-fn refuses(directory: &Path, arguments: &[&str], said: &[&str]) {
-    let before = names(directory);
-    let output = hil(directory, arguments);
-    let error = String::from_utf8(output.stderr).unwrap();
-    assert_eq!(output.status.code(), Some(2), "{arguments:?}: {error}");
-    assert_eq!(error.lines().count(), 1, "{arguments:?}: {error}");
-    assert!(error.starts_with("error: "), "{error}");
-    for part in said {
-        assert!(
-            error.contains(part),
-            "{arguments:?}: {part:?} not in {error}"
-        );
-    }
-    assert!(output.stdout.is_empty());
-    assert_eq!(names(directory), before, "{arguments:?}");
-}
 
 /// A recording of a few cycles in which `change` may spoil the lines, header first.
 fn recording(change: impl FnOnce(&mut Vec<String>)) -> Vec<u8> {
@@ -357,7 +322,15 @@ fn bad_usage_ends_with_2_and_help_shows_an_example() {
     ] {
         assert_eq!(hil(root.path(), arguments).status.code(), Some(2));
     }
-    for command in ["demo", "trace", "predict", "run"] {
+    for command in [
+        "demo",
+        "trace",
+        "predict",
+        "run",
+        "characterize",
+        "orthogonal",
+        "design",
+    ] {
         let output = hil(root.path(), &[command, "--help"]);
         assert_eq!(output.status.code(), Some(0));
         let help = String::from_utf8(output.stdout).unwrap();
@@ -378,6 +351,33 @@ fn every_bad_recording_is_refused_by_trace() {
             &["trace", "good.csv", "--held-out", name],
             said,
         );
+    }
+}
+
+#[test]
+fn every_bad_recording_is_refused_by_characterize() {
+    let root = tempfile::tempdir().unwrap();
+    for (name, bytes, said) in bad_recordings() {
+        fs::write(root.path().join(name), bytes).unwrap();
+        for kind in ["--static", "--dynamic"] {
+            // A load–unload curve may wait as long as it likes.
+            if (name, kind) == ("jump.csv", "--static") {
+                continue;
+            }
+            refuses(
+                root.path(),
+                &[
+                    "characterize",
+                    name,
+                    kind,
+                    "--out",
+                    "new",
+                    "--json",
+                    "new.json",
+                ],
+                said,
+            );
+        }
     }
 }
 

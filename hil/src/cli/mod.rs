@@ -4,7 +4,9 @@ mod amplitude_free;
 mod bench;
 mod bench_table;
 mod blind;
+mod characterize;
 mod demo;
+mod design;
 mod effect;
 mod image;
 mod orthogonal;
@@ -41,7 +43,9 @@ enum Command {
     Bench(bench::BenchCommand),
     Blind(blind::BlindCommand),
     AmplitudeFree(amplitude_free::AmplitudeFreeCommand),
+    Characterize(characterize::CharacterizeCommand),
     Orthogonal(orthogonal::OrthogonalCommand),
+    Design(design::DesignCommand),
 }
 
 impl Cli {
@@ -55,7 +59,9 @@ impl Cli {
             Command::Bench(command) => command.run(),
             Command::Blind(command) => command.run(),
             Command::AmplitudeFree(command) => command.run(),
+            Command::Characterize(command) => command.run(),
             Command::Orthogonal(command) => command.run(),
+            Command::Design(command) => command.run(),
         }
     }
 }

@@ -291,7 +291,8 @@ impl RunCommand {
     }
 }
 
-fn in_words(fault: Fault) -> &'static str {
+/// Why the rig stopped.
+pub(super) fn in_words(fault: Fault) -> &'static str {
     match fault {
         Fault::AdcBus => "the ADC did not answer",
         Fault::DacBus => "the DAC did not answer",

@@ -1,7 +1,7 @@
 //! Analysis of variance of an L9: which factors stand out of the error, and whether there is an error to hold them against.
 //!
-//! A factor's sum of squares is r/3·Σ(mean of a level's runs − mean)²·3 over its three levels, with 2 degrees of freedom; r
-//! is how often every run was done. What it is held against is, in this order:
+//! A factor's sum of squares is 3r·Σ(mean of a level − mean of everything)² over its three levels, with 2 degrees of freedom;
+//! r is how often every run was done. What it is held against is, in this order:
 //!
 //! 1. where runs were repeated, the scatter between repeats: 9·(r − 1) degrees of freedom;
 //! 2. where columns are left, what the factors leave of the runs: 2 for every column without a factor, error only as far

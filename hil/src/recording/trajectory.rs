@@ -51,6 +51,34 @@ impl Trajectory {
     /// # Errors
     /// Too few samples, a recording that is mostly gaps, or a displacement that is mostly noise.
     pub fn of(recording: &Recording) -> Result<Self, InputError> {
+        let (mut trajectory, average) = Self::prepared(recording)?;
+        if let Some(average) = average {
+            trajectory.see_through(average);
+            trajectory.faults.push(Fault {
+                channel: Channel::Force,
+                kind: Kind::Averaged {
+                    time: average.window * trajectory.tick,
+                },
+            });
+        }
+        if let Some(shift) = Shift::find(&trajectory) {
+            trajectory.faults.push(shift.fault(trajectory.tick));
+            trajectory.undo(shift);
+        }
+        Ok(trajectory)
+    }
+
+    /// The same with both channels as they were recorded, for who measures losses and not a law: an average takes as much of
+    /// the force as of the displacement, and a purely viscous specimen's force is as that of a spring that is early.
+    ///
+    /// # Errors
+    /// As [`Trajectory::of`].
+    pub fn as_recorded(recording: &Recording) -> Result<Self, InputError> {
+        Ok(Self::prepared(recording)?.0)
+    }
+
+    /// With the average that its channels show, which is not seen through yet.
+    fn prepared(recording: &Recording) -> Result<(Self, Option<MovingAverage>), InputError> {
         recording.require_samples(FEWEST_SAMPLES)?;
         let recording = &recording.mended();
         let mut uniform = recording.uniform()?;
@@ -83,19 +111,6 @@ impl Trajectory {
             uniform.temperature,
         );
         trajectory.measured = uniform.measured;
-        if let Some(average) = average {
-            trajectory.see_through(average);
-            found.push(Fault {
-                channel: Channel::Force,
-                kind: Kind::Averaged {
-                    time: average.window * trajectory.tick,
-                },
-            });
-        }
-        if let Some(shift) = Shift::find(&trajectory) {
-            found.push(shift.fault(trajectory.tick));
-            trajectory.undo(shift);
-        }
         trajectory.faults = found;
         let (low, high) = range(&trajectory.motion.displacement);
         if trajectory.motion.noise > LARGEST_NOISE * (high - low) {
@@ -109,7 +124,7 @@ impl Trajectory {
                 "check the displacement's channel and unit",
             ));
         }
-        Ok(trajectory)
+        Ok((trajectory, average))
     }
 
     /// Conditions the channels of a recording: `displacement` mm, `force` kN, `velocity` mm/s and `temperature` °C where

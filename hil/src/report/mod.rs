@@ -1,5 +1,6 @@
 //! `report.html`: what a trace found, in one file that opens anywhere and prints.
 
+pub mod characterization;
 mod charts;
 pub mod curves;
 mod evidence;

@@ -1,0 +1,365 @@
+//! Every density and amplitude at which stiffness and loss factor are those wanted.
+//!
+//! Over a grid of densities and amplitudes, whose lines include those of the tables so that the coefficients are smooth in
+//! every cell, a cell is searched by Newton's method wherever the logarithms of K/K* and η/η* may both pass through 0 in it.
+//! At one given amplitude there is one unknown for two figures: the density at which they are nearest is sought then.
+
+use super::figures::{Figures, coefficients};
+use super::{Point, Reachable, Wanted};
+use crate::reference::tables::{AMPLITUDES, DENSITIES};
+
+/// Cells between two lines of the tables, each way.
+const CELLS: usize = 24;
+/// The same along the densities of a single amplitude.
+const CELLS_OF_LINE: usize = 400;
+/// What a figure may do within a cell beyond its corners: this part of their difference, and so much of its logarithm.
+const BEYOND: (f64, f64) = (0.5, 2e-3);
+/// Starts of Newton's method in a cell, each way.
+const STARTS: usize = 3;
+/// Most of its steps.
+const STEPS: usize = 60;
+/// Logarithms of K/K* and η/η* below this are 0.
+const EXACT: f64 = 1e-9;
+/// Solutions nearer to each other than this, g/cm³ and mm, are one.
+const SAME: (f64, f64) = (1e-4, 1e-5);
+/// How often the surroundings of the nearest point are searched more finely.
+const ZOOMS: usize = 12;
+
+/// ln(K/K*) and ln(η/η*).
+type Misfit = [f64; 2];
+
+/// The densities and amplitudes that are searched.
+pub(super) struct Search<'w> {
+    wanted: &'w Wanted,
+    densities: Vec<f64>,
+    amplitudes: Vec<f64>,
+    /// By amplitude and density.
+    misfits: Vec<Vec<Misfit>>,
+}
+
+impl<'w> Search<'w> {
+    pub(super) fn new(wanted: &'w Wanted) -> Self {
+        let (low, high) = wanted.amplitudes;
+        let is_line = low == high;
+        let cells = if is_line { CELLS_OF_LINE } else { CELLS };
+        let densities = nodes(&DENSITIES, (DENSITIES[0], DENSITIES[4]), cells);
+        let amplitudes = if is_line {
+            vec![low]
+        } else {
+            nodes(&AMPLITUDES, (low, high), CELLS)
+        };
+        let along = |&amplitude: &f64| {
+            let of = |&density: &f64| misfit(wanted, density, amplitude);
+            densities.iter().map(of).collect()
+        };
+        Self {
+            wanted,
+            misfits: amplitudes.iter().map(along).collect(),
+            densities,
+            amplitudes,
+        }
+    }
+
+    /// The points that meet both figures, or, at a single amplitude, are nearest to them and within the tolerance.
+    pub(super) fn solutions(&self) -> Vec<Point> {
+        let mut found: Vec<(f64, f64)> = Vec::new();
+        let candidates = if self.amplitudes.len() == 1 {
+            self.of_line()
+        } else {
+            self.of_cells()
+        };
+        for (density, amplitude) in candidates {
+            let same = |other: &(f64, f64)| {
+                (other.0 - density).abs() < SAME.0 && (other.1 - amplitude).abs() < SAME.1
+            };
+            if !found.iter().any(same) {
+                found.push((density, amplitude));
+            }
+        }
+        found.sort_by(|a, b| a.0.total_cmp(&b.0).then(a.1.total_cmp(&b.1)));
+        let points = found.into_iter();
+        points
+            .map(|(density, amplitude)| Point::at(self.wanted, density, amplitude))
+            .collect()
+    }
+
+    /// What can be had, and the point nearest to what is wanted.
+    pub(super) fn reachable(&self) -> Reachable {
+        let all = || self.misfits.iter().flatten();
+        let of =
+            |index: usize, wanted: f64| range(all().map(|misfit| wanted * misfit[index].exp()));
+        let (stiffness, loss_factor) = (self.wanted.stiffness, self.wanted.loss_factor);
+        let other = |index: usize, wanted: f64| {
+            let passages = self.passages(1 - index);
+            (!passages.is_empty())
+                .then(|| range(passages.iter().map(|misfit| wanted * misfit[index].exp())))
+        };
+        Reachable {
+            stiffness: of(0, stiffness),
+            loss_factor: of(1, loss_factor),
+            loss_factor_at_stiffness: other(1, loss_factor),
+            stiffness_at_loss_factor: other(0, stiffness),
+            nearest: self.nearest(),
+        }
+    }
+
+    /// The misfits where figure `index` passes through the one wanted along the lines of the grid, interpolated.
+    fn passages(&self, index: usize) -> Vec<Misfit> {
+        let mut passages = Vec::new();
+        let mut pass = |a: Misfit, b: Misfit| {
+            if (a[index] <= 0.0) != (b[index] <= 0.0) {
+                let part = a[index] / (a[index] - b[index]);
+                passages.push([0, 1].map(|i| a[i] + part * (b[i] - a[i])));
+            }
+        };
+        for (row, line) in self.misfits.iter().enumerate() {
+            for (column, &here) in line.iter().enumerate() {
+                if let Some(&next) = line.get(column + 1) {
+                    pass(here, next);
+                }
+                if let Some(next) = self.misfits.get(row + 1) {
+                    pass(here, next[column]);
+                }
+            }
+        }
+        passages
+    }
+
+    fn nearest(&self) -> Point {
+        let mut best = (self.densities[0], self.amplitudes[0], f64::INFINITY);
+        for (line, &amplitude) in self.misfits.iter().zip(&self.amplitudes) {
+            for (&misfit, &density) in line.iter().zip(&self.densities) {
+                let distance = distance(misfit);
+                if distance < best.2 {
+                    best = (density, amplitude, distance);
+                }
+            }
+        }
+        let bounds = |nodes: &[f64]| (nodes[0], nodes[nodes.len() - 1]);
+        let (of_density, of_amplitude) = (bounds(&self.densities), bounds(&self.amplitudes));
+        let cell = |nodes: &[f64]| (bounds(nodes).1 - bounds(nodes).0) / nodes.len() as f64;
+        let mut reach = (cell(&self.densities), cell(&self.amplitudes));
+        for _ in 0..ZOOMS {
+            let centre = best;
+            for i in -4..=4 {
+                for j in -4..=4 {
+                    let part = |i: i32| f64::from(i) / 4.0;
+                    let density = centre.0 + part(i) * reach.0;
+                    let density = density.clamp(of_density.0, of_density.1);
+                    let amplitude = centre.1 + part(j) * reach.1;
+                    let amplitude = amplitude.clamp(of_amplitude.0, of_amplitude.1);
+                    let distance = distance(misfit(self.wanted, density, amplitude));
+                    if distance < best.2 {
+                        best = (density, amplitude, distance);
+                    }
+                }
+            }
+            reach = (0.4 * reach.0, 0.4 * reach.1);
+        }
+        Point::at(self.wanted, best.0, best.1)
+    }
+
+    /// The densities at which the distance is least, where it is within the tolerance.
+    fn of_line(&self) -> Vec<(f64, f64)> {
+        let (line, amplitude) = (&self.misfits[0], self.amplitudes[0]);
+        let at = |density: f64| distance(misfit(self.wanted, density, amplitude));
+        let last = line.len() - 1;
+        let least = |&index: &usize| {
+            let here = distance(line[index]);
+            (index == 0 || distance(line[index - 1]) >= here)
+                && (index == last || distance(line[index + 1]) >= here)
+        };
+        (0..=last)
+            .filter(least)
+            .map(|index| {
+                let low = self.densities[index.saturating_sub(1)];
+                let high = self.densities[(index + 1).min(last)];
+                (minimum(at, low, high), amplitude)
+            })
+            .filter(|&(density, amplitude)| {
+                within(
+                    misfit(self.wanted, density, amplitude),
+                    self.wanted.tolerance,
+                )
+            })
+            .collect()
+    }
+
+    fn of_cells(&self) -> Vec<(f64, f64)> {
+        let mut found = Vec::new();
+        for (row, amplitudes) in self.amplitudes.windows(2).enumerate() {
+            for (column, densities) in self.densities.windows(2).enumerate() {
+                let (near, far) = (&self.misfits[row], &self.misfits[row + 1]);
+                let corners = [near[column], near[column + 1], far[column], far[column + 1]];
+                if (0..2).all(|index| may_vanish(corners.map(|corner| corner[index]))) {
+                    let cell = Cell {
+                        wanted: self.wanted,
+                        density: (densities[0], densities[1]),
+                        amplitude: (amplitudes[0], amplitudes[1]),
+                    };
+                    found.extend(cell.solutions());
+                }
+            }
+        }
+        found
+    }
+}
+
+/// A cell of the grid, in which both figures are smooth.
+struct Cell<'w> {
+    wanted: &'w Wanted,
+    density: (f64, f64),
+    amplitude: (f64, f64),
+}
+
+impl Cell<'_> {
+    fn solutions(&self) -> impl Iterator<Item = (f64, f64)> {
+        let part = |i: usize| (i as f64 + 0.5) / STARTS as f64;
+        (0..STARTS * STARTS).filter_map(move |i| self.newton(part(i / STARTS), part(i % STARTS)))
+    }
+
+    /// From a start within the cell, both coordinates 0…1 there. It never leaves the cell, beyond which the coefficients go
+    /// another way.
+    fn newton(&self, mut u: f64, mut w: f64) -> Option<(f64, f64)> {
+        const DIFFERENCE: f64 = 1e-5;
+        let point = |u: f64, w: f64| {
+            let between = |(low, high): (f64, f64), part: f64| low + part * (high - low);
+            (between(self.density, u), between(self.amplitude, w))
+        };
+        let at = |u: f64, w: f64| {
+            let (density, amplitude) = point(u, w);
+            misfit(self.wanted, density, amplitude)
+        };
+        let inwards = |part: f64| if part < 0.5 { DIFFERENCE } else { -DIFFERENCE };
+        for _ in 0..STEPS {
+            let here = at(u, w);
+            if here.iter().all(|misfit| misfit.abs() < EXACT) {
+                return Some(point(u, w));
+            }
+            let (du, dw) = (inwards(u), inwards(w));
+            let (along_u, along_w) = (at(u + du, w), at(u, w + dw));
+            let by_u = [0, 1].map(|i| (along_u[i] - here[i]) / du);
+            let by_w = [0, 1].map(|i| (along_w[i] - here[i]) / dw);
+            let determinant = by_u[0] * by_w[1] - by_u[1] * by_w[0];
+            if determinant == 0.0 {
+                return None;
+            }
+            let step_u = (here[0] * by_w[1] - here[1] * by_w[0]) / determinant;
+            let step_w = (here[1] * by_u[0] - here[0] * by_u[1]) / determinant;
+            // Half a cell at most: it is as far as the derivatives can be trusted.
+            let shortened = (0.5 / step_u.abs().max(step_w.abs())).min(1.0);
+            (u, w) = (
+                (u - shortened * step_u).clamp(0.0, 1.0),
+                (w - shortened * step_w).clamp(0.0, 1.0),
+            );
+        }
+        None
+    }
+}
+
+impl Point {
+    pub(super) fn at(wanted: &Wanted, density: f64, amplitude: f64) -> Self {
+        let law = coefficients(density, amplitude);
+        let Figures {
+            stiffness,
+            loss_factor,
+        } = Figures::of(&law, amplitude, wanted.frequency);
+        Self {
+            density,
+            amplitude,
+            stiffness,
+            loss_factor,
+        }
+    }
+}
+
+/// The amplitudes about `point` at which its density keeps both figures within the tolerance, mm.
+pub(super) fn amplitudes_about(wanted: &Wanted, point: &Point) -> (f64, f64) {
+    const PARTS: usize = 400;
+    const HALVINGS: usize = 40;
+    let keeps = |amplitude: f64| within(misfit(wanted, point.density, amplitude), wanted.tolerance);
+    let towards = |end: f64| {
+        let place = |i: usize| point.amplitude + (end - point.amplitude) * i as f64 / PARTS as f64;
+        let Some(first_out) = (1..=PARTS).find(|&i| !keeps(place(i))) else {
+            return end;
+        };
+        let (mut kept, mut out) = (place(first_out - 1), place(first_out));
+        for _ in 0..HALVINGS {
+            let middle = 0.5 * (kept + out);
+            if keeps(middle) {
+                kept = middle;
+            } else {
+                out = middle;
+            }
+        }
+        kept
+    };
+    (towards(AMPLITUDES[0]), towards(AMPLITUDES[4]))
+}
+
+pub(super) fn within(misfit: Misfit, tolerance: f64) -> bool {
+    misfit
+        .iter()
+        .all(|misfit| misfit.exp_m1().abs() <= tolerance)
+}
+
+pub(super) fn misfit(wanted: &Wanted, density: f64, amplitude: f64) -> Misfit {
+    let point = Point::at(wanted, density, amplitude);
+    [
+        (point.stiffness / wanted.stiffness).ln(),
+        (point.loss_factor / wanted.loss_factor).ln(),
+    ]
+}
+
+fn distance(misfit: Misfit) -> f64 {
+    misfit[0].hypot(misfit[1])
+}
+
+/// Whether a figure with these misfits at a cell's corners may be the one wanted somewhere in it.
+fn may_vanish(corners: [f64; 4]) -> bool {
+    let (low, high) = range(corners.into_iter());
+    let beyond = BEYOND.0 * (high - low) + BEYOND.1;
+    low - beyond <= 0.0 && high + beyond >= 0.0
+}
+
+/// The ends of the range and the lines of the tables between them, with `cells` cells in between.
+fn nodes(lines: &[f64], (low, high): (f64, f64), cells: usize) -> Vec<f64> {
+    let mut ends = vec![low];
+    ends.extend(
+        lines
+            .iter()
+            .copied()
+            .filter(|&line| low < line && line < high),
+    );
+    ends.push(high);
+    let mut nodes: Vec<f64> = ends
+        .windows(2)
+        .flat_map(|pair| {
+            let place = |i: usize| pair[0] + (pair[1] - pair[0]) * i as f64 / cells as f64;
+            (0..cells).map(place).collect::<Vec<f64>>()
+        })
+        .collect();
+    nodes.push(high);
+    nodes
+}
+
+fn range(values: impl Iterator<Item = f64>) -> (f64, f64) {
+    values.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), value| {
+        (low.min(value), high.max(value))
+    })
+}
+
+/// Where a function that falls and then rises between `low` and `high` is least.
+fn minimum(function: impl Fn(f64) -> f64, mut low: f64, mut high: f64) -> f64 {
+    // Each step leaves two thirds.
+    for _ in 0..80 {
+        let third = (high - low) / 3.0;
+        let (a, b) = (low + third, high - third);
+        if function(a) < function(b) {
+            high = b;
+        } else {
+            low = a;
+        }
+    }
+    0.5 * (low + high)
+}
