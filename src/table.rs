@@ -4,11 +4,15 @@
 //! coefficient is interpolated linearly in both directions; outside it is that of the nearest edge, and the answer
 //! says so.
 
+mod smoothed;
+
 use core::fmt;
 
 use crate::error::ConfigError;
 use crate::law::Law;
 use crate::real::in_range;
+
+pub use smoothed::SMOOTHED;
 
 /// Smallest and largest density of a node, g/cm³: from a loose roll to beyond solid steel.
 pub const DENSITY_RANGE: (f64, f64) = (0.01, 20.0);

@@ -15,6 +15,7 @@
 //! | stiffness and loss factor of a recording, eqs 1–7 | [`mod@characterize`] |
 //! | which factor of a test matters, and whether that can be told | [`mod@orthogonal`] |
 //! | the density that gives a stiffness and a loss factor | [`mod@design`] |
+//! | the published coefficients as surfaces over density and amplitude | [`mod@surfaces`] |
 //! | the published loops by one law for every amplitude | [`mod@amplitude_free`] |
 //! | a law as a file, and the force that it predicts | [`model`], [`model_file`], [`mod@predict`] |
 //! | the crate as an image for a microcontroller: built, measured, emulated | [`mod@image`] |
@@ -46,6 +47,7 @@ pub mod image;
 pub mod link;
 pub mod model;
 pub mod model_file;
+mod nonnegative;
 pub mod orthogonal;
 pub mod output;
 pub mod predict;
@@ -53,4 +55,5 @@ pub mod recording;
 pub mod reference;
 pub mod report;
 pub mod specimen;
+pub mod surfaces;
 pub mod trace;

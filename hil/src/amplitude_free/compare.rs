@@ -89,9 +89,3 @@ pub fn of_surfaces(density: usize) -> Coefficients {
         Equation18::Corrected,
     )
 }
-
-/// The force in kN of eq 13 under `sine`.
-pub fn force_of(law: Coefficients, sine: &Sine) -> Vec<f64> {
-    let samples = sine.displacement.iter().zip(&sine.velocity);
-    samples.map(|(&y, &v)| law.force(y, v)).collect()
-}

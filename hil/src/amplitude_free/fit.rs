@@ -14,8 +14,8 @@ use nalgebra::{DMatrix, DVector};
 use serde::Serialize;
 
 use super::loops::{Sine, amplitude};
-use super::nonnegative;
 use crate::model::{AddedEffect, Family, LawNode, Model};
+use crate::nonnegative;
 
 /// Samples of a cycle in a fit.
 pub const SAMPLES: usize = 200;

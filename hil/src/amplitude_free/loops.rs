@@ -2,6 +2,7 @@
 
 use std::f64::consts::TAU;
 
+use crate::reference::law::Coefficients;
 use crate::reference::tables::{self, AMPLITUDES};
 
 /// Row of the tables whose amplitude, 0.15 mm, is held out.
@@ -38,7 +39,11 @@ impl Sine {
 
     /// The force in kN of the cell in row `row` and column `column` of Tables 6–9.
     pub fn force_of_cell(&self, row: usize, column: usize) -> Vec<f64> {
-        let law = tables::cell(row, column);
+        self.force(&tables::cell(row, column))
+    }
+
+    /// The force in kN of eq 13.
+    pub fn force(&self, law: &Coefficients) -> Vec<f64> {
         let samples = self.displacement.iter().zip(&self.velocity);
         samples.map(|(&y, &v)| law.force(y, v)).collect()
     }

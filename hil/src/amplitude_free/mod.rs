@@ -17,7 +17,6 @@
 mod compare;
 mod fit;
 mod loops;
-mod nonnegative;
 
 pub use compare::{embedded_force, ticks_of};
 pub use fit::{FittedLaw, Structure};
@@ -32,7 +31,7 @@ use crate::model::ModelError;
 use crate::model_file::{FittedRange, ModelFile};
 use crate::predict::nrmse;
 use crate::reference::tables::{AMPLITUDES, DENSITIES};
-use compare::{force_of, interpolated, loop_between, of_surfaces};
+use compare::{interpolated, loop_between, of_surfaces};
 use fit::{Loops, structures};
 use loops::{BETWEEN, FITTED, HELD_OUT, amplitude};
 
@@ -219,8 +218,8 @@ impl DensityResult {
         Ok(HeldOutLoop {
             measured: sine.force_of_cell(HELD_OUT, density),
             equation_13: embedded_force(&self.equation_13.model(), &sine)?,
-            tables: force_of(interpolated(density), &sine),
-            surfaces: force_of(of_surfaces(density), &sine),
+            tables: sine.force(&interpolated(density)),
+            surfaces: sine.force(&of_surfaces(density)),
             law: embedded_force(&self.law.model(), &sine)?,
             displacement: sine.displacement,
         })

@@ -14,7 +14,7 @@ use mesh_damper::effects::AugmentedLaw;
 use mesh_damper::law::Law;
 use mesh_damper::rig::{CycleReport, Fault};
 use mesh_damper::sine::Programme;
-use mesh_damper::table::PAPER;
+use mesh_damper::table::{PAPER, SMOOTHED};
 use serde::Serialize;
 
 use super::effect;
@@ -48,9 +48,12 @@ pub struct RunCommand {
     /// A JSON file with the blocks instead
     #[arg(long, value_name = "FILE", conflicts_with = "blocks")]
     programme: Option<PathBuf>,
-    /// The law beside the specimen, as `hil trace` writes it; the paper's tables without it
+    /// The law beside the specimen, as `hil trace` writes it; the published coefficients without it
     #[arg(long, value_name = "FILE")]
     model: Option<PathBuf>,
+    /// Where the published coefficients are taken from
+    #[arg(long, value_enum, default_value_t = PublishedLaw::Tables, conflicts_with = "model")]
+    law: PublishedLaw,
     /// Density of the specimen, g/cm³, 2 to 4
     #[arg(long, value_name = "G_PER_CM3", default_value_t = 3.0)]
     density: f64,
@@ -84,6 +87,25 @@ enum On {
     Host,
     /// In the firmware's image, in an emulator
     Image,
+}
+
+/// Where eq 13 comes from when no model is given.
+#[derive(Clone, Copy, Debug, ValueEnum)]
+enum PublishedLaw {
+    /// Tables 6–9, between their cells in straight lines
+    Tables,
+    /// The surfaces that are fitted to their loops
+    Surfaces,
+}
+
+impl PublishedLaw {
+    fn at(self, density: f64, amplitude: f64) -> Law<f32> {
+        let (density, amplitude) = (density as f32, amplitude as f32);
+        match self {
+            Self::Tables => PAPER.lookup(density, amplitude).law,
+            Self::Surfaces => SMOOTHED.lookup(density, amplitude).law,
+        }
+    }
 }
 
 /// The amplitude whose row of the paper's tables a specimen of given density follows, mm.
@@ -271,7 +293,7 @@ impl RunCommand {
     ) -> Result<(AugmentedLaw<f32, MAX_EFFECTS>, Vec<Law<f32>>), InputError> {
         let amplitudes = programme.blocks().map(|block| block.amplitude());
         let Some(path) = &self.model else {
-            let law = PAPER.lookup(density as f32, SPECIMEN_AMPLITUDE as f32).law;
+            let law = self.law.at(density, SPECIMEN_AMPLITUDE);
             return Ok((AugmentedLaw::new(law), Vec::new()));
         };
         let model = ModelFile::read(path)?.model();
