@@ -17,6 +17,7 @@
 //! | the density that gives a stiffness and a loss factor | [`mod@design`] |
 //! | the published coefficients as surfaces over density and amplitude | [`mod@surfaces`] |
 //! | the published loops by one law for every amplitude | [`mod@amplitude_free`] |
+//! | every table, equation and claim of the paper, recomputed | [`mod@paper`] |
 //! | a law as a file, and the force that it predicts | [`model`], [`model_file`], [`mod@predict`] |
 //! | the crate as an image for a microcontroller: built, measured, emulated | [`mod@image`] |
 //! | the instructions that it takes there, beside its peers' | [`mod@bench`] |
@@ -50,6 +51,7 @@ pub mod model_file;
 mod nonnegative;
 pub mod orthogonal;
 pub mod output;
+pub mod paper;
 pub mod predict;
 pub mod recording;
 pub mod reference;

@@ -330,6 +330,7 @@ fn bad_usage_ends_with_2_and_help_shows_an_example() {
         "characterize",
         "orthogonal",
         "design",
+        "paper",
     ] {
         let output = hil(root.path(), &[command, "--help"]);
         assert_eq!(output.status.code(), Some(0));

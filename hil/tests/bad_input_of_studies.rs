@@ -332,3 +332,29 @@ fn what_cannot_be_characterized_is_refused() {
     let picture = fs::read_to_string(root.path().join("out/characterize.svg")).unwrap();
     assert!(picture.starts_with("<svg") && picture.contains("middle line"));
 }
+
+#[test]
+fn paper_refuses_before_it_computes_what_it_could_not_write() {
+    let root = tempfile::tempdir().unwrap();
+    fs::write(root.path().join("taken"), "").unwrap();
+    fs::create_dir_all(root.path().join("dir/report.html")).unwrap();
+    for (arguments, said) in [
+        (&["--out", "taken"][..], "taken is a file, not a directory"),
+        (&["--out", "dir"], "dir/report.html: is a directory"),
+        (&["--json", "."], "is a directory"),
+        (&["--json", "taken/paper.json"], "taken is a file"),
+        (&["--json", ""], "the path is empty"),
+    ] {
+        refuses(root.path(), &[&["paper"], arguments].concat(), &[said]);
+    }
+    for arguments in [
+        &["paper", "tables"][..],
+        &["paper", "--seed", "1"],
+        &["run", "--law", "moon"],
+        &["run", "--law", "surfaces", "--model", "model.json"],
+    ] {
+        let output = hil(root.path(), arguments);
+        assert_eq!(output.status.code(), Some(2), "{arguments:?}");
+        assert!(String::from_utf8(output.stderr).unwrap().contains("Usage"));
+    }
+}

@@ -10,6 +10,7 @@ mod design;
 mod effect;
 mod image;
 mod orthogonal;
+mod paper;
 mod predict;
 mod programme;
 mod progress;
@@ -46,6 +47,7 @@ enum Command {
     Characterize(characterize::CharacterizeCommand),
     Orthogonal(orthogonal::OrthogonalCommand),
     Design(design::DesignCommand),
+    Paper(paper::PaperCommand),
 }
 
 impl Cli {
@@ -62,6 +64,7 @@ impl Cli {
             Command::Characterize(command) => command.run(),
             Command::Orthogonal(command) => command.run(),
             Command::Design(command) => command.run(),
+            Command::Paper(command) => command.run(),
         }
     }
 }

@@ -19,35 +19,69 @@ pub fn k1(density: f64, amplitude: f64) -> f64 {
     3.137e-5 * amplitude.powf(0.05217) * density.powf(9.108)
 }
 
+/// The coefficients of eq 17, by [`terms_17`].
+pub const EQUATION_17: [f64; 10] = [
+    -836.7, -367.4, 975.6, -183.1, -327.3, -314.7, 2760.0, 1299.0, -69.43, 36.29,
+];
+
+/// 1, A, ρ, A², Aρ, ρ², A³, A²ρ, Aρ², ρ³.
+pub fn terms_17(density: f64, amplitude: f64) -> [f64; 10] {
+    let (r, a) = (density, amplitude);
+    [
+        1.0,
+        a,
+        r,
+        a * a,
+        a * r,
+        r * r,
+        a * a * a,
+        a * a * r,
+        a * r * r,
+        r * r * r,
+    ]
+}
+
 /// Eq 17, k3 in kN/mm³. R² = 0.78 against Table 7.
 pub fn k3(density: f64, amplitude: f64) -> f64 {
+    sum(&EQUATION_17, &terms_17(density, amplitude))
+}
+
+/// The coefficients of eq 18, by [`terms_18`].
+pub const EQUATION_18: [f64; 9] = [
+    -6.705, 9.596, 6.924, 0.7754, -7.209, -2.286, 0.1469, 1.297, 0.2459,
+];
+
+/// 1, A, ρ, A², Aρ, ρ², and the last three of the reading.
+pub fn terms_18(density: f64, amplitude: f64, reading: Equation18) -> [f64; 9] {
     let (r, a) = (density, amplitude);
-    -836.7 - 367.4 * a + 975.6 * r - 183.1 * a * a - 327.3 * a * r - 314.7 * r * r
-        + 2760.0 * a * a * a
-        + 1299.0 * a * a * r
-        - 69.43 * a * r * r
-        + 36.29 * r * r * r
+    let [x, y, z] = match reading {
+        Equation18::Printed => [a * a * a, a * a * r, a * r * r],
+        Equation18::Corrected => [a * a * r, a * r * r, r * r * r],
+    };
+    [1.0, a, r, a * a, a * r, r * r, x, y, z]
 }
 
 /// Eq 18, c in kN·(s/mm)^α.
 pub fn c(density: f64, amplitude: f64, reading: Equation18) -> f64 {
+    sum(&EQUATION_18, &terms_18(density, amplitude, reading))
+}
+
+/// The coefficients of eq 19, by [`terms_19`].
+pub const EQUATION_19: [f64; 7] = [-0.8135, 0.6189, 1.188, -0.7935, -0.3195, 0.1205, 0.02337];
+
+/// 1, A, ρ, Aρ, ρ², Aρ², ρ³.
+pub fn terms_19(density: f64, amplitude: f64) -> [f64; 7] {
     let (r, a) = (density, amplitude);
-    let last = match reading {
-        Equation18::Printed => [a * a * a, a * a * r, a * r * r],
-        Equation18::Corrected => [a * a * r, a * r * r, r * r * r],
-    };
-    -6.705 + 9.596 * a + 6.924 * r + 0.7754 * a * a - 7.209 * a * r - 2.286 * r * r
-        + 0.1469 * last[0]
-        + 1.297 * last[1]
-        + 0.2459 * last[2]
+    [1.0, a, r, a * r, r * r, a * r * r, r * r * r]
 }
 
 /// Eq 19, α. R² = 0.85 against Table 9.
 pub fn alpha(density: f64, amplitude: f64) -> f64 {
-    let (r, a) = (density, amplitude);
-    -0.8135 + 0.6189 * a + 1.188 * r - 0.7935 * a * r - 0.3195 * r * r
-        + 0.1205 * a * r * r
-        + 0.02337 * r * r * r
+    sum(&EQUATION_19, &terms_19(density, amplitude))
+}
+
+fn sum(coefficients: &[f64], terms: &[f64]) -> f64 {
+    coefficients.iter().zip(terms).map(|(b, x)| b * x).sum()
 }
 
 /// The coefficients that eq 20 puts into eq 13.

@@ -68,6 +68,14 @@ pub const PANELS: Style = Style {
 };
 
 impl Style {
+    /// Of this size in px, with letters as in [`SMALL`].
+    pub fn of_size(width: u32, height: u32) -> Self {
+        Self {
+            size: (width, height),
+            ..SMALL
+        }
+    }
+
     /// Size of the letters, px.
     pub fn font(&self) -> u32 {
         self.font

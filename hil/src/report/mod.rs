@@ -1,4 +1,4 @@
-//! `report.html`: what a trace found, in one file that opens anywhere and prints.
+//! `report.html`: what a trace found, or what became of the paper, in one file that opens anywhere and prints.
 
 pub mod characterization;
 mod charts;
@@ -6,6 +6,8 @@ pub mod curves;
 mod evidence;
 mod from_trace;
 mod page;
+pub mod paper;
+mod plots;
 mod reasoning;
 mod residual;
 pub mod text;

@@ -1,0 +1,177 @@
+//! `hil paper`: every claim's row with its numbers, the report, and the JSON.
+
+use std::process::Command;
+use std::sync::OnceLock;
+
+use serde_json::Value;
+
+mod recomputed;
+
+use recomputed::ROWS;
+
+const README: &str = include_str!("../../README.md");
+
+/// The result as JSON and the report, of one run for all tests.
+fn run() -> &'static (Value, String) {
+    static RUN: OnceLock<(Value, String)> = OnceLock::new();
+    RUN.get_or_init(|| {
+        let root = tempfile::tempdir().unwrap();
+        let output = Command::new(env!("CARGO_BIN_EXE_hil"))
+            .args(["paper", "--out", "new/out", "--json", "-"])
+            .current_dir(root.path())
+            .output()
+            .unwrap();
+        assert!(
+            output.status.success(),
+            "{}",
+            String::from_utf8_lossy(&output.stderr)
+        );
+        let page = std::fs::read_to_string(root.path().join("new/out/report.html")).unwrap();
+        (serde_json::from_slice(&output.stdout).unwrap(), page)
+    })
+}
+
+fn claims() -> &'static Vec<Value> {
+    run().0["claims"].as_array().unwrap()
+}
+
+#[test]
+fn every_claim_has_its_verdict_and_its_numbers() {
+    let names: Vec<&str> = claims()
+        .iter()
+        .map(|claim| claim["name"].as_str().unwrap())
+        .collect();
+    let expected: Vec<&str> = ROWS.iter().map(|row| row.0).collect();
+    assert_eq!(names, expected);
+    for (claim, (name, verdict, figures)) in claims().iter().zip(ROWS) {
+        assert_eq!(claim["verdict"], *verdict, "{claim}");
+        for field in ["place", "says", "reason"] {
+            assert!(claim[field].as_str().unwrap().len() > 3, "{claim}");
+        }
+        for (figure, expected) in *figures {
+            let found = claim["figures"][figure].as_f64();
+            let found = found.unwrap_or_else(|| panic!("{name} has no {figure}: {claim}"));
+            assert!(
+                (found - expected).abs() <= 6e-4 * expected.abs() + 1e-12,
+                "{name}, {figure}: {found}, expected {expected}"
+            );
+        }
+    }
+}
+
+#[test]
+fn the_json_holds_every_number() {
+    let (json, _) = run();
+    let cells = json["cells"].as_array().unwrap();
+    assert_eq!(cells.len(), 5);
+    for cell in cells.iter().flat_map(|row| row.as_array().unwrap()) {
+        for field in ["density", "amplitude", "inflections"] {
+            assert!(cell[field].is_number(), "{cell}");
+        }
+        for field in ["stiffness", "loss_factor", "dissipated"] {
+            assert!(cell["dynamics"][field].as_f64().unwrap() > 0.0, "{cell}");
+        }
+        assert!(cell["coefficients"]["alpha"].is_number());
+    }
+    let fits = json["fits"].as_array().unwrap();
+    assert_eq!(fits.len(), 3);
+    assert!(
+        fits.iter()
+            .all(|fit| fit["free"].as_array().unwrap().len() == 25)
+    );
+    assert_eq!(json["left_out"].as_array().unwrap().len(), 100);
+    assert_eq!(json["orthogonal_test"].as_array().unwrap().len(), 2);
+    let errors = json["surface_errors"].as_array().unwrap();
+    assert_eq!(errors.len(), 4);
+    for one in errors {
+        let cells = one["loop_error"].as_array().unwrap().iter();
+        let cells: Vec<f64> = cells
+            .flat_map(|row| row.as_array().unwrap())
+            .map(|error| error.as_f64().unwrap())
+            .collect();
+        let mean = cells.iter().sum::<f64>() / 25.0;
+        assert!((mean - one["mean"].as_f64().unwrap()).abs() < 1e-9, "{one}");
+    }
+    assert_eq!(json["surfaces"]["degree"], 2);
+    for (over, field) in [("by_density", "density"), ("by_amplitude", "amplitude")] {
+        let conditions = json["comparison"][over].as_array().unwrap();
+        assert_eq!(conditions.len(), 5);
+        let at: Vec<f64> = conditions
+            .iter()
+            .map(|one| one[field].as_f64().unwrap())
+            .collect();
+        assert!(at.is_sorted());
+        for one in conditions {
+            for law in ["printed", "corrected", "surfaces"] {
+                assert_eq!(one[law]["sigma"].as_array().unwrap().len(), 4, "{one}");
+                assert!(one[law]["nrmse"].is_number());
+            }
+            let elements = &one["finite_elements"];
+            assert!(
+                elements["Ok"]["nrmse"].is_number() || elements["Err"].is_string(),
+                "{one}"
+            );
+        }
+    }
+}
+
+#[test]
+fn the_report_holds_every_claim_and_figure_and_needs_no_other_file() {
+    let (_, page) = run();
+    assert!(page.len() < 3_000_000, "{}", page.len());
+    for claim in claims() {
+        let says = claim["says"].as_str().unwrap().replace('>', "&gt;");
+        assert!(page.contains(&says), "{says}");
+    }
+    for figure in [
+        "Figures 5–7",
+        "Figure 8",
+        "Figure 9",
+        "Figures 10 and 11",
+        "Figures 12 and 13",
+        "Figure 14",
+        "Figure 15",
+        "Figure 16",
+        "Figure 17",
+        "Figure 18",
+    ] {
+        assert!(page.contains(&format!("<h3>{figure}")), "{figure}");
+    }
+    // Nothing is fetched, and nothing is run.
+    let own = page.replace("http://www.w3.org/2000/svg", "");
+    for foreign in ["http://", "https://", "<script", "<link", "@import", "NaN"] {
+        assert!(!own.contains(foreign), "{foreign}");
+    }
+}
+
+#[test]
+fn the_readme_tells_how_many_claims_hold_and_what_the_surfaces_are_worth() {
+    let count = |verdict: &str| {
+        claims()
+            .iter()
+            .filter(|claim| claim["verdict"] == verdict)
+            .count()
+    };
+    let said = format!(
+        "Of {} claims {} hold, {} fail and {} can't be told",
+        claims().len(),
+        count("holds"),
+        count("fails"),
+        count("cannot_tell")
+    );
+    assert!(README.replace('\n', " ").contains(&said), "{said}");
+    for one in run().0["surface_errors"].as_array().unwrap() {
+        let start = format!("| {} |", one["name"].as_str().unwrap());
+        let row = README.lines().find(|line| line.starts_with(&start));
+        let row = row.unwrap_or_else(|| panic!("no row {start}"));
+        let said = row[start.len()..].trim_matches(['|', ' ']).split('|');
+        for (said, field) in said.zip(["mean", "largest"]) {
+            let said: f64 = said.trim().parse().unwrap();
+            let found = 100.0 * one[field].as_f64().unwrap();
+            assert!(
+                (said - found).abs() <= 0.06_f64.max(1e-3 * found),
+                "{row}: {found}"
+            );
+        }
+    }
+}
