@@ -19,6 +19,7 @@
 //! | the published loops by one law for every amplitude | [`mod@amplitude_free`] |
 //! | every table, equation and claim of the paper, recomputed | [`mod@paper`] |
 //! | a law as a file, and the force that it predicts | [`model`], [`model_file`], [`mod@predict`] |
+//! | the finite elements that the paper sets beside its law | [`mod@finite_element`] |
 //! | the crate as an image for a microcontroller: built, measured, emulated | [`mod@image`] |
 //! | the instructions that it takes there, beside its peers' | [`mod@bench`] |
 //! | all of it once, from a seed | [`mod@demo`] |
@@ -43,6 +44,7 @@ mod csv_text;
 pub mod demo;
 pub mod design;
 pub mod error;
+pub mod finite_element;
 pub mod identify;
 pub mod image;
 pub mod link;

@@ -1,6 +1,6 @@
 //! The paper's equations in `f64`, straight from its text. Shares no code with the crate, so that it can be its oracle.
 //!
-//! Equations 8–12 (finite elements) are not here.
+//! Equations 8–12 (finite elements) are in [`crate::finite_element`].
 
 pub mod comparison;
 pub mod cubic_fit;
