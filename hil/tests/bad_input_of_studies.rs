@@ -343,18 +343,18 @@ fn paper_refuses_before_it_computes_what_it_could_not_write() {
         (&["--out", "dir"], "dir/report.html: is a directory"),
         (&["--json", "."], "is a directory"),
         (&["--json", "taken/paper.json"], "taken is a file"),
-        (&["--json", ""], "the path is empty"),
     ] {
         refuses(root.path(), &[&["paper"], arguments].concat(), &[said]);
     }
     for arguments in [
-        &["paper", "tables"][..],
+        &["paper", "--json", ""][..],
+        &["paper", "tables"],
         &["paper", "--seed", "1"],
         &["run", "--law", "moon"],
         &["run", "--law", "surfaces", "--model", "model.json"],
     ] {
         let output = hil(root.path(), arguments);
         assert_eq!(output.status.code(), Some(2), "{arguments:?}");
-        assert!(String::from_utf8(output.stderr).unwrap().contains("Usage"));
+        assert!(String::from_utf8(output.stderr).unwrap().contains("--help"));
     }
 }

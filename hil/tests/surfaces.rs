@@ -225,7 +225,8 @@ fn stiffness_in_the_rig(law: &str) -> f64 {
     );
     let summary: serde_json::Value = serde_json::from_slice(&output.stdout).unwrap();
     let cycles = summary["cycles"].as_array().unwrap();
-    cycles.last().unwrap()["model_stiffness_kn_per_mm"]
+    let steady = cycles.iter().rfind(|cycle| cycle["ramp"] == false);
+    steady.unwrap()["model_stiffness_kn_per_mm"]
         .as_f64()
         .unwrap()
 }
