@@ -202,6 +202,26 @@ fn a_solution_holds_on_the_rig() {
 }
 
 #[test]
+fn the_readmes_example_is_so() {
+    const README: &str = include_str!("../../README.md");
+    let wanted = Wanted::new(4.0, 0.3).unwrap();
+    let points: Vec<_> = design(&wanted).unwrap().solutions;
+    let (first, last) = (&points[0].point, &points[points.len() - 1].point);
+    assert_eq!(points.len(), 4);
+    let said = format!(
+        "Here there are four, from {:.2} g/cm³ at {:.3} mm to {:.2} g/cm³ at {:.3} mm",
+        first.density, first.amplitude, last.density, last.amplitude
+    );
+    assert!(README.replace('\n', " ").contains(&said), "{said}");
+    for solution in &points {
+        let rig = on_rig(&solution.point, wanted.frequency).unwrap();
+        // As the README says.
+        close(rig.stiffness / 4.0, 1.0, 0.01);
+        close(rig.loss_factor / 0.3, 1.0, 0.01);
+    }
+}
+
+#[test]
 fn what_cannot_be_wanted_is_refused() {
     for (stiffness, loss_factor) in [
         (0.0, 0.3),

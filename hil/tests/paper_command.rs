@@ -106,12 +106,40 @@ fn the_json_holds_every_number() {
                 assert_eq!(one[law]["sigma"].as_array().unwrap().len(), 4, "{one}");
                 assert!(one[law]["nrmse"].is_number());
             }
-            let elements = &one["finite_elements"];
-            assert!(
-                elements["Ok"]["nrmse"].is_number() || elements["Err"].is_string(),
-                "{one}"
-            );
+            assert!(one["finite_elements"]["Ok"]["nrmse"].is_number(), "{one}");
         }
+    }
+    let elements = &json["elements"];
+    let readings = elements["readings"].as_array().unwrap();
+    assert_eq!(readings.len(), 6);
+    for one in readings {
+        let loops = one["by_density"].as_array().unwrap();
+        assert_eq!(loops.len(), 5);
+        for found in loops {
+            let told = found["Ok"]["nrmse"].is_number() || found["Err"].is_string();
+            assert!(told, "{one}");
+        }
+    }
+    assert_eq!(elements["bores"].as_array().unwrap().len(), 4);
+    // The reading and the bore that the law is compared with.
+    let compared = &json["comparison"]["by_density"][0]["finite_elements"]["Ok"];
+    assert_eq!(readings[1]["by_density"][0]["Ok"], *compared);
+    assert_eq!(elements["bores"][2]["found"]["Ok"], *compared);
+    let forces: Vec<f64> = elements["meshes"]
+        .as_array()
+        .unwrap()
+        .iter()
+        .map(|mesh| mesh["force"]["Ok"].as_f64().unwrap())
+        .collect();
+    let changes: Vec<f64> = forces.windows(2).map(|pair| pair[0] - pair[1]).collect();
+    assert!(
+        changes.len() == 3 && changes.windows(2).all(|pair| pair[1].abs() < pair[0].abs()),
+        "{forces:?}"
+    );
+    for one in elements["compressions"].as_array().unwrap() {
+        let force = one["curve"]["Ok"]["force"].as_array().unwrap();
+        let force: Vec<f64> = force.iter().map(|force| force.as_f64().unwrap()).collect();
+        assert!(force.len() == 11 && force.is_sorted(), "{one}");
     }
 }
 
@@ -124,6 +152,7 @@ fn the_report_holds_every_claim_and_figure_and_needs_no_other_file() {
         assert!(page.contains(&says), "{says}");
     }
     for figure in [
+        "The model of Figure 4",
         "Figures 5–7",
         "Figure 8",
         "Figure 9",
@@ -159,7 +188,51 @@ fn the_readme_tells_how_many_claims_hold_and_what_the_surfaces_are_worth() {
         count("fails"),
         count("cannot_tell")
     );
-    assert!(README.replace('\n', " ").contains(&said), "{said}");
+    let readme = README.replace('\n', " ");
+    assert!(readme.contains(&said), "{said}");
+    let figure = |claim: &str, figure: &str| {
+        let mut all = claims().iter();
+        let claim = all.find(|one| one["name"] == claim).unwrap();
+        claim["figures"][figure].as_f64().unwrap()
+    };
+    let over_densities = |claim: &str, name: &str| {
+        let at = [2.0, 2.5, 3.0, 3.5, 4.0];
+        let values = at.map(|density| figure(claim, &format!("{name} at {density}")));
+        let low = values.into_iter().fold(f64::INFINITY, f64::min);
+        (low, values.into_iter().fold(0.0, f64::max))
+    };
+    let mean = |of: &str| {
+        let mean = figure(
+            "law_agrees_better_than_finite_elements",
+            &format!("mean NRMSE, {of}"),
+        );
+        100.0 * mean
+    };
+    let bound =
+        |law: &str| over_densities("law_error_below_0_375_by_density", &format!("σ, {law},")).1;
+    let (least, most) = over_densities(
+        "finite_elements_err_2_to_30_times_more",
+        "ratio to crate's surfaces",
+    );
+    for said in [
+        format!(
+            "finite elements miss by {:.0} % on average",
+            mean("finite elements")
+        ),
+        format!(
+            "eq 20 with eq 18 corrected by {:.0} %, the crate's surfaces by {:.0} %",
+            mean("eq 20 corrected"),
+            mean("crate's surfaces")
+        ),
+        format!(
+            "holds for the crate's surfaces (at most {:.2}) and not for eq 20 ({:.2})",
+            bound("crate's surfaces"),
+            bound("eq 20 corrected")
+        ),
+        format!("is {least:.1} to {most:.1} times that of the surfaces"),
+    ] {
+        assert!(readme.contains(&said), "{said}");
+    }
     for one in run().0["surface_errors"].as_array().unwrap() {
         let start = format!("| {} |", one["name"].as_str().unwrap());
         let row = README.lines().find(|line| line.starts_with(&start));

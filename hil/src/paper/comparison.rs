@@ -10,6 +10,7 @@ use serde::Serialize;
 use super::cells::{Cell, Dynamics, FREQUENCY, dynamics_of};
 use super::trends::TENTH;
 use crate::amplitude_free::Sine;
+use crate::finite_element::ForceLoop;
 use crate::reference::comparison::{nrmse, relative_error};
 use crate::reference::law::Coefficients;
 use crate::reference::surfaces::{self, Equation18};
@@ -23,17 +24,6 @@ pub const JUDGED: usize = 1;
 
 /// Samples of a cycle where the law alone is concerned.
 const SAMPLES: usize = 1000;
-
-/// One cycle of a model's own samples: mm, mm/s, kN.
-#[derive(Clone, Debug, PartialEq, Serialize)]
-pub struct SimulatedLoop {
-    /// mm
-    pub displacement: Vec<f64>,
-    /// mm/s
-    pub velocity: Vec<f64>,
-    /// kN
-    pub force: Vec<f64>,
-}
 
 /// How far a simulated loop is from that of the tables.
 #[derive(Clone, Debug, PartialEq, Serialize)]
@@ -69,7 +59,7 @@ pub struct Condition {
     pub finite_elements: Result<Compared, String>,
     /// Their loop.
     #[serde(skip)]
-    pub finite_element_loop: Option<SimulatedLoop>,
+    pub finite_element_loop: Option<ForceLoop>,
 }
 
 /// Law and finite elements on the paper's conditions.
@@ -87,7 +77,7 @@ pub struct Comparison {
 pub fn compare(
     cells: &[[Cell; 5]; 5],
     own: &Surfaces,
-    finite_elements: impl Fn(f64, f64) -> Result<SimulatedLoop, String> + Sync,
+    finite_elements: impl Fn(f64, f64) -> Result<ForceLoop, String> + Sync,
 ) -> Comparison {
     let by_density = (0..5).map(|column| (TENTH, column));
     let by_amplitude = (0..5).filter(|&row| row != TENTH).map(|row| (row, 0));
@@ -113,7 +103,7 @@ impl Condition {
         of_cell: &Cell,
         (row, column): (usize, usize),
         own: &Surfaces,
-        simulated: Result<SimulatedLoop, String>,
+        simulated: Result<ForceLoop, String>,
     ) -> Self {
         let (density, amplitude) = (of_cell.density, of_cell.amplitude);
         let law = cell(row, column);
@@ -149,7 +139,8 @@ impl Condition {
     }
 }
 
-fn compared_on_its_samples(simulated: &SimulatedLoop, law: &Coefficients) -> Compared {
+/// A simulated loop beside that of `law`, over its own samples.
+pub fn compared_on_its_samples(simulated: &ForceLoop, law: &Coefficients) -> Compared {
     let motion = simulated.displacement.iter().zip(&simulated.velocity);
     let measured: Vec<f64> = motion.map(|(&y, &v)| law.force(y, v)).collect();
     compared(&simulated.force, &measured, &simulated.displacement)

@@ -7,6 +7,7 @@ mod cells;
 mod characterization;
 mod claim;
 mod comparison;
+mod elements;
 mod material;
 mod methods;
 mod misprints;
@@ -18,13 +19,15 @@ use serde::Serialize;
 
 pub use cells::{Cell, Dynamics};
 pub use claim::{Claim, Verdict};
-pub use comparison::{Compared, Comparison, Condition, GUARDS, SimulatedLoop};
+pub use comparison::{Compared, Comparison, Condition, GUARDS};
+pub use elements::{Compression, ElementStudy, TriedBore, TriedMesh, TriedReading};
 pub use misprints::{FitCheck, FreeCell, LeftOut};
 pub use trends::{ANGLE_LOSS_FACTORS, ANGLE_STIFFNESS};
 
 use crate::orthogonal::Analysis;
 use crate::reference::surfaces::{self as published, Equation18};
 use crate::surfaces::{self, Surfaces};
+use cells::FREQUENCY;
 
 /// Everything that was recomputed.
 #[derive(Clone, Debug, Serialize)]
@@ -45,6 +48,8 @@ pub struct Paper {
     pub surface_errors: Vec<SurfaceErrors>,
     /// The law against finite elements.
     pub comparison: Comparison,
+    /// What finite elements depend on.
+    pub elements: ElementStudy,
 }
 
 /// The error of surfaces in every cell.
@@ -129,8 +134,11 @@ pub fn recompute(progress: &(dyn Fn(&str) + Sync)) -> Paper {
         progress(&format!(
             "finite elements at {density} g/cm³, {amplitude} mm"
         ));
-        finite_element_loop(density, amplitude)
+        let found = elements::model(density).steady_loop(amplitude, FREQUENCY);
+        found.map_err(|error| error.to_string())
     });
+    progress("finite elements by every reading of Table 4, bore and mesh");
+    let study = elements::study();
     let readings = misprints::last_row_readings();
     let evidence = tables::Evidence {
         checks: &fits,
@@ -139,7 +147,7 @@ pub fn recompute(progress: &(dyn Fn(&str) + Sync)) -> Paper {
     };
     let claims = [
         characterization::claims(&cells),
-        material::claims(&cells),
+        material::claims(&cells, &study),
         orthogonal::claims(&orthogonal_test),
         tables::claims(&cells, &evidence),
         trends::claims(&cells, &orthogonal_test),
@@ -155,10 +163,6 @@ pub fn recompute(progress: &(dyn Fn(&str) + Sync)) -> Paper {
         surfaces: own,
         surface_errors,
         comparison,
+        elements: study,
     }
-}
-
-/// The one place where finite elements come in.
-fn finite_element_loop(_density: f64, _amplitude: f64) -> Result<SimulatedLoop, String> {
-    Err("there is no finite-element model in the tree".to_owned())
 }

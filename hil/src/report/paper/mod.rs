@@ -1,5 +1,6 @@
 //! The report of `hil paper`: its claims, and its figures drawn again.
 
+mod elements;
 mod figures;
 mod tables;
 
@@ -46,7 +47,9 @@ pub fn render(paper: &Paper) -> String {
                 (tables::surfaces(paper))
                 h2 { "4. Cells that look misprinted" }
                 (tables::misprints(paper))
-                h2 { "5. The orthogonal test, Table 3" }
+                h2 { "5. Finite elements: what they depend on" }
+                (elements::section(paper))
+                h2 { "6. The orthogonal test, Table 3" }
                 (tables::orthogonal(paper))
                 footer {
                     "Errors of a loop are the RMS of the force's error over the RMS of the force, in %, unless eq 21 is named. K \
