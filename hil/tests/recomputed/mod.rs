@@ -316,7 +316,7 @@ pub const ROWS: &[Row] = &[
             ("Table 6 at 2.5 g/cm³, 0.15 mm", -2.578),
             ("Table 6 at 2.5 g/cm³, 0.25 mm", 3.032),
             ("Table 7 at 4 g/cm³, 0.15 mm", -2.584),
-            ("Table 9 at 2.5 g/cm³, 0.25 mm", -3.141),
+            ("Table 9 at 2.5 g/cm³, 0.25 mm", -3.1409),
             ("Table 9 at 4 g/cm³, 0.05 mm", -2.78),
         ],
     ),
