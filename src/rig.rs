@@ -193,7 +193,8 @@ pub struct CycleReport {
     pub measured: Cycle,
     /// With the law's force.
     pub model: Cycle,
-    /// RMS of the law's error over the RMS of the measured force; 0 where there was no force.
+    /// RMS of the law's error over the RMS of the measured force; 0 where there was no force, [`f32::MAX`] where the error's
+    /// square is beyond a float.
     pub nrmse: f32,
 }
 

@@ -8,8 +8,13 @@ use crate::error::{InputError, Place, quoted};
 /// The two bytes with which every gzip member begins (RFC 1952, 2.3.1).
 const GZIP_MAGIC: [u8; 2] = [0x1f, 0x8b];
 
-/// The file's text, unzipped where it is gzip, without a byte order mark.
+/// The file's text; see [`text_of`].
 pub(crate) fn read_text(path: &Path) -> Result<String, InputError> {
+    text_of(path, read_bytes(path)?)
+}
+
+/// The file's bytes.
+pub(crate) fn read_bytes(path: &Path) -> Result<Vec<u8>, InputError> {
     let io = |error| InputError::io(path, "read", &error);
     if std::fs::metadata(path).map_err(io)?.is_dir() {
         return Err(InputError::new(
@@ -18,7 +23,11 @@ pub(crate) fn read_text(path: &Path) -> Result<String, InputError> {
             "name a file in it",
         ));
     }
-    let mut bytes = std::fs::read(path).map_err(io)?;
+    std::fs::read(path).map_err(io)
+}
+
+/// The text in a file's bytes, unzipped where it is gzip, without a byte order mark.
+pub(crate) fn text_of(path: &Path, mut bytes: Vec<u8>) -> Result<String, InputError> {
     let named_gzip = path.extension().is_some_and(|extension| extension == "gz");
     if bytes.starts_with(&GZIP_MAGIC) || (named_gzip && !bytes.is_empty()) {
         let mut unzipped = Vec::new();

@@ -140,10 +140,14 @@ impl ModelFile {
         let path = path.as_ref();
         let name = path.display().to_string();
         let bytes = std::fs::read(path).map_err(|error| InputError::io(path, "read", &error))?;
-        Self::parse(&name, &bytes)
+        Self::from_bytes(&name, &bytes)
     }
 
-    fn parse(name: &str, bytes: &[u8]) -> Result<Self, InputError> {
+    /// [`ModelFile::read`] of a file's bytes; `name` is what errors call it.
+    ///
+    /// # Errors
+    /// As [`ModelFile::read`], but for what the file system says.
+    pub fn from_bytes(name: &str, bytes: &[u8]) -> Result<Self, InputError> {
         let value: serde_json::Value = serde_json::from_slice(bytes).map_err(|error| {
             InputError::new(
                 name,
@@ -358,7 +362,7 @@ mod tests {
     fn read_changed(change: impl FnOnce(&mut serde_json::Value)) -> String {
         let mut value = serde_json::to_value(example()).unwrap();
         change(&mut value);
-        ModelFile::parse("m.json", value.to_string().as_bytes())
+        ModelFile::from_bytes("m.json", value.to_string().as_bytes())
             .unwrap_err()
             .to_string()
     }
@@ -367,7 +371,7 @@ mod tests {
     fn comes_back_as_it_was() {
         let file = example();
         let bytes = serde_json::to_vec_pretty(&file).unwrap();
-        assert_eq!(ModelFile::parse("m.json", &bytes).unwrap(), file);
+        assert_eq!(ModelFile::from_bytes("m.json", &bytes).unwrap(), file);
     }
 
     #[test]

@@ -109,3 +109,36 @@ fn other_columns_are_kept_and_ignored() {
     assert_eq!(read.velocity.as_ref().unwrap()[7], 7.0);
     assert_eq!(read.to_file(&path), text.as_bytes());
 }
+
+fn read(text: &str) -> Recording {
+    Recording::from_bytes("a.csv".as_ref(), text.into()).unwrap()
+}
+
+/// What fuzzing found: each of them came back as another recording once it was written.
+#[test]
+fn what_looks_like_a_comment_stays_what_it_is() {
+    let rows: String = (0..9).map(|n| format!("{n},0.{n},1,a\n")).collect();
+    let quoted_header = read(&format!(
+        "\"#time\",time_s,displacement_mm,force_kN\n{}",
+        rows.replace(",a", "")
+            .lines()
+            .map(|row| format!("x,{row}\n"))
+            .collect::<String>()
+    ));
+    let in_a_cell = read(&format!(
+        "# device: rig\ntime_s,displacement_mm,force_kN,note\n{}",
+        rows.replacen(",a\n", ",\"a\n# specimen: none\"\n", 1)
+    ));
+    assert_eq!(in_a_cell.comments, ["device: rig"]);
+    let lone_return = read(&format!(
+        "# speci\rmen\ntime_s,displacement_mm,force_kN,note\n{rows}"
+    ));
+    assert_eq!(lone_return.comments, ["speci men"]);
+    for recording in [quoted_header, in_a_cell, lone_return] {
+        let bytes = recording.to_file("a.csv".as_ref());
+        assert_eq!(
+            Recording::from_bytes("a.csv".as_ref(), bytes).unwrap(),
+            recording
+        );
+    }
+}

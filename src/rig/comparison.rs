@@ -47,11 +47,13 @@ impl Comparison {
         report
     }
 
-    /// RMS of the error over the RMS of the measured force; 0 where there was no force.
+    /// RMS of the error over the RMS of the measured force; 0 where there was no force, [`f32::MAX`] where the squares of
+    /// the law's forces are beyond a float.
     fn nrmse(&self) -> f32 {
         let force = self.force_square.total();
         if force > f32::MIN_POSITIVE {
-            square_root(self.error_square.total() / force)
+            let ratio = square_root(self.error_square.total() / force);
+            if ratio.is_finite() { ratio } else { f32::MAX }
         } else {
             0.0
         }
@@ -73,6 +75,34 @@ impl CycleReport {
             measured,
             model,
             nrmse,
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn nrmse_of(measured: f32, model: f32) -> f32 {
+        let mut comparison = Comparison::default();
+        let mut update = |ended| {
+            let accumulate = |_: &mut CycleAccumulator<2>, _| Some([Cycle::default(); 2]);
+            comparison.update(measured, model, ended, accumulate)
+        };
+        for _ in 0..40 {
+            assert!(update(false).is_none());
+        }
+        update(true).unwrap().1
+    }
+
+    #[test]
+    fn the_error_is_finite_however_far_off_the_law_is() {
+        assert!((nrmse_of(0.5, 0.6) - 0.2).abs() < 1e-6);
+        assert!((nrmse_of(-2.0, 2.0) - 2.0).abs() < 1e-6);
+        assert_eq!(nrmse_of(0.0, 1.0), 0.0);
+        for law in [1e20, -1e20, 1e29, f32::MAX] {
+            assert_eq!(nrmse_of(1.0, law), f32::MAX);
+            assert_eq!(nrmse_of(1e-15, law), f32::MAX);
         }
     }
 }

@@ -23,9 +23,13 @@ mod write;
 pub use consistency::check_consistency;
 pub use resample::Uniform;
 pub use units::{Unit, Units};
+pub(crate) use write::decimal;
 
 use crate::error::{InputError, Place};
 use faults::Fault;
+
+/// The key of the comment that marks the recording of a run under way: a last line without an end is a row that was cut.
+pub const UNFINISHED: &str = "unfinished";
 
 /// The fewest samples that a recording may have: what estimating its motion needs.
 pub const FEWEST_SAMPLES: usize = 8;
@@ -129,10 +133,8 @@ impl Recording {
 
     /// What the comment `key: text` declares, such as `specimen` or `device`.
     pub fn declared(&self, key: &str) -> Option<&str> {
-        self.comments.iter().find_map(|comment| {
-            let (name, text) = comment.split_once(':')?;
-            name.trim().eq_ignore_ascii_case(key).then(|| text.trim())
-        })
+        let of_key = |comment| declaration(comment, key);
+        self.comments.iter().map(String::as_str).find_map(of_key)
     }
 
     /// Refuses a recording of fewer than `samples` samples, for a work that needs that many.
@@ -235,6 +237,12 @@ impl Recording {
         )
         .at(Place::Line(self.line(index + 1))))
     }
+}
+
+/// The text of the comment `key: text`; none of a comment with another key.
+fn declaration<'c>(comment: &'c str, key: &str) -> Option<&'c str> {
+    let (name, text) = comment.split_once(':')?;
+    name.trim().eq_ignore_ascii_case(key).then(|| text.trim())
 }
 
 fn counted(samples: usize) -> String {

@@ -4,8 +4,8 @@ use std::path::Path;
 
 use super::channel::Channel;
 use super::units::{Unit, Units};
-use super::{Recording, Source};
-use crate::csv_text::{broken_csv, number, read_text};
+use super::{Recording, Source, UNFINISHED, declaration};
+use crate::csv_text::{broken_csv, number, read_bytes, text_of};
 use crate::error::{InputError, Place, quoted};
 
 impl Recording {
@@ -17,17 +17,26 @@ impl Recording {
     /// is empty or no finite number, time that does not increase, too few samples, a constant displacement.
     pub fn read(path: impl AsRef<Path>) -> Result<Self, InputError> {
         let path = path.as_ref();
-        let text = read_text(path)?;
-        Self::parse(path, &text)
+        Self::from_bytes(path, read_bytes(path)?)
+    }
+
+    /// [`Recording::read`] of a file's bytes; `path` is what errors call it.
+    ///
+    /// # Errors
+    /// As [`Recording::read`], but for what the file system says.
+    pub fn from_bytes(path: &Path, bytes: Vec<u8>) -> Result<Self, InputError> {
+        Self::parse(path, &text_of(path, bytes)?)
     }
 
     fn parse(path: &Path, text: &str) -> Result<Self, InputError> {
         let name = path.display().to_string();
-        let comments = text
-            .lines()
-            .filter_map(|line| line.strip_prefix('#'))
-            .map(|comment| comment.trim().to_owned())
-            .collect();
+        let comments = comments_of(text);
+        let is_unfinished = |comment: &String| declaration(comment, UNFINISHED).is_some();
+        let text = if comments.iter().any(is_unfinished) {
+            text.rfind('\n').map_or("", |end| &text[..=end])
+        } else {
+            text
+        };
         let mut reader = csv::ReaderBuilder::new()
             .comment(Some(b'#'))
             .has_headers(false)
@@ -110,6 +119,19 @@ impl Recording {
         recording.check()?;
         Ok(recording)
     }
+}
+
+/// The texts of the lines that begin with `#` and do not stand within a quoted cell.
+fn comments_of(text: &str) -> Vec<String> {
+    let mut quoted = false;
+    let mut comments = Vec::new();
+    for line in text.lines() {
+        match line.strip_prefix('#') {
+            Some(comment) if !quoted => comments.push(comment.trim().replace('\r', " ")),
+            _ => quoted ^= line.matches('"').count() % 2 == 1,
+        }
+    }
+    comments
 }
 
 /// A column that is used.

@@ -30,7 +30,10 @@ impl Recording {
         let column = format!("predicted_force_{}", self.units.force.symbol);
         let (header, rows) = self.table();
         let replaced = predicted.and(header.iter().position(|name| *name == column));
-        let mut writer = csv::Writer::from_writer(bytes);
+        // A first cell that begins as a comment does is quoted.
+        let mut writer = csv::WriterBuilder::new()
+            .comment(Some(b'#'))
+            .from_writer(bytes);
         let mut line = |cells: &csv::StringRecord, last: Option<String>| {
             let kept = cells
                 .iter()
@@ -83,7 +86,7 @@ impl Recording {
 }
 
 /// `value` to [`DIGITS`] significant digits, without trailing zeros or an exponent.
-fn decimal(value: f64) -> String {
+pub(crate) fn decimal(value: f64) -> String {
     let digits = DIGITS - 1;
     let rounded: f64 = format!("{value:.digits$e}").parse().unwrap_or(value);
     // Adding zero takes the sign off a negative zero.

@@ -1,0 +1,48 @@
+//! Good files, spoilt: an input is a script of edits, so that few of its bytes are lost on what no reader looks at.
+
+/// One of `good` after the edits that `script` asks for, or the script itself.
+///
+/// The first byte says which one it is of; each four bytes after it are an edit: what is done, at which place (two bytes), and
+/// with what. `words` are what the format is made of.
+pub fn edited(good: &[Vec<u8>], words: &[&str], script: &[u8]) -> Vec<u8> {
+    let Some((&which, rest)) = script.split_first() else {
+        return Vec::new();
+    };
+    let Some(chosen) = good.get(usize::from(which) % (good.len() + 1)) else {
+        return rest.to_vec();
+    };
+    let mut bytes = chosen.clone();
+    for edit in rest.chunks_exact(4) {
+        let &[what, high, low, with] = edit else {
+            continue;
+        };
+        let place = usize::from(u16::from_be_bytes([high, low])) % (bytes.len() + 1);
+        let end = (place + 1 + usize::from(with)).min(bytes.len());
+        match what % 8 {
+            0 => {
+                if let Some(byte) = bytes.get_mut(place) {
+                    *byte ^= 1 << (with % 8);
+                }
+            }
+            1 => {
+                if let Some(byte) = bytes.get_mut(place) {
+                    *byte = with;
+                }
+            }
+            2 => drop(bytes.drain(place..end)),
+            3 => {
+                let again = bytes[place..end].to_vec();
+                bytes.splice(place..place, again);
+            }
+            4 => bytes.truncate(place),
+            5 => bytes.insert(place, with),
+            // A word in the place of what is there, or before it.
+            kind => {
+                let word = words[usize::from(with) % words.len()].bytes();
+                let end = if kind == 6 { place } else { word.len() + place };
+                bytes.splice(place..end.min(bytes.len()), word);
+            }
+        }
+    }
+    bytes
+}

@@ -1,0 +1,162 @@
+//! The link's frames, damaged and forged.
+
+use std::sync::LazyLock;
+
+use mesh_damper::converter::Scale;
+use mesh_damper::effects::Motion;
+use mesh_damper::frame::{Frame, FrameBuffer, Frames, Header, PAYLOAD};
+use mesh_damper::message::{
+    Answer, Motions, Outcome, Refusal, Request, Sensors, Setup, Statistics, write_again,
+    write_done, write_forces, write_outcome, write_refusal, write_statistics,
+};
+use mesh_damper::rig::RigSettings;
+use mesh_damper::sine::{Block, Programme};
+
+use crate::edit::edited;
+
+/// Parts of a frame, as its bytes.
+const WORDS: [&str; 6] = [
+    "MD",
+    "MD\u{1}",
+    "\0\0\0\0",
+    "\u{1}",
+    "\0",
+    "MD\u{1}\t\0\0\0\0\u{1}\0\u{8}\0",
+];
+
+/// One frame of every kind.
+pub static GOOD: LazyLock<Vec<Vec<u8>>> = LazyLock::new(|| {
+    let programme = Programme::<2>::new(1e4, 1)
+        .and_then(|programme| programme.with(Block::sine(0.1, 2.0, 3)?))
+        .and_then(|programme| programme.with(Block::sweep(0.05, 1.0, 9.0, 4)?))
+        .expect("all are in range");
+    let scale = Scale::new(1.0, 0.0).expect("it is in range");
+    let config = RigSettings::default()
+        .at(1e4)
+        .expect("they are the default");
+    let motion = Motion {
+        displacement: 0.1,
+        velocity: -2.0,
+        ..Motion::default()
+    };
+    let mut buffer = [0; PAYLOAD];
+    let mut requests = vec![
+        Request::Programme(programme.head()),
+        Request::PackPart(0, b"a part of a pack"),
+        Request::PackEnd,
+        Request::Setup(Setup {
+            displacement: scale,
+            force: scale,
+            command: scale,
+            config,
+        }),
+        Request::Start,
+        Request::Tick(Sensors {
+            displacement: 0x8123,
+            force: 0x7fed,
+            temperature: 21.5,
+        }),
+        Request::Stop,
+        Request::Clear,
+        Request::Rest,
+        Request::Motions(Motions::new(&[motion; 3], &mut buffer)),
+        Request::Statistics,
+    ];
+    requests.extend(programme.planned().map(Request::Block));
+    let mut frame = FrameBuffer::new();
+    let mut good = Vec::new();
+    for (sequence, request) in (0..).zip(&requests) {
+        request.write(sequence, &mut frame);
+        good.push(frame.bytes().to_vec());
+    }
+    let mut written = |write: &dyn Fn(&mut FrameBuffer)| {
+        write(&mut frame);
+        good.push(frame.bytes().to_vec());
+    };
+    written(&|frame| write_done(3, true, frame));
+    written(&|frame| write_refusal(4, &Refusal::PackChecksum, frame));
+    written(&|frame| write_refusal(5, &Refusal::Field("k1"), frame));
+    written(&|frame| {
+        write_statistics(
+            6,
+            &Statistics {
+                stack: 900,
+                log_lost: 1,
+            },
+            frame,
+        )
+    });
+    let motions = Motions::new(&[motion; 2], &mut buffer);
+    written(&|frame| write_forces(7, motions, |motion| motion.displacement, frame));
+    written(&write_again);
+    good
+});
+
+static STREAM: LazyLock<Vec<Vec<u8>>> = LazyLock::new(|| vec![GOOD.concat()]);
+
+/// Frames that are damaged on their way: those that are found as they were sent. Says which were found.
+pub fn damaged(script: &[u8]) -> Vec<Vec<u8>> {
+    let stream = edited(&STREAM, &WORDS, script);
+    let mut found = Vec::new();
+    for frame in Frames(&stream) {
+        is_what_it_says(&frame);
+        found.push(sealed(frame.header, frame.payload).bytes().to_vec());
+    }
+    found
+}
+
+/// What is said in [`damaged`]; and a payload under a right checksum is refused, or what it says.
+pub fn check(script: &[u8]) {
+    damaged(script);
+    if let Some((&kind, payload)) = script.split_first() {
+        // Of an existing kind, mostly.
+        let kind = if kind < 128 { kind % 13 } else { 64 + kind % 8 };
+        let header = Header {
+            kind,
+            sequence: 9,
+            count: 1,
+        };
+        let forged = sealed(header, &payload[..payload.len().min(PAYLOAD)]);
+        let frame = Frames(forged.bytes())
+            .next()
+            .expect("its checksum is right");
+        is_what_it_says(&frame);
+    }
+}
+
+fn sealed(header: Header, payload: &[u8]) -> FrameBuffer {
+    let mut buffer = FrameBuffer::new();
+    buffer.write(header, |writer| writer.bytes(payload));
+    buffer
+}
+
+/// What is read of a frame and written again is read alike, bit for bit.
+fn is_what_it_says(frame: &Frame<'_>) {
+    if let Some(first) = written_again(frame) {
+        let frame = Frames(first.bytes()).next().expect("it was written");
+        let second = written_again(&frame).expect("it is of the same kind");
+        assert_eq!(first.bytes(), second.bytes());
+    }
+}
+
+fn written_again(frame: &Frame<'_>) -> Option<FrameBuffer> {
+    let mut buffer = FrameBuffer::new();
+    let sequence = frame.header.sequence;
+    if let Some(request) = Request::read(frame) {
+        request.write(sequence, &mut buffer);
+        return Some(buffer);
+    }
+    match Answer::read(frame)? {
+        Answer::Done(done) => write_done(sequence, done, &mut buffer),
+        Answer::Refused(refusal) => write_refusal(sequence, &refusal, &mut buffer),
+        Answer::Outcome(Outcome {
+            code,
+            enabled,
+            telemetry,
+        }) => write_outcome(sequence, code, enabled, &telemetry, &mut buffer),
+        Answer::Statistics(statistics) => write_statistics(sequence, &statistics, &mut buffer),
+        // Their bytes are passed on as they are.
+        Answer::Forces(_) | Answer::Again => return None,
+    }
+    Some(buffer)
+}

@@ -1,0 +1,149 @@
+//! The reader of model files, and what is built of them.
+
+use std::sync::LazyLock;
+
+use hil::correction::{CorrectionTable, MemoryTable, Remembered};
+use hil::model::{AddedEffect, Family, LawNode, Model};
+use hil::model_file::{FittedRange, ModelFile};
+use mesh_damper::effects::correction::{CELLS, MEMORY_CELLS};
+use mesh_damper::pack;
+use mesh_damper::tabulated::TabulatedLaw;
+
+use crate::edit::edited;
+use crate::law::EFFECTS;
+use crate::motion::forces_are_finite;
+
+const WORDS: [&str; 32] = [
+    "null",
+    "true",
+    "{}",
+    "[]",
+    "[",
+    "}",
+    "\"",
+    ",",
+    ":",
+    "-",
+    "1e400",
+    "1e308",
+    "-1e9",
+    "1e9",
+    "1e-9",
+    "1e-320",
+    "0",
+    "-0.0",
+    "0.1",
+    "1",
+    "2.5",
+    "1e4",
+    "1000001",
+    "\"stop\"",
+    "\"gap\"",
+    "\"delay\"",
+    "\"periodic\"",
+    "\"compliance\"",
+    "\"sharpness\":2",
+    "\"slip_limit_3\":1",
+    "\"frequency\"",
+    "\"half_width\"",
+];
+
+static GOOD: LazyLock<Vec<Vec<u8>>> = LazyLock::new(|| {
+    let node = |amplitude| LawNode {
+        amplitude,
+        k1: 1.2,
+        k3: 30.0,
+        c: 0.1,
+        alpha: 0.3,
+    };
+    let model = |families: &[(Family, &[(&str, f64)])], correction| {
+        let effects = families.iter().map(|&(family, parameters)| AddedEffect {
+            family,
+            parameters: parameters
+                .iter()
+                .map(|&(name, value)| (name.to_owned(), value))
+                .collect(),
+        });
+        let model = Model {
+            law: vec![node(0.05), node(0.1 + 0.2)],
+            effects: effects.collect(),
+            correction,
+        };
+        let range = FittedRange {
+            displacement: [-0.2, 0.2],
+            velocity: [-6.3, 6.3],
+        };
+        serde_json::to_vec(&ModelFile::new(model, range)).expect("every number is finite")
+    };
+    let correction = CorrectionTable {
+        reach: 0.2,
+        speed: 6.3,
+        unit: 1e-6,
+        cells: (0..CELLS as i16)
+            .map(|cell| 100 * (cell % 300) - 15_000)
+            .collect(),
+        memory: Some(MemoryTable {
+            of: Remembered::Lag { time: 0.05 },
+            range: [-0.1, 0.1],
+            cells: vec![7; MEMORY_CELLS],
+        }),
+    };
+    vec![
+        model(
+            &[
+                (Family::Offset, &[("force", -0.1)]),
+                (Family::Asymmetry, &[("k2", 3.0)]),
+                (Family::Hardening, &[("k5", 100.0)]),
+                (
+                    Family::StickSlip,
+                    &[("stiffness", 1.2), ("slip_limit", 0.03)],
+                ),
+                (Family::Relaxation, &[("stiffness", 0.4), ("time", 0.05)]),
+                (Family::Temperature, &[("beta", 0.004), ("reference", 20.0)]),
+                (Family::Stop, &[("stiffness", 2.0), ("gap", 0.1)]),
+            ],
+            None,
+        ),
+        model(
+            &[
+                (
+                    Family::StickSlip,
+                    &[("stiffness", 1.2), ("slip_limit", 0.03), ("sharpness", 1.5)],
+                ),
+                (Family::Gap, &[("half_width", 0.01), ("damps_inside", 1.0)]),
+                (Family::Delay, &[("time", 0.0012)]),
+                (Family::Compliance, &[("stiffness", 25.0)]),
+                (
+                    Family::Periodic,
+                    &[("amplitude", 0.1), ("frequency", 50.0), ("phase", 1.0)],
+                ),
+                (Family::Drift, &[("stiffness", -0.1), ("cycles", 20.0)]),
+                (Family::Inertia, &[("mass", 2.0)]),
+                (Family::LoadFriction, &[("load", 3.0)]),
+            ],
+            None,
+        ),
+        model(&[(Family::Viscous, &[("c1", 0.01)])], Some(correction)),
+    ]
+});
+
+/// A model that is read comes back as it was from a file, runs, and goes through a coefficient pack unchanged.
+pub fn check(script: &[u8]) -> bool {
+    const TICK: f64 = 1e-4;
+    let Ok(file) = ModelFile::from_bytes("fuzzed.json", &edited(&GOOD, &WORDS, script)) else {
+        return false;
+    };
+    let written = serde_json::to_vec_pretty(&file).expect("what was JSON is");
+    let again = ModelFile::from_bytes("fuzzed.json", &written);
+    assert!(again.as_ref() == Ok(&file), "{file:?} is read as {again:?}");
+    let (model, amplitude) = (file.model(), 0.1);
+    let law = model
+        .augmented::<f32>(amplitude, TICK)
+        .expect("it was checked");
+    forces_are_finite(&law);
+    let bytes = model.pack(amplitude, TICK).expect("it was checked");
+    let mut unpacked = TabulatedLaw::<EFFECTS>::EMPTY;
+    assert_eq!(pack::decode(&bytes, &mut unpacked), Ok(()));
+    assert_eq!(unpacked, TabulatedLaw::new(law));
+    true
+}

@@ -1,0 +1,105 @@
+//! Coefficient packs, whole and in parts.
+
+use std::sync::LazyLock;
+
+use mesh_damper::effects::Correction;
+use mesh_damper::effects::correction::{CELLS, CorrectionParts, MEMORY_CELLS, Memory};
+use mesh_damper::pack::{self, LARGEST, Upload, VERSION};
+use mesh_damper::tabulated::TabulatedLaw;
+
+use crate::edit::edited;
+use crate::feed::{Feed, Random};
+use crate::law::{EFFECTS, law};
+use crate::motion::forces_are_finite;
+
+/// Numbers of a pack, as its bytes.
+const WORDS: [&str; 8] = [
+    "\0\0\0\0",
+    "\0\0\u{1}\0",
+    "\u{1}",
+    "\0",
+    "\u{7f}",
+    "\0\0\0@",
+    "\0\0\0\u{3f}",
+    "\u{10}",
+];
+/// Bytes before a pack's body.
+const HEADER: usize = 12;
+
+/// Whole packs, the last one with a correction.
+pub static GOOD: LazyLock<Vec<Vec<u8>>> = LazyLock::new(|| {
+    let mut random = Random::of(b"packs");
+    let mut laws: Vec<_> = (0..12)
+        .map(|_| {
+            let bytes: Vec<u8> = (0..120).map(|_| random.next() as u8).collect();
+            law(&mut Feed(&bytes), 1e-4)
+        })
+        .collect();
+    let parts = CorrectionParts {
+        reach: 0.2,
+        speed: 10.0,
+        unit: 1e-5,
+        cells: &[11; CELLS],
+        memory: Some((Memory::Slip { limit: 0.01 }, [-0.01, 0.01])),
+        memory_cells: &[-5; MEMORY_CELLS],
+    };
+    let correction = Correction::new(&parts, 1e-4).expect("all are in range");
+    let last = laws.pop().expect("there are twelve");
+    laws.push(last.with_correction(correction).expect("it has none"));
+    let packed = |law| {
+        let mut buffer = [0; LARGEST];
+        let bytes = pack::encode(&TabulatedLaw::<EFFECTS>::new(law), &mut buffer);
+        bytes.expect("it fits").to_vec()
+    };
+    laws.into_iter().map(packed).collect()
+});
+
+static BODIES: LazyLock<Vec<Vec<u8>>> =
+    LazyLock::new(|| GOOD.iter().map(|pack| pack[HEADER..].to_vec()).collect());
+
+/// A pack as it is damaged on its way: refused, or not damaged at all. Says what came, where it was taken.
+pub fn damaged(script: &[u8]) -> Option<Vec<u8>> {
+    let bytes = edited(&GOOD, &WORDS, script);
+    is_a_law(&bytes).then_some(bytes)
+}
+
+/// What is said in [`damaged`]; and a body whose checksum is made right is refused, or a law like any other.
+pub fn check(script: &[u8]) -> bool {
+    let taken = damaged(script).is_some();
+    let mut body = edited(&BODIES, &WORDS, script);
+    body.truncate(usize::from(u16::MAX));
+    let stamp = [VERSION.to_le_bytes(), (body.len() as u16).to_le_bytes()].concat();
+    let mut crc = flate2::Crc::new();
+    crc.update(&stamp);
+    crc.update(&body);
+    let sum = crc.sum().to_le_bytes();
+    is_a_law(&[b"MDCP", &stamp[..], &sum, &body].concat()) || taken
+}
+
+/// Whether `bytes` are taken: the law comes back from its own pack, and gives forces. In parts they are what they are whole.
+fn is_a_law(bytes: &[u8]) -> bool {
+    let mut slot = TabulatedLaw::<EFFECTS>::EMPTY;
+    let whole = pack::decode(bytes, &mut slot);
+    let mut upload = Upload::new();
+    let parts = bytes.chunks(100).enumerate();
+    let uploaded = parts
+        .map(|(index, part)| upload.part(100 * index, part))
+        .collect::<Result<(), _>>();
+    let mut from_parts = TabulatedLaw::EMPTY;
+    if uploaded.is_ok() {
+        assert_eq!(upload.finish(&mut from_parts), whole);
+    } else {
+        assert!(bytes.len() > LARGEST && whole.is_err());
+    }
+    if whole.is_err() {
+        return false;
+    }
+    let mut buffer = [0; LARGEST];
+    let packed = pack::encode(&slot, &mut buffer).expect("it was one");
+    let mut again = TabulatedLaw::EMPTY;
+    assert_eq!(pack::decode(packed, &mut again), Ok(()));
+    assert_eq!(again, slot);
+    assert_eq!(from_parts, slot);
+    forces_are_finite(slot.augmented());
+    true
+}

@@ -1,0 +1,386 @@
+//! Rig and damper emulator on converters that deliver anything, with everything failing, stopped, started and swapped at any
+//! moment.
+
+use std::rc::Rc;
+
+use mesh_damper::adc::Ads8688;
+use mesh_damper::converter::Scale;
+use mesh_damper::dac::Ad5761;
+use mesh_damper::error::ConfigError;
+use mesh_damper::rig::{Emulator, EmulatorSettings, Rig, RigSettings, State, Telemetry};
+use mesh_damper::sine::{Block, Programme};
+use mesh_damper::tabulated::{RunningLaw, TabulatedLaw};
+
+use crate::feed::{Feed, Random};
+use crate::law::{EFFECTS, law};
+use crate::motion::is_finite;
+use crate::wires::{Adc, Dac, Line, Wires};
+
+const BLOCKS: usize = 3;
+const ZERO: u16 = 0x8000;
+
+/// What both roles can be told.
+trait Controller {
+    fn start(&mut self) -> bool;
+    fn stop(&mut self);
+    fn clear(&mut self) -> bool;
+    fn swap_law(&mut self, law: TabulatedLaw<EFFECTS>);
+    fn set_temperature(&mut self, temperature: f32);
+    fn state(&self) -> State;
+    fn tick(&mut self) -> Telemetry;
+}
+
+macro_rules! controller {
+    ($role:ty) => {
+        impl Controller for $role {
+            fn start(&mut self) -> bool {
+                self.start()
+            }
+            fn stop(&mut self) {
+                self.stop();
+            }
+            fn clear(&mut self) -> bool {
+                self.clear()
+            }
+            fn swap_law(&mut self, law: TabulatedLaw<EFFECTS>) {
+                self.swap_law(law);
+            }
+            fn set_temperature(&mut self, temperature: f32) {
+                self.set_temperature(temperature);
+            }
+            fn state(&self) -> State {
+                self.state()
+            }
+            fn tick(&mut self) -> Telemetry {
+                self.tick()
+            }
+        }
+    };
+}
+
+controller!(Rig<Adc, Dac, Line, BLOCKS, EFFECTS>);
+controller!(Emulator<Adc, Dac, Line, EFFECTS>);
+
+/// What is promised of every tick, and what has to be remembered to see it kept.
+struct Guard {
+    wires: Rc<Wires>,
+    command: Scale,
+    displacement_limit: f32,
+    force_limit: f32,
+    /// Most that is driven, in the command's unit.
+    most: f32,
+    trip_ticks: u32,
+    stop_ticks: u32,
+    /// Ticks on end beyond the limits of displacement and force.
+    exceeded: [u32; 2],
+    /// Ticks since it stopped on which the DAC took the command.
+    stopped: u64,
+    last: f32,
+}
+
+impl Guard {
+    fn see(&mut self, before: State, now: &Telemetry) {
+        for value in [
+            now.displacement,
+            now.velocity,
+            now.measured_force,
+            now.model_force,
+            now.command,
+        ] {
+            assert!(value.is_finite(), "{now:?}");
+        }
+        if let Some(report) = &now.report {
+            let finite = is_finite(&report.measured) && is_finite(&report.model);
+            assert!(finite && report.nrmse.is_finite(), "{report:?}");
+        }
+        let driven = self.command.decode(self.wires.driven.get()).value;
+        if !self.wires.dac_fails.get() {
+            let step = self.command.step().abs();
+            assert!((driven - now.command).abs() <= step, "{driven} for {now:?}");
+        }
+        let step = self.command.step().abs();
+        assert!(
+            now.command.abs() <= self.most + step,
+            "{now:?} beyond {}",
+            self.most
+        );
+        if now.state == State::Running {
+            self.see_running(before, now);
+        } else {
+            self.see_stopped(before, now);
+        }
+        if let (State::Faulted(first), State::Faulted(second)) = (before, now.state) {
+            assert_eq!(first, second, "the first cause stays");
+        }
+        self.last = now.command;
+    }
+
+    fn see_running(&mut self, before: State, now: &Telemetry) {
+        assert_eq!(before, State::Running, "only a start makes it run");
+        assert!(self.wires.enabled.get());
+        let beyond = [
+            now.displacement.abs() > self.displacement_limit,
+            now.measured_force.abs() > self.force_limit,
+        ];
+        for (count, beyond) in self.exceeded.iter_mut().zip(beyond) {
+            *count = if beyond { *count + 1 } else { 0 };
+            assert!(*count < self.trip_ticks, "a limit exceeded: {now:?}");
+        }
+        self.stopped = 0;
+    }
+
+    fn see_stopped(&mut self, before: State, now: &Telemetry) {
+        self.exceeded = [0; 2];
+        if before == State::Running {
+            self.stopped = 0;
+        }
+        if !self.wires.line_fails.get() {
+            assert!(!self.wires.enabled.get(), "{now:?}");
+        }
+        if self.wires.dac_fails.get() {
+            return;
+        }
+        // On the tick that stops it the DAC may still be driven where it was going.
+        let goes_back = now.command.abs() <= self.last.abs();
+        assert!(
+            before == State::Running || goes_back,
+            "{now:?} after {}",
+            self.last
+        );
+        self.stopped += 1;
+        // A straight line, in steps that f32 rounds.
+        let ticks = f64::from(self.stop_ticks);
+        let most = ticks + 3.0 + ticks * ticks / f64::from(1 << 22);
+        assert!(
+            now.command == 0.0 || (self.stopped as f64) <= most,
+            "{now:?}"
+        );
+    }
+}
+
+/// What moves when the DAC drives, seen by both channels of the ADC.
+#[derive(Clone, Copy)]
+enum Plant {
+    /// Follows, with noise.
+    Follows,
+    /// Does not move any more.
+    Stuck,
+    /// Goes to one end.
+    Runs,
+    /// Any code.
+    Anything,
+}
+
+impl Plant {
+    fn sense(self, wires: &Wires, ratio: f64, random: &mut Random) {
+        let [displacement, force] = &wires.channels;
+        let drawn = random.next();
+        match self {
+            Self::Follows => {
+                let driven = f64::from(wires.driven.get()) - f64::from(ZERO);
+                let noise = (drawn % 9) as f64 - 4.0;
+                let code = (f64::from(ZERO) + ratio * driven + noise) as u16;
+                displacement.set(code.clamp(1, u16::MAX - 1));
+                force.set(ZERO.wrapping_add((code.wrapping_sub(ZERO) as i16 / 4) as u16));
+            }
+            Self::Stuck => {}
+            Self::Runs => {
+                let code = displacement.get().saturating_add((drawn % 64) as u16);
+                displacement.set(code);
+            }
+            Self::Anything => {
+                displacement.set(drawn as u16);
+                force.set((drawn >> 16) as u16);
+            }
+        }
+    }
+}
+
+/// A rig or an emulator of any settings for `ticks` ticks.
+///
+/// Every number that it tells is finite, the DAC drives what it says and never beyond its range, a limit exceeded for as many
+/// ticks as it may be stops it, and stopped it has the enable line low and goes to 0 in its time, whatever comes. Says on how
+/// many ticks it was running.
+pub fn check(script: &[u8], ticks: u32) -> u64 {
+    let feed = &mut Feed(script);
+    let wires = Rc::new(Wires::default());
+    for channel in &wires.channels {
+        channel.set(ZERO);
+    }
+    let [travel, force, command] = if feed.byte() % 4 == 0 {
+        [(); 3].map(|()| feed.either(1e-6, 1e6))
+    } else {
+        [1.0, 5.0, 1.0]
+    };
+    let [travel, force, command] = [travel, force, command]
+        .map(|full_scale| Scale::new(full_scale, 0.0).expect("it is in range"));
+    let adc = Adc {
+        wires: wires.clone(),
+        selected: 0,
+    };
+    let dac = Dac {
+        wires: wires.clone(),
+        control: 0,
+    };
+    let adc = Ads8688::new(adc, travel, force).expect("its bus is sound");
+    let dac = Ad5761::new(dac, command).expect("its bus is sound");
+    let guard = Guard {
+        wires: wires.clone(),
+        command,
+        displacement_limit: 0.0,
+        force_limit: 0.0,
+        most: command.full_scale().abs(),
+        trip_ticks: 0,
+        stop_ticks: 0,
+        exceeded: [0; 2],
+        stopped: u64::MAX / 2,
+        last: 0.0,
+    };
+    let is_emulator = feed.byte() % 4 == 0;
+    let ran = if is_emulator {
+        emulator(feed, adc, dac, guard, script, ticks)
+    } else {
+        rig(feed, adc, dac, guard, script, ticks)
+    };
+    // One that is refused has nothing to be seen.
+    ran.unwrap_or_default()
+}
+
+fn rig(
+    feed: &mut Feed<'_>,
+    adc: Ads8688<Adc>,
+    dac: Ad5761<Dac>,
+    mut guard: Guard,
+    script: &[u8],
+    ticks: u32,
+) -> Result<u64, ConfigError> {
+    let tick_rate = feed.one_of(&[1e4, 1e4, 1e3, 1e2, 1e5]);
+    let settings = if feed.byte() % 2 == 0 {
+        RigSettings {
+            stop_ticks: 200,
+            observer_bandwidth: 2e-3 * tick_rate,
+            feedback: 5e-4 * tick_rate,
+            glide: 50.0 / tick_rate,
+            ..RigSettings::default()
+        }
+    } else {
+        RigSettings {
+            displacement_limit: feed.between(1e-6, 1e4),
+            force_limit: feed.between(1e-6, 1e9),
+            tracking_limit: feed.between(1e-6, 1e4),
+            trip_ticks: feed.between(1.0, 1e3) as u32,
+            stop_ticks: feed.between(1.0, 1e4) as u32,
+            observer_bandwidth: feed.between(1e-3, 0.1 * tick_rate),
+            observer_damping: feed.between(0.3, 3.0),
+            correction_gain: feed.part(),
+            lead: 0.1 * feed.part(),
+            glide: feed.between(1.0 / tick_rate, 10.0),
+            feedback: 0.01 * tick_rate * feed.part(),
+        }
+    };
+    let mut programme = Programme::<BLOCKS>::new(tick_rate, 1)?;
+    for _ in 0..=feed.byte() % BLOCKS as u8 {
+        let amplitude = f64::from(guard.command.full_scale().abs()) * feed.between(1e-3, 1.0);
+        let mut frequency = || tick_rate * feed.between(1e-3, 0.25);
+        let (from, to) = (frequency(), frequency());
+        programme = programme.with(Block::sweep(
+            amplitude,
+            from,
+            to,
+            1 + u32::from(feed.byte() % 8),
+        )?)?;
+    }
+    let laws = [law(feed, 1.0 / tick_rate), law(feed, 1.0 / tick_rate)].map(TabulatedLaw::new);
+    guard.displacement_limit = settings.displacement_limit as f32;
+    guard.force_limit = settings.force_limit as f32;
+    guard.trip_ticks = settings.trip_ticks;
+    guard.stop_ticks = settings.stop_ticks;
+    let line = Line(guard.wires.clone());
+    let running = RunningLaw::new(laws[0].clone());
+    let rig = Rig::<_, _, _, BLOCKS, EFFECTS>::new(adc, dac, line, &settings, programme, running)?;
+    Ok(run(rig, guard, &laws, script, ticks))
+}
+
+fn emulator(
+    feed: &mut Feed<'_>,
+    adc: Ads8688<Adc>,
+    dac: Ad5761<Dac>,
+    mut guard: Guard,
+    script: &[u8],
+    ticks: u32,
+) -> Result<u64, ConfigError> {
+    let tick_rate = feed.between(1.0, 1e6);
+    let settings = EmulatorSettings {
+        tick_rate,
+        displacement_limit: feed.between(1e-6, 1e4),
+        force_limit: feed.between(1e-6, 1e9),
+        trip_ticks: feed.between(1.0, 1e3) as u32,
+        stop_ticks: feed.between(1.0, 1e4) as u32,
+        observer_bandwidth: feed.between(1e-3, 1.0) * 0.1 * tick_rate,
+        observer_damping: feed.between(0.3, 3.0),
+        hysteresis: feed.between(1e-9, 1e4),
+    };
+    let laws = [law(feed, 1.0 / tick_rate), law(feed, 1.0 / tick_rate)].map(TabulatedLaw::new);
+    guard.displacement_limit = settings.displacement_limit as f32;
+    guard.force_limit = settings.force_limit as f32;
+    guard.most = guard.most.min(guard.force_limit);
+    guard.trip_ticks = settings.trip_ticks;
+    guard.stop_ticks = settings.stop_ticks;
+    let line = Line(guard.wires.clone());
+    let emulator = Emulator::new(adc, dac, line, &settings, laws[0].clone())?;
+    Ok(run(emulator, guard, &laws, script, ticks))
+}
+
+/// Ticks between two things that happen to it, on average.
+const BETWEEN: u64 = 128;
+
+fn run(
+    mut controller: impl Controller,
+    mut guard: Guard,
+    laws: &[TabulatedLaw<EFFECTS>; 2],
+    script: &[u8],
+    ticks: u32,
+) -> u64 {
+    let wires = guard.wires.clone();
+    let mut random = Random::of(script);
+    let mut plant = Plant::Follows;
+    let mut ratio = 1.0;
+    let mut ran = 0;
+    controller.start();
+    for _ in 0..ticks {
+        let drawn = random.next();
+        if drawn % BETWEEN == 0 {
+            match drawn / BETWEEN % 16 {
+                0 => plant = Plant::Stuck,
+                1 => plant = Plant::Runs,
+                2 => plant = Plant::Anything,
+                3 => ratio = 2.0 * (drawn >> 32) as f64 / f64::from(u32::MAX),
+                4 => wires.adc_fails.set(true),
+                5 => wires.dac_fails.set(true),
+                6 => wires.line_fails.set(true),
+                7 => controller.stop(),
+                8 => controller.set_temperature(random.float()),
+                9 | 10 => controller.swap_law(laws[(drawn >> 40) as usize % 2].clone()),
+                _ => {
+                    plant = Plant::Follows;
+                    wires.adc_fails.set(false);
+                    wires.dac_fails.set(false);
+                    wires.line_fails.set(false);
+                }
+            }
+        }
+        // Whoever runs the rig tries again and again.
+        if drawn >> 32 & 0xf == 0 && controller.state() != State::Running {
+            controller.clear();
+            if controller.start() {
+                guard.exceeded = [0; 2];
+            }
+        }
+        plant.sense(&wires, ratio, &mut random);
+        let before = controller.state();
+        let telemetry = controller.tick();
+        guard.see(before, &telemetry);
+        ran += u64::from(telemetry.state == State::Running);
+    }
+    ran
+}
