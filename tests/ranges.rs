@@ -1,0 +1,274 @@
+//! Every constructor takes exactly the range that it documents, of every number, and names the one that it refuses.
+
+use mesh_damper::amplitude_free;
+use mesh_damper::converter::Scale;
+use mesh_damper::crossing::{CrossingAccumulator, CrossingDetector};
+use mesh_damper::effects::correction::{CELLS, CorrectionParts, MEMORY_CELLS, Memory};
+use mesh_damper::effects::{
+    Asymmetry, BoucWen, Compliance, Correction, Delay, Drift, Gap, Hardening, Inertia,
+    LoadFriction, Offset, Periodic, Relaxation, StickSlip, Stop, Temperature, Viscous,
+};
+use mesh_damper::error::ConfigError;
+use mesh_damper::fixed_point::Scales;
+use mesh_damper::law::Law;
+use mesh_damper::observer::ObserverConfig;
+use mesh_damper::power::PowerSeed;
+use mesh_damper::rig::RigSettings;
+use mesh_damper::sine::{Block, Programme};
+use proptest::prelude::*;
+
+/// One number of a constructor.
+struct Number {
+    field: &'static str,
+    low: f64,
+    high: f64,
+    /// The constructor with this for the number, and what fits for all others.
+    give: fn(f64) -> Result<(), ConfigError>,
+}
+
+macro_rules! number {
+    ($field:expr, $low:expr, $high:expr, |$x:ident| $constructed:expr) => {
+        Number {
+            field: $field,
+            low: $low,
+            high: $high,
+            give: |$x| $constructed.map(|_| ()),
+        }
+    };
+}
+
+/// The field is set to `x`.
+macro_rules! setting {
+    ($field:ident, $low:expr, $high:expr) => {
+        number!(stringify!($field), $low, $high, |x| RigSettings {
+            $field: x,
+            ..RigSettings::default()
+        }
+        .at(1e4))
+    };
+}
+
+fn correction(
+    reach: f64,
+    speed: f64,
+    unit: f64,
+    memory: Memory<f64>,
+    range: [f64; 2],
+    tick: f64,
+) -> Result<Correction<f64>, ConfigError> {
+    let parts = CorrectionParts {
+        reach,
+        speed,
+        unit,
+        cells: &[1; CELLS],
+        memory: Some((memory, range)),
+        memory_cells: &[1; MEMORY_CELLS],
+    };
+    Correction::new(&parts, tick)
+}
+
+const LAG: Memory<f64> = Memory::Lag { time: 0.1 };
+const RANGE: [f64; 2] = [-0.1, 0.1];
+
+fn numbers() -> Vec<Number> {
+    vec![
+        number!("k1", -1e9, 1e9, |x| Law::new(x, 1.0, 1.0, 0.5)),
+        number!("k3", -1e9, 1e9, |x| Law::new(1.0, x, 1.0, 0.5)),
+        number!("c", 0.0, 1e9, |x| Law::new(1.0, 1.0, x, 0.5)),
+        number!("alpha", 0.0, 1.0, |x| Law::new(1.0, 1.0, 1.0, x)),
+        number!("c", 0.0, 1e9, |x| PowerSeed::new(x, 0.5)),
+        number!("alpha", 0.0, 1.0, |x| PowerSeed::new(1.0, x)),
+        number!("density", 2.0, 4.0, |x| amplitude_free::law(x as f32)),
+        number!("force", -1e9, 1e9, |x| Offset::new(x)),
+        number!("k2", -1e9, 1e9, |x| Asymmetry::new(x)),
+        number!("k5", -1e9, 1e9, |x| Hardening::new(x)),
+        number!("c1", -1e9, 1e9, |x| Viscous::new(x)),
+        number!("mass", -1e6, 1e6, |x| Inertia::new(x)),
+        number!("load", 0.0, 1e6, |x| LoadFriction::new(x)),
+        number!("stiffness", -1e9, 1e9, |x| BoucWen::new(x, 0.1, 2.0)),
+        number!("slip_limit", 1e-9, 1e4, |x| BoucWen::new(1.0, x, 2.0)),
+        number!("sharpness", 0.5, 8.0, |x| BoucWen::new(1.0, 0.1, x)),
+        number!("stiffness", 1e-3, 1e9, |x| Compliance::new(x, 1e-4)),
+        number!("tick", 1e-7, 1e3, |x| Compliance::new(1.0, x)),
+        number!("time", 0.0, 255.0, |x| Delay::new(x, 1.0)),
+        number!("tick", 1e-7, 1e3, |x| Delay::new(0.0, x)),
+        number!("stiffness", -1e9, 1e9, |x| Drift::new(x, 10.0)),
+        number!("cycles", 0.1, 1e9, |x| Drift::new(1.0, x)),
+        number!("half_width", 0.0, 1e4, |x| Gap::new(x, true)),
+        number!("amplitude", -1e9, 1e9, |x| Periodic::new(
+            x, 50.0, 0.0, 1e-4
+        )),
+        number!("frequency", 1e-6, 4990.0, |x| Periodic::new(
+            1.0, x, 0.0, 1e-4
+        )),
+        number!("phase", -1e3, 1e3, |x| Periodic::new(1.0, 50.0, x, 1e-4)),
+        number!("tick", 1e-6, 1e3, |x| Periodic::new(1.0, 1e-6, 0.0, x)),
+        number!("stiffness", -1e9, 1e9, |x| Relaxation::new(x, 0.1, 1e-4)),
+        number!("time", 1e-6, 1e6, |x| Relaxation::new(1.0, x, 1e-4)),
+        number!("tick", 1e-7, 1e3, |x| Relaxation::new(1.0, 0.1, x)),
+        number!("stiffness", -1e9, 1e9, |x| StickSlip::new(&[
+            (1.0, 0.1),
+            (x, 0.1)
+        ])),
+        number!("slip_limit", 1e-9, 1e4, |x| StickSlip::new(&[
+            (1.0, 0.1),
+            (1.0, x)
+        ])),
+        number!("stiffness", 1e-9, 1e9, |x| Stop::new(&[(x, 0.1)])),
+        number!("beta", -1.0, 1.0, |x| Temperature::new(x, 20.0)),
+        number!("reference", -273.15, 1e4, |x| Temperature::new(0.1, x)),
+        number!("reach", 1e-9, 1e4, |x| correction(
+            x, 1.0, 1.0, LAG, RANGE, 1e-4
+        )),
+        number!("speed", 1e-9, 1e6, |x| correction(
+            1.0, x, 1.0, LAG, RANGE, 1e-4
+        )),
+        number!("unit", 0.0, 1e9, |x| correction(
+            1.0, 1.0, x, LAG, RANGE, 1e-4
+        )),
+        number!("tick", 1e-7, 1e3, |x| correction(
+            1.0, 1.0, 1.0, LAG, RANGE, x
+        )),
+        number!("time", 1e-6, 1e6, |x| {
+            correction(1.0, 1.0, 1.0, Memory::Lag { time: x }, RANGE, 1e-4)
+        }),
+        number!("zero", -1e6, 1e6, |x| Scale::new(1.0, x)),
+        number!("tick_rate", 1.0, 1e6, |x| ObserverConfig::new(x, 0.1, 0.7)),
+        number!("bandwidth", 1e-3, 1e3, |x| ObserverConfig::new(1e4, x, 0.7)),
+        number!("damping", 0.3, 3.0, |x| ObserverConfig::new(1e4, 20.0, x)),
+        number!("hysteresis", 1e-9, 1e4, |x| CrossingDetector::new(x as f32)),
+        number!("hysteresis", 1e-9, 1e4, |x| CrossingAccumulator::new(
+            x as f32
+        )),
+        number!("amplitude", 1e-6, 1e4, |x| Block::sine(x, 1.0, 1)),
+        number!("frequency", 1e-6, 2.5e5, |x| Block::sine(0.1, x, 1)),
+        number!("from", 1e-6, 2.5e5, |x| Block::sweep(0.1, x, 1.0, 1)),
+        number!("to", 1e-6, 2.5e5, |x| Block::sweep(0.1, 1.0, x, 1)),
+        number!("tick_rate", 1.0, 1e6, |x| Programme::<1>::new(x, 1)),
+        number!("displacement", 1e-9, 1e4, |x| Scales::new(x, 1.0, 1.0)),
+        number!("velocity", 1e-9, 1e6, |x| Scales::new(1.0, x, 1.0)),
+        number!("force", 1e-9, 1e12, |x| Scales::new(1.0, 1.0, x)),
+        setting!(displacement_limit, 1e-6, 1e4),
+        setting!(force_limit, 1e-6, 1e9),
+        setting!(tracking_limit, 1e-6, 1e4),
+        setting!(correction_gain, 0.0, 1.0),
+        setting!(lead, 0.0, f64::from(0.1_f32)),
+        setting!(glide, 1e-4, 10.0),
+        setting!(feedback, 0.0, 100.0),
+    ]
+}
+
+/// In f32 the ends are the nearest floats, so that what lies less than a float beyond them is taken.
+fn check(number: &Number, x: f64) -> Result<(), TestCaseError> {
+    let given = (number.give)(x);
+    let expected = if !x.is_finite() {
+        Err(ConfigError::NonFinite(number.field))
+    } else if x < number.low || x > number.high {
+        match given {
+            Err(ConfigError::OutOfRange { field, .. }) => {
+                prop_assert_eq!(field, number.field);
+                return Ok(());
+            }
+            other => other.and(Err(ConfigError::NonFinite("out of range"))),
+        }
+    } else {
+        Ok(())
+    };
+    prop_assert_eq!(&given, &expected, "{} = {:e}", number.field, x);
+    Ok(())
+}
+
+fn any_number() -> impl Strategy<Value = f64> {
+    prop_oneof![
+        any::<f64>(),
+        -2.0..2.0,
+        (-12.0..14.0).prop_map(|e| 10f64.powf(e)),
+        (-12.0..14.0).prop_map(|e| -10f64.powf(e)),
+        Just(f64::NAN),
+        Just(f64::INFINITY),
+        Just(f64::NEG_INFINITY),
+        Just(-0.0),
+    ]
+}
+
+#[test]
+fn the_ends_belong_to_the_range_and_what_lies_beyond_does_not() {
+    for number in numbers() {
+        for end in [number.low, number.high] {
+            check(&number, end).unwrap();
+            for factor in [1.0 - 1e-6, 1.0 + 1e-6] {
+                check(&number, end * factor).unwrap();
+            }
+        }
+        for middle in [
+            0.5 * (number.low + number.high),
+            number.low - 1e-6,
+            number.high + 1e-3,
+        ] {
+            check(&number, middle).unwrap();
+        }
+    }
+}
+
+proptest! {
+    #[test]
+    fn what_is_taken_is_what_lies_in_the_range(x in any_number(), part in 0.0..1.0f64) {
+        for number in numbers() {
+            // Nearer to an end than its float is, f32 rounds.
+            if x.is_finite() && [number.low, number.high].iter().any(|end| (x - end).abs() <= 1e-7 * end.abs()) {
+                continue;
+            }
+            check(&number, x)?;
+            check(&number, number.low + part * (number.high - number.low))?;
+        }
+    }
+}
+
+#[test]
+fn counts_of_none_or_too_many_are_refused() {
+    let out_of_range = |error, name| {
+        assert!(
+            matches!(error, ConfigError::OutOfRange { field, .. } if field == name),
+            "{error:?}"
+        );
+    };
+    out_of_range(Block::sine(0.1, 1.0, 0).unwrap_err(), "cycles");
+    out_of_range(Block::sweep(0.1, 1.0, 2.0, 0).unwrap_err(), "cycles");
+    out_of_range(Programme::<1>::new(1e4, 0).unwrap_err(), "ramp_cycles");
+    for (trip_ticks, fits) in [(0, false), (1, true), (1_000_000, true), (1_000_001, false)] {
+        let settings = RigSettings {
+            trip_ticks,
+            ..RigSettings::default()
+        };
+        assert_eq!(settings.at(1e4).is_ok(), fits, "{trip_ticks}");
+    }
+    for (stop_ticks, fits) in [
+        (0, false),
+        (1, true),
+        (10_000_000, true),
+        (10_000_001, false),
+    ] {
+        let settings = RigSettings {
+            stop_ticks,
+            ..RigSettings::default()
+        };
+        assert_eq!(settings.at(1e4).is_ok(), fits, "{stop_ticks}");
+    }
+    let element = (1.0, 0.1);
+    assert_eq!(
+        StickSlip::new(&[] as &[(f64, f64)]),
+        Err(ConfigError::Empty("elements"))
+    );
+    assert!(StickSlip::new(&[element; 6]).is_ok());
+    let full = StickSlip::new(&[element; 7]).unwrap_err();
+    assert!(
+        matches!(
+            full,
+            ConfigError::Full {
+                field: "elements",
+                capacity: 6
+            }
+        ),
+        "{full:?}"
+    );
+}
