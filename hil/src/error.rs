@@ -66,10 +66,21 @@ impl InputError {
         use std::io::ErrorKind;
         let (problem, mend) = match error.kind() {
             ErrorKind::NotFound => ("does not exist", "check the path"),
-            ErrorKind::PermissionDenied => ("permission denied", "check the file's permissions"),
+            ErrorKind::PermissionDenied => (
+                "permission denied",
+                "check the permissions of the file and its directory",
+            ),
             ErrorKind::IsADirectory => ("is a directory", "name a file in it"),
             ErrorKind::NotADirectory => ("a part of the path is not a directory", "check the path"),
             ErrorKind::StorageFull => ("no space left on the device", "make room"),
+            ErrorKind::QuotaExceeded => ("the quota is used up", "make room"),
+            ErrorKind::FileTooLarge => (
+                "it would be larger than a file may be",
+                "raise the limit, or name another directory",
+            ),
+            ErrorKind::ReadOnlyFilesystem => {
+                ("the file system is read-only", "name another directory")
+            }
             _ => {
                 return Self::new(
                     path.display().to_string(),

@@ -130,6 +130,8 @@ fn stage(path: &Path, bytes: &[u8], made: &mut MadeDirectories) -> Result<TempPa
     made.make(directory).map_err(failed)?;
     let mut file = create_temporary(directory).map_err(failed)?;
     file.write_all(bytes).map_err(failed)?;
+    // So that a name never stands for less than the whole, whatever happens to the machine after it is given.
+    file.as_file().sync_all().map_err(failed)?;
     Ok(file.into_temp_path())
 }
 

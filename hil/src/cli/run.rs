@@ -4,11 +4,13 @@ use std::path::{Path, PathBuf};
 
 use clap::{Args, ValueEnum};
 use hil::error::InputError;
-use hil::link::{RigRun, RigSetup, SetupError, TICK_RATE, run_rig, run_rig_on};
+use hil::link::{
+    Journal, RigRun, RigSetup, Samples, SetupError, TICK_RATE, Watch, run_rig, run_rig_on,
+};
 use hil::model::MAX_EFFECTS;
 use hil::model_file::{ModelFile, model_error};
 use hil::output::Outputs;
-
+use hil::recording::Recording;
 use hil::specimen::{Specimen, draw};
 use mesh_damper::effects::AugmentedLaw;
 use mesh_damper::law::Law;
@@ -25,7 +27,8 @@ use super::{Failure, say};
 
 /// Run the rig in the loop with a simulated actuator and specimen
 ///
-/// Writes DIR/recording.csv.gz and DIR/cycles.csv: what was measured, and what every cycle came to beside the law.
+/// Writes DIR/recording.csv.gz and DIR/cycles.csv: what was measured, and what every cycle came to beside the law. Until then
+/// DIR/recording.partial.csv holds what was measured so far; a run that is broken off leaves it.
 #[derive(Args, Debug)]
 #[command(after_help = "Examples:\n  hil run --blocks 0.1:1:6,0.1:5:10\n  \
     hil run --effect stick_slip:stiffness=1.2,slip_limit=0.03\n  \
@@ -206,19 +209,21 @@ impl RunCommand {
         };
         let progress = Progress::of(100);
         progress.step("running the rig");
-        let told = |part| progress.done((100.0 * part) as u64);
+        let comments = vec![
+            format!("specimen: {described}"),
+            format!("run: simulated rig, seed = {}", self.seed),
+        ];
+        let mut watched = Watched {
+            progress,
+            journal: Journal::new(&self.out, comments.clone()),
+        };
         let run = match image {
-            None => run_rig(setup, told),
-            Some(mut image) => run_rig_on(&mut image, setup, told),
-        }
-        .map_err(|error| match error {
-            SetupError::Link(error) => error.into(),
-            error => {
-                let mend = "change the blocks, the tick rate or the model";
-                InputError::new("the rig", error.to_string(), mend)
-            }
-        })?;
+            None => run_rig(setup, &mut watched),
+            Some(mut image) => run_rig_on(&mut image, setup, &mut watched),
+        };
+        let Watched { progress, journal } = watched;
         drop(progress);
+        let run = run.map_err(|error| broken_off(error, &journal))?;
 
         let summary = Summary {
             on: self.on,
@@ -238,19 +243,23 @@ impl RunCommand {
             &summary.stopped,
         ) {
             // A rig that stopped at once has recorded nothing: why it stopped is the message then.
-            (Err(_), Some(stop)) => return Err(stop.failure()),
+            (Err(_), Some(stop)) => {
+                journal.remove();
+                return Err(stop.failure());
+            }
             (recorded, _) => recorded?,
         };
-        let recorded = recorded
-            .with_comment(format!("specimen: {described}"))
-            .with_comment(format!("run: simulated rig, seed = {}", self.seed));
+        let recorded = comments.into_iter().fold(recorded, Recording::with_comment);
         let mut outputs = Outputs::new();
         outputs.add(&recording, recorded.to_file(&recording));
         outputs.add(self.out.join("cycles.csv"), csv_of(&summary.cycles)?);
         if let Some(json) = &self.json {
             outputs.add_json(json, &summary)?;
         }
-        outputs.write()?;
+        outputs
+            .write()
+            .map_err(|error| with_journal(error, &journal))?;
+        journal.remove();
         if self.json.as_deref() != Some(Path::new("-")) {
             print_blocks(&run, &programme);
             say(&format!("The recording is {}", recording.display()));
@@ -311,6 +320,40 @@ impl RunCommand {
             .map_err(refused)?;
         Ok((law, block_laws))
     }
+}
+
+/// Shows how far a run is, and keeps what it has recorded.
+struct Watched {
+    progress: Progress,
+    journal: Journal,
+}
+
+impl Watch for &mut Watched {
+    fn see(&mut self, part: f64, samples: &Samples) -> Result<(), InputError> {
+        self.progress.done((100.0 * part) as u64);
+        self.journal.write(samples)
+    }
+}
+
+fn broken_off(error: SetupError, journal: &Journal) -> InputError {
+    let error = match error {
+        SetupError::Link(error) => error.into(),
+        SetupError::Watch(error) => error,
+        error => {
+            let mend = "change the blocks, the tick rate or the model";
+            InputError::new("the rig", error.to_string(), mend)
+        }
+    };
+    with_journal(error, journal)
+}
+
+/// `error`, and where to find what was recorded before it.
+fn with_journal(mut error: InputError, journal: &Journal) -> InputError {
+    if journal.has_begun() {
+        let path = journal.path().display();
+        error.mend = format!("{}; what was recorded before is {path}", error.mend);
+    }
+    error
 }
 
 /// Why the rig stopped.

@@ -22,6 +22,7 @@ use crate::actuator::{
     AdcPins, DacPins, InvalidField, SensorConfig, ServoConfig, SimulatedAd5761, SimulatedAds8688,
     SimulatedEnable, enable_line,
 };
+use crate::error::InputError;
 use crate::specimen::DamperForce;
 
 /// A setup that one of its parts refused.
@@ -42,6 +43,9 @@ pub enum SetupError {
     /// The image.
     #[error(transparent)]
     Link(#[from] LinkError),
+    /// Who watches the run could not go on.
+    #[error(transparent)]
+    Watch(#[from] InputError),
 }
 
 /// A test of a specimen, everything about it public and changeable before it runs.

@@ -7,13 +7,15 @@ mod bench;
 mod emulation;
 mod expected;
 pub mod image;
+mod journal;
 mod plant;
 mod run;
 
 pub use bench::{Bench, RigSetup, SetupError};
 pub use emulation::{Emulation, EmulatorBench, EmulatorSetup};
+pub use journal::Journal;
 pub use plant::Plant;
-pub use run::{RigRun, Samples, run_rig, run_rig_on};
+pub use run::{RigRun, Samples, Watch, run_rig, run_rig_on};
 
 /// Tick rate of the crate unless told otherwise, Hz.
 pub const TICK_RATE: f64 = 10_000.0;

@@ -102,6 +102,22 @@ impl RigRun {
     }
 }
 
+/// Who is told how a run goes on; any `FnMut(f64)` is, of the time alone.
+pub trait Watch {
+    /// Now and then, and at the end however it ends: which part of the programme's time has passed, and what was recorded.
+    ///
+    /// # Errors
+    /// What the run shall end with.
+    fn see(&mut self, part: f64, samples: &Samples) -> Result<(), InputError>;
+}
+
+impl<F: FnMut(f64)> Watch for F {
+    fn see(&mut self, part: f64, _: &Samples) -> Result<(), InputError> {
+        self(part);
+        Ok(())
+    }
+}
+
 /// A rig with what it works on, wherever its controller runs.
 pub(super) trait Controlled<S> {
     fn plant(&self) -> &Plant<S>;
@@ -112,29 +128,28 @@ pub(super) trait Controlled<S> {
 }
 
 /// Runs the programme of `setup` to its end, or to the standstill after a fault, with the controller in this process.
-/// `progress` is told now and then which part of the programme's time has passed.
 ///
 /// # Errors
-/// What one of the parts refuses.
+/// What one of the parts refuses, or what `watch` ends it with.
 pub fn run_rig<S: DamperForce + Clone, const B: usize, const N: usize>(
     setup: RigSetup<S, B, N>,
-    progress: impl FnMut(f64),
+    watch: impl Watch,
 ) -> Result<RigRun, SetupError> {
     let plan = Plan::of(&setup);
-    run(&mut Bench::new(setup)?, &plan, progress)
+    run(&mut Bench::new(setup)?, &plan, watch)
 }
 
 /// [`run_rig`] with an image as the controller, which has had no rig before.
 ///
 /// # Errors
-/// What one of the parts or the image refuses, or the link to it.
+/// What one of the parts or the image refuses, or the link to it, or what `watch` ends it with.
 pub fn run_rig_on<S: DamperForce + Clone, W: Wire, const B: usize, const N: usize>(
     image: &mut Image<W>,
     setup: RigSetup<S, B, N>,
-    progress: impl FnMut(f64),
+    watch: impl Watch,
 ) -> Result<RigRun, SetupError> {
     let plan = Plan::of(&setup);
-    run(&mut ImageBench::new(setup, image)?, &plan, progress)
+    run(&mut ImageBench::new(setup, image)?, &plan, watch)
 }
 
 /// What a run needs to know beside the rig.
@@ -156,12 +171,16 @@ impl Plan {
     }
 }
 
+/// Samples for which there is room from the start; more are made room for as they come.
+const MOST_RESERVED: usize = 1 << 20;
+
 fn run<S: DamperForce + Clone>(
     rig: &mut impl Controlled<S>,
     plan: &Plan,
-    mut progress: impl FnMut(f64),
+    mut watch: impl Watch,
 ) -> Result<RigRun, SetupError> {
-    let capacity = (plan.duration * plan.tick_rate / plan.record_every as f64) as usize + 16;
+    let samples = (plan.duration * plan.tick_rate / plan.record_every as f64) as usize + 16;
+    let capacity = samples.min(MOST_RESERVED);
     let mut run = RigRun {
         samples: Samples::default(),
         cycles: Vec::new(),
@@ -179,6 +198,20 @@ fn run<S: DamperForce + Clone>(
     ] {
         column.reserve(capacity);
     }
+    let ended = run_to_its_end(rig, plan, &mut run, &mut watch);
+    // Who could not go on watching is not asked again.
+    if !matches!(ended, Err(SetupError::Watch(_))) {
+        watch.see(1.0, &run.samples)?;
+    }
+    ended.map(|()| run)
+}
+
+fn run_to_its_end<S: DamperForce + Clone>(
+    rig: &mut impl Controlled<S>,
+    plan: &Plan,
+    run: &mut RigRun,
+    watch: &mut impl Watch,
+) -> Result<(), SetupError> {
     rig.start()?;
     let report_every = (plan.tick_rate / 2.0) as u64 + 1;
     let mut block = None;
@@ -190,7 +223,7 @@ fn run<S: DamperForce + Clone>(
                 .push(&telemetry, time, rig.plant().temperature());
         }
         if run.ticks.is_multiple_of(report_every) {
-            progress((time / plan.duration).min(1.0));
+            watch.see((time / plan.duration).min(1.0), &run.samples)?;
         }
         run.ticks += 1;
         run.cycles.extend(telemetry.report);
@@ -207,12 +240,10 @@ fn run<S: DamperForce + Clone>(
                     run.faults.push((time, fault));
                 }
                 if telemetry.command == 0.0 {
-                    break;
+                    return Ok(());
                 }
             }
-            State::Idle | State::Done => break,
+            State::Idle | State::Done => return Ok(()),
         }
     }
-    progress(1.0);
-    Ok(run)
 }

@@ -1,0 +1,134 @@
+//! Disks that are full, files that may not grow, folders that are read-only: one message, and no file half written.
+#![cfg(target_os = "linux")]
+
+use std::fs;
+use std::io::Write as _;
+use std::path::Path;
+use std::process::{Command, Output, Stdio};
+
+/// `script` in a shell of its own in `directory`, with the command as `$HIL`.
+fn shell(directory: &Path, script: &str) -> Output {
+    Command::new("sh")
+        .args(["-c", script])
+        .env("HIL", env!("CARGO_BIN_EXE_hil"))
+        .current_dir(directory)
+        .stdin(Stdio::null())
+        .output()
+        .unwrap()
+}
+
+/// `script` with file systems of its own; none, and said so, where they may not be mounted.
+fn with_mounts(directory: &Path, script: &str) -> Option<Output> {
+    const UNSHARE: &str = "exec unshare --user --map-root-user --mount sh -c";
+    let tried = shell(
+        directory,
+        &format!("{UNSHARE} 'mount -t tmpfs tmpfs {}'", directory.display()),
+    );
+    if !tried.status.success() {
+        // Past the harness of the tests, which keeps what passing tests print to itself.
+        let said = writeln!(
+            std::io::stderr(),
+            "left out, no file system may be mounted here"
+        );
+        said.unwrap();
+        return None;
+    }
+    Some(shell(directory, &format!("{UNSHARE} '{script}'")))
+}
+
+#[track_caller]
+fn said_once(output: &Output, what: &str) {
+    let said = String::from_utf8_lossy(&output.stderr);
+    assert_eq!(output.status.code(), Some(2), "{said}");
+    assert_eq!(said.lines().count(), 1, "{said}");
+    assert!(said.starts_with("error: ") && said.contains(what), "{said}");
+}
+
+const RUN: &str = "\"$HIL\" run --blocks 0.1:5:40";
+
+#[test]
+fn a_full_disk_is_said_and_what_was_recorded_stays() {
+    let root = tempfile::tempdir().unwrap();
+    // The recording so far is 60 KiB and more.
+    let script = format!(
+        "mount -t tmpfs -o size=32k tmpfs . && cd \"$PWD\" && {RUN}; code=$?; ls -A run-out; exit $code"
+    );
+    let Some(output) = with_mounts(root.path(), &script) else {
+        return;
+    };
+    said_once(&output, "no space left on the device; make room");
+    assert_eq!(output.stdout, b"recording.partial.csv\n");
+}
+
+#[test]
+fn where_one_file_has_no_room_none_is_written() {
+    let root = tempfile::tempdir().unwrap();
+    let script = format!(
+        "mkdir full && mount -t tmpfs -o size=8k tmpfs full && {RUN} --json full/big.json; \
+         code=$?; ls -A full run-out; exit $code"
+    );
+    let Some(output) = with_mounts(root.path(), &script) else {
+        return;
+    };
+    said_once(
+        &output,
+        "full/big.json: cannot write it: no space left on the device; make room",
+    );
+    // Nothing is lost either.
+    let listed = String::from_utf8(output.stdout).unwrap();
+    assert_eq!(listed, "full:\n\nrun-out:\nrecording.partial.csv\n");
+}
+
+#[test]
+fn a_read_only_file_system_is_said() {
+    let root = tempfile::tempdir().unwrap();
+    let script = format!("mount -t tmpfs -o ro tmpfs . && cd \"$PWD\" && {RUN}");
+    let Some(output) = with_mounts(root.path(), &script) else {
+        return;
+    };
+    said_once(
+        &output,
+        "the file system is read-only; name another directory",
+    );
+}
+
+#[test]
+fn a_folder_without_permission_is_said() {
+    use std::os::unix::fs::PermissionsExt as _;
+    let root = tempfile::tempdir().unwrap();
+    let closed = root.path().join("closed");
+    fs::create_dir(&closed).unwrap();
+    fs::set_permissions(&closed, fs::Permissions::from_mode(0o555)).unwrap();
+    if fs::write(closed.join("tried"), "").is_ok() {
+        // Whoever may do everything is refused nothing.
+        writeln!(
+            std::io::stderr(),
+            "left out, permissions do not bind this user"
+        )
+        .unwrap();
+        return;
+    }
+    let output = shell(root.path(), &format!("{RUN} --out closed/run-out"));
+    said_once(
+        &output,
+        "permission denied; check the permissions of the file and its directory",
+    );
+    assert_eq!(fs::read_dir(&closed).unwrap().count(), 0);
+}
+
+#[test]
+fn a_file_that_may_not_grow_is_said() {
+    let root = tempfile::tempdir().unwrap();
+    // In blocks of 512 bytes; the signal that goes with it is ignored, as shells' children inherit.
+    let output = shell(root.path(), &format!("trap '' XFSZ; ulimit -f 8; {RUN}"));
+    said_once(&output, "it would be larger than a file may be");
+}
+
+#[test]
+fn a_full_device_is_said() {
+    let root = tempfile::tempdir().unwrap();
+    for to in ["--json /dev/full", "--json - > /dev/full"] {
+        let output = shell(root.path(), &format!("{RUN} {to}"));
+        said_once(&output, "no space left on the device");
+    }
+}
