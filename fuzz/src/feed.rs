@@ -25,7 +25,11 @@ impl Feed<'_> {
 
     /// The same of either sign.
     pub fn either(&mut self, low: f64, high: f64) -> f64 {
-        let sign = if self.byte() % 2 == 0 { 1.0 } else { -1.0 };
+        let sign = if self.byte().is_multiple_of(2) {
+            1.0
+        } else {
+            -1.0
+        };
         sign * self.between(low, high)
     }
 

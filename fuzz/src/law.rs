@@ -86,7 +86,7 @@ fn parameters(feed: &mut Feed<'_>, tick: f64) -> EffectParameters<f32> {
         },
         13 => EffectParameters::Gap {
             half_width: length(feed),
-            damps_inside: feed.byte() % 2 == 0,
+            damps_inside: feed.byte().is_multiple_of(2),
         },
         14 => EffectParameters::Compliance {
             stiffness: feed.between(1e-3, 1e9) as f32,

@@ -81,10 +81,8 @@ fn is_a_law(bytes: &[u8]) -> bool {
     let mut slot = TabulatedLaw::<EFFECTS>::EMPTY;
     let whole = pack::decode(bytes, &mut slot);
     let mut upload = Upload::new();
-    let parts = bytes.chunks(100).enumerate();
-    let uploaded = parts
-        .map(|(index, part)| upload.part(100 * index, part))
-        .collect::<Result<(), _>>();
+    let mut parts = bytes.chunks(100).enumerate();
+    let uploaded = parts.try_for_each(|(index, part)| upload.part(100 * index, part));
     let mut from_parts = TabulatedLaw::EMPTY;
     if uploaded.is_ok() {
         assert_eq!(upload.finish(&mut from_parts), whole);

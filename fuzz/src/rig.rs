@@ -255,7 +255,7 @@ fn rig(
     ticks: u32,
 ) -> Result<u64, ConfigError> {
     let tick_rate = feed.one_of(&[1e4, 1e4, 1e3, 1e2, 1e5]);
-    let settings = if feed.byte() % 2 == 0 {
+    let settings = if feed.byte().is_multiple_of(2) {
         RigSettings {
             stop_ticks: 200,
             observer_bandwidth: 2e-3 * tick_rate,
@@ -349,7 +349,7 @@ fn run(
     controller.start();
     for _ in 0..ticks {
         let drawn = random.next();
-        if drawn % BETWEEN == 0 {
+        if drawn.is_multiple_of(BETWEEN) {
             match drawn / BETWEEN % 16 {
                 0 => plant = Plant::Stuck,
                 1 => plant = Plant::Runs,
