@@ -6,6 +6,8 @@ use hil::recording::averaging::MovingAverage;
 use hil::recording::trajectory::Trajectory;
 use hil::trace::result::Verdict;
 use hil::trace::trace;
+use rand::{RngExt, SeedableRng};
+use rand_chacha::ChaCha8Rng;
 
 /// Of a specimen with Bouc–Wen friction, 2000 samples a second.
 const SEED: u64 = 367;
@@ -50,4 +52,28 @@ fn friction_is_found_behind_a_moving_average() {
     let force = hil::predict::predict(&found.model, &unaware).expect("a force");
     let unaware = hil::predict::nrmse(&force, &unaware.force, |_| true);
     assert!(unaware > 2.0 * own, "{unaware} {own}");
+}
+
+/// Triangles have corners that no average leaves, in one block and in two, with few cycles and many.
+#[test]
+fn a_motion_with_corners_was_not_averaged() {
+    for cycles in [5, 8, 20, 40] {
+        for blocks in [&[(0.1, 1.0)][..], &[(0.1, 1.0), (0.2, 2.0)]] {
+            let mut random = ChaCha8Rng::seed_from_u64(cycles);
+            let mut noise = || 2e-4 * (random.random::<f64>() - 0.5);
+            let (mut time, mut displacement, mut force) = (Vec::new(), Vec::new(), Vec::new());
+            for &(amplitude, frequency) in blocks {
+                for sample in 0..(500.0 * cycles as f64 / frequency) as usize {
+                    let turn = std::f64::consts::TAU * frequency * sample as f64 / 500.0;
+                    let y = amplitude * turn.sin().asin() * std::f64::consts::FRAC_2_PI;
+                    time.push(time.len() as f64 / 500.0);
+                    displacement.push(y + noise());
+                    force.push(y + 0.05 * turn.cos().signum() + noise());
+                }
+            }
+            let recording = Recording::new("triangles", time, displacement, force).unwrap();
+            let trajectory = Trajectory::of(&recording).unwrap();
+            assert_eq!(trajectory.average, None, "{cycles} {blocks:?}");
+        }
+    }
 }

@@ -308,7 +308,6 @@ fn the_same_test_run_on_is_scored_where_it_is_new() {
     assert!(trace.result.augmented.nrmse_held_out < 1.3 * 0.004);
 }
 
-/// The answer is about physics, not about units: everything scaled, the same family and the scaled parameter.
 /// Whatever the force that is held out is like, the verdict and every coefficient come out the same, and only the errors that
 /// are reported differ; of a named effect and of a correction without a name.
 #[test]
@@ -343,6 +342,7 @@ fn nothing_that_is_held_out_reaches_the_law() {
     }
 }
 
+/// The answer is about physics, not about units: everything scaled, the same family and the scaled parameter.
 #[test]
 fn the_verdict_does_not_depend_on_the_scale() {
     let scaled = |recording: &Recording| {

@@ -84,10 +84,8 @@ impl Solution {
                         })
                         .collect()
                 } else {
-                    {
-                        let force = run(&model, trajectory, |force, _| force);
-                        with_rates(&force.unwrap_or_default(), tick)
-                    }
+                    let force = run(&model, trajectory, |force, _| force);
+                    with_rates(&force.unwrap_or_default(), tick)
                 };
                 Deflection {
                     stiffness,

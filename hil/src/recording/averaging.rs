@@ -1,10 +1,13 @@
 //! Channels that were smoothed by a moving average before they were written.
 //!
-//! A mean over w samples has no noise at the frequencies k/w: its gain there is sin(πfw)/(πfw) = 0. No motion leaves such
-//! notches at all multiples of one frequency in displacement and force alike. A force that jumps at a reversal, averaged,
+//! A mean over w samples has no noise at the frequencies k/w: its gain there is sin(πfw)/(πfw) = 0. Notches at all multiples of
+//! one frequency in displacement and force alike are taken for that where they are no gaps between the harmonics of a motion
+//! with corners, which are lines that a median over frequency does not see. A force that jumps at a reversal, averaged,
 //! does not jump any more; a law can only be compared with it when its own force is averaged likewise.
 //!
 //! A strong harmonic of the motion beside a notch hides it, and with it the average.
+
+use std::ops::Range;
 
 use realfft::RealFftPlanner;
 
@@ -29,7 +32,7 @@ const NEAR: f64 = 1.15;
 /// A moving average over samples before and after.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct MovingAverage {
-    /// Samples that it is over, 2 and more; a part of one counts in part.
+    /// Samples that it is over, 4 and more where it was found; a part of one counts in part.
     pub window: f64,
 }
 
@@ -45,7 +48,10 @@ impl MovingAverage {
         let mut distance = FEWEST_BINS / NOTCH;
         while distance * FEWEST_NOTCHES as f64 <= bins {
             let depths = [&displacement, &force].map(|spectrum| spectrum.depth(distance));
-            if let [Some(one), Some(other)] = depths {
+            if let [Some(one), Some(other)] = depths
+                && displacement.has_notches(distance)
+                && force.has_notches(distance)
+            {
                 found.push((distance, one.max(other)));
             }
             distance += (0.002 * distance).max(0.5);
@@ -115,8 +121,9 @@ impl MovingAverage {
 /// The weights of the samples of a sixth difference.
 const SIXTH_DIFFERENCE: [f64; 7] = [1.0, -6.0, 15.0, -20.0, 15.0, -6.0, 1.0];
 
-/// Sums of the logarithm of a channel's power, bin by bin.
+/// The logarithm of a channel's power, bin by bin, and its sums.
 struct Spectrum {
+    logarithms: Vec<f64>,
     sums: Vec<f64>,
 }
 
@@ -132,14 +139,16 @@ impl Spectrum {
         let plan = RealFftPlanner::<f64>::new().plan_fft_forward(count);
         let mut spectrum = plan.make_output_vec();
         plan.process(&mut differences, &mut spectrum).ok()?;
-        let mut sum = 0.0;
-        let logarithms = spectrum.iter().map(|bin| {
-            sum += bin.norm_sqr().max(f64::MIN_POSITIVE).ln();
-            sum
-        });
-        Some(Self {
-            sums: [0.0].into_iter().chain(logarithms).collect(),
-        })
+        let power = spectrum.iter().map(|bin| bin.norm_sqr());
+        let logarithms: Vec<f64> = power
+            .map(|power| power.max(f64::MIN_POSITIVE).ln())
+            .collect();
+        let mut sums = vec![0.0];
+        sums.extend(logarithms.iter().scan(0.0, |sum, logarithm| {
+            *sum += logarithm;
+            Some(*sum)
+        }));
+        Some(Self { logarithms, sums })
     }
 
     /// Up to half the sampling rate.
@@ -147,25 +156,43 @@ impl Spectrum {
         (self.sums.len() - 2) as f64
     }
 
-    /// Mean logarithm of the power in the bins from one place to another, `None` beyond the last bin.
-    fn mean(&self, from: f64, to: f64) -> Option<f64> {
+    /// The bins from one place to another, `None` beyond the last.
+    fn range(&self, from: f64, to: f64) -> Option<Range<usize>> {
         let (from, to) = (from.ceil() as usize, to.floor().min(self.bins()) as usize);
-        (from < to).then(|| (self.sums[to + 1] - self.sums[from]) / (to + 1 - from) as f64)
+        (from < to).then_some(from..to + 1)
     }
 
     /// The mean depth of the notches that are so many bins apart, `None` where one is not deep.
     fn depth(&self, distance: f64) -> Option<f64> {
+        self.depth_by(distance, |bins| {
+            (self.sums[bins.end] - self.sums[bins.start]) / bins.len() as f64
+        })
+    }
+
+    /// Whether there are notches so many bins apart when lines don't count.
+    fn has_notches(&self, distance: f64) -> bool {
+        let median = |bins: Range<usize>| {
+            let mut bins = self.logarithms[bins].to_vec();
+            let middle = bins.len() / 2;
+            *bins.select_nth_unstable_by(middle, f64::total_cmp).1
+        };
+        self.depth_by(distance, median).is_some()
+    }
+
+    /// With `level` of the logarithms in some bins.
+    fn depth_by(&self, distance: f64, level: impl Fn(Range<usize>) -> f64) -> Option<f64> {
         let notches = ((self.bins() + NOTCH * distance) / distance) as usize;
         let depths: Vec<f64> = (1..=notches.min(MOST_NOTCHES))
             .map(|notch| {
                 let at = |place: f64| (notch as f64 + place) * distance;
-                let within = self.mean(at(-NOTCH), at(NOTCH))?;
+                let within = |from: f64, to: f64| Some(level(self.range(at(from), at(to))?));
                 let [near, far] = BETWEEN;
-                let below = self.mean(at(-far), at(-near))?;
+                let inside = within(-NOTCH, NOTCH)?;
+                let below = within(-far, -near)?;
                 let above = (at(far) <= self.bins())
-                    .then(|| self.mean(at(near), at(far)))
+                    .then(|| within(near, far))
                     .flatten();
-                Some(within - above.map_or(below, |above| below.min(above)))
+                Some(inside - above.map_or(below, |above| below.min(above)))
             })
             .collect::<Option<_>>()?;
         let mean = depths.iter().sum::<f64>() / depths.len() as f64;
@@ -226,6 +253,43 @@ mod tests {
             }
             let constant = MovingAverage { window }.of(&[2.5; 40]);
             prop_assert!(constant.iter().all(|value| (value - 2.5).abs() < 1e-12));
+        }
+    }
+
+    /// Neither a motion with corners nor one with odd harmonics was averaged, though nothing is between its harmonics.
+    #[test]
+    fn gaps_between_harmonics_are_no_notches() {
+        let mut random = StdRng::seed_from_u64(5);
+        for (period, third) in [
+            (100.0, 0.0),
+            (250.0, 0.0),
+            (100.0, 0.01),
+            (250.0, 0.01),
+            (400.0, 0.01),
+        ] {
+            let mut channel = |phase: f64| -> Vec<f64> {
+                let noisy = (0..8000).map(|index| {
+                    let turn = std::f64::consts::TAU * (f64::from(index) / period + phase);
+                    let shape = match third > 0.0 {
+                        true => (0..20)
+                            .map(|k| {
+                                let odd = f64::from(2 * k + 1);
+                                let part = if k == 0 { 1.0 } else { 3.0 * third / odd };
+                                part * (odd * turn).sin()
+                            })
+                            .sum(),
+                        false => turn.sin().asin(),
+                    };
+                    shape + 1e-3 * (random.random::<f64>() - 0.5)
+                });
+                noisy.collect()
+            };
+            let (displacement, force) = (channel(0.0), channel(0.1));
+            assert_eq!(
+                MovingAverage::find(&displacement, &force),
+                None,
+                "{period} {third}"
+            );
         }
     }
 

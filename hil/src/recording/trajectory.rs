@@ -9,6 +9,8 @@ use crate::error::InputError;
 
 /// The fewest samples that a motion can be estimated from.
 const FEWEST_SAMPLES: usize = 32;
+/// An average is over at most this part of a period.
+const LONGEST_AVERAGE: f64 = 0.2;
 /// Noise of more than this part of the displacement's range leaves no motion to be seen.
 const LARGEST_NOISE: f64 = 0.05;
 
@@ -102,6 +104,10 @@ impl Trajectory {
             ));
         }
         let average = MovingAverage::find(&uniform.displacement, &uniform.force);
+        // Nobody knows whether a velocity of its own went through it.
+        if average.is_some() {
+            uniform.velocity = None;
+        }
         let mut trajectory = Self::new(
             recording.name.clone(),
             uniform.period,
@@ -124,6 +130,10 @@ impl Trajectory {
                 "check the displacement's channel and unit",
             ));
         }
+        // The gaps between the harmonics of a motion with corners look like notches of an average over half a period and more.
+        let fastest = trajectory.blocks.iter().map(|block| block.frequency);
+        let shortest = 1.0 / fastest.fold(0.0, f64::max);
+        let average = average.filter(|a| a.window * trajectory.tick < LONGEST_AVERAGE * shortest);
         Ok((trajectory, average))
     }
 
@@ -200,15 +210,20 @@ impl Trajectory {
         self.average = Some(average);
         self.force_noise = average.noise(self.force_noise);
         for block in &mut self.blocks {
+            let samples = block.samples.clone();
             let gain = 1.0 / average.gain(block.frequency * self.tick);
             block.amplitude *= gain;
-            let samples = block.samples.clone();
-            let motion = &mut self.motion;
-            let displacement = &mut motion.displacement[samples.clone()];
-            let mean = displacement.iter().sum::<f64>() / displacement.len() as f64;
-            for y in displacement {
+            let displacement = &mut self.motion.displacement;
+            let (mut sum, mut count) = (0.0, 0.0);
+            for cycle in &block.cycles {
+                sum += displacement[cycle.clone()].iter().sum::<f64>();
+                count += cycle.len() as f64;
+            }
+            let mean = if count > 0.0 { sum / count } else { 0.0 };
+            for y in &mut displacement[samples.clone()] {
                 *y = mean + gain * (*y - mean);
             }
+            let motion = &mut self.motion;
             let rates = [
                 &mut motion.velocity,
                 &mut motion.acceleration,

@@ -36,9 +36,10 @@ impl Left {
     /// None of nothing.
     fn sum(parts: &[Self]) -> Option<Self> {
         let sum = |of: fn(&Self) -> f64| parts.iter().map(of).sum();
-        (!parts.is_empty()).then(|| Self {
+        let count = sum(|left| left.count);
+        (count > 0.0).then(|| Self {
             squares: sum(|left| left.squares),
-            count: sum(|left| left.count),
+            count,
         })
     }
 }
@@ -77,17 +78,19 @@ impl<'a> LeftOut<'a> {
     /// those of a start or of a change between blocks; none where there is not one whole cycle.
     pub fn left_in_most_cycles(&self, model: &Model) -> Result<Option<f64>, ModelError> {
         let mut left: Vec<Left> = self.left(model)?.concat();
+        left.retain(|cycle| cycle.count > 0.0);
         left.sort_by(|a, b| a.mean().total_cmp(&b.mean()));
         left.truncate((MOST_CYCLES * left.len() as f64).ceil() as usize);
         Ok(Left::sum(&left).map(|all| all.mean().sqrt()))
     }
 
-    /// The same beyond the noise, √(left² − 1), of every block's cycles but its first, each block counting the same.
+    /// The same beyond the noise, √(left² − 1), of every block's cycles but its first where it has others, each block counting
+    /// the same.
     pub fn left_beyond_noise(&self, model: &Model) -> Result<Option<f64>, ModelError> {
         let blocks: Vec<f64> = self
             .left(model)?
             .iter()
-            .filter_map(|cycles| Left::sum(cycles.get(1..)?))
+            .filter_map(|cycles| Left::sum(cycles.get(1..)?).or_else(|| Left::sum(cycles)))
             .map(|block| block.mean() - 1.0)
             .collect();
         let mean = blocks.iter().sum::<f64>() / blocks.len() as f64;
@@ -112,8 +115,7 @@ impl<'a> LeftOut<'a> {
                 })
             };
             for block in &trajectory.blocks {
-                let cycles = block.cycles.iter().map(of_cycle);
-                blocks.push(cycles.filter(|cycle| cycle.count > 0.0).collect());
+                blocks.push(block.cycles.iter().map(of_cycle).collect());
             }
         }
         Ok(blocks)
