@@ -123,6 +123,11 @@ impl<S: SpiDevice> Ads8688<S> {
         Ok(u16::from_be_bytes([high, low]))
     }
 
+    /// Of displacement and force.
+    pub fn scales(&self) -> (&Scale, &Scale) {
+        (&self.displacement, &self.force)
+    }
+
     /// The bus, when the part is no longer used.
     pub fn release(self) -> S {
         self.spi

@@ -17,6 +17,7 @@
 //! | velocity and acceleration from a measured displacement | [`observer`] |
 //! | a law as bytes, loadable while running | [`pack`] |
 //! | the fixed-tick controller of a rig, or of an emulated damper | [`rig`] |
+//! | what has gone wrong with specimen, sensors and actuator of that rig | [`health`] |
 //! | the link between a harness and the image of a rig | [`frame`], [`message`] |
 //! | a 16-bit ADC and DAC on SPI | [`adc`], [`dac`], [`converter`] |
 //!
@@ -68,6 +69,7 @@ pub mod effects;
 pub mod error;
 pub mod fixed_point;
 pub mod frame;
+pub mod health;
 pub mod law;
 pub mod limits;
 pub mod message;

@@ -12,19 +12,33 @@
 //! root. Whoever owns the timer counts ticks that came late.
 //!
 //! # Stopping
-//! A limit exceeded, a bus error, a channel at the end of its range, a cycle without response or a number that is not
-//! finite stops it: the enable line drops in that very tick, the command goes to 0 in a straight line, and the cause
-//! stays as [`State::Faulted`] until [`Rig::clear`].
+//! A limit exceeded, a bus error, a channel at the end of its range, stuck or dropped out, a cycle without response, a number
+//! that is not finite, a tick that came late or a link that is lost stops it: the enable line drops in that very tick, the
+//! command goes to 0 in a straight line within [`RigSettings::stop_ticks`] and one, and the cause stays as
+//! [`State::Faulted`] until [`Rig::clear`]. What of the rig's states follows on which:
+//!
+//! ```text
+//!                  start                 stop, finish                     at rest
+//! Idle or Done, ──────────▶ Running ──────────────────▶ Idle or Done, ───────────────▶ Idle or Done,
+//! at rest                      │                        moving                         at rest
+//!       │                      │ trip                      │ trip
+//!       │ trip                 ▼                           │
+//!       │               Faulted, moving ◀──────────────────┘
+//!       │                      │ at rest
+//!       └─────────────▶ Faulted, at rest ──────────▶ Idle, at rest
+//!                                           clear
+//! ```
 
 mod comparison;
 mod correction;
 mod emulator;
 mod fault;
 mod output;
+mod state;
 
 pub use emulator::{Emulator, EmulatorSettings};
 pub use fault::Fault;
-pub use output::State;
+pub use state::State;
 
 use core::borrow::{Borrow, BorrowMut};
 
@@ -37,6 +51,9 @@ use crate::dac::Ad5761;
 use crate::effects::Motion;
 use crate::error::ConfigError;
 use crate::frame::{Fields, Reader, Writer};
+use crate::health::{
+    Cause, Channel, Ended, Event, HealthConfig, HealthMonitor, HealthSettings, Look,
+};
 use crate::observer::{Observer, ObserverConfig};
 use crate::sine::{Excitation, Programme, SineGenerator};
 use crate::tabulated::{RunningLaw, TabulatedLaw};
@@ -58,6 +75,9 @@ pub struct RigSettings {
     pub trip_ticks: u32,
     /// In how many ticks the command goes to 0 once stopped, 1…1e7.
     pub stop_ticks: u32,
+    /// After how many ticks without an exchange over the link it stops, see [`Rig::exchange`], 0…1e7; 0 where nobody is
+    /// linked.
+    pub link_ticks: u32,
     /// Of the observer, Hz, 1e-3 to a tenth of the tick rate.
     pub observer_bandwidth: f64,
     /// Damping ratio of the observer, 0.3…3.
@@ -70,6 +90,8 @@ pub struct RigSettings {
     pub glide: f64,
     /// Integral feedback of the displacement, 1/s, 0 to a hundredth of the tick rate.
     pub feedback: f64,
+    /// Of what watches it.
+    pub health: HealthSettings,
 }
 
 impl Default for RigSettings {
@@ -81,12 +103,14 @@ impl Default for RigSettings {
             tracking_limit: 0.3,
             trip_ticks: 10,
             stop_ticks: 5_000,
+            link_ticks: 0,
             observer_bandwidth: 20.0,
             observer_damping: 0.7,
             correction_gain: 0.8,
             lead: 0.0,
             glide: 5e-3,
             feedback: 5.0,
+            health: HealthSettings::default(),
         }
     }
 }
@@ -98,7 +122,9 @@ pub struct RigConfig {
     limits: Limits,
     observer: ObserverConfig,
     correction: CorrectionConfig,
+    health: HealthConfig,
     stop_ticks: u32,
+    link_ticks: u32,
 }
 
 impl Fields for RigConfig {
@@ -106,7 +132,8 @@ impl Fields for RigConfig {
         self.limits.write(writer);
         self.observer.write(writer);
         self.correction.write(writer);
-        writer.u32(self.stop_ticks);
+        self.health.write(writer);
+        writer.words([self.stop_ticks, self.link_ticks]);
     }
 
     fn read(reader: &mut Reader<'_>) -> Option<Self> {
@@ -114,7 +141,9 @@ impl Fields for RigConfig {
             limits: Limits::read(reader)?,
             observer: ObserverConfig::read(reader)?,
             correction: CorrectionConfig::read(reader)?,
+            health: HealthConfig::read(reader)?,
             stop_ticks: reader.u32()?,
+            link_ticks: reader.u32()?,
         })
     }
 }
@@ -146,7 +175,9 @@ impl RigSettings {
                 self.feedback,
                 limits.displacement(),
             )?,
+            health: self.health.config()?,
             stop_ticks: output::valid_stop_ticks(self.stop_ticks)?,
+            link_ticks: output::valid_link_ticks(self.link_ticks)?,
         })
     }
 }
@@ -178,6 +209,8 @@ pub struct Telemetry {
     pub state: State,
     /// The cycle that ended with this tick.
     pub report: Option<CycleReport>,
+    /// What was found wrong at this tick, the first time since it was cleared; never by an emulator.
+    pub event: Option<Event>,
 }
 
 /// One cycle's results, from the observed displacement.
@@ -209,11 +242,13 @@ pub struct Rig<A, D, E, const B: usize, const N: usize, P = Programme<B>, L = Ru
     limits: Limits,
     observer_config: ObserverConfig,
     correction_config: CorrectionConfig,
+    health_config: HealthConfig,
     generator: SineGenerator<B, P>,
     law: L,
     observer: Observer,
     correction: Correction,
     comparison: Comparison,
+    health: HealthMonitor,
     exceeded: Exceeded,
     reading: Reading,
     excitation: Excitation,
@@ -258,17 +293,21 @@ where
         programme: P,
         law: L,
     ) -> Result<Self, ConfigError> {
+        let (displacement, force) = adc.scales();
+        let health = HealthMonitor::new(displacement, force, config.limits.allowed());
         Ok(Self {
             adc,
-            output: Output::new(dac, enable, config.stop_ticks),
+            output: Output::new(dac, enable, config.stop_ticks, config.link_ticks),
             limits: config.limits,
             observer_config: config.observer,
             correction_config: config.correction,
+            health_config: config.health,
             generator: SineGenerator::new(programme)?,
             law,
             observer: Observer::default(),
             correction: Correction::new(&config.correction),
             comparison: Comparison::default(),
+            health,
             exceeded: Exceeded::default(),
             reading: Reading::default(),
             excitation: Excitation::default(),
@@ -289,20 +328,39 @@ where
             self.comparison = Comparison::default();
             self.exceeded = Exceeded::default();
             self.correction.restart();
+            self.health.restart();
         }
         started
     }
 
     /// Stops without a fault.
     pub fn stop(&mut self) {
-        if self.output.is_running() {
-            self.output.stop(State::Idle);
-        }
+        self.output.stop();
+    }
+
+    /// Whoever is at the other end of the link has been heard: to be called as often as that is so.
+    pub fn exchange(&mut self) {
+        self.output.exchange();
+    }
+
+    /// A tick came late, or not at all, as whoever owns the timer sees: stops with [`Fault::TickOverrun`].
+    pub fn overrun(&mut self) {
+        self.output.overrun();
     }
 
     /// Forgets the fault. Says no, and does nothing, where there is none or the command is not yet back at 0.
     pub fn clear(&mut self) -> bool {
         self.output.clear()
+    }
+
+    /// The first event of each cause since the start or [`Rig::clear_events`].
+    pub fn events(&self) -> &[Event] {
+        self.health.events()
+    }
+
+    /// Forgets all events; what is now counts as normal.
+    pub fn clear_events(&mut self) {
+        self.health.clear();
     }
 
     /// Another law from the end of this cycle on, or from the start where not running; see [`Rig::law`]. What its
@@ -342,9 +400,25 @@ where
         self.generator.programme()
     }
 
+    /// Stops for a sensor that is lost; whatever else was found, the rig goes on.
+    #[cold]
+    #[inline(never)]
+    fn act_on_fresh(&mut self) -> Option<Event> {
+        let event = self.health.take_fresh()?;
+        if let Cause::SensorStuck(channel) | Cause::SensorDroppedOut(channel) = event.cause {
+            self.output.trip(match channel {
+                Channel::Displacement => Fault::DisplacementLost,
+                Channel::Force => Fault::ForceLost,
+            });
+        }
+        Some(event)
+    }
+
     /// One tick: see the module for its deadline.
     pub fn tick(&mut self) -> Telemetry {
         self.tick = self.tick.wrapping_add(1);
+        let was_running = self.output.is_running();
+        self.output.watch_link();
         self.output.read(&mut self.adc, &mut self.reading);
         let displacement = self.reading.displacement.value;
         let measured_force = self.reading.force.value;
@@ -400,10 +474,47 @@ where
                     accumulator.update(estimate.displacement, forces, excitation.phase)
                 },
             );
-            if excitation.done && self.output.is_running() {
-                self.output.stop(State::Done);
+            if excitation.cycle_end {
+                self.health.cycle(
+                    &self.health_config,
+                    &Ended {
+                        results: report.as_ref(),
+                        block: before.block,
+                        ramp: before.ramp,
+                        temperature: self.temperature,
+                        command: self.correction.mean_command(),
+                    },
+                );
+            }
+            let asked = self.health.samples(&self.reading);
+            if asked.any() {
+                self.health
+                    .channels(asked, excitation.displacement, model_force);
+            }
+            if self.health.is_due(excitation.phase) {
+                let look = Look {
+                    displacement: estimate.displacement,
+                    measured: displacement,
+                    demand: (excitation.displacement, excitation.velocity),
+                    force: measured_force,
+                    law: model_force,
+                    phase: excitation.phase,
+                    ramp: excitation.ramp,
+                };
+                self.health.look(&self.health_config, &look);
+            }
+            if excitation.done {
+                self.output.finish();
             }
         }
+        if was_running && let State::Faulted(fault) = self.output.state() {
+            self.health.stopped(fault);
+        }
+        let event = if self.health.has_fresh() {
+            self.act_on_fresh()
+        } else {
+            None
+        };
         self.output.drive(command);
         Telemetry {
             tick: self.tick,
@@ -420,6 +531,7 @@ where
             report: report.map(|results| {
                 CycleReport::new(results, before.block, excitation.cycle, before.ramp)
             }),
+            event,
         }
     }
 }

@@ -3,6 +3,7 @@
 use super::{answer, kind};
 use crate::cycle::Cycle;
 use crate::frame::{FrameBuffer, Reader, Writer};
+use crate::health::{Cause, Event, Statistic};
 use crate::rig::{CycleReport, Fault, State, Telemetry};
 
 /// What one tick of the rig came to.
@@ -20,6 +21,7 @@ const ENABLED: u8 = 1;
 const RAMP: u8 = 2;
 const REPORT: u8 = 4;
 const REPORT_RAMP: u8 = 8;
+const EVENT: u8 = 16;
 
 /// Writes [`super::Answer::Outcome`].
 #[inline(never)]
@@ -35,7 +37,8 @@ pub fn write_outcome(
     let flags = flag(enabled, ENABLED)
         | flag(telemetry.ramp, RAMP)
         | flag(report.is_some(), REPORT)
-        | flag(report.is_some_and(|report| report.ramp), REPORT_RAMP);
+        | flag(report.is_some_and(|report| report.ramp), REPORT_RAMP)
+        | flag(telemetry.event.is_some(), EVENT);
     let state = state_code(telemetry.state);
     buffer.write(answer(kind::OUTCOME, sequence, 1), |writer| {
         // Four bytes at a time: it is done every tick.
@@ -54,6 +57,9 @@ pub fn write_outcome(
         ]);
         if let Some(report) = report {
             write_report(writer, report);
+        }
+        if let Some(event) = &telemetry.event {
+            write_event(writer, event);
         }
     });
 }
@@ -80,6 +86,11 @@ pub(super) fn read_outcome(reader: &mut Reader<'_>) -> Option<Outcome> {
         } else {
             None
         },
+        event: if flags & EVENT != 0 {
+            Some(read_event(reader)?)
+        } else {
+            None
+        },
     };
     Some(Outcome {
         code,
@@ -93,6 +104,27 @@ fn write_report(writer: &mut Writer<'_>, report: &CycleReport) {
     writer.words([report.block as u32, report.cycle, report.nrmse.to_bits()]);
     write_cycle(writer, &report.measured);
     write_cycle(writer, &report.model);
+}
+
+#[inline(never)]
+fn write_event(writer: &mut Writer<'_>, event: &Event) {
+    writer.words([
+        u32::from(event.cause.number()) | u32::from(event.statistic.number()) << 8,
+        event.value.to_bits(),
+        event.limit.to_bits(),
+        event.cycle,
+    ]);
+}
+
+fn read_event(reader: &mut Reader<'_>) -> Option<Event> {
+    let [cause, statistic, _, _] = reader.u32()?.to_le_bytes();
+    Some(Event {
+        cause: *Cause::ALL.get(usize::from(cause))?,
+        statistic: *Statistic::ALL.get(usize::from(statistic))?,
+        value: reader.f32()?,
+        limit: reader.f32()?,
+        cycle: reader.u32()?,
+    })
 }
 
 #[inline(never)]
@@ -145,7 +177,7 @@ fn read_report(reader: &mut Reader<'_>, ramp: bool) -> Option<CycleReport> {
 }
 
 /// The faults by the number that they have on the link.
-const FAULTS: [Fault; 11] = [
+const FAULTS: [Fault; 15] = [
     Fault::AdcBus,
     Fault::DacBus,
     Fault::EnableLine,
@@ -157,6 +189,10 @@ const FAULTS: [Fault; 11] = [
     Fault::TrackingLimit,
     Fault::NoResponse,
     Fault::NotFinite,
+    Fault::DisplacementLost,
+    Fault::ForceLost,
+    Fault::LinkLost,
+    Fault::TickOverrun,
 ];
 /// Number of the first one.
 const FIRST_FAULT: u8 = 16;

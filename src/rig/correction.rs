@@ -148,7 +148,7 @@ impl Correction {
     }
 
     /// The command in mm at a tick that demands `excitation` and measured `displacement` mm.
-    #[inline]
+    #[inline(always)]
     pub(super) fn command(
         &mut self,
         config: &CorrectionConfig,
@@ -173,6 +173,12 @@ impl Correction {
         self.integral = (self.integral + config.feedback_step * (d - displacement))
             .confined(config.feedback_limit);
         self.in_phase * d + self.lead * v + self.integral
+    }
+
+    /// What the feedback adds to the command, mm: at the same phase of each cycle, the mean that the command has beyond
+    /// the demand's.
+    pub(super) fn mean_command(&self) -> f32 {
+        self.integral
     }
 
     fn correct(&mut self, config: &CorrectionConfig) -> Result<(), Fault> {

@@ -28,6 +28,9 @@ pub struct EmulatorSettings {
     pub trip_ticks: u32,
     /// In how many ticks the force comes in once started, and goes to 0 once stopped, 1…1e7.
     pub stop_ticks: u32,
+    /// After how many ticks without an exchange over the link it stops, see [`Emulator::exchange`], 0…1e7; 0 where nobody is
+    /// linked.
+    pub link_ticks: u32,
     /// Of the observer, Hz, 1e-3 to a tenth of the tick rate. Nothing tells it the motion ahead: it lags by about
     /// (1 + 2ζ)·(f/bandwidth)² of the velocity at frequency f.
     pub observer_bandwidth: f64,
@@ -46,6 +49,7 @@ impl Default for EmulatorSettings {
             force_limit: 4.5,
             trip_ticks: 10,
             stop_ticks: 5_000,
+            link_ticks: 0,
             observer_bandwidth: 100.0,
             observer_damping: 0.7,
             hysteresis: 0.01,
@@ -93,7 +97,12 @@ where
     ) -> Result<Self, ConfigError> {
         Ok(Self {
             adc,
-            output: Output::new(dac, enable, output::valid_stop_ticks(settings.stop_ticks)?),
+            output: Output::new(
+                dac,
+                enable,
+                output::valid_stop_ticks(settings.stop_ticks)?,
+                output::valid_link_ticks(settings.link_ticks)?,
+            ),
             // There is no demanded displacement to be away from.
             limits: Limits::new(
                 settings.displacement_limit,
@@ -135,9 +144,17 @@ where
 
     /// Stops without a fault.
     pub fn stop(&mut self) {
-        if self.output.is_running() {
-            self.output.stop(State::Idle);
-        }
+        self.output.stop();
+    }
+
+    /// Whoever is at the other end of the link has been heard: to be called as often as that is so.
+    pub fn exchange(&mut self) {
+        self.output.exchange();
+    }
+
+    /// A tick came late, or not at all, as whoever owns the timer sees: stops with [`Fault::TickOverrun`].
+    pub fn overrun(&mut self) {
+        self.output.overrun();
     }
 
     /// Forgets the fault. Says no, and does nothing, where there is none or the force is not yet back at 0.
@@ -170,6 +187,7 @@ where
     /// effects remember follows the motion.
     pub fn tick(&mut self) -> Telemetry {
         self.tick = self.tick.wrapping_add(1);
+        self.output.watch_link();
         self.output.read(&mut self.adc, &mut self.reading);
         let displacement = self.reading.displacement.value;
         let measured_force = self.reading.force.value;
@@ -227,6 +245,7 @@ where
             ramp: false,
             state: self.output.state(),
             report: results.map(|results| CycleReport::new(results, 0, self.cycle, false)),
+            event: None,
         }
     }
 }

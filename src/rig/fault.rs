@@ -32,6 +32,14 @@ pub enum Fault {
     NoResponse,
     /// A force or command was infinite or NaN.
     NotFinite,
+    /// The displacement channel is stuck or dropped out.
+    DisplacementLost,
+    /// The force channel is stuck or dropped out.
+    ForceLost,
+    /// Nothing was heard over the link for too long.
+    LinkLost,
+    /// Whoever owns the timer says that a tick came late, or not at all.
+    TickOverrun,
 }
 
 /// What is allowed, validated.
@@ -89,6 +97,11 @@ impl Limits {
     /// mm.
     pub(super) fn displacement(&self) -> f32 {
         self.displacement
+    }
+
+    /// Of displacement and force, mm and kN.
+    pub(super) fn allowed(&self) -> [f32; 2] {
+        [self.displacement, self.force]
     }
 
     /// kN.

@@ -1,31 +1,23 @@
-//! The guarded output: DAC, enable line and the state that decides what they do.
+//! The guarded output: DAC and enable line, which do what the state of [`super::state`] says, and the watch over the link.
 
 use embedded_hal::digital::OutputPin;
 use embedded_hal::spi::SpiDevice;
 
 use super::fault::{Fault, clipped};
+use super::state::{Happening, Machine, State};
 use crate::adc::{Ads8688, Reading};
 use crate::dac::Ad5761;
 use crate::error::ConfigError;
 use crate::real::in_range;
 
-/// What a rig is doing.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-#[cfg_attr(feature = "defmt", derive(defmt::Format))]
-pub enum State {
-    /// Enable line low, command at 0 or on its way there.
-    Idle,
-    /// Enable line high, command as controlled.
-    Running,
-    /// The programme is over; otherwise as [`State::Idle`].
-    Done,
-    /// Stopped for this cause, until cleared; otherwise as [`State::Idle`].
-    Faulted(Fault),
-}
-
 /// `stop_ticks` as in [`super::RigSettings`], where they are in range.
 pub(super) fn valid_stop_ticks(stop_ticks: u32) -> Result<u32, ConfigError> {
     in_range("stop_ticks", f64::from(stop_ticks), 1.0, 1e7).map(|_| stop_ticks)
+}
+
+/// `link_ticks` as in [`super::RigSettings`], where they are in range.
+pub(super) fn valid_link_ticks(link_ticks: u32) -> Result<u32, ConfigError> {
+    in_range("link_ticks", f64::from(link_ticks), 0.0, 1e7).map(|_| link_ticks)
 }
 
 #[derive(Debug)]
@@ -34,63 +26,97 @@ pub(super) struct Output<D, E> {
     enable: E,
     /// The line took the last level it was given, and that was low.
     low: bool,
-    state: State,
+    machine: Machine,
     command: f32,
     /// By how much the command goes back to 0 per tick once stopped.
     stop_step: f32,
     stop_ticks: f32,
+    /// Ticks without an exchange that are too many, 0 where nobody is linked, and those since the last one.
+    link_ticks: u32,
+    unlinked: u32,
 }
 
 impl<D: SpiDevice, E: OutputPin> Output<D, E> {
-    /// Idle at 0. `stop_ticks` as in [`super::RigSettings`].
-    pub(super) fn new(dac: Ad5761<D>, enable: E, stop_ticks: u32) -> Self {
+    /// Idle at 0. `stop_ticks` and `link_ticks` as in [`super::RigSettings`].
+    pub(super) fn new(dac: Ad5761<D>, enable: E, stop_ticks: u32, link_ticks: u32) -> Self {
         let mut new = Self {
             dac,
             enable,
             low: false,
-            state: State::Idle,
+            machine: Machine::NEW,
             command: 0.0,
             stop_step: 0.0,
             stop_ticks: stop_ticks as f32,
+            link_ticks,
+            unlinked: 0,
         };
-        new.stop(State::Idle);
+        new.come_down();
         new
     }
 
     pub(super) fn state(&self) -> State {
-        self.state
+        self.machine.state
     }
 
     pub(super) fn is_running(&self) -> bool {
-        self.state == State::Running
+        self.machine.state == State::Running
     }
 
     pub(super) fn command(&self) -> f32 {
         self.command
     }
 
+    /// What the table makes of `happening`; says whether the state is another.
+    fn happens(&mut self, happening: Happening) -> bool {
+        let before = self.machine;
+        self.machine = before.after(happening);
+        before.state != self.machine.state
+    }
+
     /// From [`State::Idle`] or [`State::Done`], once the command is back at 0.
     pub(super) fn start(&mut self) -> bool {
-        if !matches!(self.state, State::Idle | State::Done) || self.command != 0.0 {
+        if !self.happens(Happening::Start) {
             return false;
         }
         self.low = false;
+        self.stop_step = 0.0;
+        self.unlinked = 0;
         if self.enable.set_high().is_err() {
             self.trip(Fault::EnableLine);
             return false;
         }
-        self.state = State::Running;
-        self.stop_step = 0.0;
         true
+    }
+
+    /// Stops without a fault.
+    pub(super) fn stop(&mut self) {
+        if self.happens(Happening::Stop) {
+            self.come_down();
+        }
+    }
+
+    /// The programme is over.
+    pub(super) fn finish(&mut self) {
+        if self.happens(Happening::Finish) {
+            self.come_down();
+        }
+    }
+
+    /// Stops for `fault`. The first cause stays.
+    #[cold]
+    #[inline(never)]
+    pub(super) fn trip(&mut self, fault: Fault) {
+        if self.happens(Happening::Trip(fault)) {
+            self.come_down();
+        }
     }
 
     /// Drops the line in this very tick and lets the command go to 0 in a straight line. Not inlined: there are many causes.
     #[inline(never)]
-    pub(super) fn stop(&mut self, state: State) {
-        self.state = state;
+    fn come_down(&mut self) {
         self.low = self.enable.set_low().is_ok();
-        if !self.low && !matches!(state, State::Faulted(_)) {
-            self.state = State::Faulted(Fault::EnableLine);
+        if !self.low {
+            self.machine = self.machine.after(Happening::Trip(Fault::EnableLine));
         }
         // A way back that has begun is not prolonged, and every way ends.
         let step = self.command.abs() / self.stop_ticks;
@@ -99,14 +125,35 @@ impl<D: SpiDevice, E: OutputPin> Output<D, E> {
                 self.stop_step = least;
             }
         }
+        self.see_rest();
     }
 
-    /// Stops for `fault`. The first cause stays.
-    #[cold]
-    #[inline(never)]
-    pub(super) fn trip(&mut self, fault: Fault) {
-        if !matches!(self.state, State::Faulted(_)) {
-            self.stop(State::Faulted(fault));
+    fn see_rest(&mut self) {
+        if self.command == 0.0 {
+            self.machine = self.machine.after(Happening::AtRest);
+        }
+    }
+
+    /// Whoever is at the other end of the link has been heard.
+    pub(super) fn exchange(&mut self) {
+        self.unlinked = 0;
+    }
+
+    /// A tick came late.
+    pub(super) fn overrun(&mut self) {
+        if self.is_running() {
+            self.trip(Fault::TickOverrun);
+        }
+    }
+
+    /// A tick more without an exchange.
+    #[inline]
+    pub(super) fn watch_link(&mut self) {
+        if self.link_ticks > 0 {
+            self.unlinked = self.unlinked.saturating_add(1);
+            if self.unlinked > self.link_ticks && self.is_running() {
+                self.trip(Fault::LinkLost);
+            }
         }
     }
 
@@ -126,11 +173,11 @@ impl<D: SpiDevice, E: OutputPin> Output<D, E> {
 
     /// From [`State::Faulted`] to [`State::Idle`], once the command is back at 0.
     pub(super) fn clear(&mut self) -> bool {
-        let stopped = matches!(self.state, State::Faulted(_)) && self.command == 0.0;
-        if stopped {
-            self.stop(State::Idle);
+        let cleared = self.happens(Happening::Clear);
+        if cleared {
+            self.come_down();
         }
-        stopped && self.state == State::Idle
+        cleared && self.machine.state == State::Idle
     }
 
     /// Writes the command where running, the way back to 0 where not. A line that did not drop is tried again.
@@ -159,6 +206,9 @@ impl<D: SpiDevice, E: OutputPin> Output<D, E> {
                 self.trip(Fault::CommandClipped);
             }
             Ok(_) => self.command = command,
+        }
+        if !self.machine.resting {
+            self.see_rest();
         }
     }
 }
@@ -204,7 +254,7 @@ mod tests {
         let mut bus = Bus::new(&expected);
         let mut line = Line::new(&[Level::Low, Level::High, Level::Low].map(Set::set));
         let dac = Ad5761::new(bus.clone(), Scale::new(1.0, 0.0).unwrap()).unwrap();
-        let mut output = Output::new(dac, line.clone(), 2);
+        let mut output = Output::new(dac, line.clone(), 2, 0);
         assert!(output.start());
         output.drive(0.5);
         output.drive(f32::NAN);

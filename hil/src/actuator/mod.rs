@@ -11,7 +11,7 @@ pub use ad5761::{DacPins, SimulatedAd5761, dac_volts};
 pub use ads8688::{AdcPins, SimulatedAds8688, adc_code};
 pub use enable::{SimulatedEnable, enable_line};
 pub use sensor::{Sensor, SensorConfig, SensorFault};
-pub use servo::{Servo, ServoConfig};
+pub use servo::{Servo, ServoConfig, ServoFault};
 
 /// A field of a simulated part's configuration that makes no sense.
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]

@@ -29,6 +29,19 @@ pub enum SensorFault {
     Stuck,
     /// A broken wire: the amplifier's input is pulled beyond its range, to 12 V.
     Open,
+    /// A broken wire to an amplifier whose input is held at ground: 0 V.
+    DroppedOut,
+    /// The amplifier gives no more than what this quantity would give, in either direction.
+    Clipped(f64),
+    /// A sample in so many has this quantity added to it.
+    Spiking {
+        /// In the quantity's unit.
+        size: f64,
+        /// From one spike to the next, samples.
+        every: u64,
+    },
+    /// It shows more by the sample: the quantity's unit a sample.
+    Drifting(f64),
 }
 
 /// A sensor at work.
@@ -40,6 +53,8 @@ pub struct Sensor {
     lagged: f64,
     volts: f64,
     random: ChaCha8Rng,
+    /// Samples with a fault.
+    faulty: u64,
     /// Set it while running.
     pub fault: SensorFault,
 }
@@ -77,6 +92,7 @@ impl Sensor {
             lagged: 0.0,
             volts: 0.0,
             random,
+            faulty: 0,
             fault: SensorFault::None,
         })
     }
@@ -86,11 +102,22 @@ impl Sensor {
         self.lagged += self.share * (value - self.lagged);
         let noise: f64 = StandardNormal.sample(&mut self.random);
         let shown = self.lagged + self.config.offset + self.config.noise * noise;
-        match self.fault {
-            SensorFault::None => self.volts = shown * (OUTPUT / self.config.full_scale),
-            SensorFault::Stuck => {}
-            SensorFault::Open => self.volts = OPEN,
+        if self.fault != SensorFault::None {
+            self.faulty += 1;
         }
+        let shown = match self.fault {
+            SensorFault::None => shown,
+            SensorFault::Stuck => return self.volts,
+            SensorFault::Open => OPEN / OUTPUT * self.config.full_scale,
+            SensorFault::DroppedOut => 0.0,
+            SensorFault::Clipped(most) => shown.clamp(-most, most),
+            SensorFault::Spiking { size, every } if self.faulty.is_multiple_of(every) => {
+                shown + size
+            }
+            SensorFault::Spiking { .. } => shown,
+            SensorFault::Drifting(step) => shown + step * self.faulty as f64,
+        };
+        self.volts = shown * (OUTPUT / self.config.full_scale);
         self.volts
     }
 }

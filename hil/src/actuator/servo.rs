@@ -69,6 +69,20 @@ impl Default for ServoConfig {
     }
 }
 
+/// What is wrong with an actuator.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub enum ServoFault {
+    /// Nothing.
+    #[default]
+    None,
+    /// The valve is centred and takes no command: a broken wire, a relay that fell.
+    Dead,
+    /// The supply gives no more than this piston velocity, mm/s, 0 or more.
+    Saturated(f64),
+    /// It takes commands so many steps later than its dead time.
+    Lagging(usize),
+}
+
 /// What a step takes from the configuration, worked out once: a division a step is a tenth of the step.
 #[derive(Clone, Copy, Debug)]
 struct Dynamics {
@@ -123,6 +137,7 @@ pub struct Servo<S> {
     specimen: S,
     trial: S,
     commands: VecDeque<f64>,
+    dead_steps: usize,
     ticks: u64,
     opening: f64,
     opening_rate: f64,
@@ -134,6 +149,8 @@ pub struct Servo<S> {
     force: f64,
     /// Of the step before.
     force_before: f64,
+    /// Set it while running.
+    pub fault: ServoFault,
 }
 
 /// The balance of forces on the piston is met within this many kN: an eighth of a step of 16 bits over ±5 kN.
@@ -168,6 +185,7 @@ impl<S: DamperForce + Clone> Servo<S> {
             trial: specimen.clone(),
             specimen,
             commands: VecDeque::from(vec![0.0; delay]),
+            dead_steps: delay,
             ticks: 0,
             opening: 0.0,
             opening_rate: 0.0,
@@ -177,16 +195,29 @@ impl<S: DamperForce + Clone> Servo<S> {
             slope: 0.0,
             force: 0.0,
             force_before: 0.0,
+            fault: ServoFault::None,
         })
     }
 
     /// Moves on by one step with `command` in mm; while not `enabled` the valve is centred and takes no command.
     pub fn advance(&mut self, command: f64, enabled: bool) {
         self.commands.push_back(command);
-        let command = self.commands.pop_front().unwrap_or(command);
+        let later = match self.fault {
+            ServoFault::Lagging(steps) => steps,
+            _ => 0,
+        };
+        let mut command = self.commands.front().copied().unwrap_or(command);
+        while self.commands.len() > self.dead_steps + later {
+            command = self.commands.pop_front().unwrap_or(command);
+        }
         let d = &self.dynamics;
+        let most = match self.fault {
+            ServoFault::Dead => 0.0,
+            ServoFault::Saturated(velocity) => velocity / self.config.flow_velocity,
+            _ => 1.0,
+        };
         let u = if enabled {
-            (d.gain * (command - self.displacement)).clamp(-1.0, 1.0)
+            (d.gain * (command - self.displacement)).clamp(-most, most)
         } else {
             0.0
         };

@@ -83,6 +83,7 @@ impl Controller {
         };
         WIRES.displacement.store(sensors.displacement, Relaxed);
         WIRES.force.store(sensors.force, Relaxed);
+        rig.exchange();
         rig.set_temperature(sensors.temperature);
         let telemetry = rig.tick();
         self.log(&telemetry);
@@ -214,6 +215,9 @@ impl Controller {
                 report.measured.loss_factor,
                 report.nrmse
             );
+        }
+        if let Some(event) = &telemetry.event {
+            defmt::warn!("{}", event);
         }
         if self.state != telemetry.state {
             self.state = telemetry.state;

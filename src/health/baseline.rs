@@ -1,0 +1,132 @@
+//! What is normal for one statistic: a level and a trend that follow it from cycle to cycle, and how far it scatters about
+//! them.
+//!
+//! - p = level + trend, e = z − p
+//! - level ← p + α·e, trend ← trend + β·e
+//!
+//! Over the first n cycles α = 2(2n − 1)/(n(n + 1)) and β = 6/(n(n + 1)), which is the least-squares line through all of
+//! them (Bar-Shalom, Li, Kirubarajan, Estimation, 2001, ch. 6); once α has fallen to [`LEVEL_GAIN`] both stay, and the line
+//! forgets. So what settles slowly, as wires that bed in or a specimen that warms, is followed with an error of its second
+//! difference over β, and what comes within a cycle is not.
+
+/// Of the level, from the fifteenth cycle on, and of the trend.
+const LEVEL_GAIN: f32 = 0.25;
+const TREND_GAIN: f32 = 0.03;
+/// Cycles before which the line is too young for its errors to count.
+const YOUNG: u32 = 4;
+/// Part of the variance that one cycle renews, once learned.
+const VARIANCE_GAIN: f32 = 1.0 / 64.0;
+
+/// The line and the scatter about it.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct Baseline {
+    level: f32,
+    trend: f32,
+    variance: f32,
+    cycles: u32,
+}
+
+impl Baseline {
+    /// What the cycle after the next should give: it is followed a cycle late.
+    pub(super) fn expected(&self) -> f32 {
+        self.level + 2.0 * self.trend
+    }
+
+    fn predicted(&self) -> f32 {
+        self.level + self.trend
+    }
+
+    /// Goes on along the line without looking.
+    pub(super) fn coast(&mut self) {
+        self.level += self.trend;
+    }
+
+    /// Follows the statistic `z` of one more cycle.
+    pub(super) fn follow(&mut self, z: f32) {
+        let predicted = self.predicted();
+        let error = if self.cycles == 0 { 0.0 } else { z - predicted };
+        if self.cycles == 0 {
+            self.level = z;
+        }
+        self.cycles = self.cycles.saturating_add(1);
+        let n = self.cycles as f32;
+        let product = n * (n + 1.0);
+        let level_gain = larger((4.0 * n - 2.0) / product, LEVEL_GAIN);
+        let trend_gain = larger(6.0 / product, TREND_GAIN);
+        if self.cycles > 1 {
+            self.level = predicted + level_gain * error;
+            // Two points are the first that have a trend.
+            self.trend += trend_gain * error;
+        }
+        if self.cycles > YOUNG {
+            let gain = larger(1.0 / (n - YOUNG as f32), VARIANCE_GAIN);
+            self.variance += gain * (error * error - self.variance);
+        }
+    }
+
+    /// Mean square of the errors.
+    pub(super) fn variance(&self) -> f32 {
+        self.variance
+    }
+
+    /// Where the line is now.
+    pub(super) fn level(&self) -> f32 {
+        self.level
+    }
+}
+
+fn larger(a: f32, b: f32) -> f32 {
+    if a > b { a } else { b }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn it_is_the_least_squares_line_at_first() {
+        // y = 3, 1, 4, 1, 5: the line through them ends at 3.6 and rises by 0.4.
+        let mut baseline = Baseline::default();
+        for z in [3.0, 1.0, 4.0, 1.0, 5.0] {
+            baseline.follow(z);
+        }
+        assert!(
+            (baseline.level() - 3.6).abs() < 1e-5,
+            "{}",
+            baseline.level()
+        );
+        assert!((baseline.predicted() - 4.0).abs() < 1e-5);
+    }
+
+    #[test]
+    fn a_slope_is_followed_without_error_and_a_settling_nearly() {
+        let mut line = Baseline::default();
+        for n in 0..100u16 {
+            line.follow(1.0 + 0.01 * f32::from(n));
+        }
+        assert!((line.predicted() - 2.0).abs() < 1e-4);
+        assert!(line.variance() < 1e-9);
+        // 10 % that settle with 20 cycles: the error stays below the second difference over the trend's gain, 0.8 %.
+        let mut settling = Baseline::default();
+        let mut worst = 0.0f32;
+        for n in 0..200u16 {
+            let z = 0.1 * (1.0 - libm::expf(-f32::from(n) / 20.0));
+            if n > 4 {
+                worst = worst.max((z - settling.predicted()).abs());
+            }
+            settling.follow(z);
+        }
+        assert!(worst < 0.0085, "{worst}");
+    }
+
+    #[test]
+    fn the_scatter_is_that_of_what_it_follows() {
+        let mut baseline = Baseline::default();
+        for n in 0..400u16 {
+            baseline.follow(if n % 2 == 0 { 0.01 } else { -0.01 });
+        }
+        // An alternation is the worst to predict: e = 2·z/(2 − α − β/2) of each z by the filter's transfer at −1.
+        let expected = 0.01 * 4.0 / (4.0 - 2.0 * LEVEL_GAIN - TREND_GAIN);
+        assert!((baseline.variance() / (expected * expected) - 1.0).abs() < 0.02);
+    }
+}

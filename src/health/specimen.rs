@@ -1,0 +1,407 @@
+//! The specimen from cycle to cycle: what is normal, what has moved, and why.
+//!
+//! ```text
+//! settling ──▶ learning ──▶ watching ──▶ suspecting ──▶ (an event, until cleared)
+//!    ▲ another block            ▲             │
+//!    └───────────────           └─────────────┘ what moved has moved back
+//! ```
+//!
+//! While watching, what a cycle gives beyond its [`Baseline`] goes into the [`Cusum`]s. The baselines follow a cycle late, and
+//! stand still as long as any sum is above 0, so that they do not take a fault for normal, nor the cycle in which it began. Two cycles after the alarm, when no cycle is left that
+//! was only in part another, what has moved is judged by its pattern. Beside that, whatever the baselines have followed must
+//! not lead away from where they were when the run-in was over.
+//!
+//! The work of one cycle's end is done a statistic a look.
+
+use super::HealthConfig;
+use super::baseline::Baseline;
+use super::cause::{Cause, Course, Event, Shift, Statistic, cause};
+use super::cusum::{Cusum, threshold};
+use super::sums::CycleSums;
+
+/// Cycles at the beginning of a block that are left out, while the rig's correction learns.
+const SETTLING: u32 = 2;
+/// Cycles from an alarm to its judgement.
+const JUDGED_AFTER: u32 = 2;
+/// σ is at least this part of the size to be found: less than that is no matter of noise.
+const LEAST_SIGMA: f32 = 1.0 / 20.0;
+/// Part of the size to be found that may have come about slowly.
+const SLOW: f32 = 0.8;
+/// Part of a shift by which it grows in one cycle where it comes bit by bit.
+const GROWING: f32 = 0.12;
+/// Of the temperature's level.
+const TEMPERATURE_GAIN: f32 = 0.25;
+
+/// One cycle, as far as it does not come from [`CycleSums`].
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct CycleNumbers {
+    /// Energy of the measured force and of the law's, J.
+    pub(super) energy: f32,
+    pub(super) law_energy: f32,
+    /// Mean of the measured force less that of the law's, kN.
+    pub(super) mean: f32,
+    /// RMS of the residual over that of the force.
+    pub(super) residual: f32,
+    /// Mean of the command, mm.
+    pub(super) command: f32,
+    /// °C.
+    pub(super) temperature: f32,
+    /// Cycles completed since the start.
+    pub(super) cycle: u32,
+}
+
+/// An alarm that waits for its judgement.
+#[derive(Clone, Copy, Debug)]
+struct Suspicion {
+    cycles: u32,
+    limit: f32,
+    /// Of the mean force, a cycle ago.
+    mean: f32,
+}
+
+/// What one statistic did.
+#[derive(Clone, Copy, Debug, Default)]
+struct Watch {
+    baseline: Baseline,
+    cusum: Cusum,
+    /// H.
+    threshold: f32,
+    /// Where the baseline was when the run-in was over.
+    reference: f32,
+    /// Where it was when it had been learned.
+    learned: f32,
+}
+
+/// All statistics of whole cycles.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct SpecimenWatch {
+    sums: CycleSums,
+    numbers: CycleNumbers,
+    /// Next piece of work; [`IDLE`] where there is none.
+    piece: usize,
+    /// Of this cycle, and of the one before.
+    values: Shift,
+    before: Shift,
+    /// Third harmonic over the first of the law's force in phase with displacement.
+    law_third: f32,
+    watches: [Watch; Statistic::OF_CYCLES],
+    /// Cycles of this block.
+    cycles: u32,
+    /// Cycles since the start that were not left out.
+    since_start: u32,
+    suspicion: Option<Suspicion>,
+    /// A sum is above 0.
+    frozen: bool,
+    temperature: f32,
+    reference_temperature: f32,
+}
+
+/// Pieces: the statistics, a sum each, the conclusion, a baseline each.
+const FIRST_SUM: usize = 1;
+const CONCLUSION: usize = FIRST_SUM + Statistic::WATCHED;
+const FIRST_BASELINE: usize = CONCLUSION + 1;
+const IDLE: usize = FIRST_BASELINE + Statistic::OF_CYCLES;
+
+impl SpecimenWatch {
+    /// Before the first cycle.
+    pub(super) fn new() -> Self {
+        Self {
+            sums: CycleSums::default(),
+            numbers: CycleNumbers::default(),
+            piece: IDLE,
+            values: Shift::default(),
+            before: Shift::default(),
+            law_third: 0.0,
+            watches: [Watch::default(); Statistic::OF_CYCLES],
+            cycles: 0,
+            since_start: 0,
+            suspicion: None,
+            frozen: false,
+            temperature: 0.0,
+            reference_temperature: 0.0,
+        }
+    }
+
+    /// Another block, or what is now shall be normal: learns anew. Whether the run-in is over stays.
+    pub(super) fn relearn(&mut self) {
+        *self = Self {
+            since_start: self.since_start,
+            ..Self::new()
+        };
+    }
+
+    /// Whether this cycle is the first that is learned.
+    pub(super) fn begins_to_learn(&self) -> bool {
+        self.cycles == SETTLING
+    }
+
+    /// Whether it has learned what is normal.
+    pub(super) fn is_watching(&self, config: &HealthConfig) -> bool {
+        self.cycles >= SETTLING + config.learning_cycles
+    }
+
+    /// A steady cycle has ended.
+    pub(super) fn cycle(&mut self, sums: CycleSums, numbers: CycleNumbers) {
+        self.cycles = self.cycles.saturating_add(1);
+        if self.cycles <= SETTLING {
+            return;
+        }
+        self.since_start = self.since_start.saturating_add(1);
+        self.sums = sums;
+        self.numbers = numbers;
+        self.piece = 0;
+    }
+
+    /// Whether there is work.
+    #[inline(always)]
+    pub(super) fn has_work(&self) -> bool {
+        self.piece < IDLE
+    }
+
+    /// A piece of work, and what came of it.
+    pub(super) fn work(&mut self, config: &HealthConfig) -> Option<Event> {
+        let piece = self.piece;
+        self.piece += 1;
+        if piece == 0 {
+            self.take_values();
+            None
+        } else if piece < CONCLUSION {
+            self.sum(config, piece - FIRST_SUM);
+            None
+        } else if piece == CONCLUSION {
+            self.conclude(config)
+        } else {
+            self.follow(piece - FIRST_BASELINE);
+            None
+        }
+    }
+
+    fn take_values(&mut self) {
+        let numbers = &self.numbers;
+        match self.sums.in_phase() {
+            Some(in_phase) if numbers.law_energy > f32::MIN_POSITIVE => {
+                self.before = self.values;
+                self.law_third = in_phase.law_third;
+                self.values = [
+                    in_phase.stiffness,
+                    numbers.energy / numbers.law_energy - 1.0,
+                    numbers.mean / in_phase.force,
+                    numbers.residual,
+                    in_phase.third,
+                    numbers.command / in_phase.amplitude,
+                ];
+            }
+            // Nothing moved, or there is no law: no cycle to learn from.
+            _ => self.piece = IDLE,
+        }
+        if self.cycles == SETTLING + 1 {
+            self.temperature = numbers.temperature;
+        }
+        // The learning is over with the cycle before.
+        self.frozen = false;
+    }
+
+    /// What temperature may have moved in a statistic since it was `then` °C.
+    fn warmth(&self, config: &HealthConfig, then: f32) -> f32 {
+        config.temperature_slope * (self.numbers.temperature - then).abs()
+    }
+
+    fn sum(&mut self, config: &HealthConfig, index: usize) {
+        let learned = self.cycles > SETTLING + config.learning_cycles;
+        let last = self.cycles == SETTLING + config.learning_cycles;
+        let slack = 0.5 * config.size;
+        let allowed = slack + self.warmth(config, self.temperature);
+        let value = self.values.get(index).copied().unwrap_or_default();
+        let Some(watch) = self.watches.get_mut(index) else {
+            return;
+        };
+        if learned {
+            let error = value - watch.baseline.expected();
+            watch.cusum.update(error, allowed);
+            self.frozen |= watch.cusum.largest() > 0.0;
+        } else if last {
+            let deviation = crate::real::square_root(watch.baseline.variance());
+            let least = LEAST_SIGMA * config.size;
+            let sigma = if deviation > least { deviation } else { least };
+            watch.threshold = threshold(sigma, slack, config.run_length);
+            watch.learned = watch.baseline.level();
+        }
+    }
+
+    fn conclude(&mut self, config: &HealthConfig) -> Option<Event> {
+        if self.cycles <= SETTLING + config.learning_cycles {
+            return None;
+        }
+        if let Some(suspicion) = self.suspicion {
+            self.frozen = true;
+            return self.judge(config, suspicion);
+        }
+        let shift = self.shift();
+        let [_, _, mean, ..] = shift;
+        let alarm = self
+            .watches
+            .iter()
+            .take(Statistic::WATCHED)
+            .find(|watch| watch.cusum.largest() > watch.threshold)
+            .map(|watch| 0.5 * config.size + watch.threshold);
+        if let Some(limit) = alarm {
+            self.suspicion = Some(Suspicion {
+                cycles: JUDGED_AFTER,
+                limit,
+                mean,
+            });
+            return None;
+        }
+        if self.frozen {
+            None
+        } else {
+            self.look_back(config)
+        }
+    }
+
+    /// What this cycle has beyond the baselines.
+    fn shift(&self) -> Shift {
+        let mut shift = self.values;
+        for (value, watch) in shift.iter_mut().zip(&self.watches) {
+            *value -= watch.baseline.expected();
+        }
+        shift
+    }
+
+    /// The mean of this cycle's values and of those of the one before.
+    fn mean_values(&self) -> Shift {
+        let mut mean = self.values;
+        for (value, before) in mean.iter_mut().zip(&self.before) {
+            *value = 0.5 * (*value + before);
+        }
+        mean
+    }
+
+    /// A cycle after an alarm.
+    fn judge(&mut self, config: &HealthConfig, suspicion: Suspicion) -> Option<Event> {
+        let mut shift = self.shift();
+        let [_, _, mean, ..] = shift;
+        let growth = mean - suspicion.mean;
+        self.suspicion = Some(Suspicion {
+            cycles: suspicion.cycles.saturating_sub(1),
+            mean,
+            ..suspicion
+        });
+        if suspicion.cycles > 1 {
+            return None;
+        }
+        self.suspicion = None;
+        // Half of the noise.
+        let both = self.mean_values();
+        for ((moved, watch), value) in shift.iter_mut().zip(&mut self.watches).zip(both) {
+            watch.cusum = Cusum::default();
+            *moved = value - watch.baseline.expected();
+        }
+        let least = 0.5 * config.size + self.warmth(config, self.temperature);
+        let watched = || shift.iter().take(Statistic::WATCHED);
+        if watched().all(|moved| moved.abs() <= least) {
+            return None;
+        }
+        let course = if growth * mean > 0.0 && growth.abs() > GROWING * mean.abs() {
+            Course::Slow
+        } else {
+            Course::Step
+        };
+        Some(self.event(&shift, course, suspicion.limit))
+    }
+
+    fn event(&self, shift: &Shift, course: Course, limit: f32) -> Event {
+        let (cause, statistic) = cause(shift, self.law_third, course);
+        self.evidence(cause, statistic, shift, limit)
+    }
+
+    fn evidence(&self, cause: Cause, statistic: Statistic, shift: &Shift, limit: f32) -> Event {
+        let index = usize::from(statistic.number());
+        Event {
+            cause,
+            statistic,
+            value: shift.get(index).copied().unwrap_or_default(),
+            limit,
+            cycle: self.numbers.cycle,
+        }
+    }
+
+    /// Where the baselines have gone since the run-in, or since they were learned where that came later.
+    fn look_back(&mut self, config: &HealthConfig) -> Option<Event> {
+        let limit = SLOW * config.size;
+        let settled = self.since_start > config.run_in_cycles;
+        let ends = self.since_start == config.run_in_cycles;
+        let first = self.cycles == SETTLING + config.learning_cycles + 1;
+        let mut shift = self.mean_values();
+        let mut all = Statistic::ALL.into_iter();
+        for (moved, watch) in shift.iter_mut().zip(&mut self.watches) {
+            // Neither a run-in nor the temperature moves a mean.
+            let lasting = matches!(
+                all.next(),
+                Some(Statistic::MeanForce | Statistic::MeanCommand)
+            );
+            *moved -= if settled && !lasting {
+                watch.reference
+            } else {
+                watch.learned
+            };
+            if !settled || first {
+                watch.reference = watch.baseline.level();
+            }
+        }
+        if !settled || first {
+            self.reference_temperature = self.numbers.temperature;
+        }
+        if first {
+            return None;
+        }
+        let [_, _, mean, ..] = shift;
+        if mean.abs() > limit {
+            return Some(self.event(&shift, Course::Slow, limit));
+        }
+        let watched = Statistic::ALL
+            .into_iter()
+            .zip(&shift)
+            .take(Statistic::WATCHED);
+        let (most, moved) = watched.fold((Statistic::Stiffness, 0.0f32), |most, (other, moved)| {
+            if moved.abs() > most.1 {
+                (other, moved.abs())
+            } else {
+                most
+            }
+        });
+        if moved <= limit {
+            None
+        } else if ends {
+            Some(self.evidence(Cause::RunIn, most, &shift, limit))
+        } else if !settled {
+            None
+        } else {
+            let allowed = limit + self.warmth(config, self.reference_temperature);
+            if moved > allowed {
+                Some(self.event(&shift, Course::Slow, allowed))
+            } else {
+                Some(self.evidence(Cause::Temperature, most, &shift, limit))
+            }
+        }
+    }
+
+    fn follow(&mut self, index: usize) {
+        // A cycle late: the first cycle that a fault was in may have been in part as ever.
+        let value = self.before.get(index).copied().unwrap_or_default();
+        if self.cycles == SETTLING + 1 {
+            return;
+        }
+        if let Some(watch) = self.watches.get_mut(index) {
+            if self.frozen {
+                watch.baseline.coast();
+            } else {
+                watch.baseline.follow(value);
+            }
+        }
+        if index == 0 {
+            let gain = if self.frozen { 0.0 } else { TEMPERATURE_GAIN };
+            self.temperature += gain * (self.numbers.temperature - self.temperature);
+        }
+    }
+}
