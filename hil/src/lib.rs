@@ -22,6 +22,7 @@
 //! | the finite elements that the paper sets beside its law | [`mod@finite_element`] |
 //! | the crate as an image for a microcontroller: built, measured, emulated | [`mod@image`] |
 //! | the instructions that it takes there, beside its peers' | [`mod@bench`] |
+//! | faults put into all of it, and what the rig's monitor finds of them | [`mod@faults`] |
 //! | all of it once, from a seed | [`mod@demo`] |
 //!
 //! ```
@@ -44,6 +45,7 @@ mod csv_text;
 pub mod demo;
 pub mod design;
 pub mod error;
+pub mod faults;
 pub mod finite_element;
 pub mod identify;
 pub mod image;

@@ -8,6 +8,7 @@ mod characterize;
 mod demo;
 mod design;
 mod effect;
+mod faults;
 mod image;
 mod orthogonal;
 mod paper;
@@ -48,6 +49,7 @@ enum Command {
     Orthogonal(orthogonal::OrthogonalCommand),
     Design(design::DesignCommand),
     Paper(paper::PaperCommand),
+    Faults(faults::FaultsCommand),
 }
 
 impl Cli {
@@ -65,6 +67,7 @@ impl Cli {
             Command::Orthogonal(command) => command.run(),
             Command::Design(command) => command.run(),
             Command::Paper(command) => command.run(),
+            Command::Faults(command) => command.run(),
         }
     }
 }

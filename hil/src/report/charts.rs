@@ -53,6 +53,12 @@ pub const HALF: Style = Style {
     font: 13,
     legend: false,
 };
+/// A row to each of many.
+pub(super) const TALL: Style = Style {
+    size: (900, 1000),
+    font: 14,
+    legend: false,
+};
 /// The page's whole width.
 pub const WIDE: Style = Style {
     size: (1150, 300),

@@ -1,5 +1,6 @@
 //! `report.html`: what a trace found, or what became of the paper, in one file that opens anywhere and prints.
 
+pub mod campaign;
 pub mod characterization;
 mod charts;
 pub mod curves;

@@ -1,0 +1,137 @@
+//! `hil faults`: the fault campaign.
+
+use std::path::{Path, PathBuf};
+use std::sync::atomic::{AtomicU64, Ordering};
+
+use clap::Args;
+use hil::error::InputError;
+use hil::faults::{Campaign, Summary, missed};
+use hil::output::Outputs;
+use hil::report::campaign;
+
+use super::progress::Progress;
+use super::{Failure, say};
+
+/// Put faults into specimen, sensors and actuator of the simulated rig, and count what its monitor finds
+///
+/// Prints, for each kind and size of fault, how many were found, how soon, and whether they were called what they are; then
+/// false alarms over healthy cycles that include run-in and a change of temperature.
+#[derive(Args, Debug)]
+#[command(after_help = "Examples:\n  hil faults --out faults-out\n  hil faults --part --check")]
+pub struct FaultsCommand {
+    /// Only a part: three specimens at 1 % noise, 6000 healthy cycles
+    #[arg(long)]
+    part: bool,
+    /// Healthy cycles in all
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(0..=100_000_000))]
+    healthy: Option<u32>,
+    /// Where the picture goes, as faults.svg
+    #[arg(long, value_name = "DIR")]
+    out: Option<PathBuf>,
+    /// Fail (exit code 1) where the requirement is not met
+    #[arg(long)]
+    check: bool,
+    /// Where all results go as JSON; `-` for standard output
+    #[arg(long, value_name = "FILE")]
+    json: Option<PathBuf>,
+}
+
+impl FaultsCommand {
+    pub fn run(self) -> Result<(), Failure> {
+        let picture = self.out.as_ref().map(|out| out.join("faults.svg"));
+        for path in self.json.iter().chain(&picture) {
+            Outputs::check(path)?;
+        }
+        let mut chosen = if self.part {
+            Campaign::part()
+        } else {
+            Campaign::whole()
+        };
+        chosen.healthy_cycles = self.healthy.unwrap_or(chosen.healthy_cycles);
+        let progress = Progress::of(chosen.steps());
+        progress.step("testing");
+        let finished = AtomicU64::new(0);
+        let summary = chosen.run(&|| {
+            progress.done(finished.fetch_add(1, Ordering::Relaxed) + 1);
+        });
+        drop(progress);
+        let summary = summary.map_err(|error| {
+            InputError::new("the fault campaign", error.to_string(), "report this")
+        })?;
+        let mut outputs = Outputs::new();
+        if let Some(picture) = &picture {
+            outputs.add(picture, campaign::picture(&summary));
+        }
+        if let Some(json) = &self.json {
+            outputs.add_json(json, &summary)?;
+        }
+        outputs.write()?;
+        if self.json.as_deref() != Some(Path::new("-")) {
+            print(&summary);
+        }
+        let missed = missed(&summary);
+        if self.check && !missed.is_empty() {
+            return Err(Failure::Check(missed.join("\n")));
+        }
+        Ok(())
+    }
+}
+
+fn print(summary: &Summary) {
+    let wrong = summary
+        .outcomes
+        .iter()
+        .filter(|one| !one.right || !one.in_time());
+    for one in wrong {
+        let trial = &one.trial;
+        say(&format!(
+            "{:?} of {} in {} g/cm3, {} mm, {} Hz, noise {} %, at {} of the cycle: {} after {} cycles",
+            trial.kind,
+            trial.size,
+            trial.density,
+            trial.amplitude,
+            trial.frequency,
+            100.0 * trial.noise,
+            trial.moment,
+            one.named.first().map_or("nothing", String::as_str),
+            one.cycles
+                .map_or_else(|| "-".into(), |cycles| format!("{cycles:.2}")),
+        ));
+    }
+    say("\n                   fault   size  trials  found  in time  right  cycles: median   most");
+    for kind in &summary.kinds {
+        let cycles = |cycles: Option<f64>| cycles.map_or_else(|| "-".into(), |c| format!("{c:.2}"));
+        say(&format!(
+            "{:>24} {:>6} {:>7} {:>6} {:>8} {:>6} {:>15} {:>6}",
+            format!("{:?}", kind.kind),
+            kind.size,
+            kind.trials,
+            kind.found,
+            kind.in_time,
+            kind.right,
+            cycles(kind.median_cycles),
+            cycles(kind.worst_cycles)
+        ));
+    }
+    let percent = |part: usize| 100.0 * part as f64 / summary.trials.max(1) as f64;
+    say(&format!(
+        "\n{} trials: {:.1} % found, {:.1} % in time, {:.1} % called what they are; {} alarms before the fault",
+        summary.trials,
+        percent(summary.found),
+        percent(summary.in_time),
+        percent(summary.right),
+        summary.early
+    ));
+    say(&format!(
+        "{} healthy cycles with run-in and temperature: {} false alarms",
+        summary.healthy_cycles, summary.false_alarms
+    ));
+    say(&format!(
+        "largest displacement {:.2}, force {:.2} of their limits, beyond one for at most {} ticks; {} stops, {} of them in time",
+        summary.displacement,
+        summary.force,
+        summary.ticks_beyond,
+        summary.stopped,
+        summary.stopped_in_time
+    ));
+}

@@ -1,0 +1,125 @@
+//! What a campaign came to.
+
+use serde::Serialize;
+
+use super::healthy::Healthy;
+use super::kind::{Group, Kind};
+use super::trial::Outcome;
+
+/// Of one kind and size.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct KindSummary {
+    /// What was put in.
+    pub kind: Kind,
+    /// How large.
+    pub size: f64,
+    /// What it is a fault of.
+    pub group: Group,
+    /// How often.
+    pub trials: usize,
+    /// Faults that were found.
+    pub found: usize,
+    /// Found as soon as they have to be.
+    pub in_time: usize,
+    /// Called what they are.
+    pub right: usize,
+    /// Cycles until a cause was named, of those that were found.
+    pub median_cycles: Option<f64>,
+    /// The most.
+    pub worst_cycles: Option<f64>,
+}
+
+/// All of it.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Summary {
+    /// Kind by kind, size by size.
+    pub kinds: Vec<KindSummary>,
+    /// Trials.
+    pub trials: usize,
+    /// Faults that were found.
+    pub found: usize,
+    /// Found as soon as they have to be.
+    pub in_time: usize,
+    /// Called what they are.
+    pub right: usize,
+    /// Causes that were named before there was a fault.
+    pub early: usize,
+    /// Largest true displacement over its limit, in any trial.
+    pub displacement: f64,
+    /// Largest true force over its limit.
+    pub force: f64,
+    /// Most ticks on end that a limit was truly exceeded for, by more than noise hides, while the line was high.
+    pub ticks_beyond: u32,
+    /// Rigs that stopped, and those that were at rest in time.
+    pub stopped: usize,
+    /// Likewise.
+    pub stopped_in_time: usize,
+    /// Healthy cycles run.
+    pub healthy_cycles: u64,
+    /// Faults that were named in them.
+    pub false_alarms: usize,
+    /// Specimen by specimen.
+    pub healthy: Vec<Healthy>,
+    /// Trial by trial.
+    pub outcomes: Vec<Outcome>,
+}
+
+impl Summary {
+    /// Of these trials and healthy runs.
+    pub fn of(outcomes: Vec<Outcome>, healthy: Vec<Healthy>) -> Self {
+        let count =
+            |holds: &dyn Fn(&Outcome) -> bool| outcomes.iter().filter(|one| holds(one)).count();
+        let largest = |of: &dyn Fn(&Outcome) -> f64| outcomes.iter().map(of).fold(0.0, f64::max);
+        let mut kinds = Vec::new();
+        for kind in Kind::ALL {
+            for &size in kind.sizes() {
+                let of_this = |one: &&Outcome| one.trial.kind == kind && one.trial.size == size;
+                let these: Vec<&Outcome> = outcomes.iter().filter(of_this).collect();
+                if !these.is_empty() {
+                    kinds.push(KindSummary::of(kind, size, &these));
+                }
+            }
+        }
+        Self {
+            kinds,
+            trials: outcomes.len(),
+            found: count(&|one| one.cycles.is_some()),
+            in_time: count(&Outcome::in_time),
+            right: count(&|one| one.right),
+            early: count(&|one| one.false_alarm),
+            displacement: largest(&|one| one.displacement),
+            force: largest(&|one| one.force),
+            ticks_beyond: outcomes
+                .iter()
+                .map(|one| one.ticks_beyond)
+                .max()
+                .unwrap_or(0),
+            stopped: count(&|one| one.stopped.is_some()),
+            stopped_in_time: count(&|one| one.stopped.is_some() && one.stopped_in_time),
+            healthy_cycles: healthy.iter().map(|one| u64::from(one.cycles)).sum(),
+            false_alarms: healthy.iter().map(|one| one.false_alarms.len()).sum(),
+            healthy,
+            outcomes,
+        }
+    }
+}
+
+impl KindSummary {
+    fn of(kind: Kind, size: f64, these: &[&Outcome]) -> Self {
+        let count =
+            |holds: &dyn Fn(&Outcome) -> bool| these.iter().filter(|one| holds(one)).count();
+        let mut cycles: Vec<f64> = these.iter().filter_map(|one| one.cycles).collect();
+        cycles.sort_by(f64::total_cmp);
+        Self {
+            kind,
+            size,
+            group: kind.group(),
+            trials: these.len(),
+            found: cycles.len(),
+            in_time: count(&|one| one.in_time()),
+            right: count(&|one| one.right),
+            median_cycles: cycles.get(cycles.len() / 2).copied(),
+            worst_cycles: cycles.last().copied(),
+        }
+    }
+}
