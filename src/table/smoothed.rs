@@ -4,7 +4,7 @@ use super::{Nodes, Table};
 use crate::law::Law;
 
 /// Surfaces fitted to the loops of [`PAPER`](super::PAPER), for any density from 2.0 to 4.0 g/cm³: elastic and damping force at the
-/// largest displacement and speed do not fall where the amplitude rises, k1, k3 and c are above 0, α is within 0…1.
+/// largest displacement and speed do not fall from node to node of the amplitude (between two they may by 3 %), k1, k3 and c are above 0, α is within 0…1.
 ///
 /// They miss the loops of the 25 published cells by 6 % of the force's RMS on average and 14 % at most; `cargo hil paper` fits
 /// them and says where. Amplitudes 0.05…0.25 mm, 1 Hz.

@@ -7,8 +7,8 @@ const RIGHT: f64 = 0.95;
 /// Healthy cycles to one false alarm.
 const CYCLES_TO_A_FALSE_ALARM: f64 = 1e5;
 
-/// Ticks on end for which a limit may be exceeded: the ten after which the rig stops, and those by which the sensors lag.
-const TICKS_BEYOND: u32 = 15;
+/// Ticks on end for which a limit may be exceeded: those after which the rig stops.
+const TICKS_BEYOND: u32 = 10;
 
 /// What `summary` falls short of: every fault found in time, the cause right in 95 %, at most one false alarm in 1e5 healthy
 /// cycles or part of them, no limit exceeded for longer than it takes to stop, every stop in time.
