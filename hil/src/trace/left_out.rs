@@ -18,6 +18,8 @@ const MOST_LEFT_OUT: usize = 4;
 
 /// The part of the cycles that are not the worst.
 const MOST_CYCLES: f64 = 0.8;
+/// Blocks of fewer cycles may be ramps.
+const SOME_CYCLES: usize = 3;
 /// Squared differences of cycles' means are so many times those of noise where a force wanders.
 const WANDERS: f64 = 20.0;
 
@@ -84,17 +86,18 @@ impl<'a> LeftOut<'a> {
         Ok(Left::sum(&left).map(|all| all.mean().sqrt()))
     }
 
-    /// The same beyond the noise, √(left² − 1), of every block's cycles but its first where it has others, each block counting
-    /// the same.
+    /// The same beyond the noise, √(left² − 1), of the cycles but the first of every block that has some, each block counting
+    /// the same; none where there are not two such blocks: others are ramps, and one condition tells no effect from its like.
     pub fn left_beyond_noise(&self, model: &Model) -> Result<Option<f64>, ModelError> {
         let blocks: Vec<f64> = self
             .left(model)?
             .iter()
-            .filter_map(|cycles| Left::sum(cycles.get(1..)?).or_else(|| Left::sum(cycles)))
+            .filter(|cycles| cycles.len() >= SOME_CYCLES)
+            .filter_map(|cycles| Left::sum(&cycles[1..]))
             .map(|block| block.mean() - 1.0)
             .collect();
         let mean = blocks.iter().sum::<f64>() / blocks.len() as f64;
-        Ok((!blocks.is_empty()).then(|| mean.max(0.0).sqrt()))
+        Ok((blocks.len() > 1).then(|| mean.max(0.0).sqrt()))
     }
 
     /// What `model` leaves of every block's cycles, as far as they may be fitted.
