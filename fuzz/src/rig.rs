@@ -7,6 +7,7 @@ use mesh_damper::adc::Ads8688;
 use mesh_damper::converter::Scale;
 use mesh_damper::dac::Ad5761;
 use mesh_damper::error::ConfigError;
+use mesh_damper::health::HealthSettings;
 use mesh_damper::rig::{Emulator, EmulatorSettings, Rig, RigSettings, State, Telemetry};
 use mesh_damper::sine::{Block, Programme};
 use mesh_damper::tabulated::{RunningLaw, TabulatedLaw};
@@ -276,6 +277,14 @@ fn rig(
             lead: 0.1 * feed.part(),
             glide: feed.between(1.0 / tick_rate, 10.0),
             feedback: 0.01 * tick_rate * feed.part(),
+            link_ticks: 0,
+            health: HealthSettings {
+                size: feed.between(0.01, 0.5),
+                false_alarm_cycles: feed.between(1e2, 1e9),
+                learning_cycles: feed.between(8.0, 1e3) as u32,
+                run_in_cycles: feed.between(1.0, 1e6) as u32,
+                temperature_slope: 0.1 * feed.part(),
+            },
         }
     };
     let mut programme = Programme::<BLOCKS>::new(tick_rate, 1)?;
@@ -316,6 +325,7 @@ fn emulator(
         force_limit: feed.between(1e-6, 1e9),
         trip_ticks: feed.between(1.0, 1e3) as u32,
         stop_ticks: feed.between(1.0, 1e4) as u32,
+        link_ticks: 0,
         observer_bandwidth: feed.between(1e-3, 1.0) * 0.1 * tick_rate,
         observer_damping: feed.between(0.3, 3.0),
         hysteresis: feed.between(1e-9, 1e4),
