@@ -57,6 +57,28 @@ pub struct Cycle {
     pub ticks: f32,
 }
 
+impl Cycle {
+    /// Every field, in the order in which they are declared.
+    #[inline]
+    pub fn values(&self) -> [f32; 13] {
+        [
+            self.force_max,
+            self.force_min,
+            self.displacement_max,
+            self.displacement_min,
+            self.amplitude,
+            self.energy,
+            self.energy_harmonic,
+            self.stiffness,
+            self.elastic_energy,
+            self.loss_factor,
+            self.mean_force,
+            self.mean_displacement,
+            self.ticks,
+        ]
+    }
+}
+
 /// One force with what the harmonics need of it.
 #[derive(Clone, Copy, Debug, Default)]
 struct ForceSample {

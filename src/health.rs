@@ -224,9 +224,11 @@ pub(crate) struct HealthMonitor {
 /// Of the faults of sensors and actuator, by the number of the cause: while one is there the specimen is not judged.
 const OF_THE_RIG: u32 = {
     let mut bits = 0;
-    let mut number = 7;
+    let mut number = 0;
     while number < Cause::ALL.len() {
-        bits |= 1 << number;
+        if Cause::ALL[number].is_of_the_rig() {
+            bits |= 1 << number;
+        }
         number += 1;
     }
     bits

@@ -36,23 +36,7 @@ pub fn forces_are_finite(law: &AugmentedLaw<f32, EFFECTS>) {
 
 /// Every field of it.
 pub fn is_finite(cycle: &Cycle) -> bool {
-    [
-        cycle.force_max,
-        cycle.force_min,
-        cycle.displacement_max,
-        cycle.displacement_min,
-        cycle.amplitude,
-        cycle.energy,
-        cycle.energy_harmonic,
-        cycle.stiffness,
-        cycle.elastic_energy,
-        cycle.loss_factor,
-        cycle.mean_force,
-        cycle.mean_displacement,
-        cycle.ticks,
-    ]
-    .iter()
-    .all(|value| value.is_finite())
+    cycle.values().iter().all(|value| value.is_finite())
 }
 
 /// Law, observer and cycles, for `ticks` ticks of any floats.

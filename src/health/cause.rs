@@ -78,6 +78,21 @@ impl Cause {
             .map_or(u8::MAX, |(number, _)| number)
     }
 
+    /// Of a sensor or of the actuator, and not of the specimen.
+    pub(super) const fn is_of_the_rig(self) -> bool {
+        matches!(
+            self,
+            Self::SensorStuck(_)
+                | Self::SensorDroppedOut(_)
+                | Self::SensorClipped(_)
+                | Self::SensorSpiking(_)
+                | Self::SensorDrifting(_)
+                | Self::ActuatorSaturated
+                | Self::ActuatorLagging
+                | Self::ActuatorDead
+        )
+    }
+
     /// Whether something is wrong; no of what is normal after a start or with the temperature.
     pub fn is_fault(self) -> bool {
         !matches!(self, Self::RunIn | Self::Temperature)

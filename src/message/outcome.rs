@@ -129,22 +129,7 @@ fn read_event(reader: &mut Reader<'_>) -> Option<Event> {
 
 #[inline(never)]
 fn write_cycle(writer: &mut Writer<'_>, cycle: &Cycle) {
-    let values = [
-        cycle.force_max,
-        cycle.force_min,
-        cycle.displacement_max,
-        cycle.displacement_min,
-        cycle.amplitude,
-        cycle.energy,
-        cycle.energy_harmonic,
-        cycle.stiffness,
-        cycle.elastic_energy,
-        cycle.loss_factor,
-        cycle.mean_force,
-        cycle.mean_displacement,
-        cycle.ticks,
-    ];
-    writer.words(values.map(f32::to_bits));
+    writer.words(cycle.values().map(f32::to_bits));
 }
 
 fn read_report(reader: &mut Reader<'_>, ramp: bool) -> Option<CycleReport> {
