@@ -196,15 +196,17 @@ impl<'a> Closing<'a> {
         [alone, solution]: [&Solution; 2],
     ) -> Result<(Verdict, f64), ModelError> {
         let judged = selection.found.score.nrmse() / selection.goal;
-        let left = left_out
-            .left_in_most_cycles(&solution.model())?
-            .unwrap_or(judged);
+        let left_by_solution = left_out.left_by(&solution.model())?;
+        let left = left_by_solution.in_most().unwrap_or(judged);
         let verdict = conclude(selection, left);
         if solution.terms.is_empty() || verdict == Verdict::Unlisted {
             return Ok((verdict, left));
         }
-        let beyond = |law: &Solution| left_out.left_beyond_noise(&law.model());
-        let accounts = match (beyond(alone)?, beyond(solution)?) {
+        let left_by_alone = left_out.left_by(&alone.model())?;
+        let accounts = match (
+            left_by_alone.beyond_noise(),
+            left_by_solution.beyond_noise(),
+        ) {
             (Some(alone), Some(left)) => accounts_for(alone, left),
             _ => true,
         };

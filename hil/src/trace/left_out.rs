@@ -46,6 +46,34 @@ impl Left {
     }
 }
 
+/// What a law leaves of every block's cycles, as far as they may be fitted.
+pub(super) struct LeftInCycles(Vec<Vec<Left>>);
+
+impl LeftInCycles {
+    /// Over the noise: RMS of all but the worst cycles, which may be those of a start or of a change between blocks; none where
+    /// there is not one whole cycle.
+    pub fn in_most(&self) -> Option<f64> {
+        let mut left: Vec<Left> = self.0.concat();
+        left.retain(|cycle| cycle.count > 0.0);
+        left.sort_by(|a, b| a.mean().total_cmp(&b.mean()));
+        left.truncate((MOST_CYCLES * left.len() as f64).ceil() as usize);
+        Left::sum(&left).map(|all| all.mean().sqrt())
+    }
+
+    /// The same beyond the noise, √(left² − 1), of the cycles but the first of every block that has some, each block counting
+    /// the same; none where there are not two such blocks: others are ramps, and one condition tells no effect from its like.
+    pub fn beyond_noise(&self) -> Option<f64> {
+        let blocks = self.0.iter();
+        let blocks: Vec<f64> = blocks
+            .filter(|cycles| cycles.len() >= SOME_CYCLES)
+            .filter_map(|cycles| Left::sum(&cycles[1..]))
+            .map(|block| block.mean() - 1.0)
+            .collect();
+        let mean = blocks.iter().sum::<f64>() / blocks.len() as f64;
+        (blocks.len() > 1).then(|| mean.max(0.0).sqrt())
+    }
+}
+
 /// The samples of a fit: whether it takes that of a trajectory.
 pub(super) type Picked<'p> = &'p dyn Fn(usize, usize) -> bool;
 /// A law fitted to the samples that are picked.
@@ -76,32 +104,8 @@ impl<'a> LeftOut<'a> {
         self.roles.is_open(which, sample)
     }
 
-    /// What `model` leaves of the cycles that may be fitted, over the noise: RMS of all but the worst of them, which may be
-    /// those of a start or of a change between blocks; none where there is not one whole cycle.
-    pub fn left_in_most_cycles(&self, model: &Model) -> Result<Option<f64>, ModelError> {
-        let mut left: Vec<Left> = self.left(model)?.concat();
-        left.retain(|cycle| cycle.count > 0.0);
-        left.sort_by(|a, b| a.mean().total_cmp(&b.mean()));
-        left.truncate((MOST_CYCLES * left.len() as f64).ceil() as usize);
-        Ok(Left::sum(&left).map(|all| all.mean().sqrt()))
-    }
-
-    /// The same beyond the noise, √(left² − 1), of the cycles but the first of every block that has some, each block counting
-    /// the same; none where there are not two such blocks: others are ramps, and one condition tells no effect from its like.
-    pub fn left_beyond_noise(&self, model: &Model) -> Result<Option<f64>, ModelError> {
-        let blocks: Vec<f64> = self
-            .left(model)?
-            .iter()
-            .filter(|cycles| cycles.len() >= SOME_CYCLES)
-            .filter_map(|cycles| Left::sum(&cycles[1..]))
-            .map(|block| block.mean() - 1.0)
-            .collect();
-        let mean = blocks.iter().sum::<f64>() / blocks.len() as f64;
-        Ok((blocks.len() > 1).then(|| mean.max(0.0).sqrt()))
-    }
-
-    /// What `model` leaves of every block's cycles, as far as they may be fitted.
-    fn left(&self, model: &Model) -> Result<Vec<Vec<Left>>, ModelError> {
+    /// What `model` leaves of the cycles that may be fitted.
+    pub fn left_by(&self, model: &Model) -> Result<LeftInCycles, ModelError> {
         let mut blocks = Vec::new();
         for (which, trajectory) in self.trajectories.iter().enumerate() {
             let predicted = predict(model, trajectory)?;
@@ -121,7 +125,7 @@ impl<'a> LeftOut<'a> {
                 blocks.push(block.cycles.iter().map(of_cycle).collect());
             }
         }
-        Ok(blocks)
+        Ok(LeftInCycles(blocks))
     }
 
     /// Whether the mean of what `model` leaves differs from cycle to cycle of one block by more than noise would have it: a
