@@ -52,9 +52,10 @@ pub(crate) fn text_of(path: &Path, mut bytes: Vec<u8>) -> Result<String, InputEr
         )
         .at(Place::Line(line))
     })?;
-    Ok(text
-        .strip_prefix('\u{feff}')
-        .map_or(text.clone(), str::to_owned))
+    Ok(match text.strip_prefix('\u{feff}') {
+        Some(text) => text.to_owned(),
+        None => text,
+    })
 }
 
 /// The finite number in a cell, or what is wrong with it and how to mend it.
