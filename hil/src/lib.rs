@@ -45,6 +45,7 @@ mod csv_text;
 pub mod demo;
 pub mod design;
 pub mod error;
+mod extremes;
 pub mod faults;
 pub mod finite_element;
 pub mod identify;

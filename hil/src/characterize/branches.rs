@@ -2,6 +2,7 @@
 
 use std::ops::Range;
 
+use crate::extremes::least_and_largest;
 use crate::recording::motion::noise_deviation;
 
 /// A reversal counts when the displacement then moves on by this part of its range.
@@ -153,10 +154,6 @@ fn moving_mean(values: &[f64], half: usize) -> Vec<f64> {
 
 /// The largest less the smallest of `values`.
 fn span(values: &[f64]) -> f64 {
-    let (low, high) = values
-        .iter()
-        .fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), &value| {
-            (low.min(value), high.max(value))
-        });
+    let (low, high) = least_and_largest(values);
     high - low
 }

@@ -8,6 +8,7 @@ use serde::Serialize;
 
 use super::{Spread, spread};
 use crate::error::{InputError, Place};
+use crate::extremes::least_and_largest;
 use crate::recording::Recording;
 use crate::recording::cycles::Block;
 use crate::recording::trajectory::Trajectory;
@@ -156,7 +157,7 @@ impl DynamicBlock {
     /// `None` without a steady cycle that was measured from end to end. `start` is the time of the first sample, s.
     fn of(block: &Block, trajectory: &Trajectory, start: f64) -> Option<Self> {
         let (displacement, force) = (&trajectory.motion.displacement, &trajectory.force);
-        let (low, high) = extremes(displacement);
+        let (low, high) = least_and_largest(displacement);
         let level = 0.5 * (low + high);
         let crossing = |index: usize| match index.checked_sub(1) {
             Some(before) if displacement[before] < level && displacement[index] > level => {
@@ -258,12 +259,4 @@ fn linear(values: &[f64], place: f64) -> f64 {
     let after = (before + 1).min(last);
     let part = place - before as f64;
     values[before] + part * (values[after] - values[before])
-}
-
-fn extremes(values: &[f64]) -> (f64, f64) {
-    values
-        .iter()
-        .fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), &value| {
-            (low.min(value), high.max(value))
-        })
 }

@@ -6,6 +6,7 @@
 
 use super::figures::{Figures, coefficients};
 use super::{Point, Reachable, Wanted};
+use crate::extremes::least_and_largest;
 use crate::reference::tables::{AMPLITUDES, DENSITIES};
 
 /// Cells between two lines of the tables, each way.
@@ -86,13 +87,15 @@ impl<'w> Search<'w> {
     /// What can be had, and the point nearest to what is wanted.
     pub(super) fn reachable(&self) -> Reachable {
         let all = || self.misfits.iter().flatten();
-        let of =
-            |index: usize, wanted: f64| range(all().map(|misfit| wanted * misfit[index].exp()));
+        let of = |index: usize, wanted: f64| {
+            least_and_largest(all().map(|misfit| wanted * misfit[index].exp()))
+        };
         let (stiffness, loss_factor) = (self.wanted.stiffness, self.wanted.loss_factor);
         let other = |index: usize, wanted: f64| {
             let passages = self.passages(1 - index);
-            (!passages.is_empty())
-                .then(|| range(passages.iter().map(|misfit| wanted * misfit[index].exp())))
+            (!passages.is_empty()).then(|| {
+                least_and_largest(passages.iter().map(|misfit| wanted * misfit[index].exp()))
+            })
         };
         Reachable {
             stiffness: of(0, stiffness),
@@ -317,7 +320,7 @@ fn distance(misfit: Misfit) -> f64 {
 
 /// Whether a figure with these misfits at a cell's corners may be the one wanted somewhere in it.
 fn may_vanish(corners: [f64; 4]) -> bool {
-    let (low, high) = range(corners.into_iter());
+    let (low, high) = least_and_largest(corners);
     let beyond = BEYOND.0 * (high - low) + BEYOND.1;
     low - beyond <= 0.0 && high + beyond >= 0.0
 }
@@ -341,12 +344,6 @@ fn nodes(lines: &[f64], (low, high): (f64, f64), cells: usize) -> Vec<f64> {
         .collect();
     nodes.push(high);
     nodes
-}
-
-fn range(values: impl Iterator<Item = f64>) -> (f64, f64) {
-    values.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), value| {
-        (low.min(value), high.max(value))
-    })
 }
 
 /// Where a function that falls and then rises between `low` and `high` is least.

@@ -49,8 +49,7 @@ impl MooneyRivlin {
     }
 
     /// The isochoric part of the energy at the right Cauchy–Green tensor `c`, MPa.
-    #[cfg(test)]
-    pub(super) fn isochoric_energy(&self, c: &Matrix3<f64>) -> f64 {
+    pub(crate) fn isochoric_energy(&self, c: &Matrix3<f64>) -> f64 {
         let isochoric = c / c.determinant().cbrt();
         let first = isochoric.trace() - 3.0;
         let second = 0.5 * (isochoric.trace().powi(2) - isochoric.norm_squared()) - 3.0;
@@ -58,8 +57,7 @@ impl MooneyRivlin {
     }
 
     /// D·(J − 1)², MPa.
-    #[cfg(test)]
-    pub(super) fn volumetric_energy(&self, volume_ratio: f64) -> f64 {
+    pub(crate) fn volumetric_energy(&self, volume_ratio: f64) -> f64 {
         self.d * (volume_ratio - 1.0).powi(2)
     }
 

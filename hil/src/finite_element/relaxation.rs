@@ -24,6 +24,15 @@ impl Prony {
         1.0 - self.shares.iter().sum::<f64>()
     }
 
+    /// G(t)/G(0) at `time` s: g∞ + Σ g_i·exp(−t/τ_i).
+    pub fn left_after(&self, time: f64) -> f64 {
+        let terms = self.shares.iter().zip(&self.times);
+        self.lasting()
+            + terms
+                .map(|(share, tau)| share * (-time / tau).exp())
+                .sum::<f64>()
+    }
+
     /// Storage and loss modulus over the sudden one at `frequency` Hz:
     /// g∞ + Σ g_i·(ωτ_i)²/(1 + (ωτ_i)²) and Σ g_i·ωτ_i/(1 + (ωτ_i)²).
     pub fn moduli(&self, frequency: f64) -> (f64, f64) {

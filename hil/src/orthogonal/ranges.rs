@@ -4,6 +4,7 @@ use serde::Serialize;
 
 use super::array::LEVELS;
 use super::experiment::{Factor, Response};
+use crate::extremes::least_and_largest;
 
 /// What the levels of one factor came to.
 #[derive(Clone, Debug, PartialEq, Serialize)]
@@ -24,11 +25,7 @@ impl LevelSums {
         for (&level, values) in factor.column.iter().zip(&response.runs) {
             sums[level] += mean(values);
         }
-        let (low, high) = sums
-            .iter()
-            .fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), &sum| {
-                (low.min(sum), high.max(sum))
-            });
+        let (low, high) = least_and_largest(sums);
         Self {
             factor: factor.name.clone(),
             levels: factor.levels.clone(),

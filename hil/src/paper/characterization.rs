@@ -3,8 +3,9 @@
 use std::f64::consts::{FRAC_PI_2, PI};
 
 use super::cells::{Cell, FREQUENCY, dynamics};
-use super::claim::{Claim, Verdict, least_and_largest};
+use super::claim::{Claim, Verdict};
 use crate::amplitude_free::Sine;
+use crate::extremes::least_and_largest;
 use crate::reference::comparison::nrmse;
 use crate::reference::orthogonal_test::{LEVELS, STIFFNESS};
 use crate::reference::{dynamic_test, static_test};

@@ -4,6 +4,8 @@ use std::collections::BTreeMap;
 
 use serde::Serialize;
 
+use crate::extremes::least_and_largest;
+
 /// Whether a statement stands.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "snake_case")]
@@ -104,15 +106,6 @@ pub fn is_falling(values: &[f64]) -> bool {
 pub fn spread(values: impl IntoIterator<Item = f64>) -> f64 {
     let (low, high) = least_and_largest(values);
     high / low
-}
-
-/// Smallest and largest.
-pub fn least_and_largest(values: impl IntoIterator<Item = f64>) -> (f64, f64) {
-    values
-        .into_iter()
-        .fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), value| {
-            (low.min(value), high.max(value))
-        })
 }
 
 /// Numbers in a row of text, with so many decimals.

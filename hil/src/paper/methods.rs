@@ -1,12 +1,13 @@
 //! The claims of section 4.7 and of the discussion: which method predicts what.
 
 use super::cells::Cell;
-use super::claim::{Claim, Verdict, is_falling, is_rising, least_and_largest, listed};
+use super::claim::{Claim, Verdict, is_falling, is_rising, listed};
 use super::comparison::{Compared, Comparison, Condition, GUARDS, JUDGED};
+use crate::extremes::least_and_largest;
 use crate::reference::tables::{AMPLITUDES, DENSITIES};
 
 /// The bound that the paper gives for the law's error.
-const BOUND: f64 = 0.375;
+pub const BOUND: f64 = 0.375;
 /// How many times larger it has the error of finite elements.
 const TIMES: (f64, f64) = (2.0, 30.0);
 /// Part of a loop's RMS beside an ellipse below which it counts as one.

@@ -19,8 +19,9 @@ use serde::Serialize;
 
 pub use cells::{Cell, Dynamics};
 pub use claim::{Claim, Verdict};
-pub use comparison::{Compared, Comparison, Condition, GUARDS};
+pub use comparison::{Compared, Comparison, Condition, GUARDS, JUDGED};
 pub use elements::{Compression, ElementStudy, TriedBore, TriedMesh, TriedReading};
+pub use methods::BOUND;
 pub use misprints::{FitCheck, FreeCell, LeftOut};
 pub use trends::{ANGLE_LOSS_FACTORS, ANGLE_STIFFNESS};
 

@@ -1,9 +1,10 @@
 //! Sections 3.2 and 4.3: the law, its identification, Tables 6–9 and eqs 16–20.
 
 use super::cells::{Cell, dynamics};
-use super::claim::{Claim, Verdict, least_and_largest, spread};
+use super::claim::{Claim, Verdict, spread};
 use super::misprints::{FitCheck, LeftOut};
 use crate::amplitude_free::Sine;
+use crate::extremes::least_and_largest;
 use crate::reference::comparison::r_squared;
 use crate::reference::cubic_fit;
 use crate::reference::law::Coefficients;

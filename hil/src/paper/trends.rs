@@ -5,6 +5,7 @@
 use super::cells::{Cell, dynamics};
 use super::claim::{Claim, Verdict, is_falling, is_rising, listed, spread};
 use super::orthogonal::OrthogonalTest;
+use crate::reference::orthogonal_test::LEVELS;
 use crate::reference::surfaces::{self, Equation18};
 use crate::reference::tables::{AMPLITUDES, DENSITIES, cell, interpolate};
 
@@ -192,8 +193,8 @@ fn angle_falls(orthogonal: &OrthogonalTest) -> Claim {
             listed(&stiffness, 3)
         ),
     )
-    .with_each("ΣK of the loss factor, °,", &[15.0, 45.0, 75.0], &loss)
-    .with_each("ΣK of the stiffness, °,", &[15.0, 45.0, 75.0], &stiffness)
+    .with_each("ΣK of the loss factor, °,", &LEVELS[1], &loss)
+    .with_each("ΣK of the stiffness, °,", &LEVELS[1], &stiffness)
 }
 
 fn angle_hardly_changes_loss(orthogonal: &OrthogonalTest) -> Claim {
@@ -228,8 +229,8 @@ fn wire(orthogonal: &OrthogonalTest) -> Claim {
             listed(&stiffness, 3)
         ),
     )
-    .with_each("ΣK of the loss factor, mm,", &[0.1, 0.15, 0.3], &loss)
-    .with_each("ΣK of the stiffness, mm,", &[0.1, 0.15, 0.3], &stiffness)
+    .with_each("ΣK of the loss factor, mm,", &LEVELS[2], &loss)
+    .with_each("ΣK of the stiffness, mm,", &LEVELS[2], &stiffness)
 }
 
 fn amplitude_softens(cells: &[[Cell; 5]; 5]) -> Claim {

@@ -2,6 +2,8 @@
 
 use std::ops::Range;
 
+use crate::extremes::least_and_largest;
+
 /// Two neighbouring cycles are of one block when their periods and amplitudes differ by less than this fraction.
 const ALIKE: f64 = 0.08;
 
@@ -45,13 +47,13 @@ impl Cycles {
     /// other side.
     pub fn find(displacement: &[f64], tick: f64, hysteresis: f64) -> Self {
         let count = displacement.len();
-        let (low, high) = range(displacement);
+        let (low, high) = least_and_largest(displacement);
         let crossings = upward_crossings(displacement, 0.5 * (low + high), hysteresis);
         let cycles: Vec<Cycle> = crossings
             .windows(2)
             .map(|pair| {
                 let samples = (pair[0].ceil() as usize)..(pair[1].ceil() as usize);
-                let (low, high) = range(&displacement[samples.clone()]);
+                let (low, high) = least_and_largest(&displacement[samples.clone()]);
                 Cycle {
                     samples,
                     period: (pair[1] - pair[0]) * tick,
@@ -115,15 +117,6 @@ impl Cycles {
             }
         }
     }
-}
-
-/// Smallest and largest of `samples`.
-pub(super) fn range(samples: &[f64]) -> (f64, f64) {
-    samples
-        .iter()
-        .fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), &y| {
-            (low.min(y), high.max(y))
-        })
 }
 
 /// Positions, in samples, where the displacement passes `level` upwards.

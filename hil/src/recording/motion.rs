@@ -10,9 +10,9 @@ use std::ops::Range;
 
 use nalgebra::{Matrix4, Vector4};
 
-use super::cycles::range;
 use super::kinks::find_kinks;
 use super::polynomial::{Cubic, fit_polynomial};
+use crate::extremes::least_and_largest;
 
 /// Fewest samples to each side of the one that a cubic is fitted for.
 const SHORTEST: usize = 4;
@@ -167,7 +167,7 @@ impl HalfWindow {
 }
 
 fn half_range(samples: &[f64]) -> f64 {
-    let (low, high) = range(samples);
+    let (low, high) = least_and_largest(samples);
     0.5 * (high - low)
 }
 

@@ -2,10 +2,11 @@
 
 use super::Recording;
 use super::averaging::MovingAverage;
-use super::cycles::{Block, Cycles, range};
+use super::cycles::{Block, Cycles};
 use super::faults::{self, Channel, Fault, Kind, Shift};
 use super::motion::{Motion, noise_deviation};
 use crate::error::InputError;
+use crate::extremes::least_and_largest;
 
 /// The fewest samples that a motion can be estimated from.
 const FEWEST_SAMPLES: usize = 32;
@@ -118,7 +119,7 @@ impl Trajectory {
         );
         trajectory.measured = uniform.measured;
         trajectory.faults = found;
-        let (low, high) = range(&trajectory.motion.displacement);
+        let (low, high) = least_and_largest(&trajectory.motion.displacement);
         if trajectory.motion.noise > LARGEST_NOISE * (high - low) {
             return Err(InputError::new(
                 &recording.name,
@@ -280,7 +281,7 @@ impl Trajectory {
 
 /// The middle of the motion where it lies more than half an amplitude from 0, else 0; mm.
 fn centre(displacement: &[f64]) -> f64 {
-    let (low, high) = range(displacement);
+    let (low, high) = least_and_largest(displacement);
     let middle = 0.5 * (low + high);
     if middle.abs() > 0.25 * (high - low) {
         middle
@@ -292,6 +293,6 @@ fn centre(displacement: &[f64]) -> f64 {
 /// Half width of the band around the mid level that a crossing has to leave, mm: above the noise, below the smallest
 /// amplitude that counts as motion.
 fn hysteresis(displacement: &[f64]) -> f64 {
-    let (low, high) = range(displacement);
+    let (low, high) = least_and_largest(displacement);
     (6.0 * noise_deviation(displacement)).max(0.01 * (high - low))
 }

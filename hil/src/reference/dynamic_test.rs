@@ -2,6 +2,8 @@
 
 use std::f64::consts::{PI, TAU};
 
+use crate::extremes::least_and_largest;
+
 /// What one cycle says.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct DynamicResult {
@@ -52,7 +54,7 @@ pub fn loss_factor_from_samples(
     sampling_frequency: f64,
     alpha: f64,
 ) -> f64 {
-    let (max, min) = extremes(force);
+    let (min, max) = least_and_largest(force);
     -4.0 * excitation_frequency / (sampling_frequency * (max - min)) * phase_sum(force, alpha)
 }
 
@@ -75,14 +77,14 @@ pub fn characterize(displacement: &[f64], force: &[f64]) -> Option<DynamicResult
     if displacement.len() != force.len() || force.len() < 3 {
         return None;
     }
-    let (displacement_max, displacement_min) = extremes(displacement);
+    let (displacement_min, displacement_max) = least_and_largest(displacement);
     let amplitude = 0.5 * (displacement_max - displacement_min);
     if !(amplitude.is_finite() && amplitude > 0.0) {
         return None;
     }
     // X0·cos(θ + α) has Σ x·cos θ ∝ cos α and Σ x·sin θ ∝ −sin α.
     let alpha = (-phase_sum(displacement, 0.0)).atan2(phase_sum(displacement, 0.5 * PI));
-    let (force_max, force_min) = extremes(force);
+    let (force_min, force_max) = least_and_largest(force);
     let stiffness = stiffness(force_max, force_min, amplitude);
     let dissipated = dissipated(force, amplitude, alpha);
     let elastic_potential = elastic_potential(stiffness, amplitude);
@@ -106,13 +108,4 @@ pub fn loop_area(displacement: &[f64], force: &[f64]) -> f64 {
             0.5 * (force[i] + force[next]) * (displacement[next] - displacement[i])
         })
         .sum()
-}
-
-/// Largest and smallest.
-fn extremes(values: &[f64]) -> (f64, f64) {
-    values
-        .iter()
-        .fold((f64::NEG_INFINITY, f64::INFINITY), |(max, min), &v| {
-            (max.max(v), min.min(v))
-        })
 }

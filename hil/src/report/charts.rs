@@ -8,6 +8,7 @@ use plotters::style::text_anchor::{HPos, Pos, VPos};
 
 use super::text;
 use super::{Series, SeriesBlock};
+use crate::extremes::least_and_largest;
 
 /// Colours that remain distinct to the colour-blind (Okabe and Ito 2008), on white.
 pub const MEASURED: RGBColor = RGBColor(90, 90, 90);
@@ -280,11 +281,7 @@ pub(super) fn tick(value: f64, range: &Range<f64>) -> String {
 
 /// The range of `values` with room about it; never empty.
 pub(super) fn padded(values: impl Iterator<Item = f64>) -> Range<f64> {
-    let (low, high) = values
-        .filter(|value| value.is_finite())
-        .fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), value| {
-            (low.min(value), high.max(value))
-        });
+    let (low, high) = least_and_largest(values.filter(|value| value.is_finite()));
     if low > high {
         return -1.0..1.0;
     }

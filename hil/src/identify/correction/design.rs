@@ -4,6 +4,7 @@ use mesh_damper::effects::Correction;
 use mesh_damper::effects::correction::{CELLS, CorrectionParts, MEMORY_CELLS};
 
 use crate::correction::Remembered;
+use crate::extremes::least_and_largest;
 use crate::model::{Family, LawNode, Model, ModelError};
 use crate::predict::{motion_at, predict};
 use crate::recording::trajectory::Trajectory;
@@ -211,13 +212,8 @@ impl<'a> Design<'a> {
             Remembered::Age { time } => [0.0, 1.0 + (longest / time).log2().max(0.0)],
             Remembered::Cycles { .. } => [0.0, 16.0],
         };
-        let (low, high) = self
-            .through(of, wide, |memory, _| memory)?
-            .into_iter()
-            .flatten()
-            .fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), memory| {
-                (low.min(memory), high.max(memory))
-            });
+        let memories = self.through(of, wide, |memory, _| memory)?;
+        let (low, high) = least_and_largest(memories.into_iter().flatten());
         let place = |memory: f64| wide[0] + memory * (wide[1] - wide[0]);
         let range = [place(low), place(high)];
         if high - low < 1e-3 {

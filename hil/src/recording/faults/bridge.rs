@@ -5,8 +5,9 @@ use std::ops::Range;
 
 use nalgebra::{SMatrix, SVector};
 
-use super::super::cycles::{Cycles, range};
+use super::super::cycles::Cycles;
 use super::runs;
+use crate::extremes::least_and_largest;
 
 /// Up to so many samples in a row a cubic through their neighbours is taken.
 const SHORT: usize = 4;
@@ -27,7 +28,7 @@ pub(super) fn bridge(values: &mut [f64], unknown: &[bool], tick: f64) {
     for gap in &gaps {
         line(values, gap);
     }
-    let (low, high) = range(values);
+    let (low, high) = least_and_largest(&*values);
     let cycles = Cycles::find(values, tick, 0.05 * (high - low));
     let period = cycles.period_per_sample(values.len(), tick);
     for gap in &gaps {

@@ -1,9 +1,9 @@
 //! A channel that ends at the limit of its range: sample after sample at one and the same extreme value.
 
-use super::super::cycles::range;
 use super::super::motion::noise_deviation;
 use super::super::resample::Uniform;
 use super::{Fault, Kind, mark, runs, sampled, spread};
+use crate::extremes::least_and_largest;
 
 /// Values that differ by less than this part of the channel's spread are the same.
 const SAME: f64 = 1e-7;
@@ -91,7 +91,7 @@ fn goes_on(other: &[f64], marked: &[bool]) -> bool {
         let inner = run.start + run.len() / 6..run.end - run.len() / 6;
         // So far do n samples of white noise lie apart, about.
         by_noise += noise * (1.0 + 2.0 * (2.0 * (inner.len() as f64).ln()).sqrt());
-        let (low, high) = range(&other[inner]);
+        let (low, high) = least_and_largest(&other[inner]);
         moved += high - low;
         stays += 1.0;
     }

@@ -1,9 +1,9 @@
 //! A value that was repeated while the motion went on: a stuck channel, or rows of a logger that had nothing new.
 
-use super::super::cycles::range;
 use super::super::motion::noise_deviation;
 use super::super::resample::Uniform;
 use super::{Fault, Kind, quantile, runs, sampled, spread};
+use crate::extremes::least_and_largest;
 
 /// Values that differ by less than this part of the channel's spread are the same.
 const SAME: f64 = 1e-7;
@@ -65,7 +65,7 @@ fn held(values: &[f64], present: &[bool]) -> Vec<std::ops::Range<usize>> {
     let often = (repeating - in_stretches + 1) as f64 / (values.len() - in_stretches) as f64;
     let step = smallest_step(values, same);
     let noise = noise_deviation(values);
-    let (low, high) = range(values);
+    let (low, high) = least_and_largest(values);
     stretches
         .into_iter()
         .filter(|run| {

@@ -7,8 +7,11 @@ use std::f64::consts::TAU;
 
 use plotters::style::RGBColor;
 
-use crate::paper::{ANGLE_LOSS_FACTORS, ANGLE_STIFFNESS, Compared, Condition, GUARDS, Paper};
+use crate::paper::{
+    ANGLE_LOSS_FACTORS, ANGLE_STIFFNESS, BOUND, Compared, Condition, GUARDS, JUDGED, Paper,
+};
 use crate::reference::law::Coefficients;
+use crate::reference::orthogonal_test::LEVELS;
 use crate::reference::surfaces::{self, Equation18};
 use crate::reference::tables::{AMPLITUDES, DENSITIES, cell};
 use crate::report::plots::{self, BLUE, GREEN, GREY, Mark, ORANGE, PINK, Panel, SHADES, Trace};
@@ -26,9 +29,6 @@ pub struct Figure {
     /// What is to be seen, or what it would take.
     pub seen: String,
 }
-
-/// Of eq 21's guards, the one that Figure 15 is drawn with.
-const GUARD: usize = 1;
 
 /// Every figure that shows a result.
 pub fn all(paper: &Paper) -> Vec<Figure> {
@@ -226,16 +226,19 @@ fn dynamics_by_density(paper: &Paper) -> Figure {
 }
 
 /// Means of Table 3 by level of a factor.
-fn static_means(paper: &Paper, factor: usize, levels: [f64; 3]) -> [Vec<(f64, f64)>; 2] {
+fn static_means(paper: &Paper, factor: usize) -> [Vec<(f64, f64)>; 2] {
     // Loss factor first in the analyses; stiffness first in the figures.
     [1, 0].map(|index| {
         let sums = paper.orthogonal_test[index].ranges[factor].sums;
-        levels.into_iter().zip(sums.map(|sum| sum / 3.0)).collect()
+        LEVELS[factor]
+            .into_iter()
+            .zip(sums.map(|sum| sum / 3.0))
+            .collect()
     })
 }
 
 fn angle(paper: &Paper) -> Figure {
-    let [stiffness, loss] = static_means(paper, 1, [15.0, 45.0, 75.0]);
+    let [stiffness, loss] = static_means(paper, 1);
     let of_tables = &paper.cells[1][2].dynamics;
     let [high, low] = ANGLE_LOSS_FACTORS;
     let panel = |title: &str, label, said: Vec<(f64, f64)>, own, means| Panel {
@@ -275,7 +278,7 @@ fn angle(paper: &Paper) -> Figure {
 }
 
 fn wire(paper: &Paper) -> Figure {
-    let [stiffness, loss] = static_means(paper, 2, [0.1, 0.15, 0.3]);
+    let [stiffness, loss] = static_means(paper, 2);
     let of_tables = &paper.cells[1][2].dynamics;
     let panel = |label, own, means| Panel {
         title: String::new(),
@@ -401,18 +404,17 @@ fn compared_loops(
 }
 
 fn errors(paper: &Paper) -> Figure {
-    let bound = 0.375;
     let panel = |title: &str, label, conditions: &[Condition], at: fn(&Condition) -> f64| {
         let (first, last) = (at(&conditions[0]), at(&conditions[conditions.len() - 1]));
         let by = |of: fn(&Condition) -> &Compared| -> Vec<(f64, f64)> {
             let points = conditions.iter();
             points
-                .map(|one| (at(one), of(one).sigma[GUARD].log10()))
+                .map(|one| (at(one), of(one).sigma[JUDGED].log10()))
                 .collect()
         };
         let elements = conditions.iter().filter_map(|one| {
             let found = one.finite_elements.as_ref().ok()?;
-            Some((at(one), found.sigma[GUARD].log10()))
+            Some((at(one), found.sigma[JUDGED].log10()))
         });
         Panel {
             title: title.into(),
@@ -421,7 +423,7 @@ fn errors(paper: &Paper) -> Figure {
                 trace(
                     PINK,
                     Mark::Line,
-                    vec![(first, f64::log10(bound)), (last, f64::log10(bound))],
+                    vec![(first, BOUND.log10()), (last, BOUND.log10())],
                 ),
                 trace(ORANGE, Mark::Both, by(|one| &one.corrected)),
                 trace(BLUE, Mark::Both, by(|one| &one.surfaces)),
@@ -432,7 +434,7 @@ fn errors(paper: &Paper) -> Figure {
     };
     let comparison = &paper.comparison;
     let mut key = method_key(&comparison.by_density);
-    key[0] = (PINK, "0.375, the law's bound".into());
+    key[0] = (PINK, format!("{BOUND}, the law's bound"));
     Figure {
         title: "Figure 15: error by eq 21",
         said: "The law's error is steadily below 0.375, that of finite elements 2 to 30 times larger.",
@@ -454,7 +456,7 @@ fn errors(paper: &Paper) -> Figure {
         seen: format!(
             "Samples below {:.0} % of the loop's largest force are left out, without which eq 21 is set by the few beside the \
              passages through 0.{}",
-            100.0 * GUARDS[GUARD],
+            100.0 * GUARDS[JUDGED],
             without_elements(&comparison.by_density)
         ),
     }
