@@ -1,5 +1,6 @@
 //! The ring on its mandrel, as the paper's Figure 4 has it.
 
+use nalgebra::Vector3;
 use serde::Serialize;
 
 use super::FiniteElementError;
@@ -196,11 +197,11 @@ impl RingModel {
                     radius: INNER_RADIUS,
                     stiffness: mandrel_stiffness * modulus / (OUTER_RADIUS - INNER_RADIUS),
                     separable: self.bore == Bore::Separable,
-                    surface: mesh.areas(|at| is_at(at.xy().norm(), INNER_RADIUS)),
+                    surface: mesh.areas(is_on_bore),
                 })
             }
             Bore::Bonded => {
-                let bore = mesh.nodes_where(|at| is_at(at.xy().norm(), INNER_RADIUS));
+                let bore = mesh.nodes_where(is_on_bore);
                 prescribed.extend(bore.flat_map(|node| 3 * node..3 * node + 3));
                 None
             }
@@ -212,6 +213,11 @@ impl RingModel {
             force_scale: 4e-3,
         })
     }
+}
+
+/// Whether a place of the undeformed ring is on its bore.
+pub(super) fn is_on_bore(at: &Vector3<f64>) -> bool {
+    is_at(at.xy().norm(), INNER_RADIUS)
 }
 
 fn is_at(value: f64, place: f64) -> bool {

@@ -1,26 +1,16 @@
 //! Small strains against closed forms: order of convergence, and no locking where the volume hardly changes.
 
-use std::f64::consts::FRAC_PI_2;
-
 use nalgebra::Vector3;
 
-use super::{FOAM, RUBBER, SOFTENED, unknowns};
+use super::{FOAM, INNER, OUTER, RUBBER, SMALL, SOFTENED, in_plane_strain, thick_ring, unknowns};
 use crate::finite_element::body::Body;
 use crate::finite_element::material::MooneyRivlin;
 use crate::finite_element::mesh::Mesh;
 
-/// So small that the strains are, and large beside the rounding.
-const SMALL: f64 = 3e-5;
-
 /// Error of the displacements of a thick ring in plane strain whose bore is widened, over their size: u = A·r + B/r (Lamé),
 /// with no traction on the outer surface. `n` elements through the wall.
 fn error_of_thick_ring(material: MooneyRivlin, n: usize) -> f64 {
-    const INNER: f64 = 6.0;
-    const OUTER: f64 = 11.0;
-    let mesh = Mesh::of_cube([n, 2 * n, 1], |at| {
-        let (radius, angle) = (INNER + (OUTER - INNER) * at.x, FRAC_PI_2 * at.y);
-        Vector3::new(radius * angle.cos(), radius * angle.sin(), at.z)
-    });
+    let mesh = thick_ring(n);
     let shear = material.shear_modulus();
     // No radial stress at the outer surface: (λ + G)·A = G·B/b².
     let b_over_a = OUTER * OUTER * (material.bulk_modulus() + shear / 3.0) / shear;
@@ -29,9 +19,7 @@ fn error_of_thick_ring(material: MooneyRivlin, n: usize) -> f64 {
         let radius = at.xy().norm();
         Vector3::new(at.x, at.y, 0.0) / radius * (a * radius + a * b_over_a / radius)
     };
-    let mut prescribed = unknowns(&mesh, &[2], |_| true);
-    prescribed.extend(unknowns(&mesh, &[0], |at| at.x.abs() < 1e-9));
-    prescribed.extend(unknowns(&mesh, &[1], |at| at.y.abs() < 1e-9));
+    let prescribed = in_plane_strain(&mesh);
     let bore = unknowns(&mesh, &[0, 1], |at| (at.xy().norm() - INNER).abs() < 1e-9);
     let body = Body::new(
         mesh,

@@ -1,5 +1,7 @@
 //! The model against closed forms, invariants and another program.
 
+use std::f64::consts::FRAC_PI_2;
+
 use nalgebra::Vector3;
 
 use super::body::Body;
@@ -8,6 +10,7 @@ use super::material::MooneyRivlin;
 use super::mesh::Mesh;
 
 mod calculix;
+mod contact;
 mod elastic;
 mod element;
 mod material;
@@ -37,6 +40,31 @@ const SOFTENED: MooneyRivlin = MooneyRivlin {
     c11: 31.0,
     d: 1.0 / 0.35,
 };
+
+/// Displacements so small that the strains are, and large beside the rounding, mm.
+const SMALL: f64 = 3e-5;
+
+/// Radius of the thick ring's bore, mm.
+const INNER: f64 = 6.0;
+
+/// Of its outer surface, mm.
+const OUTER: f64 = 11.0;
+
+/// A quarter of a thick ring around z, 1 mm high, in `n` elements through the wall.
+fn thick_ring(n: usize) -> Mesh {
+    Mesh::of_cube([n, 2 * n, 1], |at| {
+        let (radius, angle) = (INNER + (OUTER - INNER) * at.x, FRAC_PI_2 * at.y);
+        Vector3::new(radius * angle.cos(), radius * angle.sin(), at.z)
+    })
+}
+
+/// What plane strain and the symmetry of the quarter hold of it.
+fn in_plane_strain(mesh: &Mesh) -> Vec<usize> {
+    let mut held = unknowns(mesh, &[2], |_| true);
+    held.extend(unknowns(mesh, &[0], |at| at.x.abs() < 1e-9));
+    held.extend(unknowns(mesh, &[1], |at| at.y.abs() < 1e-9));
+    held
+}
 
 /// Degrees of freedom `axes` of the nodes at which `is_there`.
 fn unknowns(mesh: &Mesh, axes: &[usize], is_there: impl Fn(&Vector3<f64>) -> bool) -> Vec<usize> {
