@@ -176,6 +176,66 @@ fn a_closed_loop_has_its_closed_form() {
     close(cycle.middle[50].1, k * x_max / 2.0, 2e-4);
 }
 
+/// Straight lines through these displacements (mm) and forces (kN), 400 samples each, moved by a zero of each channel.
+fn lines(corners: &[(f64, f64)], offset: (f64, f64)) -> Recording {
+    let between = |from: f64, to: f64, i: u32| from + (to - from) * f64::from(i) / 400.0;
+    let mut points = vec![corners[0]];
+    for pair in corners.windows(2) {
+        let (from, to) = (pair[0], pair[1]);
+        points.extend((1..=400).map(|i| (between(from.0, to.0, i), between(from.1, to.1, i))));
+    }
+    let (x, f) = points
+        .iter()
+        .map(|(x, f)| (x + offset.0, f + offset.1))
+        .unzip();
+    let time = (0..points.len()).map(|i| 0.1 * i as f64).collect();
+    Recording::new("press", time, x, f).unwrap()
+}
+
+/// Loaded along 2 kN/mm to 0.5 mm, the specimen has lost its force at 0.1 mm already: U is the mean of ½·1·0.5 and ½·1·0.4, ΔW
+/// their difference. Loaded again from the residual set it is a spring of 2.5 kN/mm over 0.4 mm.
+#[test]
+fn a_residual_set_has_its_closed_form_and_the_next_cycle_begins_from_it() {
+    for offset in [(0.0, 0.0), (-0.3, 0.2)] {
+        let corners = [(0.0, 0.0), (0.5, 1.0), (0.1, 0.0), (0.5, 1.0), (0.1, 0.0)];
+        let test = static_test(&lines(&corners, offset)).unwrap();
+        assert_eq!(test.notes, [""; 0]);
+        let [first, second] = &test.cycles[..] else {
+            panic!("two cycles: {:?}", test.cycles.len());
+        };
+        close(first.preload, offset.1, 1e-9);
+        close(first.displacement_max, 0.5, 1e-9);
+        close(first.elastic_potential, 0.225, 1e-6);
+        close(first.dissipated, 0.05, 1e-6);
+        close(first.equivalent_stiffness, 1.8, 1e-5);
+        close(first.loss_factor, 0.05 / (PI * 0.225), 1e-5);
+        close(second.start, 0.1 + offset.0, 1e-9);
+        close(second.displacement_max, 0.4, 1e-9);
+        close(second.equivalent_stiffness, 2.5, 1e-5);
+        close(second.loss_factor, 0.0, 1e-6);
+    }
+}
+
+/// What is pulled beyond where the loading began counts from there on only.
+#[test]
+fn an_unloading_below_its_start_counts_down_to_the_start() {
+    let beyond = -0.02;
+    let corners = [
+        (0.0, FRICTION),
+        (TRAVEL, STIFFNESS * TRAVEL + FRICTION),
+        (TRAVEL, STIFFNESS * TRAVEL - FRICTION),
+        (beyond, STIFFNESS * beyond - FRICTION),
+    ];
+    let test = static_test(&lines(&corners, (0.1, 0.0))).unwrap();
+    let [cycle] = &test.cycles[..] else {
+        panic!("one cycle: {:?}", test.cycles.len());
+    };
+    close(cycle.start, 0.1, 1e-9);
+    close(cycle.curve.last().unwrap().0, 0.0, 1e-12);
+    close(cycle.equivalent_stiffness / STIFFNESS, 1.0, 1e-3);
+    close(cycle.loss_factor / loss_factor(), 1.0, 2e-3);
+}
+
 #[test]
 fn a_motion_that_does_not_come_back_is_no_cycle() {
     let refused = |samples: std::ops::Range<usize>| {
