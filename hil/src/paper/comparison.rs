@@ -11,7 +11,7 @@ use super::cells::{Cell, Dynamics, FREQUENCY, dynamics_of};
 use super::trends::TENTH;
 use crate::amplitude_free::Sine;
 use crate::finite_element::ForceLoop;
-use crate::reference::comparison::{nrmse, relative_error};
+use crate::reference::comparison::{beside_ellipse, nrmse, relative_error};
 use crate::reference::law::Coefficients;
 use crate::reference::surfaces::{self, Equation18};
 use crate::reference::tables::{AMPLITUDES, DENSITIES, cell};
@@ -156,42 +156,5 @@ fn compared(force: &[f64], measured: &[f64], displacement: &[f64]) -> Compared {
         }),
         dynamics: dynamics_of(displacement, force),
         beside_ellipse: beside_ellipse(force),
-    }
-}
-
-/// RMS of a cycle less its mean and first harmonic, over the RMS of the cycle: equally spaced samples under a sine.
-fn beside_ellipse(force: &[f64]) -> f64 {
-    let count = force.len() as f64;
-    let mean = force.iter().sum::<f64>() / count;
-    let phase = |i: usize| std::f64::consts::TAU * i as f64 / count;
-    let part = |of: fn(f64) -> f64| -> f64 {
-        let products = force.iter().enumerate().map(|(i, f)| f * of(phase(i)));
-        2.0 / count * products.sum::<f64>()
-    };
-    let (sin, cos) = (part(f64::sin), part(f64::cos));
-    let ellipse: Vec<f64> = (0..force.len())
-        .map(|i| mean + sin * phase(i).sin() + cos * phase(i).cos())
-        .collect();
-    nrmse(&ellipse, force).unwrap_or(0.0)
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn an_ellipse_leaves_nothing_and_a_third_harmonic_all_of_itself() {
-        let wave = |third: f64| -> Vec<f64> {
-            (0..64)
-                .map(|i| {
-                    let phase = std::f64::consts::TAU * f64::from(i) / 64.0;
-                    0.2 + (phase + 0.4).sin() + third * (3.0 * phase).cos()
-                })
-                .collect()
-        };
-        assert!(beside_ellipse(&wave(0.0)) < 1e-14);
-        // Mean squares: 0.04, 0.5 and 0.5·third².
-        let expected = (0.5_f64 * 0.09 / (0.04 + 0.5 + 0.5 * 0.09)).sqrt();
-        assert!((beside_ellipse(&wave(0.3)) - expected).abs() < 1e-12);
     }
 }

@@ -1,4 +1,7 @@
-//! How far a simulated force is from a measured one: eq 21, and what the project uses instead.
+//! How far a simulated force is from a measured one: eq 21, and what the project uses instead; and how far a loop is from an
+//! ellipse.
+
+use std::f64::consts::TAU;
 
 /// Eq 21 and how much of the record it could be taken over.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -56,4 +59,42 @@ pub fn r_squared(pairs: &[(f64, f64)]) -> f64 {
         .sum();
     let total: f64 = pairs.iter().map(|(value, _)| (value - mean).powi(2)).sum();
     1.0 - left / total
+}
+
+/// What is left of a loop beside the ellipse that is nearest to it: RMS of a cycle under a sine, less its mean and first
+/// harmonic, over the RMS of the cycle. Samples are equally spaced.
+pub fn beside_ellipse(force: &[f64]) -> f64 {
+    let count = force.len() as f64;
+    let mean = force.iter().sum::<f64>() / count;
+    let phase = |i: usize| TAU * i as f64 / count;
+    let part = |of: fn(f64) -> f64| -> f64 {
+        let products = force.iter().enumerate().map(|(i, f)| f * of(phase(i)));
+        2.0 / count * products.sum::<f64>()
+    };
+    let (sin, cos) = (part(f64::sin), part(f64::cos));
+    let ellipse: Vec<f64> = (0..force.len())
+        .map(|i| mean + sin * phase(i).sin() + cos * phase(i).cos())
+        .collect();
+    nrmse(&ellipse, force).unwrap_or(0.0)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn an_ellipse_leaves_nothing_and_a_third_harmonic_all_of_itself() {
+        let wave = |third: f64| -> Vec<f64> {
+            (0..64)
+                .map(|i| {
+                    let phase = TAU * f64::from(i) / 64.0;
+                    0.2 + (phase + 0.4).sin() + third * (3.0 * phase).cos()
+                })
+                .collect()
+        };
+        assert!(beside_ellipse(&wave(0.0)) < 1e-14);
+        // Mean squares: 0.04, 0.5 and 0.5·third².
+        let expected = (0.5_f64 * 0.09 / (0.04 + 0.5 + 0.5 * 0.09)).sqrt();
+        assert!((beside_ellipse(&wave(0.3)) - expected).abs() < 1e-12);
+    }
 }

@@ -1,8 +1,7 @@
-use std::f64::consts::TAU;
-
 use crate::finite_element::FiniteElementError;
 use crate::finite_element::drive::ForceLoop;
 use crate::finite_element::ring::{Bore, Divisions, RingModel};
+use crate::reference::comparison::beside_ellipse;
 use crate::reference::dynamic_test;
 use crate::reference::tables;
 
@@ -25,27 +24,6 @@ fn stiffness(force_loop: &ForceLoop) -> f64 {
     dynamic_test::characterize(&force_loop.displacement, &force_loop.force)
         .unwrap()
         .stiffness
-}
-
-/// What is left of a loop without its first harmonic, which is an ellipse, as a share of its RMS.
-fn off_ellipse(force: &[f64]) -> f64 {
-    let count = force.len() as f64;
-    let phase = |n: usize| TAU * (n + 1) as f64 / count;
-    let (sin, cos) = force
-        .iter()
-        .enumerate()
-        .fold((0.0, 0.0), |(sin, cos), (n, f)| {
-            (
-                sin + 2.0 / count * f * phase(n).sin(),
-                cos + 2.0 / count * f * phase(n).cos(),
-            )
-        });
-    let left: f64 = force
-        .iter()
-        .enumerate()
-        .map(|(n, f)| (f - sin * phase(n).sin() - cos * phase(n).cos()).powi(2))
-        .sum();
-    (left / force.iter().map(|f| f * f).sum::<f64>()).sqrt()
 }
 
 #[test]
@@ -209,7 +187,7 @@ fn the_loop_is_nearly_an_ellipse() {
             .zip(&ours.velocity)
             .map(|(y, v)| law.force(*y, *v))
             .collect();
-        let (ours, measured) = (off_ellipse(&ours.force), off_ellipse(&measured));
+        let (ours, measured) = (beside_ellipse(&ours.force), beside_ellipse(&measured));
         println!(
             "{amplitude} mm: off the ellipse {:.2} %, measured {:.2} %",
             100.0 * ours,
