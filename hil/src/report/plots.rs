@@ -16,7 +16,7 @@ pub const BLUE: RGBColor = charts::AFTER;
 pub const GREEN: RGBColor = RGBColor(0, 158, 115);
 /// Of what the text says.
 pub const PINK: RGBColor = RGBColor(204, 121, 167);
-/// One for each of five densities, from light to dark.
+/// One for each of the five densities or amplitudes.
 pub const SHADES: [RGBColor; 5] = [
     RGBColor(230, 159, 0),
     RGBColor(86, 180, 233),
