@@ -257,10 +257,14 @@ fn a_design_says_what_the_rig_measured() {
     );
     let found: serde_json::Value = serde_json::from_slice(&output.stdout).unwrap();
     let runs = found["on_rig"].as_array().unwrap();
-    assert_eq!(runs.len(), found["solutions"].as_array().unwrap().len());
-    for run in runs {
+    let solutions = found["solutions"].as_array().unwrap();
+    assert!(!runs.is_empty());
+    assert_eq!(runs.len(), solutions.len());
+    for (run, solution) in runs.iter().zip(solutions) {
         let stiffness = run["measured"]["stiffness"].as_f64().unwrap();
-        assert!((stiffness / 1.7 - 1.0).abs() < 0.05, "{stiffness}");
+        let found = solution["point"]["stiffness"].as_f64().unwrap();
+        assert!((stiffness / found - 1.0).abs() < 0.05, "{run} {solution}");
+        assert!(solution["by_other_law"]["loss_factor"].is_f64());
     }
 }
 

@@ -3,12 +3,15 @@
 use std::path::{Path, PathBuf};
 
 use clap::Args;
-use hil::design::{Design, DesignError, OnRig, Point, Reachable, Wanted, design, on_rig};
+use hil::design::{
+    Design, DesignError, Meets, OnRig, Point, Reachable, Source, Wanted, design, on_rig,
+};
 use hil::error::InputError;
 use hil::output::Outputs;
 use hil::report::text;
 use serde::Serialize;
 
+use super::law::PublishedLaw;
 use super::progress::Progress;
 use super::run::in_words;
 use super::{Failure, say};
@@ -16,8 +19,9 @@ use super::{Failure, say};
 /// Find the densities that give a stiffness and a loss factor
 ///
 /// One density has both at certain amplitudes only: every pair of density and amplitude is given that meets them, with the
-/// amplitudes about it that keep both within the tolerance; or, at one given amplitude, every density that is nearest and
-/// within the tolerance. Each is then run on the simulated rig, and what is measured there stands beside what was asked.
+/// amplitudes about it that keep both within the tolerance, and every near miss, which meets them within the tolerance only;
+/// or, at one given amplitude, every density that is nearest and within the tolerance. Beside each stands what the other of
+/// tables and surfaces gives there, which was not used to find it, and what the simulated rig measures of such a specimen.
 #[derive(Args, Debug)]
 #[command(
     after_help = "Examples:\n  hil design --stiffness 4 --loss-factor 0.3\n  \
@@ -44,6 +48,9 @@ pub struct DesignCommand {
     /// By what part a figure may be missed
     #[arg(long, value_name = "PART", default_value_t = 0.05)]
     tolerance: f64,
+    /// Where the coefficients are taken from
+    #[arg(long, value_enum, default_value_t = PublishedLaw::Tables)]
+    law: PublishedLaw,
     /// Where the result goes as JSON; `-` for standard output
     #[arg(long, value_name = "FILE")]
     json: Option<PathBuf>,
@@ -68,8 +75,8 @@ enum Outcome {
 }
 
 impl Outcome {
-    fn of(point: &Point, frequency: f64) -> Result<Self, DesignError> {
-        match on_rig(point, frequency) {
+    fn of(point: &Point, wanted: &Wanted) -> Result<Self, DesignError> {
+        match on_rig(point, wanted.law, wanted.frequency) {
             Ok(measured) => Ok(Self::Measured(measured)),
             Err(DesignError::Stopped { fault, .. }) => Ok(Self::Stopped(in_words(fault))),
             Err(error) => Err(error),
@@ -85,6 +92,7 @@ impl DesignCommand {
         let mut wanted = Wanted::new(self.stiffness, self.loss_factor).map_err(refused)?;
         wanted.frequency = self.frequency;
         wanted.tolerance = self.tolerance;
+        wanted.law = self.law.source();
         if let Some(amplitude) = self.amplitude {
             wanted.amplitudes = (amplitude, amplitude);
         }
@@ -96,7 +104,7 @@ impl DesignCommand {
         progress.step("running the rig");
         let runs = design.solutions.iter();
         let on_rig = runs
-            .map(|solution| Outcome::of(&solution.point, wanted.frequency))
+            .map(|solution| Outcome::of(&solution.point, &wanted))
             .collect::<Result<Vec<_>, _>>()
             .map_err(refused)?;
         drop(progress);
@@ -158,28 +166,48 @@ fn range(text: &str) -> Result<(f64, f64), InputError> {
 fn print(summary: &Summary) {
     let design = &summary.design;
     if !design.solutions.is_empty() {
-        say("                                                    amplitudes         on the rig");
-        say(
-            "  g/cm³       mm   K, kN/mm  loss factor      within, mm       K, kN/mm     of asked  loss factor    of asked",
-        );
+        let other = match design.wanted.law.other() {
+            Source::Tables => "by the tables",
+            Source::Surfaces => "by the surfaces",
+        };
+        say(&format!(
+            "{:^18} {:^20} {:^13} {other:^23} {:^23}",
+            "specimen", "has", "amplitudes", "on the rig"
+        ));
+        let figures = "K       η";
+        say(&format!(
+            "{:>8} {:>9} {:>10} {:>9} {:^13} {figures:^23} {figures:^23}",
+            "g/cm³", "mm", "K, kN/mm", "η", "within, mm"
+        ));
     }
     for (solution, outcome) in design.solutions.iter().zip(&summary.on_rig) {
         let point = &solution.point;
         let (low, high) = solution.amplitudes;
-        let off = |value: f64, asked: f64| format!("{:+.1} %", 100.0 * (value / asked - 1.0));
+        // With how far it is from what is asked.
+        let figures = |stiffness: f64, loss_factor: f64| {
+            let off = |value: f64, asked: f64| 100.0 * (value / asked - 1.0);
+            let (k, eta) = (
+                off(stiffness, design.wanted.stiffness),
+                off(loss_factor, design.wanted.loss_factor),
+            );
+            format!("{:>23}", format!("{k:+.1} %, {eta:+.1} %"))
+        };
+        let other = &solution.by_other_law;
         let on_rig = match outcome {
-            Outcome::Measured(rig) => format!(
-                "{:14.4} {:>12} {:12.4} {:>11}",
-                rig.stiffness,
-                off(rig.stiffness, design.wanted.stiffness),
-                rig.loss_factor,
-                off(rig.loss_factor, design.wanted.loss_factor),
-            ),
-            Outcome::Stopped(why) => format!("      {why}"),
+            Outcome::Measured(rig) => figures(rig.stiffness, rig.loss_factor),
+            Outcome::Stopped(why) => format!(" {why}"),
+        };
+        let miss = match solution.meets {
+            Meets::Both => "",
+            Meets::WithinTolerance => "  near miss",
         };
         say(&format!(
-            "{:7.4} {:8.5} {:10.4} {:12.4}   {low:.4}…{high:.4} {on_rig}",
-            point.density, point.amplitude, point.stiffness, point.loss_factor,
+            "{:8.4} {:9.5} {:10.4} {:9.4} {low:.4}…{high:.4} {} {on_rig}{miss}",
+            point.density,
+            point.amplitude,
+            point.stiffness,
+            point.loss_factor,
+            figures(other.stiffness, other.loss_factor),
         ));
     }
     let Reachable {

@@ -10,6 +10,7 @@ mod design;
 mod effect;
 mod faults;
 mod image;
+mod law;
 mod orthogonal;
 mod paper;
 mod predict;

@@ -16,11 +16,11 @@ use mesh_damper::effects::AugmentedLaw;
 use mesh_damper::law::Law;
 use mesh_damper::rig::{CycleReport, Fault};
 use mesh_damper::sine::Programme;
-use mesh_damper::table::{PAPER, SMOOTHED};
 use serde::Serialize;
 
 use super::effect;
 use super::image::{LogLevel, start_image};
+use super::law::PublishedLaw;
 use super::programme::{self, MOST_BLOCKS};
 use super::progress::Progress;
 use super::{Failure, say};
@@ -90,25 +90,6 @@ enum On {
     Host,
     /// In the firmware's image, in an emulator
     Image,
-}
-
-/// Where eq 13 comes from when no model is given.
-#[derive(Clone, Copy, Debug, ValueEnum)]
-enum PublishedLaw {
-    /// Tables 6–9, between their cells in straight lines
-    Tables,
-    /// The surfaces that are fitted to their loops
-    Surfaces,
-}
-
-impl PublishedLaw {
-    fn at(self, density: f64, amplitude: f64) -> Law<f32> {
-        let (density, amplitude) = (density as f32, amplitude as f32);
-        match self {
-            Self::Tables => PAPER.lookup(density, amplitude).law,
-            Self::Surfaces => SMOOTHED.lookup(density, amplitude).law,
-        }
-    }
 }
 
 /// The amplitude whose row of the paper's tables a specimen of given density follows, mm.

@@ -2,27 +2,27 @@
 
 use std::f64::consts::{FRAC_PI_2, PI, TAU};
 
-use crate::reference::dynamic_test::{elastic_potential, loss_factor};
+use serde::Serialize;
+
+use crate::amplitude_free::Sine;
+use crate::reference::dynamic_test::{characterize, elastic_potential, loss_factor};
 use crate::reference::law::Coefficients;
-use crate::reference::tables;
 
 /// Phases at which the largest force is looked for; it may have two maxima where the cubic stiffens much.
 const PHASES: usize = 48;
 /// Steps by which it is then narrowed down, each to 0.62 of the width: to 1e-8 of a radian.
 const STEPS: usize = 32;
 
+/// Samples of a cycle that is sampled.
+const SAMPLES: usize = 4000;
+
 /// K and η of one cycle.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Figures {
     /// Dynamic stiffness, eq 3, kN/mm.
     pub stiffness: f64,
     /// Dynamic loss factor, eq 4.
     pub loss_factor: f64,
-}
-
-/// The coefficients of a specimen of `density` g/cm³ in cycles of `amplitude` mm, from which a design is made.
-pub fn coefficients(density: f64, amplitude: f64) -> Coefficients {
-    tables::interpolate(density, amplitude)
 }
 
 impl Figures {
@@ -47,6 +47,16 @@ impl Figures {
             stiffness,
             loss_factor: loss_factor(dissipated, elastic_potential(stiffness, amplitude)),
         }
+    }
+
+    /// Of the same loop by its samples and eqs 3–7, as of a recording: another way to the same figures.
+    pub fn of_samples(law: &Coefficients, amplitude: f64, frequency: f64) -> Option<Self> {
+        let sine = Sine::new(amplitude, frequency, SAMPLES);
+        let found = characterize(&sine.displacement, &sine.force(law))?;
+        Some(Self {
+            stiffness: found.stiffness,
+            loss_factor: found.loss_factor,
+        })
     }
 }
 

@@ -11,18 +11,22 @@
 //! ```
 
 mod figures;
+mod newton;
+mod regions;
 mod rig;
 mod search;
+mod source;
 
-pub use figures::{Figures, coefficients};
+pub use figures::Figures;
 pub use rig::{OnRig, on_rig};
+pub use source::Source;
 
 use mesh_damper::rig::Fault;
 use serde::Serialize;
 
 use crate::link::SetupError;
 use crate::reference::tables::AMPLITUDES;
-use search::{Search, amplitudes_about, misfit, within};
+use search::{Search, amplitudes_about};
 
 /// What is wanted.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
@@ -37,6 +41,8 @@ pub struct Wanted {
     pub amplitudes: (f64, f64),
     /// By what part of each figure a solution may miss it.
     pub tolerance: f64,
+    /// Of the specimens that are chosen from.
+    pub law: Source,
 }
 
 /// A field of [`Wanted`] that cannot be, or a rig that could not be set up.
@@ -71,7 +77,7 @@ pub enum DesignError {
 }
 
 impl Wanted {
-    /// At 1 Hz, within 5 %, at any amplitude of the tables.
+    /// At 1 Hz, within 5 %, at any amplitude of the tables, by the tables.
     ///
     /// # Errors
     /// What is not positive.
@@ -82,6 +88,7 @@ impl Wanted {
             frequency: 1.0,
             amplitudes: (AMPLITUDES[0], AMPLITUDES[4]),
             tolerance: 0.05,
+            law: Source::Tables,
         };
         wanted.check()?;
         Ok(wanted)
@@ -129,11 +136,25 @@ pub struct Point {
     pub loss_factor: f64,
 }
 
+/// How far a solution has what is wanted.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Meets {
+    /// Both figures, exactly.
+    Both,
+    /// Both within the tolerance: a near miss.
+    WithinTolerance,
+}
+
 /// A density and amplitude that give what is wanted.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Solution {
     /// Where both figures are met, or, where they can be met within the tolerance only, are nearest.
     pub point: Point,
+    /// Which of the two.
+    pub meets: Meets,
+    /// What the other set of coefficients gives there, by samples and eqs 3–7: nothing of it was used to find the point.
+    pub by_other_law: Figures,
     /// The amplitudes about it at which this density keeps both within the tolerance, mm.
     pub amplitudes: (f64, f64),
 }
@@ -168,27 +189,28 @@ pub struct Design {
 ///
 /// # Errors
 /// The field of `wanted` that is out of range.
+///
+/// # Panics
+/// Never: every amplitude of the tables is a motion.
 pub fn design(wanted: &Wanted) -> Result<Design, DesignError> {
     wanted.check()?;
     let search = Search::new(wanted);
-    let reachable = search.reachable();
-    let mut points = search.solutions();
-    let nearest = reachable.nearest;
-    if points.is_empty()
-        && within(
-            misfit(wanted, nearest.density, nearest.amplitude),
-            wanted.tolerance,
-        )
-    {
-        points.push(nearest);
-    }
-    let solution = |point: Point| Solution {
+    let other = |point: &Point| {
+        wanted
+            .law
+            .other()
+            .coefficients(point.density, point.amplitude)
+    };
+    let solution = |(point, meets): (Point, Meets)| Solution {
+        by_other_law: Figures::of_samples(&other(&point), point.amplitude, wanted.frequency)
+            .expect("a cycle with motion"),
         amplitudes: amplitudes_about(wanted, &point),
         point,
+        meets,
     };
     Ok(Design {
         wanted: *wanted,
-        solutions: points.into_iter().map(solution).collect(),
-        reachable,
+        solutions: search.solutions().into_iter().map(solution).collect(),
+        reachable: search.reachable(),
     })
 }

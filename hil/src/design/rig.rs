@@ -8,7 +8,7 @@ use mesh_damper::rig::CycleReport;
 use mesh_damper::sine::{Block, Programme};
 use serde::Serialize;
 
-use super::{DesignError, Point, coefficients};
+use super::{DesignError, Point, Source};
 use crate::link::{RigRun, RigSetup, SetupError, TICK_RATE, run_rig};
 use crate::specimen::Specimen;
 
@@ -34,12 +34,12 @@ pub struct OnRig {
     pub model_loss_factor: f64,
 }
 
-/// Runs `point` on the rig at `frequency` Hz.
+/// Runs `point` on the rig at `frequency` Hz, a specimen and a law with the coefficients of `source`.
 ///
 /// # Errors
 /// A rig that cannot be set up or stops on a limit.
-pub fn on_rig(point: &Point, frequency: f64) -> Result<OnRig, DesignError> {
-    let law = coefficients(point.density, point.amplitude);
+pub fn on_rig(point: &Point, source: Source, frequency: f64) -> Result<OnRig, DesignError> {
+    let law = source.coefficients(point.density, point.amplitude);
     let refused = |error: ConfigError| SetupError::from(error);
     let beside = Law::<f64>::new(law.k1, law.k3, law.c, law.alpha).map_err(refused)?;
     let block = Block::sine(point.amplitude, frequency, CYCLES).map_err(refused)?;

@@ -2,10 +2,13 @@
 //!
 //! Over a grid of densities and amplitudes, whose lines include those of the tables so that the coefficients are smooth in
 //! every cell, a cell is searched by Newton's method wherever the logarithms of K/K* and η/η* may both pass through 0 in it.
+//! A region of the grid within the tolerance where they don't is a near miss.
 //! At one given amplitude there is one unknown for two figures: the density at which they are nearest is sought then.
 
-use super::figures::{Figures, coefficients};
-use super::{Point, Reachable, Wanted};
+use super::figures::Figures;
+use super::newton::Cell;
+use super::regions::regions;
+use super::{Meets, Point, Reachable, Wanted};
 use crate::extremes::least_and_largest;
 use crate::reference::tables::{AMPLITUDES, DENSITIES};
 
@@ -15,14 +18,12 @@ const CELLS: usize = 24;
 const CELLS_OF_LINE: usize = 400;
 /// What a figure may do within a cell beyond its corners: this part of their difference, and so much of its logarithm.
 const BEYOND: (f64, f64) = (0.5, 2e-3);
-/// Starts of Newton's method in a cell, each way.
-const STARTS: usize = 3;
-/// Most of its steps.
-const STEPS: usize = 60;
-/// Logarithms of K/K* and η/η* below this are 0.
-const EXACT: f64 = 1e-9;
 /// Solutions nearer to each other than this, g/cm³ and mm, are one.
 const SAME: (f64, f64) = (1e-4, 1e-5);
+/// At a single amplitude both figures are met where their distance is below this.
+const MET: f64 = 1e-6;
+/// A region within the tolerance has a solution that is so many nodes beside it: it may end between two.
+const BESIDE: f64 = 1.0;
 /// How often the surroundings of the nearest point are searched more finely.
 const ZOOMS: usize = 12;
 
@@ -61,26 +62,91 @@ impl<'w> Search<'w> {
         }
     }
 
-    /// The points that meet both figures, or, at a single amplitude, are nearest to them and within the tolerance.
-    pub(super) fn solutions(&self) -> Vec<Point> {
-        let mut found: Vec<(f64, f64)> = Vec::new();
-        let candidates = if self.amplitudes.len() == 1 {
-            self.of_line()
-        } else {
-            self.of_cells()
-        };
-        for (density, amplitude) in candidates {
-            let same = |other: &(f64, f64)| {
+    /// The points that meet both figures, and from every other region of densities and amplitudes that keeps both within the
+    /// tolerance the one that is nearest.
+    pub(super) fn solutions(&self) -> Vec<(Point, Meets)> {
+        let mut found: Vec<(f64, f64, Meets)> = Vec::new();
+        for (density, amplitude, meets) in self.candidates() {
+            let same = |other: &(f64, f64, Meets)| {
                 (other.0 - density).abs() < SAME.0 && (other.1 - amplitude).abs() < SAME.1
             };
             if !found.iter().any(same) {
-                found.push((density, amplitude));
+                found.push((density, amplitude, meets));
             }
         }
         found.sort_by(|a, b| a.0.total_cmp(&b.0).then(a.1.total_cmp(&b.1)));
         let points = found.into_iter();
         points
-            .map(|(density, amplitude)| Point::at(self.wanted, density, amplitude))
+            .map(|(density, amplitude, meets)| (Point::at(self.wanted, density, amplitude), meets))
+            .collect()
+    }
+
+    fn candidates(&self) -> Vec<(f64, f64, Meets)> {
+        if self.amplitudes.len() == 1 {
+            let of_line = self.of_line().into_iter();
+            return of_line
+                .map(|(density, amplitude)| {
+                    let misfit = misfit(self.wanted, density, amplitude);
+                    let meets = if distance(misfit) < MET {
+                        Meets::Both
+                    } else {
+                        Meets::WithinTolerance
+                    };
+                    (density, amplitude, meets)
+                })
+                .collect();
+        }
+        let exact = self.of_cells();
+        let mut near = self.near_misses(&exact);
+        if exact.is_empty() && near.is_empty() {
+            // A region may be so narrow that it lies between the nodes.
+            let Point {
+                density, amplitude, ..
+            } = self.nearest();
+            let misfit = misfit(self.wanted, density, amplitude);
+            near.extend(within(misfit, self.wanted.tolerance).then_some((density, amplitude)));
+        }
+        let mark = |meets| move |(density, amplitude)| (density, amplitude, meets);
+        let exact = exact.into_iter().map(mark(Meets::Both));
+        exact
+            .chain(near.into_iter().map(mark(Meets::WithinTolerance)))
+            .collect()
+    }
+
+    /// The nearest point of every region of the grid within the tolerance that has none of the `exact` solutions in it or
+    /// beside it.
+    fn near_misses(&self, exact: &[(f64, f64)]) -> Vec<(f64, f64)> {
+        let (rows, columns) = (self.amplitudes.len(), self.densities.len());
+        let keeps =
+            |row: usize, column: usize| within(self.misfits[row][column], self.wanted.tolerance);
+        // Places among the nodes, with a part of the way to the next.
+        let place = |nodes: &[f64], value: f64| {
+            let above = nodes.partition_point(|&node| node < value).max(1);
+            let (low, high) = (nodes[above - 1], nodes[above]);
+            above as f64 - (high - value) / (high - low)
+        };
+        let exact: Vec<(f64, f64)> = exact
+            .iter()
+            .map(|&(density, amplitude)| {
+                (
+                    place(&self.amplitudes, amplitude),
+                    place(&self.densities, density),
+                )
+            })
+            .collect();
+        let beside = |place: f64, node: usize| (place - node as f64).abs() <= BESIDE;
+        let has_solution = |region: &Vec<(usize, usize)>| {
+            region.iter().any(|&(row, column)| {
+                let mut solutions = exact.iter();
+                solutions.any(|&(a, b)| beside(a, row) && beside(b, column))
+            })
+        };
+        let of = |&(row, column): &(usize, usize)| distance(self.misfits[row][column]);
+        regions(rows, columns, keeps)
+            .into_iter()
+            .filter(|region| !has_solution(region))
+            .filter_map(|region| region.into_iter().min_by(|a, b| of(a).total_cmp(&of(b))))
+            .map(|(row, column)| self.refined(row, column))
             .collect()
     }
 
@@ -129,15 +195,23 @@ impl<'w> Search<'w> {
     }
 
     fn nearest(&self) -> Point {
-        let mut best = (self.densities[0], self.amplitudes[0], f64::INFINITY);
-        for (line, &amplitude) in self.misfits.iter().zip(&self.amplitudes) {
-            for (&misfit, &density) in line.iter().zip(&self.densities) {
-                let distance = distance(misfit);
-                if distance < best.2 {
-                    best = (density, amplitude, distance);
-                }
-            }
-        }
+        let nodes = (0..self.amplitudes.len())
+            .flat_map(|row| (0..self.densities.len()).map(move |column| (row, column)));
+        let of = |&(row, column): &(usize, usize)| distance(self.misfits[row][column]);
+        let (row, column) = nodes
+            .min_by(|a, b| of(a).total_cmp(&of(b)))
+            .unwrap_or_default();
+        let (density, amplitude) = self.refined(row, column);
+        Point::at(self.wanted, density, amplitude)
+    }
+
+    /// Where about a node the distance is least.
+    fn refined(&self, row: usize, column: usize) -> (f64, f64) {
+        let mut best = (
+            self.densities[column],
+            self.amplitudes[row],
+            distance(self.misfits[row][column]),
+        );
         let bounds = |nodes: &[f64]| (nodes[0], nodes[nodes.len() - 1]);
         let (of_density, of_amplitude) = (bounds(&self.densities), bounds(&self.amplitudes));
         let cell = |nodes: &[f64]| (bounds(nodes).1 - bounds(nodes).0) / nodes.len() as f64;
@@ -159,7 +233,7 @@ impl<'w> Search<'w> {
             }
             reach = (0.4 * reach.0, 0.4 * reach.1);
         }
-        Point::at(self.wanted, best.0, best.1)
+        (best.0, best.1)
     }
 
     /// The densities at which the distance is least, where it is within the tolerance.
@@ -208,61 +282,9 @@ impl<'w> Search<'w> {
     }
 }
 
-/// A cell of the grid, in which both figures are smooth.
-struct Cell<'w> {
-    wanted: &'w Wanted,
-    density: (f64, f64),
-    amplitude: (f64, f64),
-}
-
-impl Cell<'_> {
-    fn solutions(&self) -> impl Iterator<Item = (f64, f64)> {
-        let part = |i: usize| (i as f64 + 0.5) / STARTS as f64;
-        (0..STARTS * STARTS).filter_map(move |i| self.newton(part(i / STARTS), part(i % STARTS)))
-    }
-
-    /// From a start within the cell, both coordinates 0…1 there. It never leaves the cell, beyond which the coefficients go
-    /// another way.
-    fn newton(&self, mut u: f64, mut w: f64) -> Option<(f64, f64)> {
-        const DIFFERENCE: f64 = 1e-5;
-        let point = |u: f64, w: f64| {
-            let between = |(low, high): (f64, f64), part: f64| low + part * (high - low);
-            (between(self.density, u), between(self.amplitude, w))
-        };
-        let at = |u: f64, w: f64| {
-            let (density, amplitude) = point(u, w);
-            misfit(self.wanted, density, amplitude)
-        };
-        let inwards = |part: f64| if part < 0.5 { DIFFERENCE } else { -DIFFERENCE };
-        for _ in 0..STEPS {
-            let here = at(u, w);
-            if here.iter().all(|misfit| misfit.abs() < EXACT) {
-                return Some(point(u, w));
-            }
-            let (du, dw) = (inwards(u), inwards(w));
-            let (along_u, along_w) = (at(u + du, w), at(u, w + dw));
-            let by_u = [0, 1].map(|i| (along_u[i] - here[i]) / du);
-            let by_w = [0, 1].map(|i| (along_w[i] - here[i]) / dw);
-            let determinant = by_u[0] * by_w[1] - by_u[1] * by_w[0];
-            if determinant == 0.0 {
-                return None;
-            }
-            let step_u = (here[0] * by_w[1] - here[1] * by_w[0]) / determinant;
-            let step_w = (here[1] * by_u[0] - here[0] * by_u[1]) / determinant;
-            // Half a cell at most: it is as far as the derivatives can be trusted.
-            let shortened = (0.5 / step_u.abs().max(step_w.abs())).min(1.0);
-            (u, w) = (
-                (u - shortened * step_u).clamp(0.0, 1.0),
-                (w - shortened * step_w).clamp(0.0, 1.0),
-            );
-        }
-        None
-    }
-}
-
 impl Point {
     pub(super) fn at(wanted: &Wanted, density: f64, amplitude: f64) -> Self {
-        let law = coefficients(density, amplitude);
+        let law = wanted.law.coefficients(density, amplitude);
         let Figures {
             stiffness,
             loss_factor,
