@@ -2,7 +2,7 @@
 
 use std::f64::consts::{PI, TAU};
 
-use hil::design::{DesignError, Figures, Meets, Source, Wanted, design, on_rig};
+use hil::design::{DesignError, Figures, Meets, Solution, Source, Wanted, design, on_rig};
 use hil::reference::dynamic_test;
 use hil::reference::law::Coefficients;
 use proptest::prelude::*;
@@ -289,7 +289,17 @@ fn the_readmes_example_is_so() {
         "Here there are four, from {:.2} g/cm³ at {:.3} mm to {:.2} g/cm³ at {:.3} mm",
         first.density, first.amplitude, last.density, last.amplitude
     );
-    assert!(README.replace('\n', " ").contains(&said), "{said}");
+    let readme = README.replace('\n', " ");
+    assert!(readme.contains(&said), "{said}");
+    let less = |point: &Solution| 100.0 * (1.0 - point.by_other_law.stiffness / wanted.stiffness);
+    let (least, most) = points
+        .iter()
+        .map(less)
+        .fold((f64::INFINITY, 0.0_f64), |(least, most), less| {
+            (least.min(less), most.max(less))
+        });
+    let said = format!("the surfaces have {least:.0} to {most:.0} % less stiffness");
+    assert!(readme.contains(&said), "{said}");
     for solution in &points {
         let rig = on_rig(&solution.point, wanted.law, wanted.frequency).unwrap();
         // As the README says.

@@ -125,7 +125,7 @@ impl<'w> Search<'w> {
             let (low, high) = (nodes[above - 1], nodes[above]);
             above as f64 - (high - value) / (high - low)
         };
-        let exact: Vec<(f64, f64)> = exact
+        let places: Vec<(f64, f64)> = exact
             .iter()
             .map(|&(density, amplitude)| {
                 (
@@ -137,7 +137,7 @@ impl<'w> Search<'w> {
         let beside = |place: f64, node: usize| (place - node as f64).abs() <= BESIDE;
         let has_solution = |region: &Vec<(usize, usize)>| {
             region.iter().any(|&(row, column)| {
-                let mut solutions = exact.iter();
+                let mut solutions = places.iter();
                 solutions.any(|&(a, b)| beside(a, row) && beside(b, column))
             })
         };
@@ -146,8 +146,26 @@ impl<'w> Search<'w> {
             .into_iter()
             .filter(|region| !has_solution(region))
             .filter_map(|region| region.into_iter().min_by(|a, b| of(a).total_cmp(&of(b))))
-            .map(|(row, column)| self.refined(row, column))
+            .map(|(row, column)| {
+                self.refined(row, column, |misfit| within(misfit, self.wanted.tolerance))
+            })
+            // A narrow region falls apart on the grid.
+            .filter(|&near| !exact.iter().any(|&solution| self.joined(near, solution)))
             .collect()
+    }
+
+    /// Whether both figures are within the tolerance on the whole straight way between two densities and amplitudes.
+    fn joined(&self, from: (f64, f64), to: (f64, f64)) -> bool {
+        const PARTS: u32 = 100;
+        (1..PARTS).all(|part| {
+            let between =
+                |from: f64, to: f64| from + (to - from) * f64::from(part) / f64::from(PARTS);
+            let (density, amplitude) = (between(from.0, to.0), between(from.1, to.1));
+            within(
+                misfit(self.wanted, density, amplitude),
+                self.wanted.tolerance,
+            )
+        })
     }
 
     /// What can be had, and the point nearest to what is wanted.
@@ -201,12 +219,12 @@ impl<'w> Search<'w> {
         let (row, column) = nodes
             .min_by(|a, b| of(a).total_cmp(&of(b)))
             .unwrap_or_default();
-        let (density, amplitude) = self.refined(row, column);
+        let (density, amplitude) = self.refined(row, column, |_| true);
         Point::at(self.wanted, density, amplitude)
     }
 
-    /// Where about a node the distance is least.
-    fn refined(&self, row: usize, column: usize) -> (f64, f64) {
+    /// Where about a node the distance is least, of what `may_be`.
+    fn refined(&self, row: usize, column: usize, may_be: impl Fn(Misfit) -> bool) -> (f64, f64) {
         let mut best = (
             self.densities[column],
             self.amplitudes[row],
@@ -225,9 +243,9 @@ impl<'w> Search<'w> {
                     let density = density.clamp(of_density.0, of_density.1);
                     let amplitude = centre.1 + part(j) * reach.1;
                     let amplitude = amplitude.clamp(of_amplitude.0, of_amplitude.1);
-                    let distance = distance(misfit(self.wanted, density, amplitude));
-                    if distance < best.2 {
-                        best = (density, amplitude, distance);
+                    let misfit = misfit(self.wanted, density, amplitude);
+                    if distance(misfit) < best.2 && may_be(misfit) {
+                        best = (density, amplitude, distance(misfit));
                     }
                 }
             }
