@@ -36,8 +36,9 @@ pub trait Real:
     fn from_i32(value: i32) -> Self;
     /// The integer towards 0; the nearest `i32` of what is beyond, 0 of NaN.
     fn to_i32(self) -> i32;
-    /// 4096·log₂ of a positive number by straight lines between powers of two, rounded down; some number of any other.
-    fn octaves(self) -> i32;
+    /// 8192·log₂ of a positive number by straight lines between powers of two, rounded down: 4096ths of half octaves; some
+    /// number of any other.
+    fn half_octaves(self) -> i32;
     /// Magnitude.
     fn abs(self) -> Self;
     /// 1 of what is below 0 and of −0, else 0.
@@ -147,9 +148,9 @@ impl Real for f32 {
         self as i32
     }
     #[inline(always)]
-    fn octaves(self) -> i32 {
+    fn half_octaves(self) -> i32 {
         // The mantissa follows the exponent.
-        (self.to_bits() >> 11) as i32 - (127 << 12)
+        (self.to_bits() as i32).wrapping_sub(127 << 23) >> 10
     }
     #[inline(always)]
     fn abs(self) -> Self {
@@ -215,8 +216,8 @@ impl Real for f64 {
         self as i32
     }
     #[inline(always)]
-    fn octaves(self) -> i32 {
-        (self.to_bits() >> 40) as i32 - (1023 << 12)
+    fn half_octaves(self) -> i32 {
+        ((self.to_bits() as i64).wrapping_sub(1023 << 52) >> 39) as i32
     }
     #[inline(always)]
     fn abs(self) -> Self {

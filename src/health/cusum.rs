@@ -54,7 +54,7 @@ pub(super) fn threshold(sigma: f32, slack: f32, run_length: f32) -> f32 {
     let mut exponent = 0.0;
     for _ in 0..4 {
         let x = 2.0 * k * k * run_length + 1.0 + exponent;
-        exponent = x.octaves() as f32 * (core::f32::consts::LN_2 / 4096.0) + 0.06;
+        exponent = x.half_octaves() as f32 * (core::f32::consts::LN_2 / 8192.0) + 0.06;
     }
     positive(exponent / (2.0 * k) - EXCESS) * sigma
 }

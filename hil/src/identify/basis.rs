@@ -3,6 +3,7 @@
 use std::ops::Range;
 use std::sync::Arc;
 
+use super::known_forces::UnitForces;
 use super::moved::moved;
 use super::rows::{RowMotion, Rows};
 use super::shape::{Extent, Shape};
@@ -166,7 +167,7 @@ impl<'r, 'a> Basis<'r, 'a> {
             .map(
                 |term| match same(self.slot(term)).filter(|_| motion_stays) {
                     Some(known) => known.added[term].clone(),
-                    None => self.added(at, term, &moved),
+                    None => self.added(at, term, &moved, known.is_none()),
                 },
             )
             .collect();
@@ -202,19 +203,26 @@ impl<'r, 'a> Basis<'r, 'a> {
         if slot < self.rows.nodes.len() {
             return self.exponent_slope(columns, linear, slot);
         }
-        // A tone's phase at the end of a recording is its frequency times thousands of periods.
-        let tone = (0..self.terms.len())
-            .find(|&term| self.slot(term).contains(&slot))
-            .is_some_and(|term| self.terms[term].form == Form::Periodic);
-        let step = if tone { 1e-7 } else { 1e-4 };
-        let beside = |step: f64| {
-            let mut at = columns.at.clone();
-            at[slot] += step;
-            self.force(&self.columns(&at, Some(columns)), linear)
+        let mut beside = columns.at.clone();
+        let step = self.step(columns.at[slot], slot);
+        beside[slot] += step;
+        let beside = self.force(&self.columns(&beside, Some(columns)), linear);
+        let here = self.force(columns, linear);
+        let pairs = beside.iter().zip(&here);
+        pairs.map(|(beside, here)| (beside - here) / step).collect()
+    }
+
+    /// What a term's searched parameter is moved by for a difference: away from the nearer end of its range, where it is held.
+    fn step(&self, at: f64, slot: usize) -> f64 {
+        let term = (0..self.terms.len()).find(|&term| self.slot(term).contains(&slot));
+        let shape = term.and_then(|term| self.shapes[term].get(slot - self.slot(term).start));
+        let toward = match shape {
+            Some(shape) if 2.0 * at > (shape.low * shape.high).ln() => -1.0,
+            _ => 1.0,
         };
-        let (ahead, behind) = (beside(step), beside(-step));
-        let pairs = ahead.iter().zip(&behind);
-        pairs.map(|(a, b)| (a - b) / (2.0 * step)).collect()
+        // A tone's phase at the end of a recording is its frequency times thousands of periods.
+        let tone = term.is_some_and(|term| self.terms[term].form == Form::Periodic);
+        toward * if tone { 1e-7 } else { 1e-4 }
     }
 
     /// c·|v|^α·ln |v|·sgn v at the rows of a node.
@@ -234,8 +242,8 @@ impl<'r, 'a> Basis<'r, 'a> {
 
     /// The forces of another term with each size 1 at every row; none where the crate refuses the shapes, which it may at
     /// the end of their range at some tick.
-    pub fn unit_forces(&self, form: Form, shapes: &[f64], columns: &Columns) -> Vec<Vec<f64>> {
-        self.forces(form, shapes, &columns.moved)
+    pub fn unit_forces(&self, form: Form, shapes: &[f64], columns: &Columns) -> Vec<Arc<Vec<f64>>> {
+        self.forces(form, shapes, &columns.moved, true)
             .unwrap_or_default()
     }
 
@@ -327,15 +335,23 @@ impl<'r, 'a> Basis<'r, 'a> {
         }
     }
 
-    fn added(&self, at: &[f64], term: usize, moved: &Option<Arc<Moved>>) -> Vec<Arc<Vec<f64>>> {
+    /// `is_start`: other fits may start from these shapes too.
+    fn added(
+        &self,
+        at: &[f64],
+        term: usize,
+        moved: &Option<Arc<Moved>>,
+        is_start: bool,
+    ) -> Vec<Arc<Vec<f64>>> {
         let Entry::Adds(count) = self.terms[term].form.entry() else {
             return Vec::new();
         };
-        self.forces(self.terms[term].form, &self.shapes(at, term), moved)
-            .unwrap_or_else(|| vec![vec![0.0; self.rows.len()]; count])
-            .into_iter()
-            .map(Arc::new)
-            .collect()
+        let shapes = self.shapes(at, term);
+        self.forces(self.terms[term].form, &shapes, moved, is_start)
+            .unwrap_or_else(|| {
+                let none = Arc::new(vec![0.0; self.rows.len()]);
+                vec![none; count]
+            })
     }
 
     fn forces(
@@ -343,20 +359,32 @@ impl<'r, 'a> Basis<'r, 'a> {
         form: Form,
         shapes: &[f64],
         moved: &Option<Arc<Moved>>,
-    ) -> Option<Vec<Vec<f64>>> {
-        let trajectories = moved
-            .as_ref()
-            .map_or(self.rows.trajectories, |moved| &moved.trajectories);
-        let mut columns: Vec<Vec<Vec<f64>>> = Vec::new();
-        for trajectory in trajectories {
-            let forces = form.unit_forces(shapes, trajectory).ok()?;
-            columns.resize(forces.len(), Vec::new());
-            for (column, force) in columns.iter_mut().zip(forces) {
-                column.push(force);
+        is_start: bool,
+    ) -> UnitForces {
+        let work = |trajectories: &[Trajectory]| {
+            let mut columns: Vec<Vec<Vec<f64>>> = Vec::new();
+            for trajectory in trajectories {
+                let forces = form.unit_forces(shapes, trajectory).ok()?;
+                columns.resize(forces.len(), Vec::new());
+                for (column, force) in columns.iter_mut().zip(forces) {
+                    column.push(force);
+                }
             }
+            let columns = columns.into_iter();
+            Some(
+                columns
+                    .map(|column| Arc::new(self.rows.shown(column)))
+                    .collect(),
+            )
+        };
+        match moved {
+            Some(moved) => work(&moved.trajectories),
+            None if is_start => {
+                let known = &self.rows.known_forces;
+                known.of(form, shapes, || work(self.rows.trajectories))
+            }
+            None => work(self.rows.trajectories),
         }
-        let columns = columns.into_iter();
-        Some(columns.map(|column| self.rows.shown(column)).collect())
     }
 }
 

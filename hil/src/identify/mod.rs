@@ -3,6 +3,7 @@
 mod basis;
 pub mod correction;
 mod exact;
+mod known_forces;
 mod moved;
 mod normal;
 pub mod problem;

@@ -6,6 +6,7 @@
 
 use levenberg_marquardt::{LeastSquaresProblem, LevenbergMarquardt};
 use nalgebra::{DMatrix, DVector, Dyn, Owned};
+use rayon::prelude::*;
 
 use super::basis::{Basis, Columns};
 use super::exact;
@@ -59,9 +60,9 @@ impl<'r, 'a> Problem<'r, 'a> {
             let alphas = std::iter::repeat_n(alpha, self.rows.nodes.len());
             alphas.chain(ends.iter().copied()).collect::<Vec<f64>>()
         });
-        let found = starts.map(|start| self.minimized(self.basis(), start));
-        found
-            .into_iter()
+        starts
+            .into_par_iter()
+            .map(|start| self.minimized(self.basis(), start))
             .min_by(|a, b| a.squares.total_cmp(&b.squares))
             .expect("there is at least one start")
     }

@@ -1,5 +1,8 @@
 //! The samples that a fit is made to.
 
+use std::sync::Arc;
+
+use super::known_forces::KnownForces;
 use crate::recording::trajectory::Trajectory;
 
 /// The samples of a fit, gathered from several trajectories.
@@ -16,6 +19,8 @@ pub struct Rows<'a> {
     pub(super) weight: Vec<f64>,
     /// Amplitudes of the law's nodes, mm.
     pub(super) nodes: Vec<f64>,
+    /// Of effects that see the motion as recorded.
+    pub(super) known_forces: Arc<KnownForces>,
 }
 
 /// What eq 13 sees at each row.
@@ -112,6 +117,22 @@ impl<'a> Rows<'a> {
             origin,
             force,
             weight,
+            nodes,
+            known_forces: Arc::default(),
+        }
+    }
+
+    /// The same rows with coefficients of eq 13 at other amplitudes, mm.
+    #[must_use]
+    pub fn with_nodes(&self, nodes: Vec<f64>) -> Self {
+        Self {
+            trajectories: self.trajectories,
+            motion: RowMotion::gather(self.trajectories, &self.origin, &nodes),
+            throughout: throughout(self.trajectories, &nodes),
+            origin: self.origin.clone(),
+            force: self.force.clone(),
+            weight: self.weight.clone(),
+            known_forces: self.known_forces.clone(),
             nodes,
         }
     }

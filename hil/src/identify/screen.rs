@@ -78,10 +78,11 @@ impl<'s, 'r, 'a> Screen<'s, 'r, 'a> {
                 let column: Vec<f64> = (0..self.basis.rows.len())
                     .map(|index| self.tangent.law[index] * (term.reference - temperature[index]))
                     .collect();
-                self.saved_by(factor, &[column], false)
+                self.saved_by(factor, &[&column], false)
             }
             Entry::Adds(_) => {
                 let forces = self.basis.unit_forces(term.form, shapes, &self.columns);
+                let forces: Vec<&[f64]> = forces.iter().map(|force| force.as_slice()).collect();
                 self.saved_by(factor, &forces, term.form.size_is_positive())
             }
         };
@@ -89,7 +90,7 @@ impl<'s, 'r, 'a> Screen<'s, 'r, 'a> {
     }
 
     /// The squared error that columns save beside the law's own.
-    fn saved_by(&self, factor: &Factor, columns: &[Vec<f64>], positive: bool) -> f64 {
+    fn saved_by(&self, factor: &Factor, columns: &[&[f64]], positive: bool) -> f64 {
         let products: Vec<Vec<f64>> = columns
             .iter()
             .map(|column| self.products_with_base(column))
@@ -103,11 +104,11 @@ impl<'s, 'r, 'a> Screen<'s, 'r, 'a> {
         };
         let count = columns.len();
         let force = DVector::from_fn(count, |i, _| {
-            let with_force = inner(&columns[i], &self.basis.rows.force);
+            let with_force = inner(columns[i], &self.basis.rows.force);
             factor.force_beside(&self.normal, &products[i], with_force)
         });
         let gram = DMatrix::from_fn(count, count, |i, j| {
-            let product = inner(&columns[i], &columns[j]);
+            let product = inner(columns[i], columns[j]);
             // A column that the law nearly has already can save nothing that could be told from rounding.
             let least = if i == j { 1e-9 * product } else { 0.0 };
             factor.beside(&products[i], &products[j], product) + least

@@ -14,7 +14,7 @@ use crate::predict::motion_at;
 use crate::recording::trajectory::Trajectory;
 
 /// The forms in which effects are fitted. Most families have one.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Form {
     /// A constant force.
     Offset,

@@ -3,6 +3,8 @@
 
 use std::ops::Range;
 
+use rayon::prelude::*;
+
 use super::score::Jury;
 use super::select::held_to;
 use super::split::{Role, Roles, same_amplitude};
@@ -75,9 +77,9 @@ impl LeftInCycles {
 }
 
 /// The samples of a fit: whether it takes that of a trajectory.
-pub(super) type Picked<'p> = &'p dyn Fn(usize, usize) -> bool;
+pub(super) type Picked<'p> = &'p (dyn Fn(usize, usize) -> bool + Sync);
 /// A law fitted to the samples that are picked.
-pub(super) type Fit<'f> = &'f dyn Fn(Picked) -> Result<Model, ModelError>;
+pub(super) type Fit<'f> = &'f (dyn Fn(Picked) -> Result<Model, ModelError> + Sync);
 
 /// Recordings and the blocks of them that are left out.
 pub(super) struct LeftOut<'a> {
@@ -166,16 +168,17 @@ impl<'a> LeftOut<'a> {
             let jury = Jury::of(self.trajectories, self.judging, Role::Judge);
             return Ok(jury.score(&predicted).nrmse());
         }
-        let mut error = 0.0;
-        for (which, block) in &self.blocks {
+        let errors = self.blocks.par_iter().map(|(which, block)| {
             let model = fit(&|other, sample| {
                 self.is_open(other, sample) && !(other == *which && block.samples.contains(&sample))
             })?;
             let trajectory = &self.trajectories[*which];
             let is_fair = |i: usize| self.is_open(*which, i) && trajectory.is_telling(i);
-            error += relative_error(trajectory, &predict(&model, trajectory)?, block, is_fair);
-        }
-        Ok((error / self.blocks.len() as f64).sqrt())
+            let predicted = predict(&model, trajectory)?;
+            Ok(relative_error(trajectory, &predicted, block, is_fair))
+        });
+        let errors: Vec<f64> = errors.collect::<Result<_, _>>()?;
+        Ok((errors.iter().sum::<f64>() / errors.len() as f64).sqrt())
     }
 }
 

@@ -1,5 +1,7 @@
 //! What is done when no listed effect explains a recording: a correction that needs no name.
 
+use rayon::prelude::*;
+
 use super::left_out::{Fit, LeftOut, Picked};
 use crate::identify::correction::{self, Choice};
 use crate::model::{Model, ModelError};
@@ -44,14 +46,26 @@ pub(super) fn mended(
             best = Some((error, law, model, choice));
         }
     };
-    let plain: Vec<Model> = laws.iter().map(|law| law(open)).collect::<Result<_, _>>()?;
-    for (number, &law) in laws.iter().enumerate() {
-        consider(left_out.error(law)?, number, plain[number].clone(), None);
+    let plain: Vec<Model> = laws
+        .par_iter()
+        .map(|law| law(open))
+        .collect::<Result<_, _>>()?;
+    let alone = laws.par_iter().map(|law| left_out.error(law));
+    let alone: Vec<f64> = alone.collect::<Result<_, _>>()?;
+    for (number, error) in alone.into_iter().enumerate() {
+        consider(error, number, plain[number].clone(), None);
     }
-    for (number, &law) in laws.iter().enumerate() {
-        if let Some((model, choice)) = correction::fit(trajectories, &plain[number], open)? {
-            let error = left_out
-                .error(&|picked| correction::refit(&choice, trajectories, &law(picked)?, picked))?;
+    let corrected = laws.par_iter().zip(&plain).map(|(law, plain)| {
+        let Some((model, choice)) = correction::fit(trajectories, plain, open)? else {
+            return Ok(None);
+        };
+        let refit =
+            |picked: Picked| correction::refit(&choice, trajectories, &law(picked)?, picked);
+        Ok(Some((left_out.error(&refit)?, model, choice)))
+    });
+    let corrected: Vec<_> = corrected.collect::<Result<_, ModelError>>()?;
+    for (number, corrected) in corrected.into_iter().enumerate() {
+        if let Some((error, model, choice)) = corrected {
             consider(error, number, model, Some(choice));
         }
     }

@@ -145,7 +145,7 @@ fn search(
     if nodes.len() < 2 || nodes.len() > MOST_NODES {
         return Ok((false, for_all.run(progress)?));
     }
-    let for_each = Search::new(fitted, judging, nodes.clone());
+    let for_each = for_all.with_nodes(nodes.clone());
     let each = for_each.run(progress)?;
     let same = for_all.refit(&each.found)?;
     if !each.found.score.beats(&same.score) {

@@ -15,6 +15,7 @@ const LARGE_GAIN: f64 = 0.2;
 const DEVIATIONS: f64 = 3.0;
 
 /// The samples of one role that a law is judged by, in short pieces of time.
+#[derive(Clone)]
 pub struct Jury<'a> {
     trajectories: &'a [Trajectory],
     /// Trajectory and samples of each piece.

@@ -158,6 +158,18 @@ impl<'a> Search<'a> {
         }
     }
 
+    /// The same with eq 13's coefficients at other amplitudes.
+    #[must_use]
+    pub fn with_nodes(&self, nodes: Vec<f64>) -> Self {
+        Self {
+            rows: self.rows.with_nodes(nodes),
+            jury: self.jury.clone(),
+            extent: self.extent.clone(),
+            terms: self.terms.clone(),
+            trajectories: self.trajectories,
+        }
+    }
+
     /// Adds effects while one of them makes the judging cycles' error clearly smaller, then drops those that became
     /// needless. `progress` is called before each step with what is being done.
     ///
@@ -291,9 +303,11 @@ impl<'a> Search<'a> {
             .extent
             .with_tones(tones(self.trajectories, &law.predicted));
         let screen = Screen::at(&self.rows, &extent, &law.solution);
+        // The work for one differs from that for another by orders of magnitude.
         let mut rated: Vec<(Term, Vec<Start>)> = self
             .terms
             .par_iter()
+            .with_max_len(1)
             .filter(|term| {
                 let same = known.iter().filter(|known| known.form == term.form).count();
                 same < term.form.most() && !known.iter().any(|known| known.form.excludes(term.form))
@@ -305,14 +319,14 @@ impl<'a> Search<'a> {
         let promising = PROMISING * rated.first().map_or(0.0, |(_, starts)| starts[0].gain);
         rated
             .into_par_iter()
+            .with_max_len(1)
             .enumerate()
             .filter_map(|(place, (term, starts))| {
                 let terms: Vec<Term> = known.iter().copied().chain([term]).collect();
                 let problem = Problem::new(&self.rows, &extent, &terms);
                 let solution = if place < FITTED && starts[0].gain > promising {
-                    starts
-                        .iter()
-                        .take(STARTS)
+                    starts[..STARTS.min(starts.len())]
+                        .par_iter()
                         .map(|start| problem.solve_from(&law.solution, &start.shapes))
                         .min_by(|a, b| a.squares.total_cmp(&b.squares))?
                 } else {

@@ -266,8 +266,9 @@ impl<R: Real> Recall<R> {
     #[inline(always)]
     fn age(&self, elapsed: R) -> i32 {
         (elapsed * self.rate + R::ONE)
-            .octaves()
-            .clamp(0, LARGEST_READING)
+            .half_octaves()
+            .clamp(0, 2 * LARGEST_READING)
+            >> 1
     }
 
     /// Where a reading stands in the table.

@@ -33,6 +33,11 @@ pub const CELLS: usize = 2 * SPEEDS * DISPLACEMENTS;
 /// Cells of U: displacement runs fastest, then memory, then direction.
 pub const MEMORY_CELLS: usize = 2 * MEMORIES * DISPLACEMENTS;
 
+/// The first cell of T for falling displacement,
+const BACK: usize = SPEEDS * DISPLACEMENTS;
+/// and that of U.
+const MEMORY_BACK: usize = MEMORIES * DISPLACEMENTS;
+
 /// Bits of the way between two nodes.
 const FRACTION: u32 = 12;
 const ONE: i32 = 1 << FRACTION;
@@ -89,6 +94,7 @@ pub struct Support {
 struct Place {
     displacement: i32,
     speed: i32,
+    /// All bits where the displacement falls.
     back: usize,
 }
 
@@ -140,20 +146,42 @@ impl<R: Real> Correction<R> {
     #[inline(always)]
     fn place(&self, displacement: R, velocity: R) -> Place {
         let y = displacement * self.per_displacement;
-        // At least 0: its argument is at least 1.
-        let octaves = (velocity.abs() * self.per_speed + R::ONE).octaves();
+        let half_octaves = (velocity.abs() * self.per_speed + R::ONE).half_octaves();
         Place {
             // A pack may say of a millimetre that it is more places than there are.
             displacement: y.to_i32().saturating_add(MIDDLE).clamp(0, LAST),
-            speed: (2 * octaves).min(LAST_SPEED),
-            back: velocity.sign_bit(),
+            speed: half_octaves.clamp(0, LAST_SPEED),
+            back: 0_usize.wrapping_sub(velocity.sign_bit()),
         }
     }
 
     /// Force in kN on this tick of a [`ConfinedMotion`], where the state is none before the first. Call it once per tick, in order.
+    #[inline(always)]
+    pub(super) fn force(
+        &self,
+        state: &mut Option<CorrectionState>,
+        displacement: R,
+        velocity: R,
+        cycles: R,
+    ) -> R {
+        if self.recall.is_there() {
+            self.force_with_memory(state, displacement, velocity, cycles)
+        } else {
+            self.force_of_motion(displacement, velocity)
+        }
+    }
+
+    /// That of T.
     // Not inlined: its registers and constants are no matter of ticks without it.
     #[inline(never)]
-    pub(super) fn force(
+    fn force_of_motion(&self, displacement: R, velocity: R) -> R {
+        let place = self.place(displacement, velocity);
+        self.force_at(&place, velocity, None)
+    }
+
+    /// That of T and U.
+    #[inline(never)]
+    fn force_with_memory(
         &self,
         state: &mut Option<CorrectionState>,
         displacement: R,
@@ -163,12 +191,15 @@ impl<R: Real> Correction<R> {
         let place = self.place(displacement, velocity);
         let reading = self.reading(state, place.displacement, cycles);
         let memory = reading.map(|reading| self.recall.place(reading));
-        let counts = if velocity == R::ZERO {
-            self.counts_at_rest(place.displacement, memory)
-        } else {
-            self.counts(&place, memory)
-        };
-        R::from_i32(counts) * self.unit
+        self.force_at(&place, velocity, memory)
+    }
+
+    #[inline(always)]
+    fn force_at(&self, place: &Place, velocity: R, memory: Option<i32>) -> R {
+        if velocity == R::ZERO {
+            return self.force_at_rest(place.displacement, memory);
+        }
+        R::from_i32(self.counts(place, memory)) * self.unit
     }
 
     /// What is remembered, where there is a U.
@@ -185,16 +216,16 @@ impl<R: Real> Correction<R> {
     #[inline(always)]
     fn counts(&self, place: &Place, memory: Option<i32>) -> i32 {
         let across = place.displacement;
-        let counts = between(&self.cells, SPEEDS * place.back, across, place.speed);
+        let counts = between(&self.cells, place.back & BACK, across, place.speed);
         memory.map_or(counts, |memory| {
-            counts + between(&self.memory_cells, MEMORIES * place.back, across, memory)
+            counts + between(&self.memory_cells, place.back & MEMORY_BACK, across, memory)
         })
     }
 
-    /// The mean of both directions.
+    /// That of the mean of both directions.
     #[cold]
     #[inline(never)]
-    fn counts_at_rest(&self, displacement: i32, memory: Option<i32>) -> i32 {
+    fn force_at_rest(&self, displacement: i32, memory: Option<i32>) -> R {
         let counts = |back| {
             let place = Place {
                 displacement,
@@ -203,7 +234,7 @@ impl<R: Real> Correction<R> {
             };
             self.counts(&place, memory)
         };
-        (counts(0) + counts(1)) / 2
+        R::from_i32((counts(0) + counts(usize::MAX)) / 2) * self.unit
     }
 
     /// The cells that the force on this tick comes from, for one who seeks what should stand in them. `state` is `None`
@@ -226,7 +257,7 @@ impl<R: Real> Correction<R> {
                 (corner + DISPLACEMENTS + 1, x * y),
             ]
         };
-        let cells = weights(SPEEDS * place.back, place.speed);
+        let cells = weights(place.back & BACK, place.speed);
         let Some(reading) = self.reading(state, across, motion.cycles()) else {
             return Support {
                 cells,
@@ -237,7 +268,7 @@ impl<R: Real> Correction<R> {
         let memory = self.recall.place(reading);
         Support {
             cells,
-            memory_cells: weights(MEMORIES * place.back, memory),
+            memory_cells: weights(place.back & MEMORY_BACK, memory),
             memory: self.recall.part(reading),
         }
     }
@@ -268,10 +299,10 @@ fn copy<const N: usize>(
     Ok(())
 }
 
-/// The first of the four cells around a place, in a table whose rows for this direction begin with row `first`.
+/// The first of the four cells around a place, in a table whose cells for this direction begin with cell `first`.
 #[inline(always)]
 fn corner(first: usize, across: i32, along: i32) -> usize {
-    (first + (along >> FRACTION) as usize) * DISPLACEMENTS + (across >> FRACTION) as usize
+    first + (along >> FRACTION) as usize * DISPLACEMENTS + (across >> FRACTION) as usize
 }
 
 /// The value between the four cells around a place.

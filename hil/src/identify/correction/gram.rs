@@ -2,6 +2,7 @@
 
 use mesh_damper::effects::correction::{CELLS, MEMORY_CELLS};
 use nalgebra::{DMatrix, DVector};
+use rayon::prelude::*;
 
 use super::design::{Coefficients, Design, Recalled};
 use super::system::System;
@@ -132,7 +133,7 @@ impl<'d> Raw<'d> {
         }
     }
 
-    /// The sums over eq 13 and what `form` has beside it; `None` without samples.
+    /// The sums over eq 13 and what `form` has beside it, however smooth; `None` without samples.
     pub fn sums<'t>(&self, form: Form<'t>) -> Option<Sums<'_, 't>> {
         let table = form.table.map_or(Vec::new(), |_| hats_of_table());
         let memory = form.memory.map_or(Vec::new(), |_| hats_of_memory());
@@ -145,10 +146,10 @@ impl<'d> Raw<'d> {
         let hats: Vec<Trend> = table.into_iter().chain(memory).collect();
         let blocks = self
             .blocks
-            .iter()
+            .par_iter()
             .map(|block| block.mapped(self.law, form.trends, &hats));
         let blocks = blocks.collect();
-        Sums::of(self.design, self.at, layout, form, hats, blocks)
+        Sums::of(self.design, self.at, layout, form.trends, hats, blocks)
     }
 }
 
@@ -164,7 +165,7 @@ fn add_up(entries: &mut Vec<(usize, f64)>) {
     });
 }
 
-/// The normal equations.
+/// The normal equations but for the penalties, which a [`Form`] adds.
 pub(super) struct Sums<'d, 't> {
     design: &'d Design<'d>,
     at: &'d Coefficients,
@@ -174,7 +175,6 @@ pub(super) struct Sums<'d, 't> {
     hats: Vec<Trend>,
     blocks: Vec<Block>,
     total: Block,
-    system: System,
 }
 
 impl<'d, 't> Sums<'d, 't> {
@@ -182,7 +182,7 @@ impl<'d, 't> Sums<'d, 't> {
         design: &'d Design<'d>,
         at: &'d Coefficients,
         layout: Layout,
-        form: Form<'t>,
+        trends: &'t [Trend],
         hats: Vec<Trend>,
         blocks: Vec<Block>,
     ) -> Option<Self> {
@@ -190,12 +190,11 @@ impl<'d, 't> Sums<'d, 't> {
         for block in &blocks {
             total.add(block);
         }
-        (total.count > 0.0).then(|| Self {
-            system: System::new(design, at, &layout, form, &total),
+        (total.count > 0.0).then_some(Self {
             design,
             at,
             layout,
-            trends: form.trends,
+            trends,
             hats,
             blocks,
             total,
@@ -217,25 +216,31 @@ impl<'d, 't> Sums<'d, 't> {
             .iter()
             .map(|block| block.only(&unknowns))
             .collect();
-        let sums = Sums::of(self.design, self.at, layout, Form::NONE, Vec::new(), blocks)?;
-        sums.judged_error(&sums.unknowns()?)
+        let sums = Sums::of(self.design, self.at, layout, &[], Vec::new(), blocks)?;
+        let system = sums.system(Form::NONE);
+        sums.judged_error(&system, &sums.unknowns(&system)?)
     }
 
     /// One step from the coefficients, with the error in the fit alone; `None` where the equations cannot be solved.
-    pub fn solved(&self) -> Option<Solved> {
-        Some(self.solution(&self.unknowns()?))
+    pub fn solved(&self, form: Form) -> Option<Solved> {
+        Some(self.solution(&self.unknowns(&self.system(form))?))
     }
 
     /// The same with the geometric mean of the error in the fit and of the errors in the blocks left out, one at a time.
-    pub fn judged(&self) -> Option<Solved> {
-        let unknowns = self.unknowns()?;
+    pub fn judged(&self, form: Form) -> Option<Solved> {
+        let system = self.system(form);
+        let unknowns = self.unknowns(&system)?;
         Some(Solved {
-            error: self.judged_error(&unknowns)?,
+            error: self.judged_error(&system, &unknowns)?,
             ..self.solution(&unknowns)
         })
     }
 
-    fn judged_error(&self, unknowns: &DVector<f64>) -> Option<f64> {
+    fn system(&self, form: Form) -> System {
+        System::new(self.design, self.at, &self.layout, form, &self.total)
+    }
+
+    fn judged_error(&self, system: &System, unknowns: &DVector<f64>) -> Option<f64> {
         // A block that is predicted better than its noise counts no more than one that is predicted to it.
         let floor = 0.3 * self.design.noise;
         let mut outside = 0.0;
@@ -245,24 +250,24 @@ impl<'d, 't> Sums<'d, 't> {
                 &self.total.gram - &block.gram,
                 &self.total.right - &block.right,
             );
-            outside += (block.error(&self.system.solve(gram, right)?) + floor).ln();
+            outside += (block.error(&system.solve(gram, right)?) + floor).ln();
         }
         let outside = outside / self.design.left_out.len() as f64;
         let inside = (self.total.error(unknowns) + floor).ln();
         Some((0.25 * (inside + outside)).exp())
     }
 
-    fn unknowns(&self) -> Option<DVector<f64>> {
+    fn unknowns(&self, system: &System) -> Option<DVector<f64>> {
         let solve =
             |system: &System| system.solve(self.total.gram.clone(), self.total.right.clone());
         let (law, at) = (self.layout.law, &self.at.0);
-        let mut x = solve(&self.system)?;
+        let mut x = solve(system)?;
         // Damping that feeds energy in is none.
         let negative = |x: &DVector<f64>| {
             let mut nodes = 0..law / 4;
             nodes.find(|&node| at[node][2] + x[4 * node + 2] < -1e-12 * at[node][2])
         };
-        let mut system = self.system.clone();
+        let mut system = system.clone();
         for _ in 0..law / 4 {
             let Some(node) = negative(&x) else { break };
             system.pin(4 * node + 2, -at[node][2]);
@@ -361,14 +366,14 @@ impl Block {
                 for column in 0..trends.len() {
                     mapped.gram[(place, law + column)] += value * products[(law + cell, column)];
                 }
-                for (other, beside) in hats.iter().enumerate() {
+                for (other, beside) in hats[..=hat].iter().enumerate() {
                     for &(neighbour, weight) in &beside.0 {
                         mapped.gram[(place, first_hat + other)] +=
                             value * weight * self.gram[(law + neighbour, law + cell)];
                     }
                 }
             }
-            for i in 0..first_hat {
+            for i in 0..place {
                 mapped.gram[(i, place)] = mapped.gram[(place, i)];
             }
         }

@@ -133,7 +133,7 @@ pub fn refit(
     let solved = design.and_then(|design| {
         let recalled = choice.recalled(&design);
         let start = Coefficients::of(model);
-        settle(&design, &start, choice.form(), recalled.as_ref())
+        settled(&design, &start, choice.form(), recalled.as_ref(), STEPS)
     });
     Ok(solved.map_or_else(|| model.clone(), |solved| corrected(model, &solved, choice)))
 }
@@ -199,13 +199,14 @@ fn momentary(design: &Design, alone: &Solved) -> Option<Fitted> {
         solved = settle(design, &at, choice.form(), None)?;
     }
     let raw = Raw::over(design, &solved.coefficients, None);
-    let around = SMOOTHNESS.par_iter().filter_map(|&smoothness| {
-        let form = Form {
-            table: Some(smoothness),
-            ..choice.form()
-        };
-        Some((raw.sums(form)?.judged()?, smoothness))
-    });
+    let with_table = |smoothness: f64| Form {
+        table: Some(smoothness),
+        ..choice.form()
+    };
+    let sums = raw.sums(with_table(TYPICAL))?;
+    let around = SMOOTHNESS
+        .par_iter()
+        .filter_map(|&smoothness| Some((sums.judged(with_table(smoothness))?, smoothness)));
     let around = around.min_by(|(a, _), (b, _)| a.error.total_cmp(&b.error));
     if let Some((with, smoothness)) = around
         && with.error < TABULATED * solved.error
@@ -226,20 +227,20 @@ fn remembering(design: &Design, plain: &Fitted) -> Option<Fitted> {
     };
     let fitted = |of: Remembered| {
         let raw = Raw::of_whole(design, at, Some(&design.recall(of)?));
-        Some((raw.sums(tabulated)?.solved()?.error, of))
+        Some((raw.sums(tabulated)?.solved(tabulated)?.error, of))
     };
     let best_of = |candidates: Vec<Remembered>| {
         let fitted = candidates.into_par_iter().filter_map(fitted);
         fitted.min_by(|a, b| a.0.total_cmp(&b.0))
     };
     let candidates = trend::of_memory(Variables::BOTH);
-    let best_of_each = memory::kinds(design).into_iter().filter_map(|kind| {
+    let best_of_each = memory::kinds(design).into_par_iter().filter_map(|kind| {
         let (_, coarse) = best_of(kind)?;
         let (_, of) = best_of(memory::around(coarse))?;
         let recalled = design.recall(of)?;
         let raw = Raw::over(design, at, Some(&recalled));
         let (error, trends) = trend::grown(&raw, known, &candidates)?;
-        let with_table = raw.sums(tabulated)?.judged()?.error;
+        let with_table = raw.sums(tabulated)?.judged(tabulated)?.error;
         let (error, trends) = if error < with_table {
             (error, trends)
         } else {
@@ -258,19 +259,26 @@ fn remembering(design: &Design, plain: &Fitted) -> Option<Fitted> {
         Some((anew, others)) if anew < error => others,
         _ => trends,
     };
-    let forms: Vec<Form> = MEMORY_SMOOTHNESS
-        .iter()
-        .flat_map(|&memory| {
-            [plain.choice.table, Some(TYPICAL)].map(|table| Form {
-                trends: &trends,
-                table,
-                memory,
-            })
+    let forms = [plain.choice.table, Some(TYPICAL)].into_iter();
+    let forms = forms.flat_map(|table| {
+        MEMORY_SMOOTHNESS.map(|memory| Form {
+            trends: &trends,
+            table,
+            memory,
         })
-        .collect();
-    let judged = forms
-        .into_par_iter()
-        .filter_map(|form| Some((raw.sums(form)?.judged()?, form)));
+    });
+    let forms: Vec<Form> = forms.collect();
+    // However smooth they are, the same tables are of the same sums.
+    let has_tables = |form: &Form| (form.table.is_some(), form.memory.is_some());
+    let alike = forms.chunk_by(|a, b| has_tables(a) == has_tables(b));
+    let judged = alike.flat_map(|alike| {
+        let sums = raw.sums(alike[0]);
+        let judged = alike
+            .par_iter()
+            .map(|&form| Some((sums.as_ref()?.judged(form)?, form)));
+        judged.collect::<Vec<_>>()
+    });
+    let judged = judged.flatten();
     let (solved, form) = judged.min_by(|(a, _), (b, _)| a.error.total_cmp(&b.error))?;
     let uses_memory = form.memory.is_some()
         || trends
@@ -300,14 +308,20 @@ fn settle(
     form: Form,
     recalled: Option<&Recalled>,
 ) -> Option<Solved> {
-    let mut at = start.clone();
-    for _ in 1..STEPS {
-        at = Raw::over(design, &at, recalled)
-            .sums(form)?
-            .solved()?
-            .coefficients;
-    }
-    Raw::over(design, &at, recalled).sums(form)?.judged()
+    let at = settled(design, start, form, recalled, STEPS - 1)?.coefficients;
+    Raw::over(design, &at, recalled).sums(form)?.judged(form)
+}
+
+/// Solves so many times.
+fn settled(
+    design: &Design,
+    start: &Coefficients,
+    form: Form,
+    recalled: Option<&Recalled>,
+    steps: usize,
+) -> Option<Solved> {
+    let step = |at: &Coefficients| Raw::of_whole(design, at, recalled).sums(form)?.solved(form);
+    (1..steps).try_fold(step(start)?, |solved, _| step(&solved.coefficients))
 }
 
 /// The model with the tables rounded to what the crate stores.

@@ -6,6 +6,7 @@
 use mesh_damper::effects::correction::{
     CELLS, DISPLACEMENTS, MEMORIES, MEMORY_CELLS, SPEEDS, part_of_speed,
 };
+use rayon::prelude::*;
 
 use super::gram::{Form, Raw};
 
@@ -162,6 +163,7 @@ pub(super) fn grown(raw: &Raw, known: &[Trend], candidates: &[Trend]) -> Option<
     let mut error = sums.error_with(&taken)?;
     while taken.len() < known.len() + MOST {
         let next = (known.len()..all.len())
+            .into_par_iter()
             .filter(|candidate| !taken.contains(candidate))
             .filter_map(|candidate| {
                 let more: Vec<usize> = taken.iter().copied().chain([candidate]).collect();
