@@ -33,7 +33,6 @@ pub use cause::{Cause, Channel, Event, Statistic};
 
 use crate::adc::Reading;
 use crate::converter::Scale;
-use crate::cycle::Cycle;
 use crate::error::ConfigError;
 use crate::frame::{Fields, Reader, Writer};
 use crate::real::in_range;
@@ -142,10 +141,11 @@ const LEAST_AMPLITUDES: [f32; 2] = [0.05, 0.02];
 /// Bits of the phase that tell apart the parts of a cycle at whose beginnings a tick is looked at closely: 64 of them.
 const LOOKS: u32 = 6;
 
-/// The part of the cycle at `phase`, half a part late: the tick that ends a cycle has enough to do.
-#[inline(always)]
-fn part(phase: u32) -> u32 {
-    phase.wrapping_add(1 << (31 - LOOKS)) >> (32 - LOOKS)
+/// Where the part of the cycle at `phase` ends, half a part late: the tick that ends a cycle has enough to do.
+fn part_end(phase: u32) -> u32 {
+    const HALF: u32 = 1 << (31 - LOOKS);
+    let part = phase.wrapping_add(HALF) >> (32 - LOOKS);
+    ((part + 1) << (32 - LOOKS)).wrapping_sub(HALF)
 }
 
 /// One tick that is looked at closely.
@@ -183,17 +183,27 @@ impl Asked {
 
 /// A cycle that has ended.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Ended<'a> {
-    /// The cycles of the measured force and of the law's, and the residual's RMS over that of the measured force.
-    pub(crate) results: Option<&'a ([Cycle; 2], f32)>,
+pub(crate) struct Ended {
     /// Block of the programme.
     pub(crate) block: usize,
-    /// A ramp of it.
-    pub(crate) ramp: bool,
     /// °C.
     pub(crate) temperature: f32,
     /// Mean of the command, mm.
     pub(crate) command: f32,
+    /// A whole cycle of a block, not of a ramp.
+    pub(crate) steady: Option<Steady>,
+}
+
+/// What a whole cycle came to.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Steady {
+    /// Energy of the measured force and of the law's, J.
+    pub(crate) energy: f32,
+    pub(crate) law_energy: f32,
+    /// Mean of the measured force less that of the law's, kN.
+    pub(crate) mean: f32,
+    /// RMS of the residual over that of the measured force.
+    pub(crate) residual: f32,
 }
 
 /// The monitor of a rig.
@@ -204,8 +214,10 @@ pub(crate) struct HealthMonitor {
     response: ResponseWatch,
     specimen: SpecimenWatch,
     sums: CycleSums,
-    /// Part of the cycle, of [`LOOKS`], of the last close look.
-    part: u32,
+    /// A cycle that the next look closes.
+    ended: Option<Ended>,
+    /// Phase from which the next close look is due.
+    due: u32,
     /// Of the demanded displacement in mm and of the law's force in kN: in the last cycle or this one, and in this one.
     amplitudes: [f32; 2],
     largest: [f32; 2],
@@ -249,7 +261,8 @@ impl HealthMonitor {
             response: ResponseWatch::default(),
             specimen: SpecimenWatch::new(),
             sums: CycleSums::default(),
-            part: 0,
+            ended: None,
+            due: part_end(0),
             amplitudes: least_amplitudes,
             largest: [0.0; 2],
             least_amplitudes,
@@ -267,6 +280,8 @@ impl HealthMonitor {
         self.response = ResponseWatch::default();
         self.specimen = SpecimenWatch::new();
         self.sums = CycleSums::default();
+        self.ended = None;
+        self.due = part_end(0);
         self.amplitudes = self.least_amplitudes;
         self.largest = [0.0; 2];
         self.block = 0;
@@ -390,14 +405,17 @@ impl HealthMonitor {
     /// Whether a tick at `phase`, 2³² to the cycle, is to be looked at closely.
     #[inline(always)]
     pub(crate) fn is_due(&self, phase: u32) -> bool {
-        part(phase) != self.part
+        // No tick is half a cycle long.
+        phase.wrapping_sub(self.due) as i32 >= 0
     }
 
     /// A close look at a tick that is due.
     #[inline(never)]
     pub(crate) fn look(&mut self, config: &HealthConfig, look: &Look) {
-        self.part = part(look.phase);
-        if self.specimen.has_work() {
+        self.due = part_end(look.phase);
+        if let Some(ended) = self.ended.take() {
+            self.close_cycle(config, &ended);
+        } else if self.specimen.has_work() {
             self.work_on_specimen(config);
         }
         let (d, v) = look.demand;
@@ -428,10 +446,16 @@ impl HealthMonitor {
         }
     }
 
-    /// A cycle has ended before this tick, whose look is not yet taken.
-    #[inline(never)]
-    pub(crate) fn cycle(&mut self, config: &HealthConfig, ended: &Ended<'_>) {
+    /// A cycle has ended before this tick, whose look is not yet taken. The look does the work: this tick has enough to do.
+    #[inline(always)]
+    pub(crate) fn cycle(&mut self, ended: Ended) {
         self.cycle = self.cycle.saturating_add(1);
+        self.ended = Some(ended);
+    }
+
+    /// What the end of a cycle leaves to the look after it, before that look is taken.
+    #[inline(never)]
+    fn close_cycle(&mut self, config: &HealthConfig, ended: &Ended) {
         let sums = core::mem::take(&mut self.sums);
         self.amplitudes = core::mem::take(&mut self.largest);
         for (amplitude, least) in self.amplitudes.iter_mut().zip(&self.least_amplitudes) {
@@ -439,7 +463,7 @@ impl HealthMonitor {
                 *amplitude = *least;
             }
         }
-        let Some(([measured, law], residual)) = ended.results.filter(|_| !ended.ramp) else {
+        let Some(steady) = ended.steady else {
             return;
         };
         if ended.block != self.block {
@@ -449,10 +473,10 @@ impl HealthMonitor {
         self.specimen.cycle(
             sums,
             CycleNumbers {
-                energy: measured.energy,
-                law_energy: law.energy,
-                mean: measured.mean_force - law.mean_force,
-                residual: *residual,
+                energy: steady.energy,
+                law_energy: steady.law_energy,
+                mean: steady.mean,
+                residual: steady.residual,
                 command: ended.command,
                 temperature: ended.temperature,
                 cycle: self.cycle,

@@ -52,7 +52,7 @@ use crate::effects::Motion;
 use crate::error::ConfigError;
 use crate::frame::{Fields, Reader, Writer};
 use crate::health::{
-    Cause, Channel, Ended, Event, HealthConfig, HealthMonitor, HealthSettings, Look,
+    Cause, Channel, Ended, Event, HealthConfig, HealthMonitor, HealthSettings, Look, Steady,
 };
 use crate::observer::{Observer, ObserverConfig};
 use crate::sine::{Excitation, Programme, SineGenerator};
@@ -400,10 +400,14 @@ where
         self.generator.programme()
     }
 
-    /// Stops for a sensor that is lost; whatever else was found, the rig goes on.
+    /// Tells the monitor where the rig `was_running` and has stopped, and stops for a sensor that is lost; whatever else was
+    /// found, the rig goes on.
     #[cold]
     #[inline(never)]
-    fn act_on_fresh(&mut self) -> Option<Event> {
+    fn attend(&mut self, was_running: bool) -> Option<Event> {
+        if was_running && let State::Faulted(fault) = self.output.state() {
+            self.health.stopped(fault);
+        }
         let event = self.health.take_fresh()?;
         if let Cause::SensorStuck(channel) | Cause::SensorDroppedOut(channel) = event.cause {
             self.output.trip(match channel {
@@ -475,16 +479,19 @@ where
                 },
             );
             if excitation.cycle_end {
-                self.health.cycle(
-                    &self.health_config,
-                    &Ended {
-                        results: report.as_ref(),
-                        block: before.block,
-                        ramp: before.ramp,
-                        temperature: self.temperature,
-                        command: self.correction.mean_command(),
-                    },
-                );
+                self.health.cycle(Ended {
+                    block: before.block,
+                    temperature: self.temperature,
+                    command: self.correction.mean_command(),
+                    steady: report.as_ref().filter(|_| !before.ramp).map(
+                        |([measured, model], residual)| Steady {
+                            energy: measured.energy,
+                            law_energy: model.energy,
+                            mean: measured.mean_force - model.mean_force,
+                            residual: *residual,
+                        },
+                    ),
+                });
             }
             let asked = self.health.samples(&self.reading);
             if asked.any() {
@@ -507,11 +514,8 @@ where
                 self.output.finish();
             }
         }
-        if was_running && let State::Faulted(fault) = self.output.state() {
-            self.health.stopped(fault);
-        }
-        let event = if self.health.has_fresh() {
-            self.act_on_fresh()
+        let event = if self.health.has_fresh() || !self.output.is_running() {
+            self.attend(was_running)
         } else {
             None
         };

@@ -39,8 +39,7 @@ impl Sum {
     }
 
     /// The sum so far.
-    pub(crate) fn total(mut self) -> f32 {
-        self.fold();
-        self.high + self.low
+    pub(crate) fn total(self) -> f32 {
+        self.high + (self.low + self.part)
     }
 }

@@ -181,6 +181,7 @@ const NOT_REACHED: [(&str, &str); 21] = [
 pub fn verdicts(results: &Results) -> Vec<Verdict> {
     let mut all = power(results);
     all.extend(whole_tick(results));
+    all.extend(rig(results));
     all.extend(effects(results));
     all.extend(fixed_point(results));
     all.extend(image(results));
@@ -305,6 +306,33 @@ fn whole_tick(results: &Results) -> Vec<Verdict> {
         at_most("K", RELATIVE, 6e-7, error("K over itself")),
         at_most("ΔW", RELATIVE, 6e-7, error("ΔW over itself")),
         at_most("η", RELATIVE, 6e-7, error("η over itself")),
+    ]
+}
+
+/// No tick of the rig, with its monitor, may take twice the mean: a ramp's and the end of a cycle's included.
+fn rig(results: &Results) -> Vec<Verdict> {
+    let count = |moment| results.count(Core::CortexM4f, "rig/tick", moment);
+    let mean = count("steady").map(|count| count.mean);
+    let over_mean = |moment| Some(count(moment)?.most as f64 / mean?);
+    vec![
+        at_most(
+            "the rig: cycle end over the mean",
+            RATIO,
+            2.0,
+            over_mean("cycle-end"),
+        ),
+        at_most(
+            "the rig: longest steady tick over the mean",
+            RATIO,
+            2.0,
+            over_mean("steady"),
+        ),
+        at_most(
+            "the rig: longest tick of a ramp over the mean",
+            RATIO,
+            2.0,
+            over_mean("ramp"),
+        ),
     ]
 }
 

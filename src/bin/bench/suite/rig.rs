@@ -22,8 +22,8 @@ use super::tick::{FREQUENCY, TICK_RATE};
 
 /// mm
 const AMPLITUDE: f64 = 0.1;
-/// Cycles at full amplitude.
-const CYCLES: u32 = 8;
+/// Cycles at full amplitude: those over which the monitor settles and learns, and as many over which it watches.
+const CYCLES: u32 = 36;
 
 /// Both converters: whatever code the DAC is given, the ADC reads on both channels.
 #[derive(Default)]

@@ -1,0 +1,125 @@
+//! Section 3.1 and Tables 4 and 5.
+
+use super::Row;
+
+pub const ROWS: &[Row] = &[
+    (
+        "equation_10",
+        "holds",
+        &[("relative difference to the energy's slope", 0.0)],
+    ),
+    (
+        "equation_10_of_table_4",
+        "fails",
+        &[
+            ("part of the stress that eq 10 lacks at 2", 0.2689),
+            ("part of the stress that eq 10 lacks at 2.5", 0.5296),
+            ("part of the stress that eq 10 lacks at 3", 0.291),
+            ("part of the stress that eq 10 lacks at 3.5", 0.5),
+            ("part of the stress that eq 10 lacks at 4", 0.04213),
+        ],
+    ),
+    (
+        "table_4_stiffens_with_density",
+        "fails",
+        &[
+            ("shear modulus, MPa, at 2", 2.8),
+            ("shear modulus, MPa, at 2.5", 12.0),
+            ("shear modulus, MPa, at 3", 7.8),
+            ("shear modulus, MPa, at 3.5", 12.0),
+            ("shear modulus, MPa, at 4", 52.0),
+        ],
+    ),
+    (
+        "d1_is_in_mpa",
+        "cannot_tell",
+        &[
+            ("Poisson's ratio, in 1/MPa, at 2", 0.2894),
+            ("Poisson's ratio, in 1/MPa, at 2.5", -0.1176),
+            ("Poisson's ratio, in 1/MPa, at 3", 0.03093),
+            ("Poisson's ratio, in 1/MPa, at 3.5", -0.1176),
+            ("Poisson's ratio, in 1/MPa, at 4", -0.6281),
+            ("Poisson's ratio, in MPa, at 2", -0.3571),
+            ("Poisson's ratio, in MPa, at 2.5", -0.7766),
+            ("Poisson's ratio, in MPa, at 3", -0.6818),
+            ("Poisson's ratio, in MPa, at 3.5", -0.7766),
+            ("Poisson's ratio, in MPa, at 4", -0.9418),
+            ("mean NRMSE at 0.1 mm, D1 as Poisson's ratio", 0.4271),
+            ("mean NRMSE at 0.1 mm, D1 in 1/MPa", 0.4262),
+            ("mean NRMSE at 0.1 mm, D1 in MPa", 0.472),
+        ],
+    ),
+    (
+        "c01_is_negative",
+        "cannot_tell",
+        &[
+            ("K as printed, kN/mm, at 2", 0.5445),
+            ("K as printed, kN/mm, at 2.5", 1.63),
+            ("K as printed, kN/mm, at 3", 1.162),
+            ("K as printed, kN/mm, at 3.5", 1.628),
+            ("K as printed, kN/mm, at 4", 5.909),
+            ("K with positive signs, kN/mm, at 2", 0.8016),
+            ("K with positive signs, kN/mm, at 2.5", 24.61),
+            ("K with positive signs, kN/mm, at 3", 1.208),
+            ("K with positive signs, kN/mm, at 3.5", 24.61),
+            ("K with positive signs, kN/mm, at 4", 11.86),
+            ("mean NRMSE at 0.1 mm, positive signs", 4.603),
+            ("mean NRMSE at 0.1 mm, signs as printed", 0.4262),
+        ],
+    ),
+    (
+        "equation_11",
+        "fails",
+        &[
+            ("stress over dt, τ at the end", 0.0),
+            ("stress over dt, τ at the start", 1.055),
+            ("stress over dτ", 0.5935),
+        ],
+    ),
+    (
+        "table_5_fits_the_curves",
+        "cannot_tell",
+        &[
+            ("lasting part", 0.0116),
+            ("loss factor in shear, 1 Hz", 0.5315),
+            ("loss modulus over the sudden one, 1 Hz", 0.4018),
+            ("storage modulus over the sudden one, 1 Hz", 0.7561),
+        ],
+    ),
+    (
+        "tables_4_and_5_belong_together",
+        "cannot_tell",
+        &[("shear left after 6 s", 0.0116)],
+    ),
+    (
+        "table_4_fits_the_compression",
+        "cannot_tell",
+        &[
+            ("elastic force of the tables at 0.25 mm, kN, at 2", 0.3063),
+            ("elastic force of the tables at 0.25 mm, kN, at 2.5", 0.7849),
+            ("elastic force of the tables at 0.25 mm, kN, at 3", 0.1898),
+            ("elastic force of the tables at 0.25 mm, kN, at 3.5", 0.4383),
+            ("elastic force of the tables at 0.25 mm, kN, at 4", 2.628),
+            ("force at 0.25 mm, kN, at 2", 0.08789),
+            ("force at 0.25 mm, kN, at 2.5", 0.2142),
+            ("force at 0.25 mm, kN, at 3", 0.1863),
+            ("force at 0.25 mm, kN, at 3.5", 0.2112),
+            ("force at 0.25 mm, kN, at 4", 0.9068),
+            ("force at 0.5 mm, kN, at 2", 0.2391),
+            ("force at 0.5 mm, kN, at 2.5", 0.4844),
+            ("force at 0.5 mm, kN, at 3", 0.4776),
+            ("force at 0.5 mm, kN, at 3.5", 0.4618),
+            ("force at 0.5 mm, kN, at 4", 1.911),
+        ],
+    ),
+    (
+        "separable_contact",
+        "cannot_tell",
+        &[
+            ("K of a bonded bore, kN/mm", 0.8129),
+            ("K of a bore that stays on, kN/mm", 0.5445),
+            ("K of the first cycle, kN/mm", 0.224),
+            ("K of the third cycle, kN/mm", 0.1211),
+        ],
+    ),
+];
