@@ -134,7 +134,7 @@ fn what_cannot_be_designed_is_refused() {
     let root = tempfile::tempdir().unwrap();
     for (arguments, said) in [
         (
-            &["--stiffness=-1", "--loss-factor", "0.3"][..],
+            &["--stiffness", "-1", "--loss-factor", "0.3"][..],
             "--stiffness: -1 is outside",
         ),
         (

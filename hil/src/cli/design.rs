@@ -31,22 +31,37 @@ use super::{Failure, say};
 )]
 pub struct DesignCommand {
     /// Dynamic stiffness that is wanted, kN/mm
-    #[arg(long, value_name = "KN_PER_MM")]
+    #[arg(long, value_name = "KN_PER_MM", allow_negative_numbers = true)]
     stiffness: f64,
     /// Dynamic loss factor that is wanted
-    #[arg(long, value_name = "ETA")]
+    #[arg(long, value_name = "ETA", allow_negative_numbers = true)]
     loss_factor: f64,
     /// Of the cycles, mm; any of the tables' without it
-    #[arg(long, value_name = "MM", conflicts_with = "amplitude_range")]
+    #[arg(
+        long,
+        value_name = "MM",
+        conflicts_with = "amplitude_range",
+        allow_negative_numbers = true
+    )]
     amplitude: Option<f64>,
     /// Of the cycles, from..to in mm
     #[arg(long, value_name = "MM..MM")]
     amplitude_range: Option<String>,
     /// Of the cycles, Hz; the tables are of 1 Hz
-    #[arg(long, value_name = "HZ", default_value_t = 1.0)]
+    #[arg(
+        long,
+        value_name = "HZ",
+        default_value_t = 1.0,
+        allow_negative_numbers = true
+    )]
     frequency: f64,
     /// By what part a figure may be missed
-    #[arg(long, value_name = "PART", default_value_t = 0.05)]
+    #[arg(
+        long,
+        value_name = "PART",
+        default_value_t = 0.05,
+        allow_negative_numbers = true
+    )]
     tolerance: f64,
     /// Where the coefficients are taken from
     #[arg(long, value_enum, default_value_t = PublishedLaw::Tables)]
@@ -174,7 +189,7 @@ fn print(summary: &Summary) {
             "{:^18} {:^20} {:^13} {other:^23} {:^23}",
             "specimen", "has", "amplitudes", "on the rig"
         ));
-        let figures = "K       η";
+        let figures = "K, η off from wanted";
         say(&format!(
             "{:>8} {:>9} {:>10} {:>9} {:^13} {figures:^23} {figures:^23}",
             "g/cm³", "mm", "K, kN/mm", "η", "within, mm"
@@ -218,7 +233,9 @@ fn print(summary: &Summary) {
         nearest,
     } = &design.reachable;
     say(&format!(
-        "Reachable: K = {} kN/mm, loss factor = {}",
+        "Reachable {} at {} Hz: K = {} kN/mm, loss factor = {}",
+        at_amplitudes(design),
+        design.wanted.frequency,
         span(*stiffness),
         span(*loss_factor)
     ));
@@ -237,7 +254,11 @@ fn print(summary: &Summary) {
 }
 
 fn span((low, high): (f64, f64)) -> String {
-    format!("{}…{}", text::number(low), text::number(high))
+    let (low, high) = (text::number(low), text::number(high));
+    if low == high {
+        return low;
+    }
+    format!("{low}…{high}")
 }
 
 fn described(point: &Point) -> String {
@@ -250,13 +271,17 @@ fn described(point: &Point) -> String {
     )
 }
 
-fn none(design: &Design) -> String {
+fn at_amplitudes(design: &Design) -> String {
     let (low, high) = design.wanted.amplitudes;
-    let amplitudes = if low == high {
+    if low == high {
         format!("at {low} mm")
     } else {
         format!("at any of {low}…{high} mm")
-    };
+    }
+}
+
+fn none(design: &Design) -> String {
+    let amplitudes = at_amplitudes(design);
     format!(
         "no density gives K = {} kN/mm and loss factor = {} within {} {amplitudes}; nearest is {}",
         design.wanted.stiffness,

@@ -142,16 +142,26 @@ impl<'w> Search<'w> {
             })
         };
         let of = |&(row, column): &(usize, usize)| distance(self.misfits[row][column]);
-        regions(rows, columns, keeps)
+        let mut nearest: Vec<(f64, f64)> = regions(rows, columns, keeps)
             .into_iter()
             .filter(|region| !has_solution(region))
             .filter_map(|region| region.into_iter().min_by(|a, b| of(a).total_cmp(&of(b))))
             .map(|(row, column)| {
                 self.refined(row, column, |misfit| within(misfit, self.wanted.tolerance))
             })
-            // A narrow region falls apart on the grid.
-            .filter(|&near| !exact.iter().any(|&solution| self.joined(near, solution)))
-            .collect()
+            .collect();
+        let missed =
+            |&(density, amplitude): &(f64, f64)| distance(misfit(self.wanted, density, amplitude));
+        nearest.sort_by(|a, b| missed(a).total_cmp(&missed(b)));
+        // A narrow region falls apart on the grid.
+        let mut kept: Vec<(f64, f64)> = Vec::new();
+        for near in nearest {
+            let mut known = exact.iter().chain(&kept);
+            if !known.any(|&solution| self.joined(near, solution)) {
+                kept.push(near);
+            }
+        }
+        kept
     }
 
     /// Whether both figures are within the tolerance on the whole straight way between two densities and amplitudes.
@@ -267,9 +277,12 @@ impl<'w> Search<'w> {
         (0..=last)
             .filter(least)
             .map(|index| {
-                let low = self.densities[index.saturating_sub(1)];
-                let high = self.densities[(index + 1).min(last)];
-                (minimum(at, low, high), amplitude)
+                // The node may be one of the tables', where the figures turn: each side has its own least.
+                let sides = [index.saturating_sub(1), (index + 1).min(last)];
+                let [below, above] =
+                    sides.map(|side| minimum(at, self.densities[index], self.densities[side]));
+                let nearer = if at(below) < at(above) { below } else { above };
+                (nearer, amplitude)
             })
             .filter(|&(density, amplitude)| {
                 within(
@@ -386,7 +399,7 @@ fn nodes(lines: &[f64], (low, high): (f64, f64), cells: usize) -> Vec<f64> {
     nodes
 }
 
-/// Where a function that falls and then rises between `low` and `high` is least.
+/// Where a function that falls and then rises between `low` and `high`, in whichever order, is least.
 fn minimum(function: impl Fn(f64) -> f64, mut low: f64, mut high: f64) -> f64 {
     // Each step leaves two thirds.
     for _ in 0..80 {
