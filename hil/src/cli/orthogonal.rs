@@ -4,7 +4,8 @@ use std::path::{Path, PathBuf};
 
 use clap::Args;
 use hil::orthogonal::{
-    AgainstPrint, Analysis, ErrorSource, Experiment, SIGNIFICANCE, Variance, against_print, analyse,
+    AgainstPrint, Analysis, ErrorSource, Experiment, FREE_COLUMNS, SIGNIFICANCE, Variance,
+    against_print, analyse,
 };
 use hil::output::Outputs;
 use hil::reference::orthogonal_test::{LOSS_FACTOR, STIFFNESS};
@@ -136,6 +137,12 @@ fn verdict(variance: &Variance) -> Vec<String> {
     } else {
         format!("told from error at {level}: {}", variance.told.join(", "))
     });
+    if variance.told.iter().any(|name| name == FREE_COLUMNS) {
+        lines.push(
+            "free columns stand out: factors interact, and nine runs mix that into the factors' own effects"
+                .into(),
+        );
+    }
     lines
 }
 

@@ -24,7 +24,7 @@ pub use array::{COLUMNS, LEVELS, RUNS, l9};
 pub use experiment::{Defect, Experiment, Factor, Response};
 pub use published::{AgainstPrint, Misprint, against_print};
 pub use ranges::{LevelSums, order};
-pub use variance::{Effect, ErrorSource, SIGNIFICANCE, Variance};
+pub use variance::{Effect, ErrorSource, FREE_COLUMNS, SIGNIFICANCE, Variance};
 
 use serde::Serialize;
 

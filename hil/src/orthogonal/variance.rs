@@ -27,6 +27,9 @@ use super::array::{COLUMNS, LEVELS, RUNS};
 use super::experiment::{Experiment, Response};
 use super::ranges::mean;
 
+/// Names what the columns show that no factor has.
+pub const FREE_COLUMNS: &str = "free columns";
+
 /// An effect counts as told from error when error alone gives one as large in fewer cases than this.
 pub const SIGNIFICANCE: f64 = 0.05;
 
@@ -125,7 +128,7 @@ impl Variance {
         let (mut error, error_freedom, of_error) = if repeats > 1 {
             let within = RUNS * (repeats - 1);
             if free > 0 {
-                effects.push(Effect::new("free columns", rest, free, total));
+                effects.push(Effect::new(FREE_COLUMNS, rest, free, total));
             }
             (ErrorSource::Repeats, within, (total - between).max(0.0))
         } else if free > 0 {
