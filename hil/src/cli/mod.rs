@@ -8,6 +8,7 @@ mod characterize;
 mod demo;
 mod design;
 mod effect;
+mod events;
 mod faults;
 mod image;
 mod law;

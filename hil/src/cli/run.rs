@@ -19,6 +19,7 @@ use mesh_damper::sine::Programme;
 use serde::Serialize;
 
 use super::effect;
+use super::events::EventRow;
 use super::image::{LogLevel, start_image};
 use super::law::PublishedLaw;
 use super::programme::{self, MOST_BLOCKS};
@@ -104,6 +105,8 @@ struct Summary {
     tick_rate: f64,
     ticks: u64,
     cycles: Vec<CycleRow>,
+    /// What the monitor named, each cause once.
+    events: Vec<EventRow>,
     stopped: Option<Stop>,
 }
 
@@ -213,6 +216,7 @@ impl RunCommand {
             tick_rate: self.tick_rate,
             ticks: run.ticks,
             cycles: run.cycles.iter().map(CycleRow::from).collect(),
+            events: run.events.iter().map(EventRow::new).collect(),
             stopped: run.faults.first().map(|&(time, fault)| Stop {
                 time,
                 fault: in_words(fault).to_owned(),
@@ -243,6 +247,9 @@ impl RunCommand {
         journal.remove();
         if self.json.as_deref() != Some(Path::new("-")) {
             print_blocks(&run, &programme);
+            for event in &summary.events {
+                say(&event.in_words());
+            }
             say(&format!("The recording is {}", recording.display()));
         }
         summary.stopped.map_or(Ok(()), |stop| Err(stop.failure()))

@@ -1,5 +1,6 @@
 //! A whole programme on the bench, recorded.
 
+use mesh_damper::health::Event;
 use mesh_damper::law::Law;
 use mesh_damper::rig::{CycleReport, Fault, State, Telemetry};
 
@@ -73,6 +74,8 @@ pub struct RigRun {
     pub cycles: Vec<CycleReport>,
     /// When the rig stopped for what, s; none after a test that ran to its end.
     pub faults: Vec<(f64, Fault)>,
+    /// When the monitor named what, s.
+    pub events: Vec<(f64, Event)>,
     /// Ticks run.
     pub ticks: u64,
 }
@@ -185,6 +188,7 @@ fn run<S: DamperForce + Clone>(
         samples: Samples::default(),
         cycles: Vec::new(),
         faults: Vec::new(),
+        events: Vec::new(),
         ticks: 0,
     };
     for column in [
@@ -227,6 +231,8 @@ fn run_to_its_end<S: DamperForce + Clone>(
         }
         run.ticks += 1;
         run.cycles.extend(telemetry.report);
+        run.events
+            .extend(telemetry.event.map(|event| (time, event)));
         if block != Some(telemetry.block) {
             block = Some(telemetry.block);
             if let Some(law) = plan.block_laws.get(telemetry.block) {

@@ -1,0 +1,112 @@
+//! What the rig's monitor named, as rows of JSON and in words.
+
+use mesh_damper::health::{Cause, Channel, Event, Statistic};
+use serde::Serialize;
+
+/// One event with its evidence.
+#[derive(Clone, Debug, Serialize)]
+pub(super) struct EventRow {
+    /// s since the start.
+    time: f64,
+    /// Cycles completed since the start.
+    cycle: u32,
+    /// By the crate's names, as `hil faults` has them.
+    cause: String,
+    /// Something is wrong; not so of a run-in or of the temperature.
+    fault: bool,
+    /// What moved, by the crate's names.
+    statistic: String,
+    /// By how much; a sample as it was. As a part, in mm or in kN, as the statistic says.
+    value: f32,
+    /// What it may be.
+    limit: f32,
+    #[serde(skip)]
+    event: Event,
+}
+
+impl EventRow {
+    pub(super) fn new(&(time, event): &(f64, Event)) -> Self {
+        Self {
+            time,
+            cycle: event.cycle,
+            cause: format!("{:?}", event.cause),
+            fault: event.cause.is_fault(),
+            statistic: format!("{:?}", event.statistic),
+            value: event.value,
+            limit: event.limit,
+            event,
+        }
+    }
+
+    /// In one line.
+    pub(super) fn in_words(&self) -> String {
+        let Event { cause, .. } = self.event;
+        let kind = if self.fault { "Fault" } else { "Normal" };
+        let (value, limit) = (self.value, self.limit);
+        let percent = |what: &str| {
+            format!(
+                "{what} moved by {:+.1} %, limit {:.1} %",
+                100.0 * value,
+                100.0 * limit
+            )
+        };
+        let evidence = match self.event.statistic {
+            Statistic::Stiffness => percent("the stiffness"),
+            Statistic::Energy => percent("the energy"),
+            Statistic::MeanForce => percent("the mean force"),
+            Statistic::Residual => percent("what the law leaves"),
+            Statistic::ThirdHarmonic => percent("its third harmonic"),
+            Statistic::MeanCommand => percent("the mean command"),
+            Statistic::Response => percent("the response to the demanded motion"),
+            Statistic::Sample => match channel_of(cause) {
+                Some(Channel::Displacement) => format!("it showed {value:.4} mm"),
+                Some(Channel::Force) => format!("it showed {value:.4} kN"),
+                None => format!("a sample of {value:.4}"),
+            },
+        };
+        format!(
+            "{kind} found {:.3} s after the start, in cycle {}: {}; {evidence}",
+            self.time,
+            self.cycle,
+            named(cause)
+        )
+    }
+}
+
+fn channel_of(cause: Cause) -> Option<Channel> {
+    match cause {
+        Cause::SensorStuck(channel)
+        | Cause::SensorDroppedOut(channel)
+        | Cause::SensorClipped(channel)
+        | Cause::SensorSpiking(channel)
+        | Cause::SensorDrifting(channel) => Some(channel),
+        _ => None,
+    }
+}
+
+fn named(cause: Cause) -> String {
+    let sensor = |what: &str| {
+        let channel = match channel_of(cause) {
+            Some(Channel::Force) => "force",
+            _ => "displacement",
+        };
+        format!("the {channel} sensor {what}")
+    };
+    match cause {
+        Cause::WireBreakage => "wire breakage".into(),
+        Cause::FrictionWear => "friction wear".into(),
+        Cause::Loosening => "loosening".into(),
+        Cause::PreloadShift => "the preload has shifted".into(),
+        Cause::Unexplained => "something that no known cause explains".into(),
+        Cause::RunIn => "the run-in".into(),
+        Cause::Temperature => "the temperature".into(),
+        Cause::SensorStuck(_) => sensor("is stuck"),
+        Cause::SensorDroppedOut(_) => sensor("has dropped out"),
+        Cause::SensorClipped(_) => sensor("is clipped"),
+        Cause::SensorSpiking(_) => sensor("spikes"),
+        Cause::SensorDrifting(_) => sensor("drifts"),
+        Cause::ActuatorSaturated => "the actuator is saturated".into(),
+        Cause::ActuatorLagging => "the actuator lags".into(),
+        Cause::ActuatorDead => "the actuator is dead".into(),
+    }
+}
