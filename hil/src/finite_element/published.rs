@@ -55,6 +55,27 @@ pub struct Reading {
     pub sign: SignReading,
 }
 
+impl VolumetricReading {
+    /// As a reader has it.
+    pub fn in_words(self) -> &'static str {
+        match self {
+            Self::Equation8 => "eq 8's D, MPa",
+            Self::Incompressibility => "the program's D1, 1/MPa",
+            Self::PoissonRatio => "Poisson's ratio",
+        }
+    }
+}
+
+impl SignReading {
+    /// As a reader has it.
+    pub fn in_words(self) -> &'static str {
+        match self {
+            Self::AsPrinted => "as printed, negative",
+            Self::Positive => "positive",
+        }
+    }
+}
+
 impl Reading {
     /// Every reading that is tried.
     pub const ALL: [Self; 6] = {

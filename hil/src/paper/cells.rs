@@ -77,7 +77,7 @@ pub fn dynamics_of(displacement: &[f64], force: &[f64]) -> Dynamics {
 
 /// Changes of sign of the curvature along the branch of rising displacement. With x = y/A it is
 /// F″·A² = 6·k3·A³·x − c·(ωA)^α·α·(1 − x²)^(α/2 − 2)·(1 + (1 − α)·x²).
-fn inflections(law: &Coefficients, amplitude: f64) -> usize {
+pub fn inflections(law: &Coefficients, amplitude: f64) -> usize {
     let speed = std::f64::consts::TAU * FREQUENCY * amplitude;
     let friction = law.c * speed.powf(law.alpha) * law.alpha;
     let curvature = |x: f64| {

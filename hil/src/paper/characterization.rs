@@ -7,6 +7,7 @@ use super::claim::{Claim, Verdict};
 use crate::amplitude_free::Sine;
 use crate::extremes::least_and_largest;
 use crate::reference::comparison::nrmse;
+use crate::reference::law::Coefficients;
 use crate::reference::orthogonal_test::{LEVELS, STIFFNESS};
 use crate::reference::{dynamic_test, static_test};
 
@@ -21,6 +22,7 @@ pub fn claims(cells: &[[Cell; 5]; 5]) -> Vec<Claim> {
     vec![
         equation_1(),
         equation_7(cells),
+        two_loss_factors(),
         excitation(cells),
         frequency(cells),
         static_stiffness(),
@@ -51,6 +53,46 @@ fn equation_1() -> Claim {
         "a loop of known areas gives its stiffness and its loss factor back",
     )
     .with("largest relative error", largest)
+}
+
+/// One ellipse F = k·x ± b·√(X² − x²) by both: eq 4 has b/k, eq 2 takes the potential energy from the turning point on, over
+/// 2·X, and has half of that.
+fn two_loss_factors() -> Claim {
+    let (amplitude, k, b) = (0.1, 2.0, 0.5);
+    let law = Coefficients {
+        k1: k,
+        k3: 0.0,
+        c: b / (TAU * FREQUENCY),
+        alpha: 1.0,
+    };
+    let sine = Sine::new(amplitude, FREQUENCY, SAMPLES);
+    let force = sine.force(&law);
+    let dynamic = dynamics(&law, amplitude, FREQUENCY).loss_factor;
+    let (lowest, _) = least_and_largest(&sine.displacement);
+    let turn = sine
+        .displacement
+        .iter()
+        .position(|&x| x == lowest)
+        .unwrap_or(0);
+    // Up to the other turning point and back.
+    let from_turn = (0..=SAMPLES).map(|i| (turn + i) % SAMPLES);
+    let (x, f): (Vec<f64>, Vec<f64>) = from_turn
+        .map(|i| (sine.displacement[i] - lowest, force[i] - force[turn]))
+        .unzip();
+    let by_eq_2 = static_test::characterize(&x, &f).expect("a loop with potential");
+    let ratio = by_eq_2.loss_factor / dynamic;
+    Claim::new(
+        "one_loss_factor",
+        "§2.2.2 against §2.3.2",
+        "The loss factors of eqs 2 and 4 are the same measure of a loop.",
+        Verdict::of((ratio - 1.0).abs() < 0.1),
+        format!(
+            "of the same ellipse eq 2 gives {:.3} and eq 4 {dynamic:.3}: eq 2 divides by the potential energy over the whole way from \
+             turn to turn, and by π; a static loss factor is not to be held against a dynamic one",
+            by_eq_2.loss_factor
+        ),
+    )
+    .with("eq 2 over eq 4", ratio)
 }
 
 fn equation_7(cells: &[[Cell; 5]; 5]) -> Claim {

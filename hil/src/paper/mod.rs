@@ -7,6 +7,7 @@ mod cells;
 mod characterization;
 mod claim;
 mod comparison;
+mod element_claims;
 mod elements;
 mod material;
 mod methods;
@@ -153,6 +154,7 @@ pub fn recompute(progress: &(dyn Fn(&str) + Sync)) -> Paper {
         tables::claims(&cells, &evidence),
         trends::claims(&cells, &orthogonal_test),
         methods::claims(&cells, &comparison),
+        element_claims::claims(&comparison, &study),
     ]
     .concat();
     Paper {

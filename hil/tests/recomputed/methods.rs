@@ -70,7 +70,11 @@ pub const ROWS: &[Row] = &[
     (
         "law_has_inflections",
         "fails",
-        &[("loops with inflections", 22.0)],
+        &[
+            ("loops of Figures 14 and 17 where the law differs", 1.0),
+            ("loops with inflections", 22.0),
+            ("of these nine, eq 20 with c below 0", 1.0),
+        ],
     ),
     (
         "law_predicts_stiffness_and_loss_factor",
@@ -105,8 +109,22 @@ pub const ROWS: &[Row] = &[
         ],
     ),
     (
-        "finite_elements_err_2_to_30_times_more",
+        "law_agrees_better_than_finite_elements",
         "fails",
+        &[
+            ("loops where finite elements are nearer than eq 20", 5.0),
+            (
+                "loops where finite elements are nearer than the surfaces",
+                0.0,
+            ),
+            ("mean NRMSE, crate's surfaces", 0.06856),
+            ("mean NRMSE, eq 20 corrected", 0.4094),
+            ("mean NRMSE, finite elements", 0.3985),
+        ],
+    ),
+    (
+        "finite_elements_err_2_to_30_times_more",
+        "cannot_tell",
         &[
             ("NRMSE of finite elements at 2", 0.3465),
             ("NRMSE of finite elements at 2.5", 0.3445),
@@ -123,6 +141,7 @@ pub const ROWS: &[Row] = &[
             ("ratio to eq 20 corrected at 3", 5.664),
             ("ratio to eq 20 corrected at 3.5", 2.362),
             ("ratio to eq 20 corrected at 4", 4.52),
+            ("readings of Table 4 that turn it", 1.0),
         ],
     ),
     (
@@ -147,20 +166,6 @@ pub const ROWS: &[Row] = &[
         ],
     ),
     (
-        "law_agrees_better_than_finite_elements",
-        "fails",
-        &[
-            ("loops where finite elements are nearer than eq 20", 5.0),
-            (
-                "loops where finite elements are nearer than the surfaces",
-                0.0,
-            ),
-            ("mean NRMSE, crate's surfaces", 0.06856),
-            ("mean NRMSE, eq 20 corrected", 0.4094),
-            ("mean NRMSE, finite elements", 0.3985),
-        ],
-    ),
-    (
         "finite_elements_turn_with_density",
         "fails",
         &[
@@ -169,22 +174,24 @@ pub const ROWS: &[Row] = &[
             ("K, kN/mm, at 3", 1.162),
             ("K, kN/mm, at 3.5", 1.628),
             ("K, kN/mm, at 4", 5.909),
+            ("readings of Table 4 that turn it", 0.0),
         ],
     ),
     (
         "finite_elements_exaggerate_the_area",
-        "fails",
+        "cannot_tell",
         &[
             ("ratio of ΔW at 2", 0.512),
             ("ratio of ΔW at 2.5", 0.7879),
             ("ratio of ΔW at 3", 0.4093),
             ("ratio of ΔW at 3.5", 0.4702),
             ("ratio of ΔW at 4", 0.8874),
+            ("readings of Table 4 that turn it", 3.0),
         ],
     ),
     (
         "finite_elements_miss_the_loss_factor",
-        "fails",
+        "cannot_tell",
         &[
             ("ratio of K at 2", 0.8075),
             ("ratio of K at 2.5", 0.9752),
@@ -196,13 +203,15 @@ pub const ROWS: &[Row] = &[
             ("ratio of η at 3", 0.5958),
             ("ratio of η at 3.5", 1.251),
             ("ratio of η at 4", 1.714),
+            ("readings of Table 4 that turn it", 1.0),
         ],
     ),
     (
         "finite_elements_give_ellipses",
-        "holds",
+        "cannot_tell",
         &[
             ("largest part beside an ellipse over density", 0.007188),
+            ("part beside an ellipse, bore free to leave", 0.1561),
             ("part beside an ellipse, finite elements, at 0.05", 0.002016),
             ("part beside an ellipse, finite elements, at 0.1", 0.007188),
             ("part beside an ellipse, finite elements, at 0.15", 0.01493),

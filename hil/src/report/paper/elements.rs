@@ -2,7 +2,7 @@
 
 use maud::{Markup, html};
 
-use crate::finite_element::{Bore, Reading, SignReading, VolumetricReading};
+use crate::finite_element::Bore;
 use crate::paper::{Compared, Paper};
 use crate::reference::tables::DENSITIES;
 use crate::report::text;
@@ -33,8 +33,8 @@ fn readings(paper: &Paper) -> Markup {
             tbody {
                 @for one in &paper.elements.readings {
                     tr {
-                        td.text { (volumetric(&one.reading)) }
-                        td.text { (sign(&one.reading)) }
+                        td.text { (one.reading.volumetric.in_words()) }
+                        td.text { (one.reading.sign.in_words()) }
                         @for found in &one.by_density { td { (figures(found)) } }
                         td { (one.mean_error().map_or_else(|| "—".into(), text::percent)) }
                     }
@@ -48,21 +48,6 @@ fn readings(paper: &Paper) -> Markup {
                 }
             }
         } }
-    }
-}
-
-fn volumetric(reading: &Reading) -> &'static str {
-    match reading.volumetric {
-        VolumetricReading::Equation8 => "eq 8's D, MPa",
-        VolumetricReading::Incompressibility => "the program's D1, 1/MPa",
-        VolumetricReading::PoissonRatio => "Poisson's ratio",
-    }
-}
-
-fn sign(reading: &Reading) -> &'static str {
-    match reading.sign {
-        SignReading::AsPrinted => "as printed, negative",
-        SignReading::Positive => "positive",
     }
 }
 

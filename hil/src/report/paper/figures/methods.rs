@@ -201,13 +201,13 @@ pub(super) fn compared_dynamics(
         seen: if conditions[0].density == conditions[1].density {
             format!(
                 "The tables' stiffness stays and then doubles: at 2.0 g/cm³ they don't show what is described. That of finite elements \
-                 rises a little with the strain, and their loss factor is the series' at every amplitude.{}",
+                 rises a little with the strain, and their loss factor is nearly the same at every amplitude.{}",
                 without_elements(conditions)
             )
         } else {
             format!(
                 "Eq 20's loss factor is half of the tables' at 2.0 g/cm³ and nearly double at 2.5 g/cm³, and near from 3.0 g/cm³ on. \
-                 Finite elements have half the stiffness or less at 3.5 and 4.0 g/cm³, and a loss factor that hardly changes.{}",
+                 Finite elements have about half the stiffness or less at 3.5 and 4.0 g/cm³, and a loss factor that rises with density.{}",
                 without_elements(conditions)
             )
         },
