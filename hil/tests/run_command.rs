@@ -15,6 +15,42 @@ fn run(directory: &Path, arguments: &[&str]) -> Output {
         .unwrap()
 }
 
+/// A specimen that softens for longer than a run-in lasts: what the monitor names is told, in the JSON with its evidence.
+#[test]
+fn what_the_monitor_names_is_told() {
+    let root = tempfile::tempdir().unwrap();
+    let softening = [
+        "--effect",
+        "drift:stiffness=-0.5,cycles=300",
+        "--blocks",
+        "0.1:10:400",
+    ];
+    let told = run(root.path(), &softening);
+    assert!(told.status.success());
+    let told = String::from_utf8_lossy(&told.stdout).into_owned();
+    let output = run(root.path(), &[&softening[..], &["--json", "-"]].concat());
+    let summary: serde_json::Value = serde_json::from_slice(&output.stdout).unwrap();
+    let events = summary["events"].as_array().unwrap();
+    assert!(events.len() > 1, "{events:?}");
+    for event in events {
+        let (value, limit) = (
+            event["value"].as_f64().unwrap(),
+            event["limit"].as_f64().unwrap(),
+        );
+        assert!(value.abs() >= limit && limit > 0.0, "{event}");
+        let time = event["time"].as_f64().unwrap();
+        assert!(
+            (time - event["cycle"].as_f64().unwrap() / 10.0).abs() < 0.2,
+            "{event}"
+        );
+        let at = format!("found {time:.3} s after the start");
+        assert!(told.contains(&at), "{at}: {told}");
+    }
+    assert_eq!(events[0]["cause"], "RunIn");
+    assert_eq!(events[0]["fault"], false);
+    assert!(events.iter().any(|event| event["fault"] == true));
+}
+
 #[test]
 fn leaves_a_recording_and_its_cycles() {
     let root = tempfile::tempdir().unwrap();
@@ -34,6 +70,7 @@ fn leaves_a_recording_and_its_cycles() {
     );
     let summary: serde_json::Value = serde_json::from_slice(&output.stdout).unwrap();
     assert!(summary["stopped"].is_null());
+    assert_eq!(summary["events"], serde_json::json!([]));
 
     let recording = Recording::read(root.path().join("run-out/recording.csv.gz")).unwrap();
     assert!((recording.sample_period() - 1e-3).abs() < 1e-9);
