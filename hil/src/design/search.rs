@@ -20,6 +20,8 @@ const CELLS_OF_LINE: usize = 400;
 const BEYOND: (f64, f64) = (0.5, 2e-3);
 /// Solutions nearer to each other than this, g/cm³ and mm, are one.
 const SAME: (f64, f64) = (1e-4, 1e-5);
+/// Part of a cell by which it is seen which way a figure goes from its end.
+const PROBE: f64 = 1e-3;
 /// At a single amplitude both figures are met where their distance is below this.
 const MET: f64 = 1e-6;
 /// A region within the tolerance has a solution that is so many nodes beside it: it may end between two.
@@ -82,19 +84,17 @@ impl<'w> Search<'w> {
     }
 
     fn candidates(&self) -> Vec<(f64, f64, Meets)> {
+        let mark = |meets| move |(density, amplitude)| (density, amplitude, meets);
+        let all = |exact: Vec<(f64, f64)>, near: Vec<(f64, f64)>| {
+            let exact = exact.into_iter().map(mark(Meets::Both));
+            let near = near.into_iter().map(mark(Meets::WithinTolerance));
+            exact.chain(near).collect()
+        };
         if self.amplitudes.len() == 1 {
             let of_line = self.of_line().into_iter();
-            return of_line
-                .map(|(density, amplitude)| {
-                    let misfit = misfit(self.wanted, density, amplitude);
-                    let meets = if distance(misfit) < MET {
-                        Meets::Both
-                    } else {
-                        Meets::WithinTolerance
-                    };
-                    (density, amplitude, meets)
-                })
-                .collect();
+            let (exact, near) = of_line.partition::<Vec<_>, _>(|point| self.missed(point) < MET);
+            let near = self.apart(&exact, near);
+            return all(exact, near);
         }
         let exact = self.of_cells();
         let mut near = self.near_misses(&exact);
@@ -106,11 +106,7 @@ impl<'w> Search<'w> {
             let misfit = misfit(self.wanted, density, amplitude);
             near.extend(within(misfit, self.wanted.tolerance).then_some((density, amplitude)));
         }
-        let mark = |meets| move |(density, amplitude)| (density, amplitude, meets);
-        let exact = exact.into_iter().map(mark(Meets::Both));
-        exact
-            .chain(near.into_iter().map(mark(Meets::WithinTolerance)))
-            .collect()
+        all(exact, near)
     }
 
     /// The nearest point of every region of the grid within the tolerance that has none of the `exact` solutions in it or
@@ -142,26 +138,33 @@ impl<'w> Search<'w> {
             })
         };
         let of = |&(row, column): &(usize, usize)| distance(self.misfits[row][column]);
-        let mut nearest: Vec<(f64, f64)> = regions(rows, columns, keeps)
+        let nearest = regions(rows, columns, keeps)
             .into_iter()
             .filter(|region| !has_solution(region))
             .filter_map(|region| region.into_iter().min_by(|a, b| of(a).total_cmp(&of(b))))
             .map(|(row, column)| {
                 self.refined(row, column, |misfit| within(misfit, self.wanted.tolerance))
-            })
-            .collect();
-        let missed =
-            |&(density, amplitude): &(f64, f64)| distance(misfit(self.wanted, density, amplitude));
-        nearest.sort_by(|a, b| missed(a).total_cmp(&missed(b)));
+            });
         // A narrow region falls apart on the grid.
+        self.apart(exact, nearest.collect())
+    }
+
+    /// Those of `near`, the nearest first, that the tolerance parts from the `exact` solutions and from each other.
+    fn apart(&self, exact: &[(f64, f64)], mut near: Vec<(f64, f64)>) -> Vec<(f64, f64)> {
+        near.sort_by(|a, b| self.missed(a).total_cmp(&self.missed(b)));
         let mut kept: Vec<(f64, f64)> = Vec::new();
-        for near in nearest {
+        for one in near {
             let mut known = exact.iter().chain(&kept);
-            if !known.any(|&solution| self.joined(near, solution)) {
-                kept.push(near);
+            if !known.any(|&solution| self.joined(one, solution)) {
+                kept.push(one);
             }
         }
         kept
+    }
+
+    /// The distance of a density and amplitude from what is wanted.
+    fn missed(&self, &(density, amplitude): &(f64, f64)) -> f64 {
+        distance(misfit(self.wanted, density, amplitude))
     }
 
     /// Whether both figures are within the tolerance on the whole straight way between two densities and amplitudes.
@@ -266,24 +269,32 @@ impl<'w> Search<'w> {
 
     /// The densities at which the distance is least, where it is within the tolerance.
     fn of_line(&self) -> Vec<(f64, f64)> {
-        let (line, amplitude) = (&self.misfits[0], self.amplitudes[0]);
-        let at = |density: f64| distance(misfit(self.wanted, density, amplitude));
-        let last = line.len() - 1;
-        let least = |&index: &usize| {
-            let here = distance(line[index]);
-            (index == 0 || distance(line[index - 1]) >= here)
-                && (index == last || distance(line[index + 1]) >= here)
+        let amplitude = self.amplitudes[0];
+        let at = |density: f64| self.missed(&(density, amplitude));
+        // Figures may turn at a node, which is the least then; where they fall into a cell from both its ends, one is in it.
+        let in_cell = |cell: &[f64]| {
+            let (low, high) = (cell[0], cell[1]);
+            let aside = PROBE * (high - low);
+            (at(low + aside) < at(low) && at(high - aside) < at(high))
+                .then(|| minimum(at, low, high))
         };
-        (0..=last)
-            .filter(least)
-            .map(|index| {
-                // The node may be one of the tables', where the figures turn: each side has its own least.
-                let sides = [index.saturating_sub(1), (index + 1).min(last)];
-                let [below, above] =
-                    sides.map(|side| minimum(at, self.densities[index], self.densities[side]));
-                let nearer = if at(below) < at(above) { below } else { above };
-                (nearer, amplitude)
-            })
+        let at_node = |&index: &usize| {
+            let here = at(self.densities[index]);
+            let beside = |other: Option<&f64>| {
+                let node = self.densities[index];
+                other.is_none_or(|other| at(node + PROBE * (other - node)) >= here)
+            };
+            let below = index
+                .checked_sub(1)
+                .and_then(|below| self.densities.get(below));
+            beside(below) && beside(self.densities.get(index + 1))
+        };
+        let nodes = (0..self.densities.len()).filter(at_node);
+        let in_cells = self.densities.windows(2).filter_map(in_cell);
+        nodes
+            .map(|index| self.densities[index])
+            .chain(in_cells)
+            .map(|density| (density, amplitude))
             .filter(|&(density, amplitude)| {
                 within(
                     misfit(self.wanted, density, amplitude),
@@ -399,7 +410,7 @@ fn nodes(lines: &[f64], (low, high): (f64, f64), cells: usize) -> Vec<f64> {
     nodes
 }
 
-/// Where a function that falls and then rises between `low` and `high`, in whichever order, is least.
+/// Where a function that falls and then rises between `low` and `high` is least.
 fn minimum(function: impl Fn(f64) -> f64, mut low: f64, mut high: f64) -> f64 {
     // Each step leaves two thirds.
     for _ in 0..80 {
