@@ -21,6 +21,7 @@
 //! An [`Event`] carries its evidence and stays until it is cleared. Memory is constant, and a cycle's work is spread over the
 //! ticks that follow its end. What is there while it learns is taken for normal.
 
+mod adaptation;
 mod baseline;
 mod cause;
 mod channel;
@@ -37,16 +38,18 @@ use crate::error::ConfigError;
 use crate::frame::{Fields, Reader, Writer};
 use crate::real::in_range;
 use crate::rig::Fault;
+use crate::tabulated::Followed;
+use adaptation::Adaptation;
 use channel::{Beside, ChannelWatch};
 use response::ResponseWatch;
 use specimen::{CycleNumbers, SpecimenWatch};
-use sums::CycleSums;
+use sums::{CycleSums, Sample};
 
 /// What a monitor is set to.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct HealthSettings {
-    /// Smallest lasting change of stiffness, energy, mean force (of its amplitude) or residual (of the force) that is to be
-    /// found, 0.01…0.5.
+    /// Smallest lasting change of stiffness, energy, mean force (of its amplitude) or residual (of the law's force) that is to
+    /// be found, 0.01…0.5.
     pub size: f64,
     /// Cycles between false alarms of Gaussian noise, 1e2…1e9.
     pub false_alarm_cycles: f64,
@@ -56,10 +59,13 @@ pub struct HealthSettings {
     pub run_in_cycles: u32,
     /// Most by which temperature changes a specimen's force, part of it per °C, 0…0.1, beyond what the law says of it.
     pub temperature_slope: f64,
+    /// Most by which the law follows a slow change of k1, k3 and c after the run-in, part of each, 0…0.5; 0 where it stays
+    /// as it was given. What is followed is no fault, what goes beyond is one.
+    pub follow: f64,
 }
 
 impl Default for HealthSettings {
-    /// 5 %, one false alarm in a million cycles, and a mesh that loses up to 0.4 % of its force per °C.
+    /// 5 %, one false alarm in a million cycles, a mesh that loses up to 0.4 % of its force per °C, and a law that stays.
     fn default() -> Self {
         Self {
             size: 0.05,
@@ -67,6 +73,7 @@ impl Default for HealthSettings {
             learning_cycles: 16,
             run_in_cycles: 200,
             temperature_slope: 0.004,
+            follow: 0.0,
         }
     }
 }
@@ -80,6 +87,14 @@ pub(crate) struct HealthConfig {
     learning_cycles: u32,
     run_in_cycles: u32,
     temperature_slope: f32,
+    follow: f32,
+}
+
+impl HealthConfig {
+    /// Whether the law follows slow changes.
+    pub(crate) fn follows(&self) -> bool {
+        self.follow > 0.0
+    }
 }
 
 impl HealthSettings {
@@ -99,6 +114,7 @@ impl HealthSettings {
             run_in_cycles: self.run_in_cycles,
             temperature_slope: in_range("temperature_slope", self.temperature_slope, 0.0, 0.1)?
                 as f32,
+            follow: in_range("follow", self.follow, 0.0, 0.5)? as f32,
         })
     }
 }
@@ -111,6 +127,7 @@ impl Fields for HealthConfig {
             self.learning_cycles,
             self.run_in_cycles,
             self.temperature_slope.to_bits(),
+            self.follow.to_bits(),
         ]);
     }
 
@@ -121,6 +138,7 @@ impl Fields for HealthConfig {
             learning_cycles,
             run_in_cycles,
             temperature_slope,
+            follow,
         ] = reader.words()?;
         Some(Self {
             size: f32::from_bits(size),
@@ -128,6 +146,7 @@ impl Fields for HealthConfig {
             learning_cycles,
             run_in_cycles,
             temperature_slope: f32::from_bits(temperature_slope),
+            follow: f32::from_bits(follow),
         })
     }
 }
@@ -151,15 +170,18 @@ fn part_end(phase: u32) -> u32 {
 /// One tick that is looked at closely.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Look {
-    /// Observed displacement, mm.
+    /// Observed displacement and velocity, mm and mm/s.
     pub(crate) displacement: f32,
+    pub(crate) velocity: f32,
     /// Measured displacement, mm.
     pub(crate) measured: f32,
     /// Demanded displacement and velocity, mm and mm/s.
     pub(crate) demand: (f32, f32),
-    /// Measured force and the law's, kN.
+    /// Measured force and that of the law in force, kN.
     pub(crate) force: f32,
     pub(crate) law: f32,
+    /// [`crate::tabulated::RunningLaw::parts`] where the law follows, 0 otherwise.
+    pub(crate) parts: [f32; 3],
     /// 2³² to the cycle.
     pub(crate) phase: u32,
     /// In a ramp.
@@ -190,6 +212,8 @@ pub(crate) struct Ended {
     pub(crate) temperature: f32,
     /// Mean of the command, mm.
     pub(crate) command: f32,
+    /// Another law has taken over with its end.
+    pub(crate) another_law: bool,
     /// A whole cycle of a block, not of a ramp.
     pub(crate) steady: Option<Steady>,
 }
@@ -202,8 +226,6 @@ pub(crate) struct Steady {
     pub(crate) law_energy: f32,
     /// Mean of the measured force less that of the law's, kN.
     pub(crate) mean: f32,
-    /// RMS of the residual over that of the measured force.
-    pub(crate) residual: f32,
 }
 
 /// The monitor of a rig.
@@ -213,6 +235,7 @@ pub(crate) struct HealthMonitor {
     force: ChannelWatch,
     response: ResponseWatch,
     specimen: SpecimenWatch,
+    adaptation: Adaptation,
     sums: CycleSums,
     /// A cycle that the next look closes.
     ended: Option<Ended>,
@@ -233,18 +256,24 @@ pub(crate) struct HealthMonitor {
     latched: u32,
 }
 
-/// Of the faults of sensors and actuator, by the number of the cause: while one is there the specimen is not judged.
-const OF_THE_RIG: u32 = {
+/// Faults of sensors and actuator, a bit each: while one is there the specimen is not judged.
+const OF_THE_RIG: u32 = bits_of(true);
+/// All faults: while one is there nothing is followed.
+const FAULTS: u32 = bits_of(false);
+
+/// A bit for each cause that is a fault, or only for those `of_the_rig`.
+const fn bits_of(of_the_rig: bool) -> u32 {
     let mut bits = 0;
     let mut number = 0;
     while number < Cause::ALL.len() {
-        if Cause::ALL[number].is_of_the_rig() {
+        let cause = Cause::ALL[number];
+        if cause.is_of_the_rig() || (!of_the_rig && cause.is_fault()) {
             bits |= 1 << number;
         }
         number += 1;
     }
     bits
-};
+}
 
 impl HealthMonitor {
     /// With the scales of both channels, and what is allowed of them in mm and kN.
@@ -260,6 +289,7 @@ impl HealthMonitor {
             force: ChannelWatch::new(Channel::Force, force),
             response: ResponseWatch::default(),
             specimen: SpecimenWatch::new(),
+            adaptation: Adaptation::new(),
             sums: CycleSums::default(),
             ended: None,
             due: part_end(0),
@@ -279,6 +309,7 @@ impl HealthMonitor {
     pub(crate) fn restart(&mut self) {
         self.response = ResponseWatch::default();
         self.specimen = SpecimenWatch::new();
+        self.adaptation = Adaptation::new();
         self.sums = CycleSums::default();
         self.ended = None;
         self.due = part_end(0);
@@ -389,6 +420,11 @@ impl HealthMonitor {
         }
     }
 
+    /// By how much the law in force differs from the law as it was given, until the look after a cycle's end.
+    pub(crate) fn followed(&self) -> Followed {
+        self.adaptation.followed()
+    }
+
     /// Whether something was found that [`HealthMonitor::take_fresh`] has not told.
     #[inline(always)]
     pub(crate) fn has_fresh(&self) -> bool {
@@ -409,14 +445,30 @@ impl HealthMonitor {
         phase.wrapping_sub(self.due) as i32 >= 0
     }
 
-    /// A close look at a tick that is due.
+    /// A close look at a tick that is due. What the law is to differ by from here on, where a cycle has ended and it follows.
     #[inline(never)]
-    pub(crate) fn look(&mut self, config: &HealthConfig, look: &Look) {
+    pub(crate) fn look(&mut self, config: &HealthConfig, look: &Look) -> Option<Followed> {
         self.due = part_end(look.phase);
+        let mut share = 0.0;
+        let mut followed = None;
+        if config.follows() {
+            // The law that it shows is still that of the cycle before, unless it is another one.
+            let same = self.ended.is_none_or(|ended| !ended.another_law);
+            share = if same {
+                self.adaptation.share(look.parts)
+            } else {
+                0.0
+            };
+        }
         if let Some(ended) = self.ended.take() {
             self.close_cycle(config, &ended);
+            if config.follows() {
+                followed = Some(self.adaptation.cycle(ended.steady.is_some()));
+            }
         } else if self.specimen.has_work() {
             self.work_on_specimen(config);
+        } else if self.adaptation.has_work() {
+            self.work_on_adaptation(config);
         }
         let (d, v) = look.demand;
         let all = self.amplitudes.iter_mut().zip(&mut self.largest);
@@ -428,8 +480,17 @@ impl HealthMonitor {
                 *amplitude = *largest;
             }
         }
-        self.sums
-            .add(look.displacement, look.law, look.force - look.law);
+        let given = look.law - share;
+        self.sums.add(&Sample {
+            displacement: look.displacement,
+            velocity: look.velocity,
+            measured: look.force,
+            given,
+            share,
+        });
+        if config.follows() {
+            self.adaptation.add(look.parts, look.force - given);
+        }
         if look.ramp {
             self.response.restart();
         } else if let Some((cause, distance)) =
@@ -444,6 +505,7 @@ impl HealthMonitor {
                 cycle: self.cycle,
             });
         }
+        followed
     }
 
     /// A cycle has ended before this tick, whose look is not yet taken. The look does the work: this tick has enough to do.
@@ -463,6 +525,11 @@ impl HealthMonitor {
                 *amplitude = *least;
             }
         }
+        if ended.another_law {
+            self.specimen.relearn();
+            self.adaptation = Adaptation::new();
+            return;
+        }
         let Some(steady) = ended.steady else {
             return;
         };
@@ -476,7 +543,6 @@ impl HealthMonitor {
                 energy: steady.energy,
                 law_energy: steady.law_energy,
                 mean: steady.mean,
-                residual: steady.residual,
                 command: ended.command,
                 temperature: ended.temperature,
                 cycle: self.cycle,
@@ -498,6 +564,16 @@ impl HealthMonitor {
             && (self.latched & OF_THE_RIG == 0 || !event.cause.is_fault())
         {
             self.latch(event);
+        }
+    }
+
+    #[inline(never)]
+    fn work_on_adaptation(&mut self, config: &HealthConfig) {
+        if self.latched & FAULTS == 0 && self.specimen.is_sound(config) {
+            let running_in = self.specimen.is_running_in(config);
+            self.adaptation.work(config.follow, running_in);
+        } else {
+            self.adaptation.skip();
         }
     }
 

@@ -56,7 +56,7 @@ use crate::health::{
 };
 use crate::observer::{Observer, ObserverConfig};
 use crate::sine::{Excitation, Programme, SineGenerator};
-use crate::tabulated::{RunningLaw, TabulatedLaw};
+use crate::tabulated::{Followed, RunningLaw, TabulatedLaw};
 use comparison::Comparison;
 use correction::{Correction, CorrectionConfig};
 use fault::{Exceeded, Limits};
@@ -229,6 +229,9 @@ pub struct CycleReport {
     /// RMS of the law's error over the RMS of the measured force; 0 where there was no force, [`f32::MAX`] where the error's
     /// square is beyond a float.
     pub nrmse: f32,
+    /// By how much the law differed from the law as it was given, which slow changes of the specimen had led to; 0 where it
+    /// does not follow, and from an emulator.
+    pub followed: Followed,
 }
 
 /// A rig with up to `B` blocks in its programme and up to `N` effects in its law.
@@ -324,6 +327,7 @@ where
             self.generator.restart();
             let law = self.law.borrow_mut();
             law.boundary();
+            law.follow(Followed::default());
             law.rest();
             self.comparison = Comparison::default();
             self.exceeded = Exceeded::default();
@@ -436,9 +440,7 @@ where
             self.excitation.cycle_end = false;
         }
         let excitation = self.excitation;
-        if excitation.cycle_end {
-            self.law.borrow_mut().boundary();
-        }
+        let another_law = excitation.cycle_end && self.law.borrow_mut().boundary();
         let estimate =
             self.observer
                 .update(&self.observer_config, displacement, excitation.acceleration);
@@ -483,12 +485,12 @@ where
                     block: before.block,
                     temperature: self.temperature,
                     command: self.correction.mean_command(),
+                    another_law,
                     steady: report.as_ref().filter(|_| !before.ramp).map(
-                        |([measured, model], residual)| Steady {
+                        |([measured, model], _)| Steady {
                             energy: measured.energy,
                             law_energy: model.energy,
                             mean: measured.mean_force - model.mean_force,
-                            residual: *residual,
                         },
                     ),
                 });
@@ -499,16 +501,26 @@ where
                     .channels(asked, excitation.displacement, model_force);
             }
             if self.health.is_due(excitation.phase) {
+                let parts = if self.health_config.follows() {
+                    let law = self.law.borrow();
+                    law.parts(estimate.displacement, estimate.velocity)
+                } else {
+                    [0.0; 3]
+                };
                 let look = Look {
                     displacement: estimate.displacement,
+                    velocity: estimate.velocity,
                     measured: displacement,
                     demand: (excitation.displacement, excitation.velocity),
                     force: measured_force,
                     law: model_force,
+                    parts,
                     phase: excitation.phase,
                     ramp: excitation.ramp,
                 };
-                self.health.look(&self.health_config, &look);
+                if let Some(followed) = self.health.look(&self.health_config, &look) {
+                    self.law.borrow_mut().follow(followed);
+                }
             }
             if excitation.done {
                 self.output.finish();
@@ -533,7 +545,13 @@ where
             ramp: excitation.ramp,
             state: self.output.state(),
             report: report.map(|results| {
-                CycleReport::new(results, before.block, excitation.cycle, before.ramp)
+                CycleReport::new(
+                    results,
+                    before.block,
+                    excitation.cycle,
+                    before.ramp,
+                    self.health.followed(),
+                )
             }),
             event,
         }

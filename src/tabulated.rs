@@ -6,6 +6,7 @@
 
 use crate::effects::{AugmentedLaw, AugmentedState, LawForce, Motion};
 use crate::law::Law;
+use crate::limits;
 use crate::power::{PowerSeed, PowerTable, ROWS};
 use crate::real::Real;
 
@@ -62,12 +63,29 @@ enum Waiting {
     OtherEffects,
 }
 
+/// By how much the law in force differs from the law as it was given, part of each coefficient: a slow change of the specimen
+/// that the rig has followed.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub struct Followed {
+    /// Of k1.
+    pub k1: f32,
+    /// Of k3.
+    pub k3: f32,
+    /// Of c.
+    pub c: f32,
+}
+
 /// A [`TabulatedLaw`] at work, and another one that may wait for the end of the cycle.
 #[derive(Clone, Debug)]
 // What is long comes first: the table within reach of a load's offset, and of one another what follows.
 #[repr(C)]
 pub struct RunningLaw<const N: usize> {
     table: PowerTable,
+    /// Eq 13 as it is in force, and the part of the tabulated damping that is.
+    in_force: Law<f32>,
+    damping_part: f32,
+    followed: Followed,
     state: AugmentedState<f32>,
     laws: [TabulatedLaw<N>; 2],
     /// The second one is in force.
@@ -83,17 +101,26 @@ pub struct RunningLaw<const N: usize> {
 impl<const N: usize> RunningLaw<N> {
     /// `law` at work, its effects at rest.
     pub fn new(law: TabulatedLaw<N>) -> Self {
-        Self {
+        let mut new = Self {
             laws: [law, TabulatedLaw::EMPTY],
             needed: ROWS,
             ..Self::empty()
-        }
+        };
+        new.follow(Followed::default());
+        new
     }
 
     /// No force, until a law is swapped in. All bits are 0, so that it takes no flash in a static.
     pub const fn empty() -> Self {
         Self {
             laws: [const { TabulatedLaw::EMPTY }; 2],
+            in_force: Law::from_valid(0.0, 0.0, 0.0, 0.0),
+            damping_part: 0.0,
+            followed: Followed {
+                k1: 0.0,
+                k3: 0.0,
+                c: 0.0,
+            },
             second: false,
             waiting: Waiting::No,
             table: PowerTable::empty(),
@@ -104,10 +131,45 @@ impl<const N: usize> RunningLaw<N> {
         }
     }
 
-    /// The law in force.
+    /// The law in force, as it was given.
     pub fn law(&self) -> &TabulatedLaw<N> {
         let [first, second] = &self.laws;
         if self.second { second } else { first }
+    }
+
+    /// From here on k1, k3 and c differ by these parts, −1…1, from the law as it was given; nothing of it is left once
+    /// another law takes over.
+    #[inline(never)]
+    pub fn follow(&mut self, followed: Followed) {
+        let part = |of: f32| 1.0 + of.confined(1.0);
+        let given = self.law().augmented.law();
+        self.in_force = Law::from_valid(
+            part(followed.k1) * given.k1(),
+            part(followed.k3) * given.k3(),
+            part(followed.c) * given.c(),
+            given.alpha(),
+        );
+        self.damping_part = part(followed.c);
+        self.followed = followed;
+    }
+
+    /// By how much the law in force differs from the law as it was given.
+    pub fn followed(&self) -> Followed {
+        self.followed
+    }
+
+    /// k1·y, k3·y³ and c·|v|^α·sgn v of the law as it was given, kN, at `y` mm and `v` mm/s: not for every tick.
+    #[inline(never)]
+    pub(crate) fn parts(&self, y: f32, v: f32) -> [f32; 3] {
+        let y = y.confined(limits::DISPLACEMENT as f32);
+        let v = v.confined(limits::VELOCITY as f32);
+        let law = self.law();
+        let given = law.augmented.law();
+        [
+            given.k1() * y,
+            given.k3() * (y * y) * y,
+            law.damping.damping_force(v),
+        ]
     }
 
     /// The law to take over at the next [`RunningLaw::boundary`]; one that was waiting is dropped.
@@ -144,12 +206,12 @@ impl<const N: usize> RunningLaw<N> {
         Ok(())
     }
 
-    /// A cycle has ended: the waiting law takes over. What the effects remember stays where the new law has the same
-    /// kinds of effects, and is at rest otherwise.
+    /// A cycle has ended: the waiting law takes over, where there is one, and says so. What the effects remember stays where
+    /// the new law has the same kinds of effects, and is at rest otherwise.
     #[inline]
-    pub fn boundary(&mut self) {
+    pub fn boundary(&mut self) -> bool {
         if self.waiting == Waiting::No {
-            return;
+            return false;
         }
         if self.waiting == Waiting::OtherEffects {
             self.rest();
@@ -159,6 +221,8 @@ impl<const N: usize> RunningLaw<N> {
         self.filled = 0;
         self.needed = ROWS;
         self.settled = false;
+        self.follow(Followed::default());
+        true
     }
 
     /// All effects at rest.
@@ -178,15 +242,11 @@ impl<const N: usize> RunningLaw<N> {
         let motion = motion.confined();
         let [first, second] = &self.laws;
         let law = if self.second { second } else { first };
-        let elastic = law
-            .augmented
-            .law()
-            .elastic_force_within(motion.displacement());
-        let total = self.table.add_damping_force(elastic, motion.velocity());
+        let elastic = self.in_force.elastic_force_within(motion.displacement());
+        let damping = self.damping_part * self.table.damping_force(motion.velocity());
         let law_force = LawForce {
-            // Within the rounding of the whole, for one instruction.
-            damping: total - elastic,
-            total,
+            damping,
+            total: elastic + damping,
         };
         law.augmented
             .with_effects(&mut self.state, &motion, law_force)
@@ -211,18 +271,20 @@ impl<const N: usize> RunningLaw<N> {
         let [first, second] = &self.laws;
         let law = if self.second { second } else { first };
         let damping = |v| {
-            if filling {
-                // Another row may be asked for than what was filled.
-                law.damping.damping_force(v)
-            } else {
-                self.table.damping_force(v)
-            }
+            self.damping_part
+                * if filling {
+                    // Another row may be asked for than what was filled.
+                    law.damping.damping_force(v)
+                } else {
+                    self.table.damping_force(v)
+                }
         };
         law.augmented
-            .force_through_stages(&mut self.state, &motion, damping)
+            .force_through_stages(&mut self.state, &motion, &self.in_force, damping)
     }
 
-    /// The damping force in kN at `v` mm/s, within ±[`crate::limits::VELOCITY`], whatever is filled: not for every tick.
+    /// The damping force of the law as given, in kN, at `v` mm/s within ±[`crate::limits::VELOCITY`], whatever is filled: not
+    /// for every tick.
     pub(crate) fn damping_force(&self, v: f32) -> f32 {
         self.law().damping.damping_force(v)
     }
@@ -233,7 +295,8 @@ impl<const N: usize> RunningLaw<N> {
         self.filled < ROWS
     }
 
-    /// `elastic` kN and the damping force at `v` mm/s, within ±[`crate::limits::VELOCITY`], for which the table is filled.
+    /// `elastic` kN and the damping force of the law as given at `v` mm/s, within ±[`crate::limits::VELOCITY`], for which the
+    /// table is filled.
     #[inline(always)]
     pub(crate) fn add_damping_force(&self, elastic: f32, v: f32) -> f32 {
         self.table.add_damping_force(elastic, v)

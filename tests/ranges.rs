@@ -10,6 +10,7 @@ use mesh_damper::effects::{
 };
 use mesh_damper::error::ConfigError;
 use mesh_damper::fixed_point::Scales;
+use mesh_damper::health::HealthSettings;
 use mesh_damper::law::Law;
 use mesh_damper::observer::ObserverConfig;
 use mesh_damper::power::PowerSeed;
@@ -42,6 +43,20 @@ macro_rules! setting {
     ($field:ident, $low:expr, $high:expr) => {
         number!(stringify!($field), $low, $high, |x| RigSettings {
             $field: x,
+            ..RigSettings::default()
+        }
+        .at(1e4))
+    };
+}
+
+/// The same of the monitor.
+macro_rules! health {
+    ($field:ident, $low:expr, $high:expr) => {
+        number!(stringify!($field), $low, $high, |x| RigSettings {
+            health: HealthSettings {
+                $field: x,
+                ..HealthSettings::default()
+            },
             ..RigSettings::default()
         }
         .at(1e4))
@@ -148,6 +163,10 @@ fn numbers() -> Vec<Number> {
         number!("displacement", 1e-9, 1e4, |x| Scales::new(x, 1.0, 1.0)),
         number!("velocity", 1e-9, 1e6, |x| Scales::new(1.0, x, 1.0)),
         number!("force", 1e-9, 1e12, |x| Scales::new(1.0, 1.0, x)),
+        health!(size, 0.01, 0.5),
+        health!(false_alarm_cycles, 1e2, 1e9),
+        health!(temperature_slope, 0.0, 0.1),
+        health!(follow, 0.0, 0.5),
         setting!(displacement_limit, 1e-6, 1e4),
         setting!(force_limit, 1e-6, 1e9),
         setting!(tracking_limit, 1e-6, 1e4),
@@ -253,6 +272,30 @@ fn counts_of_none_or_too_many_are_refused() {
             ..RigSettings::default()
         };
         assert_eq!(settings.at(1e4).is_ok(), fits, "{stop_ticks}");
+    }
+    for (cycles, learns, runs_in) in [
+        (0, false, true),
+        (7, false, true),
+        (8, true, true),
+        (1000, true, true),
+        (1001, false, true),
+        (1_000_000, false, true),
+        (1_000_001, false, false),
+    ] {
+        let at = |health| RigSettings {
+            health,
+            ..RigSettings::default()
+        };
+        let learning = HealthSettings {
+            learning_cycles: cycles,
+            ..HealthSettings::default()
+        };
+        let running_in = HealthSettings {
+            run_in_cycles: cycles,
+            ..HealthSettings::default()
+        };
+        assert_eq!(at(learning).at(1e4).is_ok(), learns, "{cycles}");
+        assert_eq!(at(running_in).at(1e4).is_ok(), runs_in, "{cycles}");
     }
     let element = (1.0, 0.1);
     assert_eq!(

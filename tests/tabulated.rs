@@ -5,7 +5,7 @@ use mesh_damper::effects::{
 };
 use mesh_damper::law::Law;
 use mesh_damper::real::Real;
-use mesh_damper::tabulated::{RunningLaw, TabulatedLaw};
+use mesh_damper::tabulated::{Followed, RunningLaw, TabulatedLaw};
 
 fn law(k1: f32, c: f32, alpha: f32) -> TabulatedLaw<1> {
     let law = AugmentedLaw::new(Law::new(k1, 10.0, c, alpha).unwrap());
@@ -78,7 +78,7 @@ fn a_law_that_waits_does_nothing_before_the_boundary_and_the_last_one_counts() {
         match n {
             100 => running.swap(second.clone()),
             200 => running.swap(third.clone()),
-            400 => running.boundary(),
+            400 => assert!(running.boundary()),
             _ => {}
         }
         assert_eq!(
@@ -92,6 +92,77 @@ fn a_law_that_waits_does_nothing_before_the_boundary_and_the_last_one_counts() {
         let expected = if n < 400 { &old } else { &new };
         assert_eq!(running.force(&motion(n)), expected[n as usize]);
     }
+}
+
+const FOLLOWED: Followed = Followed {
+    k1: -0.1,
+    k3: 0.3,
+    c: 0.2,
+};
+
+/// A law that follows is the law with those coefficients, beside its effects and between the stages.
+#[test]
+fn a_law_that_follows_is_the_law_that_it_has_come_to() {
+    let through: [&[Effect<f32>]; 3] = [
+        &[],
+        &[Effect::Viscous(Viscous::new(0.003).unwrap())],
+        &[
+            Effect::Gap(Gap::new(0.01, false).unwrap()),
+            Effect::Compliance(Compliance::new(15.0, 1e-4).unwrap()),
+        ],
+    ];
+    for effects in through {
+        let of = |law| {
+            let law = AugmentedLaw::<f32, 2>::new(law);
+            let all = effects.iter();
+            TabulatedLaw::new(all.fold(law, |law, effect| law.with(*effect).unwrap()))
+        };
+        let mut following = RunningLaw::new(of(Law::new(1.0, 10.0, 0.1, 0.4).unwrap()));
+        let mut other = RunningLaw::new(of(Law::new(0.9, 13.0, 0.12, 0.4).unwrap()));
+        assert_eq!(following.followed(), Followed::default());
+        following.follow(FOLLOWED);
+        assert_eq!(following.followed(), FOLLOWED);
+        let (mut worst, mut peak) = (0.0_f32, 0.0_f32);
+        for n in 0..2000 {
+            let expected = other.force(&motion(n));
+            worst = worst.max((following.force(&motion(n)) - expected).abs());
+            peak = peak.max(expected.abs());
+        }
+        assert!(worst < 1e-6 * peak, "{worst} of {peak}");
+    }
+}
+
+#[test]
+fn nothing_that_was_followed_is_left_of_another_law() {
+    let (first, second) = (law(1.0, 0.1, 0.4), law(2.0, 0.3, 0.2));
+    let mut running = RunningLaw::new(first.clone());
+    running.follow(FOLLOWED);
+    assert!(!running.boundary(), "none waits");
+    assert_eq!(running.followed(), FOLLOWED);
+    assert_eq!(running.law(), &first);
+    running.swap(second.clone());
+    assert!(running.boundary());
+    assert_eq!(running.followed(), Followed::default());
+    let mut fresh = RunningLaw::new(second);
+    for n in 0..2000 {
+        assert_eq!(running.force(&motion(n)), fresh.force(&motion(n)));
+    }
+}
+
+#[test]
+fn no_more_is_followed_than_the_whole() {
+    let mut running = RunningLaw::new(law(1.0, 0.1, 0.4));
+    let beyond = |part: f32| Followed {
+        k1: part,
+        k3: part,
+        c: part,
+    };
+    running.follow(beyond(-3.0));
+    let joints = RunningLaw::new(law(0.0, 0.0, 0.4)).force(&motion(100));
+    let elastic = 10.0 * motion(100).displacement.powi(3);
+    assert!((running.force(&motion(100)) - (joints - elastic)).abs() < 1e-6);
+    running.follow(beyond(f32::NAN));
+    assert!(running.force(&motion(100)).is_finite());
 }
 
 /// Gap, compliance and delay around the tabulated law: in f32, while its table is being filled and after, what the f64 law

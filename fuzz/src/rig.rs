@@ -262,6 +262,10 @@ fn rig(
             observer_bandwidth: 2e-3 * tick_rate,
             feedback: 5e-4 * tick_rate,
             glide: 50.0 / tick_rate,
+            health: HealthSettings {
+                follow: 0.5 * feed.part(),
+                ..HealthSettings::default()
+            },
             ..RigSettings::default()
         }
     } else {
@@ -284,6 +288,7 @@ fn rig(
                 learning_cycles: feed.between(8.0, 1e3) as u32,
                 run_in_cycles: feed.between(1.0, 1e6) as u32,
                 temperature_slope: 0.1 * feed.part(),
+                follow: 0.5 * feed.part(),
             },
         }
     };

@@ -10,6 +10,12 @@ fn a_part_of_the_campaign_meets_the_requirement() {
     let summary = campaign.run(&|| ()).unwrap();
     let missed = missed(&summary);
     assert!(missed.is_empty(), "{}", missed.join("\n"));
+    let within = summary
+        .slow
+        .iter()
+        .filter(|one| one.change.is_within())
+        .count();
+    assert!(within > 0 && within < summary.slow.len());
     // It settles by 10 % and is warmed by what moves it by 6 %: both are said, and are no alarms.
     for healthy in &summary.healthy {
         let noted: Vec<&str> = healthy

@@ -131,6 +131,18 @@ pub struct LawForce<R> {
     pub total: R,
 }
 
+impl<R: Real> LawForce<R> {
+    /// `law` at `motion`, its damping by `damping`.
+    #[inline(always)]
+    fn of(law: &Law<R>, motion: &ConfinedMotion<R>, damping: impl Fn(R) -> R) -> Self {
+        let damping = damping(motion.velocity());
+        Self {
+            damping,
+            total: law.elastic_force_within(motion.displacement()) + damping,
+        }
+    }
+}
+
 /// A force beside the law's.
 pub trait EffectForce<R: Real> {
     /// What the effect remembers from tick to tick; `()` for most.
@@ -517,20 +529,10 @@ impl<R: Real, const N: usize> AugmentedLaw<R, N> {
         let motion = motion.confined();
         let damping = |v| self.law.damping_force(v);
         if self.has_stages() {
-            return self.force_through_stages(state, &motion, damping);
+            return self.force_through_stages(state, &motion, &self.law, damping);
         }
-        let law = self.law_force(&motion, damping);
+        let law = LawForce::of(&self.law, &motion, damping);
         self.with_effects(state, &motion, law)
-    }
-
-    /// Eq 13's force at `motion`, its damping by `damping`.
-    #[inline(always)]
-    fn law_force(&self, motion: &ConfinedMotion<R>, damping: impl Fn(R) -> R) -> LawForce<R> {
-        let damping = damping(motion.velocity());
-        LawForce {
-            damping,
-            total: self.law.elastic_force_within(motion.displacement()) + damping,
-        }
     }
 
     /// A gap, a compliance or a delay is among the effects.
@@ -539,12 +541,14 @@ impl<R: Real, const N: usize> AugmentedLaw<R, N> {
         N > 0 && self.effects.present & Kind::STAGES != 0
     }
 
-    /// Force in kN on this tick whatever the effects are. `damping` gives eq 13's damping force at a velocity within the limit.
+    /// Force in kN on this tick whatever the effects are, with `law` for eq 13. `damping` gives its damping force at a velocity
+    /// within the limit.
     #[inline(always)]
     pub(crate) fn force_through_stages(
         &self,
         state: &mut AugmentedState<R>,
         motion: &ConfinedMotion<R>,
+        law: &Law<R>,
         damping: impl Fn(R) -> R,
     ) -> R {
         let effects = &self.effects;
@@ -561,11 +565,11 @@ impl<R: Real, const N: usize> AugmentedLaw<R, N> {
         let law = match spring {
             Some(compliance) => {
                 let before = &mut state.compliance;
-                let (seen, law) = compliance.deflect(before, &motion, &self.law, viscous, damping);
+                let (seen, law) = compliance.deflect(before, &motion, law, viscous, damping);
                 motion = seen;
                 law
             }
-            None => self.law_force(&motion, damping),
+            None => LawForce::of(law, &motion, damping),
         };
         let force = effects.add_force(state, &motion, law);
         let force = effects.add_rare_force(state, &motion, law, force);

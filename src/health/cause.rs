@@ -94,7 +94,7 @@ impl Cause {
     }
 
     /// Whether something is wrong; no of what is normal after a start or with the temperature.
-    pub fn is_fault(self) -> bool {
+    pub const fn is_fault(self) -> bool {
         !matches!(self, Self::RunIn | Self::Temperature)
     }
 }
@@ -110,7 +110,7 @@ pub enum Statistic {
     Energy,
     /// Mean force, over the law's amplitude of force in phase with displacement.
     MeanForce,
-    /// RMS of the residual over that of the measured force.
+    /// RMS of the residual over that of the law's force.
     Residual,
     /// Third harmonic of the residual in phase with displacement, over the law's amplitude of force in phase with it.
     ThirdHarmonic,

@@ -35,13 +35,11 @@ const TEMPERATURE_GAIN: f32 = 0.25;
 /// One cycle, as far as it does not come from [`CycleSums`].
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct CycleNumbers {
-    /// Energy of the measured force and of the law's, J.
+    /// Energy of the measured force and of the law's as it is in force, J.
     pub(super) energy: f32,
     pub(super) law_energy: f32,
-    /// Mean of the measured force less that of the law's, kN.
+    /// Mean of the measured force less that of the law's as it is in force, kN.
     pub(super) mean: f32,
-    /// RMS of the residual over that of the force.
-    pub(super) residual: f32,
     /// Mean of the command, mm.
     pub(super) command: f32,
     /// °C.
@@ -135,6 +133,16 @@ impl SpecimenWatch {
         self.cycles == SETTLING
     }
 
+    /// Whether the cycle that has ended, all of whose work is done, is as it should be.
+    pub(super) fn is_sound(&self, config: &HealthConfig) -> bool {
+        self.is_watching(config) && !self.frozen && self.suspicion.is_none()
+    }
+
+    /// Whether a slow change is still the run-in.
+    pub(super) fn is_running_in(&self, config: &HealthConfig) -> bool {
+        self.since_start <= config.run_in_cycles
+    }
+
     /// Whether it has learned what is normal.
     pub(super) fn is_watching(&self, config: &HealthConfig) -> bool {
         self.cycles >= SETTLING + config.learning_cycles
@@ -184,9 +192,9 @@ impl SpecimenWatch {
                 self.law_third = in_phase.law_third;
                 self.values = [
                     in_phase.stiffness,
-                    numbers.energy / numbers.law_energy - 1.0,
-                    numbers.mean / in_phase.force,
-                    numbers.residual,
+                    numbers.energy / (self.sums.given_energy() * numbers.law_energy) - 1.0,
+                    (numbers.mean + self.sums.mean_share()) / in_phase.force,
+                    self.sums.residual(),
                     in_phase.third,
                     numbers.command / in_phase.amplitude,
                 ];
@@ -329,7 +337,7 @@ impl SpecimenWatch {
     /// Where the baselines have gone since the run-in, or since they were learned where that came later.
     fn look_back(&mut self, config: &HealthConfig) -> Option<Event> {
         let limit = SLOW * config.size;
-        let settled = self.since_start > config.run_in_cycles;
+        let settled = !self.is_running_in(config);
         let ends = self.since_start == config.run_in_cycles;
         let first = self.cycles == SETTLING + config.learning_cycles + 1;
         let mut shift = self.mean_values();
@@ -377,9 +385,18 @@ impl SpecimenWatch {
         } else if !settled {
             None
         } else {
-            let allowed = limit + self.warmth(config, self.reference_temperature);
+            let warmth = self.warmth(config, self.reference_temperature);
+            // What the law may follow is no fault.
+            let followed = if config.follow > limit {
+                config.follow
+            } else {
+                limit
+            };
+            let allowed = followed + warmth;
             if moved > allowed {
                 Some(self.event(&shift, Course::Slow, allowed))
+            } else if moved > limit + warmth {
+                None
             } else {
                 Some(self.evidence(Cause::Temperature, most, &shift, limit))
             }

@@ -1,6 +1,7 @@
 //! Sums over a cycle from which its statistics come: 64 samples are enough, as they are of whole cycles.
 
-/// Sums over one cycle's samples of displacement y, law's force f and residual r.
+/// Sums over one cycle's samples of displacement y, velocity v, force f of the law as it was given, residual r of the measured
+/// force, and what the law in force has beyond f, its share s.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct CycleSums {
     samples: f32,
@@ -9,6 +10,26 @@ pub(super) struct CycleSums {
     yyyf: f32,
     yr: f32,
     yyyr: f32,
+    ff: f32,
+    rr: f32,
+    vf: f32,
+    s: f32,
+    vs: f32,
+}
+
+/// One sample.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Sample {
+    /// mm.
+    pub(super) displacement: f32,
+    /// mm/s.
+    pub(super) velocity: f32,
+    /// kN.
+    pub(super) measured: f32,
+    /// Of the law as it was given, kN.
+    pub(super) given: f32,
+    /// What the law in force has beyond that, kN.
+    pub(super) share: f32,
 }
 
 /// What of a cycle's residual is in phase with displacement, parts of the law's force in phase with it.
@@ -27,18 +48,49 @@ pub(super) struct InPhase {
 }
 
 impl CycleSums {
-    /// One sample: mm, kN, kN.
+    /// One more sample.
     #[inline]
-    pub(super) fn add(&mut self, y: f32, law: f32, residual: f32) {
+    pub(super) fn add(&mut self, sample: &Sample) {
+        let (y, v, f, s) = (
+            sample.displacement,
+            sample.velocity,
+            sample.given,
+            sample.share,
+        );
+        let r = sample.measured - f;
         let yy = y * y;
-        let yr = y * residual;
+        let yf = y * f;
+        let yr = y * r;
         self.samples += 1.0;
         self.yy += yy;
-        let yf = y * law;
         self.yf += yf;
         self.yyyf += yy * yf;
         self.yr += yr;
         self.yyyr += yy * yr;
+        self.ff += f * f;
+        self.rr += r * r;
+        self.vf += v * f;
+        self.s += s;
+        self.vs += v * s;
+    }
+
+    /// RMS of the residual over that of the law's force, where that has one.
+    pub(super) fn residual(&self) -> f32 {
+        crate::real::square_root(self.rr / self.ff)
+    }
+
+    /// Of the energy of the law in force, the part that the law as it was given has: Σv·f over Σv·(f + s).
+    pub(super) fn given_energy(&self) -> f32 {
+        if self.vs == 0.0 {
+            1.0
+        } else {
+            self.vf / (self.vf + self.vs)
+        }
+    }
+
+    /// Mean of the share, kN.
+    pub(super) fn mean_share(&self) -> f32 {
+        self.s / self.samples
     }
 
     /// With s = y/A and A² = 2·Σy²/n: Σr·s over Σf·s, and Σr·sin 3φ over the same with sin 3φ = 3·s − 4·s³. None where

@@ -5,6 +5,7 @@ use crate::cycle::Cycle;
 use crate::frame::{FrameBuffer, Reader, Writer};
 use crate::health::{Cause, Event, Statistic};
 use crate::rig::{CycleReport, Fault, State, Telemetry};
+use crate::tabulated::Followed;
 
 /// What one tick of the rig came to.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -101,7 +102,14 @@ pub(super) fn read_outcome(reader: &mut Reader<'_>) -> Option<Outcome> {
 
 #[inline(never)]
 fn write_report(writer: &mut Writer<'_>, report: &CycleReport) {
-    writer.words([report.block as u32, report.cycle, report.nrmse.to_bits()]);
+    writer.words([
+        report.block as u32,
+        report.cycle,
+        report.nrmse.to_bits(),
+        report.followed.k1.to_bits(),
+        report.followed.k3.to_bits(),
+        report.followed.c.to_bits(),
+    ]);
     write_cycle(writer, &report.measured);
     write_cycle(writer, &report.model);
 }
@@ -134,6 +142,11 @@ fn write_cycle(writer: &mut Writer<'_>, cycle: &Cycle) {
 
 fn read_report(reader: &mut Reader<'_>, ramp: bool) -> Option<CycleReport> {
     let (block, cycle, nrmse) = (reader.u32()?, reader.u32()?, reader.f32()?);
+    let followed = Followed {
+        k1: reader.f32()?,
+        k3: reader.f32()?,
+        c: reader.f32()?,
+    };
     let mut cycle_of = || {
         Some(Cycle {
             force_max: reader.f32()?,
@@ -158,6 +171,7 @@ fn read_report(reader: &mut Reader<'_>, ramp: bool) -> Option<CycleReport> {
         measured: cycle_of()?,
         model: cycle_of()?,
         nrmse,
+        followed,
     })
 }
 

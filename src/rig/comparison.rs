@@ -4,6 +4,7 @@ use super::CycleReport;
 use crate::cycle::{Cycle, CycleAccumulator};
 use crate::real::square_root;
 use crate::sum::{FOLD, Sum};
+use crate::tabulated::Followed;
 
 /// The cycles of the measured force and of the model's, and the error between them.
 #[derive(Clone, Copy, Debug, Default)]
@@ -67,6 +68,7 @@ impl CycleReport {
         block: usize,
         cycles: u32,
         ramp: bool,
+        followed: Followed,
     ) -> Self {
         Self {
             block,
@@ -75,6 +77,7 @@ impl CycleReport {
             measured,
             model,
             nrmse,
+            followed,
         }
     }
 }

@@ -13,7 +13,7 @@ use crate::dac::Ad5761;
 use crate::effects::Motion;
 use crate::error::ConfigError;
 use crate::observer::{Observer, ObserverConfig};
-use crate::tabulated::{RunningLaw, TabulatedLaw};
+use crate::tabulated::{Followed, RunningLaw, TabulatedLaw};
 
 /// What an emulator is set to. [`Emulator::new`] validates it.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -244,7 +244,9 @@ where
             phase: crossing.phase,
             ramp: false,
             state: self.output.state(),
-            report: results.map(|results| CycleReport::new(results, 0, self.cycle, false)),
+            report: results.map(|results| {
+                CycleReport::new(results, 0, self.cycle, false, Followed::default())
+            }),
             event: None,
         }
     }

@@ -5,7 +5,7 @@ use std::sync::atomic::{AtomicU64, Ordering};
 
 use clap::Args;
 use hil::error::InputError;
-use hil::faults::{Campaign, Summary, missed};
+use hil::faults::{Campaign, FOLLOW, Summary, missed};
 use hil::output::Outputs;
 use hil::report::campaign;
 
@@ -127,7 +127,31 @@ fn print(summary: &Summary) {
         summary.healthy_cycles, summary.false_alarms
     ));
     say(&format!(
-        "largest displacement {:.2}, force {:.2} of their limits, beyond one for at most {} ticks; {} stops, {} of them in time",
+        "\nSlow changes over 300 cycles, of which a law follows up to {:.0} %:",
+        100.0 * FOLLOW
+    ));
+    say("                           error of the law, %               of its energy, %");
+    say("  changing  by %  g/cm3    before  stays  follows          stays  follows   named at");
+    for one in &summary.slow {
+        let change = &one.change;
+        let named = one.named.first().map_or_else(
+            || "-".into(),
+            |(_, cause, come_to)| format!("{:+.1} %: {cause}", 100.0 * come_to),
+        );
+        say(&format!(
+            "{:>10} {:>+5.0} {:>6} {:>9.2} {:>6.2} {:>8.2} {:>14.2} {:>8.2}   {named}",
+            format!("{:?}", change.changing),
+            100.0 * change.size,
+            change.density,
+            100.0 * one.before,
+            100.0 * one.stayed.error,
+            100.0 * one.followed.error,
+            100.0 * one.stayed.energy,
+            100.0 * one.followed.energy,
+        ));
+    }
+    say(&format!(
+        "\nlargest displacement {:.2}, force {:.2} of their limits, beyond one for at most {} ticks; {} stops, {} of them in time",
         summary.displacement,
         summary.force,
         summary.ticks_beyond,

@@ -67,6 +67,9 @@ pub struct RunCommand {
     /// Test the specimen with this effect, family:name=value,name=value; may be given more than once
     #[arg(long, value_name = "EFFECT")]
     effect: Vec<String>,
+    /// Let the law follow slow changes of k1, k3 and c by up to this part of each, 0 to 0.5
+    #[arg(long, value_name = "PART", default_value_t = 0.0)]
+    follow: f64,
     /// Of the sensors' noise, and of the effect drawn
     #[arg(long, default_value_t = 1)]
     seed: u64,
@@ -145,6 +148,9 @@ struct CycleRow {
     model_stiffness_kn_per_mm: f32,
     model_loss_factor: f32,
     nrmse: f32,
+    followed_k1: f32,
+    followed_k3: f32,
+    followed_c: f32,
 }
 
 impl From<&CycleReport> for CycleRow {
@@ -167,6 +173,9 @@ impl From<&CycleReport> for CycleRow {
             model_stiffness_kn_per_mm: model.stiffness,
             model_loss_factor: model.loss_factor,
             nrmse: report.nrmse,
+            followed_k1: report.followed.k1,
+            followed_k3: report.followed.k3,
+            followed_c: report.followed.c,
         }
     }
 }
@@ -186,6 +195,7 @@ impl RunCommand {
         let mut setup = RigSetup::new(specimen, law, programme.clone(), self.seed);
         setup.block_laws = block_laws;
         setup.record_every = self.record_every;
+        setup.settings.health.follow = self.follow;
 
         let image = match self.on {
             On::Host => None,
@@ -358,6 +368,10 @@ pub(super) fn in_words(fault: Fault) -> &'static str {
         Fault::TrackingLimit => "the displacement was too far from the demanded one",
         Fault::NoResponse => "the displacement did not follow the demanded one",
         Fault::NotFinite => "a force or command was not finite",
+        Fault::DisplacementLost => "the displacement sensor is lost",
+        Fault::ForceLost => "the force sensor is lost",
+        Fault::LinkLost => "the link was silent for too long",
+        Fault::TickOverrun => "a tick came late",
         _ => "a fault without a name",
     }
 }

@@ -27,6 +27,8 @@ pub struct Healthy {
     pub amplitude: f64,
     /// RMS of the force channel's noise over that of the force.
     pub noise: f64,
+    /// Most by which the law follows slow changes, part of its coefficients; 0 where it stays.
+    pub follow: f64,
     /// Run.
     pub cycles: u32,
     /// Faults that were named, each with its cycle.
@@ -35,14 +37,13 @@ pub struct Healthy {
     pub noted: Vec<(u32, String)>,
 }
 
-/// Runs `cycles`. After a false alarm events are cleared.
+/// Runs `cycles` with `noise` and `follow` as in [`Healthy`]. After a false alarm events are cleared.
 ///
 /// # Errors
 /// A setup that one of its parts refuses.
 pub fn run_healthy(
-    density: f64,
-    amplitude: f64,
-    noise: f64,
+    (density, amplitude): (f64, f64),
+    (noise, follow): (f64, f64),
     cycles: u32,
     seed: u64,
 ) -> Result<Healthy, SetupError> {
@@ -51,7 +52,7 @@ pub fn run_healthy(
         specimen,
         (amplitude, FREQUENCY),
         cycles,
-        noise,
+        (noise, follow),
         seed,
     )?)?;
     bench.rig.start();
@@ -59,6 +60,7 @@ pub fn run_healthy(
         density,
         amplitude,
         noise,
+        follow,
         cycles: 0,
         false_alarms: Vec::new(),
         noted: Vec::new(),

@@ -5,6 +5,7 @@ mod damage;
 mod healthy;
 mod kind;
 mod requirement;
+mod slow;
 mod summary;
 mod trial;
 
@@ -14,6 +15,7 @@ pub use damage::{Condition, Damaged};
 pub use healthy::{Healthy, run_healthy};
 pub use kind::{Group, Kind};
 pub use requirement::missed;
+pub use slow::{Changing, FOLLOW, Followed, Left, SlowChange};
 pub use summary::{KindSummary, Summary};
 pub use trial::{Outcome, Trial, run_trial};
 
@@ -78,6 +80,7 @@ impl Campaign {
                                 frequency,
                                 noise,
                                 moment,
+                                follow: if all.len() % 2 == 0 { 0.0 } else { FOLLOW },
                                 seed: all.len() as u64,
                             });
                         }
@@ -88,7 +91,30 @@ impl Campaign {
         all
     }
 
-    /// Runs it; `done` is called after each trial and after the healthy cycles of each specimen.
+    /// Every slow change of it, at the largest noise.
+    pub fn slow_changes(&self) -> Vec<SlowChange> {
+        let mut all = Vec::new();
+        for (changing, size) in SlowChange::SIZES {
+            for &(density, amplitude, _) in &self.specimens {
+                all.push(SlowChange {
+                    changing,
+                    size,
+                    density,
+                    amplitude,
+                    noise: self.loudest(),
+                    seed: all.len() as u64,
+                });
+            }
+        }
+        all
+    }
+
+    fn loudest(&self) -> f64 {
+        self.noises.iter().copied().fold(0.0, f64::max)
+    }
+
+    /// Runs it; `done` is called after each trial, each slow change, and the healthy cycles of each specimen, with a law that
+    /// stays and with one that follows.
     ///
     /// # Errors
     /// A setup that one of its parts refuses.
@@ -102,26 +128,43 @@ impl Campaign {
                 outcome
             })
             .collect::<Result<_, _>>()?;
-        let loudest = self.noises.iter().copied().fold(0.0, f64::max);
-        let cycles = self
-            .healthy_cycles
-            .div_ceil(self.specimens.len().max(1) as u32);
-        let healthy: Vec<Healthy> = self
-            .specimens
-            .clone()
+        let slow = self
+            .slow_changes()
+            .into_par_iter()
+            .map(|change| {
+                let followed = change.run();
+                done();
+                followed
+            })
+            .collect::<Result<_, _>>()?;
+        let runs = self.healthy_runs();
+        let cycles = self.healthy_cycles.div_ceil(runs.len().max(1) as u32);
+        let healthy: Vec<Healthy> = runs
             .into_par_iter()
             .enumerate()
-            .map(|(seed, (density, amplitude, _))| {
-                let healthy = run_healthy(density, amplitude, loudest, cycles, seed as u64);
+            .map(|(seed, (specimen, follow))| {
+                let (noise, seed) = (self.loudest(), seed as u64);
+                let healthy = run_healthy(specimen, (noise, follow), cycles, seed);
                 done();
                 healthy
             })
             .collect::<Result<_, _>>()?;
-        Ok(Summary::of(outcomes, healthy))
+        Ok(Summary::of(outcomes, slow, healthy))
+    }
+
+    /// Density and amplitude, and by how much the law follows.
+    fn healthy_runs(&self) -> Vec<((f64, f64), f64)> {
+        let specimens = self.specimens.iter();
+        specimens
+            .flat_map(|&(density, amplitude, _)| {
+                [0.0, FOLLOW].map(|follow| ((density, amplitude), follow))
+            })
+            .collect()
     }
 
     /// How often [`Campaign::run`] calls `done`.
     pub fn steps(&self) -> u64 {
-        (self.trials().len() + self.specimens.len()) as u64
+        let all = self.trials().len() + self.slow_changes().len() + self.healthy_runs().len();
+        all as u64
     }
 }

@@ -11,7 +11,7 @@ const CYCLES_TO_A_FALSE_ALARM: f64 = 1e5;
 const TICKS_BEYOND: u32 = 10;
 
 /// What `summary` falls short of: every fault found in time, the cause right in 95 %, at most one false alarm in 1e5 healthy
-/// cycles or part of them, no limit exceeded for longer than it takes to stop, every stop in time.
+/// cycles or part of them, slow changes followed or named, no limit exceeded for longer than it takes to stop, every stop in time.
 pub fn missed(summary: &Summary) -> Vec<String> {
     let mut missed = Vec::new();
     for kind in &summary.kinds {
@@ -39,6 +39,9 @@ pub fn missed(summary: &Summary) -> Vec<String> {
             "{alarms} false alarms in {} healthy cycles and {} trials",
             summary.healthy_cycles, summary.trials
         ));
+    }
+    for followed in summary.slow.iter().filter(|one| !one.holds()) {
+        missed.push(format!("a slow change: {followed:?}"));
     }
     if summary.ticks_beyond > TICKS_BEYOND {
         missed.push(format!(

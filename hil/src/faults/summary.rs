@@ -4,6 +4,7 @@ use serde::Serialize;
 
 use super::healthy::Healthy;
 use super::kind::{Group, Kind};
+use super::slow::Followed;
 use super::trial::Outcome;
 
 /// Of one kind and size.
@@ -60,13 +61,15 @@ pub struct Summary {
     pub false_alarms: usize,
     /// Specimen by specimen.
     pub healthy: Vec<Healthy>,
+    /// Slow change by slow change.
+    pub slow: Vec<Followed>,
     /// Trial by trial.
     pub outcomes: Vec<Outcome>,
 }
 
 impl Summary {
-    /// Of these trials and healthy runs.
-    pub fn of(outcomes: Vec<Outcome>, healthy: Vec<Healthy>) -> Self {
+    /// Of these trials, slow changes and healthy runs.
+    pub fn of(outcomes: Vec<Outcome>, slow: Vec<Followed>, healthy: Vec<Healthy>) -> Self {
         let count =
             |holds: &dyn Fn(&Outcome) -> bool| outcomes.iter().filter(|one| holds(one)).count();
         let largest = |of: &dyn Fn(&Outcome) -> f64| outcomes.iter().map(of).fold(0.0, f64::max);
@@ -99,6 +102,7 @@ impl Summary {
             healthy_cycles: healthy.iter().map(|one| u64::from(one.cycles)).sum(),
             false_alarms: healthy.iter().map(|one| one.false_alarms.len()).sum(),
             healthy,
+            slow,
             outcomes,
         }
     }

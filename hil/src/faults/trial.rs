@@ -30,6 +30,8 @@ pub struct Trial {
     pub noise: f64,
     /// Part of the cycle at which it begins.
     pub moment: f64,
+    /// Most by which the law follows slow changes, part of its coefficients; 0 where it stays.
+    pub follow: f64,
     /// Of the sensors' noise.
     pub seed: u64,
 }
@@ -78,12 +80,12 @@ const BEYOND: f64 = 1.01;
 /// Noise of the force channel as [`RigSetup::new`] sets it.
 const USUAL_NOISE: f64 = 0.004;
 
-/// The rig that tests a specimen of `density` g/cm³ at `amplitude` mm and `frequency` Hz for `cycles`.
+/// The rig that tests `specimen` at `amplitude` mm and `frequency` Hz for `cycles`, with `noise` and `follow` as in [`Trial`].
 pub(super) fn setup(
     specimen: Damaged,
     (amplitude, frequency): (f64, f64),
     cycles: u32,
-    noise: f64,
+    (noise, follow): (f64, f64),
     seed: u64,
 ) -> Result<RigSetup<Damaged, 1, 1>, SetupError> {
     let c = specimen.coefficients();
@@ -92,6 +94,7 @@ pub(super) fn setup(
     let programme = Programme::new(TICK_RATE, 1)?.with(block)?;
     let mut setup = RigSetup::new(specimen, AugmentedLaw::new(law), programme, seed);
     setup.force_sensor.noise *= noise / USUAL_NOISE;
+    setup.settings.health.follow = follow;
     Ok(setup)
 }
 
@@ -124,7 +127,13 @@ pub fn run_trial(trial: &Trial) -> Result<Outcome, SetupError> {
     let lead = trial.kind.lead(trial.size);
     let cycles = HEALTHY + WATCHED + lead.ceil() as u32;
     let axes = (trial.amplitude, trial.frequency);
-    let setup = setup(specimen, axes, cycles, trial.noise, trial.seed)?;
+    let setup = setup(
+        specimen,
+        axes,
+        cycles,
+        (trial.noise, trial.follow),
+        trial.seed,
+    )?;
     let (displacement_limit, force_limit) = (
         setup.settings.displacement_limit,
         setup.settings.force_limit,

@@ -11,6 +11,7 @@ use mesh_damper::crossing::CrossingAccumulator;
 use mesh_damper::cycle::Cycle;
 use mesh_damper::dac::Ad5761;
 use mesh_damper::effects::AugmentedLaw;
+use mesh_damper::health::HealthSettings;
 use mesh_damper::rig::{Rig, RigSettings, State, Telemetry};
 use mesh_damper::sine::{Block, Programme};
 use mesh_damper::table::PAPER;
@@ -129,7 +130,14 @@ pub fn run(meter: &mut impl Meter) -> Result<(), Refused> {
     let programme = Programme::new(TICK_RATE, 1)?.with(block)?;
     let law = TabulatedLaw::new(AugmentedLaw::new(PAPER.lookup(3.0, AMPLITUDE as f32).law));
     let law = RunningLaw::new(law);
-    let rig = Rig::new(adc, dac, Line, &RigSettings::default(), programme, law)?;
+    let settings = RigSettings {
+        health: HealthSettings {
+            follow: 0.1,
+            ..HealthSettings::default()
+        },
+        ..RigSettings::default()
+    };
+    let rig = Rig::new(adc, dac, Line, &settings, programme, law)?;
     let mut running = Running {
         rig,
         telemetry: None,
