@@ -5,10 +5,14 @@ use std::sync::atomic::{AtomicU64, Ordering};
 
 use clap::Args;
 use hil::error::InputError;
-use hil::faults::{Campaign, FOLLOW, Summary, missed};
+use hil::faults::{Campaign, FOLLOW, Summary, missed, run_trial_on};
+use hil::image::Board;
+use hil::link::SetupError;
+use hil::link::image::Image;
 use hil::output::Outputs;
 use hil::report::campaign;
 
+use super::image::On;
 use super::progress::Progress;
 use super::{Failure, say};
 
@@ -19,11 +23,14 @@ use super::{Failure, say};
 #[derive(Args, Debug)]
 #[command(after_help = "Examples:\n  hil faults --out faults-out\n  hil faults --part --check")]
 pub struct FaultsCommand {
-    /// Only a part: three specimens at 1 % noise, 6000 healthy cycles
-    #[arg(long)]
+    /// Where the crate runs
+    #[arg(long, value_enum, default_value_t = On::Host)]
+    on: On,
+    /// Only a part: three specimens at 1 % noise, 6000 healthy cycles; on the image there are one specimen's faults only
+    #[arg(long, conflicts_with = "on")]
     part: bool,
     /// Healthy cycles in all
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(0..=100_000_000))]
+    #[arg(long, value_name = "N", conflicts_with = "on", value_parser = clap::value_parser!(u32).range(0..=100_000_000))]
     healthy: Option<u32>,
     /// Where the picture goes, as faults.svg
     #[arg(long, value_name = "DIR")]
@@ -36,11 +43,32 @@ pub struct FaultsCommand {
     json: Option<PathBuf>,
 }
 
+/// A campaign that could not be run to its end.
+fn refused(error: SetupError) -> InputError {
+    match error {
+        SetupError::Link(error) => error.into(),
+        error => InputError::new("the fault campaign", error.to_string(), "report this"),
+    }
+}
+
+/// The faults of [`Campaign::on_image`], each on an image that has just started.
+fn on_image() -> Result<Summary, InputError> {
+    let trials = Campaign::on_image().trials();
+    let progress = Progress::of(trials.len() as u64);
+    progress.step("testing the image");
+    let mut outcomes = Vec::new();
+    for trial in &trials {
+        let mut image = Image::start(Board::Mps2An386, Box::new(|_| {}))?;
+        outcomes.push(run_trial_on(&mut image, trial).map_err(refused)?);
+        progress.done(outcomes.len() as u64);
+    }
+    Ok(Summary::of(outcomes, Vec::new(), Vec::new()))
+}
+
 impl FaultsCommand {
-    pub fn run(self) -> Result<(), Failure> {
-        let picture = self.out.as_ref().map(|out| out.join("faults.svg"));
-        for path in self.json.iter().chain(&picture) {
-            Outputs::check(path)?;
+    fn summary(&self) -> Result<Summary, InputError> {
+        if self.on == On::Image {
+            return on_image();
         }
         let mut chosen = if self.part {
             Campaign::part()
@@ -51,13 +79,16 @@ impl FaultsCommand {
         let progress = Progress::of(chosen.steps());
         progress.step("testing");
         let finished = AtomicU64::new(0);
-        let summary = chosen.run(&|| {
-            progress.done(finished.fetch_add(1, Ordering::Relaxed) + 1);
-        });
-        drop(progress);
-        let summary = summary.map_err(|error| {
-            InputError::new("the fault campaign", error.to_string(), "report this")
-        })?;
+        let done = || progress.done(finished.fetch_add(1, Ordering::Relaxed) + 1);
+        chosen.run(&done).map_err(refused)
+    }
+
+    pub fn run(self) -> Result<(), Failure> {
+        let picture = self.out.as_ref().map(|out| out.join("faults.svg"));
+        for path in self.json.iter().chain(&picture) {
+            Outputs::check(path)?;
+        }
+        let summary = self.summary()?;
         let mut outputs = Outputs::new();
         if let Some(picture) = &picture {
             outputs.add(picture, campaign::picture(&summary));
@@ -122,10 +153,26 @@ fn print(summary: &Summary) {
         percent(summary.right),
         summary.early
     ));
+    if !summary.healthy.is_empty() {
+        say(&format!(
+            "{} healthy cycles with run-in and temperature: {} false alarms",
+            summary.healthy_cycles, summary.false_alarms
+        ));
+    }
+    if !summary.slow.is_empty() {
+        print_slow(summary);
+    }
     say(&format!(
-        "{} healthy cycles with run-in and temperature: {} false alarms",
-        summary.healthy_cycles, summary.false_alarms
+        "\nlargest displacement {:.2}, force {:.2} of their limits, beyond one for at most {} ticks; {} stops, {} of them in time",
+        summary.displacement,
+        summary.force,
+        summary.ticks_beyond,
+        summary.stopped,
+        summary.stopped_in_time
     ));
+}
+
+fn print_slow(summary: &Summary) {
     say(&format!(
         "\nSlow changes over 300 cycles, of which a law follows up to {:.0} %:",
         100.0 * FOLLOW
@@ -150,12 +197,4 @@ fn print(summary: &Summary) {
             100.0 * one.followed.energy,
         ));
     }
-    say(&format!(
-        "\nlargest displacement {:.2}, force {:.2} of their limits, beyond one for at most {} ticks; {} stops, {} of them in time",
-        summary.displacement,
-        summary.force,
-        summary.ticks_beyond,
-        summary.stopped,
-        summary.stopped_in_time
-    ));
 }

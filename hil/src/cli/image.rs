@@ -4,8 +4,19 @@ use clap::ValueEnum;
 use hil::error::InputError;
 use hil::image::Board;
 use hil::link::image::{self, Emulator, Image};
+use serde::Serialize;
 
 use super::progress::Progress;
+
+/// Where the crate runs.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, ValueEnum)]
+#[serde(rename_all = "snake_case")]
+pub enum On {
+    /// In this process
+    Host,
+    /// In the firmware's image, in an emulator
+    Image,
+}
 
 /// Which of the image's log messages are shown.
 #[derive(Clone, Copy, Debug, PartialEq, ValueEnum)]

@@ -2,7 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
-use clap::{Args, ValueEnum};
+use clap::Args;
 use hil::error::InputError;
 use hil::link::{
     Journal, RigRun, RigSetup, Samples, SetupError, TICK_RATE, Watch, run_rig, run_rig_on,
@@ -20,7 +20,7 @@ use serde::Serialize;
 
 use super::effect;
 use super::events::EventRow;
-use super::image::{LogLevel, start_image};
+use super::image::{LogLevel, On, start_image};
 use super::law::PublishedLaw;
 use super::programme::{self, MOST_BLOCKS};
 use super::progress::Progress;
@@ -85,15 +85,6 @@ pub struct RunCommand {
     /// Where the result goes as JSON as well; `-` for standard output
     #[arg(long, value_name = "FILE")]
     json: Option<PathBuf>,
-}
-
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, ValueEnum)]
-#[serde(rename_all = "snake_case")]
-enum On {
-    /// In this process
-    Host,
-    /// In the firmware's image, in an emulator
-    Image,
 }
 
 /// The amplitude whose row of the paper's tables a specimen of given density follows, mm.

@@ -17,7 +17,7 @@ pub use kind::{Group, Kind};
 pub use requirement::missed;
 pub use slow::{Changing, FOLLOW, Followed, Left, SlowChange};
 pub use summary::{KindSummary, Summary};
-pub use trial::{Outcome, Trial, run_trial};
+pub use trial::{Outcome, Trial, run_trial, run_trial_on};
 
 use crate::link::SetupError;
 
@@ -60,6 +60,17 @@ impl Campaign {
             noises: vec![0.01],
             moments: vec![0.3, 0.8],
             healthy_cycles: 6_000,
+            ..Self::whole()
+        }
+    }
+
+    /// What is tried on an image: every kind in every size once, on one specimen at the largest noise.
+    pub fn on_image() -> Self {
+        Self {
+            specimens: vec![(3.0, 0.1, 10.0)],
+            noises: vec![0.01],
+            moments: vec![0.3],
+            healthy_cycles: 0,
             ..Self::whole()
         }
     }

@@ -1,6 +1,8 @@
 //! One fault on the rig.
 
+use std::cell::Cell;
 use std::f64::consts::TAU;
+use std::rc::Rc;
 
 use mesh_damper::effects::AugmentedLaw;
 use mesh_damper::health::{Cause, Event};
@@ -9,9 +11,10 @@ use mesh_damper::rig::{Fault, State};
 use mesh_damper::sine::{Block, Programme};
 use serde::Serialize;
 
-use super::damage::Damaged;
+use super::damage::{Condition, Damaged};
 use super::kind::{Kind, Motion};
-use crate::link::{Bench, RigSetup, SetupError, TICK_RATE};
+use crate::link::image::{Image, ImageBench, Wire};
+use crate::link::{Bench, Controlled, RigSetup, SetupError, TICK_RATE};
 
 /// A fault, and the test that it comes into.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
@@ -112,103 +115,130 @@ fn peak(specimen: &Damaged, amplitude: f64, frequency: f64) -> f64 {
         .fold(0.0, f64::max)
 }
 
-/// Runs it.
+/// Runs it with the controller in this process.
 ///
 /// # Errors
 /// A setup that one of its parts refuses.
 pub fn run_trial(trial: &Trial) -> Result<Outcome, SetupError> {
-    let (specimen, condition) = Damaged::new(trial.density, trial.amplitude);
-    let motion = Motion {
-        amplitude: trial.amplitude,
-        frequency: trial.frequency,
-        force: peak(&specimen, trial.amplitude, trial.frequency),
-        tick: 1.0 / TICK_RATE,
-    };
-    let lead = trial.kind.lead(trial.size);
-    let cycles = HEALTHY + WATCHED + lead.ceil() as u32;
-    let axes = (trial.amplitude, trial.frequency);
-    let setup = setup(
-        specimen,
-        axes,
-        cycles,
-        (trial.noise, trial.follow),
-        trial.seed,
-    )?;
-    let (displacement_limit, force_limit) = (
-        setup.settings.displacement_limit,
-        setup.settings.force_limit,
-    );
-    let stop_ticks = u64::from(setup.settings.stop_ticks);
-    let mut bench = Bench::new(setup)?;
-    bench.rig.start();
-    let ticks_per_cycle = TICK_RATE / trial.frequency;
-    // The ramp is a cycle.
-    let begins = ((f64::from(1 + HEALTHY) + trial.moment) * ticks_per_cycle) as u64;
-    let mut events: Vec<(u64, Event)> = Vec::new();
-    let mut outcome = Outcome {
-        trial: *trial,
-        named: Vec::new(),
-        cycles: None,
-        right: false,
-        false_alarm: false,
-        stopped: None,
-        displacement: 0.0,
-        force: 0.0,
-        ticks_beyond: 0,
-        stopped_in_time: true,
-    };
-    let mut beyond = 0;
-    let mut stopped: Option<(u64, Fault)> = None;
-    for tick in 0.. {
-        if tick == begins {
-            trial
-                .kind
-                .inject(trial.size, &mut bench.plant, &condition, &motion);
-        }
-        let telemetry = bench.tick();
-        events.extend(telemetry.event.map(|event| (tick, event)));
-        let share = |value: f64, limit: f64| (value / limit).abs();
-        let servo = &bench.plant.servo;
-        outcome.displacement =
-            (outcome.displacement).max(share(servo.displacement(), displacement_limit));
-        outcome.force = outcome.force.max(share(servo.force(), force_limit));
-        let is_beyond = share(servo.displacement(), displacement_limit) > BEYOND
-            || share(servo.force(), force_limit) > BEYOND;
-        beyond = if is_beyond && bench.enabled.get() {
-            beyond + 1
-        } else {
-            0
+    let (test, setup) = Test::of(trial)?;
+    test.run(&mut Bench::new(setup)?)
+}
+
+/// Runs it with an image as the controller, which has had no rig before.
+///
+/// # Errors
+/// As [`run_trial`], and those of the link to the image.
+pub fn run_trial_on<W: Wire>(image: &mut Image<W>, trial: &Trial) -> Result<Outcome, SetupError> {
+    let (test, setup) = Test::of(trial)?;
+    test.run(&mut ImageBench::new(setup, image)?)
+}
+
+/// A trial, and what has to be known of its rig.
+struct Test<'t> {
+    trial: &'t Trial,
+    condition: Rc<Cell<Condition>>,
+    motion: Motion,
+    /// mm and kN.
+    limits: [f64; 2],
+    stop_ticks: u64,
+}
+
+impl<'t> Test<'t> {
+    fn of(trial: &'t Trial) -> Result<(Self, RigSetup<Damaged, 1, 1>), SetupError> {
+        let (specimen, condition) = Damaged::new(trial.density, trial.amplitude);
+        let motion = Motion {
+            amplitude: trial.amplitude,
+            frequency: trial.frequency,
+            force: peak(&specimen, trial.amplitude, trial.frequency),
+            tick: 1.0 / TICK_RATE,
         };
-        outcome.ticks_beyond = outcome.ticks_beyond.max(beyond);
-        match (telemetry.state, stopped) {
-            (State::Running, _) => {}
-            (State::Faulted(fault), None) => {
-                stopped = Some((tick, fault));
-                outcome.stopped_in_time &= !bench.enabled.get();
+        let lead = trial.kind.lead(trial.size);
+        let cycles = HEALTHY + WATCHED + lead.ceil() as u32;
+        let axes = (trial.amplitude, trial.frequency);
+        let settings = (trial.noise, trial.follow);
+        let setup = setup(specimen, axes, cycles, settings, trial.seed)?;
+        let test = Self {
+            trial,
+            condition,
+            motion,
+            limits: [
+                setup.settings.displacement_limit,
+                setup.settings.force_limit,
+            ],
+            stop_ticks: u64::from(setup.settings.stop_ticks),
+        };
+        Ok((test, setup))
+    }
+
+    fn run(&self, rig: &mut impl Controlled<Damaged>) -> Result<Outcome, SetupError> {
+        let trial = self.trial;
+        let ticks_per_cycle = TICK_RATE / trial.frequency;
+        // The ramp is a cycle.
+        let begins = ((f64::from(1 + HEALTHY) + trial.moment) * ticks_per_cycle) as u64;
+        let mut events: Vec<(u64, Event)> = Vec::new();
+        let mut outcome = Outcome {
+            trial: *trial,
+            named: Vec::new(),
+            cycles: None,
+            right: false,
+            false_alarm: false,
+            stopped: None,
+            displacement: 0.0,
+            force: 0.0,
+            ticks_beyond: 0,
+            stopped_in_time: true,
+        };
+        let mut beyond = 0;
+        let mut stopped: Option<(u64, Fault)> = None;
+        rig.start()?;
+        for tick in 0.. {
+            if tick == begins {
+                let kind = trial.kind;
+                kind.inject(trial.size, rig.plant_mut(), &self.condition, &self.motion);
             }
-            (State::Faulted(_), Some((since, _))) => {
-                outcome.stopped_in_time &= !bench.enabled.get();
-                if tick > since + stop_ticks {
-                    outcome.stopped_in_time &= telemetry.command == 0.0;
-                    break;
+            let telemetry = rig.tick()?;
+            events.extend(telemetry.event.map(|event| (tick, event)));
+            let [displacement_limit, force_limit] = self.limits;
+            let servo = &rig.plant().servo;
+            let displacement = (servo.displacement() / displacement_limit).abs();
+            let force = (servo.force() / force_limit).abs();
+            outcome.displacement = outcome.displacement.max(displacement);
+            outcome.force = outcome.force.max(force);
+            let is_beyond = displacement > BEYOND || force > BEYOND;
+            let enabled = rig.is_enabled();
+            beyond = if is_beyond && enabled { beyond + 1 } else { 0 };
+            outcome.ticks_beyond = outcome.ticks_beyond.max(beyond);
+            match (telemetry.state, stopped) {
+                (State::Running, _) => {}
+                (State::Faulted(fault), None) => {
+                    stopped = Some((tick, fault));
+                    outcome.stopped_in_time &= !enabled;
                 }
+                (State::Faulted(_), Some((since, _))) => {
+                    outcome.stopped_in_time &= !enabled;
+                    if tick > since + self.stop_ticks {
+                        outcome.stopped_in_time &= telemetry.command == 0.0;
+                        break;
+                    }
+                }
+                (State::Idle | State::Done, _) => break,
             }
-            (State::Idle | State::Done, _) => break,
         }
+        outcome.stopped = stopped.map(|(_, fault)| format!("{fault:?}"));
+        let faults = events.iter().filter(|(_, event)| event.cause.is_fault());
+        let faults: Vec<(u64, Cause)> = faults.map(|(tick, event)| (*tick, event.cause)).collect();
+        outcome.named = faults
+            .iter()
+            .map(|(_, cause)| format!("{cause:?}"))
+            .collect();
+        if let Some(&(tick, cause)) = faults.first() {
+            outcome.false_alarm = tick < begins;
+            outcome.right = cause == trial.kind.cause();
+            // The tick that finds it is over as well.
+            let since = (tick + 1) as f64 - begins as f64;
+            let lead = trial.kind.lead(trial.size);
+            outcome.cycles = Some((since / ticks_per_cycle - lead).max(0.0));
+        }
+        Ok(outcome)
     }
-    outcome.stopped = stopped.map(|(_, fault)| format!("{fault:?}"));
-    let faults = events.iter().filter(|(_, event)| event.cause.is_fault());
-    let faults: Vec<(u64, Cause)> = faults.map(|(tick, event)| (*tick, event.cause)).collect();
-    outcome.named = faults
-        .iter()
-        .map(|(_, cause)| format!("{cause:?}"))
-        .collect();
-    if let Some(&(tick, cause)) = faults.first() {
-        outcome.false_alarm = tick < begins;
-        outcome.right = cause == trial.kind.cause();
-        // The tick that finds it is over as well.
-        let since = (tick + 1) as f64 - begins as f64;
-        outcome.cycles = Some((since / ticks_per_cycle - lead).max(0.0));
-    }
-    Ok(outcome)
 }

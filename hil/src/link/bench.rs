@@ -185,6 +185,14 @@ impl<S: DamperForce + Clone, const B: usize, const N: usize> Controlled<S> for B
         &self.plant
     }
 
+    fn plant_mut(&mut self) -> &mut Plant<S> {
+        &mut self.plant
+    }
+
+    fn is_enabled(&self) -> bool {
+        self.enabled.get()
+    }
+
     fn start(&mut self) -> Result<(), SetupError> {
         self.rig.start();
         Ok(())

@@ -15,7 +15,7 @@ pub use bench::{Bench, RigSetup, SetupError};
 pub use emulation::{Emulation, EmulatorBench, EmulatorSetup};
 pub use journal::Journal;
 pub use plant::Plant;
-pub use run::{RigRun, Samples, Watch, run_rig, run_rig_on};
+pub use run::{Controlled, RigRun, Samples, Watch, run_rig, run_rig_on};
 
 /// Tick rate of the crate unless told otherwise, Hz.
 pub const TICK_RATE: f64 = 10_000.0;

@@ -122,11 +122,27 @@ impl<F: FnMut(f64)> Watch for F {
 }
 
 /// A rig with what it works on, wherever its controller runs.
-pub(super) trait Controlled<S> {
+pub trait Controlled<S> {
+    /// What it works on.
     fn plant(&self) -> &Plant<S>;
+    /// Likewise, to have any of it fail.
+    fn plant_mut(&mut self) -> &mut Plant<S>;
+    /// Begins the programme.
+    ///
+    /// # Errors
+    /// Those of the link to an image; never in this process.
     fn start(&mut self) -> Result<(), SetupError>;
+    /// One tick of the controller and of the plant.
+    ///
+    /// # Errors
+    /// As [`Controlled::start`].
     fn tick(&mut self) -> Result<Telemetry, SetupError>;
+    /// Level of the enable line after the last tick.
+    fn is_enabled(&self) -> bool;
     /// Eq 13's coefficients from the next end of a cycle on.
+    ///
+    /// # Errors
+    /// As [`Controlled::start`].
     fn set_law(&mut self, law: Law<f32>) -> Result<(), SetupError>;
 }
 

@@ -19,6 +19,7 @@ use crate::specimen::DamperForce;
 pub struct ImageBench<'i, S, W, const N: usize> {
     plant: Plant<S>,
     image: &'i mut Image<W>,
+    enabled: bool,
     /// What the image was last given.
     law: TabulatedLaw<N>,
 }
@@ -45,7 +46,12 @@ impl<'i, S: DamperForce + Clone, W: Wire, const N: usize> ImageBench<'i, S, W, N
                 config: setup.settings.at(setup.programme.tick_rate())?,
             },
         )?;
-        Ok(Self { plant, image, law })
+        Ok(Self {
+            plant,
+            image,
+            enabled: false,
+            law,
+        })
     }
 }
 
@@ -63,6 +69,14 @@ impl<S: DamperForce + Clone, W: Wire, const N: usize> Controlled<S> for ImageBen
         &self.plant
     }
 
+    fn plant_mut(&mut self) -> &mut Plant<S> {
+        &mut self.plant
+    }
+
+    fn is_enabled(&self) -> bool {
+        self.enabled
+    }
+
     fn start(&mut self) -> Result<(), SetupError> {
         self.image.start_rig()?;
         Ok(())
@@ -75,6 +89,7 @@ impl<S: DamperForce + Clone, W: Wire, const N: usize> Controlled<S> for ImageBen
             force: adc_code(force),
             temperature: self.plant.temperature() as f32,
         })?;
+        self.enabled = outcome.enabled;
         self.plant.advance(dac_volts(outcome.code), outcome.enabled);
         Ok(outcome.telemetry)
     }

@@ -7,7 +7,7 @@ mod log;
 mod pin;
 mod watchdog;
 
-pub(super) use bench::ImageBench;
+pub use bench::ImageBench;
 pub use emulator::{Emulator, Wire};
 pub use exchange::Exchange;
 pub use log::{LogDecoder, LogLevel, LogLine, LogSink};
