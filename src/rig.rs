@@ -327,7 +327,7 @@ where
             self.generator.restart();
             let law = self.law.borrow_mut();
             law.boundary();
-            law.follow(Followed::default());
+            law.follow_nothing();
             law.rest();
             self.comparison = Comparison::default();
             self.exceeded = Exceeded::default();

@@ -106,7 +106,7 @@ impl<const N: usize> RunningLaw<N> {
             needed: ROWS,
             ..Self::empty()
         };
-        new.follow(Followed::default());
+        new.follow_nothing();
         new
     }
 
@@ -151,6 +151,14 @@ impl<const N: usize> RunningLaw<N> {
         );
         self.damping_part = part(followed.c);
         self.followed = followed;
+    }
+
+    /// The law in force is the law as it was given.
+    #[inline]
+    pub(crate) fn follow_nothing(&mut self) {
+        self.in_force = *self.law().augmented.law();
+        self.damping_part = 1.0;
+        self.followed = Followed::default();
     }
 
     /// By how much the law in force differs from the law as it was given.
@@ -221,7 +229,7 @@ impl<const N: usize> RunningLaw<N> {
         self.filled = 0;
         self.needed = ROWS;
         self.settled = false;
-        self.follow(Followed::default());
+        self.follow_nothing();
         true
     }
 

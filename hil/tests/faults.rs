@@ -1,6 +1,17 @@
 //! The fault campaign, a part of it: what the rig's monitor is asked for.
 
-use hil::faults::{Campaign, Kind, missed};
+mod emulated;
+
+use hil::faults::{Campaign, Condition, Damaged, FOLLOW, Kind, missed, run_trial, run_trial_on};
+use hil::image::{Board, FIRMWARE};
+use hil::link::image::Image;
+use hil::link::{Bench, RigSetup, TICK_RATE};
+use mesh_damper::effects::AugmentedLaw;
+use mesh_damper::health::Cause;
+use mesh_damper::law::Law;
+use mesh_damper::rig::State;
+use mesh_damper::sine::{Block, Programme};
+use mesh_damper::tabulated::{Followed, TabulatedLaw};
 
 /// `cargo hil faults --check` is the whole.
 #[test]
@@ -24,5 +35,81 @@ fn a_part_of_the_campaign_meets_the_requirement() {
             .map(|(_, cause)| cause.as_str())
             .collect();
         assert_eq!(noted, ["RunIn", "Temperature"], "{healthy:?}");
+    }
+}
+
+/// A fault of each group, one of them slow: the image's monitor does what the one in this process does, to the last bit.
+#[test]
+fn faults_come_out_on_the_image_as_in_this_process() {
+    if emulated::image(&FIRMWARE, Board::Mps2An386).is_none() {
+        return;
+    }
+    let campaign = Campaign {
+        kinds: vec![
+            Kind::WireBreakage,
+            Kind::ForceStuck,
+            Kind::ForceDrifting,
+            Kind::ActuatorLagging,
+        ],
+        ..Campaign::on_image()
+    };
+    let trials = campaign.trials();
+    // The law stays in one and follows in the other.
+    for size in [0.05, 0.1, 1.0, 0.008] {
+        let trial = trials.iter().find(|trial| trial.size == size).unwrap();
+        let mut image = Image::start(Board::Mps2An386, Box::new(|_| {})).unwrap();
+        let outcome = run_trial_on(&mut image, trial).unwrap();
+        assert_eq!(outcome, run_trial(trial).unwrap());
+        assert!(outcome.right && outcome.in_time(), "{outcome:?}");
+    }
+    assert!(trials[0].follow == 0.0 && trials[1].follow == FOLLOW);
+}
+
+/// A law that takes over in the middle of a block is no change of the specimen, and nothing of what was followed is left.
+#[test]
+fn a_better_law_in_the_middle_of_a_block_is_no_fault() {
+    let law = |part: f64, specimen: &Damaged| {
+        let c = specimen.coefficients();
+        let [k1, k3, friction] = [c.k1, c.k3, c.c].map(|value| (part * value) as f32);
+        AugmentedLaw::<f32, 1>::new(Law::new(k1, k3, friction, c.alpha as f32).unwrap())
+    };
+    for follow in [0.0, FOLLOW] {
+        let (specimen, condition) = Damaged::new(3.0, 0.1);
+        let block = Block::sine(0.1, 10.0, 100).unwrap();
+        let programme = Programme::<1>::new(TICK_RATE, 1)
+            .unwrap()
+            .with(block)
+            .unwrap();
+        let better = TabulatedLaw::new(law(1.0, &specimen));
+        let mut setup = RigSetup::new(specimen.clone(), law(1.2, &specimen), programme, 1);
+        setup.settings.health.follow = follow;
+        let mut bench = Bench::new(setup).unwrap();
+        bench.rig.start();
+        let (mut named, mut followed) = (Vec::new(), Vec::new());
+        while bench.rig.state() == State::Running {
+            let telemetry = bench.tick();
+            named.extend(telemetry.event.map(|event| (telemetry.cycle, event.cause)));
+            if let Some(report) = telemetry.report {
+                followed.push(report.followed);
+                match report.cycle {
+                    40 => bench.rig.swap_law(better.clone()),
+                    70 => condition.set(Condition {
+                        stiffness: 0.9,
+                        friction: 0.9,
+                        ..Condition::NEW
+                    }),
+                    _ => {}
+                }
+            }
+        }
+        // The law takes over with the end of cycle 41.
+        let far = |followed: &Followed| followed.k1 < -0.01 && followed.c < -0.01;
+        assert_eq!(far(&followed[41]), follow > 0.0, "{:?}", followed[41]);
+        assert_eq!(followed[42], Followed::default());
+        let &[(cycle, cause)] = &named[..] else {
+            panic!("{named:?}");
+        };
+        assert_eq!(cause, Cause::WireBreakage);
+        assert!((72..76).contains(&cycle), "{cycle}");
     }
 }

@@ -51,6 +51,45 @@ fn what_the_monitor_names_is_told() {
     assert!(events.iter().any(|event| event["fault"] == true));
 }
 
+/// The same specimen beside a law that may follow: it errs less, and no fault is named.
+#[test]
+fn a_law_that_follows_errs_less_and_says_by_how_much_it_went() {
+    let root = tempfile::tempdir().unwrap();
+    let softening = [
+        "--effect",
+        "drift:stiffness=-0.5,cycles=300",
+        "--blocks",
+        "0.1:10:400",
+        "--json",
+        "-",
+    ];
+    let summary = |more: &[&str]| -> serde_json::Value {
+        let output = run(root.path(), &[&softening, more].concat());
+        serde_json::from_slice(&output.stdout).unwrap()
+    };
+    let last = |summary: &serde_json::Value, field: &str| {
+        let cycles = summary["cycles"].as_array().unwrap();
+        cycles.iter().rfind(|cycle| cycle["ramp"] == false).unwrap()[field]
+            .as_f64()
+            .unwrap()
+    };
+    let (stays, follows) = (summary(&[]), summary(&["--follow", "0.2"]));
+    assert!(last(&stays, "nrmse") > 0.1);
+    assert!(last(&follows, "nrmse") < 0.02);
+    assert_eq!(last(&stays, "followed_k1"), 0.0);
+    assert!(last(&follows, "followed_k1") < -0.3);
+    assert!(last(&follows, "followed_c").abs() < 0.01);
+    let faults = |summary: &serde_json::Value| {
+        let events = summary["events"].as_array().unwrap();
+        events.iter().filter(|event| event["fault"] == true).count()
+    };
+    assert_eq!((faults(&stays), faults(&follows)), (1, 0));
+    let refused = run(root.path(), &["--follow", "0.6"]);
+    assert_eq!(refused.status.code(), Some(2));
+    let said = String::from_utf8_lossy(&refused.stderr).into_owned();
+    assert!(said.contains("follow = 0.6 is outside 0…0.5"), "{said}");
+}
+
 #[test]
 fn leaves_a_recording_and_its_cycles() {
     let root = tempfile::tempdir().unwrap();

@@ -26,7 +26,7 @@ pub struct FaultsCommand {
     /// Where the crate runs
     #[arg(long, value_enum, default_value_t = On::Host)]
     on: On,
-    /// Only a part: three specimens at 1 % noise, 6000 healthy cycles; on the image there are one specimen's faults only
+    /// Only a part: three specimens at 1 % noise, 12 000 healthy cycles; on the image there are one specimen's faults only
     #[arg(long, conflicts_with = "on")]
     part: bool,
     /// Healthy cycles in all

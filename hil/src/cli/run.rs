@@ -171,6 +171,17 @@ impl From<&CycleReport> for CycleRow {
     }
 }
 
+impl CycleRow {
+    fn followed_in_words(&self) -> String {
+        format!(
+            "The law followed by {:+.1} % of k1, {:+.1} % of k3 and {:+.1} % of c",
+            100.0 * self.followed_k1,
+            100.0 * self.followed_k3,
+            100.0 * self.followed_c
+        )
+    }
+}
+
 impl RunCommand {
     pub fn run(self) -> Result<(), Failure> {
         Outputs::check(&self.out.join("cycles.csv"))?;
@@ -248,6 +259,11 @@ impl RunCommand {
         journal.remove();
         if self.json.as_deref() != Some(Path::new("-")) {
             print_blocks(&run, &programme);
+            if self.follow > 0.0
+                && let Some(last) = summary.cycles.last()
+            {
+                say(&last.followed_in_words());
+            }
             for event in &summary.events {
                 say(&event.in_words());
             }
@@ -329,7 +345,7 @@ fn broken_off(error: SetupError, journal: &Journal) -> InputError {
         SetupError::Link(error) => error.into(),
         SetupError::Watch(error) => error,
         error => {
-            let mend = "change the blocks, the tick rate or the model";
+            let mend = "change the blocks, the tick rate, the model or how far it may follow";
             InputError::new("the rig", error.to_string(), mend)
         }
     };

@@ -59,7 +59,7 @@ impl Campaign {
             specimens: vec![(2.0, 0.05, 10.0), (3.0, 0.1, 10.0), (4.0, 0.25, 10.0)],
             noises: vec![0.01],
             moments: vec![0.3, 0.8],
-            healthy_cycles: 6_000,
+            healthy_cycles: 12_000,
             ..Self::whole()
         }
     }
