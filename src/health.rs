@@ -14,6 +14,7 @@
 //! | anything else of these | | [`Cause::Unexplained`] |
 //! | slowly, with the temperature | limit on the way since the run-in | [`Cause::Temperature`], no fault |
 //! | slowly, until the run-in is over | | [`Cause::RunIn`], no fault |
+//! | slowly, by what the law may follow | | none |
 //! | a channel that repeats one value | what it measures moves beside it | [`Cause::SensorStuck`], [`Cause::SensorDroppedOut`], [`Cause::SensorClipped`] |
 //! | a sample that stands out | jumps there and back | [`Cause::SensorSpiking`] |
 //! | the response to the demanded motion | limit on its distance from where it was | [`Cause::ActuatorDead`], [`Cause::ActuatorLagging`], [`Cause::ActuatorSaturated`] |
@@ -59,8 +60,10 @@ pub struct HealthSettings {
     pub run_in_cycles: u32,
     /// Most by which temperature changes a specimen's force, part of it per °C, 0…0.1, beyond what the law says of it.
     pub temperature_slope: f64,
-    /// Most by which the law follows a slow change of k1, k3 and c after the run-in, part of each, 0…0.5; 0 where it stays
-    /// as it was given. What is followed is no fault, what goes beyond is one.
+    /// Most by which the law follows a slow change of k1, k3 and c, part of each, 0…0.5; 0 where it stays as it was given. It
+    /// counts from where the law has found the specimen: for as many cycles as the run-in takes, after a start, another law,
+    /// another block or [`crate::rig::Rig::clear_events`], it goes there by up to 0.1 % a cycle and half of each coefficient.
+    /// A slow change of stiffness or energy by up to this is no fault. A law with a gap, a compliance or a delay stays.
     pub follow: f64,
 }
 
@@ -333,6 +336,7 @@ impl HealthMonitor {
         self.fresh = None;
         self.latched = 0;
         self.specimen.relearn();
+        self.adaptation.find_anew();
         self.response = ResponseWatch::default();
     }
 
@@ -420,9 +424,9 @@ impl HealthMonitor {
         }
     }
 
-    /// By how much the law in force differs from the law as it was given, until the look after a cycle's end.
+    /// By how much the law differed from the law as it was given in the cycle that has ended last.
     pub(crate) fn followed(&self) -> Followed {
-        self.adaptation.followed()
+        self.adaptation.reported()
     }
 
     /// Whether something was found that [`HealthMonitor::take_fresh`] has not told.
@@ -449,17 +453,13 @@ impl HealthMonitor {
     #[inline(never)]
     pub(crate) fn look(&mut self, config: &HealthConfig, look: &Look) -> Option<Followed> {
         self.due = part_end(look.phase);
-        let mut share = 0.0;
+        // The law that it shows is still that of the cycle before, unless another one has taken over.
+        let share = if self.ended.is_some_and(|ended| ended.another_law) {
+            0.0
+        } else {
+            self.adaptation.share(look.parts)
+        };
         let mut followed = None;
-        if config.follows() {
-            // The law that it shows is still that of the cycle before, unless it is another one.
-            let same = self.ended.is_none_or(|ended| !ended.another_law);
-            share = if same {
-                self.adaptation.share(look.parts)
-            } else {
-                0.0
-            };
-        }
         if let Some(ended) = self.ended.take() {
             self.close_cycle(config, &ended);
             if config.follows() {
@@ -512,6 +512,7 @@ impl HealthMonitor {
     #[inline(always)]
     pub(crate) fn cycle(&mut self, ended: Ended) {
         self.cycle = self.cycle.saturating_add(1);
+        self.adaptation.report();
         self.ended = Some(ended);
     }
 
@@ -536,6 +537,7 @@ impl HealthMonitor {
         if ended.block != self.block {
             self.block = ended.block;
             self.specimen.relearn();
+            self.adaptation.find_anew();
         }
         self.specimen.cycle(
             sums,
@@ -570,8 +572,7 @@ impl HealthMonitor {
     #[inline(never)]
     fn work_on_adaptation(&mut self, config: &HealthConfig) {
         if self.latched & FAULTS == 0 && self.specimen.is_sound(config) {
-            let running_in = self.specimen.is_running_in(config);
-            self.adaptation.work(config.follow, running_in);
+            self.adaptation.work(config.follow, config.run_in_cycles);
         } else {
             self.adaptation.skip();
         }

@@ -368,7 +368,8 @@ where
     }
 
     /// Another law from the end of this cycle on, or from the start where not running; see [`Rig::law`]. What its
-    /// effects remember is kept where they are of the same kinds in the same order as before.
+    /// effects remember is kept where they are of the same kinds in the same order as before. The monitor learns what is
+    /// normal beside it anew, and what begins with the swap is normal.
     pub fn swap_law(&mut self, law: TabulatedLaw<N>) {
         self.law.borrow_mut().swap(law);
     }
@@ -384,9 +385,14 @@ where
         self.law.borrow_mut().swap_with(write)
     }
 
-    /// The law in force.
+    /// The law in force, as it was given.
     pub fn law(&self) -> &TabulatedLaw<N> {
         self.law.borrow().law()
+    }
+
+    /// By how much the law in force differs from that, which slow changes of the specimen have led to.
+    pub fn followed(&self) -> Followed {
+        self.law.borrow().followed()
     }
 
     /// Temperature for the law's effects, °C; 20 until set.
@@ -444,13 +450,14 @@ where
         let estimate =
             self.observer
                 .update(&self.observer_config, displacement, excitation.acceleration);
-        let model_force = self.law.borrow_mut().force(&Motion {
+        let motion = Motion {
             displacement: estimate.displacement,
             velocity: estimate.velocity,
             acceleration: estimate.acceleration,
             cycles: excitation.cycle as f32 + excitation.phase as f32 * (1.0 / (1u64 << 32) as f32),
             temperature: self.temperature,
-        });
+        };
+        let model_force = self.law.borrow_mut().force(&motion);
         if !model_force.is_finite() {
             self.output.trip(Fault::NotFinite);
         }
@@ -502,8 +509,7 @@ where
             }
             if self.health.is_due(excitation.phase) {
                 let parts = if self.health_config.follows() {
-                    let law = self.law.borrow();
-                    law.parts(estimate.displacement, estimate.velocity)
+                    self.law.borrow().parts(&motion)
                 } else {
                     [0.0; 3]
                 };

@@ -6,7 +6,6 @@
 
 use crate::effects::{AugmentedLaw, AugmentedState, LawForce, Motion};
 use crate::law::Law;
-use crate::limits;
 use crate::power::{PowerSeed, PowerTable, ROWS};
 use crate::real::Real;
 
@@ -137,11 +136,16 @@ impl<const N: usize> RunningLaw<N> {
         if self.second { second } else { first }
     }
 
-    /// From here on k1, k3 and c differ by these parts, −1…1, from the law as it was given; nothing of it is left once
-    /// another law takes over.
+    /// From here on k1, k3 and c differ by these parts, confined to −1…1, from the law as it was given; nothing of it is left
+    /// once another law takes over.
     #[inline(never)]
     pub fn follow(&mut self, followed: Followed) {
-        let part = |of: f32| 1.0 + of.confined(1.0);
+        let followed = Followed {
+            k1: followed.k1.confined(1.0),
+            k3: followed.k3.confined(1.0),
+            c: followed.c.confined(1.0),
+        };
+        let part = |of: f32| 1.0 + of;
         let given = self.law().augmented.law();
         self.in_force = Law::from_valid(
             part(followed.k1) * given.k1(),
@@ -166,17 +170,26 @@ impl<const N: usize> RunningLaw<N> {
         self.followed
     }
 
-    /// k1·y, k3·y³ and c·|v|^α·sgn v of the law as it was given, kN, at `y` mm and `v` mm/s: not for every tick.
+    /// k1·y, k3·y³ and c·|v|^α·sgn v of the law as it was given, kN, with what its effects make of each: what the law in force
+    /// has of [`Followed`], part by part. 0 where something lies between the specimen and what is measured. Not for every
+    /// tick.
     #[inline(never)]
-    pub(crate) fn parts(&self, y: f32, v: f32) -> [f32; 3] {
-        let y = y.confined(limits::DISPLACEMENT as f32);
-        let v = v.confined(limits::VELOCITY as f32);
+    pub(crate) fn parts(&self, motion: &Motion<f32>) -> [f32; 3] {
         let law = self.law();
+        if law.augmented.has_stages() {
+            return [0.0; 3];
+        }
+        let motion = motion.confined();
+        let (y, v) = (motion.displacement(), motion.velocity());
         let given = law.augmented.law();
+        let of = |damping: f32, elastic: f32| {
+            let total = elastic + damping;
+            law.augmented.scaled(&motion, LawForce { damping, total })
+        };
         [
-            given.k1() * y,
-            given.k3() * (y * y) * y,
-            law.damping.damping_force(v),
+            of(0.0, given.k1() * y),
+            of(0.0, given.k3() * (y * y) * y),
+            of(law.damping.damping_force(v), 0.0),
         ]
     }
 

@@ -1,7 +1,8 @@
 //! The law as it runs on the target, and its swap.
 
 use mesh_damper::effects::{
-    AugmentedLaw, Compliance, Delay, Effect, Gap, Motion, StickSlip, Viscous,
+    AugmentedLaw, Compliance, Delay, Effect, Gap, LoadFriction, Motion, StickSlip, Temperature,
+    Viscous,
 };
 use mesh_damper::law::Law;
 use mesh_damper::real::Real;
@@ -103,9 +104,13 @@ const FOLLOWED: Followed = Followed {
 /// A law that follows is the law with those coefficients, beside its effects and between the stages.
 #[test]
 fn a_law_that_follows_is_the_law_that_it_has_come_to() {
-    let through: [&[Effect<f32>]; 3] = [
+    let through: [&[Effect<f32>]; 4] = [
         &[],
         &[Effect::Viscous(Viscous::new(0.003).unwrap())],
+        &[
+            Effect::LoadFriction(LoadFriction::new(2.0).unwrap()),
+            Effect::Temperature(Temperature::new(0.01, 50.0).unwrap()),
+        ],
         &[
             Effect::Gap(Gap::new(0.01, false).unwrap()),
             Effect::Compliance(Compliance::new(15.0, 1e-4).unwrap()),
@@ -161,8 +166,9 @@ fn no_more_is_followed_than_the_whole() {
     let joints = RunningLaw::new(law(0.0, 0.0, 0.4)).force(&motion(100));
     let elastic = 10.0 * motion(100).displacement.powi(3);
     assert!((running.force(&motion(100)) - (joints - elastic)).abs() < 1e-6);
+    assert_eq!(running.followed(), beyond(-1.0));
     running.follow(beyond(f32::NAN));
-    assert!(running.force(&motion(100)).is_finite());
+    assert_eq!(running.followed(), Followed::default());
 }
 
 /// Gap, compliance and delay around the tabulated law: in f32, while its table is being filled and after, what the f64 law

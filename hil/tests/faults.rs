@@ -2,10 +2,12 @@
 
 mod emulated;
 
-use hil::faults::{Campaign, Condition, Damaged, FOLLOW, Kind, missed, run_trial, run_trial_on};
+use hil::faults::{
+    Campaign, Condition, Damaged, FOLLOW, Kind, Trial, missed, run_trial, run_trial_on,
+};
 use hil::image::{Board, FIRMWARE};
 use hil::link::image::Image;
-use hil::link::{Bench, RigSetup, TICK_RATE};
+use hil::link::{Bench, RigSetup, TICK_RATE, run_rig, run_rig_on};
 use mesh_damper::effects::AugmentedLaw;
 use mesh_damper::health::Cause;
 use mesh_damper::law::Law;
@@ -44,35 +46,59 @@ fn faults_come_out_on_the_image_as_in_this_process() {
     if emulated::image(&FIRMWARE, Board::Mps2An386).is_none() {
         return;
     }
-    let campaign = Campaign {
-        kinds: vec![
-            Kind::WireBreakage,
-            Kind::ForceStuck,
-            Kind::ForceDrifting,
-            Kind::ActuatorLagging,
-        ],
-        ..Campaign::on_image()
-    };
-    let trials = campaign.trials();
-    // The law stays in one and follows in the other.
-    for size in [0.05, 0.1, 1.0, 0.008] {
-        let trial = trials.iter().find(|trial| trial.size == size).unwrap();
+    let trials = Campaign::on_image().trials();
+    for (kind, follow) in [
+        (Kind::WireBreakage, FOLLOW),
+        (Kind::ForceStuck, 0.0),
+        (Kind::ForceDrifting, FOLLOW),
+        (Kind::ActuatorLagging, 0.0),
+    ] {
+        let of_this = |trial: &&Trial| trial.kind == kind && trial.follow == follow;
+        let trial = trials.iter().rfind(of_this).unwrap();
         let mut image = Image::start(Board::Mps2An386, Box::new(|_| {})).unwrap();
         let outcome = run_trial_on(&mut image, trial).unwrap();
         assert_eq!(outcome, run_trial(trial).unwrap());
         assert!(outcome.right && outcome.in_time(), "{outcome:?}");
     }
-    assert!(trials[0].follow == 0.0 && trials[1].follow == FOLLOW);
+}
+
+/// A specimen that settles beside a law that follows: every cycle of it, and how far the law has gone, to the last bit.
+#[test]
+fn a_law_follows_on_the_image_as_in_this_process() {
+    if emulated::image(&FIRMWARE, Board::Mps2An386).is_none() {
+        return;
+    }
+    let setup = || {
+        let (specimen, condition) = Damaged::new(3.0, 0.1);
+        condition.set(Condition {
+            stiffness: 0.9,
+            ..Condition::NEW
+        });
+        let block = Block::sine(0.1, 20.0, 60).unwrap();
+        let programme = Programme::<1>::new(TICK_RATE, 1).unwrap();
+        let programme = programme.with(block).unwrap();
+        let law = law_of(&specimen, 1.0);
+        let mut setup = RigSetup::new(specimen, law, programme, 1);
+        setup.settings.health.follow = FOLLOW;
+        setup
+    };
+    let here = run_rig(setup(), |_| {}).unwrap();
+    let mut image = Image::start(Board::Mps2An386, Box::new(|_| {})).unwrap();
+    let there = run_rig_on(&mut image, setup(), |_| {}).unwrap();
+    assert_eq!(here.cycles, there.cycles);
+    let far = here.steady_cycles(0).last().unwrap().followed;
+    assert!(far.k1 < -0.03 && far.c.abs() < 0.01, "{far:?}");
+}
+
+fn law_of(specimen: &Damaged, part: f64) -> AugmentedLaw<f32, 1> {
+    let c = specimen.coefficients();
+    let [k1, k3, friction] = [c.k1, c.k3, c.c].map(|value| (part * value) as f32);
+    AugmentedLaw::new(Law::new(k1, k3, friction, c.alpha as f32).unwrap())
 }
 
 /// A law that takes over in the middle of a block is no change of the specimen, and nothing of what was followed is left.
 #[test]
 fn a_better_law_in_the_middle_of_a_block_is_no_fault() {
-    let law = |part: f64, specimen: &Damaged| {
-        let c = specimen.coefficients();
-        let [k1, k3, friction] = [c.k1, c.k3, c.c].map(|value| (part * value) as f32);
-        AugmentedLaw::<f32, 1>::new(Law::new(k1, k3, friction, c.alpha as f32).unwrap())
-    };
     for follow in [0.0, FOLLOW] {
         let (specimen, condition) = Damaged::new(3.0, 0.1);
         let block = Block::sine(0.1, 10.0, 100).unwrap();
@@ -80,8 +106,8 @@ fn a_better_law_in_the_middle_of_a_block_is_no_fault() {
             .unwrap()
             .with(block)
             .unwrap();
-        let better = TabulatedLaw::new(law(1.0, &specimen));
-        let mut setup = RigSetup::new(specimen.clone(), law(1.2, &specimen), programme, 1);
+        let better = TabulatedLaw::new(law_of(&specimen, 1.0));
+        let mut setup = RigSetup::new(specimen.clone(), law_of(&specimen, 1.2), programme, 1);
         setup.settings.health.follow = follow;
         let mut bench = Bench::new(setup).unwrap();
         bench.rig.start();
@@ -111,5 +137,9 @@ fn a_better_law_in_the_middle_of_a_block_is_no_fault() {
         };
         assert_eq!(cause, Cause::WireBreakage);
         assert!((72..76).contains(&cycle), "{cycle}");
+        // What broke is not followed: no more than the noise leads to in the cycle before it is suspected.
+        let (then, end) = (followed[70], followed[followed.len() - 2]);
+        assert!((end.k1 - then.k1).abs() < 2.5e-3, "{then:?}, {end:?}");
+        assert!(follow == 0.0 || end != Followed::default());
     }
 }

@@ -585,6 +585,14 @@ impl<R: Real, const N: usize> AugmentedLaw<R, N> {
         self.corrected(state, measured, force)
     }
 
+    /// `law`, a part of eq 13's force, with what the effects that scale it add, kN.
+    pub(crate) fn scaled(&self, motion: &ConfinedMotion<R>, law: LawForce<R>) -> R {
+        let effects = &self.effects;
+        law.total
+            + effects.load_friction.force(&mut (), motion, law)
+            + effects.temperature.force(&mut (), motion, law)
+    }
+
     /// The sum of `force` and the correction's, kN.
     #[inline(always)]
     fn corrected(&self, state: &mut AugmentedState<R>, motion: &ConfinedMotion<R>, force: R) -> R {

@@ -138,11 +138,6 @@ impl SpecimenWatch {
         self.is_watching(config) && !self.frozen && self.suspicion.is_none()
     }
 
-    /// Whether a slow change is still the run-in.
-    pub(super) fn is_running_in(&self, config: &HealthConfig) -> bool {
-        self.since_start <= config.run_in_cycles
-    }
-
     /// Whether it has learned what is normal.
     pub(super) fn is_watching(&self, config: &HealthConfig) -> bool {
         self.cycles >= SETTLING + config.learning_cycles
@@ -186,6 +181,8 @@ impl SpecimenWatch {
 
     fn take_values(&mut self) {
         let numbers = &self.numbers;
+        // The learning is over with the cycle before.
+        self.frozen = false;
         match self.sums.in_phase() {
             Some(in_phase) if numbers.law_energy > f32::MIN_POSITIVE => {
                 self.before = self.values;
@@ -199,14 +196,15 @@ impl SpecimenWatch {
                     numbers.command / in_phase.amplitude,
                 ];
             }
-            // Nothing moved, or there is no law: no cycle to learn from.
-            _ => self.piece = IDLE,
+            // Nothing moved, or there is no law: no cycle to learn from, nor to follow.
+            _ => {
+                self.piece = IDLE;
+                self.frozen = true;
+            }
         }
         if self.cycles == SETTLING + 1 {
             self.temperature = numbers.temperature;
         }
-        // The learning is over with the cycle before.
-        self.frozen = false;
     }
 
     /// What temperature may have moved in a statistic since it was `then` °C.
@@ -337,7 +335,7 @@ impl SpecimenWatch {
     /// Where the baselines have gone since the run-in, or since they were learned where that came later.
     fn look_back(&mut self, config: &HealthConfig) -> Option<Event> {
         let limit = SLOW * config.size;
-        let settled = !self.is_running_in(config);
+        let settled = self.since_start > config.run_in_cycles;
         let ends = self.since_start == config.run_in_cycles;
         let first = self.cycles == SETTLING + config.learning_cycles + 1;
         let mut shift = self.mean_values();

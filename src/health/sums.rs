@@ -74,9 +74,10 @@ impl CycleSums {
         self.vs += v * s;
     }
 
-    /// RMS of the residual over that of the law's force, where that has one.
+    /// RMS of the residual over that of the law's force; 0 where that is no number.
     pub(super) fn residual(&self) -> f32 {
-        crate::real::square_root(self.rr / self.ff)
+        let ratio = crate::real::square_root(self.rr / self.ff);
+        if ratio.is_finite() { ratio } else { 0.0 }
     }
 
     /// Of the energy of the law in force, the part that the law as it was given has: Σv·f over Σv·(f + s).
@@ -109,5 +110,32 @@ impl CycleSums {
             amplitude,
             force: 2.0 * self.yf / (self.samples * amplitude),
         })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// F = 2·y + 0.5·v of the law as given and 0.1·(y + 0.4) + 0.05·v beyond it, over a circle about y = 0.2.
+    #[test]
+    fn they_are_of_the_law_as_it_was_given() {
+        let mut sums = CycleSums::default();
+        for look in 0..64u16 {
+            let phase = core::f32::consts::TAU * f32::from(look) / 64.0;
+            let (y, v) = (0.2 + libm::sinf(phase), libm::cosf(phase));
+            let given = 2.0 * y + 0.5 * v;
+            sums.add(&Sample {
+                displacement: y,
+                velocity: v,
+                measured: 0.9 * given,
+                given,
+                share: 0.1 * (y + 0.4) + 0.05 * v,
+            });
+        }
+        assert!((sums.residual() - 0.1).abs() < 1e-6);
+        assert!((sums.given_energy() - 0.5 / 0.55).abs() < 1e-6);
+        assert!((sums.mean_share() - 0.06).abs() < 1e-6);
+        assert_eq!(CycleSums::default().residual(), 0.0);
     }
 }

@@ -5,7 +5,7 @@ use std::sync::atomic::{AtomicU64, Ordering};
 
 use clap::Args;
 use hil::error::InputError;
-use hil::faults::{Campaign, FOLLOW, Summary, missed, run_trial_on};
+use hil::faults::{CHANGING, Campaign, FOLLOW, Summary, missed, run_trial_on};
 use hil::image::Board;
 use hil::link::SetupError;
 use hil::link::image::Image;
@@ -19,14 +19,14 @@ use super::{Failure, say};
 /// Put faults into specimen, sensors and actuator of the simulated rig, and count what its monitor finds
 ///
 /// Prints, for each kind and size of fault, how many were found, how soon, and whether they were called what they are; then
-/// false alarms over healthy cycles that include run-in and a change of temperature.
+/// false alarms over healthy cycles that include run-in and a change of temperature, and how well slow changes are followed.
 #[derive(Args, Debug)]
 #[command(after_help = "Examples:\n  hil faults --out faults-out\n  hil faults --part --check")]
 pub struct FaultsCommand {
-    /// Where the crate runs
+    /// Where the crate runs; on the image there are one specimen's faults only
     #[arg(long, value_enum, default_value_t = On::Host)]
     on: On,
-    /// Only a part: three specimens at 1 % noise, 12 000 healthy cycles; on the image there are one specimen's faults only
+    /// Only a part: three specimens at 1 % noise, 12 000 healthy cycles
     #[arg(long, conflicts_with = "on")]
     part: bool,
     /// Healthy cycles in all
@@ -174,15 +174,21 @@ fn print(summary: &Summary) {
 
 fn print_slow(summary: &Summary) {
     say(&format!(
-        "\nSlow changes over 300 cycles, of which a law follows up to {:.0} %:",
+        "\nSlow changes over {CHANGING} cycles, of which a law follows up to {:.0} %, and then a break:",
         100.0 * FOLLOW
     ));
     say("                           error of the law, %               of its energy, %");
-    say("  changing  by %  g/cm3    before  stays  follows          stays  follows   named at");
+    say(
+        "  changing  by %  g/cm3    before  stays  follows          stays  follows   named at; the break after",
+    );
     for one in &summary.slow {
         let change = &one.change;
         let named = one.named.first().map_or_else(
-            || "-".into(),
+            || {
+                let broken = one.broken.as_ref();
+                let broken = broken.map(|(cycles, cause)| format!("-; {cycles} cycles: {cause}"));
+                broken.unwrap_or_else(|| "-".into())
+            },
             |(_, cause, come_to)| format!("{:+.1} %: {cause}", 100.0 * come_to),
         );
         say(&format!(

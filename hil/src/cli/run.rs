@@ -67,7 +67,7 @@ pub struct RunCommand {
     /// Test the specimen with this effect, family:name=value,name=value; may be given more than once
     #[arg(long, value_name = "EFFECT")]
     effect: Vec<String>,
-    /// Let the law follow slow changes of k1, k3 and c by up to this part of each, 0 to 0.5
+    /// Let the law follow slow changes of k1, k3 and c, after the run-in by up to this part of each, 0 to 0.5
     #[arg(long, value_name = "PART", default_value_t = 0.0)]
     follow: f64,
     /// Of the sensors' noise, and of the effect drawn

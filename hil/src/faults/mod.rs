@@ -15,7 +15,7 @@ pub use damage::{Condition, Damaged};
 pub use healthy::{Healthy, run_healthy};
 pub use kind::{Group, Kind};
 pub use requirement::missed;
-pub use slow::{Changing, FOLLOW, Followed, Left, SlowChange};
+pub use slow::{CHANGING, Changing, FOLLOW, Left, SlowChange, SlowOutcome};
 pub use summary::{KindSummary, Summary};
 pub use trial::{Outcome, Trial, run_trial, run_trial_on};
 
@@ -64,12 +64,13 @@ impl Campaign {
         }
     }
 
-    /// What is tried on an image: every kind in every size once, on one specimen at the largest noise.
+    /// What is tried on an image: every kind in every size at two moments, in the second with a law that follows, on
+    /// one specimen at the largest noise.
     pub fn on_image() -> Self {
         Self {
             specimens: vec![(3.0, 0.1, 10.0)],
             noises: vec![0.01],
-            moments: vec![0.3],
+            moments: vec![0.3, 0.8],
             healthy_cycles: 0,
             ..Self::whole()
         }
@@ -80,9 +81,13 @@ impl Campaign {
         let mut all = Vec::new();
         for &kind in &self.kinds {
             for &size in kind.sizes() {
-                for &(density, amplitude, frequency) in &self.specimens {
-                    for &noise in &self.noises {
-                        for &moment in &self.moments {
+                for (specimen, &(density, amplitude, frequency)) in
+                    self.specimens.iter().enumerate()
+                {
+                    for (loudness, &noise) in self.noises.iter().enumerate() {
+                        for (part, &moment) in self.moments.iter().enumerate() {
+                            // Every second one, at every moment, noise and specimen.
+                            let follows = (specimen + loudness + part) % 2 == 1;
                             all.push(Trial {
                                 kind,
                                 size,
@@ -91,7 +96,7 @@ impl Campaign {
                                 frequency,
                                 noise,
                                 moment,
-                                follow: if all.len() % 2 == 0 { 0.0 } else { FOLLOW },
+                                follow: if follows { FOLLOW } else { 0.0 },
                                 seed: all.len() as u64,
                             });
                         }

@@ -13,15 +13,19 @@ pub const FOLLOW: f64 = 0.1;
 /// Cycles until the change begins: the run-in is over by then.
 const STEADY: u32 = 220;
 /// Cycles over which it comes, evenly.
-const CHANGING: u32 = 300;
-/// Cycles after it, the last of which tell how well it was followed.
+pub const CHANGING: u32 = 300;
+/// Cycles after it, the last of which tell how well it was followed; then something breaks.
 const AFTER: u32 = 60;
+const BROKEN: u32 = 10;
 const JUDGED: usize = 20;
 /// Hz: the least ticks to the cycle, and with them the most noise.
 const FREQUENCY: f64 = 10.0;
 /// Part of the energy within which a change is to be followed, and how much larger than before the law's error may be.
 const CLOSE: f64 = 0.01;
 const LARGER: f64 = 1.1;
+/// What breaks at once after that, part of the force, and cycles within which it is to be named.
+const BREAK: f64 = 0.05;
+const SOON: u32 = 5;
 /// How far from the bound a change may be when it is named: noise is on what it is told by.
 const NEAR: f64 = 0.02;
 
@@ -54,10 +58,10 @@ pub struct SlowChange {
 
 /// What came of it.
 #[derive(Clone, Debug, PartialEq, Serialize)]
-pub struct Followed {
+pub struct SlowOutcome {
     /// What was tried.
     pub change: SlowChange,
-    /// Faults that were named, each with its cycle and with what the change had come to then.
+    /// Faults that were named before the break, each with its cycle and with what the change had come to then.
     pub named: Vec<(u32, String, f64)>,
     /// The first is that of the change.
     pub right: bool,
@@ -67,6 +71,10 @@ pub struct Followed {
     pub followed: Left,
     /// Where it stays as it was given.
     pub stayed: Left,
+    /// Whether a law that stays has the change named.
+    pub stayed_named: bool,
+    /// Cycles from the break after it to its name, and that, where nothing was named before.
+    pub broken: Option<(u32, String)>,
 }
 
 /// By how much a law misses the specimen.
@@ -80,6 +88,7 @@ pub struct Left {
 
 /// A rig's cycles, and what its monitor named.
 struct Watched {
+    /// Of full amplitude.
     reports: Vec<CycleReport>,
     named: Vec<(u32, Cause)>,
 }
@@ -103,7 +112,7 @@ impl Watched {
     }
 
     fn left(&self) -> Left {
-        let last = self.cycles(usize::MAX);
+        let last = self.cycles((STEADY + CHANGING + AFTER) as usize);
         let measured = mean(last, |report| report.measured.energy);
         Left {
             error: mean(last, |report| report.nrmse),
@@ -144,20 +153,29 @@ impl SlowChange {
     ///
     /// # Errors
     /// A setup that one of its parts refuses.
-    pub fn run(&self) -> Result<Followed, SetupError> {
+    pub fn run(&self) -> Result<SlowOutcome, SetupError> {
         let followed = self.watch(FOLLOW)?;
         let stayed = self.watch(0.0)?;
         let first = followed.named.first();
+        let breaks = STEADY + CHANGING + AFTER;
+        let broken = first
+            .and_then(|(cycle, cause)| Some((cycle.checked_sub(breaks)?, format!("{cause:?}"))));
         let steady = followed.cycles(STEADY as usize);
-        Ok(Followed {
+        Ok(SlowOutcome {
             change: *self,
             right: first.is_some_and(|(_, cause)| *cause == self.cause()),
             before: mean(steady, |report| report.nrmse),
             followed: followed.left(),
             stayed: stayed.left(),
+            stayed_named: stayed
+                .named
+                .first()
+                .is_some_and(|(cycle, _)| *cycle < breaks),
+            broken,
             named: followed
                 .named
                 .iter()
+                .filter(|(cycle, _)| *cycle < breaks)
                 .map(|&(cycle, cause)| (cycle, format!("{cause:?}"), self.at(cycle)))
                 .collect(),
         })
@@ -165,7 +183,7 @@ impl SlowChange {
 
     fn watch(&self, follow: f64) -> Result<Watched, SetupError> {
         let (specimen, condition) = Damaged::new(self.density, self.amplitude);
-        let cycles = STEADY + CHANGING + AFTER;
+        let cycles = STEADY + CHANGING + AFTER + BROKEN;
         let axes = (self.amplitude, FREQUENCY);
         let settings = (self.noise, follow);
         let mut bench = Bench::new(setup(specimen, axes, cycles, settings, self.seed)?)?;
@@ -183,13 +201,20 @@ impl SlowChange {
                 if !report.ramp {
                     watched.reports.push(report);
                 }
-                let part = 1.0 + self.at(report.cycle + 1);
+                let next = report.cycle + 1;
+                let broken = if next > STEADY + CHANGING + AFTER {
+                    BREAK
+                } else {
+                    0.0
+                };
+                let part = 1.0 + self.at(next);
                 condition.set(Condition {
-                    stiffness: match self.changing {
-                        Changing::Force => part,
-                        Changing::Friction => 1.0,
-                    },
-                    friction: part,
+                    stiffness: (1.0 - broken)
+                        * match self.changing {
+                            Changing::Force => part,
+                            Changing::Friction => 1.0,
+                        },
+                    friction: (1.0 - broken) * part,
                     ..Condition::NEW
                 });
             }
@@ -198,16 +223,24 @@ impl SlowChange {
     }
 }
 
-impl Followed {
-    /// Whether it was followed where it may be, and named soon where it goes beyond.
+impl SlowOutcome {
+    /// Whether it was followed where it may be, and what broke then was named; and whether it was named soon, having been
+    /// followed so far, where it goes beyond.
     pub fn holds(&self) -> bool {
         if self.change.is_within() {
             self.named.is_empty()
                 && self.followed.error <= LARGER * self.before
                 && self.followed.energy.abs() <= CLOSE
+                && self.stayed_named
+                && self
+                    .broken
+                    .as_ref()
+                    .is_some_and(|(cycles, _)| *cycles <= SOON)
         } else {
             let first = self.named.first();
-            self.right && first.is_some_and(|(_, _, size)| (size.abs() - FOLLOW).abs() < NEAR)
+            self.right
+                && first.is_some_and(|(_, _, size)| (size.abs() - FOLLOW).abs() < NEAR)
+                && self.followed.error < 0.7 * self.stayed.error
         }
     }
 }

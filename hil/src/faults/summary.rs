@@ -4,7 +4,7 @@ use serde::Serialize;
 
 use super::healthy::Healthy;
 use super::kind::{Group, Kind};
-use super::slow::Followed;
+use super::slow::SlowOutcome;
 use super::trial::Outcome;
 
 /// Of one kind and size.
@@ -62,14 +62,14 @@ pub struct Summary {
     /// Specimen by specimen.
     pub healthy: Vec<Healthy>,
     /// Slow change by slow change.
-    pub slow: Vec<Followed>,
+    pub slow: Vec<SlowOutcome>,
     /// Trial by trial.
     pub outcomes: Vec<Outcome>,
 }
 
 impl Summary {
     /// Of these trials, slow changes and healthy runs.
-    pub fn of(outcomes: Vec<Outcome>, slow: Vec<Followed>, healthy: Vec<Healthy>) -> Self {
+    pub fn of(outcomes: Vec<Outcome>, slow: Vec<SlowOutcome>, healthy: Vec<Healthy>) -> Self {
         let count =
             |holds: &dyn Fn(&Outcome) -> bool| outcomes.iter().filter(|one| holds(one)).count();
         let largest = |of: &dyn Fn(&Outcome) -> f64| outcomes.iter().map(of).fold(0.0, f64::max);
