@@ -93,8 +93,7 @@ impl Sums {
 enum Work {
     None,
     Fold,
-    /// With what is held at its bound.
-    Solve([Option<f32>; 3]),
+    Solve,
 }
 
 /// What it has followed, and what it follows by.
@@ -105,6 +104,8 @@ pub(super) struct Adaptation {
     ended: Sums,
     past: Sums,
     work: Work,
+    /// Parts that are held at their bound.
+    held: [Option<f32>; 3],
     /// θ of the cycle that was last reported, θ in force, and θ from the end of this cycle on.
     reported: [f32; 3],
     followed: [f32; 3],
@@ -122,6 +123,7 @@ impl Adaptation {
             ended: Sums::default(),
             past: Sums::default(),
             work: Work::None,
+            held: [None; 3],
             reported: [0.0; 3],
             followed: [0.0; 3],
             next: [0.0; 3],
@@ -186,15 +188,16 @@ impl Adaptation {
                 for (past, ended) in self.past.numbers().zip(ended.numbers()) {
                     *past = FORGETTING * *past + *ended;
                 }
-                Work::Solve([None; 3])
+                self.held = [None; 3];
+                Work::Solve
             }
-            Work::Solve(held) => self.solve(held, bound, finding),
+            Work::Solve => self.solve(bound, finding),
             Work::None => Work::None,
         };
     }
 
-    fn solve(&mut self, mut held: [Option<f32>; 3], bound: f32, finding: u32) -> Work {
-        let Some(best) = self.past.solution(held) else {
+    fn solve(&mut self, bound: f32, finding: u32) -> Work {
+        let Some(best) = self.past.solution(self.held) else {
             self.past = Sums::default();
             return Work::None;
         };
@@ -202,7 +205,7 @@ impl Adaptation {
         // The part that is furthest beyond, and where it would be held.
         let mut furthest = (0.0, 0.0);
         let mut place = None;
-        let parts = best.iter().zip(&self.centre).zip(&held);
+        let parts = best.iter().zip(&self.centre).zip(&self.held);
         for (index, ((best, centre), held)) in parts.enumerate() {
             let within = if is_finding {
                 best.confined(MOST)
@@ -215,9 +218,9 @@ impl Adaptation {
                 place = Some(index);
             }
         }
-        if let Some(slot) = place.and_then(|place| held.get_mut(place)) {
-            *slot = Some(furthest.1);
-            return Work::Solve(held);
+        if let Some(held) = place.and_then(|place| self.held.get_mut(place)) {
+            *held = Some(furthest.1);
+            return Work::Solve;
         }
         let mut largest = RATE;
         for (best, next) in best.iter().zip(&self.next) {

@@ -165,7 +165,7 @@ const NOT_REACHED: [(&str, &str); 21] = [
     (
         "firmware: flash",
         "seven effects more take 5 KiB: 2 KiB the way through stages, 1.5 KiB to read and check them, the rest their own code; \
-         the correction without a name 3.5 KiB; the monitor of specimen, sensors and actuator 9 KiB; what follows the specimen 3 KiB",
+         the correction without a name 3.5 KiB; the monitor of specimen, sensors and actuator 9 KiB; what follows the specimen 3.5 KiB",
     ),
     (
         "firmware: RAM, tables included",
@@ -173,7 +173,7 @@ const NOT_REACHED: [(&str, &str); 21] = [
     ),
     (
         "firmware: stack",
-        "the monitor's settings, events and looks pass through it: 212 bytes",
+        "the monitor's settings, events and looks pass through it: 188 bytes",
     ),
 ];
 
