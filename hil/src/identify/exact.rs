@@ -13,7 +13,9 @@ use super::normal::Normal;
 use super::solution::Solution;
 use super::tangent::Tangent;
 use super::term::Entry;
-use crate::predict::predict;
+use crate::model::{Model, ModelError};
+use crate::predict::{predict, predict_in_half_steps};
+use crate::recording::trajectory::Trajectory;
 
 /// Coefficients of eq 13 at a node.
 const LOCAL: usize = 4;
@@ -63,6 +65,26 @@ pub(super) fn refined(basis: &Basis, solution: Solution) -> Solution {
 
 /// The force in kN at every row as the crate has it, `None` where it refuses the law.
 pub(super) fn force(basis: &Basis, solution: &Solution) -> Option<Vec<f64>> {
+    force_by(predict, basis, solution)
+}
+
+/// By how much that errs for the length of the recording's steps, kN: four thirds of what half of them change, as a spring's
+/// deflection errs in proportion to their square. `None` likewise.
+pub(super) fn error_of_steps(basis: &Basis, solution: &Solution) -> Option<Vec<f64>> {
+    let whole = force(basis, solution)?;
+    let half = force_by(predict_in_half_steps, basis, solution)?;
+    let both = whole.iter().zip(&half);
+    Some(
+        both.map(|(whole, half)| (whole - half) * (4.0 / 3.0))
+            .collect(),
+    )
+}
+
+fn force_by(
+    predict: impl Fn(&Model, &Trajectory) -> Result<Vec<f64>, ModelError>,
+    basis: &Basis,
+    solution: &Solution,
+) -> Option<Vec<f64>> {
     let model = solution.model();
     let trajectories = basis.rows.trajectories.iter();
     let forces = trajectories.map(|trajectory| predict(&model, trajectory));

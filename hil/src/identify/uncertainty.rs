@@ -1,6 +1,6 @@
 //! How well the data determine each coefficient of a fit.
 
-use nalgebra::{Cholesky, DMatrix};
+use nalgebra::{Cholesky, DMatrix, DVector};
 
 use super::basis::Basis;
 use super::exact;
@@ -112,15 +112,17 @@ impl Uncertainty {
     /// With H = (JᵀJ)⁻¹ their variances are on the diagonal of H·(Σ jᵢjᵢᵀ·(rᵢ/(1 − hᵢ))²)·H, hᵢ = jᵢᵀHjᵢ (HC3, MacKinnon
     /// and White 1985): where the force is steepest, at reversals, an error of the motion makes the residuals large, and
     /// there the data say less than a common residual variance would have it. They are raised by the residuals'
-    /// integrated autocorrelation, because neighbouring samples do not err independently.
+    /// integrated autocorrelation, because neighbouring samples do not err independently. Where the force errs by e for the
+    /// length of the recording's steps, |H·Σ jᵢeᵢ| comes on top of 1.645 deviations.
     pub fn of(rows: &Rows, extent: &Extent, solution: &Solution) -> Self {
         let basis = Basis::new(rows, extent, &solution.terms()).around(solution);
         let columns = basis.columns(&solution.search, None);
         let linearized = || {
             let force = basis.force(&columns, &solution.linear());
-            (Tangent::of(&basis, &columns, solution), force)
+            let no_steps = vec![0.0; rows.len()];
+            (Tangent::of(&basis, &columns, solution), force, no_steps)
         };
-        let (tangent, force) = exactly(&basis, solution).unwrap_or_else(linearized);
+        let (tangent, force, of_steps) = exactly(&basis, solution).unwrap_or_else(linearized);
         let nodes = solution.law.len();
         let width = 4 * nodes + tangent.shared.len();
         let fill = |index: usize, row: &mut [(usize, f64)]| {
@@ -134,11 +136,16 @@ impl Uncertainty {
         };
         let mut row = vec![(0, 0.0); 4 + tangent.shared.len()];
         let mut gram = DMatrix::<f64>::zeros(width, width);
+        let mut pull = DVector::<f64>::zeros(width);
         for index in 0..rows.len() {
             fill(index, &mut row);
             add_square(&mut gram, &row, 1.0);
+            for &(place, value) in &row {
+                pull[place] += value * rows.weight[index] * of_steps[index];
+            }
         }
         let inverse = inverse(&gram);
+        let offsets = &inverse * pull;
         let residuals: Vec<f64> = (0..rows.len())
             .map(|index| rows.weight[index] * (force[index] - rows.force[index]))
             .collect();
@@ -162,7 +169,8 @@ impl Uncertainty {
             }
         });
         let half: Vec<f64> = deviations
-            .map(|deviation| NINETY_PERCENT * deviation)
+            .zip(offsets.iter())
+            .map(|(deviation, offset)| NINETY_PERCENT * deviation + offset.abs())
             .collect();
 
         let law = (0..nodes)
@@ -185,12 +193,17 @@ impl Uncertainty {
     }
 }
 
-/// The derivatives and the force behind a spring in series, whose deflection they change; `None` where there is none.
-fn exactly(basis: &Basis, solution: &Solution) -> Option<(Tangent, Vec<f64>)> {
+/// The derivatives and the force behind a spring in series, whose deflection they change, and by how much it errs for the
+/// length of the steps; `None` where there is none.
+fn exactly(basis: &Basis, solution: &Solution) -> Option<(Tangent, Vec<f64>, Vec<f64>)> {
     let in_series = |term: &Term| term.form == Form::Compliance;
     let exact = basis.terms.iter().any(in_series);
     let tangent = exact.then(|| exact::tangent(basis, solution)).flatten()?;
-    Some((tangent, exact::force(basis, solution)?))
+    Some((
+        tangent,
+        exact::force(basis, solution)?,
+        exact::error_of_steps(basis, solution)?,
+    ))
 }
 
 /// Adds `factor`·jjᵀ of a row j given as its (place, value).
