@@ -15,20 +15,22 @@ fn run(directory: &Path, arguments: &[&str]) -> Output {
         .unwrap()
 }
 
-/// A specimen that softens for longer than a run-in lasts: what the monitor names is told, in the JSON with its evidence.
+/// A specimen that softens for longer than a run-in lasts.
+const SOFTENING: [&str; 4] = [
+    "--effect",
+    "drift:stiffness=-0.5,cycles=300",
+    "--blocks",
+    "0.1:10:400",
+];
+
+/// What the monitor names is told, in the JSON with its evidence.
 #[test]
 fn what_the_monitor_names_is_told() {
     let root = tempfile::tempdir().unwrap();
-    let softening = [
-        "--effect",
-        "drift:stiffness=-0.5,cycles=300",
-        "--blocks",
-        "0.1:10:400",
-    ];
-    let told = run(root.path(), &softening);
+    let told = run(root.path(), &SOFTENING);
     assert!(told.status.success());
     let told = String::from_utf8_lossy(&told.stdout).into_owned();
-    let output = run(root.path(), &[&softening[..], &["--json", "-"]].concat());
+    let output = run(root.path(), &[&SOFTENING[..], &["--json", "-"]].concat());
     let summary: serde_json::Value = serde_json::from_slice(&output.stdout).unwrap();
     let events = summary["events"].as_array().unwrap();
     assert!(events.len() > 1, "{events:?}");
@@ -55,16 +57,11 @@ fn what_the_monitor_names_is_told() {
 #[test]
 fn a_law_that_follows_errs_less_and_says_by_how_much_it_went() {
     let root = tempfile::tempdir().unwrap();
-    let softening = [
-        "--effect",
-        "drift:stiffness=-0.5,cycles=300",
-        "--blocks",
-        "0.1:10:400",
-        "--json",
-        "-",
-    ];
     let summary = |more: &[&str]| -> serde_json::Value {
-        let output = run(root.path(), &[&softening, more].concat());
+        let output = run(
+            root.path(),
+            &[&SOFTENING[..], &["--json", "-"], more].concat(),
+        );
         serde_json::from_slice(&output.stdout).unwrap()
     };
     let last = |summary: &serde_json::Value, field: &str| {
