@@ -1,0 +1,341 @@
+//! Messages of the link: each comes out of its frame as it went in, and out of a frame cut short not at all.
+
+use mesh_damper::converter::Scale;
+use mesh_damper::cycle::Cycle;
+use mesh_damper::effects::Motion;
+use mesh_damper::frame::{Frame, FrameBuffer, Frames, PAYLOAD};
+use mesh_damper::health::{Cause, Event, HealthSettings, Statistic};
+use mesh_damper::message::{
+    Answer, MOTIONS, Motions, Outcome, Refusal, Request, Setup, Statistics, write_again,
+    write_forces, write_outcome, write_refusal, write_statistics,
+};
+use mesh_damper::pack::PackError;
+use mesh_damper::rig::{CycleReport, Fault, RigSettings, State, Telemetry};
+use mesh_damper::sine::{Block, Programme};
+use mesh_damper::tabulated::Followed;
+
+fn frame(buffer: &FrameBuffer) -> Frame<'_> {
+    Frames(buffer.bytes()).next().unwrap()
+}
+
+fn passes(request: Request<'_>) {
+    let mut buffer = FrameBuffer::new();
+    request.write(5, &mut buffer);
+    let frame = frame(&buffer);
+    assert_eq!((frame.header.sequence, frame.header.count), (5, 1));
+    assert_eq!(Request::read(&frame), Some(request));
+    for length in 0..frame.payload.len() {
+        let payload = &frame.payload[..length];
+        assert_eq!(Request::read(&Frame { payload, ..frame }), None);
+    }
+}
+
+/// Every setting has a value of its own, other than its default, and none of what they come to is 0.
+#[test]
+fn a_setup_passes() {
+    let settings = RigSettings {
+        displacement_limit: 0.7,
+        force_limit: 5.5,
+        tracking_limit: 0.2,
+        trip_ticks: 11,
+        stop_ticks: 6_000,
+        link_ticks: 70_000,
+        observer_bandwidth: 30.0,
+        observer_damping: 0.9,
+        correction_gain: 0.6,
+        lead: 3e-3,
+        glide: 7e-3,
+        feedback: 4.0,
+        health: HealthSettings {
+            size: 0.08,
+            false_alarm_cycles: 1e5,
+            learning_cycles: 20,
+            run_in_cycles: 100,
+            temperature_slope: 0.003,
+            follow: 0.15,
+        },
+    };
+    passes(Request::Setup(Setup {
+        displacement: Scale::new(1.5, 0.125).unwrap(),
+        force: Scale::new(6.5, -0.25).unwrap(),
+        command: Scale::new(2.5, 0.5).unwrap(),
+        config: settings.at(8_000.0).unwrap(),
+    }));
+}
+
+/// One block sweeps up and one down, so that the growth of the phase's increment has either sign.
+#[test]
+fn a_programme_passes() {
+    let mut programme = Programme::<3>::new(10_000.0, 3).unwrap();
+    for block in [
+        Block::sine(0.1, 0.7, 5),
+        Block::sweep(0.2, 1.3, 4.1, 6),
+        Block::sweep(0.3, 5.3, 2.1, 7),
+    ] {
+        programme = programme.with(block.unwrap()).unwrap();
+    }
+    passes(Request::Programme(programme.head()));
+    assert_eq!(programme.planned().len(), 3);
+    // Put together over another one.
+    let mut again = Programme::<3>::new(1_000.0, 1).unwrap();
+    again = again.with(Block::sine(0.4, 2.0, 8).unwrap()).unwrap();
+    again.begin_planned(&programme.head());
+    for block in programme.planned() {
+        passes(Request::Block(block));
+        again.push_planned(&block).unwrap();
+    }
+    assert_eq!(again, programme);
+}
+
+fn motion(number: usize) -> Motion<f32> {
+    let number = number as f32;
+    Motion {
+        displacement: number + 0.5,
+        velocity: -number,
+        acceleration: 100.0 * number,
+        cycles: number / 4.0,
+        temperature: 20.0 + number,
+    }
+}
+
+#[test]
+fn as_many_motions_pass_as_fit_and_a_force_for_each() {
+    let all: Vec<Motion<f32>> = (0..=MOTIONS).map(motion).collect();
+    for count in [0, 1, 2, MOTIONS, MOTIONS + 1] {
+        let taken = &all[..count.min(MOTIONS)];
+        let mut bytes = [0; PAYLOAD];
+        let mut buffer = FrameBuffer::new();
+        Request::Motions(Motions::new(&all[..count], &mut bytes)).write(6, &mut buffer);
+        let asked = frame(&buffer);
+        assert_eq!(usize::from(asked.header.count), taken.len());
+        let Some(Request::Motions(motions)) = Request::read(&asked) else {
+            panic!("no motions in {asked:?}");
+        };
+        assert!(motions.eq(taken.iter().copied()));
+
+        let mut answer = FrameBuffer::new();
+        write_forces(6, motions, |motion| 3.0 * motion.cycles, &mut answer);
+        let answered = frame(&answer);
+        let header = answered.header;
+        assert_eq!(
+            (header.sequence, usize::from(header.count)),
+            (6, taken.len())
+        );
+        let Some(Answer::Forces(forces)) = Answer::read(&answered) else {
+            panic!("no forces in {answered:?}");
+        };
+        assert!(forces.eq(taken.iter().map(|motion| 3.0 * motion.cycles)));
+    }
+}
+
+#[test]
+fn every_refusal_passes() {
+    let mut buffer = FrameBuffer::new();
+    for refusal in [
+        Refusal::Order,
+        Refusal::Converter,
+        Refusal::Field("glide"),
+        PackError::Magic.into(),
+        PackError::Version { found: 9 }.into(),
+        PackError::Checksum.into(),
+        PackError::Body.into(),
+        Refusal::PackLength,
+        Refusal::PackOrder,
+    ] {
+        write_refusal(3, &refusal, &mut buffer);
+        assert_eq!(
+            Answer::read(&frame(&buffer)),
+            Some(Answer::Refused(refusal))
+        );
+    }
+}
+
+#[test]
+fn statistics_and_asking_again_pass() {
+    let mut buffer = FrameBuffer::new();
+    let statistics = Statistics {
+        stack: 0x0102_0304,
+        log_lost: 0x0506_0708,
+    };
+    write_statistics(4, &statistics, &mut buffer);
+    let answered = frame(&buffer);
+    assert_eq!((answered.header.sequence, answered.header.count), (4, 1));
+    assert_eq!(
+        Answer::read(&answered),
+        Some(Answer::Statistics(statistics))
+    );
+    write_again(&mut buffer);
+    assert_eq!(Answer::read(&frame(&buffer)), Some(Answer::Again));
+}
+
+/// Its fields are `first`, `first` + 1 and so on.
+fn cycle(first: f32) -> Cycle {
+    let mut next = first - 1.0;
+    let mut value = || {
+        next += 1.0;
+        next
+    };
+    Cycle {
+        force_max: value(),
+        force_min: value(),
+        displacement_max: value(),
+        displacement_min: value(),
+        amplitude: value(),
+        energy: value(),
+        energy_harmonic: value(),
+        stiffness: value(),
+        elastic_energy: value(),
+        loss_factor: value(),
+        mean_force: value(),
+        mean_displacement: value(),
+        ticks: value(),
+    }
+}
+
+fn telemetry() -> Telemetry {
+    Telemetry {
+        tick: 0x0123_4567_89ab_cdef,
+        displacement: 0.25,
+        velocity: -3.5,
+        measured_force: 1.25,
+        model_force: 1.125,
+        command: 0.375,
+        block: 3,
+        cycle: 41,
+        phase: 0xfedc_ba98,
+        ramp: false,
+        state: State::Running,
+        report: None,
+        event: None,
+    }
+}
+
+fn outcome_passes(code: u16, enabled: bool, telemetry: Telemetry) {
+    let mut buffer = FrameBuffer::new();
+    write_outcome(8, code, enabled, &telemetry, &mut buffer);
+    let answered = frame(&buffer);
+    assert_eq!((answered.header.sequence, answered.header.count), (8, 1));
+    let outcome = Outcome {
+        code,
+        enabled,
+        telemetry,
+    };
+    assert_eq!(Answer::read(&answered), Some(Answer::Outcome(outcome)));
+    for length in 0..answered.payload.len() {
+        let payload = &answered.payload[..length];
+        assert_eq!(
+            Answer::read(&Frame {
+                payload,
+                ..answered
+            }),
+            None
+        );
+    }
+}
+
+/// Each flag alone and all of them, so that none stands in for another.
+#[test]
+fn an_outcome_passes() {
+    let report = CycleReport {
+        block: 2,
+        cycle: 40,
+        ramp: false,
+        measured: cycle(100.0),
+        model: cycle(200.0),
+        nrmse: 0.0625,
+        followed: Followed {
+            k1: -0.03,
+            k3: 0.04,
+            c: 0.05,
+        },
+    };
+    let event = Event {
+        cause: Cause::WireBreakage,
+        statistic: Statistic::Stiffness,
+        value: -0.07,
+        limit: 0.05,
+        cycle: 39,
+    };
+    outcome_passes(0, false, telemetry());
+    outcome_passes(0xfedc, true, telemetry());
+    outcome_passes(
+        1,
+        false,
+        Telemetry {
+            ramp: true,
+            ..telemetry()
+        },
+    );
+    for ramp in [false, true] {
+        let report = Some(CycleReport { ramp, ..report });
+        outcome_passes(
+            2,
+            false,
+            Telemetry {
+                report,
+                ..telemetry()
+            },
+        );
+        outcome_passes(
+            3,
+            true,
+            Telemetry {
+                report,
+                ramp: !ramp,
+                event: Some(event),
+                ..telemetry()
+            },
+        );
+    }
+    for cause in Cause::ALL {
+        for statistic in Statistic::ALL {
+            outcome_passes(
+                4,
+                false,
+                Telemetry {
+                    event: Some(Event {
+                        cause,
+                        statistic,
+                        ..event
+                    }),
+                    ..telemetry()
+                },
+            );
+        }
+    }
+}
+
+#[test]
+fn every_state_passes() {
+    let faults = [
+        Fault::AdcBus,
+        Fault::DacBus,
+        Fault::EnableLine,
+        Fault::DisplacementClipped,
+        Fault::ForceClipped,
+        Fault::CommandClipped,
+        Fault::DisplacementLimit,
+        Fault::ForceLimit,
+        Fault::TrackingLimit,
+        Fault::NoResponse,
+        Fault::NotFinite,
+        Fault::DisplacementLost,
+        Fault::ForceLost,
+        Fault::LinkLost,
+        Fault::TickOverrun,
+    ]
+    .map(State::Faulted);
+    for state in [State::Idle, State::Running, State::Done]
+        .into_iter()
+        .chain(faults)
+    {
+        outcome_passes(
+            5,
+            true,
+            Telemetry {
+                state,
+                ..telemetry()
+            },
+        );
+    }
+}
