@@ -56,3 +56,51 @@ impl fmt::Display for ConfigError {
 }
 
 impl core::error::Error for ConfigError {}
+
+#[cfg(test)]
+mod tests {
+    extern crate std;
+
+    use super::*;
+    use std::string::ToString as _;
+
+    #[test]
+    fn what_is_refused_is_told_in_words() {
+        let out_of_range = |value| {
+            ConfigError::OutOfRange {
+                field: "lead",
+                value,
+                low: 0.0,
+                high: 0.1,
+            }
+            .to_string()
+        };
+        assert_eq!(out_of_range(-0.25), "lead = -0.25 is outside 0…0.1");
+        // From here on the digits are no longer written out.
+        assert_eq!(
+            out_of_range(9e14),
+            "lead = 900000000000000 is outside 0…0.1"
+        );
+        assert_eq!(out_of_range(1e15), "lead = 1.000e15 is outside 0…0.1");
+        assert_eq!(out_of_range(-2.5e38), "lead = -2.500e38 is outside 0…0.1");
+        let told = [
+            ConfigError::NonFinite("size"),
+            ConfigError::NotIncreasing("densities"),
+            ConfigError::Full {
+                field: "blocks",
+                capacity: 4,
+            },
+            ConfigError::Empty("points"),
+        ]
+        .map(|error| error.to_string());
+        assert_eq!(
+            told,
+            [
+                "size is not a finite number",
+                "densities must increase from node to node",
+                "blocks holds at most 4",
+                "points is empty",
+            ]
+        );
+    }
+}

@@ -591,3 +591,52 @@ impl HealthMonitor {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// The parts end at odd multiples of 1/128 of a cycle: the first of them beyond the phase.
+    #[test]
+    fn a_part_ends_half_a_part_late() {
+        for part in 0..64u64 {
+            let end = (2 * part + 1) << 25;
+            let next = (end + (1 << 26)) as u32;
+            assert_eq!(part_end((end - 1) as u32), end as u32);
+            assert_eq!(part_end(end as u32), next);
+            assert_eq!(part_end((end + (1 << 25)) as u32), next);
+        }
+        assert_eq!(part_end(0), 1 << 25);
+    }
+
+    #[test]
+    fn false_alarms_are_shared_out_among_both_sides_of_what_is_watched() {
+        let settings = HealthSettings {
+            false_alarm_cycles: 1e4,
+            ..HealthSettings::default()
+        };
+        assert_eq!(settings.config().unwrap().run_length, 8e4);
+    }
+
+    #[test]
+    fn a_fault_is_of_the_rig_or_of_the_specimen_or_none() {
+        for cause in Cause::ALL {
+            let bit = 1 << cause.number();
+            let (fault, of_the_rig) = match cause {
+                Cause::RunIn | Cause::Temperature => (false, false),
+                Cause::WireBreakage
+                | Cause::FrictionWear
+                | Cause::Loosening
+                | Cause::PreloadShift
+                | Cause::Unexplained => (true, false),
+                _ => (true, true),
+            };
+            assert_eq!(cause.is_fault(), fault);
+            assert_eq!(
+                (FAULTS & bit != 0, OF_THE_RIG & bit != 0),
+                (fault, of_the_rig)
+            );
+        }
+        assert_eq!((FAULTS >> 20, OF_THE_RIG >> 20), (0, 0));
+    }
+}

@@ -808,3 +808,16 @@ fn a_hysteresis_that_makes_no_sense_is_refused() {
         assert!(CrossingAccumulator::new(bad).is_err());
     }
 }
+
+/// The first way, down from 20, is no swing though nothing has gone up before it; each of the others ends at 10.
+#[test]
+fn a_mean_is_lost_with_the_last_of_its_swings_and_not_before() {
+    let mut detector = CrossingDetector::new(0.1).unwrap();
+    for y in [20.0, 15.0, 10.0] {
+        assert!(!detector.update(y).lost);
+    }
+    for swing in 1..=SWINGS {
+        assert!(!detector.update(14.0).lost);
+        assert_eq!(detector.update(10.0).lost, swing == SWINGS, "{swing}");
+    }
+}

@@ -3,7 +3,7 @@
 use std::f64::consts::{PI, TAU};
 
 use mesh_damper::effects::{
-    AugmentedLaw, Delay, Effect, Gap, MAX_DELAY, Motion, Offset, StickSlip, Viscous,
+    AugmentedLaw, Compliance, Delay, Effect, Gap, MAX_DELAY, Motion, Offset, StickSlip, Viscous,
 };
 use mesh_damper::law::Law;
 
@@ -151,4 +151,30 @@ fn the_longest_delay_is_of_255_ticks_in_f32_too() {
     let law = alone(Effect::Delay(delay));
     assert_eq!(law.force(&mut law.at_rest(), &Motion::default()), 0.0);
     assert!(Delay::new(255.1 * tick, tick).is_err());
+}
+
+/// All of them and nothing else: springs in series k·K/(k + K) beyond the play, T late.
+#[test]
+fn the_three_together_are_springs_in_series_behind_the_play_and_late() {
+    let tick = 1e-3;
+    let stages = [
+        gap(0.05, false),
+        Effect::Compliance(Compliance::new(6.0, tick).unwrap()),
+        Effect::Delay(Delay::new(3.0 * tick, tick).unwrap()),
+    ];
+    let law = with(Law::new(1.5, 0.0, 0.0, 0.0).unwrap(), &stages);
+    let mut state = law.at_rest();
+    for n in 0..200 {
+        let at = |n: i32| 0.1 + tick * f64::from(n);
+        let motion = Motion {
+            displacement: at(n),
+            velocity: 1.0,
+            ..Motion::default()
+        };
+        let force = law.force(&mut state, &motion);
+        // The force before the first tick is not known.
+        if n > 10 {
+            close(force, 1.5 * 6.0 / (1.5 + 6.0) * (at(n - 3) - 0.05), 1e-9);
+        }
+    }
 }
