@@ -7,6 +7,7 @@ use mesh_damper::effects::{AugmentedLaw, AugmentedState, Correction, Motion};
 use mesh_damper::error::ConfigError;
 use mesh_damper::law::Law;
 use mesh_damper::real::Real;
+use mesh_damper::tabulated::{RunningLaw, TabulatedLaw};
 use proptest::prelude::*;
 
 const REACH: f64 = 0.2;
@@ -265,4 +266,42 @@ proptest! {
             prop_assert!((alone.force(displacement, velocity, 0.0) / UNIT - expected).abs() < 7.0);
         }
     }
+}
+
+/// What one kind of memory holds says nothing to another kind, and goes on with its own.
+#[test]
+fn a_law_that_takes_over_keeps_what_is_remembered_only_where_it_remembers_the_same() {
+    let lag = (Memory::Lag { time: 0.05 }, [-0.2, 0.2]);
+    let largest = (Memory::Largest, [0.0, 0.2]);
+    let none = Law::new(0.0, 0.0, 0.0, 0.0).unwrap();
+    let law = |memory| {
+        let correction = correction(&[0; CELLS], Some(memory)).unwrap();
+        TabulatedLaw::new(
+            AugmentedLaw::<f32, 1>::new(none)
+                .with_correction(correction)
+                .unwrap(),
+        )
+    };
+    let at = |displacement| Motion {
+        displacement,
+        ..Motion::default()
+    };
+    // After 0.15 mm before another law takes over, the force at 0.02 mm.
+    let after = |first, second| {
+        let mut running = RunningLaw::new(law(first));
+        for _ in 0..300 {
+            running.force(&at(0.15));
+        }
+        running.swap(law(second));
+        assert!(running.boundary());
+        running.force(&at(0.02))
+    };
+    let anew = |memory| RunningLaw::new(law(memory)).force(&at(0.02));
+    assert_eq!(after(lag, largest), anew(largest));
+    assert_eq!(after(largest, lag), anew(lag));
+    // 4000 counts over 0.2 mm.
+    let kept = f64::from(after(largest, largest));
+    close(kept, 0.75 * 4000.0 * UNIT, 1e-2);
+    // About 0.13 mm of the 0.4 mm.
+    assert!((after(lag, lag) - anew(lag)).abs() > 0.1);
 }
