@@ -249,6 +249,7 @@ fn the_force_of_every_tick_is_f64s() {
 #[test]
 fn stiffness_energy_and_loss_factor_are_f64s_within_a_ten_thousandth() {
     let [mut stiffness, mut energy, mut loss_factor] = [const { Largest(0.0) }; 3];
+    let mut peak = Largest(0.0);
     for (_, amplitude, exact) in tables::cells() {
         for frequency in [0.5, 1.0, 1.37, 10.0] {
             let speed = TAU * frequency * amplitude;
@@ -272,12 +273,14 @@ fn stiffness_energy_and_loss_factor_are_f64s_within_a_ten_thousandth() {
                 stiffness.see(f64::from(cycle.stiffness) / exact.stiffness - 1.0);
                 energy.see(f64::from(cycle.energy) / exact.dissipated - 1.0);
                 loss_factor.see(f64::from(cycle.loss_factor) / exact.loss_factor - 1.0);
+                peak.see(f64::from(cycle.amplitude) / amplitude - 1.0);
             }
         }
     }
     stiffness.check("K", tolerance::STIFFNESS);
     energy.check("ΔW", tolerance::ENERGY);
     loss_factor.check("loss factor", tolerance::LOSS_FACTOR);
+    peak.check("X0", tolerance::POSITION);
 }
 
 /// k1·y, c·v and c·sgn v enclose 0, π·c·ω·A² and 4·c·A; 997 Hz leaves ten ticks to the cycle, none of which is its end.
