@@ -202,3 +202,18 @@ impl ChannelWatch {
         stuck.then_some(Cause::SensorStuck(self.channel))
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn without_noise_a_jump_of_a_few_steps_is_the_limit() {
+        let scale = Scale::new(2.0, 0.0).unwrap();
+        let mut watch = ChannelWatch::new(Channel::Force, &scale);
+        watch.learn(true);
+        watch.learn(false);
+        let expected = SPIKE_STEPS * 2.0 / 32768.0;
+        assert!((watch.limit() - expected).abs() <= 1e-6 * expected);
+    }
+}

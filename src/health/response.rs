@@ -157,3 +157,21 @@ impl ResponseWatch {
         None
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn only_what_stands_still_is_dead() {
+        for (gain, dead) in [(1.0, false), (0.9, false), (0.0, true)] {
+            let mut watch = ResponseWatch::default();
+            for look in 0..64u32 {
+                let phase = core::f32::consts::TAU * look as f32 / 64.0;
+                let (d, v) = (libm::sinf(phase), libm::cosf(phase));
+                watch.update(gain * d, d, v, look << 26);
+            }
+            assert_eq!(watch.is_dead(), dead, "{gain}");
+        }
+    }
+}
