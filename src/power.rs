@@ -47,7 +47,7 @@ pub fn abs_pow(v: f32, alpha: f32) -> f32 {
     exp2_of_fraction(power) * f32::from_bits(scale)
 }
 
-/// 2^`x` for an `x` of at most 0, within 2e-7 and what x·2⁻²⁴ makes of it; 0 below −127. Of an x above 0 it is finite, and of NaN 1.
+/// 2^`x` for an `x` of at most 0, within 2.1e-7 and what x·2⁻²⁴ makes of it; 0 below −127. Of an x above 0 it is finite, and of NaN 1.
 #[inline(always)]
 pub(crate) fn exp2_of_negative(x: f32) -> f32 {
     let exponent = (x * (FRACTION + 1) as f32) as i32;

@@ -46,7 +46,7 @@ pub trait Real:
     /// Neither infinite nor NaN.
     fn is_finite(self) -> bool;
     /// 2ˣ of an x of at most 0, 1 at 0; of one above 0, and of NaN, it is finite. `f32` takes the short form of
-    /// [`crate::power`], within 2e-7 and x's own rounding.
+    /// [`crate::power`], within 2.1e-7 and x's own rounding.
     fn exp2_of_negative(self) -> Self;
     /// `|self|^exponent` for an exponent in 0…1: 0 at 0 for every exponent, 0 included.
     ///
