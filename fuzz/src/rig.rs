@@ -298,13 +298,13 @@ fn rig(
         let amplitude = f64::from(guard.command.full_scale().abs()) * feed.between(1e-3, 1.0);
         let mut frequency = || tick_rate * feed.between(1e-3, 0.25);
         let (from, to) = (frequency(), frequency());
-        programme = programme.with(Block::sweep(
-            amplitude,
-            from,
-            to,
-            // So many that what is normal is learned, now and then.
-            1 + u32::from(if feed.byte().is_multiple_of(8) { 64 } else { feed.byte() % 8 }),
-        )?)?;
+        // So many that what is normal is learned, now and then.
+        let cycles = if feed.byte().is_multiple_of(8) {
+            65
+        } else {
+            1 + u32::from(feed.byte() % 8)
+        };
+        programme = programme.with(Block::sweep(amplitude, from, to, cycles)?)?;
     }
     let laws = [law(feed, 1.0 / tick_rate), law(feed, 1.0 / tick_rate)].map(TabulatedLaw::new);
     guard.displacement_limit = settings.displacement_limit as f32;

@@ -392,7 +392,9 @@ impl SpecimenWatch {
             };
             let allowed = followed + warmth;
             if moved > allowed {
-                Some(self.event(&shift, Course::Slow, allowed))
+                // The evidence is what went too far, which another may name.
+                let (cause, _) = cause(&shift, self.law_third, Course::Slow);
+                Some(self.evidence(cause, most, &shift, allowed))
             } else if moved > limit + warmth {
                 None
             } else {
@@ -420,3 +422,6 @@ impl SpecimenWatch {
         }
     }
 }
+
+#[cfg(test)]
+mod tests;

@@ -137,11 +137,11 @@ impl Uncertainty {
         let mut row = vec![(0, 0.0); 4 + tangent.shared.len()];
         let mut gram = DMatrix::<f64>::zeros(width, width);
         let mut pull = DVector::<f64>::zeros(width);
-        for index in 0..rows.len() {
+        for (index, error) in of_steps.iter().enumerate() {
             fill(index, &mut row);
             add_square(&mut gram, &row, 1.0);
             for &(place, value) in &row {
-                pull[place] += value * rows.weight[index] * of_steps[index];
+                pull[place] += value * rows.weight[index] * error;
             }
         }
         let inverse = inverse(&gram);
