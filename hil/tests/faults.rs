@@ -29,7 +29,7 @@ fn a_part_of_the_campaign_meets_the_requirement() {
         .filter(|one| one.change.is_within())
         .count();
     assert!(within > 0 && within < summary.slow.len());
-    // It settles by 10 % and is warmed by what moves it by 6 %: both are said, and are no alarms.
+    // It settles by 10 %, and what warms it after that moves it by 5 %: both are said, and are no alarms.
     for healthy in &summary.healthy {
         let noted: Vec<&str> = healthy
             .noted

@@ -15,7 +15,7 @@ const RUN_IN: (f64, f64) = (0.1, 25.0);
 /// Loss of force per degree, 1/°C.
 const WARM_LOSS: f64 = 0.004;
 /// °C: of a chamber that warms in so many cycles, and of what swings about that with so many.
-const CHAMBER: (f64, f64) = (15.0, 600.0);
+const CHAMBER: (f64, f64) = (20.0, 600.0);
 const SWING: (f64, f64) = (5.0, 1000.0);
 
 /// What came of them.
