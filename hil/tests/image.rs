@@ -170,8 +170,8 @@ fn a_run_on_every_board_is_the_hosts_to_the_last_bit_of_each_sample_and_cycle() 
         assert!(run == host, "{board:?}");
         let statistics = image.statistics().unwrap();
         assert!(
-            // 1 KiB was held before there was a monitor.
-            statistics.stack > 0 && statistics.stack <= 1152,
+            // 1 KiB was held before there was a monitor; what follows the specimen passes through it as well.
+            statistics.stack > 0 && statistics.stack <= 1216,
             "{statistics:?}"
         );
         assert_eq!(statistics.log_lost, 0);
@@ -593,9 +593,11 @@ fn the_image_is_small() {
             return;
         };
         let sizes = sections(&elf).unwrap();
-        // 24 KiB were asked for before there were six effects more, which take 5, a correction, 3.5, and the monitor, 9.
-        assert!(sizes.flash > 0 && sizes.flash <= 43 * 1024, "{sizes:?}");
-        // 12 KiB likewise; of the rest the correction's tables, in two laws and a pack, are 2, the monitor 0.75.
-        assert!(sizes.ram <= 15 * 1024, "{sizes:?}");
+        // 24 KiB were asked for before there were six effects more, which take 5, a correction, 3.5, the monitor, 9, and
+        // a law that follows, 3.5.
+        assert!(sizes.flash > 0 && sizes.flash <= 47 * 1024, "{sizes:?}");
+        // 12 KiB likewise; of the rest the correction's tables, in two laws and a pack, are 2, the monitor 0.75, and what the
+        // law follows by 0.25.
+        assert!(sizes.ram <= 15 * 1024 + 256, "{sizes:?}");
     }
 }
