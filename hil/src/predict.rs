@@ -27,24 +27,7 @@ pub(crate) fn predict_in_half_steps(
     trajectory: &Trajectory,
 ) -> Result<Vec<f64>, ModelError> {
     let step = 0.5 * trajectory.tick;
-    let mut amplitude = trajectory.amplitude[0];
-    let mut law = model.augmented::<f64>(amplitude, step)?;
-    let mut state = law.at_rest();
-    let mut before = None;
-    let force = (0..trajectory.len())
-        .map(|index| {
-            if trajectory.amplitude[index] != amplitude {
-                amplitude = trajectory.amplitude[index];
-                law.set_law(model.law_at(amplitude)?);
-            }
-            let now = motion_at(trajectory, index);
-            if let Some(before) = before.replace(now) {
-                law.force(&mut state, &halfway(&before, &now, trajectory.tick));
-            }
-            Ok(law.force(&mut state, &now))
-        })
-        .collect::<Result<_, ModelError>>()?;
-    Ok(trajectory.shown(force))
+    Ok(trajectory.shown(run_by(step, model, trajectory, |force, _| force)?))
 }
 
 /// The motion in the middle of a `tick` s, by cubics through both ends and their slopes.
@@ -66,8 +49,18 @@ pub(crate) fn run<T>(
     trajectory: &Trajectory,
     seen: impl Fn(f64, &AugmentedState<f64>) -> T,
 ) -> Result<Vec<T>, ModelError> {
+    run_by(trajectory.tick, model, trajectory, seen)
+}
+
+/// [`run`] in steps of `step` s: the recording's, or half of it, with one more between any two samples.
+fn run_by<T>(
+    step: f64,
+    model: &Model,
+    trajectory: &Trajectory,
+    seen: impl Fn(f64, &AugmentedState<f64>) -> T,
+) -> Result<Vec<T>, ModelError> {
     let mut amplitude = trajectory.amplitude[0];
-    let mut law = model.augmented::<f64>(amplitude, trajectory.tick)?;
+    let mut law = model.augmented::<f64>(amplitude, step)?;
     let mut state = law.at_rest();
     (0..trajectory.len())
         .map(|index| {
@@ -75,7 +68,12 @@ pub(crate) fn run<T>(
                 amplitude = trajectory.amplitude[index];
                 law.set_law(model.law_at(amplitude)?);
             }
-            let force = law.force(&mut state, &motion_at(trajectory, index));
+            let now = motion_at(trajectory, index);
+            if step < trajectory.tick && index > 0 {
+                let before = motion_at(trajectory, index - 1);
+                law.force(&mut state, &halfway(&before, &now, trajectory.tick));
+            }
+            let force = law.force(&mut state, &now);
             Ok(seen(force, &state))
         })
         .collect()

@@ -68,16 +68,17 @@ pub(super) fn force(basis: &Basis, solution: &Solution) -> Option<Vec<f64>> {
     force_by(predict, basis, solution)
 }
 
-/// By how much that errs for the length of the recording's steps, kN: four thirds of what half of them change, as a spring's
-/// deflection errs in proportion to their square. `None` likewise.
-pub(super) fn error_of_steps(basis: &Basis, solution: &Solution) -> Option<Vec<f64>> {
-    let whole = force(basis, solution)?;
-    let half = force_by(predict_in_half_steps, basis, solution)?;
-    let both = whole.iter().zip(&half);
-    Some(
-        both.map(|(whole, half)| (whole - half) * (4.0 / 3.0))
-            .collect(),
-    )
+/// By how much that, the `force` in kN, errs for the length of the recording's steps: four thirds of what half of them
+/// change, as a spring's deflection errs in proportion to their square. `None` likewise.
+pub(super) fn error_of_steps(
+    basis: &Basis,
+    solution: &Solution,
+    force: &[f64],
+) -> Option<Vec<f64>> {
+    let halved = force_by(predict_in_half_steps, basis, solution)?;
+    let both = force.iter().zip(&halved);
+    let errors = both.map(|(force, halved)| (force - halved) * (4.0 / 3.0));
+    Some(errors.collect())
 }
 
 fn force_by(

@@ -199,11 +199,9 @@ fn exactly(basis: &Basis, solution: &Solution) -> Option<(Tangent, Vec<f64>, Vec
     let in_series = |term: &Term| term.form == Form::Compliance;
     let exact = basis.terms.iter().any(in_series);
     let tangent = exact.then(|| exact::tangent(basis, solution)).flatten()?;
-    Some((
-        tangent,
-        exact::force(basis, solution)?,
-        exact::error_of_steps(basis, solution)?,
-    ))
+    let force = exact::force(basis, solution)?;
+    let of_steps = exact::error_of_steps(basis, solution, &force)?;
+    Some((tangent, force, of_steps))
 }
 
 /// Adds `factor`·jjᵀ of a row j given as its (place, value).
