@@ -73,7 +73,7 @@ impl Scale {
         let count = i32::from(code) - i32::from(MIDSCALE);
         Sample {
             value: count as f32 * self.step - self.zero,
-            clipped: code == u16::MIN || code == u16::MAX,
+            code,
         }
     }
 
@@ -104,8 +104,17 @@ impl Scale {
 pub struct Sample {
     /// In the channel's unit.
     pub value: f32,
+    /// Offset binary.
+    pub code: u16,
+}
+
+impl Sample {
     /// The code is the first or the last one: the quantity may lie beyond.
-    pub clipped: bool,
+    #[inline(always)]
+    pub fn clipped(&self) -> bool {
+        // One comparison for both.
+        self.code.wrapping_add(1) <= 1
+    }
 }
 
 /// A code for a DAC.

@@ -306,6 +306,11 @@ impl<const F: usize> CycleAccumulator<F> {
         *self = Self::new();
     }
 
+    /// Forces of the last tick, kN.
+    pub(crate) fn last_forces(&self) -> [f32; F] {
+        self.last.forces.map(|sample| sample.force)
+    }
+
     /// One tick, where the phase is the generator's ([`crate::sine::Excitation::phase`]). A cycle ends where the phase
     /// passes through 0.
     ///

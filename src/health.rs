@@ -1,4 +1,4 @@
-//! Watches the rig: what its specimen is from cycle to cycle, its sensors tick by tick, its actuator by the quarter of a
+//! Watches the rig: what its specimen is from cycle to cycle, its sensors tick by tick, its actuator by the eighth of a
 //! cycle; and says what has gone wrong.
 //!
 //! Over the first cycles of a block it learns what is normal, a run-in that settles included. From then on
@@ -28,131 +28,24 @@ mod cause;
 mod channel;
 mod cusum;
 mod response;
+mod settings;
 mod specimen;
 mod sums;
 
 pub use cause::{Cause, Channel, Event, Statistic};
+pub(crate) use channel::Change;
+pub(crate) use settings::HealthConfig;
+pub use settings::HealthSettings;
 
 use crate::adc::Reading;
-use crate::converter::Scale;
-use crate::error::ConfigError;
-use crate::frame::{Fields, Reader, Writer};
-use crate::real::in_range;
+use crate::converter::{Sample, Scale};
 use crate::rig::Fault;
 use crate::tabulated::Followed;
 use adaptation::Adaptation;
 use channel::{Beside, ChannelWatch};
 use response::ResponseWatch;
 use specimen::{CycleNumbers, SpecimenWatch};
-use sums::{CycleSums, Sample};
-
-/// What a monitor is set to.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct HealthSettings {
-    /// Smallest lasting change of stiffness, energy, mean force (of its amplitude) or residual (of the law's force) that is to
-    /// be found, 0.01…0.5.
-    pub size: f64,
-    /// Cycles between false alarms of Gaussian noise, 1e2…1e9.
-    pub false_alarm_cycles: f64,
-    /// Cycles over which it learns, 8…1000.
-    pub learning_cycles: u32,
-    /// Cycles after a start within which a slow change is the run-in, 0…1e6.
-    pub run_in_cycles: u32,
-    /// Most by which temperature changes a specimen's force, part of it per °C, 0…0.1, beyond what the law says of it.
-    pub temperature_slope: f64,
-    /// Most by which the law follows a slow change of k1, k3 and c, part of each, 0…0.5; 0 where it stays as it was given. It
-    /// counts from where the law has found the specimen: for as many cycles as the run-in takes, after a start, another law,
-    /// another block or [`crate::rig::Rig::clear_events`], it goes there by up to 0.1 % a cycle and half of each coefficient.
-    /// A slow change of stiffness or energy by up to this is no fault. A law with a gap, a compliance or a delay stays.
-    pub follow: f64,
-}
-
-impl Default for HealthSettings {
-    /// 5 %, one false alarm in a million cycles, a mesh that loses up to 0.4 % of its force per °C, and a law that stays.
-    fn default() -> Self {
-        Self {
-            size: 0.05,
-            false_alarm_cycles: 1e6,
-            learning_cycles: 16,
-            run_in_cycles: 200,
-            temperature_slope: 0.004,
-            follow: 0.0,
-        }
-    }
-}
-
-/// What [`HealthSettings`] come to.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) struct HealthConfig {
-    size: f32,
-    /// Of one side of one statistic.
-    run_length: f32,
-    learning_cycles: u32,
-    run_in_cycles: u32,
-    temperature_slope: f32,
-    follow: f32,
-}
-
-impl HealthConfig {
-    /// Whether the law follows slow changes.
-    pub(crate) fn follows(&self) -> bool {
-        self.follow > 0.0
-    }
-}
-
-impl HealthSettings {
-    /// Validated.
-    ///
-    /// # Errors
-    /// A setting that is not finite or out of range.
-    pub(crate) fn config(&self) -> Result<HealthConfig, ConfigError> {
-        in_range("learning_cycles", f64::from(self.learning_cycles), 8.0, 1e3)?;
-        in_range("run_in_cycles", f64::from(self.run_in_cycles), 0.0, 1e6)?;
-        let cycles = in_range("false_alarm_cycles", self.false_alarm_cycles, 1e2, 1e9)?;
-        Ok(HealthConfig {
-            size: in_range("size", self.size, 0.01, 0.5)? as f32,
-            // Both sides of each statistic that is watched.
-            run_length: (cycles * 2.0 * Statistic::WATCHED as f64) as f32,
-            learning_cycles: self.learning_cycles,
-            run_in_cycles: self.run_in_cycles,
-            temperature_slope: in_range("temperature_slope", self.temperature_slope, 0.0, 0.1)?
-                as f32,
-            follow: in_range("follow", self.follow, 0.0, 0.5)? as f32,
-        })
-    }
-}
-
-impl Fields for HealthConfig {
-    fn write(&self, writer: &mut Writer<'_>) {
-        writer.words([
-            self.size.to_bits(),
-            self.run_length.to_bits(),
-            self.learning_cycles,
-            self.run_in_cycles,
-            self.temperature_slope.to_bits(),
-            self.follow.to_bits(),
-        ]);
-    }
-
-    fn read(reader: &mut Reader<'_>) -> Option<Self> {
-        let [
-            size,
-            run_length,
-            learning_cycles,
-            run_in_cycles,
-            temperature_slope,
-            follow,
-        ] = reader.words()?;
-        Some(Self {
-            size: f32::from_bits(size),
-            run_length: f32::from_bits(run_length),
-            learning_cycles,
-            run_in_cycles,
-            temperature_slope: f32::from_bits(temperature_slope),
-            follow: f32::from_bits(follow),
-        })
-    }
-}
+use sums::CycleSums;
 
 /// Events of different causes that are kept with their evidence; there are seldom more than two.
 pub const EVENTS: usize = 8;
@@ -160,14 +53,23 @@ pub const EVENTS: usize = 8;
 /// Amplitudes of displacement and force are taken as at least these parts of what is allowed.
 const LEAST_AMPLITUDES: [f32; 2] = [0.05, 0.02];
 
-/// Bits of the phase that tell apart the parts of a cycle at whose beginnings a tick is looked at closely: 64 of them.
-const LOOKS: u32 = 6;
+/// Bits of the phase that tell apart the parts of a cycle at whose ends a tick is looked at closely: 32 of them.
+const LOOKS: u32 = 5;
 
-/// Where the part of the cycle at `phase` ends, half a part late: the tick that ends a cycle has enough to do.
-fn part_end(phase: u32) -> u32 {
-    const HALF: u32 = 1 << (31 - LOOKS);
-    let part = phase.wrapping_add(HALF) >> (32 - LOOKS);
-    ((part + 1) << (32 - LOOKS)).wrapping_sub(HALF)
+/// By how much later than the parts of a phase the parts of a cycle end, in 2³² of it: a quarter of a part and three quarters
+/// in turn, so that two cycles are looked at in 64 places. Never 0, as the tick that ends a cycle has enough to do.
+fn late(cycle: u32) -> u32 {
+    const QUARTER: u32 = 1 << (30 - LOOKS);
+    (1 + 2 * (cycle & 1)) * QUARTER
+}
+
+/// Where the part of a `cycle` at `phase` ends; after its last, where the first of the next cycle does.
+fn part_end(phase: u32, cycle: u32) -> u32 {
+    let late_now = late(cycle);
+    let part = phase.wrapping_sub(late_now) >> (32 - LOOKS);
+    let end = (part + 1) << (32 - LOOKS);
+    // The phase of the last part's end is 0.
+    end + if end > 0 { late_now } else { late(cycle + 1) }
 }
 
 /// One tick that is looked at closely.
@@ -189,21 +91,6 @@ pub(crate) struct Look {
     pub(crate) phase: u32,
     /// In a ramp.
     pub(crate) ramp: bool,
-}
-
-/// Channels of which something may have to be said.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct Asked {
-    displacement: bool,
-    force: bool,
-}
-
-impl Asked {
-    /// Of any.
-    #[inline(always)]
-    pub(crate) fn any(self) -> bool {
-        self.displacement | self.force
-    }
 }
 
 /// A cycle that has ended.
@@ -295,7 +182,7 @@ impl HealthMonitor {
             adaptation: Adaptation::new(),
             sums: CycleSums::default(),
             ended: None,
-            due: part_end(0),
+            due: late(0),
             amplitudes: least_amplitudes,
             largest: [0.0; 2],
             least_amplitudes,
@@ -315,7 +202,7 @@ impl HealthMonitor {
         self.adaptation = Adaptation::new();
         self.sums = CycleSums::default();
         self.ended = None;
-        self.due = part_end(0);
+        self.due = late(0);
         self.amplitudes = self.least_amplitudes;
         self.largest = [0.0; 2];
         self.block = 0;
@@ -340,19 +227,31 @@ impl HealthMonitor {
         self.response = ResponseWatch::default();
     }
 
-    /// Every tick: which channels [`HealthMonitor::channels`] is to be asked about.
+    /// Every tick: what a `reading` after one of the codes `last` is to displacement and force. Where one asks,
+    /// [`HealthMonitor::channels`] is to be asked.
     #[inline(always)]
-    pub(crate) fn samples(&mut self, reading: &Reading) -> Asked {
-        Asked {
-            displacement: self.displacement.update(reading.displacement.value),
-            force: self.force.update(reading.force.value),
-        }
+    pub(crate) fn samples(
+        &mut self,
+        [displacement, force]: [u16; 2],
+        reading: &Reading,
+    ) -> [Change; 2] {
+        [
+            self.displacement
+                .update(displacement, &reading.displacement),
+            self.force.update(force, &reading.force),
+        ]
     }
 
-    /// Looks at the channels asked about, with the demanded displacement in mm and the law's force in kN.
-    #[cold]
+    /// Looks at the channels whose changes ask, with the demanded displacement in mm and the law's force in kN, which may be
+    /// that of the tick before.
     #[inline(never)]
-    pub(crate) fn channels(&mut self, asked: Asked, demand: f32, law: f32) {
+    pub(crate) fn channels(
+        &mut self,
+        reading: &Reading,
+        changes: &[Change; 2],
+        demand: f32,
+        law: f32,
+    ) {
         let [amplitude, force_amplitude] = self.amplitudes;
         let beside = |reference, amplitude_of_it| Beside {
             reference,
@@ -360,55 +259,56 @@ impl HealthMonitor {
             motion: demand,
             motion_amplitude: amplitude,
         };
-        let displacement = if asked.displacement {
-            self.displacement.look(&beside(demand, amplitude))
+        let [of_displacement, of_force] = changes;
+        let displacement = if of_displacement.asks() {
+            let beside = beside(demand, amplitude);
+            self.displacement
+                .look(&reading.displacement, of_displacement, &beside)
         } else {
             None
         };
-        let force = if asked.force {
-            self.force.look(&beside(law, force_amplitude))
+        let force = if of_force.asks() {
+            let beside = beside(law, force_amplitude);
+            self.force.look(&reading.force, of_force, &beside)
         } else {
             None
         };
         // Where nothing moves both channels may stand still, and none is to blame.
         let both = 2 * self.force.held() > self.displacement.held();
         let stuck = Cause::SensorStuck(Channel::Displacement);
-        for (cause, channel) in [
-            (
-                displacement.filter(|cause| *cause != stuck || !both),
-                self.displacement,
-            ),
-            (force, self.force),
-        ] {
-            if let Some(cause) = cause {
-                self.sample_event(cause, &channel);
-            }
+        if let Some(cause) = displacement.filter(|cause| *cause != stuck || !both) {
+            self.sample_event(cause, self.displacement.limit(), &reading.displacement);
+        }
+        if let Some(cause) = force {
+            self.sample_event(cause, self.force.limit(), &reading.force);
         }
     }
 
-    fn sample_event(&mut self, cause: Cause, channel: &ChannelWatch) {
+    fn sample_event(&mut self, cause: Cause, limit: f32, sample: &Sample) {
         self.latch(Event {
             cause,
             statistic: Statistic::Sample,
-            value: channel.last(),
-            limit: channel.limit(),
+            value: sample.value,
+            limit,
             cycle: self.cycle,
         });
     }
 
-    /// The rig has stopped for `fault`: what that says of a channel or of the actuator.
+    /// The rig has stopped for `fault` with a `reading`: what that says of a channel or of the actuator.
     #[cold]
     #[inline(never)]
-    pub(crate) fn stopped(&mut self, fault: Fault) {
+    pub(crate) fn stopped(&mut self, fault: Fault, reading: &Reading) {
         match fault {
-            Fault::DisplacementClipped => {
-                let channel = self.displacement;
-                self.sample_event(Cause::SensorClipped(Channel::Displacement), &channel);
-            }
-            Fault::ForceClipped => {
-                let channel = self.force;
-                self.sample_event(Cause::SensorClipped(Channel::Force), &channel);
-            }
+            Fault::DisplacementClipped => self.sample_event(
+                Cause::SensorClipped(Channel::Displacement),
+                self.displacement.limit(),
+                &reading.displacement,
+            ),
+            Fault::ForceClipped => self.sample_event(
+                Cause::SensorClipped(Channel::Force),
+                self.force.limit(),
+                &reading.force,
+            ),
             Fault::TrackingLimit | Fault::NoResponse
                 if self.latched & OF_THE_RIG == 0 && self.response.is_dead() =>
             {
@@ -450,9 +350,9 @@ impl HealthMonitor {
     }
 
     /// A close look at a tick that is due. What the law is to differ by from here on, where a cycle has ended and it follows.
-    #[inline(never)]
+    #[inline]
     pub(crate) fn look(&mut self, config: &HealthConfig, look: &Look) -> Option<Followed> {
-        self.due = part_end(look.phase);
+        self.due = part_end(look.phase, self.cycle);
         // The law that it shows is still that of the cycle before, unless another one has taken over.
         let share = if self.ended.is_some_and(|ended| ended.another_law) {
             0.0
@@ -462,9 +362,10 @@ impl HealthMonitor {
         let mut followed = None;
         if let Some(ended) = self.ended.take() {
             self.close_cycle(config, &ended);
-            if config.follows() {
-                followed = Some(self.adaptation.cycle(ended.steady.is_some()));
-            }
+        } else if self.adaptation.is_due() {
+            followed = Some(self.adaptation.follow());
+        } else if self.response.turns(look.phase) {
+            // That is enough for one tick.
         } else if self.specimen.has_work() {
             self.work_on_specimen(config);
         } else if self.adaptation.has_work() {
@@ -481,7 +382,7 @@ impl HealthMonitor {
             }
         }
         let given = look.law - share;
-        self.sums.add(&Sample {
+        self.sums.add(&sums::Sample {
             displacement: look.displacement,
             velocity: look.velocity,
             measured: look.force,
@@ -530,6 +431,9 @@ impl HealthMonitor {
             self.specimen.relearn();
             self.adaptation = Adaptation::new();
             return;
+        }
+        if config.follows() {
+            self.adaptation.cycle(ended.steady.is_some());
         }
         let Some(steady) = ended.steady else {
             return;
@@ -596,26 +500,18 @@ impl HealthMonitor {
 mod tests {
     use super::*;
 
-    /// The parts end at odd multiples of 1/128 of a cycle: the first of them beyond the phase.
+    /// Of 128 parts the ends are at 1, 5, 9… in one cycle and at 3, 7, 11… in the next.
     #[test]
-    fn a_part_ends_half_a_part_late() {
-        for part in 0..64u64 {
-            let end = (2 * part + 1) << 25;
-            let next = (end + (1 << 26)) as u32;
-            assert_eq!(part_end((end - 1) as u32), end as u32);
-            assert_eq!(part_end(end as u32), next);
-            assert_eq!(part_end((end + (1 << 25)) as u32), next);
+    fn two_cycles_are_looked_at_in_64_places() {
+        let mut due = late(0);
+        for look in 0..64u32 {
+            let (cycle, part) = (look / 32, look % 32);
+            assert_eq!(due, (4 * part + 1 + 2 * cycle) << 25);
+            let next = part_end(due, cycle);
+            assert_eq!(part_end(due + (1 << 24), cycle), next);
+            due = next;
         }
-        assert_eq!(part_end(0), 1 << 25);
-    }
-
-    #[test]
-    fn false_alarms_are_shared_out_among_both_sides_of_what_is_watched() {
-        let settings = HealthSettings {
-            false_alarm_cycles: 1e4,
-            ..HealthSettings::default()
-        };
-        assert_eq!(settings.config().unwrap().run_length, 8e4);
+        assert_eq!(due, late(2));
     }
 
     #[test]

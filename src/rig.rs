@@ -52,7 +52,7 @@ use crate::effects::Motion;
 use crate::error::ConfigError;
 use crate::frame::{Fields, Reader, Writer};
 use crate::health::{
-    Cause, Channel, Ended, Event, HealthConfig, HealthMonitor, HealthSettings, Look, Steady,
+    Cause, Change, Channel, Ended, Event, HealthConfig, HealthMonitor, HealthSettings, Look, Steady,
 };
 use crate::observer::{Observer, ObserverConfig};
 use crate::sine::{Excitation, Programme, SineGenerator};
@@ -239,24 +239,27 @@ pub struct CycleReport {
 /// It owns both, or borrows them: with 2 KiB to sixteen blocks and 6 KiB of law they are what does not fit on a small stack,
 /// and firmware keeps them in statics.
 #[derive(Debug)]
+// What every tick needs comes first, within reach of a load's offset: by the compiler's order a tick takes up to 40
+// instructions more or less with the size of any field.
+#[repr(C)]
 pub struct Rig<A, D, E, const B: usize, const N: usize, P = Programme<B>, L = RunningLaw<N>> {
-    adc: Ads8688<A>,
-    output: Output<D, E>,
     limits: Limits,
+    reading: Reading,
+    tick: u64,
+    adc: Ads8688<A>,
     observer_config: ObserverConfig,
-    correction_config: CorrectionConfig,
-    health_config: HealthConfig,
-    generator: SineGenerator<B, P>,
-    law: L,
+    exceeded: Exceeded,
     observer: Observer,
+    correction_config: CorrectionConfig,
     correction: Correction,
     comparison: Comparison,
-    health: HealthMonitor,
-    exceeded: Exceeded,
-    reading: Reading,
+    output: Output<D, E>,
     excitation: Excitation,
     temperature: f32,
-    tick: u64,
+    generator: SineGenerator<B, P>,
+    law: L,
+    health: HealthMonitor,
+    health_config: HealthConfig,
 }
 
 impl<A, D, E, const B: usize, const N: usize, P, L> Rig<A, D, E, B, N, P, L>
@@ -296,21 +299,22 @@ where
         programme: P,
         law: L,
     ) -> Result<Self, ConfigError> {
+        // What may fail comes first, so that the rest is built where it will be.
+        let generator = SineGenerator::new(programme)?;
         let (displacement, force) = adc.scales();
-        let health = HealthMonitor::new(displacement, force, config.limits.allowed());
         Ok(Self {
+            health: HealthMonitor::new(displacement, force, config.limits.allowed()),
             adc,
             output: Output::new(dac, enable, config.stop_ticks, config.link_ticks),
             limits: config.limits,
             observer_config: config.observer,
             correction_config: config.correction,
             health_config: config.health,
-            generator: SineGenerator::new(programme)?,
+            generator,
             law,
             observer: Observer::default(),
             correction: Correction::new(&config.correction),
             comparison: Comparison::default(),
-            health,
             exceeded: Exceeded::default(),
             reading: Reading::default(),
             excitation: Excitation::default(),
@@ -416,7 +420,7 @@ where
     #[inline(never)]
     fn attend(&mut self, was_running: bool) -> Option<Event> {
         if was_running && let State::Faulted(fault) = self.output.state() {
-            self.health.stopped(fault);
+            self.health.stopped(fault, &self.reading);
         }
         let event = self.health.take_fresh()?;
         if let Cause::SensorStuck(channel) | Cause::SensorDroppedOut(channel) = event.cause {
@@ -428,18 +432,67 @@ where
         Some(event)
     }
 
+    /// A channel did what asks for a look, beside the demand of this tick and the law's force of the one before.
+    #[cold]
+    #[inline(never)]
+    fn look_at_channels(&mut self, changes: [Change; 2]) -> Option<Event> {
+        let demand = self.excitation.displacement;
+        let law = self.comparison.model_force();
+        self.health.channels(&self.reading, &changes, demand, law);
+        if self.health.has_fresh() {
+            self.attend(true)
+        } else {
+            None
+        }
+    }
+
+    /// A close look at this tick. An `event` of its own is told as soon as there is no other.
+    #[cold]
+    #[inline(never)]
+    fn look(&mut self, motion: &Motion<f32>, model_force: f32, event: &mut Option<Event>) {
+        let excitation = &self.excitation;
+        let parts = if self.health_config.follows() {
+            self.law.borrow().parts(motion)
+        } else {
+            [0.0; 3]
+        };
+        let look = Look {
+            displacement: motion.displacement,
+            velocity: motion.velocity,
+            measured: self.reading.displacement.value,
+            demand: (excitation.displacement, excitation.velocity),
+            force: self.reading.force.value,
+            law: model_force,
+            parts,
+            phase: excitation.phase,
+            ramp: excitation.ramp,
+        };
+        if let Some(followed) = self.health.look(&self.health_config, &look) {
+            self.law.borrow_mut().follow(followed);
+        }
+        if event.is_none() && self.health.has_fresh() {
+            *event = self.attend(true);
+        }
+    }
+
     /// One tick: see the module for its deadline.
     pub fn tick(&mut self) -> Telemetry {
         self.tick = self.tick.wrapping_add(1);
         let was_running = self.output.is_running();
         self.output.watch_link();
+        let last = [self.reading.displacement.code, self.reading.force.code];
         self.output.read(&mut self.adc, &mut self.reading);
         let displacement = self.reading.displacement.value;
         let measured_force = self.reading.force.value;
         // The cycle that ends with this tick is of the block before it.
         let before = self.excitation;
+        let mut event = None;
         if self.output.is_running() {
             self.excitation = self.generator.tick();
+            let changes = self.health.samples(last, &self.reading);
+            if changes.iter().any(Change::asks) {
+                event = self.look_at_channels(changes);
+            }
         } else {
             // Standing still, for the observer.
             self.excitation.acceleration = 0.0;
@@ -502,41 +555,18 @@ where
                     ),
                 });
             }
-            let asked = self.health.samples(&self.reading);
-            if asked.any() {
-                self.health
-                    .channels(asked, excitation.displacement, model_force);
-            }
             if self.health.is_due(excitation.phase) {
-                let parts = if self.health_config.follows() {
-                    self.law.borrow().parts(&motion)
-                } else {
-                    [0.0; 3]
-                };
-                let look = Look {
-                    displacement: estimate.displacement,
-                    velocity: estimate.velocity,
-                    measured: displacement,
-                    demand: (excitation.displacement, excitation.velocity),
-                    force: measured_force,
-                    law: model_force,
-                    parts,
-                    phase: excitation.phase,
-                    ramp: excitation.ramp,
-                };
-                if let Some(followed) = self.health.look(&self.health_config, &look) {
-                    self.law.borrow_mut().follow(followed);
-                }
+                self.look(&motion, model_force, &mut event);
             }
             if excitation.done {
                 self.output.finish();
             }
         }
-        let event = if self.health.has_fresh() || !self.output.is_running() {
-            self.attend(was_running)
-        } else {
-            None
-        };
+        if !self.output.is_running()
+            && let Some(new) = self.attend(was_running)
+        {
+            event = Some(new);
+        }
         self.output.drive(command);
         Telemetry {
             tick: self.tick,

@@ -182,14 +182,23 @@ impl<const N: usize> RunningLaw<N> {
         let motion = motion.confined();
         let (y, v) = (motion.displacement(), motion.velocity());
         let given = law.augmented.law();
-        let of = |damping: f32, elastic: f32| {
-            let total = elastic + damping;
-            law.augmented.scaled(&motion, LawForce { damping, total })
+        let scaled = |damping: f32| {
+            let of_one = LawForce {
+                damping,
+                total: 1.0,
+            };
+            law.augmented.scaled(&motion, of_one)
+        };
+        let (elastic, damping) = (scaled(0.0), scaled(1.0));
+        let damping_force = if self.settled {
+            self.table.damping_force(v)
+        } else {
+            law.damping.damping_force(v)
         };
         [
-            of(0.0, given.k1() * y),
-            of(0.0, given.k3() * (y * y) * y),
-            of(law.damping.damping_force(v), 0.0),
+            elastic * (given.k1() * y),
+            elastic * (given.k3() * (y * y) * y),
+            damping * damping_force,
         ]
     }
 

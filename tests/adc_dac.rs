@@ -70,10 +70,10 @@ fn adc_reads_displacement_then_force() {
     // 0xC000 is half of full scale, 0x4000 minus half; force is inverted and reads 0.25 kN at rest.
     assert_eq!(reading.displacement.value, 0.5);
     assert_eq!(reading.force.value, 2.5 - 0.25);
-    assert!(!reading.displacement.clipped && !reading.force.clipped);
+    assert!(!reading.displacement.clipped() && !reading.force.clipped());
     let reading = adc.read().unwrap();
     assert_eq!(reading.displacement.value, 32767.0 / 32768.0);
-    assert!(reading.displacement.clipped && reading.force.clipped);
+    assert!(reading.displacement.clipped() && reading.force.clipped());
     adc.release().done();
 }
 

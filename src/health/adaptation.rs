@@ -106,13 +106,15 @@ pub(super) struct Adaptation {
     work: Work,
     /// Parts that are held at their bound.
     held: [Option<f32>; 3],
-    /// θ of the cycle that was last reported, θ in force, and θ from the end of this cycle on.
+    /// θ of the cycle that was last reported, θ in force, and θ from the end of this cycle on, a look late.
     reported: [f32; 3],
     followed: [f32; 3],
     next: [f32; 3],
     /// Where it found the specimen, and after how many cycles so far.
     centre: [f32; 3],
     cycles: u32,
+    /// A cycle has ended, and θ is not yet in force.
+    due: bool,
 }
 
 impl Adaptation {
@@ -129,6 +131,7 @@ impl Adaptation {
             next: [0.0; 3],
             centre: [0.0; 3],
             cycles: 0,
+            due: false,
         }
     }
 
@@ -161,10 +164,21 @@ impl Adaptation {
         self.now.add(parts, residual);
     }
 
-    /// A cycle has ended, a `steady` one of a block or another. What the law differs by from here on.
-    pub(super) fn cycle(&mut self, steady: bool) -> Followed {
+    /// A cycle has ended, a `steady` one of a block or another: [`Adaptation::follow`] is due.
+    pub(super) fn cycle(&mut self, steady: bool) {
         self.ended = core::mem::take(&mut self.now);
         self.work = if steady { Work::Fold } else { Work::None };
+        self.due = true;
+    }
+
+    /// Whether [`Adaptation::follow`] is due.
+    pub(super) fn is_due(&self) -> bool {
+        self.due
+    }
+
+    /// What the law differs by from here on.
+    pub(super) fn follow(&mut self) -> Followed {
+        self.due = false;
         self.followed = self.next;
         let [k1, k3, c] = self.followed;
         Followed { k1, k3, c }
@@ -249,14 +263,14 @@ mod tests {
     /// k1, k3 and c of one, at an amplitude of one and α = 0.
     fn parts(look: u16) -> [f32; 3] {
         let (sin, cos) = (libm::sinf, libm::cosf);
-        let phase = TAU * f32::from(look) / 64.0 + 0.05;
+        let phase = TAU * f32::from(look) / 32.0 + 0.05;
         let y = sin(phase);
         [y, y * y * y, cos(phase).signum()]
     }
 
     /// One cycle of a specimen that differs by `truth` from the law, whose coefficients are `scale`.
     fn cycle(adaptation: &mut Adaptation, scale: [f32; 3], truth: [f32; 3]) {
-        for look in 0..64 {
+        for look in 0..32 {
             let mut parts = parts(look);
             for (part, scale) in parts.iter_mut().zip(scale) {
                 *part *= scale;
@@ -279,13 +293,13 @@ mod tests {
             cycle(&mut adaptation, scale, truth);
             work(&mut adaptation, bound, 0);
         }
-        adaptation.cycle(true);
+        adaptation.follow();
         adaptation
     }
 
     /// Mean square of what a law with k1, k3 and c of `scale` that follows by `followed` leaves of `truth`.
     fn left(scale: [f32; 3], truth: [f32; 3], followed: [f32; 3]) -> f32 {
-        let squares = (0..64).map(|look| {
+        let squares = (0..32).map(|look| {
             let parts = parts(look).into_iter().zip(scale);
             let all = parts.zip(truth.into_iter().zip(followed));
             let error: f32 = all
@@ -293,7 +307,7 @@ mod tests {
                 .sum();
             error * error
         });
-        squares.sum::<f32>() / 64.0
+        squares.sum::<f32>() / 32.0
     }
 
     #[test]
@@ -376,7 +390,7 @@ mod tests {
             assert!(!adaptation.has_work());
             assert_eq!(adaptation.past.squares, [0.0; 6]);
         }
-        assert_eq!(adaptation.cycle(true), Followed::default());
+        assert_eq!(adaptation.follow(), Followed::default());
     }
 
     #[test]

@@ -175,10 +175,20 @@ pub(super) enum Course {
     Slow,
 }
 
-/// Third harmonic over first, beyond the law's own, from which force is missing near zero. What breaks takes a part of the
+/// Third harmonic over first, beyond the law's own `law_third`, of the force that a gap takes. What breaks takes a part of the
 /// law's force, third harmonic included. A gap of g takes g·(k1 + 3·k3·y²)·sgn y, with κ = k3·A² as parts of k1 beyond it by
-/// (4/3 − 8κ/5)/(4 + 8κ) + κ/(4 + 3κ): ⅓ without k3, 0.12 at the least, 2/15 with k3 alone.
-const GAP_HARMONIC: f32 = 0.065;
+/// (4/3 − 8κ/5)/(4 + 8κ) + κ/(4 + 3κ): ⅓ without k3, 0.106 at the least, 2/15 with k3 alone. The law's own is −κ/(4 + 3κ).
+fn gap_harmonic(law_third: f32) -> f32 {
+    let hardening = -4.0 * law_third / (1.0 + 3.0 * law_third);
+    if hardening > 0.0 && hardening < 1e3 {
+        (4.0 / 3.0 - 1.6 * hardening) / (4.0 + 8.0 * hardening) - law_third
+    } else if law_third < 0.0 {
+        2.0 / 15.0
+    } else {
+        1.0 / 3.0
+    }
+}
+
 /// Energy over stiffness, likewise: what takes force near zero takes little or no friction.
 const GAP_ENERGY: f32 = 0.6;
 /// Stiffness over energy below which only friction is gone.
@@ -204,7 +214,7 @@ pub(super) fn cause(shift: &Shift, law_third: f32, course: Course) -> (Cause, St
     if energy < 0.0 && stiffness.abs() < FRICTION_ALONE * -energy {
         return (Cause::FrictionWear, Statistic::Energy);
     }
-    let flat = third < (law_third + GAP_HARMONIC) * stiffness;
+    let flat = third < (law_third + 0.5 * gap_harmonic(law_third)) * stiffness;
     if stiffness < 0.0 && (flat || energy > GAP_ENERGY * stiffness) {
         return (Cause::Loosening, Statistic::Stiffness);
     }
@@ -233,6 +243,16 @@ mod tests {
         for (place, statistic) in (0..).zip(Statistic::ALL) {
             assert_eq!(statistic.number(), place);
         }
+    }
+
+    #[test]
+    fn a_gap_takes_more_of_the_third_harmonic_than_what_breaks() {
+        for (law_third, gap) in [(0.1, 1.0 / 3.0), (0.0, 1.0 / 3.0), (-1.0 / 3.0, 2.0 / 15.0)] {
+            assert!((gap_harmonic(law_third) - gap).abs() < 1e-6);
+        }
+        let harmonics = (0..100u8).map(|part| gap_harmonic(-f32::from(part) / 300.0));
+        let least = harmonics.fold(f32::MAX, |a, b| if a < b { a } else { b });
+        assert!((least - 0.106).abs() < 0.001, "{least}");
     }
 
     /// The first and third harmonic of what each fault takes from F = k1·y + k3·y³ and its friction, worked out by hand.

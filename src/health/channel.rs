@@ -7,13 +7,15 @@
 //!   sign. Noise does that too, and by how much is learned. Physics does not: what it does at once stays.
 
 use super::cause::{Cause, Channel};
-use crate::converter::Scale;
+use crate::converter::{MIDSCALE, Sample, Scale};
 
 /// Squared jumps may be this many times the largest that was learned: twice a jump itself. Gaussian noise of σ jumps there and
 /// back by t once in about e^(t²/3σ²) ticks, so that after 1e4 ticks of learning it takes 1e16 to exceed 2·t.
-const SPIKE_FACTOR: f32 = 4.0;
-/// Jumps of so many of the converter's steps are never a spike.
-const SPIKE_STEPS: f32 = 16.0;
+const SPIKE_FACTOR: i32 = 4;
+/// Minus the square of a jump of so many of the converter's steps, which is never a spike: 16.
+const LEAST_SPIKE: i32 = -256;
+/// Steps of the converter within which a channel shows no voltage.
+const NO_VOLTAGE: i32 = 2;
 /// Repeats of the value of no voltage, after a jump to it, from which a channel has dropped out.
 const DROPPED_TICKS: u32 = 4;
 /// Part of its amplitude by which what is measured must move beside a channel that is held.
@@ -21,33 +23,50 @@ const MOVED: f32 = 0.1;
 /// And by which it must come in: a channel that is cut off by less lets go before.
 const CAME_IN: f32 = 0.3;
 
-/// The least that can be learned. Its sign bit is set, as that of all that is.
-const NONE_LEARNED: f32 = -f32::MIN_POSITIVE;
+/// The least that can be learned.
+const NONE_LEARNED: i32 = -1;
 
-/// What one channel did so far.
+/// What one channel did so far, in steps of its converter. Of a difference over half of its range the sign is another, and so is
+/// that of the way back; only one of exactly half has the same there and back.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct ChannelWatch {
     channel: Channel,
-    /// What it shows at no voltage, and two steps of its converter, in its unit.
-    no_voltage: f32,
-    two_steps: f32,
-    last: f32,
-    /// The last difference, and the one before.
-    step: f32,
-    before: f32,
+    /// Its unit a step.
+    unit: f32,
+    /// The last difference.
+    step: i16,
     /// Minus the square of the largest jump there and back that is no spike.
-    lowest: f32,
+    lowest: i32,
     /// Of the largest so far.
-    learned: f32,
+    learned: i32,
     /// Ticks for which it has been held.
     held: u32,
     /// What it measures, beside it, when that began.
     reference: f32,
     motion: f32,
     /// The difference before that began.
-    jump: f32,
+    jump: i16,
     /// That has moved by enough since.
     moved: bool,
+}
+
+/// What one more sample was to a channel.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Change {
+    /// The difference before the last.
+    before: i16,
+    /// Of both.
+    product: i32,
+    learned: i32,
+}
+
+impl Change {
+    /// Whether [`ChannelWatch::look`] is to be asked about it: a difference against the one before whose product with it is as
+    /// large as what is learned. A product of 0 is a channel that is held, or lets go.
+    #[inline(always)]
+    pub(crate) fn asks(&self) -> bool {
+        self.product <= self.learned || self.product == 0
+    }
 }
 
 /// What a channel's samples are held against.
@@ -67,27 +86,23 @@ impl ChannelWatch {
     pub(super) fn new(channel: Channel, scale: &Scale) -> Self {
         Self {
             channel,
-            no_voltage: scale.decode(crate::converter::MIDSCALE).value,
-            two_steps: 2.0 * scale.step().abs(),
-            last: f32::NAN,
-            step: f32::NAN,
-            before: 0.0,
-            lowest: f32::NEG_INFINITY,
+            unit: scale.step(),
+            step: 0,
+            lowest: i32::MIN,
             learned: NONE_LEARNED,
             held: 0,
             reference: 0.0,
             motion: 0.0,
-            jump: 0.0,
+            jump: 0,
             moved: false,
         }
     }
 
     /// The rig starts: learns anew.
     pub(super) fn restart(&mut self) {
-        self.last = f32::NAN;
-        self.step = f32::NAN;
-        self.lowest = f32::NEG_INFINITY;
+        self.step = 0;
         self.learned = NONE_LEARNED;
+        self.lowest = i32::MIN;
         self.held = 0;
         self.moved = false;
     }
@@ -101,64 +116,52 @@ impl ChannelWatch {
     pub(super) fn learn(&mut self, begin: bool) {
         if begin {
             self.learned = NONE_LEARNED;
-            self.lowest = f32::NEG_INFINITY;
+            self.lowest = i32::MIN;
         } else {
-            let steps = 0.5 * SPIKE_STEPS * self.two_steps;
-            let floor = -(steps * steps);
-            let learned = SPIKE_FACTOR * self.learned;
-            self.lowest = if learned < floor { learned } else { floor };
+            self.lowest = self.learned.saturating_mul(SPIKE_FACTOR).min(LEAST_SPIKE);
         }
     }
 
-    /// One more sample; whether [`ChannelWatch::look`] is to be asked about it.
-    ///
-    /// A step of the sign of the one before is nothing, nor one of the other sign whose product with it is smaller than what
-    /// is learned. A product of 0 is a channel that is held, or lets go. As bits, less one: positive products come first,
-    /// then negative ones by their size, and 0 last; adding 0 makes one 0 of both.
+    /// One more sample, after one of the code `last`.
     #[inline(always)]
-    pub(super) fn update(&mut self, value: f32) -> bool {
-        let step = value - self.last;
+    pub(super) fn update(&mut self, last: u16, sample: &Sample) -> Change {
         let before = self.step;
-        self.last = value;
-        self.step = step;
-        let product = step * before + 0.0;
-        let asked = product.to_bits().wrapping_sub(1) >= self.learned.to_bits();
-        if asked {
-            self.before = before;
+        self.step = sample.code.wrapping_sub(last) as i16;
+        Change {
+            before,
+            product: i32::from(self.step) * i32::from(before),
+            learned: self.learned,
         }
-        asked
     }
 
-    /// What is wrong with the last sample, for which [`ChannelWatch::update`] said yes.
-    #[cold]
-    #[inline(never)]
-    pub(super) fn look(&mut self, beside: &Beside) -> Option<Cause> {
-        if self.step == 0.0 {
-            self.hold(beside)
+    /// What is wrong with the last `sample`, whose `change` asks.
+    #[inline]
+    pub(super) fn look(
+        &mut self,
+        sample: &Sample,
+        change: &Change,
+        beside: &Beside,
+    ) -> Option<Cause> {
+        if self.step == 0 {
+            self.hold(sample, change.before, beside)
         } else if self.held > 0 {
             self.let_go()
         } else {
-            self.stand_out()
+            self.stand_out(sample, change.before)
         }
     }
 
     /// The limit of a jump, in the channel's unit.
     pub(super) fn limit(&self) -> f32 {
-        crate::real::square_root(-self.lowest)
+        crate::real::square_root(-(self.lowest as f32)) * self.unit.abs()
     }
 
-    /// The channel's sample.
-    pub(super) fn last(&self) -> f32 {
-        self.last
-    }
-
-    fn stand_out(&mut self) -> Option<Cause> {
-        let (before, step) = (self.before, self.step);
-        let smaller = if before.abs() < step.abs() {
-            before
-        } else {
-            step
-        };
+    fn stand_out(&mut self, sample: &Sample, before: i16) -> Option<Cause> {
+        // One that jumps to no voltage may have dropped out. If not it jumps from there next.
+        if from_no_voltage(sample).abs() <= NO_VOLTAGE {
+            return None;
+        }
+        let smaller = i32::from(before.unsigned_abs().min(self.step.unsigned_abs()));
         let square = -smaller * smaller;
         if square < self.lowest {
             return Some(Cause::SensorSpiking(self.channel));
@@ -176,9 +179,9 @@ impl ChannelWatch {
         clipped.then_some(Cause::SensorClipped(self.channel))
     }
 
-    fn hold(&mut self, beside: &Beside) -> Option<Cause> {
+    fn hold(&mut self, sample: &Sample, before: i16, beside: &Beside) -> Option<Cause> {
         if self.held == 0 {
-            self.jump = self.before;
+            self.jump = before;
             self.reference = beside.reference;
             self.motion = beside.motion;
         }
@@ -190,30 +193,110 @@ impl ChannelWatch {
             0.0
         };
         let enough = MOVED * beside.amplitude;
-        let from_zero = self.last - self.no_voltage;
-        if from_zero.abs() <= self.two_steps {
-            let jumped = self.jump * self.jump > -self.lowest;
+        let from_zero = from_no_voltage(sample);
+        if from_zero.abs() <= NO_VOLTAGE {
+            let jump = i32::from(self.jump);
+            let jumped = -jump * jump < self.lowest;
             let dropped = moved.abs() > enough || (jumped && self.held >= DROPPED_TICKS);
             return dropped.then_some(Cause::SensorDroppedOut(self.channel));
         }
         self.moved |= moved.abs() > enough;
-        let inward = if from_zero > 0.0 { -moved } else { moved };
+        let is_positive = (from_zero > 0) == (self.unit > 0.0);
+        let inward = if is_positive { -moved } else { moved };
         let stuck = inward > CAME_IN * beside.amplitude;
         stuck.then_some(Cause::SensorStuck(self.channel))
     }
+}
+
+/// What a channel shows, in steps of its converter.
+fn from_no_voltage(sample: &Sample) -> i32 {
+    i32::from(sample.code) - i32::from(MIDSCALE)
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
 
+    /// 2 kN at full scale.
+    fn watch() -> ChannelWatch {
+        ChannelWatch::new(Channel::Force, &Scale::new(2.0, 0.0).unwrap())
+    }
+
+    /// What comes of `codes`, one after the other, beside a force that stands still.
+    fn causes(watch: &mut ChannelWatch, codes: &[u16]) -> usize {
+        let beside = Beside {
+            reference: 0.0,
+            amplitude: 1.0,
+            motion: 0.0,
+            motion_amplitude: 1.0,
+        };
+        let found = codes.windows(2).filter(|pair| {
+            let sample = Sample {
+                value: 0.0,
+                code: pair[1],
+            };
+            let change = watch.update(pair[0], &sample);
+            change.asks() && watch.look(&sample, &change, &beside).is_some()
+        });
+        found.count()
+    }
+
     #[test]
     fn without_noise_a_jump_of_a_few_steps_is_the_limit() {
-        let scale = Scale::new(2.0, 0.0).unwrap();
-        let mut watch = ChannelWatch::new(Channel::Force, &scale);
+        let mut watch = watch();
         watch.learn(true);
         watch.learn(false);
-        let expected = SPIKE_STEPS * 2.0 / 32768.0;
+        let expected = 16.0 * 2.0 / 32768.0;
         assert!((watch.limit() - expected).abs() <= 1e-6 * expected);
+        assert_eq!(causes(&mut watch, &[40_000, 40_016, 40_000, 40_016]), 0);
+        assert_eq!(
+            causes(&mut watch, &[40_016, 40_000, 40_001, 40_018, 40_001]),
+            1
+        );
+    }
+
+    #[test]
+    fn a_jump_there_and_back_may_be_twice_what_was_learned() {
+        let mut watch = watch();
+        watch.learn(true);
+        causes(
+            &mut watch,
+            &[40_000, 40_050, 40_010, 40_050, 40_100, 40_200],
+        );
+        watch.learn(false);
+        assert_eq!(causes(&mut watch, &[40_200, 40_280, 40_200, 40_300]), 0);
+        assert_eq!(causes(&mut watch, &[40_300, 40_381, 40_300, 40_310]), 1);
+    }
+
+    /// While what it measures moves by more than what was learned.
+    #[test]
+    fn a_jump_to_no_voltage_is_no_spike_unless_it_comes_back() {
+        let mut watch = watch();
+        watch.learn(true);
+        watch.learn(false);
+        assert_eq!(
+            causes(&mut watch, &[40_000, 40_041, 40_082, 32_768, 32_768]),
+            0
+        );
+        assert_eq!(causes(&mut watch, &[32_768, 40_164, 40_205]), 0);
+        assert_eq!(
+            causes(&mut watch, &[40_205, 40_246, 32_768, 40_287, 40_328]),
+            1
+        );
+    }
+
+    /// Over half of the range the difference turns round.
+    #[test]
+    fn a_jump_through_most_of_the_range_stands_out() {
+        let mut watch = watch();
+        watch.learn(true);
+        causes(&mut watch, &[8000, 8010, 8000, 8020]);
+        watch.learn(false);
+        for jump in [30_000, 32_767, 32_769, 50_000] {
+            assert_eq!(
+                causes(&mut watch, &[8020, 8030, 8030 + jump, 8030, 8040]),
+                1
+            );
+        }
     }
 }

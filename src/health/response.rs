@@ -1,13 +1,13 @@
-//! The actuator's response to the demanded motion, over half a cycle and anew every quarter.
+//! The actuator's response to the demanded motion, over half a cycle and anew every eighth.
 //!
-//! With d and v the demanded displacement and velocity and y the measured displacement, sums over half a cycle, in which d
-//! and v are orthogonal wherever it begins:
+//! With d and v the demanded displacement and velocity and y the measured displacement, by least squares over half a cycle:
 //!
-//! - Y = a + j·b, a = Σy·d/Σd², b = Σy·v/√(Σv²·Σd²), 1 + 0j of a perfect actuator
-//! - what of y² d and v do not explain: 1 − (a² + b²)·Σd²/Σy²
+//! - y ≈ a·d + b·√(Σd²/Σv²)·v, Y = a + j·b, 1 + 0j of a perfect actuator
+//! - what of Σy² that does not explain
 //!
-//! Two quarters after Y has left its place by [`LIMIT`], half a cycle of nothing but the fault tells what it is: one that
-//! hardly moves is dead, one that moves in the shape demanded lags, and one that moves in another is saturated.
+//! Half a cycle after Y has left its place by [`LIMIT`] there is half a cycle of nothing but the fault. That tells what it is: one
+//! that hardly moves is dead, one that moves in the shape demanded lags, and one that moves in another is saturated. Another
+//! shape may show an eighth sooner.
 
 use super::cause::Cause;
 use crate::real::square_root;
@@ -18,17 +18,17 @@ pub(super) const LIMIT: f32 = 0.03;
 const DEAD: f32 = 0.02;
 /// Unexplained part of y², from which the shape is another. A triangle, the motion at one speed, has 0.0145.
 const OTHER_SHAPE: f32 = 0.005;
-/// Part by which the response that is normal follows, each quarter.
-const FOLLOW: f32 = 1.0 / 16.0;
-/// Quarters after the trigger until it is judged.
-const QUARTERS: u8 = 2;
-/// Quarters at the beginning that are left out, while the rig's correction learns: three cycles.
-const SETTLING: u8 = 12;
+/// Part by which the response that is normal follows, each eighth.
+const FOLLOW: f32 = 1.0 / 32.0;
+/// Eighths of half a cycle.
+const EIGHTHS: usize = 4;
+/// Eighths at the beginning that are left out, while the rig's correction learns: three cycles.
+const SETTLING: u8 = 24;
 
 /// Of half a cycle.
 const LEAST_SAMPLES: f32 = 8.0;
 
-/// Sums over a quarter.
+/// Sums over an eighth.
 #[derive(Clone, Copy, Debug, Default)]
 struct Sums {
     samples: f32,
@@ -38,6 +38,7 @@ struct Sums {
     yd: f32,
     yv: f32,
     dd: f32,
+    dv: f32,
     vv: f32,
 }
 
@@ -51,6 +52,7 @@ impl Sums {
             yd: self.yd + other.yd,
             yv: self.yv + other.yv,
             dd: self.dd + other.dd,
+            dv: self.dv + other.dv,
             vv: self.vv + other.vv,
         }
     }
@@ -59,6 +61,16 @@ impl Sums {
     fn spreads(&self) -> (f32, f32) {
         let spread = |square: f32, sum: f32| square - sum * sum / self.samples;
         (spread(self.yy, self.y), spread(self.dd, self.d))
+    }
+
+    /// a, b, and what they do not explain.
+    #[inline(never)]
+    fn response(&self) -> (f32, f32, f32) {
+        let determinant = self.dd * self.vv - self.dv * self.dv;
+        let of_d = (self.yd * self.vv - self.yv * self.dv) / determinant;
+        let of_v = (self.yv * self.dd - self.yd * self.dv) / determinant;
+        let unexplained = 1.0 - (of_d * self.yd + of_v * self.yv) / self.yy;
+        (of_d, of_v * square_root(self.vv / self.dd), unexplained)
     }
 
     /// Whether y hardly moves.
@@ -72,13 +84,18 @@ impl Sums {
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct ResponseWatch {
     now: Sums,
-    before: Sums,
-    quarter: u32,
-    /// Whole quarters seen, up to [`SETTLING`].
-    quarters: u8,
+    before: [Sums; EIGHTHS - 1],
+    eighth: u32,
+    /// Whole eighths seen, up to [`SETTLING`].
+    eighths: u8,
     normal: Option<(f32, f32)>,
-    /// Quarters until a trigger is judged; 0 without one.
+    /// Eighths until a trigger is judged at the latest; 0 without one.
     waiting: u8,
+}
+
+/// Eighths begin half of one after a cycle's end, where there is enough to do.
+fn eighth(phase: u32) -> u32 {
+    phase.wrapping_add(1 << 28) >> 29
 }
 
 impl ResponseWatch {
@@ -89,15 +106,20 @@ impl ResponseWatch {
         }
     }
 
-    /// One sample at `phase`; at the end of a quarter what is wrong, and how far the response is from where it was.
+    /// Whether a sample at `phase` is the first of an eighth.
+    #[inline]
+    pub(super) fn turns(&self, phase: u32) -> bool {
+        eighth(phase) != self.eighth
+    }
+
+    /// One sample at `phase`; at the end of an eighth what is wrong, and how far the response is from where it was.
     #[inline]
     pub(super) fn update(&mut self, y: f32, d: f32, v: f32, phase: u32) -> Option<(Cause, f32)> {
-        let quarter = phase >> 30;
-        let found = if quarter == self.quarter {
-            None
-        } else {
-            self.quarter = quarter;
+        let found = if self.turns(phase) {
+            self.eighth = eighth(phase);
             self.turn()
+        } else {
+            None
         };
         let sums = &mut self.now;
         sums.samples += 1.0;
@@ -107,54 +129,54 @@ impl ResponseWatch {
         sums.yd += y * d;
         sums.yv += y * v;
         sums.dd += d * d;
+        sums.dv += d * v;
         sums.vv += v * v;
         found
     }
 
-    /// Whether the actuator stands still, as far as this quarter tells, or the one before where this one is too young.
+    /// Whether the actuator stands still, as far as this eighth and the one before tell.
     pub(super) fn is_dead(&self) -> bool {
-        if 2.0 * self.now.samples > self.before.samples {
-            self.now.is_dead()
-        } else {
-            self.now.plus(&self.before).is_dead()
-        }
+        let [.., before] = &self.before;
+        self.now.plus(before).is_dead()
     }
 
-    /// A quarter has ended.
+    /// An eighth has ended.
     #[inline(never)]
     fn turn(&mut self) -> Option<(Cause, f32)> {
-        let half = self.now.plus(&self.before);
-        self.before = core::mem::take(&mut self.now);
-        if self.quarters < SETTLING || half.samples < LEAST_SAMPLES {
-            self.quarters = self.quarters.saturating_add(1);
+        let [first, second, third] = &mut self.before;
+        let latest = second.plus(third).plus(&self.now);
+        let half = first.plus(&latest);
+        *first = *second;
+        *second = *third;
+        *third = core::mem::take(&mut self.now);
+        if self.eighths < SETTLING || half.samples < LEAST_SAMPLES {
+            self.eighths = self.eighths.saturating_add(1);
             return None;
         }
-        let a = half.yd / half.dd;
-        let b = half.yv / square_root(half.dd * half.vv);
+        let (a, b, unexplained) = half.response();
         let (normal_a, normal_b) = *self.normal.get_or_insert((a, b));
         let (da, db) = (a - normal_a, b - normal_b);
         let distance = square_root(da * da + db * db);
-        if self.waiting > 0 {
-            self.waiting -= 1;
-            if self.waiting > 0 {
-                return None;
-            }
-            let unexplained = 1.0 - (a * a + b * b) * half.dd / half.yy;
-            let cause = if half.is_dead() {
-                Cause::ActuatorDead
-            } else if unexplained > OTHER_SHAPE {
-                Cause::ActuatorSaturated
+        if self.waiting == 0 {
+            if distance > LIMIT {
+                self.waiting = EIGHTHS as u8;
             } else {
-                Cause::ActuatorLagging
-            };
-            return (distance > LIMIT).then_some((cause, distance));
+                self.normal = Some((normal_a + FOLLOW * da, normal_b + FOLLOW * db));
+            }
+            return None;
         }
-        if distance > LIMIT {
-            self.waiting = QUARTERS;
-        } else {
-            self.normal = Some((normal_a + FOLLOW * da, normal_b + FOLLOW * db));
-        }
-        None
+        self.waiting -= 1;
+        let cause = match self.waiting {
+            0 if half.is_dead() => Cause::ActuatorDead,
+            0 if unexplained > OTHER_SHAPE => Cause::ActuatorSaturated,
+            0 => Cause::ActuatorLagging,
+            1 if !latest.is_dead() && latest.response().2 > OTHER_SHAPE => {
+                self.waiting = 0;
+                Cause::ActuatorSaturated
+            }
+            _ => return None,
+        };
+        (distance > LIMIT).then_some((cause, distance))
     }
 }
 
@@ -166,10 +188,10 @@ mod tests {
     fn only_what_stands_still_is_dead() {
         for (gain, dead) in [(1.0, false), (0.9, false), (0.0, true)] {
             let mut watch = ResponseWatch::default();
-            for look in 0..64u32 {
-                let phase = core::f32::consts::TAU * look as f32 / 64.0;
+            for look in 0..32u32 {
+                let phase = core::f32::consts::TAU * look as f32 / 32.0;
                 let (d, v) = (libm::sinf(phase), libm::cosf(phase));
-                watch.update(gain * d, d, v, look << 26);
+                watch.update(gain * d, d, v, look << 27);
             }
             assert_eq!(watch.is_dead(), dead, "{gain}");
         }

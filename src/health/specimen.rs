@@ -29,6 +29,8 @@ const LEAST_SIGMA: f32 = 1.0 / 20.0;
 const SLOW: f32 = 0.8;
 /// Part of a shift by which it grows in one cycle where it comes bit by bit.
 const GROWING: f32 = 0.12;
+/// Part of a shift from which it was there a cycle before where it comes bit by bit.
+const DRIFTING: f32 = 0.6;
 /// Of the temperature's level.
 const TEMPERATURE_GAIN: f32 = 0.25;
 
@@ -251,6 +253,9 @@ impl SpecimenWatch {
             .find(|watch| watch.cusum.largest() > watch.threshold)
             .map(|watch| 0.5 * config.size + watch.threshold);
         if let Some(limit) = alarm {
+            if self.mean_drifts(mean) {
+                return Some(self.event(&shift, Course::Slow, limit));
+            }
             self.suspicion = Some(Suspicion {
                 cycles: JUDGED_AFTER,
                 limit,
@@ -263,6 +268,15 @@ impl SpecimenWatch {
         } else {
             self.look_back(config)
         }
+    }
+
+    /// Whether the mean force, `mean` beyond its baseline at an alarm of its own, was most of the way there a cycle ago. What
+    /// comes at once was no more than half way: were it further there would have been an alarm.
+    fn mean_drifts(&self, mean: f32) -> bool {
+        let [_, _, watch, ..] = &self.watches;
+        let [_, _, before, ..] = self.before;
+        let way = (before - watch.baseline.expected()) / mean;
+        watch.cusum.largest() > watch.threshold && way > DRIFTING
     }
 
     /// What this cycle has beyond the baselines.

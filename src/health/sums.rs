@@ -1,4 +1,4 @@
-//! Sums over a cycle from which its statistics come: 64 samples are enough, as they are of whole cycles.
+//! Sums over a cycle from which its statistics come: 32 samples are enough, as they are of whole cycles.
 
 /// Sums over one cycle's samples of displacement y, velocity v, force f of the law as it was given, residual r of the measured
 /// force, and what the law in force has beyond f, its share s.
@@ -121,8 +121,8 @@ mod tests {
     #[test]
     fn they_are_of_the_law_as_it_was_given() {
         let mut sums = CycleSums::default();
-        for look in 0..64u16 {
-            let phase = core::f32::consts::TAU * f32::from(look) / 64.0;
+        for look in 0..32u16 {
+            let phase = core::f32::consts::TAU * f32::from(look) / 32.0;
             let (y, v) = (0.2 + libm::sinf(phase), libm::cosf(phase));
             let given = 2.0 * y + 0.5 * v;
             sums.add(&Sample {

@@ -48,6 +48,12 @@ impl Comparison {
         report
     }
 
+    /// The law's force at the last tick, kN; 0 before the first.
+    pub(super) fn model_force(&self) -> f32 {
+        let [_, model] = self.cycles.last_forces();
+        model
+    }
+
     /// RMS of the error over the RMS of the measured force; 0 where there was no force, [`f32::MAX`] where the squares of
     /// the law's forces are beyond a float.
     fn nrmse(&self) -> f32 {

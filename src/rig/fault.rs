@@ -140,9 +140,9 @@ impl Limits {
 
 /// A channel at an end of its range.
 pub(super) fn clipped(reading: &crate::adc::Reading) -> Option<Fault> {
-    if reading.displacement.clipped {
+    if reading.displacement.clipped() {
         Some(Fault::DisplacementClipped)
-    } else if reading.force.clipped {
+    } else if reading.force.clipped() {
         Some(Fault::ForceClipped)
     } else {
         None

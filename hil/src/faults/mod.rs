@@ -48,7 +48,7 @@ impl Campaign {
                 (4.0, 0.25, 5.0),
             ],
             noises: vec![0.002, 0.005, 0.01],
-            moments: vec![0.05, 0.3, 0.55, 0.8],
+            moments: vec![0.05, 0.36, 0.67, 0.98],
             healthy_cycles: 100_000,
         }
     }
@@ -58,7 +58,7 @@ impl Campaign {
         Self {
             specimens: vec![(2.0, 0.05, 10.0), (3.0, 0.1, 10.0), (4.0, 0.25, 10.0)],
             noises: vec![0.01],
-            moments: vec![0.3, 0.8],
+            moments: vec![0.36, 0.98],
             healthy_cycles: 12_000,
             ..Self::whole()
         }
@@ -70,7 +70,7 @@ impl Campaign {
         Self {
             specimens: vec![(3.0, 0.1, 10.0)],
             noises: vec![0.01],
-            moments: vec![0.3, 0.8],
+            moments: vec![0.36, 0.98],
             healthy_cycles: 0,
             ..Self::whole()
         }
