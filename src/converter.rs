@@ -100,12 +100,22 @@ impl Scale {
 }
 
 /// One channel's reading.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Sample {
     /// In the channel's unit.
     pub value: f32,
     /// Offset binary.
     pub code: u16,
+}
+
+impl Default for Sample {
+    /// No voltage, of a channel whose zero is there.
+    fn default() -> Self {
+        Self {
+            value: 0.0,
+            code: MIDSCALE,
+        }
+    }
 }
 
 impl Sample {

@@ -47,7 +47,7 @@ use response::ResponseWatch;
 use specimen::{CycleNumbers, SpecimenWatch};
 use sums::CycleSums;
 
-/// Events of different causes that are kept with their evidence; there are seldom more than two.
+/// Events of different causes that are told and kept with their evidence until they are cleared; there are seldom more than two.
 pub const EVENTS: usize = 8;
 
 /// Amplitudes of displacement and force are taken as at least these parts of what is allowed.
@@ -57,7 +57,7 @@ const LEAST_AMPLITUDES: [f32; 2] = [0.05, 0.02];
 const LOOKS: u32 = 5;
 
 /// By how much later than the parts of a phase the parts of a cycle end, in 2³² of it: a quarter of a part and three quarters
-/// in turn, so that two cycles are looked at in 64 places. Never 0, as the tick that ends a cycle has enough to do.
+/// in turn, so that two cycles are looked at in 64 places. Not 0: the tick that ends a cycle has enough to do.
 fn late(cycle: u32) -> u32 {
     const QUARTER: u32 = 1 << (30 - LOOKS);
     (1 + 2 * (cycle & 1)) * QUARTER
@@ -66,10 +66,12 @@ fn late(cycle: u32) -> u32 {
 /// Where the part of a `cycle` at `phase` ends; after its last, where the first of the next cycle does.
 fn part_end(phase: u32, cycle: u32) -> u32 {
     let late_now = late(cycle);
-    let part = phase.wrapping_sub(late_now) >> (32 - LOOKS);
-    let end = (part + 1) << (32 - LOOKS);
+    let Some(past) = phase.checked_sub(late_now) else {
+        return late_now;
+    };
+    let end = ((past >> (32 - LOOKS)) + 1) << (32 - LOOKS);
     // The phase of the last part's end is 0.
-    end + if end > 0 { late_now } else { late(cycle + 1) }
+    end + if end > 0 { late_now } else { late(cycle ^ 1) }
 }
 
 /// One tick that is looked at closely.
@@ -131,7 +133,7 @@ pub(crate) struct HealthMonitor {
     ended: Option<Ended>,
     /// Phase from which the next close look is due.
     due: u32,
-    /// Of the demanded displacement in mm and of the law's force in kN: in the last cycle or this one, and in this one.
+    /// Of the demanded displacement in mm and of the law's force in kN: in the last cycle, and so far in this one.
     amplitudes: [f32; 2],
     largest: [f32; 2],
     least_amplitudes: [f32; 2],
@@ -140,8 +142,8 @@ pub(crate) struct HealthMonitor {
     /// Spikes have been learned.
     spikes: bool,
     events: heapless::Vec<Event, EVENTS>,
-    /// One that has not been told yet.
-    fresh: Option<Event>,
+    /// How many of them have been told.
+    told: usize,
     /// A bit for each cause.
     latched: u32,
 }
@@ -190,7 +192,7 @@ impl HealthMonitor {
             cycle: 0,
             spikes: false,
             events: heapless::Vec::new(),
-            fresh: None,
+            told: 0,
             latched: 0,
         }
     }
@@ -220,7 +222,7 @@ impl HealthMonitor {
     /// Forgets all events; what is now shall be normal.
     pub(crate) fn clear(&mut self) {
         self.events.clear();
-        self.fresh = None;
+        self.told = 0;
         self.latched = 0;
         self.specimen.relearn();
         self.adaptation.find_anew();
@@ -243,7 +245,7 @@ impl HealthMonitor {
     }
 
     /// Looks at the channels whose changes ask, with the demanded displacement in mm and the law's force in kN, which may be
-    /// that of the tick before.
+    /// that of the tick before. The channel that is lost, whether that has been told before or not.
     #[inline(never)]
     pub(crate) fn channels(
         &mut self,
@@ -251,8 +253,11 @@ impl HealthMonitor {
         changes: &[Change; 2],
         demand: f32,
         law: f32,
-    ) {
-        let [amplitude, force_amplitude] = self.amplitudes;
+    ) -> Option<Channel> {
+        let [amplitude, force_amplitude] = core::array::from_fn(|of| {
+            let (before, now) = (self.amplitudes[of], self.largest[of]);
+            if now > before { now } else { before }
+        });
         let beside = |reference, amplitude_of_it| Beside {
             reference,
             amplitude: amplitude_of_it,
@@ -276,12 +281,20 @@ impl HealthMonitor {
         // Where nothing moves both channels may stand still, and none is to blame.
         let both = 2 * self.force.held() > self.displacement.held();
         let stuck = Cause::SensorStuck(Channel::Displacement);
-        if let Some(cause) = displacement.filter(|cause| *cause != stuck || !both) {
+        let displacement = displacement.filter(|cause| *cause != stuck || !both);
+        if let Some(cause) = displacement {
             self.sample_event(cause, self.displacement.limit(), &reading.displacement);
         }
         if let Some(cause) = force {
             self.sample_event(cause, self.force.limit(), &reading.force);
         }
+        [displacement, force]
+            .into_iter()
+            .flatten()
+            .find_map(|cause| match cause {
+                Cause::SensorStuck(channel) | Cause::SensorDroppedOut(channel) => Some(channel),
+                _ => None,
+            })
     }
 
     fn sample_event(&mut self, cause: Cause, limit: f32, sample: &Sample) {
@@ -329,17 +342,12 @@ impl HealthMonitor {
         self.adaptation.reported()
     }
 
-    /// Whether something was found that [`HealthMonitor::take_fresh`] has not told.
-    #[inline(always)]
-    pub(crate) fn has_fresh(&self) -> bool {
-        self.fresh.is_some()
-    }
-
-    /// What was found since it was last asked.
-    #[cold]
-    #[inline(never)]
+    /// The first event that it has not told yet.
+    #[inline]
     pub(crate) fn take_fresh(&mut self) -> Option<Event> {
-        self.fresh.take()
+        let event = self.events.get(self.told).copied();
+        self.told += usize::from(event.is_some());
+        event
     }
 
     /// Whether a tick at `phase`, 2³² to the cycle, is to be looked at closely.
@@ -364,7 +372,7 @@ impl HealthMonitor {
             self.close_cycle(config, &ended);
         } else if self.adaptation.is_due() {
             followed = Some(self.adaptation.follow());
-        } else if self.response.turns(look.phase) {
+        } else if !look.ramp && self.response.turns(look.phase) {
             // That is enough for one tick.
         } else if self.specimen.has_work() {
             self.work_on_specimen(config);
@@ -372,13 +380,9 @@ impl HealthMonitor {
             self.work_on_adaptation(config);
         }
         let (d, v) = look.demand;
-        let all = self.amplitudes.iter_mut().zip(&mut self.largest);
-        for ((amplitude, largest), value) in all.zip([d, look.law]) {
+        for (largest, value) in self.largest.iter_mut().zip([d, look.law]) {
             if value.abs() > *largest {
                 *largest = value.abs();
-            }
-            if *largest > *amplitude {
-                *amplitude = *largest;
             }
         }
         let given = look.law - share;
@@ -489,9 +493,8 @@ impl HealthMonitor {
         let bit = 1 << event.cause.number();
         if self.latched & bit == 0 {
             self.latched |= bit;
-            // One that finds no room is still told once.
+            // One that finds no room is neither kept nor told.
             let _ = self.events.push(event);
-            self.fresh = self.fresh.or(Some(event));
         }
     }
 }
@@ -512,6 +515,68 @@ mod tests {
             due = next;
         }
         assert_eq!(due, late(2));
+        // The last part's look may come after the cycle's end.
+        assert_eq!((part_end(0, 0), part_end(0, 1)), (late(0), late(1)));
+    }
+
+    /// y = sin φ, law y + 0.3·sgn v, and a specimen that has `part` of its force in each cycle: what is named, and when.
+    fn named(ticks: u32, cycles: u32, part: impl Fn(u32) -> f32) -> Option<(u32, Cause)> {
+        let config = HealthSettings::default().config().unwrap();
+        let scale = Scale::new(2.0, 0.0).unwrap();
+        let mut monitor = HealthMonitor::new(&scale, &scale, [2.0, 2.0]);
+        for tick in 1..ticks * cycles {
+            let (cycle, turn) = (tick / ticks, (tick % ticks) as f32 / ticks as f32);
+            if tick % ticks == 0 {
+                let energy = 1.2;
+                monitor.cycle(Ended {
+                    block: 0,
+                    temperature: 20.0,
+                    command: 0.0,
+                    another_law: false,
+                    steady: Some(Steady {
+                        energy: part(cycle - 1) * energy,
+                        law_energy: energy,
+                        mean: 0.0,
+                    }),
+                });
+            }
+            let phase = (f64::from(turn) * (1u64 << 32) as f64) as u32;
+            if !monitor.is_due(phase) {
+                continue;
+            }
+            let angle = core::f32::consts::TAU * turn;
+            let (y, v) = (libm::sinf(angle), libm::cosf(angle));
+            let law = y + 0.3 * v.signum();
+            let look = Look {
+                displacement: y,
+                velocity: v,
+                measured: y,
+                demand: (y, v),
+                force: part(cycle) * law,
+                law,
+                parts: [0.0; 3],
+                phase,
+                ramp: false,
+            };
+            assert_eq!(monitor.look(&config, &look), None);
+            if let Some(event) = monitor.take_fresh() {
+                return Some((cycle, event.cause));
+            }
+        }
+        None
+    }
+
+    #[test]
+    fn a_break_is_named_with_any_number_of_ticks_to_the_cycle() {
+        for ticks in [16, 20, 23, 24, 25, 26, 31, 32, 33, 47, 64, 100, 1000] {
+            let (cycle, cause) = named(ticks, 60, |cycle| if cycle < 40 { 1.0 } else { 0.9 })
+                .unwrap_or_else(|| panic!("{ticks} ticks"));
+            assert_eq!(cause, Cause::WireBreakage, "{ticks} ticks");
+            // Where there are fewer ticks than work, a cycle is left out.
+            let last = if ticks < 22 { 48 } else { 44 };
+            assert!((42..=last).contains(&cycle), "{ticks} ticks: {cycle}");
+            assert_eq!(named(ticks, 60, |_| 0.95), None);
+        }
     }
 
     #[test]

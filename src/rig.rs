@@ -52,7 +52,7 @@ use crate::effects::Motion;
 use crate::error::ConfigError;
 use crate::frame::{Fields, Reader, Writer};
 use crate::health::{
-    Cause, Change, Channel, Ended, Event, HealthConfig, HealthMonitor, HealthSettings, Look, Steady,
+    Change, Channel, Ended, Event, HealthConfig, HealthMonitor, HealthSettings, Look, Steady,
 };
 use crate::observer::{Observer, ObserverConfig};
 use crate::sine::{Excitation, Programme, SineGenerator};
@@ -209,7 +209,8 @@ pub struct Telemetry {
     pub state: State,
     /// The cycle that ended with this tick.
     pub report: Option<CycleReport>,
-    /// What was found wrong at this tick, the first time since it was cleared; never by an emulator.
+    /// What was found wrong at this tick, or beside something else shortly before, the first time since it was cleared; never by
+    /// an emulator.
     pub event: Option<Event>,
 }
 
@@ -361,7 +362,7 @@ where
         self.output.clear()
     }
 
-    /// The first event of each cause since the start or [`Rig::clear_events`].
+    /// The first event of each cause since [`Rig::clear_events`].
     pub fn events(&self) -> &[Event] {
         self.health.events()
     }
@@ -414,36 +415,21 @@ where
         self.generator.programme()
     }
 
-    /// Tells the monitor where the rig `was_running` and has stopped, and stops for a sensor that is lost; whatever else was
-    /// found, the rig goes on.
-    #[cold]
-    #[inline(never)]
-    fn attend(&mut self, was_running: bool) -> Option<Event> {
-        if was_running && let State::Faulted(fault) = self.output.state() {
-            self.health.stopped(fault, &self.reading);
-        }
-        let event = self.health.take_fresh()?;
-        if let Cause::SensorStuck(channel) | Cause::SensorDroppedOut(channel) = event.cause {
-            self.output.trip(match channel {
-                Channel::Displacement => Fault::DisplacementLost,
-                Channel::Force => Fault::ForceLost,
-            });
-        }
-        Some(event)
-    }
-
-    /// A channel did what asks for a look, beside the demand of this tick and the law's force of the one before.
+    /// A channel did what asks for a look, beside the demand of this tick and the law's force of the one before: stops for a
+    /// sensor that is lost; whatever else is found, the rig goes on.
     #[cold]
     #[inline(never)]
     fn look_at_channels(&mut self, changes: [Change; 2]) -> Option<Event> {
         let demand = self.excitation.displacement;
         let law = self.comparison.model_force();
-        self.health.channels(&self.reading, &changes, demand, law);
-        if self.health.has_fresh() {
-            self.attend(true)
-        } else {
-            None
+        let lost = self.health.channels(&self.reading, &changes, demand, law);
+        if let Some(channel) = lost {
+            self.output.trip(match channel {
+                Channel::Displacement => Fault::DisplacementLost,
+                Channel::Force => Fault::ForceLost,
+            });
         }
+        self.health.take_fresh()
     }
 
     /// A close look at this tick. An `event` of its own is told as soon as there is no other.
@@ -470,8 +456,20 @@ where
         if let Some(followed) = self.health.look(&self.health_config, &look) {
             self.law.borrow_mut().follow(followed);
         }
-        if event.is_none() && self.health.has_fresh() {
-            *event = self.attend(true);
+        if event.is_none() {
+            *event = self.health.take_fresh();
+        }
+    }
+
+    /// It does not run: what the fault that it `was_running` into says, and what is left to tell.
+    #[cold]
+    #[inline(never)]
+    fn attend(&mut self, was_running: bool, event: &mut Option<Event>) {
+        if was_running && let State::Faulted(fault) = self.output.state() {
+            self.health.stopped(fault, &self.reading);
+        }
+        if event.is_none() {
+            *event = self.health.take_fresh();
         }
     }
 
@@ -562,10 +560,8 @@ where
                 self.output.finish();
             }
         }
-        if !self.output.is_running()
-            && let Some(new) = self.attend(was_running)
-        {
-            event = Some(new);
+        if !self.output.is_running() {
+            self.attend(was_running, &mut event);
         }
         self.output.drive(command);
         Telemetry {

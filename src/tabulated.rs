@@ -173,7 +173,7 @@ impl<const N: usize> RunningLaw<N> {
     /// k1·y, k3·y³ and c·|v|^α·sgn v of the law as it was given, kN, with what its effects make of each: what the law in force
     /// has of [`Followed`], part by part. 0 where something lies between the specimen and what is measured. Not for every
     /// tick.
-    #[inline(never)]
+    #[inline]
     pub(crate) fn parts(&self, motion: &Motion<f32>) -> [f32; 3] {
         let law = self.law();
         if law.augmented.has_stages() {
@@ -182,14 +182,7 @@ impl<const N: usize> RunningLaw<N> {
         let motion = motion.confined();
         let (y, v) = (motion.displacement(), motion.velocity());
         let given = law.augmented.law();
-        let scaled = |damping: f32| {
-            let of_one = LawForce {
-                damping,
-                total: 1.0,
-            };
-            law.augmented.scaled(&motion, of_one)
-        };
-        let (elastic, damping) = (scaled(0.0), scaled(1.0));
+        let [elastic, damping] = law.augmented.scales(&motion);
         let damping_force = if self.settled {
             self.table.damping_force(v)
         } else {

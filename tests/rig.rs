@@ -279,6 +279,30 @@ fn a_stuck_sensor_is_lost_before_it_is_far_off() {
     }
 }
 
+/// Its event is told once, until events are cleared.
+#[test]
+fn a_sensor_that_is_lost_again_stops_the_rig_again() {
+    let mut bench = Bench::new(setup(3.0, &[(0.2, 1.0, 5)])).unwrap();
+    for told in [true, false] {
+        bench.plant.force_sensor.fault = SensorFault::None;
+        assert!(bench.rig.start());
+        for _ in 0..12_500 {
+            assert_eq!(bench.tick().state, State::Running);
+        }
+        bench.plant.force_sensor.fault = SensorFault::DroppedOut;
+        let mut events = 0;
+        while bench.rig.state() == State::Running {
+            events += usize::from(bench.tick().event.is_some());
+        }
+        assert_eq!(bench.rig.state(), State::Faulted(Fault::ForceLost));
+        assert_eq!((events, bench.rig.events().len()), (usize::from(told), 1));
+        for _ in 0..5000 {
+            bench.tick();
+        }
+        assert!(bench.rig.clear());
+    }
+}
+
 #[test]
 fn an_actuator_dead_from_the_start_is_noticed_after_a_cycle() {
     for amplitude in [0.05, 0.1, 0.25] {

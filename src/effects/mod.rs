@@ -585,12 +585,19 @@ impl<R: Real, const N: usize> AugmentedLaw<R, N> {
         self.corrected(state, measured, force)
     }
 
-    /// `law`, a part of eq 13's force, with what the effects that scale it add, kN.
-    pub(crate) fn scaled(&self, motion: &ConfinedMotion<R>, law: LawForce<R>) -> R {
+    /// What the effects that scale eq 13's force make of an elastic force of 1 and of a damping force of 1.
+    pub(crate) fn scales(&self, motion: &ConfinedMotion<R>) -> [R; 2] {
         let effects = &self.effects;
-        law.total
-            + effects.load_friction.force(&mut (), motion, law)
-            + effects.temperature.force(&mut (), motion, law)
+        if effects.present & Kind::PLAIN == 0 {
+            return [R::ONE; 2];
+        }
+        [R::ZERO, R::ONE].map(|damping| {
+            let total = R::ONE;
+            let law = LawForce { damping, total };
+            total
+                + effects.load_friction.force(&mut (), motion, law)
+                + effects.temperature.force(&mut (), motion, law)
+        })
     }
 
     /// The sum of `force` and the correction's, kN.

@@ -118,7 +118,7 @@ pub enum Statistic {
     MeanCommand,
     /// A channel's sample, in its unit.
     Sample,
-    /// Distance of the response to the demanded motion from 1 + 0j.
+    /// Distance of the response to the demanded motion from where it was.
     Response,
 }
 

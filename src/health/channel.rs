@@ -157,13 +157,16 @@ impl ChannelWatch {
     }
 
     fn stand_out(&mut self, sample: &Sample, before: i16) -> Option<Cause> {
-        // One that jumps to no voltage may have dropped out. If not it jumps from there next.
-        if from_no_voltage(sample).abs() <= NO_VOLTAGE {
+        // One that jumps to no voltage, by far more than it came, may have dropped out. If not it jumps from there next.
+        let far = self.step.unsigned_abs() / 2 > before.unsigned_abs();
+        if far && from_no_voltage(sample).abs() <= NO_VOLTAGE {
             return None;
         }
         let smaller = i32::from(before.unsigned_abs().min(self.step.unsigned_abs()));
         let square = -smaller * smaller;
         if square < self.lowest {
+            // Where it stays there, it is back and has not jumped.
+            self.step = 0;
             return Some(Cause::SensorSpiking(self.channel));
         }
         if square < self.learned {
@@ -215,6 +218,8 @@ fn from_no_voltage(sample: &Sample) -> i32 {
 
 #[cfg(test)]
 mod tests {
+    extern crate std;
+
     use super::*;
 
     /// 2 kN at full scale.
@@ -222,23 +227,33 @@ mod tests {
         ChannelWatch::new(Channel::Force, &Scale::new(2.0, 0.0).unwrap())
     }
 
-    /// What comes of `codes`, one after the other, beside a force that stands still.
-    fn causes(watch: &mut ChannelWatch, codes: &[u16]) -> usize {
-        let beside = Beside {
-            reference: 0.0,
-            amplitude: 1.0,
-            motion: 0.0,
-            motion_amplitude: 1.0,
-        };
-        let found = codes.windows(2).filter(|pair| {
+    /// What is found in `codes`, one after the other, beside a force that comes in from −0.5 kN by `step` kN a sample.
+    fn found(watch: &mut ChannelWatch, codes: &[u16], step: f32) -> std::vec::Vec<Cause> {
+        let found = (0u8..).zip(codes.windows(2)).filter_map(|(number, pair)| {
             let sample = Sample {
                 value: 0.0,
                 code: pair[1],
             };
+            let reference = step * f32::from(number) - 0.5;
+            let beside = Beside {
+                reference,
+                amplitude: 1.0,
+                motion: reference,
+                motion_amplitude: 1.0,
+            };
             let change = watch.update(pair[0], &sample);
-            change.asks() && watch.look(&sample, &change, &beside).is_some()
+            let asks = change.asks();
+            asks.then(|| watch.look(&sample, &change, &beside))?
         });
-        found.count()
+        found.collect()
+    }
+
+    /// How many spikes beside a force that stands still, and nothing else.
+    fn spikes(watch: &mut ChannelWatch, codes: &[u16]) -> usize {
+        let found = found(watch, codes, 0.0);
+        let spike = Cause::SensorSpiking(Channel::Force);
+        assert!(found.iter().all(|cause| *cause == spike), "{found:?}");
+        found.len()
     }
 
     #[test]
@@ -248,9 +263,9 @@ mod tests {
         watch.learn(false);
         let expected = 16.0 * 2.0 / 32768.0;
         assert!((watch.limit() - expected).abs() <= 1e-6 * expected);
-        assert_eq!(causes(&mut watch, &[40_000, 40_016, 40_000, 40_016]), 0);
+        assert_eq!(spikes(&mut watch, &[40_000, 40_016, 40_000, 40_016]), 0);
         assert_eq!(
-            causes(&mut watch, &[40_016, 40_000, 40_001, 40_018, 40_001]),
+            spikes(&mut watch, &[40_016, 40_000, 40_001, 40_018, 40_001]),
             1
         );
     }
@@ -259,13 +274,13 @@ mod tests {
     fn a_jump_there_and_back_may_be_twice_what_was_learned() {
         let mut watch = watch();
         watch.learn(true);
-        causes(
+        spikes(
             &mut watch,
             &[40_000, 40_050, 40_010, 40_050, 40_100, 40_200],
         );
         watch.learn(false);
-        assert_eq!(causes(&mut watch, &[40_200, 40_280, 40_200, 40_300]), 0);
-        assert_eq!(causes(&mut watch, &[40_300, 40_381, 40_300, 40_310]), 1);
+        assert_eq!(spikes(&mut watch, &[40_200, 40_280, 40_200, 40_300]), 0);
+        assert_eq!(spikes(&mut watch, &[40_300, 40_381, 40_300, 40_310]), 1);
     }
 
     /// While what it measures moves by more than what was learned.
@@ -275,12 +290,12 @@ mod tests {
         watch.learn(true);
         watch.learn(false);
         assert_eq!(
-            causes(&mut watch, &[40_000, 40_041, 40_082, 32_768, 32_768]),
+            spikes(&mut watch, &[40_000, 40_041, 40_082, 32_768, 32_768]),
             0
         );
-        assert_eq!(causes(&mut watch, &[32_768, 40_164, 40_205]), 0);
+        assert_eq!(spikes(&mut watch, &[32_768, 40_164, 40_205]), 0);
         assert_eq!(
-            causes(&mut watch, &[40_205, 40_246, 32_768, 40_287, 40_328]),
+            spikes(&mut watch, &[40_205, 40_246, 32_768, 40_287, 40_328]),
             1
         );
     }
@@ -290,13 +305,43 @@ mod tests {
     fn a_jump_through_most_of_the_range_stands_out() {
         let mut watch = watch();
         watch.learn(true);
-        causes(&mut watch, &[8000, 8010, 8000, 8020]);
+        spikes(&mut watch, &[8000, 8010, 8000, 8020]);
         watch.learn(false);
         for jump in [30_000, 32_767, 32_769, 50_000] {
             assert_eq!(
-                causes(&mut watch, &[8020, 8030, 8030 + jump, 8030, 8040]),
+                spikes(&mut watch, &[8020, 8030, 8030 + jump, 8030, 8040]),
                 1
             );
+        }
+    }
+
+    /// At rest a spike comes back to no voltage, and nothing is lost.
+    #[test]
+    fn a_spike_from_no_voltage_is_no_drop_out() {
+        let mut watch = watch();
+        watch.learn(true);
+        watch.learn(false);
+        assert_eq!(
+            spikes(&mut watch, &[32_768, 32_770, 32_767, 40_000, 32_768]),
+            1
+        );
+        assert_eq!(spikes(&mut watch, &[32_768; 10]), 0);
+    }
+
+    /// Held above no voltage, while the force comes in from there; a channel that inverts shows less for more.
+    #[test]
+    fn what_is_held_while_the_force_comes_in_is_stuck() {
+        let stuck = Cause::SensorStuck(Channel::Force);
+        for (full_scale, code, cause) in [
+            (2.0, 20_000, Some(stuck)),
+            (2.0, 40_000, None),
+            (-2.0, 40_000, Some(stuck)),
+            (-2.0, 20_000, None),
+        ] {
+            let scale = Scale::new(full_scale, 0.0).unwrap();
+            let mut watch = ChannelWatch::new(Channel::Force, &scale);
+            let first = found(&mut watch, &[code; 4], 0.5).first().copied();
+            assert_eq!(first, cause, "{full_scale}, {code}");
         }
     }
 }

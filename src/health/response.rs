@@ -1,8 +1,10 @@
 //! The actuator's response to the demanded motion, over half a cycle and anew every eighth.
 //!
-//! With d and v the demanded displacement and velocity and y the measured displacement, by least squares over half a cycle:
+//! With d and v the demanded displacement and velocity and y the measured displacement, less the mean of y − d over the last
+//! whole cycle, by least squares over half a cycle:
 //!
-//! - y ≈ a·d + b·√(Σd²/Σv²)·v, Y = a + j·b, 1 + 0j of a perfect actuator
+//! - y ≈ a·d + b·v, the response Y = a + j·ω·b with ω² = Σv²/Σd², 1 + 0j of a perfect actuator; b s of a delay is the same at
+//!   all frequencies
 //! - what of Σy² that does not explain
 //!
 //! Half a cycle after Y has left its place by [`LIMIT`] there is half a cycle of nothing but the fault. That tells what it is: one
@@ -16,8 +18,9 @@ use crate::real::square_root;
 pub(super) const LIMIT: f32 = 0.03;
 /// Variance over the demanded one, below which an actuator stands still.
 const DEAD: f32 = 0.02;
-/// Unexplained part of y², from which the shape is another. A triangle, the motion at one speed, has 0.0145.
-const OTHER_SHAPE: f32 = 0.005;
+/// Unexplained part of y², from which the shape is another. A triangle, the motion at one speed, has 0.0145, and noise of 1 % of the
+/// amplitude 0.0002.
+const OTHER_SHAPE: f32 = 0.003;
 /// Part by which the response that is normal follows, each eighth.
 const FOLLOW: f32 = 1.0 / 32.0;
 /// Eighths of half a cycle.
@@ -35,6 +38,7 @@ struct Sums {
     y: f32,
     yy: f32,
     d: f32,
+    v: f32,
     yd: f32,
     yv: f32,
     dd: f32,
@@ -49,6 +53,7 @@ impl Sums {
             y: self.y + other.y,
             yy: self.yy + other.yy,
             d: self.d + other.d,
+            v: self.v + other.v,
             yd: self.yd + other.yd,
             yv: self.yv + other.yv,
             dd: self.dd + other.dd,
@@ -63,14 +68,16 @@ impl Sums {
         (spread(self.yy, self.y), spread(self.dd, self.d))
     }
 
-    /// a, b, and what they do not explain.
+    /// a, b in s, and what they do not explain of y less its `mean`.
     #[inline(never)]
-    fn response(&self) -> (f32, f32, f32) {
+    fn response(&self, mean: f32) -> (f32, f32, f32) {
+        let (yd, yv) = (self.yd - mean * self.d, self.yv - mean * self.v);
+        let yy = self.yy - mean * (2.0 * self.y - mean * self.samples);
         let determinant = self.dd * self.vv - self.dv * self.dv;
-        let of_d = (self.yd * self.vv - self.yv * self.dv) / determinant;
-        let of_v = (self.yv * self.dd - self.yd * self.dv) / determinant;
-        let unexplained = 1.0 - (of_d * self.yd + of_v * self.yv) / self.yy;
-        (of_d, of_v * square_root(self.vv / self.dd), unexplained)
+        let of_d = (yd * self.vv - yv * self.dv) / determinant;
+        let of_v = (yv * self.dd - yd * self.dv) / determinant;
+        let unexplained = 1.0 - (of_d * yd + of_v * yv) / yy;
+        (of_d, of_v, unexplained)
     }
 
     /// Whether y hardly moves.
@@ -86,6 +93,9 @@ pub(super) struct ResponseWatch {
     now: Sums,
     before: [Sums; EIGHTHS - 1],
     eighth: u32,
+    /// Σ(y − d) and samples of the cycle under way, and its mean over the last whole one.
+    sum: (f32, f32),
+    mean: f32,
     /// Whole eighths seen, up to [`SETTLING`].
     eighths: u8,
     normal: Option<(f32, f32)>,
@@ -126,6 +136,7 @@ impl ResponseWatch {
         sums.y += y;
         sums.yy += y * y;
         sums.d += d;
+        sums.v += v;
         sums.yd += y * d;
         sums.yv += y * v;
         sums.dd += d * d;
@@ -143,6 +154,17 @@ impl ResponseWatch {
     /// An eighth has ended.
     #[inline(never)]
     fn turn(&mut self) -> Option<(Cause, f32)> {
+        let error = self.sum.0 + self.now.y - self.now.d;
+        let samples = self.sum.1 + self.now.samples;
+        self.sum = if self.eighth == 0 {
+            // A fault moves the mean of the cycle that it begins in.
+            if self.waiting == 0 {
+                self.mean = error / samples;
+            }
+            (0.0, 0.0)
+        } else {
+            (error, samples)
+        };
         let [first, second, third] = &mut self.before;
         let latest = second.plus(third).plus(&self.now);
         let half = first.plus(&latest);
@@ -153,12 +175,12 @@ impl ResponseWatch {
             self.eighths = self.eighths.saturating_add(1);
             return None;
         }
-        let (a, b, unexplained) = half.response();
+        let (a, b, unexplained) = half.response(self.mean);
         let (normal_a, normal_b) = *self.normal.get_or_insert((a, b));
         let (da, db) = (a - normal_a, b - normal_b);
-        let distance = square_root(da * da + db * db);
+        let square = da * da + db * db * half.vv / half.dd;
         if self.waiting == 0 {
-            if distance > LIMIT {
+            if square > LIMIT * LIMIT {
                 self.waiting = EIGHTHS as u8;
             } else {
                 self.normal = Some((normal_a + FOLLOW * da, normal_b + FOLLOW * db));
@@ -170,27 +192,87 @@ impl ResponseWatch {
             0 if half.is_dead() => Cause::ActuatorDead,
             0 if unexplained > OTHER_SHAPE => Cause::ActuatorSaturated,
             0 => Cause::ActuatorLagging,
-            1 if !latest.is_dead() && latest.response().2 > OTHER_SHAPE => {
+            1 if !latest.is_dead() && latest.response(self.mean).2 > OTHER_SHAPE => {
                 self.waiting = 0;
                 Cause::ActuatorSaturated
             }
             _ => return None,
         };
-        (distance > LIMIT).then_some((cause, distance))
+        (square > LIMIT * LIMIT).then(|| (cause, square_root(square)))
     }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use core::f32::consts::{FRAC_PI_2, TAU};
+
+    /// What a sine of amplitude 1 is found to be where `motion` makes y of its phase in cycles, and in which cycle.
+    fn found(cycles: u32, motion: impl Fn(f32) -> f32) -> Option<(Cause, f32)> {
+        let mut watch = ResponseWatch::default();
+        for look in 0..32 * cycles {
+            let (cycle, part) = (look / 32, look % 32);
+            // As the monitor looks: a quarter and three quarters of a part late in turn.
+            let phase = (4 * part + 1 + 2 * (cycle % 2)) << 25;
+            let turns = cycle as f32 + phase as f32 / (1u64 << 32) as f32;
+            let (d, v) = (libm::sinf(TAU * turns), libm::cosf(TAU * turns));
+            if let Some((cause, distance)) = watch.update(motion(turns), d, v, phase) {
+                assert!(distance > LIMIT);
+                return Some((cause, turns));
+            }
+        }
+        None
+    }
+
+    fn sine(turns: f32) -> f32 {
+        libm::sinf(TAU * turns)
+    }
+
+    #[test]
+    fn what_does_not_change_is_normal() {
+        for (gain, lag, mean) in [(1.0, 0.0, 0.0), (0.8, 0.1, 0.0), (1.1, -0.05, 0.1)] {
+            assert_eq!(found(20, |turns| mean + gain * sine(turns - lag)), None);
+        }
+        // By 1 % of the amplitude in 20 cycles.
+        assert_eq!(found(40, |turns| (1.0 - 5e-4 * turns) * sine(turns)), None);
+    }
+
+    /// Whenever it begins.
+    #[test]
+    fn every_fault_has_its_name_within_a_cycle() {
+        for moment in 0..16u8 {
+            let begins = 8.0 + f32::from(moment) / 16.0;
+            let stands = sine(begins);
+            let kinds: [(Cause, &dyn Fn(f32) -> f32); 4] = [
+                (Cause::ActuatorDead, &|_| stands),
+                (Cause::ActuatorLagging, &|turns| sine(turns - 0.05)),
+                (Cause::ActuatorLagging, &|turns| 0.9 * sine(turns)),
+                // A triangle.
+                (Cause::ActuatorSaturated, &|turns| {
+                    0.8 * libm::asinf(sine(turns)) / FRAC_PI_2
+                }),
+            ];
+            for (cause, fault) in kinds {
+                let motion = |turns| {
+                    if turns < begins {
+                        sine(turns)
+                    } else {
+                        fault(turns)
+                    }
+                };
+                let (name, turns) = found(12, motion).unwrap();
+                assert_eq!(name, cause, "from {begins} on");
+                assert!(turns - begins < 1.0, "{cause:?} from {begins} to {turns}");
+            }
+        }
+    }
 
     #[test]
     fn only_what_stands_still_is_dead() {
         for (gain, dead) in [(1.0, false), (0.9, false), (0.0, true)] {
             let mut watch = ResponseWatch::default();
             for look in 0..32u32 {
-                let phase = core::f32::consts::TAU * look as f32 / 32.0;
-                let (d, v) = (libm::sinf(phase), libm::cosf(phase));
+                let (d, v) = (sine(look as f32 / 32.0), sine(look as f32 / 32.0 + 0.25));
                 watch.update(gain * d, d, v, look << 27);
             }
             assert_eq!(watch.is_dead(), dead, "{gain}");

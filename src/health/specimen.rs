@@ -1,17 +1,20 @@
 //! The specimen from cycle to cycle: what is normal, what has moved, and why.
 //!
 //! ```text
+//!                               ┌──────── what drifts ────────┐
+//!                               │                             ▼
 //! settling ──▶ learning ──▶ watching ──▶ suspecting ──▶ (an event, until cleared)
 //!    ▲ another block            ▲             │
 //!    └───────────────           └─────────────┘ what moved has moved back
 //! ```
 //!
 //! While watching, what a cycle gives beyond its [`Baseline`] goes into the [`Cusum`]s. The baselines follow a cycle late, and
-//! stand still as long as any sum is above 0, so that they do not take a fault for normal, nor the cycle in which it began. Two cycles after the alarm, when no cycle is left that
-//! was only in part another, what has moved is judged by its pattern. Beside that, whatever the baselines have followed must
-//! not lead away from where they were when the run-in was over.
+//! stand still as long as any sum is above 0, so that they do not take a fault for normal, nor the cycle in which it began. Two
+//! cycles after the alarm, when no cycle is left that was only in part another, what has moved is judged by its pattern; a mean
+//! that was on its way before is a drift at once. Beside that, whatever the baselines have followed must not lead away from
+//! where they were when the run-in was over.
 //!
-//! The work of one cycle's end is done a statistic a look.
+//! The work of one cycle's end is done a statistic a look, where the response leaves room for it.
 
 use super::HealthConfig;
 use super::baseline::Baseline;
@@ -82,8 +85,8 @@ pub(super) struct SpecimenWatch {
     /// Of this cycle, and of the one before.
     values: Shift,
     before: Shift,
-    /// Third harmonic over the first of the law's force in phase with displacement.
-    law_third: f32,
+    /// Third harmonic over the first of the law's force in phase with displacement, of the one before and of this cycle.
+    law_thirds: [f32; 2],
     watches: [Watch; Statistic::OF_CYCLES],
     /// Cycles of this block.
     cycles: u32,
@@ -111,7 +114,7 @@ impl SpecimenWatch {
             piece: IDLE,
             values: Shift::default(),
             before: Shift::default(),
-            law_third: 0.0,
+            law_thirds: [0.0; 2],
             watches: [Watch::default(); Statistic::OF_CYCLES],
             cycles: 0,
             since_start: 0,
@@ -145,8 +148,12 @@ impl SpecimenWatch {
         self.cycles >= SETTLING + config.learning_cycles
     }
 
-    /// A steady cycle has ended.
+    /// A steady cycle has ended. It is left out where the work of the one before is not done, as there may be fewer ticks to a
+    /// cycle than that takes.
     pub(super) fn cycle(&mut self, sums: CycleSums, numbers: CycleNumbers) {
+        if self.has_work() {
+            return;
+        }
         self.cycles = self.cycles.saturating_add(1);
         if self.cycles <= SETTLING {
             return;
@@ -188,7 +195,8 @@ impl SpecimenWatch {
         match self.sums.in_phase() {
             Some(in_phase) if numbers.law_energy > f32::MIN_POSITIVE => {
                 self.before = self.values;
-                self.law_third = in_phase.law_third;
+                let [_, before] = self.law_thirds;
+                self.law_thirds = [before, in_phase.law_third];
                 self.values = [
                     in_phase.stiffness,
                     numbers.energy / (self.sums.given_energy() * numbers.law_energy) - 1.0,
@@ -253,8 +261,8 @@ impl SpecimenWatch {
             .find(|watch| watch.cusum.largest() > watch.threshold)
             .map(|watch| 0.5 * config.size + watch.threshold);
         if let Some(limit) = alarm {
-            if self.mean_drifts(mean) {
-                return Some(self.event(&shift, Course::Slow, limit));
+            if let Some(event) = self.drift(config, &shift, limit) {
+                return Some(event);
             }
             self.suspicion = Some(Suspicion {
                 cycles: JUDGED_AFTER,
@@ -270,13 +278,28 @@ impl SpecimenWatch {
         }
     }
 
-    /// Whether the mean force, `mean` beyond its baseline at an alarm of its own, was most of the way there a cycle ago. What
-    /// comes at once was no more than half way: were it further there would have been an alarm.
-    fn mean_drifts(&self, mean: f32) -> bool {
+    /// A mean force that was most of its way a cycle before its alarm, at which all has moved by `shift`. What comes at once, and
+    /// is as large as what is to be found, was no more than half way: were it further there would have been an alarm, where
+    /// noise and warmth leave its limit near half of that.
+    fn drift(&mut self, config: &HealthConfig, shift: &Shift, limit: f32) -> Option<Event> {
         let [_, _, watch, ..] = &self.watches;
-        let [_, _, before, ..] = self.before;
-        let way = (before - watch.baseline.expected()) / mean;
-        watch.cusum.largest() > watch.threshold && way > DRIFTING
+        let ([_, _, mean, ..], [_, _, before, ..]) = (*shift, self.before);
+        let beyond = before - watch.baseline.expected();
+        let blurred = watch.threshold + self.warmth(config, self.temperature);
+        if watch.cusum.largest() <= watch.threshold
+            || blurred > (DRIFTING - 0.5) * config.size
+            || beyond * mean <= DRIFTING * mean * mean
+        {
+            return None;
+        }
+        let event = self.event(shift, Course::Slow, limit);
+        if event.statistic != Statistic::MeanForce {
+            return None;
+        }
+        for watch in &mut self.watches {
+            watch.cusum = Cusum::default();
+        }
+        Some(event)
     }
 
     /// What this cycle has beyond the baselines.
@@ -295,6 +318,12 @@ impl SpecimenWatch {
             *value = 0.5 * (*value + before);
         }
         mean
+    }
+
+    /// As [`SpecimenWatch::mean_values`].
+    fn law_third(&self) -> f32 {
+        let [before, now] = self.law_thirds;
+        0.5 * (before + now)
     }
 
     /// A cycle after an alarm.
@@ -331,7 +360,7 @@ impl SpecimenWatch {
     }
 
     fn event(&self, shift: &Shift, course: Course, limit: f32) -> Event {
-        let (cause, statistic) = cause(shift, self.law_third, course);
+        let (cause, statistic) = cause(shift, self.law_third(), course);
         self.evidence(cause, statistic, shift, limit)
     }
 
@@ -407,7 +436,7 @@ impl SpecimenWatch {
             let allowed = followed + warmth;
             if moved > allowed {
                 // The evidence is what went too far, which another may name.
-                let (cause, _) = cause(&shift, self.law_third, Course::Slow);
+                let (cause, _) = cause(&shift, self.law_third(), Course::Slow);
                 Some(self.evidence(cause, most, &shift, allowed))
             } else if moved > limit + warmth {
                 None

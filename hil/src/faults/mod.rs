@@ -30,7 +30,7 @@ pub struct Campaign {
     pub specimens: Vec<(f64, f64, f64)>,
     /// RMS of the force channel's noise over that of the force.
     pub noises: Vec<f64>,
-    /// Parts of the cycle at which faults begin.
+    /// Parts of the cycle at which faults begin: at other places in an eighth of it each, by which the actuator is watched.
     pub moments: Vec<f64>,
     /// Healthy cycles, spread over the specimens.
     pub healthy_cycles: u32,
@@ -48,7 +48,7 @@ impl Campaign {
                 (4.0, 0.25, 5.0),
             ],
             noises: vec![0.002, 0.005, 0.01],
-            moments: vec![0.05, 0.36, 0.67, 0.98],
+            moments: vec![0.075, 0.356, 0.6375, 0.919],
             healthy_cycles: 100_000,
         }
     }
@@ -58,7 +58,7 @@ impl Campaign {
         Self {
             specimens: vec![(2.0, 0.05, 10.0), (3.0, 0.1, 10.0), (4.0, 0.25, 10.0)],
             noises: vec![0.01],
-            moments: vec![0.36, 0.98],
+            moments: vec![0.356, 0.919],
             healthy_cycles: 12_000,
             ..Self::whole()
         }
@@ -70,7 +70,7 @@ impl Campaign {
         Self {
             specimens: vec![(3.0, 0.1, 10.0)],
             noises: vec![0.01],
-            moments: vec![0.36, 0.98],
+            moments: vec![0.356, 0.919],
             healthy_cycles: 0,
             ..Self::whole()
         }

@@ -25,8 +25,10 @@ const WHOLE: Specimen = Specimen {
 /// y = sin φ, law 1·y + 0.4·y³ + 0.3·sgn v: its first harmonic in phase is 1.3.
 fn cycle(specimen: &Specimen, number: u32) -> (CycleSums, CycleNumbers) {
     let mut sums = CycleSums::default();
-    for look in 0..64u16 {
-        let phase = core::f32::consts::TAU * (f32::from(look) + 0.5) / 64.0;
+    for look in 0..32u16 {
+        // As the monitor looks: a quarter and three quarters of a part late in turn.
+        let late = 0.25 + 0.5 * (number % 2) as f32;
+        let phase = core::f32::consts::TAU * (f32::from(look) + late) / 32.0;
         let (y, v) = (libm::sinf(phase), libm::cosf(phase));
         let (elastic, friction) = (y + 0.4 * y * y * y, 0.3 * v.signum());
         sums.add(&Sample {
@@ -246,4 +248,30 @@ fn a_cycle_is_sound_once_learned_and_as_long_as_nothing_is_suspected() {
         }
     }
     assert!(!watch.is_sound(&config));
+}
+
+/// A mean that has come in part in the cycle before is a step, one that has come for cycles is a drift.
+#[test]
+fn a_mean_that_shifts_in_the_middle_of_a_cycle_does_not_drift() {
+    let settings = HealthSettings::default();
+    let named = |at: &dyn Fn(f32) -> f32| {
+        let mean = |number: u32| Specimen {
+            // The cycle's mean of what comes at THEN, and a part of a cycle later.
+            mean: at(number as f32 - THEN as f32),
+            ..WHOLE
+        };
+        first(&settings, 80, mean).1
+    };
+    for size in [0.05f32, -0.05, 0.1, 0.2] {
+        for part in 0..=10u8 {
+            let part = f32::from(part) / 10.0;
+            let step = |cycle: f32| size * (cycle + part).clamp(0.0, 1.0);
+            assert_eq!(named(&step), Cause::PreloadShift, "{size} from {part} on");
+        }
+    }
+    for rate in [0.004f32, 0.008, -0.008] {
+        let drift = |cycle: f32| rate * cycle.clamp(0.0, 1e3);
+        let drifting = Cause::SensorDrifting(Channel::Force);
+        assert_eq!(named(&drift), drifting, "{rate}");
+    }
 }
