@@ -12,6 +12,7 @@ use mesh_damper::converter::Scale;
 use mesh_damper::dac::{Ad5761, OUTPUT_RANGE};
 use mesh_damper::effects::{AugmentedLaw, Effect, Offset, StickSlip};
 use mesh_damper::error::ConfigError;
+use mesh_damper::health::{Cause, Channel};
 use mesh_damper::law::Law;
 use mesh_damper::rig::{Fault, Rig, RigSettings, State, Telemetry};
 use mesh_damper::sine::{Block, Programme};
@@ -332,16 +333,19 @@ fn an_open_sensor_is_a_clipped_channel_at_once() {
         for _ in 0..12_000 {
             bench.tick();
         }
-        let (sensor, fault) = if force {
-            (&mut bench.plant.force_sensor, Fault::ForceClipped)
+        let (sensor, fault, channel) = if force {
+            let sensor = &mut bench.plant.force_sensor;
+            (sensor, Fault::ForceClipped, Channel::Force)
         } else {
-            (
-                &mut bench.plant.displacement_sensor,
-                Fault::DisplacementClipped,
-            )
+            let sensor = &mut bench.plant.displacement_sensor;
+            (sensor, Fault::DisplacementClipped, Channel::Displacement)
         };
         sensor.fault = SensorFault::Open;
         assert_eq!(stops(&mut bench, 5000, fault), 1);
+        let [event] = bench.rig.events() else {
+            panic!("{:?}", bench.rig.events());
+        };
+        assert_eq!(event.cause, Cause::SensorClipped(channel));
     }
 }
 

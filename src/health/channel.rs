@@ -344,4 +344,13 @@ mod tests {
             assert_eq!(first, cause, "{full_scale}, {code}");
         }
     }
+
+    /// Held while the force went out and came back.
+    #[test]
+    fn what_is_held_while_the_force_is_further_out_is_clipped_once_it_lets_go() {
+        let mut watch = watch();
+        assert_eq!(found(&mut watch, &[20_000; 4], -0.5), []);
+        let clipped = Cause::SensorClipped(Channel::Force);
+        assert_eq!(found(&mut watch, &[20_000, 20_100, 20_200], 0.0), [clipped]);
+    }
 }

@@ -278,4 +278,19 @@ mod tests {
             assert_eq!(watch.is_dead(), dead, "{gain}");
         }
     }
+
+    /// As in a ramp, after which another response may be normal.
+    #[test]
+    fn what_is_normal_is_learned_anew_after_a_restart() {
+        let mut watch = ResponseWatch::default();
+        for look in 0..32 * 16u32 {
+            let turns = look as f32 / 32.0;
+            let (d, v) = (sine(turns), sine(turns + 0.25));
+            if look == 32 * 8 {
+                watch.restart();
+            }
+            let gain = if look < 32 * 8 { 1.0 } else { 0.8 };
+            assert_eq!(watch.update(gain * d, d, v, look << 27), None);
+        }
+    }
 }

@@ -275,3 +275,74 @@ fn a_mean_that_shifts_in_the_middle_of_a_cycle_does_not_drift() {
         assert_eq!(named(&drift), drifting, "{rate}");
     }
 }
+
+/// What moves is told from what was learned, of a law that is off by a tenth, and anew in another block.
+#[test]
+fn a_law_that_is_off_is_normal_until_the_specimen_changes() {
+    let settings = HealthSettings::default();
+    let of = |part: f32| Specimen {
+        elastic: part,
+        friction: part,
+        mean: 0.05,
+        ..WHOLE
+    };
+    let (_, cause, moved) = first(&settings, 60, |n| of(if n < THEN { 1.1 } else { 1.0 }));
+    assert_eq!(cause, Cause::WireBreakage);
+    assert!((moved + 0.1).abs() < 2e-3, "{moved}");
+
+    let config = settings.config().unwrap();
+    let mut watch = SpecimenWatch::new();
+    for number in 0..2 * THEN {
+        if number == THEN {
+            watch.relearn();
+        }
+        let part = if number < THEN { 1.1 } else { 1.0 };
+        let (sums, numbers) = cycle(&of(part), number);
+        watch.cycle(sums, numbers);
+        while watch.has_work() {
+            assert_eq!(watch.work(&config), None);
+        }
+        // The first cycles are left out, and as many are learned.
+        let of_block = number % THEN + 1;
+        let learned = SETTLING + config.learning_cycles;
+        assert_eq!(watch.is_watching(&config), of_block >= learned);
+    }
+}
+
+/// Of a gap, beside a law whose own third harmonic is 0.3/4/1.3: it takes g·(k1 + 3·k3·y²)·sgn y.
+#[test]
+fn a_gap_is_loosening_and_its_limit_is_told() {
+    let config = HealthSettings::default().config().unwrap();
+    let mut watch = SpecimenWatch::new();
+    let mut named = std::vec::Vec::new();
+    for number in 0..60 {
+        let (mut sums, numbers) = cycle(&WHOLE, number);
+        if number >= THEN {
+            sums = CycleSums::default();
+            for look in 0..32u16 {
+                let phase = core::f32::consts::TAU * (f32::from(look) + 0.25) / 32.0;
+                let (y, v) = (libm::sinf(phase), libm::cosf(phase));
+                let given = y + 0.4 * y * y * y + 0.3 * v.signum();
+                sums.add(&Sample {
+                    displacement: y,
+                    velocity: v,
+                    measured: given - 0.05 * (1.0 + 1.2 * y * y) * y.signum(),
+                    given,
+                    share: 0.0,
+                });
+            }
+        }
+        watch.cycle(sums, numbers);
+        while watch.has_work() {
+            named.extend(watch.work(&config));
+        }
+    }
+    let first: &Event = named.first().expect("nothing was named");
+    assert_eq!(first.cause, Cause::Loosening);
+    // Half of what is to be found, and where a sum of what goes beyond that is too far.
+    assert!(
+        first.limit >= 0.025 && first.limit < 0.05,
+        "{}",
+        first.limit
+    );
+}
