@@ -243,10 +243,11 @@ impl ModelFile {
             ("displacement", self.fitted_range.displacement),
             ("velocity", self.fitted_range.velocity),
         ] {
-            if low > high {
+            // An infinite one would be written as null, which is not read again.
+            if !(low.is_finite() && high.is_finite() && low <= high) {
                 return refused(
                     format!("fitted_range.{field}"),
-                    format!("{low} is above {high}"),
+                    format!("{low} to {high} is no finite range"),
                 );
             }
         }
@@ -416,6 +417,10 @@ mod tests {
             (
                 "m.json: field effects[0] (offset): parameter force is missing",
                 read_changed(|v| v["effects"][0]["parameters"] = serde_json::json!({})),
+            ),
+            (
+                "m.json: field fitted_range.velocity:",
+                read_changed(|v| v["fitted_range"]["velocity"] = serde_json::json!([1.0, -1.0])),
             ),
             (
                 "m.json: field units.force: unknown variant `N`",
