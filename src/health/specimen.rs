@@ -252,7 +252,7 @@ impl SpecimenWatch {
             self.frozen = true;
             return self.judge(config, suspicion);
         }
-        let shift = self.shift();
+        let shift = self.beyond(self.values);
         let [_, _, mean, ..] = shift;
         let alarm = self
             .watches
@@ -296,19 +296,23 @@ impl SpecimenWatch {
         if event.statistic != Statistic::MeanForce {
             return None;
         }
-        for watch in &mut self.watches {
-            watch.cusum = Cusum::default();
-        }
+        self.clear_sums();
         Some(event)
     }
 
-    /// What this cycle has beyond the baselines.
-    fn shift(&self) -> Shift {
-        let mut shift = self.values;
+    /// What `values` have beyond the baselines.
+    fn beyond(&self, values: Shift) -> Shift {
+        let mut shift = values;
         for (value, watch) in shift.iter_mut().zip(&self.watches) {
             *value -= watch.baseline.expected();
         }
         shift
+    }
+
+    fn clear_sums(&mut self) {
+        for watch in &mut self.watches {
+            watch.cusum = Cusum::default();
+        }
     }
 
     /// The mean of this cycle's values and of those of the one before.
@@ -328,8 +332,7 @@ impl SpecimenWatch {
 
     /// A cycle after an alarm.
     fn judge(&mut self, config: &HealthConfig, suspicion: Suspicion) -> Option<Event> {
-        let mut shift = self.shift();
-        let [_, _, mean, ..] = shift;
+        let [_, _, mean, ..] = self.beyond(self.values);
         let growth = mean - suspicion.mean;
         self.suspicion = Some(Suspicion {
             cycles: suspicion.cycles.saturating_sub(1),
@@ -341,11 +344,8 @@ impl SpecimenWatch {
         }
         self.suspicion = None;
         // Half of the noise.
-        let both = self.mean_values();
-        for ((moved, watch), value) in shift.iter_mut().zip(&mut self.watches).zip(both) {
-            watch.cusum = Cusum::default();
-            *moved = value - watch.baseline.expected();
-        }
+        let shift = self.beyond(self.mean_values());
+        self.clear_sums();
         let least = 0.5 * config.size + self.warmth(config, self.temperature);
         let watched = || shift.iter().take(Statistic::WATCHED);
         if watched().all(|moved| moved.abs() <= least) {
