@@ -234,6 +234,17 @@ fn a_correction_survives() {
     assert_eq!(slot.augmented().correction(), None);
 }
 
+/// One whose cells count for nothing is none: nothing of it stays in the law, not even what it would remember.
+#[test]
+fn a_correction_without_a_unit_is_none() {
+    // After the law's and the damping's 68 numbers, the count of effects, that there is one, and two numbers of its own.
+    let unit = 4 * 70 + 2;
+    let mut body = corrected_pack()[12..].to_vec();
+    assert_eq!(body[unit..unit + 4], 1e-5f32.to_le_bytes());
+    body[unit..unit + 4].fill(0);
+    assert_eq!(decode(&with_header(&body)).unwrap(), tabulated(&[]));
+}
+
 #[test]
 fn a_pack_with_any_one_bit_changed_is_refused() {
     let good = pack(&every_effect()[..EFFECTS]);

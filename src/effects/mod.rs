@@ -475,6 +475,9 @@ impl<R: Real, const N: usize> AugmentedLaw<R, N> {
         write(&mut self.correction)?;
         if self.correction.is_there() {
             self.effects.present |= Kind::CORRECTION;
+        } else {
+            // What it would remember is no matter of the law's.
+            self.correction = Correction::NONE;
         }
         Ok(())
     }
