@@ -341,3 +341,48 @@ impl<const N: usize> RunningLaw<N> {
         self.table.fill_row(&law.damping, row);
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::effects::{Effect, LoadFriction, Temperature, Viscous};
+
+    /// What the law in force has beyond the law as given, by its parts: a dashpot has none of it, load friction and temperature
+    /// scale theirs.
+    #[test]
+    fn what_is_followed_is_the_sum_of_its_parts() {
+        let followed = Followed {
+            k1: 0.1,
+            k3: -0.2,
+            c: 0.3,
+        };
+        let beside = [
+            Effect::Viscous(Viscous::new(0.01).unwrap()),
+            Effect::LoadFriction(LoadFriction::new(2.0).unwrap()),
+            Effect::Temperature(Temperature::new(0.01, 20.0).unwrap()),
+        ];
+        for count in 0..=beside.len() {
+            let law = AugmentedLaw::<f32, 3>::new(Law::new(1.0, 10.0, 0.1, 0.4).unwrap());
+            let mut effects = beside.iter().take(count);
+            let law = effects.try_fold(law, |law, effect| law.with(*effect));
+            let mut given = RunningLaw::new(TabulatedLaw::new(law.unwrap()));
+            let mut following = given.clone();
+            following.follow(followed);
+            for (y, v) in [(0.2, 3.0), (-0.1, 0.7), (0.15, -2.0)] {
+                let motion = Motion {
+                    displacement: y,
+                    velocity: v,
+                    temperature: 45.0,
+                    ..Motion::default()
+                };
+                let [k1, k3, c] = given.parts(&motion);
+                let sum = followed.k1 * k1 + followed.k3 * k3 + followed.c * c;
+                let beyond = following.force(&motion) - given.force(&motion);
+                assert!(
+                    (beyond - sum).abs() < 1e-6,
+                    "{count}: {beyond} is not {sum}"
+                );
+            }
+        }
+    }
+}

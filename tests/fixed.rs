@@ -342,6 +342,19 @@ fn configurations_out_of_range_are_refused_by_name() {
             assert_eq!(refused(scales.unwrap_err()), field);
         }
     }
+    // Full scale is as much beyond any law's largest force.
+    let full = |k1, k3, c| {
+        let law = law::Law::new(k1, k3, c, 0.5).unwrap();
+        Scales::covering(&law, 0.5, 4.0).unwrap().force()
+    };
+    let headroom = full(2.0, 0.0, 0.0);
+    for (force, largest) in [
+        (full(0.0, -8.0, 0.0), 1.0),
+        (full(0.0, 0.0, 3.0), 6.0),
+        (full(-2.0, 16.0, 0.5), 4.0),
+    ] {
+        assert!((force / headroom - largest).abs() < 1e-12, "{force}");
+    }
     let scales = Scales::covering(&law, 0.3, 2.0).unwrap();
     assert!(Law::new(&law, &scales).is_ok());
     let less = Scales::new(0.3, 2.0, scales.force() * 0.9999).unwrap();

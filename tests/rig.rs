@@ -10,7 +10,7 @@ use hil::specimen::Specimen;
 use mesh_damper::adc::Ads8688;
 use mesh_damper::converter::Scale;
 use mesh_damper::dac::{Ad5761, OUTPUT_RANGE};
-use mesh_damper::effects::{AugmentedLaw, Effect, Offset, StickSlip};
+use mesh_damper::effects::{AugmentedLaw, Drift, Effect, Offset, StickSlip};
 use mesh_damper::error::ConfigError;
 use mesh_damper::health::{Cause, Channel};
 use mesh_damper::law::Law;
@@ -521,6 +521,32 @@ fn another_law_takes_over_at_the_end_of_the_cycle_and_not_before() {
             );
         }
     }
+}
+
+/// k·(1 − e^(−n/N))·y, for a law of nothing but a drift.
+#[test]
+fn the_law_is_told_of_every_part_of_a_cycle() {
+    let mut setup = setup(3.0, &[(0.1, 2.0, 4)]);
+    let drift = Effect::Drift(Drift::new(1.0, 2.0).unwrap());
+    let none = Law::new(0.0, 0.0, 0.0, 0.5).unwrap();
+    setup.law = AugmentedLaw::new(none).with(drift).unwrap();
+    let mut bench = started(setup);
+    let mut compared = 0;
+    loop {
+        let telemetry = bench.tick();
+        if telemetry.state != State::Running {
+            break;
+        }
+        if telemetry.displacement.abs() < 0.05 {
+            continue;
+        }
+        let cycles = f64::from(telemetry.cycle) + f64::from(telemetry.phase) / 4_294_967_296.0;
+        let part = f64::from(telemetry.model_force / telemetry.displacement);
+        let expected = -(-cycles / 2.0).exp_m1();
+        assert!((part - expected).abs() < 0.02, "{part} after {cycles}");
+        compared += 1;
+    }
+    assert!(compared > 10_000);
 }
 
 #[test]

@@ -5,7 +5,7 @@ use std::f64::consts::TAU;
 use hil::actuator::{SensorConfig, SensorFault};
 use hil::link::{EmulatorBench, EmulatorSetup, SetupError};
 use hil::reference::law::Coefficients;
-use mesh_damper::effects::AugmentedLaw;
+use mesh_damper::effects::{AugmentedLaw, Drift, Effect};
 use mesh_damper::error::ConfigError;
 use mesh_damper::law::Law;
 use mesh_damper::rig::{EmulatorSettings, Fault, State};
@@ -125,6 +125,27 @@ fn what_is_driven_is_the_reported_force_and_cycles_are_counted() {
         assert!((f64::from(report.model.amplitude) / 0.2 - 1.0).abs() < 1e-3);
         assert!((f64::from(report.model.mean_displacement) - 0.01).abs() < 1e-4);
     }
+}
+
+/// k·(1 − e^(−n/N))·y, for a law of nothing but a drift.
+#[test]
+fn the_law_is_told_of_every_part_of_a_cycle() {
+    let mut setup = setup(0.0, 0.0, 0.0, 0.5);
+    let drift = Effect::Drift(Drift::new(2.0, 2.0).unwrap());
+    setup.law = setup.law.with(drift).unwrap();
+    let mut bench = started(setup);
+    for tick in 0..70_000 {
+        let displacement = 0.2 * (TAU * H * f64::from(tick)).sin();
+        let telemetry = bench.tick(displacement).telemetry;
+        if displacement.abs() < 0.1 {
+            continue;
+        }
+        let cycles = f64::from(telemetry.cycle) + f64::from(telemetry.phase) / 4_294_967_296.0;
+        let part = f64::from(telemetry.model_force) / displacement;
+        let expected = -2.0 * (-cycles / 2.0).exp_m1();
+        assert!((part - expected).abs() < 0.02, "{part} after {cycles}");
+    }
+    assert!(bench.tick(0.0).telemetry.cycle >= 4);
 }
 
 #[test]

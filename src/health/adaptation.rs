@@ -353,6 +353,34 @@ mod tests {
         }
     }
 
+    /// Where one stands at its bound, no other two leave less beside it.
+    #[test]
+    fn the_others_make_the_best_of_one_that_is_held() {
+        for (held, truth) in [
+            (0, [0.15, -0.02, 0.02]),
+            (1, [0.02, 0.15, -0.03]),
+            (2, [-0.03, 0.02, -0.2]),
+        ] {
+            let scale = [1.0, 1.0, 0.3];
+            let mut adaptation = Adaptation::new();
+            for _ in 0..400 {
+                cycle(&mut adaptation, scale, truth);
+                work(&mut adaptation, 0.1, 0);
+            }
+            let next = adaptation.next;
+            let least = left(scale, truth, next);
+            for (index, part) in next.iter().enumerate() {
+                assert_eq!(index == held, (part.abs() - 0.1).abs() < 1e-5, "{next:?}");
+                for step in [-0.002, 0.002] {
+                    let mut beside = next;
+                    beside[index] += step;
+                    let other = left(scale, truth, beside);
+                    assert!(index == held || other > least, "{beside:?} beside {next:?}");
+                }
+            }
+        }
+    }
+
     #[test]
     fn it_goes_no_further_than_its_bound_from_where_it_found_the_specimen() {
         let mut adaptation = Adaptation::new();

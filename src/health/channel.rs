@@ -300,6 +300,24 @@ mod tests {
         );
     }
 
+    /// Beside a force that stands still, which tells nothing.
+    #[test]
+    fn what_stays_at_no_voltage_after_a_jump_has_dropped_out() {
+        let mut watch = watch();
+        watch.learn(true);
+        watch.learn(false);
+        let jumped = [40_000, 40_041, 40_082, 32_768, 32_768, 32_768, 32_768];
+        assert_eq!(found(&mut watch, &jumped, 0.0), []);
+        let dropped = Cause::SensorDroppedOut(Channel::Force);
+        assert_eq!(found(&mut watch, &[32_768; 2], 0.0), [dropped]);
+        watch.restart();
+        watch.learn(true);
+        watch.learn(false);
+        let came = [32_790, 32_779, 32_768, 32_768, 32_768, 32_768, 32_768];
+        assert_eq!(found(&mut watch, &came, 0.0), []);
+        assert_eq!(found(&mut watch, &[32_768; 10], 0.0), []);
+    }
+
     /// Over half of the range the difference turns round.
     #[test]
     fn a_jump_through_most_of_the_range_stands_out() {

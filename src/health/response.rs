@@ -237,6 +237,12 @@ mod tests {
         assert_eq!(found(40, |turns| (1.0 - 5e-4 * turns) * sine(turns)), None);
     }
 
+    #[test]
+    fn how_it_begins_is_no_matter() {
+        let correcting = |turns| if turns < 2.25 { 1.2 } else { 1.0 };
+        assert_eq!(found(20, |turns| correcting(turns) * sine(turns)), None);
+    }
+
     /// Whenever it begins.
     #[test]
     fn every_fault_has_its_name_within_a_cycle() {

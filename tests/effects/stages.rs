@@ -102,6 +102,18 @@ fn the_public_transformation_is_the_one_that_runs() {
         (0.0, 0.0, 0.0)
     );
     assert_eq!((inside.cycles, inside.temperature), (2.5, 31.0));
+    // A delay of 2.4 ticks: the force of the motion of 0.4 ticks ago, two ticks late.
+    let delay = Delay::new(2.4e-3, 1e-3).unwrap();
+    assert_eq!(delay.whole_ticks(), 2);
+    let shifted = delay.shifted(&motion);
+    close(shifted.velocity, 3.0 - 0.4e-3 * 5.0, 1e-12);
+    close(shifted.displacement, -0.07 - 0.4e-3 * 2.999, 1e-12);
+    let rest = |motion| Motion {
+        displacement: 0.0,
+        velocity: 0.0,
+        ..motion
+    };
+    assert_eq!(rest(shifted), rest(motion));
 }
 
 /// A spring behind a channel that is T late has the moduli k·cos ωT and −k·sin ωT.
