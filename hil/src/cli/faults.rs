@@ -32,7 +32,7 @@ pub struct FaultsCommand {
     /// Healthy cycles in all
     #[arg(long, value_name = "N", conflicts_with = "on", value_parser = clap::value_parser!(u32).range(0..=100_000_000))]
     healthy: Option<u32>,
-    /// Where the picture goes, as faults.svg
+    /// Where the pictures go: faults.svg, and of slow changes following.svg
     #[arg(long, value_name = "DIR")]
     out: Option<PathBuf>,
     /// Fail (exit code 1) where the requirement is not met
@@ -84,14 +84,18 @@ impl FaultsCommand {
     }
 
     pub fn run(self) -> Result<(), Failure> {
-        let picture = self.out.as_ref().map(|out| out.join("faults.svg"));
-        for path in self.json.iter().chain(&picture) {
+        let picture = |name: &str| self.out.as_ref().map(|out| out.join(name));
+        let (found, followed) = (picture("faults.svg"), picture("following.svg"));
+        for path in self.json.iter().chain(&found).chain(&followed) {
             Outputs::check(path)?;
         }
         let summary = self.summary()?;
         let mut outputs = Outputs::new();
-        if let Some(picture) = &picture {
-            outputs.add(picture, campaign::picture(&summary));
+        if let Some(found) = found {
+            outputs.add(found, campaign::found(&summary));
+        }
+        if let Some(followed) = followed.filter(|_| !summary.slow.is_empty()) {
+            outputs.add(followed, campaign::followed(&summary.slow));
         }
         if let Some(json) = &self.json {
             outputs.add_json(json, &summary)?;

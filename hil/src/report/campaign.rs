@@ -1,54 +1,123 @@
-//! How soon the fault campaign's faults were found, as SVG.
+//! What the fault campaign came to, as SVG: how soon faults were found, and how well slow changes were followed.
 
 use plotters::prelude::*;
 use plotters::style::text_anchor::{HPos, Pos, VPos};
 
-use super::charts::{self, AFTER, BEFORE, FINE, FONT, INK};
-use crate::faults::Summary;
+use super::charts::{self, AFTER, Area, BEFORE, Drawn, FINE, FONT, INK, MEASURED};
+use crate::faults::{Changing, Outcome, SlowOutcome, Summary};
 
-/// Cycles from a fault to its name, one row to a kind and size, one point to a trial: blue where the name is right.
-pub fn picture(summary: &Summary) -> String {
-    let rows = summary.kinds.len() as f64;
-    let most = summary
-        .outcomes
+/// A name, and the marks beside it: what each is of, by its place in the legend, and where it stands.
+type Row = (String, Vec<(usize, f64)>);
+
+/// Cycles from a fault to its name, one row to a kind and size, one mark to a trial.
+pub fn found(summary: &Summary) -> String {
+    let mark = |one: &Outcome| Some((usize::from(!one.right), one.cycles?));
+    let rows = summary.kinds.iter().map(|kind| {
+        let these = summary
+            .outcomes
+            .iter()
+            .filter(|one| one.trial.kind == kind.kind && one.trial.size == kind.size);
+        let mut marks: Vec<_> = these.filter_map(mark).collect();
+        // What is named otherwise is few and must not be hidden.
+        marks.sort_by_key(|(of, _)| *of);
+        (format!("{:?} {}", kind.kind, kind.size), marks)
+    });
+    picture(
+        &rows.collect::<Vec<Row>>(),
+        &["named for what it is", "named otherwise"],
+        "cycles from the fault to its name",
+    )
+}
+
+/// The law's error before a slow change and after it, one row to a change.
+pub fn followed(slow: &[SlowOutcome]) -> String {
+    let rows = slow.iter().map(|one| {
+        let what = match one.change.changing {
+            Changing::Force => "force",
+            Changing::Friction => "friction",
+        };
+        let change = &one.change;
+        let name = format!(
+            "{what} {:+.0} %, {} g/cm³, {} mm",
+            100.0 * change.size,
+            change.density,
+            change.amplitude
+        );
+        let errors = [one.followed.error, one.stayed.error, one.before];
+        (
+            name,
+            errors
+                .map(|error| 100.0 * error)
+                .into_iter()
+                .enumerate()
+                .collect(),
+        )
+    });
+    picture(
+        &rows.collect::<Vec<Row>>(),
+        &[
+            "after it, a law that follows",
+            "a law that stays",
+            "before the change",
+        ],
+        "RMS of the law's error, % of that of the measured force",
+    )
+}
+
+fn picture(rows: &[Row], legend: &[&str], x_desc: &str) -> String {
+    let most = rows
         .iter()
-        .filter_map(|one| one.cycles)
-        .fold(1.0, f64::max);
+        .flat_map(|(_, marks)| marks)
+        .fold(1.0, |most, (_, x)| f64::max(most, *x));
     charts::draw(&charts::TALL, |area| {
         let font = FINE * charts::TALL.font();
+        let text = || (FONT, font).into_font().color(&INK);
         let mut chart = ChartBuilder::on(area)
             .margin(font)
+            .margin_top(3 * font)
             .x_label_area_size(3 * font)
             .y_label_area_size(17 * font)
-            .build_cartesian_2d(-0.1..1.05 * most, -rows..0.0)?;
-        let text = || (FONT, font).into_font().color(&INK);
+            .build_cartesian_2d(-0.1..1.05 * most, -(rows.len() as f64)..0.0)?;
         chart
             .configure_mesh()
             .disable_y_axis()
             .disable_y_mesh()
-            .x_desc("cycles from the fault to its name")
+            .x_desc(x_desc)
             .label_style(text())
             .axis_desc_style(text())
             .draw()?;
-        for (row, kind) in summary.kinds.iter().enumerate() {
-            let y = -(row as f64) - 0.5;
-            let these = summary
-                .outcomes
-                .iter()
-                .filter(|one| one.trial.kind == kind.kind && one.trial.size == kind.size);
-            chart.draw_series(these.filter_map(|one| {
-                let colour = if one.right { AFTER } else { BEFORE };
-                Some(Circle::new(
-                    (one.cycles?, y),
-                    3 * FINE as i32,
-                    colour.mix(0.4).filled(),
-                ))
-            }))?;
-            let (_, place) = chart.plotting_area().map_coordinate(&(0.0, y));
-            let named = format!("{:?} {}", kind.kind, kind.size);
+        let (left, top) = chart.plotting_area().map_coordinate(&(0.0, 0.0));
+        let line = top - font as i32;
+        let wide = (900 * FINE as i32 - left - font as i32) / legend.len() as i32;
+        for ((of, what), place) in legend.iter().enumerate().zip(0..) {
+            let at = left + place * wide;
+            mark(area, of, (at, line))?;
+            let beside = text().pos(Pos::new(HPos::Left, VPos::Center));
+            area.draw(&Text::new(*what, (at + font as i32, line), beside))?;
+        }
+        for (row, (name, marks)) in rows.iter().enumerate() {
+            let place = |x: f64| {
+                let middle = -(row as f64) - 0.5;
+                chart.plotting_area().map_coordinate(&(x, middle))
+            };
+            for &(of, x) in marks {
+                mark(area, of, place(x))?;
+            }
             let right = text().pos(Pos::new(HPos::Right, VPos::Center));
-            area.draw(&Text::new(named, (17 * font as i32, place), right))?;
+            let name = Text::new(name.as_str(), (17 * font as i32, place(0.0).1), right);
+            area.draw(&name)?;
         }
         Ok(())
     })
+}
+
+/// The first of a legend, the second, and the third.
+fn mark(area: &Area<'_>, of: usize, at: (i32, i32)) -> Drawn {
+    let size = 3 * FINE as i32;
+    match of {
+        0 => area.draw(&Circle::new(at, size, AFTER.mix(0.4).filled())),
+        1 => area.draw(&Cross::new(at, size, BEFORE.stroke_width(2 * FINE))),
+        _ => area.draw(&Circle::new(at, size, MEASURED.stroke_width(FINE))),
+    }?;
+    Ok(())
 }
