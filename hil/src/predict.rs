@@ -135,6 +135,7 @@ pub fn predict_on<W: Wire>(
 }
 
 /// What the law sees at one sample.
+#[inline]
 pub fn motion_at<R: Real>(trajectory: &Trajectory, index: usize) -> Motion<R> {
     Motion {
         displacement: R::from_f64(trajectory.motion.displacement[index]),

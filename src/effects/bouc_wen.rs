@@ -106,8 +106,8 @@ impl<R: Real> EffectForce<R> for BoucWen<R> {
         }
     }
 
-    // Not inlined: its registers and constants are no matter of ticks without it.
-    #[inline(never)]
+    // On a target not inlined: its registers and constants are no matter of ticks without it.
+    #[cfg_attr(not(feature = "std"), inline(never))]
     fn force(&self, state: &mut Self::State, motion: &ConfinedMotion<R>, _: LawForce<R>) -> R {
         let y = motion.displacement();
         let step = y - state.previous;
@@ -127,12 +127,16 @@ impl<R: Real> EffectForce<R> for BoucWen<R> {
         } else {
             (sum, R::ZERO)
         };
-        let part = start / self.slip_limit;
-        let left = R::ONE - part;
-        let length = bent / self.slip_limit;
-        let half = R::from_f64(0.5) * length;
-        let middle = part + left * taken(half * self.bend(part));
-        let moved = start + self.slip_limit * (left * taken(length * self.bend(middle)));
+        let moved = if bent > R::ZERO {
+            let part = start / self.slip_limit;
+            let left = R::ONE - part;
+            let length = bent / self.slip_limit;
+            let half = R::from_f64(0.5) * length;
+            let middle = part + left * taken(half * self.bend(part));
+            start + self.slip_limit * (left * taken(length * self.bend(middle)))
+        } else {
+            start
+        };
         let stretch = if forward { moved } else { -moved };
         state.stretch = stretch.clipped(self.slip_limit);
         self.stiffness * state.stretch

@@ -107,8 +107,8 @@ impl<R: Real> EffectForce<R> for StickSlip<R> {
         }
     }
 
-    // Not inlined: its registers and constants are no matter of ticks without it.
-    #[inline(never)]
+    // On a target not inlined: its registers and constants are no matter of ticks without it.
+    #[cfg_attr(not(feature = "std"), inline(never))]
     fn force(&self, state: &mut Self::State, motion: &ConfinedMotion<R>, _: LawForce<R>) -> R {
         let y = motion.displacement();
         let step = y - state.previous;

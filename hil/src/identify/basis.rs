@@ -182,20 +182,21 @@ impl<'r, 'a> Basis<'r, 'a> {
     /// The force at every row with the `linear` unknowns: k1, k3 and c of every node, then the sizes; kN.
     pub fn force(&self, columns: &Columns, linear: &[f64]) -> Vec<f64> {
         let sizes = &linear[3 * self.rows.nodes.len()..];
-        let node = &self.motion(columns).node;
-        let mut force: Vec<f64> = columns
-            .law
-            .unit
-            .iter()
-            .zip(node)
-            .map(|(row, node)| (0..3).map(|i| linear[3 * node + i] * row[i]).sum())
-            .collect();
+        let mut force = self.law_force(columns, linear);
         for (size, column) in sizes.iter().zip(columns.added()) {
             for (force, unit) in force.iter_mut().zip(column) {
                 *force += size * unit;
             }
         }
         force
+    }
+
+    /// Eq 13's part of that force.
+    pub fn law_force(&self, columns: &Columns, linear: &[f64]) -> Vec<f64> {
+        let rows = columns.law.unit.iter();
+        rows.zip(&self.motion(columns).node)
+            .map(|(row, node)| (0..3).map(|i| linear[3 * node + i] * row[i]).sum())
+            .collect()
     }
 
     /// The derivative of that force by one searched parameter, at every row.
@@ -206,10 +207,32 @@ impl<'r, 'a> Basis<'r, 'a> {
         let mut beside = columns.at.clone();
         let step = self.step(columns.at[slot], slot);
         beside[slot] += step;
-        let beside = self.force(&self.columns(&beside, Some(columns)), linear);
-        let here = self.force(columns, linear);
-        let pairs = beside.iter().zip(&here);
-        pairs.map(|(beside, here)| (beside - here) / step).collect()
+        let beside = self.columns(&beside, Some(columns));
+        let mut slope = if Arc::ptr_eq(&columns.law, &beside.law) {
+            vec![0.0; self.rows.len()]
+        } else {
+            let (here, there) = (
+                self.law_force(columns, linear),
+                self.law_force(&beside, linear),
+            );
+            let pairs = here.iter().zip(there);
+            pairs.map(|(here, there)| (there - here) / step).collect()
+        };
+        let sizes = &linear[3 * self.rows.nodes.len()..];
+        let added = columns
+            .added
+            .iter()
+            .flatten()
+            .zip(beside.added.iter().flatten());
+        for (size, (here, there)) in sizes.iter().zip(added) {
+            if Arc::ptr_eq(here, there) {
+                continue;
+            }
+            for (slope, (here, there)) in slope.iter_mut().zip(here.iter().zip(there.iter())) {
+                *slope += size * (there - here) / step;
+            }
+        }
+        slope
     }
 
     /// What a term's searched parameter is moved by for a difference: away from the nearer end of its range, where it is held.

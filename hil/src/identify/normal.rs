@@ -32,18 +32,33 @@ impl Normal {
             right: DVector::zeros(width),
             power: 0.0,
         };
-        let mut row = vec![0.0; LOCAL + shared.len()];
-        for index in 0..rows.len() {
-            let weight = rows.weight[index];
-            for (slot, value) in row.iter_mut().zip(&local[index]) {
-                *slot = weight * value;
+        let count = LOCAL + shared.len();
+        let (mut row, mut right, mut gram) = (vec![0.0; count], vec![0.0; count], Vec::new());
+        let mut index = 0;
+        // Rows of one node follow each other: their sums are looked up once.
+        for same in node.chunk_by(|a, b| a == b) {
+            right.fill(0.0);
+            gram.clear();
+            gram.resize(count * count, 0.0);
+            for _ in same {
+                let weight = rows.weight[index];
+                for (slot, value) in row.iter_mut().zip(&local[index]) {
+                    *slot = weight * value;
+                }
+                for (slot, column) in row[LOCAL..].iter_mut().zip(shared) {
+                    *slot = weight * column[index];
+                }
+                let force = weight * force[index];
+                normal.power += force * force;
+                for (i, (a, line)) in row.iter().zip(gram.chunks_exact_mut(count)).enumerate() {
+                    right[i] += a * force;
+                    for (sum, b) in line.iter_mut().zip(&row[..=i]) {
+                        *sum += a * b;
+                    }
+                }
+                index += 1;
             }
-            for (slot, column) in row[LOCAL..].iter_mut().zip(shared) {
-                *slot = weight * column[index];
-            }
-            let force = weight * force[index];
-            normal.power += force * force;
-            let first = LOCAL * node[index];
+            let first = LOCAL * same[0];
             let place = |i: usize| {
                 if i < LOCAL {
                     first + i
@@ -51,11 +66,10 @@ impl Normal {
                     first_shared + i - LOCAL
                 }
             };
-            for i in 0..row.len() {
-                let to = place(i);
-                normal.right[to] += row[i] * force;
-                for j in 0..=i {
-                    normal.gram[(to, place(j))] += row[i] * row[j];
+            for (i, line) in gram.chunks_exact(count).enumerate() {
+                normal.right[place(i)] += right[i];
+                for (j, sum) in line[..=i].iter().enumerate() {
+                    normal.gram[(place(i), place(j))] += sum;
                 }
             }
         }

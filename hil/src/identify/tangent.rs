@@ -46,16 +46,7 @@ impl Tangent {
             node: motion.node.clone(),
             local,
             shared,
-            law: law_force(columns, &linear, &motion.node),
+            law: basis.law_force(columns, &linear),
         }
     }
-}
-
-fn law_force(columns: &Columns, linear: &[f64], node: &[usize]) -> Vec<f64> {
-    columns
-        .law()
-        .iter()
-        .zip(node)
-        .map(|(row, node)| (0..3).map(|i| linear[3 * node + i] * row[i]).sum())
-        .collect()
 }

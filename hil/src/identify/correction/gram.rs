@@ -356,22 +356,23 @@ impl Block {
                 mapped.gram[(law + column, i)] = products[(i, column)];
             }
         }
+        let mut with_hat = DVector::zeros(self.gram.nrows());
         for (hat, cells) in hats.iter().enumerate() {
             let place = first_hat + hat;
+            with_hat.fill(0.0);
             for &(cell, value) in &cells.0 {
+                with_hat.axpy(value, &self.gram.column(law + cell), 1.0);
                 mapped.right[place] += value * self.right[law + cell];
-                for i in 0..law {
-                    mapped.gram[(place, i)] += value * self.gram[(i, law + cell)];
-                }
                 for column in 0..trends.len() {
                     mapped.gram[(place, law + column)] += value * products[(law + cell, column)];
                 }
-                for (other, beside) in hats[..=hat].iter().enumerate() {
-                    for &(neighbour, weight) in &beside.0 {
-                        mapped.gram[(place, first_hat + other)] +=
-                            value * weight * self.gram[(law + neighbour, law + cell)];
-                    }
-                }
+            }
+            for i in 0..law {
+                mapped.gram[(place, i)] = with_hat[i];
+            }
+            for (other, beside) in hats[..=hat].iter().enumerate() {
+                let product = |&(cell, value): &(usize, f64)| value * with_hat[law + cell];
+                mapped.gram[(place, first_hat + other)] = beside.0.iter().map(product).sum();
             }
             for i in 0..place {
                 mapped.gram[(i, place)] = mapped.gram[(place, i)];
@@ -383,7 +384,9 @@ impl Block {
     /// The sums over some of the unknowns.
     fn only(&self, unknowns: &[usize]) -> Self {
         Self {
-            gram: self.gram.select_rows(unknowns).select_columns(unknowns),
+            gram: DMatrix::from_fn(unknowns.len(), unknowns.len(), |i, j| {
+                self.gram[(unknowns[i], unknowns[j])]
+            }),
             right: self.right.select_rows(unknowns),
             energy: self.energy,
             count: self.count,

@@ -1,7 +1,9 @@
 //! What keeps the tables smooth and eq 13's coefficients near each other, and the solution of the normal equations with it.
 
+use faer::linalg::solvers::Solve as _;
+use faer::{MatMut, MatRef, Side};
 use mesh_damper::effects::correction::{DISPLACEMENTS, MEMORIES};
-use nalgebra::{Cholesky, DMatrix, DVector};
+use nalgebra::{DMatrix, DVector};
 
 use super::design::{Coefficients, Design};
 use super::gram::{Block, Form, Layout};
@@ -158,8 +160,15 @@ impl System {
             }
             gram[(column, column)] += RIDGE;
         }
-        let right = (right + &self.pull).component_mul(&scale);
-        let x = Cholesky::new(gram)?.solve(&right);
+        let mut x = (right + &self.pull).component_mul(&scale);
+        let width = x.len();
+        let gram = MatRef::from_column_major_slice(gram.as_slice(), width, width);
+        let factor = gram.llt(Side::Lower).ok()?;
+        factor.solve_in_place(MatMut::from_column_major_slice_mut(
+            x.as_mut_slice(),
+            width,
+            1,
+        ));
         Some(x.component_mul(&scale))
     }
 }
