@@ -110,6 +110,11 @@ fn case(which: usize, rng: &mut impl Rng) -> Case {
             let effect = HiddenEffect::Temperature { beta, rise, time };
             (Form::Temperature, effect, vec![("beta", beta)])
         }
+        DELAY => {
+            let time = near(3.3e-3);
+            let effect = HiddenEffect::Delay { time };
+            (Form::Delay, effect, vec![("time", time)])
+        }
         SPRING => {
             let compliance = near(0.06);
             let effect = HiddenEffect::Compliance { compliance };
@@ -137,8 +142,9 @@ fn case(which: usize, rng: &mut impl Rng) -> Case {
         truth,
     }
 }
-const CASES: usize = 13;
+const CASES: usize = 14;
 const SPRING: usize = 12;
+const DELAY: usize = 13;
 
 /// A recording with displacement noise of 1e-4 mm and force noise of 0.4–2 % of its RMS.
 fn recorded(case: &Case, rng: &mut impl Rng) -> Recording {
@@ -155,7 +161,9 @@ fn recorded(case: &Case, rng: &mut impl Rng) -> Recording {
         })
         .collect();
     let density = rng.random_range(2.2..3.6);
-    let truth = answer(density, &[case.effect], &blocks, RATE, 4.0 * RATE);
+    // Between its own ticks the specimen's delay is along a straight line.
+    let each = if case.form == Form::Delay { 64.0 } else { 4.0 };
+    let truth = answer(density, &[case.effect], &blocks, RATE, each * RATE);
     let squares: f64 = truth.force.iter().map(|f| f * f).sum();
     let rms = (squares / truth.force.len() as f64).sqrt();
     let sensors = Sensors {
@@ -247,8 +255,7 @@ fn intervals_of_90_percent_hold_80_to_97_percent() {
         .map(|(name, (held, of))| format!("{name}: {held} of {of}"))
         .collect();
     println!("{}", text.join("\n"));
-    // Of 17 with 0.9 each, 11 or fewer are held once in 200. Those of a delay do not hold often enough yet: the
-    // README says so.
+    // Of 17 with 0.9 each, 11 or fewer are held once in 200.
     for (name, (held, of)) in &table {
         assert!(*held >= 12, "{name}: {held} of {of}\n{}", text.join("\n"));
     }

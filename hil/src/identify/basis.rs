@@ -204,10 +204,14 @@ impl<'r, 'a> Basis<'r, 'a> {
         if slot < self.rows.nodes.len() {
             return self.exponent_slope(columns, linear, slot);
         }
-        let mut beside = columns.at.clone();
-        let step = self.step(columns.at[slot], slot);
-        beside[slot] += step;
-        let beside = self.columns(&beside, Some(columns));
+        let [from, to] = self.ends(columns.at[slot], slot);
+        let at = |value: f64| {
+            let mut at = columns.at.clone();
+            at[slot] = value;
+            self.columns(&at, Some(columns))
+        };
+        let (columns, beside) = (&at(from), at(to));
+        let step = to - from;
         let mut slope = if Arc::ptr_eq(&columns.law, &beside.law) {
             vec![0.0; self.rows.len()]
         } else {
@@ -235,17 +239,33 @@ impl<'r, 'a> Basis<'r, 'a> {
         slope
     }
 
-    /// What a term's searched parameter is moved by for a difference: away from the nearer end of its range, where it is held.
-    fn step(&self, at: f64, slot: usize) -> f64 {
+    /// Between which values of a term's searched parameter, now `at`, the difference is taken: from here away from the nearer
+    /// end of its range, where it is held.
+    fn ends(&self, at: f64, slot: usize) -> [f64; 2] {
         let term = (0..self.terms.len()).find(|&term| self.slot(term).contains(&slot));
         let shape = term.and_then(|term| self.shapes[term].get(slot - self.slot(term).start));
+        let form = term.map(|term| self.terms[term].form);
+        if let (Some(Form::Delay), Some(shape)) = (form, shape) {
+            // The force jumps a little where the crate takes another whole tick: one to either side sees past that.
+            let tick = self
+                .rows
+                .trajectories
+                .iter()
+                .fold(0.0, |most: f64, each| most.max(each.tick));
+            let beside = |time: f64| time.clamp(shape.low, shape.high).ln();
+            return [beside(at.exp() - tick), beside(at.exp() + tick)];
+        }
         let toward = match shape {
             Some(shape) if 2.0 * at > (shape.low * shape.high).ln() => -1.0,
             _ => 1.0,
         };
         // A tone's phase at the end of a recording is its frequency times thousands of periods.
-        let tone = term.is_some_and(|term| self.terms[term].form == Form::Periodic);
-        toward * if tone { 1e-7 } else { 1e-4 }
+        let step = if form == Some(Form::Periodic) {
+            1e-7
+        } else {
+            1e-4
+        };
+        [at, at + toward * step]
     }
 
     /// c·|v|^α·ln |v|·sgn v at the rows of a node.
