@@ -347,8 +347,8 @@ mod tests {
     use super::*;
     use crate::effects::{Effect, LoadFriction, Temperature, Viscous};
 
-    /// What the law in force has beyond the law as given, by its parts: a dashpot has none of it, load friction and temperature
-    /// scale theirs.
+    /// k1·y, k3·y³ and c·|v|^α·sgn v, of which load friction makes 1 + λ·|y| and temperature takes β·ΔT; a dashpot is in none.
+    /// By as much of them the force changes.
     #[test]
     fn what_is_followed_is_the_sum_of_its_parts() {
         let followed = Followed {
@@ -361,21 +361,35 @@ mod tests {
             Effect::LoadFriction(LoadFriction::new(2.0).unwrap()),
             Effect::Temperature(Temperature::new(0.01, 20.0).unwrap()),
         ];
-        for count in 0..=beside.len() {
+        for (count, load, cooled) in [(0, 0.0, 0.0), (1, 0.0, 0.0), (2, 2.0, 0.0), (3, 2.0, 0.25)] {
             let law = AugmentedLaw::<f32, 3>::new(Law::new(1.0, 10.0, 0.1, 0.4).unwrap());
             let mut effects = beside.iter().take(count);
             let law = effects.try_fold(law, |law, effect| law.with(*effect));
             let mut given = RunningLaw::new(TabulatedLaw::new(law.unwrap()));
             let mut following = given.clone();
             following.follow(followed);
-            for (y, v) in [(0.2, 3.0), (-0.1, 0.7), (0.15, -2.0)] {
+            for (y, v) in [(0.2f32, 3.0f32), (-0.1, 0.7), (0.15, -2.0)] {
                 let motion = Motion {
                     displacement: y,
                     velocity: v,
                     temperature: 45.0,
                     ..Motion::default()
                 };
-                let [k1, k3, c] = given.parts(&motion);
+                let damping = 0.1 * libm::powf(v.abs(), 0.4).copysign(v);
+                let elastic = 1.0 - cooled;
+                let expected = [
+                    elastic * y,
+                    elastic * 10.0 * y * y * y,
+                    (1.0 + load * y.abs() - cooled) * damping,
+                ];
+                let parts = given.parts(&motion);
+                for (part, expected) in parts.iter().zip(expected) {
+                    assert!(
+                        (part - expected).abs() < 1e-6,
+                        "{count}: {part}, {expected}"
+                    );
+                }
+                let [k1, k3, c] = parts;
                 let sum = followed.k1 * k1 + followed.k3 * k3 + followed.c * c;
                 let beyond = following.force(&motion) - given.force(&motion);
                 assert!(

@@ -342,7 +342,7 @@ fn configurations_out_of_range_are_refused_by_name() {
             assert_eq!(refused(scales.unwrap_err()), field);
         }
     }
-    // Full scale is as much beyond any law's largest force.
+    // Full scale is as much beyond |k1|·Y + |k3|·Y³ + c·V^α of any law.
     let full = |k1, k3, c| {
         let law = law::Law::new(k1, k3, c, 0.5).unwrap();
         Scales::covering(&law, 0.5, 4.0).unwrap().force()

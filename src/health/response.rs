@@ -239,7 +239,7 @@ mod tests {
 
     #[test]
     fn how_it_begins_is_no_matter() {
-        let correcting = |turns| if turns < 2.25 { 1.2 } else { 1.0 };
+        let correcting = |turns| if turns < 2.0 { 1.2 } else { 1.0 };
         assert_eq!(found(20, |turns| correcting(turns) * sine(turns)), None);
     }
 

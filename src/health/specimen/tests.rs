@@ -314,7 +314,6 @@ fn a_law_that_is_off_is_normal_until_the_specimen_changes() {
     }
 }
 
-/// Of a gap, beside a law whose own third harmonic is 0.3/4/1.3: it takes g·(k1 + 3·k3·y²)·sgn y.
 /// The level of temperature begins where the first cycle has it.
 #[test]
 fn a_specimen_that_is_hot_from_the_start_is_watched_as_any_other() {
@@ -328,17 +327,17 @@ fn a_specimen_that_is_hot_from_the_start_is_watched_as_any_other() {
             temperature,
             ..WHOLE
         };
-        first(&settings, 60, at).0
+        let (cycle, cause, _) = first(&settings, 60, at);
+        (cycle, cause)
     };
     assert_eq!(named_at(300.0), named_at(20.0));
 }
 
+/// Beside a law whose own third harmonic is 0.3/4/1.3: it takes g·(k1 + 3·k3·y²)·sgn y.
 #[test]
 fn a_gap_is_loosening_and_its_limit_is_told() {
-    let named = watched(&HealthSettings::default(), 60, |number| Specimen {
-        gap: if number >= THEN { 0.05 } else { 0.0 },
-        ..WHOLE
-    });
+    let loose = from_then(Specimen { gap: 0.05, ..WHOLE });
+    let named = watched(&HealthSettings::default(), 60, loose);
     let (_, first) = named.first().expect("nothing was named");
     assert_eq!(first.cause, Cause::Loosening);
     // Half of what is to be found, and where a sum of what goes beyond that is too far.
