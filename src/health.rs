@@ -342,6 +342,12 @@ impl HealthMonitor {
         self.adaptation.reported()
     }
 
+    /// Whether there is an event that it has not told yet.
+    #[inline(always)]
+    pub(crate) fn has_fresh(&self) -> bool {
+        self.told < self.events.len()
+    }
+
     /// The first event that it has not told yet.
     #[inline]
     pub(crate) fn take_fresh(&mut self) -> Option<Event> {
@@ -361,14 +367,13 @@ impl HealthMonitor {
     #[inline]
     pub(crate) fn look(&mut self, config: &HealthConfig, look: &Look) -> Option<Followed> {
         self.due = part_end(look.phase, self.cycle);
-        // The law that it shows is still that of the cycle before, unless another one has taken over.
-        let share = if self.ended.is_some_and(|ended| ended.another_law) {
-            0.0
-        } else {
-            self.adaptation.share(look.parts)
-        };
+        let mut share = self.adaptation.share(look.parts);
         let mut followed = None;
         if let Some(ended) = self.ended.take() {
+            // The law that it shows is still that of the cycle before, unless another one has taken over.
+            if ended.another_law {
+                share = 0.0;
+            }
             self.close_cycle(config, &ended);
         } else if self.adaptation.is_due() {
             followed = Some(self.adaptation.follow());

@@ -314,7 +314,14 @@ fn rig(results: &Results) -> Vec<Verdict> {
     let count = |moment| results.count(Core::CortexM4f, "rig/tick", moment);
     let mean = count("steady").map(|count| count.mean);
     let over_mean = |moment| Some(count(moment)?.most as f64 / mean?);
+    let without = results.count(Core::CortexM4f, "rig/unmonitored", "steady");
     vec![
+        at_most(
+            "the rig's monitor and a law that follows, of a steady tick",
+            INSTRUCTIONS,
+            40.0,
+            mean.zip(without).map(|(mean, without)| mean - without.mean),
+        ),
         at_most(
             "the rig: cycle end over the mean",
             RATIO,

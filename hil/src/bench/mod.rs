@@ -50,6 +50,12 @@ pub const IMAGE: Image = Image {
     features: &["bench"],
 };
 
+/// The same whose rig has no monitor.
+const UNMONITORED: Image = Image {
+    binary: "bench",
+    features: &["bench", "unmonitored"],
+};
+
 /// Ticks to a block of `tick/block`.
 pub const BLOCK: usize = suite::tick::BLOCK;
 
@@ -73,6 +79,9 @@ pub fn run(progress: &dyn Fn(&str)) -> Result<Results, InputError> {
         errors,
         ..Results::default()
     };
+    results
+        .counts
+        .extend(count_unmonitored(Core::CortexM4f, progress)?);
     progress("timing the rig in this process");
     results.rates.push(rates::in_process()?);
     progress("counting the peer in C");
@@ -117,6 +126,19 @@ fn count_core(core: Core, progress: &dyn Fn(&str)) -> Result<(PathBuf, Vec<Count
             mismatches.join(", ")
         )))
     }
+}
+
+/// The rig's tick without its monitor.
+fn count_unmonitored(core: Core, progress: &dyn Fn(&str)) -> Result<Vec<Count>, InputError> {
+    progress("counting the rig without its monitor");
+    let elf = image::build(&UNMONITORED, core.board())?;
+    let mut counts = count::count(&elf, core)?.counts;
+    check_known(&counts)?;
+    counts.retain(|count| count.name == "rig/tick");
+    for count in &mut counts {
+        count.name = "rig/unmonitored".into();
+    }
+    Ok(counts)
 }
 
 fn refused(_: suite::Refused) -> InputError {

@@ -99,6 +99,7 @@ const SECTIONS: [Section; 5] = [
         rows: &[
             row("rig/tick", "steady", "tick, its bus answered from memory"),
             row("rig/tick", "cycle-end", "  at a cycle's end"),
+            row("rig/unmonitored", "steady", "  without its monitor"),
             row("crossing/update", "steady", "cycle of a measured motion"),
             row("crossing/update", "cycle-end", "  at its end"),
         ],
