@@ -50,10 +50,10 @@ pub trait Real:
     fn exp2_of_negative(self) -> Self;
     /// `|self|^exponent` for an exponent in 0…1: 0 at 0 for every exponent, 0 included.
     ///
-    /// `f32` takes the short form of [`crate::power`], `f64` libm's.
+    /// `f32` takes the short form of [`crate::power`], `f64` libm's or the host's.
     fn abs_pow(self, exponent: Self) -> Self;
 
-    /// sin of `phase`, 2⁶⁴ to the cycle. `f32` takes that of [`crate::sine::sin_cos`], `f64` libm's.
+    /// sin of `phase`, 2⁶⁴ to the cycle. `f32` takes that of [`crate::sine::sin_cos`], `f64` libm's or the host's.
     fn sine(phase: u64) -> Self;
 
     /// Confined to `-limit..=limit`; NaN becomes 0.
@@ -187,7 +187,7 @@ impl Real for f32 {
 
 #[cfg(feature = "std")]
 mod host {
-    /// Two thirds of the time of `powf`, which is for more digits than a law needs: for bases of 1e±10 within 25 rounding units.
+    /// In two thirds of the time of `powf`, by a rounding unit of the exponent: 1e-14 of a force.
     pub fn pow(base: f64, exponent: f64) -> f64 {
         (exponent * base.ln()).exp()
     }

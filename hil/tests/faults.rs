@@ -8,6 +8,7 @@ use hil::faults::{
 use hil::image::{Board, FIRMWARE};
 use hil::link::image::Image;
 use hil::link::{Bench, RigSetup, TICK_RATE, run_rig, run_rig_on};
+use hil::report::campaign;
 use mesh_damper::effects::AugmentedLaw;
 use mesh_damper::health::Cause;
 use mesh_damper::law::Law;
@@ -29,6 +30,15 @@ fn a_part_of_the_campaign_meets_the_requirement() {
         .filter(|one| one.change.is_within())
         .count();
     assert!(within > 0 && within < summary.slow.len());
+    // A mark to each in the pictures, beside those of the legend.
+    let found = campaign::found(&summary);
+    assert!(found.contains("named otherwise"));
+    assert_eq!(found.matches("<circle").count(), summary.right + 1);
+    let followed = campaign::followed(&summary.slow);
+    assert_eq!(
+        followed.matches("<circle").count(),
+        2 * (summary.slow.len() + 1)
+    );
     // It settles by 10 %, and what warms it after that moves it by 5 %: both are said, and are no alarms.
     for healthy in &summary.healthy {
         let noted: Vec<&str> = healthy

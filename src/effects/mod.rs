@@ -472,14 +472,14 @@ impl<R: Real, const N: usize> AugmentedLaw<R, N> {
         write: impl FnOnce(&mut Correction<R>) -> Result<(), E>,
     ) -> Result<(), E> {
         self.effects.present &= !Kind::CORRECTION;
-        write(&mut self.correction)?;
-        if self.correction.is_there() {
+        let written = write(&mut self.correction);
+        if written.is_ok() && self.correction.is_there() {
             self.effects.present |= Kind::CORRECTION;
         } else {
             // What it would remember is no matter of the law's.
             self.correction = Correction::NONE;
         }
-        Ok(())
+        written
     }
 
     /// Takes all effects out, and the correction.

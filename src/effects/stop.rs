@@ -23,6 +23,13 @@ pub(super) struct Contact<R> {
     pub(super) gap: R,
 }
 
+impl<R: Real> Contact<R> {
+    fn check(&self) -> Result<(), ConfigError> {
+        in_range("stiffness", self.stiffness, 1e-9, limits::COEFFICIENT)?;
+        in_range("gap", self.gap.abs(), 1e-9, limits::DISPLACEMENT).map(|_| ())
+    }
+}
+
 impl<R: Real> Stop<R> {
     pub(super) const NONE: Self = Self {
         contacts: [Contact {
@@ -48,9 +55,8 @@ impl<R: Real> Stop<R> {
         }
         let mut new = Self::NONE;
         for (slot, &(stiffness, gap)) in new.contacts.iter_mut().zip(contacts) {
-            in_range("stiffness", stiffness, 1e-9, limits::COEFFICIENT)?;
-            in_range("gap", gap.abs(), 1e-9, limits::DISPLACEMENT)?;
             *slot = Contact { stiffness, gap };
+            slot.check()?;
         }
         Ok(new)
     }
@@ -61,13 +67,10 @@ impl<R: Real> EffectForce<R> for Stop<R> {
 
     fn check(&self) -> Result<(), ConfigError> {
         for contact in &self.contacts {
-            in_range("stiffness", contact.stiffness, 0.0, limits::COEFFICIENT)?;
-            in_range(
-                "gap",
-                contact.gap,
-                -limits::DISPLACEMENT,
-                limits::DISPLACEMENT,
-            )?;
+            // Where there is one its gap says on which side.
+            if contact.stiffness != R::ZERO || contact.gap != R::ZERO {
+                contact.check()?;
+            }
         }
         Ok(())
     }

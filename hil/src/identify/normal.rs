@@ -33,13 +33,13 @@ impl Normal {
             power: 0.0,
         };
         let count = LOCAL + shared.len();
-        let (mut row, mut right, mut gram) = (vec![0.0; count], vec![0.0; count], Vec::new());
+        let (mut row, mut right) = (vec![0.0; count], vec![0.0; count]);
+        let mut gram = vec![0.0; count * count];
         let mut index = 0;
         // Rows of one node follow each other: their sums are looked up once.
         for same in node.chunk_by(|a, b| a == b) {
             right.fill(0.0);
-            gram.clear();
-            gram.resize(count * count, 0.0);
+            gram.fill(0.0);
             for _ in same {
                 let weight = rows.weight[index];
                 for (slot, value) in row.iter_mut().zip(&local[index]) {

@@ -88,9 +88,9 @@ fn picture(rows: &[Row], legend: &[&str], x_desc: &str) -> String {
             .draw()?;
         let (left, top) = chart.plotting_area().map_coordinate(&(0.0, 0.0));
         let line = top - font as i32;
-        let wide = (900 * FINE as i32 - left - font as i32) / legend.len() as i32;
-        for ((of, what), place) in legend.iter().enumerate().zip(0..) {
-            let at = left + place * wide;
+        let wide = ((charts::TALL.size.0 * FINE - font) as i32 - left) / legend.len() as i32;
+        for (of, what) in legend.iter().enumerate() {
+            let at = left + of as i32 * wide;
             mark(area, of, (at, line))?;
             let beside = text().pos(Pos::new(HPos::Left, VPos::Center));
             area.draw(&Text::new(*what, (at + font as i32, line), beside))?;

@@ -162,6 +162,7 @@ impl System {
         }
         let mut x = (right + &self.pull).component_mul(&scale);
         let width = x.len();
+        // There are hundreds of unknowns, for which faer's Cholesky, in blocks, is faster than nalgebra's.
         let gram = MatRef::from_column_major_slice(gram.as_slice(), width, width);
         let factor = gram.llt(Side::Lower).ok()?;
         factor.solve_in_place(MatMut::from_column_major_slice_mut(
