@@ -1,20 +1,22 @@
 //! Every constructor takes exactly the range that it documents, of every number, and names the one that it refuses.
 
+use hil::actuator::SensorConfig;
+use hil::link::{EmulatorBench, EmulatorSetup, SetupError};
 use mesh_damper::amplitude_free;
 use mesh_damper::converter::Scale;
 use mesh_damper::crossing::{CrossingAccumulator, CrossingDetector};
 use mesh_damper::effects::correction::{CELLS, CorrectionParts, MEMORY_CELLS, Memory};
 use mesh_damper::effects::{
-    Asymmetry, BoucWen, Compliance, Correction, Delay, Drift, Gap, Hardening, Inertia,
-    LoadFriction, Offset, Periodic, Relaxation, StickSlip, Stop, Temperature, Viscous,
+    Asymmetry, AugmentedLaw, BoucWen, Compliance, Correction, Delay, Drift, Gap, Hardening,
+    Inertia, LoadFriction, Offset, Periodic, Relaxation, StickSlip, Stop, Temperature, Viscous,
 };
 use mesh_damper::error::ConfigError;
-use mesh_damper::fixed_point::Scales;
+use mesh_damper::fixed_point::{Scales, Sine, SineGenerator};
 use mesh_damper::health::HealthSettings;
 use mesh_damper::law::Law;
 use mesh_damper::observer::ObserverConfig;
 use mesh_damper::power::PowerSeed;
-use mesh_damper::rig::RigSettings;
+use mesh_damper::rig::{EmulatorSettings, RigSettings};
 use mesh_damper::sine::{Block, Programme};
 use proptest::prelude::*;
 
@@ -61,6 +63,47 @@ macro_rules! health {
         }
         .at(1e4))
     };
+}
+
+/// The same of the damper emulator; `$named` where its part is refused by another name.
+macro_rules! emulator {
+    ($field:ident, $named:expr, $low:expr, $high:expr) => {
+        number!($named, $low, $high, |x| emulator(EmulatorSettings {
+            $field: x,
+            ..EmulatorSettings::default()
+        }))
+    };
+}
+
+fn emulator(settings: EmulatorSettings) -> Result<(), ConfigError> {
+    let bench = EmulatorBench::<1>::new(EmulatorSetup {
+        law: AugmentedLaw::new(Law::new(1.0, 0.0, 0.0, 0.5)?),
+        settings,
+        displacement_sensor: SensorConfig {
+            full_scale: 1.0,
+            noise: 0.0,
+            offset: 0.0,
+            lag: 0.0,
+        },
+        force_range: 5.0,
+        seed: 1,
+    });
+    match bench {
+        Ok(_) => Ok(()),
+        Err(SetupError::Config(error)) => Err(error),
+        Err(other) => panic!("{other}"),
+    }
+}
+
+/// In integers, with room for any speed.
+fn generator(amplitude: f64, frequency: f64, tick_rate: f64) -> Result<(), ConfigError> {
+    let sine = Sine {
+        amplitude,
+        frequency,
+        cycles: 1,
+        ramp_cycles: 1,
+    };
+    SineGenerator::new(sine, tick_rate, &Scales::new(1.0, 1e6, 1.0)?).map(|_| ())
 }
 
 fn correction(
@@ -163,6 +206,16 @@ fn numbers() -> Vec<Number> {
         number!("displacement", 1e-9, 1e4, |x| Scales::new(x, 1.0, 1.0)),
         number!("velocity", 1e-9, 1e6, |x| Scales::new(1.0, x, 1.0)),
         number!("force", 1e-9, 1e12, |x| Scales::new(1.0, 1.0, x)),
+        number!("amplitude", 0.0, 65_535.0 / 65_536.0, |x| {
+            generator(x, 1.0, 1e4)
+        }),
+        number!("frequency", 1e-6, 2500.0, |x| generator(0.1, x, 1e4)),
+        number!("tick_rate", 1.0, 1e6, |x| generator(0.1, 0.1, x)),
+        emulator!(displacement_limit, "displacement_limit", 1e-6, 1e4),
+        emulator!(force_limit, "force_limit", 1e-6, 1e9),
+        emulator!(observer_bandwidth, "bandwidth", 1e-3, 1e3),
+        emulator!(observer_damping, "damping", 0.3, 3.0),
+        emulator!(hysteresis, "hysteresis", 1e-9, 1e4),
         health!(size, 0.01, 0.5),
         health!(false_alarm_cycles, 1e2, 1e9),
         health!(temperature_slope, 0.0, 0.1),
