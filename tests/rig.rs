@@ -304,6 +304,23 @@ fn a_sensor_that_is_lost_again_stops_the_rig_again() {
     }
 }
 
+/// At the tick that finds it.
+#[test]
+fn an_event_is_told_at_once() {
+    let mut bench = started(setup(3.0, &[(0.1, 2.0, 12)]));
+    let mut told = Vec::new();
+    for tick in 0..55_000 {
+        if tick == 30_000 {
+            bench.plant.servo.fault = ServoFault::Lagging(100);
+        }
+        let before = bench.rig.events().len();
+        let event = bench.tick().event;
+        assert_eq!(event.as_slice(), &bench.rig.events()[before..]);
+        told.extend(event.map(|event| event.cause));
+    }
+    assert_eq!(told, [Cause::ActuatorLagging]);
+}
+
 #[test]
 fn an_actuator_dead_from_the_start_is_noticed_after_a_cycle() {
     for amplitude in [0.05, 0.1, 0.25] {
