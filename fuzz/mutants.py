@@ -10,8 +10,8 @@ so (constants, `const fn`, bodies of another type) are built one by one. A mutan
 A mutant is killed by the first test program that fails, or takes ten times as long as without it and 20 s at least: the
 crate's own tests first, and of those that these leave, the harness's named with --then. Tests that hold the host against an
 image are left out: the image is never mutated, so that any change of a bit would fail there. Nothing is written to but the
-folder of --work, which should be outside of the project: a copy of --commit, its builds if CARGO_TARGET_DIR names no other,
-and results.json.
+folder of --work, which should be outside of the project: a copy of --commit, results.json, and the builds, if CARGO_TARGET_DIR
+names no other; nothing else may build there meanwhile, as its programs would take the place of those that are tried.
 """
 
 import argparse

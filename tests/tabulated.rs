@@ -138,6 +138,13 @@ fn a_law_that_follows_is_the_law_that_it_has_come_to() {
 }
 
 #[test]
+fn the_same_effects_stand_beside_another_law() {
+    let mut changed = law(1.0, 0.1, 0.4);
+    changed.set_law(*law(2.0, 0.3, 0.2).augmented().law());
+    assert_eq!(changed, law(2.0, 0.3, 0.2));
+}
+
+#[test]
 fn nothing_that_was_followed_is_left_of_another_law() {
     let (first, second) = (law(1.0, 0.1, 0.4), law(2.0, 0.3, 0.2));
     let mut running = RunningLaw::new(first.clone());

@@ -191,6 +191,30 @@ fn another_law_takes_over_at_the_cycles_end() {
     }
 }
 
+/// A table of 256 rows: of two ticks at least one goes on in turn.
+#[test]
+fn it_says_while_its_table_is_filled() {
+    let programme = programme(&[Block::sine(0.1, 9.7, 6).unwrap()]);
+    let mut test = VirtualTest::new(programme, paper(3.0)).unwrap();
+    assert!(test.filling());
+    let filled_after = |test: &mut VirtualTest<4>| {
+        let ticks = (0..2000).take_while(|_| {
+            test.tick();
+            test.filling()
+        });
+        ticks.count()
+    };
+    let ticks = filled_after(&mut test);
+    assert!((255..=512).contains(&ticks), "{ticks}");
+    test.swap_law(paper(2.0));
+    assert!(!test.filling());
+    while !test.filling() {
+        test.tick();
+    }
+    let ticks = filled_after(&mut test);
+    assert!((255..=512).contains(&ticks), "{ticks}");
+}
+
 /// Over the cycle k·y does no work, and c·|v|^α·sgn v does c·(Aω)^α·A·∫|cos|^(1+α) dφ: with α = 1, π·c·ω·A².
 #[test]
 fn the_energy_is_closed_form_however_the_ticks_fall() {
