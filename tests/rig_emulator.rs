@@ -274,6 +274,15 @@ fn the_force_comes_in_over_its_ticks() {
 }
 
 #[test]
+fn a_late_tick_stops_it() {
+    let mut bench = started(setup(2.0, 0.0, 0.1, 0.5));
+    bench.tick(0.0);
+    bench.emulator.overrun();
+    let state = bench.tick(0.0).telemetry.state;
+    assert_eq!(state, State::Faulted(Fault::TickOverrun));
+}
+
+#[test]
 fn stopped_it_drives_nothing() {
     let mut bench = EmulatorBench::new(setup(2.0, 0.0, 0.1, 0.5)).unwrap();
     assert_eq!(bench.tick(0.3).force, 0.0);

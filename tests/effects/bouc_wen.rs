@@ -39,6 +39,25 @@ fn the_first_loading_is_an_exponential_or_a_hyperbolic_tangent() {
     }
 }
 
+/// From z = −0.5·x a step of x: straight as far as 0, and 1 − e^(−½) from there; what stands for eᵃ is within a⁴/24.
+#[test]
+fn a_step_through_0_bends_behind_it() {
+    let law = alone(effect(1.0, 1.0, 1.0));
+    let mut state = law.at_rest();
+    let mut to = |displacement: f64| {
+        let motion = Motion {
+            displacement,
+            ..Motion::default()
+        };
+        law.force(&mut state, &motion)
+    };
+    to(0.0);
+    let turned = (0..1000).fold(0.0, |_, n| to(-f64::from(n) * 2f64.ln() / 999.0));
+    close(turned, -0.5, 1e-5);
+    let through = to(-2f64.ln() + 1.0);
+    close(through, 1.0 - (-0.5f64).exp(), 5e-3);
+}
+
 /// dζ = (1 − ζⁿ)·dη from 0, by a hundred thousand steps of Euler's midpoint.
 fn integrated(eta: f64, n: f64) -> f64 {
     let steps = 100_000;

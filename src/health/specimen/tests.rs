@@ -347,3 +347,16 @@ fn a_gap_is_loosening_and_its_limit_is_told() {
         first.limit
     );
 }
+
+#[test]
+fn what_has_moved_back_before_it_is_judged_is_nothing() {
+    let at = |number: u32| Specimen {
+        elastic: match number {
+            n if n < THEN => 1.0,
+            THEN => 0.85,
+            _ => 0.99,
+        },
+        ..WHOLE
+    };
+    assert_eq!(watched(&HealthSettings::default(), 60, at), []);
+}
