@@ -1,6 +1,5 @@
 //! Every constructor takes exactly the range that it documents, of every number, and names the one that it refuses.
 
-use hil::actuator::SensorConfig;
 use hil::link::{EmulatorBench, EmulatorSetup, SetupError};
 use mesh_damper::amplitude_free;
 use mesh_damper::converter::Scale;
@@ -76,17 +75,10 @@ macro_rules! emulator {
 }
 
 fn emulator(settings: EmulatorSettings) -> Result<(), ConfigError> {
-    let bench = EmulatorBench::<1>::new(EmulatorSetup {
-        law: AugmentedLaw::new(Law::new(1.0, 0.0, 0.0, 0.5)?),
+    let law = AugmentedLaw::<_, 1>::new(Law::new(1.0, 0.0, 0.0, 0.5)?);
+    let bench = EmulatorBench::new(EmulatorSetup {
         settings,
-        displacement_sensor: SensorConfig {
-            full_scale: 1.0,
-            noise: 0.0,
-            offset: 0.0,
-            lag: 0.0,
-        },
-        force_range: 5.0,
-        seed: 1,
+        ..EmulatorSetup::new(law)
     });
     match bench {
         Ok(_) => Ok(()),

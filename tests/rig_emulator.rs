@@ -2,7 +2,7 @@
 
 use std::f64::consts::TAU;
 
-use hil::actuator::{SensorConfig, SensorFault};
+use hil::actuator::SensorFault;
 use hil::link::{EmulatorBench, EmulatorSetup, SetupError};
 use hil::reference::law::Coefficients;
 use mesh_damper::effects::{AugmentedLaw, Drift, Effect};
@@ -18,17 +18,10 @@ const FORCE_STEP: f64 = RANGE / 32768.0;
 const DISPLACEMENT_STEP: f64 = 1.0 / 32768.0;
 
 fn setup(k1: f32, k3: f32, c: f32, alpha: f32) -> EmulatorSetup<2> {
+    let law = AugmentedLaw::new(Law::new(k1, k3, c, alpha).unwrap());
     EmulatorSetup {
-        law: AugmentedLaw::new(Law::new(k1, k3, c, alpha).unwrap()),
-        settings: EmulatorSettings::default(),
-        displacement_sensor: SensorConfig {
-            full_scale: 1.0,
-            noise: 0.0,
-            offset: 0.0,
-            lag: 0.0,
-        },
         force_range: RANGE,
-        seed: 1,
+        ..EmulatorSetup::new(law)
     }
 }
 

@@ -5,7 +5,6 @@ use std::f64::consts::TAU;
 use std::process::Command;
 use std::sync::OnceLock;
 
-use hil::actuator::SensorConfig;
 use hil::amplitude_free::{HeldOut, Study, embedded_force, study, ticks_of};
 use hil::link::{EmulatorBench, EmulatorSetup};
 use hil::model_file::ModelFile;
@@ -13,7 +12,6 @@ use hil::predict::nrmse;
 use mesh_damper::amplitude_free;
 use mesh_damper::effects::Motion;
 use mesh_damper::law::Law;
-use mesh_damper::rig::EmulatorSettings;
 use mesh_damper::tabulated::RunningLaw;
 use proptest::prelude::*;
 
@@ -219,19 +217,7 @@ proptest! {
 #[test]
 fn the_emulated_damper_follows_it_where_no_amplitude_is_declared() {
     let law = amplitude_free::law(3.0).unwrap();
-    let mut bench = EmulatorBench::new(EmulatorSetup {
-        law: law.augmented().clone(),
-        settings: EmulatorSettings::default(),
-        displacement_sensor: SensorConfig {
-            full_scale: 1.0,
-            noise: 0.0,
-            offset: 0.0,
-            lag: 0.0,
-        },
-        force_range: 5.0,
-        seed: 1,
-    })
-    .unwrap();
+    let mut bench = EmulatorBench::new(EmulatorSetup::new(law.augmented().clone())).unwrap();
     assert!(bench.emulator.start());
     let expected = law.augmented();
     let mut state = expected.at_rest();

@@ -29,6 +29,24 @@ pub struct EmulatorSetup<const N: usize> {
     pub seed: u64,
 }
 
+impl<const N: usize> EmulatorSetup<N> {
+    /// With the crate's settings: ±1 mm, read without noise, offset or lag, and ±5 kN.
+    pub fn new(law: AugmentedLaw<f32, N>) -> Self {
+        Self {
+            law,
+            settings: EmulatorSettings::default(),
+            displacement_sensor: SensorConfig {
+                full_scale: 1.0,
+                noise: 0.0,
+                offset: 0.0,
+                lag: 0.0,
+            },
+            force_range: 5.0,
+            seed: 1,
+        }
+    }
+}
+
 /// An emulator wired up. The force channel measures what the DAC drives, as an ideal force actuator would deliver.
 #[derive(Debug)]
 pub struct EmulatorBench<const N: usize> {
