@@ -60,7 +60,7 @@ fn programme() -> Programme<1> {
 
 fn law() -> AugmentedLaw<f32, 2> {
     let joints = StickSlip::new(&[(1.2, 0.03), (0.5, 0.08)]).unwrap();
-    let branch = Relaxation::new(0.5, 2e-4, 1e-4).unwrap();
+    let branch = Relaxation::new(&[(0.5, 2e-4)], 1e-4).unwrap();
     AugmentedLaw::new(PAPER.lookup(3.0, AMPLITUDE as f32).law)
         .with(Effect::StickSlip(joints))
         .and_then(|law| law.with(Effect::Relaxation(branch)))

@@ -26,8 +26,7 @@ fn every_effect() -> Vec<Effect<f32>> {
         EffectParameters::StickSlip(elements.collect()),
         EffectParameters::Viscous { c1: 1e-3 },
         EffectParameters::Relaxation {
-            stiffness: 0.4,
-            time: 0.05,
+            branches: [(0.4, 0.05), (0.3, 0.5), (0.1, 5.0)].into_iter().collect(),
             tick: 1e-4,
         },
         EffectParameters::Inertia { mass: 2.5 },
@@ -124,13 +123,11 @@ fn effects_at_the_ends_of_their_ranges_survive() {
             cycles: 0.1,
         },
         EffectParameters::Relaxation {
-            stiffness: 1e9,
-            time: 1e6,
+            branches: [(1e9, 1e6)].into_iter().collect(),
             tick: 1e-7,
         },
         EffectParameters::Relaxation {
-            stiffness: -1e9,
-            time: 1.1e-6,
+            branches: [(-1e9, 1.1e-6)].into_iter().collect(),
             tick: 1e3,
         },
         EffectParameters::StickSlip([(1e9, 1e4)].into_iter().collect()),

@@ -153,9 +153,15 @@ fn numbers() -> Vec<Number> {
         )),
         number!("phase", -1e3, 1e3, |x| Periodic::new(1.0, 50.0, x, 1e-4)),
         number!("tick", 1e-6, 1e3, |x| Periodic::new(1.0, 1e-6, 0.0, x)),
-        number!("stiffness", -1e9, 1e9, |x| Relaxation::new(x, 0.1, 1e-4)),
-        number!("time", 1e-6, 1e6, |x| Relaxation::new(1.0, x, 1e-4)),
-        number!("tick", 1e-7, 1e3, |x| Relaxation::new(1.0, 0.1, x)),
+        number!("stiffness", -1e9, 1e9, |x| Relaxation::new(
+            &[(1.0, 0.1), (x, 0.1)],
+            1e-4
+        )),
+        number!("time", 1e-6, 1e6, |x| Relaxation::new(
+            &[(1.0, 0.1), (1.0, x)],
+            1e-4
+        )),
+        number!("tick", 1e-7, 1e3, |x| Relaxation::new(&[(1.0, 0.1)], x)),
         number!("stiffness", -1e9, 1e9, |x| StickSlip::new(&[
             (1.0, 0.1),
             (x, 0.1)

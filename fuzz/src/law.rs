@@ -47,8 +47,9 @@ fn parameters(feed: &mut Feed<'_>, tick: f64) -> EffectParameters<f32> {
             c1: coefficient(feed),
         },
         5 => EffectParameters::Relaxation {
-            stiffness: coefficient(feed),
-            time: feed.between(1e-6, 1e6) as f32,
+            branches: (0..1 + feed.byte() % 3)
+                .map(|_| (coefficient(feed), feed.between(1e-6, 1e6) as f32))
+                .collect(),
             tick: tick as f32,
         },
         6 => EffectParameters::Inertia {

@@ -4,7 +4,9 @@ use std::cell::RefCell;
 use std::collections::BTreeMap;
 use std::fmt;
 
-use mesh_damper::effects::{AugmentedLaw, EffectParameters, MAX_CONTACTS, MAX_STICK_SLIP_ELEMENTS};
+use mesh_damper::effects::{
+    AugmentedLaw, EffectParameters, MAX_BRANCHES, MAX_CONTACTS, MAX_STICK_SLIP_ELEMENTS,
+};
 use mesh_damper::error::ConfigError;
 use mesh_damper::law::Law;
 use mesh_damper::pack::{self, LARGEST, PackError};
@@ -31,7 +33,7 @@ pub enum Family {
     StickSlip,
     /// A linear dashpot.
     Viscous,
-    /// A Maxwell branch.
+    /// Maxwell branches.
     Relaxation,
     /// A moving mass.
     Inertia,
@@ -120,7 +122,7 @@ impl fmt::Display for Family {
 
 /// The unit of an effect's parameter by its name, or `None` for a name that no effect has.
 ///
-/// The second and later elements of a stick-slip effect carry their number: `slip_limit_2`.
+/// The second and later elements of an effect that has several carry their number: `slip_limit_2`.
 pub fn parameter_unit(name: &str) -> Option<&'static str> {
     match base_name(name) {
         "force" => Some("kN"),
@@ -383,8 +385,10 @@ impl AddedEffect {
                 tick,
             },
             Family::Relaxation => EffectParameters::Relaxation {
-                stiffness: get("stiffness")?,
-                time: get("time")?,
+                branches: self
+                    .pairs(["stiffness", "time"], MAX_BRANCHES, get)?
+                    .into_iter()
+                    .collect(),
                 tick: R::from_f64(tick),
             },
             Family::Drift => EffectParameters::Drift {

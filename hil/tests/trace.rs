@@ -111,6 +111,20 @@ fn slider(k: f64, x: f64) -> impl FnMut(&Sample) -> f64 {
     }
 }
 
+/// A Maxwell branch of stiffness `k` and time `tau`, by ten Euler steps a tick along a straight line: 1 % of a step of 2 ms
+/// against 60 ms is 0.02 %.
+fn branch(k: f64, tau: f64) -> impl FnMut(&Sample) -> f64 {
+    let (mut force, mut before) = (0.0, None);
+    move |&(_, y, _, _)| {
+        let change = (y - before.unwrap_or(y)) / 10.0;
+        before = Some(y);
+        for _ in 0..10 {
+            force += k * change - force * TICK / (10.0 * tau);
+        }
+        force
+    }
+}
+
 #[test]
 fn a_recording_with_nothing_missing_comes_out_none() {
     for seed in 0..8 {
@@ -198,18 +212,65 @@ fn each_effect_is_named_and_measured() {
     check(
         "relaxation",
         &[("stiffness", 0.9), ("time", 0.06)],
-        traced(0.004, 7, || {
-            // Ten Euler steps a tick along a straight line: 1 % of a step of 2 ms against 60 ms is 0.02 %.
-            let (mut force, mut before) = (0.0, None);
-            move |s: &Sample| {
-                let change = (s.1 - before.unwrap_or(s.1)) / 10.0;
-                before = Some(s.1);
-                for _ in 0..10 {
-                    force += 0.9 * change - force * TICK / (10.0 * 0.06);
-                }
-                force
-            }
-        }),
+        traced(0.004, 7, || branch(0.9, 0.06)),
+    );
+}
+
+/// A Prony series of two terms, as the source has it of its material, is one effect with both branches.
+#[test]
+fn two_branches_are_one_relaxation() {
+    let trace = traced(0.004, 8, || {
+        let (mut fast, mut slow) = (branch(0.9, 0.02), branch(0.7, 0.25));
+        move |s: &Sample| fast(s) + slow(s)
+    });
+    assert_eq!(families(&trace), ["relaxation"]);
+    let found = &trace.result.effects[0].parameters;
+    let number = |first: &str| {
+        let fast = found["time"].value < found["time_2"].value;
+        if (first == "fast") == fast { "" } else { "_2" }
+    };
+    for (which, stiffness, time) in [("fast", 0.9, 0.02), ("slow", 0.7, 0.25)] {
+        for (name, truth) in [("stiffness", stiffness), ("time", time)] {
+            let value = found[&format!("{name}{}", number(which))].value;
+            assert!(
+                (value - truth).abs() < 0.05 * truth,
+                "{which} {name}: {value}"
+            );
+        }
+    }
+    assert!(trace.result.augmented.nrmse_held_out < 1.1 * 0.004);
+}
+
+/// In blocks that come in order of their frequency a stiffness that depends on frequency seems to settle from block to block, but
+/// within a block it stands still.
+#[test]
+fn what_depends_on_frequency_is_no_drift() {
+    const RISING: [(f64, f64, u32); 5] = [
+        (0.1, 0.5, 6),
+        (0.1, 1.0, 8),
+        (0.1, 2.5, 10),
+        (0.1, 5.0, 12),
+        (0.1, 10.0, 12),
+    ];
+    let by_frequency = |blocks: &'static [(f64, f64, u32)]| {
+        move |s: &Sample| {
+            let mut end = 0.0;
+            let block = blocks.iter().find(|(_, frequency, cycles)| {
+                end += f64::from(*cycles) / frequency;
+                s.0 < end - 1e-9
+            });
+            block.map_or(0.0, |(_, frequency, _)| 0.3 * frequency.ln() * s.1)
+        }
+    };
+    const OTHER: [(f64, f64, u32); 2] = [(0.1, 4.0, 8), (0.1, 1.25, 6)];
+    let fitted = record("fitted", &RISING, 0.004, 15, by_frequency(&RISING));
+    let held = record("held", &OTHER, 0.004, 16, by_frequency(&OTHER));
+    let result = trace_of(fitted, held).result;
+    assert!(!result.depends_on.iter().any(|name| name == "cycle"));
+    let (before, after) = (result.baseline, result.augmented);
+    assert!(
+        after.nrmse_held_out < 0.4 * before.nrmse_held_out,
+        "{after:?}"
     );
 }
 

@@ -43,7 +43,7 @@ pub use load_friction::LoadFriction;
 pub use offset::Offset;
 pub use parameters::EffectParameters;
 pub use periodic::Periodic;
-pub use relaxation::Relaxation;
+pub use relaxation::{MAX_BRANCHES, Relaxation};
 pub use stick_slip::{MAX_ELEMENTS as MAX_STICK_SLIP_ELEMENTS, StickSlip};
 pub use stop::{MAX_CONTACTS, Stop};
 pub use temperature::Temperature;
@@ -395,7 +395,7 @@ effects! {
     with_memory:
     /// Rate-independent friction with elastic pre-sliding.
     stick_slip: StickSlip,
-    /// A spring and a dashpot in series.
+    /// Springs and dashpots in series.
     relaxation: Relaxation;
     rare:
     /// One-sided contact.

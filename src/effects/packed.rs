@@ -1,10 +1,12 @@
 //! An effect in a coefficient pack: its kind and its numbers, as postcard lays out a `(u8, Vec<f32>)`.
 
+use super::relaxation::Branch;
 use super::stick_slip::Element;
 use super::stop::Contact;
 use super::{
     Asymmetry, BoucWen, Compliance, Delay, Drift, Effect, Gap, Hardening, Inertia, LoadFriction,
-    MAX_STICK_SLIP_ELEMENTS, Offset, Periodic, Relaxation, StickSlip, Stop, Temperature, Viscous,
+    MAX_BRANCHES, MAX_STICK_SLIP_ELEMENTS, Offset, Periodic, Relaxation, StickSlip, Stop,
+    Temperature, Viscous,
 };
 use crate::frame::{Reader, Writer};
 
@@ -47,7 +49,6 @@ impl Effect<f32> {
             Self::LoadFriction(effect) => put(LOAD_FRICTION, &[effect.load]),
             Self::Drift(effect) => put(DRIFT, &[effect.stiffness, effect.rate]),
             Self::Temperature(effect) => put(TEMPERATURE, &[effect.beta, effect.rise]),
-            Self::Relaxation(effect) => put(RELAXATION, &[effect.gain, effect.loss]),
             Self::Stop(effect) => {
                 let [one, other] = effect.contacts;
                 put(STOP, &[one.stiffness, one.gap, other.stiffness, other.gap]);
@@ -71,16 +72,13 @@ impl Effect<f32> {
             }
             Self::Compliance(effect) => put(COMPLIANCE, &[effect.stiffness, effect.step]),
             Self::Delay(effect) => put(DELAY, &[f32::from(effect.whole), effect.rest]),
+            Self::Relaxation(effect) => {
+                let branches = effect.branches.map(|branch| [branch.gain, branch.loss]);
+                put(RELAXATION, used(&branches, effect.used));
+            }
             Self::StickSlip(effect) => {
-                let mut numbers = [0.0; MOST];
-                let (pairs, _) = numbers.as_chunks_mut();
-                for (pair, element) in pairs.iter_mut().zip(&effect.elements) {
-                    *pair = [element.stiffness, element.slip_limit];
-                }
-                put(
-                    STICK_SLIP,
-                    numbers.get(..2 * effect.used).unwrap_or_default(),
-                );
+                let elements = effect.elements.map(|one| [one.stiffness, one.slip_limit]);
+                put(STICK_SLIP, used(&elements, effect.used));
             }
         }
     }
@@ -103,7 +101,6 @@ impl Effect<f32> {
             (LOAD_FRICTION, &[load]) => Self::LoadFriction(LoadFriction { load }),
             (DRIFT, &[stiffness, rate]) => Self::Drift(Drift { stiffness, rate }),
             (TEMPERATURE, &[beta, rise]) => Self::Temperature(Temperature { beta, rise }),
-            (RELAXATION, &[gain, loss]) => Self::Relaxation(Relaxation { gain, loss }),
             (STOP, &[stiffness, gap, other_stiffness, other_gap]) => Self::Stop(Stop {
                 contacts: [(stiffness, gap), (other_stiffness, other_gap)]
                     .map(|(stiffness, gap)| Contact { stiffness, gap }),
@@ -124,17 +121,25 @@ impl Effect<f32> {
                 whole: whole as u8,
                 rest,
             }),
+            (RELAXATION, numbers) => {
+                let pairs = pairs(numbers)?;
+                let mut branches = [Branch::NONE; MAX_BRANCHES];
+                for (branch, &[gain, loss]) in branches.iter_mut().zip(pairs) {
+                    *branch = Branch { gain, loss };
+                }
+                Self::Relaxation(Relaxation {
+                    branches,
+                    used: pairs.len(),
+                })
+            }
             (STICK_SLIP, numbers) => {
+                let pairs = pairs(numbers)?;
                 let mut elements = [Element::default(); MAX_STICK_SLIP_ELEMENTS];
-                let (pairs, rest) = numbers.as_chunks();
                 for (element, &[stiffness, slip_limit]) in elements.iter_mut().zip(pairs) {
                     *element = Element {
                         stiffness,
                         slip_limit,
                     };
-                }
-                if !rest.is_empty() {
-                    return None;
                 }
                 Self::StickSlip(StickSlip {
                     elements,
@@ -144,4 +149,15 @@ impl Effect<f32> {
             _ => return None,
         })
     }
+}
+
+/// The numbers of the first `used` pairs.
+fn used(pairs: &[[f32; 2]], used: usize) -> &[f32] {
+    pairs.get(..used).unwrap_or_default().as_flattened()
+}
+
+/// Numbers that are whole pairs.
+fn pairs(numbers: &[f32]) -> Option<&[[f32; 2]]> {
+    let (pairs, rest) = numbers.as_chunks();
+    rest.is_empty().then_some(pairs)
 }

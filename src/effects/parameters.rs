@@ -2,8 +2,8 @@
 
 use super::{
     Asymmetry, BoucWen, Compliance, Delay, Drift, Effect, Gap, Hardening, Inertia, LoadFriction,
-    MAX_CONTACTS, MAX_STICK_SLIP_ELEMENTS, Offset, Periodic, Relaxation, StickSlip, Stop,
-    Temperature, Viscous,
+    MAX_BRANCHES, MAX_CONTACTS, MAX_STICK_SLIP_ELEMENTS, Offset, Periodic, Relaxation, StickSlip,
+    Stop, Temperature, Viscous,
 };
 use crate::error::ConfigError;
 use crate::real::Real;
@@ -36,10 +36,8 @@ pub enum EffectParameters<R> {
     },
     /// Of [`Relaxation::new`].
     Relaxation {
-        /// kN/mm
-        stiffness: R,
-        /// s
-        time: R,
+        /// Stiffness in kN/mm and time in s of each branch.
+        branches: heapless::Vec<(R, R), MAX_BRANCHES>,
         /// s
         tick: R,
     },
@@ -124,11 +122,9 @@ impl<R: Real> EffectParameters<R> {
             Self::Hardening { k5 } => Hardening::new(*k5).map(Effect::Hardening),
             Self::StickSlip(elements) => StickSlip::new(elements).map(Effect::StickSlip),
             Self::Viscous { c1 } => Viscous::new(*c1).map(Effect::Viscous),
-            Self::Relaxation {
-                stiffness,
-                time,
-                tick,
-            } => Relaxation::new(*stiffness, *time, *tick).map(Effect::Relaxation),
+            Self::Relaxation { branches, tick } => {
+                Relaxation::new(branches, *tick).map(Effect::Relaxation)
+            }
             Self::Inertia { mass } => Inertia::new(*mass).map(Effect::Inertia),
             Self::LoadFriction { load } => LoadFriction::new(*load).map(Effect::LoadFriction),
             Self::Drift { stiffness, cycles } => Drift::new(*stiffness, *cycles).map(Effect::Drift),

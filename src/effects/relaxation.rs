@@ -1,52 +1,96 @@
-//! A spring and a dashpot in series (a Maxwell branch) beside the law: a force that fades when the motion stops.
+//! Springs and dashpots in series (Maxwell branches) beside the law: a force that fades when the motion stops.
+//!
+//! Several of them with spread times are a Prony series, as the source has it of its material (Table 5), and stand for
+//! materials that relax over all times as well.
 
 use super::{ConfinedMotion, EffectForce, LawForce};
 use crate::error::ConfigError;
 use crate::real::{Real, coefficient, in_range};
 
-/// dz/dt = k·v − z/τ, F = z.
+/// Most branches in one [`Relaxation`].
+pub const MAX_BRANCHES: usize = 3;
+
+/// dzᵢ/dt = kᵢ·v − zᵢ/τᵢ, F = Σ zᵢ.
 ///
 /// With the displacement a straight line within a tick of Δt the step is exact:
 /// z ← z − loss·z + gain·Δy, loss = 1 − e^(−Δt/τ), gain = k·loss·τ/Δt.
-/// Storage modulus k·(ωτ)²/(1 + (ωτ)²), loss modulus k·ωτ/(1 + (ωτ)²).
+/// Storage modulus Σ k·(ωτ)²/(1 + (ωτ)²), loss modulus Σ k·ωτ/(1 + (ωτ)²).
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Relaxation<R> {
+    pub(super) branches: [Branch<R>; MAX_BRANCHES],
+    pub(super) used: usize,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Branch<R> {
     pub(super) gain: R,
     /// Kept instead of 1 − loss: near 1, f32 would round the time constant.
     pub(super) loss: R,
 }
 
-/// What a [`Relaxation`] remembers.
-#[derive(Clone, Copy, Debug, Default)]
-pub struct RelaxationState<R> {
-    force: R,
-    /// What rounding has kept from the force: a tick's change is far smaller than an f32 can add when τ is long.
-    carry: R,
-    /// Displacement of the tick before, mm.
-    previous: R,
-}
-
-impl<R: Real> Relaxation<R> {
+impl<R: Real> Branch<R> {
     pub(super) const NONE: Self = Self {
         gain: R::ZERO,
         loss: R::ZERO,
     };
 
-    /// * `stiffness`: k, kN/mm, −1e9…1e9
-    /// * `time`: τ, s, 1e-6…1e6
+    // Not inlined: the loop that calls it is unrolled.
+    #[inline(never)]
+    fn check(&self) -> Result<(), ConfigError> {
+        coefficient("gain", self.gain)?;
+        in_range("loss", self.loss, 0.0, 1.0).map(|_| ())
+    }
+}
+
+/// What a [`Relaxation`] remembers.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct RelaxationState<R> {
+    branches: [BranchState<R>; MAX_BRANCHES],
+    /// Displacement of the tick before, mm.
+    previous: R,
+}
+
+#[derive(Clone, Copy, Debug, Default)]
+struct BranchState<R> {
+    force: R,
+    /// What rounding has kept from the force: a tick's change is far smaller than an f32 can add when τ is long.
+    carry: R,
+}
+
+impl<R: Real> Relaxation<R> {
+    pub(super) const NONE: Self = Self {
+        branches: [Branch::NONE; MAX_BRANCHES],
+        used: 0,
+    };
+
+    /// * `branches`: 1…3 pairs of stiffness k, kN/mm, −1e9…1e9, and time τ, s, 1e-6…1e6
     /// * `tick`: Δt, s, 1e-7…1e3
     ///
     /// # Errors
-    /// The field that is not finite or out of range.
-    pub fn new(stiffness: R, time: R, tick: R) -> Result<Self, ConfigError> {
-        let stiffness = coefficient("stiffness", stiffness)?.to_f64();
-        let time = in_range("time", time, 1e-6, 1e6)?.to_f64();
+    /// No branches, too many, or the field that is not finite or out of range.
+    pub fn new(branches: &[(R, R)], tick: R) -> Result<Self, ConfigError> {
         let tick = in_range("tick", tick, 1e-7, 1e3)?.to_f64();
-        let loss = -libm::expm1(-tick / time);
-        Ok(Self {
-            gain: R::from_f64(stiffness * loss * time / tick),
-            loss: R::from_f64(loss),
-        })
+        if branches.len() > MAX_BRANCHES {
+            return Err(ConfigError::Full {
+                field: "branches",
+                capacity: MAX_BRANCHES,
+            });
+        }
+        let mut new = Self {
+            used: branches.len(),
+            ..Self::NONE
+        };
+        for (slot, &(stiffness, time)) in new.branches.iter_mut().zip(branches) {
+            let stiffness = coefficient("stiffness", stiffness)?.to_f64();
+            let time = in_range("time", time, 1e-6, 1e6)?.to_f64();
+            let loss = -libm::expm1(-tick / time);
+            *slot = Branch {
+                gain: R::from_f64(stiffness * loss * time / tick),
+                loss: R::from_f64(loss),
+            };
+        }
+        new.check()?;
+        Ok(new)
     }
 }
 
@@ -54,8 +98,19 @@ impl<R: Real> EffectForce<R> for Relaxation<R> {
     type State = RelaxationState<R>;
 
     fn check(&self) -> Result<(), ConfigError> {
-        coefficient("gain", self.gain)?;
-        in_range("loss", self.loss, 0.0, 1.0).map(|_| ())
+        if self.used == 0 {
+            return Err(ConfigError::Empty("branches"));
+        }
+        let Some(used) = self.branches.get(..self.used) else {
+            return Err(ConfigError::Full {
+                field: "branches",
+                capacity: MAX_BRANCHES,
+            });
+        };
+        for branch in used {
+            branch.check()?;
+        }
+        Ok(())
     }
 
     fn begin(&self, motion: &ConfinedMotion<R>) -> Self::State {
@@ -70,10 +125,19 @@ impl<R: Real> EffectForce<R> for Relaxation<R> {
         let y = motion.displacement();
         let step = y - state.previous;
         state.previous = y;
-        let change = self.gain * step - self.loss * state.force + state.carry;
-        let force = state.force + change;
-        state.carry = change - (force - state.force);
-        state.force = force;
-        force
+        let mut total = R::ZERO;
+        for (branch, state) in self
+            .branches
+            .iter()
+            .zip(&mut state.branches)
+            .take(self.used)
+        {
+            let change = branch.gain * step - branch.loss * state.force + state.carry;
+            let force = state.force + change;
+            state.carry = change - (force - state.force);
+            state.force = force;
+            total += force;
+        }
+        total
     }
 }

@@ -242,7 +242,7 @@ fn nothing_grows_in_series_with_other_effects() {
     let effects = [
         series(10.0, 5.0, 100),
         Effect::StickSlip(StickSlip::new(&[(3.0, 0.02), (1.0, 0.05)]).unwrap()),
-        Effect::Relaxation(Relaxation::new(2.0, 0.02, 2e-3).unwrap()),
+        Effect::Relaxation(Relaxation::new(&[(2.0, 0.02)], 2e-3).unwrap()),
         Effect::Delay(Delay::new(4e-3, 2e-3).unwrap()),
     ];
     let law = Law::new(1.05, 10.5, 0.11, 0.4).unwrap();

@@ -86,7 +86,7 @@ fn stick_slip_knows_no_frequency() {
 fn relaxation_has_the_moduli_of_a_maxwell_branch() {
     for frequency in [0.5, 3.0, 10.0] {
         let tick = 1.0 / (frequency * TICKS as f64);
-        let effect = Effect::Relaxation(Relaxation::new(1.5, 0.05, tick).unwrap());
+        let effect = Effect::Relaxation(Relaxation::new(&[(1.5, 0.05)], tick).unwrap());
         // The start has faded after 10 cycles: e^(−10/(10·0.05)) at the fastest.
         let (storage, loss) = moduli(&last_cycle(effect, 0.1, frequency, 40), 0.1);
         let x = TAU * frequency * 0.05;
@@ -96,12 +96,28 @@ fn relaxation_has_the_moduli_of_a_maxwell_branch() {
     }
 }
 
+/// Branches act side by side.
+#[test]
+fn branches_of_relaxation_add_up() {
+    let branches = [(1.5, 0.02), (0.4, 0.3), (-0.2, 2.0)];
+    let of = |branches: &[(f64, f64)]| {
+        let effect = Effect::Relaxation(Relaxation::new(branches, 1e-4).unwrap());
+        last_cycle(effect, 0.1, 2.0, 3)
+    };
+    let together = of(&branches);
+    let apart = branches.map(|branch| of(&[branch]));
+    for (n, force) in together.iter().enumerate() {
+        let sum: f64 = apart.iter().map(|alone| alone[n]).sum();
+        assert!((force - sum).abs() < 1e-12, "{force} for {sum}");
+    }
+}
+
 /// A step held for one time constant fades to 1/e in f32 too, however little a tick takes.
 #[test]
 fn relaxation_fades_over_long_times_in_f32() {
     for time in [1.0, 100.0, 3000.0] {
         let law = alone(Effect::Relaxation(
-            Relaxation::new(1.2_f32, time, 1e-4).unwrap(),
+            Relaxation::new(&[(1.2_f32, time)], 1e-4).unwrap(),
         ));
         let mut state = law.at_rest();
         let mut force = 0.0;
@@ -274,8 +290,22 @@ fn constructors_name_the_field_they_refuse() {
         field(StickSlip::new(&[(f32::NAN, 0.1)]).unwrap_err()),
         "stiffness"
     );
-    assert_eq!(field(Relaxation::new(1.0, 0.0, 1e-4).unwrap_err()), "time");
-    assert_eq!(field(Relaxation::new(1.0, 0.1, 0.0).unwrap_err()), "tick");
+    assert_eq!(
+        field(Relaxation::<f32>::new(&[], 1e-4).unwrap_err()),
+        "branches"
+    );
+    assert_eq!(
+        field(Relaxation::new(&[(1.0, 0.1); 4], 1e-4).unwrap_err()),
+        "branches"
+    );
+    assert_eq!(
+        field(Relaxation::new(&[(1.0, 0.1), (1.0, 0.0)], 1e-4).unwrap_err()),
+        "time"
+    );
+    assert_eq!(
+        field(Relaxation::new(&[(1.0, 0.1)], 0.0).unwrap_err()),
+        "tick"
+    );
     assert_eq!(field(Drift::new(1.0, 0.0).unwrap_err()), "cycles");
     assert_eq!(field(Temperature::new(2.0, 20.0).unwrap_err()), "beta");
     assert_eq!(
@@ -333,7 +363,7 @@ fn one_of_each<R: Real>() -> AugmentedLaw<R, EFFECTS> {
         Effect::Hardening(Hardening::new(r(1500.0)).unwrap()),
         Effect::StickSlip(StickSlip::new(&[(r(1.2), r(0.03)), (r(0.5), r(0.1))]).unwrap()),
         Effect::Viscous(Viscous::new(r(0.006)).unwrap()),
-        Effect::Relaxation(Relaxation::new(r(1.5), r(0.05), r(1e-4)).unwrap()),
+        Effect::Relaxation(Relaxation::new(&[(r(1.5), r(0.05))], r(1e-4)).unwrap()),
         Effect::Inertia(Inertia::new(r(120.0)).unwrap()),
         Effect::LoadFriction(LoadFriction::new(r(4.0)).unwrap()),
         Effect::Drift(Drift::new(r(-0.5), r(25.0)).unwrap()),
@@ -424,7 +454,7 @@ proptest! {
     ) {
         for effect in [
             Effect::StickSlip(StickSlip::new(&[(k, x)]).unwrap()),
-            Effect::Relaxation(Relaxation::new(k, tau, 1e-3).unwrap()),
+            Effect::Relaxation(Relaxation::new(&[(k, tau)], 1e-3).unwrap()),
         ] {
             let law = alone(effect);
             let mut state = law.at_rest();

@@ -3,8 +3,8 @@
 use std::collections::BTreeMap;
 
 use mesh_damper::effects::{
-    Asymmetry, BoucWen, Drift, EffectForce, Hardening, Inertia, LawForce, MAX_STICK_SLIP_ELEMENTS,
-    Offset, Periodic, Relaxation, StickSlip, Stop, Viscous,
+    Asymmetry, BoucWen, Drift, EffectForce, Hardening, Inertia, LawForce, MAX_BRANCHES,
+    MAX_STICK_SLIP_ELEMENTS, Offset, Periodic, Relaxation, StickSlip, Stop, Viscous,
 };
 use mesh_damper::error::ConfigError;
 
@@ -154,6 +154,7 @@ impl Form {
     pub fn most(self) -> usize {
         match self {
             Self::Jenkins => MAX_STICK_SLIP_ELEMENTS,
+            Self::Relaxation => MAX_BRANCHES,
             _ => 1,
         }
     }
@@ -199,7 +200,7 @@ impl Form {
                     .collect();
             }
             Self::BoucWen => run(&BoucWen::new(1.0, shape(0), shape(1))?, trajectory),
-            Self::Relaxation => run(&Relaxation::new(1.0, shape(0), tick)?, trajectory),
+            Self::Relaxation => run(&Relaxation::new(&[(1.0, shape(0))], tick)?, trajectory),
             Self::Drift => run(&Drift::new(1.0, shape(0))?, trajectory),
             Self::Periodic => {
                 let tone = |phase| {
@@ -337,8 +338,8 @@ pub fn added_effects(values: &[TermValue]) -> Vec<AddedEffect> {
         .collect()
 }
 
-/// Effects of elements whose parameters are given as anything: Jenkins elements become the elements of one effect, and so do the
-/// two contacts.
+/// Effects of elements whose parameters are given as anything: Jenkins elements become the elements of one effect, and so do
+/// Maxwell branches and the two contacts.
 pub(crate) fn effects_of<T>(
     terms: Vec<(Form, Vec<(&'static str, T)>)>,
 ) -> Vec<(Family, BTreeMap<String, T>)> {

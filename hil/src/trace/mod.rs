@@ -4,6 +4,7 @@
 //! needless ones are dropped, and the result is fitted once more to all but the samples held out, on which alone the
 //! error is reported.
 
+mod between_blocks;
 mod closing;
 mod left_out;
 mod mend;

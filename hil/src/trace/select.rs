@@ -2,6 +2,7 @@
 
 use rayon::prelude::*;
 
+use super::between_blocks::stands_still_within_blocks;
 use super::score::{Jury, Score};
 use super::split::{Role, Roles, same_amplitude};
 use super::tones::tones;
@@ -105,7 +106,7 @@ pub struct Candidate {
     pub distinguishable: bool,
     /// Whether the law found at this step is this one.
     pub added: bool,
-    /// Whether no term of it would be a source of energy, or a mass that pushes.
+    /// Whether no term of it would be a source of energy, or a mass that pushes, or a drift that stands still in every block.
     pub admissible: bool,
     /// Whether a shape stands where the effect is a simpler one as far as the data show.
     pub degenerate: bool,
@@ -128,6 +129,8 @@ pub struct Selection {
 pub struct Search<'a> {
     trajectories: &'a [Trajectory],
     jury: Jury<'a>,
+    /// The samples that are fitted, as the jury takes them.
+    fitted: Jury<'a>,
     rows: Rows<'a>,
     extent: Extent,
     terms: Vec<Term>,
@@ -150,6 +153,7 @@ impl<'a> Search<'a> {
         Self {
             trajectories,
             jury: Jury::of(trajectories, roles, Role::Judge),
+            fitted: Jury::of(trajectories, roles, Role::Fit),
             rows: Rows::gather(trajectories, nodes, MOST_ROWS, |which, sample| {
                 roles.of(which, sample) == Role::Fit
             }),
@@ -164,6 +168,7 @@ impl<'a> Search<'a> {
         Self {
             rows: self.rows.with_nodes(nodes),
             jury: self.jury.clone(),
+            fitted: self.fitted.clone(),
             extent: self.extent.clone(),
             terms: self.terms.clone(),
             trajectories: self.trajectories,
@@ -177,7 +182,7 @@ impl<'a> Search<'a> {
     /// A fitted law that the crate refuses.
     pub fn run(&self, progress: &(dyn Fn(&str) + Sync)) -> Result<Selection, ModelError> {
         progress("fitting eq 13");
-        let baseline = self.fitted(Problem::new(&self.rows, &self.extent, &[]).solve())?;
+        let baseline = self.judged(Problem::new(&self.rows, &self.extent, &[]).solve())?;
         let mut found = baseline.clone();
         let mut beam = vec![baseline.clone()];
         let mut candidates = Vec::new();
@@ -231,7 +236,7 @@ impl<'a> Search<'a> {
     /// A fitted law that the crate refuses.
     pub fn refit(&self, law: &Fitted) -> Result<Fitted, ModelError> {
         let problem = Problem::new(&self.rows, &self.extent, &law.solution.terms());
-        self.fitted(problem.solve_near(&law.solution))
+        self.judged(problem.solve_near(&law.solution))
     }
 
     /// All forms beside each law of `beam`, the best first, those that are not admissible last.
@@ -242,7 +247,7 @@ impl<'a> Search<'a> {
             .map(|(term, fitted)| Candidate {
                 family: term.form.family(),
                 step,
-                admissible: fitted.is_admissible(),
+                admissible: fitted.is_admissible() && !self.stands_still(&fitted),
                 degenerate: fitted.is_degenerate(&self.extent),
                 fitted,
                 distinguishable: true,
@@ -296,6 +301,12 @@ impl<'a> Search<'a> {
             .unwrap_or(0)
     }
 
+    /// Whether it has a drift that the cycles of a block know nothing of.
+    fn stands_still(&self, law: &Fitted) -> bool {
+        let (solution, predicted) = (&law.solution, &law.predicted);
+        stands_still_within_blocks(self.trajectories, &self.fitted, solution, predicted)
+    }
+
     /// Every form beside `law`: those that promise most fitted, the others with what they start from.
     fn beside(&self, law: &Fitted) -> Vec<(Term, Fitted)> {
         let known = law.solution.terms();
@@ -333,7 +344,7 @@ impl<'a> Search<'a> {
                     problem.solve_at(&law.solution, &starts[0].shapes)
                 };
                 // A fit that ends in coefficients which the crate refuses is no candidate.
-                Some((term, self.fitted(solution).ok()?))
+                Some((term, self.judged(solution).ok()?))
             })
             .collect()
     }
@@ -345,7 +356,7 @@ impl<'a> Search<'a> {
         while found.solution.terms.len() > 1 && index < found.solution.terms.len() {
             let rest = found.solution.without(index);
             let problem = Problem::new(&self.rows, &self.extent, &rest.terms());
-            let without = self.fitted(problem.solve_near(&rest))?;
+            let without = self.judged(problem.solve_near(&rest))?;
             if found.score.beats(&without.score) {
                 index += 1;
             } else {
@@ -356,7 +367,7 @@ impl<'a> Search<'a> {
         Ok(found)
     }
 
-    fn fitted(&self, solution: Solution) -> Result<Fitted, ModelError> {
+    fn judged(&self, solution: Solution) -> Result<Fitted, ModelError> {
         let model = solution.model();
         let predicted = self
             .trajectories

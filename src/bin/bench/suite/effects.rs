@@ -109,7 +109,7 @@ pub fn each() -> Result<[(&'static str, Effect<f32>); EFFECTS], ConfigError> {
         ("effects/viscous", Effect::Viscous(Viscous::new(0.005)?)),
         (
             "effects/relaxation",
-            Effect::Relaxation(Relaxation::new(0.8, 0.05, (1.0 / TICK_RATE) as f32)?),
+            Effect::Relaxation(Relaxation::new(&[(0.8, 0.05)], (1.0 / TICK_RATE) as f32)?),
         ),
         ("effects/inertia", Effect::Inertia(Inertia::new(0.5)?)),
         ("effects/drift", Effect::Drift(Drift::new(0.2, 30.0)?)),
