@@ -177,6 +177,22 @@ pub trait EffectForce<R: Real> {
     fn force(&self, state: &mut Self::State, motion: &ConfinedMotion<R>, law: LawForce<R>) -> R;
 }
 
+/// The first `used` of what an effect has room for, at least one.
+///
+/// # Errors
+/// None, or more than there is room for.
+#[inline(never)]
+fn some<'t, T>(field: &'static str, all: &'t [T], used: usize) -> Result<&'t [T], ConfigError> {
+    match all.get(..used) {
+        Some([]) => Err(ConfigError::Empty(field)),
+        Some(used) => Ok(used),
+        None => Err(ConfigError::Full {
+            field,
+            capacity: all.len(),
+        }),
+    }
+}
+
 macro_rules! effects {
     (
         plain: $($(#[$doc:meta])* $field:ident: $name:ident),+;

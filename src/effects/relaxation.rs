@@ -3,7 +3,7 @@
 //! Several of them with spread times are a Prony series, as the source has it of its material (Table 5), and stand for
 //! materials that relax over all times as well.
 
-use super::{ConfinedMotion, EffectForce, LawForce};
+use super::{ConfinedMotion, EffectForce, LawForce, some};
 use crate::error::ConfigError;
 use crate::real::{Real, coefficient, in_range};
 
@@ -34,6 +34,25 @@ impl<R: Real> Branch<R> {
         loss: R::ZERO,
     };
 
+    #[inline(always)]
+    fn force(&self, state: &mut BranchState<R>, step: R) -> R {
+        let change = state.carry + self.gain * step - self.loss * state.force;
+        let force = state.force + change;
+        state.carry = change - (force - state.force);
+        state.force = force;
+        force
+    }
+
+    /// The sum of `branches`' forces; one that is not there has none.
+    // Not inlined: its registers are no matter of a single branch.
+    #[inline(never)]
+    fn force_of(branches: &[Self], states: &mut [BranchState<R>], step: R) -> R {
+        let pairs = branches.iter().zip(states);
+        pairs.fold(R::ZERO, |sum, (branch, state)| {
+            sum + branch.force(state, step)
+        })
+    }
+
     // Not inlined: the loop that calls it is unrolled.
     #[inline(never)]
     fn check(&self) -> Result<(), ConfigError> {
@@ -44,10 +63,12 @@ impl<R: Real> Branch<R> {
 
 /// What a [`Relaxation`] remembers.
 #[derive(Clone, Copy, Debug, Default)]
+// What every tick needs comes first: within reach of a load's offset from one address.
+#[repr(C)]
 pub struct RelaxationState<R> {
-    branches: [BranchState<R>; MAX_BRANCHES],
     /// Displacement of the tick before, mm.
     previous: R,
+    branches: [BranchState<R>; MAX_BRANCHES],
 }
 
 #[derive(Clone, Copy, Debug, Default)]
@@ -70,12 +91,6 @@ impl<R: Real> Relaxation<R> {
     /// No branches, too many, or the field that is not finite or out of range.
     pub fn new(branches: &[(R, R)], tick: R) -> Result<Self, ConfigError> {
         let tick = in_range("tick", tick, 1e-7, 1e3)?.to_f64();
-        if branches.len() > MAX_BRANCHES {
-            return Err(ConfigError::Full {
-                field: "branches",
-                capacity: MAX_BRANCHES,
-            });
-        }
         let mut new = Self {
             used: branches.len(),
             ..Self::NONE
@@ -98,19 +113,8 @@ impl<R: Real> EffectForce<R> for Relaxation<R> {
     type State = RelaxationState<R>;
 
     fn check(&self) -> Result<(), ConfigError> {
-        if self.used == 0 {
-            return Err(ConfigError::Empty("branches"));
-        }
-        let Some(used) = self.branches.get(..self.used) else {
-            return Err(ConfigError::Full {
-                field: "branches",
-                capacity: MAX_BRANCHES,
-            });
-        };
-        for branch in used {
-            branch.check()?;
-        }
-        Ok(())
+        let used = some("branches", &self.branches, self.used)?;
+        used.iter().try_for_each(Branch::check)
     }
 
     fn begin(&self, motion: &ConfinedMotion<R>) -> Self::State {
@@ -125,19 +129,11 @@ impl<R: Real> EffectForce<R> for Relaxation<R> {
         let y = motion.displacement();
         let step = y - state.previous;
         state.previous = y;
-        let mut total = R::ZERO;
-        for (branch, state) in self
-            .branches
-            .iter()
-            .zip(&mut state.branches)
-            .take(self.used)
-        {
-            let change = branch.gain * step - branch.loss * state.force + state.carry;
-            let force = state.force + change;
-            state.carry = change - (force - state.force);
-            state.force = force;
-            total += force;
+        let ([branch, branches @ ..], [first, others @ ..]) = (&self.branches, &mut state.branches);
+        let force = branch.force(first, step);
+        if self.used > 1 {
+            return force + Branch::force_of(branches, others, step);
         }
-        total
+        force
     }
 }

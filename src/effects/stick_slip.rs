@@ -4,7 +4,7 @@
 //! then slides at constant force. Many of them with spread slip limits are a bundle of wires whose contacts let go one
 //! after another.
 
-use super::{ConfinedMotion, EffectForce, LawForce};
+use super::{ConfinedMotion, EffectForce, LawForce, some};
 use crate::error::ConfigError;
 use crate::limits;
 use crate::real::{Real, coefficient, in_range};
@@ -60,12 +60,6 @@ impl<R: Real> StickSlip<R> {
     /// # Errors
     /// No elements, too many, or the field that is not finite or out of range.
     pub fn new(elements: &[(R, R)]) -> Result<Self, ConfigError> {
-        if elements.len() > MAX_ELEMENTS {
-            return Err(ConfigError::Full {
-                field: "elements",
-                capacity: MAX_ELEMENTS,
-            });
-        }
         let mut new = Self {
             used: elements.len(),
             ..Self::NONE
@@ -85,19 +79,8 @@ impl<R: Real> EffectForce<R> for StickSlip<R> {
     type State = StickSlipState<R>;
 
     fn check(&self) -> Result<(), ConfigError> {
-        if self.used == 0 {
-            return Err(ConfigError::Empty("elements"));
-        }
-        let Some(used) = self.elements.get(..self.used) else {
-            return Err(ConfigError::Full {
-                field: "elements",
-                capacity: MAX_ELEMENTS,
-            });
-        };
-        for element in used {
-            element.check()?;
-        }
-        Ok(())
+        let used = some("elements", &self.elements, self.used)?;
+        used.iter().try_for_each(Element::check)
     }
 
     fn begin(&self, motion: &ConfinedMotion<R>) -> Self::State {
