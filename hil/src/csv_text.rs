@@ -79,6 +79,11 @@ pub(crate) fn number(cell: &str) -> Result<f64, (String, &'static str)> {
     Ok(value)
 }
 
+/// Whether a cell says that there is no number.
+pub(crate) fn is_blank(cell: &str) -> bool {
+    cell.is_empty() || cell.parse().is_ok_and(f64::is_nan)
+}
+
 /// What the CSV reader could not read, with its line.
 pub(crate) fn broken_csv(file: &str, error: &csv::Error) -> InputError {
     let broken = InputError::new(

@@ -117,13 +117,17 @@ fn bad_recordings() -> Vec<(&'static str, Vec<u8>, &'static [&'static str])> {
         ),
         (
             "nan.csv",
-            cell(7, "NaN"),
-            &["line 7, column displacement_mm", "\"NaN\""],
+            recording(|lines| {
+                for line in &mut lines[7..] {
+                    *line = "1.0,0.1,NaN".into();
+                }
+            }),
+            &["line 8, column force_kN", "\"NaN\""],
         ),
         (
             "blank.csv",
-            cell(8, ""),
-            &["line 8, column displacement_mm", "cell is empty"],
+            recording(|lines| lines[7] = ",0.1,0.1".into()),
+            &["line 8, column time_s", "cell is empty"],
         ),
         (
             "word.csv",

@@ -4,7 +4,7 @@ mod hidden;
 
 use hidden::{Hidden, NOISE, RATE, Sample, block, fitted, record, start};
 use hil::correction::Remembered;
-use hil::identify::correction::fit;
+use hil::identify::correction::{Kinds, fit};
 use hil::model::Model;
 use hil::predict::{nrmse, predict, predict_embedded};
 use hil::specimen::Block;
@@ -16,7 +16,7 @@ fn held() -> Vec<Block> {
 
 fn corrected(hidden: impl Fn() -> Hidden) -> Option<Model> {
     let recording = record(&fitted(), hidden(), 1);
-    let fitted = fit(&[recording], &start(), |_, _| true).unwrap();
+    let fitted = fit(&[recording], &start(), Kinds::All, |_, _| true).unwrap();
     fitted.map(|(model, _)| model)
 }
 

@@ -142,3 +142,38 @@ fn what_looks_like_a_comment_stays_what_it_is() {
         );
     }
 }
+
+/// What a logger writes where it has no sample: an empty cell, or NaN. The rows are as if they were not there.
+#[test]
+fn a_cell_without_a_number_is_a_missing_sample() {
+    let row = |i: i32| {
+        format!(
+            "{:.3},{:.4},{:.4}",
+            0.01 * f64::from(i),
+            (0.1 * f64::from(i)).sin(),
+            0.2
+        )
+    };
+    let text =
+        |rows: Vec<String>| format!("time_s,displacement_mm,force_kN\n{}\n", rows.join("\n"));
+    let read = |text: String| Recording::from_bytes("a.csv".as_ref(), text.into()).unwrap();
+    let with = text(
+        (0..200)
+            .map(|i| match i {
+                50..54 => format!("{:.3},,0.2", 0.01 * f64::from(i)),
+                120 => "1.200,0.5,NaN".into(),
+                _ => row(i),
+            })
+            .collect(),
+    );
+    let without = text(
+        (0..200)
+            .filter(|i| !(50..54).contains(i) && *i != 120)
+            .map(row)
+            .collect(),
+    );
+    let (with, without) = (read(with), read(without));
+    assert_eq!(with.time, without.time);
+    assert_eq!(with.displacement, without.displacement);
+    assert_eq!(with.gaps(), [(49, 4), (115, 1)]);
+}

@@ -403,6 +403,30 @@ fn nothing_that_is_held_out_reaches_the_law() {
     }
 }
 
+/// A test that sets out downwards instead of upwards is the same test.
+#[test]
+fn the_verdict_does_not_depend_on_the_direction() {
+    let mirrored = |recording: &Recording| {
+        let turned = |channel: &[f64]| channel.iter().map(|x| -x).collect();
+        let (time, force) = (recording.time.clone(), turned(&recording.force));
+        Recording::new("mirrored", time, turned(&recording.displacement), force).unwrap()
+    };
+    let fitted = record("fitted", &BLOCKS, 0.004, 44, slider(0.9, 0.04));
+    let held = record("held", &OTHERS, 0.004, 45, slider(0.9, 0.04));
+    let turned = trace_of(mirrored(&fitted), mirrored(&held));
+    let known = trace_of(fitted, held);
+    assert_eq!(families(&turned), ["stick_slip"]);
+    let of = |trace: &Trace| trace.result.augmented.nrmse_held_out;
+    assert!(
+        (of(&turned) / of(&known) - 1.0).abs() < 0.02,
+        "{} {}",
+        of(&turned),
+        of(&known)
+    );
+    let blocks = |trace: &Trace| trace.recordings[0].trajectory.blocks.len();
+    assert_eq!(blocks(&turned), BLOCKS.len());
+}
+
 /// The answer is about physics, not about units: everything scaled, the same family and the scaled parameter.
 #[test]
 fn the_verdict_does_not_depend_on_the_scale() {

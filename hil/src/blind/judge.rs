@@ -83,7 +83,7 @@ impl Outcome {
         let hidden = self.secret.families();
         let all_named = hidden
             .iter()
-            .all(|family| said.families.iter().any(|named| named == family));
+            .all(|family| said.families.iter().any(|named| named == learnt_as(family)));
         let right = match self.secret.class {
             Class::None => said.verdict == Verdict::None,
             Class::Listed => {
@@ -130,6 +130,14 @@ impl Outcome {
                 Verdict::Ambiguous => format!("ambiguous: {}", named(said.families.clone())),
             },
         }
+    }
+}
+
+/// The name under which a tracer knows what is hidden: a spring-pot is Maxwell branches of all times.
+fn learnt_as(hidden: &str) -> &str {
+    match hidden {
+        "fractional" => "relaxation",
+        family => family,
     }
 }
 

@@ -7,7 +7,7 @@ use crate::extremes::least_and_largest;
 /// Two neighbouring cycles are of one block when their periods and amplitudes differ by less than this fraction.
 const ALIKE: f64 = 0.08;
 
-/// One cycle of displacement, from one upward crossing of the mid level to the next.
+/// One cycle of displacement, from one crossing of the mid level to the next in the same direction.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Cycle {
     /// Samples of the cycle.
@@ -16,6 +16,12 @@ pub struct Cycle {
     pub period: f64,
     /// Half of the difference between the largest and the smallest displacement, mm.
     pub amplitude: f64,
+}
+
+impl Cycle {
+    fn is_like(&self, other: &Self) -> bool {
+        alike(self.period, other.period) && alike(self.amplitude, other.amplitude)
+    }
 }
 
 /// Consecutive cycles of like amplitude and frequency.
@@ -44,8 +50,28 @@ impl Cycles {
     /// Finds the cycles of `displacement` in mm, sampled every `tick` s.
     ///
     /// A crossing of the mid level counts when the displacement then leaves a band of ±`hysteresis` mm around it on the
-    /// other side.
+    /// other side. Cycles run from upward crossing to upward crossing, or from downward to downward where that suits the
+    /// motion better: a test that sets out downwards changes its blocks there.
     pub fn find(displacement: &[f64], tick: f64, hysteresis: f64) -> Self {
+        let mirrored: Vec<f64> = displacement.iter().map(|y| -y).collect();
+        let [up, down] = [displacement, &mirrored[..]]
+            .map(|displacement| Self::between_upward(displacement, tick, hysteresis));
+        if down.fit() < up.fit() { down } else { up }
+    }
+
+    /// How badly the cycles fit the motion: how often one is unlike the one before, and, of fits that are alike in that, where the
+    /// first begins.
+    fn fit(&self) -> (usize, usize) {
+        let pairs = self.cycles.windows(2);
+        let changes = pairs.filter(|pair| !pair[0].is_like(&pair[1])).count();
+        let first = self.cycles.first();
+        (
+            changes,
+            first.map_or(usize::MAX, |cycle| cycle.samples.start),
+        )
+    }
+
+    fn between_upward(displacement: &[f64], tick: f64, hysteresis: f64) -> Self {
         let count = displacement.len();
         let (low, high) = least_and_largest(displacement);
         let crossings = upward_crossings(displacement, 0.5 * (low + high), hysteresis);
@@ -152,7 +178,7 @@ fn group(cycles: &[Cycle], count: usize, tick: f64, half_range: f64) -> Vec<Bloc
     let mut starts = vec![0];
     for index in 1..cycles.len() {
         let (before, now) = (&cycles[index - 1], &cycles[index]);
-        if !(alike(before.period, now.period) && alike(before.amplitude, now.amplitude)) {
+        if !before.is_like(now) {
             starts.push(index);
         }
     }

@@ -5,16 +5,17 @@ use std::path::Path;
 use super::channel::Channel;
 use super::units::{Unit, Units};
 use super::{Recording, Source, UNFINISHED, declaration};
-use crate::csv_text::{broken_csv, number, read_bytes, text_of};
+use crate::csv_text::{broken_csv, is_blank, number, read_bytes, text_of};
 use crate::error::{InputError, Place, quoted};
 
 impl Recording {
-    /// Reads CSV, or gzipped CSV: the file's first bytes say which, not its name.
+    /// Reads CSV, or gzipped CSV: the file's first bytes say which, not its name. A row whose displacement or force is an
+    /// empty cell or `NaN` is a sample that is missing: it is left out.
     ///
     /// # Errors
     /// The file, the line or column, what is wrong and how to mend it: no such file, a directory, damaged gzip, not
     /// UTF-8, empty, no header, a missing or doubled column, an unknown unit, a row too short or too long, a cell that
-    /// is empty or no finite number, time that does not increase, too few samples, a constant displacement.
+    /// no finite number or, but for a missing sample's, empty, time that does not increase, too few samples, a constant displacement.
     pub fn read(path: impl AsRef<Path>) -> Result<Self, InputError> {
         let path = path.as_ref();
         Self::from_bytes(path, read_bytes(path)?)
@@ -63,6 +64,7 @@ impl Recording {
 
         let mut channels = vec![Vec::new(); columns.used.len()];
         let mut rows = Vec::new();
+        let (mut blank, mut first_blank) = (0, None);
         for record in records {
             let row = record.map_err(|error| broken_csv(&name, &error))?;
             let line = row.position().map_or(0, csv::Position::line);
@@ -74,17 +76,30 @@ impl Recording {
                 )
                 .at(Place::Line(line)));
             }
-            for (channel, column) in channels.iter_mut().zip(&columns.used) {
-                let cell = row.get(column.index).unwrap_or_default();
-                let value = number(cell).map_err(|(problem, mend)| {
+            let cell = |column: &Column| row.get(column.index).unwrap_or_default();
+            let value = |column: &Column| {
+                number(cell(column)).map_err(|(problem, mend)| {
                     InputError::new(&name, problem, mend).at(Place::Cell {
                         line,
                         column: header.get(column.index).unwrap_or_default().into(),
                     })
-                })?;
-                channel.push(value * column.unit.scale);
+                })
+            };
+            let is_blank = |column: &&Column| column.may_be_blank() && is_blank(cell(column));
+            if let Some(column) = columns.used.iter().find(is_blank) {
+                blank += 1;
+                first_blank = first_blank.or(value(column).err());
+                continue;
+            }
+            for (channel, column) in channels.iter_mut().zip(&columns.used) {
+                channel.push(value(column)? * column.unit.scale);
             }
             rows.push(row);
+        }
+        if blank > rows.len()
+            && let Some(error) = first_blank
+        {
+            return Err(error);
         }
 
         let mut units = Units::default();
@@ -139,6 +154,13 @@ struct Column {
     index: usize,
     quantity: Channel,
     unit: Unit,
+}
+
+impl Column {
+    /// Whether a logger may have had nothing to write in some rows.
+    fn may_be_blank(&self) -> bool {
+        matches!(self.quantity, Channel::Displacement | Channel::Force)
+    }
 }
 
 /// The columns that are used, at most one of each quantity.

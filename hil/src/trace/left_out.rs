@@ -8,6 +8,7 @@ use rayon::prelude::*;
 use super::score::Jury;
 use super::select::held_to;
 use super::split::{Role, Roles, same_amplitude};
+use super::within_blocks::is_seen_within_blocks;
 use crate::model::{Model, ModelError};
 use crate::predict::predict;
 use crate::recording::cycles::Block;
@@ -154,6 +155,24 @@ impl<'a> LeftOut<'a> {
             }
         }
         Ok(squares > WANDERS * expected)
+    }
+
+    /// Whether `changing` knows what changes from cycle to cycle within blocks better than `still`.
+    pub fn is_seen_within_blocks(
+        &self,
+        changing: &Model,
+        still: &Model,
+    ) -> Result<bool, ModelError> {
+        let counts = |which: usize, sample: usize| {
+            self.is_open(which, sample) && self.trajectories[which].is_telling(sample)
+        };
+        let predicted = |model: &Model| -> Result<Vec<Vec<f64>>, ModelError> {
+            let each = self.trajectories.iter();
+            each.map(|trajectory| predict(model, trajectory)).collect()
+        };
+        let (changing, still) = (predicted(changing)?, predicted(still)?);
+        let all = self.trajectories;
+        Ok(is_seen_within_blocks(all, counts, &changing, &still))
     }
 
     /// The RMS error there over the RMS force, each block counting the same.

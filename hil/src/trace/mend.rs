@@ -3,7 +3,7 @@
 use rayon::prelude::*;
 
 use super::left_out::{Fit, LeftOut, Picked};
-use crate::identify::correction::{self, Choice};
+use crate::identify::correction::{self, Choice, Kinds};
 use crate::model::{Model, ModelError};
 use crate::recording::trajectory::Trajectory;
 
@@ -56,7 +56,15 @@ pub(super) fn mended(
         consider(error, number, plain[number].clone(), None);
     }
     let corrected = laws.par_iter().zip(&plain).map(|(law, plain)| {
-        let Some((model, choice)) = correction::fit(trajectories, plain, open)? else {
+        let fitted = |kinds| correction::fit(trajectories, plain, kinds, open);
+        let mut found = fitted(Kinds::All)?;
+        if let Some((model, choice)) = &found
+            && choice.goes_on_with_time()
+            && !left_out.is_seen_within_blocks(model, plain)?
+        {
+            found = fitted(Kinds::OfMotion)?;
+        }
+        let Some((model, choice)) = found else {
             return Ok(None);
         };
         let refit =

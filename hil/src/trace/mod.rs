@@ -4,7 +4,6 @@
 //! needless ones are dropped, and the result is fitted once more to all but the samples held out, on which alone the
 //! error is reported.
 
-mod between_blocks;
 mod closing;
 mod left_out;
 mod mend;
@@ -15,6 +14,7 @@ mod separating;
 mod split;
 mod tones;
 mod verdict;
+mod within_blocks;
 
 pub use split::{Role, Roles};
 

@@ -68,12 +68,6 @@ impl<'a> Jury<'a> {
         (squares / self.recordings() as f64).sqrt()
     }
 
-    /// The samples of one trajectory.
-    pub fn samples(&self, which: usize) -> impl Iterator<Item = usize> {
-        let pieces = self.pieces.iter().filter(move |piece| piece.0 == which);
-        pieces.flat_map(|(_, samples)| samples.iter().copied())
-    }
-
     fn recordings(&self) -> usize {
         self.power.iter().filter(|&&power| power > 0.0).count()
     }

@@ -2,10 +2,10 @@
 
 use rayon::prelude::*;
 
-use super::between_blocks::stands_still_within_blocks;
 use super::score::{Jury, Score};
 use super::split::{Role, Roles, same_amplitude};
 use super::tones::tones;
+use super::within_blocks::is_seen_within_blocks;
 use crate::identify::problem::Problem;
 use crate::identify::rows::Rows;
 use crate::identify::screen::{Screen, Start};
@@ -129,8 +129,7 @@ pub struct Selection {
 pub struct Search<'a> {
     trajectories: &'a [Trajectory],
     jury: Jury<'a>,
-    /// The samples that are fitted, as the jury takes them.
-    fitted: Jury<'a>,
+    roles: &'a Roles,
     rows: Rows<'a>,
     extent: Extent,
     terms: Vec<Term>,
@@ -138,7 +137,7 @@ pub struct Search<'a> {
 
 impl<'a> Search<'a> {
     /// A search with eq 13's coefficients at the amplitudes `nodes`.
-    pub fn new(trajectories: &'a [Trajectory], roles: &Roles, nodes: Vec<f64>) -> Self {
+    pub fn new(trajectories: &'a [Trajectory], roles: &'a Roles, nodes: Vec<f64>) -> Self {
         let temperature = trajectories
             .iter()
             .find_map(|t| t.temperature.as_ref()?.first().copied());
@@ -153,7 +152,7 @@ impl<'a> Search<'a> {
         Self {
             trajectories,
             jury: Jury::of(trajectories, roles, Role::Judge),
-            fitted: Jury::of(trajectories, roles, Role::Fit),
+            roles,
             rows: Rows::gather(trajectories, nodes, MOST_ROWS, |which, sample| {
                 roles.of(which, sample) == Role::Fit
             }),
@@ -168,7 +167,7 @@ impl<'a> Search<'a> {
         Self {
             rows: self.rows.with_nodes(nodes),
             jury: self.jury.clone(),
-            fitted: self.fitted.clone(),
+            roles: self.roles,
             extent: self.extent.clone(),
             terms: self.terms.clone(),
             trajectories: self.trajectories,
@@ -301,10 +300,29 @@ impl<'a> Search<'a> {
             .unwrap_or(0)
     }
 
-    /// Whether it has a drift that the cycles of a block know nothing of.
+    /// Whether it has a drift that the cycles within blocks know nothing of.
     fn stands_still(&self, law: &Fitted) -> bool {
-        let (solution, predicted) = (&law.solution, &law.predicted);
-        stands_still_within_blocks(self.trajectories, &self.fitted, solution, predicted)
+        let mut terms = law.solution.terms.iter();
+        let Some(drift) = terms.find(|value| value.term.form == Form::Drift) else {
+            return false;
+        };
+        let (stiffness, lasting) = (drift.sizes[0], drift.shapes[0]);
+        let all = self.trajectories.iter().zip(&law.predicted);
+        let without: Vec<Vec<f64>> = all
+            .map(|(trajectory, predicted)| {
+                let drift = |i: usize| {
+                    let settled = -(-trajectory.cycles[i] / lasting).exp_m1();
+                    stiffness * settled * trajectory.motion.displacement[i]
+                };
+                (0..predicted.len())
+                    .map(|i| predicted[i] - drift(i))
+                    .collect()
+            })
+            .collect();
+        let counts = |which: usize, sample: usize| {
+            self.roles.is_open(which, sample) && self.trajectories[which].is_telling(sample)
+        };
+        !is_seen_within_blocks(self.trajectories, counts, &law.predicted, &without)
     }
 
     /// Every form beside `law`: those that promise most fitted, the others with what they start from.

@@ -86,6 +86,10 @@ pub(super) fn depends_on(model: &Model, correction: &[&str]) -> Vec<String> {
     names
 }
 
+/// A law that explains what it was fitted to and leaves more than so many times as much of what was held out knows the one and
+/// not the other.
+const ELSEWHERE: f64 = 2.0;
+
 /// What a reader should know before trusting the result: `left` times the noise is what effects leave, `errors` are of the law
 /// alone and with what was added.
 pub(super) fn warnings<'t>(
@@ -123,6 +127,13 @@ pub(super) fn warnings<'t>(
             "on what was held out the law with what was added is no better than the law alone: don't use it there"
                 .to_owned(),
         );
+    }
+    let elsewhere = errors.1.nrmse_held_out / errors.1.nrmse_fitted;
+    if model.correction.is_none() && left <= EXPLAINED && elsewhere > ELSEWHERE {
+        warnings.push(format!(
+            "on what was held out the law errs {elsewhere:.1} times as much as where it was fitted: it holds for the fitted \
+             amplitudes and frequencies; fit some between them and those held out too"
+        ));
     }
     if model.correction.is_some() {
         warnings.push(

@@ -4,8 +4,28 @@ use super::design::Design;
 use crate::correction::Remembered;
 use crate::recording::trajectory::Trajectory;
 
-/// Every kind, each with its limit or time over all that the data can show.
-pub(crate) fn kinds(design: &Design) -> Vec<Vec<Remembered>> {
+/// Which kinds are tried.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Kinds {
+    /// All that there are.
+    All,
+    /// Those that remember the motion, and not how long a test has run.
+    OfMotion,
+}
+
+/// Whether it remembers how long a test has run.
+pub(super) fn goes_on_with_time(of: Remembered) -> bool {
+    matches!(of, Remembered::Age { .. } | Remembered::Cycles { .. })
+}
+
+/// Those of `kinds`, each with its limit or time over all that the data can show.
+pub(super) fn of_kinds(kinds: Kinds, design: &Design) -> Vec<Vec<Remembered>> {
+    let mut all = every_kind(design);
+    all.retain(|kind| kinds == Kinds::All || !kind.iter().copied().any(goes_on_with_time));
+    all
+}
+
+fn every_kind(design: &Design) -> Vec<Vec<Remembered>> {
     let trajectories = design.trajectories;
     let reach = design.extent.displacement;
     let longest =

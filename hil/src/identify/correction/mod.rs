@@ -10,6 +10,7 @@ pub(crate) mod memory;
 mod system;
 mod trend;
 
+pub use memory::Kinds;
 use mesh_damper::effects::correction::CELLS;
 use rayon::prelude::*;
 
@@ -67,6 +68,12 @@ struct MemoryChoice {
 }
 
 impl Choice {
+    /// Whether it remembers how long a test has run, whatever the motion was.
+    pub fn goes_on_with_time(&self) -> bool {
+        self.memory
+            .is_some_and(|memory| memory::goes_on_with_time(memory.of))
+    }
+
     fn form(&self) -> Form<'_> {
         Form {
             trends: &self.trends,
@@ -91,7 +98,7 @@ struct Fitted {
 /// `model` with a correction, and with eq 13 fitted anew beside it, where that predicts clearly better than `model` with eq
 /// 13 fitted anew alone; `None` where it does not.
 ///
-/// It is fitted to the samples that `included(trajectory, sample)` picks. Which trends it follows, how smooth it is around
+/// It is fitted to the samples that `included(trajectory, sample)` picks, and remembers what is of `kinds`. Which trends it follows, how smooth it is around
 /// them and what it remembers is chosen by the error in blocks left out of the fit one at a time, each of an amplitude that
 /// another block has, and by the error in the fit. The choice is returned too.
 ///
@@ -100,6 +107,7 @@ struct Fitted {
 pub fn fit(
     trajectories: &[Trajectory],
     model: &Model,
+    kinds: Kinds,
     included: impl Fn(usize, usize) -> bool,
 ) -> Result<Option<(Model, Choice)>, ModelError> {
     let Some(design) = Design::new(trajectories, model, None, included)? else {
@@ -112,7 +120,7 @@ pub fn fit(
     let Some(plain) = momentary(&design, &alone) else {
         return Ok(None);
     };
-    let Fitted { choice, solved } = remembering(&design, &plain).unwrap_or(plain);
+    let Fitted { choice, solved } = remembering(&design, &plain, kinds).unwrap_or(plain);
     if solved.error > WORTHWHILE * alone.error {
         return Ok(None);
     }
@@ -218,7 +226,7 @@ fn momentary(design: &Design, alone: &Solved) -> Option<Fitted> {
 }
 
 /// What is best remembered beside `plain`, where that clearly pays.
-fn remembering(design: &Design, plain: &Fitted) -> Option<Fitted> {
+fn remembering(design: &Design, plain: &Fitted, kinds: Kinds) -> Option<Fitted> {
     let at = &plain.solved.coefficients;
     let known = &plain.choice.trends;
     let tabulated = Form {
@@ -234,20 +242,22 @@ fn remembering(design: &Design, plain: &Fitted) -> Option<Fitted> {
         fitted.min_by(|a, b| a.0.total_cmp(&b.0))
     };
     let candidates = trend::of_memory(Variables::BOTH);
-    let best_of_each = memory::kinds(design).into_par_iter().filter_map(|kind| {
-        let (_, coarse) = best_of(kind)?;
-        let (_, of) = best_of(memory::around(coarse))?;
-        let recalled = design.recall(of)?;
-        let raw = Raw::over(design, at, Some(&recalled));
-        let (error, trends) = trend::grown(&raw, known, &candidates)?;
-        let with_table = raw.sums(tabulated)?.judged(tabulated)?.error;
-        let (error, trends) = if error < with_table {
-            (error, trends)
-        } else {
-            (with_table, known.clone())
-        };
-        Some((error, of, recalled, trends))
-    });
+    let best_of_each = memory::of_kinds(kinds, design)
+        .into_par_iter()
+        .filter_map(|kind| {
+            let (_, coarse) = best_of(kind)?;
+            let (_, of) = best_of(memory::around(coarse))?;
+            let recalled = design.recall(of)?;
+            let raw = Raw::over(design, at, Some(&recalled));
+            let (error, trends) = trend::grown(&raw, known, &candidates)?;
+            let with_table = raw.sums(tabulated)?.judged(tabulated)?.error;
+            let (error, trends) = if error < with_table {
+                (error, trends)
+            } else {
+                (with_table, known.clone())
+            };
+            Some((error, of, recalled, trends))
+        });
     let (error, of, recalled, trends) = best_of_each.min_by(|a, b| a.0.total_cmp(&b.0))?;
     let raw = Raw::over(design, at, Some(&recalled));
     // What was taken without the memory may have stood in for it.

@@ -24,8 +24,14 @@ const WELL_DESCRIBED: f64 = 0.05;
 const STEADY: usize = 3;
 /// Frequencies that differ by this factor are several.
 const SEVERAL: f64 = 1.4;
+/// Amplitudes closer than this part are one.
+const SAME_AMPLITUDE: f64 = 0.06;
+/// With more of them the motion has no levels of amplitude.
+const MOST_AMPLITUDES: usize = 8;
+/// So many samples to either side of a kink of the motion are left out.
+const ABOUT_KINKS: usize = 3;
 /// Functions of the motion of which a general damper's force is a sum.
-const FUNCTIONS: usize = 9;
+const FUNCTIONS: usize = 10;
 
 /// Time by which the force is late against the displacement.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -56,9 +62,14 @@ impl Shift {
         if highest == 0.0 || reach < 2 || trajectory.len() < 8 * reach {
             return None;
         }
-        let rows = Rows::of(trajectory, reach);
+        let rows = Rows::of_each_amplitude(trajectory, reach);
         let left: Vec<f64> = (0..=2 * reach)
-            .map(|step| rows.left(trajectory, step as isize - reach as isize))
+            .map(|step| {
+                let shift = step as isize - reach as isize;
+                let each = rows.iter().map(|rows| rows.left(trajectory, shift));
+                let (left, all) = each.fold((0.0, 0.0), |sum, one| (sum.0 + one.0, sum.1 + one.1));
+                left / all
+            })
             .collect();
         let (best, &least) = left.iter().enumerate().min_by(|a, b| a.1.total_cmp(b.1))?;
         if best == 0 || best == 2 * reach {
@@ -120,7 +131,7 @@ fn gives_energy(trajectory: &Trajectory) -> bool {
     })
 }
 
-/// Samples of the motion, evenly picked, with the functions of it and the inverse of their Gram matrix.
+/// Samples of the motion at one amplitude, evenly picked, with the functions of it and the inverse of their Gram matrix.
 struct Rows {
     samples: Vec<usize>,
     functions: Vec<SVector<f64, FUNCTIONS>>,
@@ -128,7 +139,36 @@ struct Rows {
 }
 
 impl Rows {
-    fn of(trajectory: &Trajectory, reach: usize) -> Self {
+    /// A damper may be another one at every amplitude, as in the published tables.
+    fn of_each_amplitude(trajectory: &Trajectory, reach: usize) -> Vec<Self> {
+        let inner = reach..trajectory.len() - reach;
+        let every = inner.len().div_ceil(MOST_ROWS).max(1);
+        let mut groups: Vec<(f64, Vec<usize>)> = Vec::new();
+        for sample in inner.step_by(every) {
+            // Friction jumps there with the velocity, between two samples: that says nothing of parts of a tick.
+            let near = |kink: &usize| kink.abs_diff(sample) <= ABOUT_KINKS;
+            if trajectory.motion.kinks.iter().any(near) {
+                continue;
+            }
+            let amplitude = trajectory.amplitude[sample];
+            let alike = |group: &&mut (f64, Vec<usize>)| {
+                (group.0 - amplitude).abs() < SAME_AMPLITUDE * amplitude
+            };
+            match groups.iter_mut().find(alike) {
+                Some((_, samples)) => samples.push(sample),
+                None => groups.push((amplitude, vec![sample])),
+            }
+        }
+        if groups.len() > MOST_AMPLITUDES {
+            let all = groups.into_iter().flat_map(|(_, samples)| samples);
+            return vec![Self::of(trajectory, all.collect())];
+        }
+        let each = groups.into_iter();
+        each.map(|(_, samples)| Self::of(trajectory, samples))
+            .collect()
+    }
+
+    fn of(trajectory: &Trajectory, samples: Vec<usize>) -> Self {
         let motion = &trajectory.motion;
         let largest = |values: &[f64]| {
             values
@@ -140,25 +180,24 @@ impl Rows {
             largest(&motion.velocity),
             largest(&motion.acceleration),
         );
-        let inner = reach..trajectory.len() - reach;
-        let every = inner.len().div_ceil(MOST_ROWS).max(1);
-        let samples: Vec<usize> = inner.step_by(every).collect();
         let functions: Vec<SVector<f64, FUNCTIONS>> = samples
             .iter()
             .map(|&index| {
                 let y = motion.displacement[index] / y_max;
                 let v = motion.velocity[index] / v_max;
                 let a = motion.acceleration[index] / a_max;
-                let friction = v.signum() * v.abs().powf(0.3);
+                // Whatever its exponent, friction is about a sum of these two: one that is off looks like a shift.
+                let [dry, wet] = [0.15, 0.5].map(|alpha| v.signum() * v.abs().powf(alpha));
                 SVector::from([
                     1.0,
                     y,
                     y * y,
                     y.powi(3),
                     y.powi(5),
-                    friction,
+                    dry,
+                    wet,
                     v,
-                    y.abs() * friction,
+                    y.abs() * dry,
                     a,
                 ])
             })
@@ -175,8 +214,8 @@ impl Rows {
         }
     }
 
-    /// Sum of squares that the functions leave of the force `shift` ticks later, over the force's own.
-    fn left(&self, trajectory: &Trajectory, shift: isize) -> f64 {
+    /// Sum of squares that the functions leave of the force `shift` ticks later, and the force's own.
+    fn left(&self, trajectory: &Trajectory, shift: isize) -> (f64, f64) {
         let mut right = SVector::<f64, FUNCTIONS>::zeros();
         let mut power = 0.0;
         for (&sample, row) in self.samples.iter().zip(&self.functions) {
@@ -184,6 +223,6 @@ impl Rows {
             right += row * force;
             power += force * force;
         }
-        1.0 - right.dot(&(self.gram_inverse * right)) / power
+        (power - right.dot(&(self.gram_inverse * right)), power)
     }
 }
