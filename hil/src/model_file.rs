@@ -348,7 +348,15 @@ mod tests {
                             ("slip_limit_2", 0.1),
                         ],
                     ),
-                    effect(Family::Relaxation, &[("stiffness", 0.4), ("time", 0.05)]),
+                    effect(
+                        Family::Relaxation,
+                        &[
+                            ("stiffness", 0.4),
+                            ("time", 0.05),
+                            ("stiffness_2", 0.3),
+                            ("time_2", 0.7),
+                        ],
+                    ),
                     effect(Family::Temperature, &[("beta", 0.004), ("reference", 20.0)]),
                 ],
                 correction: Some(correction()),

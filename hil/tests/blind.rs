@@ -1,6 +1,6 @@
 //! The blind trial.
 
-use hil::blind::{Class, FLOORS_OF_A_PART, GROUP, PART, draw, run};
+use hil::blind::{Class, FLOORS_OF_A_PART, GROUP, Mark, PART, draw, judge, run};
 use hil::trace::result::Verdict;
 use hil::trace::trace;
 
@@ -70,4 +70,18 @@ fn a_part_of_the_trial_reaches_what_it_has_reached() {
     let summary = run(PART, &|_| ());
     let missed = FLOORS_OF_A_PART.missed(&summary);
     assert!(missed.is_empty(), "{}", missed.join("\n"));
+}
+
+/// What relaxes over all times is several Maxwell branches, which is what it is called; by another name it would be wrong.
+#[test]
+fn a_spring_pot_is_relaxation() {
+    let trial = draw(9);
+    assert_eq!(trial.secret.families(), ["fractional"]);
+    let mut outcome = judge(&trial);
+    let said = outcome.said.as_mut().unwrap();
+    assert_eq!(said.families, ["relaxation"]);
+    assert!(said.after < 1.2, "{}", said.after);
+    assert_eq!(outcome.mark(), Mark::Right);
+    outcome.said.as_mut().unwrap().families = vec!["viscous".into()];
+    assert_eq!(outcome.mark(), Mark::Wrong);
 }

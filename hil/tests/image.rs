@@ -39,7 +39,7 @@ fn every_effect() -> Vec<Effect<f32>> {
         Effect::StickSlip(
             StickSlip::new(&[1, 2, 3, 4, 5, 6].map(|n| (0.1 * n as f32, 0.01 * n as f32))).unwrap(),
         ),
-        Effect::Relaxation(Relaxation::new(&[(0.4, 0.05)], TICK).unwrap()),
+        Effect::Relaxation(Relaxation::new(&[(0.4, 0.05), (0.2, 0.5)], TICK).unwrap()),
         Effect::Drift(Drift::new(-0.2, 40.0).unwrap()),
         Effect::Temperature(Temperature::new(2e-3, 20.0).unwrap()),
         Effect::LoadFriction(LoadFriction::new(4.0).unwrap()),

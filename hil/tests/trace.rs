@@ -318,6 +318,31 @@ fn coefficients_over_amplitude_are_taken_when_the_data_ask_for_them() {
     );
 }
 
+/// Of a law that is another one elsewhere this is said, and of one that is not it isn't, however small the force there.
+#[test]
+fn a_law_that_errs_elsewhere_is_said_to() {
+    const SMALL: [(f64, f64, u32); 2] = [(0.02, 2.5, 8), (0.02, 1.25, 6)];
+    let bend = |s: &Sample| {
+        if s.1.abs() > 0.201 {
+            40.0 * (s.1.abs() - 0.201) * s.1.signum()
+        } else {
+            0.0
+        }
+    };
+    const LARGE: [(f64, f64, u32); 2] = [(0.25, 2.5, 8), (0.25, 1.25, 6)];
+    for (held, said) in [(&SMALL, false), (&LARGE, true)] {
+        let fitted = record("fitted", &BLOCKS, 0.004, 61, bend);
+        let held = record("held", held, 0.004, 62, bend);
+        let result = trace_of(fitted, held).result;
+        assert_eq!(result.verdict, Verdict::None);
+        let warned = result
+            .warnings
+            .iter()
+            .any(|w| w.contains("times the noise, which it does not"));
+        assert_eq!(warned, said, "{:?}", result.warnings);
+    }
+}
+
 fn trace_of(fitted: Recording, held: Recording) -> Trace {
     trace(&[fitted], &[held], &|_| ()).unwrap()
 }

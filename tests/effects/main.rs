@@ -363,7 +363,9 @@ fn one_of_each<R: Real>() -> AugmentedLaw<R, EFFECTS> {
         Effect::Hardening(Hardening::new(r(1500.0)).unwrap()),
         Effect::StickSlip(StickSlip::new(&[(r(1.2), r(0.03)), (r(0.5), r(0.1))]).unwrap()),
         Effect::Viscous(Viscous::new(r(0.006)).unwrap()),
-        Effect::Relaxation(Relaxation::new(&[(r(1.5), r(0.05))], r(1e-4)).unwrap()),
+        Effect::Relaxation(
+            Relaxation::new(&[(r(1.0), r(0.05)), (r(0.5), r(0.02))], r(1e-4)).unwrap(),
+        ),
         Effect::Inertia(Inertia::new(r(120.0)).unwrap()),
         Effect::LoadFriction(LoadFriction::new(r(4.0)).unwrap()),
         Effect::Drift(Drift::new(r(-0.5), r(25.0)).unwrap()),

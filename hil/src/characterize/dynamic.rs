@@ -160,7 +160,7 @@ impl DynamicBlock {
         let (low, high) = least_and_largest(displacement);
         let level = 0.5 * (low + high);
         let crossing = |index: usize| match index.checked_sub(1) {
-            Some(before) if displacement[before] < level && displacement[index] > level => {
+            Some(before) if (displacement[before] < level) != (displacement[index] <= level) => {
                 let (a, b) = (displacement[before] - level, displacement[index] - level);
                 before as f64 + a / (a - b)
             }

@@ -1,5 +1,6 @@
 //! Cycles of a recorded motion, and the blocks of like cycles that a test is made of.
 
+use std::cmp::Reverse;
 use std::ops::Range;
 
 use crate::extremes::least_and_largest;
@@ -56,19 +57,17 @@ impl Cycles {
         let mirrored: Vec<f64> = displacement.iter().map(|y| -y).collect();
         let [up, down] = [displacement, &mirrored[..]]
             .map(|displacement| Self::between_upward(displacement, tick, hysteresis));
-        if down.fit() < up.fit() { down } else { up }
+        if down.fit() > up.fit() { down } else { up }
     }
 
-    /// How badly the cycles fit the motion: how often one is unlike the one before, and, of fits that are alike in that, where the
+    /// How well the cycles fit the motion: how many are like the one before, and, of fits that are equal in that, how early the
     /// first begins.
-    fn fit(&self) -> (usize, usize) {
+    fn fit(&self) -> (usize, Reverse<usize>) {
         let pairs = self.cycles.windows(2);
-        let changes = pairs.filter(|pair| !pair[0].is_like(&pair[1])).count();
+        let alike = pairs.filter(|pair| pair[0].is_like(&pair[1])).count();
         let first = self.cycles.first();
-        (
-            changes,
-            first.map_or(usize::MAX, |cycle| cycle.samples.start),
-        )
+        let start = first.map_or(usize::MAX, |cycle| cycle.samples.start);
+        (alike, Reverse(start))
     }
 
     fn between_upward(displacement: &[f64], tick: f64, hysteresis: f64) -> Self {

@@ -88,7 +88,7 @@ impl Recording {
             let is_blank = |column: &&Column| column.may_be_blank() && is_blank(cell(column));
             if let Some(column) = columns.used.iter().find(is_blank) {
                 blank += 1;
-                first_blank = first_blank.or(value(column).err());
+                first_blank = first_blank.or_else(|| value(column).err());
                 continue;
             }
             for (channel, column) in channels.iter_mut().zip(&columns.used) {

@@ -236,7 +236,7 @@ fn candidates(result: &TraceResult) -> Markup {
                             td { (text::percent(candidate.nrmse_held_out)) }
                             td.text {
                                 @if candidate.added { "added" }
-                                @else if !candidate.admissible { "would be a source of energy" }
+                                @else if !candidate.admissible { "cannot be: a source of energy, or a drift that stands still within blocks" }
                                 @else if best { "the best, without a clear gain" }
                                 @else if candidate.distinguishable { "yes" } @else { "no" }
                             }

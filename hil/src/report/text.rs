@@ -81,7 +81,7 @@ pub fn description(family: &str) -> &'static str {
             "friction that first stretches elastically and then slides, whatever the speed"
         }
         "viscous" => "a force in proportion to velocity",
-        "relaxation" => "a spring and a dashpot in series: a force that fades when motion stops",
+        "relaxation" => "springs and dashpots in series: a force that fades when motion stops",
         "inertia" => "a moving mass",
         "delay" => "a time shift between the force and displacement channels",
         "compliance" => "a spring in series, such as the fixture's",

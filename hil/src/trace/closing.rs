@@ -8,7 +8,7 @@ use super::result::{
     Baseline, Candidate, CorrectionSummary, Errors, Estimate, FoundEffect, LawEstimate, OnTarget,
     TraceResult, Verdict,
 };
-use super::select::{Selection, noise_floor};
+use super::select::{Selection, goal, noise_floor, noise_of};
 use super::separating::separating_test;
 use super::split::{Role, Roles};
 use super::verdict::{accounts_for, conclude, depends_on, generalises, rivals, warnings};
@@ -162,6 +162,7 @@ impl<'a> Closing<'a> {
                 &model,
                 left,
                 (&without, &with),
+                self.held_to(),
             ),
             augmented: with,
             on_target: OnTarget {
@@ -221,6 +222,18 @@ impl<'a> Closing<'a> {
         let rows = Rows::gather(self.trajectories, nodes, ROWS_IN_TURN, picked);
         let problem = Problem::new(&rows, &self.extent, &known.terms());
         problem.solve_near(known).model()
+    }
+
+    /// The error that a perfect law leaves of what is held out.
+    fn held_to(&self) -> f64 {
+        let held: Vec<f64> = self.recordings[self.fitted..]
+            .iter()
+            .map(|(trajectory, _)| goal(noise_of(trajectory)).powi(2))
+            .collect();
+        if held.is_empty() {
+            return goal(self.noise_floor);
+        }
+        (held.iter().sum::<f64>() / held.len() as f64).sqrt()
     }
 
     /// The model's force on every recording, kN, and its errors.

@@ -60,9 +60,12 @@ pub(super) fn mended(
         let mut found = fitted(Kinds::All)?;
         if let Some((model, choice)) = &found
             && choice.goes_on_with_time()
-            && !left_out.is_seen_within_blocks(model, plain)?
         {
-            found = fitted(Kinds::OfMotion)?;
+            let of_motion = fitted(Kinds::OfMotion)?;
+            let still = of_motion.as_ref().map_or(plain, |(model, _)| model);
+            if !left_out.is_seen_within_blocks(model, still)? {
+                found = of_motion;
+            }
         }
         let Some((model, choice)) = found else {
             return Ok(None);

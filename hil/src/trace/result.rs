@@ -124,7 +124,8 @@ pub struct Candidate {
     pub step: usize,
     /// Whether it was added to the law at that step.
     pub added: bool,
-    /// Whether the fit ended in an effect that can be: one that would be a source of energy is never added.
+    /// Whether the fit ended in an effect that can be: one that would be a source of energy is never added, nor a drift that stands
+    /// still within blocks.
     pub admissible: bool,
     /// Error on the cycles that chose among the candidates.
     pub nrmse_judged: f64,

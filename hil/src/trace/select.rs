@@ -246,7 +246,8 @@ impl<'a> Search<'a> {
             .map(|(term, fitted)| Candidate {
                 family: term.form.family(),
                 step,
-                admissible: fitted.is_admissible() && !self.stands_still(&fitted),
+                // One that the crate refuses without its drift is none with it.
+                admissible: fitted.is_admissible() && !self.stands_still(&fitted).unwrap_or(true),
                 degenerate: fitted.is_degenerate(&self.extent),
                 fitted,
                 distinguishable: true,
@@ -301,28 +302,20 @@ impl<'a> Search<'a> {
     }
 
     /// Whether it has a drift that the cycles within blocks know nothing of.
-    fn stands_still(&self, law: &Fitted) -> bool {
+    fn stands_still(&self, law: &Fitted) -> Result<bool, ModelError> {
         let mut terms = law.solution.terms.iter();
-        let Some(drift) = terms.find(|value| value.term.form == Form::Drift) else {
-            return false;
+        let Some(drift) = terms.position(|value| value.term.form == Form::Drift) else {
+            return Ok(false);
         };
-        let (stiffness, lasting) = (drift.sizes[0], drift.shapes[0]);
-        let all = self.trajectories.iter().zip(&law.predicted);
-        let without: Vec<Vec<f64>> = all
-            .map(|(trajectory, predicted)| {
-                let drift = |i: usize| {
-                    let settled = -(-trajectory.cycles[i] / lasting).exp_m1();
-                    stiffness * settled * trajectory.motion.displacement[i]
-                };
-                (0..predicted.len())
-                    .map(|i| predicted[i] - drift(i))
-                    .collect()
-            })
-            .collect();
+        let without = law.solution.without(drift).model();
+        let still = self.trajectories.iter();
+        let still = still.map(|trajectory| predict(&without, trajectory));
+        let still = still.collect::<Result<Vec<_>, _>>()?;
         let counts = |which: usize, sample: usize| {
             self.roles.is_open(which, sample) && self.trajectories[which].is_telling(sample)
         };
-        !is_seen_within_blocks(self.trajectories, counts, &law.predicted, &without)
+        let all = self.trajectories;
+        Ok(!is_seen_within_blocks(all, counts, &law.predicted, &still))
     }
 
     /// Every form beside `law`: those that promise most fitted, the others with what they start from.
@@ -439,16 +432,19 @@ pub fn error_between(
 
 /// The noise of the force over its RMS; of several recordings the root of the mean square.
 pub fn noise_floor(trajectories: &[Trajectory]) -> f64 {
-    let squares = trajectories
-        .iter()
-        .map(|trajectory| trajectory.force_noise.powi(2) / power(trajectory));
+    let squares = trajectories.iter().map(|t| noise_of(t).powi(2));
     (squares.sum::<f64>() / trajectories.len() as f64).sqrt()
+}
+
+/// The same of one recording.
+pub fn noise_of(trajectory: &Trajectory) -> f64 {
+    trajectory.force_noise / power(trajectory).sqrt()
 }
 
 /// RMS of the error that a law of `trajectory` is held to, kN.
 pub fn held_to(trajectory: &Trajectory) -> f64 {
     let force = power(trajectory).sqrt();
-    goal(trajectory.force_noise / force) * force
+    goal(noise_of(trajectory)) * force
 }
 
 /// The mean squared force, kN².

@@ -86,17 +86,18 @@ pub(super) fn depends_on(model: &Model, correction: &[&str]) -> Vec<String> {
     names
 }
 
-/// A law that explains what it was fitted to and leaves more than so many times as much of what was held out knows the one and
-/// not the other.
+/// A law that explains what it was fitted to and leaves more than so many times the noise of what was held out knows the one and not
+/// the other.
 const ELSEWHERE: f64 = 2.0;
 
 /// What a reader should know before trusting the result: `left` times the noise is what effects leave, `errors` are of the law
-/// alone and with what was added.
+/// alone and with what was added, `held_to` is what a perfect law leaves of what was held out.
 pub(super) fn warnings<'t>(
     trajectories: impl Iterator<Item = &'t Trajectory>,
     model: &Model,
     left: f64,
     errors: (&Errors, &Errors),
+    held_to: f64,
 ) -> Vec<String> {
     let mut warnings = Vec::new();
     let (first, last) = (model.law.first(), model.law.last());
@@ -128,11 +129,11 @@ pub(super) fn warnings<'t>(
                 .to_owned(),
         );
     }
-    let elsewhere = errors.1.nrmse_held_out / errors.1.nrmse_fitted;
+    let elsewhere = errors.1.nrmse_held_out / held_to;
     if model.correction.is_none() && left <= EXPLAINED && elsewhere > ELSEWHERE {
         warnings.push(format!(
-            "on what was held out the law errs {elsewhere:.1} times as much as where it was fitted: it holds for the fitted \
-             amplitudes and frequencies; fit some between them and those held out too"
+            "on what was held out the law leaves {elsewhere:.1} times the noise, which it does not where it was fitted: fit more \
+             amplitudes and frequencies, about those held out"
         ));
     }
     if model.correction.is_some() {

@@ -3,14 +3,15 @@
 //! Where the blocks of a test come in order of their frequency, whatever depends on frequency looks like a drift that stands
 //! still in every block.
 
+use super::select::held_to;
 use crate::recording::cycles::Block;
 use crate::recording::trajectory::Trajectory;
 
 /// Phases at which cycles are compared.
 const PHASES: usize = 16;
 
-/// Whether `changing` predicts what changes from cycle to cycle within blocks better than `still`, on the samples that
-/// `counts(trajectory, sample)`; both are forces on every trajectory, kN.
+/// Whether `changing` predicts what changes from cycle to cycle within blocks at least as well as `still`, on the samples that
+/// `counts(trajectory, sample)`; both are forces on every trajectory, kN. So it does where no block has two cycles.
 pub(super) fn is_seen_within_blocks(
     trajectories: &[Trajectory],
     counts: impl Fn(usize, usize) -> bool,
@@ -33,8 +34,8 @@ fn left_of_changes(
     counts: impl Fn(usize) -> bool,
     predicted: &[f64],
 ) -> f64 {
-    let left =
-        |sample: usize| (trajectory.force[sample] - predicted[sample]) / trajectory.force_noise;
+    let noise = held_to(trajectory);
+    let left = |sample: usize| (trajectory.force[sample] - predicted[sample]) / noise;
     let several = |block: &&Block| block.cycles.len() > 1;
     let mut squares = 0.0;
     for block in trajectory.blocks.iter().filter(several) {

@@ -30,6 +30,8 @@ const SAME_AMPLITUDE: f64 = 0.06;
 const MOST_AMPLITUDES: usize = 8;
 /// So many samples to either side of a kink of the motion are left out.
 const ABOUT_KINKS: usize = 3;
+/// Of an amplitude with fewer samples nothing is said.
+const FEWEST_SAMPLES: usize = 50;
 /// Functions of the motion of which a general damper's force is a sum.
 const FUNCTIONS: usize = 10;
 
@@ -152,13 +154,15 @@ impl Rows {
             }
             let amplitude = trajectory.amplitude[sample];
             let alike = |group: &&mut (f64, Vec<usize>)| {
-                (group.0 - amplitude).abs() < SAME_AMPLITUDE * amplitude
+                (group.0 - amplitude).abs() <= SAME_AMPLITUDE * amplitude
             };
             match groups.iter_mut().find(alike) {
                 Some((_, samples)) => samples.push(sample),
                 None => groups.push((amplitude, vec![sample])),
             }
         }
+        // As many functions as samples describe anything.
+        groups.retain(|(_, samples)| samples.len() >= FEWEST_SAMPLES);
         if groups.len() > MOST_AMPLITUDES {
             let all = groups.into_iter().flat_map(|(_, samples)| samples);
             return vec![Self::of(trajectory, all.collect())];
