@@ -1,6 +1,5 @@
 //! Cycles of a recorded motion, and the blocks of like cycles that a test is made of.
 
-use std::cmp::Reverse;
 use std::ops::Range;
 
 use crate::extremes::least_and_largest;
@@ -51,23 +50,21 @@ impl Cycles {
     /// Finds the cycles of `displacement` in mm, sampled every `tick` s.
     ///
     /// A crossing of the mid level counts when the displacement then leaves a band of ±`hysteresis` mm around it on the
-    /// other side. Cycles run from upward crossing to upward crossing, or from downward to downward where that suits the
-    /// motion better: a test that sets out downwards changes its blocks there.
+    /// other side. Cycles run from upward crossing to upward crossing, or from downward to downward in a test that sets out
+    /// downwards from there: that is where it changes its blocks.
     pub fn find(displacement: &[f64], tick: f64, hysteresis: f64) -> Self {
-        let mirrored: Vec<f64> = displacement.iter().map(|y| -y).collect();
-        let [up, down] = [displacement, &mirrored[..]]
-            .map(|displacement| Self::between_upward(displacement, tick, hysteresis));
-        if down.fit() > up.fit() { down } else { up }
-    }
-
-    /// How well the cycles fit the motion: how many are like the one before, and, of fits that are equal in that, how early the
-    /// first begins.
-    fn fit(&self) -> (usize, Reverse<usize>) {
-        let pairs = self.cycles.windows(2);
-        let alike = pairs.filter(|pair| pair[0].is_like(&pair[1])).count();
-        let first = self.cycles.first();
-        let start = first.map_or(usize::MAX, |cycle| cycle.samples.start);
-        (alike, Reverse(start))
+        let (low, high) = least_and_largest(displacement);
+        let level = 0.5 * (low + high);
+        let leaves = displacement
+            .iter()
+            .position(|y| (y - level).abs() > hysteresis);
+        let sets_out_downwards =
+            leaves.is_some_and(|index| index > 0 && displacement[index] < level);
+        if sets_out_downwards {
+            let mirrored: Vec<f64> = displacement.iter().map(|y| -y).collect();
+            return Self::between_upward(&mirrored, tick, hysteresis);
+        }
+        Self::between_upward(displacement, tick, hysteresis)
     }
 
     fn between_upward(displacement: &[f64], tick: f64, hysteresis: f64) -> Self {
