@@ -100,7 +100,12 @@ static GOOD: LazyLock<Vec<Vec<u8>>> = LazyLock::new(|| {
                 ),
                 (
                     Family::Relaxation,
-                    &[("stiffness", 0.4), ("time", 0.05), ("stiffness_2", 0.3), ("time_2", 0.7)],
+                    &[
+                        ("stiffness", 0.4),
+                        ("time", 0.05),
+                        ("stiffness_2", 0.3),
+                        ("time_2", 0.7),
+                    ],
                 ),
                 (Family::Temperature, &[("beta", 0.004), ("reference", 20.0)]),
                 (Family::Stop, &[("stiffness", 2.0), ("gap", 0.1)]),
