@@ -45,13 +45,18 @@ pub enum Remembered {
     Largest,
     Age { time: f64 },
     Cycles { cycles: f64 },
+    Level { time: f64 },
 }
 
 impl Remembered {
     /// What it is of, by the names of `trace.json`.
     pub fn is_of(self) -> &'static str {
         match self {
-            Self::Slip { .. } | Self::Lag { .. } | Self::Travel { .. } | Self::Largest => "history",
+            Self::Slip { .. }
+            | Self::Lag { .. }
+            | Self::Travel { .. }
+            | Self::Largest
+            | Self::Level { .. } => "history",
             Self::Age { .. } => "time",
             Self::Cycles { .. } => "cycle",
         }
@@ -64,6 +69,7 @@ impl Remembered {
             Self::Slip { limit } => Memory::Slip { limit: real(limit) },
             Self::Lag { time } => Memory::Lag { time: real(time) },
             Self::Travel { time } => Memory::Travel { time: real(time) },
+            Self::Level { time } => Memory::Level { time: real(time) },
             Self::Largest => Memory::Largest,
             Self::Age { time } => Memory::Age { time: real(time) },
             Self::Cycles { cycles } => Memory::Cycles {

@@ -133,6 +133,30 @@ fn softening_by_heat_is_remembered_as_travel() {
 }
 
 #[test]
+fn a_force_that_creeps_to_where_the_motion_is_wide_is_remembered_as_level() {
+    let (memory, error) = held_out(|| {
+        let mut level = 0.0;
+        Box::new(move |s: &Sample| {
+            level += (s.displacement.abs() - level) / (4.0 * RATE);
+            0.5 * level
+        })
+    });
+    assert!(
+        matches!(memory, Some(Remembered::Level { .. })),
+        "{memory:?}"
+    );
+    assert!(error < 2.0, "{error} times the noise");
+}
+
+/// The other test begins anew, and its cycles are of another length.
+#[test]
+fn a_zero_that_drifts_is_remembered_as_age() {
+    let (memory, error) = held_out(momentary(|s| 0.004 * s.time));
+    assert!(matches!(memory, Some(Remembered::Age { .. })), "{memory:?}");
+    assert!(error < 1.5, "{error} times the noise");
+}
+
+#[test]
 fn nothing_is_corrected_where_nothing_is_missing() {
     assert_eq!(corrected(momentary(|_| 0.0)), None);
 }

@@ -155,6 +155,17 @@ fn travel_is_the_mean_speed() {
     close(z[1999], 2.0, 2e-2);
 }
 
+/// Of 0.1 mm to either side in turn it is 0.1·(1 − e^(−t/τ)).
+#[test]
+fn level_is_the_mean_displacement_to_either_side() {
+    let motion = (0..500).map(|tick| if tick % 2 == 0 { 0.1 } else { -0.1 });
+    let z = remembered(Memory::Level { time: 0.05 }, [0.0, 0.2], motion);
+    for ticks in [1_u16, 20, 50, 400] {
+        let expected = 0.1 * (1.0 - (-f64::from(ticks + 1) * TICK / 0.05).exp());
+        close(z[usize::from(ticks)], expected, 2e-4);
+    }
+}
+
 #[test]
 fn the_largest_displacement_stays() {
     let motion = [0.01, -0.06, 0.05, 0.1, -0.02, 0.0];
@@ -200,6 +211,7 @@ fn what_cannot_be_is_refused() {
         (Memory::Slip { limit: 0.0 }, [0.0, 1.0], "limit"),
         (Memory::Lag { time: f64::NAN }, [0.0, 1.0], "time"),
         (Memory::Travel { time: -1.0 }, [0.0, 1.0], "time"),
+        (Memory::Level { time: 0.0 }, [0.0, 1.0], "time"),
         (Memory::Age { time: 1e7 }, [0.0, 1.0], "time"),
         (Memory::Cycles { cycles: 0.0 }, [0.0, 1.0], "cycles"),
         (Memory::Largest, [1.0, 1.0], "high"),
@@ -219,7 +231,7 @@ proptest! {
     #[test]
     fn both_floats_give_the_same(
         motion in prop::collection::vec((-0.3f64..0.3, -8.0f64..8.0), 1..200),
-        kind in 0usize..6,
+        kind in 0usize..7,
     ) {
         fn memory<R: Real>(kind: usize) -> (Memory<R>, [R; 2]) {
             let real = R::from_f64;
@@ -230,8 +242,9 @@ proptest! {
                 Memory::Largest,
                 Memory::Age { time: real(0.05) },
                 Memory::Cycles { cycles: real(3.0) },
+                Memory::Level { time: real(0.05) },
             ][kind];
-            (memory, [real([-0.05, -0.1, 0.0, 0.0, 0.0, 0.0][kind]), real([0.05, 0.1, 200.0, 0.2, 3.0, 3.0][kind])])
+            (memory, [real([-0.05, -0.1, 0.0, 0.0, 0.0, 0.0, 0.0][kind]), real([0.05, 0.1, 200.0, 0.2, 3.0, 3.0, 0.2][kind])])
         }
         let cells = table(|y, v| 4.0 * y + 0.2 * v + v.signum());
         let mut double = Alone::new(correction::<f64>(&cells, Some(memory(kind))).unwrap());

@@ -155,6 +155,10 @@ const NOT_REACHED: [(&str, &str); 21] = [
         "51 beside those without memory: seven for the largest, the rest the state and the second table",
     ),
     (
+        "correction that remembers a level",
+        "51 beside those without memory: nine for the average, the rest the state and the second table",
+    ),
+    (
         "correction that remembers its age",
         "60 beside those without memory: 17 for the octave, the rest the state and the second table",
     ),
@@ -365,7 +369,7 @@ const EFFECTS: [(&str, &str); 17] = [
 ];
 
 /// Corrections, by what they remember, and what their limit is called.
-const CORRECTIONS: [(&str, &str); 7] = [
+const CORRECTIONS: [(&str, &str); 8] = [
     ("correction/without_memory", "correction without memory"),
     ("correction/slip", "correction that remembers a slip"),
     ("correction/lag", "correction that remembers a lag"),
@@ -376,6 +380,7 @@ const CORRECTIONS: [(&str, &str); 7] = [
     ),
     ("correction/age", "correction that remembers its age"),
     ("correction/cycles", "correction over the cycles"),
+    ("correction/level", "correction that remembers a level"),
 ];
 
 fn effects(results: &Results) -> Vec<Verdict> {

@@ -45,6 +45,11 @@ pub enum Memory<R> {
         /// 0.01…1e9
         cycles: R,
     },
+    /// The mean of |displacement| over `time`, mm: how wide the motion has been.
+    Level {
+        /// s, 1e-6…1e6; at least two ticks are taken.
+        time: R,
+    },
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -56,11 +61,12 @@ pub(super) enum Kind {
     Largest,
     Age,
     Cycles,
+    Level,
 }
 
 impl Kind {
     /// By their numbers in a pack.
-    pub const ALL: [Self; 7] = [
+    pub const ALL: [Self; 8] = [
         Self::None,
         Self::Slip,
         Self::Lag,
@@ -68,6 +74,7 @@ impl Kind {
         Self::Largest,
         Self::Age,
         Self::Cycles,
+        Self::Level,
     ];
 }
 
@@ -152,6 +159,10 @@ impl<R: Real> Recall<R> {
                     per_reading /= 2.0;
                     new.shift -= 1;
                 }
+            }
+            Memory::Level { time } => {
+                new.kind = Kind::Level;
+                new.step = loss(time)?;
             }
             Memory::Largest => new.kind = Kind::Largest,
             Memory::Age { time } => {
@@ -250,6 +261,10 @@ impl<R: Real> Recall<R> {
                 state.value = toward((place - state.previous).abs() << AVERAGE);
                 state.previous = place;
                 (state.value >> self.shift).min(LARGEST_READING)
+            }
+            Kind::Level => {
+                state.value = toward((place - MIDDLE).abs() << AVERAGE);
+                state.value >> AVERAGE
             }
             Kind::Largest => {
                 state.value = value.max((place - MIDDLE).abs());

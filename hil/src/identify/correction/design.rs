@@ -208,7 +208,7 @@ impl<'a> Design<'a> {
             Remembered::Slip { limit } => [-limit, limit],
             Remembered::Lag { .. } => [-self.extent.displacement, self.extent.displacement],
             Remembered::Travel { .. } => [0.0, self.extent.speed],
-            Remembered::Largest => [0.0, self.extent.displacement],
+            Remembered::Largest | Remembered::Level { .. } => [0.0, self.extent.displacement],
             Remembered::Age { time } => [0.0, 1.0 + (longest / time).log2().max(0.0)],
             Remembered::Cycles { .. } => [0.0, 16.0],
         };

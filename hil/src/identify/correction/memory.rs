@@ -48,37 +48,44 @@ fn every_kind(design: &Design) -> Vec<Vec<Remembered>> {
         spread(5.0 * short, 0.5 * duration, 5, |time| Remembered::Travel {
             time,
         }),
+        spread(long, duration.max(2.0 * long), 4, |time| {
+            Remembered::Level { time }
+        }),
         vec![Remembered::Largest],
-        spread(0.01 * duration, 0.5 * duration, 3, |time| Remembered::Age {
+        spread(0.01 * duration, duration, 3, |time| Remembered::Age {
             time,
         }),
-        spread(0.01 * cycles.max(1.0), 0.3 * cycles.max(1.0), 3, |cycles| {
+        spread(0.01 * cycles.max(1.0), cycles.max(1.0), 3, |cycles| {
             Remembered::Cycles { cycles }
         }),
     ]
 }
 
-/// The same kind with its limit or time a little smaller, as it is, and a little larger.
+/// The same kind with its limit or time a little smaller and a little larger.
 pub(super) fn around(of: Remembered) -> Vec<Remembered> {
     let scaled = |factor: f64| match of {
-        Remembered::Slip { limit } => Remembered::Slip {
+        Remembered::Slip { limit } => Some(Remembered::Slip {
             limit: factor * limit,
-        },
-        Remembered::Lag { time } => Remembered::Lag {
+        }),
+        Remembered::Lag { time } => Some(Remembered::Lag {
             time: factor * time,
-        },
-        Remembered::Travel { time } => Remembered::Travel {
+        }),
+        Remembered::Travel { time } => Some(Remembered::Travel {
             time: factor * time,
-        },
-        Remembered::Largest => Remembered::Largest,
-        Remembered::Age { time } => Remembered::Age {
+        }),
+        Remembered::Level { time } => Some(Remembered::Level {
             time: factor * time,
-        },
-        Remembered::Cycles { cycles } => Remembered::Cycles {
+        }),
+        Remembered::Largest => None,
+        Remembered::Age { time } => Some(Remembered::Age {
+            time: factor * time,
+        }),
+        Remembered::Cycles { cycles } => Some(Remembered::Cycles {
             cycles: factor * cycles,
-        },
+        }),
     };
-    [0.65, 0.8, 1.0, 1.25, 1.55].map(scaled).to_vec()
+    let factors = [0.65, 0.8, 1.25, 1.55].into_iter();
+    factors.filter_map(scaled).collect()
 }
 
 /// `of` `count` numbers from `low` to `high` in equal ratios.

@@ -120,7 +120,10 @@ pub fn fit(
     let Some(plain) = momentary(&design, &alone) else {
         return Ok(None);
     };
-    let Fitted { choice, solved } = remembering(&design, &plain, kinds).unwrap_or(plain);
+    // What comes to the noise without a memory can't come to much less with one.
+    let may_remember = REMEMBERED * plain.solved.error > design.noise.sqrt();
+    let remembered = may_remember.then(|| remembering(&design, &plain, kinds));
+    let Fitted { choice, solved } = remembered.flatten().unwrap_or(plain);
     if solved.error > WORTHWHILE * alone.error {
         return Ok(None);
     }
@@ -245,8 +248,11 @@ fn remembering(design: &Design, plain: &Fitted, kinds: Kinds) -> Option<Fitted> 
     let best_of_each = memory::of_kinds(kinds, design)
         .into_par_iter()
         .filter_map(|kind| {
-            let (_, coarse) = best_of(kind)?;
-            let (_, of) = best_of(memory::around(coarse))?;
+            let coarse = best_of(kind)?;
+            let (_, of) = match best_of(memory::around(coarse.1)) {
+                Some(near) if near.0 < coarse.0 => near,
+                _ => coarse,
+            };
             let recalled = design.recall(of)?;
             let raw = Raw::over(design, at, Some(&recalled));
             let (error, trends) = trend::grown(&raw, known, &candidates)?;

@@ -1,6 +1,6 @@
 //! What keeps the tables smooth and eq 13's coefficients near each other, and the solution of the normal equations with it.
 
-use faer::linalg::solvers::Solve as _;
+use faer::linalg::solvers::{Llt, Solve as _};
 use faer::{MatMut, MatRef, Side};
 use mesh_damper::effects::correction::{DISPLACEMENTS, MEMORIES};
 use nalgebra::{DMatrix, DVector};
@@ -146,7 +146,12 @@ impl System {
     }
 
     /// The unknowns for these sums.
-    pub fn solve(&self, mut gram: DMatrix<f64>, right: DVector<f64>) -> Option<DVector<f64>> {
+    pub fn solve(&self, gram: DMatrix<f64>, right: DVector<f64>) -> Option<DVector<f64>> {
+        Some(self.solver(gram)?.solve(right))
+    }
+
+    /// What solves for one right side after the other.
+    pub fn solver(&self, mut gram: DMatrix<f64>) -> Option<Solver<'_>> {
         gram += &self.penalty;
         let scale = DVector::from_iterator(
             gram.nrows(),
@@ -160,16 +165,37 @@ impl System {
             }
             gram[(column, column)] += RIDGE;
         }
-        let mut x = (right + &self.pull).component_mul(&scale);
-        let width = x.len();
+        let width = scale.len();
         // There are hundreds of unknowns, for which faer's Cholesky, in blocks, is faster than nalgebra's.
         let gram = MatRef::from_column_major_slice(gram.as_slice(), width, width);
         let factor = gram.llt(Side::Lower).ok()?;
-        factor.solve_in_place(MatMut::from_column_major_slice_mut(
-            x.as_mut_slice(),
-            width,
-            1,
-        ));
-        Some(x.component_mul(&scale))
+        Some(Solver {
+            factor,
+            scale,
+            pull: &self.pull,
+        })
+    }
+}
+
+/// The normal equations with the penalties, factored.
+pub(super) struct Solver<'s> {
+    factor: Llt<f64>,
+    scale: DVector<f64>,
+    pull: &'s DVector<f64>,
+}
+
+impl Solver<'_> {
+    /// The unknowns for this right side and what the penalties pull to.
+    pub fn solve(&self, right: DVector<f64>) -> DVector<f64> {
+        self.solve_bare(right + self.pull)
+    }
+
+    /// The same without the pull.
+    pub fn solve_bare(&self, right: DVector<f64>) -> DVector<f64> {
+        let mut x = right.component_mul(&self.scale);
+        let width = x.len();
+        let column = MatMut::from_column_major_slice_mut(x.as_mut_slice(), width, 1);
+        self.factor.solve_in_place(column);
+        x.component_mul(&self.scale)
     }
 }

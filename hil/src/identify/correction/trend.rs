@@ -12,6 +12,8 @@ use super::gram::{Form, Raw};
 
 /// Most trends that are added at once.
 const MOST: usize = 5;
+/// So many, which save most in the fit, are judged by what is left out of it.
+const PROMISING: usize = 24;
 /// A trend is taken for an error that is at most this part of that without.
 const WORTHWHILE: f64 = 0.93;
 
@@ -162,9 +164,14 @@ pub(super) fn grown(raw: &Raw, known: &[Trend], candidates: &[Trend]) -> Option<
     let mut taken: Vec<usize> = (0..known.len()).collect();
     let mut error = sums.error_with(&taken)?;
     while taken.len() < known.len() + MOST {
-        let next = (known.len()..all.len())
-            .into_par_iter()
+        let savings = sums.savings_beside(&taken)?;
+        let mut promising: Vec<usize> = (known.len()..all.len())
             .filter(|candidate| !taken.contains(candidate))
+            .collect();
+        promising.sort_by(|a, b| savings[*b].total_cmp(&savings[*a]));
+        promising.truncate(PROMISING);
+        let next = promising
+            .into_par_iter()
             .filter_map(|candidate| {
                 let more: Vec<usize> = taken.iter().copied().chain([candidate]).collect();
                 Some((sums.error_with(&more)?, more))

@@ -150,7 +150,7 @@ type Remembered = (Memory<f32>, [f32; 2]);
 
 /// Every kind of memory that a correction may have, with the name that it is counted under. Half of the range of each is
 /// reached in the cycles that are counted.
-fn memories() -> [(&'static str, Option<Remembered>); 7] {
+fn memories() -> [(&'static str, Option<Remembered>); 8] {
     [
         ("correction/without_memory", None),
         (
@@ -173,6 +173,10 @@ fn memories() -> [(&'static str, Option<Remembered>); 7] {
         (
             "correction/cycles",
             Some((Memory::Cycles { cycles: 0.5 }, [0.0, 4.0])),
+        ),
+        (
+            "correction/level",
+            Some((Memory::Level { time: 0.2 }, [0.0, 0.2])),
         ),
     ]
 }
