@@ -217,6 +217,19 @@ fn each_effect_is_named_and_measured() {
 }
 
 /// A Prony series of two terms, as the source has it of its material, is one effect with both branches.
+/// The blocks of small amplitude are mostly noise then, which says nothing against an effect that shows in the others.
+#[test]
+fn an_effect_is_named_in_much_noise() {
+    let trace = traced(0.03, 5, || |&(_, y, ..): &Sample| 1500.0 * y.powi(5));
+    assert_eq!(
+        trace.result.verdict,
+        Verdict::Found,
+        "{:?}",
+        trace.result.baseline
+    );
+    assert_eq!(families(&trace), ["hardening"]);
+}
+
 #[test]
 fn two_branches_are_one_relaxation() {
     let trace = traced(0.004, 8, || {

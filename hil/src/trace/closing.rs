@@ -212,7 +212,7 @@ impl<'a> Closing<'a> {
             _ => true,
         };
         let error = |law| left_out.error(&|picked| Ok(self.refit(&self.rows[0], law, picked)));
-        let holds = accounts && generalises(error(alone)?, error(solution)?, selection.goal);
+        let holds = accounts && generalises(error(alone)?, error(solution)?);
         Ok((if holds { verdict } else { Verdict::Unlisted }, left))
     }
 

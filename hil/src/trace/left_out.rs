@@ -6,7 +6,7 @@ use std::ops::Range;
 use rayon::prelude::*;
 
 use super::score::Jury;
-use super::select::held_to;
+use super::select::{goal, held_to};
 use super::split::{Role, Roles, same_amplitude};
 use super::within_blocks::is_seen_within_blocks;
 use crate::model::{Model, ModelError};
@@ -18,6 +18,9 @@ use crate::recording::trajectory::Trajectory;
 const FEWEST_BLOCKS: usize = 4;
 /// At most so many are.
 const MOST_LEFT_OUT: usize = 4;
+
+/// The part of the noise, in squares, by which an error may differ from it by chance.
+const UNCERTAIN: f64 = 0.3;
 
 /// The part of the cycles that are not the worst.
 const MOST_CYCLES: f64 = 0.8;
@@ -175,8 +178,23 @@ impl<'a> LeftOut<'a> {
         Ok(is_seen_within_blocks(all, counts, &changing, &still))
     }
 
-    /// The RMS error there over the RMS force, each block counting the same.
-    pub fn error(&self, fit: Fit) -> Result<f64, ModelError> {
+    /// What is left there, and what `model` leaves, the law as fitted to all that may be.
+    pub fn judged(&self, fit: Fit, model: &Model) -> Result<Judged, ModelError> {
+        let mut errors = Vec::new();
+        for (which, trajectory) in self.trajectories.iter().enumerate() {
+            let predicted = predict(model, trajectory)?;
+            let is_fair = |i: usize| self.is_open(which, i) && trajectory.is_telling(i);
+            let of_block = |block| RelativeError::of(trajectory, &predicted, block, is_fair);
+            errors.extend(trajectory.blocks.iter().filter_map(of_block));
+        }
+        Ok(Judged {
+            outside: self.error(fit)?.beyond_noise(),
+            inside: RelativeError::mean(&errors).beyond_noise(),
+        })
+    }
+
+    /// What is left there of the force, each block counting the same.
+    pub fn error(&self, fit: Fit) -> Result<RelativeError, ModelError> {
         if self.blocks.is_empty() {
             let model = fit(&|which, sample| self.judging.of(which, sample) == Role::Fit)?;
             let predicted = self
@@ -185,7 +203,10 @@ impl<'a> LeftOut<'a> {
                 .map(|trajectory| predict(&model, trajectory))
                 .collect::<Result<Vec<_>, _>>()?;
             let jury = Jury::of(self.trajectories, self.judging, Role::Judge);
-            return Ok(jury.score(&predicted).nrmse());
+            return Ok(RelativeError {
+                error: jury.score(&predicted).nrmse().powi(2),
+                noise: goal(jury.noise()).powi(2),
+            });
         }
         let errors = self.blocks.par_iter().map(|(which, block)| {
             let model = fit(&|other, sample| {
@@ -194,26 +215,72 @@ impl<'a> LeftOut<'a> {
             let trajectory = &self.trajectories[*which];
             let is_fair = |i: usize| self.is_open(*which, i) && trajectory.is_telling(i);
             let predicted = predict(&model, trajectory)?;
-            Ok(relative_error(trajectory, &predicted, block, is_fair))
+            Ok(RelativeError::of(trajectory, &predicted, block, is_fair))
         });
-        let errors: Vec<f64> = errors.collect::<Result<_, _>>()?;
-        Ok((errors.iter().sum::<f64>() / errors.len() as f64).sqrt())
+        let errors: Vec<Option<RelativeError>> = errors.collect::<Result<_, ModelError>>()?;
+        let errors: Vec<RelativeError> = errors.into_iter().flatten().collect();
+        Ok(RelativeError::mean(&errors))
     }
 }
 
-/// The squared error over the squared force in the samples of a block that are `is_fair`.
-fn relative_error(
-    trajectory: &Trajectory,
-    predicted: &[f64],
-    block: &Block,
-    is_fair: impl Fn(usize) -> bool,
-) -> f64 {
-    let telling = || block.samples.clone().filter(|&i| is_fair(i));
-    let error: f64 = telling()
-        .map(|i| (predicted[i] - trajectory.force[i]).powi(2))
-        .sum();
-    let force: f64 = telling().map(|i| trajectory.force[i].powi(2)).sum();
-    error / force
+/// Errors [beyond the noise](RelativeError::beyond_noise).
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Judged {
+    /// In blocks left out of the fit,
+    pub outside: f64,
+    /// and in the fit.
+    inside: f64,
+}
+
+impl Judged {
+    /// The geometric mean of both: few blocks are left out, and what they know nothing of shows in the fit.
+    pub fn both(&self) -> f64 {
+        (self.outside * self.inside).sqrt()
+    }
+}
+
+/// Squares over that of the force.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct RelativeError {
+    /// Of what a law leaves,
+    pub error: f64,
+    /// and of what a perfect one would.
+    pub noise: f64,
+}
+
+impl RelativeError {
+    /// In the samples of a block that are `is_fair`; `None` where there is none.
+    fn of(
+        trajectory: &Trajectory,
+        predicted: &[f64],
+        block: &Block,
+        is_fair: impl Fn(usize) -> bool,
+    ) -> Option<Self> {
+        let (mut error, mut noise, mut force) = (0.0, 0.0, 0.0);
+        let of_sample = held_to(trajectory).powi(2);
+        for i in block.samples.clone().filter(|&i| is_fair(i)) {
+            error += (predicted[i] - trajectory.force[i]).powi(2);
+            noise += of_sample;
+            force += trajectory.force[i].powi(2);
+        }
+        (force > 0.0).then(|| Self {
+            error: error / force,
+            noise: noise / force,
+        })
+    }
+
+    fn mean(errors: &[Self]) -> Self {
+        let mean = |of: fn(&Self) -> f64| errors.iter().map(of).sum::<f64>() / errors.len() as f64;
+        Self {
+            error: mean(|one| one.error),
+            noise: mean(|one| one.noise),
+        }
+    }
+
+    /// RMS of what is left beyond the noise, and of a little of the noise: nobody leaves less.
+    pub fn beyond_noise(&self) -> f64 {
+        ((self.error - self.noise).max(0.0) + UNCERTAIN * self.noise).sqrt()
+    }
 }
 
 /// Of the blocks whose amplitude another one has, so that eq 13 is known there, some that are evenly spread over amplitude

@@ -2,12 +2,12 @@
 
 use rayon::prelude::*;
 
-use super::left_out::{Fit, LeftOut, Picked};
+use super::left_out::{Fit, Judged, LeftOut, Picked};
 use crate::identify::correction::{self, Choice, Kinds};
 use crate::model::{Model, ModelError};
 use crate::recording::trajectory::Trajectory;
 
-/// A law is taken in the place of a simpler one if its error in blocks left out is at most this part of the other's.
+/// A law is taken in the place of a simpler one if its error is at most this part of the other's.
 const BETTER: f64 = 0.95;
 /// The same for effects beside a table, which could stand in for most of them, and for a table in the place of effects, whose
 /// force is known where no table was fitted.
@@ -23,37 +23,37 @@ pub(super) struct Mended {
     pub depends_on: Vec<&'static str>,
 }
 
-/// One of `laws`, the simplest first, alone or with a correction. Taken is what predicts best where it was not fitted; it is
-/// fitted to all that may be.
+/// One of `laws`, the simplest first, alone or with a correction. Taken is what is judged best by blocks that are left out of its
+/// fit and by the fit; it is fitted to all that may be.
 pub(super) fn mended(
     trajectories: &[Trajectory],
     left_out: &LeftOut,
     laws: &[Fit],
 ) -> Result<Mended, ModelError> {
     let open: Picked = &|which, sample| left_out.is_open(which, sample);
-    let mut best: Option<(f64, usize, Model, Option<Choice>)> = None;
-    let mut consider = |error: f64, law: usize, model: Model, choice: Option<Choice>| {
-        let named = !model.effects.is_empty();
-        let was_named = best
-            .as_ref()
-            .is_some_and(|(_, _, best, _)| !best.effects.is_empty());
-        let part = if choice.is_some() && (named || was_named) {
-            NEEDED
-        } else {
-            BETTER
-        };
-        if best.as_ref().is_none_or(|(least, ..)| error < part * least) {
-            best = Some((error, law, model, choice));
+    let mut best: Option<(Judged, usize, Model, Option<Choice>)> = None;
+    let mut consider = |judged: Judged, law: usize, model: Model, choice: Option<Choice>| {
+        let is_better = best.as_ref().is_none_or(|(least, _, best, _)| {
+            if choice.is_none() {
+                return judged.both() < BETTER * least.both();
+            }
+            // A table fits anything: only what was left out says something of it.
+            let named = !model.effects.is_empty() || !best.effects.is_empty();
+            judged.outside < if named { NEEDED } else { BETTER } * least.outside
+        });
+        if is_better {
+            best = Some((judged, law, model, choice));
         }
     };
     let plain: Vec<Model> = laws
         .par_iter()
         .map(|law| law(open))
         .collect::<Result<_, _>>()?;
-    let alone = laws.par_iter().map(|law| left_out.error(law));
-    let alone: Vec<f64> = alone.collect::<Result<_, _>>()?;
-    for (number, error) in alone.into_iter().enumerate() {
-        consider(error, number, plain[number].clone(), None);
+    let alone = laws.par_iter().zip(&plain);
+    let alone = alone.map(|(law, plain)| left_out.judged(law, plain));
+    let alone: Vec<Judged> = alone.collect::<Result<_, _>>()?;
+    for (number, judged) in alone.into_iter().enumerate() {
+        consider(judged, number, plain[number].clone(), None);
     }
     let corrected = laws.par_iter().zip(&plain).map(|(law, plain)| {
         let fitted = |kinds| correction::fit(trajectories, plain, kinds, open);
@@ -72,12 +72,12 @@ pub(super) fn mended(
         };
         let refit =
             |picked: Picked| correction::refit(&choice, trajectories, &law(picked)?, picked);
-        Ok(Some((left_out.error(&refit)?, model, choice)))
+        Ok(Some((left_out.judged(&refit, &model)?, model, choice)))
     });
     let corrected: Vec<_> = corrected.collect::<Result<_, ModelError>>()?;
     for (number, corrected) in corrected.into_iter().enumerate() {
-        if let Some((error, model, choice)) = corrected {
-            consider(error, number, model, Some(choice));
+        if let Some((judged, model, choice)) = corrected {
+            consider(judged, number, model, Some(choice));
         }
     }
     let (_, law, model, choice) = best.expect("at least one law is given");

@@ -1,5 +1,6 @@
 //! What is concluded from a search, in the words of `trace.json`.
 
+use super::left_out::RelativeError;
 use super::result::{Errors, Verdict};
 use super::select::{Candidate, Selection};
 use crate::model::{Family, Model};
@@ -11,13 +12,14 @@ const EXPLAINED: f64 = 1.5;
 const EXPLAINED_BY_MANY: f64 = 1.1;
 const FEW: usize = 2;
 
-/// Effects that are there take at least this part of the error in blocks that were not fitted.
+/// Effects that are there take at least this part of the error beyond the noise in blocks that were not fitted.
 const LEAST_TAKEN: f64 = 0.35;
 
 /// Whether effects that bring the error in blocks left out of the fit from `without` to `with` say something of other
-/// conditions than those they were fitted to; `goal` is the error of a perfect law.
-pub(super) fn generalises(without: f64, with: f64, goal: f64) -> bool {
-    with <= EXPLAINED * goal || with <= (1.0 - LEAST_TAKEN) * without
+/// conditions than those they were fitted to.
+pub(super) fn generalises(without: RelativeError, with: RelativeError) -> bool {
+    with.error <= EXPLAINED.powi(2) * with.noise
+        || with.beyond_noise() <= (1.0 - LEAST_TAKEN) * without.beyond_noise()
 }
 
 /// Effects that explain a recording leave of what the law alone leaves beyond the noise at most this part,
