@@ -76,7 +76,8 @@ static GOOD: LazyLock<Vec<Vec<u8>>> = LazyLock::new(|| {
     vec![plain.into(), other.into(), quoted.into(), zipped]
 });
 
-/// A recording that is read is one when it is written: the same numbers, cells, units and comments.
+/// A recording that is read is one when it is written: the same numbers, cells, units and comments. Rows that stood in it twice
+/// are written once, so that the second reading finds none.
 pub fn check(script: &[u8]) -> bool {
     let name = Path::new("fuzzed.csv");
     let Ok(recording) = Recording::from_bytes(name, edited(&GOOD, &WORDS, script)) else {
@@ -84,8 +85,16 @@ pub fn check(script: &[u8]) -> bool {
     };
     let written = recording.to_file(name);
     let again = Recording::from_bytes(name, written.clone());
+    let is_same = match &again {
+        Ok(again) if !recording.faults().is_empty() => {
+            again.faults().is_empty()
+                && again.time == recording.time
+                && again.to_file(name) == written
+        }
+        again => again.as_ref() == Ok(&recording),
+    };
     assert!(
-        again.as_ref() == Ok(&recording),
+        is_same,
         "{recording:?} is written as {:?}, and read as {again:?}",
         String::from_utf8_lossy(&written)
     );

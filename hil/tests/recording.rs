@@ -1,7 +1,9 @@
 //! Recordings written and read again.
 
 use std::fs;
+use std::path::Path;
 
+use hil::recording::faults::{Channel, Fault, Kind};
 use hil::recording::{Recording, units};
 use proptest::prelude::*;
 
@@ -141,6 +143,29 @@ fn what_looks_like_a_comment_stays_what_it_is() {
             recording
         );
     }
+}
+
+#[test]
+fn a_row_that_is_written_twice_is_read_once() {
+    let row = |index: usize| format!("{},{},{}\n", 0.01 * index as f64, index % 7, index % 5);
+    let rows = |twice: &[usize]| -> String {
+        let each = (0..60).map(|index| row(index).repeat(1 + usize::from(twice.contains(&index))));
+        each.collect()
+    };
+    let header = "time_s,displacement_mm,force_kN\n";
+    let clean = read(&format!("{header}{}", rows(&[])));
+    assert!(clean.faults().is_empty());
+    let spoilt = read(&format!("{header}{}", rows(&[0, 20, 59])));
+    assert_eq!(spoilt.time, clean.time);
+    assert_eq!(spoilt.force, clean.force);
+    let fault = Fault {
+        channel: Channel::Time,
+        kind: Kind::Repeated { samples: 3 },
+    };
+    assert_eq!(spoilt.faults(), [fault]);
+    let written = spoilt.to_file(Path::new("test.csv"));
+    let text = String::from_utf8(written).unwrap();
+    assert_eq!(read(&text).time, clean.time);
 }
 
 /// What a logger writes where it has no sample: an empty cell, or NaN. The rows are as if they were not there.

@@ -3,6 +3,7 @@
 use std::path::Path;
 
 use super::channel::Channel;
+use super::faults::{Fault, Kind};
 use super::units::{Unit, Units};
 use super::{Recording, Source, UNFINISHED, declaration};
 use crate::csv_text::{broken_csv, is_blank, number, read_bytes, text_of};
@@ -65,6 +66,7 @@ impl Recording {
         let mut channels = vec![Vec::new(); columns.used.len()];
         let mut rows = Vec::new();
         let (mut blank, mut first_blank) = (0, None);
+        let mut repeated = 0;
         for record in records {
             let row = record.map_err(|error| broken_csv(&name, &error))?;
             let line = row.position().map_or(0, csv::Position::line);
@@ -91,8 +93,20 @@ impl Recording {
                 first_blank = first_blank.or_else(|| value(column).err());
                 continue;
             }
-            for (channel, column) in channels.iter_mut().zip(&columns.used) {
-                channel.push(value(column)? * column.unit.scale);
+            let scaled = |column: &Column| Ok(value(column)? * column.unit.scale);
+            let values: Vec<f64> = columns
+                .used
+                .iter()
+                .map(scaled)
+                .collect::<Result<_, InputError>>()?;
+            // A logger that writes a sample twice; the same time with anything else is refused.
+            let is_last = |(channel, value): (&Vec<f64>, &f64)| channel.last() == Some(value);
+            if channels.iter().zip(&values).all(is_last) {
+                repeated += 1;
+                continue;
+            }
+            for (channel, value) in channels.iter_mut().zip(values) {
+                channel.push(value);
             }
             rows.push(row);
         }
@@ -115,6 +129,12 @@ impl Recording {
             source: Some(Source { header, rows }),
             faults: Vec::new(),
         };
+        if repeated > 0 {
+            recording.faults.push(Fault {
+                channel: Channel::Time,
+                kind: Kind::Repeated { samples: repeated },
+            });
+        }
         for (channel, Column { quantity, unit, .. }) in channels.into_iter().zip(columns.used) {
             match quantity {
                 Channel::Time => (recording.time, units.time) = (channel, unit),

@@ -1,5 +1,7 @@
 //! A recording made ready for identification: uniform time base, estimated motion, cycles and blocks.
 
+use nalgebra::{SMatrix, SVector};
+
 use super::Recording;
 use super::averaging::MovingAverage;
 use super::cycles::{Block, Cycles};
@@ -14,6 +16,12 @@ const FEWEST_SAMPLES: usize = 32;
 const LONGEST_AVERAGE: f64 = 0.2;
 /// Noise of more than this part of the displacement's range leaves no motion to be seen.
 const LARGEST_NOISE: f64 = 0.05;
+/// The middle of a motion is off by more than this part of the largest amplitude,
+const OFF: f64 = 0.05;
+/// and whatever the force by this.
+const FAR: f64 = 0.5;
+/// A specimen that is pushed has this part of the force of a spring.
+const PUSHED: f64 = 0.5;
 
 /// Motion and force on a uniform time base, with what can be read off them.
 #[derive(Clone, Debug)]
@@ -24,9 +32,11 @@ pub struct Trajectory {
     pub tick: f64,
     /// Displacement, velocity and acceleration.
     pub motion: Motion,
-    /// What was taken off the recorded displacement, mm: the middle of the motion where it lies off by more than half an
-    /// amplitude, which is where a sensor's zero was left and not where a specimen rests; 0 otherwise.
+    /// What was taken off the recorded displacement, mm: the middle of the motion where that is a sensor's zero that was left in
+    /// and not where a specimen is held; 0 otherwise.
     pub centre: f64,
+    /// The middle of the recorded displacement, mm.
+    pub middle: f64,
     /// Measured force, kN.
     pub force: Vec<f64>,
     /// Measured temperature, °C.
@@ -44,6 +54,8 @@ pub struct Trajectory {
     pub measured: Vec<bool>,
     /// What the channels were smoothed by before they were written.
     pub average: Option<MovingAverage>,
+    /// Time in s that the force was late by and was moved back, below 0 where it was early; 0 where it was not moved.
+    pub late: f64,
     /// Faults of the recording's channels.
     pub faults: Vec<Fault>,
 }
@@ -54,7 +66,15 @@ impl Trajectory {
     /// # Errors
     /// Too few samples, a recording that is mostly gaps, or a displacement that is mostly noise.
     pub fn of(recording: &Recording) -> Result<Self, InputError> {
-        let (mut trajectory, average) = Self::prepared(recording)?;
+        Self::knowing(recording, Known::default())
+    }
+
+    /// The same where something of its channels is known already.
+    ///
+    /// # Errors
+    /// As [`Trajectory::of`].
+    pub fn knowing(recording: &Recording, known: Known) -> Result<Self, InputError> {
+        let (mut trajectory, average) = Self::prepared(recording, known.is_off)?;
         if let Some(average) = average {
             trajectory.see_through(average);
             trajectory.faults.push(Fault {
@@ -64,11 +84,23 @@ impl Trajectory {
                 },
             });
         }
-        if let Some(shift) = Shift::find(&trajectory) {
-            trajectory.faults.push(shift.fault(trajectory.tick));
+        let shift = match known.late {
+            None => Shift::find(&trajectory),
+            Some(0.0) => None,
+            Some(late) => Some(Shift {
+                late: late / trajectory.tick,
+            }),
+        };
+        if let Some(shift) = shift {
             trajectory.undo(shift);
         }
         Ok(trajectory)
+    }
+
+    /// Whether a force that is late by `late` s says no less of a force that comes with the motion than this one, which was not
+    /// moved.
+    pub fn may_be_late_by(&self, late: f64) -> bool {
+        self.late == 0.0 && Shift::is_likelier(self, (late / self.tick).round() as isize)
     }
 
     /// The same with both channels as they were recorded, for who measures losses and not a law: an average takes as much of
@@ -77,11 +109,14 @@ impl Trajectory {
     /// # Errors
     /// As [`Trajectory::of`].
     pub fn as_recorded(recording: &Recording) -> Result<Self, InputError> {
-        Ok(Self::prepared(recording)?.0)
+        Ok(Self::prepared(recording, None)?.0)
     }
 
     /// With the average that its channels show, which is not seen through yet.
-    fn prepared(recording: &Recording) -> Result<(Self, Option<MovingAverage>), InputError> {
+    fn prepared(
+        recording: &Recording,
+        known_off: Option<bool>,
+    ) -> Result<(Self, Option<MovingAverage>), InputError> {
         recording.require_samples(FEWEST_SAMPLES)?;
         let recording = &recording.mended();
         let mut uniform = recording.uniform()?;
@@ -109,7 +144,9 @@ impl Trajectory {
         if average.is_some() {
             uniform.velocity = None;
         }
-        let mut trajectory = Self::new(
+        let is_off = known_off.unwrap_or_else(|| is_off(&uniform.displacement, &uniform.force));
+        let mut trajectory = Self::about(
+            is_off,
             recording.name.clone(),
             uniform.period,
             &uniform.displacement,
@@ -151,9 +188,32 @@ impl Trajectory {
         velocity: Option<Vec<f64>>,
         temperature: Option<Vec<f64>>,
     ) -> Self {
+        assert_eq!(force.len(), displacement.len());
+        let is_off = is_off(displacement, &force);
+        Self::about(
+            is_off,
+            name.into(),
+            tick,
+            displacement,
+            force,
+            velocity,
+            temperature,
+        )
+    }
+
+    /// The same with the middle of the motion taken for its zero, or not.
+    fn about(
+        is_off: bool,
+        name: String,
+        tick: f64,
+        displacement: &[f64],
+        force: Vec<f64>,
+        velocity: Option<Vec<f64>>,
+        temperature: Option<Vec<f64>>,
+    ) -> Self {
         let count = displacement.len();
-        assert_eq!(force.len(), count);
-        let centre = centre(displacement);
+        let middle = middle(displacement);
+        let centre = if is_off { middle } else { 0.0 };
         let displacement: Vec<f64> = displacement.iter().map(|y| y - centre).collect();
         let displacement = displacement.as_slice();
         let hysteresis = hysteresis(displacement);
@@ -170,15 +230,17 @@ impl Trajectory {
         }
         motion.rest_at_reversals();
         Self {
-            name: name.into(),
+            name,
             tick,
             motion,
+            middle,
             centre,
             force_noise: noise_deviation(&force),
             force,
             temperature,
             measured: vec![true; count],
             average: None,
+            late: 0.0,
             faults: Vec::new(),
             cycles: cycles.elapsed(count, tick),
             amplitude: cycles.amplitude_per_sample(count),
@@ -188,6 +250,8 @@ impl Trajectory {
 
     /// Moves the force back by `shift`; what lies beyond the recording's ends was not measured.
     fn undo(&mut self, shift: Shift) {
+        self.late = shift.late * self.tick;
+        self.faults.push(shift.fault(self.tick));
         self.force = shift.undone(&self.force);
         let count = self.len();
         let beyond = (shift.late.abs().ceil() as usize + 1).min(count);
@@ -279,15 +343,47 @@ impl Trajectory {
     }
 }
 
-/// The middle of the motion where it lies more than half an amplitude from 0, else 0; mm.
-fn centre(displacement: &[f64]) -> f64 {
+/// What is known of a recording's channels from others of the same rig.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Known {
+    /// Time in s that the force is late by, below 0 where it is early.
+    pub late: Option<f64>,
+    /// Whether the middle of the motion is its zero.
+    pub is_off: Option<bool>,
+}
+
+fn middle(displacement: &[f64]) -> f64 {
     let (low, high) = least_and_largest(displacement);
-    let middle = 0.5 * (low + high);
-    if middle.abs() > 0.25 * (high - low) {
-        middle
-    } else {
-        0.0
+    0.5 * (low + high)
+}
+
+/// Whether the middle of the motion is a zero that was left in: it lies more than half an amplitude from 0, or the force there is
+/// far from that of a specimen which is pushed so far from its rest.
+fn is_off(displacement: &[f64], force: &[f64]) -> bool {
+    let (low, high) = least_and_largest(displacement);
+    let middle = middle(displacement);
+    let largest = 0.5 * (high - low);
+    middle.abs() > FAR * largest
+        || middle.abs() > OFF * largest && !is_pushed(displacement, force, middle, largest)
+}
+
+/// Whether the force at displacement `middle` is at least [`PUSHED`] of that of a spring of the stiffness that the channels show there,
+/// by a cubic through the force: what is stiffer on one side is not pushed.
+fn is_pushed(displacement: &[f64], force: &[f64], middle: f64, largest: f64) -> bool {
+    let mut gram = SMatrix::<f64, 4, 4>::zeros();
+    let mut right = SVector::<f64, 4>::zeros();
+    for (y, force) in displacement.iter().zip(force) {
+        let u = (y - middle) / largest;
+        let row = SVector::from([1.0, u, u * u, u.powi(3)]);
+        gram += row * row.transpose();
+        right += row * *force;
     }
+    let Some(factor) = gram.cholesky() else {
+        return true;
+    };
+    let cubic = factor.solve(&right);
+    let (at_middle, slope) = (cubic[0], cubic[1]);
+    at_middle / (slope * middle / largest) > PUSHED
 }
 
 /// Half width of the band around the mid level that a crossing has to leave, mm: above the noise, below the smallest

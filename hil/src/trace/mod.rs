@@ -4,6 +4,7 @@
 //! needless ones are dropped, and the result is fitted once more to all but the samples held out, on which alone the
 //! error is reported.
 
+mod aligned;
 mod closing;
 mod left_out;
 mod mend;
@@ -22,12 +23,16 @@ use crate::error::InputError;
 use crate::model::{Model, ModelError};
 use crate::recording::trajectory::Trajectory;
 use crate::recording::{Recording, check_consistency};
+use aligned::Aligned;
 use closing::{Closing, brings_nothing_new};
 use result::TraceResult;
 use select::{Search, Selection, amplitude_nodes, error_between};
 
 /// Nodes over amplitude are tried up to this many; more, and the motion has no levels of amplitude.
 const MOST_NODES: usize = 8;
+
+/// A force that was found to be early is moved anew so often.
+const MOST_MOVES: usize = 2;
 
 /// Why a trace could not be made.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
@@ -97,16 +102,22 @@ pub fn trace(
         }
     }
     progress("estimating the motion");
-    let fitted: Vec<Trajectory> = recordings
-        .iter()
-        .map(Trajectory::of)
-        .collect::<Result<_, _>>()?;
-    let held: Vec<Trajectory> = held_out
-        .iter()
-        .map(Trajectory::of)
-        .collect::<Result<_, _>>()?;
+    let mut aligned = Aligned::of(recordings, held_out)?;
+    let mut trace = conclude(&aligned, progress)?;
+    for _ in 0..MOST_MOVES {
+        if !aligned.follow(&trace.model)? {
+            break;
+        }
+        progress("moving anew a force that is early");
+        trace = conclude(&aligned, progress)?;
+    }
+    Ok(trace)
+}
 
-    if let Some(known) = held.iter().find(|held| brings_nothing_new(held, &fitted)) {
+/// Searches for what the law lacks, and closes the loop.
+fn conclude(aligned: &Aligned, progress: &(dyn Fn(&str) + Sync)) -> Result<Trace, TraceError> {
+    let [fitted, held] = &aligned.trajectories;
+    if let Some(known) = held.iter().find(|held| brings_nothing_new(held, fitted)) {
         return Err(InputError::new(
             &known.name,
             "is held out and holds nothing that is not fitted as well",
@@ -114,20 +125,20 @@ pub fn trace(
         )
         .into());
     }
-    let mut roles = Roles::all_fit(&fitted);
+    let mut roles = Roles::all_fit(fitted);
     if held.is_empty() {
-        roles.keep_apart(&fitted, Role::HeldOut);
+        roles.keep_apart(fitted, Role::HeldOut);
     }
     let mut judging = roles.clone();
-    judging.keep_apart(&fitted, Role::Judge);
-    let (over_amplitude, selection) = search(&fitted, &judging, progress)?;
+    judging.keep_apart(fitted, Role::Judge);
+    let (over_amplitude, selection) = search(fitted, &judging, progress)?;
     progress("fitting what was found to all that is not held out");
     let mut nodes = vec![vec![0.0]];
-    let over = amplitude_nodes(&fitted, &roles);
+    let over = amplitude_nodes(fitted, &roles);
     if (2..=MOST_NODES).contains(&over.len()) {
         nodes.insert(usize::from(!over_amplitude), over);
     }
-    let closing = Closing::new(&fitted, [&judging, &roles], &held, nodes);
+    let closing = Closing::new(fitted, [&judging, &roles], held, nodes);
     Ok(closing.close(&selection, progress)?)
 }
 

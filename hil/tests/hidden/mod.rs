@@ -92,6 +92,7 @@ pub fn record(blocks: &[Block], mut hidden: Hidden, seed: u64) -> Trajectory {
 }
 
 /// The published law at the fitted amplitudes, off as a fit is that puts an unknown effect into eq 13.
+#[allow(dead_code, reason = "each test needs some of it")]
 pub fn start() -> Model {
     let node = |amplitude| {
         let law = tables::interpolate(DENSITY, amplitude);

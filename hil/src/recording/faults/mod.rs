@@ -46,6 +46,11 @@ pub enum Kind {
         /// In how many stretches.
         stretches: usize,
     },
+    /// Rows that are the row before once more.
+    Repeated {
+        /// How many.
+        samples: usize,
+    },
     /// Samples that are not there.
     Missing {
         /// How many.
@@ -123,6 +128,11 @@ impl std::fmt::Display for Fault {
                 "the {channel} stands still while the motion goes on: {} in {}; {left}",
                 counted(samples),
                 stretches_of(stretches, "stretch", "stretches")
+            ),
+            Kind::Repeated { samples } => write!(
+                f,
+                "rows written twice: {}; the second was left out",
+                counted(samples)
             ),
             Kind::Missing { samples, gaps } => write!(
                 f,
