@@ -8,6 +8,11 @@ use hil::recording::trajectory::Trajectory;
 use hil::trace::result::Verdict;
 use hil::trace::{Trace, trace};
 
+/// Evenly spread over ±1, as if at random.
+fn noise(index: usize) -> f64 {
+    (index as u64 + 1).wrapping_mul(0x9e37_79b9_7f4a_7c15) as i64 as f64 / i64::MAX as f64
+}
+
 /// The channels of a test at 500 Hz, with the displacement `off` by so many mm and the force `early` by so many samples.
 fn recording(name: &str, clean: &Trajectory, off: f64, early: usize) -> Recording {
     let count = clean.len() - early;
@@ -16,9 +21,9 @@ fn recording(name: &str, clean: &Trajectory, off: f64, early: usize) -> Recordin
         (0..count)
             .map(|index| index as f64 / hidden::RATE)
             .collect(),
-        clean.motion.displacement[..count]
-            .iter()
-            .map(|y| y + off)
+        // With noise of some µm, which the motion is estimated from.
+        (0..count)
+            .map(|index| clean.motion.displacement[index] + off + 1e-4 * noise(index))
             .collect(),
         clean.force[early..].to_vec(),
     )
@@ -95,7 +100,8 @@ fn a_force_that_comes_in_time_is_not_moved_because_another_is_early() {
 fn a_zero_of_the_displacement_is_no_physics() {
     let [fitted, other] = tests(asymmetry);
     let clean = error_of_clean(&fitted, &other);
-    for off in [0.03, -0.08] {
+    // The least is that only of the other test, which moves less.
+    for off in [0.0095, 0.03, -0.08] {
         let trace = traced(
             recording("fitted", &fitted, off, 0),
             recording("held out", &other, off, 0),
@@ -108,6 +114,27 @@ fn a_zero_of_the_displacement_is_no_physics() {
         let error = trace.result.on_target.nrmse_held_out;
         assert!(error < 1.05 * clean, "{error}, {clean} without");
     }
+}
+
+/// A motion that fades, or is wider to one side at times, is about its zero all the same.
+#[test]
+fn an_uneven_motion_has_no_other_zero() {
+    let clean = record(&fitted(), nothing(), 1);
+    let count = (2.2 * hidden::RATE) as usize;
+    let displacement: Vec<f64> = (0..count)
+        .map(|index| {
+            let time = index as f64 / hidden::RATE;
+            0.2 * (-0.4 * time).exp() * (std::f64::consts::TAU * time).sin()
+        })
+        .collect();
+    let force = displacement.iter().map(|y| 1.5 * y - 0.04).collect();
+    let time = (0..count)
+        .map(|index| index as f64 / hidden::RATE)
+        .collect();
+    let fading = Recording::new("fading", time, displacement, force).unwrap();
+    let fading = Trajectory::of(&fading).unwrap();
+    assert!(fading.middle.abs() > 0.01);
+    assert_eq!([clean.centre, fading.centre], [0.0; 2]);
 }
 
 /// A specimen that is held off its rest has the force of that.

@@ -216,7 +216,6 @@ fn each_effect_is_named_and_measured() {
     );
 }
 
-/// A Prony series of two terms, as the source has it of its material, is one effect with both branches.
 /// The blocks of small amplitude are mostly noise then, which says nothing against an effect that shows in the others.
 #[test]
 fn an_effect_is_named_in_much_noise() {
@@ -230,6 +229,7 @@ fn an_effect_is_named_in_much_noise() {
     assert_eq!(families(&trace), ["hardening"]);
 }
 
+/// A Prony series of two terms, as the source has it of its material, is one effect with both branches.
 #[test]
 fn two_branches_are_one_relaxation() {
     let trace = traced(0.004, 8, || {

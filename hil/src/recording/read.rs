@@ -11,12 +11,13 @@ use crate::error::{InputError, Place, quoted};
 
 impl Recording {
     /// Reads CSV, or gzipped CSV: the file's first bytes say which, not its name. A row whose displacement or force is an
-    /// empty cell or `NaN` is a sample that is missing: it is left out.
+    /// empty cell or `NaN` is a sample that is missing: it is left out. So is a row that is the one before once more.
     ///
     /// # Errors
     /// The file, the line or column, what is wrong and how to mend it: no such file, a directory, damaged gzip, not
     /// UTF-8, empty, no header, a missing or doubled column, an unknown unit, a row too short or too long, a cell that
-    /// no finite number or, but for a missing sample's, empty, time that does not increase, too few samples, a constant displacement.
+    /// no finite number or, but for a missing sample's, empty, time that does
+    /// not increase from one row to another, too few samples, a constant displacement.
     pub fn read(path: impl AsRef<Path>) -> Result<Self, InputError> {
         let path = path.as_ref();
         Self::from_bytes(path, read_bytes(path)?)

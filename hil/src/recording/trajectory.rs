@@ -20,8 +20,10 @@ const LARGEST_NOISE: f64 = 0.05;
 const OFF: f64 = 0.05;
 /// and whatever the force by this.
 const FAR: f64 = 0.5;
-/// A specimen that is pushed has this part of the force of a spring.
-const PUSHED: f64 = 0.5;
+/// The mean of a motion about its middle differs from that by less than this part.
+const ABOUT: f64 = 0.25;
+/// A specimen that is pushed off its rest has more than this part of the force of a spring.
+const FELT: f64 = 0.4;
 
 /// Motion and force on a uniform time base, with what can be read off them.
 #[derive(Clone, Debug)]
@@ -97,8 +99,7 @@ impl Trajectory {
         Ok(trajectory)
     }
 
-    /// Whether a force that is late by `late` s says no less of a force that comes with the motion than this one, which was not
-    /// moved.
+    /// Whether a force that is late by `late` s is liker to one that comes with the motion than this one, which was not moved.
     pub fn may_be_late_by(&self, late: f64) -> bool {
         self.late == 0.0 && Shift::is_likelier(self, (late / self.tick).round() as isize)
     }
@@ -357,19 +358,24 @@ fn middle(displacement: &[f64]) -> f64 {
     0.5 * (low + high)
 }
 
-/// Whether the middle of the motion is a zero that was left in: it lies more than half an amplitude from 0, or the force there is
-/// far from that of a specimen which is pushed so far from its rest.
+/// Whether the middle of the motion is a zero that was left in: it lies more than half an amplitude from 0, or the specimen does
+/// not feel it.
 fn is_off(displacement: &[f64], force: &[f64]) -> bool {
     let (low, high) = least_and_largest(displacement);
     let middle = middle(displacement);
     let largest = 0.5 * (high - low);
+    // A motion that is not about its middle says nothing of a zero.
+    let mean = displacement.iter().sum::<f64>() / displacement.len() as f64;
+    let is_about = (mean - middle).abs() < ABOUT * middle.abs();
     middle.abs() > FAR * largest
-        || middle.abs() > OFF * largest && !is_pushed(displacement, force, middle, largest)
+        || middle.abs() > OFF * largest
+            && is_about
+            && !feels_it(displacement, force, middle, largest)
 }
 
-/// Whether the force at displacement `middle` is at least [`PUSHED`] of that of a spring of the stiffness that the channels show there,
-/// by a cubic through the force: what is stiffer on one side is not pushed.
-fn is_pushed(displacement: &[f64], force: &[f64], middle: f64, largest: f64) -> bool {
+/// Whether the force at displacement `middle` is more than [`FELT`] of that of a spring of the stiffness that the channels show
+/// there, by a cubic through the force: what is stiffer on one side has none.
+fn feels_it(displacement: &[f64], force: &[f64], middle: f64, largest: f64) -> bool {
     let mut gram = SMatrix::<f64, 4, 4>::zeros();
     let mut right = SVector::<f64, 4>::zeros();
     for (y, force) in displacement.iter().zip(force) {
@@ -383,7 +389,7 @@ fn is_pushed(displacement: &[f64], force: &[f64], middle: f64, largest: f64) -> 
     };
     let cubic = factor.solve(&right);
     let (at_middle, slope) = (cubic[0], cubic[1]);
-    at_middle / (slope * middle / largest) > PUSHED
+    (at_middle / (slope * middle / largest)).abs() > FELT
 }
 
 /// Half width of the band around the mid level that a crossing has to leave, mm: above the noise, below the smallest

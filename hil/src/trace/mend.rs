@@ -3,7 +3,7 @@
 use rayon::prelude::*;
 
 use super::left_out::{Fit, Judged, LeftOut, Picked};
-use crate::identify::correction::{self, Choice, Kinds};
+use crate::identify::correction::{self, Kinds};
 use crate::model::{Model, ModelError};
 use crate::recording::trajectory::Trajectory;
 
@@ -23,28 +23,14 @@ pub(super) struct Mended {
     pub depends_on: Vec<&'static str>,
 }
 
-/// One of `laws`, the simplest first, alone or with a correction. Taken is what is judged best by blocks that are left out of its
-/// fit and by the fit; it is fitted to all that may be.
+/// One of `laws`, the simplest first, alone or with a correction. Taken is what predicts best the blocks that are left out of its
+/// fit, and of laws alone what also fits well; it is fitted to all that may be.
 pub(super) fn mended(
     trajectories: &[Trajectory],
     left_out: &LeftOut,
     laws: &[Fit],
 ) -> Result<Mended, ModelError> {
     let open: Picked = &|which, sample| left_out.is_open(which, sample);
-    let mut best: Option<(Judged, usize, Model, Option<Choice>)> = None;
-    let mut consider = |judged: Judged, law: usize, model: Model, choice: Option<Choice>| {
-        let is_better = best.as_ref().is_none_or(|(least, _, best, _)| {
-            if choice.is_none() {
-                return judged.both() < BETTER * least.both();
-            }
-            // A table fits anything: only what was left out says something of it.
-            let named = !model.effects.is_empty() || !best.effects.is_empty();
-            judged.outside < if named { NEEDED } else { BETTER } * least.outside
-        });
-        if is_better {
-            best = Some((judged, law, model, choice));
-        }
-    };
     let plain: Vec<Model> = laws
         .par_iter()
         .map(|law| law(open))
@@ -52,9 +38,13 @@ pub(super) fn mended(
     let alone = laws.par_iter().zip(&plain);
     let alone = alone.map(|(law, plain)| left_out.judged(law, plain));
     let alone: Vec<Judged> = alone.collect::<Result<_, _>>()?;
-    for (number, judged) in alone.into_iter().enumerate() {
-        consider(judged, number, plain[number].clone(), None);
+    let mut law = 0;
+    for (number, judged) in alone.iter().enumerate() {
+        if judged.both() < BETTER * alone[law].both() {
+            law = number;
+        }
     }
+    let mut best = (alone[law].outside, law, plain[law].clone(), None);
     let corrected = laws.par_iter().zip(&plain).map(|(law, plain)| {
         let fitted = |kinds| correction::fit(trajectories, plain, kinds, open);
         let mut found = fitted(Kinds::All)?;
@@ -72,15 +62,20 @@ pub(super) fn mended(
         };
         let refit =
             |picked: Picked| correction::refit(&choice, trajectories, &law(picked)?, picked);
-        Ok(Some((left_out.judged(&refit, &model)?, model, choice)))
+        let outside = left_out.error(&refit)?.beyond_noise();
+        Ok(Some((outside, model, choice)))
     });
     let corrected: Vec<_> = corrected.collect::<Result<_, ModelError>>()?;
     for (number, corrected) in corrected.into_iter().enumerate() {
-        if let Some((judged, model, choice)) = corrected {
-            consider(judged, number, model, Some(choice));
+        let Some((outside, model, choice)) = corrected else {
+            continue;
+        };
+        let named = !model.effects.is_empty() || !best.2.effects.is_empty();
+        if outside < if named { NEEDED } else { BETTER } * best.0 {
+            best = (outside, number, model, Some(choice));
         }
     }
-    let (_, law, model, choice) = best.expect("at least one law is given");
+    let (_, law, model, choice) = best;
     let depends_on = match choice {
         Some(choice) => correction::depends_on(&choice, trajectories, &plain[law], open)?,
         None if left_out.wanders(&model)? => vec!["time"],

@@ -48,7 +48,8 @@ fn every_kind(design: &Design) -> Vec<Vec<Remembered>> {
         spread(5.0 * short, 0.5 * duration, 5, |time| Remembered::Travel {
             time,
         }),
-        spread(long, duration.max(2.0 * long), 4, |time| {
+        // Over longer it would be a clock.
+        spread(long, (0.5 * duration).max(2.0 * long), 4, |time| {
             Remembered::Level { time }
         }),
         vec![Remembered::Largest],

@@ -225,7 +225,7 @@ impl Recording {
         recording
     }
 
-    /// What [`Recording::mended`] mended.
+    /// What [`Recording::mended`] mended, and rows that were written twice.
     pub fn faults(&self) -> &[Fault] {
         &self.faults
     }

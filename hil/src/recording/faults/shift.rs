@@ -91,15 +91,15 @@ impl Shift {
         (better && impossible && late.abs() >= LEAST).then_some(Self { late })
     }
 
-    /// Whether a force `late` ticks later leaves no more of that damper than the force as it is.
+    /// Whether a force `late` ticks later leaves less of that damper than the force as it is.
     pub fn is_likelier(trajectory: &Trajectory, late: isize) -> bool {
         let reach = late.unsigned_abs();
-        if trajectory.len() < 8 * reach {
+        if late == 0 || trajectory.len() < 8 * reach {
             return false;
         }
         let rows = Rows::of_each_amplitude(trajectory, reach);
         let left = |shift| -> f64 { rows.iter().map(|rows| rows.left(trajectory, shift).0).sum() };
-        left(late) <= left(0)
+        left(late) < left(0)
     }
 
     /// `force` moved back by this shift, between ticks by a cubic; ends are held.
