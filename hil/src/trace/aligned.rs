@@ -40,7 +40,7 @@ impl<'r> Aligned<'r> {
         if let Some(early) = aligned.early() {
             let (late, tick) = (early.late, early.tick);
             aligned.estimate = Some(late);
-            aligned.move_by(late - TOO_FAR * tick)?;
+            aligned.move_from(late, late - TOO_FAR * tick)?;
         }
         Ok(aligned)
     }
@@ -58,10 +58,10 @@ impl<'r> Aligned<'r> {
         let delay = effects.find(|effect| effect.family == Family::Delay);
         let less = delay.and_then(|delay| Some(late + delay.parameters.get("time")?));
         let estimate = self.estimate.take();
-        let Some(late) = less.map(|less| less.min(0.0)).or(estimate) else {
+        let Some(to) = less.map(|less| less.min(0.0)).or(estimate) else {
             return Ok(false);
         };
-        self.move_by(late)?;
+        self.move_from(late, to)?;
         Ok(true)
     }
 
@@ -72,22 +72,20 @@ impl<'r> Aligned<'r> {
 
     fn longest(&self, of: fn(&Trajectory) -> bool) -> Option<&Trajectory> {
         let duration = |trajectory: &Trajectory| trajectory.len() as f64 * trajectory.tick;
-        let longest = |trajectories: &'_ [Trajectory]| {
-            let some = trajectories.iter().enumerate().filter(|(_, t)| of(t));
-            some.max_by(|(_, a), (_, b)| duration(a).total_cmp(&duration(b)))
-                .map(|(which, _)| which)
-        };
         let mut each = self.trajectories.iter();
-        each.find_map(|some| Some(&some[longest(some)?]))
+        each.find_map(|trajectories| {
+            let some = trajectories.iter().filter(|trajectory| of(trajectory));
+            some.max_by(|a, b| duration(a).total_cmp(&duration(b)))
+        })
     }
 
-    /// Moves every force that is early by about as much, or may be, by `late` s.
-    fn move_by(&mut self, late: f64) -> Result<(), InputError> {
+    /// Moves every force that is late by about `from` s, where it is early, or may be late by `to` s, by the latter.
+    fn move_from(&mut self, from: f64, to: f64) -> Result<(), InputError> {
         self.anew(|trajectory| {
-            let differs = (trajectory.late - late).abs() / trajectory.tick;
+            let differs = (trajectory.late - from).abs() / trajectory.tick;
             let shares = trajectory.late < 0.0 && differs < SAME_SHIFT;
-            (shares || trajectory.may_be_late_by(late)).then_some(Known {
-                late: Some(late),
+            (shares || trajectory.may_be_late_by(to)).then_some(Known {
+                late: Some(to),
                 is_off: Some(trajectory.centre != 0.0),
             })
         })
@@ -124,4 +122,62 @@ impl<'r> Aligned<'r> {
 
 fn largest_amplitude(trajectory: &Trajectory) -> f64 {
     trajectory.amplitude.iter().copied().fold(0.0, f64::max)
+}
+
+#[cfg(test)]
+mod tests {
+    use std::collections::BTreeMap;
+    use std::f64::consts::TAU;
+
+    use super::*;
+    use crate::model::AddedEffect;
+
+    const TICK: f64 = 2e-3;
+
+    /// A spring with friction at 1 Hz and then at 5 Hz, whose force is early by 3 ticks.
+    fn early() -> Recording {
+        let at = |index: usize| {
+            let time = index as f64 * TICK;
+            let frequency = if time < 6.0 { 1.0 } else { 5.0 };
+            let (sin, cos) = (TAU * frequency * time).sin_cos();
+            let speed = 0.1 * TAU * frequency * cos.abs();
+            (
+                0.1 * sin,
+                0.15 * sin + 0.05 * speed.powf(0.2) * cos.signum(),
+            )
+        };
+        let samples = 0..5000;
+        Recording::new(
+            "early",
+            samples.clone().map(|index| index as f64 * TICK).collect(),
+            samples.clone().map(|index| at(index).0).collect(),
+            samples.map(|index| at(index + 3).1).collect(),
+        )
+        .unwrap()
+    }
+
+    fn late_by(time: f64) -> Model {
+        Model {
+            law: Vec::new(),
+            effects: vec![AddedEffect {
+                family: Family::Delay,
+                parameters: BTreeMap::from([("time".to_owned(), time)]),
+            }],
+            correction: None,
+        }
+    }
+
+    /// However much it is: what was found to be early at first is what is moved.
+    #[test]
+    fn what_was_moved_is_moved_by_what_a_model_found() {
+        let recordings = [early()];
+        for ticks in [0.5, 2.0, 9.0] {
+            let mut aligned = Aligned::of(&recordings, &[]).unwrap();
+            let before = aligned.trajectories[0][0].late;
+            assert!((before / TICK + 3.5).abs() < 0.5, "{before} s");
+            assert!(aligned.follow(&late_by(ticks * TICK)).unwrap());
+            let expected = (before + ticks * TICK).min(0.0);
+            assert_eq!(aligned.trajectories[0][0].late, expected);
+        }
+    }
 }
