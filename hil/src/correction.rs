@@ -46,6 +46,8 @@ pub enum Remembered {
     Age { time: f64 },
     Cycles { cycles: f64 },
     Level { time: f64 },
+    Temperature,
+    Place,
 }
 
 impl Remembered {
@@ -59,6 +61,8 @@ impl Remembered {
             | Self::Level { .. } => "history",
             Self::Age { .. } => "time",
             Self::Cycles { .. } => "cycle",
+            Self::Temperature => "temperature",
+            Self::Place => "displacement",
         }
     }
 
@@ -71,6 +75,8 @@ impl Remembered {
             Self::Travel { time } => Memory::Travel { time: real(time) },
             Self::Level { time } => Memory::Level { time: real(time) },
             Self::Largest => Memory::Largest,
+            Self::Temperature => Memory::Temperature,
+            Self::Place => Memory::Place,
             Self::Age { time } => Memory::Age { time: real(time) },
             Self::Cycles { cycles } => Memory::Cycles {
                 cycles: real(cycles),

@@ -623,9 +623,7 @@ impl<R: Real, const N: usize> AugmentedLaw<R, N> {
     #[inline(always)]
     fn corrected(&self, state: &mut AugmentedState<R>, motion: &ConfinedMotion<R>, force: R) -> R {
         if self.effects.has(Kind::Correction) {
-            let (y, v) = (motion.displacement(), motion.velocity());
-            let state = &mut state.correction;
-            force + self.correction.force(state, y, v, motion.cycles())
+            force + self.correction.force(&mut state.correction, motion)
         } else {
             force
         }

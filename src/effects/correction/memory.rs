@@ -50,6 +50,11 @@ pub enum Memory<R> {
         /// s, 1e-6…1e6; at least two ticks are taken.
         time: R,
     },
+    /// The temperature that is measured, °C.
+    Temperature,
+    /// Nothing: U is a line over displacement alone, once for each direction, of [`super::FINE`] nodes evenly over ±reach in
+    /// the place of T's [`super::DISPLACEMENTS`]. It has the first so many of each direction's cells, the others are not read.
+    Place,
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -62,11 +67,13 @@ pub(super) enum Kind {
     Age,
     Cycles,
     Level,
+    Temperature,
+    Place,
 }
 
 impl Kind {
     /// By their numbers in a pack.
-    pub const ALL: [Self; 8] = [
+    pub const ALL: [Self; 10] = [
         Self::None,
         Self::Slip,
         Self::Lag,
@@ -75,6 +82,8 @@ impl Kind {
         Self::Age,
         Self::Cycles,
         Self::Level,
+        Self::Temperature,
+        Self::Place,
     ];
 }
 
@@ -82,7 +91,7 @@ impl Kind {
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Recall<R> {
     pub kind: Kind,
-    /// 1/time in ticks, or 1/cycles.
+    /// 1/time in ticks, 1/cycles, or readings per °C.
     pub rate: R,
     /// Slip limit in places, or what an average loses in a tick, of 2³².
     pub step: i32,
@@ -92,6 +101,14 @@ pub(super) struct Recall<R> {
     pub low: i32,
     /// 1024ths of a place per reading.
     pub gain: i32,
+}
+
+/// What U may be over beside the motion.
+#[derive(Clone, Copy)]
+pub(super) struct Beside<R> {
+    pub cycles: R,
+    /// °C
+    pub temperature: R,
 }
 
 /// What a correction remembers.
@@ -137,6 +154,7 @@ impl<R: Real> Recall<R> {
             let time = in_range("time", time, 1e-6, 1e6)?.to_f64();
             Ok((-libm::expm1(-tick / time.max(2.0 * tick)) * 4_294_967_296.0) as i32)
         };
+        let largest = f64::from(LARGEST_READING);
         let mut new = Self::NONE;
         let mut per_reading = reach / f64::from(MIDDLE);
         match memory {
@@ -177,8 +195,13 @@ impl<R: Real> Recall<R> {
                 new.rate = R::ONE / cycles;
                 per_reading = 1.0 / f64::from(ONE);
             }
+            Memory::Temperature => {
+                new.kind = Kind::Temperature;
+                per_reading = low.abs().max(high.abs()).max(1.0) / largest;
+                new.rate = R::from_f64(1.0 / per_reading);
+            }
+            Memory::Place => new.kind = Kind::Place,
         }
-        let largest = f64::from(LARGEST_READING);
         let (low, high) = (low / per_reading, high / per_reading);
         new.low = low.clamp(-largest, largest) as i32;
         let gain = f64::from(LAST_MEMORY << GAIN) / (high - low);
@@ -214,11 +237,6 @@ impl<R: Real> Recall<R> {
         in_range("gain", self.gain, 0, LARGEST_GAIN)
     }
 
-    #[inline(always)]
-    pub fn is_there(&self) -> bool {
-        self.kind != Kind::None
-    }
-
     pub fn is_like(&self, other: &Self) -> bool {
         self.kind == other.kind
     }
@@ -239,14 +257,14 @@ impl<R: Real> Recall<R> {
     ///
     /// An average follows within a loss of 2⁻³²: over 60 s at 10 kHz it stands still within 6e-4 of the tables' range.
     #[inline(always)]
-    pub fn reading(&self, state: &mut CorrectionState, place: i32, cycles: R) -> i32 {
+    pub fn reading(&self, state: &mut CorrectionState, place: i32, beside: &Beside<R>) -> i32 {
         let value = state.value;
         let toward = |target: i32| {
             let change = i64::from(target.wrapping_sub(value)) * i64::from(self.step);
             value.wrapping_add((change >> 32) as i32)
         };
         match self.kind {
-            Kind::None => 0,
+            Kind::None | Kind::Place => 0,
             Kind::Slip => {
                 let stretch = value.wrapping_add(place - state.previous);
                 state.value = stretch.min(self.step).max(-self.step);
@@ -274,7 +292,11 @@ impl<R: Real> Recall<R> {
                 state.value = value.saturating_add(1);
                 self.age(R::from_i32(value))
             }
-            Kind::Cycles => self.age(cycles),
+            Kind::Cycles => self.age(beside.cycles),
+            Kind::Temperature => {
+                let reading = (beside.temperature * self.rate).to_i32();
+                reading.clamp(-LARGEST_READING, LARGEST_READING)
+            }
         }
     }
 

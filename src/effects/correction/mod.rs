@@ -1,8 +1,8 @@
 //! A correction without a name: a table of what a law still lacks where no known effect explains it.
 //!
 //! F = T(y, v) + U(y, sgn v, z). T stands over displacement and velocity, once for each direction of motion, so that
-//! friction's jump at rest is exact. U stands over displacement and over z, what the motion was before; without a memory
-//! it is 0.
+//! friction's jump at rest is exact. U stands over displacement and over z, what the motion was before, or the temperature;
+//! without either it is 0. Or it is a finer line over displacement alone, for what happens at one place.
 //!
 //! Displacement is divided evenly over ±reach, speed by half octaves ([`part_of_speed`]). Between nodes a table is a
 //! straight line in each of its variables; outside, its edge holds. So the force is bounded by the largest cells, whatever
@@ -18,7 +18,7 @@ use super::ConfinedMotion;
 use crate::error::ConfigError;
 use crate::limits;
 use crate::real::{Real, in_range};
-use memory::Recall;
+use memory::{Beside, Kind, Recall};
 
 pub use memory::{CorrectionState, Memory};
 
@@ -30,6 +30,8 @@ pub const SPEEDS: usize = 17;
 pub const MEMORIES: usize = 5;
 /// Cells of T: displacement runs fastest, then speed, then direction, that of growing displacement first.
 pub const CELLS: usize = 2 * SPEEDS * DISPLACEMENTS;
+/// Nodes over displacement where U is a line: [`Memory::Place`].
+pub const FINE: usize = 33;
 /// Cells of U: displacement runs fastest, then memory, then direction.
 pub const MEMORY_CELLS: usize = 2 * MEMORIES * DISPLACEMENTS;
 
@@ -45,6 +47,8 @@ const ONE: i32 = 1 << FRACTION;
 const LAST: i32 = 8 * ONE - 1;
 /// and over speed.
 const LAST_SPEED: i32 = 16 * ONE - 1;
+/// Bits of the way between two nodes of a line.
+const FINE_FRACTION: u32 = FRACTION - 2;
 /// No displacement.
 const MIDDLE: i32 = 4 * ONE;
 
@@ -59,7 +63,7 @@ pub struct CorrectionParts<'t, R> {
     pub unit: R,
     /// [`CELLS`] cells of T.
     pub cells: &'t [i16],
-    /// What U depends on, and the z of its first and of its last node.
+    /// What U depends on, and the z of its first and of its last node, which count for nothing with [`Memory::Place`].
     pub memory: Option<(Memory<R>, [R; 2])>,
     /// [`MEMORY_CELLS`] cells of U; none without a memory.
     pub memory_cells: &'t [i16],
@@ -88,6 +92,17 @@ pub struct Support {
     pub memory_cells: [(usize, f64); 4],
     /// Where z stands in its range: 0 at the first node of U, 1 at the last.
     pub memory: f64,
+}
+
+/// What U is over beside displacement and direction.
+#[derive(Clone, Copy)]
+enum Along {
+    /// There is no U.
+    Nothing,
+    /// A place among [`MEMORIES`] nodes.
+    Memory(i32),
+    /// Nothing more: a line of [`FINE`] nodes.
+    Line,
 }
 
 /// Where a motion stands in the tables.
@@ -155,19 +170,21 @@ impl<R: Real> Correction<R> {
         }
     }
 
-    /// Force in kN on this tick of a [`ConfinedMotion`], where the state is none before the first. Call it once per tick, in order.
+    /// Force in kN on this tick of `motion`, where the state is none before the first. Call it once per tick, in order.
     #[inline(always)]
     pub(super) fn force(
         &self,
         state: &mut Option<CorrectionState>,
-        displacement: R,
-        velocity: R,
-        cycles: R,
+        motion: &ConfinedMotion<R>,
     ) -> R {
-        if self.recall.is_there() {
-            self.force_with_memory(state, displacement, velocity, cycles)
-        } else {
-            self.force_of_motion(displacement, velocity)
+        let (y, v) = (motion.displacement(), motion.velocity());
+        match self.recall.kind {
+            Kind::None => self.force_of_motion(y, v),
+            Kind::Place => self.force_of_place(y, v),
+            _ => {
+                let (cycles, temperature) = (motion.cycles(), motion.temperature());
+                self.force_with_memory(state, y, v, cycles, temperature)
+            }
         }
     }
 
@@ -176,7 +193,14 @@ impl<R: Real> Correction<R> {
     #[inline(never)]
     fn force_of_motion(&self, displacement: R, velocity: R) -> R {
         let place = self.place(displacement, velocity);
-        self.force_at(&place, velocity, None)
+        self.force_at(&place, velocity, Along::Nothing)
+    }
+
+    /// That of T and the line.
+    #[inline(never)]
+    fn force_of_place(&self, displacement: R, velocity: R) -> R {
+        let place = self.place(displacement, velocity);
+        self.force_at(&place, velocity, Along::Line)
     }
 
     /// That of T and U.
@@ -187,52 +211,63 @@ impl<R: Real> Correction<R> {
         displacement: R,
         velocity: R,
         cycles: R,
+        temperature: R,
     ) -> R {
         let place = self.place(displacement, velocity);
-        let reading = self.reading(state, place.displacement, cycles);
-        let memory = reading.map(|reading| self.recall.place(reading));
-        self.force_at(&place, velocity, memory)
+        let beside = Beside {
+            cycles,
+            temperature,
+        };
+        let reading = self.reading(state, place.displacement, &beside);
+        let along = Along::Memory(self.recall.place(reading));
+        self.force_at(&place, velocity, along)
     }
 
     #[inline(always)]
-    fn force_at(&self, place: &Place, velocity: R, memory: Option<i32>) -> R {
+    fn force_at(&self, place: &Place, velocity: R, along: Along) -> R {
         if velocity == R::ZERO {
-            return self.force_at_rest(place.displacement, memory);
+            return self.force_at_rest(place.displacement, along);
         }
-        R::from_i32(self.counts(place, memory)) * self.unit
+        R::from_i32(self.counts(place, along)) * self.unit
     }
 
-    /// What is remembered, where there is a U.
+    /// What U is over beside displacement.
     #[inline(always)]
-    fn reading(&self, state: &mut Option<CorrectionState>, across: i32, cycles: R) -> Option<i32> {
-        if !self.recall.is_there() {
-            return None;
-        }
+    fn reading(
+        &self,
+        state: &mut Option<CorrectionState>,
+        across: i32,
+        beside: &Beside<R>,
+    ) -> i32 {
         let state = state.get_or_insert_with(|| self.recall.begin(across));
-        Some(self.recall.reading(state, across, cycles))
+        self.recall.reading(state, across, beside)
     }
 
     /// What both tables come to, in units.
     #[inline(always)]
-    fn counts(&self, place: &Place, memory: Option<i32>) -> i32 {
+    fn counts(&self, place: &Place, along: Along) -> i32 {
         let across = place.displacement;
         let counts = between(&self.cells, place.back & BACK, across, place.speed);
-        memory.map_or(counts, |memory| {
-            counts + between(&self.memory_cells, place.back & MEMORY_BACK, across, memory)
-        })
+        let back = place.back & MEMORY_BACK;
+        counts
+            + match along {
+                Along::Nothing => 0,
+                Along::Memory(memory) => between(&self.memory_cells, back, across, memory),
+                Along::Line => on_line(&self.memory_cells, back, across),
+            }
     }
 
     /// That of the mean of both directions.
     #[cold]
     #[inline(never)]
-    fn force_at_rest(&self, displacement: i32, memory: Option<i32>) -> R {
+    fn force_at_rest(&self, displacement: i32, along: Along) -> R {
         let counts = |back| {
             let place = Place {
                 displacement,
                 speed: 0,
                 back,
             };
-            self.counts(&place, memory)
+            self.counts(&place, along)
         };
         R::from_i32((counts(0) + counts(usize::MAX)) / 2) * self.unit
     }
@@ -246,9 +281,9 @@ impl<R: Real> Correction<R> {
     ) -> Support {
         let place = self.place(motion.displacement(), motion.velocity());
         let across = place.displacement;
+        let part = |place: i32, bits: u32| f64::from(place & ((1 << bits) - 1)) / f64::from(1 << bits);
         let weights = |first: usize, along: i32| {
-            let part = |place: i32| f64::from(place & (ONE - 1)) / f64::from(ONE);
-            let (x, y) = (part(across), part(along));
+            let (x, y) = (part(across, FRACTION), part(along, FRACTION));
             let corner = corner(first, across, along);
             [
                 (corner, (1.0 - x) * (1.0 - y)),
@@ -257,19 +292,29 @@ impl<R: Real> Correction<R> {
                 (corner + DISPLACEMENTS + 1, x * y),
             ]
         };
-        let cells = weights(place.back & BACK, place.speed);
-        let Some(reading) = self.reading(state, across, motion.cycles()) else {
-            return Support {
-                cells,
-                memory_cells: [(0, 0.0); 4],
-                memory: 0.0,
-            };
+        let back = place.back & MEMORY_BACK;
+        let (memory_cells, memory) = match self.recall.kind {
+            Kind::None => ([(0, 0.0); 4], 0.0),
+            Kind::Place => {
+                let first = back + (across >> FINE_FRACTION) as usize;
+                let x = part(across, FINE_FRACTION);
+                let line = [(first, 1.0 - x), (first + 1, x), (0, 0.0), (0, 0.0)];
+                (line, f64::from(across) / f64::from(LAST))
+            }
+            _ => {
+                let beside = Beside {
+                    cycles: motion.cycles(),
+                    temperature: motion.temperature(),
+                };
+                let reading = self.reading(state, across, &beside);
+                let cells = weights(back, self.recall.place(reading));
+                (cells, self.recall.part(reading))
+            }
         };
-        let memory = self.recall.place(reading);
         Support {
-            cells,
-            memory_cells: weights(place.back & MEMORY_BACK, memory),
-            memory: self.recall.part(reading),
+            cells: weights(place.back & BACK, place.speed),
+            memory_cells,
+            memory,
         }
     }
 }
@@ -317,4 +362,15 @@ fn between(cells: &[i16], first: usize, across: i32, along: i32) -> i32 {
     let [a, b, c, d] = [a, b, c, d].map(i32::from);
     let mix = |a: i32, b: i32, place: i32| a + (((b - a) * (place & (ONE - 1))) >> FRACTION);
     mix(mix(a, b, across), mix(c, d, across), along)
+}
+
+/// The value between two cells of a line whose cells for this direction begin with cell `first`.
+#[inline(always)]
+fn on_line(cells: &[i16], first: usize, across: i32) -> i32 {
+    let place = first + (across >> FINE_FRACTION) as usize;
+    let around = cells.get(place..).and_then(<[i16]>::first_chunk);
+    // Every place is within the line.
+    let Some(&[a, b]) = around else { return 0 };
+    let (a, b) = (i32::from(a), i32::from(b));
+    a + (((b - a) * (across & ((1 << FINE_FRACTION) - 1))) >> FINE_FRACTION)
 }

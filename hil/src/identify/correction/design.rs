@@ -93,6 +93,7 @@ pub(crate) struct Design<'a> {
 
 /// What was remembered at each row.
 pub(crate) struct Recalled {
+    pub of: Remembered,
     /// z at the first and at the last node.
     pub range: [f64; 2],
     /// Cells of U at each instant of each row.
@@ -211,6 +212,10 @@ impl<'a> Design<'a> {
             Remembered::Largest | Remembered::Level { .. } => [0.0, self.extent.displacement],
             Remembered::Age { time } => [0.0, 1.0 + (longest / time).log2().max(0.0)],
             Remembered::Cycles { .. } => [0.0, 16.0],
+            Remembered::Temperature => self.temperatures()?,
+            Remembered::Place => {
+                return self.recall_within(of, [-self.extent.displacement, self.extent.displacement]);
+            }
         };
         let memories = self.through(of, wide, |memory, _| memory)?;
         let (low, high) = least_and_largest(memories.into_iter().flatten());
@@ -225,7 +230,18 @@ impl<'a> Design<'a> {
     /// The same in a table over `range`.
     pub fn recall_within(&self, of: Remembered, range: [f64; 2]) -> Option<Recalled> {
         let cells = self.through(of, range, |_, cells| cells)?;
-        Some(Recalled { range, cells })
+        Some(Recalled { of, range, cells })
+    }
+
+    /// The lowest and the highest of the rows, °C; `None` where they are the same.
+    fn temperatures(&self) -> Option<[f64; 2]> {
+        let instants = self.rows.iter().flat_map(|row| &row.instants);
+        let temperatures = instants.map(|instant| {
+            let (which, sample) = instant.origin;
+            self.trajectories[which].temperature_at(sample)
+        });
+        let (low, high) = least_and_largest(temperatures);
+        (low < high).then_some([low, high])
     }
 
     /// What `take` takes of where z stands and of its cells, at every instant of every row.

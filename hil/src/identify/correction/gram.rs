@@ -4,6 +4,7 @@ use mesh_damper::effects::correction::{CELLS, MEMORY_CELLS};
 use nalgebra::{DMatrix, DVector};
 use rayon::prelude::*;
 
+use crate::correction::Remembered;
 use super::design::{Coefficients, Design, Recalled};
 use super::system::System;
 use super::trend::{Trend, hats_of_memory, hats_of_table};
@@ -49,6 +50,8 @@ pub(super) struct Layout {
     pub trends: usize,
     pub table: usize,
     pub memory: usize,
+    /// What U is over.
+    pub of: Option<Remembered>,
 }
 
 impl Layout {
@@ -70,6 +73,7 @@ pub(super) struct Raw<'d> {
     design: &'d Design<'d>,
     at: &'d Coefficients,
     law: usize,
+    of: Option<Remembered>,
     blocks: Vec<Block>,
 }
 
@@ -131,6 +135,7 @@ impl<'d> Raw<'d> {
             design,
             at,
             law,
+            of: recalled.map(|recalled| recalled.of),
             blocks,
         }
     }
@@ -138,12 +143,14 @@ impl<'d> Raw<'d> {
     /// The sums over eq 13 and what `form` has beside it, however smooth; `None` without samples.
     pub fn sums<'t>(&self, form: Form<'t>) -> Option<Sums<'_, 't>> {
         let table = form.table.map_or(Vec::new(), |_| hats_of_table());
-        let memory = form.memory.map_or(Vec::new(), |_| hats_of_memory());
+        let of = self.of.filter(|_| form.memory.is_some());
+        let memory = of.map_or(Vec::new(), hats_of_memory);
         let layout = Layout {
             law: self.law,
             trends: form.trends.len(),
             table: table.len(),
             memory: memory.len(),
+            of,
         };
         let hats: Vec<Trend> = table.into_iter().chain(memory).collect();
         let blocks = self
@@ -253,6 +260,7 @@ impl<'d, 't> Sums<'d, 't> {
             trends: trends.len(),
             table: 0,
             memory: 0,
+            of: None,
             ..self.layout
         }
     }

@@ -1,4 +1,4 @@
-//! What a correction may remember, tried one after the other.
+//! What a correction may be over beside displacement and velocity, tried one after the other.
 
 use super::design::Design;
 use crate::correction::Remembered;
@@ -59,6 +59,8 @@ fn every_kind(design: &Design) -> Vec<Vec<Remembered>> {
         spread(0.01 * cycles.max(1.0), cycles.max(1.0), 3, |cycles| {
             Remembered::Cycles { cycles }
         }),
+        vec![Remembered::Temperature],
+        vec![Remembered::Place],
     ]
 }
 
@@ -77,7 +79,7 @@ pub(super) fn around(of: Remembered) -> Vec<Remembered> {
         Remembered::Level { time } => Some(Remembered::Level {
             time: factor * time,
         }),
-        Remembered::Largest => None,
+        Remembered::Largest | Remembered::Temperature | Remembered::Place => None,
         Remembered::Age { time } => Some(Remembered::Age {
             time: factor * time,
         }),

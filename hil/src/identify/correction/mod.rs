@@ -168,8 +168,8 @@ pub fn depends_on(
         let raw = Raw::over(design, &at, recalled.as_ref());
         let error_with = |variables: Variables| {
             let mut trends = trend::of_table(variables);
-            if recalled.is_some() {
-                trends.extend(trend::of_memory(variables));
+            if let Some(recalled) = &recalled {
+                trends.extend(trend::of_memory(recalled.of, variables));
             }
             trend::grown(&raw, &[], &trends).map_or(f64::INFINITY, |(error, _)| error)
         };
@@ -189,7 +189,8 @@ pub fn depends_on(
             names.push("velocity");
         }
     }
-    names.extend(choice.memory.map(|memory| memory.of.is_of()));
+    let of = choice.memory.map(|memory| memory.of.is_of());
+    names.extend(of.filter(|name| !names.contains(name)));
     Ok(names)
 }
 
@@ -244,7 +245,6 @@ fn remembering(design: &Design, plain: &Fitted, kinds: Kinds) -> Option<Fitted> 
         let fitted = candidates.into_par_iter().filter_map(fitted);
         fitted.min_by(|a, b| a.0.total_cmp(&b.0))
     };
-    let candidates = trend::of_memory(Variables::BOTH);
     let best_of_each = memory::of_kinds(kinds, design)
         .into_par_iter()
         .filter_map(|kind| {
@@ -255,6 +255,7 @@ fn remembering(design: &Design, plain: &Fitted, kinds: Kinds) -> Option<Fitted> 
             };
             let recalled = design.recall(of)?;
             let raw = Raw::over(design, at, Some(&recalled));
+            let candidates = trend::of_memory(of, Variables::BOTH);
             let (error, trends) = trend::grown(&raw, known, &candidates)?;
             let with_table = raw.sums(tabulated)?.judged(tabulated)?.error;
             let (error, trends) = if error < with_table {
@@ -269,7 +270,7 @@ fn remembering(design: &Design, plain: &Fitted, kinds: Kinds) -> Option<Fitted> 
     // What was taken without the memory may have stood in for it.
     let all: Vec<Trend> = trend::of_table(Variables::BOTH)
         .into_iter()
-        .chain(candidates)
+        .chain(trend::of_memory(of, Variables::BOTH))
         .collect();
     let trends = match trend::grown(&raw, &[], &all) {
         Some((anew, others)) if anew < error => others,

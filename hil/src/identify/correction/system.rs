@@ -2,12 +2,13 @@
 
 use faer::linalg::solvers::{Llt, Solve as _};
 use faer::{MatMut, MatRef, Side};
-use mesh_damper::effects::correction::{DISPLACEMENTS, MEMORIES};
+use mesh_damper::effects::correction::{DISPLACEMENTS, FINE, MEMORIES};
 use nalgebra::{DMatrix, DVector};
 
 use super::design::{Coefficients, Design};
 use super::gram::{Block, Form, Layout};
 use super::trend::KNOTS;
+use crate::correction::Remembered;
 
 /// What a bend between neighbouring amplitudes costs eq 13's coefficients, over what the data say of them.
 const BEND: f64 = 1e-3;
@@ -47,10 +48,15 @@ impl System {
         let first = layout.law + layout.trends;
         if let Some(smoothness) = form.table {
             // A straight line over speed costs nothing: nodes stand twice as far apart each time.
-            system.table(first, KNOTS, 2.0, smoothness * per_cell);
+            system.table(first, [DISPLACEMENTS, KNOTS], 2.0, smoothness * per_cell);
         }
         if let Some(smoothness) = form.memory {
-            system.table(first + layout.table, MEMORIES, 1.0, smoothness * per_cell);
+            let (first, weight) = (first + layout.table, smoothness * per_cell);
+            let nodes = match layout.of {
+                Some(Remembered::Place) => [FINE, 1],
+                _ => [DISPLACEMENTS, MEMORIES],
+            };
+            system.table(first, nodes, 1.0, weight);
         }
         system
     }
@@ -96,15 +102,14 @@ impl System {
         }
     }
 
-    /// The bends of a table over displacement, and those along its other variable, where each step is `ratio` times as long
-    /// as the one before.
-    fn table(&mut self, first: usize, along: usize, ratio: f64, weight: f64) {
+    /// The bends of a table over its nodes `across` displacement, and those `along` its other variable, where each step is
+    /// `ratio` times as long as the one before.
+    fn table(&mut self, first: usize, [across, along]: [usize; 2], ratio: f64, weight: f64) {
         for direction in 0..2 {
             for j in 0..along {
-                for i in 0..DISPLACEMENTS {
-                    let cell =
-                        |i: usize, j: usize| first + (direction * along + j) * DISPLACEMENTS + i;
-                    if i + 1 < DISPLACEMENTS {
+                for i in 0..across {
+                    let cell = |i: usize, j: usize| first + (direction * along + j) * across + i;
+                    if i + 1 < across {
                         self.add(
                             &[(cell(i, j), -1.0), (cell(i + 1, j), 1.0)],
                             0.0,
@@ -118,7 +123,7 @@ impl System {
                             SLOPE * weight,
                         );
                     }
-                    if i + 2 < DISPLACEMENTS {
+                    if i + 2 < across {
                         let bend = [
                             (cell(i, j), 1.0),
                             (cell(i + 1, j), -2.0),

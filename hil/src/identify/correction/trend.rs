@@ -4,9 +4,11 @@
 //! follows a few products of a function of displacement and one of speed does, and the table proper is left with the rest.
 
 use mesh_damper::effects::correction::{
-    CELLS, DISPLACEMENTS, MEMORIES, MEMORY_CELLS, SPEEDS, part_of_speed,
+    CELLS, DISPLACEMENTS, FINE, MEMORIES, MEMORY_CELLS, SPEEDS, part_of_speed,
 };
 use rayon::prelude::*;
+
+use crate::correction::Remembered;
 
 use super::gram::{Form, Raw};
 
@@ -79,8 +81,11 @@ pub(super) fn of_table(variables: Variables) -> Vec<Trend> {
     products(variables, 0, SPEEDS, part_of_speed, &OVER_SPEED)
 }
 
-/// Every trend of U.
-pub(super) fn of_memory(variables: Variables) -> Vec<Trend> {
+/// Every trend of U; none where it is a line, which is for what no trend is like.
+pub(super) fn of_memory(of: Remembered, variables: Variables) -> Vec<Trend> {
+    if of == Remembered::Place {
+        return Vec::new();
+    }
     let place = |node: usize| node as f64 / (MEMORIES - 1) as f64;
     products(variables, CELLS, MEMORIES, place, &OVER_MEMORY)
 }
@@ -112,8 +117,11 @@ pub(super) fn hats_of_table() -> Vec<Trend> {
 }
 
 /// The same of U: its cells.
-pub(super) fn hats_of_memory() -> Vec<Trend> {
-    let cells = CELLS..CELLS + MEMORY_CELLS;
+pub(super) fn hats_of_memory(of: Remembered) -> Vec<Trend> {
+    let half = MEMORY_CELLS / 2;
+    let used = if of == Remembered::Place { FINE } else { half };
+    let cells = [CELLS, CELLS + half].into_iter();
+    let cells = cells.flat_map(|first| first..first + used);
     cells.map(|cell| Trend(vec![(cell, 1.0)])).collect()
 }
 
