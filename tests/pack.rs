@@ -36,6 +36,7 @@ fn every_effect() -> Vec<Effect<f32>> {
         },
         EffectParameters::Temperature {
             beta: 2e-3,
+            beta_damping: -1e-3,
             reference: 20.0,
         },
         EffectParameters::Stop([(2.0, 0.05), (3.0, -0.08)].into_iter().collect()),

@@ -172,6 +172,8 @@ fn numbers() -> Vec<Number> {
         ])),
         number!("stiffness", 1e-9, 1e9, |x| Stop::new(&[(x, 0.1)])),
         number!("beta", -1.0, 1.0, |x| Temperature::new(x, 20.0)),
+        number!("beta_damping", -1.0, 1.0, |x| Temperature::new(0.1, 20.0)
+            .and_then(|both| both.with_damping(x))),
         number!("reference", -273.15, 1e4, |x| Temperature::new(0.1, x)),
         number!("reach", 1e-9, 1e4, |x| correction(
             x, 1.0, 1.0, LAG, RANGE, 1e-4

@@ -64,6 +64,7 @@ fn parameters(feed: &mut Feed<'_>, tick: f64) -> EffectParameters<f32> {
         },
         9 => EffectParameters::Temperature {
             beta: feed.either(1e-6, 1.0) as f32,
+            beta_damping: feed.either(1e-6, 1.0) as f32,
             reference: feed.either(1e-3, 273.0) as f32,
         },
         10 => EffectParameters::Stop(

@@ -135,7 +135,7 @@ pub fn parameter_unit(name: &str) -> Option<&'static str> {
         "time" => Some("s"),
         "cycles" => Some("1"),
         "load" => Some("1/mm"),
-        "beta" => Some("1/degC"),
+        "beta" | "beta_damping" => Some("1/degC"),
         "reference" => Some("degC"),
         "sharpness" | "damps_inside" => Some("1"),
         "gap" | "half_width" => Some("mm"),
@@ -397,6 +397,10 @@ impl AddedEffect {
             },
             Family::Temperature => EffectParameters::Temperature {
                 beta: get("beta")?,
+                beta_damping: match self.parameters.contains_key("beta_damping") {
+                    true => get("beta_damping")?,
+                    false => get("beta")?,
+                },
                 reference: get("reference")?,
             },
         };

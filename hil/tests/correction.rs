@@ -2,7 +2,7 @@
 
 mod hidden;
 
-use hidden::{Hidden, NOISE, RATE, Sample, block, fitted, record, start};
+use hidden::{Hidden, NOISE, RATE, Sample, block, fitted, record, record_at, start};
 use hil::correction::Remembered;
 use hil::identify::correction::{Kinds, fit};
 use hil::model::Model;
@@ -154,6 +154,33 @@ fn a_zero_that_drifts_is_remembered_as_age() {
     let (memory, error) = held_out(momentary(|s| 0.004 * s.time));
     assert!(matches!(memory, Some(Remembered::Age { .. })), "{memory:?}");
     assert!(error < 1.5, "{error} times the noise");
+}
+
+/// The other test begins warm and cools down.
+#[test]
+fn a_load_cell_that_warms_stands_over_temperature() {
+    let warms = |time: f64| Some(20.0 + 15.0 * (1.0 - (-time / 8.0).exp()));
+    let cools = |time: f64| Some(35.0 - 8.0 * (1.0 - (-time / 3.0).exp()));
+    let zero = || Box::new(|s: &Sample| 0.003 * (s.temperature - 20.0)) as Hidden;
+    let recording = record_at(warms, &fitted(), zero(), 1);
+    let held = record_at(cools, &held(), zero(), 2);
+    let model = fit(&[recording], &start(), Kinds::All, |_, _| true);
+    let (model, _) = model.unwrap().expect("there is something to correct");
+    let force = predict_embedded(&model, &held).unwrap();
+    let error = nrmse(&force, &held.force, |_| true) / NOISE;
+    let memory = model.correction.unwrap().memory.unwrap();
+    assert_eq!(memory.of, Remembered::Temperature);
+    assert!(error < 1.5, "{error} times the noise");
+}
+
+/// Within a sixteenth of the displacement's range.
+#[test]
+fn friction_at_one_place_stands_there() {
+    let (memory, error) = held_out(momentary(|s| {
+        0.04 * (-((s.displacement - 0.03) / 0.0125).powi(2)).exp() * s.velocity.signum()
+    }));
+    assert_eq!(memory, Some(Remembered::Place));
+    assert!(error < 2.5, "{error} times the noise");
 }
 
 #[test]

@@ -102,6 +102,13 @@ fn families(trace: &Trace) -> Vec<&str> {
         .collect()
 }
 
+/// The temperature in °C at each sample of a test of `samples`, from `first` towards `last`.
+fn warming(first: f64, last: f64, samples: usize) -> Vec<f64> {
+    let way = |sample: usize| 1.0 - (-(sample as f64) * TICK / 6.0).exp();
+    let at = |sample| first + (last - first) * way(sample);
+    (0..samples).map(at).collect()
+}
+
 /// A slider of stiffness `k` and slip limit `x`, written on its own.
 fn slider(k: f64, x: f64) -> impl FnMut(&Sample) -> f64 {
     let mut anchor = 0.0_f64;
@@ -122,6 +129,54 @@ fn branch(k: f64, tau: f64) -> impl FnMut(&Sample) -> f64 {
             force += k * change - force * TICK / (10.0 * tau);
         }
         force
+    }
+}
+
+/// What the law loses is `lost` per degree of its elastic and of its damping force.
+fn traced_warm(lost: [f64; 2]) -> Trace {
+    let warm = |name, blocks: &[(f64, f64, u32)], seed, first, last| {
+        let temperature = warming(first, last, motion(blocks).len());
+        let mut rises = temperature.iter().map(|degrees| degrees - 20.0);
+        let change = move |sample: &Sample| {
+            let elastic = K1 * sample.1 + K3 * sample.1.powi(3);
+            let forces = [elastic, law(sample) - elastic];
+            let of_degree: f64 = lost
+                .iter()
+                .zip(forces)
+                .map(|(beta, force)| beta * force)
+                .sum();
+            -rises.next().unwrap_or_default() * of_degree
+        };
+        let mut recording = record(name, blocks, 0.004, seed, change);
+        recording.temperature = Some(temperature.clone());
+        recording
+    };
+    let fitted = warm("fitted", &BLOCKS, 1, 20.0, 45.0);
+    // It begins warm and cools down.
+    let held = warm("held", &OTHERS, 2, 45.0, 30.0);
+    trace(&[fitted], &[held], &|_| ()).unwrap()
+}
+
+#[test]
+fn what_warmth_takes_of_stiffness_and_of_friction_is_told_apart() {
+    for lost in [[0.004, 0.0], [0.0, 0.004], [0.004, 0.004]] {
+        let trace = traced_warm(lost);
+        assert_eq!(families(&trace), ["temperature"], "{lost:?}");
+        let parameters = &trace.result.effects[0].parameters;
+        let told = ["beta", "beta_damping"].map(|name| parameters.get(name));
+        let [Some(beta), damping] = told else {
+            panic!("{lost:?}: {parameters:?}")
+        };
+        // One number says it where both are the same.
+        assert_eq!(damping.is_none(), lost[0] == lost[1], "{lost:?}");
+        for (estimate, truth) in [beta, damping.unwrap_or(beta)].into_iter().zip(lost) {
+            let off = (estimate.value - truth).abs();
+            // The intervals hold in nine of ten.
+            let half = 0.5 * (estimate.high - estimate.low);
+            assert!(off < 2.0 * half && half < 5e-4, "{lost:?}: {estimate:?}");
+        }
+        let left = trace.result.on_target.nrmse_held_out / trace.result.noise_floor_nrmse;
+        assert!(left < 1.15, "{lost:?}: {left} times the noise");
     }
 }
 

@@ -48,7 +48,9 @@ impl Effect<f32> {
             Self::Inertia(effect) => put(INERTIA, &[effect.mass]),
             Self::LoadFriction(effect) => put(LOAD_FRICTION, &[effect.load]),
             Self::Drift(effect) => put(DRIFT, &[effect.stiffness, effect.rate]),
-            Self::Temperature(effect) => put(TEMPERATURE, &[effect.beta, effect.rise]),
+            Self::Temperature(effect) => {
+                put(TEMPERATURE, &[effect.beta, effect.beyond, effect.reference])
+            }
             Self::Stop(effect) => {
                 let [one, other] = effect.contacts;
                 put(STOP, &[one.stiffness, one.gap, other.stiffness, other.gap]);
@@ -100,7 +102,11 @@ impl Effect<f32> {
             (INERTIA, &[mass]) => Self::Inertia(Inertia { mass }),
             (LOAD_FRICTION, &[load]) => Self::LoadFriction(LoadFriction { load }),
             (DRIFT, &[stiffness, rate]) => Self::Drift(Drift { stiffness, rate }),
-            (TEMPERATURE, &[beta, rise]) => Self::Temperature(Temperature { beta, rise }),
+            (TEMPERATURE, &[beta, beyond, reference]) => Self::Temperature(Temperature {
+                beta,
+                beyond,
+                reference,
+            }),
             (STOP, &[stiffness, gap, other_stiffness, other_gap]) => Self::Stop(Stop {
                 contacts: [(stiffness, gap), (other_stiffness, other_gap)]
                     .map(|(stiffness, gap)| Contact { stiffness, gap }),

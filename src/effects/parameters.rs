@@ -58,10 +58,12 @@ pub enum EffectParameters<R> {
         /// Cycles until 63 % of the change is done.
         cycles: R,
     },
-    /// Of [`Temperature::new`].
+    /// Of [`Temperature::new`] and [`Temperature::with_damping`].
     Temperature {
         /// 1/°C
         beta: R,
+        /// 1/°C
+        beta_damping: R,
         /// °C
         reference: R,
     },
@@ -128,9 +130,13 @@ impl<R: Real> EffectParameters<R> {
             Self::Inertia { mass } => Inertia::new(*mass).map(Effect::Inertia),
             Self::LoadFriction { load } => LoadFriction::new(*load).map(Effect::LoadFriction),
             Self::Drift { stiffness, cycles } => Drift::new(*stiffness, *cycles).map(Effect::Drift),
-            Self::Temperature { beta, reference } => {
-                Temperature::new(*beta, *reference).map(Effect::Temperature)
-            }
+            Self::Temperature {
+                beta,
+                beta_damping,
+                reference,
+            } => Temperature::new(*beta, *reference)
+                .and_then(|both| both.with_damping(*beta_damping))
+                .map(Effect::Temperature),
             Self::Stop(contacts) => Stop::new(contacts).map(Effect::Stop),
             Self::Gap {
                 half_width,

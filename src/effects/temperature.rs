@@ -1,24 +1,30 @@
-//! A force that scales with temperature: the wire's modulus and its friction change together.
+//! A force that scales with temperature: the wire's modulus and its friction change, together or each in its own way.
 
 use super::{ConfinedMotion, EffectForce, LawForce};
 use crate::error::ConfigError;
 use crate::limits;
 use crate::real::{Real, in_range};
 
-/// F = −β·(T − T0)·F_law: the law's force falls by the fraction β for each °C above T0.
+/// F = −(T − T0)·(β·F_elastic + β_damping·F_damping): for each °C above T0 eq 13's elastic force falls by the fraction β, and
+/// its damping force by β_damping.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Temperature<R> {
     pub(super) beta: R,
-    /// β·T0
-    pub(super) rise: R,
+    /// β_damping − β
+    pub(super) beyond: R,
+    /// T0
+    pub(super) reference: R,
 }
 
 impl<R: Real> Temperature<R> {
     pub(super) const NONE: Self = Self {
         beta: R::ZERO,
-        rise: R::ZERO,
+        beyond: R::ZERO,
+        reference: R::ZERO,
     };
 
+    /// With the same β for both forces.
+    ///
     /// * `beta`: loss of force per degree, 1/°C, −1…1
     /// * `reference`: T0, the temperature at which the law's coefficients hold, °C, −273.15…1e4
     ///
@@ -29,7 +35,22 @@ impl<R: Real> Temperature<R> {
         let reference = in_range("reference", reference, -273.15, limits::TEMPERATURE)?;
         Ok(Self {
             beta,
-            rise: beta * reference,
+            beyond: R::ZERO,
+            reference,
+        })
+    }
+
+    /// The same with another β for the damping force.
+    ///
+    /// * `beta_damping`: its loss per degree, 1/°C, −1…1
+    ///
+    /// # Errors
+    /// It is not finite or out of range.
+    pub fn with_damping(self, beta_damping: R) -> Result<Self, ConfigError> {
+        let beta_damping = in_range("beta_damping", beta_damping, -1.0, 1.0)?;
+        Ok(Self {
+            beyond: beta_damping - self.beta,
+            ..self
         })
     }
 }
@@ -39,11 +60,14 @@ impl<R: Real> EffectForce<R> for Temperature<R> {
 
     fn check(&self) -> Result<(), ConfigError> {
         in_range("beta", self.beta, -1.0, 1.0)?;
-        in_range("rise", self.rise, -limits::TEMPERATURE, limits::TEMPERATURE).map(|_| ())
+        in_range("beyond", self.beyond, -2.0, 2.0)?;
+        let reference = in_range("reference", self.reference, -273.15, limits::TEMPERATURE);
+        reference.map(|_| ())
     }
 
     #[inline(always)]
     fn force(&self, _: &mut (), motion: &ConfinedMotion<R>, law: LawForce<R>) -> R {
-        (self.rise - self.beta * motion.temperature()) * law.total
+        let lost = self.beta * law.total + self.beyond * law.damping;
+        (self.reference - motion.temperature()) * lost
     }
 }

@@ -1,7 +1,8 @@
 //! The correction without a name: what its tables give between their nodes and outside, and what it remembers.
 
 use mesh_damper::effects::correction::{
-    CELLS, CorrectionParts, DISPLACEMENTS, MEMORIES, MEMORY_CELLS, Memory, SPEEDS, part_of_speed,
+    CELLS, CorrectionParts, DISPLACEMENTS, FINE, MEMORIES, MEMORY_CELLS, Memory, SPEEDS,
+    part_of_speed,
 };
 use mesh_damper::effects::{AugmentedLaw, AugmentedState, Correction, Motion};
 use mesh_damper::error::ConfigError;
@@ -199,6 +200,65 @@ fn age_grows_with_the_logarithm_of_time() {
 }
 
 #[test]
+fn temperature_stands_where_it_is_measured() {
+    let force_at = |temperature, range| {
+        let memory = (Memory::Temperature, range);
+        let correction = correction::<f64>(&[0; CELLS], Some(memory)).unwrap();
+        let mut alone = Alone::new(correction);
+        let motion = Motion {
+            temperature,
+            ..Motion::default()
+        };
+        alone.law.force(&mut alone.state, &motion) / (4000.0 * UNIT)
+    };
+    for (temperature, part) in [
+        (-20.0, 0.0),
+        (-5.0, 0.25),
+        (40.0, 1.0),
+        (400.0, 1.0),
+        (-1e30, 0.0),
+        (f64::NAN, 1.0 / 3.0),
+    ] {
+        // A gain of 170.7 readings is one of 170.
+        close(force_at(temperature, [-20.0, 40.0]), part, 5e-3);
+    }
+    // A narrow range as well.
+    close(force_at(60.5, [60.0, 62.0]), 0.25, 5e-3);
+}
+
+/// A tent half a node of T wide, forwards only: T has nothing of it, the line all.
+#[test]
+fn a_line_resolves_what_happens_at_one_place() {
+    let width = 2.0 * REACH / (FINE - 1) as f64;
+    let place = 3.0 * width;
+    let tent = |y: f64| (1.0 - (y - place).abs() / width).max(0.0);
+    let mut line = [0; MEMORY_CELLS];
+    for (node, cell) in line.iter_mut().take(FINE).enumerate() {
+        *cell = (4000.0 * tent(width * node as f64 - REACH)).round() as i16;
+    }
+    let parts = CorrectionParts {
+        reach: REACH,
+        speed: SPEED,
+        unit: UNIT,
+        cells: &table(|_, v| 0.1 * v),
+        memory: Some((Memory::Place, [-REACH, REACH])),
+        memory_cells: &line,
+    };
+    let mut alone = Alone::<f64>::new(Correction::new(&parts, TICK).unwrap());
+    let high = 4000.0 * UNIT;
+    for step in 0..=400 {
+        let y = REACH * (f64::from(step) / 200.0 - 1.0);
+        close(alone.force(y, 2.0, 0.0), 0.2 + high * tent(y), 4e-3);
+        close(alone.force(y, -2.0, 0.0), -0.2, 1e-3);
+        // At rest, the mean.
+        close(alone.force(y, 0.0, 0.0), 0.5 * high * tent(y), 4e-3);
+    }
+    for outside in [-5.0, 0.3, f64::INFINITY] {
+        close(alone.force(outside, 2.0, 0.0), 0.2, 1e-3);
+    }
+}
+
+#[test]
 fn what_cannot_be_is_refused() {
     let field = |error: ConfigError| match error {
         ConfigError::NonFinite(field) | ConfigError::OutOfRange { field, .. } => field,
@@ -231,7 +291,7 @@ proptest! {
     #[test]
     fn both_floats_give_the_same(
         motion in prop::collection::vec((-0.3f64..0.3, -8.0f64..8.0), 1..200),
-        kind in 0usize..7,
+        kind in 0usize..9,
     ) {
         fn memory<R: Real>(kind: usize) -> (Memory<R>, [R; 2]) {
             let real = R::from_f64;
@@ -243,8 +303,12 @@ proptest! {
                 Memory::Age { time: real(0.05) },
                 Memory::Cycles { cycles: real(3.0) },
                 Memory::Level { time: real(0.05) },
+                Memory::Temperature,
+                Memory::Place,
             ][kind];
-            (memory, [real([-0.05, -0.1, 0.0, 0.0, 0.0, 0.0, 0.0][kind]), real([0.05, 0.1, 200.0, 0.2, 3.0, 3.0, 0.2][kind])])
+            let low = [-0.05, -0.1, 0.0, 0.0, 0.0, 0.0, 0.0, -1.0, -0.2][kind];
+            let high = [0.05, 0.1, 200.0, 0.2, 3.0, 3.0, 0.2, 30.0, 0.2][kind];
+            (memory, [real(low), real(high)])
         }
         let cells = table(|y, v| 4.0 * y + 0.2 * v + v.signum());
         let mut double = Alone::new(correction::<f64>(&cells, Some(memory(kind))).unwrap());
@@ -261,10 +325,11 @@ proptest! {
     #[test]
     fn the_support_is_what_the_force_comes_from(
         motion in prop::collection::vec((-0.3f64..0.3, -8.0f64..8.0), 1..50),
+        slips: bool,
     ) {
         let cells = table(|y, v| 4.0 * y + 0.2 * v + y * v + v.signum());
-        let memory = (Memory::Slip { limit: 0.05 }, [-0.05, 0.05]);
-        let correction = correction::<f64>(&cells, Some(memory)).unwrap();
+        let memory = if slips { Memory::Slip { limit: 0.05 } } else { Memory::Place };
+        let correction = correction::<f64>(&cells, Some((memory, [-0.05, 0.05]))).unwrap();
         let memory_cells = ramp();
         let mut alone = Alone::new(correction);
         let mut state = None;

@@ -215,6 +215,31 @@ fn temperature_scales_the_law_and_nothing_else() {
     );
 }
 
+#[test]
+fn temperature_scales_elastic_and_damping_force_each_in_its_own_way() {
+    let (k1, k3, c, alpha) = (1.0, 10.0, 0.1, 0.4);
+    let each = Temperature::new(0.004, 20.0).unwrap().with_damping(-0.002);
+    let warm: AugmentedLaw<f64, 1> = AugmentedLaw::new(Law::new(k1, k3, c, alpha).unwrap())
+        .with(Effect::Temperature(each.unwrap()))
+        .unwrap();
+    for (y, v, temperature) in [(0.1, 1.3, 70.0), (-0.2, 0.4, -10.0), (0.05, -3.0, 20.0)] {
+        let motion = Motion {
+            displacement: y,
+            velocity: v,
+            temperature,
+            ..Motion::default()
+        };
+        let rise = temperature - 20.0;
+        let elastic = (1.0 - 0.004 * rise) * (k1 * y + k3 * y.powi(3));
+        let damping = (1.0 + 0.002 * rise) * c * v.abs().powf(alpha) * v.signum();
+        close(
+            warm.force(&mut warm.at_rest(), &motion),
+            elastic + damping,
+            1e-12,
+        );
+    }
+}
+
 /// A state that was made for fewer effects has the rest at rest, and drops none.
 #[test]
 fn a_state_of_fewer_effects_serves_more() {
@@ -311,6 +336,11 @@ fn constructors_name_the_field_they_refuse() {
     assert_eq!(
         field(Temperature::new(0.1, -300.0).unwrap_err()),
         "reference"
+    );
+    let both = Temperature::new(0.1, 20.0).unwrap();
+    assert_eq!(
+        field(both.with_damping(f64::NAN).unwrap_err()),
+        "beta_damping"
     );
     assert_eq!(field(Stop::<f32>::new(&[]).unwrap_err()), "contacts");
     assert_eq!(field(Stop::new(&[(1.0, 0.1); 3]).unwrap_err()), "contacts");

@@ -368,8 +368,8 @@ const EFFECTS: [(&str, &str); 17] = [
     ("effects/delay", "delay"),
 ];
 
-/// Corrections, by what they remember, and what their limit is called.
-const CORRECTIONS: [(&str, &str); 8] = [
+/// Corrections, by what they are over, and what their limit is called.
+const CORRECTIONS: [(&str, &str); 10] = [
     ("correction/without_memory", "correction without memory"),
     ("correction/slip", "correction that remembers a slip"),
     ("correction/lag", "correction that remembers a lag"),
@@ -381,6 +381,8 @@ const CORRECTIONS: [(&str, &str); 8] = [
     ("correction/age", "correction that remembers its age"),
     ("correction/cycles", "correction over the cycles"),
     ("correction/level", "correction that remembers a level"),
+    ("correction/temperature", "correction over temperature"),
+    ("correction/place", "correction with a finer line"),
 ];
 
 fn effects(results: &Results) -> Vec<Verdict> {

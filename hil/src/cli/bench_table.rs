@@ -95,6 +95,22 @@ const SECTIONS: [Section; 5] = [
     },
     Section {
         core: Core::CortexM4f,
+        title: "the law with a correction without a name",
+        rows: &[
+            row("correction/without_memory", "call", "of the motion alone"),
+            row("correction/place", "call", "with a finer line"),
+            row("correction/temperature", "call", "over temperature"),
+            row("correction/slip", "call", "remembering a slip"),
+            row("correction/lag", "call", "a lag"),
+            row("correction/travel", "call", "travel"),
+            row("correction/largest", "call", "the largest displacement"),
+            row("correction/level", "call", "a level"),
+            row("correction/age", "call", "its age"),
+            row("correction/cycles", "call", "the cycles"),
+        ],
+    },
+    Section {
+        core: Core::CortexM4f,
         title: "the rig",
         rows: &[
             row("rig/tick", "steady", "tick, its bus answered from memory"),

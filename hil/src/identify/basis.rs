@@ -14,7 +14,7 @@ use crate::recording::trajectory::Trajectory;
 
 /// Eq 13 and added terms over the rows of a fit.
 ///
-/// The searched parameters are the exponents of the nodes, then each term's: logarithms of shapes, and temperature's β.
+/// The searched parameters are the exponents of the nodes, then each term's: logarithms of shapes, and temperature's βs.
 #[derive(Clone)]
 pub(super) struct Basis<'r, 'a> {
     pub rows: &'r Rows<'a>,
@@ -112,7 +112,7 @@ impl<'r, 'a> Basis<'r, 'a> {
                 term,
                 sizes: match term.form.entry() {
                     Entry::Adds(count) => sizes.by_ref().take(count).collect(),
-                    Entry::Scales => vec![at[self.slot(index).start]],
+                    Entry::Scales(_) => self.scales(at, index),
                     Entry::Moves => Vec::new(),
                 },
                 shapes: self.shapes(at, index),
@@ -145,20 +145,26 @@ impl<'r, 'a> Basis<'r, 'a> {
             .collect()
     }
 
+    /// The βs of a term that scales eq 13, 1/°C, as far as the crate takes them.
+    fn scales(&self, at: &[f64], term: usize) -> Vec<f64> {
+        let betas = at[self.slot(term)].iter();
+        betas.map(|beta| beta.clamp(-1.0, 1.0)).collect()
+    }
+
     /// The columns at `at`; what does not change is taken from `known`.
     pub fn columns(&self, at: &[f64], known: Option<&Columns>) -> Columns {
         let same = |range: Range<usize>| known.filter(|known| known.at[range.clone()] == at[range]);
-        let stays = |entry: Entry| {
+        let stays = |is_of: fn(Entry) -> bool| {
             (0..self.terms.len())
-                .filter(|&term| self.terms[term].form.entry() == entry)
+                .filter(|&term| is_of(self.terms[term].form.entry()))
                 .all(|term| same(self.slot(term)).is_some())
         };
-        let motion_stays = stays(Entry::Moves);
+        let motion_stays = stays(|entry| entry == Entry::Moves);
         let moved = match known.filter(|_| motion_stays) {
             Some(known) => known.moved.clone(),
             None => self.moved(at).map(Arc::new),
         };
-        let law_stays = motion_stays && stays(Entry::Scales);
+        let law_stays = motion_stays && stays(|entry| matches!(entry, Entry::Scales(_)));
         let law = match known.filter(|_| law_stays && same(0..self.rows.nodes.len()).is_some()) {
             Some(known) => known.law.clone(),
             None => Arc::new(self.law(at, &moved)),
@@ -352,22 +358,26 @@ impl<'r, 'a> Basis<'r, 'a> {
     /// At each instant of `motion`.
     fn law_of(&self, at: &[f64], motion: &RowMotion) -> LawColumns {
         let temperature = (0..self.terms.len())
-            .find(|&term| self.terms[term].form.entry() == Entry::Scales)
-            .map(|term| (at[self.slot(term).start], self.terms[term].reference));
+            .find(|&term| matches!(self.terms[term].form.entry(), Entry::Scales(_)))
+            .map(|term| {
+                let betas = self.scales(at, term);
+                let ends = [betas[0], betas[betas.len() - 1]];
+                (ends, self.terms[term].reference)
+            });
         let alphas: Vec<f64> = (0..self.rows.nodes.len())
             .map(|node| self.alpha(at, node))
             .collect();
         let unit: Vec<[f64; 3]> = (0..motion.displacement.len())
             .map(|index| {
-                let scale = temperature.map_or(1.0, |(beta, reference)| {
-                    1.0 - beta * (motion.temperature[index] - reference)
+                let [elastic, damping] = temperature.map_or([1.0; 2], |(betas, reference)| {
+                    betas.map(|beta| 1.0 - beta * (motion.temperature[index] - reference))
                 });
                 let y = motion.displacement[index];
                 let speed = (alphas[motion.node[index]] * motion.log_speed[index]).exp();
                 [
-                    scale * y,
-                    scale * y * y * y,
-                    scale * motion.direction[index] * speed,
+                    elastic * y,
+                    elastic * y * y * y,
+                    damping * motion.direction[index] * speed,
                 ]
             })
             .collect();

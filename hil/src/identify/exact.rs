@@ -99,7 +99,6 @@ pub(super) fn tangent(basis: &Basis, solution: &Solution) -> Option<Tangent> {
     let around = Basis::around(basis.clone(), solution);
     let columns = around.columns(&solution.search, None);
     let node = around.motion(&columns).node.clone();
-    let law = around.force(&columns, &eq_13_alone(basis, solution));
     let rms = |values: &mut dyn Iterator<Item = f64>| {
         (values.map(|value| value * value).sum::<f64>() / rows.len() as f64).sqrt()
     };
@@ -162,7 +161,6 @@ pub(super) fn tangent(basis: &Basis, solution: &Solution) -> Option<Tangent> {
             .collect(),
         shared,
         node,
-        law,
     })
 }
 
@@ -200,7 +198,7 @@ fn squares(basis: &Basis, force: &[f64]) -> f64 {
 fn added_by(basis: &Basis, term: usize) -> usize {
     match basis.terms[term].form.entry() {
         Entry::Adds(count) => count,
-        Entry::Scales | Entry::Moves => 0,
+        Entry::Scales(_) | Entry::Moves => 0,
     }
 }
 
@@ -235,11 +233,4 @@ fn at_parameters(basis: &Basis, parameters: &[f64]) -> Solution {
         search.extend(rest.by_ref().take(basis.slot(term).len()));
     }
     basis.solution(&search, &linear, f64::NAN)
-}
-
-/// The linear unknowns of `solution` without the sizes.
-fn eq_13_alone(basis: &Basis, solution: &Solution) -> Vec<f64> {
-    let mut linear = solution.linear();
-    linear[3 * basis.rows.nodes.len()..].fill(0.0);
-    linear
 }

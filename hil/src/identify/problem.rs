@@ -45,7 +45,7 @@ impl<'r, 'a> Problem<'r, 'a> {
             .terms
             .iter()
             .flat_map(|term| match term.form.entry() {
-                Entry::Scales => vec![0.0],
+                Entry::Scales(count) => vec![0.0; count],
                 _ => {
                     let shapes = self.extent.shapes(term.form);
                     let middle = |starts: &[f64]| starts.get(starts.len() / 2).copied();
@@ -115,7 +115,7 @@ impl<'r, 'a> Problem<'r, 'a> {
         let fresh = self.terms.len() > start.terms.len();
         let last = self.terms.last().filter(|_| fresh);
         let end = last.map_or(Vec::new(), |term| match term.form.entry() {
-            Entry::Scales => vec![0.0],
+            Entry::Scales(count) => vec![0.0; count],
             _ => shapes.iter().map(|shape| shape.ln()).collect(),
         });
         start.search.iter().copied().chain(end).collect()

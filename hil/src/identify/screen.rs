@@ -73,12 +73,23 @@ impl<'s, 'r, 'a> Screen<'s, 'r, 'a> {
         let left = factor.left(&self.normal);
         let saved = match term.form.entry() {
             Entry::Moves => left - self.left_when_moved(term, shapes).unwrap_or(left),
-            Entry::Scales => {
+            Entry::Scales(count) => {
                 let temperature = &self.basis.rows.motion.temperature;
-                let column: Vec<f64> = (0..self.basis.rows.len())
-                    .map(|index| self.tangent.law[index] * (term.reference - temperature[index]))
-                    .collect();
-                self.saved_by(factor, &[&column], false)
+                let lost = |index: usize| {
+                    let node = &self.solution.law[self.tangent.node[index]];
+                    let [y, y3, damping, _] = self.tangent.local[index];
+                    let forces = [node.k1 * y + node.k3 * y3, node.c * damping];
+                    forces.map(|force| force * (term.reference - temperature[index]))
+                };
+                let (elastic, damping): (Vec<f64>, Vec<f64>) = (0..self.basis.rows.len())
+                    .map(|index| lost(index).into())
+                    .unzip();
+                if count == 1 {
+                    let both: Vec<f64> = elastic.iter().zip(&damping).map(|(a, b)| a + b).collect();
+                    self.saved_by(factor, &[&both], false)
+                } else {
+                    self.saved_by(factor, &[&elastic, &damping], false)
+                }
             }
             Entry::Adds(_) => {
                 let forces = self.basis.unit_forces(term.form, shapes, &self.columns);

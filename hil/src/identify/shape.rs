@@ -167,7 +167,8 @@ impl Extent {
             | Form::Hardening
             | Form::Viscous
             | Form::Inertia
-            | Form::Temperature => Vec::new(),
+            | Form::Temperature
+            | Form::TemperatureOfEach => Vec::new(),
         }
     }
 }

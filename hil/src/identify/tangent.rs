@@ -12,8 +12,6 @@ pub(super) struct Tangent {
     pub local: Vec<[f64; 4]>,
     /// By the sizes, then by the searched parameters, term by term.
     pub shared: Vec<Vec<f64>>,
-    /// Force of eq 13 at every row, kN.
-    pub law: Vec<f64>,
 }
 
 impl Tangent {
@@ -46,7 +44,6 @@ impl Tangent {
             node: motion.node.clone(),
             local,
             shared,
-            law: basis.law_force(columns, &linear),
         }
     }
 }

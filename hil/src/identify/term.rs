@@ -42,6 +42,8 @@ pub enum Form {
     Drift,
     /// A force that scales with temperature.
     Temperature,
+    /// An elastic force and a damping force that scale with temperature, each in its own way.
+    TemperatureOfEach,
     /// A tone.
     Periodic,
     /// A dead zone in which nothing is moved.
@@ -59,15 +61,15 @@ pub enum Form {
 pub enum Entry {
     /// It adds so many forces, each proportional to a size.
     Adds(usize),
-    /// It scales eq 13.
-    Scales,
+    /// It scales eq 13, or with two sizes its elastic and its damping force.
+    Scales(usize),
     /// It changes the motion that all else is given.
     Moves,
 }
 
 impl Form {
     /// Every form, the simplest first.
-    pub const ALL: [Self; 18] = [
+    pub const ALL: [Self; 19] = [
         Self::Offset,
         Self::Asymmetry,
         Self::Hardening,
@@ -79,6 +81,7 @@ impl Form {
         Self::Relaxation,
         Self::Drift,
         Self::Temperature,
+        Self::TemperatureOfEach,
         Self::Delay,
         Self::Gap,
         Self::DampedGap,
@@ -100,7 +103,7 @@ impl Form {
             Self::Jenkins | Self::Iwan | Self::BoucWen => Family::StickSlip,
             Self::Relaxation => Family::Relaxation,
             Self::Drift => Family::Drift,
-            Self::Temperature => Family::Temperature,
+            Self::Temperature | Self::TemperatureOfEach => Family::Temperature,
             Self::Periodic => Family::Periodic,
             Self::Gap | Self::DampedGap => Family::Gap,
             Self::Delay => Family::Delay,
@@ -111,7 +114,8 @@ impl Form {
     /// How the force depends on its parameters.
     pub fn entry(self) -> Entry {
         match self {
-            Self::Temperature => Entry::Scales,
+            Self::Temperature => Entry::Scales(1),
+            Self::TemperatureOfEach => Entry::Scales(2),
             Self::Gap | Self::DampedGap | Self::Delay | Self::Compliance => Entry::Moves,
             // A sine and a cosine.
             Self::Periodic => Entry::Adds(2),
@@ -161,15 +165,17 @@ impl Form {
 
     /// Whether both may stand in one model.
     pub fn excludes(self, other: Self) -> bool {
-        let gap = |form| matches!(form, Self::Gap | Self::DampedGap);
-        let slider = |form| matches!(form, Self::Jenkins | Self::Iwan | Self::BoucWen);
-        self != other && (gap(self) && gap(other) || slider(self) && slider(other))
+        let gap = |form: Self| matches!(form, Self::Gap | Self::DampedGap);
+        let slider = |form: Self| matches!(form, Self::Jenkins | Self::Iwan | Self::BoucWen);
+        let warm = |form: Self| form.family() == Family::Temperature;
+        let alike = |of: fn(Self) -> bool| of(self) && of(other);
+        self != other && (alike(gap) || alike(slider) || alike(warm))
     }
 
     /// How many parameters of it are searched.
     pub(super) fn searched(self) -> usize {
         match self.entry() {
-            Entry::Scales => 1,
+            Entry::Scales(count) => count,
             _ => self.shape_names().len(),
         }
     }
@@ -209,9 +215,12 @@ impl Form {
                 };
                 return Ok(vec![tone(0.0)?, tone(0.25 * std::f64::consts::TAU)?]);
             }
-            Self::Temperature | Self::Gap | Self::DampedGap | Self::Delay | Self::Compliance => {
-                return Ok(Vec::new());
-            }
+            Self::Temperature
+            | Self::TemperatureOfEach
+            | Self::Gap
+            | Self::DampedGap
+            | Self::Delay
+            | Self::Compliance => return Ok(Vec::new()),
         };
         Ok(vec![force])
     }
@@ -245,7 +254,7 @@ pub struct Term {
 pub struct TermValue {
     /// The term.
     pub term: Term,
-    /// What its forces are proportional to; β for temperature.
+    /// What its forces are proportional to; for temperature β, and β_damping where it is another.
     pub sizes: Vec<f64>,
     /// Its shapes.
     pub shapes: Vec<f64>,
@@ -310,6 +319,11 @@ impl TermValue {
             Form::Relaxation => vec![("stiffness", size(0)), ("time", shape(0))],
             Form::Drift => vec![("stiffness", size(0)), ("cycles", shape(0))],
             Form::Temperature => vec![("beta", size(0)), ("reference", self.term.reference)],
+            Form::TemperatureOfEach => vec![
+                ("beta", size(0)),
+                ("beta_damping", size(1)),
+                ("reference", self.term.reference),
+            ],
             // a·sin x + b·cos x = √(a² + b²)·sin(x + φ), tan φ = b/a
             Form::Periodic => vec![
                 ("amplitude", size(0).hypot(size(1))),

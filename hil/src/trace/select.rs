@@ -143,7 +143,7 @@ impl<'a> Search<'a> {
             .find_map(|t| t.temperature.as_ref()?.first().copied());
         let terms = Form::ALL
             .into_iter()
-            .filter(|&form| form != Form::Temperature || temperature.is_some())
+            .filter(|&form| form.family() != Family::Temperature || temperature.is_some())
             .map(|form| Term {
                 form,
                 reference: temperature.unwrap_or_default(),

@@ -29,6 +29,8 @@ pub struct Sample {
     pub cycles: f64,
     /// kN, of eq 13.
     pub law: f64,
+    /// °C
+    pub temperature: f64,
 }
 
 /// Force beside eq 13, kN, with its memory.
@@ -53,7 +55,17 @@ pub fn fitted() -> Vec<Block> {
 }
 
 /// A test of a specimen whose eq 13 is tabulated over amplitude.
-pub fn record(blocks: &[Block], mut hidden: Hidden, seed: u64) -> Trajectory {
+pub fn record(blocks: &[Block], hidden: Hidden, seed: u64) -> Trajectory {
+    record_at(|_| None, blocks, hidden, seed)
+}
+
+/// The same at a temperature in °C, if any is measured, that depends on the time in s.
+pub fn record_at(
+    temperature: impl Fn(f64) -> Option<f64>,
+    blocks: &[Block],
+    mut hidden: Hidden,
+    seed: u64,
+) -> Trajectory {
     let mut rng = ChaCha8Rng::seed_from_u64(seed);
     let mut normal = move || {
         let (radius, angle): (f64, f64) = (1.0 - rng.random::<f64>(), rng.random());
@@ -77,18 +89,21 @@ pub fn record(blocks: &[Block], mut hidden: Hidden, seed: u64) -> Trajectory {
                 velocity: m.velocity,
                 cycles: before + (m.time - start) * now.frequency,
                 law,
+                temperature: temperature(m.time).unwrap_or_default(),
             };
             (m.displacement, law + hidden(&sample))
         })
         .collect();
     let power = clean.iter().map(|(_, force)| force * force).sum::<f64>();
     let rms = (power / clean.len() as f64).sqrt();
-    let force = clean
+    let force: Vec<f64> = clean
         .iter()
         .map(|(_, force)| force + NOISE * rms * normal())
         .collect();
     let displacement: Vec<f64> = clean.iter().map(|(y, _)| y + 1e-4 * normal()).collect();
-    Trajectory::new("test", 1.0 / RATE, &displacement, force, None, None)
+    let temperature = (0..force.len()).map(|sample| temperature(sample as f64 / RATE));
+    let temperature = temperature.collect();
+    Trajectory::new("test", 1.0 / RATE, &displacement, force, None, temperature)
 }
 
 /// The published law at the fitted amplitudes, off as a fit is that puts an unknown effect into eq 13.

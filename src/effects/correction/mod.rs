@@ -233,12 +233,7 @@ impl<R: Real> Correction<R> {
 
     /// What U is over beside displacement.
     #[inline(always)]
-    fn reading(
-        &self,
-        state: &mut Option<CorrectionState>,
-        across: i32,
-        beside: &Beside<R>,
-    ) -> i32 {
+    fn reading(&self, state: &mut Option<CorrectionState>, across: i32, beside: &Beside<R>) -> i32 {
         let state = state.get_or_insert_with(|| self.recall.begin(across));
         self.recall.reading(state, across, beside)
     }
@@ -281,7 +276,8 @@ impl<R: Real> Correction<R> {
     ) -> Support {
         let place = self.place(motion.displacement(), motion.velocity());
         let across = place.displacement;
-        let part = |place: i32, bits: u32| f64::from(place & ((1 << bits) - 1)) / f64::from(1 << bits);
+        let part =
+            |place: i32, bits: u32| f64::from(place & ((1 << bits) - 1)) / f64::from(1 << bits);
         let weights = |first: usize, along: i32| {
             let (x, y) = (part(across, FRACTION), part(along, FRACTION));
             let corner = corner(first, across, along);

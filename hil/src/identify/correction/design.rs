@@ -214,7 +214,8 @@ impl<'a> Design<'a> {
             Remembered::Cycles { .. } => [0.0, 16.0],
             Remembered::Temperature => self.temperatures()?,
             Remembered::Place => {
-                return self.recall_within(of, [-self.extent.displacement, self.extent.displacement]);
+                return self
+                    .recall_within(of, [-self.extent.displacement, self.extent.displacement]);
             }
         };
         let memories = self.through(of, wide, |memory, _| memory)?;

@@ -4,10 +4,10 @@ use mesh_damper::effects::correction::{CELLS, MEMORY_CELLS};
 use nalgebra::{DMatrix, DVector};
 use rayon::prelude::*;
 
-use crate::correction::Remembered;
 use super::design::{Coefficients, Design, Recalled};
 use super::system::System;
 use super::trend::{Trend, hats_of_memory, hats_of_table};
+use crate::correction::Remembered;
 
 /// What a trend has beyond others is nothing where it is less than this part of it, in squares.
 const ALIKE: f64 = 1e-9;

@@ -1,5 +1,5 @@
 //! What each added effect costs: the law as it runs on the target with none, with one, and with all of them; and what the
-//! correction without a name does, with each kind of memory.
+//! correction without a name does, over all that it may be over.
 
 use mesh_damper::effects::correction::{CELLS, CorrectionParts, MEMORY_CELLS, Memory};
 use mesh_damper::effects::{
@@ -148,9 +148,9 @@ pub fn each() -> Result<[(&'static str, Effect<f32>); EFFECTS], ConfigError> {
 /// What a correction remembers, and the z of its first and of its last node.
 type Remembered = (Memory<f32>, [f32; 2]);
 
-/// Every kind of memory that a correction may have, with the name that it is counted under. Half of the range of each is
+/// Everything that a correction may be over beside the motion, with the name that it is counted under. Half of the range of each is
 /// reached in the cycles that are counted.
-fn memories() -> [(&'static str, Option<Remembered>); 8] {
+fn memories() -> [(&'static str, Option<Remembered>); 10] {
     [
         ("correction/without_memory", None),
         (
@@ -178,6 +178,11 @@ fn memories() -> [(&'static str, Option<Remembered>); 8] {
             "correction/level",
             Some((Memory::Level { time: 0.2 }, [0.0, 0.2])),
         ),
+        (
+            "correction/temperature",
+            Some((Memory::Temperature, [14.0, 26.0])),
+        ),
+        ("correction/place", Some((Memory::Place, [0.0, 1.0]))),
     ]
 }
 
