@@ -14,7 +14,7 @@ use mesh_damper::real::Real;
 use mesh_damper::tabulated::TabulatedLaw;
 use serde::{Deserialize, Serialize};
 
-use crate::correction::CorrectionTable;
+use crate::correction::{CorrectionTable, Remembered};
 
 /// Most effects that a model carries beside eq 13.
 pub const MAX_EFFECTS: usize = 8;
@@ -295,6 +295,17 @@ impl Model {
         pack::encode(&law, &mut buffer)
             .map(<[u8]>::to_vec)
             .map_err(ModelError::Pack)
+    }
+
+    /// Whether its force changes with the temperature.
+    pub fn depends_on_temperature(&self) -> bool {
+        let table = self.correction.as_ref();
+        let memory = table.and_then(|table| table.memory.as_ref());
+        memory.is_some_and(|memory| memory.of == Remembered::Temperature)
+            || self
+                .effects
+                .iter()
+                .any(|effect| effect.family == Family::Temperature)
     }
 
     /// The added effects as the crate's constructors take them.

@@ -170,7 +170,8 @@ fn a_load_cell_that_warms_stands_over_temperature() {
     let error = nrmse(&force, &held.force, |_| true) / NOISE;
     let memory = model.correction.unwrap().memory.unwrap();
     assert_eq!(memory.of, Remembered::Temperature);
-    assert!(error < 1.5, "{error} times the noise");
+    // 65 without.
+    assert!(error < 3.0, "{error} times the noise");
 }
 
 /// Within a sixteenth of the displacement's range.

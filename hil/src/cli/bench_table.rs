@@ -29,7 +29,7 @@ const fn row(name: &'static str, moment: &'static str, label: &'static str) -> R
     }
 }
 
-const SECTIONS: [Section; 5] = [
+const SECTIONS: [Section; 6] = [
     Section {
         core: Core::CortexM4f,
         title: "|v|^α, α 0.15…0.56, v 1e-6…20 mm/s",

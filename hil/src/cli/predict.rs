@@ -3,7 +3,6 @@
 use std::path::{Path, PathBuf};
 
 use clap::{Args, ValueEnum};
-use hil::model::{AddedEffect, Family};
 use hil::model_file::{FittedRange, ModelFile, model_error};
 use hil::output::Outputs;
 use hil::predict::{ImageError, nrmse, predict, predict_embedded, predict_on};
@@ -107,8 +106,7 @@ impl Predict {
                 self.model.display()
             ));
         }
-        let warms = |effect: &AddedEffect| effect.family == Family::Temperature;
-        if recording.temperature.is_none() && model.effects.iter().any(warms) {
+        if recording.temperature.is_none() && model.depends_on_temperature() {
             warn(&format!(
                 "{} depends on temperature, and {} has none: {} °C is assumed",
                 self.model.display(),

@@ -4,7 +4,7 @@ use std::ops::Range;
 use std::sync::Arc;
 
 use super::known_forces::UnitForces;
-use super::moved::moved;
+use super::moved::{delayed, moved};
 use super::rows::{RowMotion, Rows};
 use super::shape::{Extent, Shape};
 use super::solution::{Deflection, Solution};
@@ -46,6 +46,8 @@ struct LawColumns {
 
 struct Moved {
     trajectories: Vec<Trajectory>,
+    /// By how many ticks the force of each is late.
+    late: Vec<usize>,
     rows: RowMotion,
     throughout: Option<RowMotion>,
 }
@@ -315,7 +317,7 @@ impl<'r, 'a> Basis<'r, 'a> {
         if moves.is_empty() {
             return None;
         }
-        let trajectories: Vec<Trajectory> = self
+        let (trajectories, late): (Vec<Trajectory>, Vec<usize>) = self
             .rows
             .trajectories
             .iter()
@@ -324,10 +326,11 @@ impl<'r, 'a> Basis<'r, 'a> {
                 let deflection = self.deflections.as_ref().map(|each| &each[which]);
                 moved(trajectory, &moves, deflection)
             })
-            .collect();
+            .unzip();
         let (rows, throughout) = self.rows.motion_in(&trajectories);
         Some(Moved {
             trajectories,
+            late,
             rows,
             throughout,
         })
@@ -414,10 +417,15 @@ impl<'r, 'a> Basis<'r, 'a> {
         moved: &Option<Arc<Moved>>,
         is_start: bool,
     ) -> UnitForces {
-        let work = |trajectories: &[Trajectory]| {
+        let work = |trajectories: &[Trajectory], late: &[usize]| {
             let mut columns: Vec<Vec<Vec<f64>>> = Vec::new();
-            for trajectory in trajectories {
-                let forces = form.unit_forces(shapes, trajectory).ok()?;
+            for (which, trajectory) in trajectories.iter().enumerate() {
+                let mut forces = form.unit_forces(shapes, trajectory).ok()?;
+                if let (Form::Periodic, Some(&ticks)) = (form, late.get(which)) {
+                    // It follows the clock, and not the motion, which comes late already.
+                    let late = forces.iter().map(|force| delayed(force, ticks));
+                    forces = late.collect();
+                }
                 columns.resize(forces.len(), Vec::new());
                 for (column, force) in columns.iter_mut().zip(forces) {
                     column.push(force);
@@ -431,12 +439,12 @@ impl<'r, 'a> Basis<'r, 'a> {
             )
         };
         match moved {
-            Some(moved) => work(&moved.trajectories),
+            Some(moved) => work(&moved.trajectories, &moved.late),
             None if is_start => {
                 let known = &self.rows.known_forces;
-                known.of(form, shapes, || work(self.rows.trajectories))
+                known.of(form, shapes, || work(self.rows.trajectories, &[]))
             }
-            None => work(self.rows.trajectories),
+            None => work(self.rows.trajectories, &[]),
         }
     }
 }

@@ -7,15 +7,15 @@ use super::term::Form;
 use crate::predict::motion_at;
 use crate::recording::trajectory::Trajectory;
 
-/// `trajectory` as the specimen sees it through `moves`, each a form with its shape. A spring in series gives way
-/// as in `deflection`, in proportion to how soft it is.
+/// `trajectory` as the specimen sees it through `moves`, each a form with its shape, and how many ticks late the force is. A
+/// spring in series gives way as in `deflection`, in proportion to how soft it is.
 ///
 /// Identification takes that for given while it solves for the coefficients; the crate solves for both at once.
 pub(super) fn moved(
     trajectory: &Trajectory,
     moves: &[(Form, f64)],
     deflection: Option<&Deflection>,
-) -> Trajectory {
+) -> (Trajectory, usize) {
     let mut moved = trajectory.clone();
     let delay = moves
         .iter()
@@ -36,10 +36,9 @@ pub(super) fn moved(
             behind_spring(&mut moved, shape, deflection);
         }
     }
-    if let Some(delay) = &delay {
-        delayed(&mut moved, delay.whole_ticks());
-    }
-    moved
+    let ticks = delay.map_or(0, |delay| delay.whole_ticks());
+    delay_all(&mut moved, ticks);
+    (moved, ticks)
 }
 
 /// The motion that `change` makes of it, sample by sample.
@@ -69,13 +68,19 @@ fn behind_spring(trajectory: &mut Trajectory, stiffness: f64, known: &Deflection
     }
 }
 
-/// Everything of so many ticks ago; the first sample's before there was one.
-fn delayed(trajectory: &mut Trajectory, ticks: usize) {
-    let delay = |values: &mut Vec<f64>| {
-        *values = (0..values.len())
-            .map(|index| values[index.saturating_sub(ticks)])
-            .collect();
-    };
+/// The values of so many ticks ago; the first sample's before there was one.
+pub(super) fn delayed(values: &[f64], ticks: usize) -> Vec<f64> {
+    let samples = 0..values.len();
+    samples
+        .map(|index| values[index.saturating_sub(ticks)])
+        .collect()
+}
+
+fn delay_all(trajectory: &mut Trajectory, ticks: usize) {
+    if ticks == 0 {
+        return;
+    }
+    let delay = |values: &mut Vec<f64>| *values = delayed(values, ticks);
     let motion = &mut trajectory.motion;
     delay(&mut motion.displacement);
     delay(&mut motion.velocity);

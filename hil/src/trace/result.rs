@@ -150,7 +150,7 @@ pub struct OnTarget {
 /// A correction without a name.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct CorrectionSummary {
-    /// What it remembers of the motion, where it does.
+    /// What it remembers of the motion or is over beside it, where there is such.
     pub remembers: Option<Remembered>,
     /// Largest force of its tables together, kN; it is never exceeded, wherever the motion goes.
     pub largest: f64,

@@ -44,6 +44,7 @@ pub fn block(amplitude: f64, frequency: f64, cycles: u32) -> Block {
     }
 }
 
+#[allow(dead_code, reason = "each test needs some of it")]
 pub fn fitted() -> Vec<Block> {
     let amplitudes = [0.05, 0.1, 0.2];
     let pairs = amplitudes.map(|a| [block(a, 1.0, 6), block(a, 5.0, 10)]);
@@ -55,6 +56,7 @@ pub fn fitted() -> Vec<Block> {
 }
 
 /// A test of a specimen whose eq 13 is tabulated over amplitude.
+#[allow(dead_code, reason = "each test needs some of it")]
 pub fn record(blocks: &[Block], hidden: Hidden, seed: u64) -> Trajectory {
     record_at(|_| None, blocks, hidden, seed)
 }
