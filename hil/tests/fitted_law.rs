@@ -7,6 +7,7 @@ use hil::identify::problem::Problem;
 use hil::identify::rows::Rows;
 use hil::identify::screen::Screen;
 use hil::identify::shape::Extent;
+use hil::identify::solution::Solution;
 use hil::identify::term::{Form, Term};
 use hil::predict::predict;
 
@@ -30,21 +31,26 @@ fn the_error_of_a_fit_is_that_of_the_law_that_comes_of_it() {
         form,
         reference: 20.0,
     };
+    // Late by whole ticks and a part of one.
+    let shapes = |form, law: &Solution| match form {
+        Form::Delay => vec![6.7e-3],
+        _ => Screen::at(&rows, &extent, law).starts(term(form))[0]
+            .shapes
+            .clone(),
+    };
     let forms: Vec<Form> = Form::ALL
         .into_iter()
         .filter(|form| *form != Form::Compliance)
         .collect();
     for &first in &forms {
-        let start = &Screen::at(&rows, &extent, &alone).starts(term(first))[0];
         let with_first =
-            Problem::new(&rows, &extent, &[term(first)]).solve_at(&alone, &start.shapes);
+            Problem::new(&rows, &extent, &[term(first)]).solve_at(&alone, &shapes(first, &alone));
         for &second in forms
             .iter()
             .filter(|form| **form != first && !form.excludes(first))
         {
-            let start = &Screen::at(&rows, &extent, &with_first).starts(term(second))[0];
             let both = Problem::new(&rows, &extent, &[term(first), term(second)]);
-            let both = both.solve_at(&with_first, &start.shapes);
+            let both = both.solve_at(&with_first, &shapes(second, &with_first));
             let force = predict(&both.model(), &trajectories[0]).unwrap();
             let told = (0..force.len()).filter(|&sample| trajectories[0].is_telling(sample));
             let errors = told.map(|sample| force[sample] - trajectories[0].force[sample]);
