@@ -3,7 +3,7 @@
 use rayon::prelude::*;
 
 use super::left_out::{Fit, LeftOut, Picked};
-use super::mend::mended;
+use super::mend::{BETTER, mended};
 use super::result::{
     Baseline, Candidate, CorrectionSummary, Errors, Estimate, FoundEffect, LawEstimate, OnTarget,
     TraceResult, Verdict,
@@ -104,6 +104,7 @@ impl<'a> Closing<'a> {
             let mut laws: Vec<(&Rows, &Solution)> =
                 self.rows.iter().map(|rows| (rows, &alone)).collect();
             if !solution.terms.is_empty() {
+                solution = self.preferred(selection, &left_out, solution)?;
                 laws.push((rows, &solution));
             }
             let fits: Vec<_> = laws
@@ -214,6 +215,30 @@ impl<'a> Closing<'a> {
         let error = |law| left_out.error(&|picked| Ok(self.refit(&self.rows[0], law, picked)));
         let holds = accounts && generalises(error(alone)?, error(solution)?);
         Ok((if holds { verdict } else { Verdict::Unlisted }, left))
+    }
+
+    /// What was found, or what the judging cycles do not tell from it and clearly leaves less of all blocks, each counting the
+    /// same: the cycles that judge are mostly those of the blocks with the largest force.
+    fn preferred(
+        &self,
+        selection: &Selection,
+        left_out: &LeftOut,
+        found: Solution,
+    ) -> Result<Solution, ModelError> {
+        let others = rivals(selection);
+        let others = others.par_iter().skip(1);
+        let others = others.map(|rival| self.fit_near(&self.rows[0], &rival.fitted.solution));
+        let laws: Vec<Solution> = std::iter::once(found)
+            .chain(others.collect::<Vec<_>>())
+            .collect();
+        let mut best = (f64::INFINITY, &laws[0]);
+        for law in &laws {
+            let left = left_out.inside(&law.model())?;
+            if left < BETTER * best.0 {
+                best = (left, law);
+            }
+        }
+        Ok(best.1.clone())
     }
 
     /// The terms of `known` fitted to the samples picked, fewer than in the closing fit.

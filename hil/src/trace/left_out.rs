@@ -180,6 +180,14 @@ impl<'a> LeftOut<'a> {
 
     /// What is left there, and what `model` leaves, the law as fitted to all that may be.
     pub fn judged(&self, fit: Fit, model: &Model) -> Result<Judged, ModelError> {
+        Ok(Judged {
+            outside: self.error(fit)?.beyond_noise(),
+            inside: self.inside(model)?,
+        })
+    }
+
+    /// What `model` leaves beyond the noise of all blocks as far as they may be fitted, each counting the same.
+    pub fn inside(&self, model: &Model) -> Result<f64, ModelError> {
         let mut errors = Vec::new();
         for (which, trajectory) in self.trajectories.iter().enumerate() {
             let predicted = predict(model, trajectory)?;
@@ -187,10 +195,7 @@ impl<'a> LeftOut<'a> {
             let of_block = |block| RelativeError::of(trajectory, &predicted, block, is_fair);
             errors.extend(trajectory.blocks.iter().filter_map(of_block));
         }
-        Ok(Judged {
-            outside: self.error(fit)?.beyond_noise(),
-            inside: RelativeError::mean(&errors).beyond_noise(),
-        })
+        Ok(RelativeError::mean(&errors).beyond_noise())
     }
 
     /// What is left there of the force, each block counting the same.

@@ -8,7 +8,7 @@ use crate::model::{Model, ModelError};
 use crate::recording::trajectory::Trajectory;
 
 /// A law is taken in the place of a simpler one if its error is at most this part of the other's.
-const BETTER: f64 = 0.95;
+pub(super) const BETTER: f64 = 0.95;
 /// The same for effects beside a table, which could stand in for most of them, and for a table in the place of effects, whose
 /// force is known where no table was fitted.
 const NEEDED: f64 = 0.75;
