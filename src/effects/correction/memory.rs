@@ -1,6 +1,7 @@
 //! What a correction remembers of the motion, in integers.
 
 use super::{FRACTION, LAST, MIDDLE, ONE};
+use crate::effects::ConfinedMotion;
 use crate::error::ConfigError;
 use crate::limits;
 use crate::real::{Real, in_range};
@@ -109,6 +110,15 @@ pub(super) struct Beside<R> {
     pub cycles: R,
     /// °C
     pub temperature: R,
+}
+
+impl<R: Real> Beside<R> {
+    pub fn of(motion: &ConfinedMotion<R>) -> Self {
+        Self {
+            cycles: motion.cycles(),
+            temperature: motion.temperature(),
+        }
+    }
 }
 
 /// What a correction remembers.
@@ -253,7 +263,7 @@ impl<R: Real> Recall<R> {
         }
     }
 
-    /// What is read on this tick, within ±[`LARGEST_READING`].
+    /// What is read on this tick, within ±[`LARGEST_READING`] or one less. Limits that are powers of two are one instruction.
     ///
     /// An average follows within a loss of 2⁻³²: over 60 s at 10 kHz it stands still within 6e-4 of the tables' range.
     #[inline(always)]
@@ -278,7 +288,7 @@ impl<R: Real> Recall<R> {
             Kind::Travel => {
                 state.value = toward((place - state.previous).abs() << AVERAGE);
                 state.previous = place;
-                (state.value >> self.shift).min(LARGEST_READING)
+                (state.value >> self.shift).clamp(0, LARGEST_READING)
             }
             Kind::Level => {
                 state.value = toward((place - MIDDLE).abs() << AVERAGE);
@@ -295,7 +305,7 @@ impl<R: Real> Recall<R> {
             Kind::Cycles => self.age(beside.cycles),
             Kind::Temperature => {
                 let reading = (beside.temperature * self.rate).to_i32();
-                reading.clamp(-LARGEST_READING, LARGEST_READING)
+                reading.clamp(!LARGEST_READING, LARGEST_READING)
             }
         }
     }
@@ -304,14 +314,14 @@ impl<R: Real> Recall<R> {
     fn age(&self, elapsed: R) -> i32 {
         (elapsed * self.rate + R::ONE)
             .half_octaves()
-            .clamp(0, 2 * LARGEST_READING)
+            .clamp(0, 2 * LARGEST_READING + 1)
             >> 1
     }
 
     /// Where a reading stands in the table.
     #[inline(always)]
     pub fn place(&self, reading: i32) -> i32 {
-        // Within 2·65535·2¹³.
+        // Within 2·65536·2¹³.
         let gained = (reading - self.low).wrapping_mul(self.gain);
         (gained >> GAIN).clamp(0, LAST_MEMORY)
     }

@@ -160,11 +160,10 @@ impl<R: Real> Correction<R> {
 
     #[inline(always)]
     fn place(&self, displacement: R, velocity: R) -> Place {
-        let y = displacement * self.per_displacement;
+        let y = displacement * self.per_displacement + R::from_f64(f64::from(MIDDLE));
         let half_octaves = (velocity.abs() * self.per_speed + R::ONE).half_octaves();
         Place {
-            // A pack may say of a millimetre that it is more places than there are.
-            displacement: y.to_i32().saturating_add(MIDDLE).clamp(0, LAST),
+            displacement: y.to_i32().clamp(0, LAST),
             speed: half_octaves.clamp(0, LAST_SPEED),
             back: 0_usize.wrapping_sub(velocity.sign_bit()),
         }
@@ -181,10 +180,7 @@ impl<R: Real> Correction<R> {
         match self.recall.kind {
             Kind::None => self.force_of_motion(y, v),
             Kind::Place => self.force_of_place(y, v),
-            _ => {
-                let (cycles, temperature) = (motion.cycles(), motion.temperature());
-                self.force_with_memory(state, y, v, cycles, temperature)
-            }
+            _ => self.force_with_memory(state, y, v, Beside::of(motion)),
         }
     }
 
@@ -192,15 +188,21 @@ impl<R: Real> Correction<R> {
     // Not inlined: its registers and constants are no matter of ticks without it.
     #[inline(never)]
     fn force_of_motion(&self, displacement: R, velocity: R) -> R {
+        if velocity == R::ZERO {
+            return self.force_at_rest(displacement, Along::Nothing);
+        }
         let place = self.place(displacement, velocity);
-        self.force_at(&place, velocity, Along::Nothing)
+        self.force_at(&place, Along::Nothing)
     }
 
     /// That of T and the line.
     #[inline(never)]
     fn force_of_place(&self, displacement: R, velocity: R) -> R {
+        if velocity == R::ZERO {
+            return self.force_at_rest(displacement, Along::Line);
+        }
         let place = self.place(displacement, velocity);
-        self.force_at(&place, velocity, Along::Line)
+        self.force_at(&place, Along::Line)
     }
 
     /// That of T and U.
@@ -210,24 +212,22 @@ impl<R: Real> Correction<R> {
         state: &mut Option<CorrectionState>,
         displacement: R,
         velocity: R,
-        cycles: R,
-        temperature: R,
+        beside: Beside<R>,
     ) -> R {
+        // At once: after the rest every instruction would hang on it.
+        if velocity == R::ZERO {
+            let across = self.place(displacement, velocity).displacement;
+            let reading = self.reading(state, across, &beside);
+            return self.force_at_rest(displacement, Along::Memory(self.recall.place(reading)));
+        }
         let place = self.place(displacement, velocity);
-        let beside = Beside {
-            cycles,
-            temperature,
-        };
         let reading = self.reading(state, place.displacement, &beside);
         let along = Along::Memory(self.recall.place(reading));
-        self.force_at(&place, velocity, along)
+        self.force_at(&place, along)
     }
 
     #[inline(always)]
-    fn force_at(&self, place: &Place, velocity: R, along: Along) -> R {
-        if velocity == R::ZERO {
-            return self.force_at_rest(place.displacement, along);
-        }
+    fn force_at(&self, place: &Place, along: Along) -> R {
         R::from_i32(self.counts(place, along)) * self.unit
     }
 
@@ -255,16 +255,11 @@ impl<R: Real> Correction<R> {
     /// That of the mean of both directions.
     #[cold]
     #[inline(never)]
-    fn force_at_rest(&self, displacement: i32, along: Along) -> R {
-        let counts = |back| {
-            let place = Place {
-                displacement,
-                speed: 0,
-                back,
-            };
-            self.counts(&place, along)
-        };
-        R::from_i32((counts(0) + counts(usize::MAX)) / 2) * self.unit
+    fn force_at_rest(&self, displacement: R, along: Along) -> R {
+        let mut place = self.place(displacement, R::ZERO);
+        let forwards = self.counts(&place, along);
+        place.back = usize::MAX;
+        R::from_i32((forwards + self.counts(&place, along)) / 2) * self.unit
     }
 
     /// The cells that the force on this tick comes from, for one who seeks what should stand in them. `state` is `None`
@@ -298,11 +293,7 @@ impl<R: Real> Correction<R> {
                 (line, f64::from(across) / f64::from(LAST))
             }
             _ => {
-                let beside = Beside {
-                    cycles: motion.cycles(),
-                    temperature: motion.temperature(),
-                };
-                let reading = self.reading(state, across, &beside);
+                let reading = self.reading(state, across, &Beside::of(motion));
                 let cells = weights(back, self.recall.place(reading));
                 (cells, self.recall.part(reading))
             }
