@@ -347,7 +347,7 @@ mod tests {
     use super::*;
     use crate::effects::{Effect, LoadFriction, Temperature, Viscous};
 
-    /// k1·y, k3·y³ and c·|v|^α·sgn v, of which load friction makes 1 + λ·|y| and temperature takes β·ΔT; a dashpot is in none.
+    /// k1·y, k3·y³ and c·|v|^α·sgn v, of which load friction makes 1 + λ·|y| and temperature takes β·ΔT, of the last β_damping·ΔT; a dashpot is in none.
     /// By as much of them the force changes.
     #[test]
     fn what_is_followed_is_the_sum_of_its_parts() {
@@ -359,7 +359,11 @@ mod tests {
         let beside = [
             Effect::Viscous(Viscous::new(0.01).unwrap()),
             Effect::LoadFriction(LoadFriction::new(2.0).unwrap()),
-            Effect::Temperature(Temperature::new(0.01, 20.0).unwrap()),
+            Effect::Temperature(
+                Temperature::new(0.01, 20.0)
+                    .and_then(|both| both.with_damping(-0.02))
+                    .unwrap(),
+            ),
         ];
         for (count, load, cooled) in [(0, 0.0, 0.0), (1, 0.0, 0.0), (2, 2.0, 0.0), (3, 2.0, 0.25)] {
             let law = AugmentedLaw::<f32, 3>::new(Law::new(1.0, 10.0, 0.1, 0.4).unwrap());
@@ -380,7 +384,7 @@ mod tests {
                 let expected = [
                     elastic * y,
                     elastic * 10.0 * y * y * y,
-                    (1.0 + load * y.abs() - cooled) * damping,
+                    (1.0 + load * y.abs() + 2.0 * cooled) * damping,
                 ];
                 let parts = given.parts(&motion);
                 for (part, expected) in parts.iter().zip(expected) {

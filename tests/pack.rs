@@ -199,14 +199,14 @@ fn the_body_is_postcard() {
     assert_eq!(memory_cells.len(), 2 * MEMORY_CELLS);
 }
 
-fn correction() -> Correction<f32> {
+fn correction(memory: Memory<f32>) -> Correction<f32> {
     let cells = |count: usize| -> Vec<i16> { (0..count).map(|n| 7 * n as i16).collect() };
     let parts = CorrectionParts {
         reach: 0.2,
         speed: 6.0,
         unit: 1e-5,
         cells: &cells(CELLS),
-        memory: Some((Memory::Lag { time: 0.05 }, [-0.1, 0.1])),
+        memory: Some((memory, [-0.1, 0.1])),
         memory_cells: &cells(MEMORY_CELLS),
     };
     Correction::new(&parts, 1e-4).unwrap()
@@ -214,7 +214,11 @@ fn correction() -> Correction<f32> {
 
 /// A law with a correction.
 fn corrected() -> TabulatedLaw<EFFECTS> {
-    let law = AugmentedLaw::new(law()).with_correction(correction());
+    corrected_over(Memory::Lag { time: 0.05 })
+}
+
+fn corrected_over(memory: Memory<f32>) -> TabulatedLaw<EFFECTS> {
+    let law = AugmentedLaw::new(law()).with_correction(correction(memory));
     TabulatedLaw::new(law.unwrap())
 }
 
@@ -226,6 +230,14 @@ fn corrected_pack() -> Vec<u8> {
 #[test]
 fn a_correction_survives() {
     assert_eq!(decode(&corrected_pack()).unwrap(), corrected());
+    for memory in [Memory::Temperature, Memory::Place] {
+        let law = corrected_over(memory);
+        let mut buffer = [0; LARGEST];
+        assert_eq!(
+            decode(pack::encode(&law, &mut buffer).unwrap()).unwrap(),
+            law
+        );
+    }
     // It leaves with the law that had it.
     let mut slot = corrected();
     pack::decode(&pack(&[]), &mut slot).unwrap();

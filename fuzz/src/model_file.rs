@@ -107,7 +107,14 @@ static GOOD: LazyLock<Vec<Vec<u8>>> = LazyLock::new(|| {
                         ("time_2", 0.7),
                     ],
                 ),
-                (Family::Temperature, &[("beta", 0.004), ("reference", 20.0)]),
+                (
+                    Family::Temperature,
+                    &[
+                        ("beta", 0.004),
+                        ("beta_damping", -0.002),
+                        ("reference", 20.0),
+                    ],
+                ),
                 (Family::Stop, &[("stiffness", 2.0), ("gap", 0.1)]),
             ],
             None,

@@ -18,23 +18,23 @@ pub struct CorrectionTable {
     pub unit: f64,
     /// Displacement runs fastest, then speed, then direction.
     pub cells: Vec<i16>,
-    /// What the motion was before, where the force depends on it.
+    /// What the motion was before, the temperature, or a finer line over displacement, where the force depends on it.
     pub memory: Option<MemoryTable>,
 }
 
-/// The table over displacement and over what is remembered.
+/// The table over displacement and over what is remembered, or the line.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct MemoryTable {
-    /// What is remembered.
+    /// What it is over.
     pub of: Remembered,
-    /// Its values at the first and at the last node.
+    /// Its values at the first and at the last node; of a line unused.
     pub range: [f64; 2],
-    /// Displacement runs fastest, then memory, then direction.
+    /// Displacement runs fastest, then memory, then direction. A line has the first 33 of each direction's 45.
     pub cells: Vec<i16>,
 }
 
-/// What a correction remembers, as [`Memory`] says it: times in s, the limit in mm.
+/// What a correction remembers or is over, as [`Memory`] says it: times in s, the limit in mm.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 #[expect(missing_docs, reason = "said by Memory")]

@@ -4,7 +4,7 @@ mod hidden;
 
 use hidden::{Hidden, NOISE, RATE, Sample, block, fitted, record, record_at, start};
 use hil::correction::Remembered;
-use hil::identify::correction::{Kinds, fit};
+use hil::identify::correction::{Kinds, depends_on, fit};
 use hil::model::Model;
 use hil::predict::{nrmse, predict, predict_embedded};
 use hil::specimen::Block;
@@ -182,6 +182,23 @@ fn friction_at_one_place_stands_there() {
     }));
     assert_eq!(memory, Some(Remembered::Place));
     assert!(error < 2.5, "{error} times the noise");
+}
+
+#[test]
+fn friction_at_one_place_is_told_from_an_elastic_force_there() {
+    let there = |s: &Sample| 0.04 * (-((s.displacement - 0.03) / 0.0125).powi(2)).exp();
+    let friction: Hidden = Box::new(move |s| there(s) * s.velocity.signum());
+    for (hidden, names) in [
+        (friction, &["displacement", "velocity"][..]),
+        (Box::new(there), &["displacement"]),
+    ] {
+        let recordings = [record(&fitted(), hidden, 1)];
+        let found = fit(&recordings, &start(), Kinds::All, |_, _| true).unwrap();
+        let (model, choice) = found.expect("there is something to correct");
+        let mut of = depends_on(&choice, &recordings, &model, |_, _| true).unwrap();
+        of.sort_unstable();
+        assert_eq!(of, names);
+    }
 }
 
 #[test]

@@ -96,25 +96,37 @@ fn labelled_recordings_are_named_and_predicted_to_their_noise() {
     assert_eq!(tried, 11);
 }
 
-/// Fitted on all conditions but 5 mm 3 Hz, held out on that one.
+/// Fitted on all conditions but one. At 2 mm, 5 Hz it is only by all blocks that stick-slip is told from a spring in series, which
+/// leaves 0.4 of the error there.
 #[test]
 fn a_measured_damper_is_predicted_twice_as_well_at_a_condition_not_fitted() {
     let Some(folder) = recordings().map(|folder| folder.join("measured/press")) else {
         return;
     };
-    for current in ["0x5A", "1A"] {
-        let fitted: Vec<Recording> = ["25mm0x1Hz", "25mm0x25Hz", "25mm0x5Hz", "10mm1Hz", "2mm5Hz"]
-            .iter()
-            .map(|condition| read(&folder, &format!("{condition}{current}")))
-            .collect();
-        let held = read(&folder, &format!("5mm3Hz{current}"));
+    let conditions = [
+        "25mm0x1Hz",
+        "25mm0x25Hz",
+        "25mm0x5Hz",
+        "10mm1Hz",
+        "2mm5Hz",
+        "5mm3Hz",
+    ];
+    for (current, held, most) in [
+        ("0x5A", "5mm3Hz", 0.5),
+        ("1A", "5mm3Hz", 0.5),
+        ("1A", "2mm5Hz", 0.3),
+    ] {
+        let at = |condition: &str| read(&folder, &format!("{condition}{current}"));
+        let others = conditions.iter().filter(|condition| **condition != held);
+        let fitted: Vec<Recording> = others.map(|condition| at(condition)).collect();
+        let held = at(held);
         let result = trace(&fitted, &[held], &|_| ()).unwrap().result;
         let (before, after) = (
             result.baseline.nrmse_held_out,
             result.augmented.nrmse_held_out,
         );
         assert!(
-            after <= 0.5 * before,
+            after <= most * before,
             "{current}: {before} before, {after} after"
         );
         assert!(

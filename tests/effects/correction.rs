@@ -71,7 +71,12 @@ impl<R: Real> Alone<R> {
     }
 
     fn force(&mut self, displacement: f64, velocity: f64, cycles: f64) -> f64 {
+        self.force_at(20.0, displacement, velocity, cycles)
+    }
+
+    fn force_at(&mut self, temperature: f64, displacement: f64, velocity: f64, cycles: f64) -> f64 {
         let motion = Motion {
+            temperature: R::from_f64(temperature),
             displacement: R::from_f64(displacement),
             velocity: R::from_f64(velocity),
             cycles: R::from_f64(cycles),
@@ -205,11 +210,7 @@ fn temperature_stands_where_it_is_measured() {
         let memory = (Memory::Temperature, range);
         let correction = correction::<f64>(&[0; CELLS], Some(memory)).unwrap();
         let mut alone = Alone::new(correction);
-        let motion = Motion {
-            temperature,
-            ..Motion::default()
-        };
-        alone.law.force(&mut alone.state, &motion) / (4000.0 * UNIT)
+        alone.force_at(temperature, 0.0, 0.0, 0.0) / (4000.0 * UNIT)
     };
     for (temperature, part) in [
         (-20.0, 0.0),
@@ -315,7 +316,13 @@ proptest! {
         let mut single = Alone::new(correction::<f32>(&cells, Some(memory(kind))).unwrap());
         for (tick, (y, v)) in motion.into_iter().enumerate() {
             let cycles = 0.01 * tick as f64;
-            let difference = double.force(y, v, cycles) - single.force(y, v, cycles);
+            // To beyond both ends of the range.
+            let temperature = -5.0 + tick as f64;
+            let forces = [
+                double.force_at(temperature, y, v, cycles),
+                single.force_at(temperature, y, v, cycles),
+            ];
+            let difference = forces[0] - forces[1];
             // Of 2.4 kN.
             prop_assert!(difference.abs() < 5e-3, "{difference}");
         }

@@ -8,7 +8,7 @@ use super::result::{
     Baseline, Candidate, CorrectionSummary, Errors, Estimate, FoundEffect, LawEstimate, OnTarget,
     TraceResult, Verdict,
 };
-use super::select::{Selection, goal, noise_floor, noise_of};
+use super::select::{self, Selection, goal, noise_floor, noise_of};
 use super::separating::separating_test;
 use super::split::{Role, Roles};
 use super::verdict::{accounts_for, conclude, depends_on, generalises, rivals, warnings};
@@ -90,13 +90,9 @@ impl<'a> Closing<'a> {
         let mut rows = &self.rows[0];
         let alone = self.fit_near(rows, &selection.baseline.solution);
         let baseline = alone.model();
-        let mut solution = self.fit_near(rows, &selection.found.solution);
-        // Held at 0 by all of the data.
-        while let Some(index) = solution.terms.iter().position(|term| !term.is_admissible()) {
-            solution = self.fit_near(rows, &solution.without(index));
-        }
+        let mut solution = self.fit_there(rows, &selection.found.solution);
         let left_out = LeftOut::of(self.trajectories, [self.judging, self.roles]);
-        let (verdict, left) = self.verdict(selection, &left_out, [&alone, &solution])?;
+        let (verdict, mut left) = self.verdict(selection, &left_out, [&alone, &solution])?;
         let mut model = solution.model();
         let mut nameless = Vec::new();
         if verdict == Verdict::Unlisted {
@@ -116,7 +112,8 @@ impl<'a> Closing<'a> {
             model = mended.model;
             nameless = mended.depends_on;
             rows = laws[mended.law].0;
-            solution = self.fit_near(rows, laws[mended.law].1);
+            solution = self.fit_there(rows, laws[mended.law].1);
+            left = left_out.left_by(&model)?.in_most().unwrap_or(left);
         }
         let (before, without) = self.evaluate(&baseline, predict)?;
         let (after, with) = self.evaluate(&model, predict)?;
@@ -225,9 +222,15 @@ impl<'a> Closing<'a> {
         left_out: &LeftOut,
         found: Solution,
     ) -> Result<Solution, ModelError> {
-        let others = rivals(selection);
-        let others = others.par_iter().skip(1);
-        let others = others.map(|rival| self.fit_near(&self.rows[0], &rival.fitted.solution));
+        let mut others = rivals(selection);
+        let is_found =
+            |best: &&select::Candidate| best.fitted.families() == selection.found.families();
+        // What was dropped since may have left another law than that whose rivals these are.
+        if !others.first().is_some_and(is_found) {
+            return Ok(found);
+        }
+        let others = others.split_off(1).into_par_iter();
+        let others = others.map(|rival| self.fit_there(&self.rows[0], &rival.fitted.solution));
         let laws: Vec<Solution> = std::iter::once(found)
             .chain(others.collect::<Vec<_>>())
             .collect();
@@ -364,6 +367,15 @@ impl<'a> Closing<'a> {
     /// The terms of `known` fitted to these rows.
     fn fit_near(&self, rows: &Rows, known: &Solution) -> Solution {
         Problem::new(rows, &self.extent, &known.terms()).solve_near(known)
+    }
+
+    /// The same without those that all of the data hold at 0.
+    fn fit_there(&self, rows: &Rows, known: &Solution) -> Solution {
+        let mut solution = self.fit_near(rows, known);
+        while let Some(index) = solution.terms.iter().position(|term| !term.is_admissible()) {
+            solution = self.fit_near(rows, &solution.without(index));
+        }
+        solution
     }
 
     /// The effects that the data cannot tell from the last one found, each fitted in its place.

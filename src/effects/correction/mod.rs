@@ -63,7 +63,7 @@ pub struct CorrectionParts<'t, R> {
     pub unit: R,
     /// [`CELLS`] cells of T.
     pub cells: &'t [i16],
-    /// What U depends on, and the z of its first and of its last node, which count for nothing with [`Memory::Place`].
+    /// What U depends on, and the z of its first and of its last node, which are not used with [`Memory::Place`] but must rise.
     pub memory: Option<(Memory<R>, [R; 2])>,
     /// [`MEMORY_CELLS`] cells of U; none without a memory.
     pub memory_cells: &'t [i16],
@@ -290,7 +290,7 @@ impl<R: Real> Correction<R> {
                 let first = back + (across >> FINE_FRACTION) as usize;
                 let x = part(across, FINE_FRACTION);
                 let line = [(first, 1.0 - x), (first + 1, x), (0, 0.0), (0, 0.0)];
-                (line, f64::from(across) / f64::from(LAST))
+                (line, 0.0)
             }
             _ => {
                 let reading = self.reading(state, across, &Beside::of(motion));

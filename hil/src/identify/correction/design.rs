@@ -234,7 +234,8 @@ impl<'a> Design<'a> {
         Some(Recalled { of, range, cells })
     }
 
-    /// The lowest and the highest of the rows, °C; `None` where they are the same.
+    /// The lowest and the highest of the rows, °C, or as far apart as the crate tells temperatures; `None` where they are the
+    /// same.
     fn temperatures(&self) -> Option<[f64; 2]> {
         let instants = self.rows.iter().flat_map(|row| &row.instants);
         let temperatures = instants.map(|instant| {
@@ -242,7 +243,8 @@ impl<'a> Design<'a> {
             self.trajectories[which].temperature_at(sample)
         });
         let (low, high) = least_and_largest(temperatures);
-        (low < high).then_some([low, high])
+        let least = low.abs().max(high.abs()).max(1.0) / 32.0;
+        (low < high).then_some([low, high.max(low + least)])
     }
 
     /// What `take` takes of where z stands and of its cells, at every instant of every row.

@@ -260,7 +260,6 @@ impl<'d, 't> Sums<'d, 't> {
             trends: trends.len(),
             table: 0,
             memory: 0,
-            of: None,
             ..self.layout
         }
     }

@@ -9,7 +9,8 @@ use crate::recording::trajectory::Trajectory;
 pub enum Kinds {
     /// All that there are.
     All,
-    /// Those that remember the motion, and not how long a test has run.
+    /// All but those that remember how long a test has run. A temperature that only rises is such a clock too, but one that
+    /// stands still within every block of a test is just how it is varied.
     OfMotion,
 }
 

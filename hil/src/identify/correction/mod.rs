@@ -11,7 +11,7 @@ mod system;
 mod trend;
 
 pub use memory::Kinds;
-use mesh_damper::effects::correction::CELLS;
+use mesh_damper::effects::correction::{CELLS, FINE, MEMORY_CELLS};
 use rayon::prelude::*;
 
 use crate::correction::{CorrectionTable, MemoryTable, Remembered};
@@ -42,6 +42,8 @@ const TABULATED: f64 = 0.9;
 const REMEMBERED: f64 = 0.75;
 /// A variable is needed whose absence makes the error more than so many times as large.
 const NEEDED: f64 = 1.1;
+/// A line has friction in it whose part that changes sign with the direction is more than this part of the other, in squares.
+const DIFFERENT: f64 = 0.1;
 /// Times that trends are sought, each beside the exponents of eq 13 that those before led to.
 const ROUNDS: usize = 2;
 /// Steps in which eq 13's exponents follow.
@@ -185,13 +187,31 @@ pub fn depends_on(
         if error_with(without_displacement) > NEEDED * all {
             names.push("displacement");
         }
-        if error_with(without_velocity) > NEEDED * all {
+        let is_line = recalled
+            .as_ref()
+            .is_some_and(|of| of.of == Remembered::Place);
+        let solved = || raw.sums(choice.form())?.solved(choice.form());
+        if error_with(without_velocity) > NEEDED * all
+            || is_line && solved().is_some_and(|solved| differs_by_direction(&solved.cells))
+        {
             names.push("velocity");
         }
     }
     let of = choice.memory.map(|memory| memory.of.is_of());
     names.extend(of.filter(|name| !names.contains(name)));
     Ok(names)
+}
+
+/// Whether the line among `cells` bends otherwise on the way back. How steep it is says nothing: eq 13 may have as much less.
+fn differs_by_direction(cells: &[f64]) -> bool {
+    let (there, back) = cells[CELLS..].split_at(MEMORY_CELLS / 2);
+    let power = |with: f64| -> f64 {
+        let pairs = there.iter().zip(back).take(FINE);
+        let line: Vec<f64> = pairs.map(|(there, back)| there + with * back).collect();
+        let bends = line.windows(3).map(|w| w[0] - 2.0 * w[1] + w[2]);
+        bends.map(|bend| bend * bend).sum()
+    };
+    power(-1.0) > DIFFERENT * power(1.0)
 }
 
 /// The best correction without memory.
