@@ -2,11 +2,12 @@
 
 mod hidden;
 
-use hidden::{Hidden, NOISE, RATE, Sample, block, fitted, record, record_at, start};
+use hidden::{DENSITY, Hidden, NOISE, RATE, Sample, block, fitted, record, record_at, start};
 use hil::correction::Remembered;
 use hil::identify::correction::{Kinds, depends_on, fit};
 use hil::model::Model;
 use hil::predict::{nrmse, predict, predict_embedded};
+use hil::reference::tables;
 use hil::specimen::Block;
 
 /// Other amplitudes and frequencies than those fitted.
@@ -195,6 +196,11 @@ fn friction_at_one_place_is_told_from_an_elastic_force_there() {
         let recordings = [record(&fitted(), hidden, 1)];
         let found = fit(&recordings, &start(), Kinds::All, |_, _| true).unwrap();
         let (model, choice) = found.expect("there is something to correct");
+        // A line could have any stiffness that eq 13 gives up.
+        for node in &model.law {
+            let true_k1 = tables::interpolate(DENSITY, node.amplitude).k1;
+            assert!((node.k1 - true_k1).abs() < 0.2 * true_k1, "{node:?}");
+        }
         let mut of = depends_on(&choice, &recordings, &model, |_, _| true).unwrap();
         of.sort_unstable();
         assert_eq!(of, names);

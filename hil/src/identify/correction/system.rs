@@ -16,6 +16,8 @@ const BEND: f64 = 1e-3;
 const STEP: f64 = 1e-3;
 /// What a slope costs a table, over what a bend costs: so that it ends flat where nothing is known.
 const SLOPE: f64 = 1e-3;
+/// What a cell of a line costs, over what the data say of one: so that it takes nothing that eq 13 can.
+const LEVEL: f64 = 1e-3;
 /// Added to the diagonal of the scaled normal equations.
 const RIDGE: f64 = 1e-10;
 /// What holds a coefficient at the end of its range.
@@ -57,6 +59,11 @@ impl System {
                 _ => [DISPLACEMENTS, MEMORIES],
             };
             system.table(first, nodes, 1.0, weight);
+            if layout.of == Some(Remembered::Place) {
+                for cell in first..first + layout.memory {
+                    system.add(&[(cell, 1.0)], 0.0, LEVEL * per_cell);
+                }
+            }
         }
         system
     }
