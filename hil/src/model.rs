@@ -408,9 +408,10 @@ impl AddedEffect {
             },
             Family::Temperature => EffectParameters::Temperature {
                 beta: get("beta")?,
-                beta_damping: match self.parameters.contains_key("beta_damping") {
-                    true => get("beta_damping")?,
-                    false => get("beta")?,
+                beta_damping: if self.parameters.contains_key("beta_damping") {
+                    get("beta_damping")?
+                } else {
+                    get("beta")?
                 },
                 reference: get("reference")?,
             },

@@ -76,6 +76,7 @@ pub(super) fn delayed(values: &[f64], ticks: usize) -> Vec<f64> {
         .collect()
 }
 
+/// All that the law and the effects see, likewise.
 fn delay_all(trajectory: &mut Trajectory, ticks: usize) {
     if ticks == 0 {
         return;

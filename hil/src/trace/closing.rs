@@ -3,7 +3,7 @@
 use rayon::prelude::*;
 
 use super::left_out::{Fit, LeftOut, Picked};
-use super::mend::{BETTER, mended};
+use super::mend::{clearly_best, mended};
 use super::result::{
     Baseline, Candidate, CorrectionSummary, Errors, Estimate, FoundEffect, LawEstimate, OnTarget,
     TraceResult, Verdict,
@@ -231,17 +231,11 @@ impl<'a> Closing<'a> {
         }
         let others = others.split_off(1).into_par_iter();
         let others = others.map(|rival| self.fit_there(&self.rows[0], &rival.fitted.solution));
-        let laws: Vec<Solution> = std::iter::once(found)
-            .chain(others.collect::<Vec<_>>())
-            .collect();
-        let mut best = (f64::INFINITY, &laws[0]);
-        for law in &laws {
-            let left = left_out.inside(&law.model())?;
-            if left < BETTER * best.0 {
-                best = (left, law);
-            }
-        }
-        Ok(best.1.clone())
+        let mut laws: Vec<Solution> = others.collect();
+        laws.insert(0, found);
+        let left = laws.iter().map(|law| left_out.inside(&law.model()));
+        let left: Vec<f64> = left.collect::<Result<_, _>>()?;
+        Ok(laws.swap_remove(clearly_best(left.into_iter())))
     }
 
     /// The terms of `known` fitted to the samples picked, fewer than in the closing fit.

@@ -8,7 +8,7 @@ use crate::model::{Model, ModelError};
 use crate::recording::trajectory::Trajectory;
 
 /// A law is taken in the place of a simpler one if its error is at most this part of the other's.
-pub(super) const BETTER: f64 = 0.95;
+const BETTER: f64 = 0.95;
 /// The same for effects beside a table, which could stand in for most of them, and for a table in the place of effects, whose
 /// force is known where no table was fitted.
 const NEEDED: f64 = 0.75;
@@ -38,12 +38,7 @@ pub(super) fn mended(
     let alone = laws.par_iter().zip(&plain);
     let alone = alone.map(|(law, plain)| left_out.judged(law, plain));
     let alone: Vec<Judged> = alone.collect::<Result<_, _>>()?;
-    let mut law = 0;
-    for (number, judged) in alone.iter().enumerate() {
-        if judged.both() < BETTER * alone[law].both() {
-            law = number;
-        }
-    }
+    let law = clearly_best(alone.iter().map(Judged::both));
     let mut best = (alone[law].outside, law, plain[law].clone(), None);
     let corrected = laws.par_iter().zip(&plain).map(|(law, plain)| {
         let fitted = |kinds| correction::fit(trajectories, plain, kinds, open);
@@ -86,4 +81,15 @@ pub(super) fn mended(
         model,
         depends_on,
     })
+}
+
+/// Which of some laws, the one that is preferred first, has the least of these errors: a later one where it is clearly less.
+pub(super) fn clearly_best(errors: impl Iterator<Item = f64>) -> usize {
+    let mut best = (0, f64::INFINITY);
+    for (number, error) in errors.enumerate() {
+        if error < BETTER * best.1 {
+            best = (number, error);
+        }
+    }
+    best.0
 }

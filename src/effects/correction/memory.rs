@@ -1,4 +1,4 @@
-//! What a correction remembers of the motion, in integers.
+//! What a correction remembers of the motion or is over beside it, in integers.
 
 use super::{FRACTION, LAST, MIDDLE, ONE};
 use crate::effects::ConfinedMotion;
@@ -16,7 +16,7 @@ const LARGEST_GAIN: i32 = 1 << 13;
 /// Bits of an average below the last of a place.
 const AVERAGE: u32 = 15;
 
-/// What z remembers.
+/// What z is.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Memory<R> {
     /// The stretch in mm of a spring that slips at `limit`: where the motion last turned, whatever its rate.

@@ -188,21 +188,21 @@ impl<R: Real> Correction<R> {
     // Not inlined: its registers and constants are no matter of ticks without it.
     #[inline(never)]
     fn force_of_motion(&self, displacement: R, velocity: R) -> R {
-        if velocity == R::ZERO {
-            return self.force_at_rest(displacement, Along::Nothing);
-        }
-        let place = self.place(displacement, velocity);
-        self.force_at(&place, Along::Nothing)
+        self.force_over(displacement, velocity, Along::Nothing)
     }
 
     /// That of T and the line.
     #[inline(never)]
     fn force_of_place(&self, displacement: R, velocity: R) -> R {
+        self.force_over(displacement, velocity, Along::Line)
+    }
+
+    #[inline(always)]
+    fn force_over(&self, displacement: R, velocity: R, along: Along) -> R {
         if velocity == R::ZERO {
-            return self.force_at_rest(displacement, Along::Line);
+            return self.force_at_rest(displacement, along);
         }
-        let place = self.place(displacement, velocity);
-        self.force_at(&place, Along::Line)
+        self.force_at(&self.place(displacement, velocity), along)
     }
 
     /// That of T and U.
@@ -347,8 +347,8 @@ fn between(cells: &[i16], first: usize, across: i32, along: i32) -> i32 {
         return 0;
     };
     let [a, b, c, d] = [a, b, c, d].map(i32::from);
-    let mix = |a: i32, b: i32, place: i32| a + (((b - a) * (place & (ONE - 1))) >> FRACTION);
-    mix(mix(a, b, across), mix(c, d, across), along)
+    let low = mix(a, b, across, FRACTION);
+    mix(low, mix(c, d, across, FRACTION), along, FRACTION)
 }
 
 /// The value between two cells of a line whose cells for this direction begin with cell `first`.
@@ -358,6 +358,11 @@ fn on_line(cells: &[i16], first: usize, across: i32) -> i32 {
     let around = cells.get(place..).and_then(<[i16]>::first_chunk);
     // Every place is within the line.
     let Some(&[a, b]) = around else { return 0 };
-    let (a, b) = (i32::from(a), i32::from(b));
-    a + (((b - a) * (across & ((1 << FINE_FRACTION) - 1))) >> FINE_FRACTION)
+    mix(i32::from(a), i32::from(b), across, FINE_FRACTION)
+}
+
+/// The value between `a` and `b`, as far on the way as the last `bits` of a place say.
+#[inline(always)]
+fn mix(a: i32, b: i32, place: i32, bits: u32) -> i32 {
+    a + (((b - a) * (place & ((1 << bits) - 1))) >> bits)
 }

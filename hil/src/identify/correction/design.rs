@@ -93,6 +93,7 @@ pub(crate) struct Design<'a> {
 
 /// What was remembered at each row.
 pub(crate) struct Recalled {
+    /// What U is over.
     pub of: Remembered,
     /// z at the first and at the last node.
     pub range: [f64; 2],

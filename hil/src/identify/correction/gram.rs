@@ -50,7 +50,7 @@ pub(super) struct Layout {
     pub trends: usize,
     pub table: usize,
     pub memory: usize,
-    /// What U is over.
+    /// What U is over, where there is one.
     pub of: Option<Remembered>,
 }
 
@@ -143,14 +143,13 @@ impl<'d> Raw<'d> {
     /// The sums over eq 13 and what `form` has beside it, however smooth; `None` without samples.
     pub fn sums<'t>(&self, form: Form<'t>) -> Option<Sums<'_, 't>> {
         let table = form.table.map_or(Vec::new(), |_| hats_of_table());
-        let of = self.of.filter(|_| form.memory.is_some());
-        let memory = of.map_or(Vec::new(), hats_of_memory);
+        let memory = form.memory.and(self.of).map_or(Vec::new(), hats_of_memory);
         let layout = Layout {
             law: self.law,
             trends: form.trends.len(),
             table: table.len(),
             memory: memory.len(),
-            of,
+            of: self.of,
         };
         let hats: Vec<Trend> = table.into_iter().chain(memory).collect();
         let blocks = self

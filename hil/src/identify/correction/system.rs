@@ -54,15 +54,13 @@ impl System {
         }
         if let Some(smoothness) = form.memory {
             let (first, weight) = (first + layout.table, smoothness * per_cell);
-            let nodes = match layout.of {
-                Some(Remembered::Place) => [FINE, 1],
-                _ => [DISPLACEMENTS, MEMORIES],
-            };
-            system.table(first, nodes, 1.0, weight);
             if layout.of == Some(Remembered::Place) {
+                system.table(first, [FINE, 1], 1.0, weight);
                 for cell in first..first + layout.memory {
                     system.add(&[(cell, 1.0)], 0.0, LEVEL * per_cell);
                 }
+            } else {
+                system.table(first, [DISPLACEMENTS, MEMORIES], 1.0, weight);
             }
         }
         system

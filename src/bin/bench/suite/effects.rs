@@ -148,8 +148,8 @@ pub fn each() -> Result<[(&'static str, Effect<f32>); EFFECTS], ConfigError> {
 /// What a correction remembers, and the z of its first and of its last node.
 type Remembered = (Memory<f32>, [f32; 2]);
 
-/// Everything that a correction may be over beside the motion, with the name that it is counted under. Half of the range of each is
-/// reached in the cycles that are counted.
+/// Everything that a correction may be over beside the motion, with the name that it is counted under. Half of the range of
+/// each is reached in the cycles that are counted.
 fn memories() -> [(&'static str, Option<Remembered>); 10] {
     [
         ("correction/without_memory", None),
