@@ -21,7 +21,7 @@ use crate::law::Law;
 use crate::tabulated::TabulatedLaw;
 
 /// The version that is written, and the only one read.
-pub const VERSION: u16 = 4;
+pub const VERSION: u16 = 5;
 /// Bytes before the body.
 const HEADER: usize = 12;
 /// Most bytes of a pack: header, coefficients and seed are 284, no effect takes more than 50, a correction 829.

@@ -33,6 +33,8 @@ fn every_effect() -> Vec<Effect<f32>> {
         EffectParameters::Drift {
             stiffness: -0.2,
             cycles: 40.0,
+            elastic_change: 0.1,
+            damping_change: -0.3,
         },
         EffectParameters::Temperature {
             beta: 2e-3,
@@ -46,9 +48,9 @@ fn every_effect() -> Vec<Effect<f32>> {
             sharpness: 1.4,
         },
         EffectParameters::Periodic {
-            amplitude: 0.02,
-            frequency: 49.9,
-            phase: -1.0,
+            tones: [(0.02, 49.9, -1.0), (0.01, 149.7, 1.0)]
+                .into_iter()
+                .collect(),
             tick: 1e-4,
         },
         EffectParameters::Gap {
@@ -118,10 +120,14 @@ fn effects_at_the_ends_of_their_ranges_survive() {
         EffectParameters::Drift {
             stiffness: -1e9,
             cycles: 1e9,
+            elastic_change: 1e3,
+            damping_change: -1e3,
         },
         EffectParameters::Drift {
             stiffness: 1e9,
             cycles: 0.1,
+            elastic_change: -1e3,
+            damping_change: 1e3,
         },
         EffectParameters::Relaxation {
             branches: [(1e9, 1e6)].into_iter().collect(),
@@ -140,9 +146,7 @@ fn effects_at_the_ends_of_their_ranges_survive() {
             sharpness: 8.0,
         },
         EffectParameters::Periodic {
-            amplitude: 1e9,
-            frequency: 499_000.0,
-            phase: 1e3,
+            tones: [(1e9, 499_000.0, 1e3)].into_iter().collect(),
             tick: 1e-6,
         },
         EffectParameters::Gap {

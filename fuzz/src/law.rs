@@ -61,6 +61,8 @@ fn parameters(feed: &mut Feed<'_>, tick: f64) -> EffectParameters<f32> {
         8 => EffectParameters::Drift {
             stiffness: coefficient(feed),
             cycles: feed.between(0.1, 1e9) as f32,
+            elastic_change: feed.either(1e-6, 1e3) as f32,
+            damping_change: feed.either(1e-6, 1e3) as f32,
         },
         9 => EffectParameters::Temperature {
             beta: feed.either(1e-6, 1.0) as f32,
@@ -81,9 +83,12 @@ fn parameters(feed: &mut Feed<'_>, tick: f64) -> EffectParameters<f32> {
             sharpness: feed.between(0.5, 8.0) as f32,
         },
         12 => EffectParameters::Periodic {
-            amplitude: coefficient(feed),
-            frequency: feed.between(1e-6, 0.499 / tick),
-            phase: feed.either(1e-3, 1e3),
+            tones: (0..1 + feed.byte() % 3)
+                .map(|_| {
+                    let frequency = feed.between(1e-6, 0.499 / tick);
+                    (coefficient(feed), frequency, feed.either(1e-3, 1e3))
+                })
+                .collect(),
             tick,
         },
         13 => EffectParameters::Gap {

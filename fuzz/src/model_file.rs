@@ -130,9 +130,23 @@ static GOOD: LazyLock<Vec<Vec<u8>>> = LazyLock::new(|| {
                 (Family::Compliance, &[("stiffness", 25.0)]),
                 (
                     Family::Periodic,
-                    &[("amplitude", 0.1), ("frequency", 50.0), ("phase", 1.0)],
+                    &[
+                        ("amplitude", 0.1),
+                        ("frequency", 50.0),
+                        ("phase", 1.0),
+                        ("amplitude_2", 0.02),
+                        ("frequency_2", 150.0),
+                        ("phase_2", -1.0),
+                    ],
                 ),
-                (Family::Drift, &[("stiffness", -0.1), ("cycles", 20.0)]),
+                (
+                    Family::Drift,
+                    &[
+                        ("elastic_change", -0.1),
+                        ("damping_change", 0.2),
+                        ("cycles", 20.0),
+                    ],
+                ),
                 (Family::Inertia, &[("mass", 2.0)]),
                 (Family::LoadFriction, &[("load", 3.0)]),
             ],

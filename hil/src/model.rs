@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 use std::fmt;
 
 use mesh_damper::effects::{
-    AugmentedLaw, EffectParameters, MAX_BRANCHES, MAX_CONTACTS, MAX_STICK_SLIP_ELEMENTS,
+    AugmentedLaw, EffectParameters, MAX_BRANCHES, MAX_CONTACTS, MAX_STICK_SLIP_ELEMENTS, MAX_TONES,
 };
 use mesh_damper::error::ConfigError;
 use mesh_damper::law::Law;
@@ -37,7 +37,7 @@ pub enum Family {
     Relaxation,
     /// A moving mass.
     Inertia,
-    /// A stiffness that settles with the cycles.
+    /// A force that settles with the cycles.
     Drift,
     /// A force that scales with temperature.
     Temperature,
@@ -133,7 +133,7 @@ pub fn parameter_unit(name: &str) -> Option<&'static str> {
         "stiffness" => Some("kN/mm"),
         "slip_limit" => Some("mm"),
         "time" => Some("s"),
-        "cycles" => Some("1"),
+        "cycles" | "elastic_change" | "damping_change" => Some("1"),
         "load" => Some("1/mm"),
         "beta" | "beta_damping" => Some("1/degC"),
         "reference" => Some("degC"),
@@ -368,13 +368,15 @@ impl AddedEffect {
                 }
             }
             Family::StickSlip => EffectParameters::StickSlip(
-                self.pairs(["stiffness", "slip_limit"], MAX_STICK_SLIP_ELEMENTS, get)?
+                self.elements(["stiffness", "slip_limit"], MAX_STICK_SLIP_ELEMENTS, get)?
                     .into_iter()
+                    .map(<(R, R)>::from)
                     .collect(),
             ),
             Family::Stop => EffectParameters::Stop(
-                self.pairs(["stiffness", "gap"], MAX_CONTACTS, get)?
+                self.elements(["stiffness", "gap"], MAX_CONTACTS, get)?
                     .into_iter()
+                    .map(<(R, R)>::from)
                     .collect(),
             ),
             Family::Gap => EffectParameters::Gap {
@@ -390,21 +392,34 @@ impl AddedEffect {
                 tick: R::from_f64(tick),
             },
             Family::Periodic => EffectParameters::Periodic {
-                amplitude: get("amplitude")?,
-                frequency: exact("frequency")?,
-                phase: exact("phase")?,
+                tones: self
+                    .elements(["amplitude", "frequency", "phase"], MAX_TONES, exact)?
+                    .into_iter()
+                    .map(|[amplitude, frequency, phase]| (R::from_f64(amplitude), frequency, phase))
+                    .collect(),
                 tick,
             },
             Family::Relaxation => EffectParameters::Relaxation {
                 branches: self
-                    .pairs(["stiffness", "time"], MAX_BRANCHES, get)?
+                    .elements(["stiffness", "time"], MAX_BRANCHES, get)?
                     .into_iter()
+                    .map(<(R, R)>::from)
                     .collect(),
                 tick: R::from_f64(tick),
             },
+            Family::Drift if self.parameters.contains_key("elastic_change") => {
+                EffectParameters::Drift {
+                    stiffness: R::ZERO,
+                    cycles: get("cycles")?,
+                    elastic_change: get("elastic_change")?,
+                    damping_change: get("damping_change")?,
+                }
+            }
             Family::Drift => EffectParameters::Drift {
                 stiffness: get("stiffness")?,
                 cycles: get("cycles")?,
+                elastic_change: R::ZERO,
+                damping_change: R::ZERO,
             },
             Family::Temperature => EffectParameters::Temperature {
                 beta: get("beta")?,
@@ -425,25 +440,30 @@ impl AddedEffect {
         }
     }
 
-    /// The elements of an effect that has up to `most`, each of two parameters; from the second on the names carry the
-    /// element's number.
-    fn pairs<R>(
+    /// The elements of an effect that has up to `most`, each of parameters with these names; from the second on the names
+    /// carry the element's number.
+    fn elements<T: Copy + Default, const N: usize>(
         &self,
-        names: [&str; 2],
+        names: [&str; N],
         most: usize,
-        get: impl Fn(&str) -> Result<R, ModelError>,
-    ) -> Result<Vec<(R, R)>, ModelError> {
-        let mut pairs = vec![(get(names[0])?, get(names[1])?)];
-        for number in 2..=most {
-            let numbered = names.map(|name| format!("{name}_{number}"));
-            if !numbered
-                .iter()
-                .any(|name| self.parameters.contains_key(name))
-            {
+        get: impl Fn(&str) -> Result<T, ModelError>,
+    ) -> Result<Vec<[T; N]>, ModelError> {
+        let mut elements = Vec::new();
+        for number in 1..=most {
+            let names = names.map(|name| match number {
+                1 => name.to_owned(),
+                _ => format!("{name}_{number}"),
+            });
+            let is_there = |name: &String| self.parameters.contains_key(name);
+            if number > 1 && !names.iter().any(is_there) {
                 break;
             }
-            pairs.push((get(&numbered[0])?, get(&numbered[1])?));
+            let mut element = [T::default(); N];
+            for (value, name) in element.iter_mut().zip(&names) {
+                *value = get(name)?;
+            }
+            elements.push(element);
         }
-        Ok(pairs)
+        Ok(elements)
     }
 }

@@ -45,7 +45,7 @@ fn every_effect() -> Vec<Effect<f32>> {
         Effect::LoadFriction(LoadFriction::new(4.0).unwrap()),
         Effect::Stop(Stop::new(&[(2.0, 0.05), (3.0, -0.08)]).unwrap()),
         Effect::BoucWen(BoucWen::new(0.8, 0.03, 1.4).unwrap()),
-        Effect::Periodic(Periodic::new(0.02, 49.9, -1.0, 1e-4).unwrap()),
+        Effect::Periodic(Periodic::new(&[(0.02, 49.9, -1.0), (0.01, 149.7, 1.0)], 1e-4).unwrap()),
         Effect::Gap(Gap::new(0.01, false).unwrap()),
         Effect::Compliance(Compliance::new(25.0, TICK).unwrap()),
         Effect::Delay(Delay::new(1.23e-3, TICK).unwrap()),

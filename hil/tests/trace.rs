@@ -180,6 +180,58 @@ fn what_warmth_takes_of_stiffness_and_of_friction_is_told_apart() {
     }
 }
 
+/// The cycles run at each sample of a test.
+fn cycles_run(blocks: &[(f64, f64, u32)]) -> Vec<f64> {
+    let mut run = 0.0;
+    let mut all = Vec::new();
+    for &block in blocks {
+        for _ in motion(&[block]) {
+            all.push(run);
+            run += block.1 * TICK;
+        }
+    }
+    all
+}
+
+/// In the end eq 13's elastic and damping force have changed by these parts of themselves, after 12 cycles by 63 % of that.
+fn traced_drifting(change: [f64; 2]) -> Trace {
+    let drifting = |name, blocks: &[(f64, f64, u32)], seed| {
+        let mut run = cycles_run(blocks).into_iter();
+        record(name, blocks, 0.004, seed, move |sample| {
+            let elastic = K1 * sample.1 + K3 * sample.1.powi(3);
+            let done = 1.0 - (-run.next().unwrap_or_default() / 12.0).exp();
+            done * (change[0] * elastic + change[1] * (law(sample) - elastic))
+        })
+    };
+    let (fitted, held) = (drifting("fitted", &BLOCKS, 1), drifting("held", &OTHERS, 2));
+    trace(&[fitted], &[held], &|_| ()).unwrap()
+}
+
+#[test]
+fn what_the_cycles_take_of_stiffness_and_of_friction_is_told_apart() {
+    for change in [[-0.2, -0.2], [0.0, 0.4], [0.25, -0.3]] {
+        let trace = traced_drifting(change);
+        assert_eq!(families(&trace), ["drift"], "{change:?}");
+        let parameters = &trace.result.effects[0].parameters;
+        let told = [
+            ("elastic_change", change[0]),
+            ("damping_change", change[1]),
+            ("cycles", 12.0),
+        ];
+        for (name, truth) in told {
+            let estimate = &parameters[name];
+            let off = (estimate.value - truth).abs();
+            // The intervals hold in nine of ten.
+            let half = 0.5 * (estimate.high - estimate.low);
+            assert!(off < 2.0 * half, "{change:?}: {name} {estimate:?}");
+            let narrow = if name == "cycles" { 2.0 } else { 0.03 };
+            assert!(half < narrow, "{change:?}: {name} {estimate:?}");
+        }
+        let left = trace.result.on_target.nrmse_held_out / trace.result.noise_floor_nrmse;
+        assert!(left < 1.15, "{change:?}: {left} times the noise");
+    }
+}
+
 #[test]
 fn a_recording_with_nothing_missing_comes_out_none() {
     for seed in 0..8 {
@@ -303,6 +355,39 @@ fn two_branches_are_one_relaxation() {
             assert!(
                 (value - truth).abs() < 0.05 * truth,
                 "{which} {name}: {value}"
+            );
+        }
+    }
+    assert!(trace.result.augmented.nrmse_held_out < 1.1 * 0.004);
+}
+
+/// Mains hum and its harmonic are one effect with both tones.
+#[test]
+fn two_tones_are_one_periodic_effect() {
+    const HUM: [(f64, f64, f64); 2] = [(0.02, 50.0, 0.4), (0.008, 150.0, -1.1)];
+    let trace = traced(0.004, 9, || {
+        |s: &Sample| {
+            let tones = HUM.iter();
+            tones
+                .map(|(size, frequency, phase)| size * (TAU * frequency * s.0 + phase).sin())
+                .sum()
+        }
+    });
+    assert_eq!(families(&trace), ["periodic"]);
+    let found = &trace.result.effects[0].parameters;
+    // The stronger is found first.
+    for (number, (amplitude, frequency, phase)) in ["", "_2"].into_iter().zip(HUM) {
+        for (name, truth) in [
+            ("amplitude", amplitude),
+            ("frequency", frequency),
+            ("phase", phase),
+        ] {
+            let estimate = &found[&format!("{name}{number}")];
+            let half = 0.5 * (estimate.high - estimate.low);
+            let off = (estimate.value - truth).abs();
+            assert!(
+                off < 2.0 * half && half < 0.03 * truth.abs(),
+                "{name}{number}: {estimate:?}"
             );
         }
     }

@@ -35,14 +35,14 @@ pub use bouc_wen::BoucWen;
 pub use compliance::Compliance;
 pub use correction::Correction;
 pub use delay::{Delay, MAX_DELAY};
-pub use drift::Drift;
+pub use drift::{Drift, LARGEST_CHANGE};
 pub use gap::Gap;
 pub use hardening::Hardening;
 pub use inertia::Inertia;
 pub use load_friction::LoadFriction;
 pub use offset::Offset;
 pub use parameters::EffectParameters;
-pub use periodic::Periodic;
+pub use periodic::{MAX_TONES, Periodic};
 pub use relaxation::{MAX_BRANCHES, Relaxation};
 pub use stick_slip::{MAX_ELEMENTS as MAX_STICK_SLIP_ELEMENTS, StickSlip};
 pub use stop::{MAX_CONTACTS, Stop};
@@ -406,7 +406,7 @@ effects! {
     /// A force that scales with temperature.
     temperature: Temperature;
     costly:
-    /// A stiffness that settles with the cycles.
+    /// A force that settles with the cycles.
     drift: Drift;
     with_memory:
     /// Rate-independent friction with elastic pre-sliding.
@@ -418,7 +418,7 @@ effects! {
     stop: Stop,
     /// Rate-independent friction with a smooth transition.
     bouc_wen: BoucWen,
-    /// A tone.
+    /// Tones.
     periodic: Periodic;
     stages:
     /// Free play of the mounting.

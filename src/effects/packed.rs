@@ -1,12 +1,13 @@
 //! An effect in a coefficient pack: its kind and its numbers, as postcard lays out a `(u8, Vec<f32>)`.
 
+use super::periodic::Tone;
 use super::relaxation::Branch;
 use super::stick_slip::Element;
 use super::stop::Contact;
 use super::{
     Asymmetry, BoucWen, Compliance, Delay, Drift, Effect, Gap, Hardening, Inertia, LoadFriction,
-    MAX_BRANCHES, MAX_STICK_SLIP_ELEMENTS, Offset, Periodic, Relaxation, StickSlip, Stop,
-    Temperature, Viscous,
+    MAX_BRANCHES, MAX_STICK_SLIP_ELEMENTS, MAX_TONES, Offset, Periodic, Relaxation, StickSlip,
+    Stop, Temperature, Viscous,
 };
 use crate::frame::{Reader, Writer};
 
@@ -28,7 +29,7 @@ const DELAY: u8 = 14;
 const LOAD_FRICTION: u8 = 15;
 
 /// Most numbers of an effect.
-const MOST: usize = 2 * MAX_STICK_SLIP_ELEMENTS;
+const MOST: usize = 5 * MAX_TONES;
 
 impl Effect<f32> {
     /// Writes kind and numbers.
@@ -47,7 +48,10 @@ impl Effect<f32> {
             Self::Viscous(effect) => put(VISCOUS, &[effect.c1]),
             Self::Inertia(effect) => put(INERTIA, &[effect.mass]),
             Self::LoadFriction(effect) => put(LOAD_FRICTION, &[effect.load]),
-            Self::Drift(effect) => put(DRIFT, &[effect.stiffness, effect.rate]),
+            Self::Drift(effect) => {
+                let numbers = [effect.stiffness, effect.elastic, effect.beyond, effect.rate];
+                put(DRIFT, &numbers);
+            }
             Self::Temperature(effect) => {
                 put(TEMPERATURE, &[effect.beta, effect.beyond, effect.reference])
             }
@@ -61,16 +65,19 @@ impl Effect<f32> {
                 &[effect.stiffness, effect.slip_limit, effect.sharpness],
             ),
             Self::Periodic(effect) => {
-                let [increment_low, increment_high] = effect.increment.map(f32::from_bits);
-                let [phase_low, phase_high] = effect.phase.map(f32::from_bits);
-                let numbers = [
-                    effect.amplitude,
-                    increment_low,
-                    increment_high,
-                    phase_low,
-                    phase_high,
-                ];
-                put(PERIODIC, &numbers);
+                let tones = effect.tones.map(|tone| {
+                    let [increment_low, increment_high] = tone.increment.map(f32::from_bits);
+                    let [phase_low, phase_high] = tone.phase.map(f32::from_bits);
+                    let amplitude = tone.amplitude;
+                    [
+                        amplitude,
+                        increment_low,
+                        increment_high,
+                        phase_low,
+                        phase_high,
+                    ]
+                });
+                put(PERIODIC, used(&tones, effect.used));
             }
             Self::Compliance(effect) => put(COMPLIANCE, &[effect.stiffness, effect.step]),
             Self::Delay(effect) => put(DELAY, &[f32::from(effect.whole), effect.rest]),
@@ -101,7 +108,12 @@ impl Effect<f32> {
             (VISCOUS, &[c1]) => Self::Viscous(Viscous { c1 }),
             (INERTIA, &[mass]) => Self::Inertia(Inertia { mass }),
             (LOAD_FRICTION, &[load]) => Self::LoadFriction(LoadFriction { load }),
-            (DRIFT, &[stiffness, rate]) => Self::Drift(Drift { stiffness, rate }),
+            (DRIFT, &[stiffness, elastic, beyond, rate]) => Self::Drift(Drift {
+                stiffness,
+                elastic,
+                beyond,
+                rate,
+            }),
             (TEMPERATURE, &[beta, beyond, reference]) => Self::Temperature(Temperature {
                 beta,
                 beyond,
@@ -117,18 +129,28 @@ impl Effect<f32> {
                 slip_limit,
                 sharpness,
             }),
-            (PERIODIC, &[amplitude, a, b, c, d]) => Self::Periodic(Periodic {
-                amplitude,
-                increment: [a, b].map(f32::to_bits),
-                phase: [c, d].map(f32::to_bits),
-            }),
+            (PERIODIC, numbers) => {
+                let packed = groups(numbers)?;
+                let mut tones = [Tone::NONE; MAX_TONES];
+                for (tone, &[amplitude, a, b, c, d]) in tones.iter_mut().zip(packed) {
+                    *tone = Tone {
+                        amplitude,
+                        increment: [a, b].map(f32::to_bits),
+                        phase: [c, d].map(f32::to_bits),
+                    };
+                }
+                Self::Periodic(Periodic {
+                    tones,
+                    used: packed.len(),
+                })
+            }
             (COMPLIANCE, &[stiffness, step]) => Self::Compliance(Compliance { stiffness, step }),
             (DELAY, &[whole, rest]) => Self::Delay(Delay {
                 whole: whole as u8,
                 rest,
             }),
             (RELAXATION, numbers) => {
-                let pairs = pairs(numbers)?;
+                let pairs = groups(numbers)?;
                 let mut branches = [Branch::NONE; MAX_BRANCHES];
                 for (branch, &[gain, loss]) in branches.iter_mut().zip(pairs) {
                     *branch = Branch { gain, loss };
@@ -139,7 +161,7 @@ impl Effect<f32> {
                 })
             }
             (STICK_SLIP, numbers) => {
-                let pairs = pairs(numbers)?;
+                let pairs = groups(numbers)?;
                 let mut elements = [Element::default(); MAX_STICK_SLIP_ELEMENTS];
                 for (element, &[stiffness, slip_limit]) in elements.iter_mut().zip(pairs) {
                     *element = Element {
@@ -157,13 +179,13 @@ impl Effect<f32> {
     }
 }
 
-/// The numbers of the first `used` pairs.
-fn used(pairs: &[[f32; 2]], used: usize) -> &[f32] {
-    pairs.get(..used).unwrap_or_default().as_flattened()
+/// The numbers of the first `used` groups.
+fn used<const N: usize>(groups: &[[f32; N]], used: usize) -> &[f32] {
+    groups.get(..used).unwrap_or_default().as_flattened()
 }
 
-/// Numbers that are whole pairs.
-fn pairs(numbers: &[f32]) -> Option<&[[f32; 2]]> {
-    let (pairs, rest) = numbers.as_chunks();
-    rest.is_empty().then_some(pairs)
+/// Numbers that are whole groups.
+fn groups<const N: usize>(numbers: &[f32]) -> Option<&[[f32; N]]> {
+    let (groups, rest) = numbers.as_chunks();
+    rest.is_empty().then_some(groups)
 }

@@ -2,8 +2,8 @@
 
 use super::{
     Asymmetry, BoucWen, Compliance, Delay, Drift, Effect, Gap, Hardening, Inertia, LoadFriction,
-    MAX_BRANCHES, MAX_CONTACTS, MAX_STICK_SLIP_ELEMENTS, Offset, Periodic, Relaxation, StickSlip,
-    Stop, Temperature, Viscous,
+    MAX_BRANCHES, MAX_CONTACTS, MAX_STICK_SLIP_ELEMENTS, MAX_TONES, Offset, Periodic, Relaxation,
+    StickSlip, Stop, Temperature, Viscous,
 };
 use crate::error::ConfigError;
 use crate::real::Real;
@@ -51,12 +51,16 @@ pub enum EffectParameters<R> {
         /// 1/mm
         load: R,
     },
-    /// Of [`Drift::new`].
+    /// Of [`Drift::new`] and [`Drift::with_forces`].
     Drift {
         /// kN/mm
         stiffness: R,
         /// Cycles until 63 % of the change is done.
         cycles: R,
+        /// Change of eq 13's elastic force, as a part of it.
+        elastic_change: R,
+        /// The same of its damping force.
+        damping_change: R,
     },
     /// Of [`Temperature::new`] and [`Temperature::with_damping`].
     Temperature {
@@ -87,12 +91,8 @@ pub enum EffectParameters<R> {
     },
     /// Of [`Periodic::new`].
     Periodic {
-        /// kN
-        amplitude: R,
-        /// Hz
-        frequency: f64,
-        /// rad
-        phase: f64,
+        /// Amplitude in kN, frequency in Hz and phase in rad of each tone.
+        tones: heapless::Vec<(R, f64, f64), MAX_TONES>,
         /// s
         tick: f64,
     },
@@ -129,7 +129,14 @@ impl<R: Real> EffectParameters<R> {
             }
             Self::Inertia { mass } => Inertia::new(*mass).map(Effect::Inertia),
             Self::LoadFriction { load } => LoadFriction::new(*load).map(Effect::LoadFriction),
-            Self::Drift { stiffness, cycles } => Drift::new(*stiffness, *cycles).map(Effect::Drift),
+            Self::Drift {
+                stiffness,
+                cycles,
+                elastic_change,
+                damping_change,
+            } => Drift::new(*stiffness, *cycles)
+                .and_then(|stiffness| stiffness.with_forces(*elastic_change, *damping_change))
+                .map(Effect::Drift),
             Self::Temperature {
                 beta,
                 beta_damping,
@@ -147,12 +154,7 @@ impl<R: Real> EffectParameters<R> {
                 slip_limit,
                 sharpness,
             } => BoucWen::new(*stiffness, *slip_limit, *sharpness).map(Effect::BoucWen),
-            Self::Periodic {
-                amplitude,
-                frequency,
-                phase,
-                tick,
-            } => Periodic::new(*amplitude, *frequency, *phase, *tick).map(Effect::Periodic),
+            Self::Periodic { tones, tick } => Periodic::new(tones, *tick).map(Effect::Periodic),
             Self::Compliance { stiffness, tick } => {
                 Compliance::new(*stiffness, *tick).map(Effect::Compliance)
             }

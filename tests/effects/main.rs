@@ -13,7 +13,8 @@ use std::f64::consts::{PI, TAU};
 use loops::{TICKS, alone, close, energy, last_cycle, moduli, nothing, sine};
 use mesh_damper::effects::{
     Asymmetry, AugmentedLaw, BoucWen, Compliance, Delay, Drift, Effect, Gap, Hardening, Inertia,
-    LoadFriction, Motion, Offset, Periodic, Relaxation, StickSlip, Stop, Temperature, Viscous,
+    LoadFriction, MAX_TONES, Motion, Offset, Periodic, Relaxation, StickSlip, Stop, Temperature,
+    Viscous,
 };
 use mesh_damper::error::ConfigError;
 use mesh_damper::law::Law;
@@ -173,6 +174,26 @@ fn elastic_effects_dissipate_nothing_and_have_their_parity() {
     assert!(constant.iter().all(|&f| f == 0.05));
 }
 
+/// Several tones are each as it would be alone.
+#[test]
+fn tones_add_up() {
+    let tones = [(0.02, 50.0, 0.3), (0.005, 150.0, -1.0), (-0.01, 7.3, 2.0)];
+    let of = |tones: &[(f64, f64, f64)]| {
+        let law = alone(Effect::Periodic(Periodic::new(tones, 1e-3).unwrap()));
+        let mut state = law.at_rest();
+        (0..1000)
+            .map(|_| law.force(&mut state, &Motion::default()))
+            .collect::<Vec<f64>>()
+    };
+    for count in 1..=tones.len() {
+        let together = of(&tones[..count]);
+        let apart: Vec<Vec<f64>> = tones[..count].iter().map(|&tone| of(&[tone])).collect();
+        for (tick, force) in together.into_iter().enumerate() {
+            close(force, apart.iter().map(|force| force[tick]).sum(), 1e-15);
+        }
+    }
+}
+
 #[test]
 fn drift_has_done_63_percent_after_its_cycles() {
     let law = alone(Effect::Drift(Drift::new(-0.5, 25.0).unwrap()));
@@ -192,6 +213,31 @@ fn drift_has_done_63_percent_after_its_cycles() {
         1e-12,
     );
     close(stiffness(1e9, &mut state), -0.5, 1e-12);
+}
+
+#[test]
+fn drift_changes_elastic_and_damping_force_each_in_its_own_way() {
+    let (k1, k3, c, alpha) = (1.0, 10.0, 0.1, 0.4);
+    let drift = Drift::new(0.7, 25.0).unwrap().with_forces(-0.2, 0.5);
+    let law: AugmentedLaw<f64, 1> = AugmentedLaw::new(Law::new(k1, k3, c, alpha).unwrap())
+        .with(Effect::Drift(drift.unwrap()))
+        .unwrap();
+    for (y, v, cycles) in [(0.1, 1.3, 3.0), (-0.2, 0.4, 25.0), (0.05, -3.0, 1e6)] {
+        let motion = Motion {
+            displacement: y,
+            velocity: v,
+            cycles,
+            ..Motion::default()
+        };
+        let done = 1.0 - (-cycles / 25.0_f64).exp();
+        let elastic = (1.0 - 0.2 * done) * (k1 * y + k3 * y.powi(3));
+        let damping = (1.0 + 0.5 * done) * c * v.abs().powf(alpha) * v.signum();
+        close(
+            law.force(&mut law.at_rest(), &motion),
+            elastic + damping + 0.7 * done * y,
+            1e-12,
+        );
+    }
 }
 
 #[test]
@@ -332,6 +378,11 @@ fn constructors_name_the_field_they_refuse() {
         "tick"
     );
     assert_eq!(field(Drift::new(1.0, 0.0).unwrap_err()), "cycles");
+    let drift = Drift::new(0.0, 25.0).unwrap();
+    assert_eq!(
+        field(drift.with_forces(0.0, f64::NAN).unwrap_err()),
+        "damping_change"
+    );
     assert_eq!(field(Temperature::new(2.0, 20.0).unwrap_err()), "beta");
     assert_eq!(
         field(Temperature::new(0.1, -300.0).unwrap_err()),
@@ -362,9 +413,14 @@ fn constructors_name_the_field_they_refuse() {
     assert_eq!(field(BoucWen::new(1.0, 0.1, 0.4).unwrap_err()), "sharpness");
     assert_eq!(field(BoucWen::new(1.0, 0.1, 8.1).unwrap_err()), "sharpness");
     let periodic = |amplitude, frequency, phase, tick| {
-        field(Periodic::new(amplitude, frequency, phase, tick).unwrap_err())
+        field(Periodic::new(&[(amplitude, frequency, phase)], tick).unwrap_err())
     };
     assert_eq!(periodic(f32::NAN, 50.0, 0.0, 1e-4), "amplitude");
+    assert_eq!(field(Periodic::<f32>::new(&[], 1e-4).unwrap_err()), "tones");
+    assert_eq!(
+        field(Periodic::new(&[(1.0, 50.0, 0.0); MAX_TONES + 1], 1e-4).unwrap_err()),
+        "tones"
+    );
     assert_eq!(periodic(1.0, 5000.0, 0.0, 1e-4), "frequency");
     assert_eq!(periodic(1.0, 0.0, 0.0, 1e-4), "frequency");
     assert_eq!(periodic(1.0, 50.0, f64::NAN, 1e-4), "phase");
@@ -398,11 +454,17 @@ fn one_of_each<R: Real>() -> AugmentedLaw<R, EFFECTS> {
         ),
         Effect::Inertia(Inertia::new(r(120.0)).unwrap()),
         Effect::LoadFriction(LoadFriction::new(r(4.0)).unwrap()),
-        Effect::Drift(Drift::new(r(-0.5), r(25.0)).unwrap()),
+        Effect::Drift(
+            Drift::new(r(-0.5), r(25.0))
+                .and_then(|drift| drift.with_forces(r(-0.2), r(0.5)))
+                .unwrap(),
+        ),
         Effect::Temperature(Temperature::new(r(0.004), r(20.0)).unwrap()),
         Effect::Stop(Stop::new(&[(r(2.0), r(0.15)), (r(3.0), r(-0.1))]).unwrap()),
         Effect::BoucWen(BoucWen::new(r(0.8), r(0.04), r(1.5)).unwrap()),
-        Effect::Periodic(Periodic::new(r(0.03), 50.0, 0.3, 1e-4).unwrap()),
+        Effect::Periodic(
+            Periodic::new(&[(r(0.03), 50.0, 0.3), (r(0.01), 150.0, 1.0)], 1e-4).unwrap(),
+        ),
         Effect::Gap(Gap::new(r(0.02), false).unwrap()),
         Effect::Compliance(Compliance::new(r(25.0), r(1e-4)).unwrap()),
         Effect::Delay(Delay::new(r(0.0023), r(1e-4)).unwrap()),

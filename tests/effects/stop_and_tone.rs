@@ -52,7 +52,7 @@ fn two_stops_are_of_one_side_or_of_both() {
 fn tone<R: Real>(ticks: usize, frequency: f64, phase: f64, tick: f64) -> Vec<f64> {
     let amplitude = R::from_f64(0.05);
     let law = alone(Effect::Periodic(
-        Periodic::new(amplitude, frequency, phase, tick).unwrap(),
+        Periodic::new(&[(amplitude, frequency, phase)], tick).unwrap(),
     ));
     let mut state = law.at_rest();
     let forces = (0..ticks).map(|n| {

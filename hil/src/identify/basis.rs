@@ -14,7 +14,8 @@ use crate::recording::trajectory::Trajectory;
 
 /// Eq 13 and added terms over the rows of a fit.
 ///
-/// The searched parameters are the exponents of the nodes, then each term's: logarithms of shapes, and temperature's βs.
+/// The searched parameters are the exponents of the nodes, then each term's: the sizes of what scales eq 13, and
+/// logarithms of shapes.
 #[derive(Clone)]
 pub(super) struct Basis<'r, 'a> {
     pub rows: &'r Rows<'a>,
@@ -36,7 +37,7 @@ pub(super) struct Columns {
     added: Vec<Vec<Arc<Vec<f64>>>>,
 }
 
-/// Eq 13's at every row, scaled where temperature is a term.
+/// Eq 13's at every row, scaled where a term does.
 struct LawColumns {
     /// y, y³ and |v|^α·sgn v.
     unit: Vec<[f64; 3]>,
@@ -138,19 +139,22 @@ impl<'r, 'a> Basis<'r, 'a> {
         at[node].clamp(0.0, 1.0)
     }
 
-    /// The shapes of a term; β is none.
+    /// The shapes of a term.
     pub fn shapes(&self, at: &[f64], term: usize) -> Vec<f64> {
+        let searched = &at[self.slot(term)][self.terms[term].form.scales()..];
         self.shapes[term]
             .iter()
-            .zip(&at[self.slot(term)])
+            .zip(searched)
             .map(|(shape, x)| x.exp().clamp(shape.low, shape.high))
             .collect()
     }
 
-    /// The βs of a term that scales eq 13, 1/°C, as far as the crate takes them.
+    /// The sizes of a term that scales eq 13, as far as the crate takes them.
     fn scales(&self, at: &[f64], term: usize) -> Vec<f64> {
-        let betas = at[self.slot(term)].iter();
-        betas.map(|beta| beta.clamp(-1.0, 1.0)).collect()
+        let form = self.terms[term].form;
+        let largest = form.largest_scale();
+        let sizes = at[self.slot(term)].iter().take(form.scales());
+        sizes.map(|size| size.clamp(-largest, largest)).collect()
     }
 
     /// The columns at `at`; what does not change is taken from `known`.
@@ -251,8 +255,11 @@ impl<'r, 'a> Basis<'r, 'a> {
     /// end of its range, where it is held.
     fn ends(&self, at: f64, slot: usize) -> [f64; 2] {
         let term = (0..self.terms.len()).find(|&term| self.slot(term).contains(&slot));
-        let shape = term.and_then(|term| self.shapes[term].get(slot - self.slot(term).start));
         let form = term.map(|term| self.terms[term].form);
+        let shape = term.zip(form).and_then(|(term, form)| {
+            let place = slot - self.slot(term).start;
+            self.shapes[term].get(place.checked_sub(form.scales())?)
+        });
         if let (Some(Form::Delay), Some(shape)) = (form, shape) {
             // The force jumps a little where the crate takes another whole tick: one to either side sees past that.
             let tick = self
@@ -360,21 +367,27 @@ impl<'r, 'a> Basis<'r, 'a> {
 
     /// At each instant of `motion`.
     fn law_of(&self, at: &[f64], motion: &RowMotion) -> LawColumns {
-        let temperature = (0..self.terms.len())
-            .find(|&term| matches!(self.terms[term].form.entry(), Entry::Scales(_)))
-            .map(|term| {
-                let betas = self.scales(at, term);
-                let ends = [betas[0], betas[betas.len() - 1]];
-                (ends, self.terms[term].reference)
-            });
+        let scaling: Vec<(&Term, [f64; 2], Vec<f64>)> = (0..self.terms.len())
+            .filter_map(|term| {
+                let sizes = self.scales(at, term);
+                let ends = [*sizes.first()?, *sizes.last()?];
+                Some((&self.terms[term], ends, self.shapes(at, term)))
+            })
+            .collect();
         let alphas: Vec<f64> = (0..self.rows.nodes.len())
             .map(|node| self.alpha(at, node))
             .collect();
         let unit: Vec<[f64; 3]> = (0..motion.displacement.len())
             .map(|index| {
-                let [elastic, damping] = temperature.map_or([1.0; 2], |(betas, reference)| {
-                    betas.map(|beta| 1.0 - beta * (motion.temperature[index] - reference))
-                });
+                let [elastic, damping] =
+                    scaling
+                        .iter()
+                        .fold([1.0; 2], |[elastic, damping], (term, [a, b], shapes)| {
+                            let (cycles, degrees) =
+                                (motion.cycles[index], motion.temperature[index]);
+                            let scale = term.scale(shapes, cycles, degrees);
+                            [elastic + a * scale, damping + b * scale]
+                        });
                 let y = motion.displacement[index];
                 let speed = (alphas[motion.node[index]] * motion.log_speed[index]).exp();
                 [

@@ -14,7 +14,7 @@ use super::normal::{Factor, Normal};
 use super::rows::Rows;
 use super::shape::Extent;
 use super::solution::Solution;
-use super::term::{Entry, Form, Term};
+use super::term::{Form, Term};
 use crate::model::LawNode;
 
 /// Exponents that a search with nothing to start from begins with.
@@ -44,16 +44,13 @@ impl<'r, 'a> Problem<'r, 'a> {
         let ends: Vec<f64> = self
             .terms
             .iter()
-            .flat_map(|term| match term.form.entry() {
-                Entry::Scales(count) => vec![0.0; count],
-                _ => {
-                    let shapes = self.extent.shapes(term.form);
-                    let middle = |starts: &[f64]| starts.get(starts.len() / 2).copied();
-                    shapes
-                        .iter()
-                        .map(|shape| middle(&shape.starts).unwrap_or(shape.low).ln())
-                        .collect()
-                }
+            .flat_map(|term| {
+                let shapes = self.extent.shapes(term.form);
+                let middle = |starts: &[f64]| starts.get(starts.len() / 2).copied();
+                let shapes = shapes
+                    .iter()
+                    .map(|shape| middle(&shape.starts).unwrap_or(shape.low));
+                searched(term.form, shapes)
             })
             .collect();
         let starts = EXPONENTS.map(|alpha| {
@@ -114,9 +111,8 @@ impl<'r, 'a> Problem<'r, 'a> {
     fn start(&self, start: &Solution, shapes: &[f64]) -> Vec<f64> {
         let fresh = self.terms.len() > start.terms.len();
         let last = self.terms.last().filter(|_| fresh);
-        let end = last.map_or(Vec::new(), |term| match term.form.entry() {
-            Entry::Scales(count) => vec![0.0; count],
-            _ => shapes.iter().map(|shape| shape.ln()).collect(),
+        let end = last.map_or(Vec::new(), |term| {
+            searched(term.form, shapes.iter().copied())
         });
         start.search.iter().copied().chain(end).collect()
     }
@@ -132,6 +128,12 @@ impl<'r, 'a> Problem<'r, 'a> {
             .0
             .solution()
     }
+}
+
+/// What is searched of a form with these shapes: its sizes that scale eq 13, from nothing, and the shapes.
+fn searched(form: Form, shapes: impl Iterator<Item = f64>) -> Vec<f64> {
+    let sizes = std::iter::repeat_n(0.0, form.scales());
+    sizes.chain(shapes.map(f64::ln)).collect()
 }
 
 /// A search over exponents and shapes.

@@ -32,6 +32,8 @@ pub(super) struct RowMotion {
     pub log_speed: Vec<f64>,
     /// sgn v
     pub direction: Vec<f64>,
+    /// Since the test began.
+    pub cycles: Vec<f64>,
     /// °C
     pub temperature: Vec<f64>,
     /// Which of the law's nodes holds.
@@ -54,6 +56,7 @@ impl RowMotion {
             } else {
                 velocity.signum()
             });
+            rows.cycles.push(trajectory.cycles[sample]);
             rows.temperature.push(trajectory.temperature_at(sample));
             rows.node.push(nearest(nodes, trajectory.amplitude[sample]));
         }

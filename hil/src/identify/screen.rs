@@ -74,15 +74,16 @@ impl<'s, 'r, 'a> Screen<'s, 'r, 'a> {
         let saved = match term.form.entry() {
             Entry::Moves => left - self.left_when_moved(term, shapes).unwrap_or(left),
             Entry::Scales(count) => {
-                let temperature = &self.basis.rows.motion.temperature;
-                let lost = |index: usize| {
+                let motion = &self.basis.rows.motion;
+                let scaled = |index: usize| {
                     let node = &self.solution.law[self.tangent.node[index]];
                     let [y, y3, damping, _] = self.tangent.local[index];
                     let forces = [node.k1 * y + node.k3 * y3, node.c * damping];
-                    forces.map(|force| force * (term.reference - temperature[index]))
+                    let scale = term.scale(shapes, motion.cycles[index], motion.temperature[index]);
+                    forces.map(|force| force * scale)
                 };
                 let (elastic, damping): (Vec<f64>, Vec<f64>) = (0..self.basis.rows.len())
-                    .map(|index| lost(index).into())
+                    .map(|index| scaled(index).into())
                     .unzip();
                 if count == 1 {
                     let both: Vec<f64> = elastic.iter().zip(&damping).map(|(a, b)| a + b).collect();

@@ -147,7 +147,7 @@ impl Extent {
                     ..spread
                 }]
             }
-            Form::Drift => vec![Shape::spread(0.3, 10.0 * self.cycles, 8)],
+            Form::Drift | Form::DriftOfEach => vec![Shape::spread(0.3, 10.0 * self.cycles, 8)],
             Form::Delay => {
                 let longest = (0.2 / self.lowest_frequency).min(250.0 * self.tick);
                 vec![Shape::spread(0.02 * self.tick, longest, 9)]

@@ -1,7 +1,7 @@
 //! What a fit found.
 
 use super::term::{Form, Term, TermValue, added_effects};
-use crate::model::{Family, LawNode, Model};
+use crate::model::{LawNode, Model};
 use crate::predict::run;
 use crate::recording::trajectory::Trajectory;
 
@@ -12,7 +12,7 @@ pub struct Solution {
     pub law: Vec<LawNode>,
     /// The added terms.
     pub terms: Vec<TermValue>,
-    /// Exponents of the nodes, then the terms' searched parameters: logarithms of shapes, and temperature's βs.
+    /// Exponents of the nodes, then the terms' searched parameters: the sizes of what scales eq 13, and logarithms of shapes.
     pub(super) search: Vec<f64>,
     /// Sum of the squared weighted errors, kN².
     pub squares: f64,
@@ -54,7 +54,7 @@ impl Solution {
         let added = self
             .terms
             .iter()
-            .filter(|value| value.term.form.family() != Family::Temperature);
+            .filter(|value| value.term.form.scales() == 0);
         law.chain(added.flat_map(|value| value.sizes.iter().copied()))
             .collect()
     }

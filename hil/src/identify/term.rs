@@ -3,8 +3,9 @@
 use std::collections::BTreeMap;
 
 use mesh_damper::effects::{
-    Asymmetry, BoucWen, Drift, EffectForce, Hardening, Inertia, LawForce, MAX_BRANCHES,
-    MAX_STICK_SLIP_ELEMENTS, Offset, Periodic, Relaxation, StickSlip, Stop, Viscous,
+    Asymmetry, BoucWen, Drift, EffectForce, Hardening, Inertia, LARGEST_CHANGE, LawForce,
+    MAX_BRANCHES, MAX_STICK_SLIP_ELEMENTS, MAX_TONES, Offset, Periodic, Relaxation, StickSlip,
+    Stop, Viscous,
 };
 use mesh_damper::error::ConfigError;
 
@@ -40,6 +41,8 @@ pub enum Form {
     Relaxation,
     /// A stiffness that settles with the cycles.
     Drift,
+    /// An elastic force and a damping force that settle with the cycles, each in its own way.
+    DriftOfEach,
     /// A force that scales with temperature.
     Temperature,
     /// An elastic force and a damping force that scale with temperature, each in its own way.
@@ -61,7 +64,7 @@ pub enum Form {
 pub enum Entry {
     /// It adds so many forces, each proportional to a size.
     Adds(usize),
-    /// It scales eq 13, or with two sizes its elastic and its damping force.
+    /// It scales eq 13, or with two sizes its elastic and its damping force, each by 1 and its size times [`Term::scale`].
     Scales(usize),
     /// It changes the motion that all else is given.
     Moves,
@@ -69,7 +72,7 @@ pub enum Entry {
 
 impl Form {
     /// Every form, the simplest first.
-    pub const ALL: [Self; 19] = [
+    pub const ALL: [Self; 20] = [
         Self::Offset,
         Self::Asymmetry,
         Self::Hardening,
@@ -80,6 +83,7 @@ impl Form {
         Self::Jenkins,
         Self::Relaxation,
         Self::Drift,
+        Self::DriftOfEach,
         Self::Temperature,
         Self::TemperatureOfEach,
         Self::Delay,
@@ -102,7 +106,7 @@ impl Form {
             Self::StopAbove | Self::StopBelow => Family::Stop,
             Self::Jenkins | Self::Iwan | Self::BoucWen => Family::StickSlip,
             Self::Relaxation => Family::Relaxation,
-            Self::Drift => Family::Drift,
+            Self::Drift | Self::DriftOfEach => Family::Drift,
             Self::Temperature | Self::TemperatureOfEach => Family::Temperature,
             Self::Periodic => Family::Periodic,
             Self::Gap | Self::DampedGap => Family::Gap,
@@ -115,7 +119,7 @@ impl Form {
     pub fn entry(self) -> Entry {
         match self {
             Self::Temperature => Entry::Scales(1),
-            Self::TemperatureOfEach => Entry::Scales(2),
+            Self::TemperatureOfEach | Self::DriftOfEach => Entry::Scales(2),
             Self::Gap | Self::DampedGap | Self::Delay | Self::Compliance => Entry::Moves,
             // A sine and a cosine.
             Self::Periodic => Entry::Adds(2),
@@ -131,7 +135,7 @@ impl Form {
             Self::Jenkins | Self::Iwan => &["slip_limit"],
             Self::BoucWen => &["slip_limit", "sharpness"],
             Self::Relaxation | Self::Delay => &["time"],
-            Self::Drift => &["cycles"],
+            Self::Drift | Self::DriftOfEach => &["cycles"],
             Self::Periodic => &["frequency"],
             Self::Gap | Self::DampedGap => &["half_width"],
             Self::Compliance => &["stiffness"],
@@ -159,6 +163,7 @@ impl Form {
         match self {
             Self::Jenkins => MAX_STICK_SLIP_ELEMENTS,
             Self::Relaxation => MAX_BRANCHES,
+            Self::Periodic => MAX_TONES,
             _ => 1,
         }
     }
@@ -168,15 +173,29 @@ impl Form {
         let gap = |form: Self| matches!(form, Self::Gap | Self::DampedGap);
         let slider = |form: Self| matches!(form, Self::Jenkins | Self::Iwan | Self::BoucWen);
         let warm = |form: Self| form.family() == Family::Temperature;
+        let drift = |form: Self| form.family() == Family::Drift;
         let alike = |of: fn(Self) -> bool| of(self) && of(other);
-        self != other && (alike(gap) || alike(slider) || alike(warm))
+        self != other && (alike(gap) || alike(slider) || alike(warm) || alike(drift))
     }
 
     /// How many parameters of it are searched.
     pub(super) fn searched(self) -> usize {
+        self.scales() + self.shape_names().len()
+    }
+
+    /// How many of these are sizes, which come before the shapes.
+    pub(super) fn scales(self) -> usize {
         match self.entry() {
             Entry::Scales(count) => count,
-            _ => self.shape_names().len(),
+            _ => 0,
+        }
+    }
+
+    /// Sizes that scale eq 13 are within ± this: as far as the crate takes them.
+    pub(super) fn largest_scale(self) -> f64 {
+        match self {
+            Self::DriftOfEach => LARGEST_CHANGE,
+            _ => 1.0,
         }
     }
 
@@ -210,13 +229,14 @@ impl Form {
             Self::Drift => run(&Drift::new(1.0, shape(0))?, trajectory),
             Self::Periodic => {
                 let tone = |phase| {
-                    let tone = Periodic::new(1.0, shape(0), phase, tick)?;
+                    let tone = Periodic::new(&[(1.0, shape(0), phase)], tick)?;
                     Ok(run(&tone, trajectory))
                 };
                 return Ok(vec![tone(0.0)?, tone(0.25 * std::f64::consts::TAU)?]);
             }
             Self::Temperature
             | Self::TemperatureOfEach
+            | Self::DriftOfEach
             | Self::Gap
             | Self::DampedGap
             | Self::Delay
@@ -249,12 +269,23 @@ pub struct Term {
     pub reference: f64,
 }
 
+impl Term {
+    /// What the size of a term that scales eq 13 is multiplied by after `cycles` at `temperature` °C.
+    pub(super) fn scale(&self, shapes: &[f64], cycles: f64, temperature: f64) -> f64 {
+        match (self.form, shapes) {
+            (Form::DriftOfEach, &[settled]) => -(-cycles / settled).exp_m1(),
+            _ => self.reference - temperature,
+        }
+    }
+}
+
 /// A term's parameters after a fit.
 #[derive(Clone, Debug, PartialEq)]
 pub struct TermValue {
     /// The term.
     pub term: Term,
-    /// What its forces are proportional to; for temperature β, and β_damping where it is another.
+    /// What its forces are proportional to; for temperature β, and β_damping where it is another; of a drift of each force
+    /// their changes.
     pub sizes: Vec<f64>,
     /// Its shapes.
     pub shapes: Vec<f64>,
@@ -318,6 +349,11 @@ impl TermValue {
             ],
             Form::Relaxation => vec![("stiffness", size(0)), ("time", shape(0))],
             Form::Drift => vec![("stiffness", size(0)), ("cycles", shape(0))],
+            Form::DriftOfEach => vec![
+                ("elastic_change", size(0)),
+                ("damping_change", size(1)),
+                ("cycles", shape(0)),
+            ],
             Form::Temperature => vec![("beta", size(0)), ("reference", self.term.reference)],
             Form::TemperatureOfEach => vec![
                 ("beta", size(0)),
@@ -353,7 +389,7 @@ pub fn added_effects(values: &[TermValue]) -> Vec<AddedEffect> {
 }
 
 /// Effects of elements whose parameters are given as anything: Jenkins elements become the elements of one effect, and so do
-/// Maxwell branches and the two contacts.
+/// Maxwell branches, tones and the two contacts.
 pub(crate) fn effects_of<T>(
     terms: Vec<(Form, Vec<(&'static str, T)>)>,
 ) -> Vec<(Family, BTreeMap<String, T>)> {

@@ -54,7 +54,8 @@ pub fn percent(fraction: f64) -> String {
 /// A unit as a reader writes it: kN·s/mm, kN/mm².
 pub fn unit(unit: &str) -> String {
     match unit {
-        "1" => "cycles".into(),
+        // A pure number says what it is by its name.
+        "1" => String::new(),
         other => other
             .replace('*', "·")
             .replace("^2", "²")
@@ -85,7 +86,7 @@ pub fn description(family: &str) -> &'static str {
         "inertia" => "a moving mass",
         "delay" => "a time shift between the force and displacement channels",
         "compliance" => "a spring in series, such as the fixture's",
-        "drift" => "a stiffness that settles from cycle to cycle",
+        "drift" => "a stiffness, or a stiffness and a friction, that settle from cycle to cycle",
         "temperature" => "a force that changes with temperature",
         "periodic" => "a tone of fixed frequency",
         _ => "an effect without a name",

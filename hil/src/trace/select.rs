@@ -76,6 +76,22 @@ impl Fitted {
         forms
     }
 
+    /// Whether one of `warmed` does as well with the temperature in the place of its drift of both forces: the cycles count on
+    /// as a chamber warms, and what was measured explains it with fewer numbers.
+    fn is_but_warmth(&self, warmed: &[Self]) -> bool {
+        let mut terms = self.solution.terms.iter();
+        if !terms.any(|value| value.term.form == Form::DriftOfEach) {
+            return false;
+        }
+        let mut families = self.families();
+        families.retain(|&family| family != Family::Drift);
+        warmed.iter().any(|other| {
+            let mut others = other.families();
+            others.retain(|&family| family != Family::Temperature);
+            others == families && !self.score.beats(&other.score)
+        })
+    }
+
     fn parameters(&self) -> usize {
         let terms = self.solution.terms.iter();
         terms
@@ -268,6 +284,13 @@ impl<'a> Search<'a> {
             known.push(forms);
             is_new
         });
+        let warmed: Vec<Fitted> = tried
+            .iter()
+            .filter(|candidate| candidate.admissible)
+            .map(|candidate| candidate.fitted.clone())
+            .filter(|fitted| fitted.families().contains(&Family::Temperature))
+            .collect();
+        tried.retain(|candidate| !candidate.fitted.is_but_warmth(&warmed));
         let preferred = self.preferred(&tried);
         if preferred > 0 {
             let preferred = tried.remove(preferred);
@@ -304,7 +327,7 @@ impl<'a> Search<'a> {
     /// Whether it has a drift that the cycles within blocks know nothing of.
     fn stands_still(&self, law: &Fitted) -> Result<bool, ModelError> {
         let mut terms = law.solution.terms.iter();
-        let Some(drift) = terms.position(|value| value.term.form == Form::Drift) else {
+        let Some(drift) = terms.position(|value| value.term.form.family() == Family::Drift) else {
             return Ok(false);
         };
         let without = law.solution.without(drift).model();

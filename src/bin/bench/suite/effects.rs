@@ -131,7 +131,7 @@ pub fn each() -> Result<[(&'static str, Effect<f32>); EFFECTS], ConfigError> {
         ),
         (
             "effects/periodic",
-            Effect::Periodic(Periodic::new(0.02, 50.0, 0.3, 1.0 / TICK_RATE)?),
+            Effect::Periodic(Periodic::new(&[(0.02, 50.0, 0.3)], 1.0 / TICK_RATE)?),
         ),
         ("effects/gap", Effect::Gap(Gap::new(0.01, false)?)),
         (
