@@ -3,7 +3,7 @@
 use std::ops::Range;
 
 use crate::extremes::least_and_largest;
-use crate::recording::motion::noise_deviation;
+use crate::recording::noise::noise_deviation;
 
 /// A reversal counts when the displacement then moves on by this part of its range.
 const REVERSAL: f64 = 0.05;

@@ -9,7 +9,8 @@
 
 use std::ops::Range;
 
-use realfft::RealFftPlanner;
+use super::noise::SIXTH_DIFFERENCE;
+use super::spectrum::powers;
 
 /// At most so many notches are looked for.
 const MOST_NOTCHES: usize = 5;
@@ -74,7 +75,7 @@ impl MovingAverage {
     }
 
     /// The deviation of averaged white noise, of which sixth differences show `seen` only
-    /// ([`noise_deviation`](super::motion::noise_deviation)): neighbours share most of what they are the average of.
+    /// ([`noise_deviation`](super::noise::noise_deviation)): neighbours share most of what they are the average of.
     pub fn noise(&self, seen: f64) -> f64 {
         let half = 0.5 * (self.window - 1.0);
         let end = [half.fract()];
@@ -118,9 +119,6 @@ impl MovingAverage {
     }
 }
 
-/// The weights of the samples of a sixth difference.
-const SIXTH_DIFFERENCE: [f64; 7] = [1.0, -6.0, 15.0, -20.0, 15.0, -6.0, 1.0];
-
 /// The logarithm of a channel's power, bin by bin, and its sums.
 struct Spectrum {
     logarithms: Vec<f64>,
@@ -130,17 +128,13 @@ struct Spectrum {
 impl Spectrum {
     /// Of the channel's differences, which are more alike over frequency than the channel is; `None` where it is too short.
     fn of(channel: &[f64]) -> Option<Self> {
-        let mut differences: Vec<f64> = channel.windows(2).map(|pair| pair[1] - pair[0]).collect();
-        let count = differences.len();
-        for (index, value) in differences.iter_mut().enumerate() {
-            let turn = (index as f64 + 0.5) / count as f64 * std::f64::consts::TAU;
-            *value *= 1.0 - turn.cos();
+        let differences = channel.windows(2).map(|pair| pair[1] - pair[0]);
+        let power = powers(differences.collect());
+        if power.is_empty() {
+            return None;
         }
-        let plan = RealFftPlanner::<f64>::new().plan_fft_forward(count);
-        let mut spectrum = plan.make_output_vec();
-        plan.process(&mut differences, &mut spectrum).ok()?;
-        let power = spectrum.iter().map(|bin| bin.norm_sqr());
         let logarithms: Vec<f64> = power
+            .into_iter()
             .map(|power| power.max(f64::MIN_POSITIVE).ln())
             .collect();
         let mut sums = vec![0.0];
@@ -205,7 +199,7 @@ impl Spectrum {
 
 #[cfg(test)]
 mod tests {
-    use super::super::motion::noise_deviation;
+    use super::super::noise::noise_deviation;
     use super::MovingAverage;
     use proptest::prelude::*;
     use rand::rngs::StdRng;

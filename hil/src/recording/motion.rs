@@ -11,6 +11,7 @@ use std::ops::Range;
 use nalgebra::{Matrix4, Vector4};
 
 use super::kinks::find_kinks;
+use super::noise::noise_deviation;
 use super::polynomial::{Cubic, fit_polynomial};
 use crate::extremes::least_and_largest;
 
@@ -102,25 +103,6 @@ impl Motion {
         }
         motion
     }
-}
-
-/// Standard deviation of white noise on a smooth signal, from its sixth differences: a smooth signal's vanish, white
-/// noise's have the variance Σ binomial(6, k)² = 924. Their median magnitude is blind to a few jumps.
-pub fn noise_deviation(samples: &[f64]) -> f64 {
-    let mut magnitudes: Vec<f64> = samples
-        .windows(7)
-        .map(|w| {
-            (w[0] + w[6] - 6.0 * (w[1] + w[5]) + 15.0 * (w[2] + w[4]) - 20.0 * w[3]).abs()
-                / 924f64.sqrt()
-        })
-        .collect();
-    if magnitudes.is_empty() {
-        return 0.0;
-    }
-    let middle = magnitudes.len() / 2;
-    let (_, median, _) = magnitudes.select_nth_unstable_by(middle, f64::total_cmp);
-    // The median magnitude of a normal variable is 0.6745 of its deviation.
-    *median / 0.6745
 }
 
 /// The window that balances noise against curvature, remembered per period and amplitude.

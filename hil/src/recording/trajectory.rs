@@ -6,7 +6,8 @@ use super::Recording;
 use super::averaging::MovingAverage;
 use super::cycles::{Block, Cycles};
 use super::faults::{self, Channel, Fault, Kind, Shift};
-use super::motion::{Motion, noise_deviation};
+use super::motion::Motion;
+use super::noise::{noise_beside_tones, noise_deviation};
 use crate::error::InputError;
 use crate::extremes::least_and_largest;
 
@@ -236,7 +237,7 @@ impl Trajectory {
             motion,
             middle,
             centre,
-            force_noise: noise_deviation(&force),
+            force_noise: noise_beside_tones(&force),
             force,
             temperature,
             measured: vec![true; count],

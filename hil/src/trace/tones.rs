@@ -1,7 +1,6 @@
 //! Tones in what a law leaves of the force.
 
-use realfft::RealFftPlanner;
-
+use crate::recording::spectrum::{place_of_line, powers};
 use crate::recording::trajectory::Trajectory;
 
 /// So many of the strongest tones are given.
@@ -26,48 +25,23 @@ pub fn tones(trajectories: &[Trajectory], predicted: &[Vec<f64>]) -> Vec<f64> {
             }
         })
         .collect();
-    lines(&left)
+    lines(left)
         .into_iter()
         .map(|line| line / trajectory.tick)
         .collect()
 }
 
 /// The strongest lines in cycles per sample.
-///
-/// A Hann window keeps a line within four bins, and between the bins its place follows from the ratio of the two largest
-/// (Grandke 1983): with a = |X(k+1)|/|X(k)| it is k + (2a − 1)/(a + 1).
-fn lines(samples: &[f64]) -> Vec<f64> {
+fn lines(samples: Vec<f64>) -> Vec<f64> {
     let count = samples.len();
-    let mut windowed: Vec<f64> = samples
-        .iter()
-        .enumerate()
-        .map(|(index, value)| {
-            let turn = (index as f64 + 0.5) / count as f64 * std::f64::consts::TAU;
-            value * (1.0 - turn.cos())
-        })
+    let powers = powers(samples);
+    let mut peaks: Vec<usize> = (2..powers.len().saturating_sub(2))
+        .filter(|&k| powers[k] > powers[k - 1] && powers[k] >= powers[k + 1])
         .collect();
-    let plan = RealFftPlanner::<f64>::new().plan_fft_forward(count);
-    let mut spectrum = plan.make_output_vec();
-    if plan.process(&mut windowed, &mut spectrum).is_err() {
-        return Vec::new();
-    }
-    let size: Vec<f64> = spectrum.iter().map(|bin| bin.norm()).collect();
-    let mut peaks: Vec<usize> = (2..size.len().saturating_sub(2))
-        .filter(|&k| size[k] > size[k - 1] && size[k] >= size[k + 1])
-        .collect();
-    peaks.sort_by(|&a, &b| size[b].total_cmp(&size[a]));
-    peaks
-        .into_iter()
-        .take(MOST)
-        .map(|k| {
-            let (side, sign) = if size[k + 1] > size[k - 1] {
-                (size[k + 1], 1.0)
-            } else {
-                (size[k - 1], -1.0)
-            };
-            let ratio = side / size[k];
-            (k as f64 + sign * (2.0 * ratio - 1.0) / (ratio + 1.0)) / count as f64
-        })
+    peaks.sort_by(|&a, &b| powers[b].total_cmp(&powers[a]));
+    let strongest = peaks.into_iter().take(MOST);
+    strongest
+        .map(|peak| place_of_line(&powers, peak) / count as f64)
         .collect()
 }
 
@@ -87,7 +61,7 @@ mod tests {
             let samples: Vec<f64> = (0..count)
                 .map(|index| tone(strong, index) + 0.1 * tone(weak, index))
                 .collect();
-            let found = lines(&samples);
+            let found = lines(samples);
             assert!(
                 (found[0] - strong).abs() * 4000.0 < 0.02,
                 "{found:?} {strong}"

@@ -1,6 +1,6 @@
 //! A channel that ends at the limit of its range: sample after sample at one and the same extreme value.
 
-use super::super::motion::noise_deviation;
+use super::super::noise::noise_deviation;
 use super::super::resample::Uniform;
 use super::{Fault, Kind, mark, runs, sampled, spread};
 use crate::extremes::least_and_largest;

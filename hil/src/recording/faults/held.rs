@@ -1,6 +1,6 @@
 //! A value that was repeated while the motion went on: a stuck channel, or rows of a logger that had nothing new.
 
-use super::super::motion::noise_deviation;
+use super::super::noise::noise_deviation;
 use super::super::resample::Uniform;
 use super::{Fault, Kind, quantile, runs, sampled, spread};
 use crate::extremes::least_and_largest;

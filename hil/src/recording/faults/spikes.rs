@@ -2,7 +2,7 @@
 
 use std::collections::HashMap;
 
-use super::super::motion::noise_deviation;
+use super::super::noise::noise_deviation;
 use super::super::resample::Uniform;
 use super::{Channel, Fault, Kind, bridge, mark, median_filtered, quantile, runs, sampled, spread};
 

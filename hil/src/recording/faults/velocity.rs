@@ -74,7 +74,7 @@ pub(super) fn examine(uniform: &mut Uniform, unknown: &[bool], faults: &mut Vec<
 
 /// Samples to each side that a slope is taken over, so that the displacement's rounding and noise are small beside it.
 fn stride(displacement: &[f64]) -> usize {
-    let noise = super::super::motion::noise_deviation(displacement);
+    let noise = super::super::noise::noise_deviation(displacement);
     (1..=16)
         .find(|&stride| {
             let mut steps: Vec<f64> = displacement

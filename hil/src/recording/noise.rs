@@ -1,0 +1,221 @@
+//! How much noise a channel has.
+
+use std::f64::consts::{PI, TAU};
+
+use super::spectrum::{place_of_line, powers};
+
+/// The weights of the samples of a sixth difference.
+pub const SIXTH_DIFFERENCE: [f64; 7] = [1.0, -6.0, 15.0, -20.0, 15.0, -6.0, 1.0];
+/// The sum of their squares.
+const POWER: f64 = 924.0;
+
+/// Tones of fewer cycles a sample are too little of a sixth difference to be taken for noise.
+const LOWEST: f64 = 0.1;
+/// A tone has more than so many times the median power of the bins around it,
+const STANDS_OUT: f64 = 40.0;
+/// of which so many are taken together: it is but four of them.
+const AROUND: usize = 32;
+/// At most so many are tried,
+const MOST_TONES: usize = 12;
+/// and their frequencies, which a spectrum gives within a fiftieth of a bin, are made exact in so many rounds.
+const ROUNDS: usize = 2;
+/// Tones are there where less than this part is left without them.
+const LEFT: f64 = 0.85;
+
+/// Standard deviation of white noise on a smooth signal, from its sixth differences: a smooth signal's vanish, white
+/// noise's have the variance Σ binomial(6, k)² = 924. Their median magnitude is blind to a few jumps.
+pub fn noise_deviation(samples: &[f64]) -> f64 {
+    deviation(&sixth_differences(samples).collect::<Vec<_>>())
+}
+
+/// The same where tones may lie beside the noise, which sixth differences take for it where they are above a sixth of the
+/// sampling rate.
+pub fn noise_beside_tones(samples: &[f64]) -> f64 {
+    let mut rest: Vec<f64> = sixth_differences(samples).collect();
+    let seen = deviation(&rest);
+    let mut beside = seen;
+    let mut passed = Vec::new();
+    for _ in 0..MOST_TONES {
+        let powers = powers(rest.clone());
+        let Some(bin) = strongest_tone(&powers, rest.len(), &passed) else {
+            break;
+        };
+        let turn = place_of_line(&powers, bin) / rest.len() as f64 * TAU;
+        let without = without_tone(&rest, turn);
+        let left = deviation(&without);
+        // A force that jumps at reversals has lines too, of which each without the others is everywhere.
+        if left < beside {
+            (rest, beside) = (without, left);
+            // Beside a stronger one it made no difference.
+            passed.clear();
+        } else {
+            passed.push(bin);
+        }
+    }
+    if beside < LEFT * seen { beside } else { seen }
+}
+
+/// Of the noise that leaves these sixth differences.
+fn deviation(differences: &[f64]) -> f64 {
+    let mut magnitudes: Vec<f64> = differences.iter().map(|d| d.abs()).collect();
+    // The median magnitude of a normal variable is 0.6745 of its deviation.
+    median(&mut magnitudes).unwrap_or(0.0) / (0.6745 * POWER.sqrt())
+}
+
+/// The bin that stands out most of these powers of so many sixth differences, but those `passed`.
+fn strongest_tone(powers: &[f64], count: usize, passed: &[usize]) -> Option<usize> {
+    // Of white noise they have (2 sin(ω/2))¹².
+    let half_turn = |bin: usize| bin as f64 / count as f64 * PI;
+    let flat = |bin: usize| powers[bin] / (2.0 * half_turn(bin).sin()).powi(12);
+    let first = ((LOWEST * count as f64) as usize).max(1);
+    let flat: Vec<f64> = (first..powers.len()).map(flat).collect();
+    let medians = flat.chunks(AROUND).map(|bins| median(&mut bins.to_vec()));
+    let medians: Vec<f64> = medians.map(Option::unwrap_or_default).collect();
+    let ratio = |bin: usize| {
+        let place = bin - first;
+        flat[place] / medians[place / AROUND].max(f64::MIN_POSITIVE)
+    };
+    (first..powers.len().saturating_sub(1))
+        .filter(|bin| !passed.contains(bin))
+        .max_by(|&a, &b| ratio(a).total_cmp(&ratio(b)))
+        .filter(|&bin| ratio(bin) > STANDS_OUT)
+}
+
+/// `samples` less the tone of about so many radians a sample, by least squares.
+fn without_tone(samples: &[f64], turn: f64) -> Vec<f64> {
+    let mut turn = turn;
+    let mut tone = Tone::fitted(samples, turn);
+    for _ in 0..ROUNDS {
+        // A tone that turns a little faster leaves what grows to either side of the middle.
+        let (mut product, mut square) = (0.0, 0.0);
+        let mut time = -0.5 * samples.len() as f64;
+        for (y, at) in samples.iter().zip(turning(turn)) {
+            let slope = time * tone.slope(at);
+            product += slope * (y - tone.value(at));
+            square += slope * slope;
+            time += 1.0;
+        }
+        turn += product / square;
+        tone = Tone::fitted(samples, turn);
+    }
+    let pairs = samples.iter().zip(turning(turn));
+    pairs.map(|(y, at)| y - tone.value(at)).collect()
+}
+
+/// a·sin x + b·cos x
+struct Tone {
+    sine: f64,
+    cosine: f64,
+}
+
+impl Tone {
+    fn fitted(samples: &[f64], turn: f64) -> Self {
+        let [mut ss, mut cc, mut sc, mut s_y, mut c_y] = [0.0; 5];
+        for (y, [s, c]) in samples.iter().zip(turning(turn)) {
+            ss += s * s;
+            cc += c * c;
+            sc += s * c;
+            s_y += s * y;
+            c_y += c * y;
+        }
+        let determinant = ss * cc - sc * sc;
+        Self {
+            sine: (cc * s_y - sc * c_y) / determinant,
+            cosine: (ss * c_y - sc * s_y) / determinant,
+        }
+    }
+
+    fn value(&self, [sin, cos]: [f64; 2]) -> f64 {
+        self.sine * sin + self.cosine * cos
+    }
+
+    /// Its derivative by x.
+    fn slope(&self, [sin, cos]: [f64; 2]) -> f64 {
+        self.sine * cos - self.cosine * sin
+    }
+}
+
+/// Sine and cosine of x, which grows by so many radians a sample: each turned on from the one before, as a million sines take
+/// longer than all else here.
+fn turning(turn: f64) -> impl Iterator<Item = [f64; 2]> {
+    let (sin, cos) = turn.sin_cos();
+    std::iter::successors(Some([0.0, 1.0]), move |&[s, c]| {
+        Some([s * cos + c * sin, c * cos - s * sin])
+    })
+}
+
+fn sixth_differences(samples: &[f64]) -> impl Iterator<Item = f64> {
+    samples
+        .windows(7)
+        .map(|w| w[0] + w[6] - 6.0 * (w[1] + w[5]) + 15.0 * (w[2] + w[4]) - 20.0 * w[3])
+}
+
+fn median(values: &mut [f64]) -> Option<f64> {
+    let middle = values.len() / 2;
+    (!values.is_empty()).then(|| *values.select_nth_unstable_by(middle, f64::total_cmp).1)
+}
+
+#[cfg(test)]
+mod tests {
+    use rand::SeedableRng;
+    use rand_chacha::ChaCha8Rng;
+    use rand_distr::{Distribution, Normal};
+
+    use super::{TAU, noise_beside_tones, noise_deviation};
+
+    fn noise(count: usize, seed: u64) -> Vec<f64> {
+        let mut random = ChaCha8Rng::seed_from_u64(seed);
+        let normal = Normal::new(0.0, 1.0).unwrap();
+        (0..count).map(|_| normal.sample(&mut random)).collect()
+    }
+
+    fn with(noise: &[f64], signal: impl Fn(f64) -> f64) -> Vec<f64> {
+        let samples = noise.iter().enumerate();
+        samples.map(|(n, value)| value + signal(n as f64)).collect()
+    }
+
+    /// Whatever their frequency and however strong, between bins and on them.
+    #[test]
+    fn tones_are_no_noise() {
+        for (seed, count) in [(1, 1500), (2, 6000), (3, 14_000)] {
+            let noise = noise(count, seed);
+            for part in [0.05, 0.17, 0.2503, 0.3, 0.4, 0.49] {
+                for size in [0.5, 5.0, 50.0] {
+                    let tones = with(&noise, |n| {
+                        size * ((TAU * part * n).sin() + 0.3 * (TAU * 0.371 * n).cos())
+                    });
+                    let found = noise_beside_tones(&tones);
+                    assert!(
+                        (0.9..1.2).contains(&found),
+                        "{count}, {part}, {size}: {found}"
+                    );
+                }
+            }
+            // They are what sixth differences alone take for it.
+            let strong = with(&noise, |n| 5.0 * (TAU * 0.4 * n).sin());
+            assert!(noise_deviation(&strong) > 4.0);
+        }
+    }
+
+    /// Without tones it is what sixth differences show, to the bit: a motion with corners, or with jumps, has none.
+    #[test]
+    fn what_has_no_tones_is_judged_as_before() {
+        for seed in 0..40 {
+            let noise = noise(300 + 300 * seed as usize, seed);
+            for size in [1.0, 100.0] {
+                let turns = |n: f64| TAU * n / 250.0;
+                for signal in [
+                    with(&noise, |n| size * turns(n).sin()),
+                    with(&noise, |n| size * turns(n).sin().asin()),
+                    with(&noise, |n| size * turns(n).sin().signum()),
+                ] {
+                    assert_eq!(
+                        noise_beside_tones(&signal),
+                        noise_deviation(&signal),
+                        "{seed}"
+                    );
+                }
+            }
+        }
+    }
+}

@@ -1,0 +1,35 @@
+//! The power of a channel over frequency.
+
+use realfft::RealFftPlanner;
+
+/// |X|² of each bin from 0 to half the sampling rate, X the transform of `samples` under a Hann window of mean 1, which
+/// keeps a line within four bins.
+pub fn powers(mut samples: Vec<f64>) -> Vec<f64> {
+    let count = samples.len();
+    if count == 0 {
+        return Vec::new();
+    }
+    for (index, value) in samples.iter_mut().enumerate() {
+        let turn = (index as f64 + 0.5) / count as f64 * std::f64::consts::TAU;
+        *value *= 1.0 - turn.cos();
+    }
+    let plan = RealFftPlanner::<f64>::new().plan_fft_forward(count);
+    let mut spectrum = plan.make_output_vec();
+    match plan.process(&mut samples, &mut spectrum) {
+        Ok(()) => spectrum.iter().map(|bin| bin.norm_sqr()).collect(),
+        Err(_) => Vec::new(),
+    }
+}
+
+/// Where the line lies whose peak is at bin `peak`, neither the first nor the last, in bins. With a = |X(k+1)|/|X(k)| of its two
+/// largest bins it is k + (2a − 1)/(a + 1) (Grandke 1983).
+pub fn place_of_line(powers: &[f64], peak: usize) -> f64 {
+    let (below, above) = (powers[peak - 1], powers[peak + 1]);
+    let (side, sign) = if above > below {
+        (above, 1.0)
+    } else {
+        (below, -1.0)
+    };
+    let ratio = (side / powers[peak]).sqrt();
+    peak as f64 + sign * (2.0 * ratio - 1.0) / (ratio + 1.0)
+}
