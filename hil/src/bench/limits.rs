@@ -108,7 +108,7 @@ const NOT_REACHED: [(&str, &str); 24] = [
     ),
     (
         "drift",
-        "an exponential: 14 to split its exponent off, 10 for the polynomial",
+        "an exponential: 14 to split its exponent off, 10 for the polynomial; four for the law's forces",
     ),
     (
         "every effect, 6 elements",
