@@ -11,6 +11,8 @@ pub const VELOCITY: f64 = 1e6;
 pub const ACCELERATION: f64 = 1e9;
 /// Largest number of cycles over which anything changes.
 pub const CYCLES: f64 = 1e9;
+/// Largest change of a force, as a part of it.
+pub const CHANGE: f64 = 1e3;
 /// Temperatures are taken as within ±this many °C.
 pub const TEMPERATURE: f64 = 1e4;
 /// Largest magnitude of a stiffness, damping or force coefficient, each in its own unit.

@@ -24,7 +24,8 @@ use crate::tabulated::TabulatedLaw;
 pub const VERSION: u16 = 5;
 /// Bytes before the body.
 const HEADER: usize = 12;
-/// Most bytes of a pack: header, coefficients and seed are 284, no effect takes more than 50, a correction 829.
+/// Most bytes of a pack: header, coefficients and seed are 284, tones take 62, no other effect more than
+/// 50, a correction 829.
 pub const LARGEST: usize = 1568;
 
 const MAGIC: [u8; 4] = *b"MDCP";

@@ -345,9 +345,10 @@ impl<const N: usize> RunningLaw<N> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::effects::{Effect, LoadFriction, Temperature, Viscous};
+    use crate::effects::{Drift, Effect, LoadFriction, Temperature, Viscous};
 
-    /// k1·y, k3·y³ and c·|v|^α·sgn v, of which load friction makes 1 + λ·|y| and temperature takes β·ΔT, of the last β_damping·ΔT; a dashpot is in none.
+    /// k1·y, k3·y³ and c·|v|^α·sgn v, of which load friction makes 1 + λ·|y|, temperature takes β·ΔT, of the last β_damping·ΔT, and
+    /// a drift adds a and b as far as it has come; a dashpot and a drift's stiffness are in none.
     /// By as much of them the force changes.
     #[test]
     fn what_is_followed_is_the_sum_of_its_parts() {
@@ -364,9 +365,21 @@ mod tests {
                     .and_then(|both| both.with_damping(-0.02))
                     .unwrap(),
             ),
+            Effect::Drift(
+                Drift::new(0.7, 12.0)
+                    .and_then(|drift| drift.with_forces(-0.3, 0.8))
+                    .unwrap(),
+            ),
         ];
-        for (count, load, cooled) in [(0, 0.0, 0.0), (1, 0.0, 0.0), (2, 2.0, 0.0), (3, 2.0, 0.25)] {
-            let law = AugmentedLaw::<f32, 3>::new(Law::new(1.0, 10.0, 0.1, 0.4).unwrap());
+        let done = 1.0 - libm::expf(-30.0 / 12.0);
+        for (count, load, cooled, done) in [
+            (0, 0.0, 0.0, 0.0),
+            (1, 0.0, 0.0, 0.0),
+            (2, 2.0, 0.0, 0.0),
+            (3, 2.0, 0.25, 0.0),
+            (4, 2.0, 0.25, done),
+        ] {
+            let law = AugmentedLaw::<f32, 4>::new(Law::new(1.0, 10.0, 0.1, 0.4).unwrap());
             let mut effects = beside.iter().take(count);
             let law = effects.try_fold(law, |law, effect| law.with(*effect));
             let mut given = RunningLaw::new(TabulatedLaw::new(law.unwrap()));
@@ -377,14 +390,15 @@ mod tests {
                     displacement: y,
                     velocity: v,
                     temperature: 45.0,
+                    cycles: 30.0,
                     ..Motion::default()
                 };
                 let damping = 0.1 * libm::powf(v.abs(), 0.4).copysign(v);
-                let elastic = 1.0 - cooled;
+                let elastic = 1.0 - cooled - 0.3 * done;
                 let expected = [
                     elastic * y,
                     elastic * 10.0 * y * y * y,
-                    (1.0 + load * y.abs() + 2.0 * cooled) * damping,
+                    (1.0 + load * y.abs() + 2.0 * cooled + 0.8 * done) * damping,
                 ];
                 let parts = given.parts(&motion);
                 for (part, expected) in parts.iter().zip(expected) {

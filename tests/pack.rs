@@ -2,7 +2,8 @@
 
 use mesh_damper::effects::correction::{CELLS, CorrectionParts, MEMORY_CELLS, Memory};
 use mesh_damper::effects::{
-    AugmentedLaw, Correction, Effect, EffectParameters, MAX_STICK_SLIP_ELEMENTS, Motion, StickSlip,
+    AugmentedLaw, Correction, Effect, EffectParameters, MAX_STICK_SLIP_ELEMENTS, MAX_TONES, Motion,
+    Periodic, StickSlip,
 };
 use mesh_damper::error::ConfigError;
 use mesh_damper::law::Law;
@@ -48,7 +49,7 @@ fn every_effect() -> Vec<Effect<f32>> {
             sharpness: 1.4,
         },
         EffectParameters::Periodic {
-            tones: [(0.02, 49.9, -1.0), (0.01, 149.7, 1.0)]
+            tones: [(0.02, 49.9, -1.0), (0.01, 149.7, 1.0), (0.03, 7.3, 0.2)]
                 .into_iter()
                 .collect(),
             tick: 1e-4,
@@ -102,14 +103,22 @@ fn the_law_that_comes_out_is_the_one_that_went_in() {
     }
 }
 
-/// An effect of the largest kind, of which a law has one, stands for more than any other would take.
+/// The largest effect, of which a law has one, and the next beside it stand for more than any others would take.
 #[test]
-fn the_largest_effect_fits_often_enough() {
+fn the_largest_effects_fit_often_enough() {
     let elements = [(1.0, 0.1); MAX_STICK_SLIP_ELEMENTS];
-    let largest = Effect::StickSlip(StickSlip::new(&elements).unwrap());
-    let effect = pack(&[largest]).len() - pack(&[]).len();
+    let tones = [(0.1, 50.0, 0.0); MAX_TONES];
+    let largest = Effect::Periodic(Periodic::new(&tones, 1e-4).unwrap());
+    let next = Effect::StickSlip(StickSlip::new(&elements).unwrap());
+    let [largest, next] = [largest, next].map(|effect| pack(&[effect]).len() - pack(&[]).len());
+    for effect in every_effect() {
+        let is_tones = matches!(effect, Effect::Periodic(_));
+        let most = if is_tones { largest } else { next };
+        assert!(pack(&[effect]).len() - pack(&[]).len() <= most);
+    }
     let correction = corrected_pack().len() - pack(&[]).len();
-    assert!(pack(&[]).len() + EFFECTS * effect + correction <= LARGEST);
+    let most = pack(&[]).len() + largest + (EFFECTS - 1) * next + correction;
+    assert!(most <= LARGEST, "{most}");
 }
 
 /// What a constructor takes, the rig takes too, though it sees only the numbers that were made of it.
@@ -121,12 +130,12 @@ fn effects_at_the_ends_of_their_ranges_survive() {
             stiffness: -1e9,
             cycles: 1e9,
             elastic_change: 1e3,
-            damping_change: -1e3,
+            damping_change: -1.0,
         },
         EffectParameters::Drift {
             stiffness: 1e9,
             cycles: 0.1,
-            elastic_change: -1e3,
+            elastic_change: -1.0,
             damping_change: 1e3,
         },
         EffectParameters::Relaxation {
@@ -348,6 +357,22 @@ fn a_sound_checksum_does_not_make_a_sound_law() {
     let end = infinite.len() - 5;
     infinite[end..end + 4].copy_from_slice(&f32::INFINITY.to_le_bytes());
     assert_eq!(refused(&with_header(&infinite)), non_finite("force"));
+    // No tones, four, and three but for a number; its numbers follow the kind and how many they are.
+    let tones = Periodic::new(&[(0.1, 50.0, 0.0)], 1e-4).unwrap();
+    let body = pack(&[Effect::Periodic(tones)])[12..].to_vec();
+    let (count, end) = (body.len() - 22, body.len() - 1);
+    assert_eq!(body[count], 5);
+    for (numbers, error) in [
+        (0, PackError::Refused(ConfigError::Empty("tones"))),
+        (20, PackError::Body),
+        (14, PackError::Body),
+    ] {
+        let mut forged = body[..count].to_vec();
+        forged.push(numbers);
+        forged.resize(forged.len() + 4 * usize::from(numbers), 0);
+        forged.extend_from_slice(&body[end..]);
+        assert_eq!(refused(&with_header(&forged)), error, "{numbers}");
+    }
 }
 
 #[test]

@@ -144,9 +144,9 @@ fn numbers() -> Vec<Number> {
         number!("tick", 1e-7, 1e3, |x| Delay::new(0.0, x)),
         number!("stiffness", -1e9, 1e9, |x| Drift::new(x, 10.0)),
         number!("cycles", 0.1, 1e9, |x| Drift::new(1.0, x)),
-        number!("elastic_change", -1e3, 1e3, |x| Drift::new(0.0, 10.0)
+        number!("elastic_change", -1.0, 1e3, |x| Drift::new(0.0, 10.0)
             .and_then(|drift| drift.with_forces(x, 0.0))),
-        number!("damping_change", -1e3, 1e3, |x| Drift::new(0.0, 10.0)
+        number!("damping_change", -1.0, 1e3, |x| Drift::new(0.0, 10.0)
             .and_then(|drift| drift.with_forces(0.0, x))),
         number!("half_width", 0.0, 1e4, |x| Gap::new(x, true)),
         number!("amplitude", -1e9, 1e9, |x| Periodic::new(

@@ -61,8 +61,8 @@ fn parameters(feed: &mut Feed<'_>, tick: f64) -> EffectParameters<f32> {
         8 => EffectParameters::Drift {
             stiffness: coefficient(feed),
             cycles: feed.between(0.1, 1e9) as f32,
-            elastic_change: feed.either(1e-6, 1e3) as f32,
-            damping_change: feed.either(1e-6, 1e3) as f32,
+            elastic_change: feed.between(1e-6, 1e3) as f32 - 1.0,
+            damping_change: feed.between(1e-6, 1e3) as f32 - 1.0,
         },
         9 => EffectParameters::Temperature {
             beta: feed.either(1e-6, 1.0) as f32,

@@ -49,7 +49,7 @@ pub enum Family {
     Delay,
     /// A spring in series.
     Compliance,
-    /// A tone.
+    /// Tones.
     Periodic,
     /// Friction that grows with the displacement.
     LoadFriction,

@@ -40,12 +40,22 @@ fn every_effect() -> Vec<Effect<f32>> {
             StickSlip::new(&[1, 2, 3, 4, 5, 6].map(|n| (0.1 * n as f32, 0.01 * n as f32))).unwrap(),
         ),
         Effect::Relaxation(Relaxation::new(&[(0.4, 0.05), (0.2, 0.5)], TICK).unwrap()),
-        Effect::Drift(Drift::new(-0.2, 40.0).unwrap()),
+        Effect::Drift(
+            Drift::new(-0.2, 40.0)
+                .and_then(|drift| drift.with_forces(0.1, -0.3))
+                .unwrap(),
+        ),
         Effect::Temperature(Temperature::new(2e-3, 20.0).unwrap()),
         Effect::LoadFriction(LoadFriction::new(4.0).unwrap()),
         Effect::Stop(Stop::new(&[(2.0, 0.05), (3.0, -0.08)]).unwrap()),
         Effect::BoucWen(BoucWen::new(0.8, 0.03, 1.4).unwrap()),
-        Effect::Periodic(Periodic::new(&[(0.02, 49.9, -1.0), (0.01, 149.7, 1.0)], 1e-4).unwrap()),
+        Effect::Periodic(
+            Periodic::new(
+                &[(0.02, 49.9, -1.0), (0.01, 149.7, 1.0), (0.03, 7.3, 0.2)],
+                1e-4,
+            )
+            .unwrap(),
+        ),
         Effect::Gap(Gap::new(0.01, false).unwrap()),
         Effect::Compliance(Compliance::new(25.0, TICK).unwrap()),
         Effect::Delay(Delay::new(1.23e-3, TICK).unwrap()),

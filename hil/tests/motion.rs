@@ -2,7 +2,7 @@
 
 use std::f64::consts::TAU;
 
-use hil::recording::motion::noise_deviation;
+use hil::recording::noise::noise_deviation;
 use hil::recording::trajectory::Trajectory;
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;

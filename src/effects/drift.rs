@@ -5,9 +5,6 @@ use crate::error::ConfigError;
 use crate::limits;
 use crate::real::{Real, coefficient, in_range};
 
-/// Changes of eq 13's forces are within ± this part of themselves.
-pub const LARGEST_CHANGE: f64 = 1e3;
-
 /// F = (1 − e^(−n/N))·(k·y + a·F_elastic + b·F_damping), n the cycles since the test began: in the end the stiffness has
 /// changed by k, eq 13's elastic force by the fraction a of itself, and its damping force by b.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -46,19 +43,37 @@ impl<R: Real> Drift<R> {
 
     /// The same with a change of eq 13's forces.
     ///
-    /// * `elastic_change`: a, −1e3…1e3: what a slow change comes to in the end may be far beyond what a test sees of it
-    /// * `damping_change`: b, −1e3…1e3
+    /// * `elastic_change`: a, −1…1e3: no force turns round, and what a slow change comes to in the end may be far beyond what a
+    ///   test sees of it
+    /// * `damping_change`: b, −1…1e3
     ///
     /// # Errors
     /// The field that is not finite or out of range.
     pub fn with_forces(self, elastic_change: R, damping_change: R) -> Result<Self, ConfigError> {
-        let change = |field, value: R| in_range(field, value, -LARGEST_CHANGE, LARGEST_CHANGE);
-        let elastic = change("elastic_change", elastic_change)?;
+        let elastic = in_range("elastic_change", elastic_change, -1.0, limits::CHANGE)?;
+        let damping = in_range("damping_change", damping_change, -1.0, limits::CHANGE)?;
         Ok(Self {
             elastic,
-            beyond: change("damping_change", damping_change)? - elastic,
+            beyond: damping - elastic,
             ..self
         })
+    }
+
+    /// Its part of eq 13's `law`, kN: all but the stiffness.
+    pub(super) fn force_of_law(&self, motion: &ConfinedMotion<R>, law: LawForce<R>) -> R {
+        self.done(self.change_of_law(law), motion)
+    }
+
+    /// What of `law` has changed in the end.
+    #[inline(always)]
+    fn change_of_law(&self, law: LawForce<R>) -> R {
+        self.elastic * law.total + self.beyond * law.damping
+    }
+
+    /// As much of a change as is done.
+    #[inline(always)]
+    fn done(&self, change: R, motion: &ConfinedMotion<R>) -> R {
+        change - change * (motion.cycles() * self.rate).exp2_of_negative()
     }
 }
 
@@ -67,26 +82,16 @@ impl<R: Real> EffectForce<R> for Drift<R> {
 
     fn check(&self) -> Result<(), ConfigError> {
         coefficient("stiffness", self.stiffness)?;
-        in_range(
-            "elastic_change",
-            self.elastic,
-            -LARGEST_CHANGE,
-            LARGEST_CHANGE,
-        )?;
-        in_range(
-            "beyond",
-            self.beyond,
-            -2.0 * LARGEST_CHANGE,
-            2.0 * LARGEST_CHANGE,
-        )?;
-        // A little beyond −log₂ e/0.1, which rounds to more of itself in f32.
+        in_range("elastic_change", self.elastic, -1.0, limits::CHANGE)?;
+        // A little beyond the range, as the sum of what was rounded, and likewise −log₂ e/0.1.
+        let damping = self.elastic + self.beyond;
+        in_range("damping_change", damping, -1.001, 1.001 * limits::CHANGE)?;
         in_range("rate", self.rate, -15.0, 0.0).map(|_| ())
     }
 
     #[inline(always)]
     fn force(&self, _: &mut (), motion: &ConfinedMotion<R>, law: LawForce<R>) -> R {
-        let of_law = self.elastic * law.total + self.beyond * law.damping;
-        let change = self.stiffness * motion.displacement() + of_law;
-        change - change * (motion.cycles() * self.rate).exp2_of_negative()
+        let change = self.stiffness * motion.displacement() + self.change_of_law(law);
+        self.done(change, motion)
     }
 }

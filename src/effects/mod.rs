@@ -35,7 +35,7 @@ pub use bouc_wen::BoucWen;
 pub use compliance::Compliance;
 pub use correction::Correction;
 pub use delay::{Delay, MAX_DELAY};
-pub use drift::{Drift, LARGEST_CHANGE};
+pub use drift::Drift;
 pub use gap::Gap;
 pub use hardening::Hardening;
 pub use inertia::Inertia;
@@ -607,7 +607,7 @@ impl<R: Real, const N: usize> AugmentedLaw<R, N> {
     /// What the effects that scale eq 13's force make of an elastic force of 1 and of a damping force of 1.
     pub(crate) fn scales(&self, motion: &ConfinedMotion<R>) -> [R; 2] {
         let effects = &self.effects;
-        if effects.present & Kind::PLAIN == 0 {
+        if effects.present & (Kind::PLAIN | Kind::Drift.bit()) == 0 {
             return [R::ONE; 2];
         }
         [R::ZERO, R::ONE].map(|damping| {
@@ -616,6 +616,11 @@ impl<R: Real, const N: usize> AugmentedLaw<R, N> {
             total
                 + effects.load_friction.force(&mut (), motion, law)
                 + effects.temperature.force(&mut (), motion, law)
+                + if effects.has(Kind::Drift) {
+                    effects.drift.force_of_law(motion, law)
+                } else {
+                    R::ZERO
+                }
         })
     }
 

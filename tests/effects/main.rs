@@ -189,7 +189,7 @@ fn tones_add_up() {
         let together = of(&tones[..count]);
         let apart: Vec<Vec<f64>> = tones[..count].iter().map(|&tone| of(&[tone])).collect();
         for (tick, force) in together.into_iter().enumerate() {
-            close(force, apart.iter().map(|force| force[tick]).sum(), 1e-15);
+            close(force, apart.iter().map(|force| force[tick]).sum(), 1e-12);
         }
     }
 }

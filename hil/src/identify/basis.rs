@@ -152,9 +152,9 @@ impl<'r, 'a> Basis<'r, 'a> {
     /// The sizes of a term that scales eq 13, as far as the crate takes them.
     fn scales(&self, at: &[f64], term: usize) -> Vec<f64> {
         let form = self.terms[term].form;
-        let largest = form.largest_scale();
+        let [least, largest] = form.scale_range();
         let sizes = at[self.slot(term)].iter().take(form.scales());
-        sizes.map(|size| size.clamp(-largest, largest)).collect()
+        sizes.map(|size| size.clamp(least, largest)).collect()
     }
 
     /// The columns at `at`; what does not change is taken from `known`.
@@ -272,6 +272,7 @@ impl<'r, 'a> Basis<'r, 'a> {
         }
         let toward = match shape {
             Some(shape) if 2.0 * at > (shape.low * shape.high).ln() => -1.0,
+            None if at > 0.0 => -1.0,
             _ => 1.0,
         };
         // A tone's phase at the end of a recording is its frequency times thousands of periods.

@@ -21,7 +21,7 @@ use crate::recording::trajectory::Trajectory;
 const LOCAL: usize = 4;
 /// Change of the force, as part of its RMS, that a difference is taken over.
 const CHANGE: f64 = 1e-3;
-/// The same of an exponent, and of a searched parameter, which is a logarithm or a β.
+/// The same of an exponent, and of a searched parameter, which is a logarithm, a β or a change of a force.
 const STEP: f64 = 1e-3;
 /// Derivatives are taken so often, and so many steps made with each.
 const TANGENTS: usize = 2;

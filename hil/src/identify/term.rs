@@ -3,11 +3,11 @@
 use std::collections::BTreeMap;
 
 use mesh_damper::effects::{
-    Asymmetry, BoucWen, Drift, EffectForce, Hardening, Inertia, LARGEST_CHANGE, LawForce,
-    MAX_BRANCHES, MAX_STICK_SLIP_ELEMENTS, MAX_TONES, Offset, Periodic, Relaxation, StickSlip,
-    Stop, Viscous,
+    Asymmetry, BoucWen, Drift, EffectForce, Hardening, Inertia, LawForce, MAX_BRANCHES,
+    MAX_STICK_SLIP_ELEMENTS, MAX_TONES, Offset, Periodic, Relaxation, StickSlip, Stop, Viscous,
 };
 use mesh_damper::error::ConfigError;
+use mesh_damper::limits;
 
 use super::shape::Extent;
 use crate::model::{AddedEffect, Family};
@@ -191,11 +191,11 @@ impl Form {
         }
     }
 
-    /// Sizes that scale eq 13 are within ± this: as far as the crate takes them.
-    pub(super) fn largest_scale(self) -> f64 {
+    /// Least and largest size that scales eq 13: as far as the crate takes them.
+    pub(super) fn scale_range(self) -> [f64; 2] {
         match self {
-            Self::DriftOfEach => LARGEST_CHANGE,
-            _ => 1.0,
+            Self::DriftOfEach => [-1.0, limits::CHANGE],
+            _ => [-1.0, 1.0],
         }
     }
 
@@ -272,8 +272,8 @@ pub struct Term {
 impl Term {
     /// What the size of a term that scales eq 13 is multiplied by after `cycles` at `temperature` °C.
     pub(super) fn scale(&self, shapes: &[f64], cycles: f64, temperature: f64) -> f64 {
-        match (self.form, shapes) {
-            (Form::DriftOfEach, &[settled]) => -(-cycles / settled).exp_m1(),
+        match self.form {
+            Form::DriftOfEach => -(-cycles / shapes[0]).exp_m1(),
             _ => self.reference - temperature,
         }
     }

@@ -75,7 +75,7 @@ impl MovingAverage {
     }
 
     /// The deviation of averaged white noise, of which sixth differences show `seen` only
-    /// ([`noise_deviation`](super::noise::noise_deviation)): neighbours share most of what they are the average of.
+    /// ([`noise_beside_tones`](super::noise::noise_beside_tones)): neighbours share most of what they are the average of.
     pub fn noise(&self, seen: f64) -> f64 {
         let half = 0.5 * (self.window - 1.0);
         let end = [half.fract()];

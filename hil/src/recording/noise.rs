@@ -6,7 +6,7 @@ use super::spectrum::{place_of_line, powers};
 
 /// The weights of the samples of a sixth difference.
 pub const SIXTH_DIFFERENCE: [f64; 7] = [1.0, -6.0, 15.0, -20.0, 15.0, -6.0, 1.0];
-/// The sum of their squares.
+/// The sum of their squares, Σ binomial(6, k)².
 const POWER: f64 = 924.0;
 
 /// Tones of fewer cycles a sample are too little of a sixth difference to be taken for noise.
@@ -15,7 +15,9 @@ const LOWEST: f64 = 0.1;
 const STANDS_OUT: f64 = 40.0;
 /// of which so many are taken together: it is but four of them.
 const AROUND: usize = 32;
-/// At most so many are tried,
+/// A difference of so many deviations is no noise, and no tone either.
+const JUMP: f64 = 4.0;
+/// At most so many are taken off,
 const MOST_TONES: usize = 12;
 /// and their frequencies, which a spectrum gives within a fiftieth of a bin, are made exact in so many rounds.
 const ROUNDS: usize = 2;
@@ -34,23 +36,15 @@ pub fn noise_beside_tones(samples: &[f64]) -> f64 {
     let mut rest: Vec<f64> = sixth_differences(samples).collect();
     let seen = deviation(&rest);
     let mut beside = seen;
-    let mut passed = Vec::new();
     for _ in 0..MOST_TONES {
-        let powers = powers(rest.clone());
-        let Some(bin) = strongest_tone(&powers, rest.len(), &passed) else {
+        let quiet = without_jumps(&rest, beside);
+        let powers = powers(quiet.clone());
+        let Some(bin) = strongest_tone(&powers, rest.len()) else {
             break;
         };
         let turn = place_of_line(&powers, bin) / rest.len() as f64 * TAU;
-        let without = without_tone(&rest, turn);
-        let left = deviation(&without);
-        // A force that jumps at reversals has lines too, of which each without the others is everywhere.
-        if left < beside {
-            (rest, beside) = (without, left);
-            // Beside a stronger one it made no difference.
-            passed.clear();
-        } else {
-            passed.push(bin);
-        }
+        take_off(&mut rest, &quiet, turn);
+        beside = deviation(&rest).min(beside);
     }
     if beside < LEFT * seen { beside } else { seen }
 }
@@ -62,8 +56,16 @@ fn deviation(differences: &[f64]) -> f64 {
     median(&mut magnitudes).unwrap_or(0.0) / (0.6745 * POWER.sqrt())
 }
 
-/// The bin that stands out most of these powers of so many sixth differences, but those `passed`.
-fn strongest_tone(powers: &[f64], count: usize, passed: &[usize]) -> Option<usize> {
+/// `differences` with 0 in the place of those that noise of this deviation, or a tone, would hardly make: a force that jumps at
+/// reversals has lines too, which would hide a tone's.
+fn without_jumps(differences: &[f64], deviation: f64) -> Vec<f64> {
+    let most = JUMP * deviation * POWER.sqrt();
+    let quiet = |d: &f64| if d.abs() > most { 0.0 } else { *d };
+    differences.iter().map(quiet).collect()
+}
+
+/// The bin that stands out most of these powers of so many sixth differences.
+fn strongest_tone(powers: &[f64], count: usize) -> Option<usize> {
     // Of white noise they have (2 sin(ω/2))¹².
     let half_turn = |bin: usize| bin as f64 / count as f64 * PI;
     let flat = |bin: usize| powers[bin] / (2.0 * half_turn(bin).sin()).powi(12);
@@ -76,13 +78,12 @@ fn strongest_tone(powers: &[f64], count: usize, passed: &[usize]) -> Option<usiz
         flat[place] / medians[place / AROUND].max(f64::MIN_POSITIVE)
     };
     (first..powers.len().saturating_sub(1))
-        .filter(|bin| !passed.contains(bin))
         .max_by(|&a, &b| ratio(a).total_cmp(&ratio(b)))
         .filter(|&bin| ratio(bin) > STANDS_OUT)
 }
 
-/// `samples` less the tone of about so many radians a sample, by least squares.
-fn without_tone(samples: &[f64], turn: f64) -> Vec<f64> {
+/// Takes the tone of about so many radians a sample off `rest`, as `samples` have it, by least squares.
+fn take_off(rest: &mut [f64], samples: &[f64], turn: f64) {
     let mut turn = turn;
     let mut tone = Tone::fitted(samples, turn);
     for _ in 0..ROUNDS {
@@ -98,8 +99,9 @@ fn without_tone(samples: &[f64], turn: f64) -> Vec<f64> {
         turn += product / square;
         tone = Tone::fitted(samples, turn);
     }
-    let pairs = samples.iter().zip(turning(turn));
-    pairs.map(|(y, at)| y - tone.value(at)).collect()
+    for (y, at) in rest.iter_mut().zip(turning(turn)) {
+        *y -= tone.value(at);
+    }
 }
 
 /// a·sin x + b·cos x
@@ -145,9 +147,11 @@ fn turning(turn: f64) -> impl Iterator<Item = [f64; 2]> {
 }
 
 fn sixth_differences(samples: &[f64]) -> impl Iterator<Item = f64> {
-    samples
-        .windows(7)
-        .map(|w| w[0] + w[6] - 6.0 * (w[1] + w[5]) + 15.0 * (w[2] + w[4]) - 20.0 * w[3])
+    let weighted = |window: &[f64]| -> f64 {
+        let pairs = window.iter().zip(SIXTH_DIFFERENCE);
+        pairs.map(|(sample, weight)| weight * sample).sum()
+    };
+    samples.windows(SIXTH_DIFFERENCE.len()).map(weighted)
 }
 
 fn median(values: &mut [f64]) -> Option<f64> {
@@ -194,6 +198,29 @@ mod tests {
             // They are what sixth differences alone take for it.
             let strong = with(&noise, |n| 5.0 * (TAU * 0.4 * n).sin());
             assert!(noise_deviation(&strong) > 4.0);
+        }
+    }
+
+    /// A force that jumps at every reversal, as friction does, hides none.
+    #[test]
+    fn a_tone_shows_beside_jumps() {
+        let noise = noise(6000, 7);
+        for (period, size) in [(250.0, 60.0), (100.0, 60.0), (250.0, 200.0), (100.0, 200.0)] {
+            let force = with(&noise, |n| {
+                size * (TAU * (n + 0.5) / period).sin().signum() + 5.0 * (TAU * 0.37 * n).sin()
+            });
+            let found = noise_beside_tones(&force);
+            assert!((0.9..1.3).contains(&found), "{period}, {size}: {found}");
+            assert!(noise_deviation(&force) > 3.0);
+        }
+    }
+
+    #[test]
+    fn too_few_samples_or_none_that_change_have_no_noise() {
+        for count in 0..40 {
+            assert!(noise_beside_tones(&vec![1.0; count]) < 1e-12);
+            let found = noise_beside_tones(&noise(count, 1));
+            assert!((0.0..3.0).contains(&found), "{count}: {found}");
         }
     }
 

@@ -86,9 +86,11 @@ pub fn description(family: &str) -> &'static str {
         "inertia" => "a moving mass",
         "delay" => "a time shift between the force and displacement channels",
         "compliance" => "a spring in series, such as the fixture's",
-        "drift" => "a stiffness, or a stiffness and a friction, that settle from cycle to cycle",
+        "drift" => {
+            "a stiffness or a friction, or each in its own way, that settles from cycle to cycle"
+        }
         "temperature" => "a force that changes with temperature",
-        "periodic" => "a tone of fixed frequency",
+        "periodic" => "tones of fixed frequency",
         _ => "an effect without a name",
     }
 }

@@ -78,17 +78,18 @@ impl Fitted {
 
     /// Whether one of `warmed` does as well with the temperature in the place of its drift of both forces: the cycles count on
     /// as a chamber warms, and what was measured explains it with fewer numbers.
-    fn is_but_warmth(&self, warmed: &[Self]) -> bool {
+    fn is_but_warmth(&self, warmed: &[(Vec<Family>, Score)]) -> bool {
         let mut terms = self.solution.terms.iter();
         if !terms.any(|value| value.term.form == Form::DriftOfEach) {
             return false;
         }
         let mut families = self.families();
         families.retain(|&family| family != Family::Drift);
-        warmed.iter().any(|other| {
-            let mut others = other.families();
-            others.retain(|&family| family != Family::Temperature);
-            others == families && !self.score.beats(&other.score)
+        warmed.iter().any(|(others, score)| {
+            let others = others
+                .iter()
+                .filter(|&&family| family != Family::Temperature);
+            others.eq(&families) && !self.score.beats(score)
         })
     }
 
@@ -284,11 +285,11 @@ impl<'a> Search<'a> {
             known.push(forms);
             is_new
         });
-        let warmed: Vec<Fitted> = tried
+        let warmed: Vec<(Vec<Family>, Score)> = tried
             .iter()
             .filter(|candidate| candidate.admissible)
-            .map(|candidate| candidate.fitted.clone())
-            .filter(|fitted| fitted.families().contains(&Family::Temperature))
+            .map(|candidate| (candidate.fitted.families(), candidate.fitted.score.clone()))
+            .filter(|(families, _)| families.contains(&Family::Temperature))
             .collect();
         tried.retain(|candidate| !candidate.fitted.is_but_warmth(&warmed));
         let preferred = self.preferred(&tried);

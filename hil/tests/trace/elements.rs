@@ -29,10 +29,10 @@ fn two_branches_are_one_relaxation() {
     assert!(trace.result.augmented.nrmse_held_out < 1.1 * 0.004);
 }
 
-/// Mains hum and its harmonic are one effect with both tones.
+/// Mains hum, its harmonic and a pump are one effect with all tones.
 #[test]
-fn two_tones_are_one_periodic_effect() {
-    const HUM: [(f64, f64, f64); 2] = [(0.02, 50.0, 0.4), (0.008, 150.0, -1.1)];
+fn three_tones_are_one_periodic_effect() {
+    const HUM: [(f64, f64, f64); 3] = [(0.02, 50.0, 0.4), (0.008, 150.0, -1.1), (0.005, 97.0, 0.9)];
     let trace = traced(0.004, 9, || {
         |s: &Sample| {
             let tones = HUM.iter();
@@ -44,7 +44,7 @@ fn two_tones_are_one_periodic_effect() {
     assert_eq!(families(&trace), ["periodic"]);
     let found = &trace.result.effects[0].parameters;
     // The stronger is found first.
-    for (number, (amplitude, frequency, phase)) in ["", "_2"].into_iter().zip(HUM) {
+    for (number, (amplitude, frequency, phase)) in ["", "_2", "_3"].into_iter().zip(HUM) {
         for (name, truth) in [
             ("amplitude", amplitude),
             ("frequency", frequency),
