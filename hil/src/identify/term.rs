@@ -64,7 +64,7 @@ pub enum Form {
 pub enum Entry {
     /// It adds so many forces, each proportional to a size.
     Adds(usize),
-    /// It scales eq 13, or with two sizes its elastic and its damping force, each by 1 and its size times [`Term::scale`].
+    /// It scales eq 13, or with two sizes its elastic and its damping force.
     Scales(usize),
     /// It changes the motion that all else is given.
     Moves,
