@@ -9,6 +9,7 @@
 
 use std::ops::Range;
 
+use super::cycles::median;
 use super::noise::SIXTH_DIFFERENCE;
 use super::spectrum::powers;
 
@@ -165,12 +166,10 @@ impl Spectrum {
 
     /// Whether there are notches so many bins apart when lines don't count.
     fn has_notches(&self, distance: f64) -> bool {
-        let median = |bins: Range<usize>| {
-            let mut bins = self.logarithms[bins].to_vec();
-            let middle = bins.len() / 2;
-            *bins.select_nth_unstable_by(middle, f64::total_cmp).1
-        };
-        self.depth_by(distance, median).is_some()
+        // A range has two bins at least.
+        let level =
+            |bins: Range<usize>| median(self.logarithms[bins].iter().copied()).unwrap_or_default();
+        self.depth_by(distance, level).is_some()
     }
 
     /// With `level` of the logarithms in some bins.

@@ -222,8 +222,9 @@ fn group(cycles: &[Cycle], count: usize, tick: f64, half_range: f64) -> Vec<Bloc
         .collect()
 }
 
-fn median(values: impl Iterator<Item = f64>) -> Option<f64> {
+/// The upper one of two in the middle; `None` of none.
+pub(super) fn median(values: impl Iterator<Item = f64>) -> Option<f64> {
     let mut values: Vec<f64> = values.collect();
-    values.sort_by(f64::total_cmp);
-    values.get(values.len() / 2).copied()
+    let middle = values.len() / 2;
+    (!values.is_empty()).then(|| *values.select_nth_unstable_by(middle, f64::total_cmp).1)
 }

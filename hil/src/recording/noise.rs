@@ -2,6 +2,7 @@
 
 use std::f64::consts::{PI, TAU};
 
+use super::cycles::median;
 use super::spectrum::{place_of_line, powers};
 
 /// The weights of the samples of a sixth difference.
@@ -51,9 +52,9 @@ pub fn noise_beside_tones(samples: &[f64]) -> f64 {
 
 /// Of the noise that leaves these sixth differences.
 fn deviation(differences: &[f64]) -> f64 {
-    let mut magnitudes: Vec<f64> = differences.iter().map(|d| d.abs()).collect();
+    let magnitudes = differences.iter().map(|d| d.abs());
     // The median magnitude of a normal variable is 0.6745 of its deviation.
-    median(&mut magnitudes).unwrap_or(0.0) / (0.6745 * POWER.sqrt())
+    median(magnitudes).unwrap_or(0.0) / (0.6745 * POWER.sqrt())
 }
 
 /// `differences` with 0 in the place of those that noise of this deviation, or a tone, would hardly make: a force that jumps at
@@ -71,8 +72,10 @@ fn strongest_tone(powers: &[f64], count: usize) -> Option<usize> {
     let flat = |bin: usize| powers[bin] / (2.0 * half_turn(bin).sin()).powi(12);
     let first = ((LOWEST * count as f64) as usize).max(1);
     let flat: Vec<f64> = (first..powers.len()).map(flat).collect();
-    let medians = flat.chunks(AROUND).map(|bins| median(&mut bins.to_vec()));
-    let medians: Vec<f64> = medians.map(Option::unwrap_or_default).collect();
+    let medians = flat.chunks(AROUND);
+    let medians: Vec<f64> = medians
+        .filter_map(|bins| median(bins.iter().copied()))
+        .collect();
     let ratio = |bin: usize| {
         let place = bin - first;
         flat[place] / medians[place / AROUND].max(f64::MIN_POSITIVE)
@@ -152,11 +155,6 @@ fn sixth_differences(samples: &[f64]) -> impl Iterator<Item = f64> {
         pairs.map(|(sample, weight)| weight * sample).sum()
     };
     samples.windows(SIXTH_DIFFERENCE.len()).map(weighted)
-}
-
-fn median(values: &mut [f64]) -> Option<f64> {
-    let middle = values.len() / 2;
-    (!values.is_empty()).then(|| *values.select_nth_unstable_by(middle, f64::total_cmp).1)
 }
 
 #[cfg(test)]
