@@ -4,7 +4,7 @@ mod hidden;
 
 use hidden::{DENSITY, Hidden, NOISE, RATE, Sample, block, fitted, record, record_at, start};
 use hil::correction::Remembered;
-use hil::identify::correction::{Kinds, depends_on, fit};
+use hil::identify::correction::{depends_on, fit};
 use hil::model::Model;
 use hil::predict::{nrmse, predict, predict_embedded};
 use hil::reference::tables;
@@ -17,7 +17,7 @@ fn held() -> Vec<Block> {
 
 fn corrected(hidden: impl Fn() -> Hidden) -> Option<Model> {
     let recording = record(&fitted(), hidden(), 1);
-    let fitted = fit(&[recording], &start(), Kinds::All, |_, _| true).unwrap();
+    let fitted = fit(&[recording], &start(), |_, _| true, |_, _| Ok(true)).unwrap();
     fitted.map(|(model, _)| model)
 }
 
@@ -165,7 +165,7 @@ fn a_load_cell_that_warms_stands_over_temperature() {
     let zero = || Box::new(|s: &Sample| 0.003 * (s.temperature - 20.0)) as Hidden;
     let recording = record_at(warms, &fitted(), zero(), 1);
     let held = record_at(cools, &held(), zero(), 2);
-    let model = fit(&[recording], &start(), Kinds::All, |_, _| true);
+    let model = fit(&[recording], &start(), |_, _| true, |_, _| Ok(true));
     let (model, _) = model.unwrap().expect("there is something to correct");
     let force = predict_embedded(&model, &held).unwrap();
     let error = nrmse(&force, &held.force, |_| true) / NOISE;
@@ -194,7 +194,7 @@ fn friction_at_one_place_is_told_from_an_elastic_force_there() {
         (Box::new(there), &["displacement"]),
     ] {
         let recordings = [record(&fitted(), hidden, 1)];
-        let found = fit(&recordings, &start(), Kinds::All, |_, _| true).unwrap();
+        let found = fit(&recordings, &start(), |_, _| true, |_, _| Ok(true)).unwrap();
         let (model, choice) = found.expect("there is something to correct");
         // A line could have any stiffness that eq 13 gives up.
         for node in &model.law {

@@ -3,7 +3,7 @@
 use rayon::prelude::*;
 
 use super::left_out::{Fit, Judged, LeftOut, Picked};
-use crate::identify::correction::{self, Kinds};
+use crate::identify::correction;
 use crate::model::{Model, ModelError};
 use crate::recording::trajectory::Trajectory;
 
@@ -41,17 +41,8 @@ pub(super) fn mended(
     let law = clearly_best(alone.iter().map(Judged::both));
     let mut best = (alone[law].outside, law, plain[law].clone(), None);
     let corrected = laws.par_iter().zip(&plain).map(|(law, plain)| {
-        let fitted = |kinds| correction::fit(trajectories, plain, kinds, open);
-        let mut found = fitted(Kinds::All)?;
-        if let Some((model, choice)) = &found
-            && choice.goes_on_with_time()
-        {
-            let of_motion = fitted(Kinds::OfMotion)?;
-            let still = of_motion.as_ref().map_or(plain, |(model, _)| model);
-            if !left_out.is_seen_within_blocks(model, still)? {
-                found = of_motion;
-            }
-        }
+        let is_seen = |with: &Model, without: &Model| left_out.is_seen_within_blocks(with, without);
+        let found = correction::fit(trajectories, plain, open, is_seen)?;
         let Some((model, choice)) = found else {
             return Ok(None);
         };

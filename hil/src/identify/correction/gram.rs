@@ -39,7 +39,9 @@ pub(super) struct Solved {
     pub coefficients: Coefficients,
     /// The cells of T, then those of U, kN.
     pub cells: Vec<f64>,
-    /// RMS, kN.
+    /// RMS in the fit, kN.
+    pub inside: f64,
+    /// The same, or [judged](Sums::judged).
     pub error: f64,
 }
 
@@ -340,10 +342,12 @@ impl<'d, 't> Sums<'d, 't> {
                 cells[cell] += factor * value;
             }
         }
+        let inside = self.total.error(x).sqrt();
         Solved {
             coefficients: Coefficients(self.at.0.iter().enumerate().map(moved).collect()),
             cells,
-            error: self.total.error(x).sqrt(),
+            inside,
+            error: inside,
         }
     }
 }

@@ -4,29 +4,14 @@ use super::design::Design;
 use crate::correction::Remembered;
 use crate::recording::trajectory::Trajectory;
 
-/// Which kinds are tried.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Kinds {
-    /// All that there are.
-    All,
-    /// All but those that remember how long a test has run. A temperature that only rises is such a clock too, but one that
-    /// stands still within every block of a test is just how it is varied.
-    OfMotion,
-}
-
-/// Whether it remembers how long a test has run.
+/// Whether it remembers how long a test has run. A temperature that only rises is such a clock too, but one that stands still
+/// within every block of a test is just how it is varied.
 pub(super) fn goes_on_with_time(of: Remembered) -> bool {
     matches!(of, Remembered::Age { .. } | Remembered::Cycles { .. })
 }
 
-/// Those of `kinds`, each with its limit or time over all that the data can show.
-pub(super) fn of_kinds(kinds: Kinds, design: &Design) -> Vec<Vec<Remembered>> {
-    let mut all = every_kind(design);
-    all.retain(|kind| kinds == Kinds::All || !kind.iter().copied().any(goes_on_with_time));
-    all
-}
-
-fn every_kind(design: &Design) -> Vec<Vec<Remembered>> {
+/// All kinds, each with its limit or time over all that the data can show.
+pub(super) fn kinds(design: &Design) -> Vec<Vec<Remembered>> {
     let trajectories = design.trajectories;
     let reach = design.extent.displacement;
     let longest =

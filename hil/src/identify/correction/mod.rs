@@ -10,7 +10,6 @@ pub(crate) mod memory;
 mod system;
 mod trend;
 
-pub use memory::Kinds;
 use mesh_damper::effects::correction::{CELLS, FINE, MEMORY_CELLS};
 use rayon::prelude::*;
 
@@ -40,6 +39,8 @@ const WORTHWHILE: f64 = 0.85;
 const TABULATED: f64 = 0.9;
 /// A memory, likewise: with so many to choose from, one will look better by chance.
 const REMEMBERED: f64 = 0.75;
+/// A kind of memory is judged if the error of its fit is at most so many times the least of those that do not go on with time.
+const COMPARABLE: f64 = 2.0;
 /// A variable is needed whose absence makes the error more than so many times as large.
 const NEEDED: f64 = 1.1;
 /// A line has friction in it whose part that changes sign with the direction is more than this part of the other, in squares.
@@ -92,6 +93,7 @@ impl Choice {
 }
 
 /// A choice and what it led to.
+#[derive(Clone)]
 struct Fitted {
     choice: Choice,
     solved: Solved,
@@ -100,17 +102,18 @@ struct Fitted {
 /// `model` with a correction, and with eq 13 fitted anew beside it, where that predicts clearly better than `model` with eq
 /// 13 fitted anew alone; `None` where it does not.
 ///
-/// It is fitted to the samples that `included(trajectory, sample)` picks, and remembers what is of `kinds`. Which trends it follows, how smooth it is around
+/// It is fitted to the samples that `included(trajectory, sample)` picks. Which trends it follows, how smooth it is around
 /// them and what it remembers is chosen by the error in blocks left out of the fit one at a time, each of an amplitude that
-/// another block has, and by the error in the fit. The choice is returned too.
+/// another block has, and by the error in the fit. How long a test has run it remembers only if `is_seen(with, without)` of the
+/// model that does and of the best that does not. The choice is returned too.
 ///
 /// # Errors
 /// A model that the crate refuses.
 pub fn fit(
     trajectories: &[Trajectory],
     model: &Model,
-    kinds: Kinds,
     included: impl Fn(usize, usize) -> bool,
+    is_seen: impl Fn(&Model, &Model) -> Result<bool, ModelError>,
 ) -> Result<Option<(Model, Choice)>, ModelError> {
     let Some(design) = Design::new(trajectories, model, None, included)? else {
         return Ok(None);
@@ -124,12 +127,32 @@ pub fn fit(
     };
     // What comes to the noise without a memory can't come to much less with one.
     let may_remember = REMEMBERED * plain.solved.error > design.noise.sqrt();
-    let remembered = may_remember.then(|| remembering(&design, &plain, kinds));
-    let Fitted { choice, solved } = remembered.flatten().unwrap_or(plain);
-    if solved.error > WORTHWHILE * alone.error {
+    let mut kinds = if may_remember {
+        promising(&design, &plain)
+    } else {
+        Vec::new()
+    };
+    let best_of = |kinds: &[Kind]| {
+        let remembered = remembering(&design, &plain, kinds);
+        let Fitted { choice, solved } = remembered.unwrap_or_else(|| plain.clone());
+        let is_worthwhile = solved.error <= WORTHWHILE * alone.error;
+        is_worthwhile.then(|| (corrected(model, &solved, &choice), choice))
+    };
+    let found = best_of(&kinds);
+    let Some((with, choice)) = &found else {
         return Ok(None);
+    };
+    if !choice.goes_on_with_time() {
+        return Ok(found);
     }
-    Ok(Some((corrected(model, &solved, &choice), choice)))
+    kinds.retain(|kind| !memory::goes_on_with_time(kind.recalled.of));
+    let of_motion = best_of(&kinds);
+    let without = of_motion.as_ref().map_or(model, |(without, _)| without);
+    Ok(if is_seen(with, without)? {
+        found
+    } else {
+        of_motion
+    })
 }
 
 /// `model` with the correction of a choice made before, fitted to other samples; without one where they say nothing.
@@ -249,8 +272,17 @@ fn momentary(design: &Design, alone: &Solved) -> Option<Fitted> {
     Some(Fitted { choice, solved })
 }
 
-/// What is best remembered beside `plain`, where that clearly pays.
-fn remembering(design: &Design, plain: &Fitted, kinds: Kinds) -> Option<Fitted> {
+/// The best of a kind of memory beside a correction without one.
+struct Kind {
+    recalled: Recalled,
+    trends: Vec<Trend>,
+    /// Judged, kN.
+    error: f64,
+}
+
+/// What may be remembered beside `plain`, of each kind the best, if tables with it fit clearly better than `plain`, and not much
+/// worse than those with another kind.
+fn promising(design: &Design, plain: &Fitted) -> Vec<Kind> {
     let at = &plain.solved.coefficients;
     let known = &plain.choice.trends;
     let tabulated = Form {
@@ -265,36 +297,56 @@ fn remembering(design: &Design, plain: &Fitted, kinds: Kinds) -> Option<Fitted> 
         let fitted = candidates.into_par_iter().filter_map(fitted);
         fitted.min_by(|a, b| a.0.total_cmp(&b.0))
     };
-    let best_of_each = memory::of_kinds(kinds, design)
-        .into_par_iter()
-        .filter_map(|kind| {
-            let coarse = best_of(kind)?;
-            let (_, of) = match best_of(memory::around(coarse.1)) {
-                Some(near) if near.0 < coarse.0 => near,
-                _ => coarse,
-            };
-            let recalled = design.recall(of)?;
-            let raw = Raw::over(design, at, Some(&recalled));
-            let candidates = trend::of_memory(of, Variables::BOTH);
-            let (error, trends) = trend::grown(&raw, known, &candidates)?;
-            let with_table = raw.sums(tabulated)?.judged(tabulated)?.error;
-            let (error, trends) = if error < with_table {
-                (error, trends)
-            } else {
-                (with_table, known.clone())
-            };
-            Some((error, of, recalled, trends))
-        });
-    let (error, of, recalled, trends) = best_of_each.min_by(|a, b| a.0.total_cmp(&b.0))?;
-    let raw = Raw::over(design, at, Some(&recalled));
+    let best_of_each = memory::kinds(design).into_par_iter().filter_map(|kind| {
+        let coarse = best_of(kind)?;
+        if coarse.0 > WORTHWHILE * plain.solved.inside {
+            return None;
+        }
+        let near = best_of(memory::around(coarse.1));
+        Some(near.filter(|near| near.0 < coarse.0).unwrap_or(coarse))
+    });
+    let best_of_each: Vec<(f64, Remembered)> = best_of_each.collect();
+    // Whether how long a test has run may be remembered is decided later.
+    let lasting = best_of_each
+        .iter()
+        .filter(|(_, of)| !memory::goes_on_with_time(*of));
+    let least = lasting.fold(f64::INFINITY, |least, (error, _)| least.min(*error));
+    let promising = best_of_each.into_par_iter();
+    let promising = promising.filter(|(error, _)| *error <= COMPARABLE * least);
+    let judged = promising.filter_map(|(_, of)| {
+        let recalled = design.recall(of)?;
+        let raw = Raw::over(design, at, Some(&recalled));
+        let candidates = trend::of_memory(of, Variables::BOTH);
+        let (error, trends) = trend::grown(&raw, known, &candidates)?;
+        let with_table = raw.sums(tabulated)?.judged(tabulated)?.error;
+        let (error, trends) = if error < with_table {
+            (error, trends)
+        } else {
+            (with_table, known.clone())
+        };
+        Some(Kind {
+            recalled,
+            trends,
+            error,
+        })
+    });
+    judged.collect()
+}
+
+/// What is best remembered of these beside `plain`, where that clearly pays.
+fn remembering(design: &Design, plain: &Fitted, kinds: &[Kind]) -> Option<Fitted> {
+    let at = &plain.solved.coefficients;
+    let best = kinds.iter().min_by(|a, b| a.error.total_cmp(&b.error))?;
+    let (recalled, of) = (&best.recalled, best.recalled.of);
+    let raw = Raw::over(design, at, Some(recalled));
     // What was taken without the memory may have stood in for it.
     let all: Vec<Trend> = trend::of_table(Variables::BOTH)
         .into_iter()
         .chain(trend::of_memory(of, Variables::BOTH))
         .collect();
     let trends = match trend::grown(&raw, &[], &all) {
-        Some((anew, others)) if anew < error => others,
-        _ => trends,
+        Some((anew, others)) if anew < best.error => others,
+        _ => best.trends.clone(),
     };
     let forms = [plain.choice.table, Some(TYPICAL)].into_iter();
     let forms = forms.flat_map(|table| {
