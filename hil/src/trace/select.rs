@@ -21,7 +21,7 @@ const MOST_TERMS: usize = 6;
 /// Laws that are carried on from one step to the next: the best with one effect need not be part of the best with two.
 const BEAM: usize = 3;
 /// Of all candidates beside a law, so many that promise most are fitted, if they promise this part of what the first does;
-/// the others are rated as they start.
+/// the others are rated as they start. So are all of them beside a law that is settled: none can be added.
 const FITTED: usize = 4;
 const PROMISING: f64 = 0.5;
 /// A candidate is fitted from so many starts.
@@ -33,7 +33,7 @@ const SETTLED: f64 = 1.5;
 /// before it was written also looks quieter than it is.
 const QUIET: f64 = 1e-3;
 /// A search fits to at most about this many samples, evenly picked; the closing fit takes more.
-const MOST_ROWS: usize = 8_000;
+const MOST_ROWS: usize = 4_000;
 
 /// A fitted law and how it does on the cycles that judge.
 #[derive(Clone, Debug)]
@@ -208,11 +208,10 @@ impl<'a> Search<'a> {
                 self.terms.len(),
                 found.named()
             ));
-            let mut tried = self.step(&beam, step);
+            let is_open = !self.is_settled(&found);
+            let mut tried = self.step(&beam, step, if is_open { FITTED } else { 0 });
             let Some(best) = tried.first_mut() else { break };
-            let accepted = best.admissible
-                && !self.is_settled(&found)
-                && best.fitted.score.beats(&found.score);
+            let accepted = is_open && best.admissible && best.fitted.score.beats(&found.score);
             let next = best.fitted.clone();
             best.added = accepted;
             beam = tried
@@ -255,11 +254,12 @@ impl<'a> Search<'a> {
         self.judged(problem.solve_near(&law.solution))
     }
 
-    /// All forms beside each law of `beam`, the best first, those that are not admissible last.
-    fn step(&self, beam: &[Fitted], step: usize) -> Vec<Candidate> {
+    /// All forms beside each law of `beam`, the best first, those that are not admissible last; at most `most` of each law's are
+    /// fitted.
+    fn step(&self, beam: &[Fitted], step: usize, most: usize) -> Vec<Candidate> {
         let mut tried: Vec<Candidate> = beam
             .par_iter()
-            .flat_map(|law| self.beside(law))
+            .flat_map(|law| self.beside(law, most))
             .map(|(term, fitted)| Candidate {
                 family: term.form.family(),
                 step,
@@ -342,8 +342,8 @@ impl<'a> Search<'a> {
         Ok(!is_seen_within_blocks(all, counts, &law.predicted, &still))
     }
 
-    /// Every form beside `law`: those that promise most fitted, the others with what they start from.
-    fn beside(&self, law: &Fitted) -> Vec<(Term, Fitted)> {
+    /// Every form beside `law`: at most `most` that promise most fitted, the others with what they start from.
+    fn beside(&self, law: &Fitted, most: usize) -> Vec<(Term, Fitted)> {
         let known = law.solution.terms();
         let extent = self
             .extent
@@ -370,7 +370,7 @@ impl<'a> Search<'a> {
             .filter_map(|(place, (term, starts))| {
                 let terms: Vec<Term> = known.iter().copied().chain([term]).collect();
                 let problem = Problem::new(&self.rows, &extent, &terms);
-                let solution = if place < FITTED && starts[0].gain > promising {
+                let solution = if place < most && starts[0].gain > promising {
                     starts[..STARTS.min(starts.len())]
                         .par_iter()
                         .map(|start| problem.solve_from(&law.solution, &start.shapes))
