@@ -9,6 +9,7 @@ use super::score::Jury;
 use super::select::{goal, held_to};
 use super::split::{Role, Roles, same_amplitude};
 use super::within_blocks::is_seen_within_blocks;
+use crate::identify::beyond_noise::beyond_noise;
 use crate::model::{Model, ModelError};
 use crate::predict::predict;
 use crate::recording::cycles::Block;
@@ -16,11 +17,10 @@ use crate::recording::trajectory::Trajectory;
 
 /// With fewer blocks none is left out.
 const FEWEST_BLOCKS: usize = 4;
+/// With fewer between the first and the last of a recording those are left out too.
+const FEWEST_INNER: usize = 2;
 /// At most so many are.
 const MOST_LEFT_OUT: usize = 4;
-
-/// The part of the noise, in squares, by which an error may differ from it by chance.
-const UNCERTAIN: f64 = 0.3;
 
 /// The part of the cycles that are not the worst.
 const MOST_CYCLES: f64 = 0.8;
@@ -282,14 +282,15 @@ impl RelativeError {
         }
     }
 
-    /// RMS of what is left beyond the noise, and of a little of the noise: nobody leaves less.
+    /// RMS of what is left [beyond the noise](beyond_noise()).
     pub fn beyond_noise(&self) -> f64 {
-        ((self.error - self.noise).max(0.0) + UNCERTAIN * self.noise).sqrt()
+        beyond_noise(self.error, self.noise)
     }
 }
 
 /// Of the blocks whose amplitude another one has, so that eq 13 is known there, some that are evenly spread over amplitude
-/// and frequency; where those are few, of amplitudes between others too, and of all where there is none such.
+/// and frequency; where those are few, of amplitudes between others too, and of all where there is none such. The first and the
+/// last of a recording are not left out where there are others.
 fn blocks<'t>(trajectories: &'t [Trajectory], roles: &Roles) -> Vec<(usize, &'t Block)> {
     let mut blocks: Vec<(usize, &Block)> = trajectories
         .iter()
@@ -325,6 +326,21 @@ fn blocks<'t>(trajectories: &'t [Trajectory], roles: &Roles) -> Vec<(usize, &'t 
         .copied()
         .collect();
     let known = if known.is_empty() { blocks } else { known };
+    // What changes with time is not known before the first block nor after the last.
+    let is_inner = |(which, block): &(usize, &Block)| {
+        let of_trajectory = &trajectories[*which].blocks;
+        let ends = [of_trajectory.first(), of_trajectory.last()];
+        !ends
+            .into_iter()
+            .flatten()
+            .any(|end| std::ptr::eq(end, *block))
+    };
+    let inner: Vec<(usize, &Block)> = known.iter().copied().filter(is_inner).collect();
+    let known = if inner.len() < FEWEST_INNER {
+        known
+    } else {
+        inner
+    };
     let count = known.len().min(MOST_LEFT_OUT);
     (0..count)
         .map(|place| known[(2 * place + 1) * known.len() / (2 * count)])
