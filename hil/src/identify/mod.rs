@@ -1,6 +1,7 @@
 //! Identification: coefficients of eq 13 and of added effects from recorded motion and force.
 
 mod basis;
+pub(crate) mod beyond_noise;
 pub mod correction;
 mod exact;
 mod known_forces;

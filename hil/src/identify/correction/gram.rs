@@ -8,6 +8,7 @@ use super::design::{Coefficients, Design, Recalled};
 use super::system::System;
 use super::trend::{Trend, hats_of_memory, hats_of_table};
 use crate::correction::Remembered;
+use crate::identify::beyond_noise::beyond_noise;
 
 /// What a trend has beyond others is nothing where it is less than this part of it, in squares.
 const ALIKE: f64 = 1e-9;
@@ -39,7 +40,7 @@ pub(super) struct Solved {
     pub coefficients: Coefficients,
     /// The cells of T, then those of U, kN.
     pub cells: Vec<f64>,
-    /// RMS in the fit, kN.
+    /// In the fit, beyond the noise, kN.
     pub inside: f64,
     /// The same, or [judged](Sums::judged).
     pub error: f64,
@@ -270,7 +271,8 @@ impl<'d, 't> Sums<'d, 't> {
         Some(self.solution(&self.unknowns(&self.system(form))?))
     }
 
-    /// The same with the geometric mean of the error in the fit and of the errors in the blocks left out, one at a time.
+    /// The same with the geometric mean of the error in the fit and of the errors in the blocks left out, one at a time, each
+    /// beyond the noise.
     pub fn judged(&self, form: Form) -> Option<Solved> {
         let system = self.system(form);
         let unknowns = self.unknowns(&system)?;
@@ -285,8 +287,6 @@ impl<'d, 't> Sums<'d, 't> {
     }
 
     fn judged_error(&self, system: &System, unknowns: &DVector<f64>) -> Option<f64> {
-        // A block that is predicted better than its noise counts no more than one that is predicted to it.
-        let floor = 0.3 * self.design.noise;
         let mut outside = 0.0;
         for &left_out in &self.design.left_out {
             let block = &self.blocks[left_out];
@@ -294,11 +294,17 @@ impl<'d, 't> Sums<'d, 't> {
                 &self.total.gram - &block.gram,
                 &self.total.right - &block.right,
             );
-            outside += (block.error(&system.solve(gram, right)?) + floor).ln();
+            outside += self
+                .beyond_noise(block.error(&system.solve(gram, right)?))
+                .ln();
         }
         let outside = outside / self.design.left_out.len() as f64;
-        let inside = (self.total.error(unknowns) + floor).ln();
-        Some((0.25 * (inside + outside)).exp())
+        let inside = self.beyond_noise(self.total.error(unknowns)).ln();
+        Some((0.5 * (inside + outside)).exp())
+    }
+
+    fn beyond_noise(&self, squares: f64) -> f64 {
+        beyond_noise(squares, self.design.noise)
     }
 
     fn unknowns(&self, system: &System) -> Option<DVector<f64>> {
@@ -342,7 +348,7 @@ impl<'d, 't> Sums<'d, 't> {
                 cells[cell] += factor * value;
             }
         }
-        let inside = self.total.error(x).sqrt();
+        let inside = self.beyond_noise(self.total.error(x));
         Solved {
             coefficients: Coefficients(self.at.0.iter().enumerate().map(moved).collect()),
             cells,

@@ -13,6 +13,7 @@ mod trend;
 use mesh_damper::effects::correction::{CELLS, FINE, MEMORY_CELLS};
 use rayon::prelude::*;
 
+use super::beyond_noise::beyond_noise;
 use crate::correction::{CorrectionTable, MemoryTable, Remembered};
 use crate::model::{Model, ModelError};
 use crate::recording::trajectory::Trajectory;
@@ -126,7 +127,7 @@ pub fn fit(
         return Ok(None);
     };
     // What comes to the noise without a memory can't come to much less with one.
-    let may_remember = REMEMBERED * plain.solved.error > design.noise.sqrt();
+    let may_remember = REMEMBERED * plain.solved.error > beyond_noise(0.0, design.noise);
     let mut kinds = if may_remember {
         promising(&design, &plain)
     } else {
