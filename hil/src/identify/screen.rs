@@ -207,3 +207,21 @@ fn neighbours(place: usize, sizes: &[usize]) -> impl Iterator<Item = usize> + '_
         before.into_iter().chain(after)
     })
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn neighbours_are_one_step_along_one_shape_away() {
+        // 0 1
+        // 2 3
+        // 4 5
+        let of = |place| neighbours(place, &[3, 2]).collect::<Vec<_>>();
+        assert_eq!(of(0), [2, 1]);
+        assert_eq!(of(3), [1, 5, 2]);
+        assert_eq!(of(4), [2, 5]);
+        assert_eq!(neighbours(0, &[]).count(), 0, "a form without shapes");
+        assert_eq!(neighbours(0, &[1]).count(), 0);
+    }
+}

@@ -346,3 +346,49 @@ fn blocks<'t>(trajectories: &'t [Trajectory], roles: &Roles) -> Vec<(usize, &'t 
         .map(|place| known[(2 * place + 1) * known.len() / (2 * count)])
         .collect()
 }
+
+#[cfg(test)]
+mod tests {
+    use std::f64::consts::TAU;
+
+    use super::*;
+    use crate::recording::Recording;
+
+    /// Sines of 1 Hz with these amplitudes in mm follow each other.
+    fn test(amplitudes: &[f64]) -> Trajectory {
+        let samples = 0..amplitudes.len() * 2000;
+        let sine = |i: usize| amplitudes[i / 2000] * (TAU * i as f64 / 500.0).sin();
+        let displacement: Vec<f64> = samples.clone().map(sine).collect();
+        let force = displacement.iter().map(|y| 2.0 * y).collect();
+        let time = samples.map(|i| i as f64 / 500.0).collect();
+        let recording = Recording::new("test", time, displacement, force).unwrap();
+        let trajectory = Trajectory::of(&recording).unwrap();
+        assert_eq!(trajectory.blocks.len(), amplitudes.len());
+        trajectory
+    }
+
+    /// Which blocks of which recording are left out.
+    fn left_out(trajectories: &[Trajectory]) -> Vec<(usize, usize)> {
+        let roles = Roles::all_fit(trajectories);
+        let number = |(which, block): (usize, &Block)| {
+            let blocks = &trajectories[which].blocks;
+            let same = |other: &Block| std::ptr::eq(other, block);
+            (which, blocks.iter().position(same).unwrap())
+        };
+        let mut places: Vec<_> = blocks(trajectories, &roles)
+            .into_iter()
+            .map(number)
+            .collect();
+        places.sort_unstable();
+        places
+    }
+
+    #[test]
+    fn the_ends_of_a_recording_are_left_out_only_where_little_is_between() {
+        // Of each amplitude there is another block.
+        let long = test(&[0.1, 0.2, 0.3, 0.1, 0.2, 0.3]);
+        assert_eq!(left_out(&[long]), [(0, 1), (0, 2), (0, 3), (0, 4)]);
+        let single = [0.1, 0.2, 0.1, 0.2].map(|amplitude| test(&[amplitude]));
+        assert_eq!(left_out(&single), [(0, 0), (1, 0), (2, 0), (3, 0)]);
+    }
+}

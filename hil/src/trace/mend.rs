@@ -39,7 +39,7 @@ pub(super) fn mended(
     let alone = alone.map(|(law, plain)| left_out.judged(law, plain));
     let alone: Vec<Judged> = alone.collect::<Result<_, _>>()?;
     let law = clearly_best(alone.iter().map(Judged::both));
-    let mut best = (alone[law].outside, law, plain[law].clone(), None);
+    let mut best = (alone[law], law, plain[law].clone(), None);
     let corrected = laws.par_iter().zip(&plain).map(|(law, plain)| {
         let is_seen = |with: &Model, without: &Model| left_out.is_seen_within_blocks(with, without);
         let found = correction::fit(trajectories, plain, open, is_seen)?;
@@ -48,17 +48,20 @@ pub(super) fn mended(
         };
         let refit =
             |picked: Picked| correction::refit(&choice, trajectories, &law(picked)?, picked);
-        let outside = left_out.error(&refit)?.beyond_noise();
-        Ok(Some((outside, model, choice)))
+        let judged = left_out.judged(&refit, &model)?;
+        Ok(Some((judged, model, choice)))
     });
     let corrected: Vec<_> = corrected.collect::<Result<_, ModelError>>()?;
     for (number, corrected) in corrected.into_iter().enumerate() {
-        let Some((outside, model, choice)) = corrected else {
+        let Some((judged, model, choice)) = corrected else {
             continue;
         };
         let named = !model.effects.is_empty() || !best.2.effects.is_empty();
-        if outside < if named { NEEDED } else { BETTER } * best.0 {
-            best = (outside, number, model, Some(choice));
+        let outside = judged.outside / best.0.outside;
+        // What says no less of the blocks left out may also win by what it says of the others.
+        let either = outside.min(judged.both() / best.0.both());
+        if outside < BETTER && (!named || either < NEEDED) {
+            best = (judged, number, model, Some(choice));
         }
     }
     let (_, law, model, choice) = best;

@@ -3,6 +3,7 @@
 mod elements;
 mod slow_changes;
 
+use std::collections::BTreeSet;
 use std::f64::consts::TAU;
 
 use hil::identify::problem::Problem;
@@ -143,6 +144,10 @@ fn a_recording_with_nothing_missing_comes_out_none() {
             1,
             "one set of coefficients is enough"
         );
+        // Each is rated, though none is fitted beside a law that leaves nothing.
+        let rated = trace.result.candidates.iter();
+        let rated: BTreeSet<&str> = rated.map(|candidate| &candidate.family[..]).collect();
+        assert_eq!(rated.len(), 13, "all but temperature: {rated:?}");
         let law = trace.model.law[0];
         // Cramér–Rao at 0.4 % noise over 6000 samples: below 0.1 % on each; ten times that.
         for (found, truth) in [(law.k1, K1), (law.k3, K3), (law.c, C), (law.alpha, ALPHA)] {
