@@ -70,6 +70,17 @@ fn creep_is_remembered_as_age() {
     assert!(error < 4.0, "{error} times the noise");
 }
 
+/// Where the cycles of a block show nothing of it, time is not what it is.
+#[test]
+fn how_long_a_test_has_run_is_remembered_only_where_it_is_seen() {
+    let creeping = momentary(|s| -0.02 * (1.0 + s.time / 2.0).ln());
+    let recording = record(&fitted(), creeping(), 1);
+    let not_seen = |_: &Model, _: &Model| Ok(false);
+    let found = fit(&[recording], &start(), |_, _| true, not_seen).unwrap();
+    let goes_on = found.is_some_and(|(_, choice)| choice.goes_on_with_time());
+    assert!(!goes_on);
+}
+
 #[test]
 fn friction_whose_grip_depends_on_displacement_is_remembered_as_slip() {
     let (memory, error) = held_out(|| {

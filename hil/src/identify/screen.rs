@@ -53,8 +53,8 @@ impl<'s, 'r, 'a> Screen<'s, 'r, 'a> {
         }
     }
 
-    /// The starts of `term`, the best first: those that gain as much as their neighbours in the grid, since others lead to
-    /// where these do. A term without shapes has one.
+    /// The starts of `term`, the best first: those that gain as much as their neighbours in the grid, since others mostly
+    /// lead to where these do. A term without shapes has one.
     pub fn starts(&self, term: Term) -> Vec<Start> {
         let (points, sizes) = grid(self.extent, term.form);
         let gains: Vec<f64> = points
@@ -62,7 +62,7 @@ impl<'s, 'r, 'a> Screen<'s, 'r, 'a> {
             .map(|shapes| self.gain(term, shapes))
             .collect();
         let is_peak = |place: &usize| {
-            // Every tone is a valley of its own.
+            // Every tone leads to a minimum of its own.
             term.form == Form::Periodic
                 || neighbours(*place, &sizes).all(|other| gains[other] <= gains[*place])
         };

@@ -118,7 +118,8 @@ pub fn tried(result: &TraceResult) -> Markup {
             p {
                 "Each step adds to the law what the steps before had found, and tries every family of effects beside it. The \
                  bars are errors on cycles kept apart for judging, none of which was fitted; the dotted line is the noise. Each \
-                 family is shown at its best, and a bar twice as long as most is cut. A step without a clear gain adds \
+                 family is shown at its best: fitted where it promised most, else as a fit would begin, as are all beside a law \
+                 that is near the noise. A bar twice as long as most is cut. A step without a clear gain adds \
                  nothing and ends the search."
             }
             div.key {
@@ -219,7 +220,7 @@ pub fn concluded(result: &TraceResult) -> Markup {
     html! {
         @match result.verdict {
             Verdict::None => {
-                p { "Nothing: no family predicts the judging cycles clearly better than the law alone." }
+                p { "Nothing: what the law alone leaves of the judging cycles is hardly more than the noise, or no family leaves clearly less." }
             }
             Verdict::Found => {}
             Verdict::Ambiguous => {

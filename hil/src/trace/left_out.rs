@@ -17,7 +17,7 @@ use crate::recording::trajectory::Trajectory;
 
 /// With fewer blocks none is left out.
 const FEWEST_BLOCKS: usize = 4;
-/// With fewer between the first and the last of a recording those are left out too.
+/// With fewer between the first and the last of their recordings those are left out too.
 const FEWEST_INNER: usize = 2;
 /// At most so many are.
 const MOST_LEFT_OUT: usize = 4;
@@ -234,7 +234,7 @@ pub(super) struct Judged {
     /// In blocks left out of the fit,
     pub outside: f64,
     /// and in the fit.
-    inside: f64,
+    pub inside: f64,
 }
 
 impl Judged {
@@ -290,7 +290,7 @@ impl RelativeError {
 
 /// Of the blocks whose amplitude another one has, so that eq 13 is known there, some that are evenly spread over amplitude
 /// and frequency; where those are few, of amplitudes between others too, and of all where there is none such. The first and the
-/// last of a recording are not left out where there are others.
+/// last of several in a recording are not left out where there are others.
 fn blocks<'t>(trajectories: &'t [Trajectory], roles: &Roles) -> Vec<(usize, &'t Block)> {
     let mut blocks: Vec<(usize, &Block)> = trajectories
         .iter()
@@ -326,14 +326,18 @@ fn blocks<'t>(trajectories: &'t [Trajectory], roles: &Roles) -> Vec<(usize, &'t 
         .copied()
         .collect();
     let known = if known.is_empty() { blocks } else { known };
-    // What changes with time is not known before the first block nor after the last.
+    // What changes with time is not known before the first block that may be fitted nor after the last.
     let is_inner = |(which, block): &(usize, &Block)| {
-        let of_trajectory = &trajectories[*which].blocks;
-        let ends = [of_trajectory.first(), of_trajectory.last()];
-        !ends
-            .into_iter()
-            .flatten()
-            .any(|end| std::ptr::eq(end, *block))
+        let all = trajectories[*which].blocks.iter();
+        let mut open = all.filter(|block| block.samples.clone().any(|i| roles.is_open(*which, i)));
+        let first = open.next();
+        let ends = [first, open.next_back().filter(|_| first.is_some())];
+        let is_only = ends[1].is_none();
+        is_only
+            || !ends
+                .into_iter()
+                .flatten()
+                .any(|end| std::ptr::eq(end, *block))
     };
     let inner: Vec<(usize, &Block)> = known.iter().copied().filter(is_inner).collect();
     let known = if inner.len() < FEWEST_INNER {
@@ -388,6 +392,10 @@ mod tests {
         // Of each amplitude there is another block.
         let long = test(&[0.1, 0.2, 0.3, 0.1, 0.2, 0.3]);
         assert_eq!(left_out(&[long]), [(0, 1), (0, 2), (0, 3), (0, 4)]);
+        let mixed = [test(&[0.1, 0.2, 0.1, 0.2]), test(&[0.1])];
+        assert_eq!(left_out(&mixed), [(0, 1), (0, 2), (1, 0)]);
+        let short = [test(&[0.1, 0.2, 0.1]), test(&[0.2])];
+        assert_eq!(left_out(&short), [(0, 1), (1, 0)]);
         let single = [0.1, 0.2, 0.1, 0.2].map(|amplitude| test(&[amplitude]));
         assert_eq!(left_out(&single), [(0, 0), (1, 0), (2, 0), (3, 0)]);
     }

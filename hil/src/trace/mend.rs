@@ -7,10 +7,10 @@ use crate::identify::correction;
 use crate::model::{Model, ModelError};
 use crate::recording::trajectory::Trajectory;
 
-/// A law is taken in the place of a simpler one if its error is at most this part of the other's.
+/// A law is taken in the place of a simpler one if its error is below this part of the other's.
 const BETTER: f64 = 0.95;
 /// The same for effects beside a table, which could stand in for most of them, and for a table in the place of effects, whose
-/// force is known where no table was fitted.
+/// force is known where no table was fitted: of the blocks left out alone, or of all.
 const NEEDED: f64 = 0.75;
 
 /// The law for recordings that no listed effect explains.
@@ -24,7 +24,7 @@ pub(super) struct Mended {
 }
 
 /// One of `laws`, the simplest first, alone or with a correction. Taken is what predicts best the blocks that are left out of its
-/// fit, and of laws alone what also fits well; it is fitted to all that may be.
+/// fit, and what also fits well; it is fitted to all that may be.
 pub(super) fn mended(
     trajectories: &[Trajectory],
     left_out: &LeftOut,
@@ -57,10 +57,7 @@ pub(super) fn mended(
             continue;
         };
         let named = !model.effects.is_empty() || !best.2.effects.is_empty();
-        let outside = judged.outside / best.0.outside;
-        // What says no less of the blocks left out may also win by what it says of the others.
-        let either = outside.min(judged.both() / best.0.both());
-        if outside < BETTER && (!named || either < NEEDED) {
+        if replaces(&judged, &best.0, named) {
             best = (judged, number, model, Some(choice));
         }
     }
@@ -77,6 +74,14 @@ pub(super) fn mended(
     })
 }
 
+/// Whether a law with a correction takes the place of the `best` so far, where either has effects that are `named`. What clearly
+/// says more of the blocks left out may then also win by what it says of all.
+fn replaces(corrected: &Judged, best: &Judged, named: bool) -> bool {
+    let outside = corrected.outside / best.outside;
+    let all = corrected.both() / best.both();
+    outside < BETTER && (!named || outside.min(all) < NEEDED)
+}
+
 /// Which of some laws, the one that is preferred first, has the least of these errors: a later one where it is clearly less.
 pub(super) fn clearly_best(errors: impl Iterator<Item = f64>) -> usize {
     let mut best = (0, f64::INFINITY);
@@ -86,4 +91,36 @@ pub(super) fn clearly_best(errors: impl Iterator<Item = f64>) -> usize {
         }
     }
     best.0
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_correction_in_the_place_of_a_name_says_more_of_what_was_left_out() {
+        let best = Judged {
+            outside: 0.1,
+            inside: 0.2,
+        };
+        let replaces = |outside: f64, inside: f64, named| {
+            let corrected = Judged {
+                outside: outside * best.outside,
+                inside: inside * best.inside,
+            };
+            replaces(&corrected, &best, named)
+        };
+        assert!(
+            replaces(0.74, 2.0, true),
+            "clearly more of what was left out"
+        );
+        assert!(
+            replaces(0.94, 0.5, true),
+            "more of it, and much more of the rest"
+        );
+        assert!(!replaces(0.94, 0.7, true));
+        assert!(!replaces(0.96, 0.1, true), "no more of it");
+        assert!(replaces(0.94, 1.5, false));
+        assert!(!replaces(f64::NAN, 0.1, false));
+    }
 }

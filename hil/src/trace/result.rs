@@ -116,7 +116,8 @@ pub struct Estimate {
 pub struct Candidate {
     /// The family's name.
     pub family: String,
-    /// Held-out error of the law with it.
+    /// Held-out error of the law with it: fitted where it promised most, else as a fit would begin, as is every family beside a law
+    /// that is near the noise.
     pub nrmse_held_out: f64,
     /// Whether the data tell it from the best of its step.
     pub distinguishable: bool,
@@ -124,7 +125,7 @@ pub struct Candidate {
     pub step: usize,
     /// Whether it was added to the law at that step.
     pub added: bool,
-    /// Whether the fit ended in an effect that can be: one that would be a source of energy is never added, nor a drift that stands
+    /// Whether this is an effect that can be: one that would be a source of energy is never added, nor a drift that stands
     /// still within blocks.
     pub admissible: bool,
     /// Error on the cycles that chose among the candidates.

@@ -24,7 +24,7 @@ const BEAM: usize = 3;
 /// the others are rated as they start. So are all of them beside a law that is settled: none can be added.
 const FITTED: usize = 4;
 const PROMISING: f64 = 0.5;
-/// A candidate is fitted from so many starts.
+/// A candidate is fitted from at most so many starts.
 const STARTS: usize = 2;
 /// A law whose error is within so many times the noise lacks nothing that is larger than the noise; what a term could
 /// still gain there is the error of the estimated motion.
@@ -208,10 +208,10 @@ impl<'a> Search<'a> {
                 self.terms.len(),
                 found.named()
             ));
-            let is_open = !self.is_settled(&found);
-            let mut tried = self.step(&beam, step, if is_open { FITTED } else { 0 });
+            let may_add = !self.is_settled(&found);
+            let mut tried = self.step(&beam, step, if may_add { FITTED } else { 0 });
             let Some(best) = tried.first_mut() else { break };
-            let accepted = is_open && best.admissible && best.fitted.score.beats(&found.score);
+            let accepted = may_add && best.admissible && best.fitted.score.beats(&found.score);
             let next = best.fitted.clone();
             best.added = accepted;
             beam = tried

@@ -144,7 +144,7 @@ fn a_recording_with_nothing_missing_comes_out_none() {
             1,
             "one set of coefficients is enough"
         );
-        // Each is rated, though none is fitted beside a law that leaves nothing.
+        // All were tried.
         let rated = trace.result.candidates.iter();
         let rated: BTreeSet<&str> = rated.map(|candidate| &candidate.family[..]).collect();
         assert_eq!(rated.len(), 13, "all but temperature: {rated:?}");

@@ -87,8 +87,6 @@ pub(crate) struct Design<'a> {
     /// Number of blocks, and those that are left out one at a time.
     pub blocks: usize,
     pub left_out: Vec<usize>,
-    /// Variance of the force's noise, kN².
-    pub noise: f64,
 }
 
 /// What was remembered at each row.
@@ -182,11 +180,6 @@ impl<'a> Design<'a> {
             })
             .collect();
         let blocks = trajectories.iter().map(|t| t.blocks.len()).sum();
-        let noise = trajectories
-            .iter()
-            .map(|t| t.force_noise.powi(2))
-            .sum::<f64>()
-            / trajectories.len() as f64;
         Ok(Some(Self {
             trajectories,
             extent,
@@ -195,8 +188,19 @@ impl<'a> Design<'a> {
             nodes,
             fits_law,
             blocks,
-            noise,
         }))
+    }
+
+    /// Variance of the force's noise at a row, kN².
+    pub fn noise_of(&self, row: &Row) -> f64 {
+        let (which, _) = row.instants[0].origin;
+        self.trajectories[which].force_noise.powi(2)
+    }
+
+    /// The mean of that.
+    pub fn noise(&self) -> f64 {
+        let noise = self.rows.iter().map(|row| self.noise_of(row));
+        noise.sum::<f64>() / self.rows.len() as f64
     }
 
     /// What is remembered at each row; `None` where it never changes.

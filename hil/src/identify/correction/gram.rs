@@ -68,6 +68,8 @@ pub(super) struct Block {
     pub gram: DMatrix<f64>,
     right: DVector<f64>,
     energy: f64,
+    /// Variance of the force's noise, summed.
+    noise: f64,
     pub count: f64,
 }
 
@@ -129,6 +131,7 @@ impl<'d> Raw<'d> {
                 }
             }
             block.energy += left * left;
+            block.noise += design.noise_of(row);
             block.count += 1.0;
         }
         for block in &mut blocks {
@@ -294,17 +297,11 @@ impl<'d, 't> Sums<'d, 't> {
                 &self.total.gram - &block.gram,
                 &self.total.right - &block.right,
             );
-            outside += self
-                .beyond_noise(block.error(&system.solve(gram, right)?))
-                .ln();
+            outside += block.beyond_noise(&system.solve(gram, right)?).ln();
         }
         let outside = outside / self.design.left_out.len() as f64;
-        let inside = self.beyond_noise(self.total.error(unknowns)).ln();
+        let inside = self.total.beyond_noise(unknowns).ln();
         Some((0.5 * (inside + outside)).exp())
-    }
-
-    fn beyond_noise(&self, squares: f64) -> f64 {
-        beyond_noise(squares, self.design.noise)
     }
 
     fn unknowns(&self, system: &System) -> Option<DVector<f64>> {
@@ -348,7 +345,7 @@ impl<'d, 't> Sums<'d, 't> {
                 cells[cell] += factor * value;
             }
         }
-        let inside = self.beyond_noise(self.total.error(x));
+        let inside = self.total.beyond_noise(x);
         Solved {
             coefficients: Coefficients(self.at.0.iter().enumerate().map(moved).collect()),
             cells,
@@ -364,6 +361,7 @@ impl Block {
             gram: DMatrix::zeros(width, width),
             right: DVector::zeros(width),
             energy: 0.0,
+            noise: 0.0,
             count: 0.0,
         }
     }
@@ -372,6 +370,7 @@ impl Block {
         self.gram += &other.gram;
         self.right += &other.right;
         self.energy += other.energy;
+        self.noise += other.noise;
         self.count += other.count;
     }
 
@@ -381,6 +380,7 @@ impl Block {
         let (first_hat, width) = (law + trends.len(), law + trends.len() + hats.len());
         let mut mapped = Self {
             energy: self.energy,
+            noise: self.noise,
             count: self.count,
             ..Self::new(width)
         };
@@ -442,13 +442,15 @@ impl Block {
             }),
             right: self.right.select_rows(unknowns),
             energy: self.energy,
+            noise: self.noise,
             count: self.count,
         }
     }
 
-    /// Mean squared error with the unknowns `x`, kN².
-    fn error(&self, x: &DVector<f64>) -> f64 {
-        let error = self.energy - 2.0 * x.dot(&self.right) + x.dot(&(&self.gram * x));
-        error.max(0.0) / self.count.max(1.0)
+    /// The error with the unknowns `x` beyond the noise, kN.
+    fn beyond_noise(&self, x: &DVector<f64>) -> f64 {
+        let squares = self.energy - 2.0 * x.dot(&self.right) + x.dot(&(&self.gram * x));
+        let count = self.count.max(1.0);
+        beyond_noise(squares.max(0.0) / count, self.noise / count)
     }
 }

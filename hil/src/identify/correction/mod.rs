@@ -34,13 +34,14 @@ const MEMORY_SMOOTHNESS: [Option<f64>; 6] = [
 ];
 /// With which kinds of memory are compared.
 const TYPICAL: f64 = 1e-2;
-/// A correction is taken for an error that is at most this part of that without.
+/// A correction is taken for an error beyond the noise that is at most this part of that without.
 const WORTHWHILE: f64 = 0.85;
 /// A table around the trends, likewise.
 const TABULATED: f64 = 0.9;
 /// A memory, likewise: with so many to choose from, one will look better by chance.
 const REMEMBERED: f64 = 0.75;
-/// A kind of memory is judged if the error of its fit is at most so many times the least of those that do not go on with time.
+/// A kind of memory is judged if the error of its fit is at most so many times the least of those that do not go on with time,
+/// and at most [`WORTHWHILE`] of that without.
 const COMPARABLE: f64 = 2.0;
 /// A variable is needed whose absence makes the error more than so many times as large.
 const NEEDED: f64 = 1.1;
@@ -127,13 +128,13 @@ pub fn fit(
         return Ok(None);
     };
     // What comes to the noise without a memory can't come to much less with one.
-    let may_remember = REMEMBERED * plain.solved.error > beyond_noise(0.0, design.noise);
+    let may_remember = REMEMBERED * plain.solved.error > beyond_noise(0.0, design.noise());
     let mut kinds = if may_remember {
         promising(&design, &plain)
     } else {
         Vec::new()
     };
-    let best_of = |kinds: &[Kind]| {
+    let best_of = |kinds: &[Memorable]| {
         let remembered = remembering(&design, &plain, kinds);
         let Fitted { choice, solved } = remembered.unwrap_or_else(|| plain.clone());
         let is_worthwhile = solved.error <= WORTHWHILE * alone.error;
@@ -274,7 +275,7 @@ fn momentary(design: &Design, alone: &Solved) -> Option<Fitted> {
 }
 
 /// The best of a kind of memory beside a correction without one.
-struct Kind {
+struct Memorable {
     recalled: Recalled,
     trends: Vec<Trend>,
     /// Judged, kN.
@@ -283,7 +284,7 @@ struct Kind {
 
 /// What may be remembered beside `plain`, of each kind the best, if tables with it fit clearly better than `plain`, and not much
 /// worse than those with another kind.
-fn promising(design: &Design, plain: &Fitted) -> Vec<Kind> {
+fn promising(design: &Design, plain: &Fitted) -> Vec<Memorable> {
     let at = &plain.solved.coefficients;
     let known = &plain.choice.trends;
     let tabulated = Form {
@@ -292,7 +293,7 @@ fn promising(design: &Design, plain: &Fitted) -> Vec<Kind> {
     };
     let fitted = |of: Remembered| {
         let raw = Raw::of_whole(design, at, Some(&design.recall(of)?));
-        Some((raw.sums(tabulated)?.solved(tabulated)?.error, of))
+        Some((raw.sums(tabulated)?.solved(tabulated)?.inside, of))
     };
     let best_of = |candidates: Vec<Remembered>| {
         let fitted = candidates.into_par_iter().filter_map(fitted);
@@ -308,13 +309,13 @@ fn promising(design: &Design, plain: &Fitted) -> Vec<Kind> {
     });
     let best_of_each: Vec<(f64, Remembered)> = best_of_each.collect();
     // Whether how long a test has run may be remembered is decided later.
-    let lasting = best_of_each
+    let of_motion = best_of_each
         .iter()
         .filter(|(_, of)| !memory::goes_on_with_time(*of));
-    let least = lasting.fold(f64::INFINITY, |least, (error, _)| least.min(*error));
-    let promising = best_of_each.into_par_iter();
-    let promising = promising.filter(|(error, _)| *error <= COMPARABLE * least);
-    let judged = promising.filter_map(|(_, of)| {
+    let least = of_motion.fold(f64::INFINITY, |least, (error, _)| least.min(*error));
+    let comparable = best_of_each.into_par_iter();
+    let comparable = comparable.filter(|(error, _)| *error <= COMPARABLE * least);
+    let judged = comparable.filter_map(|(_, of)| {
         let recalled = design.recall(of)?;
         let raw = Raw::over(design, at, Some(&recalled));
         let candidates = trend::of_memory(of, Variables::BOTH);
@@ -325,7 +326,7 @@ fn promising(design: &Design, plain: &Fitted) -> Vec<Kind> {
         } else {
             (with_table, known.clone())
         };
-        Some(Kind {
+        Some(Memorable {
             recalled,
             trends,
             error,
@@ -335,7 +336,7 @@ fn promising(design: &Design, plain: &Fitted) -> Vec<Kind> {
 }
 
 /// What is best remembered of these beside `plain`, where that clearly pays.
-fn remembering(design: &Design, plain: &Fitted, kinds: &[Kind]) -> Option<Fitted> {
+fn remembering(design: &Design, plain: &Fitted, kinds: &[Memorable]) -> Option<Fitted> {
     let at = &plain.solved.coefficients;
     let best = kinds.iter().min_by(|a, b| a.error.total_cmp(&b.error))?;
     let (recalled, of) = (&best.recalled, best.recalled.of);

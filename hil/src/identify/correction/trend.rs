@@ -16,7 +16,7 @@ use super::gram::{Form, Raw};
 const MOST: usize = 5;
 /// So many, which save most in the fit, are judged by what is left out of it.
 const PROMISING: usize = 24;
-/// A trend is taken for an error that is at most this part of that without.
+/// A trend is taken for an error beyond the noise that is at most this part of that without.
 const WORTHWHILE: f64 = 0.93;
 
 /// Values in the cells of T, and in those of U after them.
