@@ -53,24 +53,13 @@ impl<'s, 'r, 'a> Screen<'s, 'r, 'a> {
         }
     }
 
-    /// The starts of `term`, the best first: those that gain as much as their neighbours in the grid, since others mostly
-    /// lead to where these do. A term without shapes has one.
+    /// The starts of `term`, the best first; one without shapes has one.
     pub fn starts(&self, term: Term) -> Vec<Start> {
-        let (points, sizes) = grid(self.extent, term.form);
-        let gains: Vec<f64> = points
-            .iter()
-            .map(|shapes| self.gain(term, shapes))
-            .collect();
-        let is_peak = |place: &usize| {
-            // Every tone leads to a minimum of its own.
-            term.form == Form::Periodic
-                || neighbours(*place, &sizes).all(|other| gains[other] <= gains[*place])
-        };
-        let mut starts: Vec<Start> = (0..points.len())
-            .filter(is_peak)
-            .map(|place| Start {
-                gain: gains[place],
-                shapes: points[place].clone(),
+        let mut starts: Vec<Start> = grid(self.extent, term.form)
+            .into_iter()
+            .map(|shapes| Start {
+                gain: self.gain(term, &shapes),
+                shapes,
             })
             .collect();
         starts.sort_by(|a, b| b.gain.total_cmp(&a.gain));
@@ -179,49 +168,20 @@ fn normal_of(rows: &Rows, tangent: &Tangent) -> (Normal, Option<Factor>) {
     (normal, factor)
 }
 
-/// Every combination of the starts of a form's shapes, the last shape's next to each other, and how many each shape has.
-fn grid(extent: &Extent, form: Form) -> (Vec<Vec<f64>>, Vec<usize>) {
-    let shapes = extent.shapes(form);
-    let sizes = shapes.iter().map(|shape| shape.starts.len()).collect();
-    let points = shapes.iter().fold(vec![Vec::new()], |grid, shape| {
-        grid.iter()
-            .flat_map(|point| {
-                shape.starts.iter().map(move |&start| {
-                    let mut point = point.clone();
-                    point.push(start);
-                    point
+/// Every combination of the starts of a form's shapes.
+fn grid(extent: &Extent, form: Form) -> Vec<Vec<f64>> {
+    extent
+        .shapes(form)
+        .iter()
+        .fold(vec![Vec::new()], |grid, shape| {
+            grid.iter()
+                .flat_map(|point| {
+                    shape.starts.iter().map(move |&start| {
+                        let mut point = point.clone();
+                        point.push(start);
+                        point
+                    })
                 })
-            })
-            .collect()
-    });
-    (points, sizes)
-}
-
-/// The places of a grid of these sizes that are one step along one shape away.
-fn neighbours(place: usize, sizes: &[usize]) -> impl Iterator<Item = usize> + '_ {
-    (0..sizes.len()).flat_map(move |shape| {
-        let stride: usize = sizes[shape + 1..].iter().product();
-        let at = place / stride % sizes[shape];
-        let before = (at > 0).then(|| place - stride);
-        let after = (at + 1 < sizes[shape]).then(|| place + stride);
-        before.into_iter().chain(after)
-    })
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn neighbours_are_one_step_along_one_shape_away() {
-        // 0 1
-        // 2 3
-        // 4 5
-        let of = |place| neighbours(place, &[3, 2]).collect::<Vec<_>>();
-        assert_eq!(of(0), [2, 1]);
-        assert_eq!(of(3), [1, 5, 2]);
-        assert_eq!(of(4), [2, 5]);
-        assert_eq!(neighbours(0, &[]).count(), 0, "a form without shapes");
-        assert_eq!(neighbours(0, &[1]).count(), 0);
-    }
+                .collect()
+        })
 }
