@@ -220,7 +220,10 @@ pub fn concluded(result: &TraceResult) -> Markup {
     html! {
         @match result.verdict {
             Verdict::None => {
-                p { "Nothing: what the law alone leaves of the judging cycles is hardly more than the noise, or no family leaves clearly less." }
+                p {
+                    "Nothing: what the law alone leaves of the judging cycles is hardly more than the noise, or no family \
+                     leaves clearly less."
+                }
             }
             Verdict::Found => {}
             Verdict::Ambiguous => {

@@ -330,14 +330,10 @@ fn blocks<'t>(trajectories: &'t [Trajectory], roles: &Roles) -> Vec<(usize, &'t 
     let is_inner = |(which, block): &(usize, &Block)| {
         let all = trajectories[*which].blocks.iter();
         let mut open = all.filter(|block| block.samples.clone().any(|i| roles.is_open(*which, i)));
-        let first = open.next();
-        let ends = [first, open.next_back().filter(|_| first.is_some())];
-        let is_only = ends[1].is_none();
-        is_only
-            || !ends
-                .into_iter()
-                .flatten()
-                .any(|end| std::ptr::eq(end, *block))
+        let (first, last) = (open.next(), open.next_back());
+        let is = |end: Option<&Block>| end.is_some_and(|end| std::ptr::eq(end, *block));
+        let is_only = last.is_none();
+        is_only || !(is(first) || is(last))
     };
     let inner: Vec<(usize, &Block)> = known.iter().copied().filter(is_inner).collect();
     let known = if inner.len() < FEWEST_INNER {
