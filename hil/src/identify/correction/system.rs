@@ -80,17 +80,11 @@ impl System {
     fn law(&mut self, design: &Design, at: &Coefficients, total: &Block) {
         let count = at.0.len();
         for i in 0..4 {
-            let power = (0..count)
-                .map(|node| total.gram[(4 * node + i, 4 * node + i)])
-                .sum::<f64>()
-                / count as f64;
+            let power = |node: usize| total.gram[(4 * node + i, 4 * node + i)];
             if i == 3 {
                 for node in 0..count {
-                    self.add(
-                        &[(4 * node + 3, 1.0)],
-                        0.0,
-                        STEP * power + f64::MIN_POSITIVE,
-                    );
+                    let weight = STEP * power(node) + f64::MIN_POSITIVE;
+                    self.add(&[(4 * node + 3, 1.0)], 0.0, weight);
                 }
                 continue;
             }
@@ -102,7 +96,9 @@ impl System {
                 let bend = (0..3)
                     .map(|next| weights[next] * at.0[node + next][i])
                     .sum::<f64>();
-                self.add(&terms, -bend, BEND * power);
+                // The least of the three: y⁶ of large amplitudes would outweigh all that is known of a small one's k3.
+                let least = (node..node + 3).map(power).fold(f64::INFINITY, f64::min);
+                self.add(&terms, -bend, BEND * least);
             }
         }
     }
