@@ -4,7 +4,7 @@ use mesh_damper::effects::correction::{CELLS, MEMORY_CELLS};
 use nalgebra::{DMatrix, DVector};
 use rayon::prelude::*;
 
-use super::design::{Coefficients, Design, Recalled};
+use super::design::{Coefficients, Design, Recalled, Row};
 use super::system::System;
 use super::trend::{Trend, hats_of_memory, hats_of_table};
 use crate::correction::Remembered;
@@ -73,97 +73,150 @@ pub(super) struct Block {
     pub count: f64,
 }
 
-/// The sums of every block over eq 13 and over all cells, at given coefficients.
-pub(super) struct Raw<'d> {
+/// The rows of a fit, at given coefficients.
+pub(super) struct Rows<'d> {
     design: &'d Design<'d>,
     at: &'d Coefficients,
-    law: usize,
-    of: Option<Remembered>,
-    blocks: Vec<Block>,
+    recalled: Option<&'d Recalled>,
 }
 
-impl<'d> Raw<'d> {
-    /// Over what eq 13 with `at` leaves. The unknowns of eq 13 are changes from `at`.
-    pub fn over(design: &'d Design<'d>, at: &'d Coefficients, recalled: Option<&Recalled>) -> Self {
-        Self::gather(design, at, recalled, design.blocks)
-    }
-
-    /// The same with all blocks as one, of which none can be left out.
-    pub fn of_whole(
+impl<'d> Rows<'d> {
+    /// Of what eq 13 with `at` leaves. The unknowns of eq 13 are changes from `at`.
+    pub fn over(
         design: &'d Design<'d>,
         at: &'d Coefficients,
-        recalled: Option<&Recalled>,
+        recalled: Option<&'d Recalled>,
     ) -> Self {
-        Self::gather(design, at, recalled, 1)
-    }
-
-    fn gather(
-        design: &'d Design<'d>,
-        at: &'d Coefficients,
-        recalled: Option<&Recalled>,
-        blocks: usize,
-    ) -> Self {
-        let law = if design.fits_law { 4 * at.0.len() } else { 0 };
-        let memory = recalled.map_or(0, |_| MEMORY_CELLS);
-        let mut blocks: Vec<Block> = (0..blocks)
-            .map(|_| Block::new(law + CELLS + memory))
-            .collect();
-        let mut entries: Vec<(usize, f64)> = Vec::new();
-        for (index, row) in design.rows.iter().enumerate() {
-            entries.clear();
-            let mut left = row.force;
-            if law > 0 {
-                left -= row.law_force(at);
-                row.law_derivatives(at, &mut entries);
-            }
-            entries.extend(row.cells().map(|(cell, weight)| (law + cell, weight)));
-            if let Some(recalled) = recalled {
-                let cells = recalled.cells_of(index);
-                entries.extend(cells.map(|(cell, weight)| (law + CELLS + cell, weight)));
-            }
-            add_up(&mut entries);
-            let last = blocks.len() - 1;
-            let block = &mut blocks[row.block.min(last)];
-            for (place, &(i, a)) in entries.iter().enumerate() {
-                block.right[i] += a * left;
-                for &(j, b) in &entries[..=place] {
-                    block.gram[(i.max(j), i.min(j))] += a * b;
-                }
-            }
-            block.energy += left * left;
-            block.noise += design.noise_of(row);
-            block.count += 1.0;
-        }
-        for block in &mut blocks {
-            block.gram.fill_upper_triangle_with_lower_triangle();
-        }
         Self {
             design,
             at,
-            law,
-            of: recalled.map(|recalled| recalled.of),
-            blocks,
+            recalled,
         }
     }
 
     /// The sums over eq 13 and what `form` has beside it, however smooth; `None` without samples.
     pub fn sums<'t>(&self, form: Form<'t>) -> Option<Sums<'_, 't>> {
         let table = form.table.map_or(Vec::new(), |_| hats_of_table());
-        let memory = form.memory.and(self.of).map_or(Vec::new(), hats_of_memory);
+        let of = self.recalled.map(|recalled| recalled.of);
+        let memory = form.memory.and(of).map_or(Vec::new(), hats_of_memory);
         let layout = Layout {
-            law: self.law,
+            law: self.width_of_law(),
             trends: form.trends.len(),
             table: table.len(),
             memory: memory.len(),
-            of: self.of,
+            of,
         };
         let hats: Vec<Trend> = table.into_iter().chain(memory).collect();
-        let blocks = self
-            .blocks
-            .par_iter()
-            .map(|block| block.mapped(self.law, form.trends, &hats));
-        let blocks = blocks.collect();
+        let parts = Parts::new(&layout, form.trends, &hats);
+        let mut first = 0;
+        let runs = self.design.rows.chunk_by(|a, b| a.block == b.block);
+        let runs: Vec<(usize, &[Row])> = runs
+            .map(|run| {
+                first += run.len();
+                (first - run.len(), run)
+            })
+            .collect();
+        let summed = runs
+            .into_par_iter()
+            .map(|(first, run)| (run[0].block, self.block(first, run, &layout, &parts)));
+        let empty = || Block::new(layout.width());
+        let mut blocks: Vec<Block> = (0..self.design.blocks).map(|_| empty()).collect();
+        for (index, block) in summed.collect::<Vec<_>>() {
+            blocks[index] = block;
+        }
         Sums::of(self.design, self.at, layout, form.trends, hats, blocks)
+    }
+
+    fn width_of_law(&self) -> usize {
+        if self.design.fits_law {
+            4 * self.at.0.len()
+        } else {
+            0
+        }
+    }
+
+    /// The sums over `rows`, of which the first is that of this index.
+    fn block(&self, first: usize, rows: &[Row], layout: &Layout, parts: &Parts) -> Block {
+        let (law, width) = (layout.law, layout.law + layout.trends);
+        let mut block = Block::new(layout.width());
+        let mut of_law: Vec<(usize, f64)> = Vec::new();
+        // Nearly all of eq 13's unknowns and of the trends' are at work at once, and few of the hats'.
+        let mut dense = DMatrix::zeros(width, rows.len());
+        let mut hats: Vec<(usize, f64)> = Vec::new();
+        let mut left = DVector::zeros(rows.len());
+        for (place, row) in rows.iter().enumerate() {
+            let known = &mut dense.as_mut_slice()[place * width..][..width];
+            hats.clear();
+            left[place] = row.force;
+            if law > 0 {
+                left[place] -= row.law_force(self.at);
+                of_law.clear();
+                row.law_derivatives(self.at, &mut of_law);
+                of_law.iter().for_each(|&(i, a)| known[i] += a);
+            }
+            for (cell, weight) in row.cells() {
+                parts.add(cell, weight, &mut known[law..], &mut hats);
+            }
+            if let Some(recalled) = self.recalled {
+                for (cell, weight) in recalled.cells_of(first + place) {
+                    parts.add(CELLS + cell, weight, &mut known[law..], &mut hats);
+                }
+            }
+            add_up(&mut hats);
+            block.add_hats(known, &hats, left[place]);
+            block.noise += self.design.noise_of(row);
+        }
+        // Several times as fast as `tr_mul`.
+        let squares = &dense * dense.transpose();
+        let own = (width, width);
+        block.gram.view_mut((0, 0), own).copy_from(&squares);
+        block.right.rows_mut(0, width).copy_from(&(&dense * &left));
+        block.gram.fill_lower_triangle_with_upper_triangle();
+        block.energy = left.norm_squared();
+        block.count = rows.len() as f64;
+        block
+    }
+}
+
+/// What the cells of the tables are made of.
+struct Parts {
+    trends: usize,
+    /// The value of each trend in each cell, trends running fastest.
+    of_trends: Vec<f64>,
+    /// The unknowns of the hats at each cell, with their values there.
+    of_hats: Vec<Vec<(usize, f64)>>,
+}
+
+impl Parts {
+    fn new(layout: &Layout, trends: &[Trend], hats: &[Trend]) -> Self {
+        let mut of_trends = vec![0.0; (CELLS + MEMORY_CELLS) * trends.len()];
+        for (index, trend) in trends.iter().enumerate() {
+            for &(cell, value) in &trend.0 {
+                of_trends[cell * trends.len() + index] = value;
+            }
+        }
+        let mut of_hats = vec![Vec::new(); CELLS + MEMORY_CELLS];
+        for (unknown, hat) in (layout.law + layout.trends..).zip(hats) {
+            for &(cell, value) in &hat.0 {
+                of_hats[cell].push((unknown, value));
+            }
+        }
+        Self {
+            trends: trends.len(),
+            of_trends,
+            of_hats,
+        }
+    }
+
+    /// Adds what a cell of this weight is made of.
+    fn add(&self, cell: usize, weight: f64, trends: &mut [f64], hats: &mut Vec<(usize, f64)>) {
+        if weight == 0.0 {
+            return;
+        }
+        let values = &self.of_trends[cell * self.trends..][..self.trends];
+        let sums = trends.iter_mut().zip(values);
+        sums.for_each(|(sum, value)| *sum += weight * value);
+        hats.extend(self.of_hats[cell].iter().map(|&(hat, a)| (hat, weight * a)));
     }
 }
 
@@ -374,64 +427,19 @@ impl Block {
         self.count += other.count;
     }
 
-    /// The sums over the unknowns of eq 13 and over the factors of `trends`, which fill most cells, and of `hats`, which fill
-    /// few.
-    fn mapped(&self, law: usize, trends: &[Trend], hats: &[Trend]) -> Self {
-        let (first_hat, width) = (law + trends.len(), law + trends.len() + hats.len());
-        let mut mapped = Self {
-            energy: self.energy,
-            noise: self.noise,
-            count: self.count,
-            ..Self::new(width)
-        };
-        let own = self.gram.view((0, 0), (law, law));
-        mapped.gram.view_mut((0, 0), (law, law)).copy_from(&own);
-        mapped
-            .right
-            .rows_mut(0, law)
-            .copy_from(&self.right.rows(0, law));
-        let mut dense = DMatrix::zeros(self.gram.nrows() - law, trends.len());
-        for (column, trend) in trends.iter().enumerate() {
-            for &(cell, value) in &trend.0 {
-                dense[(cell, column)] = value;
+    /// Adds what the hats at a row have in common with the unknowns before them, `known`, and with each other, in the upper
+    /// triangle.
+    fn add_hats(&mut self, known: &[f64], hats: &[(usize, f64)], left: f64) {
+        let height = self.gram.nrows();
+        for (place, &(i, a)) in hats.iter().enumerate() {
+            let column = &mut self.gram.as_mut_slice()[i * height..][..height];
+            let shared = column.iter_mut().zip(known);
+            shared.for_each(|(sum, b)| *sum += a * b);
+            for &(j, b) in &hats[..=place] {
+                column[j] += a * b;
             }
+            self.right[i] += a * left;
         }
-        let products = self.gram.columns_range(law..) * &dense;
-        let size = (trends.len(), trends.len());
-        // Several times as fast as `tr_mul`.
-        let squares = dense.transpose() * products.rows_range(law..);
-        mapped.gram.view_mut((law, law), size).copy_from(&squares);
-        let right = dense.tr_mul(&self.right.rows_range(law..));
-        mapped.right.rows_mut(law, trends.len()).copy_from(&right);
-        for column in 0..trends.len() {
-            for i in 0..law {
-                mapped.gram[(i, law + column)] = products[(i, column)];
-                mapped.gram[(law + column, i)] = products[(i, column)];
-            }
-        }
-        let mut with_hat = DVector::zeros(self.gram.nrows());
-        for (hat, cells) in hats.iter().enumerate() {
-            let place = first_hat + hat;
-            with_hat.fill(0.0);
-            for &(cell, value) in &cells.0 {
-                with_hat.axpy(value, &self.gram.column(law + cell), 1.0);
-                mapped.right[place] += value * self.right[law + cell];
-                for column in 0..trends.len() {
-                    mapped.gram[(place, law + column)] += value * products[(law + cell, column)];
-                }
-            }
-            for i in 0..law {
-                mapped.gram[(place, i)] = with_hat[i];
-            }
-            for (other, beside) in hats[..=hat].iter().enumerate() {
-                let product = |&(cell, value): &(usize, f64)| value * with_hat[law + cell];
-                mapped.gram[(place, first_hat + other)] = beside.0.iter().map(product).sum();
-            }
-            for i in 0..place {
-                mapped.gram[(i, place)] = mapped.gram[(place, i)];
-            }
-        }
-        mapped
     }
 
     /// The sums over some of the unknowns.

@@ -18,7 +18,7 @@ use crate::correction::{CorrectionTable, MemoryTable, Remembered};
 use crate::model::{Model, ModelError};
 use crate::recording::trajectory::Trajectory;
 use design::{Coefficients, Design, Extent, Recalled};
-use gram::{Form, Raw, Solved};
+use gram::{Form, Rows, Solved};
 use trend::{Trend, Variables};
 
 /// Penalties of the bends of T that are tried, over what the data say of a cell.
@@ -192,13 +192,13 @@ pub fn depends_on(
     if let Some(design) = &design {
         let recalled = choice.recalled(design);
         let at = Coefficients::of(model);
-        let raw = Raw::over(design, &at, recalled.as_ref());
+        let rows = Rows::over(design, &at, recalled.as_ref());
         let error_with = |variables: Variables| {
             let mut trends = trend::of_table(variables);
             if let Some(recalled) = &recalled {
                 trends.extend(trend::of_memory(recalled.of, variables));
             }
-            trend::grown(&raw, &[], &trends).map_or(f64::INFINITY, |(error, _)| error)
+            trend::grown(&rows, &[], &trends).map_or(f64::INFINITY, |(error, _)| error)
         };
         let all = error_with(Variables::BOTH);
         let without_displacement = Variables {
@@ -215,7 +215,7 @@ pub fn depends_on(
         let is_line = recalled
             .as_ref()
             .is_some_and(|of| of.of == Remembered::Place);
-        let solved = || raw.sums(choice.form())?.solved(choice.form());
+        let solved = || rows.sums(choice.form())?.solved(choice.form());
         if error_with(without_velocity) > NEEDED * all
             || is_line && solved().is_some_and(|solved| differs_by_direction(&solved.cells))
         {
@@ -251,16 +251,16 @@ fn momentary(design: &Design, alone: &Solved) -> Option<Fitted> {
     // Eq 13's exponents may be far off until something stands in for what it lacks.
     for _ in 0..ROUNDS {
         let at = solved.coefficients.clone();
-        let raw = Raw::over(design, &at, None);
-        (_, choice.trends) = trend::grown(&raw, &[], &trend::of_table(Variables::BOTH))?;
+        let rows = Rows::over(design, &at, None);
+        (_, choice.trends) = trend::grown(&rows, &[], &trend::of_table(Variables::BOTH))?;
         solved = settle(design, &at, choice.form(), None)?;
     }
-    let raw = Raw::over(design, &solved.coefficients, None);
+    let rows = Rows::over(design, &solved.coefficients, None);
     let with_table = |smoothness: f64| Form {
         table: Some(smoothness),
         ..choice.form()
     };
-    let sums = raw.sums(with_table(TYPICAL))?;
+    let sums = rows.sums(with_table(TYPICAL))?;
     let around = SMOOTHNESS
         .par_iter()
         .filter_map(|&smoothness| Some((sums.judged(with_table(smoothness))?, smoothness)));
@@ -292,8 +292,9 @@ fn promising(design: &Design, plain: &Fitted) -> Vec<Memorable> {
         ..plain.choice.form()
     };
     let fitted = |of: Remembered| {
-        let raw = Raw::of_whole(design, at, Some(&design.recall(of)?));
-        Some((raw.sums(tabulated)?.solved(tabulated)?.inside, of))
+        let recalled = design.recall(of)?;
+        let rows = Rows::over(design, at, Some(&recalled));
+        Some((rows.sums(tabulated)?.solved(tabulated)?.inside, of))
     };
     let best_of = |candidates: Vec<Remembered>| {
         let fitted = candidates.into_par_iter().filter_map(fitted);
@@ -317,10 +318,10 @@ fn promising(design: &Design, plain: &Fitted) -> Vec<Memorable> {
     let comparable = comparable.filter(|(error, _)| *error <= COMPARABLE * least);
     let judged = comparable.filter_map(|(_, of)| {
         let recalled = design.recall(of)?;
-        let raw = Raw::over(design, at, Some(&recalled));
+        let rows = Rows::over(design, at, Some(&recalled));
         let candidates = trend::of_memory(of, Variables::BOTH);
-        let (error, trends) = trend::grown(&raw, known, &candidates)?;
-        let with_table = raw.sums(tabulated)?.judged(tabulated)?.error;
+        let (error, trends) = trend::grown(&rows, known, &candidates)?;
+        let with_table = rows.sums(tabulated)?.judged(tabulated)?.error;
         let (error, trends) = if error < with_table {
             (error, trends)
         } else {
@@ -340,13 +341,13 @@ fn remembering(design: &Design, plain: &Fitted, kinds: &[Memorable]) -> Option<F
     let at = &plain.solved.coefficients;
     let best = kinds.iter().min_by(|a, b| a.error.total_cmp(&b.error))?;
     let (recalled, of) = (&best.recalled, best.recalled.of);
-    let raw = Raw::over(design, at, Some(recalled));
+    let rows = Rows::over(design, at, Some(recalled));
     // What was taken without the memory may have stood in for it.
     let all: Vec<Trend> = trend::of_table(Variables::BOTH)
         .into_iter()
         .chain(trend::of_memory(of, Variables::BOTH))
         .collect();
-    let trends = match trend::grown(&raw, &[], &all) {
+    let trends = match trend::grown(&rows, &[], &all) {
         Some((anew, others)) if anew < best.error => others,
         _ => best.trends.clone(),
     };
@@ -363,7 +364,7 @@ fn remembering(design: &Design, plain: &Fitted, kinds: &[Memorable]) -> Option<F
     let has_tables = |form: &Form| (form.table.is_some(), form.memory.is_some());
     let alike = forms.chunk_by(|a, b| has_tables(a) == has_tables(b));
     let judged = alike.flat_map(|alike| {
-        let sums = raw.sums(alike[0]);
+        let sums = rows.sums(alike[0]);
         let judged = alike
             .par_iter()
             .map(|&form| Some((sums.as_ref()?.judged(form)?, form)));
@@ -400,7 +401,7 @@ fn settle(
     recalled: Option<&Recalled>,
 ) -> Option<Solved> {
     let at = settled(design, start, form, recalled, STEPS - 1)?.coefficients;
-    Raw::over(design, &at, recalled).sums(form)?.judged(form)
+    Rows::over(design, &at, recalled).sums(form)?.judged(form)
 }
 
 /// Solves so many times.
@@ -411,7 +412,7 @@ fn settled(
     recalled: Option<&Recalled>,
     steps: usize,
 ) -> Option<Solved> {
-    let step = |at: &Coefficients| Raw::of_whole(design, at, recalled).sums(form)?.solved(form);
+    let step = |at: &Coefficients| Rows::over(design, at, recalled).sums(form)?.solved(form);
     (1..steps).try_fold(step(start)?, |solved, _| step(&solved.coefficients))
 }
 

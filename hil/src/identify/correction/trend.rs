@@ -10,7 +10,7 @@ use rayon::prelude::*;
 
 use crate::correction::Remembered;
 
-use super::gram::{Form, Raw};
+use super::gram::{Form, Rows};
 
 /// Most trends that are added at once.
 const MOST: usize = 5;
@@ -163,9 +163,9 @@ fn products(
 }
 
 /// `known` with those of `candidates` that make the judged error clearly smaller, one at a time; and that error, kN.
-pub(super) fn grown(raw: &Raw, known: &[Trend], candidates: &[Trend]) -> Option<(f64, Vec<Trend>)> {
+pub(super) fn grown(rows: &Rows, known: &[Trend], candidates: &[Trend]) -> Option<(f64, Vec<Trend>)> {
     let all: Vec<Trend> = known.iter().chain(candidates).cloned().collect();
-    let sums = raw.sums(Form {
+    let sums = rows.sums(Form {
         trends: &all,
         ..Form::NONE
     })?;
