@@ -163,7 +163,11 @@ fn products(
 }
 
 /// `known` with those of `candidates` that make the judged error clearly smaller, one at a time; and that error, kN.
-pub(super) fn grown(rows: &Rows, known: &[Trend], candidates: &[Trend]) -> Option<(f64, Vec<Trend>)> {
+pub(super) fn grown(
+    rows: &Rows,
+    known: &[Trend],
+    candidates: &[Trend],
+) -> Option<(f64, Vec<Trend>)> {
     let all: Vec<Trend> = known.iter().chain(candidates).cloned().collect();
     let sums = rows.sums(Form {
         trends: &all,
