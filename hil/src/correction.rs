@@ -30,7 +30,7 @@ pub struct MemoryTable {
     pub of: Remembered,
     /// Its values at the first and at the last node; of a line unused.
     pub range: [f64; 2],
-    /// Displacement runs fastest, then memory, then direction. A line has the first 33 of each direction's 45.
+    /// Displacement runs fastest, then memory, then direction. A line has the first 33 of each direction's 45, or 17 over speed.
     pub cells: Vec<i16>,
 }
 
@@ -48,6 +48,8 @@ pub enum Remembered {
     Level { time: f64 },
     Temperature,
     Place,
+    Beyond { place: f64 },
+    Frequency { time: f64 },
 }
 
 impl Remembered {
@@ -62,7 +64,8 @@ impl Remembered {
             Self::Age { .. } => "time",
             Self::Cycles { .. } => "cycle",
             Self::Temperature => "temperature",
-            Self::Place => "displacement",
+            Self::Place | Self::Beyond { .. } => "displacement",
+            Self::Frequency { .. } => "frequency",
         }
     }
 
@@ -77,6 +80,8 @@ impl Remembered {
             Self::Largest => Memory::Largest,
             Self::Temperature => Memory::Temperature,
             Self::Place => Memory::Place,
+            Self::Beyond { place } => Memory::Beyond { place: real(place) },
+            Self::Frequency { time } => Memory::Frequency { time: real(time) },
             Self::Age { time } => Memory::Age { time: real(time) },
             Self::Cycles { cycles } => Memory::Cycles {
                 cycles: real(cycles),

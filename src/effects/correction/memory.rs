@@ -15,6 +15,8 @@ const GAIN: u32 = 10;
 const LARGEST_GAIN: i32 = 1 << 13;
 /// Bits of an average below the last of a place.
 const AVERAGE: u32 = 15;
+/// Parts of a cycle that are told apart.
+const CYCLE: i32 = 1 << 16;
 
 /// What z is.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -56,6 +58,17 @@ pub enum Memory<R> {
     /// Nothing: U is a line over displacement alone, once for each direction, of [`super::FINE`] nodes evenly over ±reach in
     /// the place of T's [`super::DISPLACEMENTS`]. It has the first so many of each direction's cells, the others are not read.
     Place,
+    /// Nothing: U is a line over speed alone, once for each direction, of T's nodes, and 0 where the displacement does not lie
+    /// beyond `place`: what touches on one side. It has the first [`super::SPEEDS`] of each direction's cells.
+    Beyond {
+        /// mm, −1e4…1e4
+        place: R,
+    },
+    /// log₂ of the frequency in Hz, the cycles per second over `time`, by straight lines between powers of two.
+    Frequency {
+        /// s, 1e-6…1e6; at least two ticks are taken.
+        time: R,
+    },
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -70,11 +83,13 @@ pub(super) enum Kind {
     Level,
     Temperature,
     Place,
+    Beyond,
+    Frequency,
 }
 
 impl Kind {
     /// By their numbers in a pack.
-    pub const ALL: [Self; 10] = [
+    pub const ALL: [Self; 12] = [
         Self::None,
         Self::Slip,
         Self::Lag,
@@ -85,6 +100,8 @@ impl Kind {
         Self::Level,
         Self::Temperature,
         Self::Place,
+        Self::Beyond,
+        Self::Frequency,
     ];
 }
 
@@ -92,9 +109,9 @@ impl Kind {
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Recall<R> {
     pub kind: Kind,
-    /// 1/time in ticks, 1/cycles, or readings per °C.
+    /// 1/time in ticks, 1/cycles, readings per °C, or Hz of an average of 1.
     pub rate: R,
-    /// Slip limit in places, or what an average loses in a tick, of 2³².
+    /// Slip limit in places, the place beyond which U is, or what an average loses in a tick, of 2³².
     pub step: i32,
     /// Bits of an average that a reading leaves out.
     pub shift: i32,
@@ -124,7 +141,7 @@ impl<R: Real> Beside<R> {
 /// What a correction remembers.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct CorrectionState {
-    /// Place of the tick before.
+    /// Place of the tick before, or part of its cycle.
     previous: i32,
     /// Stretch, average, largest displacement or ticks.
     value: i32,
@@ -211,6 +228,18 @@ impl<R: Real> Recall<R> {
                 new.rate = R::from_f64(1.0 / per_reading);
             }
             Memory::Place => new.kind = Kind::Place,
+            Memory::Beyond { place } => {
+                let most = limits::DISPLACEMENT;
+                let place = in_range("place", place, -most, most)?.to_f64() / per_reading;
+                new.kind = Kind::Beyond;
+                new.step = (place + f64::from(MIDDLE)).clamp(0.0, f64::from(LAST)) as i32;
+            }
+            Memory::Frequency { time } => {
+                new.kind = Kind::Frequency;
+                new.step = loss(time)?;
+                new.rate = R::from_f64(1.0 / (f64::from(CYCLE) * f64::from(1 << AVERAGE) * tick));
+                per_reading = 1.0 / f64::from(ONE);
+            }
         }
         let (low, high) = (low / per_reading, high / per_reading);
         new.low = low.clamp(-largest, largest) as i32;
@@ -255,7 +284,10 @@ impl<R: Real> Recall<R> {
     #[inline(always)]
     pub fn begin(&self, place: i32) -> CorrectionState {
         CorrectionState {
-            previous: place,
+            previous: match self.kind {
+                Kind::Frequency => 0,
+                _ => place,
+            },
             value: match self.kind {
                 Kind::Lag => place << AVERAGE,
                 _ => 0,
@@ -274,7 +306,7 @@ impl<R: Real> Recall<R> {
             value.wrapping_add((change >> 32) as i32)
         };
         match self.kind {
-            Kind::None | Kind::Place => 0,
+            Kind::None | Kind::Place | Kind::Beyond => 0,
             Kind::Slip => {
                 let stretch = value.wrapping_add(place - state.previous);
                 state.value = stretch.min(self.step).max(-self.step);
@@ -303,6 +335,14 @@ impl<R: Real> Recall<R> {
                 self.age(R::from_i32(value))
             }
             Kind::Cycles => self.age(beside.cycles),
+            Kind::Frequency => {
+                let whole = R::from_i32(beside.cycles.to_i32());
+                let part = ((beside.cycles - whole) * R::from_f64(f64::from(CYCLE))).to_i32();
+                state.value = toward((part.wrapping_sub(state.previous) & (CYCLE - 1)) << AVERAGE);
+                state.previous = part;
+                let frequency = R::from_i32(state.value) * self.rate;
+                octaves(frequency).clamp(!LARGEST_READING, LARGEST_READING)
+            }
             Kind::Temperature => {
                 let reading = (beside.temperature * self.rate).to_i32();
                 reading.clamp(!LARGEST_READING, LARGEST_READING)
@@ -312,10 +352,7 @@ impl<R: Real> Recall<R> {
 
     #[inline(always)]
     fn age(&self, elapsed: R) -> i32 {
-        (elapsed * self.rate + R::ONE)
-            .half_octaves()
-            .clamp(0, 2 * LARGEST_READING + 1)
-            >> 1
+        octaves(elapsed * self.rate + R::ONE).clamp(0, LARGEST_READING)
     }
 
     /// Where a reading stands in the table.
@@ -331,4 +368,10 @@ impl<R: Real> Recall<R> {
         let gained = f64::from(reading - self.low) * f64::from(self.gain);
         gained / f64::from(4 << (FRACTION + GAIN))
     }
+}
+
+/// 4096·log₂ by straight lines between powers of two.
+#[inline(always)]
+fn octaves<R: Real>(value: R) -> i32 {
+    value.half_octaves() >> 1
 }

@@ -2,7 +2,8 @@
 //!
 //! F = T(y, v) + U(y, sgn v, z). T stands over displacement and velocity, once for each direction of motion, so that
 //! friction's jump at rest is exact. U stands over displacement and over z, what the motion was before, or the temperature;
-//! without either it is 0. Or it is a finer line over displacement alone, for what happens at one place.
+//! without either it is 0. Or it is a finer line over displacement alone, for what happens at one place, or one over speed
+//! beyond a place, for what touches there.
 //!
 //! Displacement is divided evenly over ±reach, speed by half octaves ([`part_of_speed`]). Between nodes a table is a
 //! straight line in each of its variables; outside, its edge holds. So the force is bounded by the largest cells, whatever
@@ -47,7 +48,7 @@ const ONE: i32 = 1 << FRACTION;
 const LAST: i32 = 8 * ONE - 1;
 /// and over speed.
 const LAST_SPEED: i32 = 16 * ONE - 1;
-/// Bits of the way between two nodes of a line.
+/// Bits of the way between two nodes of a line over displacement.
 const FINE_FRACTION: u32 = FRACTION - 2;
 /// No displacement.
 const MIDDLE: i32 = 4 * ONE;
@@ -103,6 +104,8 @@ enum Along {
     Memory(i32),
     /// Nothing more: a line of [`FINE`] nodes.
     Line,
+    /// Speed, beyond this place: a line of [`SPEEDS`] nodes.
+    Beyond(i32),
 }
 
 /// Where a motion stands in the tables.
@@ -180,6 +183,7 @@ impl<R: Real> Correction<R> {
         match self.recall.kind {
             Kind::None => self.force_of_motion(y, v),
             Kind::Place => self.force_of_place(y, v),
+            Kind::Beyond => self.force_beyond(y, v),
             _ => self.force_with_memory(state, y, v, Beside::of(motion)),
         }
     }
@@ -195,6 +199,12 @@ impl<R: Real> Correction<R> {
     #[inline(never)]
     fn force_of_place(&self, displacement: R, velocity: R) -> R {
         self.force_over(displacement, velocity, Along::Line)
+    }
+
+    /// That of T and of the line beyond a place.
+    #[inline(never)]
+    fn force_beyond(&self, displacement: R, velocity: R) -> R {
+        self.force_over(displacement, velocity, Along::Beyond(self.recall.step))
     }
 
     #[inline(always)]
@@ -248,7 +258,9 @@ impl<R: Real> Correction<R> {
             + match along {
                 Along::Nothing => 0,
                 Along::Memory(memory) => between(&self.memory_cells, back, across, memory),
-                Along::Line => on_line(&self.memory_cells, back, across),
+                Along::Line => on_line(&self.memory_cells, back, across, FINE_FRACTION),
+                Along::Beyond(edge) if across <= edge => 0,
+                Along::Beyond(_) => on_line(&self.memory_cells, back, place.speed, FRACTION),
             }
     }
 
@@ -284,14 +296,15 @@ impl<R: Real> Correction<R> {
             ]
         };
         let back = place.back & MEMORY_BACK;
+        let on_line = |along: i32, bits: u32| {
+            let (first, x) = (back + (along >> bits) as usize, part(along, bits));
+            [(first, 1.0 - x), (first + 1, x), (0, 0.0), (0, 0.0)]
+        };
         let (memory_cells, memory) = match self.recall.kind {
             Kind::None => ([(0, 0.0); 4], 0.0),
-            Kind::Place => {
-                let first = back + (across >> FINE_FRACTION) as usize;
-                let x = part(across, FINE_FRACTION);
-                let line = [(first, 1.0 - x), (first + 1, x), (0, 0.0), (0, 0.0)];
-                (line, 0.0)
-            }
+            Kind::Place => (on_line(across, FINE_FRACTION), 0.0),
+            Kind::Beyond if across <= self.recall.step => ([(0, 0.0); 4], 0.0),
+            Kind::Beyond => (on_line(place.speed, FRACTION), 0.0),
             _ => {
                 let reading = self.reading(state, across, &Beside::of(motion));
                 let cells = weights(back, self.recall.place(reading));
@@ -351,14 +364,14 @@ fn between(cells: &[i16], first: usize, across: i32, along: i32) -> i32 {
     mix(low, mix(c, d, across, FRACTION), along, FRACTION)
 }
 
-/// The value between two cells of a line whose cells for this direction begin with cell `first`.
+/// The value between two cells of a line whose cells for this direction begin with cell `first`, `bits` apart.
 #[inline(always)]
-fn on_line(cells: &[i16], first: usize, across: i32) -> i32 {
-    let place = first + (across >> FINE_FRACTION) as usize;
+fn on_line(cells: &[i16], first: usize, along: i32, bits: u32) -> i32 {
+    let place = first + (along >> bits) as usize;
     let around = cells.get(place..).and_then(<[i16]>::first_chunk);
     // Every place is within the line.
     let Some(&[a, b]) = around else { return 0 };
-    mix(i32::from(a), i32::from(b), across, FINE_FRACTION)
+    mix(i32::from(a), i32::from(b), along, bits)
 }
 
 /// The value between `a` and `b`, as far on the way as the last `bits` of a place say.

@@ -15,6 +15,8 @@ const MOST_ROWS: usize = 6000;
 const MOST_INSTANTS: usize = 9;
 /// Two blocks whose amplitudes differ by less than this part are of one amplitude.
 const SAME: f64 = 0.06;
+/// Frequencies within so many octaves are one.
+const ONE_FREQUENCY: f64 = 0.1;
 
 /// How far the motion goes.
 #[derive(Clone, Copy, Debug)]
@@ -218,9 +220,15 @@ impl<'a> Design<'a> {
             Remembered::Age { time } => [0.0, 1.0 + (longest / time).log2().max(0.0)],
             Remembered::Cycles { .. } => [0.0, 16.0],
             Remembered::Temperature => self.temperatures()?,
-            Remembered::Place => {
+            Remembered::Place | Remembered::Beyond { .. } => {
                 return self
                     .recall_within(of, [-self.extent.displacement, self.extent.displacement]);
+            }
+            Remembered::Frequency { .. } => {
+                let (slowest, fastest) = self.frequencies();
+                let range = [slowest.log2(), fastest.log2()];
+                return (range[1] - range[0] > ONE_FREQUENCY)
+                    .then(|| self.recall_within(of, range))?;
             }
         };
         let memories = self.through(of, wide, |memory, _| memory)?;
@@ -237,6 +245,12 @@ impl<'a> Design<'a> {
     pub fn recall_within(&self, of: Remembered, range: [f64; 2]) -> Option<Recalled> {
         let cells = self.through(of, range, |_, cells| cells)?;
         Some(Recalled { of, range, cells })
+    }
+
+    /// The lowest and the highest of the blocks, Hz.
+    pub fn frequencies(&self) -> (f64, f64) {
+        let blocks = self.trajectories.iter().flat_map(|t| &t.blocks);
+        least_and_largest(blocks.map(|block| block.frequency))
     }
 
     /// The lowest and the highest of the rows, °C, or as far apart as the crate tells temperatures; `None` where they are the

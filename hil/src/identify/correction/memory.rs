@@ -4,6 +4,9 @@ use super::design::Design;
 use crate::correction::Remembered;
 use crate::recording::trajectory::Trajectory;
 
+/// Steps of the edge of what touches on one side, over the largest displacement.
+const EDGE: f64 = 0.2;
+
 /// Whether it remembers how long a test has run. A temperature that only rises is such a clock too, but one that stands still
 /// within every block of a test is just how it is varied.
 pub(super) fn goes_on_with_time(of: Remembered) -> bool {
@@ -16,10 +19,7 @@ pub(super) fn kinds(design: &Design) -> Vec<Vec<Remembered>> {
     let reach = design.extent.displacement;
     let longest =
         |value: fn(&Trajectory) -> f64| trajectories.iter().map(value).fold(0.0, f64::max);
-    let blocks = trajectories.iter().flat_map(|t| &t.blocks);
-    let (slowest, fastest) = blocks.fold((f64::INFINITY, 0.0_f64), |(low, high), block| {
-        (low.min(block.frequency), high.max(block.frequency))
-    });
+    let (slowest, fastest) = design.frequencies();
     let duration = longest(|t| t.len() as f64 * t.tick);
     let cycles = longest(|t| t.cycles.last().copied().unwrap_or_default());
     let tick = longest(|t| t.tick);
@@ -47,11 +47,29 @@ pub(super) fn kinds(design: &Design) -> Vec<Vec<Remembered>> {
         }),
         vec![Remembered::Temperature],
         vec![Remembered::Place],
+        (-4..=4)
+            .map(|step| Remembered::Beyond {
+                place: EDGE * f64::from(step) * reach,
+            })
+            .collect(),
+        spread(0.5 / fastest, 0.5 / slowest, 3, |time| {
+            Remembered::Frequency { time }
+        }),
     ]
 }
 
-/// The same kind with its limit or time a little smaller and a little larger.
-pub(super) fn around(of: Remembered) -> Vec<Remembered> {
+/// The same kind with its limit or time a little smaller and a little larger, or its edge a little to either side: the less, the
+/// more often it was `sought`.
+pub(super) fn around(of: Remembered, sought: u32, design: &Design) -> Vec<Remembered> {
+    if let Remembered::Beyond { place } = of {
+        let step = EDGE * design.extent.displacement * 0.5_f64.powi(1 + sought as i32);
+        return [place - step, place + step]
+            .map(|place| Remembered::Beyond { place })
+            .to_vec();
+    }
+    if sought > 0 {
+        return Vec::new();
+    }
     let scaled = |factor: f64| match of {
         Remembered::Slip { limit } => Some(Remembered::Slip {
             limit: factor * limit,
@@ -65,7 +83,13 @@ pub(super) fn around(of: Remembered) -> Vec<Remembered> {
         Remembered::Level { time } => Some(Remembered::Level {
             time: factor * time,
         }),
-        Remembered::Largest | Remembered::Temperature | Remembered::Place => None,
+        Remembered::Frequency { time } => Some(Remembered::Frequency {
+            time: factor * time,
+        }),
+        Remembered::Largest
+        | Remembered::Temperature
+        | Remembered::Place
+        | Remembered::Beyond { .. } => None,
         Remembered::Age { time } => Some(Remembered::Age {
             time: factor * time,
         }),

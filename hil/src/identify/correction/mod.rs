@@ -43,6 +43,8 @@ const REMEMBERED: f64 = 0.75;
 /// A kind of memory is judged if the error of its fit is at most so many times the least of those that do not go on with time,
 /// and at most [`WORTHWHILE`] of that without.
 const COMPARABLE: f64 = 2.0;
+/// Times that what a memory is of is sought ever more finely.
+const SOUGHT: u32 = 6;
 /// A variable is needed whose absence makes the error more than so many times as large.
 const NEEDED: f64 = 1.1;
 /// A line has friction in it whose part that changes sign with the direction is more than this part of the other, in squares.
@@ -305,8 +307,11 @@ fn promising(design: &Design, plain: &Fitted) -> Vec<Memorable> {
         if coarse.0 > WORTHWHILE * plain.solved.inside {
             return None;
         }
-        let near = best_of(memory::around(coarse.1));
-        Some(near.filter(|near| near.0 < coarse.0).unwrap_or(coarse))
+        let finer = |best: (f64, Remembered), sought| {
+            let near = best_of(memory::around(best.1, sought, design));
+            near.filter(|near| near.0 < best.0).unwrap_or(best)
+        };
+        Some((0..SOUGHT).fold(coarse, finer))
     });
     let best_of_each: Vec<(f64, Remembered)> = best_of_each.collect();
     // Whether how long a test has run may be remembered is decided later.

@@ -54,13 +54,16 @@ impl System {
         }
         if let Some(smoothness) = form.memory {
             let (first, weight) = (first + layout.table, smoothness * per_cell);
-            if layout.of == Some(Remembered::Place) {
-                system.table(first, [FINE, 1], 1.0, weight);
+            let (nodes, ratio) = match layout.of {
+                Some(Remembered::Place) => ([FINE, 1], 1.0),
+                Some(Remembered::Beyond { .. }) => ([1, KNOTS], 2.0),
+                _ => ([DISPLACEMENTS, MEMORIES], 1.0),
+            };
+            system.table(first, nodes, ratio, weight);
+            if nodes.contains(&1) {
                 for cell in first..first + layout.memory {
                     system.add(&[(cell, 1.0)], 0.0, LEVEL * per_cell);
                 }
-            } else {
-                system.table(first, [DISPLACEMENTS, MEMORIES], 1.0, weight);
             }
         }
         system

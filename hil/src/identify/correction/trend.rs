@@ -81,13 +81,35 @@ pub(super) fn of_table(variables: Variables) -> Vec<Trend> {
     products(variables, 0, SPEEDS, part_of_speed, &OVER_SPEED)
 }
 
-/// Every trend of U; none where it is a line, which is for what no trend is like.
+/// Every trend of U; none where it is a line over displacement, which is for what no trend is like.
 pub(super) fn of_memory(of: Remembered, variables: Variables) -> Vec<Trend> {
-    if of == Remembered::Place {
-        return Vec::new();
+    match of {
+        Remembered::Place => return Vec::new(),
+        Remembered::Beyond { .. } => return of_edge(variables),
+        _ => {}
     }
     let place = |node: usize| node as f64 / (MEMORIES - 1) as f64;
     products(variables, CELLS, MEMORIES, place, &OVER_MEMORY)
+}
+
+/// Those of a line over speed.
+fn of_edge(variables: Variables) -> Vec<Trend> {
+    let directions = OVER_DIRECTION.iter().enumerate();
+    let all = directions.flat_map(|(back, direction)| {
+        let speeds = OVER_SPEED.iter().enumerate();
+        let allowed = speeds.filter(move |(j, _)| variables.velocity || *j + back == 0);
+        allowed.map(|(_, over_speed)| {
+            let cells = direction.iter().enumerate().flat_map(|(way, sign)| {
+                let node = move |node| {
+                    let cell = CELLS + way * MEMORY_CELLS / 2 + node;
+                    (cell, sign * over_speed(part_of_speed(node)))
+                };
+                (0..SPEEDS).map(node)
+            });
+            Trend(cells.collect())
+        })
+    });
+    all.collect()
 }
 
 /// Nodes over speed at which T bends around its trends: every other one.
@@ -95,34 +117,47 @@ pub(super) const KNOTS: usize = SPEEDS.div_ceil(2);
 
 /// What T is made of around its trends: displacement runs fastest, then the knots over speed, then direction.
 pub(super) fn hats_of_table() -> Vec<Trend> {
-    let hat = |way: usize, knot: usize, place: usize| {
-        let cell = |node: usize| (way * SPEEDS + node) * DISPLACEMENTS + place;
-        let middle = 2 * knot;
-        let mut cells = vec![(cell(middle), 1.0)];
-        if knot > 0 {
-            cells.push((cell(middle - 1), 0.5));
-        }
-        if middle + 1 < SPEEDS {
-            cells.push((cell(middle + 1), 0.5));
-        }
-        Trend(cells)
-    };
     let mut hats = Vec::new();
     for way in 0..2 {
         for knot in 0..KNOTS {
-            hats.extend((0..DISPLACEMENTS).map(|place| hat(way, knot, place)));
+            let hat = |place: usize| {
+                hat(knot, |node| (way * SPEEDS + node) * DISPLACEMENTS + place)
+            };
+            hats.extend((0..DISPLACEMENTS).map(hat));
         }
     }
     hats
 }
 
-/// The same of U: its cells.
+/// What is 1 at a knot over speed, in the cells that its nodes have.
+fn hat(knot: usize, cell: impl Fn(usize) -> usize) -> Trend {
+    let middle = 2 * knot;
+    let mut cells = vec![(cell(middle), 1.0)];
+    if knot > 0 {
+        cells.push((cell(middle - 1), 0.5));
+    }
+    if middle + 1 < SPEEDS {
+        cells.push((cell(middle + 1), 0.5));
+    }
+    Trend(cells)
+}
+
+/// The same of U: its cells, or of a line over speed its knots.
 pub(super) fn hats_of_memory(of: Remembered) -> Vec<Trend> {
     let half = MEMORY_CELLS / 2;
-    let used = if of == Remembered::Place { FINE } else { half };
-    let cells = [CELLS, CELLS + half].into_iter();
-    let cells = cells.flat_map(|first| first..first + used);
-    cells.map(|cell| Trend(vec![(cell, 1.0)])).collect()
+    let alone = |cell: usize| Trend(vec![(cell, 1.0)]);
+    let each_way = [CELLS, CELLS + half].into_iter();
+    each_way
+        .flat_map(|first| -> Vec<Trend> {
+            match of {
+                Remembered::Beyond { .. } => {
+                    (0..KNOTS).map(|knot| hat(knot, |node| first + node)).collect()
+                }
+                Remembered::Place => (first..first + FINE).map(alone).collect(),
+                _ => (first..first + half).map(alone).collect(),
+            }
+        })
+        .collect()
 }
 
 fn products(
