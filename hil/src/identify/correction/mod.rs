@@ -51,8 +51,10 @@ const NEEDED: f64 = 1.1;
 const DIFFERENT: f64 = 0.1;
 /// Times that trends are sought, each beside the exponents of eq 13 that those before led to.
 const ROUNDS: usize = 2;
-/// Steps in which eq 13's exponents follow.
-const STEPS: usize = 3;
+/// Most steps in which eq 13's exponents follow,
+const STEPS: usize = 8;
+/// until none changes by more than this.
+const SETTLED: f64 = 2e-3;
 /// Counts of the largest cell.
 const FULL: f64 = 32_000.0;
 
@@ -173,7 +175,7 @@ pub fn refit(
     let solved = design.and_then(|design| {
         let recalled = choice.recalled(&design);
         let start = Coefficients::of(model);
-        settled(&design, &start, choice.form(), recalled.as_ref(), STEPS)
+        settled(&design, &start, choice.form(), recalled.as_ref())
     });
     Ok(solved.map_or_else(|| model.clone(), |solved| corrected(model, &solved, choice)))
 }
@@ -381,7 +383,15 @@ fn remembering(design: &Design, plain: &Fitted, kinds: &[Memorable]) -> Option<F
         || trends
             .iter()
             .any(|trend| trend.0.iter().any(|(cell, _)| *cell >= CELLS));
-    if !uses_memory || solved.error > REMEMBERED * plain.solved.error {
+    if !uses_memory {
+        return None;
+    }
+    // Eq 13's exponents may have stood in for the memory.
+    let again = settle(design, &solved.coefficients, form, Some(recalled));
+    let solved = again
+        .filter(|again| again.error < solved.error)
+        .unwrap_or(solved);
+    if solved.error > REMEMBERED * plain.solved.error {
         return None;
     }
     let memory = MemoryChoice {
@@ -405,20 +415,28 @@ fn settle(
     form: Form,
     recalled: Option<&Recalled>,
 ) -> Option<Solved> {
-    let at = settled(design, start, form, recalled, STEPS - 1)?.coefficients;
+    let at = settled(design, start, form, recalled)?.coefficients;
     Rows::over(design, &at, recalled).sums(form)?.judged(form)
 }
 
-/// Solves so many times.
+/// Solves until eq 13's exponents have settled.
 fn settled(
     design: &Design,
     start: &Coefficients,
     form: Form,
     recalled: Option<&Recalled>,
-    steps: usize,
 ) -> Option<Solved> {
-    let step = |at: &Coefficients| Rows::over(design, at, recalled).sums(form)?.solved(form);
-    (1..steps).try_fold(step(start)?, |solved, _| step(&solved.coefficients))
+    let mut at = start.clone();
+    for step in 1.. {
+        let solved = Rows::over(design, &at, recalled).sums(form)?.solved(form)?;
+        let changes = at.0.iter().zip(&solved.coefficients.0);
+        let change = changes.fold(0.0_f64, |most, (a, b)| most.max((a[3] - b[3]).abs()));
+        if change < SETTLED || step == STEPS {
+            return Some(solved);
+        }
+        at = solved.coefficients;
+    }
+    None
 }
 
 /// The model with the tables rounded to what the crate stores.
