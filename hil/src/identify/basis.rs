@@ -1,11 +1,13 @@
 //! The columns that a fit is linear in, for given exponents and shapes.
 
 use std::ops::Range;
-use std::sync::Arc;
+use std::sync::{Arc, OnceLock};
+
+use mesh_damper::effects::ConfinedMotion;
 
 use super::known_forces::UnitForces;
 use super::moved::{delayed, moved};
-use super::rows::{RowMotion, Rows};
+use super::rows::{RowMotion, Rows, confined};
 use super::shape::{Extent, Shape};
 use super::solution::{Deflection, Solution};
 use super::term::{Entry, Form, Term, TermValue};
@@ -47,6 +49,8 @@ struct LawColumns {
 
 struct Moved {
     trajectories: Vec<Trajectory>,
+    /// What effects see of it, once one asks.
+    confined: OnceLock<Vec<Vec<ConfinedMotion<f64>>>>,
     /// By how many ticks the force of each is late.
     late: Vec<usize>,
     rows: RowMotion,
@@ -338,6 +342,7 @@ impl<'r, 'a> Basis<'r, 'a> {
         let (rows, throughout) = self.rows.motion_in(&trajectories);
         Some(Moved {
             trajectories,
+            confined: OnceLock::new(),
             late,
             rows,
             throughout,
@@ -431,10 +436,11 @@ impl<'r, 'a> Basis<'r, 'a> {
         moved: &Option<Arc<Moved>>,
         is_start: bool,
     ) -> UnitForces {
-        let work = |trajectories: &[Trajectory], late: &[usize]| {
+        let work = |motions: &[Vec<ConfinedMotion<f64>>], late: &[usize]| {
             let mut columns: Vec<Vec<Vec<f64>>> = Vec::new();
-            for (which, trajectory) in trajectories.iter().enumerate() {
-                let mut forces = form.unit_forces(shapes, trajectory).ok()?;
+            for (which, motions) in motions.iter().enumerate() {
+                let tick = self.rows.trajectories[which].tick;
+                let mut forces = form.unit_forces(shapes, motions, tick).ok()?;
                 if let (Form::Periodic, Some(&ticks)) = (form, late.get(which)) {
                     // It follows the clock, and not the motion, which comes late already.
                     let late = forces.iter().map(|force| delayed(force, ticks));
@@ -453,12 +459,15 @@ impl<'r, 'a> Basis<'r, 'a> {
             )
         };
         match moved {
-            Some(moved) => work(&moved.trajectories, &moved.late),
+            Some(moved) => {
+                let of_moved = || confined(&moved.trajectories);
+                work(moved.confined.get_or_init(of_moved), &moved.late)
+            }
             None if is_start => {
                 let known = &self.rows.known_forces;
-                known.of(form, shapes, || work(self.rows.trajectories, &[]))
+                known.of(form, shapes, || work(&self.rows.confined, &[]))
             }
-            None => work(self.rows.trajectories, &[]),
+            None => work(&self.rows.confined, &[]),
         }
     }
 }

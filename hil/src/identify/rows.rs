@@ -2,7 +2,10 @@
 
 use std::sync::Arc;
 
+use mesh_damper::effects::ConfinedMotion;
+
 use super::known_forces::KnownForces;
+use crate::predict::motion_at;
 use crate::recording::trajectory::Trajectory;
 
 /// The samples of a fit, gathered from several trajectories.
@@ -19,6 +22,8 @@ pub struct Rows<'a> {
     pub(super) weight: Vec<f64>,
     /// Amplitudes of the law's nodes, mm.
     pub(super) nodes: Vec<f64>,
+    /// What effects see at every sample of each trajectory, as recorded.
+    pub(super) confined: Arc<Vec<Vec<ConfinedMotion<f64>>>>,
     /// Of effects that see the motion as recorded.
     pub(super) known_forces: Arc<KnownForces>,
 }
@@ -62,6 +67,17 @@ impl RowMotion {
         }
         rows
     }
+}
+
+/// What effects see at every sample of each trajectory.
+pub(super) fn confined(trajectories: &[Trajectory]) -> Vec<Vec<ConfinedMotion<f64>>> {
+    let of_one = |trajectory: &Trajectory| {
+        let samples = 0..trajectory.len();
+        samples
+            .map(|sample| motion_at(trajectory, sample).confined())
+            .collect()
+    };
+    trajectories.iter().map(of_one).collect()
 }
 
 impl<'a> Rows<'a> {
@@ -115,6 +131,7 @@ impl<'a> Rows<'a> {
             .for_each(|weight| *weight /= mean_square.sqrt());
         Self {
             trajectories,
+            confined: Arc::new(confined(trajectories)),
             motion: RowMotion::gather(trajectories, &origin, &nodes),
             throughout: throughout(trajectories, &nodes),
             origin,
@@ -130,6 +147,7 @@ impl<'a> Rows<'a> {
     pub fn with_nodes(&self, nodes: Vec<f64>) -> Self {
         Self {
             trajectories: self.trajectories,
+            confined: self.confined.clone(),
             motion: RowMotion::gather(self.trajectories, &self.origin, &nodes),
             throughout: throughout(self.trajectories, &nodes),
             origin: self.origin.clone(),

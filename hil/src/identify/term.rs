@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 
 use mesh_damper::effects::{
-    Asymmetry, BoucWen, Drift, EffectForce, Hardening, Inertia, LawForce, MAX_BRANCHES,
+    Asymmetry, BoucWen, ConfinedMotion, Drift, EffectForce, Hardening, Inertia, LawForce, MAX_BRANCHES,
     MAX_STICK_SLIP_ELEMENTS, MAX_TONES, Offset, Periodic, Relaxation, StickSlip, Stop, Viscous,
 };
 use mesh_damper::error::ConfigError;
@@ -11,8 +11,6 @@ use mesh_damper::limits;
 
 use super::shape::Extent;
 use crate::model::{AddedEffect, Family};
-use crate::predict::motion_at;
-use crate::recording::trajectory::Trajectory;
 
 /// The forms in which effects are fitted. Most families have one.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -199,38 +197,38 @@ impl Form {
         }
     }
 
-    /// The forces in kN of the effect with each size 1 and these shapes at every sample of `trajectory`.
+    /// The forces in kN of the effect with each size 1 and these shapes at every sample of `motions`, `tick` s apart.
     ///
     /// # Errors
     /// A shape that the crate refuses.
     pub(super) fn unit_forces(
         self,
         shapes: &[f64],
-        trajectory: &Trajectory,
+        motions: &[ConfinedMotion<f64>],
+        tick: f64,
     ) -> Result<Vec<Vec<f64>>, ConfigError> {
         let shape = |index: usize| shapes.get(index).copied().unwrap_or_default();
-        let tick = trajectory.tick;
         let force = match self {
-            Self::Offset => run(&Offset::new(1.0)?, trajectory),
-            Self::Asymmetry => run(&Asymmetry::new(1.0)?, trajectory),
-            Self::Hardening => run(&Hardening::new(1.0)?, trajectory),
-            Self::Viscous => run(&Viscous::new(1.0)?, trajectory),
-            Self::Inertia => run(&Inertia::new(1.0)?, trajectory),
-            Self::StopAbove => run(&Stop::new(&[(1.0, shape(0))])?, trajectory),
-            Self::StopBelow => run(&Stop::new(&[(1.0, -shape(0))])?, trajectory),
-            Self::Jenkins => run(&StickSlip::new(&[(1.0, shape(0))])?, trajectory),
+            Self::Offset => run(&Offset::new(1.0)?, motions),
+            Self::Asymmetry => run(&Asymmetry::new(1.0)?, motions),
+            Self::Hardening => run(&Hardening::new(1.0)?, motions),
+            Self::Viscous => run(&Viscous::new(1.0)?, motions),
+            Self::Inertia => run(&Inertia::new(1.0)?, motions),
+            Self::StopAbove => run(&Stop::new(&[(1.0, shape(0))])?, motions),
+            Self::StopBelow => run(&Stop::new(&[(1.0, -shape(0))])?, motions),
+            Self::Jenkins => run(&StickSlip::new(&[(1.0, shape(0))])?, motions),
             Self::Iwan => {
                 return iwan_limits(shape(0))
-                    .map(|limit| Ok(run(&StickSlip::new(&[(1.0, limit)])?, trajectory)))
+                    .map(|limit| Ok(run(&StickSlip::new(&[(1.0, limit)])?, motions)))
                     .collect();
             }
-            Self::BoucWen => run(&BoucWen::new(1.0, shape(0), shape(1))?, trajectory),
-            Self::Relaxation => run(&Relaxation::new(&[(1.0, shape(0))], tick)?, trajectory),
-            Self::Drift => run(&Drift::new(1.0, shape(0))?, trajectory),
+            Self::BoucWen => run(&BoucWen::new(1.0, shape(0), shape(1))?, motions),
+            Self::Relaxation => run(&Relaxation::new(&[(1.0, shape(0))], tick)?, motions),
+            Self::Drift => run(&Drift::new(1.0, shape(0))?, motions),
             Self::Periodic => {
                 let tone = |phase| {
                     let tone = Periodic::new(&[(1.0, shape(0), phase)], tick)?;
-                    Ok(run(&tone, trajectory))
+                    Ok(run(&tone, motions))
                 };
                 return Ok(vec![tone(0.0)?, tone(0.25 * std::f64::consts::TAU)?]);
             }
@@ -252,11 +250,14 @@ fn iwan_limits(largest: f64) -> impl Iterator<Item = f64> {
     (1..=count).map(move |i| largest * i as f64 / count as f64)
 }
 
-fn run<E: EffectForce<f64>>(effect: &E, trajectory: &Trajectory) -> Vec<f64> {
-    let motion = |index| motion_at(trajectory, index).confined();
-    let mut state = effect.begin(&motion(0));
-    (0..trajectory.len())
-        .map(|index| effect.force(&mut state, &motion(index), LawForce::default()))
+fn run<E: EffectForce<f64>>(effect: &E, motions: &[ConfinedMotion<f64>]) -> Vec<f64> {
+    let Some(first) = motions.first() else {
+        return Vec::new();
+    };
+    let mut state = effect.begin(first);
+    motions
+        .iter()
+        .map(|motion| effect.force(&mut state, motion, LawForce::default()))
         .collect()
 }
 
