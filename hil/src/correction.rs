@@ -30,7 +30,7 @@ pub struct MemoryTable {
     pub of: Remembered,
     /// Its values at the first and at the last node; of a line unused.
     pub range: [f64; 2],
-    /// Displacement runs fastest, then memory, then direction. A line has the first 33 of each direction's 45, or 17 over speed.
+    /// Displacement runs fastest, then memory, then direction. A line has the first 33 of each direction's 45, two sides the first 34.
     pub cells: Vec<i16>,
 }
 
@@ -48,7 +48,7 @@ pub enum Remembered {
     Level { time: f64 },
     Temperature,
     Place,
-    Beyond { place: f64 },
+    Sides { low: f64, high: f64 },
     Frequency { time: f64 },
 }
 
@@ -64,9 +64,14 @@ impl Remembered {
             Self::Age { .. } => "time",
             Self::Cycles { .. } => "cycle",
             Self::Temperature => "temperature",
-            Self::Place | Self::Beyond { .. } => "displacement",
+            Self::Place | Self::Sides { .. } => "displacement",
             Self::Frequency { .. } => "frequency",
         }
+    }
+
+    /// Whether U is a line over displacement or over speed alone.
+    pub fn is_line(self) -> bool {
+        matches!(self, Self::Place | Self::Sides { .. })
     }
 
     /// As the crate takes it.
@@ -80,7 +85,10 @@ impl Remembered {
             Self::Largest => Memory::Largest,
             Self::Temperature => Memory::Temperature,
             Self::Place => Memory::Place,
-            Self::Beyond { place } => Memory::Beyond { place: real(place) },
+            Self::Sides { low, high } => Memory::Sides {
+                low: real(low),
+                high: real(high),
+            },
             Self::Frequency { time } => Memory::Frequency { time: real(time) },
             Self::Age { time } => Memory::Age { time: real(time) },
             Self::Cycles { cycles } => Memory::Cycles {

@@ -3,8 +3,9 @@
 use std::collections::BTreeMap;
 
 use mesh_damper::effects::{
-    Asymmetry, BoucWen, ConfinedMotion, Drift, EffectForce, Hardening, Inertia, LawForce, MAX_BRANCHES,
-    MAX_STICK_SLIP_ELEMENTS, MAX_TONES, Offset, Periodic, Relaxation, StickSlip, Stop, Viscous,
+    Asymmetry, BoucWen, ConfinedMotion, Drift, EffectForce, Hardening, Inertia, LawForce,
+    MAX_BRANCHES, MAX_STICK_SLIP_ELEMENTS, MAX_TONES, Offset, Periodic, Relaxation, StickSlip,
+    Stop, Viscous,
 };
 use mesh_damper::error::ConfigError;
 use mesh_damper::limits;

@@ -1,6 +1,6 @@
 //! What a correction remembers of the motion or is over beside it, in integers.
 
-use super::{FRACTION, LAST, MIDDLE, ONE};
+use super::{FRACTION, LAST, MIDDLE, ONE, SPEEDS};
 use crate::effects::ConfinedMotion;
 use crate::error::ConfigError;
 use crate::limits;
@@ -58,11 +58,14 @@ pub enum Memory<R> {
     /// Nothing: U is a line over displacement alone, once for each direction, of [`super::FINE`] nodes evenly over ±reach in
     /// the place of T's [`super::DISPLACEMENTS`]. It has the first so many of each direction's cells, the others are not read.
     Place,
-    /// Nothing: U is a line over speed alone, once for each direction, of T's nodes, and 0 where the displacement does not lie
-    /// beyond `place`: what touches on one side. It has the first [`super::SPEEDS`] of each direction's cells.
-    Beyond {
-        /// mm, −1e4…1e4
-        place: R,
+    /// Nothing: U is a line over speed alone, of T's nodes, once for each direction, where the displacement lies above `high`,
+    /// another where it lies below `low`, and 0 between: what touches on one side, or on both. Of each direction's cells it has
+    /// the first [`super::SPEEDS`], and as many after them; the others are not read.
+    Sides {
+        /// mm, −1e4…1e4; at −`reach` or below there is no such side.
+        low: R,
+        /// mm, `low`…1e4; likewise at `reach`.
+        high: R,
     },
     /// log₂ of the frequency in Hz, the cycles per second over `time`, by straight lines between powers of two.
     Frequency {
@@ -83,7 +86,7 @@ pub(super) enum Kind {
     Level,
     Temperature,
     Place,
-    Beyond,
+    Sides,
     Frequency,
 }
 
@@ -100,7 +103,7 @@ impl Kind {
         Self::Level,
         Self::Temperature,
         Self::Place,
-        Self::Beyond,
+        Self::Sides,
         Self::Frequency,
     ];
 }
@@ -111,11 +114,11 @@ pub(super) struct Recall<R> {
     pub kind: Kind,
     /// 1/time in ticks, 1/cycles, readings per °C, or Hz of an average of 1.
     pub rate: R,
-    /// Slip limit in places, the place beyond which U is, or what an average loses in a tick, of 2³².
+    /// Slip limit in places, the place above which there is a side, or what an average loses in a tick, of 2³².
     pub step: i32,
     /// Bits of an average that a reading leaves out.
     pub shift: i32,
-    /// The reading of node 0.
+    /// The reading of node 0, or the place below which there is a side.
     pub low: i32,
     /// 1024ths of a place per reading.
     pub gain: i32,
@@ -228,11 +231,20 @@ impl<R: Real> Recall<R> {
                 new.rate = R::from_f64(1.0 / per_reading);
             }
             Memory::Place => new.kind = Kind::Place,
-            Memory::Beyond { place } => {
+            Memory::Sides { low, high } => {
                 let most = limits::DISPLACEMENT;
-                let place = in_range("place", place, -most, most)?.to_f64() / per_reading;
-                new.kind = Kind::Beyond;
-                new.step = (place + f64::from(MIDDLE)).clamp(0.0, f64::from(LAST)) as i32;
+                let low = in_range("low", low, -most, most)?;
+                let high = in_range("high", high, low.to_f64(), most)?;
+                let place = |edge: R| {
+                    let place = edge.to_f64() / per_reading + f64::from(MIDDLE);
+                    place.clamp(0.0, f64::from(LAST)) as i32
+                };
+                return Ok(Self {
+                    kind: Kind::Sides,
+                    step: place(high),
+                    low: place(low),
+                    ..Self::NONE
+                });
             }
             Memory::Frequency { time } => {
                 new.kind = Kind::Frequency;
@@ -306,7 +318,7 @@ impl<R: Real> Recall<R> {
             value.wrapping_add((change >> 32) as i32)
         };
         match self.kind {
-            Kind::None | Kind::Place | Kind::Beyond => 0,
+            Kind::None | Kind::Place | Kind::Sides => 0,
             Kind::Slip => {
                 let stretch = value.wrapping_add(place - state.previous);
                 state.value = stretch.min(self.step).max(-self.step);
@@ -353,6 +365,18 @@ impl<R: Real> Recall<R> {
     #[inline(always)]
     fn age(&self, elapsed: R) -> i32 {
         octaves(elapsed * self.rate + R::ONE).clamp(0, LARGEST_READING)
+    }
+
+    /// The first cell of the side that a place is on.
+    #[inline(always)]
+    pub fn side(&self, place: i32) -> Option<usize> {
+        if place > self.step {
+            Some(0)
+        } else if place < self.low {
+            Some(SPEEDS)
+        } else {
+            None
+        }
     }
 
     /// Where a reading stands in the table.

@@ -3,7 +3,7 @@
 //! F = T(y, v) + U(y, sgn v, z). T stands over displacement and velocity, once for each direction of motion, so that
 //! friction's jump at rest is exact. U stands over displacement and over z, what the motion was before, or the temperature;
 //! without either it is 0. Or it is a finer line over displacement alone, for what happens at one place, or one over speed
-//! beyond a place, for what touches there.
+//! on either side of the middle, for what touches there.
 //!
 //! Displacement is divided evenly over ±reach, speed by half octaves ([`part_of_speed`]). Between nodes a table is a
 //! straight line in each of its variables; outside, its edge holds. So the force is bounded by the largest cells, whatever
@@ -104,8 +104,8 @@ enum Along {
     Memory(i32),
     /// Nothing more: a line of [`FINE`] nodes.
     Line,
-    /// Speed, beyond this place: a line of [`SPEEDS`] nodes.
-    Beyond(i32),
+    /// Speed, on a side: a line of [`SPEEDS`] nodes.
+    Sides,
 }
 
 /// Where a motion stands in the tables.
@@ -183,7 +183,7 @@ impl<R: Real> Correction<R> {
         match self.recall.kind {
             Kind::None => self.force_of_motion(y, v),
             Kind::Place => self.force_of_place(y, v),
-            Kind::Beyond => self.force_beyond(y, v),
+            Kind::Sides => self.force_of_sides(y, v),
             _ => self.force_with_memory(state, y, v, Beside::of(motion)),
         }
     }
@@ -201,10 +201,10 @@ impl<R: Real> Correction<R> {
         self.force_over(displacement, velocity, Along::Line)
     }
 
-    /// That of T and of the line beyond a place.
+    /// That of T and of the line of a side.
     #[inline(never)]
-    fn force_beyond(&self, displacement: R, velocity: R) -> R {
-        self.force_over(displacement, velocity, Along::Beyond(self.recall.step))
+    fn force_of_sides(&self, displacement: R, velocity: R) -> R {
+        self.force_over(displacement, velocity, Along::Sides)
     }
 
     #[inline(always)]
@@ -259,8 +259,9 @@ impl<R: Real> Correction<R> {
                 Along::Nothing => 0,
                 Along::Memory(memory) => between(&self.memory_cells, back, across, memory),
                 Along::Line => on_line(&self.memory_cells, back, across, FINE_FRACTION),
-                Along::Beyond(edge) if across <= edge => 0,
-                Along::Beyond(_) => on_line(&self.memory_cells, back, place.speed, FRACTION),
+                Along::Sides => self.recall.side(across).map_or(0, |side| {
+                    on_line(&self.memory_cells, back + side, place.speed, FRACTION)
+                }),
             }
     }
 
@@ -296,15 +297,19 @@ impl<R: Real> Correction<R> {
             ]
         };
         let back = place.back & MEMORY_BACK;
-        let on_line = |along: i32, bits: u32| {
-            let (first, x) = (back + (along >> bits) as usize, part(along, bits));
-            [(first, 1.0 - x), (first + 1, x), (0, 0.0), (0, 0.0)]
+        let nothing = (0, 0.0);
+        let on_line = |first: usize, along: i32, bits: u32| {
+            let (first, x) = (first + (along >> bits) as usize, part(along, bits));
+            [(first, 1.0 - x), (first + 1, x), nothing, nothing]
         };
         let (memory_cells, memory) = match self.recall.kind {
-            Kind::None => ([(0, 0.0); 4], 0.0),
-            Kind::Place => (on_line(across, FINE_FRACTION), 0.0),
-            Kind::Beyond if across <= self.recall.step => ([(0, 0.0); 4], 0.0),
-            Kind::Beyond => (on_line(place.speed, FRACTION), 0.0),
+            Kind::None => ([nothing; 4], 0.0),
+            Kind::Place => (on_line(back, across, FINE_FRACTION), 0.0),
+            Kind::Sides => {
+                let side = self.recall.side(across);
+                let line = side.map(|side| on_line(back + side, place.speed, FRACTION));
+                (line.unwrap_or([nothing; 4]), 0.0)
+            }
             _ => {
                 let reading = self.reading(state, across, &Beside::of(motion));
                 let cells = weights(back, self.recall.place(reading));

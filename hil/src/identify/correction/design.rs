@@ -220,7 +220,7 @@ impl<'a> Design<'a> {
             Remembered::Age { time } => [0.0, 1.0 + (longest / time).log2().max(0.0)],
             Remembered::Cycles { .. } => [0.0, 16.0],
             Remembered::Temperature => self.temperatures()?,
-            Remembered::Place | Remembered::Beyond { .. } => {
+            Remembered::Place | Remembered::Sides { .. } => {
                 return self
                     .recall_within(of, [-self.extent.displacement, self.extent.displacement]);
             }

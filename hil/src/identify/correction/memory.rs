@@ -4,8 +4,17 @@ use super::design::Design;
 use crate::correction::Remembered;
 use crate::recording::trajectory::Trajectory;
 
-/// Steps of the edge of what touches on one side, over the largest displacement.
+/// Steps of the edges of what touches on one side or on both, over the largest displacement.
 const EDGE: f64 = 0.2;
+/// How two edges may move: the upper one alone first.
+const WAYS: [[f64; 2]; 6] = [
+    [0.0, -1.0],
+    [0.0, 1.0],
+    [-1.0, 0.0],
+    [1.0, 0.0],
+    [-1.0, 1.0],
+    [1.0, -1.0],
+];
 
 /// Whether it remembers how long a test has run. A temperature that only rises is such a clock too, but one that stands still
 /// within every block of a test is just how it is varied.
@@ -47,25 +56,37 @@ pub(super) fn kinds(design: &Design) -> Vec<Vec<Remembered>> {
         }),
         vec![Remembered::Temperature],
         vec![Remembered::Place],
-        (-4..=4)
-            .map(|step| Remembered::Beyond {
-                place: EDGE * f64::from(step) * reach,
-            })
-            .collect(),
+        sides(reach),
         spread(0.5 / fastest, 0.5 / slowest, 3, |time| {
             Remembered::Frequency { time }
         }),
     ]
 }
 
-/// The same kind with its limit or time a little smaller and a little larger, or its edge a little to either side: the less, the
-/// more often it was `sought`.
+/// One side anywhere, or two as far from the middle.
+fn sides(reach: f64) -> Vec<Remembered> {
+    let at = |step: i32| EDGE * f64::from(step) * reach;
+    let one = (-4..=4).map(|step| [-reach, at(step)]);
+    let two = (1..=4).map(|step| [-at(step), at(step)]);
+    one.chain(two)
+        .map(|[low, high]| Remembered::Sides { low, high })
+        .collect()
+}
+
+/// The same kind with its limit or time a little smaller and a little larger, or its edges a little to either side: the less,
+/// the more often it was `sought`.
 pub(super) fn around(of: Remembered, sought: u32, design: &Design) -> Vec<Remembered> {
-    if let Remembered::Beyond { place } = of {
-        let step = EDGE * design.extent.displacement * 0.5_f64.powi(1 + sought as i32);
-        return [place - step, place + step]
-            .map(|place| Remembered::Beyond { place })
-            .to_vec();
+    if let Remembered::Sides { low, high } = of {
+        let reach = design.extent.displacement;
+        let step = 0.5_f64.powi(1 + sought as i32) * EDGE * reach;
+        let is_one = low <= -reach;
+        let ways: &[[f64; 2]] = if is_one { &WAYS[..2] } else { &WAYS };
+        return ways
+            .iter()
+            .map(|way| [low + way[0] * step, high + way[1] * step])
+            .filter(|[low, high]| low <= high)
+            .map(|[low, high]| Remembered::Sides { low, high })
+            .collect();
     }
     if sought > 0 {
         return Vec::new();
@@ -89,7 +110,7 @@ pub(super) fn around(of: Remembered, sought: u32, design: &Design) -> Vec<Rememb
         Remembered::Largest
         | Remembered::Temperature
         | Remembered::Place
-        | Remembered::Beyond { .. } => None,
+        | Remembered::Sides { .. } => None,
         Remembered::Age { time } => Some(Remembered::Age {
             time: factor * time,
         }),

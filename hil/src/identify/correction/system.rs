@@ -54,13 +54,16 @@ impl System {
         }
         if let Some(smoothness) = form.memory {
             let (first, weight) = (first + layout.table, smoothness * per_cell);
-            let (nodes, ratio) = match layout.of {
-                Some(Remembered::Place) => ([FINE, 1], 1.0),
-                Some(Remembered::Beyond { .. }) => ([1, KNOTS], 2.0),
-                _ => ([DISPLACEMENTS, MEMORIES], 1.0),
-            };
-            system.table(first, nodes, ratio, weight);
-            if nodes.contains(&1) {
+            match layout.of {
+                Some(Remembered::Place) => system.table(first, [FINE, 1], 1.0, weight),
+                Some(Remembered::Sides { .. }) => {
+                    for side in [first, first + layout.memory / 2] {
+                        system.table(side, [1, KNOTS], 2.0, weight);
+                    }
+                }
+                _ => system.table(first, [DISPLACEMENTS, MEMORIES], 1.0, weight),
+            }
+            if layout.of.is_some_and(Remembered::is_line) {
                 for cell in first..first + layout.memory {
                     system.add(&[(cell, 1.0)], 0.0, LEVEL * per_cell);
                 }

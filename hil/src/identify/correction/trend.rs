@@ -61,6 +61,12 @@ const OVER_MEMORY: [fn(f64) -> f64; 5] = [
 /// Whether a force is the same or the opposite on the way back.
 const OVER_DIRECTION: [[f64; 2]; 2] = [[1.0, 1.0], [1.0, -1.0]];
 
+/// The first cell of each side that U may have, forwards and back.
+const SIDES: [[usize; 2]; 2] = [
+    [CELLS, CELLS + MEMORY_CELLS / 2],
+    [CELLS + SPEEDS, CELLS + MEMORY_CELLS / 2 + SPEEDS],
+];
+
 /// What trends may depend on.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Variables {
@@ -85,31 +91,31 @@ pub(super) fn of_table(variables: Variables) -> Vec<Trend> {
 pub(super) fn of_memory(of: Remembered, variables: Variables) -> Vec<Trend> {
     match of {
         Remembered::Place => return Vec::new(),
-        Remembered::Beyond { .. } => return of_edge(variables),
+        Remembered::Sides { .. } => return of_sides(variables),
         _ => {}
     }
     let place = |node: usize| node as f64 / (MEMORIES - 1) as f64;
     products(variables, CELLS, MEMORIES, place, &OVER_MEMORY)
 }
 
-/// Those of a line over speed.
-fn of_edge(variables: Variables) -> Vec<Trend> {
-    let directions = OVER_DIRECTION.iter().enumerate();
-    let all = directions.flat_map(|(back, direction)| {
-        let speeds = OVER_SPEED.iter().enumerate();
-        let allowed = speeds.filter(move |(j, _)| variables.velocity || *j + back == 0);
-        allowed.map(|(_, over_speed)| {
-            let cells = direction.iter().enumerate().flat_map(|(way, sign)| {
-                let node = move |node| {
-                    let cell = CELLS + way * MEMORY_CELLS / 2 + node;
-                    (cell, sign * over_speed(part_of_speed(node)))
-                };
-                (0..SPEEDS).map(node)
-            });
-            Trend(cells.collect())
-        })
-    });
-    all.collect()
+/// Those of either side.
+fn of_sides(variables: Variables) -> Vec<Trend> {
+    let mut trends = Vec::new();
+    for first in SIDES {
+        for (j, over_speed) in OVER_SPEED.iter().enumerate() {
+            for (back, direction) in OVER_DIRECTION.iter().enumerate() {
+                if !variables.velocity && j + back > 0 {
+                    continue;
+                }
+                let both = direction.iter().zip(first).flat_map(|(sign, first)| {
+                    let value = move |node| sign * over_speed(part_of_speed(node));
+                    (0..SPEEDS).map(move |node| (first + node, value(node)))
+                });
+                trends.push(Trend(both.collect()));
+            }
+        }
+    }
+    trends
 }
 
 /// Nodes over speed at which T bends around its trends: every other one.
@@ -120,9 +126,8 @@ pub(super) fn hats_of_table() -> Vec<Trend> {
     let mut hats = Vec::new();
     for way in 0..2 {
         for knot in 0..KNOTS {
-            let hat = |place: usize| {
-                hat(knot, |node| (way * SPEEDS + node) * DISPLACEMENTS + place)
-            };
+            let hat =
+                |place: usize| hat(knot, |node| (way * SPEEDS + node) * DISPLACEMENTS + place);
             hats.extend((0..DISPLACEMENTS).map(hat));
         }
     }
@@ -142,22 +147,25 @@ fn hat(knot: usize, cell: impl Fn(usize) -> usize) -> Trend {
     Trend(cells)
 }
 
-/// The same of U: its cells, or of a line over speed its knots.
+/// The same of U: its cells, or the knots over speed of its sides, one after the other.
 pub(super) fn hats_of_memory(of: Remembered) -> Vec<Trend> {
     let half = MEMORY_CELLS / 2;
-    let alone = |cell: usize| Trend(vec![(cell, 1.0)]);
-    let each_way = [CELLS, CELLS + half].into_iter();
-    each_way
-        .flat_map(|first| -> Vec<Trend> {
-            match of {
-                Remembered::Beyond { .. } => {
-                    (0..KNOTS).map(|knot| hat(knot, |node| first + node)).collect()
-                }
-                Remembered::Place => (first..first + FINE).map(alone).collect(),
-                _ => (first..first + half).map(alone).collect(),
-            }
-        })
-        .collect()
+    let each_way = |used: usize| {
+        let cells = [CELLS, CELLS + half].into_iter();
+        let cells = cells.flat_map(move |first| first..first + used);
+        cells.map(|cell| Trend(vec![(cell, 1.0)])).collect()
+    };
+    match of {
+        Remembered::Place => each_way(FINE),
+        Remembered::Sides { .. } => {
+            let lines = SIDES.into_iter().flatten();
+            let knots = lines.flat_map(|first| (0..KNOTS).map(move |knot| (first, knot)));
+            knots
+                .map(|(first, knot)| hat(knot, |node| first + node))
+                .collect()
+        }
+        _ => each_way(half),
+    }
 }
 
 fn products(
