@@ -5,7 +5,7 @@ use crate::correction::Remembered;
 use crate::recording::trajectory::Trajectory;
 
 /// Steps of the edges of what touches on one side or on both, over the largest displacement.
-const EDGE: f64 = 0.2;
+const EDGE: f64 = 0.1;
 /// How two edges may move: the upper one alone first.
 const WAYS: [[f64; 2]; 6] = [
     [0.0, -1.0],
@@ -66,8 +66,8 @@ pub(super) fn kinds(design: &Design) -> Vec<Vec<Remembered>> {
 /// One side anywhere, or two as far from the middle.
 fn sides(reach: f64) -> Vec<Remembered> {
     let at = |step: i32| EDGE * f64::from(step) * reach;
-    let one = (-4..=4).map(|step| [-reach, at(step)]);
-    let two = (1..=4).map(|step| [-at(step), at(step)]);
+    let one = (-8..=8).map(|step| [-reach, at(step)]);
+    let two = (1..=8).map(|step| [-at(step), at(step)]);
     one.chain(two)
         .map(|[low, high]| Remembered::Sides { low, high })
         .collect()
