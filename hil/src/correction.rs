@@ -47,6 +47,7 @@ pub enum Remembered {
     Cycles { cycles: f64 },
     Level { time: f64 },
     Temperature,
+    Acceleration,
     Place,
     Sides { low: f64, high: f64 },
     Frequency { time: f64 },
@@ -65,7 +66,8 @@ impl Remembered {
             Self::Cycles { .. } => "cycle",
             Self::Temperature => "temperature",
             Self::Place | Self::Sides { .. } => "displacement",
-            Self::Frequency { .. } => "frequency",
+            // Of a sine it is −(2πf)²·y.
+            Self::Frequency { .. } | Self::Acceleration => "frequency",
         }
     }
 
@@ -84,6 +86,7 @@ impl Remembered {
             Self::Level { time } => Memory::Level { time: real(time) },
             Self::Largest => Memory::Largest,
             Self::Temperature => Memory::Temperature,
+            Self::Acceleration => Memory::Acceleration,
             Self::Place => Memory::Place,
             Self::Sides { low, high } => Memory::Sides {
                 low: real(low),

@@ -55,6 +55,8 @@ pub enum Memory<R> {
     },
     /// The temperature that is measured, °C.
     Temperature,
+    /// The acceleration, mm/s².
+    Acceleration,
     /// Nothing: U is a line over displacement alone, once for each direction, of [`super::FINE`] nodes evenly over ±reach in
     /// the place of T's [`super::DISPLACEMENTS`]. It has the first so many of each direction's cells, the others are not read.
     Place,
@@ -88,11 +90,12 @@ pub(super) enum Kind {
     Place,
     Sides,
     Frequency,
+    Acceleration,
 }
 
 impl Kind {
     /// By their numbers in a pack.
-    pub const ALL: [Self; 12] = [
+    pub const ALL: [Self; 13] = [
         Self::None,
         Self::Slip,
         Self::Lag,
@@ -105,6 +108,7 @@ impl Kind {
         Self::Place,
         Self::Sides,
         Self::Frequency,
+        Self::Acceleration,
     ];
 }
 
@@ -112,7 +116,7 @@ impl Kind {
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Recall<R> {
     pub kind: Kind,
-    /// 1/time in ticks, 1/cycles, readings per °C, or Hz of an average of 1.
+    /// 1/time in ticks, 1/cycles, readings per °C or per mm/s², or Hz of an average of 1.
     pub rate: R,
     /// Slip limit in places, the place above which there is a side, or what an average loses in a tick, of 2³².
     pub step: i32,
@@ -130,6 +134,8 @@ pub(super) struct Beside<R> {
     pub cycles: R,
     /// °C
     pub temperature: R,
+    /// mm/s²
+    pub acceleration: R,
 }
 
 impl<R: Real> Beside<R> {
@@ -137,6 +143,7 @@ impl<R: Real> Beside<R> {
         Self {
             cycles: motion.cycles(),
             temperature: motion.temperature(),
+            acceleration: motion.acceleration(),
         }
     }
 }
@@ -170,14 +177,15 @@ impl<R: Real> Recall<R> {
         reach: f64,
         tick: f64,
     ) -> Result<Self, ConfigError> {
-        let low = in_range("low", low, -limits::VELOCITY, limits::VELOCITY)?.to_f64();
-        let high = in_range("high", high, -limits::VELOCITY, limits::VELOCITY)?.to_f64();
+        let most = limits::ACCELERATION;
+        let low = in_range("low", low, -most, most)?.to_f64();
+        let high = in_range("high", high, -most, most)?.to_f64();
         if low >= high {
             return Err(ConfigError::OutOfRange {
                 field: "high",
                 value: high,
                 low,
-                high: limits::VELOCITY,
+                high: most,
             });
         }
         let loss = |time: R| -> Result<i32, ConfigError> {
@@ -225,9 +233,12 @@ impl<R: Real> Recall<R> {
                 new.rate = R::ONE / cycles;
                 per_reading = 1.0 / f64::from(ONE);
             }
-            Memory::Temperature => {
-                new.kind = Kind::Temperature;
-                per_reading = low.abs().max(high.abs()).max(1.0) / largest;
+            Memory::Temperature | Memory::Acceleration => {
+                new.kind = match memory {
+                    Memory::Temperature => Kind::Temperature,
+                    _ => Kind::Acceleration,
+                };
+                per_reading = low.abs().max(high.abs()).max(1e-4) / largest;
                 new.rate = R::from_f64(1.0 / per_reading);
             }
             Memory::Place => new.kind = Kind::Place,
@@ -355,11 +366,15 @@ impl<R: Real> Recall<R> {
                 let frequency = R::from_i32(state.value) * self.rate;
                 octaves(frequency).clamp(!LARGEST_READING, LARGEST_READING)
             }
-            Kind::Temperature => {
-                let reading = (beside.temperature * self.rate).to_i32();
-                reading.clamp(!LARGEST_READING, LARGEST_READING)
-            }
+            Kind::Temperature => self.measured(beside.temperature),
+            Kind::Acceleration => self.measured(beside.acceleration),
         }
+    }
+
+    #[inline(always)]
+    fn measured(&self, value: R) -> i32 {
+        let reading = (value * self.rate).to_i32();
+        reading.clamp(!LARGEST_READING, LARGEST_READING)
     }
 
     #[inline(always)]

@@ -2,6 +2,7 @@
 
 use mesh_damper::effects::Correction;
 use mesh_damper::effects::correction::{CELLS, CorrectionParts, MEMORY_CELLS};
+use mesh_damper::limits;
 
 use crate::correction::Remembered;
 use crate::extremes::least_and_largest;
@@ -220,6 +221,7 @@ impl<'a> Design<'a> {
             Remembered::Age { time } => [0.0, 1.0 + (longest / time).log2().max(0.0)],
             Remembered::Cycles { .. } => [0.0, 16.0],
             Remembered::Temperature => self.temperatures()?,
+            Remembered::Acceleration => self.accelerations(),
             Remembered::Place | Remembered::Sides { .. } => {
                 return self
                     .recall_within(of, [-self.extent.displacement, self.extent.displacement]);
@@ -256,14 +258,25 @@ impl<'a> Design<'a> {
     /// The lowest and the highest of the rows, °C, or as far apart as the crate tells temperatures; `None` where they are the
     /// same.
     fn temperatures(&self) -> Option<[f64; 2]> {
-        let instants = self.rows.iter().flat_map(|row| &row.instants);
-        let temperatures = instants.map(|instant| {
-            let (which, sample) = instant.origin;
-            self.trajectories[which].temperature_at(sample)
-        });
-        let (low, high) = least_and_largest(temperatures);
+        let (low, high) = self.least_and_largest(Trajectory::temperature_at);
         let least = low.abs().max(high.abs()).max(1.0) / 32.0;
         (low < high).then_some([low, high.max(low + least)])
+    }
+
+    /// The largest of the rows to either side, mm/s².
+    fn accelerations(&self) -> [f64; 2] {
+        let (low, high) = self.least_and_largest(|t, sample| t.motion.acceleration[sample]);
+        let largest = high.max(-low).clamp(1e-4, limits::ACCELERATION);
+        [-largest, largest]
+    }
+
+    /// Of a channel at the rows.
+    fn least_and_largest(&self, channel: fn(&Trajectory, usize) -> f64) -> (f64, f64) {
+        let instants = self.rows.iter().flat_map(|row| &row.instants);
+        least_and_largest(instants.map(|instant| {
+            let (which, sample) = instant.origin;
+            channel(&self.trajectories[which], sample)
+        }))
     }
 
     /// What `take` takes of where z stands and of its cells, at every instant of every row.

@@ -55,6 +55,7 @@ pub(super) fn kinds(design: &Design) -> Vec<Vec<Remembered>> {
             Remembered::Cycles { cycles }
         }),
         vec![Remembered::Temperature],
+        vec![Remembered::Acceleration],
         vec![Remembered::Place],
         sides(reach),
         spread(0.5 / fastest, 0.5 / slowest, 3, |time| {
@@ -109,6 +110,7 @@ pub(super) fn around(of: Remembered, sought: u32, design: &Design) -> Vec<Rememb
         }),
         Remembered::Largest
         | Remembered::Temperature
+        | Remembered::Acceleration
         | Remembered::Place
         | Remembered::Sides { .. } => None,
         Remembered::Age { time } => Some(Remembered::Age {
