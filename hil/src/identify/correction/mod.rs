@@ -10,7 +10,7 @@ pub(crate) mod memory;
 mod system;
 mod trend;
 
-use mesh_damper::effects::correction::{CELLS, FINE, MEMORY_CELLS};
+use mesh_damper::effects::correction::CELLS;
 use rayon::prelude::*;
 
 use super::beyond_noise::beyond_noise;
@@ -19,7 +19,7 @@ use crate::model::{Model, ModelError};
 use crate::recording::trajectory::Trajectory;
 use design::{Coefficients, Design, Extent, Recalled};
 use gram::{Form, Rows, Solved};
-use trend::{Trend, Variables};
+use trend::{Trend, Variable};
 
 /// Penalties of the bends of T that are tried, over what the data say of a cell.
 const SMOOTHNESS: [f64; 7] = [1e-5, 1e-4, 1e-3, 1e-2, 1e-1, 1.0, 10.0];
@@ -47,8 +47,6 @@ const COMPARABLE: f64 = 2.0;
 const SOUGHT: u32 = 6;
 /// A variable is needed whose absence makes the error more than so many times as large.
 const NEEDED: f64 = 1.1;
-/// A line has friction in it whose part that changes sign with the direction is more than this part of the other, in squares.
-const DIFFERENT: f64 = 0.1;
 /// Times that trends are sought, each beside the exponents of eq 13 that those before led to.
 const ROUNDS: usize = 2;
 /// Most steps in which eq 13's exponents follow,
@@ -197,50 +195,35 @@ pub fn depends_on(
         let recalled = choice.recalled(design);
         let at = Coefficients::of(model);
         let rows = Rows::over(design, &at, recalled.as_ref());
-        let error_with = |variables: Variables| {
-            let mut trends = trend::of_table(variables);
-            if let Some(recalled) = &recalled {
-                trends.extend(trend::of_memory(recalled.of, variables));
+        let of = recalled.as_ref().map(|recalled| recalled.of);
+        let judged = |form: Form| Some(rows.sums(form)?.judged(form)?.error);
+        let along_trends = |without: Option<Variable>| {
+            let mut trends = trend::of_table(without);
+            trends.extend(of.map_or(Vec::new(), |of| trend::of_memory(of, without)));
+            Some(trend::grown(&rows, &[], &trends)?.0)
+        };
+        let least = |errors: [Option<f64>; 2]| {
+            let errors = errors.into_iter().flatten();
+            errors.fold(f64::INFINITY, f64::min)
+        };
+        let all = least([along_trends(None), judged(choice.form())]);
+        for (name, variable) in [
+            ("displacement", Variable::Displacement),
+            ("velocity", Variable::Velocity),
+        ] {
+            let hats = trend::hats_without(variable, of);
+            let tables = Form {
+                trends: &hats,
+                ..Form::NONE
+            };
+            if least([along_trends(Some(variable)), judged(tables)]) > NEEDED * all {
+                names.push(name);
             }
-            trend::grown(&rows, &[], &trends).map_or(f64::INFINITY, |(error, _)| error)
-        };
-        let all = error_with(Variables::BOTH);
-        let without_displacement = Variables {
-            displacement: false,
-            ..Variables::BOTH
-        };
-        let without_velocity = Variables {
-            velocity: false,
-            ..Variables::BOTH
-        };
-        if error_with(without_displacement) > NEEDED * all {
-            names.push("displacement");
-        }
-        let is_line = recalled
-            .as_ref()
-            .is_some_and(|of| of.of == Remembered::Place);
-        let solved = || rows.sums(choice.form())?.solved(choice.form());
-        if error_with(without_velocity) > NEEDED * all
-            || is_line && solved().is_some_and(|solved| differs_by_direction(&solved.cells))
-        {
-            names.push("velocity");
         }
     }
     let of = choice.memory.map(|memory| memory.of.is_of());
     names.extend(of.filter(|name| !names.contains(name)));
     Ok(names)
-}
-
-/// Whether the line among `cells` bends otherwise on the way back. How steep it is says nothing: eq 13 may have as much less.
-fn differs_by_direction(cells: &[f64]) -> bool {
-    let (there, back) = cells[CELLS..].split_at(MEMORY_CELLS / 2);
-    let power = |with: f64| -> f64 {
-        let pairs = there.iter().zip(back).take(FINE);
-        let line: Vec<f64> = pairs.map(|(there, back)| there + with * back).collect();
-        let bends = line.windows(3).map(|w| w[0] - 2.0 * w[1] + w[2]);
-        bends.map(|bend| bend * bend).sum()
-    };
-    power(-1.0) > DIFFERENT * power(1.0)
 }
 
 /// The best correction without memory.
@@ -256,7 +239,7 @@ fn momentary(design: &Design, alone: &Solved) -> Option<Fitted> {
     for _ in 0..ROUNDS {
         let at = solved.coefficients.clone();
         let rows = Rows::over(design, &at, None);
-        (_, choice.trends) = trend::grown(&rows, &[], &trend::of_table(Variables::BOTH))?;
+        (_, choice.trends) = trend::grown(&rows, &[], &trend::of_table(None))?;
         solved = settle(design, &at, choice.form(), None)?;
     }
     let rows = Rows::over(design, &solved.coefficients, None);
@@ -326,7 +309,7 @@ fn promising(design: &Design, plain: &Fitted) -> Vec<Memorable> {
     let judged = comparable.filter_map(|(_, of)| {
         let recalled = design.recall(of)?;
         let rows = Rows::over(design, at, Some(&recalled));
-        let candidates = trend::of_memory(of, Variables::BOTH);
+        let candidates = trend::of_memory(of, None);
         let (error, trends) = trend::grown(&rows, known, &candidates)?;
         let with_table = rows.sums(tabulated)?.judged(tabulated)?.error;
         let (error, trends) = if error < with_table {
@@ -350,9 +333,9 @@ fn remembering(design: &Design, plain: &Fitted, kinds: &[Memorable]) -> Option<F
     let (recalled, of) = (&best.recalled, best.recalled.of);
     let rows = Rows::over(design, at, Some(recalled));
     // What was taken without the memory may have stood in for it.
-    let all: Vec<Trend> = trend::of_table(Variables::BOTH)
+    let all: Vec<Trend> = trend::of_table(None)
         .into_iter()
-        .chain(trend::of_memory(of, Variables::BOTH))
+        .chain(trend::of_memory(of, None))
         .collect();
     let trends = match trend::grown(&rows, &[], &all) {
         Some((anew, others)) if anew < best.error => others,

@@ -3,6 +3,8 @@
 //! A table that is only asked to be smooth knows little between two blocks of a test and nothing beyond them. One that
 //! follows a few products of a function of displacement and one of speed does, and the table proper is left with the rest.
 
+use std::collections::BTreeMap;
+
 use mesh_damper::effects::correction::{
     CELLS, DISPLACEMENTS, FINE, MEMORIES, MEMORY_CELLS, SPEEDS, part_of_speed,
 };
@@ -67,44 +69,41 @@ const SIDES: [[usize; 2]; 2] = [
     [CELLS + SPEEDS, CELLS + MEMORY_CELLS / 2 + SPEEDS],
 ];
 
-/// What trends may depend on.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct Variables {
-    pub displacement: bool,
+/// What tables may be over beside what is remembered.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Variable {
+    Displacement,
     /// Speed and direction.
-    pub velocity: bool,
+    Velocity,
 }
 
-impl Variables {
-    pub const BOTH: Self = Self {
-        displacement: true,
-        velocity: true,
-    };
+/// Every trend of T that eq 13 has not, or those that are not over a variable.
+pub(super) fn of_table(without: Option<Variable>) -> Vec<Trend> {
+    products(without, 0, SPEEDS, part_of_speed, &OVER_SPEED)
 }
 
-/// Every trend of T that eq 13 has not.
-pub(super) fn of_table(variables: Variables) -> Vec<Trend> {
-    products(variables, 0, SPEEDS, part_of_speed, &OVER_SPEED)
-}
-
-/// Every trend of U; none where it is a line over displacement, which is for what no trend is like.
-pub(super) fn of_memory(of: Remembered, variables: Variables) -> Vec<Trend> {
+/// The same of U; none where it is a line over displacement, which is for what no trend is like.
+pub(super) fn of_memory(of: Remembered, without: Option<Variable>) -> Vec<Trend> {
     match of {
         Remembered::Place => return Vec::new(),
-        Remembered::Sides { .. } => return of_sides(variables),
+        Remembered::Sides { .. } => return of_sides(without),
         _ => {}
     }
     let place = |node: usize| node as f64 / (MEMORIES - 1) as f64;
-    products(variables, CELLS, MEMORIES, place, &OVER_MEMORY)
+    products(without, CELLS, MEMORIES, place, &OVER_MEMORY)
 }
 
 /// Those of either side.
-fn of_sides(variables: Variables) -> Vec<Trend> {
+fn of_sides(without: Option<Variable>) -> Vec<Trend> {
     let mut trends = Vec::new();
+    // Which side it is is the displacement.
+    if without == Some(Variable::Displacement) {
+        return trends;
+    }
     for first in SIDES {
         for (j, over_speed) in OVER_SPEED.iter().enumerate() {
             for (back, direction) in OVER_DIRECTION.iter().enumerate() {
-                if !variables.velocity && j + back > 0 {
+                if without.is_some() && j + back > 0 {
                     continue;
                 }
                 let both = direction.iter().zip(first).flat_map(|(sign, first)| {
@@ -168,8 +167,43 @@ pub(super) fn hats_of_memory(of: Remembered) -> Vec<Trend> {
     }
 }
 
+/// What the tables are made of that are not over displacement, or not over speed and direction: hats that differ in nothing else
+/// are one.
+pub(super) fn hats_without(variable: Variable, of: Option<Remembered>) -> Vec<Trend> {
+    let is_displacement = variable == Variable::Displacement;
+    let joined = |hats: Vec<Trend>, kept: &dyn Fn(usize) -> usize| {
+        let mut joined: BTreeMap<usize, Vec<(usize, f64)>> = BTreeMap::new();
+        for (number, hat) in hats.into_iter().enumerate() {
+            joined.entry(kept(number)).or_default().extend(hat.0);
+        }
+        joined.into_values().map(Trend).collect::<Vec<_>>()
+    };
+    let mut all = joined(hats_of_table(), &|number| {
+        if is_displacement {
+            number / DISPLACEMENTS
+        } else {
+            number % DISPLACEMENTS
+        }
+    });
+    let Some(of) = of else { return all };
+    let way = hats_of_memory(of).len() / 2;
+    all.extend(match (of, variable) {
+        // Which side it is is the displacement.
+        (Remembered::Sides { .. }, Variable::Displacement) => Vec::new(),
+        (Remembered::Sides { .. }, Variable::Velocity) => {
+            joined(hats_of_memory(of), &|number| number / way)
+        }
+        (Remembered::Place, Variable::Displacement) => {
+            joined(hats_of_memory(of), &|number| number / way)
+        }
+        (_, Variable::Displacement) => joined(hats_of_memory(of), &|number| number / DISPLACEMENTS),
+        (_, Variable::Velocity) => joined(hats_of_memory(of), &|number| number % way),
+    });
+    all
+}
+
 fn products(
-    variables: Variables,
+    without: Option<Variable>,
     first: usize,
     nodes: usize,
     at: impl Fn(usize) -> f64,
@@ -182,8 +216,11 @@ fn products(
                 let of_speed = first == 0 && j > 0;
                 // y and y³ are in eq 13.
                 let is_known = first == 0 && j == 0 && back == 0 && matches!(i, 1 | 5);
-                let is_allowed = (variables.displacement || i == 0)
-                    && (variables.velocity || !(of_speed || back > 0));
+                let is_allowed = match without {
+                    None => true,
+                    Some(Variable::Displacement) => i == 0,
+                    Some(Variable::Velocity) => !of_speed && back == 0,
+                };
                 if is_known || !is_allowed {
                     continue;
                 }
