@@ -46,7 +46,7 @@ const COMPARABLE: f64 = 2.0;
 /// Times that what a memory is of is sought ever more finely.
 const SOUGHT: u32 = 6;
 /// A variable is needed whose absence makes the error more than so many times as large.
-const NEEDED: f64 = 1.1;
+const NEEDED: f64 = 1.7;
 /// Times that trends are sought, each beside the exponents of eq 13 that those before led to.
 const ROUNDS: usize = 2;
 /// Most steps in which eq 13's exponents follow,
