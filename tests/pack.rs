@@ -243,7 +243,16 @@ fn corrected_pack() -> Vec<u8> {
 #[test]
 fn a_correction_survives() {
     assert_eq!(decode(&corrected_pack()).unwrap(), corrected());
-    for memory in [Memory::Temperature, Memory::Place] {
+    for memory in [
+        Memory::Temperature,
+        Memory::Place,
+        Memory::Acceleration,
+        Memory::Frequency { time: 0.05 },
+        Memory::Sides {
+            below: -0.1,
+            above: 0.2,
+        },
+    ] {
         let law = corrected_over(memory);
         let mut buffer = [0; LARGEST];
         assert_eq!(

@@ -199,6 +199,14 @@ fn numbers() -> Vec<Number> {
         number!("time", 1e-6, 1e6, |x| {
             correction(1.0, 1.0, 1.0, Memory::Lag { time: x }, RANGE, 1e-4)
         }),
+        number!("below", -1e4, 1e4, |below| {
+            let sides = Memory::Sides { below, above: 1e4 };
+            correction(1.0, 1.0, 1.0, sides, RANGE, 1e-4)
+        }),
+        number!("above", -1e4, 1e4, |above| {
+            let sides = Memory::Sides { below: -1e4, above };
+            correction(1.0, 1.0, 1.0, sides, RANGE, 1e-4)
+        }),
         number!("zero", -1e6, 1e6, |x| Scale::new(1.0, x)),
         number!("tick_rate", 1.0, 1e6, |x| ObserverConfig::new(x, 0.1, 0.7)),
         number!("bandwidth", 1e-3, 1e3, |x| ObserverConfig::new(1e4, x, 0.7)),

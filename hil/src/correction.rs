@@ -49,7 +49,7 @@ pub enum Remembered {
     Temperature,
     Acceleration,
     Place,
-    Sides { low: f64, high: f64 },
+    Sides { below: f64, above: f64 },
     Frequency { time: f64 },
 }
 
@@ -88,9 +88,9 @@ impl Remembered {
             Self::Temperature => Memory::Temperature,
             Self::Acceleration => Memory::Acceleration,
             Self::Place => Memory::Place,
-            Self::Sides { low, high } => Memory::Sides {
-                low: real(low),
-                high: real(high),
+            Self::Sides { below, above } => Memory::Sides {
+                below: real(below),
+                above: real(above),
             },
             Self::Frequency { time } => Memory::Frequency { time: real(time) },
             Self::Age { time } => Memory::Age { time: real(time) },

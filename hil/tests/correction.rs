@@ -233,6 +233,64 @@ fn friction_at_one_place_is_told_from_an_elastic_force_there() {
     }
 }
 
+/// Where the force jumps, a table that is a straight line from node to node does not.
+#[test]
+fn what_touches_beyond_an_edge_has_it() {
+    let one = |s: &Sample| {
+        if s.displacement > 0.023 {
+            0.05 * s.velocity
+        } else {
+            0.0
+        }
+    };
+    let two = |s: &Sample| {
+        let touches = s.displacement > 0.071 || s.displacement < -0.034;
+        if touches { 0.05 * s.velocity } else { 0.0 }
+    };
+    let cases: [(fn(&Sample) -> f64, Option<f64>, f64); 2] =
+        [(one, None, 0.023), (two, Some(-0.034), 0.071)];
+    for (force, low, high) in cases {
+        let (memory, error) = held_out(momentary(force));
+        let Some(Remembered::Sides { below, above }) = memory else {
+            panic!("{memory:?}");
+        };
+        assert!((above - high).abs() < 1e-3, "{above} mm");
+        if let Some(low) = low {
+            assert!((below - low).abs() < 1e-3, "{below} mm");
+        }
+        // 14 and 8 without.
+        assert!(error < 2.2, "{error} times the noise");
+    }
+}
+
+#[test]
+fn friction_that_grows_with_frequency_stands_over_it() {
+    let growing = || Box::new(|s: &Sample| 0.01 * s.frequency * s.velocity.signum());
+    let more = [0.5, 2.0, 8.0].map(|frequency| block(0.1, frequency, 8));
+    let recording = record(&[&fitted()[..], &more].concat(), growing(), 1);
+    let found = fit(&[recording], &start(), |_, _| true, |_, _| Ok(true)).unwrap();
+    let (model, _) = found.expect("there is something to correct");
+    let memory = model
+        .correction
+        .as_ref()
+        .and_then(|table| table.memory.as_ref());
+    let of = memory.map(|memory| memory.of);
+    assert!(matches!(of, Some(Remembered::Frequency { .. })), "{of:?}");
+    let held = record(&held(), growing(), 2);
+    let force = predict_embedded(&model, &held).unwrap();
+    let error = nrmse(&force, &held.force, |_| true) / NOISE;
+    let eq_13 = Model { correction: None, ..model };
+    eprintln!("ERR {}", nrmse(&predict(&eq_13, &held).unwrap(), &held.force, |_| true)/NOISE);
+    assert!(error < 4.0, "{error} times the noise");
+}
+
+#[test]
+fn a_mass_that_grows_with_displacement_stands_over_acceleration() {
+    let (memory, error) = held_out(momentary(|s| 1e-3 * s.acceleration * s.displacement.abs()));
+    assert_eq!(memory, Some(Remembered::Acceleration));
+    assert!(error < 1.5, "{error} times the noise");
+}
+
 #[test]
 fn nothing_is_corrected_where_nothing_is_missing() {
     assert_eq!(corrected(momentary(|_| 0.0)), None);

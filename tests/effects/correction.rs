@@ -79,8 +79,9 @@ impl<R: Real> Alone<R> {
             temperature: R::from_f64(temperature),
             displacement: R::from_f64(displacement),
             velocity: R::from_f64(velocity),
+            // Only what is over it reads it.
+            acceleration: R::from_f64(0.1 * velocity),
             cycles: R::from_f64(cycles),
-            ..Motion::default()
         };
         self.law.force(&mut self.state, &motion).to_f64()
     }
@@ -259,6 +260,100 @@ fn a_line_resolves_what_happens_at_one_place() {
     }
 }
 
+/// Friction and a dashpot above one edge, another below the other, nothing between: the jump is within a 4096th of a node.
+#[test]
+fn a_side_begins_at_its_edge() {
+    let (below, above) = (-0.12, 0.05);
+    let force = |y: f64, v: f64| match y {
+        y if y > above => 0.1 * v + 0.05 * v.signum(),
+        y if y < below => -0.2 * v,
+        _ => 0.0,
+    };
+    let mut lines = [0; MEMORY_CELLS];
+    for (way, sign) in [(0, 1.0), (MEMORY_CELLS / 2, -1.0)] {
+        for (side, y) in [(0, REACH), (SPEEDS, -REACH)] {
+            for node in 0..SPEEDS {
+                // At rest the friction of this direction.
+                let speed = (SPEED * part_of_speed(node)).max(f64::MIN_POSITIVE);
+                lines[way + side + node] = (force(y, sign * speed) / UNIT).round() as i16;
+            }
+        }
+    }
+    let with = |below, above| {
+        let parts = CorrectionParts {
+            reach: REACH,
+            speed: SPEED,
+            unit: UNIT,
+            cells: &table(|y, _| y),
+            memory: Some((Memory::Sides { below, above }, [-REACH, REACH])),
+            memory_cells: &lines,
+        };
+        Alone::<f64>::new(Correction::new(&parts, TICK).unwrap())
+    };
+    let mut both = with(below, above);
+    let mut one = with(-REACH, above);
+    for y in [-REACH, -0.1201, -0.1199, 0.0, 0.0499, 0.0501, REACH] {
+        for v in [-6.0, -0.7, -1e-9, 1e-9, 0.7, 6.0] {
+            close(both.force(y, v, 0.0), y + force(y, v), 1e-3);
+            close(one.force(y, v, 0.0), y + force(y.max(below), v), 1e-3);
+        }
+        // At rest, the mean.
+        close(both.force(y, 0.0, 0.0), y, 1e-3);
+    }
+    close(both.force(50.0, 2.0, 0.0), REACH + 0.25, 1e-3);
+    close(both.force(-50.0, 2.0, 0.0), -REACH - 0.4, 1e-3);
+    close(one.force(-50.0, 2.0, 0.0), -REACH, 1e-3);
+}
+
+/// Of 2 and 8 Hz the logarithm is exact; after more cycles than a counter of fractions could hold as well.
+#[test]
+fn frequency_is_that_of_the_cycles() {
+    let range = [0.0, 4.0];
+    for begun in [0.0, 3e6] {
+        let memory = (Memory::Frequency { time: 0.05 }, range);
+        let mut alone = Alone::new(correction::<f64>(&[0; CELLS], Some(memory)).unwrap());
+        let mut cycles = begun;
+        let mut after = |frequency: f64, seconds: f64| {
+            let ticks = (seconds / TICK).round() as usize;
+            let forces = (0..ticks).map(|_| {
+                cycles += frequency * TICK;
+                alone.force(0.0, 0.0, cycles)
+            });
+            forces.last().unwrap() / (1000.0 * UNIT)
+        };
+        close(after(2.0, 1.0), 1.0, 1e-2);
+        close(after(8.0, 1.0), 3.0, 1e-2);
+        // A half of the way back, of which 5 Hz is a quarter below 6.
+        close(after(2.0, 0.05 * f64::ln(2.0)), 2.25, 2e-2);
+        // No cycles at all are of the first node.
+        close(after(0.0, 2.0), 0.0, 1e-2);
+    }
+}
+
+#[test]
+fn acceleration_stands_where_it_is() {
+    let memory = (Memory::Acceleration, [-400.0, 400.0]);
+    let law = AugmentedLaw::<f64, 1>::new(Law::new(0.0, 0.0, 0.0, 0.0).unwrap())
+        .with_correction(correction(&[0; CELLS], Some(memory)).unwrap())
+        .unwrap();
+    for (acceleration, part) in [
+        (-1e12, 0.0),
+        (-400.0, 0.0),
+        (-100.0, 0.375),
+        (0.0, 0.5),
+        (400.0, 1.0),
+        (f64::INFINITY, 1.0),
+    ] {
+        let motion = Motion {
+            acceleration,
+            ..Motion::default()
+        };
+        let force = law.force(&mut law.at_rest(), &motion);
+        // A gain of 127.99 readings is one of 127.
+        close(force / (4000.0 * UNIT), part, 1e-2);
+    }
+}
+
 #[test]
 fn what_cannot_be_is_refused() {
     let field = |error: ConfigError| match error {
@@ -275,6 +370,23 @@ fn what_cannot_be_is_refused() {
         (Memory::Level { time: 0.0 }, [0.0, 1.0], "time"),
         (Memory::Age { time: 1e7 }, [0.0, 1.0], "time"),
         (Memory::Cycles { cycles: 0.0 }, [0.0, 1.0], "cycles"),
+        (Memory::Frequency { time: 0.0 }, [0.0, 1.0], "time"),
+        (
+            Memory::Sides {
+                below: f64::NAN,
+                above: 0.0,
+            },
+            [0.0, 1.0],
+            "below",
+        ),
+        (
+            Memory::Sides {
+                below: 0.1,
+                above: 0.0,
+            },
+            [0.0, 1.0],
+            "above",
+        ),
         (Memory::Largest, [1.0, 1.0], "high"),
         (Memory::Largest, [f64::NAN, 1.0], "low"),
     ] {
@@ -292,7 +404,7 @@ proptest! {
     #[test]
     fn both_floats_give_the_same(
         motion in prop::collection::vec((-0.3f64..0.3, -8.0f64..8.0), 1..200),
-        kind in 0usize..9,
+        kind in 0usize..12,
     ) {
         fn memory<R: Real>(kind: usize) -> (Memory<R>, [R; 2]) {
             let real = R::from_f64;
@@ -306,9 +418,12 @@ proptest! {
                 Memory::Level { time: real(0.05) },
                 Memory::Temperature,
                 Memory::Place,
+                Memory::Sides { below: real(-0.1), above: real(0.03) },
+                Memory::Frequency { time: real(0.05) },
+                Memory::Acceleration,
             ][kind];
-            let low = [-0.05, -0.1, 0.0, 0.0, 0.0, 0.0, 0.0, -1.0, -0.2][kind];
-            let high = [0.05, 0.1, 200.0, 0.2, 3.0, 3.0, 0.2, 30.0, 0.2][kind];
+            let low = [-0.05, -0.1, 0.0, 0.0, 0.0, 0.0, 0.0, -1.0, -0.2, -0.2, 0.0, -1.0][kind];
+            let high = [0.05, 0.1, 200.0, 0.2, 3.0, 3.0, 0.2, 30.0, 0.2, 0.2, 4.0, 1.0][kind];
             (memory, [real(low), real(high)])
         }
         let cells = table(|y, v| 4.0 * y + 0.2 * v + v.signum());
@@ -332,10 +447,14 @@ proptest! {
     #[test]
     fn the_support_is_what_the_force_comes_from(
         motion in prop::collection::vec((-0.3f64..0.3, -8.0f64..8.0), 1..50),
-        slips: bool,
+        kind in 0usize..3,
     ) {
         let cells = table(|y, v| 4.0 * y + 0.2 * v + y * v + v.signum());
-        let memory = if slips { Memory::Slip { limit: 0.05 } } else { Memory::Place };
+        let memory = [
+            Memory::Slip { limit: 0.05 },
+            Memory::Place,
+            Memory::Sides { below: -0.1, above: 0.03 },
+        ][kind];
         let correction = correction::<f64>(&cells, Some((memory, [-0.05, 0.05]))).unwrap();
         let memory_cells = ramp();
         let mut alone = Alone::new(correction);

@@ -140,23 +140,23 @@ const NOT_REACHED: [(&str, &str); 24] = [
     ),
     (
         "correction that remembers a slip",
-        "54 beside those without memory: 14 for the slip, the rest the state and the second table",
+        "55 beside those without memory: 14 for the slip, the rest the state and the second table",
     ),
     (
         "correction that remembers a lag",
-        "47 beside those without memory: six for the average, the rest the state and the second table",
+        "48 beside those without memory: six for the average, the rest the state and the second table",
     ),
     (
         "correction that remembers travel",
-        "53 beside those without memory: ten for the average, the rest the state and the second table",
+        "54 beside those without memory: ten for the average, the rest the state and the second table",
     ),
     (
         "correction that remembers the largest displacement",
-        "50 beside those without memory: seven for the largest, the rest the state and the second table",
+        "51 beside those without memory: seven for the largest, the rest the state and the second table",
     ),
     (
         "correction that remembers a level",
-        "50 beside those without memory: nine for the average, the rest the state and the second table",
+        "52 beside those without memory: nine for the average, the rest the state and the second table",
     ),
     (
         "correction that remembers its age",
@@ -164,11 +164,11 @@ const NOT_REACHED: [(&str, &str); 24] = [
     ),
     (
         "correction over the cycles",
-        "49 beside those without memory: eight for the octave, the rest the state and the second table",
+        "48 beside those without memory: eight for the octave, the rest the state and the second table",
     ),
     (
         "correction over temperature",
-        "47 beside those without it: six for the reading, the rest the second table and what memories need",
+        "49 beside those without it: six for the reading, the rest the second table and what memories need",
     ),
     (
         "correction with a finer line",
@@ -377,7 +377,7 @@ const EFFECTS: [(&str, &str); 17] = [
 ];
 
 /// Corrections, by what they are over, and what their limit is called.
-const CORRECTIONS: [(&str, &str); 10] = [
+const CORRECTIONS: [(&str, &str); 13] = [
     ("correction/without_memory", "correction without memory"),
     ("correction/slip", "correction that remembers a slip"),
     ("correction/lag", "correction that remembers a lag"),
@@ -391,6 +391,12 @@ const CORRECTIONS: [(&str, &str); 10] = [
     ("correction/level", "correction that remembers a level"),
     ("correction/temperature", "correction over temperature"),
     ("correction/place", "correction with a finer line"),
+    ("correction/sides", "correction with two sides"),
+    ("correction/frequency", "correction over the frequency"),
+    (
+        "correction/acceleration",
+        "correction over the acceleration",
+    ),
 ];
 
 fn effects(results: &Results) -> Vec<Verdict> {

@@ -99,7 +99,10 @@ const SECTIONS: [Section; 6] = [
         rows: &[
             row("correction/without_memory", "call", "of the motion alone"),
             row("correction/place", "call", "with a finer line"),
+            row("correction/sides", "call", "with two sides"),
             row("correction/temperature", "call", "over temperature"),
+            row("correction/acceleration", "call", "over acceleration"),
+            row("correction/frequency", "call", "over the frequency"),
             row("correction/slip", "call", "remembering a slip"),
             row("correction/lag", "call", "a lag"),
             row("correction/travel", "call", "travel"),

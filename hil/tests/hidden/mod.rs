@@ -25,6 +25,10 @@ pub struct Sample {
     pub displacement: f64,
     /// mm/s
     pub velocity: f64,
+    /// mm/s²
+    pub acceleration: f64,
+    /// Hz, of the block.
+    pub frequency: f64,
     /// Since the test began.
     pub cycles: f64,
     /// kN, of eq 13.
@@ -89,6 +93,8 @@ pub fn record_at(
                 time: m.time,
                 displacement: m.displacement,
                 velocity: m.velocity,
+                acceleration: m.acceleration,
+                frequency: now.frequency,
                 cycles: before + (m.time - start) * now.frequency,
                 law,
                 temperature: temperature(m.time).unwrap_or_default(),

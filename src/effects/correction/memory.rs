@@ -60,14 +60,14 @@ pub enum Memory<R> {
     /// Nothing: U is a line over displacement alone, once for each direction, of [`super::FINE`] nodes evenly over ±reach in
     /// the place of T's [`super::DISPLACEMENTS`]. It has the first so many of each direction's cells, the others are not read.
     Place,
-    /// Nothing: U is a line over speed alone, of T's nodes, once for each direction, where the displacement lies above `high`,
-    /// another where it lies below `low`, and 0 between: what touches on one side, or on both. Of each direction's cells it has
+    /// Nothing: U is a line over speed alone, of T's nodes, once for each direction, where the displacement lies above `above`,
+    /// another where it lies below `below`, and 0 between: what touches on one side, or on both. Of each direction's cells it has
     /// the first [`super::SPEEDS`], and as many after them; the others are not read.
     Sides {
         /// mm, −1e4…1e4; at −`reach` or below there is no such side.
-        low: R,
-        /// mm, `low`…1e4; likewise at `reach`.
-        high: R,
+        below: R,
+        /// mm, `below`…1e4; likewise at `reach`.
+        above: R,
     },
     /// log₂ of the frequency in Hz, the cycles per second over `time`, by straight lines between powers of two.
     Frequency {
@@ -126,26 +126,6 @@ pub(super) struct Recall<R> {
     pub low: i32,
     /// 1024ths of a place per reading.
     pub gain: i32,
-}
-
-/// What U may be over beside the motion.
-#[derive(Clone, Copy)]
-pub(super) struct Beside<R> {
-    pub cycles: R,
-    /// °C
-    pub temperature: R,
-    /// mm/s²
-    pub acceleration: R,
-}
-
-impl<R: Real> Beside<R> {
-    pub fn of(motion: &ConfinedMotion<R>) -> Self {
-        Self {
-            cycles: motion.cycles(),
-            temperature: motion.temperature(),
-            acceleration: motion.acceleration(),
-        }
-    }
 }
 
 /// What a correction remembers.
@@ -242,18 +222,18 @@ impl<R: Real> Recall<R> {
                 new.rate = R::from_f64(1.0 / per_reading);
             }
             Memory::Place => new.kind = Kind::Place,
-            Memory::Sides { low, high } => {
+            Memory::Sides { below, above } => {
                 let most = limits::DISPLACEMENT;
-                let low = in_range("low", low, -most, most)?;
-                let high = in_range("high", high, low.to_f64(), most)?;
+                let below = in_range("below", below, -most, most)?;
+                let above = in_range("above", above, below.to_f64(), most)?;
                 let place = |edge: R| {
                     let place = edge.to_f64() / per_reading + f64::from(MIDDLE);
                     place.clamp(0.0, f64::from(LAST)) as i32
                 };
                 return Ok(Self {
                     kind: Kind::Sides,
-                    step: place(high),
-                    low: place(low),
+                    step: place(above),
+                    low: place(below),
                     ..Self::NONE
                 });
             }
@@ -322,7 +302,12 @@ impl<R: Real> Recall<R> {
     ///
     /// An average follows within a loss of 2⁻³²: over 60 s at 10 kHz it stands still within 6e-4 of the tables' range.
     #[inline(always)]
-    pub fn reading(&self, state: &mut CorrectionState, place: i32, beside: &Beside<R>) -> i32 {
+    pub fn reading(
+        &self,
+        state: &mut CorrectionState,
+        place: i32,
+        motion: &ConfinedMotion<R>,
+    ) -> i32 {
         let value = state.value;
         let toward = |target: i32| {
             let change = i64::from(target.wrapping_sub(value)) * i64::from(self.step);
@@ -357,17 +342,19 @@ impl<R: Real> Recall<R> {
                 state.value = value.saturating_add(1);
                 self.age(R::from_i32(value))
             }
-            Kind::Cycles => self.age(beside.cycles),
+            Kind::Cycles => self.age(motion.cycles()),
             Kind::Frequency => {
-                let whole = R::from_i32(beside.cycles.to_i32());
-                let part = ((beside.cycles - whole) * R::from_f64(f64::from(CYCLE))).to_i32();
-                state.value = toward((part.wrapping_sub(state.previous) & (CYCLE - 1)) << AVERAGE);
+                let whole = R::from_i32(motion.cycles().to_i32());
+                let part = ((motion.cycles() - whole) * R::from_f64(f64::from(CYCLE))).to_i32();
+                let now = (part.wrapping_sub(state.previous) & (CYCLE - 1)) << AVERAGE;
+                // The first cycles are no faster than those after.
+                state.value = if value == 0 { now } else { toward(now) };
                 state.previous = part;
                 let frequency = R::from_i32(state.value) * self.rate;
                 octaves(frequency).clamp(!LARGEST_READING, LARGEST_READING)
             }
-            Kind::Temperature => self.measured(beside.temperature),
-            Kind::Acceleration => self.measured(beside.acceleration),
+            Kind::Temperature => self.measured(motion.temperature()),
+            Kind::Acceleration => self.measured(motion.acceleration()),
         }
     }
 

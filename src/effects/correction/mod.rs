@@ -19,7 +19,7 @@ use super::ConfinedMotion;
 use crate::error::ConfigError;
 use crate::limits;
 use crate::real::{Real, in_range};
-use memory::{Beside, Kind, Recall};
+use memory::{Kind, Recall};
 
 pub use memory::{CorrectionState, Memory};
 
@@ -184,7 +184,7 @@ impl<R: Real> Correction<R> {
             Kind::None => self.force_of_motion(y, v),
             Kind::Place => self.force_of_place(y, v),
             Kind::Sides => self.force_of_sides(y, v),
-            _ => self.force_with_memory(state, y, v, Beside::of(motion)),
+            _ => self.force_with_memory(state, motion),
         }
     }
 
@@ -220,18 +220,17 @@ impl<R: Real> Correction<R> {
     fn force_with_memory(
         &self,
         state: &mut Option<CorrectionState>,
-        displacement: R,
-        velocity: R,
-        beside: Beside<R>,
+        motion: &ConfinedMotion<R>,
     ) -> R {
+        let (displacement, velocity) = (motion.displacement(), motion.velocity());
         // At once: after the rest every instruction would hang on it.
         if velocity == R::ZERO {
             let across = self.place(displacement, velocity).displacement;
-            let reading = self.reading(state, across, &beside);
+            let reading = self.reading(state, across, motion);
             return self.force_at_rest(displacement, Along::Memory(self.recall.place(reading)));
         }
         let place = self.place(displacement, velocity);
-        let reading = self.reading(state, place.displacement, &beside);
+        let reading = self.reading(state, place.displacement, motion);
         let along = Along::Memory(self.recall.place(reading));
         self.force_at(&place, along)
     }
@@ -243,9 +242,14 @@ impl<R: Real> Correction<R> {
 
     /// What U is over beside displacement.
     #[inline(always)]
-    fn reading(&self, state: &mut Option<CorrectionState>, across: i32, beside: &Beside<R>) -> i32 {
+    fn reading(
+        &self,
+        state: &mut Option<CorrectionState>,
+        across: i32,
+        motion: &ConfinedMotion<R>,
+    ) -> i32 {
         let state = state.get_or_insert_with(|| self.recall.begin(across));
-        self.recall.reading(state, across, beside)
+        self.recall.reading(state, across, motion)
     }
 
     /// What both tables come to, in units.
@@ -311,7 +315,7 @@ impl<R: Real> Correction<R> {
                 (line.unwrap_or([nothing; 4]), 0.0)
             }
             _ => {
-                let reading = self.reading(state, across, &Beside::of(motion));
+                let reading = self.reading(state, across, motion);
                 let cells = weights(back, self.recall.place(reading));
                 (cells, self.recall.part(reading))
             }

@@ -249,6 +249,33 @@ impl<'a> Design<'a> {
         Some(Recalled { of, range, cells })
     }
 
+    /// Cells of U as so many zones of displacement with a friction each, kN, and then as many with a dashpot, kN·s/mm; and how much
+    /// the rows say of each, of either.
+    pub fn zones(&self, count: usize) -> (Recalled, [Vec<f64>; 2]) {
+        let mut power = [vec![0.0; count], vec![0.0; count]];
+        let mut cells_at = |instant: &Instant| {
+            let part = 0.5 * (instant.displacement / self.extent.displacement + 1.0);
+            let zone = ((part * count as f64) as usize).min(count - 1);
+            let velocity = instant.direction * instant.log_speed.exp();
+            power[0][zone] += 1.0;
+            power[1][zone] += velocity * velocity;
+            [
+                (zone, instant.direction),
+                (count + zone, velocity),
+                (0, 0.0),
+                (0, 0.0),
+            ]
+        };
+        let rows = self.rows.iter();
+        let cells = rows.map(|row| row.instants.iter().map(&mut cells_at).collect());
+        let zones = Recalled {
+            of: Remembered::Place,
+            range: [-self.extent.displacement, self.extent.displacement],
+            cells: cells.collect(),
+        };
+        (zones, power)
+    }
+
     /// The lowest and the highest of the blocks, Hz.
     pub fn frequencies(&self) -> (f64, f64) {
         let blocks = self.trajectories.iter().flat_map(|t| &t.blocks);

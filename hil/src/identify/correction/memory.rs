@@ -4,8 +4,8 @@ use super::design::Design;
 use crate::correction::Remembered;
 use crate::recording::trajectory::Trajectory;
 
-/// Steps of the edges of what touches on one side or on both, over the largest displacement.
-const EDGE: f64 = 0.1;
+/// The first step of an edge, over the largest displacement.
+const EDGE: f64 = 0.025;
 /// How two edges may move: the upper one alone first.
 const WAYS: [[f64; 2]; 6] = [
     [0.0, -1.0],
@@ -22,7 +22,7 @@ pub(super) fn goes_on_with_time(of: Remembered) -> bool {
     matches!(of, Remembered::Age { .. } | Remembered::Cycles { .. })
 }
 
-/// All kinds, each with its limit or time over all that the data can show.
+/// All kinds but sides, each with its limit or time over all that the data can show.
 pub(super) fn kinds(design: &Design) -> Vec<Vec<Remembered>> {
     let trajectories = design.trajectories;
     let reach = design.extent.displacement;
@@ -57,37 +57,26 @@ pub(super) fn kinds(design: &Design) -> Vec<Vec<Remembered>> {
         vec![Remembered::Temperature],
         vec![Remembered::Acceleration],
         vec![Remembered::Place],
-        sides(reach),
         spread(0.5 / fastest, 0.5 / slowest, 3, |time| {
             Remembered::Frequency { time }
         }),
     ]
 }
 
-/// One side anywhere, or two as far from the middle.
-fn sides(reach: f64) -> Vec<Remembered> {
-    let at = |step: i32| EDGE * f64::from(step) * reach;
-    let one = (-8..=8).map(|step| [-reach, at(step)]);
-    let two = (1..=8).map(|step| [-at(step), at(step)]);
-    one.chain(two)
-        .map(|[low, high]| Remembered::Sides { low, high })
-        .collect()
-}
-
 /// The same kind with its limit or time a little smaller and a little larger, or its edges a little to either side: the less,
-/// the more often it was `sought`.
+/// the more often they were `sought`.
 pub(super) fn around(of: Remembered, sought: u32, design: &Design) -> Vec<Remembered> {
-    if let Remembered::Sides { low, high } = of {
-        let reach = design.extent.displacement;
-        let step = 0.5_f64.powi(1 + sought as i32) * EDGE * reach;
-        let is_one = low <= -reach;
+    let reach = design.extent.displacement;
+    if let Remembered::Sides { below, above } = of {
+        let step = 0.5_f64.powi(sought as i32) * EDGE * reach;
+        let is_one = below <= -reach;
         let ways: &[[f64; 2]] = if is_one { &WAYS[..2] } else { &WAYS };
-        return ways
+        let moved = ways
             .iter()
-            .map(|way| [low + way[0] * step, high + way[1] * step])
-            .filter(|[low, high]| low <= high)
-            .map(|[low, high]| Remembered::Sides { low, high })
-            .collect();
+            .map(|[a, b]| [below + a * step, above + b * step]);
+        let uncrossed = moved.filter(|[below, above]| below < above);
+        let sides = uncrossed.map(|[below, above]| Remembered::Sides { below, above });
+        return sides.collect();
     }
     if sought > 0 {
         return Vec::new();

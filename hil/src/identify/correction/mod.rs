@@ -5,6 +5,7 @@
 //! were left out. A table without memory comes first; one that remembers takes its place only where that clearly pays.
 
 pub(crate) mod design;
+mod edges;
 mod gram;
 pub(crate) mod memory;
 mod system;
@@ -287,7 +288,9 @@ fn promising(design: &Design, plain: &Fitted) -> Vec<Memorable> {
         let fitted = candidates.into_par_iter().filter_map(fitted);
         fitted.min_by(|a, b| a.0.total_cmp(&b.0))
     };
-    let best_of_each = memory::kinds(design).into_par_iter().filter_map(|kind| {
+    let mut kinds = memory::kinds(design);
+    kinds.extend(edges::likely_sides(design, at, known));
+    let best_of_each = kinds.into_par_iter().filter_map(|kind| {
         let coarse = best_of(kind)?;
         if coarse.0 > WORTHWHILE * plain.solved.inside {
             return None;

@@ -150,7 +150,7 @@ type Remembered = (Memory<f32>, [f32; 2]);
 
 /// Everything that a correction may be over beside the motion, with the name that it is counted under. Half of the range of
 /// each is reached in the cycles that are counted.
-fn memories() -> [(&'static str, Option<Remembered>); 10] {
+fn memories() -> [(&'static str, Option<Remembered>); 13] {
     [
         ("correction/without_memory", None),
         (
@@ -183,6 +183,24 @@ fn memories() -> [(&'static str, Option<Remembered>); 10] {
             Some((Memory::Temperature, [14.0, 26.0])),
         ),
         ("correction/place", Some((Memory::Place, [0.0, 1.0]))),
+        (
+            "correction/sides",
+            Some((
+                Memory::Sides {
+                    below: -0.1,
+                    above: 0.1,
+                },
+                [0.0, 1.0],
+            )),
+        ),
+        (
+            "correction/frequency",
+            Some((Memory::Frequency { time: 0.2 }, [0.0, 4.0])),
+        ),
+        (
+            "correction/acceleration",
+            Some((Memory::Acceleration, [-800.0, 800.0])),
+        ),
     ]
 }
 

@@ -1,0 +1,64 @@
+//! Where something may touch: the edges of zones of displacement over which friction and damping change.
+
+use mesh_damper::effects::correction::CELLS;
+
+use super::design::{Coefficients, Design};
+use super::gram::{Form, Rows};
+use super::trend::Trend;
+use crate::correction::Remembered;
+
+/// Zones over ±the largest displacement.
+const ZONES: usize = 40;
+
+/// What touches on one side or on both, where the friction and the damping of the zones beside eq 13 and `trends` are most
+/// alike within each part.
+pub(super) fn likely_sides(
+    design: &Design,
+    at: &Coefficients,
+    trends: &[Trend],
+) -> Option<Vec<Remembered>> {
+    let (zones, power) = design.zones(ZONES);
+    let of_zones = (0..2 * ZONES).map(|cell| Trend(vec![(CELLS + cell, 1.0)]));
+    let trends: Vec<Trend> = trends.iter().cloned().chain(of_zones).collect();
+    let form = Form {
+        trends: &trends,
+        ..Form::NONE
+    };
+    let rows = Rows::over(design, at, Some(&zones));
+    let cells = rows.sums(form)?.solved(form)?.cells;
+    let (friction, damping) = cells[CELLS..][..2 * ZONES].split_at(ZONES);
+
+    // Σ w·(x − mean)² over the zones of one part.
+    let unlike = |from: usize, to: usize| -> f64 {
+        let one = |values: &[f64], power: &[f64]| {
+            let (values, power) = (&values[from..to], &power[from..to]);
+            let sum = |of: &dyn Fn(f64) -> f64| -> f64 {
+                let weighted = values
+                    .iter()
+                    .zip(power)
+                    .map(|(value, power)| power * of(*value));
+                weighted.sum()
+            };
+            sum(&|value| value * value) - sum(&|value| value).powi(2) / sum(&|_| 1.0).max(1e-12)
+        };
+        one(friction, &power[0]) + one(damping, &power[1])
+    };
+    let edge = |zone: usize| (2.0 * zone as f64 / ZONES as f64 - 1.0) * design.extent.displacement;
+    let pair = |below: usize, above: usize| {
+        let left = unlike(0, below) + unlike(below, above) + unlike(above, ZONES);
+        let sides = Remembered::Sides {
+            below: edge(below),
+            above: edge(above),
+        };
+        (left, sides)
+    };
+    let best = |pairs: Vec<(f64, Remembered)>| pairs.into_iter().min_by(|a, b| a.0.total_cmp(&b.0));
+    let one = (1..ZONES).map(|above| pair(0, above)).collect();
+    let as_far = (ZONES / 2 + 1..ZONES)
+        .map(|above| pair(ZONES - above, above))
+        .collect();
+    let two = (1..ZONES).flat_map(|below| (below + 1..ZONES).map(move |above| (below, above)));
+    let two = two.map(|(below, above)| pair(below, above)).collect();
+    let found = [one, as_far, two].into_iter().filter_map(best);
+    Some(found.map(|(_, sides)| sides).collect())
+}
