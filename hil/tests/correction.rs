@@ -279,8 +279,14 @@ fn friction_that_grows_with_frequency_stands_over_it() {
     let held = record(&held(), growing(), 2);
     let force = predict_embedded(&model, &held).unwrap();
     let error = nrmse(&force, &held.force, |_| true) / NOISE;
-    let eq_13 = Model { correction: None, ..model };
-    eprintln!("ERR {}", nrmse(&predict(&eq_13, &held).unwrap(), &held.force, |_| true)/NOISE);
+    let eq_13 = Model {
+        correction: None,
+        ..model
+    };
+    eprintln!(
+        "ERR {}",
+        nrmse(&predict(&eq_13, &held).unwrap(), &held.force, |_| true) / NOISE
+    );
     assert!(error < 4.0, "{error} times the noise");
 }
 

@@ -10,13 +10,13 @@ use crate::correction::Remembered;
 /// Zones over ±the largest displacement.
 const ZONES: usize = 40;
 
-/// What touches on one side or on both, where the friction and the damping of the zones beside eq 13 and `trends` are most
-/// alike within each part.
+/// What touches on one side, and what on both, where the friction and the damping of the zones beside eq 13 and `trends` are
+/// most alike within each part.
 pub(super) fn likely_sides(
     design: &Design,
     at: &Coefficients,
     trends: &[Trend],
-) -> Option<Vec<Remembered>> {
+) -> Option<[Vec<Remembered>; 2]> {
     let (zones, power) = design.zones(ZONES);
     let of_zones = (0..2 * ZONES).map(|cell| Trend(vec![(CELLS + cell, 1.0)]));
     let trends: Vec<Trend> = trends.iter().cloned().chain(of_zones).collect();
@@ -52,13 +52,17 @@ pub(super) fn likely_sides(
         };
         (left, sides)
     };
-    let best = |pairs: Vec<(f64, Remembered)>| pairs.into_iter().min_by(|a, b| a.0.total_cmp(&b.0));
-    let one = (1..ZONES).map(|above| pair(0, above)).collect();
-    let as_far = (ZONES / 2 + 1..ZONES)
-        .map(|above| pair(ZONES - above, above))
-        .collect();
-    let two = (1..ZONES).flat_map(|below| (below + 1..ZONES).map(move |above| (below, above)));
-    let two = two.map(|(below, above)| pair(below, above)).collect();
-    let found = [one, as_far, two].into_iter().filter_map(best);
-    Some(found.map(|(_, sides)| sides).collect())
+    let best = |pairs: &mut dyn Iterator<Item = (usize, usize)>| {
+        let pairs = pairs.map(|(below, above)| pair(below, above));
+        let best = pairs.min_by(|a, b| a.0.total_cmp(&b.0));
+        best.map(|(_, sides)| sides)
+    };
+    let mut one = (1..ZONES).map(|above| (0, above));
+    let mut as_far = (ZONES / 2 + 1..ZONES).map(|above| (ZONES - above, above));
+    let mut two = (1..ZONES).flat_map(|below| (below + 1..ZONES).map(move |above| (below, above)));
+    let both = [best(&mut as_far), best(&mut two)];
+    Some([
+        best(&mut one).into_iter().collect(),
+        both.into_iter().flatten().collect(),
+    ])
 }

@@ -22,6 +22,15 @@ pub(super) fn goes_on_with_time(of: Remembered) -> bool {
     matches!(of, Remembered::Age { .. } | Remembered::Cycles { .. })
 }
 
+/// On how many sides something touches.
+pub(super) fn sides(of: Remembered, design: &Design) -> usize {
+    match of {
+        Remembered::Sides { below, .. } if below <= -design.extent.displacement => 1,
+        Remembered::Sides { .. } => 2,
+        _ => 0,
+    }
+}
+
 /// All kinds but sides, each with its limit or time over all that the data can show.
 pub(super) fn kinds(design: &Design) -> Vec<Vec<Remembered>> {
     let trajectories = design.trajectories;
@@ -69,8 +78,11 @@ pub(super) fn around(of: Remembered, sought: u32, design: &Design) -> Vec<Rememb
     let reach = design.extent.displacement;
     if let Remembered::Sides { below, above } = of {
         let step = 0.5_f64.powi(sought as i32) * EDGE * reach;
-        let is_one = below <= -reach;
-        let ways: &[[f64; 2]] = if is_one { &WAYS[..2] } else { &WAYS };
+        let ways = if sides(of, design) == 1 {
+            &WAYS[..2]
+        } else {
+            &WAYS
+        };
         let moved = ways
             .iter()
             .map(|[a, b]| [below + a * step, above + b * step]);

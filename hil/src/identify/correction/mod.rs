@@ -44,8 +44,10 @@ const REMEMBERED: f64 = 0.75;
 /// A kind of memory is judged if the error of its fit is at most so many times the least of those that do not go on with time,
 /// and at most [`WORTHWHILE`] of that without.
 const COMPARABLE: f64 = 2.0;
+/// Something touches on both sides if that fits with at most this part of the error of one.
+const ANOTHER_SIDE: f64 = 0.9;
 /// Times that what a memory is of is sought ever more finely.
-const SOUGHT: u32 = 6;
+const SOUGHT: u32 = 5;
 /// A variable is needed whose absence makes the error more than so many times as large.
 const NEEDED: f64 = 1.7;
 /// Times that trends are sought, each beside the exponents of eq 13 that those before led to.
@@ -289,7 +291,7 @@ fn promising(design: &Design, plain: &Fitted) -> Vec<Memorable> {
         fitted.min_by(|a, b| a.0.total_cmp(&b.0))
     };
     let mut kinds = memory::kinds(design);
-    kinds.extend(edges::likely_sides(design, at, known));
+    kinds.extend(edges::likely_sides(design, at, known).into_iter().flatten());
     let best_of_each = kinds.into_par_iter().filter_map(|kind| {
         let coarse = best_of(kind)?;
         if coarse.0 > WORTHWHILE * plain.solved.inside {
@@ -301,7 +303,12 @@ fn promising(design: &Design, plain: &Fitted) -> Vec<Memorable> {
         };
         Some((0..SOUGHT).fold(coarse, finer))
     });
-    let best_of_each: Vec<(f64, Remembered)> = best_of_each.collect();
+    let mut best_of_each: Vec<(f64, Remembered)> = best_of_each.collect();
+    let mut each = best_of_each.iter();
+    if let Some(&(with_one, _)) = each.find(|(_, of)| memory::sides(*of, design) == 1) {
+        let pays = |error: f64| error < ANOTHER_SIDE * with_one;
+        best_of_each.retain(|(error, of)| memory::sides(*of, design) != 2 || pays(*error));
+    }
     // Whether how long a test has run may be remembered is decided later.
     let of_motion = best_of_each
         .iter()
