@@ -55,7 +55,7 @@ pub enum Memory<R> {
     },
     /// The temperature that is measured, °C.
     Temperature,
-    /// The acceleration, mm/s².
+    /// The acceleration, mm/s²: what the velocity has changed by since the tick before.
     Acceleration,
     /// Nothing: U is a line over displacement alone, once for each direction, of [`super::FINE`] nodes evenly over ±reach in
     /// the place of T's [`super::DISPLACEMENTS`]. It has the first so many of each direction's cells, the others are not read.
@@ -116,11 +116,11 @@ impl Kind {
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Recall<R> {
     pub kind: Kind,
-    /// 1/time in ticks, 1/cycles, readings per °C or per mm/s², or Hz of an average of 1.
+    /// 1/time in ticks, 1/cycles, readings per °C, parts of a speed per mm/s, or Hz of an average of 1.
     pub rate: R,
     /// Slip limit in places, the place above which there is a side, or what an average loses in a tick, of 2³².
     pub step: i32,
-    /// Bits of an average that a reading leaves out.
+    /// Bits of an average or of a change of speed that a reading leaves out.
     pub shift: i32,
     /// The reading of node 0, or the place below which there is a side.
     pub low: i32,
@@ -128,10 +128,28 @@ pub(super) struct Recall<R> {
     pub gain: i32,
 }
 
+/// What U may be over beside the motion.
+#[derive(Clone, Copy)]
+pub(super) struct Beside<R> {
+    pub cycles: R,
+    /// °C
+    pub temperature: R,
+}
+
+impl<R: Real> Beside<R> {
+    #[inline(always)]
+    pub fn of(motion: &ConfinedMotion<R>) -> Self {
+        Self {
+            cycles: motion.cycles(),
+            temperature: motion.temperature(),
+        }
+    }
+}
+
 /// What a correction remembers.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct CorrectionState {
-    /// Place of the tick before, or part of its cycle.
+    /// Place of the tick before, or part of its cycle, or its speed.
     previous: i32,
     /// Stretch, average, largest displacement or ticks.
     value: i32,
@@ -147,14 +165,15 @@ impl<R: Real> Recall<R> {
         gain: 0,
     };
 
-    /// `memory` from `low` to `high`, over places of which ±`reach` mm are 8·4096, every `tick` s.
+    /// `memory` from `low` to `high`, over places of which ±`reach` mm are 8·4096, every `tick` s, of a motion of about `speed`
+    /// mm/s at most.
     ///
     /// # Errors
     /// As for [`super::Correction::new`].
     pub fn new(
         memory: Memory<R>,
         [low, high]: [R; 2],
-        reach: f64,
+        [reach, speed]: [f64; 2],
         tick: f64,
     ) -> Result<Self, ConfigError> {
         let most = limits::ACCELERATION;
@@ -213,13 +232,22 @@ impl<R: Real> Recall<R> {
                 new.rate = R::ONE / cycles;
                 per_reading = 1.0 / f64::from(ONE);
             }
-            Memory::Temperature | Memory::Acceleration => {
-                new.kind = match memory {
-                    Memory::Temperature => Kind::Temperature,
-                    _ => Kind::Acceleration,
-                };
-                per_reading = low.abs().max(high.abs()).max(1e-4) / largest;
+            Memory::Temperature => {
+                new.kind = Kind::Temperature;
+                per_reading = low.abs().max(high.abs()).max(1.0) / largest;
                 new.rate = R::from_f64(1.0 / per_reading);
+            }
+            Memory::Acceleration => {
+                new.kind = Kind::Acceleration;
+                // Four times the largest speed of the tables is within 2³⁰.
+                let rate = (f64::from(1 << 28) / speed).min(limits::COEFFICIENT);
+                new.rate = R::from_f64(rate);
+                per_reading = 1.0 / (rate * tick);
+                let most = low.abs().max(high.abs());
+                while new.shift < AVERAGE as i32 && most / per_reading > largest {
+                    per_reading *= 2.0;
+                    new.shift += 1;
+                }
             }
             Memory::Place => new.kind = Kind::Place,
             Memory::Sides { below, above } => {
@@ -283,16 +311,26 @@ impl<R: Real> Recall<R> {
         self.kind == other.kind
     }
 
-    /// At rest at `place`.
+    /// What is compared with the tick before: the displacement's place, the part of the cycle, or the velocity.
     #[inline(always)]
-    pub fn begin(&self, place: i32) -> CorrectionState {
+    pub fn now(&self, place: i32, velocity: R, cycles: R) -> i32 {
+        match self.kind {
+            Kind::Acceleration => (velocity * self.rate).to_i32(),
+            Kind::Frequency => {
+                let part = cycles - R::from_i32(cycles.to_i32());
+                (part * R::from_f64(f64::from(CYCLE))).to_i32()
+            }
+            _ => place,
+        }
+    }
+
+    /// Before the first tick.
+    #[inline(always)]
+    pub fn begin(&self, now: i32) -> CorrectionState {
         CorrectionState {
-            previous: match self.kind {
-                Kind::Frequency => 0,
-                _ => place,
-            },
+            previous: now,
             value: match self.kind {
-                Kind::Lag => place << AVERAGE,
+                Kind::Lag => now << AVERAGE,
                 _ => 0,
             },
         }
@@ -302,66 +340,51 @@ impl<R: Real> Recall<R> {
     ///
     /// An average follows within a loss of 2⁻³²: over 60 s at 10 kHz it stands still within 6e-4 of the tables' range.
     #[inline(always)]
-    pub fn reading(
-        &self,
-        state: &mut CorrectionState,
-        place: i32,
-        motion: &ConfinedMotion<R>,
-    ) -> i32 {
+    pub fn reading(&self, state: &mut CorrectionState, now: i32, beside: Beside<R>) -> i32 {
         let value = state.value;
         let toward = |target: i32| {
             let change = i64::from(target.wrapping_sub(value)) * i64::from(self.step);
             value.wrapping_add((change >> 32) as i32)
         };
+        let before = state.previous;
+        state.previous = now;
         match self.kind {
             Kind::None | Kind::Place | Kind::Sides => 0,
             Kind::Slip => {
-                let stretch = value.wrapping_add(place - state.previous);
+                let stretch = value.wrapping_add(now - before);
                 state.value = stretch.min(self.step).max(-self.step);
-                state.previous = place;
                 state.value
             }
             Kind::Lag => {
-                state.value = toward(place << AVERAGE);
-                place - (state.value >> AVERAGE)
+                state.value = toward(now << AVERAGE);
+                now - (state.value >> AVERAGE)
             }
             Kind::Travel => {
-                state.value = toward((place - state.previous).abs() << AVERAGE);
-                state.previous = place;
+                state.value = toward((now - before).abs() << AVERAGE);
                 (state.value >> self.shift).clamp(0, LARGEST_READING)
             }
             Kind::Level => {
-                state.value = toward((place - MIDDLE).abs() << AVERAGE);
+                state.value = toward((now - MIDDLE).abs() << AVERAGE);
                 state.value >> AVERAGE
             }
             Kind::Largest => {
-                state.value = value.max((place - MIDDLE).abs());
+                state.value = value.max((now - MIDDLE).abs());
                 state.value
             }
             Kind::Age => {
                 state.value = value.saturating_add(1);
                 self.age(R::from_i32(value))
             }
-            Kind::Cycles => self.age(motion.cycles()),
+            Kind::Cycles => self.age(beside.cycles),
             Kind::Frequency => {
-                let whole = R::from_i32(motion.cycles().to_i32());
-                let part = ((motion.cycles() - whole) * R::from_f64(f64::from(CYCLE))).to_i32();
-                let now = (part.wrapping_sub(state.previous) & (CYCLE - 1)) << AVERAGE;
+                let passed = (now.wrapping_sub(before) & (CYCLE - 1)) << AVERAGE;
                 // The first cycles are no faster than those after.
-                state.value = if value == 0 { now } else { toward(now) };
-                state.previous = part;
-                let frequency = R::from_i32(state.value) * self.rate;
-                octaves(frequency).clamp(!LARGEST_READING, LARGEST_READING)
+                state.value = if value == 0 { passed } else { toward(passed) };
+                within(octaves(R::from_i32(state.value) * self.rate))
             }
-            Kind::Temperature => self.measured(motion.temperature()),
-            Kind::Acceleration => self.measured(motion.acceleration()),
+            Kind::Temperature => within((beside.temperature * self.rate).to_i32()),
+            Kind::Acceleration => within(now.saturating_sub(before) >> self.shift),
         }
-    }
-
-    #[inline(always)]
-    fn measured(&self, value: R) -> i32 {
-        let reading = (value * self.rate).to_i32();
-        reading.clamp(!LARGEST_READING, LARGEST_READING)
     }
 
     #[inline(always)]
@@ -394,6 +417,12 @@ impl<R: Real> Recall<R> {
         let gained = f64::from(reading - self.low) * f64::from(self.gain);
         gained / f64::from(4 << (FRACTION + GAIN))
     }
+}
+
+/// A reading.
+#[inline(always)]
+fn within(value: i32) -> i32 {
+    value.clamp(!LARGEST_READING, LARGEST_READING)
 }
 
 /// 4096·log₂ by straight lines between powers of two.

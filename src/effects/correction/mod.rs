@@ -1,8 +1,8 @@
 //! A correction without a name: a table of what a law still lacks where no known effect explains it.
 //!
 //! F = T(y, v) + U(y, sgn v, z). T stands over displacement and velocity, once for each direction of motion, so that
-//! friction's jump at rest is exact. U stands over displacement and over z, what the motion was before, or the temperature;
-//! without either it is 0. Or it is a finer line over displacement alone, for what happens at one place, or one over speed
+//! friction's jump at rest is exact. U stands over displacement and over z, what the motion was before, how fast it goes to
+//! and fro, or the temperature; without any of these it is 0. Or it is a finer line over displacement alone, for what happens at one place, or one over speed
 //! on either side of the middle, for what touches there.
 //!
 //! Displacement is divided evenly over ±reach, speed by half octaves ([`part_of_speed`]). Between nodes a table is a
@@ -19,7 +19,7 @@ use super::ConfinedMotion;
 use crate::error::ConfigError;
 use crate::limits;
 use crate::real::{Real, in_range};
-use memory::{Kind, Recall};
+use memory::{Beside, Kind, Recall};
 
 pub use memory::{CorrectionState, Memory};
 
@@ -145,7 +145,7 @@ impl<R: Real> Correction<R> {
         copy("cells", parts.cells, &mut new.cells)?;
         if let Some((memory, range)) = parts.memory {
             copy("memory_cells", parts.memory_cells, &mut new.memory_cells)?;
-            new.recall = Recall::new(memory, range, reach, tick)?;
+            new.recall = Recall::new(memory, range, [reach, speed], tick)?;
         }
         Ok(new)
     }
@@ -184,7 +184,7 @@ impl<R: Real> Correction<R> {
             Kind::None => self.force_of_motion(y, v),
             Kind::Place => self.force_of_place(y, v),
             Kind::Sides => self.force_of_sides(y, v),
-            _ => self.force_with_memory(state, motion),
+            _ => self.force_with_memory(state, y, v, Beside::of(motion)),
         }
     }
 
@@ -220,17 +220,18 @@ impl<R: Real> Correction<R> {
     fn force_with_memory(
         &self,
         state: &mut Option<CorrectionState>,
-        motion: &ConfinedMotion<R>,
+        displacement: R,
+        velocity: R,
+        beside: Beside<R>,
     ) -> R {
-        let (displacement, velocity) = (motion.displacement(), motion.velocity());
         // At once: after the rest every instruction would hang on it.
         if velocity == R::ZERO {
             let across = self.place(displacement, velocity).displacement;
-            let reading = self.reading(state, across, motion);
+            let reading = self.reading(state, across, velocity, beside);
             return self.force_at_rest(displacement, Along::Memory(self.recall.place(reading)));
         }
         let place = self.place(displacement, velocity);
-        let reading = self.reading(state, place.displacement, motion);
+        let reading = self.reading(state, place.displacement, velocity, beside);
         let along = Along::Memory(self.recall.place(reading));
         self.force_at(&place, along)
     }
@@ -240,16 +241,18 @@ impl<R: Real> Correction<R> {
         R::from_i32(self.counts(place, along)) * self.unit
     }
 
-    /// What U is over beside displacement.
+    /// What z is read off or remembered of.
     #[inline(always)]
     fn reading(
         &self,
         state: &mut Option<CorrectionState>,
         across: i32,
-        motion: &ConfinedMotion<R>,
+        velocity: R,
+        beside: Beside<R>,
     ) -> i32 {
-        let state = state.get_or_insert_with(|| self.recall.begin(across));
-        self.recall.reading(state, across, motion)
+        let now = self.recall.now(across, velocity, beside.cycles);
+        let state = state.get_or_insert_with(|| self.recall.begin(now));
+        self.recall.reading(state, now, beside)
     }
 
     /// What both tables come to, in units.
@@ -315,7 +318,8 @@ impl<R: Real> Correction<R> {
                 (line.unwrap_or([nothing; 4]), 0.0)
             }
             _ => {
-                let reading = self.reading(state, across, motion);
+                let beside = Beside::of(motion);
+                let reading = self.reading(state, across, motion.velocity(), beside);
                 let cells = weights(back, self.recall.place(reading));
                 (cells, self.recall.part(reading))
             }
