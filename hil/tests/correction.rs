@@ -258,7 +258,7 @@ fn what_touches_beyond_an_edge_has_it() {
         if let Some(low) = low {
             assert!((below - low).abs() < 1e-3, "{below} mm");
         }
-        // 14 and 8 without.
+        // Of the second 18 without its edges.
         assert!(error < 2.2, "{error} times the noise");
     }
 }
@@ -279,7 +279,7 @@ fn friction_that_grows_with_frequency_stands_over_it() {
     let held = record(&held(), growing(), 2);
     let force = predict_embedded(&model, &held).unwrap();
     let error = nrmse(&force, &held.force, |_| true) / NOISE;
-    // 27 with eq 13 alone.
+    // 27 without the correction that eq 13 was fitted beside.
     assert!(error < 4.0, "{error} times the noise");
 }
 
