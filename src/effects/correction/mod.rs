@@ -2,8 +2,8 @@
 //!
 //! F = T(y, v) + U(y, sgn v, z). T stands over displacement and velocity, once for each direction of motion, so that
 //! friction's jump at rest is exact. U stands over displacement and over z, what the motion was before, how fast it goes to
-//! and fro, or the temperature; without any of these it is 0. Or it is a finer line over displacement alone, for what happens at one place, or one over speed
-//! on either side of the middle, for what touches there.
+//! and fro, or the temperature; without any of these it is 0. Or it is a finer line over displacement alone, for what happens
+//! at one place, or one over speed beyond an edge, for what touches there.
 //!
 //! Displacement is divided evenly over ±reach, speed by half octaves ([`part_of_speed`]). Between nodes a table is a
 //! straight line in each of its variables; outside, its edge holds. So the force is bounded by the largest cells, whatever
