@@ -63,6 +63,27 @@ fn a_force_of_displacement_and_velocity_needs_no_memory() {
     }
 }
 
+/// Along a curve, and over a width, that the search doesn't begin with: 1.8 and 2.1 times the noise where it stays with those.
+#[test]
+fn friction_that_fades_with_speed_is_followed() {
+    type Case = (fn(&Sample) -> f64, f64);
+    let cases: [Case; 2] = [
+        (
+            |s| 0.15 * (s.velocity / 0.03).tanh() / (1.0 + s.velocity.abs() / 0.35),
+            1.6,
+        ),
+        (
+            |s| 0.15 * (s.velocity / 0.03).tanh() * (-(s.velocity / 1.1).powi(2)).exp(),
+            1.9,
+        ),
+    ];
+    for (case, (force, most)) in cases.into_iter().enumerate() {
+        let (memory, error) = held_out(momentary(force));
+        assert_eq!(memory, None, "case {case}");
+        assert!(error < most, "case {case}: {error} times the noise");
+    }
+}
+
 #[test]
 fn eq_13_is_not_bent_at_a_small_amplitude() {
     // k3 falls from amplitude to amplitude, and y⁶ of the largest is 4000 times that of the smallest.

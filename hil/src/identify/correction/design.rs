@@ -11,7 +11,7 @@ use crate::predict::{motion_at, predict};
 use crate::recording::trajectory::Trajectory;
 
 /// At most about so many samples are fitted, evenly picked.
-const MOST_ROWS: usize = 6000;
+const MOST_ROWS: usize = 4000;
 /// The mean over a window is taken over at most so many of its samples.
 const MOST_INSTANTS: usize = 9;
 /// Two blocks whose amplitudes differ by less than this part are of one amplitude.

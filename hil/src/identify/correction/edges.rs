@@ -18,7 +18,7 @@ pub(super) fn likely_sides(
     trends: &[Trend],
 ) -> Option<[Vec<Remembered>; 2]> {
     let (zones, power) = design.zones(ZONES);
-    let of_zones = (0..2 * ZONES).map(|cell| Trend(vec![(CELLS + cell, 1.0)]));
+    let of_zones = (0..2 * ZONES).map(|cell| Trend::of(vec![(CELLS + cell, 1.0)]));
     let trends: Vec<Trend> = trends.iter().cloned().chain(of_zones).collect();
     let form = Form {
         trends: &trends,

@@ -5,8 +5,9 @@ use nalgebra::{DMatrix, DVector};
 use rayon::prelude::*;
 
 use super::design::{Coefficients, Design, Recalled, Row};
+use super::hat::{hats_of_memory, hats_of_table};
 use super::system::System;
-use super::trend::{Trend, hats_of_memory, hats_of_table};
+use super::trend::Trend;
 use crate::correction::Remembered;
 use crate::identify::beyond_noise::beyond_noise;
 
@@ -191,13 +192,13 @@ impl Parts {
     fn new(layout: &Layout, trends: &[Trend], hats: &[Trend]) -> Self {
         let mut of_trends = vec![0.0; (CELLS + MEMORY_CELLS) * trends.len()];
         for (index, trend) in trends.iter().enumerate() {
-            for &(cell, value) in &trend.0 {
+            for &(cell, value) in &trend.cells {
                 of_trends[cell * trends.len() + index] = value;
             }
         }
         let mut of_hats = vec![Vec::new(); CELLS + MEMORY_CELLS];
         for (unknown, hat) in (layout.law + layout.trends..).zip(hats) {
-            for &(cell, value) in &hat.0 {
+            for &(cell, value) in &hat.cells {
                 of_hats[cell].push((unknown, value));
             }
         }
@@ -394,7 +395,7 @@ impl<'d, 't> Sums<'d, 't> {
         let mut cells = vec![0.0; CELLS + MEMORY_CELLS];
         let columns = self.trends.iter().chain(&self.hats);
         for (column, factor) in columns.zip(x.iter().skip(law)) {
-            for &(cell, value) in &column.0 {
+            for &(cell, value) in &column.cells {
                 cells[cell] += factor * value;
             }
         }

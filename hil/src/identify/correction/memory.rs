@@ -41,6 +41,12 @@ pub(super) fn kinds(design: &Design) -> Vec<Vec<Remembered>> {
     let duration = longest(|t| t.len() as f64 * t.tick);
     let cycles = longest(|t| t.cycles.last().copied().unwrap_or_default());
     let tick = longest(|t| t.tick);
+    let block = longest(|t| {
+        let samples = t.blocks.iter().map(|block| block.samples.len());
+        samples.max().unwrap_or_default() as f64 * t.tick
+    });
+    // What hardly changes within a block would tell blocks apart, whatever it is of.
+    let lasting = 0.5 * block;
     // From where the fastest motion hardly lags to where the slowest has lost it.
     let short = (0.02 / fastest).max(2.0 * tick);
     let long = (1.0 / slowest).min(duration).max(2.0 * short);
@@ -49,12 +55,12 @@ pub(super) fn kinds(design: &Design) -> Vec<Vec<Remembered>> {
             limit,
         }),
         spread(short, long, 6, |time| Remembered::Lag { time }),
-        spread(5.0 * short, 0.5 * duration, 5, |time| Remembered::Travel {
-            time,
+        spread(5.0 * short, lasting.max(10.0 * short), 5, |time| {
+            Remembered::Travel { time }
         }),
         // Over longer it would be a clock.
-        spread(long, (0.5 * duration).max(2.0 * long), 4, |time| {
-            Remembered::Level { time }
+        spread(long, lasting.max(2.0 * long), 4, |time| Remembered::Level {
+            time,
         }),
         vec![Remembered::Largest],
         spread(0.01 * duration, duration, 3, |time| Remembered::Age {

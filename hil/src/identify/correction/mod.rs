@@ -7,6 +7,8 @@
 pub(crate) mod design;
 mod edges;
 mod gram;
+mod growth;
+mod hat;
 pub(crate) mod memory;
 mod system;
 mod trend;
@@ -203,7 +205,7 @@ pub fn depends_on(
         let along_trends = |without: Option<Variable>| {
             let mut trends = trend::of_table(without);
             trends.extend(of.map_or(Vec::new(), |of| trend::of_memory(of, without)));
-            Some(trend::grown(&rows, &[], &trends)?.0)
+            Some(growth::grown(&rows, &[], &trends)?.0)
         };
         let least = |errors: [Option<f64>; 2]| {
             let errors = errors.into_iter().flatten();
@@ -214,7 +216,7 @@ pub fn depends_on(
             ("displacement", Variable::Displacement),
             ("velocity", Variable::Velocity),
         ] {
-            let hats = trend::hats_without(variable, of);
+            let hats = hat::hats_without(variable, of);
             let tables = Form {
                 trends: &hats,
                 ..Form::NONE
@@ -242,8 +244,8 @@ fn momentary(design: &Design, alone: &Solved) -> Option<Fitted> {
     for _ in 0..ROUNDS {
         let at = solved.coefficients.clone();
         let rows = Rows::over(design, &at, None);
-        (_, choice.trends) = trend::grown(&rows, &[], &trend::of_table(None))?;
-        solved = settle(design, &at, choice.form(), None)?;
+        let (_, trends) = growth::grown(&rows, &[], &trend::of_table(None))?;
+        (solved, choice.trends) = settle_needed(design, &at, trends, None)?;
     }
     let rows = Rows::over(design, &solved.coefficients, None);
     let with_table = |smoothness: f64| Form {
@@ -320,7 +322,7 @@ fn promising(design: &Design, plain: &Fitted) -> Vec<Memorable> {
         let recalled = design.recall(of)?;
         let rows = Rows::over(design, at, Some(&recalled));
         let candidates = trend::of_memory(of, None);
-        let (error, trends) = trend::grown(&rows, known, &candidates)?;
+        let (error, trends) = growth::grown(&rows, known, &candidates)?;
         let with_table = rows.sums(tabulated)?.judged(tabulated)?.error;
         let (error, trends) = if error < with_table {
             (error, trends)
@@ -347,10 +349,14 @@ fn remembering(design: &Design, plain: &Fitted, kinds: &[Memorable]) -> Option<F
         .into_iter()
         .chain(trend::of_memory(of, None))
         .collect();
-    let trends = match trend::grown(&rows, &[], &all) {
+    let trends = match growth::grown(&rows, &[], &all) {
         Some((anew, others)) if anew < best.error => others,
         _ => best.trends.clone(),
     };
+    // Eq 13's exponents may have stood in for the memory.
+    let (mut solved, trends) = settle_needed(design, at, trends, Some(recalled))?;
+    let at = solved.coefficients.clone();
+    let rows = Rows::over(design, &at, Some(recalled));
     let forms = [plain.choice.table, Some(TYPICAL)].into_iter();
     let forms = forms.flat_map(|table| {
         MEMORY_SMOOTHNESS.map(|memory| Form {
@@ -359,9 +365,11 @@ fn remembering(design: &Design, plain: &Fitted, kinds: &[Memorable]) -> Option<F
             memory,
         })
     });
-    let forms: Vec<Form> = forms.collect();
-    // However smooth they are, the same tables are of the same sums.
     let has_tables = |form: &Form| (form.table.is_some(), form.memory.is_some());
+    let forms: Vec<Form> = forms
+        .filter(|form| has_tables(form) != (false, false))
+        .collect();
+    // However smooth they are, the same tables are of the same sums.
     let alike = forms.chunk_by(|a, b| has_tables(a) == has_tables(b));
     let judged = alike.flat_map(|alike| {
         let sums = rows.sums(alike[0]);
@@ -370,20 +378,27 @@ fn remembering(design: &Design, plain: &Fitted, kinds: &[Memorable]) -> Option<F
             .map(|&form| Some((sums.as_ref()?.judged(form)?, form)));
         judged.collect::<Vec<_>>()
     });
-    let judged = judged.flatten();
-    let (solved, form) = judged.min_by(|(a, _), (b, _)| a.error.total_cmp(&b.error))?;
+    let around = judged.flatten();
+    let around = around.min_by(|(a, _), (b, _)| a.error.total_cmp(&b.error));
+    let mut form = Form {
+        trends: &trends,
+        ..Form::NONE
+    };
+    if let Some((with, tables)) = around
+        && with.error < TABULATED * solved.error
+    {
+        form = tables;
+        let again = settle(design, &with.coefficients, form, Some(recalled));
+        let again = again.filter(|again| again.error < with.error);
+        solved = again.unwrap_or(with);
+    }
     let uses_memory = form.memory.is_some()
         || trends
             .iter()
-            .any(|trend| trend.0.iter().any(|(cell, _)| *cell >= CELLS));
+            .any(|trend| trend.cells.iter().any(|(cell, _)| *cell >= CELLS));
     if !uses_memory {
         return None;
     }
-    // Eq 13's exponents may have stood in for the memory.
-    let again = settle(design, &solved.coefficients, form, Some(recalled));
-    let solved = again
-        .filter(|again| again.error < solved.error)
-        .unwrap_or(solved);
     if solved.error > REMEMBERED * plain.solved.error {
         return None;
     }
@@ -399,6 +414,38 @@ fn remembering(design: &Design, plain: &Fitted, kinds: &[Memorable]) -> Option<F
         ..plain.choice.clone()
     };
     Some(Fitted { choice, solved })
+}
+
+/// Settles beside these trends, and beside fewer where those not needed stood in for eq 13's exponents.
+fn settle_needed(
+    design: &Design,
+    start: &Coefficients,
+    mut trends: Vec<Trend>,
+    recalled: Option<&Recalled>,
+) -> Option<(Solved, Vec<Trend>)> {
+    let settled_with = |start: &Coefficients, trends: &[Trend]| {
+        let form = Form {
+            trends,
+            ..Form::NONE
+        };
+        settle(design, start, form, recalled)
+    };
+    let mut solved = settled_with(start, &trends)?;
+    while !trends.is_empty() {
+        let fewer = (0..trends.len()).into_par_iter().filter_map(|place| {
+            let mut fewer = trends.clone();
+            fewer.remove(place);
+            Some((settled_with(&solved.coefficients, &fewer)?, fewer))
+        });
+        let fewer = fewer.min_by(|(a, _), (b, _)| a.error.total_cmp(&b.error));
+        match fewer {
+            Some((without, fewer)) if growth::WORTHWHILE * without.error < solved.error => {
+                (solved, trends) = (without, fewer);
+            }
+            _ => break,
+        }
+    }
+    Some((solved, trends))
 }
 
 /// Solves until eq 13's exponents have settled, and judges that.

@@ -7,7 +7,7 @@ use nalgebra::{DMatrix, DVector};
 
 use super::design::{Coefficients, Design};
 use super::gram::{Block, Form, Layout};
-use super::trend::KNOTS;
+use super::hat::KNOTS;
 use crate::correction::Remembered;
 
 /// What a bend between neighbouring amplitudes costs eq 13's coefficients, over what the data say of them.

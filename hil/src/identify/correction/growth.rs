@@ -1,0 +1,100 @@
+//! Which trends are taken: those that make the error smaller where data were left out, one at a time.
+
+use rayon::prelude::*;
+
+use super::gram::{Form, Rows};
+use super::trend::Trend;
+
+/// Most trends that are added at once.
+const MOST: usize = 5;
+/// So many, which save most in the fit, are judged by what is left out of it.
+const PROMISING: usize = 24;
+/// A trend is taken for an error beyond the noise that is at most this part of that without.
+pub(super) const WORTHWHILE: f64 = 0.93;
+/// How many times as wide or as narrow those taken are tried to be, one after the other: the square root of the one before.
+const WIDER: [f64; 4] = [1.5, 1.22, 1.11, 1.05];
+/// Most changes by one of these.
+const CHANGES: usize = 6;
+/// What part of the error a change must leave at most.
+const BETTER: f64 = 0.98;
+
+/// `known` with those of `candidates` that make the judged error clearly smaller, one at a time; and that error, kN.
+pub(super) fn grown(
+    rows: &Rows,
+    known: &[Trend],
+    candidates: &[Trend],
+) -> Option<(f64, Vec<Trend>)> {
+    let all: Vec<Trend> = known.iter().chain(candidates).cloned().collect();
+    let sums = rows.sums(Form {
+        trends: &all,
+        ..Form::NONE
+    })?;
+    let mut taken: Vec<usize> = (0..known.len()).collect();
+    let mut error = sums.error_with(&taken)?;
+    while taken.len() < known.len() + MOST {
+        let savings = sums.savings_beside(&taken)?;
+        let mut promising: Vec<usize> = (known.len()..all.len())
+            .filter(|candidate| !taken.contains(candidate))
+            .collect();
+        promising.sort_by(|a, b| savings[*b].total_cmp(&savings[*a]));
+        promising.truncate(PROMISING);
+        let next = promising
+            .into_par_iter()
+            .filter_map(|candidate| {
+                let more: Vec<usize> = taken.iter().copied().chain([candidate]).collect();
+                Some((sums.error_with(&more)?, more))
+            })
+            .min_by(|a, b| a.0.total_cmp(&b.0));
+        match next {
+            Some((less, more)) if less <= WORTHWHILE * error => (error, taken) = (less, more),
+            _ => break,
+        }
+    }
+    let taken = taken.into_iter().map(|index| all[index].clone());
+    Some(polished(rows, error, taken.collect()))
+}
+
+/// These with the widths that judge best.
+fn polished(rows: &Rows, mut error: f64, mut trends: Vec<Trend>) -> (f64, Vec<Trend>) {
+    for factor in WIDER {
+        for _ in 0..CHANGES {
+            let near = trends.iter().enumerate();
+            let near = near.flat_map(|(place, trend)| {
+                let near = trend.near(factor).into_iter();
+                near.map(move |other| (place, other))
+            });
+            match best_change(rows, &trends, &near.collect::<Vec<_>>()) {
+                Some((less, others)) if less <= BETTER * error => (error, trends) = (less, others),
+                _ => break,
+            }
+        }
+    }
+    (error, trends)
+}
+
+/// The best of these trends with one of them replaced, and its judged error; `None` without others.
+fn best_change(
+    rows: &Rows,
+    trends: &[Trend],
+    others: &[(usize, Trend)],
+) -> Option<(f64, Vec<Trend>)> {
+    if others.is_empty() {
+        return None;
+    }
+    let others_alone = others.iter().map(|(_, other)| other);
+    let all: Vec<Trend> = trends.iter().chain(others_alone).cloned().collect();
+    let sums = rows.sums(Form {
+        trends: &all,
+        ..Form::NONE
+    })?;
+    let changed = others
+        .par_iter()
+        .enumerate()
+        .filter_map(|(index, (place, _))| {
+            let mut set: Vec<usize> = (0..trends.len()).collect();
+            set[*place] = trends.len() + index;
+            Some((sums.error_with(&set)?, set))
+        });
+    let (error, set) = changed.min_by(|a, b| a.0.total_cmp(&b.0))?;
+    Some((error, set.into_iter().map(|i| all[i].clone()).collect()))
+}
