@@ -1,0 +1,76 @@
+//! The least squares, repeated until eq 13's exponents have settled beside what else is fitted.
+
+use rayon::prelude::*;
+
+use super::design::{Coefficients, Design, Recalled};
+use super::gram::{Form, Rows, Solved};
+use super::growth::WORTHWHILE;
+use super::trend::Trend;
+
+/// Most steps in which eq 13's exponents follow,
+const STEPS: usize = 8;
+/// until none changes by more than this.
+const SETTLED: f64 = 2e-3;
+
+/// Settles beside these trends, and beside fewer where those not needed stood in for eq 13's exponents.
+pub(super) fn settle_needed(
+    design: &Design,
+    start: &Coefficients,
+    mut trends: Vec<Trend>,
+    recalled: Option<&Recalled>,
+) -> Option<(Solved, Vec<Trend>)> {
+    let settled_with = |start: &Coefficients, trends: &[Trend]| {
+        let form = Form {
+            trends,
+            ..Form::NONE
+        };
+        settle(design, start, form, recalled)
+    };
+    let mut solved = settled_with(start, &trends)?;
+    while !trends.is_empty() {
+        let fewer = (0..trends.len()).into_par_iter().filter_map(|place| {
+            let mut fewer = trends.clone();
+            fewer.remove(place);
+            Some((settled_with(&solved.coefficients, &fewer)?, fewer))
+        });
+        let fewer = fewer.min_by(|(a, _), (b, _)| a.error.total_cmp(&b.error));
+        match fewer {
+            Some((without, fewer)) if WORTHWHILE * without.error < solved.error => {
+                (solved, trends) = (without, fewer);
+            }
+            _ => break,
+        }
+    }
+    Some((solved, trends))
+}
+
+/// Solves until eq 13's exponents have settled, and judges that.
+pub(super) fn settle(
+    design: &Design,
+    start: &Coefficients,
+    form: Form,
+    recalled: Option<&Recalled>,
+) -> Option<Solved> {
+    let at = settled(design, start, form, recalled)?.coefficients;
+    Rows::over(design, &at, recalled).sums(form)?.judged(form)
+}
+
+/// Solves until eq 13's exponents have settled.
+pub(super) fn settled(
+    design: &Design,
+    start: &Coefficients,
+    form: Form,
+    recalled: Option<&Recalled>,
+) -> Option<Solved> {
+    let mut at = start.clone();
+    for step in 1.. {
+        let solved = Rows::over(design, &at, recalled).sums(form)?.solved(form)?;
+        let changes = at.0.iter().zip(&solved.coefficients.0);
+        let change = changes.fold(0.0_f64, |most, (a, b)| most.max((a[3] - b[3]).abs()));
+        if change < SETTLED || step == STEPS {
+            return Some(solved);
+        }
+        at = solved.coefficients;
+    }
+    None
+}
