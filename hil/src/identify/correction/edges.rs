@@ -25,7 +25,7 @@ pub(super) fn likely_sides(
         ..Form::NONE
     };
     let rows = Rows::over(design, at, Some(&zones));
-    let cells = rows.sums(form)?.solved(form)?.cells;
+    let cells = rows.solved(form)?.cells;
     let (friction, damping) = cells[CELLS..][..2 * ZONES].split_at(ZONES);
 
     // Σ w·(x − mean)² over the zones of one part.

@@ -97,17 +97,7 @@ impl<'d> Rows<'d> {
 
     /// The sums over eq 13 and what `form` has beside it, however smooth; `None` without samples.
     pub fn sums<'t>(&self, form: Form<'t>) -> Option<Sums<'_, 't>> {
-        let table = form.table.map_or(Vec::new(), |_| hats_of_table());
-        let of = self.recalled.map(|recalled| recalled.of);
-        let memory = form.memory.and(of).map_or(Vec::new(), hats_of_memory);
-        let layout = Layout {
-            law: self.width_of_law(),
-            trends: form.trends.len(),
-            table: table.len(),
-            memory: memory.len(),
-            of,
-        };
-        let hats: Vec<Trend> = table.into_iter().chain(memory).collect();
+        let (layout, hats) = self.layout(form);
         let parts = Parts::new(&layout, form.trends, &hats);
         let mut first = 0;
         let runs = self.design.rows.chunk_by(|a, b| a.block == b.block);
@@ -125,7 +115,42 @@ impl<'d> Rows<'d> {
         for (index, block) in summed.collect::<Vec<_>>() {
             blocks[index] = block;
         }
-        Sums::of(self.design, self.at, layout, form.trends, hats, blocks)
+        let total = Block::sum(layout.width(), &blocks);
+        Sums::of(
+            self.design,
+            self.at,
+            layout,
+            form.trends,
+            hats,
+            blocks,
+            total,
+        )
+    }
+
+    /// One step from the coefficients, with the error in the fit alone; `None` without samples, or where the equations cannot be
+    /// solved.
+    pub fn solved(&self, form: Form) -> Option<Solved> {
+        let (layout, hats) = self.layout(form);
+        let parts = Parts::new(&layout, form.trends, &hats);
+        let total = self.block(0, &self.design.rows, &layout, &parts);
+        let none = Vec::new();
+        let sums = Sums::of(self.design, self.at, layout, form.trends, hats, none, total)?;
+        Some(sums.solution(&sums.unknowns(&sums.system(form))?))
+    }
+
+    /// Where each unknown stands, and the hats.
+    fn layout(&self, form: Form) -> (Layout, Vec<Trend>) {
+        let table = form.table.map_or(Vec::new(), |_| hats_of_table());
+        let of = self.recalled.map(|recalled| recalled.of);
+        let memory = form.memory.and(of).map_or(Vec::new(), hats_of_memory);
+        let layout = Layout {
+            law: self.width_of_law(),
+            trends: form.trends.len(),
+            table: table.len(),
+            memory: memory.len(),
+            of,
+        };
+        (layout, table.into_iter().chain(memory).collect())
     }
 
     fn width_of_law(&self) -> usize {
@@ -253,11 +278,8 @@ impl<'d, 't> Sums<'d, 't> {
         trends: &'t [Trend],
         hats: Vec<Trend>,
         blocks: Vec<Block>,
+        total: Block,
     ) -> Option<Self> {
-        let mut total = Block::new(layout.width());
-        for block in &blocks {
-            total.add(block);
-        }
         (total.count > 0.0).then_some(Self {
             design,
             at,
@@ -273,15 +295,11 @@ impl<'d, 't> Sums<'d, 't> {
     pub fn error_with(&self, trends: &[usize]) -> Option<f64> {
         let unknowns = self.unknowns_of(trends);
         let blocks = self.blocks.iter().map(|block| block.only(&unknowns));
+        let blocks: Vec<Block> = blocks.collect();
         let layout = self.layout_of(trends);
-        let sums = Sums::of(
-            self.design,
-            self.at,
-            layout,
-            &[],
-            Vec::new(),
-            blocks.collect(),
-        )?;
+        let total = self.total.only(&unknowns);
+        let none = Vec::new();
+        let sums = Sums::of(self.design, self.at, layout, &[], none, blocks, total)?;
         let system = sums.system(Form::NONE);
         sums.judged_error(&system, &sums.unknowns(&system)?)
     }
@@ -323,13 +341,8 @@ impl<'d, 't> Sums<'d, 't> {
         }
     }
 
-    /// One step from the coefficients, with the error in the fit alone; `None` where the equations cannot be solved.
-    pub fn solved(&self, form: Form) -> Option<Solved> {
-        Some(self.solution(&self.unknowns(&self.system(form))?))
-    }
-
-    /// The same with the geometric mean of the error in the fit and of the errors in the blocks left out, one at a time, each
-    /// beyond the noise.
+    /// One step from the coefficients, with the geometric mean of the error in the fit and of the errors in the blocks left out,
+    /// one at a time, each beyond the noise; `None` where the equations cannot be solved.
     pub fn judged(&self, form: Form) -> Option<Solved> {
         let system = self.system(form);
         let unknowns = self.unknowns(&system)?;
@@ -420,12 +433,15 @@ impl Block {
         }
     }
 
-    fn add(&mut self, other: &Self) {
-        self.gram += &other.gram;
-        self.right += &other.right;
-        self.energy += other.energy;
-        self.noise += other.noise;
-        self.count += other.count;
+    fn sum(width: usize, blocks: &[Self]) -> Self {
+        blocks.iter().fold(Self::new(width), |mut sum, block| {
+            sum.gram += &block.gram;
+            sum.right += &block.right;
+            sum.energy += block.energy;
+            sum.noise += block.noise;
+            sum.count += block.count;
+            sum
+        })
     }
 
     /// Adds what the hats at a row have in common with the unknowns before them, `known`, and with each other, in the upper

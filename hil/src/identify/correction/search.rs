@@ -90,7 +90,7 @@ pub(super) fn promising(design: &Design, plain: &Fitted) -> Vec<Memorable> {
     let fitted = |of: Remembered| {
         let recalled = design.recall(of)?;
         let rows = Rows::over(design, at, Some(&recalled));
-        Some((rows.sums(tabulated)?.solved(tabulated)?.inside, of))
+        Some((rows.solved(tabulated)?.inside, of))
     };
     let best_of = |candidates: Vec<Remembered>| {
         let fitted = candidates.into_par_iter().filter_map(fitted);

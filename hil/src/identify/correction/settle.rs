@@ -64,7 +64,7 @@ pub(super) fn settled(
 ) -> Option<Solved> {
     let mut at = start.clone();
     for step in 1.. {
-        let solved = Rows::over(design, &at, recalled).sums(form)?.solved(form)?;
+        let solved = Rows::over(design, &at, recalled).solved(form)?;
         let changes = at.0.iter().zip(&solved.coefficients.0);
         let change = changes.fold(0.0_f64, |most, (a, b)| most.max((a[3] - b[3]).abs()));
         if change < SETTLED || step == STEPS {
