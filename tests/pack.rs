@@ -1,6 +1,6 @@
 //! Coefficient packs: what goes in comes out, and nothing that is damaged does.
 
-use mesh_damper::effects::correction::{CELLS, CorrectionParts, MEMORY_CELLS, Memory};
+use mesh_damper::effects::correction::{CELLS, CorrectionParts, Memory};
 use mesh_damper::effects::{
     AugmentedLaw, Correction, Effect, EffectParameters, MAX_STICK_SLIP_ELEMENTS, MAX_TONES, Motion,
     Periodic, StickSlip,
@@ -186,13 +186,13 @@ fn effects_at_the_ends_of_their_ranges_survive() {
 #[test]
 fn the_body_is_postcard() {
     // Numbers of a correction, what it remembers, its numbers, its tables.
-    type Tables = ([f32; 4], u8, [[u8; 4]; 4], Vec<u8>, Vec<u8>);
+    type Table = ([f32; 4], u8, [[u8; 4]; 4], Vec<u8>);
     type Body = (
         [f32; 4],
         [f32; 32],
         [f32; 32],
         Vec<(u8, Vec<f32>)>,
-        Option<Tables>,
+        Option<Table>,
     );
     let effects = &every_effect()[..EFFECTS];
     let body = |pack: &[u8]| postcard::from_bytes::<Body>(&pack[12..]).unwrap();
@@ -204,12 +204,11 @@ fn the_body_is_postcard() {
     assert_eq!(scale, *law.damping().scale());
     assert_eq!(packed.len(), EFFECTS);
     assert_eq!(packed[0], (0, vec![0.02]));
-    let (numbers, kind, _, cells, memory_cells) = body(&corrected_pack()).4.unwrap();
+    let (numbers, kind, _, cells) = body(&corrected_pack()).4.unwrap();
     assert_eq!(numbers[2], 1e-5);
-    assert_eq!(kind, 2);
+    assert_eq!(kind, 4);
     assert_eq!(cells.len(), 2 * CELLS);
     assert_eq!(cells[2..4], 7i16.to_le_bytes());
-    assert_eq!(memory_cells.len(), 2 * MEMORY_CELLS);
 }
 
 fn correction(memory: Memory<f32>) -> Correction<f32> {
@@ -220,7 +219,6 @@ fn correction(memory: Memory<f32>) -> Correction<f32> {
         unit: 1e-5,
         cells: &cells(CELLS),
         memory: Some((memory, [-0.1, 0.1])),
-        memory_cells: &cells(MEMORY_CELLS),
     };
     Correction::new(&parts, 1e-4).unwrap()
 }

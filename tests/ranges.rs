@@ -4,7 +4,7 @@ use hil::link::{EmulatorBench, EmulatorSetup, SetupError};
 use mesh_damper::amplitude_free;
 use mesh_damper::converter::Scale;
 use mesh_damper::crossing::{CrossingAccumulator, CrossingDetector};
-use mesh_damper::effects::correction::{CELLS, CorrectionParts, MEMORY_CELLS, Memory};
+use mesh_damper::effects::correction::{CELLS, CorrectionParts, Memory};
 use mesh_damper::effects::{
     Asymmetry, AugmentedLaw, BoucWen, Compliance, Correction, Delay, Drift, Gap, Hardening,
     Inertia, LoadFriction, Offset, Periodic, Relaxation, StickSlip, Stop, Temperature, Viscous,
@@ -112,7 +112,6 @@ fn correction(
         unit,
         cells: &[1; CELLS],
         memory: Some((memory, range)),
-        memory_cells: &[1; MEMORY_CELLS],
     };
     Correction::new(&parts, tick)
 }

@@ -2,10 +2,10 @@
 
 use std::sync::LazyLock;
 
-use hil::correction::{CorrectionTable, MemoryTable, Remembered};
+use hil::correction::{CorrectionTable, MemoryAxis, Remembered};
 use hil::model::{AddedEffect, Family, LawNode, Model};
 use hil::model_file::{FittedRange, ModelFile};
-use mesh_damper::effects::correction::{CELLS, MEMORY_CELLS};
+use mesh_damper::effects::correction::CELLS;
 use mesh_damper::pack;
 use mesh_damper::tabulated::TabulatedLaw;
 
@@ -82,10 +82,9 @@ static GOOD: LazyLock<Vec<Vec<u8>>> = LazyLock::new(|| {
         cells: (0..CELLS as i16)
             .map(|cell| 100 * (cell % 300) - 15_000)
             .collect(),
-        memory: Some(MemoryTable {
+        memory: Some(MemoryAxis {
             of: Remembered::Lag { time: 0.05 },
             range: [-0.1, 0.1],
-            cells: vec![7; MEMORY_CELLS],
         }),
     };
     vec![

@@ -3,7 +3,7 @@
 use std::sync::LazyLock;
 
 use mesh_damper::effects::Correction;
-use mesh_damper::effects::correction::{CELLS, CorrectionParts, MEMORY_CELLS, Memory};
+use mesh_damper::effects::correction::{CELLS, CorrectionParts, Memory};
 use mesh_damper::pack::{self, LARGEST, Upload, VERSION};
 use mesh_damper::tabulated::TabulatedLaw;
 
@@ -41,7 +41,6 @@ pub static GOOD: LazyLock<Vec<Vec<u8>>> = LazyLock::new(|| {
         unit: 1e-5,
         cells: &[11; CELLS],
         memory: Some((Memory::Slip { limit: 0.01 }, [-0.01, 0.01])),
-        memory_cells: &[-5; MEMORY_CELLS],
     };
     let correction = Correction::new(&parts, 1e-4).expect("all are in range");
     let last = laws.pop().expect("there are twelve");

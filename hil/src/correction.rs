@@ -1,4 +1,4 @@
-//! A correction without a name as a model carries it: tables over displacement and velocity, and over what is remembered.
+//! A correction without a name as a model carries it: a table over displacement and velocity, or over what is remembered.
 
 use mesh_damper::effects::Correction;
 use mesh_damper::effects::correction::{CorrectionParts, Memory};
@@ -6,32 +6,31 @@ use mesh_damper::error::ConfigError;
 use mesh_damper::real::Real;
 use serde::{Deserialize, Serialize};
 
-/// The tables of [`mesh_damper::effects::correction`], as JSON.
+/// The table of [`mesh_damper::effects::correction`], as JSON.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct CorrectionTable {
-    /// Largest displacement of the tables, mm; outside, their edge holds.
+    /// Largest displacement of the table, mm; outside, its edge holds.
     pub reach: f64,
-    /// Largest speed, mm/s; outside, their edge holds.
+    /// Largest speed, mm/s; outside, its edge holds.
     pub speed: f64,
     /// kN of one count in a cell.
     pub unit: f64,
-    /// Displacement runs fastest, then speed, then direction.
+    /// Displacement runs fastest, then speed or what stands in its place, then direction. A line has the first 33 of each
+    /// direction's 153, two sides the first 34.
     pub cells: Vec<i16>,
-    /// What the motion was before, the temperature, or a finer line over displacement, where the force depends on it.
-    pub memory: Option<MemoryTable>,
+    /// What stands in the place of speed: what the motion was before, or the temperature; or that it is a line.
+    pub memory: Option<MemoryAxis>,
 }
 
-/// The table over displacement and over what is remembered, or the line.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+/// What a table is over in the place of speed.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub struct MemoryTable {
-    /// What it is over.
+pub struct MemoryAxis {
+    /// Which.
     pub of: Remembered,
     /// Its values at the first and at the last node; of a line unused.
     pub range: [f64; 2],
-    /// Displacement runs fastest, then memory, then direction. A line has the first 33 of each direction's 45, two sides the first 34.
-    pub cells: Vec<i16>,
 }
 
 /// What a correction remembers or is over, as [`Memory`] says it: times in s, the limit in mm.
@@ -71,7 +70,7 @@ impl Remembered {
         }
     }
 
-    /// Whether U is a line over displacement or over speed alone.
+    /// Whether the table is a line over displacement or over speed alone.
     pub fn is_line(self) -> bool {
         matches!(self, Self::Place | Self::Sides { .. })
     }
@@ -107,14 +106,13 @@ impl CorrectionTable {
     /// # Errors
     /// The field that the crate refuses.
     pub fn build<R: Real>(&self, tick: f64) -> Result<Correction<R>, ConfigError> {
-        let memory = self.memory.as_ref();
+        let memory = self.memory;
         let parts = CorrectionParts {
             reach: R::from_f64(self.reach),
             speed: R::from_f64(self.speed),
             unit: R::from_f64(self.unit),
             cells: &self.cells,
             memory: memory.map(|memory| (memory.of.memory(), memory.range.map(R::from_f64))),
-            memory_cells: memory.map_or(&[], |memory| &memory.cells),
         };
         Correction::new(&parts, R::from_f64(tick))
     }

@@ -292,9 +292,9 @@ fn field_of(error: &ConfigError) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::correction::{MemoryTable, Remembered};
+    use crate::correction::{MemoryAxis, Remembered};
     use crate::model::Family;
-    use mesh_damper::effects::correction::{CELLS, MEMORY_CELLS};
+    use mesh_damper::effects::correction::CELLS;
 
     fn correction() -> CorrectionTable {
         let cells = |count| {
@@ -307,10 +307,9 @@ mod tests {
             speed: 6.3,
             unit: 1e-6,
             cells: cells(CELLS),
-            memory: Some(MemoryTable {
+            memory: Some(MemoryAxis {
                 of: Remembered::Lag { time: 0.05 },
                 range: [-0.1, 0.1],
-                cells: cells(MEMORY_CELLS),
             }),
         }
     }

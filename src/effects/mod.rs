@@ -282,7 +282,7 @@ macro_rules! effects {
             $($memory_field: Option<<$memory<R> as EffectForce<R>>::State>,)+
             $($rare_field: Option<<$rare<R> as EffectForce<R>>::State>,)+
             compliance: Option<ComplianceState<R>>,
-            correction: Option<CorrectionState>,
+            correction: CorrectionState,
         }
 
         impl<R: Real> AugmentedState<R> {
@@ -292,7 +292,7 @@ macro_rules! effects {
                 $($rare_field: None,)+
                 compliance: None,
                 delay: DelayState::EMPTY,
-                correction: None,
+                correction: CorrectionState::NEW,
             };
         }
 
@@ -648,6 +648,9 @@ impl<R: Real, const N: usize> AugmentedLaw<R, N> {
         let force = self.effects.add_force(state, motion, law);
         if self.effects.present & (Kind::RARE | Kind::CORRECTION) == 0 {
             return force;
+        }
+        if self.effects.present & Kind::RARE == 0 {
+            return force + self.correction.force(&mut state.correction, motion);
         }
         let force = self.effects.add_rare_force(state, motion, law, force);
         self.corrected(state, motion, force)

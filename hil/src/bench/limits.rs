@@ -89,7 +89,7 @@ const RELATIVE: &str = "relative";
 const RATIO: &str = "ratio";
 
 /// Limits that are not reached, and why. What is reached after all has to leave this list.
-const NOT_REACHED: [(&str, &str); 27] = [
+const NOT_REACHED: [(&str, &str); 25] = [
     (
         "longest steady tick over the mean",
         "a tick in 64 ends a sector of the cycle and does a step of its results in 95 to 131; the first of a block takes 179",
@@ -140,61 +140,52 @@ const NOT_REACHED: [(&str, &str); 27] = [
     ),
     (
         "correction that remembers a slip",
-        "61 beside those without memory: 14 for the slip, the rest the state and the second table",
+        "seven for the slip, 29 for the four cells and what lies between, the rest to come to it with what it remembers",
     ),
     (
         "correction that remembers a lag",
-        "55 beside those without memory: six for the average, the rest the state and the second table",
+        "nine for the average and its place, 29 for the four cells and what lies between, the rest to come to it with what it remembers",
     ),
     (
         "correction that remembers travel",
-        "60 beside those without memory: ten for the average, the rest the state and the second table",
+        "15 for the average and its place, 29 for the four cells and what lies between, the rest to come to it with what it remembers",
     ),
     (
         "correction that remembers the largest displacement",
-        "57 beside those without memory: seven for the largest, the rest the state and the second table",
+        "12 for the largest and its place, 29 for the four cells and what lies between, the rest to come to it with what it remembers",
     ),
     (
         "correction that remembers a level",
-        "58 beside those without memory: nine for the average, the rest the state and the second table",
+        "13 for the average and its place, 29 for the four cells and what lies between, the rest to come to it with what it remembers",
     ),
     (
         "correction that remembers its age",
-        "60 beside those without memory: 11 for the octave, the rest the state and the second table",
+        "15 for the octave and its place, 29 for the four cells and what lies between, the rest to come to it with what it remembers",
     ),
     (
         "correction over the cycles",
-        "54 beside those without memory: eight for the octave, the rest the state and the second table",
+        "ten for the octave and its place, 29 for the four cells and what lies between, the rest to come to it with what it remembers",
     ),
     (
         "correction over temperature",
-        "55 beside those without it: six for the reading, the rest the second table and what memories need",
+        "nine for the reading and its place, 29 for the four cells and what lies between, the rest to come to it with what it remembers",
     ),
     (
         "correction over the acceleration",
-        "56 beside those without it: seven for the change of velocity, the rest the second table and what memories need",
+        "13 for the change of velocity and its place, 29 for the four cells and what lies between, the rest to come to it with what it remembers",
     ),
     (
         "correction over the frequency",
-        "75 beside those without it: 22 for the part of a cycle since the tick before, its average and the octave, the rest the \
-         second table and what memories need",
-    ),
-    (
-        "correction with two sides",
-        "15 beside those without them: which side it is, its two cells and the way between them",
-    ),
-    (
-        "correction with a finer line",
-        "17 beside those without it: its two cells and the way between them",
+        "29 for the part of a cycle since the tick before, its average, the octave and its place, 29 for the four cells and what lies between, the rest to come to it with what it remembers",
     ),
     (
         "firmware: flash",
         "seven effects more take 5 KiB: 2 KiB the way through stages, 1.5 KiB to read and check them, the rest their own code; \
-         the correction without a name 5.25 KiB; the monitor of specimen, sensors and actuator 9 KiB; what follows the specimen 3.5 KiB",
+         the correction without a name 4 KiB; the monitor of specimen, sensors and actuator 9 KiB; what follows the specimen 3.5 KiB",
     ),
     (
         "firmware: RAM, tables included",
-        "a delay's ring takes 1 KiB, the correction's tables 0.5 KiB in each of three laws and in the upload, the monitor 1 KiB",
+        "a delay's ring takes 1 KiB, the correction's table 0.6 KiB in each of two laws and in the upload, the monitor 1 KiB",
     ),
     (
         "firmware: stack",

@@ -153,25 +153,17 @@ pub struct OnTarget {
 pub struct CorrectionSummary {
     /// What it remembers of the motion or is over beside it, where there is such.
     pub remembers: Option<Remembered>,
-    /// Largest force of its tables together, kN; it is never exceeded, wherever the motion goes.
+    /// Largest force of its table, kN; it is never exceeded, wherever the motion goes.
     pub largest: f64,
 }
 
 impl CorrectionSummary {
     /// Of a model's table.
     pub fn of(table: &CorrectionTable) -> Self {
-        let largest = |cells: &[i16]| cells.iter().map(|cell| cell.unsigned_abs()).max();
-        let memory = table.memory.as_ref();
-        let counts = [Some(&table.cells), memory.map(|memory| &memory.cells)];
-        let sum: u32 = counts
-            .into_iter()
-            .flatten()
-            .filter_map(|cells| largest(cells))
-            .map(u32::from)
-            .sum();
+        let counts = table.cells.iter().map(|cell| cell.unsigned_abs());
         Self {
-            remembers: memory.map(|memory| memory.of),
-            largest: table.unit * f64::from(sum),
+            remembers: table.memory.map(|memory| memory.of),
+            largest: table.unit * f64::from(counts.max().unwrap_or_default()),
         }
     }
 }

@@ -1,39 +1,44 @@
-//! What a correction remembers of the motion or is over beside it, in integers.
+//! What a correction is over in the place of speed, in integers: mostly what it remembers of the motion.
 
-use super::{FRACTION, LAST, MIDDLE, ONE, SPEEDS};
+use super::{END, LAST_NODE, NODES, ONE};
 use crate::effects::ConfinedMotion;
 use crate::error::ConfigError;
 use crate::limits;
 use crate::real::{Real, in_range};
 
-/// The last place over what is remembered.
-const LAST_MEMORY: i32 = 4 * ONE - 1;
 /// Readings are within ± this.
 const LARGEST_READING: i32 = 0xffff;
-/// A gain is in 1024ths of a place per reading.
-const GAIN: u32 = 10;
-const LARGEST_GAIN: i32 = 1 << 13;
+/// A gain is in 512ths of a place per reading.
+const GAIN: u32 = 9;
+const LARGEST_GAIN: i32 = (1 << 14) - 1;
+/// The same of a slip, whose stretch is all that is multiplied by it.
+const LARGEST_GAIN_OF_SLIP: i32 = 1 << 15;
+/// The last place, in 512ths.
+const LAST_GAINED: i32 = ((LAST_NODE + 1) << GAIN) - 1;
 /// Bits of an average below the last of a place.
 const AVERAGE: u32 = 15;
 /// Parts of a cycle that are told apart.
 const CYCLE: i32 = 1 << 16;
+/// Ticks of the longest average: within a thousandth of the table's range it follows.
+const LONGEST: f64 = 1e7;
 
-/// What z is.
+/// What stands in the place of speed. Displacements beyond ±reach are taken as there.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Memory<R> {
-    /// The stretch in mm of a spring that slips at `limit`: where the motion last turned, whatever its rate.
+    /// The stretch in mm of a spring that slips at `limit`, from −`limit` to `limit`, at first none: where the motion last
+    /// turned, whatever its rate.
     Slip {
-        /// mm, 1e-9…1e4
+        /// mm, 1e-9…1e4; at least a 32nd of the reach is taken.
         limit: R,
     },
-    /// The displacement less its average over `time`, mm.
+    /// The displacement less its average over `time`, which begins at the first one, mm.
     Lag {
-        /// s, 1e-6…1e6; at least two ticks are taken.
+        /// s, 1e-6…1e6; 2…1e7 ticks are taken.
         time: R,
     },
-    /// The mean speed over `time`, mm/s.
+    /// The mean speed over `time`, from 0, mm/s.
     Travel {
-        /// s, 1e-6…1e6; at least two ticks are taken.
+        /// s, 1e-6…1e6; 2…1e7 ticks are taken.
         time: R,
     },
     /// The largest displacement so far to either side, mm.
@@ -48,37 +53,40 @@ pub enum Memory<R> {
         /// 0.01…1e9
         cycles: R,
     },
-    /// The mean of |displacement| over `time`, mm: how wide the motion has been.
+    /// The mean of |displacement| over `time`, from 0, mm: how wide the motion has been.
     Level {
-        /// s, 1e-6…1e6; at least two ticks are taken.
+        /// s, 1e-6…1e6; 2…1e7 ticks are taken.
         time: R,
     },
     /// The temperature that is measured, °C.
     Temperature,
     /// The acceleration, mm/s²: what the velocity has changed by since the tick before.
     Acceleration,
-    /// Nothing: U is a line over displacement alone, once for each direction, of [`super::FINE`] nodes evenly over ±reach in
-    /// the place of T's [`super::DISPLACEMENTS`]. It has the first so many of each direction's cells, the others are not read.
+    /// Nothing: the force is a line over displacement alone, once for each direction, of [`super::FINE`] nodes evenly over
+    /// ±reach. It has the first so many of each direction's cells, the others are not read.
     Place,
-    /// Nothing: U is a line over speed alone, of T's nodes, once for each direction, where the displacement lies above `above`,
-    /// another where it lies below `below`, and 0 between: what touches on one side, or on both. Of each direction's cells it has
-    /// the first [`super::SPEEDS`], and as many after them; the others are not read.
+    /// Nothing: the force is a line over speed alone, once for each direction, where the displacement lies above `above`,
+    /// another where it lies below `below`, and 0 between: what touches on one side, or on both. Of each direction's cells they
+    /// have the first [`super::NODES`], and as many after them; the others are not read.
     Sides {
         /// mm, −1e4…1e4; at −`reach` or below there is no such side.
         below: R,
         /// mm, `below`…1e4; likewise at `reach`.
         above: R,
     },
-    /// log₂ of the frequency in Hz, the cycles per second over `time`, by straight lines between powers of two.
+    /// log₂ of the frequency in Hz, the cycles per second over `time`, by straight lines between powers of two. On the first tick
+    /// it is that of the first node. An `f32` keeps too little of the cycles after 1e5.
     Frequency {
-        /// s, 1e-6…1e6; at least two ticks are taken.
+        /// s, 1e-6…1e6; 2…1e7 ticks are taken.
         time: R,
     },
 }
 
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd)]
 pub(super) enum Kind {
-    None,
+    Speed,
+    Place,
+    Sides,
     Slip,
     Lag,
     Travel,
@@ -87,16 +95,19 @@ pub(super) enum Kind {
     Cycles,
     Level,
     Temperature,
-    Place,
-    Sides,
     Frequency,
     Acceleration,
 }
 
 impl Kind {
+    /// This one and those after it have a state.
+    pub const FIRST_MEMORY: Self = Self::Slip;
+
     /// By their numbers in a pack.
     pub const ALL: [Self; 13] = [
-        Self::None,
+        Self::Speed,
+        Self::Place,
+        Self::Sides,
         Self::Slip,
         Self::Lag,
         Self::Travel,
@@ -105,30 +116,29 @@ impl Kind {
         Self::Cycles,
         Self::Level,
         Self::Temperature,
-        Self::Place,
-        Self::Sides,
         Self::Frequency,
         Self::Acceleration,
     ];
 }
 
-/// How z is remembered, and where it stands in its table.
+/// How it is remembered, and where it stands among the nodes.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Recall<R> {
     pub kind: Kind,
-    /// 1/time in ticks, 1/cycles, readings per °C, parts of a speed per mm/s, or Hz of an average of 1.
+    /// 1/time in ticks, 1/cycles, readings per °C, parts of a speed per mm/s, or Hz of an average of 1; of a slip and the others
+    /// unused.
     pub rate: R,
-    /// Slip limit in places, the place above which there is a side, or what an average loses in a tick, of 2³².
+    /// The place above which there is a side, or what an average loses in a tick, of 2³².
     pub step: i32,
-    /// Bits of an average or of a change of speed that a reading leaves out.
+    /// Bits of a change of speed that a reading leaves out.
     pub shift: i32,
-    /// The reading of node 0, or the place below which there is a side.
-    pub low: i32,
-    /// 1024ths of a place per reading.
+    /// Where a reading of 0 stands, in 512ths of a place; or the place below which there is a side.
+    pub origin: i32,
+    /// 512ths of a place per reading.
     pub gain: i32,
 }
 
-/// What U may be over beside the motion.
+/// What a correction may be over beside the motion.
 #[derive(Clone, Copy)]
 pub(super) struct Beside<R> {
     pub cycles: R,
@@ -147,21 +157,37 @@ impl<R: Real> Beside<R> {
 }
 
 /// What a correction remembers.
-#[derive(Clone, Copy, Debug, Default)]
+#[derive(Clone, Copy, Debug)]
 pub struct CorrectionState {
-    /// Place of the tick before, or part of its cycle, or its speed.
+    /// Of which kind, [`Kind::Speed`] before the first tick: what a tick does follows from it alone.
+    kind: Kind,
+    /// Place of the tick before, or part of its cycle, or its velocity.
     previous: i32,
     /// Stretch, average, largest displacement or ticks.
     value: i32,
 }
 
+impl CorrectionState {
+    /// Nothing, as before the first tick. All bits are 0.
+    pub const NEW: Self = Self {
+        kind: Kind::Speed,
+        previous: 0,
+        value: 0,
+    };
+
+    /// Whether it remembers such.
+    pub(super) fn is_of(&self, kind: Kind) -> bool {
+        self.kind == kind
+    }
+}
+
 impl<R: Real> Recall<R> {
-    pub const NONE: Self = Self {
-        kind: Kind::None,
+    pub const SPEED: Self = Self {
+        kind: Kind::Speed,
         rate: R::ZERO,
         step: 0,
         shift: 0,
-        low: 0,
+        origin: 0,
         gain: 0,
     };
 
@@ -189,16 +215,23 @@ impl<R: Real> Recall<R> {
         }
         let loss = |time: R| -> Result<i32, ConfigError> {
             let time = in_range("time", time, 1e-6, 1e6)?.to_f64();
-            Ok((-libm::expm1(-tick / time.max(2.0 * tick)) * 4_294_967_296.0) as i32)
+            Ok(
+                (-libm::expm1(-tick / time.clamp(2.0 * tick, LONGEST * tick)) * 4_294_967_296.0)
+                    as i32,
+            )
         };
         let largest = f64::from(LARGEST_READING);
-        let mut new = Self::NONE;
-        let mut per_reading = reach / f64::from(MIDDLE);
+        let mut new = Self::SPEED;
+        let mut per_reading = reach / f64::from(END);
         match memory {
             Memory::Slip { limit } => {
                 let limit = in_range("limit", limit, 1e-9, limits::DISPLACEMENT)?.to_f64();
-                new.kind = Kind::Slip;
-                new.step = ((limit / per_reading) as i32).clamp(1, LAST);
+                let gain = f64::from(LAST_GAINED) * per_reading / (2.0 * limit);
+                return Ok(Self {
+                    kind: Kind::Slip,
+                    gain: gain.min(f64::from(LARGEST_GAIN_OF_SLIP)) as i32,
+                    ..Self::SPEED
+                });
             }
             Memory::Lag { time } => {
                 new.kind = Kind::Lag;
@@ -207,13 +240,10 @@ impl<R: Real> Recall<R> {
             Memory::Travel { time } => {
                 new.kind = Kind::Travel;
                 new.step = loss(time)?;
-                per_reading /= tick;
-                new.shift = AVERAGE as i32;
-                // As fine as the largest reading allows.
-                while new.shift > 0 && high / per_reading < f64::from(LARGEST_READING / 2) {
-                    per_reading /= 2.0;
-                    new.shift -= 1;
-                }
+                // Four times the last node is within 2³¹.
+                let rate = (f64::from(1 << 29) / high.max(1e-9)).min(limits::COEFFICIENT);
+                new.rate = R::from_f64(rate);
+                per_reading = f64::from(1 << AVERAGE) / rate;
             }
             Memory::Level { time } => {
                 new.kind = Kind::Level;
@@ -255,14 +285,14 @@ impl<R: Real> Recall<R> {
                 let below = in_range("below", below, -most, most)?;
                 let above = in_range("above", above, below.to_f64(), most)?;
                 let place = |edge: R| {
-                    let place = edge.to_f64() / per_reading + f64::from(MIDDLE);
-                    place.clamp(0.0, f64::from(LAST)) as i32
+                    let place = edge.to_f64() / per_reading;
+                    place.clamp(f64::from(-END), f64::from(END - 1)) as i32
                 };
                 return Ok(Self {
                     kind: Kind::Sides,
                     step: place(above),
-                    low: place(below),
-                    ..Self::NONE
+                    origin: place(below),
+                    ..Self::SPEED
                 });
             }
             Memory::Frequency { time } => {
@@ -273,9 +303,10 @@ impl<R: Real> Recall<R> {
             }
         }
         let (low, high) = (low / per_reading, high / per_reading);
-        new.low = low.clamp(-largest, largest) as i32;
-        let gain = f64::from(LAST_MEMORY << GAIN) / (high - low);
+        let gain = f64::from(LAST_GAINED) / (high - low);
         new.gain = gain.min(f64::from(LARGEST_GAIN)) as i32;
+        // Readings are less than 2¹⁷ apart: nothing overflows.
+        new.origin = -(low.clamp(-largest, largest) as i32) * new.gain;
         Ok(new)
     }
 
@@ -296,79 +327,88 @@ impl<R: Real> Recall<R> {
             })
         };
         self::in_range("rate", self.rate, 0.0, limits::COEFFICIENT)?;
-        let most = if self.kind == Kind::Slip {
-            LAST
-        } else {
-            i32::MAX
-        };
-        in_range("step", self.step, 0, most)?;
+        in_range("step", self.step, 0, i32::MAX)?;
         in_range("shift", self.shift, 0, AVERAGE as i32)?;
-        in_range("low", self.low, -LARGEST_READING, LARGEST_READING)?;
-        in_range("gain", self.gain, 0, LARGEST_GAIN)
+        let most = LARGEST_READING * LARGEST_GAIN;
+        in_range("origin", self.origin, -most, most)?;
+        in_range("gain", self.gain, 0, LARGEST_GAIN_OF_SLIP)
     }
 
+    /// Whether a state of `other`, over places as long as these, is one of this: its nodes may stand elsewhere.
     pub fn is_like(&self, other: &Self) -> bool {
-        self.kind == other.kind
+        let [own, others] = [self, other].map(|recall| Self {
+            origin: 0,
+            gain: if recall.kind == Kind::Slip {
+                recall.gain
+            } else {
+                0
+            },
+            ..*recall
+        });
+        own == others
     }
 
-    /// What is compared with the tick before: the displacement's place, the part of the cycle, or the velocity.
-    #[inline(always)]
-    pub fn now(&self, place: i32, velocity: R, cycles: R) -> i32 {
-        match self.kind {
-            Kind::Acceleration => (velocity * self.rate).to_i32(),
-            Kind::Frequency => {
-                let part = cycles - R::from_i32(cycles.to_i32());
-                (part * R::from_f64(f64::from(CYCLE))).to_i32()
-            }
-            _ => place,
-        }
-    }
-
-    /// Before the first tick.
-    #[inline(always)]
-    pub fn begin(&self, now: i32) -> CorrectionState {
+    /// As before the first tick.
+    #[cold]
+    #[inline(never)]
+    pub fn begin(&self, across: i32, velocity: R, cycles: R) -> CorrectionState {
         CorrectionState {
-            previous: now,
+            kind: self.kind,
+            previous: match self.kind {
+                Kind::Acceleration => self.scaled(velocity),
+                Kind::Frequency => part_of_cycle(cycles),
+                _ => across,
+            },
             value: match self.kind {
-                Kind::Lag => now << AVERAGE,
+                Kind::Lag => across << AVERAGE,
+                Kind::Slip => LAST_GAINED / 2,
                 _ => 0,
             },
         }
     }
 
-    /// What is read on this tick, within ±[`LARGEST_READING`] or one less. Limits that are powers of two are one instruction.
+    /// The place among the nodes on this tick, at a place over displacement; `None` before the first tick. Limits that are powers
+    /// of two are one instruction.
     ///
-    /// An average follows within a loss of 2⁻³²: over 60 s at 10 kHz it stands still within 6e-4 of the tables' range.
     #[inline(always)]
-    pub fn reading(&self, state: &mut CorrectionState, now: i32, beside: Beside<R>) -> i32 {
-        let value = state.value;
+    pub fn along(
+        &self,
+        state: &mut CorrectionState,
+        across: i32,
+        velocity: R,
+        beside: Beside<R>,
+    ) -> Option<i32> {
+        let CorrectionState {
+            kind,
+            previous,
+            value,
+        } = *state;
         let toward = |target: i32| {
             let change = i64::from(target.wrapping_sub(value)) * i64::from(self.step);
-            value.wrapping_add((change >> 32) as i32)
+            value.wrapping_add(((change + (1 << 31)) >> 32) as i32)
         };
-        let before = state.previous;
-        state.previous = now;
-        match self.kind {
-            Kind::None | Kind::Place | Kind::Sides => 0,
+        let reading = match kind {
+            Kind::Speed | Kind::Place | Kind::Sides => return None,
             Kind::Slip => {
-                let stretch = value.wrapping_add(now - before);
-                state.value = stretch.min(self.step).max(-self.step);
-                state.value
+                state.previous = across;
+                let moved = across.wrapping_sub(previous).wrapping_mul(self.gain);
+                state.value = value.wrapping_add(moved).clamp(0, LAST_GAINED);
+                return Some(state.value >> GAIN);
             }
             Kind::Lag => {
-                state.value = toward(now << AVERAGE);
-                now - (state.value >> AVERAGE)
+                state.value = toward(across << AVERAGE);
+                across - (state.value >> AVERAGE)
             }
             Kind::Travel => {
-                state.value = toward((now - before).abs() << AVERAGE);
-                (state.value >> self.shift).clamp(0, LARGEST_READING)
+                state.value = toward(self.scaled(velocity.abs()));
+                state.value >> AVERAGE
             }
             Kind::Level => {
-                state.value = toward((now - MIDDLE).abs() << AVERAGE);
+                state.value = toward(across.abs() << AVERAGE);
                 state.value >> AVERAGE
             }
             Kind::Largest => {
-                state.value = value.max((now - MIDDLE).abs());
+                state.value = value.max(across.abs());
                 state.value
             }
             Kind::Age => {
@@ -377,14 +417,29 @@ impl<R: Real> Recall<R> {
             }
             Kind::Cycles => self.age(beside.cycles),
             Kind::Frequency => {
-                let passed = (now.wrapping_sub(before) & (CYCLE - 1)) << AVERAGE;
+                let now = part_of_cycle(beside.cycles);
+                state.previous = now;
+                let passed = (now.wrapping_sub(previous) & (CYCLE - 1)) << AVERAGE;
                 // The first cycles are no faster than those after.
                 state.value = if value == 0 { passed } else { toward(passed) };
                 within(octaves(R::from_i32(state.value) * self.rate))
             }
             Kind::Temperature => within((beside.temperature * self.rate).to_i32()),
-            Kind::Acceleration => within(now.saturating_sub(before) >> self.shift),
-        }
+            Kind::Acceleration => {
+                let now = self.scaled(velocity);
+                state.previous = now;
+                within(now.saturating_sub(previous) >> self.shift)
+            }
+        };
+        // Within (2·65536 − 1)·(2¹⁴ − 1) < 2³¹.
+        let gained = reading.wrapping_mul(self.gain).wrapping_add(self.origin);
+        Some((gained >> GAIN).clamp(0, LAST_NODE))
+    }
+
+    /// A velocity that is averaged, or whose changes are read.
+    #[inline(always)]
+    fn scaled(&self, velocity: R) -> i32 {
+        (velocity * self.rate).to_i32()
     }
 
     #[inline(always)]
@@ -397,26 +452,19 @@ impl<R: Real> Recall<R> {
     pub fn side(&self, place: i32) -> Option<usize> {
         if place > self.step {
             Some(0)
-        } else if place < self.low {
-            Some(SPEEDS)
+        } else if place < self.origin {
+            Some(NODES)
         } else {
             None
         }
     }
+}
 
-    /// Where a reading stands in the table.
-    #[inline(always)]
-    pub fn place(&self, reading: i32) -> i32 {
-        // Within 2·65536·2¹³.
-        let gained = (reading - self.low).wrapping_mul(self.gain);
-        (gained >> GAIN).clamp(0, LAST_MEMORY)
-    }
-
-    /// The same as a part of the table's range, below 0 and above 1 outside.
-    pub fn part(&self, reading: i32) -> f64 {
-        let gained = f64::from(reading - self.low) * f64::from(self.gain);
-        gained / f64::from(4 << (FRACTION + GAIN))
-    }
+/// In 65536ths.
+#[inline(always)]
+fn part_of_cycle<R: Real>(cycles: R) -> i32 {
+    let part = cycles - R::from_i32(cycles.to_i32());
+    (part * R::from_f64(f64::from(CYCLE))).to_i32()
 }
 
 /// A reading.

@@ -1,14 +1,14 @@
-//! A correction in a coefficient pack: its numbers, four bytes each, and for each table what postcard makes of a `Vec<u8>`.
+//! A correction in a coefficient pack: its numbers, four bytes each, and what postcard makes of the cells as a `Vec<u8>`.
 
-use super::Correction;
 use super::memory::Kind;
+use super::{CELLS, Correction};
 use crate::error::ConfigError;
 use crate::frame::{Reader, Writer};
 use crate::limits;
 use crate::real::in_range;
 
 impl Correction<f32> {
-    /// Writes numbers and tables.
+    /// Writes numbers and cells.
     pub(crate) fn pack(&self, writer: &mut Writer<'_>) {
         let recall = &self.recall;
         for number in [
@@ -21,16 +21,14 @@ impl Correction<f32> {
         }
         let kind = Kind::ALL.iter().position(|kind| *kind == recall.kind);
         writer.u8(kind.unwrap_or_default() as u8);
-        for number in [recall.step, recall.shift, recall.low, recall.gain] {
+        for number in [recall.step, recall.shift, recall.origin, recall.gain] {
             writer.u32(number as u32);
         }
-        for table in [&self.cells[..], &self.memory_cells] {
-            for byte in length(table) {
-                writer.u8(byte);
-            }
-            for cell in table {
-                writer.u16(*cell as u16);
-            }
+        for byte in LENGTH {
+            writer.u8(byte);
+        }
+        for cell in &self.cells {
+            writer.u16(*cell as u16);
         }
     }
 
@@ -49,20 +47,18 @@ impl Correction<f32> {
         for number in [
             &mut recall.step,
             &mut recall.shift,
-            &mut recall.low,
+            &mut recall.origin,
             &mut recall.gain,
         ] {
             *number = reader.u32()? as i32;
         }
-        for table in [&mut self.cells[..], &mut self.memory_cells] {
-            for byte in length(table) {
-                if reader.u8()? != byte {
-                    return None;
-                }
+        for byte in LENGTH {
+            if reader.u8()? != byte {
+                return None;
             }
-            for cell in table {
-                *cell = reader.u16()? as i16;
-            }
+        }
+        for cell in &mut self.cells {
+            *cell = reader.u16()? as i16;
         }
         Some(())
     }
@@ -80,8 +76,8 @@ impl Correction<f32> {
     }
 }
 
-/// How many bytes a table takes, as postcard writes a length of 128…16383.
-fn length(table: &[i16]) -> [u8; 2] {
-    let bytes = 2 * table.len();
+/// How many bytes the cells take, as postcard writes a length of 128…16383.
+const LENGTH: [u8; 2] = {
+    let bytes = 2 * CELLS;
     [bytes as u8 | 0x80, (bytes >> 7) as u8]
-}
+};

@@ -1,7 +1,7 @@
-//! The samples of a fit, as the tables and eq 13 see them.
+//! The samples of a fit, as the table and eq 13 see them.
 
 use mesh_damper::effects::Correction;
-use mesh_damper::effects::correction::{CELLS, CorrectionParts, MEMORY_CELLS};
+use mesh_damper::effects::correction::{CELLS, CorrectionParts, CorrectionState};
 use mesh_damper::limits;
 
 use crate::correction::Remembered;
@@ -72,11 +72,12 @@ struct Instant {
     displacement: f64,
     log_speed: f64,
     direction: f64,
+    /// Of a table over speed.
     cells: Cells,
 }
 
 /// Cells of a table that are at work at an instant, each with its weight.
-type Cells = [(usize, f64); 4];
+type Cells = [(usize, f64); 8];
 
 /// All samples of a fit.
 pub(crate) struct Design<'a> {
@@ -94,16 +95,16 @@ pub(crate) struct Design<'a> {
 
 /// What was remembered at each row.
 pub(crate) struct Recalled {
-    /// What U is over.
+    /// What stands in the place of speed.
     pub of: Remembered,
-    /// z at the first and at the last node.
+    /// Its values at the first and at the last node.
     pub range: [f64; 2],
-    /// Cells of U at each instant of each row.
+    /// Cells at each instant of each row.
     cells: Vec<Vec<Cells>>,
 }
 
 impl<'a> Design<'a> {
-    /// The samples that `included` picks, for tables of `extent`, or of their own; `None` where there are none, or where they
+    /// The samples that `included` picks, for a table of `extent`, or of their own; `None` where there are none, or where they
     /// do not move.
     pub fn new(
         trajectories: &'a [Trajectory],
@@ -130,7 +131,7 @@ impl<'a> Design<'a> {
             displacement: largest(&|t| &t.motion.displacement),
             speed: largest(&|t| &t.motion.velocity),
         });
-        let Some(tables) = empty(&extent, None, 1.0) else {
+        let Some(table) = empty(&extent, None, 1.0) else {
             return Ok(None);
         };
 
@@ -166,8 +167,15 @@ impl<'a> Design<'a> {
                         origin: (which, sample),
                         displacement: motion.displacement,
                         log_speed: motion.velocity.abs().max(f64::MIN_POSITIVE).ln(),
-                        direction: motion.velocity.signum(),
-                        cells: tables.support(&mut None, &motion.confined()).cells,
+                        // At rest there is none.
+                        direction: if motion.velocity == 0.0 {
+                            0.0
+                        } else {
+                            motion.velocity.signum()
+                        },
+                        cells: table
+                            .support(&mut { CorrectionState::NEW }, &motion.confined())
+                            .cells,
                     }
                 };
                 let mut row = Row {
@@ -214,7 +222,6 @@ impl<'a> Design<'a> {
             .map(|t| t.len() as f64 * t.tick)
             .fold(0.0, f64::max);
         let wide = match of {
-            Remembered::Slip { limit } => [-limit, limit],
             Remembered::Lag { .. } => [-self.extent.displacement, self.extent.displacement],
             Remembered::Travel { .. } => [0.0, self.extent.speed],
             Remembered::Largest | Remembered::Level { .. } => [0.0, self.extent.displacement],
@@ -222,6 +229,7 @@ impl<'a> Design<'a> {
             Remembered::Cycles { .. } => [0.0, 16.0],
             Remembered::Temperature => self.temperatures()?,
             Remembered::Acceleration => self.accelerations(),
+            Remembered::Slip { limit } => return self.recall_within(of, [-limit, limit]),
             Remembered::Place | Remembered::Sides { .. } => {
                 return self
                     .recall_within(of, [-self.extent.displacement, self.extent.displacement]);
@@ -249,7 +257,7 @@ impl<'a> Design<'a> {
         Some(Recalled { of, range, cells })
     }
 
-    /// Cells of U as so many zones of displacement with a friction each, kN, and then as many with a dashpot, kN·s/mm; and how much
+    /// Cells as so many zones of displacement with a friction each, kN, and then as many with a dashpot, kN·s/mm; and how much
     /// the rows say of each, of either.
     pub fn zones(&self, count: usize) -> (Recalled, [Vec<f64>; 2]) {
         let mut power = [vec![0.0; count], vec![0.0; count]];
@@ -259,12 +267,9 @@ impl<'a> Design<'a> {
             let velocity = instant.direction * instant.log_speed.exp();
             power[0][zone] += 1.0;
             power[1][zone] += velocity * velocity;
-            [
-                (zone, instant.direction),
-                (count + zone, velocity),
-                (0, 0.0),
-                (0, 0.0),
-            ]
+            let mut cells = [(0, 0.0); 8];
+            cells[..2].copy_from_slice(&[(zone, instant.direction), (count + zone, velocity)]);
+            cells
         };
         let rows = self.rows.iter();
         let cells = rows.map(|row| row.instants.iter().map(&mut cells_at).collect());
@@ -306,7 +311,7 @@ impl<'a> Design<'a> {
         }))
     }
 
-    /// What `take` takes of where z stands and of its cells, at every instant of every row.
+    /// What `take` takes of where that stands in its range and of the cells, at every instant of every row.
     fn through<T>(
         &self,
         of: Remembered,
@@ -321,12 +326,12 @@ impl<'a> Design<'a> {
         let mut wanted = wanted.into_iter().peekable();
         let mut taken: Vec<Vec<T>> = self.rows.iter().map(|_| Vec::new()).collect();
         for (which, trajectory) in self.trajectories.iter().enumerate() {
-            let tables = empty(&self.extent, Some((of, range)), trajectory.tick)?;
-            let mut state = None;
+            let table = empty(&self.extent, Some((of, range)), trajectory.tick)?;
+            let mut state = CorrectionState::NEW;
             for sample in 0..trajectory.len() {
-                let support = tables.support(&mut state, &motion_at(trajectory, sample).confined());
+                let support = table.support(&mut state, &motion_at(trajectory, sample).confined());
                 while let Some((_, row)) = wanted.next_if(|(at, _)| *at == (which, sample)) {
-                    taken[row].push(take(support.memory, support.memory_cells));
+                    taken[row].push(take(support.memory, support.cells));
                 }
             }
         }
@@ -335,7 +340,7 @@ impl<'a> Design<'a> {
 }
 
 impl Recalled {
-    /// The cells of U in the force at a row.
+    /// The cells in the force at a row.
     pub fn cells_of(&self, row: usize) -> impl Iterator<Item = (usize, f64)> + '_ {
         let cells = &self.cells[row];
         let part = 1.0 / cells.len() as f64;
@@ -367,7 +372,7 @@ impl Row {
         }
     }
 
-    /// The cells of T in the force.
+    /// The cells in the force of a table over speed.
     pub fn cells(&self) -> impl Iterator<Item = (usize, f64)> + '_ {
         let part = 1.0 / self.instants.len() as f64;
         let cells = self.instants.iter().flat_map(|instant| instant.cells);
@@ -420,7 +425,7 @@ fn between(nodes: &[f64], amplitude: f64) -> (usize, f64) {
     (low, weight.clamp(0.0, 1.0))
 }
 
-/// Tables with nothing in them.
+/// A table with nothing in it.
 fn empty(
     extent: &Extent,
     memory: Option<(Remembered, [f64; 2])>,
@@ -432,11 +437,6 @@ fn empty(
         speed: extent.speed,
         unit: 1.0,
         cells: &[0; CELLS],
-        memory_cells: if memory.is_some() {
-            &[0; MEMORY_CELLS]
-        } else {
-            &[]
-        },
         memory,
     };
     Correction::new(&parts, tick).ok()

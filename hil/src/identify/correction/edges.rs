@@ -1,7 +1,5 @@
 //! Where something may touch: the edges of zones of displacement over which friction and damping change.
 
-use mesh_damper::effects::correction::CELLS;
-
 use super::design::{Coefficients, Design};
 use super::gram::{Form, Rows};
 use super::trend::Trend;
@@ -10,23 +8,19 @@ use crate::correction::Remembered;
 /// Zones over ±the largest displacement.
 const ZONES: usize = 40;
 
-/// What touches on one side, and what on both, where the friction and the damping of the zones beside eq 13 and `trends` are
-/// most alike within each part.
-pub(super) fn likely_sides(
-    design: &Design,
-    at: &Coefficients,
-    trends: &[Trend],
-) -> Option<[Vec<Remembered>; 2]> {
+/// What touches on one side, and what on both, where the friction and the damping of the zones beside eq 13 are most alike
+/// within each part.
+pub(super) fn likely_sides(design: &Design, at: &Coefficients) -> Option<[Vec<Remembered>; 2]> {
     let (zones, power) = design.zones(ZONES);
-    let of_zones = (0..2 * ZONES).map(|cell| Trend::of(vec![(CELLS + cell, 1.0)]));
-    let trends: Vec<Trend> = trends.iter().cloned().chain(of_zones).collect();
+    let of_zones = (0..2 * ZONES).map(|cell| Trend::of(vec![(cell, 1.0)]));
+    let trends: Vec<Trend> = of_zones.collect();
     let form = Form {
         trends: &trends,
         ..Form::NONE
     };
     let rows = Rows::over(design, at, Some(&zones));
     let cells = rows.solved(form)?.cells;
-    let (friction, damping) = cells[CELLS..][..2 * ZONES].split_at(ZONES);
+    let (friction, damping) = cells[..2 * ZONES].split_at(ZONES);
 
     // Σ w·(x − mean)² over the zones of one part.
     let unlike = |from: usize, to: usize| -> f64 {

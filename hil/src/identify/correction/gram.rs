@@ -1,11 +1,11 @@
-//! The least squares of eq 13 and the tables, with each block left out in turn.
+//! The least squares of eq 13 and a table, with each block left out in turn.
 
-use mesh_damper::effects::correction::{CELLS, MEMORY_CELLS};
+use mesh_damper::effects::correction::CELLS;
 use nalgebra::{DMatrix, DVector};
 use rayon::prelude::*;
 
 use super::design::{Coefficients, Design, Recalled, Row};
-use super::hat::{hats_of_memory, hats_of_table};
+use super::hat::hats;
 use super::system::System;
 use super::trend::Trend;
 use crate::correction::Remembered;
@@ -16,14 +16,12 @@ const ALIKE: f64 = 1e-9;
 /// The largest change of α in one step.
 const LARGEST_STEP: f64 = 0.1;
 
-/// What is fitted beside eq 13: trends, and tables around them.
+/// What is fitted beside eq 13: trends, and a table around them.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Form<'t> {
     pub trends: &'t [Trend],
-    /// What a bend of T costs, over what the data say of a cell; `None` without the table.
+    /// What a bend of the table costs, over what the data say of a cell; `None` without it.
     pub table: Option<f64>,
-    /// The same of U.
-    pub memory: Option<f64>,
 }
 
 impl Form<'_> {
@@ -31,7 +29,6 @@ impl Form<'_> {
     pub const NONE: Self = Form {
         trends: &[],
         table: None,
-        memory: None,
     };
 }
 
@@ -39,7 +36,7 @@ impl Form<'_> {
 #[derive(Clone)]
 pub(super) struct Solved {
     pub coefficients: Coefficients,
-    /// The cells of T, then those of U, kN.
+    /// kN
     pub cells: Vec<f64>,
     /// In the fit, beyond the noise, kN.
     pub inside: f64,
@@ -47,20 +44,19 @@ pub(super) struct Solved {
     pub error: f64,
 }
 
-/// Where each unknown stands: eq 13's, the trends' factors, the cells of T, those of U.
+/// Where each unknown stands: eq 13's, the trends' factors, the hats'.
 #[derive(Clone, Copy)]
 pub(super) struct Layout {
     pub law: usize,
     pub trends: usize,
-    pub table: usize,
-    pub memory: usize,
-    /// What U is over, where there is one.
+    pub hats: usize,
+    /// What the table is over in the place of speed.
     pub of: Option<Remembered>,
 }
 
 impl Layout {
     pub fn width(&self) -> usize {
-        self.law + self.trends + self.table + self.memory
+        self.law + self.trends + self.hats
     }
 }
 
@@ -140,17 +136,15 @@ impl<'d> Rows<'d> {
 
     /// Where each unknown stands, and the hats.
     fn layout(&self, form: Form) -> (Layout, Vec<Trend>) {
-        let table = form.table.map_or(Vec::new(), |_| hats_of_table());
         let of = self.recalled.map(|recalled| recalled.of);
-        let memory = form.memory.and(of).map_or(Vec::new(), hats_of_memory);
+        let hats = form.table.map_or(Vec::new(), |_| hats(of));
         let layout = Layout {
             law: self.width_of_law(),
             trends: form.trends.len(),
-            table: table.len(),
-            memory: memory.len(),
+            hats: hats.len(),
             of,
         };
-        (layout, table.into_iter().chain(memory).collect())
+        (layout, hats)
     }
 
     fn width_of_law(&self) -> usize {
@@ -180,13 +174,10 @@ impl<'d> Rows<'d> {
                 row.law_derivatives(self.at, &mut of_law);
                 of_law.iter().for_each(|&(i, a)| known[i] += a);
             }
-            for (cell, weight) in row.cells() {
-                parts.add(cell, weight, &mut known[law..], &mut hats);
-            }
-            if let Some(recalled) = self.recalled {
-                for (cell, weight) in recalled.cells_of(first + place) {
-                    parts.add(CELLS + cell, weight, &mut known[law..], &mut hats);
-                }
+            let add = |(cell, weight)| parts.add(cell, weight, &mut known[law..], &mut hats);
+            match self.recalled {
+                None => row.cells().for_each(add),
+                Some(recalled) => recalled.cells_of(first + place).for_each(add),
             }
             add_up(&mut hats);
             block.add_hats(known, &hats, left[place]);
@@ -204,7 +195,7 @@ impl<'d> Rows<'d> {
     }
 }
 
-/// What the cells of the tables are made of.
+/// What the cells are made of.
 struct Parts {
     trends: usize,
     /// The value of each trend in each cell, trends running fastest.
@@ -215,13 +206,13 @@ struct Parts {
 
 impl Parts {
     fn new(layout: &Layout, trends: &[Trend], hats: &[Trend]) -> Self {
-        let mut of_trends = vec![0.0; (CELLS + MEMORY_CELLS) * trends.len()];
+        let mut of_trends = vec![0.0; CELLS * trends.len()];
         for (index, trend) in trends.iter().enumerate() {
             for &(cell, value) in &trend.cells {
                 of_trends[cell * trends.len() + index] = value;
             }
         }
-        let mut of_hats = vec![Vec::new(); CELLS + MEMORY_CELLS];
+        let mut of_hats = vec![Vec::new(); CELLS];
         for (unknown, hat) in (layout.law + layout.trends..).zip(hats) {
             for &(cell, value) in &hat.cells {
                 of_hats[cell].push((unknown, value));
@@ -264,7 +255,7 @@ pub(super) struct Sums<'d, 't> {
     at: &'d Coefficients,
     layout: Layout,
     trends: &'t [Trend],
-    /// What the tables are made of.
+    /// What the table is made of.
     hats: Vec<Trend>,
     blocks: Vec<Block>,
     total: Block,
@@ -291,7 +282,7 @@ impl<'d, 't> Sums<'d, 't> {
         })
     }
 
-    /// The judged error with some of the trends, without tables.
+    /// The judged error with some of the trends, without the table.
     pub fn error_with(&self, trends: &[usize]) -> Option<f64> {
         let unknowns = self.unknowns_of(trends);
         let blocks = self.blocks.iter().map(|block| block.only(&unknowns));
@@ -304,7 +295,7 @@ impl<'d, 't> Sums<'d, 't> {
         sums.judged_error(&system, &sums.unknowns(&system)?)
     }
 
-    /// What each trend would save of the squared error in the fit beside some of them, without tables.
+    /// What each trend would save of the squared error in the fit beside some of them, without the table.
     pub fn savings_beside(&self, trends: &[usize]) -> Option<Vec<f64>> {
         let known = self.unknowns_of(trends);
         let own = self.total.only(&known);
@@ -335,8 +326,7 @@ impl<'d, 't> Sums<'d, 't> {
     fn layout_of(&self, trends: &[usize]) -> Layout {
         Layout {
             trends: trends.len(),
-            table: 0,
-            memory: 0,
+            hats: 0,
             ..self.layout
         }
     }
@@ -405,7 +395,7 @@ impl<'d, 't> Sums<'d, 't> {
                 (alpha + step).clamp(0.0, 1.0),
             ]
         };
-        let mut cells = vec![0.0; CELLS + MEMORY_CELLS];
+        let mut cells = vec![0.0; CELLS];
         let columns = self.trends.iter().chain(&self.hats);
         for (column, factor) in columns.zip(x.iter().skip(law)) {
             for &(cell, value) in &column.cells {

@@ -5,7 +5,7 @@ use rayon::prelude::*;
 use super::gram::{Form, Rows};
 use super::trend::Trend;
 
-/// Most trends that are added at once.
+/// Most trends.
 const MOST: usize = 5;
 /// So many, which save most in the fit, are judged by what is left out of it.
 const PROMISING: usize = 24;
@@ -18,22 +18,17 @@ const CHANGES: usize = 6;
 /// What part of the error a change must leave at most.
 const BETTER: f64 = 0.98;
 
-/// `known` with those of `candidates` that make the judged error clearly smaller, one at a time; and that error, kN.
-pub(super) fn grown(
-    rows: &Rows,
-    known: &[Trend],
-    candidates: &[Trend],
-) -> Option<(f64, Vec<Trend>)> {
-    let all: Vec<Trend> = known.iter().chain(candidates).cloned().collect();
+/// Those of `candidates` that make the judged error clearly smaller, one at a time; and that error, kN.
+pub(super) fn grown(rows: &Rows, candidates: &[Trend]) -> Option<(f64, Vec<Trend>)> {
     let sums = rows.sums(Form {
-        trends: &all,
+        trends: candidates,
         ..Form::NONE
     })?;
-    let mut taken: Vec<usize> = (0..known.len()).collect();
+    let mut taken: Vec<usize> = Vec::new();
     let mut error = sums.error_with(&taken)?;
-    while taken.len() < known.len() + MOST {
+    while taken.len() < MOST {
         let savings = sums.savings_beside(&taken)?;
-        let mut promising: Vec<usize> = (known.len()..all.len())
+        let mut promising: Vec<usize> = (0..candidates.len())
             .filter(|candidate| !taken.contains(candidate))
             .collect();
         promising.sort_by(|a, b| savings[*b].total_cmp(&savings[*a]));
@@ -50,7 +45,7 @@ pub(super) fn grown(
             _ => break,
         }
     }
-    let taken = taken.into_iter().map(|index| all[index].clone());
+    let taken = taken.into_iter().map(|index| candidates[index].clone());
     Some(polished(rows, error, taken.collect()))
 }
 

@@ -1,22 +1,42 @@
-//! What tables are made of around their trends: cells, or several that stand between two knots.
+//! What a table is made of around its trends: cells, or several that stand between two knots.
 
 use std::collections::BTreeMap;
 
-use mesh_damper::effects::correction::{CELLS, DISPLACEMENTS, FINE, MEMORY_CELLS, SPEEDS};
+use mesh_damper::effects::correction::{CELLS, DISPLACEMENTS, FINE, NODES};
 
 use super::trend::{SIDES, Trend, Variable};
 use crate::correction::Remembered;
 
-/// Nodes over speed at which T, or a side of U, bends around its trends: every other one.
-pub(super) const KNOTS: usize = SPEEDS.div_ceil(2);
+/// Nodes over speed at which a table or a side bends around its trends: every other one.
+pub(super) const KNOTS: usize = NODES.div_ceil(2);
 
-/// What T is made of around its trends: displacement runs fastest, then the knots over speed, then direction.
-pub(super) fn hats_of_table() -> Vec<Trend> {
+/// Displacement runs fastest, then the knots over speed or the nodes over what stands in its place, then direction; of sides the
+/// knots, then direction, then which side.
+pub(super) fn hats(of: Option<Remembered>) -> Vec<Trend> {
+    let each_way = |used: usize| {
+        let cells = [0, CELLS / 2].into_iter();
+        let cells = cells.flat_map(move |first| first..first + used);
+        cells.map(|cell| Trend::of(vec![(cell, 1.0)])).collect()
+    };
+    match of {
+        None => over_speed(),
+        Some(Remembered::Place) => each_way(FINE),
+        Some(Remembered::Sides { .. }) => {
+            let lines = SIDES.into_iter().flatten();
+            let knots = lines.flat_map(|first| (0..KNOTS).map(move |knot| (first, knot)));
+            knots
+                .map(|(first, knot)| hat(knot, |node| first + node))
+                .collect()
+        }
+        Some(_) => each_way(CELLS / 2),
+    }
+}
+
+fn over_speed() -> Vec<Trend> {
     let mut hats = Vec::new();
     for way in 0..2 {
         for knot in 0..KNOTS {
-            let hat =
-                |place: usize| hat(knot, |node| (way * SPEEDS + node) * DISPLACEMENTS + place);
+            let hat = |place: usize| hat(knot, |node| (way * NODES + node) * DISPLACEMENTS + place);
             hats.extend((0..DISPLACEMENTS).map(hat));
         }
     }
@@ -30,64 +50,31 @@ fn hat(knot: usize, cell: impl Fn(usize) -> usize) -> Trend {
     if knot > 0 {
         cells.push((cell(middle - 1), 0.5));
     }
-    if middle + 1 < SPEEDS {
+    if middle + 1 < NODES {
         cells.push((cell(middle + 1), 0.5));
     }
     Trend::of(cells)
 }
 
-/// The same of U: its cells, or the knots over speed of its sides, one after the other.
-pub(super) fn hats_of_memory(of: Remembered) -> Vec<Trend> {
-    let half = MEMORY_CELLS / 2;
-    let each_way = |used: usize| {
-        let cells = [CELLS, CELLS + half].into_iter();
-        let cells = cells.flat_map(move |first| first..first + used);
-        cells.map(|cell| Trend::of(vec![(cell, 1.0)])).collect()
-    };
-    match of {
-        Remembered::Place => each_way(FINE),
-        Remembered::Sides { .. } => {
-            let lines = SIDES.into_iter().flatten();
-            let knots = lines.flat_map(|first| (0..KNOTS).map(move |knot| (first, knot)));
-            knots
-                .map(|(first, knot)| hat(knot, |node| first + node))
-                .collect()
-        }
-        _ => each_way(half),
-    }
-}
-
-/// What the tables are made of that are not over displacement, or not over speed and direction: hats that differ in nothing else
+/// What a table is made of that is not over displacement, or not over speed and direction: hats that differ in nothing else
 /// are one.
 pub(super) fn hats_without(variable: Variable, of: Option<Remembered>) -> Vec<Trend> {
-    let is_displacement = variable == Variable::Displacement;
-    let joined = |hats: Vec<Trend>, kept: &dyn Fn(usize) -> usize| {
-        let mut joined: BTreeMap<usize, Vec<(usize, f64)>> = BTreeMap::new();
-        for (number, hat) in hats.into_iter().enumerate() {
-            joined.entry(kept(number)).or_default().extend(hat.cells);
-        }
-        joined.into_values().map(Trend::of).collect::<Vec<_>>()
+    let hats = hats(of);
+    let way = hats.len() / 2;
+    let kept = |number: usize| match (of, variable) {
+        (None, Variable::Velocity) => number % DISPLACEMENTS,
+        (Some(Remembered::Place), Variable::Displacement)
+        | (Some(Remembered::Sides { .. }), Variable::Velocity) => number / way,
+        (_, Variable::Velocity) => number % way,
+        (_, Variable::Displacement) => number / DISPLACEMENTS,
     };
-    let mut all = joined(hats_of_table(), &|number| {
-        if is_displacement {
-            number / DISPLACEMENTS
-        } else {
-            number % DISPLACEMENTS
-        }
-    });
-    let Some(of) = of else { return all };
-    let way = hats_of_memory(of).len() / 2;
-    all.extend(match (of, variable) {
-        // Which side it is is the displacement.
-        (Remembered::Sides { .. }, Variable::Displacement) => Vec::new(),
-        (Remembered::Sides { .. }, Variable::Velocity) => {
-            joined(hats_of_memory(of), &|number| number / way)
-        }
-        (Remembered::Place, Variable::Displacement) => {
-            joined(hats_of_memory(of), &|number| number / way)
-        }
-        (_, Variable::Displacement) => joined(hats_of_memory(of), &|number| number / DISPLACEMENTS),
-        (_, Variable::Velocity) => joined(hats_of_memory(of), &|number| number % way),
-    });
-    all
+    // Which side it is is the displacement.
+    if let (Some(Remembered::Sides { .. }), Variable::Displacement) = (of, variable) {
+        return Vec::new();
+    }
+    let mut joined: BTreeMap<usize, Vec<(usize, f64)>> = BTreeMap::new();
+    for (number, hat) in hats.into_iter().enumerate() {
+        joined.entry(kept(number)).or_default().extend(hat.cells);
+    }
+    joined.into_values().map(Trend::of).collect()
 }

@@ -1,8 +1,8 @@
 //! The correction without a name: fitted to what a law leaves when nothing listed explains it.
 //!
-//! The tables of [`mesh_damper::effects::correction`] are linear in their cells, so they are fitted by least squares
-//! together with eq 13's coefficients: along a few trends, and as smooth around them as keeps the error small where the data
-//! were left out. A table without memory comes first; one that remembers takes its place only where that clearly pays.
+//! The table of [`mesh_damper::effects::correction`] is linear in its cells, so it is fitted by least squares together with eq
+//! 13's coefficients: along a few trends, and as smooth around them as keeps the error small where the data were left out. One
+//! over speed comes first; one over what is remembered takes its place only where that clearly pays.
 
 pub(crate) mod design;
 mod edges;
@@ -15,10 +15,8 @@ mod settle;
 mod system;
 mod trend;
 
-use mesh_damper::effects::correction::CELLS;
-
 use super::beyond_noise::beyond_noise;
-use crate::correction::{CorrectionTable, MemoryTable, Remembered};
+use crate::correction::{CorrectionTable, MemoryAxis};
 use crate::model::{Model, ModelError};
 use crate::recording::trajectory::Trajectory;
 use design::{Coefficients, Design, Extent, Recalled};
@@ -41,17 +39,9 @@ const FULL: f64 = 32_000.0;
 pub struct Choice {
     extent: Extent,
     trends: Vec<Trend>,
-    /// How smooth T is around them, where it is.
+    /// How smooth the table is around them, where there is one.
     table: Option<f64>,
-    memory: Option<MemoryChoice>,
-}
-
-#[derive(Clone, Copy, Debug)]
-struct MemoryChoice {
-    of: Remembered,
-    range: [f64; 2],
-    /// How smooth U is around its trends, where it is.
-    table: Option<f64>,
+    memory: Option<MemoryAxis>,
 }
 
 impl Choice {
@@ -65,7 +55,6 @@ impl Choice {
         Form {
             trends: &self.trends,
             table: self.table,
-            memory: self.memory.and_then(|memory| memory.table),
         }
     }
 
@@ -178,9 +167,8 @@ pub fn depends_on(
         let of = recalled.as_ref().map(|recalled| recalled.of);
         let judged = |form: Form| Some(rows.sums(form)?.judged(form)?.error);
         let along_trends = |without: Option<Variable>| {
-            let mut trends = trend::of_table(without);
-            trends.extend(of.map_or(Vec::new(), |of| trend::of_memory(of, without)));
-            Some(growth::grown(&rows, &[], &trends)?.0)
+            let (error, _) = growth::grown(&rows, &trend::trends(of, without))?;
+            Some(error)
         };
         let least = |errors: [Option<f64>; 2]| {
             let errors = errors.into_iter().flatten();
@@ -192,11 +180,11 @@ pub fn depends_on(
             ("velocity", Variable::Velocity),
         ] {
             let hats = hat::hats_without(variable, of);
-            let tables = Form {
+            let table = Form {
                 trends: &hats,
                 ..Form::NONE
             };
-            if least([along_trends(Some(variable)), judged(tables)]) > NEEDED * all {
+            if least([along_trends(Some(variable)), judged(table)]) > NEEDED * all {
                 names.push(name);
             }
         }
@@ -206,20 +194,14 @@ pub fn depends_on(
     Ok(names)
 }
 
-/// The model with the tables rounded to what the crate stores.
+/// The model with the table rounded to what the crate stores.
 fn corrected(model: &Model, solved: &Solved, choice: &Choice) -> Model {
     let largest = solved
         .cells
         .iter()
         .fold(0.0_f64, |most, cell| most.max(cell.abs()));
     let unit = (largest / FULL).max(f64::MIN_POSITIVE.sqrt());
-    let counts = |cells: &[f64]| -> Vec<i16> {
-        cells
-            .iter()
-            .map(|cell| (cell / unit).round() as i16)
-            .collect()
-    };
-    let (cells, memory_cells) = solved.cells.split_at(CELLS);
+    let counts = solved.cells.iter().map(|cell| (cell / unit).round() as i16);
     Model {
         law: solved.coefficients.nodes(model),
         effects: model.effects.clone(),
@@ -227,12 +209,8 @@ fn corrected(model: &Model, solved: &Solved, choice: &Choice) -> Model {
             reach: choice.extent.displacement,
             speed: choice.extent.speed,
             unit,
-            cells: counts(cells),
-            memory: choice.memory.map(|memory| MemoryTable {
-                of: memory.of,
-                range: memory.range,
-                cells: counts(memory_cells),
-            }),
+            cells: counts.collect(),
+            memory: choice.memory,
         }),
     }
 }

@@ -1,8 +1,8 @@
-//! What keeps the tables smooth and eq 13's coefficients near each other, and the solution of the normal equations with it.
+//! What keeps the table smooth and eq 13's coefficients near each other, and the solution of the normal equations with it.
 
 use faer::linalg::solvers::{Llt, Solve as _};
 use faer::{MatMut, MatRef, Side};
-use mesh_damper::effects::correction::{DISPLACEMENTS, FINE, MEMORIES};
+use mesh_damper::effects::correction::{DISPLACEMENTS, FINE, NODES};
 use nalgebra::{DMatrix, DVector};
 
 use super::design::{Coefficients, Design};
@@ -14,7 +14,7 @@ use crate::correction::Remembered;
 const BEND: f64 = 1e-3;
 /// What a change of α costs, likewise: a step of the search, that later ones carry on.
 const STEP: f64 = 1e-3;
-/// What a slope costs a table, over what a bend costs: so that it ends flat where nothing is known.
+/// What a slope costs the table, over what a bend costs: so that it ends flat where nothing is known.
 const SLOPE: f64 = 1e-3;
 /// What a cell of a line costs, over what the data say of one: so that it takes nothing that eq 13 can.
 const LEVEL: f64 = 1e-3;
@@ -49,22 +49,20 @@ impl System {
         let per_cell = total.count / (2 * KNOTS * DISPLACEMENTS) as f64;
         let first = layout.law + layout.trends;
         if let Some(smoothness) = form.table {
-            // A straight line over speed costs nothing: nodes stand twice as far apart each time.
-            system.table(first, [DISPLACEMENTS, KNOTS], 2.0, smoothness * per_cell);
-        }
-        if let Some(smoothness) = form.memory {
-            let (first, weight) = (first + layout.table, smoothness * per_cell);
+            let weight = smoothness * per_cell;
             match layout.of {
+                // A straight line over speed costs nothing: nodes stand twice as far apart each time.
+                None => system.table(first, [DISPLACEMENTS, KNOTS], 2.0, weight),
                 Some(Remembered::Place) => system.table(first, [FINE, 1], 1.0, weight),
                 Some(Remembered::Sides { .. }) => {
-                    for side in [first, first + layout.memory / 2] {
+                    for side in [first, first + layout.hats / 2] {
                         system.table(side, [1, KNOTS], 2.0, weight);
                     }
                 }
-                _ => system.table(first, [DISPLACEMENTS, MEMORIES], 1.0, weight),
+                Some(_) => system.table(first, [DISPLACEMENTS, NODES], 1.0, weight),
             }
             if layout.of.is_some_and(Remembered::is_line) {
-                for cell in first..first + layout.memory {
+                for cell in first..first + layout.hats {
                     system.add(&[(cell, 1.0)], 0.0, LEVEL * per_cell);
                 }
             }

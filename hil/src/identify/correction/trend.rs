@@ -1,18 +1,16 @@
-//! Smooth courses that the tables may follow at no cost: what a force over displacement and velocity mostly is.
+//! Smooth courses that a table may follow at no cost: what a force over displacement and velocity mostly is.
 //!
 //! A table that is only asked to be smooth knows little between two blocks of a test and nothing beyond them. One that
 //! follows a few products of a function of displacement and one of speed does, and the table proper is left with the rest.
 
-use mesh_damper::effects::correction::{
-    CELLS, DISPLACEMENTS, MEMORIES, MEMORY_CELLS, SPEEDS, part_of_speed,
-};
+use mesh_damper::effects::correction::{CELLS, DISPLACEMENTS, NODES, part_of_speed};
 
 use crate::correction::Remembered;
 
-/// What the tables may follow.
+/// What a table may follow.
 #[derive(Clone, Debug)]
 pub(crate) struct Trend {
-    /// Values in the cells of T, and in those of U after them.
+    /// Values in the cells.
     pub cells: Vec<(usize, f64)>,
     /// What it is, if it is a course.
     product: Option<Product>,
@@ -31,14 +29,15 @@ struct Product {
 
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum Over {
-    Table,
-    Memory,
+    Displacement,
     /// Which [`SIDES`].
     Side(usize),
 }
 
 #[derive(Clone, Copy, Debug)]
 enum Along {
+    /// The same everywhere.
+    Nothing,
     Speed(fn(f64) -> f64),
     /// [`GROWING`] over this part of the largest speed.
     Growing(f64),
@@ -58,7 +57,7 @@ const OVER_DISPLACEMENT: [fn(f64) -> f64; 6] = [
 ];
 
 /// Functions of speed over its largest value,
-const OVER_SPEED: [fn(f64) -> f64; 4] = [|_| 1.0, f64::sqrt, |w| w, |w| w * w];
+const OVER_SPEED: [fn(f64) -> f64; 3] = [f64::sqrt, |w| w, |w| w * w];
 
 /// and of speed over a width: friction that grows from rest,
 const GROWING: fn(f64) -> f64 = f64::tanh;
@@ -79,7 +78,7 @@ const FIRST_FADING: [(usize, f64); 6] =
 /// and their range.
 const FADING_WIDTHS: [f64; 2] = [0.01, 1.0];
 
-/// Functions of where z stands in its range: some of what grows from its least value, some of what is lost at its middle.
+/// Functions of where what stands in the place of speed is in its range: some of what grows from its least value, some of what is lost at its middle.
 const OVER_MEMORY: [fn(f64) -> f64; 5] = [
     |z| z,
     |z| z * z,
@@ -91,13 +90,10 @@ const OVER_MEMORY: [fn(f64) -> f64; 5] = [
 /// Whether a force is the same or the opposite on the way back.
 const OVER_DIRECTION: [[f64; 2]; 2] = [[1.0, 1.0], [1.0, -1.0]];
 
-/// The first cell of each side that U may have, forwards and back.
-pub(super) const SIDES: [[usize; 2]; 2] = [
-    [CELLS, CELLS + MEMORY_CELLS / 2],
-    [CELLS + SPEEDS, CELLS + MEMORY_CELLS / 2 + SPEEDS],
-];
+/// The first cell of each side, forwards and back.
+pub(super) const SIDES: [[usize; 2]; 2] = [[0, CELLS / 2], [NODES, CELLS / 2 + NODES]];
 
-/// What tables may be over beside what is remembered.
+/// What a table may be over beside what is remembered.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Variable {
     Displacement,
@@ -105,50 +101,54 @@ pub(super) enum Variable {
     Velocity,
 }
 
-/// Every trend of T that eq 13 has not, or those that are not over a variable.
-pub(super) fn of_table(without: Option<Variable>) -> Vec<Trend> {
-    products(without, Over::Table, &over_speed())
-}
-
-/// The same of U; none where it is a line over displacement, which is for what no trend is like.
-pub(super) fn of_memory(of: Remembered, without: Option<Variable>) -> Vec<Trend> {
+/// Every trend that eq 13 has not, or those that are not over a variable; none of a line over displacement, which is for what
+/// no trend is like.
+pub(super) fn trends(of: Option<Remembered>, without: Option<Variable>) -> Vec<Trend> {
     match of {
-        Remembered::Place => Vec::new(),
-        Remembered::Sides { .. } => {
+        None => products(without, Over::Displacement, &over_speed()),
+        Some(Remembered::Place) => Vec::new(),
+        Some(Remembered::Sides { .. }) => {
             let sides = 0..SIDES.len();
             let sides = sides.map(|side| products(without, Over::Side(side), &over_speed()));
             sides.flatten().collect()
         }
-        _ => products(without, Over::Memory, &OVER_MEMORY.map(Along::Memory)),
+        Some(_) => {
+            let memories = OVER_MEMORY.map(Along::Memory).into_iter();
+            let along: Vec<Along> = [Along::Nothing].into_iter().chain(memories).collect();
+            products(without, Over::Displacement, &along)
+        }
     }
 }
 
 fn over_speed() -> Vec<Along> {
+    let powers = OVER_SPEED.map(Along::Speed);
     let growing = FIRST_GROWING.map(Along::Growing);
     let fading = FIRST_FADING.map(|(curve, width)| Along::Fading(curve, width));
-    let powers = OVER_SPEED.map(Along::Speed).into_iter();
-    powers.chain(growing).chain(fading).collect()
+    let all = [Along::Nothing].into_iter().chain(powers);
+    all.chain(growing).chain(fading).collect()
 }
 
 fn products(without: Option<Variable>, over: Over, along: &[Along]) -> Vec<Trend> {
     let displacements = match over {
         // Which side it is is the displacement.
         Over::Side(_) => 1,
-        _ => OVER_DISPLACEMENT.len(),
+        Over::Displacement => OVER_DISPLACEMENT.len(),
     };
     let mut trends = Vec::new();
     for displacement in 0..displacements {
-        for (j, &along) in along.iter().enumerate() {
+        for &along in along {
             for back in 0..OVER_DIRECTION.len() {
-                // y and y³ are in eq 13.
-                let is_known =
-                    over == Over::Table && j + back == 0 && matches!(displacement, 1 | 5);
+                let is_known = matches!(
+                    (over, displacement, along, back),
+                    // y and y³.
+                    (Over::Displacement, 1 | 5, Along::Nothing, 0)
+                );
                 let is_allowed = match without {
                     None => true,
-                    Some(Variable::Displacement) => {
-                        displacement == 0 && !matches!(over, Over::Side(_))
+                    Some(Variable::Displacement) => displacement == 0 && over == Over::Displacement,
+                    Some(Variable::Velocity) => {
+                        back == 0 && matches!(along, Along::Nothing | Along::Memory(_))
                     }
-                    Some(Variable::Velocity) => back == 0 && (j == 0 || over == Over::Memory),
                 };
                 if !is_known && is_allowed {
                     let product = Product {
@@ -174,6 +174,15 @@ impl Trend {
         }
     }
 
+    /// Whether it is over what stands in the place of speed.
+    pub fn is_over_memory(&self) -> bool {
+        let product = self.product.as_ref();
+        product.is_some_and(|product| match product.over {
+            Over::Side(_) => true,
+            Over::Displacement => matches!(product.along, Along::Memory(_)),
+        })
+    }
+
     /// The same over a width that is `factor` times as small or as large, or fading in another way; none without a width.
     pub fn near(&self, factor: f64) -> Vec<Self> {
         let Some(product) = self.product else {
@@ -193,25 +202,18 @@ impl Product {
                 let value = sign * OVER_DISPLACEMENT[self.displacement](u) * self.along.at(part);
                 cells.push((cell, value));
             };
-            let (first, nodes) = match self.over {
-                Over::Table => (0, SPEEDS),
-                Over::Memory => (CELLS, MEMORIES),
-                Over::Side(side) => {
-                    for node in 0..SPEEDS {
-                        add(SIDES[side][way] + node, 1.0, part_of_speed(node));
-                    }
-                    continue;
-                }
-            };
-            for node in 0..nodes {
-                let part = match self.over {
-                    Over::Memory => node as f64 / (MEMORIES - 1) as f64,
+            for node in 0..NODES {
+                let part = match self.along {
+                    Along::Memory(_) => node as f64 / (NODES - 1) as f64,
                     _ => part_of_speed(node),
                 };
+                if let Over::Side(side) = self.over {
+                    add(SIDES[side][way] + node, 1.0, part);
+                    continue;
+                }
                 for place in 0..DISPLACEMENTS {
                     let u = 2.0 * place as f64 / (DISPLACEMENTS - 1) as f64 - 1.0;
-                    let row = way * nodes + node;
-                    add(first + row * DISPLACEMENTS + place, u, part);
+                    add((way * NODES + node) * DISPLACEMENTS + place, u, part);
                 }
             }
         }
@@ -223,9 +225,10 @@ impl Product {
 }
 
 impl Along {
-    /// At a part of the largest speed, or of z's range.
+    /// At a part of the largest speed, or of the range of what stands in its place.
     fn at(self, part: f64) -> f64 {
         match self {
+            Self::Nothing => 1.0,
             Self::Speed(function) | Self::Memory(function) => function(part),
             Self::Growing(width) => GROWING(part / width),
             Self::Fading(curve, width) => FADING[curve](part / width),
@@ -238,7 +241,7 @@ impl Along {
             widths.filter(move |width| (least..=most).contains(width))
         };
         match self {
-            Self::Speed(_) | Self::Memory(_) => Vec::new(),
+            Self::Nothing | Self::Speed(_) | Self::Memory(_) => Vec::new(),
             Self::Growing(width) => scaled(width, GROWING_WIDTHS).map(Self::Growing).collect(),
             Self::Fading(curve, width) => {
                 let widths = scaled(width, FADING_WIDTHS);

@@ -1,7 +1,7 @@
 //! What each added effect costs: the law as it runs on the target with none, with one, and with all of them; and what the
 //! correction without a name does, over all that it may be over.
 
-use mesh_damper::effects::correction::{CELLS, CorrectionParts, MEMORY_CELLS, Memory};
+use mesh_damper::effects::correction::{CELLS, CorrectionParts, Memory};
 use mesh_damper::effects::{
     Asymmetry, AugmentedLaw, BoucWen, Compliance, Correction, Delay, Drift, Effect, Gap, Hardening,
     Inertia, LoadFriction, Motion, Offset, Periodic, Relaxation, StickSlip, Stop, Temperature,
@@ -204,18 +204,16 @@ fn memories() -> [(&'static str, Option<Remembered>); 13] {
     ]
 }
 
-/// Of tables that reach as far as the motion and have no two cells alike side by side.
+/// Of a table that reaches as far as the motion and has no two cells alike side by side.
 fn correction(memory: Option<Remembered>) -> Result<Correction<f32>, ConfigError> {
     let uneven = |cell: usize| (cell * 7919 % 2003) as i16 - 1001;
     let cells: [i16; CELLS] = core::array::from_fn(uneven);
-    let memory_cells: [i16; MEMORY_CELLS] = core::array::from_fn(uneven);
     let parts = CorrectionParts {
         reach: AMPLITUDE,
         speed: SPEED,
         unit: 1e-5,
         cells: &cells,
         memory,
-        memory_cells: &memory_cells,
     };
     Correction::new(&parts, (1.0 / TICK_RATE) as f32)
 }
