@@ -44,17 +44,38 @@ const AT_REST: f64 = 1e-3;
 
 impl Motion {
     /// Velocities that are 0 as far as the data show become 0: a friction whose direction is not known is then taken as
-    /// none, and not as one that may be the wrong way.
+    /// none, and not as one that may be the wrong way. But a start from rest goes one way: before its direction is certain the
+    /// velocity grows evenly to the first that is.
     pub(super) fn rest_at_reversals(&mut self) {
         let largest = self
             .velocity
             .iter()
             .fold(0.0_f64, |most, v| most.max(v.abs()));
-        for (velocity, deviation) in self.velocity.iter_mut().zip(&self.velocity_deviation) {
+        let started = self.certain_start();
+        let (start, rest) = self.velocity.split_at_mut(started);
+        let reached = rest.first().copied().unwrap_or_default();
+        for (index, velocity) in start.iter_mut().enumerate() {
+            *velocity = reached * index as f64 / started as f64;
+        }
+        for (velocity, deviation) in rest.iter_mut().zip(&self.velocity_deviation[started..]) {
             if velocity.abs() < (UNCERTAIN * deviation).min(AT_REST * largest) {
                 *velocity = 0.0;
             }
         }
+    }
+
+    /// The first sample of a start from rest from which on its direction is certain; 0 where it is nowhere.
+    fn certain_start(&self) -> usize {
+        let start = self.start_from_rest;
+        let Some(last) = start.checked_sub(1) else {
+            return 0;
+        };
+        let way = self.velocity[last].signum();
+        let is_certain = |&index: &usize| {
+            way * self.velocity[index] > UNCERTAIN * self.velocity_deviation[index]
+        };
+        let certain = (0..start).rev().take_while(is_certain).last();
+        certain.unwrap_or_default()
     }
 
     /// Estimates the motion from `displacement` in mm, sampled every `tick` s, whose dominant period around each sample
