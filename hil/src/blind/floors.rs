@@ -28,7 +28,7 @@ pub const FLOORS: Floors = Floors {
     false_discoveries: 0.01,
     pairs: 0.95,
     unlisted: 0.96,
-    unlisted_mended: 0.85,
+    unlisted_mended: 0.87,
 };
 
 /// Seeds that are tried with every change.

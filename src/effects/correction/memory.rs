@@ -331,7 +331,11 @@ impl<R: Real> Recall<R> {
         in_range("shift", self.shift, 0, AVERAGE as i32)?;
         let most = LARGEST_READING * LARGEST_GAIN;
         in_range("origin", self.origin, -most, most)?;
-        in_range("gain", self.gain, 0, LARGEST_GAIN_OF_SLIP)
+        let most = match self.kind {
+            Kind::Slip => LARGEST_GAIN_OF_SLIP,
+            _ => LARGEST_GAIN,
+        };
+        in_range("gain", self.gain, 0, most)
     }
 
     /// Whether a state of `other`, over places as long as these, is one of this: its nodes may stand elsewhere.
