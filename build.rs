@@ -1,4 +1,4 @@
-//! Gives the linker of an image its board's memory map.
+//! Gives the linker of an image its board's memory map. Whoever uses the library links as if this were not there.
 
 use std::env;
 use std::path::Path;
@@ -22,9 +22,13 @@ fn main() -> std::io::Result<()> {
         format!("boards/{board}/memory.x"),
         Path::new(&out).join("memory.x"),
     )?;
-    // The firmware has no interrupts to be named.
+    // The images name no interrupts.
     std::fs::write(Path::new(&out).join("device.x"), "")?;
-    println!("cargo:rustc-link-search={out}");
+    // For this package's own binaries only: a search path or a script for all who link would reach the firmware that uses
+    // the library, and hide the memory.x and the device.x of its board.
+    for argument in [&format!("-L{out}"), "-Tlink.x", "--nmagic"] {
+        println!("cargo:rustc-link-arg-bins={argument}");
+    }
     // The log's messages are symbols, which this keeps out of the flash.
     println!("cargo:rustc-link-arg-bin=firmware=-Tdefmt.x");
     Ok(())

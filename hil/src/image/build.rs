@@ -52,7 +52,7 @@ pub fn build(image: &Image, board: Board) -> Result<PathBuf, InputError> {
         // Of its own for each memory map: the binary's name is the same for all, and one would take another's place.
         .arg("--target-dir")
         .arg(target_directory(&root, board))
-        // They would take the place of the link arguments in the workspace's configuration.
+        // A target-cpu in them would change the images' rounding, and link arguments their layout.
         .env_remove("RUSTFLAGS")
         .env_remove("CARGO_ENCODED_RUSTFLAGS")
         .stdin(Stdio::null())
