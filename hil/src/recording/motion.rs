@@ -16,7 +16,7 @@ use super::polynomial::{Cubic, fit_polynomial};
 use crate::extremes::least_and_largest;
 
 /// Fewest samples to each side of the one that a cubic is fitted for.
-const SHORTEST: usize = 4;
+pub(super) const SHORTEST: usize = 4;
 
 /// Displacement, velocity and acceleration on a uniform time base.
 #[derive(Clone, Debug, PartialEq)]
