@@ -146,26 +146,25 @@ pub(crate) struct HealthMonitor {
     told: usize,
     /// A bit for each cause.
     latched: u32,
+    /// A passing fault was seen in this cycle.
+    disturbed: bool,
+    /// And in the one before.
+    disturbed_before: bool,
 }
 
-/// Faults of sensors and actuator, a bit each: while one is there the specimen is not judged.
-const OF_THE_RIG: u32 = bits_of(true);
-/// All faults: while one is there nothing is followed.
-const FAULTS: u32 = bits_of(false);
-
-/// A bit for each cause that is a fault, or only for those `of_the_rig`.
-const fn bits_of(of_the_rig: bool) -> u32 {
+/// Faults that stay until they are cleared, a bit each: after one the law follows nothing.
+const LASTING: u32 = {
     let mut bits = 0;
     let mut number = 0;
     while number < Cause::ALL.len() {
         let cause = Cause::ALL[number];
-        if cause.is_of_the_rig() || (!of_the_rig && cause.is_fault()) {
+        if cause.is_fault() && !cause.is_passing() {
             bits |= 1 << number;
         }
         number += 1;
     }
     bits
-}
+};
 
 impl HealthMonitor {
     /// With the scales of both channels, and what is allowed of them in mm and kN.
@@ -194,6 +193,8 @@ impl HealthMonitor {
             events: heapless::Vec::new(),
             told: 0,
             latched: 0,
+            disturbed: false,
+            disturbed_before: false,
         }
     }
 
@@ -210,6 +211,8 @@ impl HealthMonitor {
         self.block = 0;
         self.cycle = 0;
         self.spikes = false;
+        self.disturbed = false;
+        self.disturbed_before = false;
         self.displacement.restart();
         self.force.restart();
     }
@@ -298,6 +301,7 @@ impl HealthMonitor {
     }
 
     fn sample_event(&mut self, cause: Cause, limit: f32, sample: &Sample) {
+        self.disturbed = true;
         self.latch(Event {
             cause,
             statistic: Statistic::Sample,
@@ -323,7 +327,7 @@ impl HealthMonitor {
                 &reading.force,
             ),
             Fault::TrackingLimit | Fault::NoResponse
-                if self.latched & OF_THE_RIG == 0 && self.response.is_dead() =>
+                if !self.has_disturbance() && self.response.is_dead() =>
             {
                 self.latch(Event {
                     cause: Cause::ActuatorDead,
@@ -405,8 +409,19 @@ impl HealthMonitor {
             self.response.restart();
         } else if let Some((cause, distance)) =
             self.response.update(look.measured, d, v, look.phase)
-            && self.latched & OF_THE_RIG == 0
         {
+            self.response_event(cause, distance);
+        }
+        followed
+    }
+
+    /// What the actuator's response says, unless it is what a bad channel, or the actuator's first fault, shows.
+    #[cold]
+    #[inline(never)]
+    fn response_event(&mut self, cause: Cause, distance: f32) {
+        let is_shown_by_another = self.has_disturbance();
+        self.disturbed = true;
+        if !is_shown_by_another {
             self.latch(Event {
                 cause,
                 statistic: Statistic::Response,
@@ -415,13 +430,18 @@ impl HealthMonitor {
                 cycle: self.cycle,
             });
         }
-        followed
+    }
+
+    /// Whether a passing fault is there, as far as this cycle and the one before tell.
+    fn has_disturbance(&self) -> bool {
+        self.disturbed || self.disturbed_before
     }
 
     /// A cycle has ended before this tick, whose look is not yet taken. The look does the work: this tick has enough to do.
     #[inline(always)]
     pub(crate) fn cycle(&mut self, ended: Ended) {
         self.cycle = self.cycle.saturating_add(1);
+        self.disturbed_before = core::mem::take(&mut self.disturbed);
         self.adaptation.report();
         self.ended = Some(ended);
     }
@@ -441,10 +461,12 @@ impl HealthMonitor {
             self.adaptation = Adaptation::new();
             return;
         }
+        // A cycle with a passing fault in it says nothing of the specimen.
+        let steady = ended.steady.filter(|_| !self.disturbed_before);
         if config.follows() {
-            self.adaptation.cycle(ended.steady.is_some());
+            self.adaptation.cycle(steady.is_some());
         }
-        let Some(steady) = ended.steady else {
+        let Some(steady) = steady else {
             return;
         };
         if ended.block != self.block {
@@ -475,16 +497,25 @@ impl HealthMonitor {
 
     #[inline(never)]
     fn work_on_specimen(&mut self, config: &HealthConfig) {
-        if let Some(event) = self.specimen.work(config)
-            && (self.latched & OF_THE_RIG == 0 || !event.cause.is_fault())
-        {
+        let Some(event) = self.specimen.work(config) else {
+            return;
+        };
+        // What is wrong with the specimen is found again in the cycles after a disturbance.
+        let withheld = event.cause.is_fault() && self.disturbed;
+        if !withheld && !self.is_explained(event.cause) {
             self.latch(event);
         }
     }
 
+    /// Whether the drift of a sensor's zero that has been told explains that a mean has moved.
+    fn is_explained(&self, cause: Cause) -> bool {
+        let told = |channel| self.latched & (1 << Cause::SensorDrifting(channel).number()) != 0;
+        cause == Cause::PreloadShift && (told(Channel::Displacement) || told(Channel::Force))
+    }
+
     #[inline(never)]
     fn work_on_adaptation(&mut self, config: &HealthConfig) {
-        if self.latched & FAULTS == 0 && self.specimen.is_sound(config) {
+        if self.latched & LASTING == 0 && !self.disturbed && self.specimen.is_sound(config) {
             self.adaptation.work(config.follow, config.run_in_cycles);
         } else {
             self.adaptation.skip();
@@ -585,24 +616,22 @@ mod tests {
     }
 
     #[test]
-    fn a_fault_is_of_the_rig_or_of_the_specimen_or_none() {
+    fn a_fault_passes_or_lasts() {
         for cause in Cause::ALL {
             let bit = 1 << cause.number();
-            let (fault, of_the_rig) = match cause {
+            let (fault, passing) = match cause {
                 Cause::RunIn | Cause::Temperature => (false, false),
                 Cause::WireBreakage
                 | Cause::FrictionWear
                 | Cause::Loosening
                 | Cause::PreloadShift
-                | Cause::Unexplained => (true, false),
+                | Cause::Unexplained
+                | Cause::SensorDrifting(_) => (true, false),
                 _ => (true, true),
             };
-            assert_eq!(cause.is_fault(), fault);
-            assert_eq!(
-                (FAULTS & bit != 0, OF_THE_RIG & bit != 0),
-                (fault, of_the_rig)
-            );
+            assert_eq!((cause.is_fault(), cause.is_passing()), (fault, passing));
+            assert_eq!(LASTING & bit != 0, fault && !passing);
         }
-        assert_eq!((FAULTS >> 20, OF_THE_RIG >> 20), (0, 0));
+        assert_eq!(LASTING >> Cause::ALL.len(), 0);
     }
 }

@@ -78,15 +78,15 @@ impl Cause {
             .map_or(u8::MAX, |(number, _)| number)
     }
 
-    /// Of a sensor or of the actuator, and not of the specimen.
-    pub(super) const fn is_of_the_rig(self) -> bool {
+    /// Seen in the samples while it lasts, of a sensor or of the actuator. The other faults are found from cycle to cycle and
+    /// stay until they are cleared.
+    pub(super) const fn is_passing(self) -> bool {
         matches!(
             self,
             Self::SensorStuck(_)
                 | Self::SensorDroppedOut(_)
                 | Self::SensorClipped(_)
                 | Self::SensorSpiking(_)
-                | Self::SensorDrifting(_)
                 | Self::ActuatorSaturated
                 | Self::ActuatorLagging
                 | Self::ActuatorDead
