@@ -47,6 +47,14 @@ fn wait_for_bytes(file: &Path, bytes: u64) {
     });
 }
 
+/// Takes away what a run left, if it left anything: the next would refuse to take its place.
+fn clear(directory: &Path) {
+    let left = directory.join("run-out");
+    if left.exists() {
+        fs::remove_dir_all(left).unwrap();
+    }
+}
+
 /// Whether there is a process with this number that has not ended.
 fn lives(id: u32) -> bool {
     let status = fs::read_to_string(format!("/proc/{id}/status"));
@@ -108,6 +116,42 @@ fn a_run_that_is_killed_at_any_moment_leaves_what_it_recorded() {
         fs::remove_dir_all(&out).unwrap();
     }
     assert!(longest > 5000, "{longest}");
+}
+
+/// What it left is all that there is of its test.
+#[test]
+fn a_run_under_way_holds_its_folder_and_what_a_killed_one_left_is_kept() {
+    let root = tempfile::tempdir().unwrap();
+    let journal = root.path().join("run-out/recording.partial.csv");
+    let mut harness = start(root.path(), &LONG);
+    wait_for_bytes(&journal, 40_000);
+    let again = || {
+        let output = start(root.path(), &SHORT).wait_with_output().unwrap();
+        let error = String::from_utf8(output.stderr).unwrap();
+        (output.status.code(), error)
+    };
+    let beside = again();
+    harness.kill().unwrap();
+    harness.wait().unwrap();
+    let left = fs::read(&journal).unwrap();
+    let after = again();
+    let refused = |said: &str| (Some(2), format!("error: {said}\n"));
+    assert_eq!(
+        beside,
+        refused("run-out: in use by another run; wait for it or name another folder")
+    );
+    assert_eq!(
+        after,
+        refused(
+            "run-out/recording.partial.csv: left by a run that was broken off; \
+             move it or remove it, or name another folder"
+        )
+    );
+    assert!(fs::read(&journal).unwrap() == left);
+    fs::rename(&journal, root.path().join("kept.csv")).unwrap();
+    // The lock went with the process that held it.
+    assert!(start(root.path(), &SHORT).wait().unwrap().success());
+    assert!(fs::read(root.path().join("kept.csv")).unwrap() == left);
 }
 
 /// Wherever the file ends, its whole rows are the recording, and no other number is.
@@ -174,8 +218,8 @@ fn an_emulator_killed_at_any_moment_ends_the_run_in_one_message() {
                 "{message}"
             );
             assert!(Recording::read(&journal).unwrap().len() > 100);
-            fs::remove_dir_all(root.path().join("run-out")).unwrap();
         }
+        clear(root.path());
         assert!(!lives(emulator));
     }
 }
@@ -205,7 +249,7 @@ fn a_harness_killed_at_any_moment_leaves_no_emulator() {
         });
         if moment >= 6 {
             assert!(Recording::read(&journal).is_ok());
-            fs::remove_dir_all(root.path().join("run-out")).unwrap();
         }
+        clear(root.path());
     }
 }

@@ -127,8 +127,8 @@ fn a_file_that_may_not_grow_is_said() {
 #[test]
 fn a_full_device_is_said() {
     let root = tempfile::tempdir().unwrap();
-    for to in ["--json /dev/full", "--json - > /dev/full"] {
-        let output = shell(root.path(), &format!("{RUN} {to}"));
+    for (out, to) in [("a", "--json /dev/full"), ("b", "--json - > /dev/full")] {
+        let output = shell(root.path(), &format!("{RUN} --out {out} {to}"));
         said_once(&output, "no space left on the device");
     }
 }

@@ -6,7 +6,8 @@ use clap::Args;
 use hil::amplitude_free::{HeldOut, Study, study};
 use hil::error::InputError;
 use hil::model_file::model_error;
-use hil::output::Outputs;
+use hil::output::Plan;
+use hil::reference::tables::DENSITIES;
 use hil::report::curves::{self, Curve};
 
 use super::{Failure, say};
@@ -49,23 +50,27 @@ impl AmplitudeFreeCommand {
             )
             .into());
         }
-        if let Some(out) = &self.out {
-            Outputs::check(&out.join("loops-1Hz.svg"))?;
-        }
-        if let Some(json) = &self.json {
-            Outputs::check(json)?;
-        }
+        let names = DENSITIES.into_iter().map(model_name);
+        let mut names: Vec<String> = names
+            .chain(self.frequencies.iter().copied().map(picture_name))
+            .collect();
+        // A frequency may be given twice; its picture is one.
+        names.sort();
+        names.dedup();
+        let mut outputs = Plan::new()
+            .fills(self.out.as_deref(), names)
+            .writes(&self.json)
+            .begin()?;
         let refused = |error| model_error("the fitted law", &error);
         let study = study(&self.frequencies).map_err(refused)?;
-        let mut outputs = Outputs::new();
         if let Some(out) = &self.out {
             for one in &study.densities {
                 let model = one.model_file(&study.frequencies);
-                outputs.add_json(out.join(format!("model-{:.1}.json", one.density)), &model)?;
+                outputs.add_json(out.join(model_name(one.density)), &model)?;
             }
             for &frequency in &study.frequencies {
                 let picture = picture(&study, frequency).map_err(refused)?;
-                outputs.add(out.join(format!("loops-{frequency}Hz.svg")), picture);
+                outputs.add(out.join(picture_name(frequency)), picture);
             }
         }
         if let Some(json) = &self.json {
@@ -80,6 +85,14 @@ impl AmplitudeFreeCommand {
         }
         Ok(())
     }
+}
+
+fn model_name(density: f64) -> String {
+    format!("model-{density:.1}.json")
+}
+
+fn picture_name(frequency: f64) -> String {
+    format!("loops-{frequency}Hz.svg")
 }
 
 fn print(study: &Study) {

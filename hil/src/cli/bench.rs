@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 
 use clap::Args;
 use hil::bench::{self, Baseline, Verdict};
-use hil::output::Outputs;
+use hil::output::Plan;
 
 use super::progress::Progress;
 use super::{Failure, bench_table, warn};
@@ -32,10 +32,14 @@ pub struct BenchCommand {
 
 impl BenchCommand {
     pub fn run(self) -> Result<(), Failure> {
-        if let Some(json) = &self.json {
-            Outputs::check(json)?;
-        }
         let path = self.baseline.clone().unwrap_or_else(Baseline::path);
+        let plan = Plan::new().writes(&self.json);
+        let plan = if self.bless {
+            plan.writes([&path])
+        } else {
+            plan.reads([&path])
+        };
+        let mut outputs = plan.begin()?;
         let baseline = if self.bless {
             None
         } else {
@@ -45,7 +49,6 @@ impl BenchCommand {
         let results = bench::run(&|what| progress.step(what))?;
         drop(progress);
 
-        let mut outputs = Outputs::new();
         if let Some(json) = &self.json {
             outputs.add_json(json, &results)?;
         }

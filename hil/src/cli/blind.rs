@@ -5,7 +5,7 @@ use std::sync::atomic::{AtomicU64, Ordering};
 
 use clap::Args;
 use hil::blind::{self, Class, FLOORS, Mark, Outcome, Rate, Summary};
-use hil::output::Outputs;
+use hil::output::Plan;
 
 use super::progress::Progress;
 use super::{Failure, say};
@@ -45,9 +45,7 @@ impl BlindCommand {
         if let Some(seed) = self.show {
             return self.show(seed);
         }
-        if let Some(json) = &self.json {
-            Outputs::check(json)?;
-        }
+        let mut outputs = Plan::new().writes(&self.json).begin()?;
         let progress = Progress::of(self.seeds);
         progress.step("tracing");
         let finished = AtomicU64::new(0);
@@ -56,10 +54,9 @@ impl BlindCommand {
         });
         drop(progress);
         if let Some(json) = &self.json {
-            let mut outputs = Outputs::new();
             outputs.add_json(json, &summary)?;
-            outputs.write()?;
         }
+        outputs.write()?;
         if self.json.as_deref() != Some(std::path::Path::new("-")) {
             print(&summary);
         }
@@ -71,18 +68,16 @@ impl BlindCommand {
     }
 
     fn show(&self, seed: u64) -> Result<(), Failure> {
+        let names = ["training.csv.gz", "held-out.csv.gz"];
+        let mut outputs = Plan::new().fills(self.out.as_deref(), names).begin()?;
         let trial = blind::draw(seed);
         if let Some(out) = &self.out {
-            let mut outputs = Outputs::new();
-            for (name, recording) in [
-                ("training.csv.gz", &trial.training),
-                ("held-out.csv.gz", &trial.held_out),
-            ] {
+            for (name, recording) in names.into_iter().zip([&trial.training, &trial.held_out]) {
                 let path = out.join(name);
                 outputs.add(&path, recording.to_file(&path));
             }
-            outputs.write()?;
         }
+        outputs.write()?;
         let progress = Progress::steps();
         progress.step("tracing");
         let outcome = blind::judge(&trial);

@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 
 use clap::Args;
 use hil::characterize::{DynamicTest, Figures, Spread, StaticTest, dynamic_test, static_test};
-use hil::output::Outputs;
+use hil::output::Plan;
 use hil::recording::Recording;
 use hil::report::characterization::{dynamic_chart, static_chart};
 use serde::Serialize;
@@ -62,16 +62,17 @@ struct Summary {
 impl CharacterizeCommand {
     pub fn run(self) -> Result<(), Failure> {
         let picture = self.out.as_ref().map(|out| out.join("characterize.svg"));
-        for path in [&picture, &self.json].into_iter().flatten() {
-            Outputs::check(path)?;
-        }
+        let mut outputs = Plan::new()
+            .reads([&self.recording])
+            .fills(self.out.as_deref(), ["characterize.svg"])
+            .writes(&self.json)
+            .begin()?;
         let recording = Recording::read(&self.recording)?;
         let found = if self.of_curves {
             Found::Static(static_test(&recording)?)
         } else {
             Found::Dynamic(dynamic_test(&recording)?)
         };
-        let mut outputs = Outputs::new();
         if let Some(picture) = &picture {
             outputs.add(
                 picture,

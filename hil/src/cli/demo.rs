@@ -5,7 +5,8 @@ use std::path::{Path, PathBuf};
 use clap::Args;
 use hil::demo::{Demo, demo, loop_error};
 use hil::error::InputError;
-use hil::output::Outputs;
+use hil::link::Journal;
+use hil::output::Plan;
 use hil::report::{self, ReportData, text};
 use hil::specimen::DrawnEffect;
 use hil::trace::result::TraceResult;
@@ -49,10 +50,19 @@ struct Summary<'a> {
 
 impl DemoCommand {
     pub fn run(self) -> Result<(), Failure> {
-        Outputs::check(&self.out.join("trace.json"))?;
-        if let Some(json) = &self.json {
-            Outputs::check(json)?;
-        }
+        let names = [
+            "recording.csv.gz",
+            "trace.json",
+            "model.json",
+            "report.html",
+            "loop.svg",
+        ];
+        let mut outputs = Plan::new()
+            .fills(self.out.as_path(), names)
+            .writes(&self.json)
+            // Its recording would stand beside what a run left of another one.
+            .keeps(Journal::path_in(&self.out))
+            .begin()?;
         let progress = Progress::steps();
         let done = demo(self.seed, &|what| progress.step(what)).map_err(|error| {
             let mend = "give another --seed";
@@ -79,7 +89,6 @@ impl DemoCommand {
             &done.trace,
         );
         let recording = self.out.join("recording.csv.gz");
-        let mut outputs = Outputs::new();
         outputs.add(&recording, done.recording.to_file(&recording));
         outputs.add_json(self.out.join("trace.json"), &done.trace.result)?;
         outputs.add_json(self.out.join("model.json"), &model_file(&done.trace))?;

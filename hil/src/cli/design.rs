@@ -7,7 +7,7 @@ use hil::design::{
     Design, DesignError, Meets, OnRig, Point, Reachable, Source, Wanted, design, on_rig,
 };
 use hil::error::InputError;
-use hil::output::Outputs;
+use hil::output::Plan;
 use hil::report::text;
 use serde::Serialize;
 
@@ -101,9 +101,7 @@ impl Outcome {
 
 impl DesignCommand {
     pub fn run(self) -> Result<(), Failure> {
-        if let Some(json) = &self.json {
-            Outputs::check(json)?;
-        }
+        let mut outputs = Plan::new().writes(&self.json).begin()?;
         let mut wanted = Wanted::new(self.stiffness, self.loss_factor).map_err(refused)?;
         wanted.frequency = self.frequency;
         wanted.tolerance = self.tolerance;
@@ -124,7 +122,6 @@ impl DesignCommand {
             .map_err(refused)?;
         drop(progress);
         let summary = Summary { design, on_rig };
-        let mut outputs = Outputs::new();
         if let Some(json) = &self.json {
             outputs.add_json(json, &summary)?;
         }

@@ -9,7 +9,7 @@ use hil::faults::{CHANGING, Campaign, FOLLOW, Summary, missed, run_trial_on};
 use hil::image::Board;
 use hil::link::SetupError;
 use hil::link::image::Image;
-use hil::output::Outputs;
+use hil::output::Plan;
 use hil::report::campaign;
 
 use super::image::On;
@@ -86,11 +86,11 @@ impl FaultsCommand {
     pub fn run(self) -> Result<(), Failure> {
         let picture = |name: &str| self.out.as_ref().map(|out| out.join(name));
         let (found, followed) = (picture("faults.svg"), picture("following.svg"));
-        for path in self.json.iter().chain(&found).chain(&followed) {
-            Outputs::check(path)?;
-        }
+        let mut outputs = Plan::new()
+            .fills(self.out.as_deref(), ["faults.svg", "following.svg"])
+            .writes(&self.json)
+            .begin()?;
         let summary = self.summary()?;
-        let mut outputs = Outputs::new();
         if let Some(found) = found {
             outputs.add(found, campaign::found(&summary));
         }

@@ -7,7 +7,7 @@ use hil::orthogonal::{
     AgainstPrint, Analysis, ErrorSource, Experiment, FREE_COLUMNS, SIGNIFICANCE, Variance,
     against_print, analyse,
 };
-use hil::output::Outputs;
+use hil::output::Plan;
 use hil::reference::orthogonal_test::{LOSS_FACTOR, STIFFNESS};
 use hil::report::text;
 use serde::Serialize;
@@ -46,9 +46,7 @@ struct Summary {
 
 impl OrthogonalCommand {
     pub fn run(self) -> Result<(), Failure> {
-        if let Some(json) = &self.json {
-            Outputs::check(json)?;
-        }
+        let mut outputs = Plan::new().reads(&self.file).writes(&self.json).begin()?;
         let summary = match &self.file {
             Some(file) => Summary {
                 results: analyse(&Experiment::read(file)?),
@@ -59,7 +57,6 @@ impl OrthogonalCommand {
                 against_print: [LOSS_FACTOR, STIFFNESS].iter().map(against_print).collect(),
             },
         };
-        let mut outputs = Outputs::new();
         if let Some(json) = &self.json {
             outputs.add_json(json, &summary)?;
         }

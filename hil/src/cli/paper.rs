@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use clap::Args;
-use hil::output::Outputs;
+use hil::output::Plan;
 use hil::paper::{self, Claim, Paper, Verdict};
 use hil::report;
 
@@ -31,14 +31,13 @@ pub struct PaperCommand {
 impl PaperCommand {
     pub fn run(self) -> Result<(), Failure> {
         let page = self.out.join("report.html");
-        Outputs::check(&page)?;
-        if let Some(json) = &self.json {
-            Outputs::check(json)?;
-        }
+        let mut outputs = Plan::new()
+            .fills(self.out.as_path(), ["report.html"])
+            .writes(&self.json)
+            .begin()?;
         let progress = Progress::steps();
         let paper = paper::recompute(&|step| progress.step(step));
         progress.step("drawing");
-        let mut outputs = Outputs::new();
         outputs.add(&page, report::paper::render(&paper));
         if let Some(json) = &self.json {
             outputs.add_json(json, &paper)?;

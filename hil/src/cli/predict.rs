@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 
 use clap::{Args, ValueEnum};
 use hil::model_file::{FittedRange, ModelFile, model_error};
-use hil::output::Outputs;
+use hil::output::Plan;
 use hil::predict::{ImageError, nrmse, predict, predict_embedded, predict_on};
 use hil::recording::Recording;
 use hil::recording::trajectory::Trajectory;
@@ -69,9 +69,11 @@ struct Summary<'a> {
 
 impl Predict {
     pub fn run(self) -> Result<(), Failure> {
-        for path in [Some(&self.out), self.json.as_ref()].into_iter().flatten() {
-            Outputs::check(path)?;
-        }
+        let mut outputs = Plan::new()
+            .reads([&self.model, &self.recording])
+            .writes([&self.out])
+            .writes(&self.json)
+            .begin()?;
         let file = ModelFile::read(&self.model)?;
         let recording = Recording::read(&self.recording)?;
         let uniform = recording.uniform()?;
@@ -122,7 +124,6 @@ impl Predict {
             nrmse: nrmse(&force, &recording.force, |_| true),
             beyond_fitted_range: beyond,
         };
-        let mut outputs = Outputs::new();
         outputs.add(
             &self.out,
             recording.to_file_with_prediction(&self.out, &force),

@@ -9,7 +9,7 @@ use hil::link::{
 };
 use hil::model::MAX_EFFECTS;
 use hil::model_file::{ModelFile, model_error};
-use hil::output::Outputs;
+use hil::output::Plan;
 use hil::recording::Recording;
 use hil::specimen::{Specimen, draw};
 use mesh_damper::effects::AugmentedLaw;
@@ -184,10 +184,13 @@ impl CycleRow {
 
 impl RunCommand {
     pub fn run(self) -> Result<(), Failure> {
-        Outputs::check(&self.out.join("cycles.csv"))?;
-        if let Some(json) = &self.json {
-            Outputs::check(json)?;
-        }
+        let mut outputs = Plan::new()
+            .reads(&self.programme)
+            .reads(&self.model)
+            .fills(self.out.as_path(), ["recording.csv.gz", "cycles.csv"])
+            .writes(&self.json)
+            .keeps(Journal::path_in(&self.out))
+            .begin()?;
         let programme = match &self.programme {
             Some(path) => programme::read(path, self.tick_rate)?,
             None => programme::parse(&self.blocks, self.tick_rate)?,
@@ -247,7 +250,6 @@ impl RunCommand {
             (recorded, _) => recorded?,
         };
         let recorded = comments.into_iter().fold(recorded, Recording::with_comment);
-        let mut outputs = Outputs::new();
         outputs.add(&recording, recorded.to_file(&recording));
         outputs.add(self.out.join("cycles.csv"), csv_of(&summary.cycles)?);
         if let Some(json) = &self.json {

@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use clap::Args;
 use hil::error::InputError;
 use hil::model_file::{FittedRange, ModelFile};
-use hil::output::Outputs;
+use hil::output::Plan;
 use hil::recording::Recording;
 use hil::report::{self, ReportData};
 use hil::trace::{Role, Trace, trace};
@@ -38,10 +38,15 @@ pub struct TraceCommand {
 
 impl TraceCommand {
     pub fn run(self) -> Result<(), Failure> {
-        Outputs::check(&self.out.join("trace.json"))?;
-        if let Some(json) = &self.json {
-            Outputs::check(json)?;
-        }
+        let mut outputs = Plan::new()
+            .reads(&self.recordings)
+            .reads(&self.held_out)
+            .fills(
+                self.out.as_path(),
+                ["trace.json", "model.json", "report.html"],
+            )
+            .writes(&self.json)
+            .begin()?;
         reject_repeats(self.recordings.iter().chain(&self.held_out))?;
         let read = |paths: &[PathBuf]| {
             paths
@@ -60,7 +65,6 @@ impl TraceCommand {
             declarations(&recordings),
             &found,
         );
-        let mut outputs = Outputs::new();
         outputs.add_json(self.out.join("trace.json"), &found.result)?;
         outputs.add_json(self.out.join("model.json"), &model_file(&found))?;
         outputs.add(self.out.join("report.html"), report::render(&report));

@@ -22,14 +22,19 @@ pub struct Journal {
 }
 
 impl Journal {
-    /// `recording.partial.csv` in `directory`, with these comments; nothing is written yet.
+    /// `recording.partial.csv` in `directory`, which is there, with these comments; nothing is written yet.
     pub fn new(directory: &Path, comments: Vec<String>) -> Self {
         Self {
-            path: directory.join("recording.partial.csv"),
+            path: Self::path_in(directory),
             comments,
             file: None,
             written: 0,
         }
+    }
+
+    /// Where it is for a run that leaves its recording in `directory`.
+    pub fn path_in(directory: &Path) -> PathBuf {
+        directory.join("recording.partial.csv")
     }
 
     /// Where it is.
@@ -47,11 +52,8 @@ impl Journal {
         }
         let mut text = String::new();
         if self.file.is_none() {
-            let made = self
-                .path
-                .parent()
-                .map_or(Ok(()), fs::create_dir_all)
-                .and_then(|()| File::create(&self.path));
+            // New, so that it takes nothing's place, nor follows a link.
+            let made = File::create_new(&self.path);
             self.file = Some(made.map_err(|error| InputError::io(&self.path, "write", &error))?);
             for comment in &self.comments {
                 text += &format!("# {}\n", comment.replace(['\n', '\r'], " "));

@@ -1,0 +1,351 @@
+//! Files that are written whole or not at all, and never in the place of what a command reads.
+
+mod folder;
+mod place;
+mod plan;
+
+use std::fs;
+use std::io::Write as _;
+use std::path::{Path, PathBuf};
+
+use tempfile::{NamedTempFile, TempPath};
+
+use crate::error::InputError;
+use folder::Folders;
+use place::{Place, Target};
+
+pub use plan::Plan;
+
+/// The files of one command, gathered while it works and written together at its end; [`Plan::begin`] gives them.
+///
+/// Each is written beside its place under another name and then renamed, so that a reader never sees half of one; none
+/// is renamed before all are written. An error leaves neither a file nor a directory that was not there before.
+#[derive(Debug)]
+pub struct Outputs {
+    planned: Vec<Target>,
+    files: Vec<(PathBuf, Vec<u8>)>,
+    folders: Folders,
+}
+
+impl Outputs {
+    fn new(planned: Vec<Target>, folders: Folders) -> Self {
+        Self {
+            planned,
+            files: Vec::new(),
+            folders,
+        }
+    }
+
+    /// The bytes of a file that was planned under this path.
+    pub fn add(&mut self, path: impl Into<PathBuf>, bytes: impl Into<Vec<u8>>) {
+        self.files.push((path.into(), bytes.into()));
+    }
+
+    /// The same as indented JSON with a newline at its end.
+    ///
+    /// # Errors
+    /// A value that JSON cannot hold.
+    pub fn add_json(
+        &mut self,
+        path: impl Into<PathBuf>,
+        value: &impl serde::Serialize,
+    ) -> Result<(), InputError> {
+        let path = path.into();
+        let mut bytes = serde_json::to_vec_pretty(value).map_err(|error| {
+            InputError::new(
+                path.display().to_string(),
+                format!("not to be written as JSON: {error}"),
+                "report this",
+            )
+        })?;
+        bytes.push(b'\n');
+        self.add(path, bytes);
+        Ok(())
+    }
+
+    /// Writes all files; directories that are missing are made. The command's folder stays locked until `self` is dropped.
+    ///
+    /// # Errors
+    /// The path that cannot be written and why; one that was not planned.
+    pub fn write(&mut self) -> Result<(), InputError> {
+        let mut staged: Vec<(TempPath, &Path, &Path)> = Vec::new();
+        let mut direct: Vec<(&Target, &[u8])> = Vec::new();
+        for (name, bytes) in &self.files {
+            let Some(target) = self.planned.iter().find(|target| target.name == *name) else {
+                return Err(InputError::new(
+                    name.display().to_string(),
+                    "is an output that was not planned",
+                    "report this",
+                ));
+            };
+            match &target.place {
+                Place::File(path) => {
+                    staged.push((stage(name, path, bytes, &mut self.folders)?, name, path));
+                }
+                Place::StandardOutput | Place::Device(_) => direct.push((target, bytes)),
+            }
+        }
+        for (temporary, name, path) in staged {
+            temporary
+                .persist(path)
+                .map_err(|failed| InputError::io(name, "write", &failed.error))?;
+        }
+        self.folders.keep();
+        for (target, bytes) in direct {
+            write_directly(target, bytes)?;
+        }
+        Ok(())
+    }
+}
+
+/// `bytes` in a file beside `path`, which goes away unless it is renamed; the user calls it `name`.
+fn stage(
+    name: &Path,
+    path: &Path,
+    bytes: &[u8],
+    folders: &mut Folders,
+) -> Result<TempPath, InputError> {
+    let failed = |error| InputError::io(name, "write", &error);
+    let directory = path.parent().unwrap_or(path);
+    folders.make(directory).map_err(failed)?;
+    let mut file = create_temporary(directory).map_err(failed)?;
+    file.write_all(bytes).map_err(failed)?;
+    // So that a name never stands for less than the whole, whatever happens to the machine after it is given.
+    file.as_file().sync_all().map_err(failed)?;
+    Ok(file.into_temp_path())
+}
+
+/// A temporary file is its owner's only; the file that it becomes has the permissions that any new file has.
+#[cfg(unix)]
+fn create_temporary(directory: &Path) -> std::io::Result<NamedTempFile> {
+    use std::os::unix::fs::PermissionsExt as _;
+    tempfile::Builder::new()
+        .permissions(fs::Permissions::from_mode(0o666))
+        .tempfile_in(directory)
+}
+
+#[cfg(not(unix))]
+fn create_temporary(directory: &Path) -> std::io::Result<NamedTempFile> {
+    NamedTempFile::new_in(directory)
+}
+
+fn write_directly(target: &Target, bytes: &[u8]) -> Result<(), InputError> {
+    let written = match &target.place {
+        Place::StandardOutput => {
+            let mut output = std::io::stdout().lock();
+            output.write_all(bytes).and_then(|()| output.flush())
+        }
+        Place::Device(path) | Place::File(path) => fs::write(path, bytes),
+    };
+    match written {
+        // Who reads has read enough.
+        Err(error) if error.kind() == std::io::ErrorKind::BrokenPipe => Ok(()),
+        written => written.map_err(|error| InputError::io(&target.name, "write", &error)),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn names(directory: &Path) -> Vec<String> {
+        let mut names: Vec<String> = fs::read_dir(directory)
+            .unwrap()
+            .map(|entry| entry.unwrap().file_name().into_string().unwrap())
+            .collect();
+        names.sort();
+        names
+    }
+
+    /// Refused before anything is done, with `said` in the message, and `root` is as it was.
+    #[track_caller]
+    fn refuses(root: &Path, plan: Plan, said: &str) {
+        let before = names(root);
+        let error = plan.begin().unwrap_err().to_string();
+        assert!(error.contains(said), "{error}");
+        assert_eq!(names(root), before);
+    }
+
+    #[test]
+    fn writes_all_with_their_directories() {
+        let root = tempfile::tempdir().unwrap();
+        let (one, two) = (
+            root.path().join("a/b/one.txt"),
+            root.path().join("two.json"),
+        );
+        let mut outputs = Plan::new().writes([&one, &two]).begin().unwrap();
+        outputs.add(&one, *b"1");
+        outputs.add_json(&two, &[1, 2]).unwrap();
+        outputs.write().unwrap();
+        assert_eq!(names(root.path()), ["a", "two.json"]);
+        assert_eq!(fs::read(one).unwrap(), b"1");
+        assert_eq!(fs::read(two).unwrap(), b"[\n  1,\n  2\n]\n");
+    }
+
+    #[test]
+    fn writes_none_when_one_cannot_be_written() {
+        let root = tempfile::tempdir().unwrap();
+        let path = |name: &str| root.path().join(name);
+        fs::write(path("file"), "old").unwrap();
+        let all = ["new/one.txt", "file", "later/two.txt"].map(path);
+        let mut outputs = Plan::new().writes(&all).begin().unwrap();
+        fs::write(path("later"), "").unwrap();
+        for one in &all {
+            outputs.add(one, *b"new");
+        }
+        let error = outputs.write().unwrap_err().to_string();
+        assert!(error.contains("two.txt: cannot write it"), "{error}");
+        drop(outputs);
+        assert_eq!(names(root.path()), ["file", "later"]);
+        assert_eq!(fs::read(path("file")).unwrap(), b"old");
+    }
+
+    #[test]
+    fn an_output_that_was_not_planned_is_not_written() {
+        let root = tempfile::tempdir().unwrap();
+        let mut outputs = Plan::new().begin().unwrap();
+        outputs.add(root.path().join("one.txt"), *b"1");
+        let error = outputs.write().unwrap_err().to_string();
+        assert!(error.contains("was not planned"), "{error}");
+        assert!(names(root.path()).is_empty());
+    }
+
+    #[test]
+    fn what_is_no_place_for_a_file_is_refused() {
+        let root = tempfile::tempdir().unwrap();
+        fs::write(root.path().join("file"), "").unwrap();
+        fs::create_dir(root.path().join("folder")).unwrap();
+        for (name, said) in [
+            ("", "is a directory"),
+            ("new/..", "names no file"),
+            ("new/../folder", "is a directory"),
+            ("file/two.txt", "is a file, not a directory"),
+            ("file/new/two.txt", "is a file, not a directory"),
+        ] {
+            refuses(
+                root.path(),
+                Plan::new().writes([root.path().join(name)]),
+                said,
+            );
+        }
+        refuses(root.path(), Plan::new().writes([""]), "names no file");
+    }
+
+    #[test]
+    fn an_input_is_no_output_however_it_is_spelled() {
+        let root = tempfile::tempdir().unwrap();
+        let path = |name: &str| root.path().join(name);
+        fs::create_dir(path("sub")).unwrap();
+        fs::write(path("input"), "old").unwrap();
+        fs::hard_link(path("input"), path("hard")).unwrap();
+        for output in ["input", "./input", "sub/../input", "new/../input", "hard"] {
+            refuses(
+                root.path(),
+                Plan::new().reads([path("input")]).writes([path(output)]),
+                "would replace the input ",
+            );
+        }
+    }
+
+    #[test]
+    fn two_outputs_are_two_files_before_they_are_there() {
+        let root = tempfile::tempdir().unwrap();
+        let path = |name: &str| root.path().join(name);
+        for (one, other) in [
+            ("x", "x"),
+            ("x", "./x"),
+            ("new/x", "new/../new/x"),
+            ("x", "new/../x"),
+        ] {
+            refuses(
+                root.path(),
+                Plan::new().writes([path(one), path(other)]),
+                "would take two outputs",
+            );
+        }
+        refuses(
+            root.path(),
+            Plan::new().writes(["-", "-"]),
+            "standard output: ",
+        );
+        Plan::new().writes([path("x"), path("y")]).begin().unwrap();
+    }
+
+    #[test]
+    fn what_goes_through_a_directory_that_is_not_there_is_written_without_it() {
+        let root = tempfile::tempdir().unwrap();
+        let output = root.path().join("new/../x");
+        let mut outputs = Plan::new().writes([&output]).begin().unwrap();
+        outputs.add(&output, *b"1");
+        outputs.write().unwrap();
+        assert_eq!(names(root.path()), ["x"]);
+    }
+
+    #[test]
+    fn an_unfinished_recording_is_kept() {
+        let root = tempfile::tempdir().unwrap();
+        let left = root.path().join("left.csv");
+        fs::write(&left, "all there is").unwrap();
+        refuses(root.path(), Plan::new().keeps(&left), "was broken off");
+        fs::remove_file(&left).unwrap();
+        Plan::new().keeps(&left).begin().unwrap();
+    }
+
+    #[cfg(unix)]
+    #[test]
+    fn a_link_is_refused_and_a_device_stays_what_it_is() {
+        use std::os::unix::fs::symlink;
+        let root = tempfile::tempdir().unwrap();
+        let path = |name: &str| root.path().join(name);
+        fs::write(path("target"), "old").unwrap();
+        fs::create_dir(path("folder")).unwrap();
+        symlink(path("target"), path("link")).unwrap();
+        symlink(path("nowhere"), path("dangling")).unwrap();
+        symlink("/dev/null", path("null")).unwrap();
+        for name in ["link", "dangling", "null"] {
+            refuses(
+                root.path(),
+                Plan::new().writes([path(name)]),
+                "is a symbolic link",
+            );
+        }
+        refuses(
+            root.path(),
+            Plan::new().writes([path("dangling/file")]),
+            "is a link that leads to no directory",
+        );
+        refuses(
+            root.path(),
+            Plan::new().reads([path("target")]).writes([path("link")]),
+            "would replace the input ",
+        );
+        // A folder may be reached through a link; it is one folder all the same.
+        symlink(path("folder"), path("other")).unwrap();
+        let files = [path("folder/x"), path("other/x")];
+        refuses(
+            root.path(),
+            Plan::new().writes(&files),
+            "would take two outputs",
+        );
+        let device = "/dev/null";
+        let mut outputs = Plan::new().writes([device, device]).begin().unwrap();
+        outputs.add(device, *b"gone");
+        outputs.write().unwrap();
+        assert!(!Path::new(device).is_file());
+    }
+
+    /// Where a link takes a file's place meanwhile, it is replaced and not followed.
+    #[cfg(unix)]
+    #[test]
+    fn a_link_that_is_made_meanwhile_is_not_followed() {
+        let root = tempfile::tempdir().unwrap();
+        let (target, output) = (root.path().join("target"), root.path().join("output"));
+        fs::write(&target, "old").unwrap();
+        let mut outputs = Plan::new().writes([&output]).begin().unwrap();
+        std::os::unix::fs::symlink(&target, &output).unwrap();
+        outputs.add(&output, *b"new");
+        outputs.write().unwrap();
+        assert_eq!(fs::read(&target).unwrap(), b"old");
+        assert_eq!(fs::read(&output).unwrap(), b"new");
+    }
+}
