@@ -9,6 +9,7 @@ use hil::recording::Recording;
 use hil::report::characterization::{dynamic_chart, static_chart};
 use serde::Serialize;
 
+use super::reading::Reading;
 use super::{Failure, say, warn};
 
 /// Stiffness and loss factor of a recording, eqs 1–7
@@ -41,6 +42,8 @@ pub struct CharacterizeCommand {
     /// Where the result goes as JSON; `-` for standard output
     #[arg(long, value_name = "FILE")]
     json: Option<PathBuf>,
+    #[command(flatten)]
+    reading: Reading,
 }
 
 /// What was found, of whichever kind.
@@ -65,7 +68,7 @@ impl CharacterizeCommand {
         for path in [&picture, &self.json].into_iter().flatten() {
             Outputs::check(path)?;
         }
-        let recording = Recording::read(&self.recording)?;
+        let recording = Recording::read_within(&self.recording, self.reading.limit)?;
         let found = if self.of_curves {
             Found::Static(static_test(&recording)?)
         } else {
