@@ -1,60 +1,75 @@
 //! Text and cells of the CSV files that the harness is given.
 
-use std::io::Read as _;
+use std::collections::HashMap;
+use std::io::{self, Read};
 use std::path::Path;
 
 use crate::error::{InputError, Place, quoted};
+use crate::read_limit::{ReadLimit, open, read_lines};
 
 /// The two bytes with which every gzip member begins (RFC 1952, 2.3.1).
 const GZIP_MAGIC: [u8; 2] = [0x1f, 0x8b];
+/// What some programs write before the text.
+const BYTE_ORDER_MARK: char = '\u{feff}';
 
-/// The file's text; see [`text_of`].
-pub(crate) fn read_text(path: &Path) -> Result<String, InputError> {
-    text_of(path, read_bytes(path)?)
+/// The text of a file; see [`text_of`].
+pub(crate) fn read_text(path: &Path, limit: ReadLimit) -> Result<String, InputError> {
+    text_of(path, open(path)?, limit)
 }
 
-/// The file's bytes.
-pub(crate) fn read_bytes(path: &Path) -> Result<Vec<u8>, InputError> {
-    let io = |error| InputError::io(path, "read", &error);
-    if std::fs::metadata(path).map_err(io)?.is_dir() {
-        return Err(InputError::new(
-            path.display().to_string(),
-            "is a directory",
-            "name a file in it",
-        ));
-    }
-    std::fs::read(path).map_err(io)
-}
-
-/// The text in a file's bytes, unzipped where it is gzip, without a byte order mark.
-pub(crate) fn text_of(path: &Path, mut bytes: Vec<u8>) -> Result<String, InputError> {
+/// The text that `source` gives, unzipped where it is gzip, without a byte order mark; `path` is what errors call it.
+pub(crate) fn text_of(
+    path: &Path,
+    mut source: impl Read,
+    limit: ReadLimit,
+) -> Result<String, InputError> {
+    let name = path.display().to_string();
+    let unreadable = |error: &io::Error| InputError::io(path, "read", error);
+    let mut head = Vec::new();
+    (source.by_ref().take(GZIP_MAGIC.len() as u64))
+        .read_to_end(&mut head)
+        .map_err(|error| unreadable(&error))?;
     let named_gzip = path.extension().is_some_and(|extension| extension == "gz");
-    if bytes.starts_with(&GZIP_MAGIC) || (named_gzip && !bytes.is_empty()) {
-        let mut unzipped = Vec::new();
-        flate2::read::MultiGzDecoder::new(bytes.as_slice())
-            .read_to_end(&mut unzipped)
-            .map_err(|error| {
-                InputError::new(
-                    path.display().to_string(),
-                    format!("not valid gzip: {error}"),
-                    "copy the file again, or unpack it and name the CSV",
-                )
-            })?;
-        bytes = unzipped;
-    }
-    let text = String::from_utf8(bytes).map_err(|error| {
+    let is_gzip = head == GZIP_MAGIC || (named_gzip && !head.is_empty());
+    let whole = head.as_slice().chain(source);
+    let bytes = if is_gzip {
+        let unzipped = flate2::read::MultiGzDecoder::new(whole);
+        read_lines(&name, unzipped, limit, |error| {
+            // What is wrong with the gzip has no number of the operating system.
+            if error.raw_os_error().is_some() {
+                return unreadable(error);
+            }
+            InputError::new(
+                &name,
+                format!("not valid gzip: {error}"),
+                "copy the file again, or unpack it and name the CSV",
+            )
+        })?
+    } else {
+        read_lines(&name, whole, limit, unreadable)?
+    };
+    let mut text = String::from_utf8(bytes).map_err(|error| {
         let valid = &error.as_bytes()[..error.utf8_error().valid_up_to()];
         let line = 1 + valid.iter().filter(|&&byte| byte == b'\n').count() as u64;
-        InputError::new(
-            path.display().to_string(),
-            "not UTF-8 text",
-            "save the file as UTF-8 CSV",
-        )
-        .at(Place::Line(line))
+        InputError::new(&name, "not UTF-8 text", "save the file as UTF-8 CSV").at(Place::Line(line))
     })?;
-    Ok(match text.strip_prefix('\u{feff}') {
-        Some(text) => text.to_owned(),
-        None => text,
+    if text.starts_with(BYTE_ORDER_MARK) {
+        text.drain(..BYTE_ORDER_MARK.len_utf8());
+    }
+    Ok(text)
+}
+
+/// Whether the record that `reader` read last, of this `text`, has no line end: its last cell may have been cut.
+pub(crate) fn is_cut(text: &str, reader: &csv::Reader<&[u8]>) -> bool {
+    !text.ends_with(['\n', '\r']) && reader.position().byte() == text.len() as u64
+}
+
+/// The first name in a header that stands there twice, with both of its columns, counted from 0.
+pub(crate) fn doubled(header: &csv::StringRecord) -> Option<(&str, usize, usize)> {
+    let mut known = HashMap::with_capacity(header.len());
+    (header.iter().enumerate()).find_map(|(index, name)| {
+        let first = *known.entry(name).or_insert(index);
+        (first != index).then_some((name, first, index))
     })
 }
 

@@ -118,9 +118,14 @@ impl InputError {
     }
 }
 
-/// `text` with its control characters escaped.
+/// `text` with its control characters escaped, shortened where a file made it long.
 fn single_line(text: &str) -> String {
+    /// More than any path or list that a message is made of.
+    const LONGEST: usize = 5000;
+    let cut = (text.chars().nth(LONGEST).is_some()).then_some('…');
     text.chars()
+        .take(LONGEST)
+        .chain(cut)
         .flat_map(|c| {
             let escaped = c.is_control().then(|| c.escape_default());
             let plain = escaped.is_none().then_some(c);

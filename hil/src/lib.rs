@@ -23,6 +23,7 @@
 //! | the crate as an image for a microcontroller: built, measured, emulated | [`mod@image`] |
 //! | the instructions that it takes there, beside its peers' | [`mod@bench`] |
 //! | faults put into all of it, and what the rig's monitor finds of them | [`mod@faults`] |
+//! | how much of a file is read | [`read_limit`] |
 //! | all of it once, from a seed | [`mod@demo`] |
 //!
 //! ```
@@ -58,6 +59,7 @@ pub mod orthogonal;
 pub mod output;
 pub mod paper;
 pub mod predict;
+pub mod read_limit;
 pub mod recording;
 pub mod reference;
 pub mod report;

@@ -19,6 +19,7 @@ use serde::{Deserialize, Serialize};
 use crate::correction::CorrectionTable;
 use crate::error::{InputError, Place};
 use crate::model::{AddedEffect, LawNode, Model, ModelError};
+use crate::read_limit::{ReadLimit, read_json};
 
 /// The word by which a model file is known.
 const FORMAT: &str = "mesh-damper-model";
@@ -135,12 +136,19 @@ impl ModelFile {
     ///
     /// # Errors
     /// The file and the field: not a model file, another version, a field that is missing, unknown or of another type,
-    /// an unknown family, a coefficient or parameter out of range.
+    /// an unknown family, a coefficient or parameter out of range, more than the default [`ReadLimit`].
     pub fn read(path: impl AsRef<Path>) -> Result<Self, InputError> {
+        Self::read_within(path, ReadLimit::default())
+    }
+
+    /// [`ModelFile::read`] of a file within another limit.
+    ///
+    /// # Errors
+    /// As [`ModelFile::read`].
+    pub fn read_within(path: impl AsRef<Path>, limit: ReadLimit) -> Result<Self, InputError> {
         let path = path.as_ref();
-        let name = path.display().to_string();
-        let bytes = std::fs::read(path).map_err(|error| InputError::io(path, "read", &error))?;
-        Self::from_bytes(&name, &bytes)
+        let bytes = read_json(path, limit)?;
+        Self::from_bytes(&path.display().to_string(), &bytes)
     }
 
     /// [`ModelFile::read`] of a file's bytes; `name` is what errors call it.

@@ -175,10 +175,6 @@ fn a_row_that_was_cut_is_left_out() {
         }
     }
     assert!(read > 30);
-    // In a finished recording the last line needs no end.
-    let finished = text.replace("# unfinished: the run was under way\n", "");
-    let finished = Recording::from_bytes(Path::new("a.csv"), finished.trim_end().into()).unwrap();
-    assert_eq!(finished.len(), 12);
 }
 
 #[test]

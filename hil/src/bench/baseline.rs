@@ -7,6 +7,7 @@ use serde::{Deserialize, Serialize};
 use super::count::{Core, Count};
 use super::results::{Results, Tools};
 use crate::error::InputError;
+use crate::read_limit::{ReadLimit, read_json};
 
 /// By how much of itself a count may exceed the baseline's.
 const GATE: f64 = 0.05;
@@ -69,9 +70,17 @@ impl Baseline {
     }
 
     /// # Errors
-    /// A file that cannot be read or is no baseline.
+    /// A file that cannot be read, that is beyond the default [`ReadLimit`], or that is no baseline.
     pub fn read(path: &Path) -> Result<Self, InputError> {
-        let bytes = std::fs::read(path).map_err(|error| InputError::io(path, "read", &error))?;
+        Self::read_within(path, ReadLimit::default())
+    }
+
+    /// [`Baseline::read`] of a file within another limit.
+    ///
+    /// # Errors
+    /// As [`Baseline::read`].
+    pub fn read_within(path: &Path, limit: ReadLimit) -> Result<Self, InputError> {
+        let bytes = read_json(path, limit)?;
         serde_json::from_slice(&bytes).map_err(|error| {
             let mend = "write it anew with --bless";
             InputError::new(path.display().to_string(), error.to_string(), mend)

@@ -98,7 +98,7 @@ pub fn static_test(recording: &Recording) -> Result<StaticTest, InputError> {
             "check the signs of force and displacement",
         ));
     }
-    let mut notes = Vec::new();
+    let mut notes: Vec<String> = recording.faults().iter().map(ToString::to_string).collect();
     for (turned, channel) in [(curve.turned.0, "displacement"), (curve.turned.1, "force")] {
         if turned {
             notes.push(format!(

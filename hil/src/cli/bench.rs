@@ -7,6 +7,7 @@ use hil::bench::{self, Baseline, Verdict};
 use hil::output::Plan;
 
 use super::progress::Progress;
+use super::reading::Reading;
 use super::{Failure, bench_table, warn};
 
 /// Count the instructions of law, tick and effects in an emulator, beside their peers
@@ -28,6 +29,8 @@ pub struct BenchCommand {
     /// Write the repository's baseline anew from this run
     #[arg(long)]
     bless: bool,
+    #[command(flatten)]
+    reading: Reading,
 }
 
 impl BenchCommand {
@@ -43,7 +46,7 @@ impl BenchCommand {
         let baseline = if self.bless {
             None
         } else {
-            Some(Baseline::read(&path)?)
+            Some(Baseline::read_within(&path, self.reading.limit)?)
         };
         let progress = Progress::steps();
         let results = bench::run(&|what| progress.step(what))?;

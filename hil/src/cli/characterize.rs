@@ -9,6 +9,7 @@ use hil::recording::Recording;
 use hil::report::characterization::{dynamic_chart, static_chart};
 use serde::Serialize;
 
+use super::reading::Reading;
 use super::{Failure, say, warn};
 
 /// Stiffness and loss factor of a recording, eqs 1–7
@@ -41,6 +42,8 @@ pub struct CharacterizeCommand {
     /// Where the result goes as JSON; `-` for standard output
     #[arg(long, value_name = "FILE")]
     json: Option<PathBuf>,
+    #[command(flatten)]
+    reading: Reading,
 }
 
 /// What was found, of whichever kind.
@@ -67,7 +70,7 @@ impl CharacterizeCommand {
             .fills(self.out.as_deref(), ["characterize.svg"])
             .writes(&self.json)
             .begin()?;
-        let recording = Recording::read(&self.recording)?;
+        let recording = Recording::read_within(&self.recording, self.reading.limit)?;
         let found = if self.of_curves {
             Found::Static(static_test(&recording)?)
         } else {

@@ -17,6 +17,7 @@ mod paper;
 mod predict;
 mod programme;
 mod progress;
+mod reading;
 mod run;
 mod summary;
 mod trace;

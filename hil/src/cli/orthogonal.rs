@@ -12,6 +12,7 @@ use hil::reference::orthogonal_test::{LOSS_FACTOR, STIFFNESS};
 use hil::report::text;
 use serde::Serialize;
 
+use super::reading::Reading;
 use super::{Failure, say};
 
 /// Analyse an orthogonal test on an L9 by ranges and by variance
@@ -33,6 +34,8 @@ pub struct OrthogonalCommand {
     /// Where the result goes as JSON; `-` for standard output
     #[arg(long, value_name = "FILE")]
     json: Option<PathBuf>,
+    #[command(flatten)]
+    reading: Reading,
 }
 
 /// What the analysis came to.
@@ -49,7 +52,7 @@ impl OrthogonalCommand {
         let mut outputs = Plan::new().reads(&self.file).writes(&self.json).begin()?;
         let summary = match &self.file {
             Some(file) => Summary {
-                results: analyse(&Experiment::read(file)?),
+                results: analyse(&Experiment::read_within(file, self.reading.limit)?),
                 against_print: Vec::new(),
             },
             None => Summary {

@@ -11,6 +11,7 @@ use hil::recording::trajectory::Trajectory;
 use serde::Serialize;
 
 use super::image::{LogLevel, start_image};
+use super::reading::Reading;
 use super::{Failure, say, warn};
 
 /// A motion may exceed the one fitted by this fraction before the user is warned: overshoot and noise.
@@ -42,6 +43,8 @@ pub struct Predict {
     /// Where the error and what it was computed from go as JSON; `-` for standard output
     #[arg(long, value_name = "FILE")]
     json: Option<PathBuf>,
+    #[command(flatten)]
+    reading: Reading,
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, ValueEnum)]
@@ -74,8 +77,8 @@ impl Predict {
             .writes([&self.out])
             .writes(&self.json)
             .begin()?;
-        let file = ModelFile::read(&self.model)?;
-        let recording = Recording::read(&self.recording)?;
+        let file = ModelFile::read_within(&self.model, self.reading.limit)?;
+        let recording = Recording::read_within(&self.recording, self.reading.limit)?;
         let uniform = recording.uniform()?;
         let trajectory = Trajectory::of(&recording)?;
         let model = file.model();

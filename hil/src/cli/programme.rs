@@ -7,6 +7,7 @@ use mesh_damper::sine::{Block, Programme};
 use serde::Deserialize;
 
 use hil::error::{InputError, Place, quoted};
+use hil::read_limit::{ReadLimit, read_json};
 
 /// Most blocks of a programme.
 pub const MOST_BLOCKS: usize = 64;
@@ -94,13 +95,16 @@ pub fn parse(text: &str, tick_rate: f64) -> Result<Programme<MOST_BLOCKS>, Input
 /// The programme in a JSON file, at `tick_rate` Hz.
 ///
 /// # Errors
-/// As [`parse`], naming the file and the field.
-pub fn read(path: &Path, tick_rate: f64) -> Result<Programme<MOST_BLOCKS>, InputError> {
+/// As [`parse`], naming the file and the field; a file beyond the limit.
+pub fn read(
+    path: &Path,
+    limit: ReadLimit,
+    tick_rate: f64,
+) -> Result<Programme<MOST_BLOCKS>, InputError> {
     let name = path.display().to_string();
-    let text =
-        std::fs::read_to_string(path).map_err(|error| InputError::io(path, "read", &error))?;
+    let bytes = read_json(path, limit)?;
     let mend = "write {\"blocks\": [{\"amplitude\": 0.1, \"frequency\": 1, \"cycles\": 6}]}";
-    let mut json = serde_json::Deserializer::from_str(&text);
+    let mut json = serde_json::Deserializer::from_slice(&bytes);
     let file: ProgrammeFile = serde_path_to_error::deserialize(&mut json).map_err(|error| {
         let place = Place::Field(error.path().to_string());
         InputError::new(&name, error.inner().to_string(), mend).at(place)
@@ -167,7 +171,7 @@ mod tests {
         let json = r#"{"blocks": [{"amplitude": 0.1, "frequency": 1, "cycles": 6},
             {"amplitude": 0.2, "from": 1, "to": 20, "cycles": 50}]}"#;
         std::fs::write(file.path(), json).unwrap();
-        assert_eq!(read(file.path(), 1e4).unwrap(), text);
+        assert_eq!(read(file.path(), ReadLimit::default(), 1e4).unwrap(), text);
         let blocks: Vec<&Block> = text.blocks().collect();
         assert_eq!(*blocks[0], Block::sine(0.1, 1.0, 6).unwrap());
         let slow = parse("0.1:1e-1:6", 1e4).unwrap();
@@ -213,7 +217,9 @@ mod tests {
             ),
         ] {
             std::fs::write(file.path(), json).unwrap();
-            let error = read(file.path(), 1e4).unwrap_err().to_string();
+            let error = read(file.path(), ReadLimit::default(), 1e4)
+                .unwrap_err()
+                .to_string();
             assert!(error.contains(said), "{error}");
         }
     }

@@ -24,6 +24,7 @@ use super::image::{LogLevel, On, start_image};
 use super::law::PublishedLaw;
 use super::programme::{self, MOST_BLOCKS};
 use super::progress::Progress;
+use super::reading::Reading;
 use super::{Failure, say};
 
 /// Run the rig in the loop with a simulated actuator and specimen
@@ -85,6 +86,8 @@ pub struct RunCommand {
     /// Where the result goes as JSON as well; `-` for standard output
     #[arg(long, value_name = "FILE")]
     json: Option<PathBuf>,
+    #[command(flatten)]
+    reading: Reading,
 }
 
 /// The amplitude whose row of the paper's tables a specimen of given density follows, mm.
@@ -192,7 +195,7 @@ impl RunCommand {
             .keeps(Journal::path_in(&self.out))
             .begin()?;
         let programme = match &self.programme {
-            Some(path) => programme::read(path, self.tick_rate)?,
+            Some(path) => programme::read(path, self.reading.limit, self.tick_rate)?,
             None => programme::parse(&self.blocks, self.tick_rate)?,
         };
         let (specimen, density, described) = self.specimen()?;
@@ -312,7 +315,7 @@ impl RunCommand {
             let law = self.law.at(density, SPECIMEN_AMPLITUDE);
             return Ok((AugmentedLaw::new(law), Vec::new()));
         };
-        let model = ModelFile::read(path)?.model();
+        let model = ModelFile::read_within(path, self.reading.limit)?.model();
         let refused = |error| model_error(&path.display().to_string(), &error);
         let block_laws = amplitudes
             .map(|amplitude| model.law_at::<f32>(amplitude))

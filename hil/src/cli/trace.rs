@@ -11,6 +11,7 @@ use hil::report::{self, ReportData};
 use hil::trace::{Role, Trace, trace};
 
 use super::progress::Progress;
+use super::reading::Reading;
 use super::{Failure, say, summary};
 
 /// Find what the law lacks in recordings, and mend it
@@ -34,6 +35,8 @@ pub struct TraceCommand {
     /// Where trace.json goes as well; `-` for standard output
     #[arg(long, value_name = "FILE")]
     json: Option<PathBuf>,
+    #[command(flatten)]
+    reading: Reading,
 }
 
 impl TraceCommand {
@@ -51,7 +54,7 @@ impl TraceCommand {
         let read = |paths: &[PathBuf]| {
             paths
                 .iter()
-                .map(Recording::read)
+                .map(|path| Recording::read_within(path, self.reading.limit))
                 .collect::<Result<Vec<_>, _>>()
         };
         let recordings = read(&self.recordings)?;

@@ -10,12 +10,14 @@
 //! numbers. Columns that differ only in a number after a point are repeats of one result. Any other column is ignored.
 
 use std::cmp::Ordering;
+use std::collections::HashMap;
 use std::path::Path;
 
 use super::array::{LEVELS, RUNS};
 use super::experiment::{Defect, Experiment, Factor, Response};
-use crate::csv_text::{broken_csv, number, read_text};
+use crate::csv_text::{broken_csv, doubled, is_cut, number, read_text};
 use crate::error::{InputError, Place, quoted};
+use crate::read_limit::ReadLimit;
 
 const FACTOR: &str = "factor_";
 const RESULT: &str = "result_";
@@ -26,12 +28,21 @@ impl Experiment {
     /// Reads CSV, or gzipped CSV.
     ///
     /// # Errors
-    /// The file, the line or column, what is wrong and how to mend it: no such file, not UTF-8, empty, no factor or no
-    /// result, a column twice, not nine runs, a row too short or too long, an empty cell, a result that is no finite
-    /// number, not three levels, columns that are not orthogonal.
+    /// The file, the line or column, what is wrong and how to mend it: no such file, not UTF-8, empty, beyond the default
+    /// [`ReadLimit`], no factor or no result, a column twice, not nine runs, a row too short or too long, a last row without a line end, whose
+    /// last number may have been cut, an empty cell, a result that is no finite number, not three levels, columns that are not
+    /// orthogonal.
     pub fn read(path: impl AsRef<Path>) -> Result<Self, InputError> {
+        Self::read_within(path, ReadLimit::default())
+    }
+
+    /// [`Experiment::read`] of a file within another limit.
+    ///
+    /// # Errors
+    /// As [`Experiment::read`].
+    pub fn read_within(path: impl AsRef<Path>, limit: ReadLimit) -> Result<Self, InputError> {
         let path = path.as_ref();
-        let table = Table::parse(&path.display().to_string(), &read_text(path)?)?;
+        let table = Table::parse(&path.display().to_string(), &read_text(path, limit)?)?;
         let factors = table
             .columns(FACTOR)
             .map(|(index, name)| table.factor(index, name))
@@ -56,18 +67,27 @@ impl Table {
             .flexible(true)
             .trim(csv::Trim::All)
             .from_reader(text.as_bytes());
-        let mut records = reader.records();
-        let Some(header) = records.next() else {
+        let broken = |error: csv::Error| broken_csv(name, &error);
+        let mut header = csv::StringRecord::new();
+        if !reader.read_record(&mut header).map_err(broken)? {
             return Err(InputError::new(
                 name,
                 "is empty",
                 format!("write a header such as {HEADER} and nine rows below it"),
             ));
-        };
-        let header = header.map_err(|error| broken_csv(name, &error))?;
+        }
         let mut rows = Vec::new();
-        for record in records {
-            let row = record.map_err(|error| broken_csv(name, &error))?;
+        let mut runs = 0;
+        let mut row = csv::StringRecord::new();
+        while reader.read_record(&mut row).map_err(broken)? {
+            if is_cut(text, &reader) {
+                return Err(InputError::new(
+                    name,
+                    "the last row has no line end, so that its last number may have been cut",
+                    "check the row and end its line",
+                )
+                .at(Place::Line(line(&row))));
+            }
             if row.len() != header.len() {
                 return Err(InputError::new(
                     name,
@@ -76,19 +96,23 @@ impl Table {
                 )
                 .at(Place::Line(line(&row))));
             }
-            rows.push(row);
-        }
-        for (index, column) in header.iter().enumerate() {
-            if let Some(first) = header.iter().position(|other| other == column)
-                && first != index
-            {
-                return Err(InputError::new(
-                    name,
-                    format!("the name stands in columns {} and {}", first + 1, index + 1),
-                    "give every column its own name",
-                )
-                .at(Place::Column(column.into())));
+            runs += 1;
+            // Those beyond are only counted, for the message.
+            if runs <= RUNS {
+                rows.push(row.clone());
             }
+        }
+        if let Some((column, first, second)) = doubled(&header) {
+            return Err(InputError::new(
+                name,
+                format!(
+                    "the name stands in columns {} and {}",
+                    first + 1,
+                    second + 1
+                ),
+                "give every column its own name",
+            )
+            .at(Place::Column(column.into())));
         }
         let table = Self {
             name: name.into(),
@@ -105,10 +129,10 @@ impl Table {
                 .at(Place::Line(line(&table.header))));
             }
         }
-        if table.rows.len() != RUNS {
+        if runs != RUNS {
             return Err(InputError::new(
                 name,
-                format!("{} runs, where an L9 has {RUNS}", table.rows.len()),
+                format!("{runs} runs, where an L9 has {RUNS}"),
                 "write one row to each run, and repeats into columns result_NAME.1, result_NAME.2",
             ));
         }
@@ -176,10 +200,10 @@ impl Table {
 
     fn responses(&self) -> Result<Vec<Response>, InputError> {
         let mut responses: Vec<Response> = Vec::new();
+        let mut places = HashMap::new();
         for (column, name) in self.columns(RESULT) {
             let name = without_repeat(name);
-            let place = responses.iter().position(|known| known.name == name);
-            let place = place.unwrap_or_else(|| {
+            let place = *places.entry(name).or_insert_with(|| {
                 responses.push(Response {
                     name: name.into(),
                     runs: Default::default(),

@@ -2,7 +2,8 @@
 //!
 //! Files are CSV or CSV.gz: `#` comment lines, a header whose names carry their unit, then samples. `time_s`, a
 //! displacement and a force are required; `velocity_mm_s` (or `velocity_mm/s`) and `temperature_degC` are used when
-//! there; any other column is kept and ignored. See [`units`] for the units known.
+//! there; any other column is kept and ignored. See [`units`] for the units known. Every row ends with a line end: a last one
+//! without it may have been cut within its last number, and is left out.
 
 pub mod averaging;
 mod channel;
@@ -17,6 +18,7 @@ pub mod noise;
 mod polynomial;
 mod read;
 mod resample;
+mod rows;
 pub mod spectrum;
 pub mod trajectory;
 pub mod units;
@@ -29,8 +31,9 @@ pub(crate) use write::decimal;
 
 use crate::error::{InputError, Place};
 use faults::Fault;
+use rows::Rows;
 
-/// The key of the comment that marks the recording of a run under way: a last line without an end is a row that was cut.
+/// The key of the comment that marks the recording of a run under way.
 pub const UNFINISHED: &str = "unfinished";
 
 /// The fewest samples that a recording may have: what estimating its motion needs.
@@ -65,7 +68,7 @@ pub struct Recording {
 #[derive(Clone, Debug, PartialEq)]
 struct Source {
     header: csv::StringRecord,
-    rows: Vec<csv::StringRecord>,
+    rows: Rows,
 }
 
 impl Recording {
@@ -158,8 +161,8 @@ impl Recording {
     fn line(&self, index: usize) -> u64 {
         self.source
             .as_ref()
-            .and_then(|source| source.rows.get(index)?.position())
-            .map_or(index as u64 + 1, |position| position.line())
+            .and_then(|source| source.rows.line(index))
+            .unwrap_or(index as u64 + 1)
     }
 
     /// The invariants that the type's documentation states.

@@ -4,23 +4,35 @@ use std::path::Path;
 
 use super::channel::Channel;
 use super::faults::{Fault, Kind};
+use super::rows::Rows;
 use super::units::{Unit, Units};
-use super::{Recording, Source, UNFINISHED, declaration};
-use crate::csv_text::{broken_csv, is_blank, number, read_bytes, text_of};
+use super::{Recording, Source};
+use crate::csv_text::{broken_csv, doubled, is_blank, is_cut, number, read_text, text_of};
 use crate::error::{InputError, Place, quoted};
+use crate::read_limit::ReadLimit;
 
 impl Recording {
     /// Reads CSV, or gzipped CSV: the file's first bytes say which, not its name. A row whose displacement or force is an
-    /// empty cell or `NaN` is a sample that is missing: it is left out. So is a row that is the one before once more.
+    /// empty cell or `NaN` is a sample that is missing: it is left out. So is a row that is the one before once more, and a
+    /// last row without a line end: its last number may have been cut, and nothing tells 1.2 from the beginning of 1.25. Of
+    /// rows that repeat, and of one that may have been cut, [`Recording::faults`] tells.
     ///
     /// # Errors
     /// The file, the line or column, what is wrong and how to mend it: no such file, a directory, damaged gzip, not
-    /// UTF-8, empty, no header, a missing or doubled column, an unknown unit, a row too short or too long, a cell that
-    /// no finite number or, but for a missing sample's, empty, time that does
+    /// UTF-8, empty, beyond the default [`ReadLimit`], no header, a missing or doubled column, an unknown unit, a row too short
+    /// or too long, a cell that is no finite number or, but for a missing sample's, empty, time that does
     /// not increase from one row to another, too few samples, a constant displacement.
     pub fn read(path: impl AsRef<Path>) -> Result<Self, InputError> {
+        Self::read_within(path, ReadLimit::default())
+    }
+
+    /// [`Recording::read`] of a file within another limit.
+    ///
+    /// # Errors
+    /// As [`Recording::read`].
+    pub fn read_within(path: impl AsRef<Path>, limit: ReadLimit) -> Result<Self, InputError> {
         let path = path.as_ref();
-        Self::from_bytes(path, read_bytes(path)?)
+        Self::parse(path, &read_text(path, limit)?, limit)
     }
 
     /// [`Recording::read`] of a file's bytes; `path` is what errors call it.
@@ -28,28 +40,24 @@ impl Recording {
     /// # Errors
     /// As [`Recording::read`], but for what the file system says.
     pub fn from_bytes(path: &Path, bytes: Vec<u8>) -> Result<Self, InputError> {
-        Self::parse(path, &text_of(path, bytes)?)
+        let limit = ReadLimit::default();
+        Self::parse(path, &text_of(path, bytes.as_slice(), limit)?, limit)
     }
 
-    fn parse(path: &Path, text: &str) -> Result<Self, InputError> {
+    fn parse(path: &Path, text: &str, limit: ReadLimit) -> Result<Self, InputError> {
         let name = path.display().to_string();
-        let comments = comments_of(text);
-        let is_unfinished = |comment: &String| declaration(comment, UNFINISHED).is_some();
-        let text = if comments.iter().any(is_unfinished) {
-            text.rfind('\n').map_or("", |end| &text[..=end])
-        } else {
-            text
-        };
+        let comments = comments_of(&name, text, limit)?;
         let mut reader = csv::ReaderBuilder::new()
             .comment(Some(b'#'))
             .has_headers(false)
             .flexible(true)
             .trim(csv::Trim::All)
             .from_reader(text.as_bytes());
-        let mut records = reader.records();
-        let header = match records.next() {
-            Some(record) => record.map_err(|error| broken_csv(&name, &error))?,
-            None => {
+        let mut header = csv::StringRecord::new();
+        match reader.read_record(&mut header) {
+            Ok(true) => {}
+            Err(error) => return Err(broken_csv(&name, &error)),
+            Ok(false) => {
                 let problem = if text.trim().is_empty() {
                     "is empty"
                 } else {
@@ -61,15 +69,20 @@ impl Recording {
                     "write a header such as time_s,displacement_mm,force_kN and samples below it",
                 ));
             }
-        };
+        }
         let columns = Columns::find(&name, &header)?;
 
         let mut channels = vec![Vec::new(); columns.used.len()];
-        let mut rows = Vec::new();
+        let mut rows = Rows::default();
         let (mut blank, mut first_blank) = (0, None);
-        let mut repeated = 0;
-        for record in records {
-            let row = record.map_err(|error| broken_csv(&name, &error))?;
+        let (mut repeated, mut cut) = (0, false);
+        let mut row = csv::StringRecord::new();
+        while (reader.read_record(&mut row)).map_err(|error| broken_csv(&name, &error))? {
+            if is_cut(text, &reader) {
+                // The reader makes an empty row of a comment there.
+                cut = row.iter().any(|cell| !cell.is_empty());
+                break;
+            }
             let line = row.position().map_or(0, csv::Position::line);
             if row.len() != header.len() {
                 return Err(InputError::new(
@@ -109,7 +122,7 @@ impl Recording {
             for (channel, value) in channels.iter_mut().zip(values) {
                 channel.push(value);
             }
-            rows.push(row);
+            rows.push(&row, line);
         }
         if blank > rows.len()
             && let Some(error) = first_blank
@@ -136,6 +149,12 @@ impl Recording {
                 kind: Kind::Repeated { samples: repeated },
             });
         }
+        if cut {
+            recording.faults.push(Fault {
+                channel: Channel::Time,
+                kind: Kind::Cut,
+            });
+        }
         for (channel, Column { quantity, unit, .. }) in channels.into_iter().zip(columns.used) {
             match quantity {
                 Channel::Time => (recording.time, units.time) = (channel, unit),
@@ -158,16 +177,24 @@ impl Recording {
 }
 
 /// The texts of the lines that begin with `#` and do not stand within a quoted cell.
-fn comments_of(text: &str) -> Vec<String> {
+fn comments_of(file: &str, text: &str, limit: ReadLimit) -> Result<Vec<String>, InputError> {
     let mut quoted = false;
     let mut comments = Vec::new();
+    let mut bytes = 0;
     for line in text.lines() {
         match line.strip_prefix('#') {
-            Some(comment) if !quoted => comments.push(comment.trim().replace('\r', " ")),
+            Some(comment) if !quoted => {
+                // Each takes more memory than its text, so that many short ones take many times the file.
+                bytes += line.len() as u64 + 1;
+                if bytes > limit.line() {
+                    return Err(limit.exceeded_by(file, "has comments of", "all comments"));
+                }
+                comments.push(comment.trim().replace('\r', " "));
+            }
             _ => quoted ^= line.matches('"').count() % 2 == 1,
         }
     }
-    comments
+    Ok(comments)
 }
 
 /// A column that is used.
@@ -204,17 +231,19 @@ impl Columns {
                 header.position().map_or(1, csv::Position::line),
             )));
         }
+        if let Some((name, first, second)) = doubled(header) {
+            return Err(fail(
+                name,
+                format!(
+                    "the name stands in columns {} and {}",
+                    first + 1,
+                    second + 1
+                ),
+                "give every column its own name".into(),
+            ));
+        }
         let mut used: Vec<Column> = Vec::new();
         for (index, name) in header.iter().enumerate() {
-            if let Some(first) = header.iter().position(|other| other == name)
-                && first != index
-            {
-                return Err(fail(
-                    name,
-                    format!("the name stands in columns {} and {}", first + 1, index + 1),
-                    "give every column its own name".into(),
-                ));
-            }
             let Some((quantity, symbol)) = quantity_of(name) else {
                 continue;
             };

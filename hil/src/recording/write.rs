@@ -28,7 +28,11 @@ impl Recording {
             bytes.extend(format!("# {}\n", comment.replace(['\n', '\r'], " ")).bytes());
         }
         let column = format!("predicted_force_{}", self.units.force.symbol);
-        let (header, rows) = self.table();
+        let channels = self.channels();
+        let header: csv::StringRecord = match &self.source {
+            Some(source) => source.header.clone(),
+            None => channels.iter().map(|(name, ..)| name).collect(),
+        };
         let replaced = predicted.and(header.iter().position(|name| *name == column));
         // A first cell that begins as a comment does is quoted.
         let mut writer = csv::WriterBuilder::new()
@@ -44,22 +48,28 @@ impl Recording {
             let _ = writer.write_record(kept.chain(last));
         };
         line(&header, predicted.is_some().then(|| column.clone()));
-        for (index, row) in rows.iter().enumerate() {
+        let mut cells = self.source.iter().flat_map(|source| source.rows.cells());
+        let mut row = csv::StringRecord::new();
+        for index in 0..self.len() {
             let force = predicted
                 .map(|values| values.get(index).copied().unwrap_or_default())
                 .map(|force| decimal(force / self.units.force.scale));
-            line(row, force);
+            row.clear();
+            match &self.source {
+                Some(_) => row.extend(cells.by_ref().take(header.len())),
+                None => row.extend(channels.iter().map(|(_, scale, channel)| {
+                    decimal(channel.get(index).copied().unwrap_or_default() / scale)
+                })),
+            }
+            line(&row, force);
         }
         writer.into_inner().unwrap_or_default()
     }
 
-    /// Header and rows: those of the file where there is one.
-    fn table(&self) -> (csv::StringRecord, Vec<csv::StringRecord>) {
-        if let Some(source) = &self.source {
-            return (source.header.clone(), source.rows.clone());
-        }
+    /// Each channel's column name, its unit in the code's, and its samples.
+    fn channels(&self) -> Vec<(String, f64, &[f64])> {
         let units = &self.units;
-        let channels: Vec<(String, f64, &[f64])> = [
+        [
             ("time", units.time, Some(&self.time)),
             ("displacement", units.displacement, Some(&self.displacement)),
             ("force", units.force, Some(&self.force)),
@@ -71,17 +81,7 @@ impl Recording {
             let name = format!("{name}_{}", unit.symbol);
             Some((name, unit.scale, channel?.as_slice()))
         })
-        .collect();
-        let header = channels.iter().map(|(name, ..)| name.as_str()).collect();
-        let rows = (0..self.len())
-            .map(|index| {
-                let cell = |(_, scale, channel): &(String, f64, &[f64])| {
-                    decimal(channel.get(index).copied().unwrap_or_default() / scale)
-                };
-                channels.iter().map(cell).collect::<Vec<_>>().into()
-            })
-            .collect();
-        (header, rows)
+        .collect()
     }
 }
 

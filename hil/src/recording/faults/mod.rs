@@ -51,6 +51,8 @@ pub enum Kind {
         /// How many.
         samples: usize,
     },
+    /// A last row without a line end, whose last number may have been cut.
+    Cut,
     /// Samples that are not there.
     Missing {
         /// How many.
@@ -133,6 +135,10 @@ impl std::fmt::Display for Fault {
                 f,
                 "rows written twice: {}; the second was left out",
                 counted(samples)
+            ),
+            Kind::Cut => write!(
+                f,
+                "the last row has no line end, so that its last number may have been cut; the row was left out"
             ),
             Kind::Missing { samples, gaps } => write!(
                 f,
