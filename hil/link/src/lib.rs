@@ -1,4 +1,4 @@
-//! The simulated rig with its controller at the other end of a wire: the crate as an image for a microcontroller, in an emulator.
+//! The simulated rig with its controller at the other end of a wire: the crate as a microcontroller's image, in an emulator.
 //!
 //! Results are those of the controller in this process, to the last bit. Building an image takes the compiler's target, and
 //! running it takes the emulator; what is missing is said in one line with how to get it.

@@ -13,7 +13,7 @@ use mesh_damper_link::lockstep::run_rig_on;
 use mesh_damper_model::MAX_EFFECTS;
 use mesh_damper_recording::error::InputError;
 use mesh_damper_rig::specimen::Specimen;
-use mesh_damper_rig::{RigRun, RigSetup, TICK_RATE};
+use mesh_damper_rig::{RigRun, RigSetup, SetupError, TICK_RATE};
 
 use super::results::{Rate, Size};
 use super::sizes;
@@ -81,7 +81,10 @@ fn of_image(elf: &Path) -> Result<Vec<Size>, InputError> {
 fn run(board: Board, setup: Setup) -> Result<(RigRun, u32, Instant), InputError> {
     let mut image = Image::start(board, Box::new(|_| ()))?;
     let start = Instant::now();
-    let run = run_rig_on(&mut image, setup, |_| ()).map_err(|error| failed(&error.to_string()))?;
+    let run = run_rig_on(&mut image, setup, |_| ()).map_err(|error| match error {
+        SetupError::Link(error) => error,
+        error => failed(&error.to_string()),
+    })?;
     if let Some((_, fault)) = run.faults.first() {
         return Err(failed(&format!("it stopped: {fault:?}")));
     }
