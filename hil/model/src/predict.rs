@@ -43,6 +43,9 @@ fn halfway(from: &Motion<f64>, to: &Motion<f64>, tick: f64) -> Motion<f64> {
 }
 
 /// What `seen` makes of the force in kN and the effects' state at every sample of `trajectory`.
+///
+/// # Errors
+/// A model that the crate refuses.
 pub fn run<T>(
     model: &Model,
     trajectory: &Trajectory,

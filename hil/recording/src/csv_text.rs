@@ -8,7 +8,10 @@ use crate::error::{InputError, Place, quoted};
 /// The two bytes with which every gzip member begins (RFC 1952, 2.3.1).
 const GZIP_MAGIC: [u8; 2] = [0x1f, 0x8b];
 
-/// The file's text; see [`text_of`].
+/// The file's text, unzipped where it is gzip, without a byte order mark.
+///
+/// # Errors
+/// The file and why it cannot be read: a folder, broken gzip, or no UTF-8, with its line.
 pub fn read_text(path: &Path) -> Result<String, InputError> {
     text_of(path, read_bytes(path)?)
 }
@@ -58,7 +61,10 @@ pub(crate) fn text_of(path: &Path, mut bytes: Vec<u8>) -> Result<String, InputEr
     })
 }
 
-/// The finite number in a cell, or what is wrong with it and how to mend it.
+/// The finite number in a cell.
+///
+/// # Errors
+/// What is wrong with it, and how to mend it.
 pub fn number(cell: &str) -> Result<f64, (String, &'static str)> {
     const MEND: &str = "remove the row or mend the value";
     if cell.is_empty() {

@@ -85,7 +85,7 @@ impl Recording {
     }
 }
 
-/// `value` to [`DIGITS`] significant digits, without trailing zeros or an exponent.
+/// `value` to nine significant digits, as recordings are written, without trailing zeros or an exponent.
 pub fn decimal(value: f64) -> String {
     let digits = DIGITS - 1;
     let rounded: f64 = format!("{value:.digits$e}").parse().unwrap_or(value);
