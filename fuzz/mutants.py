@@ -49,7 +49,7 @@ def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--every", type=int, default=16, metavar="N")
     parser.add_argument("--first", type=int, default=0, metavar="K", help="of each N, from 0")
-    parser.add_argument("--then", nargs="*", default=["faults"], metavar="TEST", help="of the harness (default: faults)")
+    parser.add_argument("--then", nargs="*", default=["faults"], metavar="TEST", help="of the simulated rig (default: faults)")
     parser.add_argument("--commit", default="HEAD")
     parser.add_argument("--work", type=pathlib.Path, required=True)
     options = parser.parse_args()
@@ -185,12 +185,12 @@ class Tree:
         """The test programs, the quickest of the crate's first and then the harness's; those of a mutant that is built alone
         take as long as the `known` ones. `None` where they do not build."""
         crate = self.built(["--package", "mesh-damper", "--lib", "--tests"])
-        others = self.built(["--package", "mesh-damper-hil", *harness]) if harness else []
+        others = self.built(["--package", "mesh-damper-rig", *harness]) if harness else []
         if crate is None or others is None:
             return None
         seconds = {program.name: program.seconds for program in known or []}
         crate = [Program(name, path, self.root, seconds.get(name)) for name, path in crate]
-        others = [Program(name, path, self.root / "hil", seconds.get(name)) for name, path in others]
+        others = [Program(name, path, self.root / "hil/rig", seconds.get(name)) for name, path in others]
         return sorted(crate, key=lambda program: program.seconds) + others
 
     def built(self, chosen):

@@ -1,14 +1,14 @@
-//! The integers against f64: closed forms, the paper's equations in `hil::reference`, and every value that fits in.
+//! The integers against f64: closed forms, the paper's equations in `mesh_damper_reference`, and every value that fits in.
 
 use std::f64::consts::{PI, TAU};
 
-use hil::reference::law::Coefficients;
-use hil::reference::{dynamic_test, tables};
 use mesh_damper::error::ConfigError;
 use mesh_damper::fixed_point::{
     Cycle, CycleAccumulator, Law, Part, RAMP_CYCLES_MAX, RawCycle, Scales, Sine, SineGenerator,
 };
 use mesh_damper::law;
+use mesh_damper_reference::law::Coefficients;
+use mesh_damper_reference::{dynamic_test, tables};
 use proptest::prelude::*;
 
 mod largest;

@@ -4,7 +4,6 @@ use std::alloc::{GlobalAlloc, Layout, System};
 use std::cell::Cell;
 use std::rc::Rc;
 
-use hil::actuator::{AdcPins, DacPins, SimulatedAd5761, SimulatedAds8688, enable_line};
 use mesh_damper::adc::{Ads8688, INPUT_RANGE};
 use mesh_damper::converter::Scale;
 use mesh_damper::cycle::CycleAccumulator;
@@ -14,6 +13,7 @@ use mesh_damper::rig::{CycleReport, Rig, RigSettings, State};
 use mesh_damper::sine::{Block, Programme, SineGenerator};
 use mesh_damper::table::PAPER;
 use mesh_damper::tabulated::{RunningLaw, TabulatedLaw};
+use mesh_damper_rig::actuator::{AdcPins, DacPins, SimulatedAd5761, SimulatedAds8688, enable_line};
 
 thread_local! {
     static ALLOCATIONS: Cell<u64> = const { Cell::new(0) };

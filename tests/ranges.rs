@@ -1,6 +1,5 @@
 //! Every constructor takes exactly the range that it documents, of every number, and names the one that it refuses.
 
-use hil::link::{EmulatorBench, EmulatorSetup, SetupError};
 use mesh_damper::amplitude_free;
 use mesh_damper::converter::Scale;
 use mesh_damper::crossing::{CrossingAccumulator, CrossingDetector};
@@ -17,6 +16,7 @@ use mesh_damper::observer::ObserverConfig;
 use mesh_damper::power::PowerSeed;
 use mesh_damper::rig::{EmulatorSettings, RigSettings};
 use mesh_damper::sine::{Block, Programme};
+use mesh_damper_rig::{EmulatorBench, EmulatorSetup, SetupError};
 use proptest::prelude::*;
 
 /// One number of a constructor.

@@ -4,9 +4,6 @@ use std::cell::Cell;
 use std::f64::consts::TAU;
 use std::rc::Rc;
 
-use hil::actuator::{AdcPins, DacPins, SensorFault, ServoFault, SimulatedAd5761, SimulatedAds8688};
-use hil::link::{Bench, RigSetup};
-use hil::specimen::Specimen;
 use mesh_damper::adc::Ads8688;
 use mesh_damper::converter::Scale;
 use mesh_damper::dac::{Ad5761, OUTPUT_RANGE};
@@ -17,6 +14,11 @@ use mesh_damper::law::Law;
 use mesh_damper::rig::{Fault, Rig, RigSettings, State, Telemetry};
 use mesh_damper::sine::{Block, Programme};
 use mesh_damper::tabulated::{RunningLaw, TabulatedLaw};
+use mesh_damper_rig::actuator::{
+    AdcPins, DacPins, SensorFault, ServoFault, SimulatedAd5761, SimulatedAds8688,
+};
+use mesh_damper_rig::specimen::Specimen;
+use mesh_damper_rig::{Bench, RigSetup};
 use proptest::prelude::*;
 
 const TICK_RATE: f64 = 10_000.0;
@@ -585,7 +587,7 @@ fn settings_are_refused_by_name() {
         let mut setup = setup(3.0, &[(0.1, 1.0, 1)]);
         change(&mut setup.settings);
         match Bench::new(setup).err().unwrap() {
-            hil::link::SetupError::Config(
+            mesh_damper_rig::SetupError::Config(
                 ConfigError::NonFinite(field) | ConfigError::OutOfRange { field, .. },
             ) => field,
             other => panic!("{other}"),

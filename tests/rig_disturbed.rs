@@ -3,14 +3,14 @@
 use std::cell::Cell;
 use std::rc::Rc;
 
-use hil::actuator::SensorFault;
-use hil::faults::{Condition, Damaged};
-use hil::link::{Bench, RigSetup};
 use mesh_damper::effects::AugmentedLaw;
 use mesh_damper::health::{Cause, Channel};
 use mesh_damper::law::Law;
 use mesh_damper::rig::{State, Telemetry};
 use mesh_damper::sine::{Block, Programme};
+use mesh_damper_rig::actuator::{SensorFault, ServoFault};
+use mesh_damper_rig::faults::{Condition, Damaged};
+use mesh_damper_rig::{Bench, RigSetup};
 
 const TICK_RATE: f64 = 10_000.0;
 /// mm.
@@ -192,7 +192,7 @@ fn an_actuator_that_lags_after_a_spike_is_found() {
         test.run_to(SPIKE);
         test.spike(channel, size);
         test.run_to(BREAK);
-        test.bench.plant.servo.fault = hil::actuator::ServoFault::Lagging(100);
+        test.bench.plant.servo.fault = ServoFault::Lagging(100);
         test.run_to(BREAK + 4);
         assert!(
             matches!(

@@ -2,14 +2,14 @@
 
 use std::f64::consts::TAU;
 
-use hil::actuator::SensorFault;
-use hil::link::{EmulatorBench, EmulatorSetup, SetupError};
-use hil::reference::law::Coefficients;
 use mesh_damper::effects::{AugmentedLaw, Drift, Effect};
 use mesh_damper::error::ConfigError;
 use mesh_damper::law::Law;
 use mesh_damper::rig::{EmulatorSettings, Fault, State};
 use mesh_damper::tabulated::TabulatedLaw;
+use mesh_damper_reference::law::Coefficients;
+use mesh_damper_rig::actuator::SensorFault;
+use mesh_damper_rig::{EmulatorBench, EmulatorSetup, SetupError};
 
 const H: f64 = 1e-4;
 const RANGE: f64 = 5.0;

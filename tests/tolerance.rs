@@ -1,12 +1,9 @@
 //! How far the crate's f32 may be from the paper's equations in f64: one table, each entry derived.
 //!
-//! The oracle is `hil::reference`, which shares no code with the crate.
+//! The oracle is `mesh_damper_reference`, which shares no code with the crate.
 
 use std::f64::consts::TAU;
 
-use hil::reference::law::Coefficients;
-use hil::reference::turn::sin_cos_of_turn;
-use hil::reference::{dynamic_test, tables};
 use mesh_damper::cycle::CycleAccumulator;
 use mesh_damper::effects::AugmentedLaw;
 use mesh_damper::law::Law;
@@ -14,6 +11,9 @@ use mesh_damper::sine::{Block, Programme, SineGenerator};
 use mesh_damper::table::PAPER;
 use mesh_damper::tabulated::TabulatedLaw;
 use mesh_damper::virtual_test::VirtualTest;
+use mesh_damper_reference::law::Coefficients;
+use mesh_damper_reference::turn::sin_cos_of_turn;
+use mesh_damper_reference::{dynamic_test, tables};
 
 mod largest;
 

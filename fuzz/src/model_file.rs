@@ -2,9 +2,9 @@
 
 use std::sync::LazyLock;
 
-use hil::correction::{CorrectionTable, MemoryAxis, Remembered};
-use hil::model::{AddedEffect, Family, LawNode, Model};
-use hil::model_file::{FittedRange, ModelFile};
+use mesh_damper_model::correction::{CorrectionTable, MemoryAxis, Remembered};
+use mesh_damper_model::{AddedEffect, Family, LawNode, Model};
+use mesh_damper_model::file::{FittedRange, ModelFile};
 use mesh_damper::effects::correction::CELLS;
 use mesh_damper::pack;
 use mesh_damper::tabulated::TabulatedLaw;

@@ -4,7 +4,7 @@ use std::io::Write as _;
 use std::path::Path;
 use std::sync::LazyLock;
 
-use hil::recording::Recording;
+use mesh_damper_recording::Recording;
 
 use crate::edit::edited;
 

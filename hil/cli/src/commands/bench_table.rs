@@ -1,0 +1,208 @@
+//! What `hil bench` prints.
+
+use mesh_damper_studies::bench::{BLOCK, Core, Results, Verdict};
+
+use super::say;
+
+/// Counts that belong together.
+struct Section {
+    core: Core,
+    title: &'static str,
+    rows: &'static [Row],
+}
+
+/// A count as a line.
+struct Row {
+    name: &'static str,
+    moment: &'static str,
+    label: &'static str,
+    /// Ticks that a call does.
+    ticks: usize,
+}
+
+const fn row(name: &'static str, moment: &'static str, label: &'static str) -> Row {
+    Row {
+        name,
+        moment,
+        label,
+        ticks: 1,
+    }
+}
+
+const SECTIONS: [Section; 6] = [
+    Section {
+        core: Core::CortexM4f,
+        title: "|v|^α, α 0.15…0.56, v 1e-6…20 mm/s",
+        rows: &[
+            row("power/general", "call", "any α"),
+            row("power/table", "call", "from a table, c·|v|^α·sgn v"),
+            row("power/libm", "call", "libm powf"),
+            row("power/micromath", "call", "micromath powf"),
+            row("power/c", "call", "C, newlib powf"),
+        ],
+    },
+    Section {
+        core: Core::CortexM4f,
+        title: "a whole tick: generator, law, cycle",
+        rows: &[
+            row("tick/whole", "steady", "steady"),
+            row("tick/whole", "spread", "  same tick, by other data"),
+            row("tick/whole", "cycle-end", "at a cycle's end"),
+            row("tick/whole", "swap", "after a swap of coefficients"),
+            row("tick/whole", "ramp", "in a ramp"),
+            Row {
+                ticks: BLOCK,
+                ..row("tick/block", "steady", "in blocks of 64")
+            },
+            row(
+                "tick/parts",
+                "steady",
+                "from the parts that serve any motion",
+            ),
+            row("tick/parts", "cycle-end", "  at a cycle's end"),
+            row("tick/naive", "steady", "Rust on libm"),
+            row("tick/naive", "cycle-end", "  at a cycle's end"),
+            row("tick/c", "steady", "C on newlib"),
+            row("tick/c", "cycle-end", "  at a cycle's end"),
+        ],
+    },
+    Section {
+        core: Core::CortexM4f,
+        title: "the law with effects",
+        rows: &[
+            row("effects/none", "call", "none"),
+            row("effects/offset", "call", "offset"),
+            row("effects/asymmetry", "call", "asymmetry"),
+            row("effects/hardening", "call", "hardening"),
+            row("effects/stick_slip_1", "call", "stick-slip, 1 element"),
+            row("effects/stick_slip", "call", "stick-slip, 6 elements"),
+            row("effects/viscous", "call", "viscous"),
+            row("effects/relaxation", "call", "relaxation"),
+            row("effects/inertia", "call", "inertia"),
+            row("effects/drift", "call", "drift"),
+            row("effects/temperature", "call", "temperature"),
+            row("effects/load_friction", "call", "load friction"),
+            row("effects/all_stick_slip_1", "call", "these ten, 1 element"),
+            row("effects/all", "call", "these ten, 6 elements"),
+            row("effects/stop", "call", "stop, 2 contacts"),
+            row("effects/bouc_wen", "call", "Bouc–Wen"),
+            row("effects/periodic", "call", "periodic"),
+            row("effects/gap", "call", "gap"),
+            row("effects/compliance", "call", "compliance"),
+            row("effects/delay", "call", "delay"),
+            row("effects/all_with_stages", "call", "all sixteen, 6 elements"),
+        ],
+    },
+    Section {
+        core: Core::CortexM4f,
+        title: "the law with a correction without a name",
+        rows: &[
+            row("correction/without_memory", "call", "of the motion alone"),
+            row("correction/place", "call", "with a finer line"),
+            row("correction/sides", "call", "with two sides"),
+            row("correction/temperature", "call", "over temperature"),
+            row("correction/acceleration", "call", "over acceleration"),
+            row("correction/frequency", "call", "over the frequency"),
+            row("correction/slip", "call", "remembering a slip"),
+            row("correction/lag", "call", "a lag"),
+            row("correction/travel", "call", "travel"),
+            row("correction/largest", "call", "the largest displacement"),
+            row("correction/level", "call", "a level"),
+            row("correction/age", "call", "its age"),
+            row("correction/cycles", "call", "the cycles"),
+        ],
+    },
+    Section {
+        core: Core::CortexM4f,
+        title: "the rig",
+        rows: &[
+            row("rig/tick", "steady", "tick, its bus answered from memory"),
+            row("rig/tick", "cycle-end", "  at a cycle's end"),
+            row("rig/unmonitored", "steady", "  without its monitor"),
+            row("crossing/update", "steady", "cycle of a measured motion"),
+            row("crossing/update", "cycle-end", "  at its end"),
+        ],
+    },
+    Section {
+        core: Core::CortexM0,
+        title: "a whole tick without floating-point unit",
+        rows: &[
+            row("fixed/tick", "steady", "in integers"),
+            row("fixed/tick", "cycle-end", "  at a cycle's end"),
+            row("fixed/tick", "ramp", "  in a ramp"),
+            row("fixed/cycle", "call", "  a cycle's results in their units"),
+            row("tick/whole", "steady", "the tick above, floats in software"),
+            row("tick/whole", "cycle-end", "  at a cycle's end"),
+            row("tick/naive", "steady", "on libm, floats in software"),
+        ],
+    },
+];
+
+/// Prints every count with its errors, the sizes, the rates and the limits.
+pub fn print(results: &Results) {
+    for Section { core, title, rows } in SECTIONS {
+        say(&format!(
+            "{title:40} {:>9} {:>8} {:>8}",
+            "mean", "least", "most"
+        ));
+        for row in rows {
+            let &Row {
+                name,
+                moment,
+                label,
+                ticks,
+            } = row;
+            let Some(count) = results.count(core, name, moment) else {
+                continue;
+            };
+            let ticks = ticks as f64;
+            let errors: String = results
+                .errors
+                .iter()
+                .filter(|error| error.name == name && matches!(moment, "call" | "steady"))
+                // Judged where they are at home.
+                .filter(|_| core == Core::CortexM4f || name.starts_with("fixed/"))
+                .map(|error| format!("  {} {:.1e}", error.of, error.error))
+                .collect();
+            say(&format!(
+                "  {label:38} {:9.1} {:8.1} {:8.1}{errors}",
+                count.mean / ticks,
+                count.least as f64 / ticks,
+                count.most as f64 / ticks
+            ));
+        }
+    }
+    say("Instructions, exact, of a Cortex-M4F and a Cortex-M0; the largest errors against f64.");
+    for size in &results.sizes {
+        say(&format!(
+            "  {}, {}: {} bytes",
+            size.name, size.of, size.bytes
+        ));
+    }
+    for rate in &results.rates {
+        say(&format!(
+            "  {}: {:.0} a second, {:.0} times real time",
+            rate.name, rate.per_second, rate.times_real_time
+        ));
+    }
+    say(&format!("{:40} {:>10}   asked for", "limits", "figure"));
+    for verdict in &results.limits {
+        print_verdict(verdict);
+    }
+}
+
+fn print_verdict(verdict: &Verdict) {
+    let held = match (verdict.figure, verdict.holds(), verdict.excuse) {
+        (None, ..) => "not measured",
+        (_, true, _) => "held",
+        (_, false, Some(excuse)) => &format!("not reached: {excuse}"),
+        (_, false, None) => "NOT HELD",
+    };
+    say(&format!(
+        "  {:38} {:>10}   {} {}: {held}",
+        verdict.name,
+        verdict.figure(),
+        verdict.asked_for(),
+        verdict.unit
+    ));
+}

@@ -1,0 +1,206 @@
+//! `hil blind`: the tracer on trial.
+
+use std::path::PathBuf;
+use std::sync::atomic::{AtomicU64, Ordering};
+
+use clap::Args;
+use mesh_damper_recording::output::Plan;
+use mesh_damper_studies::blind::{self, Class, FLOORS, Mark, Outcome, Rate, Summary};
+
+use super::progress::Progress;
+use super::{Failure, say};
+
+/// Trace specimens whose hidden effects are drawn by seeds that the tracer never sees, and count what it gets right
+///
+/// Prints the rates, the error ratios and the confusion matrix.
+#[derive(Args, Debug)]
+#[command(
+    after_help = "Examples:\n  hil blind --seeds 50\n  hil blind --show 7 --out blind-7\n\n\
+    Of every 50 seeds 10 hide nothing, 18 a listed effect, 9 two of them, 13 an unlisted one. Rates count effects of which\n\
+    eq 13, fitted at each amplitude by itself, leaves at least 3 times the noise."
+)]
+pub struct BlindCommand {
+    /// How many seeds
+    #[arg(long, value_name = "N", default_value_t = 50, value_parser = clap::value_parser!(u64).range(1..=1_000_000))]
+    seeds: u64,
+    /// The first of them
+    #[arg(long, value_name = "N", default_value_t = 0, value_parser = clap::value_parser!(u64).range(..=1_000_000_000))]
+    first: u64,
+    /// Only this seed: what it hides, and what is said of it
+    #[arg(long, value_name = "SEED", conflicts_with_all = ["seeds", "first", "check", "json"])]
+    show: Option<u64>,
+    /// With --show: where its recordings go, as training.csv.gz and held-out.csv.gz
+    #[arg(long, value_name = "DIR", requires = "show")]
+    out: Option<PathBuf>,
+    /// Fail (exit code 1) where a rate is below the one recorded
+    #[arg(long)]
+    check: bool,
+    /// Where all results go as JSON; `-` for standard output
+    #[arg(long, value_name = "FILE")]
+    json: Option<PathBuf>,
+}
+
+impl BlindCommand {
+    pub fn run(self) -> Result<(), Failure> {
+        if let Some(seed) = self.show {
+            return self.show(seed);
+        }
+        let mut outputs = Plan::new().writes(&self.json).begin()?;
+        let progress = Progress::of(self.seeds);
+        progress.step("tracing");
+        let finished = AtomicU64::new(0);
+        let summary = blind::run(self.first..self.first + self.seeds, &|_| {
+            progress.done(finished.fetch_add(1, Ordering::Relaxed) + 1);
+        });
+        drop(progress);
+        if let Some(json) = &self.json {
+            outputs.add_json(json, &summary)?;
+        }
+        outputs.write()?;
+        if self.json.as_deref() != Some(std::path::Path::new("-")) {
+            print(&summary);
+        }
+        let missed = FLOORS.missed(&summary);
+        if self.check && !missed.is_empty() {
+            return Err(Failure::Check(missed.join("\n")));
+        }
+        Ok(())
+    }
+
+    fn show(&self, seed: u64) -> Result<(), Failure> {
+        let names = ["training.csv.gz", "held-out.csv.gz"];
+        let mut outputs = Plan::new().fills(self.out.as_deref(), names).begin()?;
+        let trial = blind::draw(seed);
+        if let Some(out) = &self.out {
+            for (name, recording) in names.into_iter().zip([&trial.training, &trial.held_out]) {
+                let path = out.join(name);
+                outputs.add(&path, recording.to_file(&path));
+            }
+        }
+        outputs.write()?;
+        let progress = Progress::steps();
+        progress.step("tracing");
+        let outcome = blind::judge(&trial);
+        drop(progress);
+        say(&line(&outcome));
+        let secret = &outcome.secret;
+        say(&format!(
+            "{:.2} g/cm3, {:?}, {} Hz, noise {:.2} %",
+            secret.density,
+            secret.programme.shape,
+            secret.rate,
+            100.0 * secret.noise
+        ));
+        for hidden in &secret.effects {
+            let parameters: Vec<String> = hidden
+                .effect
+                .parameters()
+                .iter()
+                .map(|(name, value, unit)| format!("{name} {value:.4} {unit}"))
+                .collect();
+            say(&format!(
+                "{}: {}; {:.1} times the noise, {:.1} of it beyond eq 13",
+                hidden.effect.family(),
+                parameters.join(", "),
+                hidden.size,
+                hidden.visible
+            ));
+        }
+        Ok(())
+    }
+}
+
+/// Truth and answer in one line.
+fn line(outcome: &Outcome) -> String {
+    let mark = match outcome.mark() {
+        Mark::Right => "right",
+        Mark::Among => "among several",
+        Mark::Wrong => "WRONG",
+    };
+    let errors = match &outcome.said {
+        Ok(said) => format!(
+            "held-out error {:.2} -> {:.2} times the noise",
+            said.before, said.after
+        ),
+        Err(reason) => reason.clone(),
+    };
+    let visible = if outcome.secret.effects.is_empty() {
+        String::new()
+    } else {
+        format!(" {:.1}", outcome.secret.visible())
+    };
+    format!(
+        "{:>5} {mark}: {}{visible} was called {}; {errors}",
+        outcome.secret.seed,
+        outcome.truth(),
+        outcome.answer()
+    )
+}
+
+fn print(summary: &Summary) {
+    let wrong: Vec<&Outcome> = summary
+        .outcomes
+        .iter()
+        .filter(|outcome| outcome.counts() && outcome.mark() != Mark::Right)
+        .collect();
+    if !wrong.is_empty() {
+        say("Seeds that count and were not called what they are:");
+        for outcome in wrong {
+            say(&line(outcome));
+        }
+    }
+    say("\nTruth, how many, and what was said (unlisted truths in brackets):");
+    for (truth, answers) in &summary.confusion {
+        let total: usize = answers.values().sum();
+        let mut answers: Vec<(&String, &usize)> = answers.iter().collect();
+        answers.sort_by(|a, b| b.1.cmp(a.1));
+        let said: Vec<String> = answers
+            .iter()
+            .map(|(answer, count)| format!("{answer} {count}"))
+            .collect();
+        say(&format!("{truth:>28} {total:>4}   {}", said.join(", ")));
+    }
+    say("\nHeld-out error of the embedded law over the noise:  median  9 in 10   worst");
+    for (class, ratios) in &summary.ratios {
+        let name = match class {
+            Class::None => "nothing hidden",
+            Class::Listed => "one listed effect",
+            Class::Pair => "two",
+            Class::Unlisted => "an unlisted effect",
+        };
+        say(&format!(
+            "{name:>50} {:>7.2} {:>8.2} {:>7.2}",
+            ratios.median, ratios.ninth_decile, ratios.worst
+        ));
+    }
+    say("");
+    for (what, rate) in [
+        ("one listed effect, named alone", summary.listed),
+        ("the same, or named among several", summary.listed_or_among),
+        (
+            "false discoveries where nothing is hidden",
+            summary.false_discoveries,
+        ),
+        ("two effects, both named", summary.pairs),
+        ("the same, or named among several", summary.pairs_or_among),
+        ("an unlisted effect, called unlisted", summary.unlisted),
+        (
+            "an unlisted effect, the law mended",
+            summary.unlisted_mended,
+        ),
+    ] {
+        say(&rate_line(what, rate));
+    }
+}
+
+fn rate_line(what: &str, rate: Rate) -> String {
+    if rate.of == 0 {
+        return format!("{what:>50}: none counted");
+    }
+    format!(
+        "{what:>50}: {:>5.1} %  ({} of {})",
+        100.0 * rate.value(),
+        rate.count,
+        rate.of
+    )
+}

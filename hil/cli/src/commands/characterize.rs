@@ -1,0 +1,175 @@
+//! `hil characterize`: stiffness and loss factor of a recording.
+
+use std::path::{Path, PathBuf};
+
+use clap::Args;
+use mesh_damper_recording::Recording;
+use mesh_damper_recording::output::Plan;
+use mesh_damper_report::characterization::{dynamic_chart, static_chart};
+use mesh_damper_studies::characterize::{
+    DynamicTest, Figures, Spread, StaticTest, dynamic_test, static_test,
+};
+use serde::Serialize;
+
+use super::reading::Reading;
+use super::{Failure, say, warn};
+
+/// Stiffness and loss factor of a recording, eqs 1–7
+///
+/// --static takes load–unload curves: the middle line, equivalent stiffness and static loss factor of every whole one, a
+/// preload or a sensor's zero taken off. --dynamic takes cycles: dynamic stiffness and loss factor of each, and of the
+/// averaged cycle of every block of like cycles.
+#[derive(Args, Debug)]
+#[command(
+    after_help = "Examples:\n  hil characterize press.csv --static --out press-out\n  \
+    hil characterize run-out/recording.csv.gz --dynamic --json -"
+)]
+pub struct CharacterizeCommand {
+    /// The recording
+    #[arg(value_name = "FILE")]
+    recording: PathBuf,
+    /// Of a load–unload curve, eqs 1 and 2
+    #[arg(
+        long = "static",
+        required_unless_present = "of_cycles",
+        conflicts_with = "of_cycles"
+    )]
+    of_curves: bool,
+    /// Of cycles, eqs 3–7
+    #[arg(long = "dynamic")]
+    of_cycles: bool,
+    /// Where the picture characterize.svg goes
+    #[arg(long, value_name = "DIR")]
+    out: Option<PathBuf>,
+    /// Where the result goes as JSON; `-` for standard output
+    #[arg(long, value_name = "FILE")]
+    json: Option<PathBuf>,
+    #[command(flatten)]
+    reading: Reading,
+}
+
+/// What was found, of whichever kind.
+#[derive(Serialize)]
+#[serde(tag = "kind", rename_all = "snake_case")]
+enum Found {
+    Static(StaticTest),
+    Dynamic(DynamicTest),
+}
+
+/// With the recording that it is of.
+#[derive(Serialize)]
+struct Summary {
+    recording: String,
+    #[serde(flatten)]
+    found: Found,
+}
+
+impl CharacterizeCommand {
+    pub fn run(self) -> Result<(), Failure> {
+        let picture = self.out.as_ref().map(|out| out.join("characterize.svg"));
+        let mut outputs = Plan::new()
+            .reads([&self.recording])
+            .fills(self.out.as_deref(), ["characterize.svg"])
+            .writes(&self.json)
+            .begin()?;
+        let recording = Recording::read_within(&self.recording, self.reading.limit)?;
+        let found = if self.of_curves {
+            Found::Static(static_test(&recording)?)
+        } else {
+            Found::Dynamic(dynamic_test(&recording)?)
+        };
+        if let Some(picture) = &picture {
+            outputs.add(
+                picture,
+                match &found {
+                    Found::Static(test) => static_chart(test),
+                    Found::Dynamic(test) => dynamic_chart(test),
+                },
+            );
+        }
+        let summary = Summary {
+            recording: recording.name,
+            found,
+        };
+        if let Some(json) = &self.json {
+            outputs.add_json(json, &summary)?;
+        }
+        outputs.write()?;
+        let (Found::Static(StaticTest { notes, .. }) | Found::Dynamic(DynamicTest { notes, .. })) =
+            &summary.found;
+        for note in notes {
+            warn(note);
+        }
+        if self.json.as_deref() != Some(Path::new("-")) {
+            match &summary.found {
+                Found::Static(test) => print_static(test),
+                Found::Dynamic(test) => print_dynamic(test),
+            }
+            if let Some(picture) = &picture {
+                say(&format!("The picture is {}", picture.display()));
+            }
+        }
+        Ok(())
+    }
+}
+
+fn print_static(test: &StaticTest) {
+    say("cycle   from, s  x_max, mm  preload, kN      U, J     ΔW, J  k_eq, kN/mm  loss factor");
+    for (index, cycle) in test.cycles.iter().enumerate() {
+        say(&format!(
+            "{:5} {:9.2} {:10.4} {:12.4} {:9.5} {:9.5} {:12.4} {:12.4}",
+            index + 1,
+            cycle.times[0],
+            cycle.displacement_max,
+            cycle.preload,
+            cycle.elastic_potential,
+            cycle.dissipated,
+            cycle.equivalent_stiffness,
+            cycle.loss_factor,
+        ));
+    }
+    let (stiffness, loss) = (&test.equivalent_stiffness, &test.loss_factor);
+    say(&format!(
+        "mean: k_eq = {} kN/mm, loss factor = {}",
+        with_deviation(stiffness),
+        with_deviation(loss)
+    ));
+}
+
+fn print_dynamic(test: &DynamicTest) {
+    say("   at, s      mm       Hz   K, kN/mm     ΔW, J      W, J  loss factor");
+    for block in &test.blocks {
+        for cycle in &block.cycles {
+            row(
+                &format!("{:8.3}", cycle.time),
+                cycle.frequency,
+                &cycle.result,
+                if cycle.steady { "" } else { "  left out" },
+            );
+        }
+        row("averaged", block.frequency, &block.averaged, "");
+        say(&format!(
+            "    mean: K = {} kN/mm, loss factor = {}",
+            with_deviation(&block.stiffness),
+            with_deviation(&block.loss_factor)
+        ));
+    }
+}
+
+fn row(name: &str, frequency: f64, figures: &Figures, remark: &str) {
+    say(&format!(
+        "{name} {:7.4} {frequency:8.3} {:10.4} {:9.6} {:9.6} {:12.4}{remark}",
+        figures.amplitude,
+        figures.stiffness,
+        figures.dissipated,
+        figures.elastic_potential,
+        figures.loss_factor,
+    ));
+}
+
+fn with_deviation(spread: &Spread) -> String {
+    match spread.deviation {
+        Some(deviation) => format!("{:.4} ± {:.4}", spread.mean, deviation),
+        None => format!("{:.4}", spread.mean),
+    }
+}

@@ -1,0 +1,189 @@
+//! `hil demo`: the whole way once, with no input.
+
+use std::path::{Path, PathBuf};
+
+use clap::Args;
+use mesh_damper_identify::trace::result::TraceResult;
+use mesh_damper_recording::error::InputError;
+use mesh_damper_recording::output::Plan;
+use mesh_damper_report::{self as report, ReportData, text};
+use mesh_damper_rig::Journal;
+use mesh_damper_rig::specimen::DrawnEffect;
+use mesh_damper_studies::demo::{Demo, demo, loop_error};
+use serde::Serialize;
+
+use super::progress::Progress;
+use super::trace::model_file;
+use super::{Failure, say, summary};
+
+/// Test a specimen with an undeclared effect, trace it, and run again with the better law
+///
+/// Writes DIR/recording.csv.gz, DIR/trace.json, DIR/model.json, DIR/report.html and DIR/loop.svg.
+#[derive(Args, Debug)]
+#[command(after_help = "Example:\n  hil demo --seed 7 --out demo-out")]
+pub struct DemoCommand {
+    /// Which effect the specimen hides, how large, and the sensors' noise
+    #[arg(long, default_value_t = 4)]
+    seed: u64,
+    /// Where the results go
+    #[arg(long, value_name = "DIR", default_value = "demo-out")]
+    out: PathBuf,
+    /// Where the result goes as JSON as well; `-` for standard output
+    #[arg(long, value_name = "FILE")]
+    json: Option<PathBuf>,
+}
+
+#[derive(Serialize)]
+struct Summary<'a> {
+    seed: u64,
+    /// What was hidden, and its size.
+    hidden: DrawnEffect,
+    /// The families found.
+    found: Vec<&'a str>,
+    named: bool,
+    nearer: bool,
+    /// RMS of the error of the law in the closed loop over the RMS of the measured force.
+    loop_error_before: f64,
+    loop_error_after: f64,
+    trace: &'a TraceResult,
+}
+
+impl DemoCommand {
+    pub fn run(self) -> Result<(), Failure> {
+        let names = [
+            "recording.csv.gz",
+            "trace.json",
+            "model.json",
+            "report.html",
+            "loop.svg",
+        ];
+        let mut outputs = Plan::new()
+            .fills(self.out.as_path(), names)
+            .writes(&self.json)
+            // Its recording would stand beside what a run left of another one.
+            .keeps(Journal::path_in(&self.out))
+            .begin()?;
+        let progress = Progress::steps();
+        let done = demo(self.seed, &|what| progress.step(what)).map_err(|error| {
+            let mend = "give another --seed";
+            InputError::new(
+                format!("demo of seed {}", self.seed),
+                error.to_string(),
+                mend,
+            )
+        })?;
+        progress.step("writing the report");
+        let summary = Summary {
+            seed: self.seed,
+            hidden: done.drawn,
+            found: families(&done.trace.result),
+            named: done.is_named(),
+            nearer: done.is_nearer(),
+            loop_error_before: loop_error(&done.before),
+            loop_error_after: loop_error(&done.after),
+            trace: &done.trace.result,
+        };
+        let report = ReportData::of_trace(
+            format!("A simulated rig test, seed {}", self.seed),
+            facts(&done, &summary),
+            &done.trace,
+        );
+        let recording = self.out.join("recording.csv.gz");
+        outputs.add(&recording, done.recording.to_file(&recording));
+        outputs.add_json(self.out.join("trace.json"), &done.trace.result)?;
+        outputs.add_json(self.out.join("model.json"), &model_file(&done.trace))?;
+        outputs.add(self.out.join("report.html"), report::render(&report));
+        if let Some(picture) = largest_loop(&report) {
+            outputs.add(self.out.join("loop.svg"), picture);
+        }
+        if let Some(json) = &self.json {
+            outputs.add_json(json, &summary)?;
+        }
+        drop(progress);
+        outputs.write()?;
+        if self.json.as_deref() != Some(Path::new("-")) {
+            for (name, text) in facts(&done, &summary) {
+                say(&format!("{name}: {text}"));
+            }
+            summary::print(&done.trace.result);
+            say(&format!(
+                "The report is {}",
+                self.out.join("report.html").display()
+            ));
+        }
+        Ok(())
+    }
+}
+
+fn families(result: &TraceResult) -> Vec<&str> {
+    result
+        .effects
+        .iter()
+        .map(|effect| effect.family.as_str())
+        .collect()
+}
+
+fn facts(done: &Demo, summary: &Summary) -> Vec<(String, String)> {
+    let hidden = done.drawn.effect.family();
+    let found: Vec<String> = summary
+        .found
+        .iter()
+        .map(|family| text::name(family))
+        .collect();
+    let said = if summary.named {
+        "named".to_owned()
+    } else if found.is_empty() {
+        "missed: nothing was found".to_owned()
+    } else {
+        format!("missed: found was {}", text::listed(&found))
+    };
+    let change = if summary.nearer {
+        "nearer the specimen than before"
+    } else {
+        "no nearer the specimen than before"
+    };
+    [
+        (
+            "Specimen",
+            format!("simulated, {} g/cm³", done.drawn.density),
+        ),
+        (
+            "Hidden in it",
+            format!(
+                "{}, {} of the law's force",
+                text::name(hidden),
+                text::percent(done.drawn.share)
+            ),
+        ),
+        ("The trace", said),
+        (
+            "In the loop, on a test that was not fitted",
+            format!(
+                "{change}: error of the force from {} to {}",
+                text::percent(summary.loop_error_before),
+                text::percent(summary.loop_error_after)
+            ),
+        ),
+    ]
+    .map(|(name, text)| (name.to_owned(), text))
+    .into()
+}
+
+/// The loop on which the law alone is furthest off.
+fn largest_loop(report: &ReportData) -> Option<String> {
+    let error = |series: &report::Series, block: &report::SeriesBlock| {
+        let samples = block.cycle.clone();
+        let forces = series.before.get(samples.clone())?.iter();
+        let measured = series.force.get(samples)?;
+        let square = |(a, b): (&f64, &f64)| (a - b) * (a - b);
+        let force: f64 = measured.iter().map(|force| force * force).sum();
+        Some(forces.zip(measured).map(square).sum::<f64>() / force)
+    };
+    let all = report
+        .series
+        .iter()
+        .flat_map(|series| series.blocks.iter().map(move |block| (series, block)));
+    all.filter_map(|(series, block)| Some((error(series, block)?, series, block)))
+        .max_by(|a, b| a.0.total_cmp(&b.0))
+        .map(|(_, series, block)| report::loop_picture(series, block))
+}

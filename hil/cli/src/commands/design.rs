@@ -1,0 +1,289 @@
+//! `hil design`: which density gives a stiffness and a loss factor.
+
+use std::path::{Path, PathBuf};
+
+use clap::Args;
+use mesh_damper_recording::error::InputError;
+use mesh_damper_recording::output::Plan;
+use mesh_damper_report::text;
+use mesh_damper_studies::design::{
+    Design, DesignError, Meets, OnRig, Point, Reachable, Source, Wanted, design, on_rig,
+};
+use serde::Serialize;
+
+use super::law::PublishedLaw;
+use super::progress::Progress;
+use super::run::in_words;
+use super::{Failure, say};
+
+/// Find the densities that give a stiffness and a loss factor
+///
+/// One density has both at certain amplitudes only: every pair of density and amplitude is given that meets them, with the
+/// amplitudes about it that keep both within the tolerance, and every near miss, which meets them within the tolerance only;
+/// or, at one given amplitude, every density that is nearest and within the tolerance. Beside each stands what the other of
+/// tables and surfaces gives there, which was not used to find it, and what the simulated rig measures of such a specimen.
+#[derive(Args, Debug)]
+#[command(
+    after_help = "Examples:\n  hil design --stiffness 4 --loss-factor 0.3\n  \
+    hil design --stiffness 1.7 --loss-factor 0.6 --amplitude 0.1\n  \
+    hil design --stiffness 1.7 --loss-factor 0.6 --amplitude-range 0.05..0.15 --json -\n\n\
+    Exit code 1 says that no density gives both; what is nearest is told."
+)]
+pub struct DesignCommand {
+    /// Dynamic stiffness that is wanted, kN/mm
+    #[arg(long, value_name = "KN_PER_MM", allow_negative_numbers = true)]
+    stiffness: f64,
+    /// Dynamic loss factor that is wanted
+    #[arg(long, value_name = "ETA", allow_negative_numbers = true)]
+    loss_factor: f64,
+    /// Of the cycles, mm; any of the tables' without it
+    #[arg(
+        long,
+        value_name = "MM",
+        conflicts_with = "amplitude_range",
+        allow_negative_numbers = true
+    )]
+    amplitude: Option<f64>,
+    /// Of the cycles, from..to in mm
+    #[arg(long, value_name = "MM..MM")]
+    amplitude_range: Option<String>,
+    /// Of the cycles, Hz; the tables are of 1 Hz
+    #[arg(
+        long,
+        value_name = "HZ",
+        default_value_t = 1.0,
+        allow_negative_numbers = true
+    )]
+    frequency: f64,
+    /// By what part a figure may be missed
+    #[arg(
+        long,
+        value_name = "PART",
+        default_value_t = 0.05,
+        allow_negative_numbers = true
+    )]
+    tolerance: f64,
+    /// Where the coefficients are taken from
+    #[arg(long, value_enum, default_value_t = PublishedLaw::Tables)]
+    law: PublishedLaw,
+    /// Where the result goes as JSON; `-` for standard output
+    #[arg(long, value_name = "FILE")]
+    json: Option<PathBuf>,
+}
+
+/// What was found, and what the rig says of it.
+#[derive(Serialize)]
+struct Summary {
+    #[serde(flatten)]
+    design: Design,
+    /// One for each solution.
+    on_rig: Vec<Outcome>,
+}
+
+/// What a run on the rig came to.
+#[derive(Serialize)]
+#[serde(rename_all = "snake_case")]
+enum Outcome {
+    Measured(OnRig),
+    /// The limit that it stopped on.
+    Stopped(&'static str),
+}
+
+impl Outcome {
+    fn of(point: &Point, wanted: &Wanted) -> Result<Self, DesignError> {
+        match on_rig(point, wanted.law, wanted.frequency) {
+            Ok(measured) => Ok(Self::Measured(measured)),
+            Err(DesignError::Stopped { fault, .. }) => Ok(Self::Stopped(in_words(fault))),
+            Err(error) => Err(error),
+        }
+    }
+}
+
+impl DesignCommand {
+    pub fn run(self) -> Result<(), Failure> {
+        let mut outputs = Plan::new().writes(&self.json).begin()?;
+        let mut wanted = Wanted::new(self.stiffness, self.loss_factor).map_err(refused)?;
+        wanted.frequency = self.frequency;
+        wanted.tolerance = self.tolerance;
+        wanted.law = self.law.source();
+        if let Some(amplitude) = self.amplitude {
+            wanted.amplitudes = (amplitude, amplitude);
+        }
+        if let Some(text) = &self.amplitude_range {
+            wanted.amplitudes = range(text)?;
+        }
+        let design = design(&wanted).map_err(refused)?;
+        let progress = Progress::steps();
+        progress.step("running the rig");
+        let runs = design.solutions.iter();
+        let on_rig = runs
+            .map(|solution| Outcome::of(&solution.point, &wanted))
+            .collect::<Result<Vec<_>, _>>()
+            .map_err(refused)?;
+        drop(progress);
+        let summary = Summary { design, on_rig };
+        if let Some(json) = &self.json {
+            outputs.add_json(json, &summary)?;
+        }
+        outputs.write()?;
+        if self.json.as_deref() != Some(Path::new("-")) {
+            print(&summary);
+        }
+        if summary.design.solutions.is_empty() {
+            return Err(Failure::Check(none(&summary.design)));
+        }
+        let stopped = |outcome: &Outcome| matches!(outcome, Outcome::Stopped(_));
+        if summary.on_rig.iter().any(stopped) {
+            return Err(Failure::Check(
+                "the rig stopped on a limit, so that not every solution is checked".into(),
+            ));
+        }
+        Ok(())
+    }
+}
+
+fn refused(error: DesignError) -> InputError {
+    let problem = error.to_string();
+    match error {
+        DesignError::OutOfRange {
+            field, low, high, ..
+        } => InputError::new(
+            format!("--{field}"),
+            problem,
+            format!("give {low} to {high}"),
+        ),
+        DesignError::Amplitudes(..) => {
+            InputError::new("--amplitude-range", problem, "give the smaller one first")
+        }
+        DesignError::Rig(_) | DesignError::Stopped { .. } => {
+            InputError::new("the rig", problem, "choose another amplitude or frequency")
+        }
+    }
+}
+
+/// `from..to`, mm.
+fn range(text: &str) -> Result<(f64, f64), InputError> {
+    let ends = text
+        .split_once("..")
+        .and_then(|(low, high)| Some((low.trim().parse().ok()?, high.trim().parse().ok()?)));
+    ends.ok_or_else(|| {
+        InputError::new(
+            "--amplitude-range",
+            format!("{} is no range", mesh_damper_recording::error::quoted(text)),
+            "give two amplitudes in mm, such as 0.05..0.15",
+        )
+    })
+}
+
+fn print(summary: &Summary) {
+    let design = &summary.design;
+    if !design.solutions.is_empty() {
+        let other = match design.wanted.law.other() {
+            Source::Tables => "by the tables",
+            Source::Surfaces => "by the surfaces",
+        };
+        say(&format!(
+            "{:^18} {:^20} {:^13} {other:^23} {:^23}",
+            "specimen", "has", "amplitudes", "on the rig"
+        ));
+        let figures = "K, η off from wanted";
+        say(&format!(
+            "{:>8} {:>9} {:>10} {:>9} {:^13} {figures:^23} {figures:^23}",
+            "g/cm³", "mm", "K, kN/mm", "η", "within, mm"
+        ));
+    }
+    for (solution, outcome) in design.solutions.iter().zip(&summary.on_rig) {
+        let point = &solution.point;
+        let (low, high) = solution.amplitudes;
+        // With how far it is from what is asked.
+        let figures = |stiffness: f64, loss_factor: f64| {
+            let off = |value: f64, asked: f64| 100.0 * (value / asked - 1.0);
+            let (k, eta) = (
+                off(stiffness, design.wanted.stiffness),
+                off(loss_factor, design.wanted.loss_factor),
+            );
+            format!("{:>23}", format!("{k:+.1} %, {eta:+.1} %"))
+        };
+        let other = &solution.by_other_law;
+        let on_rig = match outcome {
+            Outcome::Measured(rig) => figures(rig.stiffness, rig.loss_factor),
+            Outcome::Stopped(why) => format!(" {why}"),
+        };
+        let miss = match solution.meets {
+            Meets::Both => "",
+            Meets::WithinTolerance => "  near miss",
+        };
+        say(&format!(
+            "{:8.4} {:9.5} {:10.4} {:9.4} {low:.4}…{high:.4} {} {on_rig}{miss}",
+            point.density,
+            point.amplitude,
+            point.stiffness,
+            point.loss_factor,
+            figures(other.stiffness, other.loss_factor),
+        ));
+    }
+    let Reachable {
+        stiffness,
+        loss_factor,
+        loss_factor_at_stiffness,
+        stiffness_at_loss_factor,
+        nearest,
+    } = &design.reachable;
+    say(&format!(
+        "Reachable {} at {} Hz: K = {} kN/mm, loss factor = {}",
+        at_amplitudes(design),
+        design.wanted.frequency,
+        span(*stiffness),
+        span(*loss_factor)
+    ));
+    let spanned = |range: &Option<(f64, f64)>| range.map_or_else(|| "none".into(), span);
+    say(&format!(
+        "  loss factors with the K that is wanted: {}",
+        spanned(loss_factor_at_stiffness)
+    ));
+    say(&format!(
+        "  K with the loss factor that is wanted, kN/mm: {}",
+        spanned(stiffness_at_loss_factor)
+    ));
+    if design.solutions.is_empty() {
+        say(&format!("  nearest: {}", described(nearest)));
+    }
+}
+
+fn span((low, high): (f64, f64)) -> String {
+    let (low, high) = (text::number(low), text::number(high));
+    if low == high {
+        return low;
+    }
+    format!("{low}…{high}")
+}
+
+fn described(point: &Point) -> String {
+    format!(
+        "K = {} kN/mm and loss factor = {} with {} g/cm³ at {} mm",
+        text::number(point.stiffness),
+        text::number(point.loss_factor),
+        text::number(point.density),
+        text::number(point.amplitude)
+    )
+}
+
+fn at_amplitudes(design: &Design) -> String {
+    let (low, high) = design.wanted.amplitudes;
+    if low == high {
+        format!("at {low} mm")
+    } else {
+        format!("at any of {low}…{high} mm")
+    }
+}
+
+fn none(design: &Design) -> String {
+    let amplitudes = at_amplitudes(design);
+    format!(
+        "no density gives K = {} kN/mm and loss factor = {} within {} {amplitudes}; nearest is {}",
+        design.wanted.stiffness,
+        design.wanted.loss_factor,
+        text::percent(design.wanted.tolerance),
+        described(&design.reachable.nearest)
+    )
+}

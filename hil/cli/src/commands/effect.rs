@@ -1,0 +1,97 @@
+//! A hidden effect as text: `viscous:c=0.006`.
+
+use mesh_damper_recording::error::{InputError, quoted};
+use mesh_damper_rig::specimen::HiddenEffect;
+use serde_json::{Map, Value, json};
+
+/// The option that effects come from.
+const OPTION: &str = "--effect";
+const FORM: &str =
+    "write family:name=value,name=value, as in stick_slip:stiffness=1.2,slip_limit=0.03";
+
+/// The effect that `text` says; what the numbers mean stands at [`HiddenEffect`].
+///
+/// Stick-slip is Bouc–Wen with an `exponent`, Iwan with so many `sliders`, and else one Jenkins element.
+///
+/// # Errors
+/// A family or a parameter that there is not, one that lacks, and a value that no specimen can have.
+pub fn parse(text: &str) -> Result<HiddenEffect, InputError> {
+    let refused = |problem: String| InputError::new(OPTION, problem, FORM);
+    let (family, parameters) = text.split_once(':').unwrap_or((text, ""));
+    let mut fields = Map::new();
+    for parameter in parameters.split(',').filter(|part| !part.trim().is_empty()) {
+        let (name, value) = parameter
+            .split_once('=')
+            .ok_or_else(|| refused(format!("{} is no name=value", quoted(parameter))))?;
+        // A number or a truth, else a word.
+        let value = value.trim();
+        let value = serde_json::from_str(value).unwrap_or_else(|_| value.into());
+        fields.insert(name.trim().to_owned(), value);
+    }
+    let family = family.trim();
+    if family == "stick_slip" {
+        let shape = if let Some(exponent) = fields.remove("exponent") {
+            json!({ "smooth": { "exponent": exponent } })
+        } else if let Some(sliders) = fields.remove("sliders") {
+            json!({ "spread": { "sliders": sliders } })
+        } else {
+            json!("sharp")
+        };
+        fields.insert("shape".to_owned(), shape);
+    }
+    fields.insert("family".to_owned(), family.into());
+    let effect: HiddenEffect = serde_json::from_value(Value::Object(fields))
+        .map_err(|error| refused(format!("{}: {error}", quoted(text))))?;
+    if effect.is_admissible() {
+        Ok(effect)
+    } else {
+        Err(refused(format!(
+            "{}: no specimen can have that",
+            quoted(text)
+        )))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use mesh_damper_rig::specimen::{SlipShape, Unlisted};
+
+    #[test]
+    fn an_effect_is_read_as_it_is_written() {
+        let viscous = parse("viscous:c=0.006").unwrap();
+        assert_eq!(viscous, HiddenEffect::Viscous { c: 0.006 });
+        let friction = parse("stick_slip:stiffness=1.2, slip_limit=0.03, exponent=2").unwrap();
+        let smooth = HiddenEffect::StickSlip {
+            stiffness: 1.2,
+            slip_limit: 0.03,
+            shape: SlipShape::Smooth { exponent: 2.0 },
+        };
+        assert_eq!(friction, smooth);
+        let loose = parse("gap:half_width=0.01,loose=true").unwrap();
+        let gap = HiddenEffect::Gap {
+            half_width: 0.01,
+            loose: true,
+        };
+        assert_eq!(loose, gap);
+        let drag = parse("unlisted:kind=quadratic_drag,c=0.001").unwrap();
+        let expected = HiddenEffect::Unlisted(Unlisted::QuadraticDrag { c: 0.001 });
+        assert_eq!(drag, expected);
+    }
+
+    #[test]
+    fn what_cannot_be_is_refused_in_one_line() {
+        for (text, told) in [
+            ("viscose:c=1", "unknown variant `viscose`"),
+            ("viscous", "missing field `c`"),
+            ("viscous:c=1,d=2", "unknown field `d`"),
+            ("viscous:c", "is no name=value"),
+            ("viscous:c=much", "invalid type"),
+            ("relaxation:stiffness=1,time=0", "no specimen can have that"),
+        ] {
+            let error = parse(text).unwrap_err().to_string();
+            assert!(error.contains(told), "{text}: {error}");
+            assert_eq!(error.lines().count(), 1);
+        }
+    }
+}

@@ -1,0 +1,211 @@
+//! `hil faults`: the fault campaign.
+
+use std::path::{Path, PathBuf};
+use std::sync::atomic::{AtomicU64, Ordering};
+
+use clap::Args;
+use mesh_damper_link::image::Board;
+use mesh_damper_link::lockstep::Image;
+use mesh_damper_link::lockstep::run_trial_on;
+use mesh_damper_recording::error::InputError;
+use mesh_damper_recording::output::Plan;
+use mesh_damper_report::campaign;
+use mesh_damper_rig::SetupError;
+use mesh_damper_rig::faults::{CHANGING, Campaign, FOLLOW, Summary, missed};
+
+use super::image::On;
+use super::progress::Progress;
+use super::{Failure, say};
+
+/// Put faults into specimen, sensors and actuator of the simulated rig, and count what its monitor finds
+///
+/// Prints, for each kind and size of fault, how many were found, how soon, and whether they were called what they are; then
+/// false alarms over healthy cycles that include run-in and a change of temperature, and how well slow changes are followed.
+#[derive(Args, Debug)]
+#[command(after_help = "Examples:\n  hil faults --out faults-out\n  hil faults --part --check")]
+pub struct FaultsCommand {
+    /// Where the crate runs; on the image there are one specimen's faults only
+    #[arg(long, value_enum, default_value_t = On::Host)]
+    on: On,
+    /// Only a part: three specimens at 1 % noise, 12 000 healthy cycles
+    #[arg(long, conflicts_with = "on")]
+    part: bool,
+    /// Healthy cycles in all
+    #[arg(long, value_name = "N", conflicts_with = "on", value_parser = clap::value_parser!(u32).range(0..=100_000_000))]
+    healthy: Option<u32>,
+    /// Where the pictures go: faults.svg, and of slow changes following.svg
+    #[arg(long, value_name = "DIR")]
+    out: Option<PathBuf>,
+    /// Fail (exit code 1) where the requirement is not met
+    #[arg(long)]
+    check: bool,
+    /// Where all results go as JSON; `-` for standard output
+    #[arg(long, value_name = "FILE")]
+    json: Option<PathBuf>,
+}
+
+/// A campaign that could not be run to its end.
+fn refused(error: SetupError) -> InputError {
+    match error {
+        SetupError::Link(error) => error,
+        error => InputError::new("the fault campaign", error.to_string(), "report this"),
+    }
+}
+
+/// The faults of [`Campaign::on_image`], each on an image that has just started.
+fn on_image() -> Result<Summary, InputError> {
+    let trials = Campaign::on_image().trials();
+    let progress = Progress::of(trials.len() as u64);
+    progress.step("testing the image");
+    let mut outcomes = Vec::new();
+    for trial in &trials {
+        let mut image = Image::start(Board::Mps2An386, Box::new(|_| {}))?;
+        outcomes.push(run_trial_on(&mut image, trial).map_err(refused)?);
+        progress.done(outcomes.len() as u64);
+    }
+    Ok(Summary::of(outcomes, Vec::new(), Vec::new()))
+}
+
+impl FaultsCommand {
+    fn summary(&self) -> Result<Summary, InputError> {
+        if self.on == On::Image {
+            return on_image();
+        }
+        let mut chosen = if self.part {
+            Campaign::part()
+        } else {
+            Campaign::whole()
+        };
+        chosen.healthy_cycles = self.healthy.unwrap_or(chosen.healthy_cycles);
+        let progress = Progress::of(chosen.steps());
+        progress.step("testing");
+        let finished = AtomicU64::new(0);
+        let done = || progress.done(finished.fetch_add(1, Ordering::Relaxed) + 1);
+        chosen.run(&done).map_err(refused)
+    }
+
+    pub fn run(self) -> Result<(), Failure> {
+        let picture = |name: &str| self.out.as_ref().map(|out| out.join(name));
+        let (found, followed) = (picture("faults.svg"), picture("following.svg"));
+        let mut outputs = Plan::new()
+            .fills(self.out.as_deref(), ["faults.svg", "following.svg"])
+            .writes(&self.json)
+            .begin()?;
+        let summary = self.summary()?;
+        if let Some(found) = found {
+            outputs.add(found, campaign::found(&summary));
+        }
+        if let Some(followed) = followed.filter(|_| !summary.slow.is_empty()) {
+            outputs.add(followed, campaign::followed(&summary.slow));
+        }
+        if let Some(json) = &self.json {
+            outputs.add_json(json, &summary)?;
+        }
+        outputs.write()?;
+        if self.json.as_deref() != Some(Path::new("-")) {
+            print(&summary);
+        }
+        let missed = missed(&summary);
+        if self.check && !missed.is_empty() {
+            return Err(Failure::Check(missed.join("\n")));
+        }
+        Ok(())
+    }
+}
+
+fn print(summary: &Summary) {
+    let wrong = summary
+        .outcomes
+        .iter()
+        .filter(|one| !one.right || !one.in_time());
+    for one in wrong {
+        let trial = &one.trial;
+        say(&format!(
+            "{:?} of {} in {} g/cm3, {} mm, {} Hz, noise {} %, at {} of the cycle: {} after {} cycles",
+            trial.kind,
+            trial.size,
+            trial.density,
+            trial.amplitude,
+            trial.frequency,
+            100.0 * trial.noise,
+            trial.moment,
+            one.named.first().map_or("nothing", String::as_str),
+            one.cycles
+                .map_or_else(|| "-".into(), |cycles| format!("{cycles:.2}")),
+        ));
+    }
+    say("\n                   fault   size  trials  found  in time  right  cycles: median   most");
+    for kind in &summary.kinds {
+        let cycles = |cycles: Option<f64>| cycles.map_or_else(|| "-".into(), |c| format!("{c:.2}"));
+        say(&format!(
+            "{:>24} {:>6} {:>7} {:>6} {:>8} {:>6} {:>15} {:>6}",
+            format!("{:?}", kind.kind),
+            kind.size,
+            kind.trials,
+            kind.found,
+            kind.in_time,
+            kind.right,
+            cycles(kind.median_cycles),
+            cycles(kind.worst_cycles)
+        ));
+    }
+    let percent = |part: usize| 100.0 * part as f64 / summary.trials.max(1) as f64;
+    say(&format!(
+        "\n{} trials: {:.1} % found, {:.1} % in time, {:.1} % called what they are; {} alarms before the fault",
+        summary.trials,
+        percent(summary.found),
+        percent(summary.in_time),
+        percent(summary.right),
+        summary.early
+    ));
+    if !summary.healthy.is_empty() {
+        say(&format!(
+            "{} healthy cycles with run-in and temperature: {} false alarms",
+            summary.healthy_cycles, summary.false_alarms
+        ));
+    }
+    if !summary.slow.is_empty() {
+        print_slow(summary);
+    }
+    say(&format!(
+        "\nlargest displacement {:.2}, force {:.2} of their limits, beyond one for at most {} ticks; {} stops, {} of them in time",
+        summary.displacement,
+        summary.force,
+        summary.ticks_beyond,
+        summary.stopped,
+        summary.stopped_in_time
+    ));
+}
+
+fn print_slow(summary: &Summary) {
+    say(&format!(
+        "\nSlow changes over {CHANGING} cycles, of which a law follows up to {:.0} %, and then a break:",
+        100.0 * FOLLOW
+    ));
+    say("                           error of the law, %               of its energy, %");
+    say(
+        "  changing  by %  g/cm3    before  stays  follows          stays  follows   named at; the break after",
+    );
+    for one in &summary.slow {
+        let change = &one.change;
+        let named = one.named.first().map_or_else(
+            || {
+                let broken = one.broken.as_ref();
+                let broken = broken.map(|(cycles, cause)| format!("-; {cycles} cycles: {cause}"));
+                broken.unwrap_or_else(|| "-".into())
+            },
+            |(_, cause, come_to)| format!("{:+.1} %: {cause}", 100.0 * come_to),
+        );
+        say(&format!(
+            "{:>10} {:>+5.0} {:>6} {:>9.2} {:>6.2} {:>8.2} {:>14.2} {:>8.2}   {named}",
+            format!("{:?}", change.changing),
+            100.0 * change.size,
+            change.density,
+            100.0 * one.before,
+            100.0 * one.stayed.error,
+            100.0 * one.followed.error,
+            100.0 * one.stayed.energy,
+            100.0 * one.followed.energy,
+        ));
+    }
+}

@@ -1,0 +1,110 @@
+//! The command line: one file per command.
+
+mod amplitude_free;
+mod bench;
+mod bench_table;
+mod blind;
+mod characterize;
+mod demo;
+mod design;
+mod effect;
+mod events;
+mod faults;
+mod image;
+mod law;
+mod orthogonal;
+mod paper;
+mod predict;
+mod programme;
+mod progress;
+mod reading;
+mod run;
+mod summary;
+mod trace;
+
+use std::io::Write as _;
+use std::process::ExitCode;
+
+use clap::{Parser, Subcommand};
+use mesh_damper_identify::trace::TraceError;
+use mesh_damper_recording::error::InputError;
+
+/// Rig tests, tracing and prediction of the elastic porous metal mesh damper.
+///
+/// Exit codes: 0 done, 1 the check asked for failed, 2 bad usage or bad input.
+#[derive(Debug, Parser)]
+#[command(name = "hil", version)]
+pub struct Cli {
+    #[command(subcommand)]
+    command: Command,
+}
+
+#[derive(Debug, Subcommand)]
+enum Command {
+    Demo(demo::DemoCommand),
+    Trace(trace::TraceCommand),
+    Predict(predict::Predict),
+    Run(run::RunCommand),
+    Bench(bench::BenchCommand),
+    Blind(blind::BlindCommand),
+    AmplitudeFree(amplitude_free::AmplitudeFreeCommand),
+    Characterize(characterize::CharacterizeCommand),
+    Orthogonal(orthogonal::OrthogonalCommand),
+    Design(design::DesignCommand),
+    Paper(paper::PaperCommand),
+    Faults(faults::FaultsCommand),
+}
+
+impl Cli {
+    /// Does what the command line asks for.
+    pub fn run(self) -> Result<(), Failure> {
+        match self.command {
+            Command::Demo(command) => command.run(),
+            Command::Trace(command) => command.run(),
+            Command::Predict(command) => command.run(),
+            Command::Run(command) => command.run(),
+            Command::Bench(command) => command.run(),
+            Command::Blind(command) => command.run(),
+            Command::AmplitudeFree(command) => command.run(),
+            Command::Characterize(command) => command.run(),
+            Command::Orthogonal(command) => command.run(),
+            Command::Design(command) => command.run(),
+            Command::Paper(command) => command.run(),
+            Command::Faults(command) => command.run(),
+        }
+    }
+}
+
+/// Why a command did not end well.
+#[derive(Debug, thiserror::Error)]
+pub enum Failure {
+    /// The usage or the input was bad.
+    #[error(transparent)]
+    Input(#[from] InputError),
+    /// The recordings could not be traced.
+    #[error(transparent)]
+    Trace(#[from] TraceError),
+    /// The work was done, and what it was to show does not hold.
+    #[error("{0}")]
+    Check(String),
+}
+
+impl Failure {
+    /// The exit code that says so.
+    pub fn exit_code(&self) -> ExitCode {
+        match self {
+            Self::Check(_) => ExitCode::from(1),
+            Self::Input(_) | Self::Trace(_) => ExitCode::from(2),
+        }
+    }
+}
+
+/// Prints results to standard output; who has closed it wants no more.
+fn say(text: &str) {
+    let _ = writeln!(std::io::stdout(), "{text}");
+}
+
+/// Prints to standard error what the user should know though the work goes on.
+fn warn(text: &str) {
+    eprintln!("warning: {text}");
+}

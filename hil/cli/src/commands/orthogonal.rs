@@ -1,0 +1,164 @@
+//! `hil orthogonal`: an orthogonal test analysed by ranges and by variance.
+
+use std::path::{Path, PathBuf};
+
+use clap::Args;
+use mesh_damper_recording::output::Plan;
+use mesh_damper_reference::orthogonal_test::{LOSS_FACTOR, STIFFNESS};
+use mesh_damper_report::text;
+use mesh_damper_studies::orthogonal::{
+    AgainstPrint, Analysis, ErrorSource, Experiment, FREE_COLUMNS, SIGNIFICANCE, Variance,
+    against_print, analyse,
+};
+use serde::Serialize;
+
+use super::reading::Reading;
+use super::{Failure, say};
+
+/// Analyse an orthogonal test on an L9 by ranges and by variance
+///
+/// Without a file the paper's: Table 3 recomputed, and its orders of significance beside those that its numbers give. A
+/// file is CSV with nine rows, a column factor_NAME for each of two to four factors, whose cells name its three levels, and
+/// columns result_NAME; result_NAME.1, result_NAME.2 are repeats, without which four factors leave no error to be told
+/// from. Other columns are ignored.
+#[derive(Args, Debug)]
+#[command(
+    after_help = "Examples:\n  hil orthogonal\n  hil orthogonal test.csv --json -\n\n\
+    test.csv:\n  factor_density,factor_angle,factor_wire,result_stiffness.1,result_stiffness.2\n  \
+    2.0,15,0.10,0.022,0.025\n  2.0,45,0.15,0.057,0.051\n  …"
+)]
+pub struct OrthogonalCommand {
+    /// The test; the paper's without it
+    #[arg(value_name = "FILE")]
+    file: Option<PathBuf>,
+    /// Where the result goes as JSON; `-` for standard output
+    #[arg(long, value_name = "FILE")]
+    json: Option<PathBuf>,
+    #[command(flatten)]
+    reading: Reading,
+}
+
+/// What the analysis came to.
+#[derive(Serialize)]
+struct Summary {
+    results: Vec<Analysis>,
+    /// For the paper's own test.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    against_print: Vec<AgainstPrint>,
+}
+
+impl OrthogonalCommand {
+    pub fn run(self) -> Result<(), Failure> {
+        let mut outputs = Plan::new().reads(&self.file).writes(&self.json).begin()?;
+        let summary = match &self.file {
+            Some(file) => Summary {
+                results: analyse(&Experiment::read_within(file, self.reading.limit)?),
+                against_print: Vec::new(),
+            },
+            None => Summary {
+                results: analyse(&Experiment::published(&[LOSS_FACTOR, STIFFNESS])),
+                against_print: [LOSS_FACTOR, STIFFNESS].iter().map(against_print).collect(),
+            },
+        };
+        if let Some(json) = &self.json {
+            outputs.add_json(json, &summary)?;
+        }
+        outputs.write()?;
+        if self.json.as_deref() != Some(Path::new("-")) {
+            for (index, analysis) in summary.results.iter().enumerate() {
+                print(analysis);
+                if let Some(printed) = summary.against_print.get(index) {
+                    print_against(printed);
+                }
+                say("");
+            }
+        }
+        Ok(())
+    }
+}
+
+fn print(analysis: &Analysis) {
+    let variance = &analysis.variance;
+    say(&analysis.response);
+    say(&format!(
+        "  {:18} {:>9} {:>9} {:>9} {:>9}   {:>9} {:>7} {:>8} {:>8}",
+        "", "ΣK 1", "ΣK 2", "ΣK 3", "R", "S", "of all", "F", "p"
+    ));
+    let figure = |value: Option<f64>| value.map_or_else(|| "–".into(), text::number);
+    for (index, effect) in variance.effects.iter().enumerate() {
+        let ranges = match analysis.ranges.get(index) {
+            Some(one) => {
+                let [a, b, c] = one.sums.map(text::number);
+                format!("{a:>9} {b:>9} {c:>9} {:>9}", text::number(one.range))
+            }
+            None => " ".repeat(39),
+        };
+        say(&format!(
+            "  {:18} {ranges}   {:>9} {:>7} {:>8} {:>8}",
+            effect.name,
+            text::number(effect.sum_of_squares),
+            text::percent(effect.share),
+            figure(effect.f),
+            figure(effect.p),
+        ));
+    }
+    say(&format!("  by ranges: {}", analysis.order.join(" > ")));
+    for line in verdict(variance) {
+        say(&format!("  {line}"));
+    }
+}
+
+/// What the analysis of variance can tell, and against what.
+fn verdict(variance: &Variance) -> Vec<String> {
+    let freedom = variance.error_freedom;
+    let mut lines = vec![match variance.error {
+        ErrorSource::Repeats => {
+            format!("error: the scatter between repeats, {freedom} degrees of freedom")
+        }
+        ErrorSource::FreeColumns => format!(
+            "error: the columns without a factor, {freedom} degrees of freedom, as far as no interaction falls into them"
+        ),
+        ErrorSource::SmallestColumn => {
+            "error: none is left by four factors in nine runs; the smallest column stands for it, and p allows for its \
+             having been chosen"
+                .into()
+        }
+        ErrorSource::None => "error: the results do not scatter, so that there is none".into(),
+    }];
+    if let Some(p) = variance.p_largest {
+        lines.push(format!(
+            "error alone gives a column as large as the largest with p = {}",
+            text::number(p)
+        ));
+    }
+    let level = text::nominal(SIGNIFICANCE);
+    lines.push(if variance.told.is_empty() {
+        format!("told from error at {level}: nothing, and the order is no finding")
+    } else {
+        format!("told from error at {level}: {}", variance.told.join(", "))
+    });
+    if variance.told.iter().any(|name| name == FREE_COLUMNS) {
+        lines.push(
+            "free columns stand out: factors interact, and nine runs mix that into the factors' own effects"
+                .into(),
+        );
+    }
+    lines
+}
+
+fn print_against(printed: &AgainstPrint) {
+    for misprint in &printed.misprints {
+        say(&format!(
+            "  Table 3 prints {} of {} as {}; its runs give {:.4}",
+            misprint.figure, misprint.factor, misprint.printed, misprint.recomputed
+        ));
+    }
+    say(&format!(
+        "  by the ranges printed: {}",
+        printed.order_of_printed_ranges.join(" > ")
+    ));
+    say(&format!(
+        "  in the text:           {}",
+        printed.order_in_text.join(" > ")
+    ));
+}

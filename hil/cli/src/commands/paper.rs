@@ -1,0 +1,81 @@
+//! `hil paper`: the source, recomputed.
+
+use std::path::{Path, PathBuf};
+
+use clap::Args;
+use mesh_damper_recording::output::Plan;
+use mesh_damper_report as report;
+use mesh_damper_studies::paper::{self, Claim, Paper, Verdict};
+
+use super::progress::Progress;
+use super::{Failure, say};
+
+/// Recompute every table, equation and claim of the paper, and say which hold
+///
+/// Writes DIR/report.html: the claims with the numbers that decide them, the paper's figures drawn again as far as its tables
+/// allow, and surfaces of the coefficients beside the published ones.
+#[derive(Args, Debug)]
+#[command(
+    after_help = "Examples:\n  hil paper\n  hil paper --out paper-out --json paper.json\n  \
+    hil run --law surfaces --density 2.7"
+)]
+pub struct PaperCommand {
+    /// Where the report goes
+    #[arg(long, value_name = "DIR", default_value = "paper-out")]
+    out: PathBuf,
+    /// Where every number goes as JSON as well; `-` for standard output
+    #[arg(long, value_name = "FILE")]
+    json: Option<PathBuf>,
+}
+
+impl PaperCommand {
+    pub fn run(self) -> Result<(), Failure> {
+        let page = self.out.join("report.html");
+        let mut outputs = Plan::new()
+            .fills(self.out.as_path(), ["report.html"])
+            .writes(&self.json)
+            .begin()?;
+        let progress = Progress::steps();
+        let paper = paper::recompute(&|step| progress.step(step));
+        progress.step("drawing");
+        outputs.add(&page, report::paper::render(&paper));
+        if let Some(json) = &self.json {
+            outputs.add_json(json, &paper)?;
+        }
+        drop(progress);
+        outputs.write()?;
+        if self.json.as_deref() != Some(Path::new("-")) {
+            print(&paper);
+            say(&format!("\nThe report is {}", page.display()));
+        }
+        Ok(())
+    }
+}
+
+fn print(paper: &Paper) {
+    for claim in &paper.claims {
+        let verdict = claim.verdict.in_words();
+        say(&format!("{verdict:13}  {}: {}", claim.place, claim.says));
+        say(&format!("{:15}{}", "", claim.reason));
+    }
+    let count = |verdict| {
+        let of = |claim: &&Claim| claim.verdict == verdict;
+        paper.claims.iter().filter(of).count()
+    };
+    say(&format!(
+        "\n{} claims: {} hold, {} fail, {} can't be told",
+        paper.claims.len(),
+        count(Verdict::Holds),
+        count(Verdict::Fails),
+        count(Verdict::CannotTell)
+    ));
+    say("\nError of the loops over the 25 cells, mean and largest, in % of the force's RMS:");
+    for surfaces in &paper.surface_errors {
+        say(&format!(
+            "{:42} {:7.1} {:7.1}",
+            surfaces.name,
+            100.0 * surfaces.mean,
+            100.0 * surfaces.largest
+        ));
+    }
+}

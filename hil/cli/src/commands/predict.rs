@@ -1,0 +1,150 @@
+//! `hil predict`: the force that a model gives for a recording's motion.
+
+use std::path::{Path, PathBuf};
+
+use clap::{Args, ValueEnum};
+use mesh_damper_link::predict::{ImageError, predict_on};
+use mesh_damper_model::file::{FittedRange, ModelFile, model_error};
+use mesh_damper_model::predict::{nrmse, predict, predict_embedded};
+use mesh_damper_recording::Recording;
+use mesh_damper_recording::output::Plan;
+use mesh_damper_recording::trajectory::Trajectory;
+use serde::Serialize;
+
+use super::image::{LogLevel, start_image};
+use super::reading::Reading;
+use super::{Failure, say, warn};
+
+/// A motion may exceed the one fitted by this fraction before the user is warned: overshoot and noise.
+const RANGE_MARGIN: f64 = 0.05;
+
+/// The force that a model gives for a recording's motion
+///
+/// Writes the recording's rows with one more column, predicted_force_UNIT, in the recording's own unit.
+#[derive(Args, Debug)]
+#[command(
+    after_help = "Example:\n  hil predict --model trace-out/model.json test.csv.gz --out pred.csv"
+)]
+pub struct Predict {
+    /// The recording whose motion the model is given
+    #[arg(value_name = "REC")]
+    recording: PathBuf,
+    /// The model, as `hil trace` writes it
+    #[arg(long, value_name = "FILE")]
+    model: PathBuf,
+    /// Where the law is evaluated
+    #[arg(long, value_enum, default_value_t = On::F32)]
+    on: On,
+    /// The image's log messages to standard error, from this level on
+    #[arg(long, value_enum, value_name = "LEVEL", default_value_t = LogLevel::Warn)]
+    log: LogLevel,
+    /// Where the prediction goes; gzipped when the name ends in .gz, `-` for standard output
+    #[arg(long, value_name = "FILE")]
+    out: PathBuf,
+    /// Where the error and what it was computed from go as JSON; `-` for standard output
+    #[arg(long, value_name = "FILE")]
+    json: Option<PathBuf>,
+    #[command(flatten)]
+    reading: Reading,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, ValueEnum)]
+#[serde(rename_all = "snake_case")]
+enum On {
+    /// As it was fitted
+    F64,
+    /// The embedded law at the recording's tick
+    F32,
+    /// The same inside the firmware's image, in an emulator
+    Image,
+}
+
+#[derive(Serialize)]
+struct Summary<'a> {
+    model: &'a Path,
+    recording: &'a Path,
+    on: On,
+    samples: usize,
+    /// RMS of the error over the RMS of the measured force.
+    nrmse: f64,
+    /// By how much the motion exceeds the one that the model was fitted on, as a fraction.
+    beyond_fitted_range: f64,
+}
+
+impl Predict {
+    pub fn run(self) -> Result<(), Failure> {
+        let mut outputs = Plan::new()
+            .reads([&self.model, &self.recording])
+            .writes([&self.out])
+            .writes(&self.json)
+            .begin()?;
+        let file = ModelFile::read_within(&self.model, self.reading.limit)?;
+        let recording = Recording::read_within(&self.recording, self.reading.limit)?;
+        let uniform = recording.uniform()?;
+        let trajectory = Trajectory::of(&recording)?;
+        let model = file.model();
+        let force = match self.on {
+            On::F64 => predict(&model, &trajectory).map_err(ImageError::Model),
+            On::F32 => predict_embedded(&model, &trajectory).map_err(ImageError::Model),
+            On::Image => {
+                // The ticks of a law alone are not counted.
+                let mut image = start_image(self.log, 1.0)?;
+                predict_on(&mut image, &model, &trajectory)
+            }
+        }
+        .map_err(|error| match error {
+            ImageError::Model(error) => model_error(&self.model.display().to_string(), &error),
+            ImageError::Link(error) => error.into(),
+        })?;
+        let force = uniform.at_samples_of(&recording, &force);
+
+        for fault in &trajectory.faults {
+            warn(&format!("{}: {fault}", recording.name));
+        }
+        let motion = &trajectory.motion;
+        let beyond = FittedRange::of(&motion.displacement, &motion.velocity)
+            .map_or(0.0, |motion| file.fitted_range().exceeded_by(&motion));
+        if beyond > RANGE_MARGIN {
+            warn(&format!(
+                "{} moves {:.0} % beyond what {} was fitted on",
+                recording.name,
+                100.0 * beyond,
+                self.model.display()
+            ));
+        }
+        if recording.temperature.is_none() && model.depends_on_temperature() {
+            warn(&format!(
+                "{} depends on temperature, and {} has none: {} °C is assumed",
+                self.model.display(),
+                recording.name,
+                trajectory.temperature_at(0)
+            ));
+        }
+        let summary = Summary {
+            model: &self.model,
+            recording: &self.recording,
+            on: self.on,
+            samples: recording.len(),
+            nrmse: nrmse(&force, &recording.force, |_| true),
+            beyond_fitted_range: beyond,
+        };
+        outputs.add(
+            &self.out,
+            recording.to_file_with_prediction(&self.out, &force),
+        );
+        if let Some(json) = &self.json {
+            outputs.add_json(json, &summary)?;
+        }
+        outputs.write()?;
+        let dash = Path::new("-");
+        if self.out != dash && self.json.as_deref() != Some(dash) {
+            say(&format!(
+                "{}: error {:.2} % of the measured force's RMS over {} samples",
+                self.out.display(),
+                100.0 * summary.nrmse,
+                summary.samples
+            ));
+        }
+        Ok(())
+    }
+}

@@ -1,0 +1,425 @@
+//! `hil run`: the rig in the loop with the simulated actuator and specimen.
+
+use std::path::{Path, PathBuf};
+
+use clap::Args;
+use mesh_damper::effects::AugmentedLaw;
+use mesh_damper::law::Law;
+use mesh_damper::rig::{CycleReport, Fault};
+use mesh_damper::sine::Programme;
+use mesh_damper_link::lockstep::run_rig_on;
+use mesh_damper_model::MAX_EFFECTS;
+use mesh_damper_model::file::{ModelFile, model_error};
+use mesh_damper_recording::Recording;
+use mesh_damper_recording::error::InputError;
+use mesh_damper_recording::output::Plan;
+use mesh_damper_rig::specimen::{Specimen, draw};
+use mesh_damper_rig::{Journal, RigRun, RigSetup, Samples, SetupError, TICK_RATE, Watch, run_rig};
+use serde::Serialize;
+
+use super::effect;
+use super::events::EventRow;
+use super::image::{LogLevel, On, start_image};
+use super::law::PublishedLaw;
+use super::programme::{self, MOST_BLOCKS};
+use super::progress::Progress;
+use super::reading::Reading;
+use super::{Failure, say};
+
+/// Run the rig in the loop with a simulated actuator and specimen
+///
+/// Writes DIR/recording.csv.gz and DIR/cycles.csv: what was measured, and what every cycle came to beside the law. Until then
+/// DIR/recording.partial.csv holds what was measured so far; a run that is broken off leaves it.
+#[derive(Args, Debug)]
+#[command(after_help = "Examples:\n  hil run --blocks 0.1:1:6,0.1:5:10\n  \
+    hil run --effect stick_slip:stiffness=1.2,slip_limit=0.03\n  \
+    hil run --drawn --seed 7 --model trace-out/model.json --blocks 0.1:1-10:40 --out run-out\n\n\
+    Exit code 1 says that the rig stopped on a limit; what it recorded until then is written.")]
+pub struct RunCommand {
+    /// Where the crate runs
+    #[arg(long, value_enum, default_value_t = On::Host)]
+    on: On,
+    /// The image's log messages to standard error, from this level on
+    #[arg(long, value_enum, value_name = "LEVEL", default_value_t = LogLevel::Warn)]
+    log: LogLevel,
+    /// Blocks amplitude:frequency:cycles in mm and Hz, frequency from-to for a sweep
+    #[arg(
+        long,
+        value_name = "BLOCKS",
+        default_value = "0.1:1:6,0.1:5:10,0.2:1:6,0.2:5:10"
+    )]
+    blocks: String,
+    /// A JSON file with the blocks instead
+    #[arg(long, value_name = "FILE", conflicts_with = "blocks")]
+    programme: Option<PathBuf>,
+    /// The law beside the specimen, as `hil trace` writes it; the published coefficients without it
+    #[arg(long, value_name = "FILE")]
+    model: Option<PathBuf>,
+    /// Where the published coefficients are taken from
+    #[arg(long, value_enum, default_value_t = PublishedLaw::Tables, conflicts_with = "model")]
+    law: PublishedLaw,
+    /// Density of the specimen, g/cm³, 2 to 4
+    #[arg(long, value_name = "G_PER_CM3", default_value_t = 3.0)]
+    density: f64,
+    /// Test the specimen with an undeclared effect that the seed draws, as the demonstration does
+    #[arg(long, conflicts_with_all = ["density", "effect"])]
+    drawn: bool,
+    /// Test the specimen with this effect, family:name=value,name=value; may be given more than once
+    #[arg(long, value_name = "EFFECT")]
+    effect: Vec<String>,
+    /// Let the law follow slow changes of k1, k3 and c, after the run-in by up to this part of each, 0 to 0.5
+    #[arg(long, value_name = "PART", default_value_t = 0.0)]
+    follow: f64,
+    /// Of the sensors' noise, and of the effect drawn
+    #[arg(long, default_value_t = 1)]
+    seed: u64,
+    /// Ticks per second of the crate
+    #[arg(long, value_name = "HZ", default_value_t = TICK_RATE)]
+    tick_rate: f64,
+    /// Every how many ticks a sample is recorded
+    #[arg(long, value_name = "TICKS", default_value_t = 10, value_parser = clap::value_parser!(u64).range(1..))]
+    record_every: u64,
+    /// Where the results go
+    #[arg(long, value_name = "DIR", default_value = "run-out")]
+    out: PathBuf,
+    /// Where the result goes as JSON as well; `-` for standard output
+    #[arg(long, value_name = "FILE")]
+    json: Option<PathBuf>,
+    #[command(flatten)]
+    reading: Reading,
+}
+
+/// The amplitude whose row of the paper's tables a specimen of given density follows, mm.
+const SPECIMEN_AMPLITUDE: f64 = 0.1;
+
+/// What a run came to.
+#[derive(Serialize)]
+struct Summary {
+    on: On,
+    specimen: String,
+    seed: u64,
+    tick_rate: f64,
+    ticks: u64,
+    cycles: Vec<CycleRow>,
+    /// What the monitor named, each cause once.
+    events: Vec<EventRow>,
+    stopped: Option<Stop>,
+}
+
+/// Why and when the rig stopped before its end.
+#[derive(Serialize)]
+struct Stop {
+    time: f64,
+    fault: String,
+}
+
+impl Stop {
+    fn failure(&self) -> Failure {
+        Failure::Check(format!(
+            "the rig stopped {:.3} s after its start: {}",
+            self.time, self.fault
+        ))
+    }
+}
+
+/// One cycle, as a row of `cycles.csv` and as JSON. Units are in the names.
+#[derive(Clone, Debug, Serialize)]
+struct CycleRow {
+    block: usize,
+    cycle: u32,
+    ramp: bool,
+    amplitude_mm: f32,
+    mean_displacement_mm: f32,
+    force_max_kn: f32,
+    force_min_kn: f32,
+    mean_force_kn: f32,
+    energy_j: f32,
+    elastic_energy_j: f32,
+    stiffness_kn_per_mm: f32,
+    loss_factor: f32,
+    model_energy_j: f32,
+    model_stiffness_kn_per_mm: f32,
+    model_loss_factor: f32,
+    nrmse: f32,
+    followed_k1: f32,
+    followed_k3: f32,
+    followed_c: f32,
+}
+
+impl From<&CycleReport> for CycleRow {
+    fn from(report: &CycleReport) -> Self {
+        let (measured, model) = (&report.measured, &report.model);
+        Self {
+            block: report.block,
+            cycle: report.cycle,
+            ramp: report.ramp,
+            amplitude_mm: measured.amplitude,
+            mean_displacement_mm: measured.mean_displacement,
+            force_max_kn: measured.force_max,
+            force_min_kn: measured.force_min,
+            mean_force_kn: measured.mean_force,
+            energy_j: measured.energy,
+            elastic_energy_j: measured.elastic_energy,
+            stiffness_kn_per_mm: measured.stiffness,
+            loss_factor: measured.loss_factor,
+            model_energy_j: model.energy,
+            model_stiffness_kn_per_mm: model.stiffness,
+            model_loss_factor: model.loss_factor,
+            nrmse: report.nrmse,
+            followed_k1: report.followed.k1,
+            followed_k3: report.followed.k3,
+            followed_c: report.followed.c,
+        }
+    }
+}
+
+impl CycleRow {
+    fn followed_in_words(&self) -> String {
+        format!(
+            "The law followed by {:+.1} % of k1, {:+.1} % of k3 and {:+.1} % of c",
+            100.0 * self.followed_k1,
+            100.0 * self.followed_k3,
+            100.0 * self.followed_c
+        )
+    }
+}
+
+impl RunCommand {
+    pub fn run(self) -> Result<(), Failure> {
+        let mut outputs = Plan::new()
+            .reads(&self.programme)
+            .reads(&self.model)
+            .fills(self.out.as_path(), ["recording.csv.gz", "cycles.csv"])
+            .writes(&self.json)
+            .keeps(Journal::path_in(&self.out))
+            .begin()?;
+        let programme = match &self.programme {
+            Some(path) => programme::read(path, self.reading.limit, self.tick_rate)?,
+            None => programme::parse(&self.blocks, self.tick_rate)?,
+        };
+        let (specimen, density, described) = self.specimen()?;
+        let (law, block_laws) = self.laws(&programme, density)?;
+        let mut setup = RigSetup::new(specimen, law, programme.clone(), self.seed);
+        setup.block_laws = block_laws;
+        setup.record_every = self.record_every;
+        setup.settings.health.follow = self.follow;
+
+        let image = match self.on {
+            On::Host => None,
+            On::Image => Some(start_image(self.log, self.tick_rate)?),
+        };
+        let progress = Progress::of(100);
+        progress.step("running the rig");
+        let comments = vec![
+            format!("specimen: {described}"),
+            format!("run: simulated rig, seed = {}", self.seed),
+        ];
+        let mut watched = Watched {
+            progress,
+            journal: Journal::new(&self.out, comments.clone()),
+        };
+        let run = match image {
+            None => run_rig(setup, &mut watched),
+            Some(mut image) => run_rig_on(&mut image, setup, &mut watched),
+        };
+        let Watched { progress, journal } = watched;
+        drop(progress);
+        let run = run.map_err(|error| broken_off(error, &journal))?;
+
+        let summary = Summary {
+            on: self.on,
+            specimen: described.clone(),
+            seed: self.seed,
+            tick_rate: self.tick_rate,
+            ticks: run.ticks,
+            cycles: run.cycles.iter().map(CycleRow::from).collect(),
+            events: run.events.iter().map(EventRow::new).collect(),
+            stopped: run.faults.first().map(|&(time, fault)| Stop {
+                time,
+                fault: in_words(fault).to_owned(),
+            }),
+        };
+        let recording = self.out.join("recording.csv.gz");
+        let recorded = match (
+            run.recording(recording.display().to_string()),
+            &summary.stopped,
+        ) {
+            // A rig that stopped at once has recorded nothing: why it stopped is the message then.
+            (Err(_), Some(stop)) => {
+                journal.remove();
+                return Err(stop.failure());
+            }
+            (recorded, _) => recorded?,
+        };
+        let recorded = comments.into_iter().fold(recorded, Recording::with_comment);
+        outputs.add(&recording, recorded.to_file(&recording));
+        outputs.add(self.out.join("cycles.csv"), csv_of(&summary.cycles)?);
+        if let Some(json) = &self.json {
+            outputs.add_json(json, &summary)?;
+        }
+        outputs
+            .write()
+            .map_err(|error| with_journal(error, &journal))?;
+        journal.remove();
+        if self.json.as_deref() != Some(Path::new("-")) {
+            print_blocks(&run, &programme);
+            if self.follow > 0.0
+                && let Some(last) = summary.cycles.last()
+            {
+                say(&last.followed_in_words());
+            }
+            for event in &summary.events {
+                say(&event.in_words());
+            }
+            say(&format!("The recording is {}", recording.display()));
+        }
+        summary.stopped.map_or(Ok(()), |stop| Err(stop.failure()))
+    }
+
+    /// The specimen, its density in g/cm³ and what is said of it in the recording.
+    fn specimen(&self) -> Result<(Specimen, f64, String), InputError> {
+        if self.drawn {
+            let (specimen, drawn) = draw(self.seed);
+            let described = format!(
+                "simulated MMD, density_g_cm3 = {}, undeclared effect of seed {}",
+                drawn.density, self.seed
+            );
+            return Ok((specimen, drawn.density, described));
+        }
+        let (low, high) = (2.0, 4.0);
+        if !(low..=high).contains(&self.density) {
+            return Err(InputError::new(
+                "--density",
+                format!("{} g/cm³ is outside the paper's tables", self.density),
+                format!("give {low} to {high}"),
+            ));
+        }
+        let mut described = format!("simulated MMD, density_g_cm3 = {}", self.density);
+        let mut specimen = Specimen::of_density(self.density, SPECIMEN_AMPLITUDE);
+        for text in &self.effect {
+            specimen = specimen.with(effect::parse(text)?);
+            described = format!("{described}, {text}");
+        }
+        Ok((specimen, self.density, described))
+    }
+
+    /// The law that runs beside the specimen, and eq 13 for each block.
+    fn laws(
+        &self,
+        programme: &Programme<MOST_BLOCKS>,
+        density: f64,
+    ) -> Result<(AugmentedLaw<f32, MAX_EFFECTS>, Vec<Law<f32>>), InputError> {
+        let amplitudes = programme.blocks().map(|block| block.amplitude());
+        let Some(path) = &self.model else {
+            let law = self.law.at(density, SPECIMEN_AMPLITUDE);
+            return Ok((AugmentedLaw::new(law), Vec::new()));
+        };
+        let model = ModelFile::read_within(path, self.reading.limit)?.model();
+        let refused = |error| model_error(&path.display().to_string(), &error);
+        let block_laws = amplitudes
+            .map(|amplitude| model.law_at::<f32>(amplitude))
+            .collect::<Result<Vec<_>, _>>()
+            .map_err(refused)?;
+        let first = programme
+            .blocks()
+            .next()
+            .map_or(0.0, |block| block.amplitude());
+        let law = model
+            .augmented::<f32>(first, 1.0 / self.tick_rate)
+            .map_err(refused)?;
+        Ok((law, block_laws))
+    }
+}
+
+/// Shows how far a run is, and keeps what it has recorded.
+struct Watched {
+    progress: Progress,
+    journal: Journal,
+}
+
+impl Watch for &mut Watched {
+    fn see(&mut self, part: f64, samples: &Samples) -> Result<(), InputError> {
+        self.progress.done((100.0 * part) as u64);
+        self.journal.write(samples)
+    }
+}
+
+fn broken_off(error: SetupError, journal: &Journal) -> InputError {
+    let error = match error {
+        SetupError::Link(error) | SetupError::Watch(error) => error,
+        error => {
+            let mend = "change the blocks, the tick rate, the model or how far it may follow";
+            InputError::new("the rig", error.to_string(), mend)
+        }
+    };
+    with_journal(error, journal)
+}
+
+/// `error`, and where to find what was recorded before it.
+fn with_journal(mut error: InputError, journal: &Journal) -> InputError {
+    if journal.has_begun() {
+        let path = journal.path().display();
+        error.mend = format!("{}; what was recorded before is {path}", error.mend);
+    }
+    error
+}
+
+/// Why the rig stopped.
+pub(super) fn in_words(fault: Fault) -> &'static str {
+    match fault {
+        Fault::AdcBus => "the ADC did not answer",
+        Fault::DacBus => "the DAC did not answer",
+        Fault::EnableLine => "the enable line could not be set",
+        Fault::DisplacementClipped => "the displacement channel is at an end of its range",
+        Fault::ForceClipped => "the force channel is at an end of its range",
+        Fault::CommandClipped => "the command is beyond the DAC's range",
+        Fault::DisplacementLimit => "the displacement exceeded its limit",
+        Fault::ForceLimit => "the force exceeded its limit",
+        Fault::TrackingLimit => "the displacement was too far from the demanded one",
+        Fault::NoResponse => "the displacement did not follow the demanded one",
+        Fault::NotFinite => "a force or command was not finite",
+        Fault::DisplacementLost => "the displacement sensor is lost",
+        Fault::ForceLost => "the force sensor is lost",
+        Fault::LinkLost => "the link was silent for too long",
+        Fault::TickOverrun => "a tick came late",
+        _ => "a fault without a name",
+    }
+}
+
+fn csv_of(cycles: &[CycleRow]) -> Result<Vec<u8>, InputError> {
+    let failed = |error: String| InputError::new("cycles.csv", error, "report this");
+    let mut writer = csv::Writer::from_writer(Vec::new());
+    for cycle in cycles {
+        writer
+            .serialize(cycle)
+            .map_err(|error| failed(error.to_string()))?;
+    }
+    writer
+        .into_inner()
+        .map_err(|error| failed(error.to_string()))
+}
+
+/// The means over each block's steady cycles.
+fn print_blocks(run: &RigRun, programme: &Programme<MOST_BLOCKS>) {
+    say("    mm      Hz  cycles   K, kN/mm  of law   loss factor  of law   error of law");
+    for (index, block) in programme.blocks().enumerate() {
+        let cycles: Vec<CycleRow> = run.steady_cycles(index).map(CycleRow::from).collect();
+        if cycles.is_empty() {
+            continue;
+        }
+        let mean = |of: fn(&CycleRow) -> f32| {
+            cycles.iter().map(|row| f64::from(of(row))).sum::<f64>() / cycles.len() as f64
+        };
+        say(&format!(
+            "{:6.3} {:7.2} {:7}   {:8.3} {:8.3}   {:10.4} {:8.4}   {:10.2} %",
+            block.amplitude(),
+            block.to(),
+            cycles.len(),
+            mean(|row| row.stiffness_kn_per_mm),
+            mean(|row| row.model_stiffness_kn_per_mm),
+            mean(|row| row.loss_factor),
+            mean(|row| row.model_loss_factor),
+            100.0 * mean(|row| row.nrmse),
+        ));
+    }
+}

@@ -1,0 +1,52 @@
+//! The result of a trace in a few lines for the terminal.
+
+use mesh_damper_identify::trace::result::TraceResult;
+use mesh_damper_report::text::{interval, percent, verdict};
+
+use super::say;
+
+/// Prints the verdict, the effects with their parameters, the error before and after, and warnings.
+pub fn print(result: &TraceResult) {
+    say(&verdict(result).0);
+    for effect in &result.effects {
+        for (name, estimate) in &effect.parameters {
+            let [low, value, high] = interval(estimate.low, estimate.value, estimate.high);
+            let unit = &estimate.unit;
+            say(&format!(
+                "  {} {name} = {value} ({low} … {high}) {unit}",
+                effect.family
+            ));
+        }
+    }
+    say("Error of the force, RMS over RMS            fitted     held out");
+    for (what, fitted, held_out) in [
+        (
+            "before: mixed damping law alone",
+            Some(result.baseline.nrmse_fitted),
+            result.baseline.nrmse_held_out,
+        ),
+        (
+            "after: with what was found, f64",
+            Some(result.augmented.nrmse_fitted),
+            result.augmented.nrmse_held_out,
+        ),
+        (
+            "after: the embedded law, f32",
+            None,
+            result.on_target.nrmse_held_out,
+        ),
+        ("noise of the recording", None, result.noise_floor_nrmse),
+    ] {
+        let fitted = fitted.map(percent).unwrap_or_default();
+        say(&format!(
+            "  {what:34} {fitted:>12} {:>12}",
+            percent(held_out)
+        ));
+    }
+    if let Some(test) = &result.separating_test {
+        say(&format!("To tell them apart: {test}"));
+    }
+    for warning in &result.warnings {
+        say(&format!("Note: {warning}"));
+    }
+}

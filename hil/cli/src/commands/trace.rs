@@ -1,0 +1,151 @@
+//! `hil trace`: from recordings to the effect that the law lacks, and to the law with it.
+
+use std::path::{Path, PathBuf};
+
+use clap::Args;
+use mesh_damper_identify::trace::{Role, Trace, trace};
+use mesh_damper_model::file::{FittedRange, ModelFile};
+use mesh_damper_recording::Recording;
+use mesh_damper_recording::error::InputError;
+use mesh_damper_recording::output::Plan;
+use mesh_damper_report::{self as report, ReportData};
+
+use super::progress::Progress;
+use super::reading::Reading;
+use super::{Failure, say, summary};
+
+/// Find what the law lacks in recordings, and mend it
+///
+/// Writes DIR/trace.json, DIR/model.json and DIR/report.html.
+#[derive(Args, Debug)]
+#[command(
+    after_help = "Example:\n  hil trace rig-test.csv.gz --held-out other-amplitudes.csv.gz --out trace-out\n\n\
+    With no --held-out, the last cycles of each block and one whole block are held out."
+)]
+pub struct TraceCommand {
+    /// Recordings of one specimen to fit
+    #[arg(value_name = "REC", required = true)]
+    recordings: Vec<PathBuf>,
+    /// Recordings that are never fitted, only predicted
+    #[arg(long, value_name = "REC", num_args = 1..)]
+    held_out: Vec<PathBuf>,
+    /// Where the results go
+    #[arg(long, value_name = "DIR", default_value = "trace-out")]
+    out: PathBuf,
+    /// Where trace.json goes as well; `-` for standard output
+    #[arg(long, value_name = "FILE")]
+    json: Option<PathBuf>,
+    #[command(flatten)]
+    reading: Reading,
+}
+
+impl TraceCommand {
+    pub fn run(self) -> Result<(), Failure> {
+        let mut outputs = Plan::new()
+            .reads(&self.recordings)
+            .reads(&self.held_out)
+            .fills(
+                self.out.as_path(),
+                ["trace.json", "model.json", "report.html"],
+            )
+            .writes(&self.json)
+            .begin()?;
+        reject_repeats(self.recordings.iter().chain(&self.held_out))?;
+        let read = |paths: &[PathBuf]| {
+            paths
+                .iter()
+                .map(|path| Recording::read_within(path, self.reading.limit))
+                .collect::<Result<Vec<_>, _>>()
+        };
+        let recordings = read(&self.recordings)?;
+        let held_out = read(&self.held_out)?;
+        let progress = Progress::steps();
+        let found = trace(&recordings, &held_out, &|what| progress.step(what))?;
+        progress.step("writing the report");
+        let names: Vec<String> = self.recordings.iter().map(|path| file_name(path)).collect();
+        let report = ReportData::of_trace(
+            format!("Trace of {}", names.join(", ")),
+            declarations(&recordings),
+            &found,
+        );
+        outputs.add_json(self.out.join("trace.json"), &found.result)?;
+        outputs.add_json(self.out.join("model.json"), &model_file(&found))?;
+        outputs.add(self.out.join("report.html"), report::render(&report));
+        if let Some(json) = &self.json {
+            outputs.add_json(json, &found.result)?;
+        }
+        drop(progress);
+        outputs.write()?;
+        if self.json.as_deref() != Some(Path::new("-")) {
+            summary::print(&found.result);
+            say(&format!(
+                "The report is {}",
+                self.out.join("report.html").display()
+            ));
+        }
+        Ok(())
+    }
+}
+
+/// A file given twice would be held out and fitted, or counted twice.
+fn reject_repeats<'a>(paths: impl Iterator<Item = &'a PathBuf>) -> Result<(), InputError> {
+    let mut known = Vec::new();
+    for path in paths {
+        // What cannot be resolved is refused when it is read.
+        let Ok(resolved) = path.canonicalize() else {
+            continue;
+        };
+        if known.contains(&resolved) {
+            return Err(InputError::new(
+                path.display().to_string(),
+                "is given twice",
+                "give each recording once, either to fit or after --held-out",
+            ));
+        }
+        known.push(resolved);
+    }
+    Ok(())
+}
+
+/// The model with the range of motion that it was fitted on.
+pub fn model_file(found: &Trace) -> ModelFile {
+    let fitted = |channel: fn(&mesh_damper_recording::motion::Motion) -> &Vec<f64>| {
+        found.recordings.iter().flat_map(move |traced| {
+            let values = channel(&traced.trajectory.motion);
+            values
+                .iter()
+                .zip(&traced.roles)
+                .filter(|(_, role)| **role != Role::HeldOut)
+                .map(|(value, _)| value)
+        })
+    };
+    let still = FittedRange {
+        displacement: [0.0; 2],
+        velocity: [0.0; 2],
+    };
+    let range = FittedRange::of(
+        fitted(|motion| &motion.displacement),
+        fitted(|motion| &motion.velocity),
+    );
+    ModelFile::new(found.model.clone(), range.unwrap_or(still))
+}
+
+/// What the recordings' comments declare.
+fn declarations(recordings: &[Recording]) -> Vec<(String, String)> {
+    ["specimen", "device", "excitation"]
+        .into_iter()
+        .filter_map(|key| {
+            let text = recordings.iter().find_map(|r| r.declared(key))?;
+            // Recordings of one specimen differ in their excitation.
+            let same = recordings.iter().all(|r| r.declared(key) == Some(text));
+            same.then(|| (key.to_owned(), text.to_owned()))
+        })
+        .collect()
+}
+
+fn file_name(path: &Path) -> String {
+    path.file_name()
+        .unwrap_or(path.as_os_str())
+        .to_string_lossy()
+        .into_owned()
+}

@@ -1,0 +1,29 @@
+//! The `hil` command: rig tests, tracing and prediction of the metal mesh damper.
+#![forbid(unsafe_code)]
+
+mod commands;
+
+use std::process::ExitCode;
+
+use clap::Parser as _;
+
+/// A search takes and gives back columns as long as the recording all the time, and the system's allocator gives their pages
+/// back with them: an eighth of a trace.
+#[global_allocator]
+static ALLOCATOR: mimalloc::MiMalloc = mimalloc::MiMalloc;
+
+fn main() -> ExitCode {
+    std::panic::set_hook(Box::new(|fault| {
+        eprintln!(
+            "error: a fault in hil itself, please report it: {}",
+            fault.to_string().replace('\n', ": ")
+        );
+    }));
+    match commands::Cli::parse().run() {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(failure) => {
+            eprintln!("error: {failure}");
+            failure.exit_code()
+        }
+    }
+}

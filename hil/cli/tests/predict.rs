@@ -1,0 +1,98 @@
+//! `hil predict`: the recording's rows come back with the force of the model, in the recording's own unit.
+
+use std::fs;
+use std::path::Path;
+use std::process::Command;
+
+use mesh_damper_recording::Recording;
+
+/// k1 = 2 kN/mm and a preload of 0.5 kN: a force that a line of the file shows.
+const MODEL: &str = r#"{ "format": "mesh-damper-model", "version": 1,
+  "units": { "displacement": "mm", "force": "kN", "time": "s", "temperature": "degC" },
+  "law": [ { "amplitude": 0.0, "k1": 2.0, "k3": 0.0, "c": 0.0, "alpha": 0.5 } ],
+  "effects": [ { "family": "offset", "parameters": { "force": 0.5 } } ],
+  "fitted_range": { "displacement": [-0.2, 0.2], "velocity": [-6.3, 6.3] } }"#;
+
+fn displacement(time: f64) -> f64 {
+    0.1 * (std::f64::consts::TAU * 2.0 * time).sin()
+}
+
+fn predict(directory: &Path, recording: &str, out: &str, on: &str) {
+    fs::write(directory.join("model.json"), MODEL).unwrap();
+    let output = Command::new(env!("CARGO_BIN_EXE_hil"))
+        .args([
+            "predict",
+            "--model",
+            "model.json",
+            recording,
+            "--out",
+            out,
+            "--on",
+            on,
+        ])
+        .current_dir(directory)
+        .output()
+        .unwrap();
+    assert!(
+        output.status.success(),
+        "{}",
+        String::from_utf8_lossy(&output.stderr)
+    );
+}
+
+#[test]
+fn the_rows_come_back_with_a_column_in_the_recordings_own_unit() {
+    let root = tempfile::tempdir().unwrap();
+    // Time in ms, displacement in inches, force in pound-force; a column that is not known, and a quoted one.
+    let mut text = String::from("# specimen: one\ntime_ms,note,displacement_in,force_lbf\n");
+    for i in 0..1000 {
+        let time = f64::from(i) * 0.002;
+        let inches = displacement(time) / 25.4;
+        text += &format!("{},\"a, {i}\",{inches:.9},{:.3}\n", i * 2, 100.0 + inches);
+    }
+    fs::write(root.path().join("rec.csv"), &text).unwrap();
+    for on in ["f32", "f64"] {
+        predict(root.path(), "rec.csv", "out/pred.csv", on);
+        let predicted = fs::read_to_string(root.path().join("out/pred.csv")).unwrap();
+        let lines: Vec<&str> = predicted.lines().collect();
+        let before: Vec<&str> = text.lines().collect();
+        assert_eq!(lines.len(), before.len());
+        assert_eq!(lines[0], before[0]);
+        assert_eq!(lines[1], format!("{},predicted_force_lbf", before[1]));
+        for (i, (line, before)) in lines.iter().zip(&before).enumerate().skip(2) {
+            let (row, force) = line.rsplit_once(',').unwrap();
+            assert_eq!(row, *before);
+            let force: f64 = force.parse().unwrap();
+            let expected =
+                (0.5 + 2.0 * displacement((i - 2) as f64 * 0.002)) / 4.448_221_615_260_5e-3;
+            // The motion is estimated from samples printed to 1e-9 in: far below 1e-4 of the force's 45 lbf.
+            assert!((force - expected).abs() < 5e-3, "{i}: {force} {expected}");
+        }
+    }
+}
+
+#[test]
+fn a_jittering_recording_is_predicted_at_its_own_times() {
+    let root = tempfile::tempdir().unwrap();
+    let mut text = String::from("time_s,displacement_mm,force_N\n");
+    let times: Vec<f64> = (0..1000)
+        .map(|i| (f64::from(i) + 0.1 * f64::from((i * 3) % 5)) * 0.002)
+        .collect();
+    for time in &times {
+        text += &format!("{time:.6},{:.9},0\n", displacement(*time));
+    }
+    text = text.replace(",0\n", ",1\n");
+    fs::write(root.path().join("rec.csv"), &text).unwrap();
+    predict(root.path(), "rec.csv", "pred.csv.gz", "f64");
+    let predicted = Recording::read(root.path().join("pred.csv.gz")).unwrap();
+    assert_eq!(predicted.len(), times.len());
+    let mut csv = String::new();
+    let file = fs::File::open(root.path().join("pred.csv.gz")).unwrap();
+    std::io::Read::read_to_string(&mut flate2::read::GzDecoder::new(file), &mut csv).unwrap();
+    for (line, time) in csv.lines().skip(1).zip(&times) {
+        let force: f64 = line.rsplit_once(',').unwrap().1.parse().unwrap();
+        let expected = 500.0 + 2000.0 * displacement(*time);
+        // Interpolated there and back: below 1e-5 of an amplitude of 200 N inside, a straight line at the ends.
+        assert!((force - expected).abs() < 0.2, "{time}: {force} {expected}");
+    }
+}

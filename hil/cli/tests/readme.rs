@@ -1,0 +1,55 @@
+//! What the README says is so.
+
+use mesh_damper_studies::demo::{demo, loop_error};
+
+const README: &str = include_str!("../../../README.md");
+
+/// Figures in %, of which three digits at most are given: what a better fit or another libm changes is no untruth.
+const PART: f64 = 0.1;
+
+fn cells(row: &str) -> Vec<&str> {
+    row.trim_matches('|').split('|').map(str::trim).collect()
+}
+
+#[test]
+fn the_minimum_rust_version_is_the_packages() {
+    let said = format!("Rust {} or later", env!("CARGO_PKG_RUST_VERSION"));
+    assert!(README.contains(&said), "{said}");
+}
+
+#[test]
+fn every_seed_of_the_table_hides_what_is_said_and_ends_in_the_errors_given() {
+    let mut families = Vec::new();
+    for row in README.lines().filter(|line| line.starts_with('|')) {
+        let cells = cells(row);
+        let Ok(seed) = cells[0].parse::<u64>() else {
+            continue;
+        };
+        let family = cells[1].trim_matches('`');
+        let done = demo(seed, &|_| ()).unwrap();
+        let result = &done.trace.result;
+        let found: Vec<&str> = result.effects.iter().map(|e| &e.family[..]).collect();
+        assert_eq!(found, [family], "seed {seed}");
+        assert!(done.is_named() && done.is_nearer(), "seed {seed}");
+        let errors = [
+            result.baseline.nrmse_held_out,
+            result.on_target.nrmse_held_out,
+            result.noise_floor_nrmse,
+            loop_error(&done.before),
+            loop_error(&done.after),
+        ];
+        assert_eq!(cells.len(), 2 + errors.len(), "{row}");
+        for (said, error) in cells[2..].iter().zip(errors) {
+            let said: f64 = said.parse().unwrap();
+            let error = 100.0 * error;
+            assert!(
+                (said - error).abs() <= PART * error,
+                "seed {seed}: {said} % is said, {error:.3} % it is"
+            );
+        }
+        families.push(family);
+    }
+    families.sort_unstable();
+    families.dedup();
+    assert_eq!(families.len(), 9, "{families:?}");
+}

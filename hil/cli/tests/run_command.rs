@@ -1,0 +1,178 @@
+//! `hil run`: what it leaves is a recording like any other, and the same for the same seed.
+
+use std::fs;
+use std::path::Path;
+use std::process::{Command, Output};
+
+use mesh_damper_recording::Recording;
+
+fn run(directory: &Path, arguments: &[&str]) -> Output {
+    Command::new(env!("CARGO_BIN_EXE_hil"))
+        .arg("run")
+        .args(arguments)
+        .current_dir(directory)
+        .output()
+        .unwrap()
+}
+
+/// A specimen that softens for longer than a run-in lasts.
+const SOFTENING: [&str; 4] = [
+    "--effect",
+    "drift:stiffness=-0.5,cycles=300",
+    "--blocks",
+    "0.1:10:400",
+];
+
+/// What the monitor names is told, in the JSON with its evidence.
+#[test]
+fn what_the_monitor_names_is_told() {
+    let root = tempfile::tempdir().unwrap();
+    let told = run(root.path(), &SOFTENING);
+    assert!(told.status.success());
+    let told = String::from_utf8_lossy(&told.stdout).into_owned();
+    let output = run(root.path(), &[&SOFTENING[..], &["--json", "-"]].concat());
+    let summary: serde_json::Value = serde_json::from_slice(&output.stdout).unwrap();
+    let events = summary["events"].as_array().unwrap();
+    assert!(events.len() > 1, "{events:?}");
+    for event in events {
+        let (value, limit) = (
+            event["value"].as_f64().unwrap(),
+            event["limit"].as_f64().unwrap(),
+        );
+        assert!(value.abs() >= limit && limit > 0.0, "{event}");
+        let time = event["time"].as_f64().unwrap();
+        assert!(
+            (time - event["cycle"].as_f64().unwrap() / 10.0).abs() < 0.2,
+            "{event}"
+        );
+        let at = format!("found {time:.3} s after the start");
+        assert!(told.contains(&at), "{at}: {told}");
+    }
+    assert_eq!(events[0]["cause"], "RunIn");
+    assert_eq!(events[0]["fault"], false);
+    assert!(events.iter().any(|event| event["fault"] == true));
+}
+
+/// The same specimen beside a law that may follow: it errs less, and no fault is named.
+#[test]
+fn a_law_that_follows_errs_less_and_says_by_how_much_it_went() {
+    let root = tempfile::tempdir().unwrap();
+    let summary = |more: &[&str]| -> serde_json::Value {
+        let output = run(
+            root.path(),
+            &[&SOFTENING[..], &["--json", "-"], more].concat(),
+        );
+        serde_json::from_slice(&output.stdout).unwrap()
+    };
+    let last = |summary: &serde_json::Value, field: &str| {
+        let cycles = summary["cycles"].as_array().unwrap();
+        cycles.iter().rfind(|cycle| cycle["ramp"] == false).unwrap()[field]
+            .as_f64()
+            .unwrap()
+    };
+    let (stays, follows) = (summary(&[]), summary(&["--follow", "0.2"]));
+    assert!(last(&stays, "nrmse") > 0.1);
+    assert!(last(&follows, "nrmse") < 0.02);
+    assert_eq!(last(&stays, "followed_k1"), 0.0);
+    assert!(last(&follows, "followed_k1") < -0.3);
+    assert!(last(&follows, "followed_c").abs() < 0.01);
+    let faults = |summary: &serde_json::Value| {
+        let events = summary["events"].as_array().unwrap();
+        events.iter().filter(|event| event["fault"] == true).count()
+    };
+    assert_eq!((faults(&stays), faults(&follows)), (1, 0));
+    let refused = run(root.path(), &["--follow", "0.6"]);
+    assert_eq!(refused.status.code(), Some(2));
+    let said = String::from_utf8_lossy(&refused.stderr).into_owned();
+    assert!(said.contains("follow = 0.6 is outside 0…0.5"), "{said}");
+}
+
+#[test]
+fn leaves_a_recording_and_its_cycles() {
+    let root = tempfile::tempdir().unwrap();
+    let arguments = [
+        "--blocks",
+        "0.1:5:4,0.05:10:6",
+        "--seed",
+        "3",
+        "--json",
+        "-",
+    ];
+    let output = run(root.path(), &arguments);
+    assert!(
+        output.status.success(),
+        "{}",
+        String::from_utf8_lossy(&output.stderr)
+    );
+    let summary: serde_json::Value = serde_json::from_slice(&output.stdout).unwrap();
+    assert!(summary["stopped"].is_null());
+    assert_eq!(summary["events"], serde_json::json!([]));
+
+    let recording = Recording::read(root.path().join("run-out/recording.csv.gz")).unwrap();
+    assert!((recording.sample_period() - 1e-3).abs() < 1e-9);
+    assert_eq!(
+        recording.declared("specimen"),
+        Some("simulated MMD, density_g_cm3 = 3")
+    );
+    let largest = recording
+        .displacement
+        .iter()
+        .fold(0.0, |a: f64, b| a.max(b.abs()));
+    // The amplitude is held to a part in a hundred, beside noise of 1e-4 mm.
+    assert!((largest - 0.1).abs() < 5e-3, "{largest}");
+
+    let cycles = fs::read_to_string(root.path().join("run-out/cycles.csv")).unwrap();
+    let rows = summary["cycles"].as_array().unwrap();
+    assert_eq!(cycles.lines().count(), rows.len() + 1);
+    for (block, cycles) in [(0, 4), (1, 6)] {
+        let steady = |row: &&serde_json::Value| row["block"] == block && row["ramp"] == false;
+        assert_eq!(rows.iter().filter(steady).count(), cycles);
+        for row in rows.iter().filter(steady) {
+            // The law beside is that of the specimen's own density at 0.1 mm.
+            let (measured, model) = (
+                &row["stiffness_kn_per_mm"],
+                &row["model_stiffness_kn_per_mm"],
+            );
+            let ratio = measured.as_f64().unwrap() / model.as_f64().unwrap();
+            assert!((ratio - 1.0).abs() < 0.1, "{row}");
+        }
+    }
+
+    fs::rename(root.path().join("run-out"), root.path().join("first")).unwrap();
+    run(root.path(), &arguments);
+    let csv = |directory: &str| fs::read(root.path().join(directory).join("cycles.csv")).unwrap();
+    assert_eq!(csv("first"), csv("run-out"));
+    run(
+        root.path(),
+        &["--blocks", "0.1:5:4,0.05:10:6", "--seed", "4"],
+    );
+    assert_ne!(csv("first"), csv("run-out"));
+}
+
+#[test]
+fn a_rig_that_stops_on_a_limit_ends_with_1_and_keeps_what_it_recorded() {
+    let root = tempfile::tempdir().unwrap();
+    let output = run(root.path(), &["--blocks", "0.1:5:4,2:5:10"]);
+    assert_eq!(output.status.code(), Some(1));
+    let error = String::from_utf8(output.stderr).unwrap();
+    assert!(error.starts_with("error: the rig stopped "), "{error}");
+    assert_eq!(error.lines().count(), 1);
+    Recording::read(root.path().join("run-out/recording.csv.gz")).unwrap();
+}
+
+#[test]
+fn the_file_of_a_programme_says_what_blocks_say() {
+    let root = tempfile::tempdir().unwrap();
+    let programme = r#"{"blocks": [{"amplitude": 0.1, "from": 2, "to": 8, "cycles": 6}]}"#;
+    fs::write(root.path().join("p.json"), programme).unwrap();
+    let outputs = [["--blocks", "0.1:2-8:6"], ["--programme", "p.json"]].map(|arguments| {
+        let output = run(root.path(), &[&arguments[..], &["--json", "-"]].concat());
+        assert!(
+            output.status.success(),
+            "{}",
+            String::from_utf8_lossy(&output.stderr)
+        );
+        output.stdout
+    });
+    assert_eq!(outputs[0], outputs[1]);
+}

@@ -1,0 +1,98 @@
+//! `hil trace` and `hil predict` one after the other: the files that they leave agree with each other.
+
+mod command;
+
+use std::fs;
+use std::path::Path;
+
+use mesh_damper_identify::trace::result::{TraceResult, Verdict};
+use mesh_damper_recording::Recording;
+
+use command::hil;
+
+/// Eq 13 and a constant force under blocks of sines (amplitude mm, frequency Hz), with noise that is the same on every
+/// run.
+fn record(path: &Path, blocks: &[(f64, f64)]) {
+    let (mut time, mut displacement, mut force) = (Vec::new(), Vec::new(), Vec::new());
+    for &(amplitude, frequency) in blocks {
+        let count = (8.0 / frequency * 500.0_f64).round() as usize;
+        for i in 0..count {
+            let phase = std::f64::consts::TAU * frequency * i as f64 / 500.0;
+            let (y, v) = (
+                amplitude * phase.sin(),
+                amplitude * std::f64::consts::TAU * frequency * phase.cos(),
+            );
+            // A multiplicative congruential sequence, uniform within ±0.7e-3 kN.
+            let noise = ((time.len() * 16_807 + 11) % 2_147 * 7_919 % 1_000) as f64 / 1_000.0 - 0.5;
+            time.push(time.len() as f64 / 500.0);
+            displacement.push(y);
+            force.push(
+                y + 8.0 * y.powi(3) + 0.1 * v.abs().powf(0.3) * v.signum() + 0.08 + 1.4e-3 * noise,
+            );
+        }
+    }
+    let name = path.display().to_string();
+    let recording = Recording::new(name, time, displacement, force).unwrap();
+    fs::write(path, recording.to_file(path)).unwrap();
+}
+
+#[test]
+fn what_trace_leaves_predict_takes_up() {
+    let root = tempfile::tempdir().unwrap();
+    record(
+        &root.path().join("rec.csv"),
+        &[(0.1, 1.0), (0.1, 5.0), (0.2, 1.0), (0.2, 5.0)],
+    );
+    record(&root.path().join("held.csv.gz"), &[(0.15, 2.0)]);
+    let printed = hil(
+        root.path(),
+        &[
+            "trace",
+            "rec.csv",
+            "--held-out",
+            "held.csv.gz",
+            "--out",
+            "a/b",
+            "--json",
+            "-",
+        ],
+    );
+    let out = root.path().join("a/b");
+    let file = fs::read_to_string(out.join("trace.json")).unwrap();
+    // Standard output holds the result and nothing else.
+    assert_eq!(printed, file);
+    let result: TraceResult = serde_json::from_str(&file).unwrap();
+    assert_eq!(result.verdict, Verdict::Found);
+    assert_eq!(result.effects[0].family, "offset");
+    let force = &result.effects[0].parameters["force"];
+    // Noise of 4e-4 kN RMS over thousands of samples: the constant is known to a few 1e-5 kN.
+    assert!((force.value - 0.08).abs() < 1e-3, "{force:?}");
+    assert_eq!(result.held_out, ["held.csv.gz"]);
+    let page = fs::read_to_string(out.join("report.html")).unwrap();
+    assert!(page.contains("Found: offset") && page.contains("held.csv.gz"));
+
+    for (on, expected) in [
+        ("f64", result.augmented.nrmse_held_out),
+        ("f32", result.on_target.nrmse_held_out),
+    ] {
+        let arguments = [
+            "predict",
+            "--model",
+            "a/b/model.json",
+            "held.csv.gz",
+            "--out",
+            "p.csv",
+        ];
+        let printed = hil(
+            root.path(),
+            &[&arguments[..], &["--on", on, "--json", "-"]].concat(),
+        );
+        let summary: serde_json::Value = serde_json::from_str(&printed).unwrap();
+        let nrmse = summary["nrmse"].as_f64().unwrap();
+        // The file keeps every digit: only the channels' last printed digit may differ.
+        assert!(
+            (nrmse / expected - 1.0).abs() < 1e-6,
+            "{on}: {nrmse} {expected}"
+        );
+    }
+}

@@ -1,0 +1,494 @@
+//! The columns that a fit is linear in, for given exponents and shapes.
+
+use std::ops::Range;
+use std::sync::{Arc, OnceLock};
+
+use mesh_damper::effects::ConfinedMotion;
+use mesh_damper_model::LawNode;
+use mesh_damper_recording::trajectory::Trajectory;
+
+use super::known_forces::UnitForces;
+use super::moved::{delayed, moved};
+use super::rows::{RowMotion, Rows, confined};
+use super::shape::{Extent, Shape};
+use super::solution::{Deflection, Solution};
+use super::term::{Entry, Form, Term, TermValue};
+
+/// Eq 13 and added terms over the rows of a fit.
+///
+/// The searched parameters are the exponents of the nodes, then each term's: the sizes of what scales eq 13, and
+/// logarithms of shapes.
+#[derive(Clone)]
+pub(super) struct Basis<'r, 'a> {
+    pub rows: &'r Rows<'a>,
+    pub terms: Vec<Term>,
+    shapes: Vec<Vec<Shape>>,
+    /// Where each term's searched parameters stand.
+    slots: Vec<Range<usize>>,
+    /// How a spring in series gives way, where there is one.
+    deflections: Option<Vec<Deflection>>,
+}
+
+/// The columns for one set of searched parameters.
+#[derive(Clone)]
+pub(super) struct Columns {
+    at: Vec<f64>,
+    moved: Option<Arc<Moved>>,
+    law: Arc<LawColumns>,
+    /// The forces of each term with size 1 at every row.
+    added: Vec<Vec<Arc<Vec<f64>>>>,
+}
+
+/// Eq 13's at every row, scaled where a term does.
+struct LawColumns {
+    /// y, y³ and |v|^α·sgn v.
+    unit: Vec<[f64; 3]>,
+    /// |v|^α·ln |v|·sgn v, the derivative of the last by α.
+    by_exponent: Vec<f64>,
+}
+
+struct Moved {
+    trajectories: Vec<Trajectory>,
+    /// What effects see of it, once one asks.
+    confined: OnceLock<Vec<Vec<ConfinedMotion<f64>>>>,
+    /// By how many ticks the force of each is late.
+    late: Vec<usize>,
+    rows: RowMotion,
+    throughout: Option<RowMotion>,
+}
+
+impl<'r, 'a> Basis<'r, 'a> {
+    pub fn new(rows: &'r Rows<'a>, extent: &Extent, terms: &[Term]) -> Self {
+        let mut from = rows.nodes.len();
+        let slots = terms
+            .iter()
+            .map(|term| {
+                let slot = from..from + term.form.searched();
+                from = slot.end;
+                slot
+            })
+            .collect();
+        Self {
+            rows,
+            shapes: terms.iter().map(|term| extent.shapes(term.form)).collect(),
+            terms: terms.to_vec(),
+            slots,
+            deflections: None,
+        }
+    }
+
+    /// The same with a spring in series giving way as it does in `solution`, where there is one.
+    #[must_use]
+    pub fn around(mut self, solution: &Solution) -> Self {
+        if self.terms.iter().any(|term| term.form == Form::Compliance) {
+            self.deflections = Some(solution.deflections(self.rows.trajectories));
+        }
+        self
+    }
+
+    /// Whether a size, counted over all terms, must not be negative.
+    pub fn is_positive(&self, size: usize) -> bool {
+        self.terms
+            .iter()
+            .flat_map(|term| match term.form.entry() {
+                Entry::Adds(count) => std::iter::repeat_n(term.form.size_is_positive(), count),
+                _ => std::iter::repeat_n(false, 0),
+            })
+            .nth(size)
+            .unwrap_or(false)
+    }
+
+    /// What the searched parameters `at` and the `linear` unknowns stand for; `squares` is what they leave, kN².
+    pub fn solution(&self, at: &[f64], linear: &[f64], squares: f64) -> Solution {
+        let nodes = self.rows.nodes.len();
+        let law = (0..nodes)
+            .map(|node| LawNode {
+                amplitude: self.rows.nodes[node],
+                k1: linear[3 * node],
+                k3: linear[3 * node + 1],
+                c: linear[3 * node + 2],
+                alpha: self.alpha(at, node),
+            })
+            .collect();
+        let mut sizes = linear.iter().skip(3 * nodes).copied();
+        let terms = self
+            .terms
+            .iter()
+            .enumerate()
+            .map(|(index, &term)| TermValue {
+                term,
+                sizes: match term.form.entry() {
+                    Entry::Adds(count) => sizes.by_ref().take(count).collect(),
+                    Entry::Scales(_) => self.scales(at, index),
+                    Entry::Moves => Vec::new(),
+                },
+                shapes: self.shapes(at, index),
+            })
+            .collect();
+        Solution {
+            law,
+            terms,
+            search: at.to_vec(),
+            squares,
+        }
+    }
+
+    /// Where the searched parameters of a term stand.
+    pub fn slot(&self, term: usize) -> Range<usize> {
+        self.slots[term].clone()
+    }
+
+    /// The exponent of a node.
+    pub fn alpha(&self, at: &[f64], node: usize) -> f64 {
+        at[node].clamp(0.0, 1.0)
+    }
+
+    /// The shapes of a term.
+    pub fn shapes(&self, at: &[f64], term: usize) -> Vec<f64> {
+        let searched = &at[self.slot(term)][self.terms[term].form.scales()..];
+        self.shapes[term]
+            .iter()
+            .zip(searched)
+            .map(|(shape, x)| x.exp().clamp(shape.low, shape.high))
+            .collect()
+    }
+
+    /// The sizes of a term that scales eq 13, as far as the crate takes them.
+    fn scales(&self, at: &[f64], term: usize) -> Vec<f64> {
+        let form = self.terms[term].form;
+        let [least, largest] = form.scale_range();
+        let sizes = at[self.slot(term)].iter().take(form.scales());
+        sizes.map(|size| size.clamp(least, largest)).collect()
+    }
+
+    /// The columns at `at`; what does not change is taken from `known`.
+    pub fn columns(&self, at: &[f64], known: Option<&Columns>) -> Columns {
+        let same = |range: Range<usize>| known.filter(|known| known.at[range.clone()] == at[range]);
+        let stays = |is_of: fn(Entry) -> bool| {
+            (0..self.terms.len())
+                .filter(|&term| is_of(self.terms[term].form.entry()))
+                .all(|term| same(self.slot(term)).is_some())
+        };
+        let motion_stays = stays(|entry| entry == Entry::Moves);
+        let moved = match known.filter(|_| motion_stays) {
+            Some(known) => known.moved.clone(),
+            None => self.moved(at).map(Arc::new),
+        };
+        let law_stays = motion_stays && stays(|entry| matches!(entry, Entry::Scales(_)));
+        let law = match known.filter(|_| law_stays && same(0..self.rows.nodes.len()).is_some()) {
+            Some(known) => known.law.clone(),
+            None => Arc::new(self.law(at, &moved)),
+        };
+        let added = (0..self.terms.len())
+            .map(
+                |term| match same(self.slot(term)).filter(|_| motion_stays) {
+                    Some(known) => known.added[term].clone(),
+                    None => self.added(at, term, &moved, known.is_none()),
+                },
+            )
+            .collect();
+        Columns {
+            at: at.to_vec(),
+            moved,
+            law,
+            added,
+        }
+    }
+
+    /// The force at every row with the `linear` unknowns: k1, k3 and c of every node, then the sizes; kN.
+    pub fn force(&self, columns: &Columns, linear: &[f64]) -> Vec<f64> {
+        let sizes = &linear[3 * self.rows.nodes.len()..];
+        let mut force = self.law_force(columns, linear);
+        for (size, column) in sizes.iter().zip(columns.added()) {
+            for (force, unit) in force.iter_mut().zip(column) {
+                *force += size * unit;
+            }
+        }
+        force
+    }
+
+    /// Eq 13's part of that force.
+    pub fn law_force(&self, columns: &Columns, linear: &[f64]) -> Vec<f64> {
+        let rows = columns.law.unit.iter();
+        rows.zip(&self.motion(columns).node)
+            .map(|(row, node)| (0..3).map(|i| linear[3 * node + i] * row[i]).sum())
+            .collect()
+    }
+
+    /// The derivative of that force by one searched parameter, at every row.
+    pub fn slope(&self, columns: &Columns, linear: &[f64], slot: usize) -> Vec<f64> {
+        if slot < self.rows.nodes.len() {
+            return self.exponent_slope(columns, linear, slot);
+        }
+        let [from, to] = self.ends(columns.at[slot], slot);
+        let at = |value: f64| {
+            let mut at = columns.at.clone();
+            at[slot] = value;
+            self.columns(&at, Some(columns))
+        };
+        let (columns, beside) = (&at(from), at(to));
+        let step = to - from;
+        let mut slope = if Arc::ptr_eq(&columns.law, &beside.law) {
+            vec![0.0; self.rows.len()]
+        } else {
+            let (here, there) = (
+                self.law_force(columns, linear),
+                self.law_force(&beside, linear),
+            );
+            let pairs = here.iter().zip(there);
+            pairs.map(|(here, there)| (there - here) / step).collect()
+        };
+        let sizes = &linear[3 * self.rows.nodes.len()..];
+        let added = columns
+            .added
+            .iter()
+            .flatten()
+            .zip(beside.added.iter().flatten());
+        for (size, (here, there)) in sizes.iter().zip(added) {
+            if Arc::ptr_eq(here, there) {
+                continue;
+            }
+            for (slope, (here, there)) in slope.iter_mut().zip(here.iter().zip(there.iter())) {
+                *slope += size * (there - here) / step;
+            }
+        }
+        slope
+    }
+
+    /// Between which values of a term's searched parameter, now `at`, the difference is taken: from here away from the nearer
+    /// end of its range, where it is held.
+    fn ends(&self, at: f64, slot: usize) -> [f64; 2] {
+        let term = (0..self.terms.len()).find(|&term| self.slot(term).contains(&slot));
+        let form = term.map(|term| self.terms[term].form);
+        let shape = term.zip(form).and_then(|(term, form)| {
+            let place = slot - self.slot(term).start;
+            self.shapes[term].get(place.checked_sub(form.scales())?)
+        });
+        if let (Some(Form::Delay), Some(shape)) = (form, shape) {
+            // The force jumps a little where the crate takes another whole tick: one to either side sees past that.
+            let tick = self
+                .rows
+                .trajectories
+                .iter()
+                .fold(0.0, |most: f64, each| most.max(each.tick));
+            let beside = |time: f64| time.clamp(shape.low, shape.high).ln();
+            return [beside(at.exp() - tick), beside(at.exp() + tick)];
+        }
+        let toward = match shape {
+            Some(shape) if 2.0 * at > (shape.low * shape.high).ln() => -1.0,
+            None if at > 0.0 => -1.0,
+            _ => 1.0,
+        };
+        // A tone's phase at the end of a recording is its frequency times thousands of periods.
+        let step = if form == Some(Form::Periodic) {
+            1e-7
+        } else {
+            1e-4
+        };
+        [at, at + toward * step]
+    }
+
+    /// c·|v|^α·ln |v|·sgn v at the rows of a node.
+    fn exponent_slope(&self, columns: &Columns, linear: &[f64], node: usize) -> Vec<f64> {
+        let motion = self.motion(columns);
+        let damping = linear[3 * node + 2];
+        (0..self.rows.len())
+            .map(|index| {
+                if motion.node[index] == node {
+                    damping * columns.law.by_exponent[index]
+                } else {
+                    0.0
+                }
+            })
+            .collect()
+    }
+
+    /// The forces of another term with each size 1 at every row; none where the crate refuses the shapes, which it may at
+    /// the end of their range at some tick.
+    pub fn unit_forces(&self, form: Form, shapes: &[f64], columns: &Columns) -> Vec<Arc<Vec<f64>>> {
+        self.forces(form, shapes, &columns.moved, true)
+            .unwrap_or_default()
+    }
+
+    /// What eq 13 sees at every row.
+    pub fn motion<'c>(&'c self, columns: &'c Columns) -> &'c RowMotion {
+        self.motion_of(&columns.moved)
+    }
+
+    fn motion_of<'c>(&'c self, moved: &'c Option<Arc<Moved>>) -> &'c RowMotion {
+        moved
+            .as_ref()
+            .map_or(&self.rows.motion, |moved| &moved.rows)
+    }
+
+    fn moved(&self, at: &[f64]) -> Option<Moved> {
+        let moves: Vec<(Form, f64)> = (0..self.terms.len())
+            .filter(|&term| self.terms[term].form.entry() == Entry::Moves)
+            .map(|term| (self.terms[term].form, self.shapes(at, term)[0]))
+            .collect();
+        if moves.is_empty() {
+            return None;
+        }
+        let (trajectories, late): (Vec<Trajectory>, Vec<usize>) = self
+            .rows
+            .trajectories
+            .iter()
+            .enumerate()
+            .map(|(which, trajectory)| {
+                let deflection = self.deflections.as_ref().map(|each| &each[which]);
+                moved(trajectory, &moves, deflection)
+            })
+            .unzip();
+        let (rows, throughout) = self.rows.motion_in(&trajectories);
+        Some(Moved {
+            trajectories,
+            confined: OnceLock::new(),
+            late,
+            rows,
+            throughout,
+        })
+    }
+
+    fn law(&self, at: &[f64], moved: &Option<Arc<Moved>>) -> LawColumns {
+        let throughout = match moved {
+            Some(moved) => &moved.throughout,
+            None => &self.rows.throughout,
+        };
+        let Some(throughout) = throughout else {
+            return self.law_of(at, self.motion_of(moved));
+        };
+        let all = self.law_of(at, throughout);
+        let shown = |take: &dyn Fn(usize) -> f64| {
+            let force: Vec<f64> = (0..all.unit.len()).map(take).collect();
+            self.rows.shown_of_all(&force)
+        };
+        let unit = [0, 1, 2].map(|i| shown(&|index| all.unit[index][i]));
+        LawColumns {
+            unit: (0..self.rows.len())
+                .map(|index| std::array::from_fn(|i| unit[i][index]))
+                .collect(),
+            by_exponent: shown(&|index| all.by_exponent[index]),
+        }
+    }
+
+    /// At each instant of `motion`.
+    fn law_of(&self, at: &[f64], motion: &RowMotion) -> LawColumns {
+        let scaling: Vec<(&Term, [f64; 2], Vec<f64>)> = (0..self.terms.len())
+            .filter_map(|term| {
+                let sizes = self.scales(at, term);
+                let ends = [*sizes.first()?, *sizes.last()?];
+                Some((&self.terms[term], ends, self.shapes(at, term)))
+            })
+            .collect();
+        let alphas: Vec<f64> = (0..self.rows.nodes.len())
+            .map(|node| self.alpha(at, node))
+            .collect();
+        let unit: Vec<[f64; 3]> = (0..motion.displacement.len())
+            .map(|index| {
+                let [elastic, damping] =
+                    scaling
+                        .iter()
+                        .fold([1.0; 2], |[elastic, damping], (term, [a, b], shapes)| {
+                            let (cycles, degrees) =
+                                (motion.cycles[index], motion.temperature[index]);
+                            let scale = term.scale(shapes, cycles, degrees);
+                            [elastic + a * scale, damping + b * scale]
+                        });
+                let y = motion.displacement[index];
+                let speed = (alphas[motion.node[index]] * motion.log_speed[index]).exp();
+                [
+                    elastic * y,
+                    elastic * y * y * y,
+                    damping * motion.direction[index] * speed,
+                ]
+            })
+            .collect();
+        let damping = unit.iter().zip(&motion.log_speed);
+        LawColumns {
+            by_exponent: damping.map(|(row, log_speed)| row[2] * log_speed).collect(),
+            unit,
+        }
+    }
+
+    /// `is_start`: other fits may start from these shapes too.
+    fn added(
+        &self,
+        at: &[f64],
+        term: usize,
+        moved: &Option<Arc<Moved>>,
+        is_start: bool,
+    ) -> Vec<Arc<Vec<f64>>> {
+        let Entry::Adds(count) = self.terms[term].form.entry() else {
+            return Vec::new();
+        };
+        let shapes = self.shapes(at, term);
+        self.forces(self.terms[term].form, &shapes, moved, is_start)
+            .unwrap_or_else(|| {
+                let none = Arc::new(vec![0.0; self.rows.len()]);
+                vec![none; count]
+            })
+    }
+
+    fn forces(
+        &self,
+        form: Form,
+        shapes: &[f64],
+        moved: &Option<Arc<Moved>>,
+        is_start: bool,
+    ) -> UnitForces {
+        let work = |motions: &[Vec<ConfinedMotion<f64>>], late: &[usize]| {
+            let mut columns: Vec<Vec<Vec<f64>>> = Vec::new();
+            for (which, motions) in motions.iter().enumerate() {
+                let tick = self.rows.trajectories[which].tick;
+                let mut forces = form.unit_forces(shapes, motions, tick).ok()?;
+                if let (Form::Periodic, Some(&ticks)) = (form, late.get(which)) {
+                    // It follows the clock, and not the motion, which comes late already.
+                    let late = forces.iter().map(|force| delayed(force, ticks));
+                    forces = late.collect();
+                }
+                columns.resize(forces.len(), Vec::new());
+                for (column, force) in columns.iter_mut().zip(forces) {
+                    column.push(force);
+                }
+            }
+            let columns = columns.into_iter();
+            Some(
+                columns
+                    .map(|column| Arc::new(self.rows.shown(column)))
+                    .collect(),
+            )
+        };
+        match moved {
+            Some(moved) => {
+                let of_moved = || confined(&moved.trajectories);
+                work(moved.confined.get_or_init(of_moved), &moved.late)
+            }
+            None if is_start => {
+                let known = &self.rows.known_forces;
+                known.of(form, shapes, || work(&self.rows.confined, &[]))
+            }
+            None => work(&self.rows.confined, &[]),
+        }
+    }
+}
+
+impl Columns {
+    /// y, y³ and |v|^α·sgn v at every row.
+    pub fn law(&self) -> &[[f64; 3]] {
+        &self.law.unit
+    }
+
+    /// The derivative of the last by α.
+    pub fn by_exponent(&self) -> &[f64] {
+        &self.law.by_exponent
+    }
+
+    /// The added columns, term by term.
+    pub fn added(&self) -> Vec<&[f64]> {
+        self.added
+            .iter()
+            .flatten()
+            .map(|column| column.as_slice())
+            .collect()
+    }
+}

@@ -1,0 +1,485 @@
+//! The samples of a fit, as the table and eq 13 see them.
+
+use mesh_damper::effects::Correction;
+use mesh_damper::effects::correction::{CELLS, CorrectionParts, CorrectionState};
+use mesh_damper::limits;
+use mesh_damper_model::correction::Remembered;
+use mesh_damper_model::predict::{motion_at, predict};
+use mesh_damper_model::{Family, LawNode, Model, ModelError};
+use mesh_damper_recording::extremes::least_and_largest;
+use mesh_damper_recording::trajectory::Trajectory;
+
+/// At most about so many samples are fitted, evenly picked.
+const MOST_ROWS: usize = 4000;
+/// The mean over a window is taken over at most so many of its samples.
+const MOST_INSTANTS: usize = 9;
+/// Two blocks whose amplitudes differ by less than this part are of one amplitude.
+const SAME: f64 = 0.06;
+/// Frequencies within so many octaves are one.
+const ONE_FREQUENCY: f64 = 0.1;
+
+/// How far the motion goes.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Extent {
+    /// mm
+    pub displacement: f64,
+    /// mm/s
+    pub speed: f64,
+}
+
+/// Eq 13 at each amplitude: k1, k3, c and α.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) struct Coefficients(pub Vec<[f64; 4]>);
+
+impl Coefficients {
+    pub fn of(model: &Model) -> Self {
+        let node = |node: &LawNode| [node.k1, node.k3, node.c, node.alpha];
+        Self(model.law.iter().map(node).collect())
+    }
+
+    /// The nodes of `model` with these coefficients.
+    pub fn nodes(&self, model: &Model) -> Vec<LawNode> {
+        let pairs = model.law.iter().zip(&self.0);
+        pairs
+            .map(|(node, &[k1, k3, c, alpha])| LawNode {
+                amplitude: node.amplitude,
+                k1,
+                k3,
+                c,
+                alpha,
+            })
+            .collect()
+    }
+}
+
+/// One sample of the force.
+pub(crate) struct Row {
+    pub block: usize,
+    /// The node of eq 13 below the amplitude, and the weight of the one above.
+    node: usize,
+    above: f64,
+    /// The instants of which it is the mean.
+    instants: Vec<Instant>,
+    /// Measured force without that of the effects, kN.
+    pub force: f64,
+}
+
+/// One sample of the motion.
+struct Instant {
+    /// Trajectory and sample.
+    origin: (usize, usize),
+    displacement: f64,
+    log_speed: f64,
+    direction: f64,
+    /// Of a table over speed.
+    cells: Cells,
+}
+
+/// Cells of a table that are at work at an instant, each with its weight.
+type Cells = [(usize, f64); 8];
+
+/// All samples of a fit.
+pub(crate) struct Design<'a> {
+    pub trajectories: &'a [Trajectory],
+    pub extent: Extent,
+    pub rows: Vec<Row>,
+    /// Amplitudes of eq 13's nodes, mm.
+    pub nodes: Vec<f64>,
+    /// Eq 13 is fitted anew: no effect stands between it and the motion.
+    pub fits_law: bool,
+    /// Number of blocks, and those that are left out one at a time.
+    pub blocks: usize,
+    pub left_out: Vec<usize>,
+}
+
+/// What was remembered at each row.
+pub(crate) struct Recalled {
+    /// What stands in the place of speed.
+    pub of: Remembered,
+    /// Its values at the first and at the last node.
+    pub range: [f64; 2],
+    /// Cells at each instant of each row.
+    cells: Vec<Vec<Cells>>,
+}
+
+impl<'a> Design<'a> {
+    /// The samples that `included` picks, for a table of `extent`, or of their own; `None` where there are none, or where they
+    /// do not move.
+    pub fn new(
+        trajectories: &'a [Trajectory],
+        model: &Model,
+        extent: Option<Extent>,
+        included: impl Fn(usize, usize) -> bool,
+    ) -> Result<Option<Self>, ModelError> {
+        let picked: Vec<(usize, usize)> = trajectories
+            .iter()
+            .enumerate()
+            .flat_map(|(which, trajectory)| {
+                (0..trajectory.len()).map(move |sample| (which, sample))
+            })
+            .filter(|&(which, sample)| {
+                included(which, sample) && trajectories[which].is_telling(sample)
+            })
+            .collect();
+        let largest = |channel: &dyn Fn(&Trajectory) -> &[f64]| {
+            picked.iter().fold(0.0_f64, |most, &(which, sample)| {
+                most.max(channel(&trajectories[which])[sample].abs())
+            })
+        };
+        let extent = extent.unwrap_or_else(|| Extent {
+            displacement: largest(&|t| &t.motion.displacement),
+            speed: largest(&|t| &t.motion.velocity),
+        });
+        let Some(table) = empty(&extent, None, 1.0) else {
+            return Ok(None);
+        };
+
+        // What scales eq 13, or changes the motion that it is given, would scale or change its new coefficients.
+        let fits_law = model
+            .effects
+            .iter()
+            .all(|effect| adds_a_force(effect.family));
+        let law = Coefficients::of(model);
+        let predicted = trajectories.iter().map(|t| predict(model, t));
+        let beside_law: Vec<Vec<f64>> = predicted.collect::<Result<_, _>>()?;
+        let first_block: Vec<usize> = trajectories
+            .iter()
+            .scan(0, |next, trajectory| {
+                *next += trajectory.blocks.len();
+                Some(*next - trajectory.blocks.len())
+            })
+            .collect();
+        let nodes: Vec<f64> = model.law.iter().map(|node| node.amplitude).collect();
+        let every = picked.len().div_ceil(MOST_ROWS).max(1);
+        let rows: Vec<Row> = picked
+            .iter()
+            .step_by(every)
+            .map(|&(which, sample)| {
+                let trajectory = &trajectories[which];
+                let after = trajectory
+                    .blocks
+                    .partition_point(|block| block.samples.start <= sample);
+                let (node, above) = between(&nodes, trajectory.amplitude[sample]);
+                let instant = |sample: usize| {
+                    let motion = motion_at(trajectory, sample);
+                    Instant {
+                        origin: (which, sample),
+                        displacement: motion.displacement,
+                        log_speed: motion.velocity.abs().max(f64::MIN_POSITIVE).ln(),
+                        // At rest there is none.
+                        direction: if motion.velocity == 0.0 {
+                            0.0
+                        } else {
+                            motion.velocity.signum()
+                        },
+                        cells: table
+                            .support(&mut { CorrectionState::NEW }, &motion.confined())
+                            .cells,
+                    }
+                };
+                let mut row = Row {
+                    block: first_block[which] + after.saturating_sub(1),
+                    node,
+                    above,
+                    instants: seen_at(trajectory, sample).map(instant).collect(),
+                    force: 0.0,
+                };
+                let beside = if fits_law { row.law_force(&law) } else { 0.0 };
+                row.force = trajectory.force[sample] - (beside_law[which][sample] - beside);
+                row
+            })
+            .collect();
+        let blocks = trajectories.iter().map(|t| t.blocks.len()).sum();
+        Ok(Some(Self {
+            trajectories,
+            extent,
+            left_out: left_out(trajectories, &rows),
+            rows,
+            nodes,
+            fits_law,
+            blocks,
+        }))
+    }
+
+    /// Variance of the force's noise at a row, kN².
+    pub fn noise_of(&self, row: &Row) -> f64 {
+        let (which, _) = row.instants[0].origin;
+        self.trajectories[which].force_noise.powi(2)
+    }
+
+    /// The mean of that.
+    pub fn noise(&self) -> f64 {
+        let noise = self.rows.iter().map(|row| self.noise_of(row));
+        noise.sum::<f64>() / self.rows.len() as f64
+    }
+
+    /// What is remembered at each row; `None` where it never changes.
+    pub fn recall(&self, of: Remembered) -> Option<Recalled> {
+        let longest = self
+            .trajectories
+            .iter()
+            .map(|t| t.len() as f64 * t.tick)
+            .fold(0.0, f64::max);
+        let wide = match of {
+            Remembered::Lag { .. } => [-self.extent.displacement, self.extent.displacement],
+            Remembered::Travel { .. } => [0.0, self.extent.speed],
+            Remembered::Largest | Remembered::Level { .. } => [0.0, self.extent.displacement],
+            Remembered::Age { time } => [0.0, 1.0 + (longest / time).log2().max(0.0)],
+            Remembered::Cycles { .. } => [0.0, 16.0],
+            Remembered::Temperature => self.temperatures()?,
+            Remembered::Acceleration => self.accelerations(),
+            Remembered::Slip { limit } => return self.recall_within(of, [-limit, limit]),
+            Remembered::Place | Remembered::Sides { .. } => {
+                return self
+                    .recall_within(of, [-self.extent.displacement, self.extent.displacement]);
+            }
+            Remembered::Frequency { .. } => {
+                let (slowest, fastest) = self.frequencies();
+                let range = [slowest.log2(), fastest.log2()];
+                return (range[1] - range[0] > ONE_FREQUENCY)
+                    .then(|| self.recall_within(of, range))?;
+            }
+        };
+        let memories = self.through(of, wide, |memory, _| memory)?;
+        let (low, high) = least_and_largest(memories.into_iter().flatten());
+        let place = |memory: f64| wide[0] + memory * (wide[1] - wide[0]);
+        let range = [place(low), place(high)];
+        if high - low < 1e-3 {
+            return None;
+        }
+        self.recall_within(of, range)
+    }
+
+    /// The same in a table over `range`.
+    pub fn recall_within(&self, of: Remembered, range: [f64; 2]) -> Option<Recalled> {
+        let cells = self.through(of, range, |_, cells| cells)?;
+        Some(Recalled { of, range, cells })
+    }
+
+    /// Cells as so many zones of displacement with a friction each, kN, and then as many with a dashpot, kN·s/mm; and how much
+    /// the rows say of each, of either.
+    pub fn zones(&self, count: usize) -> (Recalled, [Vec<f64>; 2]) {
+        let mut power = [vec![0.0; count], vec![0.0; count]];
+        let mut cells_at = |instant: &Instant| {
+            let part = 0.5 * (instant.displacement / self.extent.displacement + 1.0);
+            let zone = ((part * count as f64) as usize).min(count - 1);
+            let velocity = instant.direction * instant.log_speed.exp();
+            power[0][zone] += 1.0;
+            power[1][zone] += velocity * velocity;
+            let mut cells = [(0, 0.0); 8];
+            cells[..2].copy_from_slice(&[(zone, instant.direction), (count + zone, velocity)]);
+            cells
+        };
+        let rows = self.rows.iter();
+        let cells = rows.map(|row| row.instants.iter().map(&mut cells_at).collect());
+        let zones = Recalled {
+            of: Remembered::Place,
+            range: [-self.extent.displacement, self.extent.displacement],
+            cells: cells.collect(),
+        };
+        (zones, power)
+    }
+
+    /// The lowest and the highest of the blocks, Hz.
+    pub fn frequencies(&self) -> (f64, f64) {
+        let blocks = self.trajectories.iter().flat_map(|t| &t.blocks);
+        least_and_largest(blocks.map(|block| block.frequency))
+    }
+
+    /// The lowest and the highest of the rows, °C, or as far apart as the crate tells temperatures; `None` where they are the
+    /// same.
+    fn temperatures(&self) -> Option<[f64; 2]> {
+        let (low, high) = self.least_and_largest(Trajectory::temperature_at);
+        let least = low.abs().max(high.abs()).max(1.0) / 32.0;
+        (low < high).then_some([low, high.max(low + least)])
+    }
+
+    /// The largest of the rows to either side, mm/s².
+    fn accelerations(&self) -> [f64; 2] {
+        let (low, high) = self.least_and_largest(|t, sample| t.motion.acceleration[sample]);
+        let largest = high.max(-low).clamp(1e-4, limits::ACCELERATION);
+        [-largest, largest]
+    }
+
+    /// Of a channel at the rows.
+    fn least_and_largest(&self, channel: fn(&Trajectory, usize) -> f64) -> (f64, f64) {
+        let instants = self.rows.iter().flat_map(|row| &row.instants);
+        least_and_largest(instants.map(|instant| {
+            let (which, sample) = instant.origin;
+            channel(&self.trajectories[which], sample)
+        }))
+    }
+
+    /// What `take` takes of where that stands in its range and of the cells, at every instant of every row.
+    fn through<T>(
+        &self,
+        of: Remembered,
+        range: [f64; 2],
+        take: impl Fn(f64, Cells) -> T,
+    ) -> Option<Vec<Vec<T>>> {
+        let mut wanted: Vec<((usize, usize), usize)> = Vec::new();
+        for (index, row) in self.rows.iter().enumerate() {
+            wanted.extend(row.instants.iter().map(|instant| (instant.origin, index)));
+        }
+        wanted.sort_unstable();
+        let mut wanted = wanted.into_iter().peekable();
+        let mut taken: Vec<Vec<T>> = self.rows.iter().map(|_| Vec::new()).collect();
+        for (which, trajectory) in self.trajectories.iter().enumerate() {
+            let table = empty(&self.extent, Some((of, range)), trajectory.tick)?;
+            let mut state = CorrectionState::NEW;
+            for sample in 0..trajectory.len() {
+                let support = table.support(&mut state, &motion_at(trajectory, sample).confined());
+                while let Some((_, row)) = wanted.next_if(|(at, _)| *at == (which, sample)) {
+                    taken[row].push(take(support.memory, support.cells));
+                }
+            }
+        }
+        Some(taken)
+    }
+}
+
+impl Recalled {
+    /// The cells in the force at a row.
+    pub fn cells_of(&self, row: usize) -> impl Iterator<Item = (usize, f64)> + '_ {
+        let cells = &self.cells[row];
+        let part = 1.0 / cells.len() as f64;
+        cells
+            .iter()
+            .flatten()
+            .map(move |(cell, weight)| (*cell, part * weight))
+    }
+}
+
+impl Row {
+    /// Eq 13's force, kN.
+    pub fn law_force(&self, law: &Coefficients) -> f64 {
+        let [k1, k3, c, alpha] = self.at_amplitude(law);
+        let [y, y3, damping, _] = self.shown(alpha);
+        k1 * y + k3 * y3 + c * damping
+    }
+
+    /// The derivatives of that by the coefficients of every node.
+    pub fn law_derivatives(&self, law: &Coefficients, entries: &mut Vec<(usize, f64)>) {
+        let [_, _, c, alpha] = self.at_amplitude(law);
+        let [y, y3, damping, by_exponent] = self.shown(alpha);
+        let derivatives = [y, y3, damping, c * by_exponent];
+        for (node, weight) in [(self.node, 1.0 - self.above), (self.node + 1, self.above)] {
+            if weight > 0.0 {
+                let own = derivatives.iter().enumerate();
+                entries.extend(own.map(|(i, d)| (4 * node + i, weight * d)));
+            }
+        }
+    }
+
+    /// The cells in the force of a table over speed.
+    pub fn cells(&self) -> impl Iterator<Item = (usize, f64)> + '_ {
+        let part = 1.0 / self.instants.len() as f64;
+        let cells = self.instants.iter().flat_map(|instant| instant.cells);
+        cells.map(move |(cell, weight)| (cell, part * weight))
+    }
+
+    /// The means of y, y³, |v|^α·sgn v and of the derivative of the last by α.
+    fn shown(&self, alpha: f64) -> [f64; 4] {
+        let mut sums = [0.0; 4];
+        for instant in &self.instants {
+            let y = instant.displacement;
+            let damping = instant.direction * (alpha * instant.log_speed).exp();
+            let own = [y, y.powi(3), damping, instant.log_speed * damping];
+            sums.iter_mut().zip(own).for_each(|(sum, own)| *sum += own);
+        }
+        sums.map(|sum| sum / self.instants.len() as f64)
+    }
+
+    /// The coefficients at the row's amplitude.
+    fn at_amplitude(&self, law: &Coefficients) -> [f64; 4] {
+        let low = law.0[self.node];
+        let high = law.0[(self.node + 1).min(law.0.len() - 1)];
+        std::array::from_fn(|i| low[i] + self.above * (high[i] - low[i]))
+    }
+}
+
+/// The samples of the motion that the force at a sample shows: itself, or some that a moving average is over.
+fn seen_at(trajectory: &Trajectory, sample: usize) -> impl Iterator<Item = usize> {
+    let window = trajectory.average.map_or(1.0, |average| average.window);
+    let count = (window as usize).clamp(1, MOST_INSTANTS);
+    let last = trajectory.len() - 1;
+    (0..count).map(move |place| {
+        let place = (place as f64 + 0.5) / count as f64 - 0.5;
+        let at = sample as f64 + place * window;
+        (at.round().max(0.0) as usize).min(last)
+    })
+}
+
+/// The node below `amplitude` and the weight of the one above, as [`Model::law_at`] interpolates.
+fn between(nodes: &[f64], amplitude: f64) -> (usize, f64) {
+    let above = nodes.partition_point(|&node| node < amplitude);
+    let low = above.saturating_sub(1);
+    let high = above.min(nodes.len() - 1);
+    let span = nodes[high] - nodes[low];
+    let weight = if span > 0.0 {
+        (amplitude - nodes[low]) / span
+    } else {
+        0.0
+    };
+    (low, weight.clamp(0.0, 1.0))
+}
+
+/// A table with nothing in it.
+fn empty(
+    extent: &Extent,
+    memory: Option<(Remembered, [f64; 2])>,
+    tick: f64,
+) -> Option<Correction<f64>> {
+    let memory = memory.map(|(of, range)| (of.memory(), range));
+    let parts = CorrectionParts {
+        reach: extent.displacement,
+        speed: extent.speed,
+        unit: 1.0,
+        cells: &[0; CELLS],
+        memory,
+    };
+    Correction::new(&parts, tick).ok()
+}
+
+/// Whether an effect only adds a force to eq 13's.
+fn adds_a_force(family: Family) -> bool {
+    !matches!(
+        family,
+        Family::Temperature
+            | Family::LoadFriction
+            | Family::Gap
+            | Family::Delay
+            | Family::Compliance
+    )
+}
+
+/// Blocks to leave out one at a time: those whose amplitude another block has, so that eq 13 is known there, and that are
+/// not the only ones at so high a speed, where the table would be asked for what it cannot know. All of them where there is
+/// none such.
+fn left_out(trajectories: &[Trajectory], rows: &[Row]) -> Vec<usize> {
+    let blocks: Vec<(f64, f64)> = trajectories
+        .iter()
+        .flat_map(|t| {
+            t.blocks
+                .iter()
+                .map(|b| (b.amplitude, b.amplitude * b.frequency))
+        })
+        .collect();
+    let others = |own: usize| {
+        let all = blocks.iter().enumerate();
+        all.filter(move |(other, _)| *other != own)
+            .map(|(_, block)| *block)
+    };
+    let fitted = |block: &usize| rows.iter().any(|row| row.block == *block);
+    let all: Vec<usize> = (0..blocks.len()).filter(fitted).collect();
+    let inner: Vec<usize> = all
+        .iter()
+        .copied()
+        .filter(|&block| {
+            let (amplitude, speed) = blocks[block];
+            others(block).any(|(other, _)| (other - amplitude).abs() < SAME * amplitude)
+                && others(block).any(|(_, other)| other > (1.0 - SAME) * speed)
+        })
+        .collect();
+    if inner.is_empty() { all } else { inner }
+}

@@ -1,0 +1,63 @@
+//! Where something may touch: the edges of zones of displacement over which friction and damping change.
+
+use mesh_damper_model::correction::Remembered;
+
+use super::design::{Coefficients, Design};
+use super::gram::{Form, Rows};
+use super::trend::Trend;
+
+/// Zones over ±the largest displacement.
+const ZONES: usize = 40;
+
+/// What touches on one side, and what on both, where the friction and the damping of the zones beside eq 13 are most alike
+/// within each part.
+pub(super) fn likely_sides(design: &Design, at: &Coefficients) -> Option<[Vec<Remembered>; 2]> {
+    let (zones, power) = design.zones(ZONES);
+    let of_zones = (0..2 * ZONES).map(|cell| Trend::of(vec![(cell, 1.0)]));
+    let trends: Vec<Trend> = of_zones.collect();
+    let form = Form {
+        trends: &trends,
+        ..Form::NONE
+    };
+    let rows = Rows::over(design, at, Some(&zones));
+    let cells = rows.solved(form)?.cells;
+    let (friction, damping) = cells[..2 * ZONES].split_at(ZONES);
+
+    // Σ w·(x − mean)² over the zones of one part.
+    let unlike = |from: usize, to: usize| -> f64 {
+        let one = |values: &[f64], power: &[f64]| {
+            let (values, power) = (&values[from..to], &power[from..to]);
+            let sum = |of: &dyn Fn(f64) -> f64| -> f64 {
+                let weighted = values
+                    .iter()
+                    .zip(power)
+                    .map(|(value, power)| power * of(*value));
+                weighted.sum()
+            };
+            sum(&|value| value * value) - sum(&|value| value).powi(2) / sum(&|_| 1.0).max(1e-12)
+        };
+        one(friction, &power[0]) + one(damping, &power[1])
+    };
+    let edge = |zone: usize| (2.0 * zone as f64 / ZONES as f64 - 1.0) * design.extent.displacement;
+    let pair = |below: usize, above: usize| {
+        let left = unlike(0, below) + unlike(below, above) + unlike(above, ZONES);
+        let sides = Remembered::Sides {
+            below: edge(below),
+            above: edge(above),
+        };
+        (left, sides)
+    };
+    let best = |pairs: &mut dyn Iterator<Item = (usize, usize)>| {
+        let pairs = pairs.map(|(below, above)| pair(below, above));
+        let best = pairs.min_by(|a, b| a.0.total_cmp(&b.0));
+        best.map(|(_, sides)| sides)
+    };
+    let mut one = (1..ZONES).map(|above| (0, above));
+    let mut as_far = (ZONES / 2 + 1..ZONES).map(|above| (ZONES - above, above));
+    let mut two = (1..ZONES).flat_map(|below| (below + 1..ZONES).map(move |above| (below, above)));
+    let both = [best(&mut as_far), best(&mut two)];
+    Some([
+        best(&mut one).into_iter().collect(),
+        both.into_iter().flatten().collect(),
+    ])
+}

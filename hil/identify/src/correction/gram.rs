@@ -1,0 +1,471 @@
+//! The least squares of eq 13 and a table, with each block left out in turn.
+
+use mesh_damper::effects::correction::CELLS;
+use mesh_damper_model::correction::Remembered;
+use nalgebra::{DMatrix, DVector};
+use rayon::prelude::*;
+
+use super::design::{Coefficients, Design, Recalled, Row};
+use super::hat::hats;
+use super::system::System;
+use super::trend::Trend;
+use crate::beyond_noise::beyond_noise;
+
+/// What a trend has beyond others is nothing where it is less than this part of it, in squares.
+const ALIKE: f64 = 1e-9;
+/// The largest change of α in one step.
+const LARGEST_STEP: f64 = 0.1;
+
+/// What is fitted beside eq 13: trends, and a table around them.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Form<'t> {
+    pub trends: &'t [Trend],
+    /// What a bend of the table costs, over what the data say of a cell; `None` without it.
+    pub table: Option<f64>,
+}
+
+impl Form<'_> {
+    /// Eq 13 and nothing else.
+    pub const NONE: Self = Form {
+        trends: &[],
+        table: None,
+    };
+}
+
+/// What was solved for.
+#[derive(Clone)]
+pub(super) struct Solved {
+    pub coefficients: Coefficients,
+    /// kN
+    pub cells: Vec<f64>,
+    /// In the fit, beyond the noise, kN.
+    pub inside: f64,
+    /// The same, or [judged](Sums::judged).
+    pub error: f64,
+}
+
+/// Where each unknown stands: eq 13's, the trends' factors, the hats'.
+#[derive(Clone, Copy)]
+pub(super) struct Layout {
+    pub law: usize,
+    pub trends: usize,
+    pub hats: usize,
+    /// What the table is over in the place of speed.
+    pub of: Option<Remembered>,
+}
+
+impl Layout {
+    pub fn width(&self) -> usize {
+        self.law + self.trends + self.hats
+    }
+}
+
+/// Sums over the rows of one block.
+pub(super) struct Block {
+    pub gram: DMatrix<f64>,
+    right: DVector<f64>,
+    energy: f64,
+    /// Variance of the force's noise, summed.
+    noise: f64,
+    pub count: f64,
+}
+
+/// The rows of a fit, at given coefficients.
+pub(super) struct Rows<'d> {
+    design: &'d Design<'d>,
+    at: &'d Coefficients,
+    recalled: Option<&'d Recalled>,
+}
+
+impl<'d> Rows<'d> {
+    /// Of what eq 13 with `at` leaves. The unknowns of eq 13 are changes from `at`.
+    pub fn over(
+        design: &'d Design<'d>,
+        at: &'d Coefficients,
+        recalled: Option<&'d Recalled>,
+    ) -> Self {
+        Self {
+            design,
+            at,
+            recalled,
+        }
+    }
+
+    /// The sums over eq 13 and what `form` has beside it, however smooth; `None` without samples.
+    pub fn sums<'t>(&self, form: Form<'t>) -> Option<Sums<'_, 't>> {
+        let (layout, hats) = self.layout(form);
+        let parts = Parts::new(&layout, form.trends, &hats);
+        let mut first = 0;
+        let runs = self.design.rows.chunk_by(|a, b| a.block == b.block);
+        let runs: Vec<(usize, &[Row])> = runs
+            .map(|run| {
+                first += run.len();
+                (first - run.len(), run)
+            })
+            .collect();
+        let summed = runs
+            .into_par_iter()
+            .map(|(first, run)| (run[0].block, self.block(first, run, &layout, &parts)));
+        let empty = || Block::new(layout.width());
+        let mut blocks: Vec<Block> = (0..self.design.blocks).map(|_| empty()).collect();
+        for (index, block) in summed.collect::<Vec<_>>() {
+            blocks[index] = block;
+        }
+        let total = Block::sum(layout.width(), &blocks);
+        Sums::of(
+            self.design,
+            self.at,
+            layout,
+            form.trends,
+            hats,
+            blocks,
+            total,
+        )
+    }
+
+    /// One step from the coefficients, with the error in the fit alone; `None` without samples, or where the equations cannot be
+    /// solved.
+    pub fn solved(&self, form: Form) -> Option<Solved> {
+        let (layout, hats) = self.layout(form);
+        let parts = Parts::new(&layout, form.trends, &hats);
+        let total = self.block(0, &self.design.rows, &layout, &parts);
+        let none = Vec::new();
+        let sums = Sums::of(self.design, self.at, layout, form.trends, hats, none, total)?;
+        Some(sums.solution(&sums.unknowns(&sums.system(form))?))
+    }
+
+    /// Where each unknown stands, and the hats.
+    fn layout(&self, form: Form) -> (Layout, Vec<Trend>) {
+        let of = self.recalled.map(|recalled| recalled.of);
+        let hats = form.table.map_or(Vec::new(), |_| hats(of));
+        let layout = Layout {
+            law: self.width_of_law(),
+            trends: form.trends.len(),
+            hats: hats.len(),
+            of,
+        };
+        (layout, hats)
+    }
+
+    fn width_of_law(&self) -> usize {
+        if self.design.fits_law {
+            4 * self.at.0.len()
+        } else {
+            0
+        }
+    }
+
+    /// The sums over `rows`, of which the first is that of this index.
+    fn block(&self, first: usize, rows: &[Row], layout: &Layout, parts: &Parts) -> Block {
+        let (law, width) = (layout.law, layout.law + layout.trends);
+        let mut block = Block::new(layout.width());
+        let mut of_law: Vec<(usize, f64)> = Vec::new();
+        // Nearly all of eq 13's unknowns and of the trends' are at work at once, and few of the hats'.
+        let mut dense = DMatrix::zeros(width, rows.len());
+        let mut hats: Vec<(usize, f64)> = Vec::new();
+        let mut left = DVector::zeros(rows.len());
+        for (place, row) in rows.iter().enumerate() {
+            let known = &mut dense.as_mut_slice()[place * width..][..width];
+            hats.clear();
+            left[place] = row.force;
+            if law > 0 {
+                left[place] -= row.law_force(self.at);
+                of_law.clear();
+                row.law_derivatives(self.at, &mut of_law);
+                of_law.iter().for_each(|&(i, a)| known[i] += a);
+            }
+            let add = |(cell, weight)| parts.add(cell, weight, &mut known[law..], &mut hats);
+            match self.recalled {
+                None => row.cells().for_each(add),
+                Some(recalled) => recalled.cells_of(first + place).for_each(add),
+            }
+            add_up(&mut hats);
+            block.add_hats(known, &hats, left[place]);
+            block.noise += self.design.noise_of(row);
+        }
+        // Several times as fast as `tr_mul`.
+        let squares = &dense * dense.transpose();
+        let own = (width, width);
+        block.gram.view_mut((0, 0), own).copy_from(&squares);
+        block.right.rows_mut(0, width).copy_from(&(&dense * &left));
+        block.gram.fill_lower_triangle_with_upper_triangle();
+        block.energy = left.norm_squared();
+        block.count = rows.len() as f64;
+        block
+    }
+}
+
+/// What the cells are made of.
+struct Parts {
+    trends: usize,
+    /// The value of each trend in each cell, trends running fastest.
+    of_trends: Vec<f64>,
+    /// The unknowns of the hats at each cell, with their values there.
+    of_hats: Vec<Vec<(usize, f64)>>,
+}
+
+impl Parts {
+    fn new(layout: &Layout, trends: &[Trend], hats: &[Trend]) -> Self {
+        let mut of_trends = vec![0.0; CELLS * trends.len()];
+        for (index, trend) in trends.iter().enumerate() {
+            for &(cell, value) in &trend.cells {
+                of_trends[cell * trends.len() + index] = value;
+            }
+        }
+        let mut of_hats = vec![Vec::new(); CELLS];
+        for (unknown, hat) in (layout.law + layout.trends..).zip(hats) {
+            for &(cell, value) in &hat.cells {
+                of_hats[cell].push((unknown, value));
+            }
+        }
+        Self {
+            trends: trends.len(),
+            of_trends,
+            of_hats,
+        }
+    }
+
+    /// Adds what a cell of this weight is made of.
+    fn add(&self, cell: usize, weight: f64, trends: &mut [f64], hats: &mut Vec<(usize, f64)>) {
+        if weight == 0.0 {
+            return;
+        }
+        let values = &self.of_trends[cell * self.trends..][..self.trends];
+        let sums = trends.iter_mut().zip(values);
+        sums.for_each(|(sum, value)| *sum += weight * value);
+        hats.extend(self.of_hats[cell].iter().map(|&(hat, a)| (hat, weight * a)));
+    }
+}
+
+/// Leaves one entry for each place.
+fn add_up(entries: &mut Vec<(usize, f64)>) {
+    entries.sort_unstable_by_key(|(place, _)| *place);
+    entries.dedup_by(|next, kept| {
+        let same = next.0 == kept.0;
+        if same {
+            kept.1 += next.1;
+        }
+        same
+    });
+}
+
+/// The normal equations but for the penalties, which a [`Form`] adds.
+pub(super) struct Sums<'d, 't> {
+    design: &'d Design<'d>,
+    at: &'d Coefficients,
+    layout: Layout,
+    trends: &'t [Trend],
+    /// What the table is made of.
+    hats: Vec<Trend>,
+    blocks: Vec<Block>,
+    total: Block,
+}
+
+impl<'d, 't> Sums<'d, 't> {
+    fn of(
+        design: &'d Design<'d>,
+        at: &'d Coefficients,
+        layout: Layout,
+        trends: &'t [Trend],
+        hats: Vec<Trend>,
+        blocks: Vec<Block>,
+        total: Block,
+    ) -> Option<Self> {
+        (total.count > 0.0).then_some(Self {
+            design,
+            at,
+            layout,
+            trends,
+            hats,
+            blocks,
+            total,
+        })
+    }
+
+    /// The judged error with some of the trends, without the table.
+    pub fn error_with(&self, trends: &[usize]) -> Option<f64> {
+        let unknowns = self.unknowns_of(trends);
+        let blocks = self.blocks.iter().map(|block| block.only(&unknowns));
+        let blocks: Vec<Block> = blocks.collect();
+        let layout = self.layout_of(trends);
+        let total = self.total.only(&unknowns);
+        let none = Vec::new();
+        let sums = Sums::of(self.design, self.at, layout, &[], none, blocks, total)?;
+        let system = sums.system(Form::NONE);
+        sums.judged_error(&system, &sums.unknowns(&system)?)
+    }
+
+    /// What each trend would save of the squared error in the fit beside some of them, without the table.
+    pub fn savings_beside(&self, trends: &[usize]) -> Option<Vec<f64>> {
+        let known = self.unknowns_of(trends);
+        let own = self.total.only(&known);
+        let layout = self.layout_of(trends);
+        let system = System::new(self.design, self.at, &layout, Form::NONE, &own);
+        let solver = system.solver(own.gram)?;
+        let solution = solver.solve(own.right);
+        let saving = |trend: usize| {
+            let place = self.layout.law + trend;
+            let shared = self.total.gram.column(place).select_rows(&known);
+            let right = self.total.right[place] - shared.dot(&solution);
+            let left = self.total.gram[(place, place)];
+            let power = left - shared.dot(&solver.solve_bare(shared.clone()));
+            if power > ALIKE * left {
+                right * right / power
+            } else {
+                0.0
+            }
+        };
+        Some((0..self.layout.trends).map(saving).collect())
+    }
+
+    fn unknowns_of(&self, trends: &[usize]) -> Vec<usize> {
+        let law = self.layout.law;
+        (0..law).chain(trends.iter().map(|t| law + t)).collect()
+    }
+
+    fn layout_of(&self, trends: &[usize]) -> Layout {
+        Layout {
+            trends: trends.len(),
+            hats: 0,
+            ..self.layout
+        }
+    }
+
+    /// One step from the coefficients, with the geometric mean of the error in the fit and of the errors in the blocks left out,
+    /// one at a time, each beyond the noise; `None` where the equations cannot be solved.
+    pub fn judged(&self, form: Form) -> Option<Solved> {
+        let system = self.system(form);
+        let unknowns = self.unknowns(&system)?;
+        Some(Solved {
+            error: self.judged_error(&system, &unknowns)?,
+            ..self.solution(&unknowns)
+        })
+    }
+
+    fn system(&self, form: Form) -> System {
+        System::new(self.design, self.at, &self.layout, form, &self.total)
+    }
+
+    fn judged_error(&self, system: &System, unknowns: &DVector<f64>) -> Option<f64> {
+        let mut outside = 0.0;
+        for &left_out in &self.design.left_out {
+            let block = &self.blocks[left_out];
+            let (gram, right) = (
+                &self.total.gram - &block.gram,
+                &self.total.right - &block.right,
+            );
+            outside += block.beyond_noise(&system.solve(gram, right)?).ln();
+        }
+        let outside = outside / self.design.left_out.len() as f64;
+        let inside = self.total.beyond_noise(unknowns).ln();
+        Some((0.5 * (inside + outside)).exp())
+    }
+
+    fn unknowns(&self, system: &System) -> Option<DVector<f64>> {
+        let solve =
+            |system: &System| system.solve(self.total.gram.clone(), self.total.right.clone());
+        let (law, at) = (self.layout.law, &self.at.0);
+        let mut x = solve(system)?;
+        // Damping that feeds energy in is none.
+        let negative = |x: &DVector<f64>| {
+            let mut nodes = 0..law / 4;
+            nodes.find(|&node| at[node][2] + x[4 * node + 2] < -1e-12 * at[node][2])
+        };
+        let mut system = system.clone();
+        for _ in 0..law / 4 {
+            let Some(node) = negative(&x) else { break };
+            system.pin(4 * node + 2, -at[node][2]);
+            x = solve(&system)?;
+        }
+        Some(x)
+    }
+
+    fn solution(&self, x: &DVector<f64>) -> Solved {
+        let law = self.layout.law;
+        let moved = |(node, &[k1, k3, c, alpha]): (usize, &[f64; 4])| {
+            if law == 0 {
+                return [k1, k3, c, alpha];
+            }
+            let change = |i: usize| x[4 * node + i];
+            let step = change(3).clamp(-LARGEST_STEP, LARGEST_STEP);
+            [
+                k1 + change(0),
+                k3 + change(1),
+                (c + change(2)).max(0.0),
+                (alpha + step).clamp(0.0, 1.0),
+            ]
+        };
+        let mut cells = vec![0.0; CELLS];
+        let columns = self.trends.iter().chain(&self.hats);
+        for (column, factor) in columns.zip(x.iter().skip(law)) {
+            for &(cell, value) in &column.cells {
+                cells[cell] += factor * value;
+            }
+        }
+        let inside = self.total.beyond_noise(x);
+        Solved {
+            coefficients: Coefficients(self.at.0.iter().enumerate().map(moved).collect()),
+            cells,
+            inside,
+            error: inside,
+        }
+    }
+}
+
+impl Block {
+    fn new(width: usize) -> Self {
+        Self {
+            gram: DMatrix::zeros(width, width),
+            right: DVector::zeros(width),
+            energy: 0.0,
+            noise: 0.0,
+            count: 0.0,
+        }
+    }
+
+    fn sum(width: usize, blocks: &[Self]) -> Self {
+        blocks.iter().fold(Self::new(width), |mut sum, block| {
+            sum.gram += &block.gram;
+            sum.right += &block.right;
+            sum.energy += block.energy;
+            sum.noise += block.noise;
+            sum.count += block.count;
+            sum
+        })
+    }
+
+    /// Adds what the hats at a row have in common with the unknowns before them, `known`, and with each other, in the upper
+    /// triangle.
+    fn add_hats(&mut self, known: &[f64], hats: &[(usize, f64)], left: f64) {
+        let height = self.gram.nrows();
+        for (place, &(i, a)) in hats.iter().enumerate() {
+            let column = &mut self.gram.as_mut_slice()[i * height..][..height];
+            let shared = column.iter_mut().zip(known);
+            shared.for_each(|(sum, b)| *sum += a * b);
+            for &(j, b) in &hats[..=place] {
+                column[j] += a * b;
+            }
+            self.right[i] += a * left;
+        }
+    }
+
+    /// The sums over some of the unknowns.
+    fn only(&self, unknowns: &[usize]) -> Self {
+        Self {
+            gram: DMatrix::from_fn(unknowns.len(), unknowns.len(), |i, j| {
+                self.gram[(unknowns[i], unknowns[j])]
+            }),
+            right: self.right.select_rows(unknowns),
+            energy: self.energy,
+            noise: self.noise,
+            count: self.count,
+        }
+    }
+
+    /// The error with the unknowns `x` beyond the noise, kN.
+    fn beyond_noise(&self, x: &DVector<f64>) -> f64 {
+        let squares = self.energy - 2.0 * x.dot(&self.right) + x.dot(&(&self.gram * x));
+        let count = self.count.max(1.0);
+        beyond_noise(squares.max(0.0) / count, self.noise / count)
+    }
+}

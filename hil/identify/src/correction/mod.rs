@@ -1,0 +1,217 @@
+//! The correction without a name: fitted to what a law leaves when nothing listed explains it.
+//!
+//! The table of [`mesh_damper::effects::correction`] is linear in its cells, so it is fitted by least squares together with eq
+//! 13's coefficients: along a few trends, and as smooth around them as keeps the error small where the data were left out. One
+//! over speed comes first; one over what is remembered takes its place only where that clearly pays.
+
+pub(crate) mod design;
+mod edges;
+mod gram;
+mod growth;
+mod hat;
+pub(crate) mod memory;
+mod search;
+mod settle;
+mod system;
+mod trend;
+
+use mesh_damper_model::correction::{CorrectionTable, MemoryAxis};
+use mesh_damper_model::{Model, ModelError};
+use mesh_damper_recording::trajectory::Trajectory;
+
+use super::beyond_noise::beyond_noise;
+use design::{Coefficients, Design, Extent, Recalled};
+use gram::{Form, Rows, Solved};
+use search::{Memorable, momentary, promising, remembering};
+use settle::{settle, settled};
+use trend::{Trend, Variable};
+
+/// A correction is taken for an error beyond the noise that is at most this part of that without.
+const WORTHWHILE: f64 = 0.85;
+/// A memory, likewise: with so many to choose from, one will look better by chance.
+const REMEMBERED: f64 = 0.75;
+/// A variable is needed whose absence makes the error more than so many times as large.
+const NEEDED: f64 = 1.7;
+/// Counts of the largest cell.
+const FULL: f64 = 32_000.0;
+
+/// What a correction is made of, before its cells are solved for.
+#[derive(Clone, Debug)]
+pub struct Choice {
+    extent: Extent,
+    trends: Vec<Trend>,
+    /// How smooth the table is around them, where there is one.
+    table: Option<f64>,
+    memory: Option<MemoryAxis>,
+}
+
+impl Choice {
+    /// Whether it remembers how long a test has run, whatever the motion was.
+    pub fn goes_on_with_time(&self) -> bool {
+        self.memory
+            .is_some_and(|memory| memory::goes_on_with_time(memory.of))
+    }
+
+    fn form(&self) -> Form<'_> {
+        Form {
+            trends: &self.trends,
+            table: self.table,
+        }
+    }
+
+    /// What is remembered at each row of `design`.
+    fn recalled(&self, design: &Design) -> Option<Recalled> {
+        let memory = self.memory?;
+        design.recall_within(memory.of, memory.range)
+    }
+}
+
+/// A choice and what it led to.
+#[derive(Clone)]
+struct Fitted {
+    choice: Choice,
+    solved: Solved,
+}
+
+/// `model` with a correction, and with eq 13 fitted anew beside it, where that predicts clearly better than `model` with eq
+/// 13 fitted anew alone; `None` where it does not.
+///
+/// It is fitted to the samples that `included(trajectory, sample)` picks. Which trends it follows, how smooth it is around
+/// them and what it remembers is chosen by the error in blocks left out of the fit one at a time, each of an amplitude that
+/// another block has, and by the error in the fit. How long a test has run it remembers only if `is_seen(with, without)` of the
+/// model that does and of the best that does not. The choice is returned too.
+///
+/// # Errors
+/// A model that the crate refuses.
+pub fn fit(
+    trajectories: &[Trajectory],
+    model: &Model,
+    included: impl Fn(usize, usize) -> bool,
+    is_seen: impl Fn(&Model, &Model) -> Result<bool, ModelError>,
+) -> Result<Option<(Model, Choice)>, ModelError> {
+    let Some(design) = Design::new(trajectories, model, None, included)? else {
+        return Ok(None);
+    };
+    let start = Coefficients::of(model);
+    let Some(alone) = settle(&design, &start, Form::NONE, None) else {
+        return Ok(None);
+    };
+    let Some(plain) = momentary(&design, &alone) else {
+        return Ok(None);
+    };
+    // What comes to the noise without a memory can't come to much less with one.
+    let may_remember = REMEMBERED * plain.solved.error > beyond_noise(0.0, design.noise());
+    let mut kinds = if may_remember {
+        promising(&design, &plain)
+    } else {
+        Vec::new()
+    };
+    let best_of = |kinds: &[Memorable]| {
+        let remembered = remembering(&design, &plain, kinds);
+        let Fitted { choice, solved } = remembered.unwrap_or_else(|| plain.clone());
+        let is_worthwhile = solved.error <= WORTHWHILE * alone.error;
+        is_worthwhile.then(|| (corrected(model, &solved, &choice), choice))
+    };
+    let found = best_of(&kinds);
+    let Some((with, choice)) = &found else {
+        return Ok(None);
+    };
+    if !choice.goes_on_with_time() {
+        return Ok(found);
+    }
+    kinds.retain(|kind| !memory::goes_on_with_time(kind.recalled.of));
+    let of_motion = best_of(&kinds);
+    let without = of_motion.as_ref().map_or(model, |(without, _)| without);
+    Ok(if is_seen(with, without)? {
+        found
+    } else {
+        of_motion
+    })
+}
+
+/// `model` with the correction of a choice made before, fitted to other samples; without one where they say nothing.
+///
+/// # Errors
+/// A model that the crate refuses.
+pub fn refit(
+    choice: &Choice,
+    trajectories: &[Trajectory],
+    model: &Model,
+    included: impl Fn(usize, usize) -> bool,
+) -> Result<Model, ModelError> {
+    let design = Design::new(trajectories, model, Some(choice.extent), included)?;
+    let solved = design.and_then(|design| {
+        let recalled = choice.recalled(&design);
+        let start = Coefficients::of(model);
+        settled(&design, &start, choice.form(), recalled.as_ref())
+    });
+    Ok(solved.map_or_else(|| model.clone(), |solved| corrected(model, &solved, choice)))
+}
+
+/// What the correction of a choice depends on, by the names of `trace.json`: each variable without which the samples that
+/// `included` picks are explained clearly worse, and what is remembered.
+///
+/// # Errors
+/// A model that the crate refuses.
+pub fn depends_on(
+    choice: &Choice,
+    trajectories: &[Trajectory],
+    model: &Model,
+    included: impl Fn(usize, usize) -> bool,
+) -> Result<Vec<&'static str>, ModelError> {
+    let mut names = Vec::new();
+    let design = Design::new(trajectories, model, Some(choice.extent), included)?;
+    if let Some(design) = &design {
+        let recalled = choice.recalled(design);
+        let at = Coefficients::of(model);
+        let rows = Rows::over(design, &at, recalled.as_ref());
+        let of = recalled.as_ref().map(|recalled| recalled.of);
+        let judged = |form: Form| Some(rows.sums(form)?.judged(form)?.error);
+        let along_trends = |without: Option<Variable>| {
+            let (error, _) = growth::grown(&rows, &trend::trends(of, without))?;
+            Some(error)
+        };
+        let least = |errors: [Option<f64>; 2]| {
+            let errors = errors.into_iter().flatten();
+            errors.fold(f64::INFINITY, f64::min)
+        };
+        let all = least([along_trends(None), judged(choice.form())]);
+        for (name, variable) in [
+            ("displacement", Variable::Displacement),
+            ("velocity", Variable::Velocity),
+        ] {
+            let hats = hat::hats_without(variable, of);
+            let table = Form {
+                trends: &hats,
+                ..Form::NONE
+            };
+            if least([along_trends(Some(variable)), judged(table)]) > NEEDED * all {
+                names.push(name);
+            }
+        }
+    }
+    let of = choice.memory.map(|memory| memory.of.is_of());
+    names.extend(of.filter(|name| !names.contains(name)));
+    Ok(names)
+}
+
+/// The model with the table rounded to what the crate stores.
+fn corrected(model: &Model, solved: &Solved, choice: &Choice) -> Model {
+    let largest = solved
+        .cells
+        .iter()
+        .fold(0.0_f64, |most, cell| most.max(cell.abs()));
+    let unit = (largest / FULL).max(f64::MIN_POSITIVE.sqrt());
+    let counts = solved.cells.iter().map(|cell| (cell / unit).round() as i16);
+    Model {
+        law: solved.coefficients.nodes(model),
+        effects: model.effects.clone(),
+        correction: Some(CorrectionTable {
+            reach: choice.extent.displacement,
+            speed: choice.extent.speed,
+            unit,
+            cells: counts.collect(),
+            memory: choice.memory,
+        }),
+    }
+}

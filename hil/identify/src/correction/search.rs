@@ -1,0 +1,159 @@
+//! What a correction is made of: its trends, its table around them, and what it remembers.
+
+use mesh_damper_model::correction::{MemoryAxis, Remembered};
+use rayon::prelude::*;
+
+use super::design::{Coefficients, Design, Recalled};
+use super::gram::{Form, Rows, Solved};
+use super::settle::{settle, settle_needed};
+use super::trend::{self, Trend};
+use super::{Choice, Fitted, REMEMBERED, WORTHWHILE, edges, growth, memory};
+
+/// Penalties of the bends of the table that are tried, over what the data say of a cell.
+const SMOOTHNESS: [f64; 7] = [1e-5, 1e-4, 1e-3, 1e-2, 1e-1, 1.0, 10.0];
+/// With which kinds of memory are compared.
+const TYPICAL: f64 = 1e-2;
+/// A table around the trends is taken for an error beyond the noise that is at most this part of that without.
+const TABULATED: f64 = 0.9;
+/// A kind of memory is judged if the error of its fit is at most so many times the least of those that do not go on with time,
+/// and at most [`WORTHWHILE`] of that without.
+const COMPARABLE: f64 = 2.0;
+/// Something touches on both sides if that fits with at most this part of the error of one.
+const ANOTHER_SIDE: f64 = 0.9;
+/// Times that what a memory is of is sought ever more finely.
+const SOUGHT: u32 = 5;
+/// Times that trends are sought, each beside the exponents of eq 13 that those before led to.
+const ROUNDS: usize = 2;
+
+/// The best correction without memory.
+pub(super) fn momentary(design: &Design, alone: &Solved) -> Option<Fitted> {
+    let mut at = alone.coefficients.clone();
+    let mut trends = Vec::new();
+    // Eq 13's exponents may be far off until something stands in for what it lacks.
+    for _ in 0..ROUNDS {
+        let rows = Rows::over(design, &at, None);
+        (_, trends) = growth::grown(&rows, &trend::trends(None, None))?;
+        let solved;
+        (solved, trends) = settle_needed(design, &at, trends, None)?;
+        at = solved.coefficients;
+    }
+    around(design, &at, trends, None)
+}
+
+/// These trends, with a table around them where it clearly pays.
+fn around(
+    design: &Design,
+    start: &Coefficients,
+    trends: Vec<Trend>,
+    recalled: Option<&Recalled>,
+) -> Option<Fitted> {
+    let rows = Rows::over(design, start, recalled);
+    let form = |table| Form {
+        trends: &trends,
+        table,
+    };
+    let mut solved = rows.sums(form(None))?.judged(form(None))?;
+    let sums = rows.sums(form(Some(TYPICAL)))?;
+    let judged = SMOOTHNESS.par_iter().filter_map(|&smoothness| {
+        let table = Some(smoothness);
+        Some((sums.judged(form(table))?, table))
+    });
+    let best = judged.min_by(|(a, _), (b, _)| a.error.total_cmp(&b.error));
+    let best = best.filter(|(with, _)| with.error < TABULATED * solved.error);
+    let mut table = None;
+    if let Some((with, smoothness)) = best {
+        table = smoothness;
+        let again = settle(design, &with.coefficients, form(table), recalled);
+        let again = again.filter(|again| again.error < with.error);
+        solved = again.unwrap_or(with);
+    }
+    let choice = Choice {
+        extent: design.extent,
+        table,
+        memory: recalled.map(|recalled| MemoryAxis {
+            of: recalled.of,
+            range: recalled.range,
+        }),
+        trends,
+    };
+    Some(Fitted { choice, solved })
+}
+
+/// The best of a kind of memory.
+pub(super) struct Memorable {
+    pub recalled: Recalled,
+    trends: Vec<Trend>,
+    /// Judged, kN.
+    error: f64,
+}
+
+/// What may be remembered, of each kind the best, if a table over it fits clearly better than `plain`, and not much worse than
+/// one over another kind.
+pub(super) fn promising(design: &Design, plain: &Fitted) -> Vec<Memorable> {
+    let at = &plain.solved.coefficients;
+    let tabulated = Form {
+        trends: &[],
+        table: Some(TYPICAL),
+    };
+    let fitted = |of: Remembered| {
+        let recalled = design.recall(of)?;
+        let rows = Rows::over(design, at, Some(&recalled));
+        Some((rows.solved(tabulated)?.inside, of))
+    };
+    let best_of = |candidates: Vec<Remembered>| {
+        let fitted = candidates.into_par_iter().filter_map(fitted);
+        fitted.min_by(|a, b| a.0.total_cmp(&b.0))
+    };
+    let mut kinds = memory::kinds(design);
+    kinds.extend(edges::likely_sides(design, at).into_iter().flatten());
+    let best_of_each = kinds.into_par_iter().filter_map(|kind| {
+        let coarse = best_of(kind)?;
+        if coarse.0 > WORTHWHILE * plain.solved.inside {
+            return None;
+        }
+        let finer = |best: (f64, Remembered), sought| {
+            let near = best_of(memory::around(best.1, sought, design));
+            near.filter(|near| near.0 < best.0).unwrap_or(best)
+        };
+        Some((0..SOUGHT).fold(coarse, finer))
+    });
+    let mut best_of_each: Vec<(f64, Remembered)> = best_of_each.collect();
+    let mut each = best_of_each.iter();
+    if let Some(&(with_one, _)) = each.find(|(_, of)| memory::sides(*of, design) == 1) {
+        let pays = |error: f64| error < ANOTHER_SIDE * with_one;
+        best_of_each.retain(|(error, of)| memory::sides(*of, design) != 2 || pays(*error));
+    }
+    // Whether how long a test has run may be remembered is decided later.
+    let of_motion = best_of_each
+        .iter()
+        .filter(|(_, of)| !memory::goes_on_with_time(*of));
+    let least = of_motion.fold(f64::INFINITY, |least, (error, _)| least.min(*error));
+    let comparable = best_of_each.into_par_iter();
+    let comparable = comparable.filter(|(error, _)| *error <= COMPARABLE * least);
+    let judged = comparable.filter_map(|(_, of)| {
+        let recalled = design.recall(of)?;
+        let rows = Rows::over(design, at, Some(&recalled));
+        let (along_trends, trends) = growth::grown(&rows, &trend::trends(Some(of), None))?;
+        let in_table = rows.sums(tabulated)?.judged(tabulated)?.error;
+        Some(Memorable {
+            recalled,
+            trends,
+            error: along_trends.min(in_table),
+        })
+    });
+    judged.collect()
+}
+
+/// What is best remembered of these in the place of `plain`, where that clearly pays.
+pub(super) fn remembering(design: &Design, plain: &Fitted, kinds: &[Memorable]) -> Option<Fitted> {
+    let best = kinds.iter().min_by(|a, b| a.error.total_cmp(&b.error))?;
+    let recalled = Some(&best.recalled);
+    // Eq 13's exponents may have stood in for the memory.
+    let start = &plain.solved.coefficients;
+    let (solved, trends) = settle_needed(design, start, best.trends.clone(), recalled)?;
+    let fitted = around(design, &solved.coefficients, trends, recalled)?;
+    let choice = &fitted.choice;
+    let remembers = choice.table.is_some() || choice.trends.iter().any(Trend::is_over_memory);
+    let pays = fitted.solved.error <= REMEMBERED * plain.solved.error;
+    (remembers && pays).then_some(fitted)
+}

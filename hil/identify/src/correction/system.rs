@@ -1,0 +1,211 @@
+//! What keeps the table smooth and eq 13's coefficients near each other, and the solution of the normal equations with it.
+
+use faer::linalg::solvers::{Llt, Solve as _};
+use faer::{MatMut, MatRef, Side};
+use mesh_damper::effects::correction::{DISPLACEMENTS, FINE, NODES};
+use mesh_damper_model::correction::Remembered;
+use nalgebra::{DMatrix, DVector};
+
+use super::design::{Coefficients, Design};
+use super::gram::{Block, Form, Layout};
+use super::hat::KNOTS;
+
+/// What a bend between neighbouring amplitudes costs eq 13's coefficients, over what the data say of them.
+const BEND: f64 = 1e-3;
+/// What a change of α costs, likewise: a step of the search, that later ones carry on.
+const STEP: f64 = 1e-3;
+/// What a slope costs the table, over what a bend costs: so that it ends flat where nothing is known.
+const SLOPE: f64 = 1e-3;
+/// What a cell of a line costs, over what the data say of one: so that it takes nothing that eq 13 can.
+const LEVEL: f64 = 1e-3;
+/// Added to the diagonal of the scaled normal equations.
+const RIDGE: f64 = 1e-10;
+/// What holds a coefficient at the end of its range.
+const PIN: f64 = 1e9;
+
+/// The penalties.
+#[derive(Clone)]
+pub(super) struct System {
+    penalty: DMatrix<f64>,
+    pull: DVector<f64>,
+}
+
+impl System {
+    pub fn new(
+        design: &Design,
+        at: &Coefficients,
+        layout: &Layout,
+        form: Form<'_>,
+        total: &Block,
+    ) -> Self {
+        let width = layout.width();
+        let mut system = Self {
+            penalty: DMatrix::zeros(width, width),
+            pull: DVector::zeros(width),
+        };
+        if layout.law > 0 {
+            system.law(design, at, total);
+        }
+        let per_cell = total.count / (2 * KNOTS * DISPLACEMENTS) as f64;
+        let first = layout.law + layout.trends;
+        if let Some(smoothness) = form.table {
+            let weight = smoothness * per_cell;
+            match layout.of {
+                // A straight line over speed costs nothing: nodes stand twice as far apart each time.
+                None => system.table(first, [DISPLACEMENTS, KNOTS], 2.0, weight),
+                Some(Remembered::Place) => system.table(first, [FINE, 1], 1.0, weight),
+                Some(Remembered::Sides { .. }) => {
+                    for side in [first, first + layout.hats / 2] {
+                        system.table(side, [1, KNOTS], 2.0, weight);
+                    }
+                }
+                Some(_) => system.table(first, [DISPLACEMENTS, NODES], 1.0, weight),
+            }
+            if layout.of.is_some_and(Remembered::is_line) {
+                for cell in first..first + layout.hats {
+                    system.add(&[(cell, 1.0)], 0.0, LEVEL * per_cell);
+                }
+            }
+        }
+        system
+    }
+
+    /// Adds weight·(Σ aᵢ·xᵢ − target)².
+    fn add(&mut self, terms: &[(usize, f64)], target: f64, weight: f64) {
+        for &(i, a) in terms {
+            self.pull[i] += weight * a * target;
+            for &(j, b) in terms {
+                self.penalty[(i, j)] += weight * a * b;
+            }
+        }
+    }
+
+    /// Eq 13's coefficients shall not bend over amplitude more than the data ask for, nor α run away.
+    fn law(&mut self, design: &Design, at: &Coefficients, total: &Block) {
+        let count = at.0.len();
+        for i in 0..4 {
+            let power = |node: usize| total.gram[(4 * node + i, 4 * node + i)];
+            if i == 3 {
+                for node in 0..count {
+                    let weight = STEP * power(node) + f64::MIN_POSITIVE;
+                    self.add(&[(4 * node + 3, 1.0)], 0.0, weight);
+                }
+                continue;
+            }
+            for node in 0..count.saturating_sub(2) {
+                let [low, middle, high] = [0, 1, 2].map(|next| design.nodes[node + next]);
+                let part = (middle - low) / (high - low);
+                let weights = [1.0 - part, -1.0, part];
+                let terms = [0, 1, 2].map(|next| (4 * (node + next) + i, weights[next]));
+                let bend = (0..3)
+                    .map(|next| weights[next] * at.0[node + next][i])
+                    .sum::<f64>();
+                // The least of the three: y⁶ of large amplitudes would outweigh all that is known of a small one's k3.
+                let least = (node..node + 3).map(power).fold(f64::INFINITY, f64::min);
+                self.add(&terms, -bend, BEND * least);
+            }
+        }
+    }
+
+    /// The bends of a table over its nodes `across` displacement, and those `along` its other variable, where each step is
+    /// `ratio` times as long as the one before.
+    fn table(&mut self, first: usize, [across, along]: [usize; 2], ratio: f64, weight: f64) {
+        for direction in 0..2 {
+            for j in 0..along {
+                for i in 0..across {
+                    let cell = |i: usize, j: usize| first + (direction * along + j) * across + i;
+                    if i + 1 < across {
+                        self.add(
+                            &[(cell(i, j), -1.0), (cell(i + 1, j), 1.0)],
+                            0.0,
+                            SLOPE * weight,
+                        );
+                    }
+                    if j + 1 < along {
+                        self.add(
+                            &[(cell(i, j), -1.0), (cell(i, j + 1), 1.0)],
+                            0.0,
+                            SLOPE * weight,
+                        );
+                    }
+                    if i + 2 < across {
+                        let bend = [
+                            (cell(i, j), 1.0),
+                            (cell(i + 1, j), -2.0),
+                            (cell(i + 2, j), 1.0),
+                        ];
+                        self.add(&bend, 0.0, weight);
+                    }
+                    if j + 2 < along {
+                        let bend = [
+                            (cell(i, j), ratio),
+                            (cell(i, j + 1), -1.0 - ratio),
+                            (cell(i, j + 2), 1.0),
+                        ];
+                        self.add(&bend, 0.0, weight);
+                    }
+                }
+            }
+        }
+    }
+
+    /// Holds an unknown at `value`.
+    pub fn pin(&mut self, unknown: usize, value: f64) {
+        let weight = PIN * self.penalty[(unknown, unknown)].max(1.0);
+        self.add(&[(unknown, 1.0)], value, weight);
+    }
+
+    /// The unknowns for these sums.
+    pub fn solve(&self, gram: DMatrix<f64>, right: DVector<f64>) -> Option<DVector<f64>> {
+        Some(self.solver(gram)?.solve(right))
+    }
+
+    /// What solves for one right side after the other.
+    pub fn solver(&self, mut gram: DMatrix<f64>) -> Option<Solver<'_>> {
+        gram += &self.penalty;
+        let scale = DVector::from_iterator(
+            gram.nrows(),
+            gram.diagonal()
+                .iter()
+                .map(|d| if *d > 0.0 { d.sqrt().recip() } else { 0.0 }),
+        );
+        for column in 0..gram.ncols() {
+            for row in column..gram.nrows() {
+                gram[(row, column)] *= scale[row] * scale[column];
+            }
+            gram[(column, column)] += RIDGE;
+        }
+        let width = scale.len();
+        // There are hundreds of unknowns, for which faer's Cholesky, in blocks, is faster than nalgebra's.
+        let gram = MatRef::from_column_major_slice(gram.as_slice(), width, width);
+        let factor = gram.llt(Side::Lower).ok()?;
+        Some(Solver {
+            factor,
+            scale,
+            pull: &self.pull,
+        })
+    }
+}
+
+/// The normal equations with the penalties, factored.
+pub(super) struct Solver<'s> {
+    factor: Llt<f64>,
+    scale: DVector<f64>,
+    pull: &'s DVector<f64>,
+}
+
+impl Solver<'_> {
+    /// The unknowns for this right side and what the penalties pull to.
+    pub fn solve(&self, right: DVector<f64>) -> DVector<f64> {
+        self.solve_bare(right + self.pull)
+    }
+
+    /// The same without the pull.
+    pub fn solve_bare(&self, right: DVector<f64>) -> DVector<f64> {
+        let mut x = right.component_mul(&self.scale);
+        let width = x.len();
+        let column = MatMut::from_column_major_slice_mut(x.as_mut_slice(), width, 1);
+        self.factor.solve_in_place(column);
+        x.component_mul(&self.scale)
+    }
+}

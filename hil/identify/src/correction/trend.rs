@@ -1,0 +1,255 @@
+//! Smooth courses that a table may follow at no cost: what a force over displacement and velocity mostly is.
+//!
+//! A table that is only asked to be smooth knows little between two blocks of a test and nothing beyond them. One that
+//! follows a few products of a function of displacement and one of speed does, and the table proper is left with the rest.
+
+use mesh_damper::effects::correction::{CELLS, DISPLACEMENTS, NODES, part_of_speed};
+use mesh_damper_model::correction::Remembered;
+
+/// What a table may follow.
+#[derive(Clone, Debug)]
+pub(crate) struct Trend {
+    /// Values in the cells.
+    pub cells: Vec<(usize, f64)>,
+    /// What it is, if it is a course.
+    product: Option<Product>,
+}
+
+/// A function of displacement times one of what the table is over beside it.
+#[derive(Clone, Copy, Debug)]
+struct Product {
+    over: Over,
+    /// Which [`OVER_DISPLACEMENT`].
+    displacement: usize,
+    along: Along,
+    /// Which [`OVER_DIRECTION`].
+    back: usize,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum Over {
+    Displacement,
+    /// Which [`SIDES`].
+    Side(usize),
+}
+
+#[derive(Clone, Copy, Debug)]
+enum Along {
+    /// The same everywhere.
+    Nothing,
+    Speed(fn(f64) -> f64),
+    /// [`GROWING`] over this part of the largest speed.
+    Growing(f64),
+    /// Which [`FADING`], over this part of the largest speed.
+    Fading(usize, f64),
+    Memory(fn(f64) -> f64),
+}
+
+/// Functions of displacement over its largest value.
+const OVER_DISPLACEMENT: [fn(f64) -> f64; 6] = [
+    |_| 1.0,
+    |u| u,
+    f64::abs,
+    |u| u * u,
+    |u| u * u.abs(),
+    |u| u * u * u,
+];
+
+/// Functions of speed over its largest value,
+const OVER_SPEED: [fn(f64) -> f64; 3] = [f64::sqrt, |w| w, |w| w * w];
+
+/// and of speed over a width: friction that grows from rest,
+const GROWING: fn(f64) -> f64 = f64::tanh;
+/// the widths to begin with, of the largest speed,
+const FIRST_GROWING: [f64; 2] = [0.002, 0.006];
+/// and their range;
+const GROWING_WIDTHS: [f64; 2] = [5e-4, 0.05];
+/// friction that fades: the curves that are in use for Stribeck's (Armstrong-Hélouvry, Dupont and Canudas de Wit 1994),
+const FADING: [fn(f64) -> f64; 4] = [
+    |w| (-w).exp(),
+    |w| (-w * w).exp(),
+    |w| 1.0 / (1.0 + w),
+    |w| 1.0 / (1.0 + w * w),
+];
+/// which to begin with over which widths,
+const FIRST_FADING: [(usize, f64); 6] =
+    [(0, 0.03), (0, 0.1), (0, 0.3), (1, 0.03), (1, 0.1), (1, 0.3)];
+/// and their range.
+const FADING_WIDTHS: [f64; 2] = [0.01, 1.0];
+
+/// Functions of where what stands in the place of speed is in its range: some of what grows from its least value, some of what is lost at its middle.
+const OVER_MEMORY: [fn(f64) -> f64; 5] = [
+    |z| z,
+    |z| z * z,
+    |z| z - 0.5,
+    |z| (z - 0.5).abs(),
+    |z| (z - 0.5).powi(2),
+];
+
+/// Whether a force is the same or the opposite on the way back.
+const OVER_DIRECTION: [[f64; 2]; 2] = [[1.0, 1.0], [1.0, -1.0]];
+
+/// The first cell of each side, forwards and back.
+pub(super) const SIDES: [[usize; 2]; 2] = [[0, CELLS / 2], [NODES, CELLS / 2 + NODES]];
+
+/// What a table may be over beside what is remembered.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Variable {
+    Displacement,
+    /// Speed and direction.
+    Velocity,
+}
+
+/// Every trend that eq 13 has not, or those that are not over a variable; none of a line over displacement, which is for what
+/// no trend is like.
+pub(super) fn trends(of: Option<Remembered>, without: Option<Variable>) -> Vec<Trend> {
+    match of {
+        None => products(without, Over::Displacement, &over_speed()),
+        Some(Remembered::Place) => Vec::new(),
+        Some(Remembered::Sides { .. }) => {
+            let sides = 0..SIDES.len();
+            let sides = sides.map(|side| products(without, Over::Side(side), &over_speed()));
+            sides.flatten().collect()
+        }
+        Some(_) => {
+            let memories = OVER_MEMORY.map(Along::Memory).into_iter();
+            let along: Vec<Along> = [Along::Nothing].into_iter().chain(memories).collect();
+            products(without, Over::Displacement, &along)
+        }
+    }
+}
+
+fn over_speed() -> Vec<Along> {
+    let powers = OVER_SPEED.map(Along::Speed);
+    let growing = FIRST_GROWING.map(Along::Growing);
+    let fading = FIRST_FADING.map(|(curve, width)| Along::Fading(curve, width));
+    let all = [Along::Nothing].into_iter().chain(powers);
+    all.chain(growing).chain(fading).collect()
+}
+
+fn products(without: Option<Variable>, over: Over, along: &[Along]) -> Vec<Trend> {
+    let displacements = match over {
+        // Which side it is is the displacement.
+        Over::Side(_) => 1,
+        Over::Displacement => OVER_DISPLACEMENT.len(),
+    };
+    let mut trends = Vec::new();
+    for displacement in 0..displacements {
+        for &along in along {
+            for back in 0..OVER_DIRECTION.len() {
+                let is_known = matches!(
+                    (over, displacement, along, back),
+                    // y and y³.
+                    (Over::Displacement, 1 | 5, Along::Nothing, 0)
+                );
+                let is_allowed = match without {
+                    None => true,
+                    Some(Variable::Displacement) => displacement == 0 && over == Over::Displacement,
+                    Some(Variable::Velocity) => {
+                        back == 0 && matches!(along, Along::Nothing | Along::Memory(_))
+                    }
+                };
+                if !is_known && is_allowed {
+                    let product = Product {
+                        over,
+                        displacement,
+                        along,
+                        back,
+                    };
+                    trends.push(product.trend());
+                }
+            }
+        }
+    }
+    trends
+}
+
+impl Trend {
+    /// These values, which are no course.
+    pub fn of(cells: Vec<(usize, f64)>) -> Self {
+        Self {
+            cells,
+            product: None,
+        }
+    }
+
+    /// Whether it is over what stands in the place of speed.
+    pub fn is_over_memory(&self) -> bool {
+        let product = self.product.as_ref();
+        product.is_some_and(|product| match product.over {
+            Over::Side(_) => true,
+            Over::Displacement => matches!(product.along, Along::Memory(_)),
+        })
+    }
+
+    /// The same over a width that is `factor` times as small or as large, or fading in another way; none without a width.
+    pub fn near(&self, factor: f64) -> Vec<Self> {
+        let Some(product) = self.product else {
+            return Vec::new();
+        };
+        let others = product.along.near(factor).into_iter();
+        let others = others.map(|along| Product { along, ..product });
+        others.map(Product::trend).collect()
+    }
+}
+
+impl Product {
+    fn trend(self) -> Trend {
+        let mut cells = Vec::new();
+        for (way, sign) in OVER_DIRECTION[self.back].iter().enumerate() {
+            let mut add = |cell: usize, u: f64, part: f64| {
+                let value = sign * OVER_DISPLACEMENT[self.displacement](u) * self.along.at(part);
+                cells.push((cell, value));
+            };
+            for node in 0..NODES {
+                let part = match self.along {
+                    Along::Memory(_) => node as f64 / (NODES - 1) as f64,
+                    _ => part_of_speed(node),
+                };
+                if let Over::Side(side) = self.over {
+                    add(SIDES[side][way] + node, 1.0, part);
+                    continue;
+                }
+                for place in 0..DISPLACEMENTS {
+                    let u = 2.0 * place as f64 / (DISPLACEMENTS - 1) as f64 - 1.0;
+                    add((way * NODES + node) * DISPLACEMENTS + place, u, part);
+                }
+            }
+        }
+        Trend {
+            cells,
+            product: Some(self),
+        }
+    }
+}
+
+impl Along {
+    /// At a part of the largest speed, or of the range of what stands in its place.
+    fn at(self, part: f64) -> f64 {
+        match self {
+            Self::Nothing => 1.0,
+            Self::Speed(function) | Self::Memory(function) => function(part),
+            Self::Growing(width) => GROWING(part / width),
+            Self::Fading(curve, width) => FADING[curve](part / width),
+        }
+    }
+
+    fn near(self, factor: f64) -> Vec<Self> {
+        let scaled = |width: f64, [least, most]: [f64; 2]| {
+            let widths = [width / factor, width * factor].into_iter();
+            widths.filter(move |width| (least..=most).contains(width))
+        };
+        match self {
+            Self::Nothing | Self::Speed(_) | Self::Memory(_) => Vec::new(),
+            Self::Growing(width) => scaled(width, GROWING_WIDTHS).map(Self::Growing).collect(),
+            Self::Fading(curve, width) => {
+                let widths = scaled(width, FADING_WIDTHS);
+                let widths = widths.map(|width| Self::Fading(curve, width));
+                let curves = (0..FADING.len()).filter(|other| *other != curve);
+                widths
+                    .chain(curves.map(|other| Self::Fading(other, width)))
+                    .collect()
+            }
+        }
+    }
+}

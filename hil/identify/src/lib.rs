@@ -1,0 +1,54 @@
+//! Identification: coefficients of eq 13 and of added effects from recorded motion and force.
+//!
+//! A fit gives coefficients with their uncertainty. A trace goes on from there: it finds which effect the law lacks, and by how
+//! much the law is better with it.
+//!
+//! | module | for |
+//! |---|---|
+//! | [`mod@trace`] | from recordings to a verdict and a model |
+//! | [`term`], [`shape`] | what may be fitted beside eq 13, and the parameters of it that are not linear |
+//! | [`rows`], [`problem`], [`solution`] | the samples that are fitted, the least squares, and what came of them |
+//! | [`staged`], [`screen`] | where a fit begins, and which terms are worth one |
+//! | [`uncertainty`] | intervals of what was fitted |
+//! | [`correction`] | the table of what has no name |
+//!
+//! ```
+//! use mesh_damper_identify::trace::trace;
+//! use mesh_damper_recording::Recording;
+//! use mesh_damper_reference::protocol::{PROTOCOL, motion};
+//! use mesh_damper_reference::tables;
+//!
+//! // Eq 13 and a moving mass of 20 kg, that nobody declared.
+//! let law = tables::interpolate(3.0, 0.1);
+//! let motion = motion(&PROTOCOL, 500.0);
+//! let time = motion.iter().map(|m| m.time).collect();
+//! let displacement = motion.iter().map(|m| m.displacement).collect();
+//! let force = motion
+//!     .iter()
+//!     .map(|m| law.force(m.displacement, m.velocity) + 2e-5 * m.acceleration)
+//!     .collect();
+//! let recording = Recording::new("a test", time, displacement, force)?;
+//! let found = trace(&[recording], &[], &|step| println!("{step}"))?;
+//! assert_eq!(found.result.effects[0].family, "inertia");
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
+
+#![forbid(unsafe_code)]
+
+mod basis;
+pub(crate) mod beyond_noise;
+pub mod correction;
+mod exact;
+mod known_forces;
+mod moved;
+mod normal;
+pub mod problem;
+pub mod rows;
+pub mod screen;
+pub mod shape;
+pub mod solution;
+pub mod staged;
+mod tangent;
+pub mod term;
+pub mod trace;
+pub mod uncertainty;

@@ -1,0 +1,250 @@
+//! The fit of eq 13 and added effects by variable projection.
+//!
+//! For given exponents and shapes the force is linear in everything else: k1, k3 and c at each amplitude, and the
+//! effects' sizes. So only exponents and shapes are searched (Levenberg–Marquardt), and every step of the search solves
+//! the linear rest exactly (Golub and Pereyra 1973).
+
+use levenberg_marquardt::{LeastSquaresProblem, LevenbergMarquardt};
+use mesh_damper_model::LawNode;
+use nalgebra::{DMatrix, DVector, Dyn, Owned};
+use rayon::prelude::*;
+
+use super::basis::{Basis, Columns};
+use super::exact;
+use super::normal::{Factor, Normal};
+use super::rows::Rows;
+use super::shape::Extent;
+use super::solution::Solution;
+use super::term::{Form, Term};
+
+/// Exponents that a search with nothing to start from begins with.
+const EXPONENTS: [f64; 3] = [0.15, 0.35, 0.6];
+/// The deflection of a spring in series is worked out anew so many times before all is fitted at once.
+const SERIES_ROUNDS: usize = 4;
+
+/// Eq 13 and terms, to be fitted to rows.
+pub struct Problem<'r, 'a> {
+    rows: &'r Rows<'a>,
+    extent: &'r Extent,
+    terms: Vec<Term>,
+}
+
+impl<'r, 'a> Problem<'r, 'a> {
+    /// Eq 13 and `terms` on `rows`, whose shapes are searched within `extent`.
+    pub fn new(rows: &'r Rows<'a>, extent: &'r Extent, terms: &[Term]) -> Self {
+        Self {
+            rows,
+            extent,
+            terms: terms.to_vec(),
+        }
+    }
+
+    /// The fit with nothing to start from.
+    pub fn solve(&self) -> Solution {
+        let ends: Vec<f64> = self
+            .terms
+            .iter()
+            .flat_map(|term| {
+                let shapes = self.extent.shapes(term.form);
+                let middle = |starts: &[f64]| starts.get(starts.len() / 2).copied();
+                let shapes = shapes
+                    .iter()
+                    .map(|shape| middle(&shape.starts).unwrap_or(shape.low));
+                searched(term.form, shapes)
+            })
+            .collect();
+        let starts = EXPONENTS.map(|alpha| {
+            let alphas = std::iter::repeat_n(alpha, self.rows.nodes.len());
+            alphas.chain(ends.iter().copied()).collect::<Vec<f64>>()
+        });
+        starts
+            .into_par_iter()
+            .map(|start| self.minimized(self.basis(), start))
+            .min_by(|a, b| a.squares.total_cmp(&b.squares))
+            .expect("there is at least one start")
+    }
+
+    /// The fit from `start`, a solution with these terms or with all but the last, whose shapes then are `shapes`.
+    pub fn solve_from(&self, start: &Solution, shapes: &[f64]) -> Solution {
+        let at = self.start(start, shapes);
+        let mut solution = self.minimized(self.basis().around(start), at);
+        if self.terms.iter().any(|term| term.form == Form::Compliance) {
+            for _ in 1..SERIES_ROUNDS {
+                let at = solution.search.clone();
+                solution = self.minimized(self.basis().around(&solution), at);
+            }
+            solution = exact::refined(&self.basis(), solution);
+        }
+        solution
+    }
+
+    /// The fit from `known`, a solution with these terms, perhaps with nodes at other amplitudes.
+    pub fn solve_near(&self, known: &Solution) -> Solution {
+        let distance = |node: &LawNode, amplitude: f64| (node.amplitude - amplitude).abs();
+        let alphas = self.rows.nodes.iter().map(|&amplitude| {
+            let nearest = known
+                .law
+                .iter()
+                .min_by(|a, b| distance(a, amplitude).total_cmp(&distance(b, amplitude)));
+            nearest.map_or(EXPONENTS[1], |node| node.alpha)
+        });
+        let rest = &known.search[known.law.len()..];
+        let start = Solution {
+            search: alphas.chain(rest.iter().copied()).collect(),
+            ..known.clone()
+        };
+        self.solve_from(&start, &[])
+    }
+
+    /// The linear part alone, at the exponents of `start` and these `shapes` of the last term.
+    pub fn solve_at(&self, start: &Solution, shapes: &[f64]) -> Solution {
+        let basis = self.basis().around(start);
+        let search = Search::new(&basis, DVector::from_vec(self.start(start, shapes)));
+        search.solution()
+    }
+
+    fn basis(&self) -> Basis<'r, 'a> {
+        Basis::new(self.rows, self.extent, &self.terms)
+    }
+
+    /// The searched parameters of `start`, and of the last term where `start` lacks it.
+    fn start(&self, start: &Solution, shapes: &[f64]) -> Vec<f64> {
+        let fresh = self.terms.len() > start.terms.len();
+        let last = self.terms.last().filter(|_| fresh);
+        let end = last.map_or(Vec::new(), |term| {
+            searched(term.form, shapes.iter().copied())
+        });
+        start.search.iter().copied().chain(end).collect()
+    }
+
+    fn minimized(&self, basis: Basis<'r, 'a>, start: Vec<f64>) -> Solution {
+        let search = Search::new(&basis, DVector::from_vec(start));
+        LevenbergMarquardt::new()
+            .with_ftol(1e-7)
+            .with_xtol(1e-5)
+            .with_gtol(0.0)
+            .with_patience(8)
+            .minimize(search)
+            .0
+            .solution()
+    }
+}
+
+/// What is searched of a form with these shapes: its sizes that scale eq 13, from nothing, and the shapes.
+fn searched(form: Form, shapes: impl Iterator<Item = f64>) -> Vec<f64> {
+    let sizes = std::iter::repeat_n(0.0, form.scales());
+    sizes.chain(shapes.map(f64::ln)).collect()
+}
+
+/// A search over exponents and shapes.
+struct Search<'b, 'r, 'a> {
+    basis: &'b Basis<'r, 'a>,
+    at: DVector<f64>,
+    columns: Columns,
+    projected: Projected,
+}
+
+/// The linear part, solved.
+struct Projected {
+    /// k1, k3 and c of every node, then the sizes.
+    linear: DVector<f64>,
+    /// What they leave of the force at every row, weighted.
+    residuals: DVector<f64>,
+    /// `None` where the columns say nothing.
+    factor: Option<Factor>,
+}
+
+impl<'b, 'r, 'a> Search<'b, 'r, 'a> {
+    fn new(basis: &'b Basis<'r, 'a>, at: DVector<f64>) -> Self {
+        let columns = basis.columns(at.as_slice(), None);
+        Self {
+            basis,
+            at,
+            projected: project(basis, &columns),
+            columns,
+        }
+    }
+
+    fn solution(&self) -> Solution {
+        let linear = self.projected.linear.as_slice();
+        let squares = self.projected.residuals.norm_squared();
+        self.basis.solution(self.at.as_slice(), linear, squares)
+    }
+}
+
+fn project(basis: &Basis, columns: &Columns) -> Projected {
+    let rows = basis.rows;
+    let nodes = rows.nodes.len();
+    let added = columns.added();
+    let normal = Normal::assemble(
+        rows,
+        &rows.force,
+        &basis.motion(columns).node,
+        columns.law(),
+        &added,
+    );
+    let solved = normal.solve(|i| match i.checked_sub(3 * nodes) {
+        None => i % 3 == 2,
+        Some(size) => basis.is_positive(size),
+    });
+    let (linear, factor) = match solved {
+        Some((linear, factor)) => (linear, Some(factor)),
+        None => (DVector::zeros(3 * nodes + added.len()), None),
+    };
+    let force = basis.force(columns, linear.as_slice());
+    let residuals = (0..rows.len()).map(|i| rows.weight[i] * (force[i] - rows.force[i]));
+    Projected {
+        residuals: DVector::from_iterator(rows.len(), residuals),
+        linear,
+        factor,
+    }
+}
+
+impl LeastSquaresProblem<f64, Dyn, Dyn> for Search<'_, '_, '_> {
+    type ResidualStorage = Owned<f64, Dyn>;
+    type JacobianStorage = Owned<f64, Dyn, Dyn>;
+    type ParameterStorage = Owned<f64, Dyn>;
+
+    fn set_params(&mut self, at: &DVector<f64>) {
+        self.columns = self.basis.columns(at.as_slice(), Some(&self.columns));
+        self.projected = project(self.basis, &self.columns);
+        self.at.copy_from(at);
+    }
+
+    fn params(&self) -> DVector<f64> {
+        self.at.clone()
+    }
+
+    fn residuals(&self) -> Option<DVector<f64>> {
+        Some(self.projected.residuals.clone())
+    }
+
+    /// The force's derivatives with the linear part held, less what the linear part would take up of them (Kaufman 1975).
+    fn jacobian(&self) -> Option<DMatrix<f64>> {
+        let rows = self.basis.rows;
+        let linear = self.projected.linear.as_slice();
+        let factor = self.projected.factor.as_ref()?;
+        let node = &self.basis.motion(&self.columns).node;
+        let (law, added) = (self.columns.law(), self.columns.added());
+        let first_size = 3 * rows.nodes.len();
+        let mut jacobian = DMatrix::zeros(rows.len(), self.at.len());
+        for (slot, mut column) in jacobian.column_iter_mut().enumerate() {
+            let slope = self.basis.slope(&self.columns, linear, slot);
+            let mut products = vec![0.0; linear.len()];
+            for (index, slope) in slope.iter().enumerate() {
+                let weighted = rows.weight[index].powi(2) * slope;
+                for (i, own) in law[index].iter().enumerate() {
+                    products[3 * node[index] + i] += weighted * own;
+                }
+                for (i, own) in added.iter().enumerate() {
+                    products[first_size + i] += weighted * own[index];
+                }
+            }
+            let taken = self.basis.force(&self.columns, &factor.nearest(&products));
+            for (index, value) in column.iter_mut().enumerate() {
+                *value = rows.weight[index] * (slope[index] - taken[index]);
+            }
+        }
+        Some(jacobian)
+    }
+}

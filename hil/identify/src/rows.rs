@@ -1,0 +1,238 @@
+//! The samples that a fit is made to.
+
+use std::sync::Arc;
+
+use mesh_damper::effects::ConfinedMotion;
+use mesh_damper_model::predict::motion_at;
+use mesh_damper_recording::trajectory::Trajectory;
+
+use super::known_forces::KnownForces;
+
+/// The samples of a fit, gathered from several trajectories.
+pub struct Rows<'a> {
+    pub(super) trajectories: &'a [Trajectory],
+    /// Trajectory and sample of each row.
+    pub(super) origin: Vec<(usize, usize)>,
+    /// As recorded.
+    pub(super) motion: RowMotion,
+    /// The same at every sample, where a channel shows averages and not what a row sees alone.
+    pub(super) throughout: Option<RowMotion>,
+    pub(super) force: Vec<f64>,
+    /// Square root of a row's weight: every recording counts the same, however long or strong it is.
+    pub(super) weight: Vec<f64>,
+    /// Amplitudes of the law's nodes, mm.
+    pub(super) nodes: Vec<f64>,
+    /// What effects see at every sample of each trajectory, as recorded.
+    pub(super) confined: Arc<Vec<Vec<ConfinedMotion<f64>>>>,
+    /// Of effects that see the motion as recorded.
+    pub(super) known_forces: Arc<KnownForces>,
+}
+
+/// What eq 13 sees at each row.
+#[derive(Clone, Debug, Default)]
+pub(super) struct RowMotion {
+    /// mm
+    pub displacement: Vec<f64>,
+    /// ln |v|
+    pub log_speed: Vec<f64>,
+    /// sgn v
+    pub direction: Vec<f64>,
+    /// Since the test began.
+    pub cycles: Vec<f64>,
+    /// °C
+    pub temperature: Vec<f64>,
+    /// Which of the law's nodes holds.
+    pub node: Vec<usize>,
+}
+
+impl RowMotion {
+    fn gather(trajectories: &[Trajectory], origin: &[(usize, usize)], nodes: &[f64]) -> Self {
+        let mut rows = Self::default();
+        for &(which, sample) in origin {
+            let trajectory = &trajectories[which];
+            let velocity = trajectory.motion.velocity[sample];
+            rows.displacement
+                .push(trajectory.motion.displacement[sample]);
+            // The law is given no force at rest: what moves less than the smallest float stands still.
+            rows.log_speed
+                .push(velocity.abs().max(f64::MIN_POSITIVE).ln());
+            rows.direction.push(if velocity == 0.0 {
+                0.0
+            } else {
+                velocity.signum()
+            });
+            rows.cycles.push(trajectory.cycles[sample]);
+            rows.temperature.push(trajectory.temperature_at(sample));
+            rows.node.push(nearest(nodes, trajectory.amplitude[sample]));
+        }
+        rows
+    }
+}
+
+/// What effects see at every sample of each trajectory.
+pub(super) fn confined(trajectories: &[Trajectory]) -> Vec<Vec<ConfinedMotion<f64>>> {
+    let of_one = |trajectory: &Trajectory| {
+        let samples = 0..trajectory.len();
+        samples
+            .map(|sample| motion_at(trajectory, sample).confined())
+            .collect()
+    };
+    trajectories.iter().map(of_one).collect()
+}
+
+impl<'a> Rows<'a> {
+    /// Amplitudes in mm at which eq 13 has coefficients of its own.
+    pub fn nodes(&self) -> &[f64] {
+        &self.nodes
+    }
+
+    /// Gathers the samples that `included(trajectory, sample)` picks, of which every n-th is taken so that there are at most
+    /// about `most`. `nodes` are the amplitudes in mm at which eq 13 has coefficients of its own; each sample is of the
+    /// nearest.
+    ///
+    /// Samples that are not [telling](Trajectory::is_telling) are left out: they would bend the fit.
+    pub fn gather(
+        trajectories: &'a [Trajectory],
+        nodes: Vec<f64>,
+        most: usize,
+        included: impl Fn(usize, usize) -> bool,
+    ) -> Self {
+        let mut origin: Vec<(usize, usize)> = Vec::new();
+        for (which, trajectory) in trajectories.iter().enumerate() {
+            let telling = (0..trajectory.len())
+                .filter(|&sample| included(which, sample) && trajectory.is_telling(sample));
+            origin.extend(telling.map(|sample| (which, sample)));
+        }
+        let every = origin.len().div_ceil(most).max(1);
+        let origin: Vec<(usize, usize)> = origin.into_iter().step_by(every).collect();
+        let force: Vec<f64> = origin
+            .iter()
+            .map(|&(which, sample)| trajectories[which].force[sample])
+            .collect();
+
+        let mut power = vec![0.0; trajectories.len()];
+        for (&(which, _), force) in origin.iter().zip(&force) {
+            power[which] += force * force;
+        }
+        let mut weight: Vec<f64> = origin
+            .iter()
+            .map(|&(which, _)| {
+                if power[which] > 0.0 {
+                    power[which].sqrt().recip()
+                } else {
+                    0.0
+                }
+            })
+            .collect();
+        // On average 1, so that residuals stay in kN.
+        let mean_square = weight.iter().map(|w| w * w).sum::<f64>() / origin.len().max(1) as f64;
+        weight
+            .iter_mut()
+            .for_each(|weight| *weight /= mean_square.sqrt());
+        Self {
+            trajectories,
+            confined: Arc::new(confined(trajectories)),
+            motion: RowMotion::gather(trajectories, &origin, &nodes),
+            throughout: throughout(trajectories, &nodes),
+            origin,
+            force,
+            weight,
+            nodes,
+            known_forces: Arc::default(),
+        }
+    }
+
+    /// The same rows with coefficients of eq 13 at other amplitudes, mm.
+    #[must_use]
+    pub fn with_nodes(&self, nodes: Vec<f64>) -> Self {
+        Self {
+            trajectories: self.trajectories,
+            confined: self.confined.clone(),
+            motion: RowMotion::gather(self.trajectories, &self.origin, &nodes),
+            throughout: throughout(self.trajectories, &nodes),
+            origin: self.origin.clone(),
+            force: self.force.clone(),
+            weight: self.weight.clone(),
+            known_forces: self.known_forces.clone(),
+            nodes,
+        }
+    }
+
+    /// Number of samples.
+    pub fn len(&self) -> usize {
+        self.force.len()
+    }
+
+    /// No sample at all.
+    pub fn is_empty(&self) -> bool {
+        self.force.is_empty()
+    }
+
+    /// Displacement mm, velocity mm/s and force kN of the rows of one node.
+    pub fn channels(&self, node: usize) -> (Vec<f64>, Vec<f64>, Vec<f64>) {
+        let of_node = (0..self.len()).filter(|&index| self.motion.node[index] == node);
+        let rows = of_node.map(|index| {
+            let velocity = self.motion.direction[index] * self.motion.log_speed[index].exp();
+            (self.motion.displacement[index], velocity, self.force[index])
+        });
+        rows.collect()
+    }
+
+    /// What eq 13 sees at the rows when the motion is that of `moved` and not the recorded one, and throughout where needed.
+    pub(super) fn motion_in(&self, moved: &[Trajectory]) -> (RowMotion, Option<RowMotion>) {
+        let rows = RowMotion::gather(moved, &self.origin, &self.nodes);
+        (rows, throughout(moved, &self.nodes))
+    }
+
+    /// What the channels show at the rows of a force known at every sample of every trajectory.
+    pub(super) fn shown(&self, per_trajectory: Vec<Vec<f64>>) -> Vec<f64> {
+        let shown = self.trajectories.iter().zip(per_trajectory);
+        let shown: Vec<Vec<f64>> = shown
+            .map(|(trajectory, force)| trajectory.shown(force))
+            .collect();
+        self.pick(&shown)
+    }
+
+    /// The same of a force known at every sample of all trajectories, one after the other.
+    pub(super) fn shown_of_all(&self, force: &[f64]) -> Vec<f64> {
+        let mut rest = force;
+        let per_trajectory = self.trajectories.iter().map(|trajectory| {
+            let (own, others) = rest.split_at(trajectory.len());
+            rest = others;
+            own.to_vec()
+        });
+        self.shown(per_trajectory.collect())
+    }
+
+    /// The rows of what is known at every sample of every trajectory.
+    pub(super) fn pick(&self, per_trajectory: &[Vec<f64>]) -> Vec<f64> {
+        self.origin
+            .iter()
+            .map(|&(which, sample)| per_trajectory[which][sample])
+            .collect()
+    }
+}
+
+/// What eq 13 sees at every sample, where a channel shows averages.
+fn throughout(trajectories: &[Trajectory], nodes: &[f64]) -> Option<RowMotion> {
+    trajectories
+        .iter()
+        .any(|trajectory| trajectory.average.is_some())
+        .then(|| {
+            let all = trajectories.iter().enumerate();
+            let all = all.flat_map(|(which, trajectory)| {
+                (0..trajectory.len()).map(move |sample| (which, sample))
+            });
+            RowMotion::gather(trajectories, &all.collect::<Vec<_>>(), nodes)
+        })
+}
+
+fn nearest(nodes: &[f64], amplitude: f64) -> usize {
+    (0..nodes.len())
+        .min_by(|&a, &b| {
+            (nodes[a] - amplitude)
+                .abs()
+                .total_cmp(&(nodes[b] - amplitude).abs())
+        })
+        .unwrap_or(0)
+}

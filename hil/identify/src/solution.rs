@@ -1,0 +1,118 @@
+//! What a fit found.
+
+use mesh_damper_model::predict::run;
+use mesh_damper_model::{LawNode, Model};
+use mesh_damper_recording::trajectory::Trajectory;
+
+use super::term::{Form, Term, TermValue, added_effects};
+
+/// What a fit found.
+#[derive(Clone, Debug)]
+pub struct Solution {
+    /// Eq 13 at each node.
+    pub law: Vec<LawNode>,
+    /// The added terms.
+    pub terms: Vec<TermValue>,
+    /// Exponents of the nodes, then the terms' searched parameters: the sizes of what scales eq 13, and logarithms of shapes.
+    pub(super) search: Vec<f64>,
+    /// Sum of the squared weighted errors, kN².
+    pub squares: f64,
+}
+
+impl Solution {
+    /// The model that the crate runs.
+    pub fn model(&self) -> Model {
+        Model {
+            law: self.law.clone(),
+            effects: added_effects(&self.terms),
+            correction: None,
+        }
+    }
+
+    /// The added terms, whatever their values.
+    pub fn terms(&self) -> Vec<Term> {
+        self.terms.iter().map(|value| value.term).collect()
+    }
+
+    /// The same without one of its terms, whose place the others have not taken.
+    #[must_use]
+    pub fn without(&self, index: usize) -> Self {
+        let mut rest = self.clone();
+        let before: usize = self.terms[..index]
+            .iter()
+            .map(|value| value.term.form.searched())
+            .sum();
+        let from = self.law.len() + before;
+        rest.search
+            .drain(from..from + self.terms[index].term.form.searched());
+        rest.terms.remove(index);
+        rest
+    }
+
+    /// k1, k3 and c of every node, then the sizes of the terms that have a force of their own.
+    pub(super) fn linear(&self) -> Vec<f64> {
+        let law = self.law.iter().flat_map(|node| [node.k1, node.k3, node.c]);
+        let added = self
+            .terms
+            .iter()
+            .filter(|value| value.term.form.scales() == 0);
+        law.chain(added.flat_map(|value| value.sizes.iter().copied()))
+            .collect()
+    }
+
+    /// How the spring in series gives way, trajectory by trajectory. Where there is none yet, as one of 1 kN/mm would under
+    /// this law's force.
+    pub(super) fn deflections(&self, trajectories: &[Trajectory]) -> Vec<Deflection> {
+        let spring = self
+            .terms
+            .iter()
+            .find(|value| value.term.form == Form::Compliance);
+        let stiffness = spring.map_or(1.0, |value| value.shapes[0]);
+        let model = self.model();
+        trajectories
+            .iter()
+            .map(|trajectory| {
+                let tick = trajectory.tick;
+                let deflection = if spring.is_some() {
+                    let seen = run(&model, trajectory, |_, state| state.behind_spring());
+                    let seen = seen.unwrap_or_default();
+                    let velocity = &trajectory.motion.velocity;
+                    seen.into_iter()
+                        .zip(velocity)
+                        .map(|(seen, velocity)| {
+                            let (deflection, inner) = seen.unwrap_or((0.0, *velocity));
+                            (deflection, velocity - inner)
+                        })
+                        .collect()
+                } else {
+                    let force = run(&model, trajectory, |force, _| force);
+                    with_rates(&force.unwrap_or_default(), tick)
+                };
+                Deflection {
+                    stiffness,
+                    deflection,
+                }
+            })
+            .collect()
+    }
+}
+
+/// How a spring in series gives way.
+#[derive(Clone, Debug)]
+pub(super) struct Deflection {
+    /// The spring's, kN/mm.
+    pub stiffness: f64,
+    /// Deflection in mm and its rate in mm/s at every sample; none where the crate refuses the law.
+    pub deflection: Vec<(f64, f64)>,
+}
+
+fn with_rates(values: &[f64], tick: f64) -> Vec<(f64, f64)> {
+    let last = values.len().saturating_sub(1);
+    (0..values.len())
+        .map(|index| {
+            let (before, after) = (index.saturating_sub(1), (index + 1).min(last));
+            let span = (after - before).max(1) as f64 * tick;
+            (values[index], (values[after] - values[before]) / span)
+        })
+        .collect()
+}

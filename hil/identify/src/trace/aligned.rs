@@ -1,0 +1,183 @@
+//! Recordings of one rig share what is wrong with its channels, which each of them shows only about: a force that is early, and
+//! the zero of the displacement.
+
+use mesh_damper_model::{Family, Model};
+use mesh_damper_recording::Recording;
+use mesh_damper_recording::error::InputError;
+use mesh_damper_recording::trajectory::{Known, Trajectory};
+
+/// Zeros that differ by less than this part of the smaller amplitude are one.
+const SAME_ZERO: f64 = 0.05;
+/// Shifts that differ by so many ticks may be one.
+const SAME_SHIFT: f64 = 1.5;
+/// Ticks that forces are first moved too far.
+const TOO_FAR: f64 = 0.5;
+
+/// Recordings made ready, those that are fitted and those held out.
+pub(super) struct Aligned<'r> {
+    recordings: [&'r [Recording]; 2],
+    /// In the same order.
+    pub trajectories: [Vec<Trajectory>; 2],
+    /// By how much the force is late as far as the channels show, s, until a model has shown more.
+    estimate: Option<f64>,
+}
+
+impl<'r> Aligned<'r> {
+    /// What the longest of the `fitted` shows, or else of those that are held out, holds for all that may share it.
+    ///
+    /// # Errors
+    /// As [`Trajectory::of`].
+    pub fn of(fitted: &'r [Recording], held: &'r [Recording]) -> Result<Self, InputError> {
+        let each = |recordings: &[Recording]| -> Result<Vec<Trajectory>, InputError> {
+            recordings.iter().map(Trajectory::of).collect()
+        };
+        let mut aligned = Self {
+            recordings: [fitted, held],
+            trajectories: [each(fitted)?, each(held)?],
+            estimate: None,
+        };
+        aligned.share_zero()?;
+        if let Some(early) = aligned.early() {
+            let (late, tick) = (early.late, early.tick);
+            aligned.estimate = Some(late);
+            aligned.move_from(late, late - TOO_FAR * tick)?;
+        }
+        Ok(aligned)
+    }
+
+    /// What was moved back too far is left late, which a model finds better than anything finds when a force is early: whether
+    /// all are moved anew, less by what `model` found, or, where the first found nothing, as far as the channels show.
+    ///
+    /// # Errors
+    /// As [`Trajectory::of`].
+    pub fn follow(&mut self, model: &Model) -> Result<bool, InputError> {
+        let Some(late) = self.early().map(|early| early.late) else {
+            return Ok(false);
+        };
+        let mut effects = model.effects.iter();
+        let delay = effects.find(|effect| effect.family == Family::Delay);
+        let less = delay.and_then(|delay| Some(late + delay.parameters.get("time")?));
+        let estimate = self.estimate.take();
+        let Some(to) = less.map(|less| less.min(0.0)).or(estimate) else {
+            return Ok(false);
+        };
+        self.move_from(late, to)?;
+        Ok(true)
+    }
+
+    /// The longest of those that are fitted whose force is early, or else of those held out.
+    fn early(&self) -> Option<&Trajectory> {
+        self.longest(|trajectory| trajectory.late < 0.0)
+    }
+
+    fn longest(&self, of: fn(&Trajectory) -> bool) -> Option<&Trajectory> {
+        let duration = |trajectory: &Trajectory| trajectory.len() as f64 * trajectory.tick;
+        let mut each = self.trajectories.iter();
+        each.find_map(|trajectories| {
+            let some = trajectories.iter().filter(|trajectory| of(trajectory));
+            some.max_by(|a, b| duration(a).total_cmp(&duration(b)))
+        })
+    }
+
+    /// Moves every force that is late by about `from` s, where it is early, or may be late by `to` s, by the latter.
+    fn move_from(&mut self, from: f64, to: f64) -> Result<(), InputError> {
+        self.anew(|trajectory| {
+            let differs = (trajectory.late - from).abs() / trajectory.tick;
+            let shares = trajectory.late < 0.0 && differs < SAME_SHIFT;
+            (shares || trajectory.may_be_late_by(to)).then_some(Known {
+                late: Some(to),
+                is_off: Some(trajectory.centre != 0.0),
+            })
+        })
+    }
+
+    /// A zero that was left in is left in where the motion has the same middle, though it is small beside that motion.
+    fn share_zero(&mut self) -> Result<(), InputError> {
+        let Some(off) = self.longest(|trajectory| trajectory.centre != 0.0) else {
+            return Ok(());
+        };
+        let (middle, largest) = (off.middle, largest_amplitude(off));
+        self.anew(|trajectory| {
+            let same = SAME_ZERO * largest.min(largest_amplitude(trajectory));
+            let shares = trajectory.centre == 0.0 && (trajectory.middle - middle).abs() < same;
+            shares.then_some(Known {
+                is_off: Some(true),
+                ..Known::default()
+            })
+        })
+    }
+
+    /// Makes those ready anew of which more is known.
+    fn anew(&mut self, known: impl Fn(&Trajectory) -> Option<Known>) -> Result<(), InputError> {
+        for (recordings, trajectories) in self.recordings.iter().zip(&mut self.trajectories) {
+            for (recording, trajectory) in recordings.iter().zip(trajectories) {
+                if let Some(known) = known(trajectory) {
+                    *trajectory = Trajectory::knowing(recording, known)?;
+                }
+            }
+        }
+        Ok(())
+    }
+}
+
+fn largest_amplitude(trajectory: &Trajectory) -> f64 {
+    trajectory.amplitude.iter().copied().fold(0.0, f64::max)
+}
+
+#[cfg(test)]
+mod tests {
+    use std::collections::BTreeMap;
+    use std::f64::consts::TAU;
+
+    use super::*;
+    use mesh_damper_model::AddedEffect;
+
+    const TICK: f64 = 2e-3;
+
+    /// A spring with friction at 1 Hz and then at 5 Hz, whose force is early by 3 ticks.
+    fn early() -> Recording {
+        let at = |index: usize| {
+            let time = index as f64 * TICK;
+            let frequency = if time < 6.0 { 1.0 } else { 5.0 };
+            let (sin, cos) = (TAU * frequency * time).sin_cos();
+            let speed = 0.1 * TAU * frequency * cos.abs();
+            (
+                0.1 * sin,
+                0.15 * sin + 0.05 * speed.powf(0.2) * cos.signum(),
+            )
+        };
+        let samples = 0..5000;
+        Recording::new(
+            "early",
+            samples.clone().map(|index| index as f64 * TICK).collect(),
+            samples.clone().map(|index| at(index).0).collect(),
+            samples.map(|index| at(index + 3).1).collect(),
+        )
+        .unwrap()
+    }
+
+    fn late_by(time: f64) -> Model {
+        Model {
+            law: Vec::new(),
+            effects: vec![AddedEffect {
+                family: Family::Delay,
+                parameters: BTreeMap::from([("time".to_owned(), time)]),
+            }],
+            correction: None,
+        }
+    }
+
+    /// However much it is: what was found to be early at first is what is moved.
+    #[test]
+    fn what_was_moved_is_moved_by_what_a_model_found() {
+        let recordings = [early()];
+        for ticks in [0.5, 2.0, 9.0] {
+            let mut aligned = Aligned::of(&recordings, &[]).unwrap();
+            let before = aligned.trajectories[0][0].late;
+            assert!((before / TICK + 3.5).abs() < 0.5, "{before} s");
+            assert!(aligned.follow(&late_by(ticks * TICK)).unwrap());
+            let expected = (before + ticks * TICK).min(0.0);
+            assert_eq!(aligned.trajectories[0][0].late, expected);
+        }
+    }
+}

@@ -1,0 +1,465 @@
+//! The end of a trace: what was found is fitted to all that may be fitted, and its error read where nothing was.
+
+use mesh_damper_model::predict::{predict, predict_embedded};
+use mesh_damper_model::{Family, Model, ModelError, parameter_unit};
+use mesh_damper_recording::trajectory::Trajectory;
+use rayon::prelude::*;
+
+use super::left_out::{Fit, LeftOut, Picked};
+use super::mend::{clearly_best, mended};
+use super::result::{
+    Baseline, Candidate, CorrectionSummary, Errors, Estimate, FoundEffect, LawEstimate, OnTarget,
+    TraceResult, Verdict,
+};
+use super::select::{self, Selection, goal, noise_floor, noise_of};
+use super::separating::separating_test;
+use super::split::{Role, Roles};
+use super::verdict::{accounts_for, conclude, depends_on, generalises, rivals, warnings};
+use super::{Trace, Traced};
+use crate::problem::Problem;
+use crate::rows::Rows;
+use crate::shape::Extent;
+use crate::solution::Solution;
+use crate::staged::staged;
+use crate::term::effects_of;
+use crate::uncertainty::{Interval, Uncertainty};
+
+/// The closing fit is made to at most about this many samples, evenly picked.
+const MOST_ROWS: usize = 60_000;
+/// Fits that leave out one block after the other are made to about this many.
+const ROWS_IN_TURN: usize = 8_000;
+
+/// The recordings of a trace, with what each sample is for.
+pub(super) struct Closing<'a> {
+    /// The recordings fitted, then those held out.
+    recordings: Vec<(&'a Trajectory, Vec<Role>)>,
+    /// Those fitted.
+    trajectories: &'a [Trajectory],
+    fitted: usize,
+    judging: &'a Roles,
+    roles: &'a Roles,
+    /// With the nodes preferred, then with others.
+    rows: Vec<Rows<'a>>,
+    extent: Extent,
+    noise_floor: f64,
+}
+
+impl<'a> Closing<'a> {
+    /// Effects were chosen by the roles `judging`; what `roles` hold out is left out of all fits. `nodes` are the amplitudes
+    /// at which eq 13 has coefficients of its own, mm: those preferred, then others that may be.
+    pub fn new(
+        fitted: &'a [Trajectory],
+        [judging, roles]: [&'a Roles; 2],
+        held: &'a [Trajectory],
+        nodes: Vec<Vec<f64>>,
+    ) -> Self {
+        let of_fitted = fitted.iter().enumerate().map(|(which, trajectory)| {
+            let roles = (0..trajectory.len())
+                .map(|sample| roles.of(which, sample))
+                .collect();
+            (trajectory, roles)
+        });
+        let of_held = held
+            .iter()
+            .map(|trajectory| (trajectory, held_roles(trajectory, fitted)));
+        Self {
+            recordings: of_fitted.chain(of_held).collect(),
+            trajectories: fitted,
+            fitted: fitted.len(),
+            judging,
+            roles,
+            noise_floor: noise_floor(fitted),
+            rows: nodes
+                .into_iter()
+                .map(|nodes| {
+                    Rows::gather(fitted, nodes, MOST_ROWS, |which, sample| {
+                        roles.is_open(which, sample)
+                    })
+                })
+                .collect(),
+            extent: Extent::of(fitted),
+        }
+    }
+
+    /// Fits eq 13 alone and with what `selection` found, and reports.
+    pub fn close(
+        &self,
+        selection: &Selection,
+        progress: &(dyn Fn(&str) + Sync),
+    ) -> Result<Trace, ModelError> {
+        let mut rows = &self.rows[0];
+        let alone = self.fit_near(rows, &selection.baseline.solution);
+        let baseline = alone.model();
+        let mut solution = self.fit_there(rows, &selection.found.solution);
+        let left_out = LeftOut::of(self.trajectories, [self.judging, self.roles]);
+        let (verdict, mut left) = self.verdict(selection, &left_out, [&alone, &solution])?;
+        let mut model = solution.model();
+        let mut nameless = Vec::new();
+        if verdict == Verdict::Unlisted {
+            progress("correcting without a name what is left");
+            let mut laws: Vec<(&Rows, &Solution)> =
+                self.rows.iter().map(|rows| (rows, &alone)).collect();
+            if !solution.terms.is_empty() {
+                solution = self.preferred(selection, &left_out, solution)?;
+                laws.push((rows, &solution));
+            }
+            let fits: Vec<_> = laws
+                .iter()
+                .map(|&(rows, law)| move |picked: Picked| Ok(self.refit(rows, law, picked)))
+                .collect();
+            let fits: Vec<Fit> = fits.iter().map(|fit| fit as Fit).collect();
+            let mended = mended(self.trajectories, &left_out, &fits)?;
+            model = mended.model;
+            nameless = mended.depends_on;
+            rows = laws[mended.law].0;
+            solution = self.fit_there(rows, laws[mended.law].1);
+            left = left_out.left_by(&model)?.in_most().unwrap_or(left);
+        }
+        let (before, without) = self.evaluate(&baseline, predict)?;
+        let (after, with) = self.evaluate(&model, predict)?;
+        let (_, on_target) = self.evaluate(&model, predict_embedded)?;
+        let noise_floor = self.noise_floor;
+        let uncertainty = Uncertainty::of(rows, &self.extent, &solution);
+        let mut effects = self.effects(rows, &solution, &uncertainty, with.nrmse_held_out)?;
+        if verdict == Verdict::Ambiguous {
+            effects.extend(self.rivals(selection)?);
+        }
+
+        let separating_test = match verdict {
+            Verdict::Ambiguous => {
+                progress("seeking the test that would tell the rivals apart");
+                Some(separating_test(selection, self.trajectories)?)
+            }
+            _ => None,
+        };
+        let names = |held: bool| {
+            let recordings = self.recordings.iter().enumerate();
+            let some = recordings.filter(move |(index, _)| (*index >= self.fitted) == held);
+            some.map(|(_, (trajectory, _))| trajectory.name.clone())
+                .collect()
+        };
+        let result = TraceResult {
+            recordings: names(false),
+            held_out: names(true),
+            noise_floor_nrmse: noise_floor,
+            baseline: Baseline {
+                law: "mixed_damping".to_owned(),
+                nrmse_fitted: without.nrmse_fitted,
+                nrmse_held_out: without.nrmse_held_out,
+                staged: self.staged()?,
+            },
+            law: law_estimates(&model, &uncertainty),
+            verdict,
+            effects,
+            candidates: self.candidates(selection)?,
+            separating_test,
+            depends_on: depends_on(&model, &nameless),
+            correction: model.correction.as_ref().map(CorrectionSummary::of),
+            warnings: warnings(
+                self.recordings.iter().map(|(trajectory, _)| *trajectory),
+                &model,
+                left,
+                (&without, &with),
+                self.held_to(),
+            ),
+            augmented: with,
+            on_target: OnTarget {
+                nrmse_held_out: on_target.nrmse_held_out,
+            },
+        };
+        let recordings = self
+            .recordings
+            .iter()
+            .zip(before.into_iter().zip(after))
+            .map(|((trajectory, roles), (before, after))| Traced {
+                trajectory: (*trajectory).clone(),
+                roles: roles.clone(),
+                before,
+                after,
+            })
+            .collect();
+        Ok(Trace {
+            result,
+            baseline,
+            model,
+            recordings,
+        })
+    }
+
+    /// What is said of a search that ended in `solution`, and how many times the noise it leaves: by all that may be fitted,
+    /// and by blocks that were left out.
+    fn verdict(
+        &self,
+        selection: &Selection,
+        left_out: &LeftOut,
+        [alone, solution]: [&Solution; 2],
+    ) -> Result<(Verdict, f64), ModelError> {
+        let judged = selection.found.score.nrmse() / selection.goal;
+        let left_by_solution = left_out.left_by(&solution.model())?;
+        let left = left_by_solution.in_most().unwrap_or(judged);
+        let verdict = conclude(selection, left);
+        if solution.terms.is_empty() || verdict == Verdict::Unlisted {
+            return Ok((verdict, left));
+        }
+        let left_by_alone = left_out.left_by(&alone.model())?;
+        let accounts = match (
+            left_by_alone.beyond_noise(),
+            left_by_solution.beyond_noise(),
+        ) {
+            (Some(alone), Some(left)) => accounts_for(alone, left),
+            _ => true,
+        };
+        let error = |law| left_out.error(&|picked| Ok(self.refit(&self.rows[0], law, picked)));
+        let holds = accounts && generalises(error(alone)?, error(solution)?);
+        Ok((if holds { verdict } else { Verdict::Unlisted }, left))
+    }
+
+    /// What was found, or what the judging cycles do not tell from it and clearly leaves less of all blocks, each counting the
+    /// same: the cycles that judge are mostly those of the blocks with the largest force.
+    fn preferred(
+        &self,
+        selection: &Selection,
+        left_out: &LeftOut,
+        found: Solution,
+    ) -> Result<Solution, ModelError> {
+        let mut others = rivals(selection);
+        let is_found =
+            |best: &&select::Candidate| best.fitted.families() == selection.found.families();
+        // What was dropped since may have left another law than that whose rivals these are.
+        if !others.first().is_some_and(is_found) {
+            return Ok(found);
+        }
+        let others = others.split_off(1).into_par_iter();
+        let others = others.map(|rival| self.fit_there(&self.rows[0], &rival.fitted.solution));
+        let mut laws: Vec<Solution> = others.collect();
+        laws.insert(0, found);
+        let left = laws.iter().map(|law| left_out.inside(&law.model()));
+        let left: Vec<f64> = left.collect::<Result<_, _>>()?;
+        Ok(laws.swap_remove(clearly_best(left.into_iter())))
+    }
+
+    /// The terms of `known` fitted to the samples picked, fewer than in the closing fit.
+    fn refit(&self, rows: &Rows, known: &Solution, picked: Picked) -> Model {
+        let nodes = rows.nodes().to_vec();
+        let rows = Rows::gather(self.trajectories, nodes, ROWS_IN_TURN, picked);
+        let problem = Problem::new(&rows, &self.extent, &known.terms());
+        problem.solve_near(known).model()
+    }
+
+    /// The error that a perfect law leaves of what is held out.
+    fn held_to(&self) -> f64 {
+        let held: Vec<f64> = self.recordings[self.fitted..]
+            .iter()
+            .map(|(trajectory, _)| goal(noise_of(trajectory)).powi(2))
+            .collect();
+        if held.is_empty() {
+            return goal(self.noise_floor);
+        }
+        (held.iter().sum::<f64>() / held.len() as f64).sqrt()
+    }
+
+    /// The model's force on every recording, kN, and its errors.
+    fn evaluate(
+        &self,
+        model: &Model,
+        predict: impl Fn(&Model, &Trajectory) -> Result<Vec<f64>, ModelError>,
+    ) -> Result<(Vec<Vec<f64>>, Errors), ModelError> {
+        let predicted = self
+            .recordings
+            .iter()
+            .map(|(trajectory, _)| predict(model, trajectory))
+            .collect::<Result<Vec<_>, _>>()?;
+        let errors = Errors {
+            nrmse_fitted: self.nrmse(&predicted, false),
+            nrmse_held_out: self.nrmse(&predicted, true),
+        };
+        Ok((predicted, errors))
+    }
+
+    /// The error of `predicted`, kN for every sample of every recording, on what was held out or on the rest.
+    fn nrmse(&self, predicted: &[Vec<f64>], held_out: bool) -> f64 {
+        let (mut error, mut force) = (0.0, 0.0);
+        for ((trajectory, roles), predicted) in self.recordings.iter().zip(predicted) {
+            for (sample, &role) in roles.iter().enumerate() {
+                if (role == Role::HeldOut) == held_out && trajectory.measured[sample] {
+                    error += (predicted[sample] - trajectory.force[sample]).powi(2);
+                    force += trajectory.force[sample].powi(2);
+                }
+            }
+        }
+        (error / force).sqrt()
+    }
+
+    /// The errors of eq 13 identified as the paper does.
+    fn staged(&self) -> Result<Option<Errors>, ModelError> {
+        let Some(law) = staged(&self.rows[0]) else {
+            return Ok(None);
+        };
+        let model = Model {
+            law,
+            effects: Vec::new(),
+            correction: None,
+        };
+        Ok(Some(self.evaluate(&model, predict)?.1))
+    }
+
+    /// The effects of `solution` with their intervals, each with the held-out error that is left without it; `with` is what
+    /// all of them leave.
+    fn effects(
+        &self,
+        rows: &Rows,
+        solution: &Solution,
+        uncertainty: &Uncertainty,
+        with: f64,
+    ) -> Result<Vec<FoundEffect>, ModelError> {
+        let estimate = |(name, interval): (&'static str, Interval)| {
+            let unit = parameter_unit(name).unwrap_or_default().to_owned();
+            let Interval { value, low, high } = interval;
+            let estimate = Estimate {
+                value,
+                low,
+                high,
+                unit,
+            };
+            (name, estimate)
+        };
+        let terms = solution.terms.iter().zip(&uncertainty.terms);
+        let estimates = terms.flat_map(|(value, uncertainty)| {
+            let elements = uncertainty.elements(value).into_iter();
+            elements.map(|parameters| {
+                let parameters = parameters.into_iter().map(estimate).collect();
+                (value.term.form, parameters)
+            })
+        });
+        effects_of(estimates.collect())
+            .into_iter()
+            .map(|(family, parameters)| {
+                Ok(FoundEffect {
+                    family: family.name().to_owned(),
+                    parameters,
+                    nrmse_without: self.without(rows, solution, family)?,
+                    nrmse_with: with,
+                })
+            })
+            .collect()
+    }
+
+    /// The held-out error of a law without the terms of one family.
+    fn without(&self, rows: &Rows, solution: &Solution, family: Family) -> Result<f64, ModelError> {
+        let mut rest = solution.clone();
+        let of_family = |rest: &Solution| {
+            let mut terms = rest.terms.iter();
+            terms.position(|value| value.term.form.family() == family)
+        };
+        while let Some(index) = of_family(&rest) {
+            rest = rest.without(index);
+        }
+        let model = self.fit_near(rows, &rest).model();
+        Ok(self.evaluate(&model, predict)?.1.nrmse_held_out)
+    }
+
+    /// The terms of `known` fitted to these rows.
+    fn fit_near(&self, rows: &Rows, known: &Solution) -> Solution {
+        Problem::new(rows, &self.extent, &known.terms()).solve_near(known)
+    }
+
+    /// The same without those that all of the data hold at 0.
+    fn fit_there(&self, rows: &Rows, known: &Solution) -> Solution {
+        let mut solution = self.fit_near(rows, known);
+        while let Some(index) = solution.terms.iter().position(|term| !term.is_admissible()) {
+            solution = self.fit_near(rows, &solution.without(index));
+        }
+        solution
+    }
+
+    /// The effects that the data cannot tell from the last one found, each fitted in its place.
+    fn rivals(&self, selection: &Selection) -> Result<Vec<FoundEffect>, ModelError> {
+        let mut effects = Vec::new();
+        for rival in rivals(selection).into_iter().skip(1) {
+            let rows = &self.rows[0];
+            let solution = self.fit_near(rows, &rival.fitted.solution);
+            let uncertainty = Uncertainty::of(rows, &self.extent, &solution);
+            let with = self.evaluate(&solution.model(), predict)?.1.nrmse_held_out;
+            let of_family = |effect: &FoundEffect| effect.family == rival.family.name();
+            effects.extend(
+                self.effects(rows, &solution, &uncertainty, with)?
+                    .into_iter()
+                    .filter(of_family),
+            );
+        }
+        Ok(effects)
+    }
+
+    fn candidates(&self, selection: &Selection) -> Result<Vec<Candidate>, ModelError> {
+        selection
+            .candidates
+            .par_iter()
+            .map(|candidate| {
+                let model = candidate.fitted.solution.model();
+                let known = candidate.fitted.predicted.iter().cloned();
+                let held = &self.recordings[self.fitted..];
+                let held = held.iter().map(|(held, _)| predict(&model, held));
+                let predicted = known.map(Ok).chain(held).collect::<Result<Vec<_>, _>>()?;
+                Ok(Candidate {
+                    family: candidate.family.name().to_owned(),
+                    nrmse_held_out: self.nrmse(&predicted, true),
+                    distinguishable: candidate.distinguishable,
+                    step: candidate.step,
+                    added: candidate.added,
+                    admissible: candidate.admissible,
+                    nrmse_judged: candidate.fitted.score.nrmse(),
+                })
+            })
+            .collect()
+    }
+}
+
+/// Eq 13's coefficients with their intervals.
+fn law_estimates(model: &Model, uncertainty: &Uncertainty) -> Vec<LawEstimate> {
+    model
+        .law
+        .iter()
+        .zip(&uncertainty.law)
+        .map(|(node, half)| {
+            let estimate = |value: f64, half: f64, unit: &str| Estimate {
+                value,
+                low: value - half,
+                high: value + half,
+                unit: unit.to_owned(),
+            };
+            LawEstimate {
+                amplitude: node.amplitude,
+                k1: estimate(node.k1, half[0], "kN/mm"),
+                k3: estimate(node.k3, half[1], "kN/mm^3"),
+                c: estimate(node.c, half[2], "kN*(s/mm)^alpha"),
+                alpha: estimate(node.alpha, half[3], "1"),
+            }
+        })
+        .collect()
+}
+
+/// Whether a recording that is held out only repeats one that is fitted.
+pub(super) fn brings_nothing_new(held: &Trajectory, fitted: &[Trajectory]) -> bool {
+    held_roles(held, fitted)
+        .iter()
+        .all(|&role| role == Role::Fit)
+}
+
+/// A recording that begins with one that was fitted is the same test run on: only what follows was never fitted.
+fn held_roles(held: &Trajectory, fitted: &[Trajectory]) -> Vec<Role> {
+    let known = fitted
+        .iter()
+        .filter(|fitted| held.force.starts_with(&fitted.force))
+        .map(Trajectory::len)
+        .max()
+        .unwrap_or(0);
+    (0..held.len())
+        .map(|sample| {
+            if sample < known {
+                Role::Fit
+            } else {
+                Role::HeldOut
+            }
+        })
+        .collect()
+}

@@ -1,0 +1,398 @@
+//! How well a law predicts blocks that are left out of its fit, one after the other: a term may know the conditions that it
+//! was fitted to and no others.
+
+use std::ops::Range;
+
+use mesh_damper_model::predict::predict;
+use mesh_damper_model::{Model, ModelError};
+use mesh_damper_recording::cycles::Block;
+use mesh_damper_recording::trajectory::Trajectory;
+use rayon::prelude::*;
+
+use super::score::Jury;
+use super::select::{goal, held_to};
+use super::split::{Role, Roles, same_amplitude};
+use super::within_blocks::is_seen_within_blocks;
+use crate::beyond_noise::beyond_noise;
+
+/// With fewer blocks none is left out.
+const FEWEST_BLOCKS: usize = 4;
+/// With fewer between the first and the last of their recordings those are left out too.
+const FEWEST_INNER: usize = 2;
+/// At most so many are.
+const MOST_LEFT_OUT: usize = 4;
+
+/// The part of the cycles that are not the worst.
+const MOST_CYCLES: f64 = 0.8;
+/// Blocks of fewer cycles may be ramps.
+const SOME_CYCLES: usize = 3;
+/// Squared differences of cycles' means are so many times those of noise where a force wanders.
+const WANDERS: f64 = 20.0;
+
+/// Squared errors over the noise's variance, and of how many samples.
+#[derive(Clone, Copy, Debug, Default)]
+struct Left {
+    squares: f64,
+    count: f64,
+}
+
+impl Left {
+    fn mean(&self) -> f64 {
+        self.squares / self.count
+    }
+
+    /// None of nothing.
+    fn sum(parts: &[Self]) -> Option<Self> {
+        let sum = |of: fn(&Self) -> f64| parts.iter().map(of).sum();
+        let count = sum(|left| left.count);
+        (count > 0.0).then(|| Self {
+            squares: sum(|left| left.squares),
+            count,
+        })
+    }
+}
+
+/// What a law leaves of every block's cycles, as far as they may be fitted.
+pub(super) struct LeftInCycles(Vec<Vec<Left>>);
+
+impl LeftInCycles {
+    /// Over the noise: RMS of all but the worst cycles, which may be those of a start or of a change between blocks; none where
+    /// there is not one whole cycle.
+    pub fn in_most(&self) -> Option<f64> {
+        let mut left: Vec<Left> = self.0.concat();
+        left.retain(|cycle| cycle.count > 0.0);
+        left.sort_by(|a, b| a.mean().total_cmp(&b.mean()));
+        left.truncate((MOST_CYCLES * left.len() as f64).ceil() as usize);
+        Left::sum(&left).map(|all| all.mean().sqrt())
+    }
+
+    /// The same beyond the noise, √(left² − 1), of the cycles but the first of every block that has some, each block counting
+    /// the same; none where there are not two such blocks: others are ramps, and one condition tells no effect from its like.
+    pub fn beyond_noise(&self) -> Option<f64> {
+        let blocks = self.0.iter();
+        let blocks: Vec<f64> = blocks
+            .filter(|cycles| cycles.len() >= SOME_CYCLES)
+            .filter_map(|cycles| Left::sum(&cycles[1..]))
+            .map(|block| block.mean() - 1.0)
+            .collect();
+        let mean = blocks.iter().sum::<f64>() / blocks.len() as f64;
+        (blocks.len() > 1).then(|| mean.max(0.0).sqrt())
+    }
+}
+
+/// The samples of a fit: whether it takes that of a trajectory.
+pub(super) type Picked<'p> = &'p (dyn Fn(usize, usize) -> bool + Sync);
+/// A law fitted to the samples that are picked.
+pub(super) type Fit<'f> = &'f (dyn Fn(Picked) -> Result<Model, ModelError> + Sync);
+
+/// Recordings and the blocks of them that are left out.
+pub(super) struct LeftOut<'a> {
+    trajectories: &'a [Trajectory],
+    judging: &'a Roles,
+    roles: &'a Roles,
+    blocks: Vec<(usize, &'a Block)>,
+}
+
+impl<'a> LeftOut<'a> {
+    /// What `roles` hold out is never fitted. Where there are too few blocks, the cycles that `judging` keeps apart take
+    /// their place.
+    pub fn of(trajectories: &'a [Trajectory], [judging, roles]: [&'a Roles; 2]) -> Self {
+        Self {
+            trajectories,
+            judging,
+            roles,
+            blocks: blocks(trajectories, roles),
+        }
+    }
+
+    /// Whether a sample may be fitted.
+    pub fn is_open(&self, which: usize, sample: usize) -> bool {
+        self.roles.is_open(which, sample)
+    }
+
+    /// What `model` leaves of the cycles that may be fitted.
+    pub fn left_by(&self, model: &Model) -> Result<LeftInCycles, ModelError> {
+        let mut blocks = Vec::new();
+        for (which, trajectory) in self.trajectories.iter().enumerate() {
+            let predicted = predict(model, trajectory)?;
+            let noise = held_to(trajectory);
+            let of_cycle = |cycle: &Range<usize>| {
+                let telling = cycle
+                    .clone()
+                    .filter(|&i| self.is_open(which, i) && trajectory.is_telling(i));
+                let errors =
+                    telling.map(|i| ((predicted[i] - trajectory.force[i]) / noise).powi(2));
+                errors.fold(Left::default(), |left, error| Left {
+                    squares: left.squares + error,
+                    count: left.count + 1.0,
+                })
+            };
+            for block in &trajectory.blocks {
+                blocks.push(block.cycles.iter().map(of_cycle).collect());
+            }
+        }
+        Ok(LeftInCycles(blocks))
+    }
+
+    /// Whether the mean of what `model` leaves differs from cycle to cycle of one block by more than noise would have it: a
+    /// force that changes by itself, whatever the motion.
+    pub fn wanders(&self, model: &Model) -> Result<bool, ModelError> {
+        let (mut squares, mut expected) = (0.0, 0.0);
+        for (which, trajectory) in self.trajectories.iter().enumerate() {
+            let predicted = predict(model, trajectory)?;
+            let noise = held_to(trajectory);
+            for block in &trajectory.blocks {
+                let cycles = block.cycles.iter().filter(|cycle| {
+                    let mut samples = (*cycle).clone();
+                    samples.all(|i| trajectory.measured[i] && self.is_open(which, i))
+                });
+                let means: Vec<f64> = cycles
+                    .map(|cycle| {
+                        let left = cycle.clone().map(|i| trajectory.force[i] - predicted[i]);
+                        expected += noise.powi(2) / cycle.len() as f64;
+                        left.sum::<f64>() / cycle.len() as f64
+                    })
+                    .collect();
+                let mean = means.iter().sum::<f64>() / means.len().max(1) as f64;
+                squares += means.iter().map(|m| (m - mean).powi(2)).sum::<f64>();
+            }
+        }
+        Ok(squares > WANDERS * expected)
+    }
+
+    /// Whether `changing` knows what changes from cycle to cycle within blocks better than `still`.
+    pub fn is_seen_within_blocks(
+        &self,
+        changing: &Model,
+        still: &Model,
+    ) -> Result<bool, ModelError> {
+        let counts = |which: usize, sample: usize| {
+            self.is_open(which, sample) && self.trajectories[which].is_telling(sample)
+        };
+        let predicted = |model: &Model| -> Result<Vec<Vec<f64>>, ModelError> {
+            let each = self.trajectories.iter();
+            each.map(|trajectory| predict(model, trajectory)).collect()
+        };
+        let (changing, still) = (predicted(changing)?, predicted(still)?);
+        let all = self.trajectories;
+        Ok(is_seen_within_blocks(all, counts, &changing, &still))
+    }
+
+    /// What is left there, and what `model` leaves, the law as fitted to all that may be.
+    pub fn judged(&self, fit: Fit, model: &Model) -> Result<Judged, ModelError> {
+        Ok(Judged {
+            outside: self.error(fit)?.beyond_noise(),
+            inside: self.inside(model)?,
+        })
+    }
+
+    /// What `model` leaves beyond the noise of all blocks as far as they may be fitted, each counting the same.
+    pub fn inside(&self, model: &Model) -> Result<f64, ModelError> {
+        let mut errors = Vec::new();
+        for (which, trajectory) in self.trajectories.iter().enumerate() {
+            let predicted = predict(model, trajectory)?;
+            let is_fair = |i: usize| self.is_open(which, i) && trajectory.is_telling(i);
+            let of_block = |block| RelativeError::of(trajectory, &predicted, block, is_fair);
+            errors.extend(trajectory.blocks.iter().filter_map(of_block));
+        }
+        Ok(RelativeError::mean(&errors).beyond_noise())
+    }
+
+    /// What is left there of the force, each block counting the same.
+    pub fn error(&self, fit: Fit) -> Result<RelativeError, ModelError> {
+        if self.blocks.is_empty() {
+            let model = fit(&|which, sample| self.judging.of(which, sample) == Role::Fit)?;
+            let predicted = self
+                .trajectories
+                .iter()
+                .map(|trajectory| predict(&model, trajectory))
+                .collect::<Result<Vec<_>, _>>()?;
+            let jury = Jury::of(self.trajectories, self.judging, Role::Judge);
+            return Ok(RelativeError {
+                error: jury.score(&predicted).nrmse().powi(2),
+                noise: goal(jury.noise()).powi(2),
+            });
+        }
+        let errors = self.blocks.par_iter().map(|(which, block)| {
+            let model = fit(&|other, sample| {
+                self.is_open(other, sample) && !(other == *which && block.samples.contains(&sample))
+            })?;
+            let trajectory = &self.trajectories[*which];
+            let is_fair = |i: usize| self.is_open(*which, i) && trajectory.is_telling(i);
+            let predicted = predict(&model, trajectory)?;
+            Ok(RelativeError::of(trajectory, &predicted, block, is_fair))
+        });
+        let errors: Vec<Option<RelativeError>> = errors.collect::<Result<_, ModelError>>()?;
+        let errors: Vec<RelativeError> = errors.into_iter().flatten().collect();
+        Ok(RelativeError::mean(&errors))
+    }
+}
+
+/// Errors [beyond the noise](RelativeError::beyond_noise).
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Judged {
+    /// In blocks left out of the fit,
+    pub outside: f64,
+    /// and in the fit.
+    pub inside: f64,
+}
+
+impl Judged {
+    /// The geometric mean of both: few blocks are left out, and what they know nothing of shows in the fit.
+    pub fn both(&self) -> f64 {
+        (self.outside * self.inside).sqrt()
+    }
+}
+
+/// Squares over that of the force.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct RelativeError {
+    /// Of what a law leaves,
+    pub error: f64,
+    /// and of what a perfect one would.
+    pub noise: f64,
+}
+
+impl RelativeError {
+    /// In the samples of a block that are `is_fair`; `None` where there is none.
+    fn of(
+        trajectory: &Trajectory,
+        predicted: &[f64],
+        block: &Block,
+        is_fair: impl Fn(usize) -> bool,
+    ) -> Option<Self> {
+        let (mut error, mut noise, mut force) = (0.0, 0.0, 0.0);
+        let of_sample = held_to(trajectory).powi(2);
+        for i in block.samples.clone().filter(|&i| is_fair(i)) {
+            error += (predicted[i] - trajectory.force[i]).powi(2);
+            noise += of_sample;
+            force += trajectory.force[i].powi(2);
+        }
+        (force > 0.0).then(|| Self {
+            error: error / force,
+            noise: noise / force,
+        })
+    }
+
+    fn mean(errors: &[Self]) -> Self {
+        let mean = |of: fn(&Self) -> f64| errors.iter().map(of).sum::<f64>() / errors.len() as f64;
+        Self {
+            error: mean(|one| one.error),
+            noise: mean(|one| one.noise),
+        }
+    }
+
+    /// RMS of what is left [beyond the noise](beyond_noise()).
+    pub fn beyond_noise(&self) -> f64 {
+        beyond_noise(self.error, self.noise)
+    }
+}
+
+/// Of the blocks whose amplitude another one has, so that eq 13 is known there, some that are evenly spread over amplitude
+/// and frequency; where those are few, of amplitudes between others too, and of all where there is none such. The first and the
+/// last of several in a recording are not left out where there are others.
+fn blocks<'t>(trajectories: &'t [Trajectory], roles: &Roles) -> Vec<(usize, &'t Block)> {
+    let mut blocks: Vec<(usize, &Block)> = trajectories
+        .iter()
+        .enumerate()
+        .flat_map(|(which, trajectory)| trajectory.blocks.iter().map(move |block| (which, block)))
+        .filter(|(which, block)| {
+            let mut samples = block.samples.clone();
+            let trajectory = &trajectories[*which];
+            block.cycles.len() > 1
+                && samples.any(|i| roles.is_open(*which, i) && trajectory.is_telling(i))
+        })
+        .collect();
+    if blocks.len() < FEWEST_BLOCKS {
+        return Vec::new();
+    }
+    blocks.sort_by(|(_, a), (_, b)| {
+        let by_amplitude = a.amplitude.total_cmp(&b.amplitude);
+        by_amplitude.then(a.frequency.total_cmp(&b.frequency))
+    });
+    let has_another = |block: &Block| {
+        let mut others = blocks.iter().filter(|(_, b)| !std::ptr::eq(*b, block));
+        others.any(|(_, other)| same_amplitude(other.amplitude, block.amplitude))
+    };
+    let (least, largest) = (blocks[0].1.amplitude, blocks[blocks.len() - 1].1.amplitude);
+    let is_between = |block: &Block| {
+        let is_end = |end: f64| same_amplitude(block.amplitude, end);
+        !is_end(least) && !is_end(largest)
+    };
+    let few = blocks.iter().filter(|(_, b)| has_another(b)).count() < MOST_LEFT_OUT;
+    let known: Vec<(usize, &Block)> = blocks
+        .iter()
+        .filter(|(_, block)| has_another(block) || few && is_between(block))
+        .copied()
+        .collect();
+    let known = if known.is_empty() { blocks } else { known };
+    // What changes with time is not known before the first block that may be fitted nor after the last.
+    let is_inner = |(which, block): &(usize, &Block)| {
+        let all = trajectories[*which].blocks.iter();
+        let mut open = all.filter(|block| block.samples.clone().any(|i| roles.is_open(*which, i)));
+        let (first, last) = (open.next(), open.next_back());
+        let is = |end: Option<&Block>| end.is_some_and(|end| std::ptr::eq(end, *block));
+        let is_only = last.is_none();
+        is_only || !(is(first) || is(last))
+    };
+    let inner: Vec<(usize, &Block)> = known.iter().copied().filter(is_inner).collect();
+    let known = if inner.len() < FEWEST_INNER {
+        known
+    } else {
+        inner
+    };
+    let count = known.len().min(MOST_LEFT_OUT);
+    (0..count)
+        .map(|place| known[(2 * place + 1) * known.len() / (2 * count)])
+        .collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use std::f64::consts::TAU;
+
+    use super::*;
+    use mesh_damper_recording::Recording;
+
+    /// Sines of 1 Hz with these amplitudes in mm follow each other.
+    fn test(amplitudes: &[f64]) -> Trajectory {
+        let samples = 0..amplitudes.len() * 2000;
+        let sine = |i: usize| amplitudes[i / 2000] * (TAU * i as f64 / 500.0).sin();
+        let displacement: Vec<f64> = samples.clone().map(sine).collect();
+        let force = displacement.iter().map(|y| 2.0 * y).collect();
+        let time = samples.map(|i| i as f64 / 500.0).collect();
+        let recording = Recording::new("test", time, displacement, force).unwrap();
+        let trajectory = Trajectory::of(&recording).unwrap();
+        assert_eq!(trajectory.blocks.len(), amplitudes.len());
+        trajectory
+    }
+
+    /// Which blocks of which recording are left out.
+    fn left_out(trajectories: &[Trajectory]) -> Vec<(usize, usize)> {
+        let roles = Roles::all_fit(trajectories);
+        let number = |(which, block): (usize, &Block)| {
+            let blocks = &trajectories[which].blocks;
+            let same = |other: &Block| std::ptr::eq(other, block);
+            (which, blocks.iter().position(same).unwrap())
+        };
+        let mut places: Vec<_> = blocks(trajectories, &roles)
+            .into_iter()
+            .map(number)
+            .collect();
+        places.sort_unstable();
+        places
+    }
+
+    #[test]
+    fn the_ends_of_a_recording_are_left_out_only_where_little_is_between() {
+        // Of each amplitude there is another block.
+        let long = test(&[0.1, 0.2, 0.3, 0.1, 0.2, 0.3]);
+        assert_eq!(left_out(&[long]), [(0, 1), (0, 2), (0, 3), (0, 4)]);
+        let mixed = [test(&[0.1, 0.2, 0.1, 0.2]), test(&[0.1])];
+        assert_eq!(left_out(&mixed), [(0, 1), (0, 2), (1, 0)]);
+        let short = [test(&[0.1, 0.2, 0.1]), test(&[0.2])];
+        assert_eq!(left_out(&short), [(0, 1), (1, 0)]);
+        let single = [0.1, 0.2, 0.1, 0.2].map(|amplitude| test(&[amplitude]));
+        assert_eq!(left_out(&single), [(0, 0), (1, 0), (2, 0), (3, 0)]);
+    }
+}

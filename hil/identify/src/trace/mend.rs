@@ -1,0 +1,126 @@
+//! What is done when no listed effect explains a recording: a correction that needs no name.
+
+use mesh_damper_model::{Model, ModelError};
+use mesh_damper_recording::trajectory::Trajectory;
+use rayon::prelude::*;
+
+use super::left_out::{Fit, Judged, LeftOut, Picked};
+use crate::correction;
+
+/// A law is taken in the place of a simpler one if its error is below this part of the other's.
+const BETTER: f64 = 0.95;
+/// The same for effects beside a table, which could stand in for most of them, and for a table in the place of effects, whose
+/// force is known where no table was fitted: of the blocks left out alone, or of all.
+const NEEDED: f64 = 0.75;
+
+/// The law for recordings that no listed effect explains.
+pub(super) struct Mended {
+    /// Which of the laws it is made of.
+    pub law: usize,
+    /// With its correction, if it has one.
+    pub model: Model,
+    /// What the correction depends on, by the names of `trace.json`.
+    pub depends_on: Vec<&'static str>,
+}
+
+/// One of `laws`, the simplest first, alone or with a correction. Taken is what predicts best the blocks that are left out of its
+/// fit, and what also fits well; it is fitted to all that may be.
+pub(super) fn mended(
+    trajectories: &[Trajectory],
+    left_out: &LeftOut,
+    laws: &[Fit],
+) -> Result<Mended, ModelError> {
+    let open: Picked = &|which, sample| left_out.is_open(which, sample);
+    let plain: Vec<Model> = laws
+        .par_iter()
+        .map(|law| law(open))
+        .collect::<Result<_, _>>()?;
+    let alone = laws.par_iter().zip(&plain);
+    let alone = alone.map(|(law, plain)| left_out.judged(law, plain));
+    let alone: Vec<Judged> = alone.collect::<Result<_, _>>()?;
+    let law = clearly_best(alone.iter().map(Judged::both));
+    let mut best = (alone[law], law, plain[law].clone(), None);
+    let corrected = laws.par_iter().zip(&plain).map(|(law, plain)| {
+        let is_seen = |with: &Model, without: &Model| left_out.is_seen_within_blocks(with, without);
+        let found = correction::fit(trajectories, plain, open, is_seen)?;
+        let Some((model, choice)) = found else {
+            return Ok(None);
+        };
+        let refit =
+            |picked: Picked| correction::refit(&choice, trajectories, &law(picked)?, picked);
+        let judged = left_out.judged(&refit, &model)?;
+        Ok(Some((judged, model, choice)))
+    });
+    let corrected: Vec<_> = corrected.collect::<Result<_, ModelError>>()?;
+    for (number, corrected) in corrected.into_iter().enumerate() {
+        let Some((judged, model, choice)) = corrected else {
+            continue;
+        };
+        let named = !model.effects.is_empty() || !best.2.effects.is_empty();
+        if replaces(&judged, &best.0, named) {
+            best = (judged, number, model, Some(choice));
+        }
+    }
+    let (_, law, model, choice) = best;
+    let depends_on = match choice {
+        Some(choice) => correction::depends_on(&choice, trajectories, &plain[law], open)?,
+        None if left_out.wanders(&model)? => vec!["time"],
+        None => Vec::new(),
+    };
+    Ok(Mended {
+        law,
+        model,
+        depends_on,
+    })
+}
+
+/// Whether a law with a correction takes the place of the `best` so far, where either has effects that are `named`. What clearly
+/// says more of the blocks left out may then also win by what it says of all.
+fn replaces(corrected: &Judged, best: &Judged, named: bool) -> bool {
+    let outside = corrected.outside / best.outside;
+    let all = corrected.both() / best.both();
+    outside < BETTER && (!named || outside.min(all) < NEEDED)
+}
+
+/// Which of some laws, the one that is preferred first, has the least of these errors: a later one where it is clearly less.
+pub(super) fn clearly_best(errors: impl Iterator<Item = f64>) -> usize {
+    let mut best = (0, f64::INFINITY);
+    for (number, error) in errors.enumerate() {
+        if error < BETTER * best.1 {
+            best = (number, error);
+        }
+    }
+    best.0
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_correction_in_the_place_of_a_name_says_more_of_what_was_left_out() {
+        let best = Judged {
+            outside: 0.1,
+            inside: 0.2,
+        };
+        let replaces = |outside: f64, inside: f64, named| {
+            let corrected = Judged {
+                outside: outside * best.outside,
+                inside: inside * best.inside,
+            };
+            replaces(&corrected, &best, named)
+        };
+        assert!(
+            replaces(0.74, 2.0, true),
+            "clearly more of what was left out"
+        );
+        assert!(
+            replaces(0.94, 0.5, true),
+            "more of it, and much more of the rest"
+        );
+        assert!(!replaces(0.94, 0.7, true));
+        assert!(!replaces(0.96, 0.1, true), "no more of it");
+        assert!(replaces(0.94, 1.5, false));
+        assert!(!replaces(f64::NAN, 0.1, false));
+    }
+}

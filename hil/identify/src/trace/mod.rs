@@ -1,0 +1,189 @@
+//! From recordings to the effect that the law lacks, and to the law with it.
+//!
+//! Eq 13 is fitted, effects are added one at a time while the cycles kept apart for judging are predicted clearly better,
+//! needless ones are dropped, and the result is fitted once more to all but the samples held out, on which alone the
+//! error is reported.
+
+mod aligned;
+mod closing;
+mod left_out;
+mod mend;
+pub mod result;
+mod score;
+mod select;
+mod separating;
+mod split;
+mod tones;
+mod verdict;
+mod within_blocks;
+
+pub use split::{Role, Roles};
+
+use mesh_damper_model::{Model, ModelError};
+use mesh_damper_recording::error::InputError;
+use mesh_damper_recording::trajectory::Trajectory;
+use mesh_damper_recording::{Recording, check_consistency};
+
+use aligned::Aligned;
+use closing::{Closing, brings_nothing_new};
+use result::TraceResult;
+use select::{Search, Selection, amplitude_nodes, error_between};
+
+/// Nodes over amplitude are tried up to this many; more, and the motion has no levels of amplitude.
+const MOST_NODES: usize = 8;
+
+/// A force that was found to be early is moved anew so often.
+const MOST_MOVES: usize = 2;
+
+/// Why a trace could not be made.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+pub enum TraceError {
+    /// A recording was refused.
+    #[error(transparent)]
+    Input(#[from] InputError),
+    /// The crate refused a fitted law.
+    #[error("the fitted law cannot be run: {0}; check the recording's units")]
+    Model(#[from] ModelError),
+}
+
+/// A recording with what the laws make of it.
+#[derive(Clone, Debug)]
+pub struct Traced {
+    /// The recording's motion and force.
+    pub trajectory: Trajectory,
+    /// What each sample was for.
+    pub roles: Vec<Role>,
+    /// Force of eq 13 alone, kN.
+    pub before: Vec<f64>,
+    /// Force with the effects found, kN.
+    pub after: Vec<f64>,
+}
+
+/// What a trace found.
+#[derive(Clone, Debug)]
+pub struct Trace {
+    /// The contents of `trace.json`.
+    pub result: TraceResult,
+    /// Eq 13 alone.
+    pub baseline: Model,
+    /// Eq 13 with the effects found.
+    pub model: Model,
+    /// The recordings fitted, then those held out.
+    pub recordings: Vec<Traced>,
+}
+
+/// Closes the loop on `recordings`; the error is reported on `held_out`, or, where there is none, on the last cycles of
+/// each block and one whole block of `recordings`. `progress` is told what is being done.
+///
+/// # Errors
+/// Recordings that contradict each other or cannot be used; a law that the crate refuses.
+pub fn trace(
+    recordings: &[Recording],
+    held_out: &[Recording],
+    progress: &(dyn Fn(&str) + Sync),
+) -> Result<Trace, TraceError> {
+    let mended = |recordings: &[Recording]| -> Vec<Recording> {
+        recordings.iter().map(Recording::mended).collect()
+    };
+    let (recordings, held_out) = (&mended(recordings), &mended(held_out));
+    let all: Vec<&Recording> = recordings.iter().chain(held_out).collect();
+    check_consistency(&all)?;
+    for recording in &all {
+        if recording
+            .force
+            .iter()
+            .all(|&force| force == recording.force[0])
+        {
+            return Err(InputError::new(
+                &recording.name,
+                "has a force that never changes",
+                "check the load cell's channel",
+            )
+            .into());
+        }
+    }
+    progress("estimating the motion");
+    let mut aligned = Aligned::of(recordings, held_out)?;
+    let mut trace = conclude(&aligned, progress)?;
+    for _ in 0..MOST_MOVES {
+        if !aligned.follow(&trace.model)? {
+            break;
+        }
+        progress("moving anew a force that is early");
+        trace = conclude(&aligned, progress)?;
+    }
+    Ok(trace)
+}
+
+/// Searches for what the law lacks, and closes the loop.
+fn conclude(aligned: &Aligned, progress: &(dyn Fn(&str) + Sync)) -> Result<Trace, TraceError> {
+    let [fitted, held] = &aligned.trajectories;
+    if let Some(known) = held.iter().find(|held| brings_nothing_new(held, fitted)) {
+        return Err(InputError::new(
+            &known.name,
+            "is held out and holds nothing that is not fitted as well",
+            "hold out another recording, or none",
+        )
+        .into());
+    }
+    let mut roles = Roles::all_fit(fitted);
+    if held.is_empty() {
+        roles.keep_apart(fitted, Role::HeldOut);
+    }
+    let mut judging = roles.clone();
+    judging.keep_apart(fitted, Role::Judge);
+    let (over_amplitude, selection) = search(fitted, &judging, progress)?;
+    progress("fitting what was found to all that is not held out");
+    let mut nodes = vec![vec![0.0]];
+    let over = amplitude_nodes(fitted, &roles);
+    if (2..=MOST_NODES).contains(&over.len()) {
+        nodes.insert(usize::from(!over_amplitude), over);
+    }
+    let closing = Closing::new(fitted, [&judging, &roles], held, nodes);
+    Ok(closing.close(&selection, progress)?)
+}
+
+/// Searches with one set of coefficients for all amplitudes, and with one for each; returns whether the latter is to be
+/// preferred, and the search with the form preferred.
+///
+/// It is preferred when the judging cycles are predicted clearly better, by a larger factor than that by which amplitudes
+/// between the nodes, which neither form was fitted to, are predicted worse.
+fn search(
+    fitted: &[Trajectory],
+    judging: &Roles,
+    progress: &(dyn Fn(&str) + Sync),
+) -> Result<(bool, Selection), ModelError> {
+    let nodes = amplitude_nodes(fitted, judging);
+    let for_all = Search::new(fitted, judging, vec![0.0]);
+    if nodes.len() < 2 || nodes.len() > MOST_NODES {
+        return Ok((false, for_all.run(progress)?));
+    }
+    let for_each = for_all.with_nodes(nodes.clone());
+    let each = for_each.run(progress)?;
+    let same = for_all.refit(&each.found)?;
+    if !each.found.score.beats(&same.score) {
+        // The same effects with fewer coefficients.
+        let found = Selection {
+            found: same,
+            ..each
+        };
+        return Ok((false, found));
+    }
+    if for_each.is_settled(&each.found) {
+        return Ok((true, each));
+    }
+    let one = for_all.run(progress)?;
+    if !each.found.score.beats(&one.found.score) {
+        return Ok((false, one));
+    }
+    progress("testing amplitudes between the fitted ones");
+    let inner = &nodes[1..nodes.len() - 1];
+    let between_of_each = error_between(fitted, &nodes, inner, &each.found.solution)?;
+    let between_of_one = error_between(fitted, &[0.0], inner, &one.found.solution)?;
+    let gain = one.found.score.nrmse() / each.found.score.nrmse();
+    Ok(if between_of_each <= gain * between_of_one {
+        (true, each)
+    } else {
+        (false, one)
+    })
+}

@@ -1,0 +1,200 @@
+//! What a trace found: the contents of `trace.json`.
+//!
+//! Every error is an NRMSE: the RMS of the force's error over the RMS of the measured force. Held out means never fitted.
+
+use std::collections::BTreeMap;
+
+use mesh_damper_model::correction::{CorrectionTable, Remembered};
+use serde::{Deserialize, Serialize};
+
+/// The result of a trace.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct TraceResult {
+    /// The recordings that were fitted.
+    pub recordings: Vec<String>,
+    /// The recordings that were held out as a whole.
+    pub held_out: Vec<String>,
+    /// The noise of the measured force, estimated from the recordings.
+    pub noise_floor_nrmse: f64,
+    /// The law alone.
+    pub baseline: Baseline,
+    /// Coefficients of the law with what was found beside it, amplitude by amplitude; one entry where they hold for all.
+    pub law: Vec<LawEstimate>,
+    /// What was concluded.
+    pub verdict: Verdict,
+    /// The effects found; for [`Verdict::Ambiguous`] those that the data cannot tell apart.
+    pub effects: Vec<FoundEffect>,
+    /// All families tried, the best first.
+    pub candidates: Vec<Candidate>,
+    /// The test that would tell the candidates apart, where one is needed.
+    pub separating_test: Option<String>,
+    /// What the force beyond the law depends on: `displacement`, `velocity`, `history`, `time`, `cycle`,
+    /// `temperature`, `frequency`, `amplitude`.
+    pub depends_on: Vec<String>,
+    /// The correction without a name, where there is one.
+    pub correction: Option<CorrectionSummary>,
+    /// What is wrong with the data, in words.
+    pub warnings: Vec<String>,
+    /// The law with what was found, in f64.
+    pub augmented: Errors,
+    /// The same on the embedded law in f32.
+    pub on_target: OnTarget,
+}
+
+/// What a trace concludes.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Verdict {
+    /// The law explains the recordings down to their noise.
+    None,
+    /// Named effects explain what the law does not.
+    Found,
+    /// Several effects explain it equally well.
+    Ambiguous,
+    /// No listed effect explains it.
+    Unlisted,
+}
+
+/// The law before anything is added.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Baseline {
+    /// The law's name.
+    pub law: String,
+    /// On the samples that were fitted.
+    pub nrmse_fitted: f64,
+    /// On the samples that were held out.
+    pub nrmse_held_out: f64,
+    /// The same law with its coefficients identified in two stages as the paper does (eqs 14, 15) and not jointly; null
+    /// where that fails.
+    pub staged: Option<Errors>,
+}
+
+/// Eq 13 at one amplitude.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct LawEstimate {
+    /// mm; 0 where the coefficients hold for all amplitudes.
+    pub amplitude: f64,
+    /// Linear stiffness.
+    pub k1: Estimate,
+    /// Cubic stiffness.
+    pub k3: Estimate,
+    /// Damping.
+    pub c: Estimate,
+    /// Damping exponent.
+    pub alpha: Estimate,
+}
+
+/// One effect beside the law.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct FoundEffect {
+    /// The family's name, as in the model file.
+    pub family: String,
+    /// Its parameters by name.
+    pub parameters: BTreeMap<String, Estimate>,
+    /// Held-out error of everything but this effect.
+    pub nrmse_without: f64,
+    /// Held-out error with it.
+    pub nrmse_with: f64,
+}
+
+/// A parameter with its 90 % interval.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Estimate {
+    /// Best value.
+    pub value: f64,
+    /// Lower end; null in the file where the data set no bound.
+    pub low: f64,
+    /// Upper end, likewise.
+    pub high: f64,
+    /// Unit of all three.
+    pub unit: String,
+}
+
+/// One family that was tried.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Candidate {
+    /// The family's name.
+    pub family: String,
+    /// Held-out error of the law with it: fitted where it promised most, else as a fit would begin, as is every family beside a law
+    /// that is near the noise.
+    pub nrmse_held_out: f64,
+    /// Whether the data tell it from the best of its step.
+    pub distinguishable: bool,
+    /// At which step it was tried, from 1: beside the law and the effects that the steps before had found.
+    pub step: usize,
+    /// Whether it was added to the law at that step.
+    pub added: bool,
+    /// Whether this is an effect that can be: one that would be a source of energy is never added, nor a drift that stands
+    /// still within blocks.
+    pub admissible: bool,
+    /// Error on the cycles that chose among the candidates.
+    pub nrmse_judged: f64,
+}
+
+/// Errors on fitted and on held-out samples.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Errors {
+    /// On the samples that were fitted.
+    pub nrmse_fitted: f64,
+    /// On the samples that were held out.
+    pub nrmse_held_out: f64,
+}
+
+/// The error of the law that ships.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct OnTarget {
+    /// On the samples that were held out.
+    pub nrmse_held_out: f64,
+}
+
+/// A correction without a name.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct CorrectionSummary {
+    /// What it remembers of the motion or is over beside it, where there is such.
+    pub remembers: Option<Remembered>,
+    /// Largest force of its table, kN; it is never exceeded, wherever the motion goes.
+    pub largest: f64,
+}
+
+impl CorrectionSummary {
+    /// Of a model's table.
+    pub fn of(table: &CorrectionTable) -> Self {
+        let counts = table.cells.iter().map(|cell| cell.unsigned_abs());
+        Self {
+            remembers: table.memory.map(|memory| memory.of),
+            largest: table.unit * f64::from(counts.max().unwrap_or_default()),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// The names that other programs read.
+    #[test]
+    fn keeps_the_names_of_the_contract() {
+        let text = r#"{
+            "recordings": ["a.csv"], "held_out": ["b.csv"], "noise_floor_nrmse": 0.004,
+            "baseline": {"law": "mixed_damping", "nrmse_fitted": 0.1, "nrmse_held_out": 0.2,
+                "staged": {"nrmse_fitted": 0.15, "nrmse_held_out": 0.25}},
+            "law": [{"amplitude": 0.0,
+                "k1": {"value": 1.0, "low": 0.9, "high": 1.1, "unit": "kN/mm"},
+                "k3": {"value": 10.0, "low": 9.0, "high": 11.0, "unit": "kN/mm^3"},
+                "c": {"value": 0.1, "low": 0.09, "high": 0.11, "unit": "kN*(s/mm)^alpha"},
+                "alpha": {"value": 0.4, "low": 0.39, "high": 0.41, "unit": "1"}}],
+            "verdict": "found",
+            "effects": [{"family": "stick_slip",
+                "parameters": {"slip_limit": {"value": 0.03, "low": 0.02, "high": 0.04, "unit": "mm"}},
+                "nrmse_without": 0.2, "nrmse_with": 0.005}],
+            "candidates": [{"family": "stick_slip", "nrmse_held_out": 0.005, "distinguishable": true,
+                "step": 1, "added": true, "admissible": true, "nrmse_judged": 0.005}],
+            "separating_test": null, "depends_on": ["displacement", "history"],
+            "correction": {"remembers": {"slip": {"limit": 0.03}}, "largest": 0.1}, "warnings": [],
+            "augmented": {"nrmse_fitted": 0.004, "nrmse_held_out": 0.005},
+            "on_target": {"nrmse_held_out": 0.005}}"#;
+        let contract: serde_json::Value = serde_json::from_str(text).unwrap();
+        let result: TraceResult = serde_json::from_str(text).unwrap();
+        assert_eq!(serde_json::to_value(&result).unwrap(), contract);
+    }
+}

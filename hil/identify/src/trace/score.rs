@@ -1,0 +1,145 @@
+//! Whether one law predicts better than another, beyond what noise would give.
+
+use std::ops::Range;
+
+use mesh_damper_recording::trajectory::Trajectory;
+
+use super::split::{Role, Roles};
+
+/// Pieces that a period is cut into for comparing errors.
+const PIECES_PER_PERIOD: f64 = 4.0;
+/// The least part of the other's squared error that a better law has to save.
+const LEAST_GAIN: f64 = 0.05;
+/// A part that is large.
+const LARGE_GAIN: f64 = 0.2;
+/// How many deviations the gain per piece has to stand from zero.
+const DEVIATIONS: f64 = 3.0;
+
+/// The samples of one role that a law is judged by, in short pieces of time.
+#[derive(Clone)]
+pub struct Jury<'a> {
+    trajectories: &'a [Trajectory],
+    /// Trajectory and samples of each piece.
+    pieces: Vec<(usize, Vec<usize>)>,
+    /// Of each trajectory, the sum of the squared force there, kN².
+    power: Vec<f64>,
+}
+
+impl<'a> Jury<'a> {
+    /// Of the samples of `role` that are [telling](Trajectory::is_telling).
+    pub fn of(trajectories: &'a [Trajectory], roles: &Roles, role: Role) -> Self {
+        let mut jury = Self {
+            trajectories,
+            pieces: Vec::new(),
+            power: Vec::new(),
+        };
+        for (which, trajectory) in trajectories.iter().enumerate() {
+            let mut power = 0.0;
+            for piece in pieces(trajectory) {
+                let samples: Vec<usize> = piece
+                    .filter(|&sample| {
+                        roles.of(which, sample) == role && trajectory.is_telling(sample)
+                    })
+                    .collect();
+                power += samples
+                    .iter()
+                    .map(|&sample| trajectory.force[sample].powi(2))
+                    .sum::<f64>();
+                if !samples.is_empty() {
+                    jury.pieces.push((which, samples));
+                }
+            }
+            jury.power.push(power);
+        }
+        jury
+    }
+
+    /// The error that a perfect law leaves: the noise of the force there; of several recordings the root of the mean square.
+    pub fn noise(&self) -> f64 {
+        let mut count = vec![0.0; self.trajectories.len()];
+        for (which, samples) in &self.pieces {
+            count[*which] += samples.len() as f64;
+        }
+        let squares: f64 = (0..count.len())
+            .filter(|&which| self.power[which] > 0.0)
+            .map(|which| {
+                count[which] * self.trajectories[which].force_noise.powi(2) / self.power[which]
+            })
+            .sum();
+        (squares / self.recordings() as f64).sqrt()
+    }
+
+    fn recordings(&self) -> usize {
+        self.power.iter().filter(|&&power| power > 0.0).count()
+    }
+
+    /// Compares `predicted` (kN, per trajectory and sample) with the measured force.
+    pub fn score(&self, predicted: &[Vec<f64>]) -> Score {
+        let pieces = self
+            .pieces
+            .iter()
+            .map(|(which, samples)| {
+                let (predicted, force) = (&predicted[*which], &self.trajectories[*which].force);
+                let error = samples
+                    .iter()
+                    .map(|&sample| (predicted[sample] - force[sample]).powi(2))
+                    .sum::<f64>();
+                error / self.power[*which]
+            })
+            .collect();
+        Score {
+            pieces,
+            recordings: self.recordings(),
+        }
+    }
+}
+
+/// Squared errors of one law, summed over short pieces of time, as parts of the recording's squared force.
+#[derive(Clone, Debug)]
+pub struct Score {
+    pieces: Vec<f64>,
+    recordings: usize,
+}
+
+impl Score {
+    /// RMS error over RMS force; of several recordings the root of the mean square.
+    pub fn nrmse(&self) -> f64 {
+        (self.pieces.iter().sum::<f64>() / self.recordings as f64).sqrt()
+    }
+
+    /// Whether this law is better than `other` on the same samples: it saves a part of the squared error that matters,
+    /// and does so piece after piece and not in a few by chance.
+    ///
+    /// What counts of a piece is its relative gain (a − b)/(a + b), which lies in −1…1, so that no piece can decide alone. A
+    /// contact acts in few pieces and leaves the others as they are: it may also save a large part without the piece in
+    /// which it saves most.
+    pub fn beats(&self, other: &Self) -> bool {
+        let pieces = || other.pieces.iter().zip(&self.pieces);
+        let before: f64 = other.pieces.iter().sum();
+        let saved: f64 = pieces().map(|(a, b)| a - b).sum();
+        if saved <= LEAST_GAIN * before {
+            return false;
+        }
+        let most = pieces().map(|(a, b)| a - b).fold(0.0, f64::max);
+        let gains: Vec<f64> = pieces()
+            .map(|(a, b)| (a - b) / (a + b).max(f64::MIN_POSITIVE))
+            .collect();
+        let count = gains.len() as f64;
+        let mean = gains.iter().sum::<f64>() / count;
+        let variance = gains.iter().map(|gain| (gain - mean).powi(2)).sum::<f64>() / (count - 1.0);
+        saved - most > LARGE_GAIN * before || mean > DEVIATIONS * (variance / count).sqrt()
+    }
+}
+
+/// Quarters of a period, block by block.
+fn pieces(trajectory: &Trajectory) -> impl Iterator<Item = Range<usize>> + '_ {
+    trajectory.blocks.iter().flat_map(|block| {
+        let length = (1.0 / (block.frequency * trajectory.tick * PIECES_PER_PERIOD)) as usize;
+        let end = block.samples.end;
+        block
+            .samples
+            .clone()
+            .step_by(length.max(4))
+            .map(move |start| start..(start + length.max(4)).min(end))
+    })
+}

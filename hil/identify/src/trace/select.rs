@@ -1,0 +1,512 @@
+//! The search for the effects that the law lacks: one at a time, each judged on cycles it was not fitted to.
+
+use mesh_damper_model::predict::predict;
+use mesh_damper_model::{Family, ModelError};
+use mesh_damper_recording::trajectory::Trajectory;
+use rayon::prelude::*;
+
+use super::score::{Jury, Score};
+use super::split::{Role, Roles, same_amplitude};
+use super::tones::tones;
+use super::within_blocks::is_seen_within_blocks;
+use crate::problem::Problem;
+use crate::rows::Rows;
+use crate::screen::{Screen, Start};
+use crate::shape::Extent;
+use crate::solution::Solution;
+use crate::term::{Form, Term};
+
+/// Most terms beside eq 13.
+const MOST_TERMS: usize = 6;
+/// Laws that are carried on from one step to the next: the best with one effect need not be part of the best with two.
+const BEAM: usize = 3;
+/// Of all candidates beside a law, so many that promise most are fitted, if they promise this part of what the first does;
+/// the others are rated as they start. So are all of them beside a law that is settled: none can be added.
+const FITTED: usize = 4;
+const PROMISING: f64 = 0.5;
+/// A candidate is fitted from at most so many starts.
+const STARTS: usize = 2;
+/// A law whose error is within so many times the noise lacks nothing that is larger than the noise; what a term could
+/// still gain there is the error of the estimated motion.
+const SETTLED: f64 = 1.5;
+/// However quiet a recording, errors below this part of the force are those of the estimated motion. What was filtered
+/// before it was written also looks quieter than it is.
+const QUIET: f64 = 1e-3;
+/// A search fits to at most about this many samples, evenly picked; the closing fit takes more.
+const MOST_ROWS: usize = 4_000;
+
+/// A fitted law and how it does on the cycles that judge.
+#[derive(Clone, Debug)]
+pub struct Fitted {
+    /// What was fitted.
+    pub solution: Solution,
+    /// Errors on the cycles that judge.
+    pub score: Score,
+    /// Its force on every trajectory, kN.
+    pub predicted: Vec<Vec<f64>>,
+}
+
+impl Fitted {
+    /// The families of its effects in the order of their names, those of several terms once.
+    pub fn families(&self) -> Vec<Family> {
+        let terms = self.solution.terms.iter();
+        let mut families: Vec<Family> = terms.map(|value| value.term.form.family()).collect();
+        families.sort_by_key(|family| family.name());
+        families.dedup();
+        families
+    }
+
+    fn is_admissible(&self) -> bool {
+        self.solution
+            .terms
+            .iter()
+            .all(|value| value.is_admissible())
+    }
+
+    fn is_degenerate(&self, extent: &Extent) -> bool {
+        let terms = self.solution.terms.iter();
+        terms.into_iter().any(|value| value.is_degenerate(extent))
+    }
+
+    /// Forms and how often, whatever their order.
+    fn forms(&self) -> Vec<usize> {
+        let terms = self.solution.terms.iter();
+        let mut forms: Vec<usize> = terms.map(|value| value.term.form as usize).collect();
+        forms.sort_unstable();
+        forms
+    }
+
+    /// Whether one of `warmed` does as well with the temperature in the place of its drift of both forces: the cycles count on
+    /// as a chamber warms, and what was measured explains it with fewer numbers.
+    fn is_but_warmth(&self, warmed: &[(Vec<Family>, Score)]) -> bool {
+        let mut terms = self.solution.terms.iter();
+        if !terms.any(|value| value.term.form == Form::DriftOfEach) {
+            return false;
+        }
+        let mut families = self.families();
+        families.retain(|&family| family != Family::Drift);
+        warmed.iter().any(|(others, score)| {
+            let others = others
+                .iter()
+                .filter(|&&family| family != Family::Temperature);
+            others.eq(&families) && !self.score.beats(score)
+        })
+    }
+
+    fn parameters(&self) -> usize {
+        let terms = self.solution.terms.iter();
+        terms
+            .map(|value| value.sizes.len() + value.shapes.len())
+            .sum()
+    }
+
+    fn named(&self) -> String {
+        self.solution
+            .terms
+            .iter()
+            .fold("eq 13".to_owned(), |text, value| {
+                format!("{text} + {}", value.term.form.family())
+            })
+    }
+}
+
+/// One effect tried beside a law found so far.
+#[derive(Clone, Debug)]
+pub struct Candidate {
+    /// What was tried.
+    pub family: Family,
+    /// At which step, from 1.
+    pub step: usize,
+    /// The law with it.
+    pub fitted: Fitted,
+    /// Whether the judging cycles tell it from the step's best.
+    pub distinguishable: bool,
+    /// Whether the law found at this step is this one.
+    pub added: bool,
+    /// Whether no term of it would be a source of energy, or a mass that pushes, or a drift that stands still in every block.
+    pub admissible: bool,
+    /// Whether a shape stands where the effect is a simpler one as far as the data show.
+    pub degenerate: bool,
+}
+
+/// What a search ended in.
+#[derive(Clone, Debug)]
+pub struct Selection {
+    /// Eq 13 alone.
+    pub baseline: Fitted,
+    /// Eq 13 with the effects found.
+    pub found: Fitted,
+    /// All that was tried, step by step, the best first.
+    pub candidates: Vec<Candidate>,
+    /// The error on the judging cycles that a law is held to.
+    pub goal: f64,
+}
+
+/// The search over one set of data.
+pub struct Search<'a> {
+    trajectories: &'a [Trajectory],
+    jury: Jury<'a>,
+    roles: &'a Roles,
+    rows: Rows<'a>,
+    extent: Extent,
+    terms: Vec<Term>,
+}
+
+impl<'a> Search<'a> {
+    /// A search with eq 13's coefficients at the amplitudes `nodes`.
+    pub fn new(trajectories: &'a [Trajectory], roles: &'a Roles, nodes: Vec<f64>) -> Self {
+        let temperature = trajectories
+            .iter()
+            .find_map(|t| t.temperature.as_ref()?.first().copied());
+        let terms = Form::ALL
+            .into_iter()
+            .filter(|&form| form.family() != Family::Temperature || temperature.is_some())
+            .map(|form| Term {
+                form,
+                reference: temperature.unwrap_or_default(),
+            })
+            .collect();
+        Self {
+            trajectories,
+            jury: Jury::of(trajectories, roles, Role::Judge),
+            roles,
+            rows: Rows::gather(trajectories, nodes, MOST_ROWS, |which, sample| {
+                roles.of(which, sample) == Role::Fit
+            }),
+            extent: Extent::of(trajectories),
+            terms,
+        }
+    }
+
+    /// The same with eq 13's coefficients at other amplitudes.
+    #[must_use]
+    pub fn with_nodes(&self, nodes: Vec<f64>) -> Self {
+        Self {
+            rows: self.rows.with_nodes(nodes),
+            jury: self.jury.clone(),
+            roles: self.roles,
+            extent: self.extent.clone(),
+            terms: self.terms.clone(),
+            trajectories: self.trajectories,
+        }
+    }
+
+    /// Adds effects while one of them makes the judging cycles' error clearly smaller, then drops those that became
+    /// needless. `progress` is called before each step with what is being done.
+    ///
+    /// # Errors
+    /// A fitted law that the crate refuses.
+    pub fn run(&self, progress: &(dyn Fn(&str) + Sync)) -> Result<Selection, ModelError> {
+        progress("fitting eq 13");
+        let baseline = self.judged(Problem::new(&self.rows, &self.extent, &[]).solve())?;
+        let mut found = baseline.clone();
+        let mut beam = vec![baseline.clone()];
+        let mut candidates = Vec::new();
+        for step in 1..=MOST_TERMS {
+            progress(&format!(
+                "trying {} forms of effects beside {}",
+                self.terms.len(),
+                found.named()
+            ));
+            let may_add = !self.is_settled(&found);
+            let mut tried = self.step(&beam, step, if may_add { FITTED } else { 0 });
+            let Some(best) = tried.first_mut() else { break };
+            let accepted = may_add && best.admissible && best.fitted.score.beats(&found.score);
+            let next = best.fitted.clone();
+            best.added = accepted;
+            beam = tried
+                .iter()
+                .filter(|candidate| candidate.admissible)
+                .map(|candidate| candidate.fitted.clone())
+                .take(BEAM)
+                .collect();
+            candidates.extend(tried);
+            if !accepted {
+                break;
+            }
+            found = next;
+        }
+        found = self.prune(found)?;
+        Ok(Selection {
+            baseline,
+            found,
+            candidates,
+            goal: self.goal(),
+        })
+    }
+
+    /// Whether nothing that is larger than the noise is left.
+    pub fn is_settled(&self, law: &Fitted) -> bool {
+        law.score.nrmse() <= SETTLED * self.goal()
+    }
+
+    /// The error on the judging cycles that a law is held to: the noise, or [`QUIET`] where the recording is quieter.
+    pub fn goal(&self) -> f64 {
+        goal(self.jury.noise())
+    }
+
+    /// The same terms with other nodes' coefficients.
+    ///
+    /// # Errors
+    /// A fitted law that the crate refuses.
+    pub fn refit(&self, law: &Fitted) -> Result<Fitted, ModelError> {
+        let problem = Problem::new(&self.rows, &self.extent, &law.solution.terms());
+        self.judged(problem.solve_near(&law.solution))
+    }
+
+    /// All forms beside each law of `beam`, the best first, those that are not admissible last; at most `most` of each law's are
+    /// fitted.
+    fn step(&self, beam: &[Fitted], step: usize, most: usize) -> Vec<Candidate> {
+        let mut tried: Vec<Candidate> = beam
+            .par_iter()
+            .flat_map(|law| self.beside(law, most))
+            .map(|(term, fitted)| Candidate {
+                family: term.form.family(),
+                step,
+                // One that the crate refuses without its drift is none with it.
+                admissible: fitted.is_admissible() && !self.stands_still(&fitted).unwrap_or(true),
+                degenerate: fitted.is_degenerate(&self.extent),
+                fitted,
+                distinguishable: true,
+                added: false,
+            })
+            .collect();
+        tried.sort_by(|a, b| {
+            let score = |candidate: &Candidate| candidate.fitted.score.nrmse();
+            b.admissible
+                .cmp(&a.admissible)
+                .then(score(a).total_cmp(&score(b)))
+        });
+        // The same terms found in another order are one candidate.
+        let mut known: Vec<Vec<usize>> = Vec::new();
+        tried.retain(|candidate| {
+            let forms = candidate.fitted.forms();
+            let is_new = !known.contains(&forms);
+            known.push(forms);
+            is_new
+        });
+        let warmed: Vec<(Vec<Family>, Score)> = tried
+            .iter()
+            .filter(|candidate| candidate.admissible)
+            .map(|candidate| (candidate.fitted.families(), candidate.fitted.score.clone()))
+            .filter(|(families, _)| families.contains(&Family::Temperature))
+            .collect();
+        tried.retain(|candidate| !candidate.fitted.is_but_warmth(&warmed));
+        let preferred = self.preferred(&tried);
+        if preferred > 0 {
+            let preferred = tried.remove(preferred);
+            tried.insert(0, preferred);
+        }
+        if let Some((best, rest)) = tried.split_first_mut() {
+            for rival in rest {
+                rival.distinguishable =
+                    !rival.admissible || best.fitted.score.beats(&rival.fitted.score);
+            }
+        }
+        tried
+    }
+
+    /// The best of `tried`, which are in order, or one that does as well and is simpler: of fewer parameters and the same
+    /// families, or one that stands for what the best is at the limit of its shape.
+    fn preferred(&self, tried: &[Candidate]) -> usize {
+        let Some(best) = tried.first() else { return 0 };
+        let simpler = |candidate: &Candidate| {
+            candidate.fitted.parameters() < best.fitted.parameters()
+                && (best.degenerate || candidate.fitted.families() == best.fitted.families())
+        };
+        tried
+            .iter()
+            .position(|candidate| {
+                candidate.admissible
+                    && !candidate.degenerate
+                    && simpler(candidate)
+                    && !best.fitted.score.beats(&candidate.fitted.score)
+            })
+            .unwrap_or(0)
+    }
+
+    /// Whether it has a drift that the cycles within blocks know nothing of.
+    fn stands_still(&self, law: &Fitted) -> Result<bool, ModelError> {
+        let mut terms = law.solution.terms.iter();
+        let Some(drift) = terms.position(|value| value.term.form.family() == Family::Drift) else {
+            return Ok(false);
+        };
+        let without = law.solution.without(drift).model();
+        let still = self.trajectories.iter();
+        let still = still.map(|trajectory| predict(&without, trajectory));
+        let still = still.collect::<Result<Vec<_>, _>>()?;
+        let counts = |which: usize, sample: usize| {
+            self.roles.is_open(which, sample) && self.trajectories[which].is_telling(sample)
+        };
+        let all = self.trajectories;
+        Ok(!is_seen_within_blocks(all, counts, &law.predicted, &still))
+    }
+
+    /// Every form beside `law`: at most `most` that promise most fitted, the others with what they start from.
+    fn beside(&self, law: &Fitted, most: usize) -> Vec<(Term, Fitted)> {
+        let known = law.solution.terms();
+        let extent = self
+            .extent
+            .with_tones(tones(self.trajectories, &law.predicted));
+        let screen = Screen::at(&self.rows, &extent, &law.solution);
+        // The work for one differs from that for another by orders of magnitude.
+        let mut rated: Vec<(Term, Vec<Start>)> = self
+            .terms
+            .par_iter()
+            .with_max_len(1)
+            .filter(|term| {
+                let same = known.iter().filter(|known| known.form == term.form).count();
+                same < term.form.most() && !known.iter().any(|known| known.form.excludes(term.form))
+            })
+            .map(|&term| (term, screen.starts(term)))
+            .filter(|(_, starts)| !starts.is_empty())
+            .collect();
+        rated.sort_by(|a, b| b.1[0].gain.total_cmp(&a.1[0].gain));
+        let promising = PROMISING * rated.first().map_or(0.0, |(_, starts)| starts[0].gain);
+        rated
+            .into_par_iter()
+            .with_max_len(1)
+            .enumerate()
+            .filter_map(|(place, (term, starts))| {
+                let terms: Vec<Term> = known.iter().copied().chain([term]).collect();
+                let problem = Problem::new(&self.rows, &extent, &terms);
+                let solution = if place < most && starts[0].gain > promising {
+                    starts[..STARTS.min(starts.len())]
+                        .par_iter()
+                        .map(|start| problem.solve_from(&law.solution, &start.shapes))
+                        .min_by(|a, b| a.squares.total_cmp(&b.squares))?
+                } else {
+                    problem.solve_at(&law.solution, &starts[0].shapes)
+                };
+                // A fit that ends in coefficients which the crate refuses is no candidate.
+                Some((term, self.judged(solution).ok()?))
+            })
+            .collect()
+    }
+
+    /// Drops terms without which the judging cycles are predicted as well.
+    fn prune(&self, found: Fitted) -> Result<Fitted, ModelError> {
+        let mut found = found;
+        let mut index = 0;
+        while found.solution.terms.len() > 1 && index < found.solution.terms.len() {
+            let rest = found.solution.without(index);
+            let problem = Problem::new(&self.rows, &self.extent, &rest.terms());
+            let without = self.judged(problem.solve_near(&rest))?;
+            if found.score.beats(&without.score) {
+                index += 1;
+            } else {
+                found = without;
+                index = 0;
+            }
+        }
+        Ok(found)
+    }
+
+    fn judged(&self, solution: Solution) -> Result<Fitted, ModelError> {
+        let model = solution.model();
+        let predicted = self
+            .trajectories
+            .iter()
+            .map(|trajectory| predict(&model, trajectory))
+            .collect::<Result<Vec<_>, _>>()?;
+        Ok(Fitted {
+            solution,
+            score: self.jury.score(&predicted),
+            predicted,
+        })
+    }
+}
+
+/// How well a law with coefficients at the amplitudes `nodes` predicts an amplitude that it was not fitted to: each inner
+/// node in turn is left out, and the root of the summed squared error there is returned, kN.
+pub fn error_between(
+    trajectories: &[Trajectory],
+    nodes: &[f64],
+    left_out: &[f64],
+    found: &Solution,
+) -> Result<f64, ModelError> {
+    let extent = Extent::of(trajectories);
+    let mut error = 0.0;
+    for &amplitude in left_out {
+        let is_left_out = |which: usize, sample: usize| {
+            let trajectory: &Trajectory = &trajectories[which];
+            same_amplitude(trajectory.amplitude[sample], amplitude)
+        };
+        let others = nodes
+            .iter()
+            .copied()
+            .filter(|&node| node != amplitude)
+            .collect();
+        let rows = Rows::gather(trajectories, others, MOST_ROWS, |which, sample| {
+            !is_left_out(which, sample)
+        });
+        let model = Problem::new(&rows, &extent, &found.terms())
+            .solve_near(found)
+            .model();
+        for (which, trajectory) in trajectories.iter().enumerate() {
+            let predicted = predict(&model, trajectory)?;
+            error += (0..trajectory.len())
+                .filter(|&sample| is_left_out(which, sample))
+                .map(|sample| (predicted[sample] - trajectory.force[sample]).powi(2))
+                .sum::<f64>();
+        }
+    }
+    Ok(error.sqrt())
+}
+
+/// The noise of the force over its RMS; of several recordings the root of the mean square.
+pub fn noise_floor(trajectories: &[Trajectory]) -> f64 {
+    let squares = trajectories.iter().map(|t| noise_of(t).powi(2));
+    (squares.sum::<f64>() / trajectories.len() as f64).sqrt()
+}
+
+/// The same of one recording.
+pub fn noise_of(trajectory: &Trajectory) -> f64 {
+    trajectory.force_noise / power(trajectory).sqrt()
+}
+
+/// RMS of the error that a law of `trajectory` is held to, kN.
+pub fn held_to(trajectory: &Trajectory) -> f64 {
+    let force = power(trajectory).sqrt();
+    goal(noise_of(trajectory)) * force
+}
+
+/// The mean squared force, kN².
+fn power(trajectory: &Trajectory) -> f64 {
+    let squares = trajectory.force.iter().map(|force| force * force);
+    squares.sum::<f64>() / trajectory.len() as f64
+}
+
+/// The error that a law is held to: the noise, or [`QUIET`] where the recording is quieter.
+pub fn goal(noise_floor: f64) -> f64 {
+    noise_floor.max(QUIET)
+}
+
+/// The amplitudes in mm of the blocks that are fitted, those that are nearly the same taken as one.
+pub fn amplitude_nodes(trajectories: &[Trajectory], roles: &Roles) -> Vec<f64> {
+    let mut amplitudes: Vec<f64> = trajectories
+        .iter()
+        .enumerate()
+        .flat_map(|(which, trajectory)| {
+            let fitted = trajectory.blocks.iter().filter(move |block| {
+                block
+                    .samples
+                    .clone()
+                    .any(|sample| roles.of(which, sample) == Role::Fit)
+            });
+            fitted.map(|block| block.amplitude)
+        })
+        .collect();
+    amplitudes.sort_by(f64::total_cmp);
+    let mut nodes: Vec<Vec<f64>> = Vec::new();
+    for amplitude in amplitudes {
+        match nodes.last_mut() {
+            Some(node) if same_amplitude(node[0], amplitude) => node.push(amplitude),
+            _ => nodes.push(vec![amplitude]),
+        }
+    }
+    nodes
+        .iter()
+        .map(|node| node.iter().sum::<f64>() / node.len() as f64)
+        .collect()
+}

@@ -1,0 +1,270 @@
+//! The test that tells rivals apart: what predicts one recording equally well need not do so under other motion.
+//!
+//! Each rival's force is simulated under blocks that a rig can run, and every other rival is fitted to it with all of its
+//! coefficients free. Blocks are added that make the nearest two differ most (Atkinson and Fedorov 1975).
+
+use mesh_damper_model::ModelError;
+use mesh_damper_model::predict::predict;
+use mesh_damper_recording::trajectory::Trajectory;
+use mesh_damper_reference::protocol::{Block, motion};
+
+use super::select::{Candidate, Selection, held_to};
+use super::verdict::rivals;
+use crate::problem::Problem;
+use crate::rows::Rows;
+use crate::shape::Extent;
+use crate::solution::Solution;
+
+/// Frequencies that are tried, over the lowest and the highest recorded.
+const BELOW: [f64; 3] = [0.125, 0.25, 0.5];
+const ABOVE: [f64; 3] = [2.0, 4.0, 8.0];
+/// Amplitudes that are tried, over the largest recorded.
+const AMPLITUDES: [f64; 2] = [0.5, 1.5];
+/// What the rig runs, Hz and mm.
+const FREQUENCIES: (f64, f64) = (0.1, 10.0);
+const LARGEST_AMPLITUDE: f64 = 0.3;
+/// Most blocks of a programme.
+const MOST_BLOCKS: usize = 4;
+/// Rivals that differ by so many times the noise need no further block.
+const PLENTY: f64 = 10.0;
+/// Rivals that differ by less than this are not told apart.
+const ENOUGH: f64 = 1.0;
+/// Samples of the fastest cycle, and cycles of each block, in a simulation.
+const SAMPLES: f64 = 200.0;
+const CYCLES: u32 = 3;
+/// Least duration and cycles of a block of the programme, s.
+const DURATION: f64 = 3.0;
+const FEWEST_CYCLES: f64 = 5.0;
+/// A fit takes at most about so many samples.
+const MOST_ROWS: usize = 1_500;
+
+/// What would tell the rivals of an ambiguous search apart, in words with a programme of blocks.
+///
+/// # Errors
+/// A fitted law that the crate refuses.
+pub(super) fn separating_test(
+    selection: &Selection,
+    trajectories: &[Trajectory],
+) -> Result<String, ModelError> {
+    let rivals = rivals(selection);
+    let names: Vec<&str> = rivals.iter().map(|rival| rival.family.name()).collect();
+    let alike = collinearity(&rivals, selection, trajectories);
+    let said = format!(
+        "{} predict these recordings equally well (collinearity {alike:.3})",
+        names.join(" and ")
+    );
+    let solutions: Vec<&Solution> = rivals.iter().map(|rival| &rival.fitted.solution).collect();
+    let (blocks, apart) = Simulation::new(trajectories, &solutions)?.programme()?;
+    Ok(if apart < ENOUGH {
+        format!(
+            "{said}, and so they would any other that the rig runs: {apart:.1} times the noise is the most by which the nearest \
+             two differ"
+        )
+    } else {
+        let blocks: Vec<String> = blocks.iter().map(written).collect();
+        format!(
+            "{said}: record --blocks {} and trace that, where the nearest two differ by {apart:.1} times the noise",
+            blocks.join(",")
+        )
+    })
+}
+
+/// The least cosine between what two rivals add to what was predicted before the step at which they were tried.
+fn collinearity(rivals: &[&Candidate], selection: &Selection, trajectories: &[Trajectory]) -> f64 {
+    let before = selection
+        .candidates
+        .iter()
+        .rfind(|candidate| candidate.added && candidate.step < rivals[0].step)
+        .map_or(&selection.baseline, |candidate| &candidate.fitted);
+    let added = |rival: &Candidate| -> Vec<f64> {
+        let mut added = Vec::new();
+        for (which, trajectory) in trajectories.iter().enumerate() {
+            let (with, without) = (&rival.fitted.predicted[which], &before.predicted[which]);
+            let telling = (0..trajectory.len()).filter(|&i| trajectory.is_telling(i));
+            added.extend(telling.map(|i| with[i] - without[i]));
+        }
+        added
+    };
+    let added: Vec<Vec<f64>> = rivals.iter().map(|rival| added(rival)).collect();
+    let inner = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| a * b).sum::<f64>();
+    let mut least = 1.0_f64;
+    for (number, one) in added.iter().enumerate() {
+        for other in &added[..number] {
+            least = least.min(inner(one, other) / (inner(one, one) * inner(other, other)).sqrt());
+        }
+    }
+    least
+}
+
+/// `0.1:2:8`
+fn written(block: &Block) -> String {
+    format!("{}:{}:{}", block.amplitude, block.frequency, block.cycles)
+}
+
+/// The rivals' forces under every block that is tried.
+struct Simulation<'s> {
+    rivals: &'s [&'s Solution],
+    blocks: Vec<Block>,
+    /// First sample of each block, and the end.
+    starts: Vec<usize>,
+    /// Each with the force of one rival.
+    tests: Vec<Trajectory>,
+    /// kN
+    noise: f64,
+}
+
+impl<'s> Simulation<'s> {
+    fn new(trajectories: &[Trajectory], rivals: &'s [&'s Solution]) -> Result<Self, ModelError> {
+        let blocks = tried(trajectories);
+        let fastest = blocks.iter().fold(0.0_f64, |most, b| most.max(b.frequency));
+        let tick = 1.0 / (SAMPLES * fastest);
+        let displacement: Vec<f64> = motion(&blocks, 1.0 / tick)
+            .iter()
+            .map(|m| m.displacement)
+            .collect();
+        let mut end = 0.0;
+        let mut starts = vec![0];
+        for block in &blocks {
+            end += f64::from(block.cycles) / block.frequency;
+            starts.push(((end / tick) as usize).min(displacement.len()));
+        }
+        let count = displacement.len();
+        let still = Trajectory::new("test", tick, &displacement, vec![0.0; count], None, None);
+        let tests = rivals
+            .iter()
+            .map(|rival| {
+                let force = predict(&rival.model(), &still)?;
+                Ok(Trajectory {
+                    force,
+                    ..still.clone()
+                })
+            })
+            .collect::<Result<_, ModelError>>()?;
+        let noise = trajectories.iter().map(held_to);
+        Ok(Self {
+            rivals,
+            blocks,
+            starts,
+            tests,
+            noise: noise.fold(f64::MIN_POSITIVE, f64::max),
+        })
+    }
+
+    /// The blocks that tell the rivals apart, and by how many times the noise the nearest two then differ. The first block
+    /// is about one that was recorded.
+    fn programme(&self) -> Result<(Vec<Block>, f64), ModelError> {
+        let mut chosen = vec![0];
+        let mut apart = 0.0;
+        while chosen.len() < MOST_BLOCKS && apart < PLENTY {
+            let mut best: Option<(f64, usize)> = None;
+            for next in (0..self.blocks.len()).filter(|next| !chosen.contains(next)) {
+                let more: Vec<usize> = chosen.iter().copied().chain([next]).collect();
+                let nearest = self.nearest(&more)?;
+                if best.is_none_or(|(most, _)| nearest > most) {
+                    best = Some((nearest, next));
+                }
+            }
+            let Some((nearest, next)) = best.filter(|(nearest, _)| *nearest > apart) else {
+                break;
+            };
+            chosen.push(next);
+            apart = nearest;
+        }
+        let blocks = chosen.into_iter().map(|index| {
+            let block = self.blocks[index];
+            let cycles = (DURATION * block.frequency).ceil().max(FEWEST_CYCLES);
+            Block {
+                cycles: cycles as u32,
+                ..block
+            }
+        });
+        Ok((blocks.collect(), apart))
+    }
+
+    /// By how many times the noise the nearest two rivals differ under some of the blocks. Of a pair that counts which is
+    /// harder to fit by the other: one may be the other's limit.
+    fn nearest(&self, blocks: &[usize]) -> Result<f64, ModelError> {
+        let mut nearest = f64::INFINITY;
+        for one in 0..self.rivals.len() {
+            for other in 0..one {
+                let apart = self.misfit(one, other, blocks)?;
+                nearest = nearest.min(apart.max(self.misfit(other, one, blocks)?));
+            }
+        }
+        Ok(nearest)
+    }
+
+    /// RMS of what the second rival leaves of the first one's force, over the noise.
+    fn misfit(&self, of: usize, by: usize, blocks: &[usize]) -> Result<f64, ModelError> {
+        let test = &self.tests[of];
+        let recordings = std::slice::from_ref(test);
+        let is_in = |sample: usize| {
+            let mut within = blocks.iter().map(|&b| self.starts[b]..self.starts[b + 1]);
+            within.any(|samples| samples.contains(&sample))
+        };
+        let mut nodes: Vec<f64> = blocks.iter().map(|&b| self.blocks[b].amplitude).collect();
+        nodes.sort_by(f64::total_cmp);
+        nodes.dedup();
+        let rows = Rows::gather(recordings, nodes, MOST_ROWS, |_, sample| is_in(sample));
+        let extent = Extent::of(recordings);
+        let problem = Problem::new(&rows, &extent, &self.rivals[by].terms());
+        let fitted = problem.solve_near(self.rivals[by]).model();
+        let predicted = predict(&fitted, test)?;
+        let (mut squares, mut count) = (0.0, 0.0);
+        for sample in (0..test.len()).filter(|&i| is_in(i) && test.is_telling(i)) {
+            squares += (predicted[sample] - test.force[sample]).powi(2);
+            count += 1.0;
+        }
+        Ok((squares / f64::max(count, 1.0)).sqrt() / self.noise)
+    }
+}
+
+/// A block about in the middle of what was recorded, then others of its amplitude slower and faster, and of its frequency
+/// smaller and larger, all within what the rig runs.
+fn tried(trajectories: &[Trajectory]) -> Vec<Block> {
+    let recorded = || trajectories.iter().flat_map(|t| &t.blocks);
+    let (slowest, fastest) = recorded().fold((f64::INFINITY, 0.0_f64), |(low, high), block| {
+        (low.min(block.frequency), high.max(block.frequency))
+    });
+    let largest = recorded().fold(0.0_f64, |most, b| most.max(b.amplitude));
+    // As a person would write them.
+    let round = |value: f64, step: f64| (value / step).round() * step;
+    let frequency = |value: f64| {
+        let (low, high) = FREQUENCIES;
+        (round(value.clamp(low, high), 0.05) * 1e3).round() / 1e3
+    };
+    // To two digits.
+    let amplitude = |value: f64| {
+        let value = value.min(LARGEST_AMPLITUDE);
+        let step = 10f64.powf(value.log10().floor() - 1.0);
+        format!("{:.9}", round(value, step))
+            .parse()
+            .unwrap_or(value)
+    };
+    let frequencies = BELOW
+        .map(|part| part * slowest)
+        .into_iter()
+        .chain(ABOVE.map(|times| times * fastest));
+    let middle = (slowest * fastest).sqrt();
+    let first = (largest, middle);
+    let of_frequency = frequencies.map(|f| (largest, f));
+    let of_amplitude = AMPLITUDES.map(|times| (times * largest, middle));
+    let mut blocks: Vec<Block> = Vec::new();
+    for (a, f) in std::iter::once(first)
+        .chain(of_frequency)
+        .chain(of_amplitude)
+    {
+        let block = Block {
+            amplitude: amplitude(a),
+            frequency: frequency(f),
+            cycles: CYCLES,
+        };
+        let is_new = |known: &Block| {
+            known.amplitude != block.amplitude || known.frequency != block.frequency
+        };
+        if block.amplitude > 0.0 && blocks.iter().all(is_new) {
+            blocks.push(block);
+        }
+    }
+    blocks
+}

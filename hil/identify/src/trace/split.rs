@@ -1,0 +1,137 @@
+//! Which samples are fitted, which judge, and which are held out.
+//!
+//! Neighbouring samples of a recording are alike, so a random sample is no test. Whole cycles are kept apart instead: the
+//! last ones of every block, and all of one block, whose condition then is new.
+
+use std::ops::Range;
+
+use mesh_damper_recording::trajectory::Trajectory;
+
+/// Of a block's cycles that are left, this many are kept for one that is kept apart.
+const CYCLES_PER_KEPT: usize = 4;
+/// Two amplitudes closer than this fraction are of one node.
+pub const SAME_AMPLITUDE: f64 = 0.06;
+
+/// What a sample is for.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Role {
+    /// Coefficients are fitted to it.
+    Fit,
+    /// Effects are chosen by it.
+    Judge,
+    /// The error is reported on it; nothing is fitted to it or chosen by it.
+    HeldOut,
+}
+
+/// A role for every sample of every trajectory.
+#[derive(Clone, Debug)]
+pub struct Roles(Vec<Vec<Role>>);
+
+impl Roles {
+    /// Everything is fitted.
+    pub fn all_fit(trajectories: &[Trajectory]) -> Self {
+        Self(
+            trajectories
+                .iter()
+                .map(|t| vec![Role::Fit; t.len()])
+                .collect(),
+        )
+    }
+
+    /// The role of a sample.
+    pub fn of(&self, trajectory: usize, sample: usize) -> Role {
+        self.0[trajectory][sample]
+    }
+
+    /// Whether a sample may be fitted in the end.
+    pub fn is_open(&self, trajectory: usize, sample: usize) -> bool {
+        self.of(trajectory, sample) != Role::HeldOut
+    }
+
+    /// Takes the last quarter of the cycles that are still fitted in every block, and one whole block, for `role`.
+    ///
+    /// The whole block is one whose amplitude other fitted blocks have too: eq 13's coefficients depend on amplitude, and a
+    /// block whose amplitude is nowhere else would test the interpolation between amplitudes and not the effects. Where
+    /// there is none, no whole block is taken. A recording without two like cycles gives the last quarter of the samples
+    /// that are still fitted.
+    pub fn keep_apart(&mut self, trajectories: &[Trajectory], role: Role) {
+        let whole = self.whole_block(trajectories);
+        for (which, trajectory) in trajectories.iter().enumerate() {
+            for (number, block) in trajectory.blocks.iter().enumerate() {
+                if whole == Some((which, number)) {
+                    self.assign(which, block.samples.clone(), role);
+                    continue;
+                }
+                let cycles: Vec<&Range<usize>> = block
+                    .cycles
+                    .iter()
+                    .filter(|cycle| self.is_fit(which, cycle))
+                    .collect();
+                if let [_, .., last] = cycles.as_slice() {
+                    let kept = (cycles.len() / CYCLES_PER_KEPT).max(1);
+                    let first = cycles[cycles.len() - kept];
+                    self.assign(which, first.start..last.end, role);
+                }
+            }
+            if !self.0[which].contains(&role) {
+                let fitted: Vec<usize> = (0..trajectory.len())
+                    .filter(|&sample| self.0[which][sample] == Role::Fit)
+                    .collect();
+                let first = fitted.len() - fitted.len() / CYCLES_PER_KEPT;
+                for &sample in &fitted[first..] {
+                    self.0[which][sample] = role;
+                }
+            }
+        }
+    }
+
+    /// The block of middle frequency among those whose amplitude another fitted block has, when at least three blocks are
+    /// fitted.
+    fn whole_block(&self, trajectories: &[Trajectory]) -> Option<(usize, usize)> {
+        let fitted: Vec<(usize, usize)> = trajectories
+            .iter()
+            .enumerate()
+            .flat_map(|(which, trajectory)| {
+                (0..trajectory.blocks.len()).map(move |number| (which, number))
+            })
+            .filter(|&(which, number)| {
+                let cycles = &trajectories[which].blocks[number].cycles;
+                cycles
+                    .iter()
+                    .filter(|cycle| self.is_fit(which, cycle))
+                    .count()
+                    >= 2
+            })
+            .collect();
+        if fitted.len() < 3 {
+            return None;
+        }
+        let block = |(which, number): (usize, usize)| &trajectories[which].blocks[number];
+        let mut eligible: Vec<(usize, usize)> = fitted
+            .iter()
+            .copied()
+            .filter(|&one| {
+                fitted.iter().any(|&other| {
+                    other != one && same_amplitude(block(one).amplitude, block(other).amplitude)
+                })
+            })
+            .collect();
+        eligible.sort_by(|&a, &b| block(a).frequency.total_cmp(&block(b).frequency));
+        eligible.get(eligible.len() / 2).copied()
+    }
+
+    fn is_fit(&self, which: usize, samples: &Range<usize>) -> bool {
+        samples
+            .clone()
+            .all(|sample| self.0[which][sample] == Role::Fit)
+    }
+
+    fn assign(&mut self, which: usize, samples: Range<usize>, role: Role) {
+        self.0[which][samples].fill(role);
+    }
+}
+
+/// Whether two amplitudes belong to one node of the law.
+pub fn same_amplitude(a: f64, b: f64) -> bool {
+    (a - b).abs() < SAME_AMPLITUDE * a.max(b)
+}

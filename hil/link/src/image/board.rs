@@ -1,0 +1,95 @@
+//! The boards that the emulator knows, and the emulator.
+
+use std::path::{Path, PathBuf};
+use std::process::Command;
+
+use mesh_damper_recording::error::InputError;
+
+use super::build::check_target;
+
+/// A board that QEMU emulates.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Board {
+    /// Arm MPS2+ with AN386, a Cortex-M4F.
+    Mps2An386,
+    /// Arm MPS2+ with AN500, a Cortex-M7; runs what [`Board::Mps2An386`] runs.
+    Mps2An500,
+    /// Netduino Plus 2 with an STM32F405, a Cortex-M4F.
+    NetduinoPlus2,
+    /// BBC micro:bit with an nRF51822, a Cortex-M0.
+    Microbit,
+}
+
+impl Board {
+    /// What QEMU calls it.
+    pub fn machine(self) -> &'static str {
+        match self {
+            Self::Mps2An386 => "mps2-an386",
+            Self::Mps2An500 => "mps2-an500",
+            Self::NetduinoPlus2 => "netduinoplus2",
+            Self::Microbit => "microbit",
+        }
+    }
+
+    /// The compiler's target.
+    pub fn target(self) -> &'static str {
+        match self {
+            Self::Mps2An386 | Self::Mps2An500 | Self::NetduinoPlus2 => "thumbv7em-none-eabihf",
+            Self::Microbit => "thumbv6m-none-eabi",
+        }
+    }
+
+    /// The crate's feature that gives the linker its memory map, where it is not the target's usual one.
+    pub fn feature(self) -> Option<&'static str> {
+        match self {
+            Self::Mps2An386 | Self::Mps2An500 | Self::Microbit => None,
+            Self::NetduinoPlus2 => Some("stm32f405"),
+        }
+    }
+
+    /// Whether an image can be built for it and run.
+    ///
+    /// # Errors
+    /// The compiler's target or the emulator that is not installed.
+    pub fn check(self) -> Result<(), InputError> {
+        check_target(self.target())?;
+        find_emulator().map(|_| ())
+    }
+
+    /// The emulator with this board and `elf` in its flash: no display, no monitor, no serial line. Add what the image
+    /// needs.
+    ///
+    /// # Errors
+    /// No emulator.
+    pub fn emulator(self, elf: &Path) -> Result<Command, InputError> {
+        let mut command = Command::new(find_emulator()?);
+        command.args(["-machine", self.machine()]);
+        if self == Self::Microbit {
+            // The larger form of its processor: the emulator takes the one with 16 KiB.
+            command.args(["-global", "nrf51-soc.sram-size=32768"]);
+        }
+        command
+            .args(["-display", "none", "-monitor", "none", "-serial", "none"])
+            .args(["-nic", "none"])
+            .arg("-kernel")
+            .arg(elf);
+        Ok(command)
+    }
+}
+
+const EMULATOR: &str = "qemu-system-arm";
+
+/// The emulator in the search path.
+fn find_emulator() -> Result<PathBuf, InputError> {
+    let path = std::env::var_os("PATH").unwrap_or_default();
+    std::env::split_paths(&path)
+        .map(|directory| directory.join(EMULATOR))
+        .find(|candidate| candidate.is_file())
+        .ok_or_else(|| {
+            InputError::new(
+                "the emulator",
+                format!("{EMULATOR} is not installed"),
+                format!("apt-get install {EMULATOR} (or your system's package of it)"),
+            )
+        })
+}

@@ -1,0 +1,101 @@
+//! A rig whose controller is an image, and whose sensors and actuator are simulated here.
+
+use mesh_damper::converter::Scale;
+use mesh_damper::law::Law;
+use mesh_damper::message::{Sensors, Setup};
+use mesh_damper::pack::{LARGEST, encode};
+use mesh_damper::rig::Telemetry;
+use mesh_damper::tabulated::TabulatedLaw;
+use mesh_damper_rig::Controlled;
+use mesh_damper_rig::Plant;
+use mesh_damper_rig::actuator::{adc_code, dac_volts};
+use mesh_damper_rig::specimen::DamperForce;
+use mesh_damper_rig::{RigSetup, SetupError};
+
+use super::{Image, Wire};
+
+/// A rig wired up, at rest.
+#[derive(Debug)]
+pub struct ImageBench<'i, S, W, const N: usize> {
+    plant: Plant<S>,
+    image: &'i mut Image<W>,
+    enabled: bool,
+    /// What the image was last given.
+    law: TabulatedLaw<N>,
+}
+
+impl<'i, S: DamperForce + Clone, W: Wire, const N: usize> ImageBench<'i, S, W, N> {
+    /// Wires up `setup` with `image`, which has had no rig before.
+    ///
+    /// # Errors
+    /// What one of the parts or the image refuses.
+    pub fn new<const B: usize>(
+        setup: RigSetup<S, B, N>,
+        image: &'i mut Image<W>,
+    ) -> Result<Self, SetupError> {
+        let plant = Plant::new(&setup)?;
+        let law = TabulatedLaw::new(setup.law);
+        let scale = |full_scale| Scale::new(full_scale, 0.0);
+        send(image, &law)?;
+        image.set_up(
+            &setup.programme,
+            &Setup {
+                displacement: scale(setup.displacement_sensor.full_scale)?,
+                force: scale(setup.force_sensor.full_scale)?,
+                command: scale(setup.command_range)?,
+                config: setup.settings.at(setup.programme.tick_rate())?,
+            },
+        )?;
+        Ok(Self {
+            plant,
+            image,
+            enabled: false,
+            law,
+        })
+    }
+}
+
+fn send<W: Wire, const N: usize>(
+    image: &mut Image<W>,
+    law: &TabulatedLaw<N>,
+) -> Result<(), SetupError> {
+    let mut buffer = [0; LARGEST];
+    image.send_pack(encode(law, &mut buffer)?)?;
+    Ok(())
+}
+
+impl<S: DamperForce + Clone, W: Wire, const N: usize> Controlled<S> for ImageBench<'_, S, W, N> {
+    fn plant(&self) -> &Plant<S> {
+        &self.plant
+    }
+
+    fn plant_mut(&mut self) -> &mut Plant<S> {
+        &mut self.plant
+    }
+
+    fn is_enabled(&self) -> bool {
+        self.enabled
+    }
+
+    fn start(&mut self) -> Result<(), SetupError> {
+        self.image.start_rig()?;
+        Ok(())
+    }
+
+    fn tick(&mut self) -> Result<Telemetry, SetupError> {
+        let (displacement, force) = self.plant.sense();
+        let outcome = self.image.tick(Sensors {
+            displacement: adc_code(displacement),
+            force: adc_code(force),
+            temperature: self.plant.temperature() as f32,
+        })?;
+        self.enabled = outcome.enabled;
+        self.plant.advance(dac_volts(outcome.code), outcome.enabled);
+        Ok(outcome.telemetry)
+    }
+
+    fn set_law(&mut self, law: Law<f32>) -> Result<(), SetupError> {
+        self.law.set_law(law);
+        send(self.image, &self.law)
+    }
+}

@@ -1,0 +1,124 @@
+//! The emulator as a process, and the bytes to and from it.
+//!
+//! The image opens the pipes that the harness gave the emulator as its standard input and output. When the harness ends,
+//! however it ends, the system closes its end of them: the image reads an end of file and ends the emulator.
+
+use std::io::{ErrorKind, Read as _, Write as _};
+use std::path::Path;
+use std::process::{Child, ChildStdin, ChildStdout, Stdio};
+
+use mesh_damper_recording::error::InputError;
+
+use super::LinkError;
+use super::log::{LogDecoder, LogThread};
+use super::pin::Pin;
+use super::watchdog::Watchdog;
+use crate::image::Board;
+
+/// Bytes to and from an image, in pieces as they are sent.
+pub trait Wire {
+    /// Sends a frame.
+    ///
+    /// # Errors
+    /// Nobody is there any more.
+    fn send(&mut self, frame: &[u8]) -> Result<(), LinkError>;
+
+    /// Waits for what comes next: how many bytes of `buffer` it filled, 0 when nothing came for so long that what was sent
+    /// must be lost.
+    ///
+    /// # Errors
+    /// Nobody is there any more.
+    fn receive(&mut self, buffer: &mut [u8]) -> Result<usize, LinkError>;
+}
+
+/// An emulator that runs an image. It ends when this is dropped.
+#[derive(Debug)]
+pub struct Emulator {
+    process: Child,
+    requests: ChildStdin,
+    answers: ChildStdout,
+    watchdog: Watchdog,
+    log: LogThread,
+    _pin: Pin,
+}
+
+impl Emulator {
+    /// Starts `elf` on `board`.
+    ///
+    /// # Errors
+    /// No emulator, or one that does not start.
+    pub fn start(elf: &Path, board: Board, log: LogDecoder) -> Result<Self, InputError> {
+        let failed = |error: std::io::Error| {
+            let mend = "check that qemu-system-arm runs by itself";
+            InputError::new("the emulator", format!("does not start: {error}"), mend)
+        };
+        let pin = Pin::here();
+        let mut process = board
+            .emulator(elf)?
+            .args(["-semihosting-config", "enable=on,target=native"])
+            .stdin(Stdio::piped())
+            .stdout(Stdio::piped())
+            .stderr(Stdio::piped())
+            .spawn()
+            .map_err(failed)?;
+        let (Some(requests), Some(answers), Some(errors)) = (
+            process.stdin.take(),
+            process.stdout.take(),
+            process.stderr.take(),
+        ) else {
+            unreachable!("all three are piped");
+        };
+        Ok(Self {
+            watchdog: Watchdog::over(&requests).map_err(failed)?,
+            process,
+            requests,
+            answers,
+            log: log.follow(errors),
+            _pin: pin,
+        })
+    }
+
+    /// The emulator's process.
+    pub fn id(&self) -> u32 {
+        self.process.id()
+    }
+
+    /// Why nobody answers any more.
+    fn ended(&mut self) -> LinkError {
+        let status = match self.process.wait() {
+            Ok(status) => status.to_string(),
+            Err(error) => error.to_string(),
+        };
+        let said = self.log.end();
+        LinkError::Ended { status, said }
+    }
+}
+
+impl Wire for Emulator {
+    fn send(&mut self, frame: &[u8]) -> Result<(), LinkError> {
+        match self.requests.write_all(frame) {
+            Ok(()) => Ok(()),
+            Err(_) => Err(self.ended()),
+        }
+    }
+
+    fn receive(&mut self, buffer: &mut [u8]) -> Result<usize, LinkError> {
+        self.watchdog.wait_begins();
+        let came = self.answers.read(buffer);
+        self.watchdog.wait_ends();
+        match came {
+            Ok(came @ 1..) => Ok(came),
+            Err(error) if error.kind() == ErrorKind::Interrupted => Ok(0),
+            _ => Err(self.ended()),
+        }
+    }
+}
+
+impl Drop for Emulator {
+    fn drop(&mut self) {
+        // One that has ended already cannot be ended again.
+        let _ = self.process.kill();
+        let _ = self.process.wait();
+        self.log.end();
+    }
+}

@@ -1,0 +1,248 @@
+//! The crate as an image in an emulator, in lockstep with the simulated rig.
+
+mod bench;
+mod emulator;
+mod exchange;
+mod log;
+mod pin;
+mod run;
+mod watchdog;
+
+pub use bench::ImageBench;
+pub use emulator::{Emulator, Wire};
+pub use exchange::Exchange;
+pub use log::{LogDecoder, LogLevel, LogLine, LogSink};
+pub use run::{run_rig_on, run_trial_on};
+
+use mesh_damper::effects::Motion;
+use mesh_damper::frame::PAYLOAD;
+use mesh_damper::message::{
+    Answer, MAX_BLOCKS, MOTIONS, Motions, Outcome, PART, Refusal, Request, Sensors, Setup,
+    Statistics,
+};
+use mesh_damper::sine::Programme;
+use mesh_damper_recording::error::InputError;
+use mesh_damper_rig::SetupError;
+
+use crate::image::{Board, FIRMWARE, build};
+
+/// What goes wrong on the link to an image.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+pub enum LinkError {
+    /// The emulator is gone.
+    #[error("the emulator ended ({status}){}", if said.is_empty() { String::new() } else { format!(": {said}") })]
+    Ended {
+        /// How.
+        status: String,
+        /// What it said before.
+        said: String,
+    },
+    /// The emulator is there, but the image does not answer.
+    #[error("the image in the emulator does not answer")]
+    Silent,
+    /// The image answered something else than what it was asked.
+    #[error("the image answered another question")]
+    OtherAnswer,
+    /// The image refused what it was asked.
+    #[error("the image refused it: {0}")]
+    Refused(String),
+    /// The programme has more blocks than the image holds.
+    #[error("the image holds {MAX_BLOCKS} blocks, and the programme has {0}")]
+    TooManyBlocks(usize),
+}
+
+impl LinkError {
+    fn refused(refusal: &Refusal<'_>) -> Self {
+        let reason = match refusal {
+            Refusal::Field(field) => return Self::Refused(format!("{field} cannot be so")),
+            Refusal::Order => "it does not come in this order",
+            Refusal::Converter => "a converter did not answer its driver",
+            Refusal::PackMagic => "these bytes are no coefficient pack",
+            Refusal::PackVersion => "the coefficient pack is of another version",
+            Refusal::PackLength => {
+                "the coefficient pack has another length than it says, or than fits"
+            }
+            Refusal::PackOrder => "a part of the coefficient pack does not follow the one before",
+            Refusal::PackChecksum => "the coefficient pack's checksum does not match",
+            Refusal::PackBody => "the coefficient pack's body cannot be read",
+        };
+        Self::Refused(reason.into())
+    }
+}
+
+impl From<LinkError> for SetupError {
+    fn from(error: LinkError) -> Self {
+        Self::Link(error.into())
+    }
+}
+
+impl From<LinkError> for InputError {
+    fn from(error: LinkError) -> Self {
+        let mend = match error {
+            LinkError::TooManyBlocks(_) => "split the programme, or run it on the host",
+            _ => "run it again; if it stays, run it on the host and report this",
+        };
+        Self::new("the image", error.to_string(), mend)
+    }
+}
+
+/// An image that waits for requests.
+#[derive(Debug)]
+pub struct Image<W> {
+    exchange: Exchange<W>,
+}
+
+impl Image<Emulator> {
+    /// Builds the firmware where it is not up to date, and starts it in the emulator as `board`. Its log goes to `sink`.
+    ///
+    /// # Errors
+    /// A compiler's target or an emulator that is not installed, or what they say.
+    pub fn start(board: Board, sink: LogSink) -> Result<Self, InputError> {
+        board.check()?;
+        let elf = build(&FIRMWARE, board)?;
+        let bytes = std::fs::read(&elf).map_err(|error| InputError::io(&elf, "read", &error))?;
+        let log = LogDecoder::new(&bytes, sink)?;
+        Ok(Self::on(Emulator::start(&elf, board, log)?))
+    }
+}
+
+impl<W: Wire> Image<W> {
+    /// The image at the other end of `wire`.
+    pub fn on(wire: W) -> Self {
+        Self {
+            exchange: Exchange::new(wire),
+        }
+    }
+
+    fn done(&mut self, request: &Request<'_>) -> Result<bool, LinkError> {
+        self.exchange.ask(request, |answer| match answer {
+            Answer::Done(done) => Some(done),
+            _ => None,
+        })
+    }
+
+    /// Sends a coefficient pack, whose law is taken at the next end of a cycle, or at once where no rig runs.
+    ///
+    /// # Errors
+    /// A pack that the image refuses: the law in force stays then.
+    pub fn send_pack(&mut self, pack: &[u8]) -> Result<(), LinkError> {
+        for (index, part) in pack.chunks(PART).enumerate() {
+            self.done(&Request::PackPart((index * PART) as u16, part))?;
+        }
+        self.done(&Request::PackEnd).map(|_| ())
+    }
+
+    /// Wires up a rig that is to run `programme`.
+    ///
+    /// # Errors
+    /// What the image refuses.
+    pub fn set_up<const B: usize>(
+        &mut self,
+        programme: &Programme<B>,
+        setup: &Setup,
+    ) -> Result<(), LinkError> {
+        if programme.blocks().len() > MAX_BLOCKS {
+            return Err(LinkError::TooManyBlocks(programme.blocks().len()));
+        }
+        self.done(&Request::Programme(programme.head()))?;
+        for block in programme.planned() {
+            self.done(&Request::Block(block))?;
+        }
+        self.done(&Request::Setup(*setup)).map(|_| ())
+    }
+
+    /// [`mesh_damper::rig::Rig::start`].
+    ///
+    /// # Errors
+    /// The link's.
+    pub fn start_rig(&mut self) -> Result<bool, LinkError> {
+        self.done(&Request::Start)
+    }
+
+    /// [`mesh_damper::rig::Rig::stop`].
+    ///
+    /// # Errors
+    /// The link's.
+    pub fn stop_rig(&mut self) -> Result<(), LinkError> {
+        self.done(&Request::Stop).map(|_| ())
+    }
+
+    /// [`mesh_damper::rig::Rig::clear`].
+    ///
+    /// # Errors
+    /// The link's.
+    pub fn clear_rig(&mut self) -> Result<bool, LinkError> {
+        self.done(&Request::Clear)
+    }
+
+    /// One tick of the rig.
+    ///
+    /// # Errors
+    /// The link's.
+    pub fn tick(&mut self, sensors: Sensors) -> Result<Outcome, LinkError> {
+        self.exchange
+            .ask(&Request::Tick(sensors), |answer| match answer {
+                Answer::Outcome(outcome) => Some(outcome),
+                _ => None,
+            })
+    }
+
+    /// The law's effects at rest, for motions to come.
+    ///
+    /// # Errors
+    /// The link's.
+    pub fn rest(&mut self) -> Result<(), LinkError> {
+        self.done(&Request::Rest).map(|_| ())
+    }
+
+    /// The law's force in kN at each of `motions`, one a tick, added to `forces`.
+    ///
+    /// # Errors
+    /// The link's; a rig that has been wired up has taken the law away.
+    pub fn forces(
+        &mut self,
+        motions: &[Motion<f32>],
+        forces: &mut Vec<f32>,
+    ) -> Result<(), LinkError> {
+        let mut buffer = [0; PAYLOAD];
+        for motions in motions.chunks(MOTIONS) {
+            let request = Request::Motions(Motions::new(motions, &mut buffer));
+            self.exchange.ask(&request, |answer| match answer {
+                Answer::Forces(given) => {
+                    let before = forces.len();
+                    forces.extend(given);
+                    (forces.len() - before == motions.len()).then_some(())
+                }
+                _ => None,
+            })?;
+        }
+        Ok(())
+    }
+
+    /// What the image took so far.
+    ///
+    /// # Errors
+    /// The link's.
+    pub fn statistics(&mut self) -> Result<Statistics, LinkError> {
+        self.exchange
+            .ask(&Request::Statistics, |answer| match answer {
+                Answer::Statistics(statistics) => Some(statistics),
+                _ => None,
+            })
+    }
+
+    /// How often a request had to be sent again.
+    pub fn repeated(&self) -> u64 {
+        self.exchange.repeated
+    }
+
+    /// How often the request that took most was sent.
+    pub fn most_tries(&self) -> u32 {
+        self.exchange.most_tries
+    }
+
+    /// The wire.
+    pub fn wire(&mut self) -> &mut W {
+        self.exchange.wire()
+    }
+}

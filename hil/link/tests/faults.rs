@@ -1,0 +1,63 @@
+//! Faults on the image's rig, beside the same in this process.
+
+mod emulated;
+
+use mesh_damper::effects::AugmentedLaw;
+use mesh_damper::law::Law;
+use mesh_damper::sine::{Block, Programme};
+use mesh_damper_link::image::{Board, FIRMWARE};
+use mesh_damper_link::lockstep::{Image, run_rig_on, run_trial_on};
+use mesh_damper_rig::faults::{Campaign, Condition, Damaged, FOLLOW, Kind, Trial, run_trial};
+use mesh_damper_rig::{RigSetup, TICK_RATE, run_rig};
+
+/// A fault of each group, one of them slow: the image's monitor does what the one in this process does, to the last bit.
+#[test]
+fn faults_come_out_on_the_image_as_in_this_process() {
+    if emulated::image(&FIRMWARE, Board::Mps2An386).is_none() {
+        return;
+    }
+    let trials = Campaign::on_image().trials();
+    for (kind, follow) in [
+        (Kind::WireBreakage, FOLLOW),
+        (Kind::ForceStuck, 0.0),
+        (Kind::ForceDrifting, FOLLOW),
+        (Kind::ActuatorLagging, 0.0),
+    ] {
+        let of_this = |trial: &&Trial| trial.kind == kind && trial.follow == follow;
+        let trial = trials.iter().rfind(of_this).unwrap();
+        let mut image = Image::start(Board::Mps2An386, Box::new(|_| {})).unwrap();
+        let outcome = run_trial_on(&mut image, trial).unwrap();
+        assert_eq!(outcome, run_trial(trial).unwrap());
+        assert!(outcome.right && outcome.in_time(), "{outcome:?}");
+    }
+}
+
+/// A specimen that settles beside a law that follows: every cycle of it, and how far the law has gone, to the last bit.
+#[test]
+fn a_law_follows_on_the_image_as_in_this_process() {
+    if emulated::image(&FIRMWARE, Board::Mps2An386).is_none() {
+        return;
+    }
+    let setup = || {
+        let (specimen, condition) = Damaged::new(3.0, 0.1);
+        condition.set(Condition {
+            stiffness: 0.9,
+            ..Condition::NEW
+        });
+        let block = Block::sine(0.1, 20.0, 60).unwrap();
+        let programme = Programme::<1>::new(TICK_RATE, 1).unwrap();
+        let programme = programme.with(block).unwrap();
+        let c = specimen.coefficients();
+        let law = Law::new(c.k1 as f32, c.k3 as f32, c.c as f32, c.alpha as f32).unwrap();
+        let law = AugmentedLaw::<f32, 1>::new(law);
+        let mut setup = RigSetup::new(specimen, law, programme, 1);
+        setup.settings.health.follow = FOLLOW;
+        setup
+    };
+    let here = run_rig(setup(), |_| {}).unwrap();
+    let mut image = Image::start(Board::Mps2An386, Box::new(|_| {})).unwrap();
+    let there = run_rig_on(&mut image, setup(), |_| {}).unwrap();
+    assert_eq!(here.cycles, there.cycles);
+    let far = here.steady_cycles(0).last().unwrap().followed;
+    assert!(far.k1 < -0.03 && far.c.abs() < 0.01, "{far:?}");
+}

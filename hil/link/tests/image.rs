@@ -1,0 +1,541 @@
+//! The firmware's image in the emulator, held against the crate in this process.
+
+mod emulated;
+
+use std::sync::{Arc, Mutex};
+
+use mesh_damper::effects::{
+    Asymmetry, AugmentedLaw, BoucWen, Compliance, Delay, Drift, Effect, Gap, Hardening, Inertia,
+    LoadFriction, Motion, Offset, Periodic, Relaxation, StickSlip, Stop, Temperature, Viscous,
+};
+use mesh_damper::law::Law;
+use mesh_damper::pack::{LARGEST, encode};
+use mesh_damper::rig::Fault;
+use mesh_damper::sine::{Block, Programme};
+use mesh_damper::tabulated::{RunningLaw, TabulatedLaw};
+use mesh_damper_link::image::{Board, FIRMWARE, sections};
+use mesh_damper_link::lockstep::run_rig_on;
+use mesh_damper_link::lockstep::{Emulator, Image, LinkError, LogLevel, LogLine, Wire};
+use mesh_damper_rig::specimen::{HiddenEffect, SlipShape, Specimen};
+use mesh_damper_rig::{RigRun, RigSetup, run_rig};
+use rand::{RngExt as _, SeedableRng as _};
+use rand_chacha::ChaCha8Rng;
+
+const EFFECTS: usize = 8;
+const TICK: f32 = 1e-4;
+
+/// The firmware on `board`; none, and said so, where this machine cannot run it.
+fn image_on(board: Board) -> Option<Image<Emulator>> {
+    emulated::image(&FIRMWARE, board)?;
+    Some(Image::start(board, Box::new(|_| {})).unwrap())
+}
+
+fn every_effect() -> Vec<Effect<f32>> {
+    vec![
+        Effect::Offset(Offset::new(0.02).unwrap()),
+        Effect::Asymmetry(Asymmetry::new(-1.5).unwrap()),
+        Effect::Hardening(Hardening::new(120.0).unwrap()),
+        Effect::Viscous(Viscous::new(1e-3).unwrap()),
+        Effect::Inertia(Inertia::new(2.5).unwrap()),
+        Effect::StickSlip(
+            StickSlip::new(&[1, 2, 3, 4, 5, 6].map(|n| (0.1 * n as f32, 0.01 * n as f32))).unwrap(),
+        ),
+        Effect::Relaxation(Relaxation::new(&[(0.4, 0.05), (0.2, 0.5)], TICK).unwrap()),
+        Effect::Drift(
+            Drift::new(-0.2, 40.0)
+                .and_then(|drift| drift.with_forces(0.1, -0.3))
+                .unwrap(),
+        ),
+        Effect::Temperature(Temperature::new(2e-3, 20.0).unwrap()),
+        Effect::LoadFriction(LoadFriction::new(4.0).unwrap()),
+        Effect::Stop(Stop::new(&[(2.0, 0.05), (3.0, -0.08)]).unwrap()),
+        Effect::BoucWen(BoucWen::new(0.8, 0.03, 1.4).unwrap()),
+        Effect::Periodic(
+            Periodic::new(
+                &[(0.02, 49.9, -1.0), (0.01, 149.7, 1.0), (0.03, 7.3, 0.2)],
+                1e-4,
+            )
+            .unwrap(),
+        ),
+        Effect::Gap(Gap::new(0.01, false).unwrap()),
+        Effect::Compliance(Compliance::new(25.0, TICK).unwrap()),
+        Effect::Delay(Delay::new(1.23e-3, TICK).unwrap()),
+    ]
+}
+
+fn law(effects: &[Effect<f32>]) -> TabulatedLaw<EFFECTS> {
+    let eq13 = Law::new(1.0539, 10.5, 0.1114, 0.3969).unwrap();
+    let with = |law: AugmentedLaw<f32, EFFECTS>, effect: &Effect<f32>| law.with(*effect).unwrap();
+    TabulatedLaw::new(effects.iter().fold(AugmentedLaw::new(eq13), with))
+}
+
+fn pack(law: &TabulatedLaw<EFFECTS>) -> Vec<u8> {
+    let mut buffer = [0; LARGEST];
+    encode(law, &mut buffer).unwrap().to_vec()
+}
+
+/// A motion that sweeps in amplitude and frequency, with extremes and numbers that are none strewn in.
+fn motions(count: usize, random: &mut ChaCha8Rng) -> Vec<Motion<f32>> {
+    const STRANGE: [f32; 8] = [
+        0.0,
+        -0.0,
+        1e-38,
+        -1e-30,
+        3e38,
+        f32::NAN,
+        f32::INFINITY,
+        f32::NEG_INFINITY,
+    ];
+    let (mut phase, mut amplitude, mut frequency) = (0.0f64, 0.1f64, 3.0f64);
+    let mut motions = Vec::with_capacity(count);
+    for index in 0..count {
+        amplitude = (amplitude * (1.0 + 0.01 * random.random_range(-1.0..1.0))).clamp(1e-3, 1.0);
+        frequency = (frequency * (1.0 + 0.01 * random.random_range(-1.0..1.0))).clamp(0.1, 50.0);
+        phase += std::f64::consts::TAU * frequency * f64::from(TICK);
+        let speed = std::f64::consts::TAU * frequency;
+        let mut motion = Motion {
+            displacement: (amplitude * phase.sin()) as f32,
+            velocity: (amplitude * speed * phase.cos()) as f32,
+            acceleration: (-amplitude * speed * speed * phase.sin()) as f32,
+            cycles: (phase / std::f64::consts::TAU) as f32,
+            temperature: 20.0 + 1e-4 * index as f32,
+        };
+        if random.random_range(0..50) == 0 {
+            let strange = STRANGE[random.random_range(0..STRANGE.len())];
+            match random.random_range(0..5) {
+                0 => motion.displacement = strange,
+                1 => motion.velocity = strange,
+                2 => motion.acceleration = strange,
+                3 => motion.cycles = strange,
+                _ => motion.temperature = strange,
+            }
+        }
+        motions.push(motion);
+    }
+    motions
+}
+
+/// What NaN carries beside being one differs between processors; no force is one.
+fn bits(forces: &[f32]) -> Vec<u32> {
+    forces.iter().map(|force| force.to_bits()).collect()
+}
+
+#[test]
+fn a_million_ticks_of_every_effect_alone_and_together_are_the_hosts_bit_for_bit() {
+    let Some(mut image) = image_on(Board::Mps2An386) else {
+        return;
+    };
+    let mut random = ChaCha8Rng::seed_from_u64(1);
+    let every = every_effect();
+    let alone = every.chunks(1).map(<[_]>::to_vec);
+    // All sixteen in two laws, as a law carries eight.
+    let together = [
+        every[..EFFECTS].to_vec(),
+        every[every.len() - EFFECTS..].to_vec(),
+    ];
+    for effects in alone.chain(together) {
+        let law = law(&effects);
+        image.rest().unwrap();
+        image.send_pack(&pack(&law)).unwrap();
+        image.rest().unwrap();
+        let mut host = RunningLaw::new(law);
+        for _ in 0..10 {
+            let motions = motions(100_000, &mut random);
+            let expected: Vec<f32> = motions.iter().map(|motion| host.force(motion)).collect();
+            let mut forces = Vec::new();
+            image.forces(&motions, &mut forces).unwrap();
+            assert!(bits(&forces) == bits(&expected), "{effects:?}");
+            assert!(forces.iter().all(|force| force.is_finite()));
+        }
+    }
+}
+
+fn setup() -> RigSetup<Specimen, 4, EFFECTS> {
+    let specimen = Specimen::of_density(3.0, 0.1).with(HiddenEffect::StickSlip {
+        stiffness: 1.0,
+        slip_limit: 0.02,
+        shape: SlipShape::Sharp,
+    });
+    let programme = Programme::new(10_000.0, 1)
+        .and_then(|p| p.with(Block::sine(0.1, 5.0, 3)?))
+        .and_then(|p| p.with(Block::sweep(0.05, 5.0, 20.0, 8)?))
+        .unwrap();
+    let law = law(&every_effect()[..EFFECTS]).augmented().clone();
+    let mut setup = RigSetup::new(specimen, law, programme, 5);
+    setup.block_laws = [1.0, 1.5]
+        .map(|k1| Law::new(k1, 9.0, 0.11, 0.4).unwrap())
+        .to_vec();
+    setup.record_every = 1;
+    setup
+}
+
+#[test]
+fn a_run_on_every_board_is_the_hosts_to_the_last_bit_of_each_sample_and_cycle() {
+    let host = run_rig(setup(), |_| {}).unwrap();
+    assert!(host.faults.is_empty() && host.cycles.len() == 14);
+    for board in [Board::Mps2An386, Board::Mps2An500, Board::NetduinoPlus2] {
+        let Some(mut image) = image_on(board) else {
+            return;
+        };
+        let run = run_rig_on(&mut image, setup(), |_| {}).unwrap();
+        assert!(run == host, "{board:?}");
+        let statistics = image.statistics().unwrap();
+        assert!(
+            // 1 KiB was held before there was a monitor; what follows the specimen passes through it as well.
+            statistics.stack > 0 && statistics.stack <= 1216,
+            "{statistics:?}"
+        );
+        assert_eq!(statistics.log_lost, 0);
+    }
+}
+
+#[test]
+fn a_stop_is_the_hosts_too_and_the_log_tells_it_with_its_time_and_level() {
+    if emulated::image(&FIRMWARE, Board::Mps2An386).is_none() {
+        return;
+    }
+    let stopping = || {
+        let mut setup = setup();
+        setup.settings.displacement_limit = 0.09;
+        setup
+    };
+    let host = run_rig(stopping(), |_| {}).unwrap();
+    let lines = Arc::new(Mutex::new(Vec::<LogLine>::new()));
+    let sink = lines.clone();
+    let sink = Box::new(move |line| sink.lock().unwrap().push(line));
+    let mut image = Image::start(Board::Mps2An386, sink).unwrap();
+    let run = run_rig_on(&mut image, stopping(), |_| {}).unwrap();
+    assert_eq!(run, host);
+    // The log is whole once the emulator has ended.
+    drop(image);
+    let lines = lines.lock().unwrap();
+    let [(time, Fault::DisplacementLimit)] = run.faults[..] else {
+        panic!("{:?}", run.faults)
+    };
+    let stop = lines
+        .iter()
+        .find(|line| line.level == LogLevel::Error)
+        .unwrap();
+    assert_eq!(stop.text, "stopped: DisplacementLimit");
+    assert_eq!(f64::from(stop.tick), (time * 1e4).round() + 1.0);
+    let logged = |level, text: &str| {
+        let of_level = |line: &&LogLine| line.level == level;
+        let mut found = lines.iter().filter(of_level);
+        found.any(|line| line.text.starts_with(text))
+    };
+    for text in ["start: true", "block 0", "coefficient pack accepted"] {
+        assert!(logged(LogLevel::Info, text), "{text}: {lines:?}");
+    }
+    for report in &run.cycles {
+        let text = format!(
+            "cycle {}: stiffness {} kN/mm, loss factor {}, ",
+            report.cycle, report.measured.stiffness, report.measured.loss_factor
+        );
+        assert!(logged(LogLevel::Info, &text), "{text}: {lines:?}");
+    }
+    assert!(lines.is_sorted_by_key(|line| line.tick));
+}
+
+/// `frame` as it goes on when it is lost (0), repeated (1), cut (2) or damaged (3), and as it is for any other `kind`.
+fn disturbed(frame: &[u8], kind: usize, random: &mut ChaCha8Rng) -> Vec<Vec<u8>> {
+    let mut frame = frame.to_vec();
+    match kind {
+        0 => return Vec::new(),
+        1 => return vec![frame.clone(), frame],
+        2 => frame.truncate(random.random_range(1..frame.len())),
+        3 => {
+            let bit = random.random_range(0..8 * frame.len());
+            frame[bit / 8] ^= 1 << (bit % 8);
+        }
+        _ => {}
+    }
+    vec![frame]
+}
+
+/// Number of the kind of fault that [`disturbed`] does not know: the frame comes after a later one.
+const LATE: usize = 4;
+const KINDS: usize = 5;
+
+/// Disturbs frames in both directions.
+struct Faulty<W> {
+    inner: W,
+    random: ChaCha8Rng,
+    when: When,
+    /// Nothing of what was sent last has reached the image.
+    lost: bool,
+    /// What comes late, of answers and of requests, with how many of its direction go before it.
+    late: [Vec<(u32, Vec<u8>)>; 2],
+    injected: [u32; KINDS],
+    /// Frames sent, lost ones included.
+    sent: u32,
+}
+
+enum When {
+    /// Each kind to a tenth of the frames.
+    Always,
+    /// This kind to the next request.
+    Request(usize),
+    /// This kind to the next answer.
+    Answer(usize),
+    Never,
+}
+
+impl<W> Faulty<W> {
+    fn new(inner: W, when: When) -> Self {
+        Self {
+            inner,
+            random: ChaCha8Rng::seed_from_u64(7),
+            when,
+            lost: false,
+            late: [Vec::new(), Vec::new()],
+            injected: [0; KINDS],
+            sent: 0,
+        }
+    }
+
+    fn disturb(&mut self, frame: &[u8], is_request: bool) -> Vec<Vec<u8>> {
+        let kind = match self.when {
+            When::Always => self.random.random_range(0..10),
+            When::Request(kind) if is_request => kind,
+            When::Answer(kind) if !is_request => kind,
+            _ => usize::MAX,
+        };
+        if kind != usize::MAX && !matches!(self.when, When::Always) {
+            self.when = When::Never;
+        }
+        if let Some(count) = self.injected.get_mut(kind) {
+            *count += 1;
+        }
+        let late = &mut self.late[usize::from(is_request)];
+        if kind == LATE {
+            // An answer comes with the next one; a request after the next one or the one that follows that, which is of
+            // another exchange.
+            let before = if is_request {
+                self.random.random_range(1..3)
+            } else {
+                1
+            };
+            late.push((before, frame.to_vec()));
+            return Vec::new();
+        }
+        let mut pieces = disturbed(frame, kind, &mut self.random);
+        if !pieces.is_empty() {
+            late.iter_mut().for_each(|(before, _)| *before -= 1);
+            let due = late.extract_if(.., |(before, _)| *before == 0);
+            pieces.extend(due.map(|(_, frame)| frame));
+        }
+        pieces
+    }
+}
+
+impl<W: Wire> Wire for Faulty<W> {
+    fn send(&mut self, frame: &[u8]) -> Result<(), LinkError> {
+        self.sent += 1;
+        let pieces = self.disturb(frame, true);
+        self.lost = pieces.is_empty();
+        pieces.iter().try_for_each(|piece| self.inner.send(piece))
+    }
+
+    fn receive(&mut self, buffer: &mut [u8]) -> Result<usize, LinkError> {
+        if std::mem::take(&mut self.lost) {
+            // What the emulator's watchdog would say in time.
+            return Ok(0);
+        }
+        let mut came = vec![0; buffer.len()];
+        let length = self.inner.receive(&mut came)?;
+        came.truncate(length);
+        let came = self.disturb(&came, false).concat();
+        let length = came.len().min(buffer.len());
+        buffer[..length].copy_from_slice(&came[..length]);
+        Ok(length)
+    }
+}
+
+/// A fault costs one more frame, whichever it is: the exchange that it meets and the one after it take three at most. Where
+/// faults come as often as in the next test, a try succeeds in half of the cases only, and some exchanges take more.
+#[test]
+fn after_one_fault_of_any_kind_the_link_is_well_again_within_three_frames() {
+    let Some(elf) = emulated::image(&FIRMWARE, Board::Mps2An386) else {
+        return;
+    };
+    let mut image = Image::on(Faulty::new(
+        emulated::start(&elf, Board::Mps2An386),
+        When::Never,
+    ));
+    let law = law(&every_effect()[..EFFECTS]);
+    image.send_pack(&pack(&law)).unwrap();
+    let mut host = RunningLaw::new(law);
+    let motions = motions(2, &mut ChaCha8Rng::seed_from_u64(2));
+    for kind in 0..KINDS {
+        for request in [true, false] {
+            for _ in 0..100 {
+                let wire = image.wire();
+                wire.when = if request {
+                    When::Request(kind)
+                } else {
+                    When::Answer(kind)
+                };
+                wire.sent = 0;
+                for motion in &motions {
+                    let mut forces = Vec::new();
+                    image.forces(&[*motion], &mut forces).unwrap();
+                    assert_eq!(bits(&forces), bits(&[host.force(motion)]));
+                }
+                let sent = image.wire().sent;
+                assert!(sent <= 3, "kind {kind}, request {request}: {sent} frames");
+            }
+        }
+    }
+    assert_eq!(image.wire().injected, [200; KINDS]);
+}
+
+#[test]
+fn a_link_that_loses_repeats_cuts_damages_and_reorders_changes_nothing() {
+    let Some(elf) = emulated::image(&FIRMWARE, Board::Mps2An386) else {
+        return;
+    };
+    let host: RigRun = run_rig(setup(), |_| {}).unwrap();
+    let mut image = Image::on(Faulty::new(
+        emulated::start(&elf, Board::Mps2An386),
+        When::Always,
+    ));
+    let run = run_rig_on(&mut image, setup(), |_| {}).unwrap();
+    assert!(run == host);
+    let injected = image.wire().injected;
+    let exchanges = 2.0 * run.ticks as f64;
+    for count in injected {
+        assert!(f64::from(count) > 0.09 * exchanges, "{injected:?}");
+    }
+    assert!(image.repeated() > run.ticks / 3);
+    // 0.6² of the tries go well: that one of 10⁵ requests takes a hundred has a chance of 10⁻¹⁴.
+    assert!(image.most_tries() < 100, "{}", image.most_tries());
+}
+
+#[test]
+fn a_lost_frame_is_asked_for_again_when_nothing_moves() {
+    struct LosesOne(Emulator, u32);
+    impl Wire for LosesOne {
+        fn send(&mut self, frame: &[u8]) -> Result<(), LinkError> {
+            self.1 += 1;
+            if self.1 == 3 {
+                return Ok(());
+            }
+            self.0.send(frame)
+        }
+        fn receive(&mut self, buffer: &mut [u8]) -> Result<usize, LinkError> {
+            self.0.receive(buffer)
+        }
+    }
+    let Some(elf) = emulated::image(&FIRMWARE, Board::Mps2An386) else {
+        return;
+    };
+    let mut image = Image::on(LosesOne(emulated::start(&elf, Board::Mps2An386), 0));
+    for _ in 0..10 {
+        image.rest().unwrap();
+    }
+    assert!(image.repeated() >= 1);
+}
+
+#[test]
+fn a_damaged_pack_is_refused_and_the_law_in_force_stays() {
+    if emulated::image(&FIRMWARE, Board::Mps2An386).is_none() {
+        return;
+    }
+    let lines = Arc::new(Mutex::new(Vec::<LogLine>::new()));
+    let sink = lines.clone();
+    let sink = Box::new(move |line| sink.lock().unwrap().push(line));
+    let mut image = Image::start(Board::Mps2An386, sink).unwrap();
+    let law = law(&every_effect()[..2]);
+    image.send_pack(&pack(&law)).unwrap();
+    let motion = Motion {
+        displacement: 0.07,
+        velocity: 2.0,
+        ..Motion::default()
+    };
+    let expected = RunningLaw::new(law.clone()).force(&motion);
+    let mut other = law;
+    other.set_law(Law::new(2.0, 0.0, 0.3, 0.5).unwrap());
+    let good = pack(&other);
+    let force = |image: &mut Image<Emulator>| {
+        let mut forces = Vec::new();
+        image.forces(&[motion], &mut forces).unwrap();
+        forces[0]
+    };
+    let mut refused = |bad: &[u8]| {
+        let error = image.send_pack(bad).unwrap_err();
+        assert!(matches!(error, LinkError::Refused(_)), "{error}");
+        assert_eq!(force(&mut image).to_bits(), expected.to_bits());
+    };
+    for bit in 0..8 * good.len() {
+        let mut bad = good.clone();
+        bad[bit / 8] ^= 1 << (bit % 8);
+        refused(&bad);
+    }
+    for length in 1..good.len() {
+        refused(&good[..length]);
+    }
+    image.send_pack(&good).unwrap();
+    let mut host = RunningLaw::new(other);
+    assert_eq!(force(&mut image).to_bits(), host.force(&motion).to_bits());
+    drop(image);
+    let lines = lines.lock().unwrap();
+    let count = |level, text: &str| {
+        let is = |line: &&LogLine| line.level == level && line.text == text;
+        lines.iter().filter(is).count()
+    };
+    assert_eq!(count(LogLevel::Info, "coefficient pack accepted"), 2);
+    let damaged = 8 * good.len() + good.len() - 1;
+    assert_eq!(count(LogLevel::Warn, "coefficient pack refused"), damaged);
+}
+
+#[test]
+fn an_emulator_that_dies_is_said() {
+    let Some(mut image) = image_on(Board::Mps2An386) else {
+        return;
+    };
+    image.rest().unwrap();
+    let id = image.wire().id().to_string();
+    let killed = std::process::Command::new("kill")
+        .args(["-9", &id])
+        .status();
+    assert!(killed.unwrap().success());
+    let error = loop {
+        if let Err(error) = image.rest() {
+            break error;
+        }
+    };
+    assert!(matches!(error, LinkError::Ended { .. }), "{error}");
+    assert!(error.to_string().contains("signal: 9"), "{error}");
+    assert!(matches!(image.rest(), Err(LinkError::Ended { .. })));
+}
+
+#[cfg(target_os = "linux")]
+#[test]
+fn the_emulator_ends_with_the_link() {
+    let Some(mut dropped) = image_on(Board::Mps2An386) else {
+        return;
+    };
+    let id = dropped.wire().id();
+    assert!(emulated::lives(id));
+    drop(dropped);
+    assert!(!emulated::lives(id));
+}
+
+#[test]
+fn the_image_is_small() {
+    for board in [Board::Mps2An386, Board::NetduinoPlus2] {
+        let Some(elf) = emulated::image(&FIRMWARE, board) else {
+            return;
+        };
+        let sizes = sections(&elf).unwrap();
+        // 24 KiB were asked for before there were six effects more, which take 5, a correction, 4, the monitor, 9,
+        // a law that follows, 3.5, and further Maxwell branches and tones, 1.5.
+        assert!(
+            sizes.flash > 0 && sizes.flash <= 49 * 1024 + 256,
+            "{sizes:?}"
+        );
+        // 12 KiB likewise; of the rest the correction's table, in two laws and a pack, is 1.8, the monitor 0.75, and what the
+        // law follows by 0.25.
+        assert!(sizes.ram <= 15 * 1024, "{sizes:?}");
+    }
+}

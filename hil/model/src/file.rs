@@ -1,0 +1,473 @@
+//! A model as a file, `model.json`: what `trace` writes and `predict` and `run` read.
+//!
+//! ```json
+//! { "format": "mesh-damper-model", "version": 1,
+//!   "units": { "displacement": "mm", "force": "kN", "time": "s", "temperature": "degC" },
+//!   "law": [ { "amplitude": 0.0, "k1": 1.2, "k3": 30.0, "c": 0.1, "alpha": 0.3 } ],
+//!   "effects": [ { "family": "stick_slip", "parameters": { "stiffness": 1.2, "slip_limit": 0.03 } } ],
+//!   "fitted_range": { "displacement": [-0.2, 0.2], "velocity": [-6.3, 6.3] } }
+//! ```
+//! `law` holds eq 13's coefficients at increasing amplitudes; parameters are in the units of
+//! [`crate::parameter_unit`].
+
+use std::path::Path;
+
+use mesh_damper::error::ConfigError;
+use mesh_damper::law::Law;
+use mesh_damper_recording::error::{InputError, Place};
+use mesh_damper_recording::read_limit::{ReadLimit, read_json};
+use serde::{Deserialize, Serialize};
+
+use crate::correction::CorrectionTable;
+use crate::{AddedEffect, LawNode, Model, ModelError};
+
+/// The word by which a model file is known.
+const FORMAT: &str = "mesh-damper-model";
+/// The version that is written, and the only one read.
+const VERSION: u64 = 1;
+/// The tick for which effects are built to check their parameters, s: that of the rig.
+const CHECKED_TICK: f64 = 1e-4;
+
+/// The contents of a model file.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct ModelFile {
+    format: String,
+    version: u64,
+    units: ModelUnits,
+    law: Vec<LawNode>,
+    effects: Vec<AddedEffect>,
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    correction: Option<CorrectionTable>,
+    fitted_range: FittedRange,
+}
+
+/// The units of a model file; no others are known.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+struct ModelUnits {
+    displacement: Millimetre,
+    force: Kilonewton,
+    time: Second,
+    temperature: Celsius,
+}
+
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+enum Millimetre {
+    #[serde(rename = "mm")]
+    Mm,
+}
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+enum Kilonewton {
+    #[serde(rename = "kN")]
+    KN,
+}
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+enum Second {
+    #[serde(rename = "s")]
+    S,
+}
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+enum Celsius {
+    #[serde(rename = "degC")]
+    DegC,
+}
+
+/// The motion that a model was fitted on; beyond it the model extrapolates.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct FittedRange {
+    /// Least and largest, mm.
+    pub displacement: [f64; 2],
+    /// Least and largest, mm/s.
+    pub velocity: [f64; 2],
+}
+
+impl FittedRange {
+    /// The range of a motion's `displacement` in mm and `velocity` in mm/s; `None` of an empty one.
+    pub fn of<'a>(
+        displacement: impl IntoIterator<Item = &'a f64>,
+        velocity: impl IntoIterator<Item = &'a f64>,
+    ) -> Option<Self> {
+        Some(Self {
+            displacement: range(displacement)?,
+            velocity: range(velocity)?,
+        })
+    }
+
+    /// By how much a motion's ranges exceed these, as a fraction of the larger end; 0 inside.
+    pub fn exceeded_by(&self, motion: &Self) -> f64 {
+        let beyond = |own: [f64; 2], other: [f64; 2]| {
+            let reach = own[0].abs().max(own[1].abs());
+            let excess = (own[0] - other[0]).max(other[1] - own[1]).max(0.0);
+            if excess > 0.0 { excess / reach } else { 0.0 }
+        };
+        beyond(self.displacement, motion.displacement).max(beyond(self.velocity, motion.velocity))
+    }
+}
+
+fn range<'a>(values: impl IntoIterator<Item = &'a f64>) -> Option<[f64; 2]> {
+    values.into_iter().fold(None, |range, &value| {
+        let [low, high] = range.unwrap_or([value, value]);
+        Some([value.min(low), value.max(high)])
+    })
+}
+
+impl ModelFile {
+    /// The file of a model fitted on motions within `fitted_range`.
+    pub fn new(model: Model, fitted_range: FittedRange) -> Self {
+        Self {
+            format: FORMAT.into(),
+            version: VERSION,
+            units: ModelUnits {
+                displacement: Millimetre::Mm,
+                force: Kilonewton::KN,
+                time: Second::S,
+                temperature: Celsius::DegC,
+            },
+            law: model.law,
+            effects: model.effects,
+            correction: model.correction,
+            fitted_range,
+        }
+    }
+
+    /// Reads a model and has the crate check every coefficient of it, in f64 and in f32.
+    ///
+    /// # Errors
+    /// The file and the field: not a model file, another version, a field that is missing, unknown or of another type,
+    /// an unknown family, a coefficient or parameter out of range, more than the default [`ReadLimit`].
+    pub fn read(path: impl AsRef<Path>) -> Result<Self, InputError> {
+        Self::read_within(path, ReadLimit::default())
+    }
+
+    /// [`ModelFile::read`] of a file within another limit.
+    ///
+    /// # Errors
+    /// As [`ModelFile::read`].
+    pub fn read_within(path: impl AsRef<Path>, limit: ReadLimit) -> Result<Self, InputError> {
+        let path = path.as_ref();
+        let bytes = read_json(path, limit)?;
+        Self::from_bytes(&path.display().to_string(), &bytes)
+    }
+
+    /// [`ModelFile::read`] of a file's bytes; `name` is what errors call it.
+    ///
+    /// # Errors
+    /// As [`ModelFile::read`], but for what the file system says.
+    pub fn from_bytes(name: &str, bytes: &[u8]) -> Result<Self, InputError> {
+        let value: serde_json::Value = serde_json::from_slice(bytes).map_err(|error| {
+            InputError::new(
+                name,
+                format!("not JSON: {error}"),
+                "give the model.json that `hil trace` wrote",
+            )
+            .at(Place::Line(error.line() as u64))
+        })?;
+        let refused = |field: &str, problem: String, mend: &str| {
+            InputError::new(name, problem, mend).at(Place::Field(field.into()))
+        };
+        match value.get("format").and_then(serde_json::Value::as_str) {
+            Some(FORMAT) => {}
+            Some(other) => {
+                return Err(refused(
+                    "format",
+                    format!(
+                        "{} is another format",
+                        mesh_damper_recording::error::quoted(other)
+                    ),
+                    "give the model.json that `hil trace` wrote",
+                ));
+            }
+            None => {
+                return Err(refused(
+                    "format",
+                    "missing, so that this is no model file".into(),
+                    "give the model.json that `hil trace` wrote",
+                ));
+            }
+        }
+        match value.get("version") {
+            Some(version) if version.as_u64() == Some(VERSION) => {}
+            other => {
+                let found = other.map_or("none".into(), ToString::to_string);
+                return Err(refused(
+                    "version",
+                    format!("{found} is unknown, this program reads version {VERSION}"),
+                    "trace the recordings again with this program",
+                ));
+            }
+        }
+        let file: Self = serde_path_to_error::deserialize(value).map_err(|error| {
+            refused(
+                &error.path().to_string(),
+                error.inner().to_string(),
+                "mend the field, or trace the recordings again",
+            )
+        })?;
+        file.check(name)?;
+        Ok(file)
+    }
+
+    /// The model.
+    pub fn model(&self) -> Model {
+        Model {
+            law: self.law.clone(),
+            effects: self.effects.clone(),
+            correction: self.correction.clone(),
+        }
+    }
+
+    /// The motion that it was fitted on.
+    pub fn fitted_range(&self) -> FittedRange {
+        self.fitted_range
+    }
+
+    fn check(&self, name: &str) -> Result<(), InputError> {
+        let refused = |field: String, problem: String| {
+            Err(InputError::new(
+                name,
+                problem,
+                "mend the field, or trace the recordings again",
+            )
+            .at(Place::Field(field)))
+        };
+        for (index, node) in self.law.iter().enumerate() {
+            if !(0.0..=mesh_damper::limits::DISPLACEMENT).contains(&node.amplitude) {
+                return refused(
+                    format!("law[{index}].amplitude"),
+                    format!(
+                        "{} is outside 0…{}",
+                        node.amplitude,
+                        mesh_damper::limits::DISPLACEMENT
+                    ),
+                );
+            }
+            if let Err(error) = Law::new(node.k1, node.k3, node.c, node.alpha) {
+                return refused(
+                    format!("law[{index}]{}", field_of(&error)),
+                    error.to_string(),
+                );
+            }
+        }
+        for (field, [low, high]) in [
+            ("displacement", self.fitted_range.displacement),
+            ("velocity", self.fitted_range.velocity),
+        ] {
+            // An infinite one would be written as null, which is not read again.
+            if !(low.is_finite() && high.is_finite() && low <= high) {
+                return refused(
+                    format!("fitted_range.{field}"),
+                    format!("{low} to {high} is no finite range"),
+                );
+            }
+        }
+        let amplitude = self.law.first().map_or(0.0, |node| node.amplitude);
+        let model = self.model();
+        model
+            .augmented::<f64>(amplitude, CHECKED_TICK)
+            .map_err(|error| model_error(name, &error))?;
+        model
+            .augmented::<f32>(amplitude, CHECKED_TICK)
+            .map_err(|error| model_error(name, &error))?;
+        Ok(())
+    }
+}
+
+/// A model that cannot be built, as an error about the file it is from.
+pub fn model_error(file: &str, error: &ModelError) -> InputError {
+    let (field, problem) = match error {
+        ModelError::Refused { place, error } => (place.clone(), error.to_string()),
+        ModelError::Parameters { place, problem } => (place.clone(), problem.clone()),
+        ModelError::Nodes(problem) => ("law".into(), (*problem).to_owned()),
+        ModelError::Pack(error) => ("effects".into(), error.to_string()),
+    };
+    InputError::new(
+        file,
+        problem,
+        "mend the field, or trace the recordings again",
+    )
+    .at(Place::Field(field))
+}
+
+/// `.k1` where the error names k1.
+fn field_of(error: &ConfigError) -> String {
+    match error {
+        ConfigError::NonFinite(field) | ConfigError::OutOfRange { field, .. } => {
+            format!(".{field}")
+        }
+        _ => String::new(),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::Family;
+    use crate::correction::{MemoryAxis, Remembered};
+    use mesh_damper::effects::correction::CELLS;
+
+    fn correction() -> CorrectionTable {
+        let cells = |count| {
+            (0..count)
+                .map(|cell| 100 * (cell as i16 % 300) - 15_000)
+                .collect()
+        };
+        CorrectionTable {
+            reach: 0.2,
+            speed: 6.3,
+            unit: 1e-6,
+            cells: cells(CELLS),
+            memory: Some(MemoryAxis {
+                of: Remembered::Lag { time: 0.05 },
+                range: [-0.1, 0.1],
+            }),
+        }
+    }
+
+    fn example() -> ModelFile {
+        let node = |amplitude| LawNode {
+            amplitude,
+            k1: 1.2,
+            k3: 30.0,
+            c: 0.1,
+            alpha: 0.3,
+        };
+        let effect = |family, parameters: &[(&str, f64)]| AddedEffect {
+            family,
+            parameters: parameters
+                .iter()
+                .map(|&(name, value)| (name.to_owned(), value))
+                .collect(),
+        };
+        ModelFile::new(
+            Model {
+                law: vec![node(0.05), node(0.1 + 0.2)],
+                effects: vec![
+                    effect(Family::Offset, &[("force", -0.1)]),
+                    effect(Family::Asymmetry, &[("k2", 3.0)]),
+                    effect(Family::Hardening, &[("k5", 100.0)]),
+                    effect(Family::Viscous, &[("c1", 0.01)]),
+                    effect(Family::Inertia, &[("mass", 2.0)]),
+                    effect(
+                        Family::StickSlip,
+                        &[
+                            ("stiffness", 1.2),
+                            ("slip_limit", 0.03),
+                            ("stiffness_2", 0.5),
+                            ("slip_limit_2", 0.1),
+                        ],
+                    ),
+                    effect(
+                        Family::Relaxation,
+                        &[
+                            ("stiffness", 0.4),
+                            ("time", 0.05),
+                            ("stiffness_2", 0.3),
+                            ("time_2", 0.7),
+                        ],
+                    ),
+                    effect(Family::Temperature, &[("beta", 0.004), ("reference", 20.0)]),
+                ],
+                correction: Some(correction()),
+            },
+            FittedRange {
+                displacement: [-0.2, 0.2],
+                velocity: [-6.3, 6.3],
+            },
+        )
+    }
+
+    fn read_changed(change: impl FnOnce(&mut serde_json::Value)) -> String {
+        let mut value = serde_json::to_value(example()).unwrap();
+        change(&mut value);
+        ModelFile::from_bytes("m.json", value.to_string().as_bytes())
+            .unwrap_err()
+            .to_string()
+    }
+
+    #[test]
+    fn comes_back_as_it_was() {
+        let file = example();
+        let bytes = serde_json::to_vec_pretty(&file).unwrap();
+        assert_eq!(ModelFile::from_bytes("m.json", &bytes).unwrap(), file);
+    }
+
+    #[test]
+    fn refuses_naming_the_field() {
+        for (said, error) in [
+            (
+                "m.json: field version: 2 is unknown",
+                read_changed(|v| v["version"] = 2.into()),
+            ),
+            (
+                "m.json: field version: none is unknown",
+                read_changed(|v| drop(v.as_object_mut().unwrap().remove("version"))),
+            ),
+            (
+                "m.json: field format: missing",
+                read_changed(|v| drop(v.as_object_mut().unwrap().remove("format"))),
+            ),
+            (
+                "m.json: field effects[1].family: unknown variant `magic`",
+                read_changed(|v| v["effects"][1]["family"] = "magic".into()),
+            ),
+            (
+                "m.json: field law[1].alpha: alpha = 1.5 is outside 0…1",
+                read_changed(|v| v["law"][1]["alpha"] = 1.5.into()),
+            ),
+            (
+                "m.json: field law[0].c: c = -1 is outside",
+                read_changed(|v| v["law"][0]["c"] = (-1.0).into()),
+            ),
+            (
+                "m.json: field law: amplitudes must increase",
+                read_changed(|v| v["law"][1]["amplitude"] = 0.0.into()),
+            ),
+            (
+                "m.json: field law: there is no node",
+                read_changed(|v| v["law"] = serde_json::json!([])),
+            ),
+            (
+                "m.json: field effects[5] (stick_slip): slip_limit = 0 is outside",
+                read_changed(|v| v["effects"][5]["parameters"]["slip_limit_2"] = 0.0.into()),
+            ),
+            (
+                "m.json: field effects[0] (offset): parameter force is missing",
+                read_changed(|v| v["effects"][0]["parameters"] = serde_json::json!({})),
+            ),
+            (
+                "m.json: field fitted_range.velocity:",
+                read_changed(|v| v["fitted_range"]["velocity"] = serde_json::json!([1.0, -1.0])),
+            ),
+            (
+                "m.json: field units.force: unknown variant `N`",
+                read_changed(|v| v["units"]["force"] = "N".into()),
+            ),
+            (
+                "m.json: field correction: cells = 305 is outside 306",
+                read_changed(|v| drop(v["correction"]["cells"].as_array_mut().unwrap().pop())),
+            ),
+            (
+                "m.json: field correction.memory.of: unknown variant `dreams`",
+                read_changed(|v| v["correction"]["memory"]["of"] = "dreams".into()),
+            ),
+            (
+                "m.json: field law[0].k1: invalid type: string",
+                read_changed(|v| v["law"][0]["k1"] = "1".into()),
+            ),
+        ] {
+            assert!(error.starts_with(said), "{error}");
+            assert!(!error.contains('\n'));
+        }
+    }
+
+    #[test]
+    fn says_how_far_a_motion_goes_beyond() {
+        let fitted = example().fitted_range();
+        let motion = FittedRange::of(&[-0.1, 0.25], &[-6.0, 6.0]).unwrap();
+        // (0.25 − 0.2)/0.2
+        assert!((fitted.exceeded_by(&motion) - 0.25).abs() < 1e-12);
+        assert_eq!(motion.exceeded_by(&motion), 0.0);
+    }
+}

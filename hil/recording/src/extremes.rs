@@ -1,0 +1,13 @@
+//! The least and the largest of some values.
+
+use std::borrow::Borrow;
+
+/// The least and the largest of `values`; +∞ and −∞ of none. What is no number does not count.
+pub fn least_and_largest(values: impl IntoIterator<Item: Borrow<f64>>) -> (f64, f64) {
+    values
+        .into_iter()
+        .fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), value| {
+            let value = *value.borrow();
+            (low.min(value), high.max(value))
+        })
+}

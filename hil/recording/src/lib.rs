@@ -1,0 +1,285 @@
+//! A recording of a rig test: motion and force over time, with the file that it came from.
+//!
+//! Files are CSV or CSV.gz: `#` comment lines, a header whose names carry their unit, then samples. `time_s`, a
+//! displacement and a force are required; `velocity_mm_s` (or `velocity_mm/s`) and `temperature_degC` are used when
+//! there; any other column is kept and ignored. See [`units`] for the units known. Every row ends with a line end: a last one
+//! without it may have been cut within its last number, and is left out.
+//!
+//! | module | for |
+//! |---|---|
+//! | the root | [`Recording`]: its channels, read from a file and written to one; [`Uniform`]: the same at even times |
+//! | [`units`] | what a column's name says |
+//! | [`faults`] | what is wrong with a channel, and what can be mended of it |
+//! | [`noise`], [`averaging`], [`spectrum`] | what a channel's noise is, and how it was smoothed |
+//! | [`motion`], [`cycles`], [`trajectory`] | velocity and acceleration, cycles and blocks, and all that a law needs of it |
+//! | [`csv_text`], [`read_limit`], [`output`], [`error`], [`extremes`] | files in, how much of them, files out whole or not at all, what is wrong in one line, two numbers |
+//!
+//! ```
+//! use mesh_damper_recording::Recording;
+//! use mesh_damper_recording::trajectory::Trajectory;
+//!
+//! let time: Vec<f64> = (0..2000).map(|i| 0.001 * f64::from(i)).collect();
+//! let displacement: Vec<f64> = time.iter().map(|t| 0.1 * (31.416 * t).sin()).collect();
+//! let force = displacement.iter().map(|y| 8.0 * y).collect();
+//! let recording = Recording::new("a spring at 5 Hz", time, displacement, force)?;
+//! let block = &Trajectory::of(&recording)?.blocks[0];
+//! assert!((block.frequency - 5.0).abs() < 0.01);
+//! # Ok::<(), mesh_damper_recording::error::InputError>(())
+//! ```
+
+#![forbid(unsafe_code)]
+
+pub mod averaging;
+mod channel;
+mod clock;
+mod consistency;
+pub mod csv_text;
+pub mod cycles;
+pub mod error;
+pub mod extremes;
+pub mod faults;
+mod harmonic;
+mod kinks;
+pub mod motion;
+pub mod noise;
+pub mod output;
+mod polynomial;
+mod read;
+pub mod read_limit;
+mod resample;
+mod rows;
+pub mod spectrum;
+pub mod trajectory;
+pub mod units;
+mod write;
+
+pub use consistency::check_consistency;
+pub use resample::Uniform;
+pub use units::{Unit, Units};
+pub use write::decimal;
+
+use crate::error::{InputError, Place};
+use faults::Fault;
+use rows::Rows;
+
+/// The key of the comment that marks the recording of a run under way.
+pub const UNFINISHED: &str = "unfinished";
+
+/// The fewest samples that a recording may have: what estimating its motion needs.
+pub const FEWEST_SAMPLES: usize = 8;
+
+/// Motion and force over time, in the code's units, with the units and rows of the file it was read from.
+///
+/// All channels have as many samples as `time`, which increases strictly; every number is finite.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Recording {
+    /// The file's path as the user gave it, or a name of the test that made the recording.
+    pub name: String,
+    /// s, increasing strictly.
+    pub time: Vec<f64>,
+    /// mm
+    pub displacement: Vec<f64>,
+    /// kN
+    pub force: Vec<f64>,
+    /// mm/s, where it was measured.
+    pub velocity: Option<Vec<f64>>,
+    /// °C, where it was measured.
+    pub temperature: Option<Vec<f64>>,
+    /// The comment lines without their `#` and the blanks around the text.
+    pub comments: Vec<String>,
+    /// The units that the file has or shall have.
+    pub units: Units,
+    source: Option<Source>,
+    faults: Vec<Fault>,
+}
+
+/// The file that a recording was read from, cell by cell.
+#[derive(Clone, Debug, PartialEq)]
+struct Source {
+    header: csv::StringRecord,
+    rows: Rows,
+}
+
+impl Recording {
+    /// A recording made here, not read: `time` in s, `displacement` in mm, `force` in kN.
+    ///
+    /// # Errors
+    /// As for a file that is read: lengths that differ, too few samples, a value that is not finite, time that does
+    /// not increase, a displacement that does not change.
+    pub fn new(
+        name: impl Into<String>,
+        time: Vec<f64>,
+        displacement: Vec<f64>,
+        force: Vec<f64>,
+    ) -> Result<Self, InputError> {
+        let recording = Self {
+            name: name.into(),
+            time,
+            displacement,
+            force,
+            velocity: None,
+            temperature: None,
+            comments: Vec::new(),
+            units: Units::default(),
+            source: None,
+            faults: Vec::new(),
+        };
+        recording.check()?;
+        Ok(recording)
+    }
+
+    /// The recording with a measured velocity, mm/s.
+    ///
+    /// # Errors
+    /// As many samples as `time` has are needed, all finite.
+    pub fn with_velocity(mut self, velocity: Vec<f64>) -> Result<Self, InputError> {
+        self.velocity = Some(velocity);
+        self.check()?;
+        Ok(self)
+    }
+
+    /// The recording with a measured temperature, °C.
+    ///
+    /// # Errors
+    /// As many samples as `time` has are needed, all finite.
+    pub fn with_temperature(mut self, temperature: Vec<f64>) -> Result<Self, InputError> {
+        self.temperature = Some(temperature);
+        self.check()?;
+        Ok(self)
+    }
+
+    /// The recording with one more comment line, written after a `#`.
+    #[must_use]
+    pub fn with_comment(mut self, comment: impl Into<String>) -> Self {
+        self.comments.push(comment.into());
+        self
+    }
+
+    /// Number of samples.
+    pub fn len(&self) -> usize {
+        self.time.len()
+    }
+
+    /// Whether there is no sample; never so for a recording that was constructed.
+    pub fn is_empty(&self) -> bool {
+        self.time.is_empty()
+    }
+
+    /// What the comment `key: text` declares, such as `specimen` or `device`.
+    pub fn declared(&self, key: &str) -> Option<&str> {
+        let of_key = |comment| declaration(comment, key);
+        self.comments.iter().map(String::as_str).find_map(of_key)
+    }
+
+    /// Refuses a recording of fewer than `samples` samples, for a work that needs that many.
+    ///
+    /// # Errors
+    /// The recording's name, how many samples it has and how many are needed.
+    pub fn require_samples(&self, samples: usize) -> Result<(), InputError> {
+        if self.len() >= samples {
+            return Ok(());
+        }
+        Err(InputError::new(
+            &self.name,
+            format!("holds only {}", counted(self.len())),
+            format!("record at least {samples}"),
+        ))
+    }
+
+    /// The line of the file in which sample `index` stands, or `index` + 1 where there is no file.
+    fn line(&self, index: usize) -> u64 {
+        self.source
+            .as_ref()
+            .and_then(|source| source.rows.line(index))
+            .unwrap_or(index as u64 + 1)
+    }
+
+    /// The invariants that the type's documentation states.
+    fn check(&self) -> Result<(), InputError> {
+        if self.is_empty() {
+            return Err(InputError::new(
+                &self.name,
+                "holds no samples",
+                "write the samples below the header",
+            ));
+        }
+        self.require_samples(FEWEST_SAMPLES)?;
+        let channels = [
+            ("time", Some(&self.time)),
+            ("displacement", Some(&self.displacement)),
+            ("force", Some(&self.force)),
+            ("velocity", self.velocity.as_ref()),
+            ("temperature", self.temperature.as_ref()),
+        ];
+        for (name, channel) in channels
+            .into_iter()
+            .filter_map(|(name, channel)| Some((name, channel?)))
+        {
+            if channel.len() != self.len() {
+                return Err(InputError::new(
+                    &self.name,
+                    format!("{} samples for {} of time", channel.len(), self.len()),
+                    "give every channel the same number of samples",
+                )
+                .at(Place::Column(name.into())));
+            }
+            if let Some(index) = channel.iter().position(|value| !value.is_finite()) {
+                return Err(InputError::new(
+                    &self.name,
+                    "the value is not finite",
+                    "remove the row or mend the value",
+                )
+                .at(Place::Cell {
+                    line: self.line(index),
+                    column: name.into(),
+                }));
+            }
+        }
+        self.check_time()?;
+        let first = self.displacement[0];
+        if self.displacement.iter().all(|&value| value == first) {
+            return Err(InputError::new(
+                &self.name,
+                "the displacement never changes, so that it says nothing about the force law",
+                "record a motion, or check that the displacement sensor is connected",
+            )
+            .at(Place::Column("displacement".into())));
+        }
+        Ok(())
+    }
+
+    fn check_time(&self) -> Result<(), InputError> {
+        let Some(index) = self.time.windows(2).position(|pair| pair[1] <= pair[0]) else {
+            return Ok(());
+        };
+        let (before, after) = (self.time[index], self.time[index + 1]);
+        let (how, mend) = if after == before {
+            (
+                "stands still",
+                "remove the repeated row, or write time with more decimals",
+            )
+        } else {
+            (
+                "runs backwards",
+                "put the rows in order of time, and recordings of several tests into several files",
+            )
+        };
+        Err(InputError::new(
+            &self.name,
+            format!("time {how}: {after} s after {before} s"),
+            mend,
+        )
+        .at(Place::Line(self.line(index + 1))))
+    }
+}
+
+/// The text of the comment `key: text`; none of a comment with another key.
+fn declaration<'c>(comment: &'c str, key: &str) -> Option<&'c str> {
+    let (name, text) = comment.split_once(':')?;
+    name.trim().eq_ignore_ascii_case(key).then(|| text.trim())
+}
+
+fn counted(samples: usize) -> String {
+    let plural = if samples == 1 { "" } else { "s" };
+    format!("{samples} sample{plural}")
+}

@@ -1,0 +1,104 @@
+//! A recording as the bytes of a file.
+
+use std::io::Write as _;
+use std::path::Path;
+
+use super::Recording;
+
+/// Significant digits with which numbers made here are written: a thousandth of a 24-bit converter's step.
+const DIGITS: usize = 9;
+
+impl Recording {
+    /// The recording as a file of the given name, gzipped when the name ends in `.gz`.
+    ///
+    /// A recording that was read is written as it was read, cell by cell.
+    pub fn to_file(&self, path: &Path) -> Vec<u8> {
+        packed(path, self.to_csv(None))
+    }
+
+    /// The same with one more column `predicted_force_UNIT`, in the recording's own unit; a column of that name which
+    /// the recording has already is replaced. `predicted` in kN, one per sample.
+    pub fn to_file_with_prediction(&self, path: &Path, predicted: &[f64]) -> Vec<u8> {
+        packed(path, self.to_csv(Some(predicted)))
+    }
+
+    fn to_csv(&self, predicted: Option<&[f64]>) -> Vec<u8> {
+        let mut bytes = Vec::new();
+        for comment in &self.comments {
+            bytes.extend(format!("# {}\n", comment.replace(['\n', '\r'], " ")).bytes());
+        }
+        let column = format!("predicted_force_{}", self.units.force.symbol);
+        let channels = self.channels();
+        let header: csv::StringRecord = match &self.source {
+            Some(source) => source.header.clone(),
+            None => channels.iter().map(|(name, ..)| name).collect(),
+        };
+        let replaced = predicted.and(header.iter().position(|name| *name == column));
+        // A first cell that begins as a comment does is quoted.
+        let mut writer = csv::WriterBuilder::new()
+            .comment(Some(b'#'))
+            .from_writer(bytes);
+        let mut line = |cells: &csv::StringRecord, last: Option<String>| {
+            let kept = cells
+                .iter()
+                .enumerate()
+                .filter(|(index, _)| Some(*index) != replaced)
+                .map(|(_, cell)| cell.to_owned());
+            // Writing to memory does not fail, and every row has as many cells as the header.
+            let _ = writer.write_record(kept.chain(last));
+        };
+        line(&header, predicted.is_some().then(|| column.clone()));
+        let mut cells = self.source.iter().flat_map(|source| source.rows.cells());
+        let mut row = csv::StringRecord::new();
+        for index in 0..self.len() {
+            let force = predicted
+                .map(|values| values.get(index).copied().unwrap_or_default())
+                .map(|force| decimal(force / self.units.force.scale));
+            row.clear();
+            match &self.source {
+                Some(_) => row.extend(cells.by_ref().take(header.len())),
+                None => row.extend(channels.iter().map(|(_, scale, channel)| {
+                    decimal(channel.get(index).copied().unwrap_or_default() / scale)
+                })),
+            }
+            line(&row, force);
+        }
+        writer.into_inner().unwrap_or_default()
+    }
+
+    /// Each channel's column name, its unit in the code's, and its samples.
+    fn channels(&self) -> Vec<(String, f64, &[f64])> {
+        let units = &self.units;
+        [
+            ("time", units.time, Some(&self.time)),
+            ("displacement", units.displacement, Some(&self.displacement)),
+            ("force", units.force, Some(&self.force)),
+            ("velocity", units.velocity, self.velocity.as_ref()),
+            ("temperature", units.temperature, self.temperature.as_ref()),
+        ]
+        .into_iter()
+        .filter_map(|(name, unit, channel)| {
+            let name = format!("{name}_{}", unit.symbol);
+            Some((name, unit.scale, channel?.as_slice()))
+        })
+        .collect()
+    }
+}
+
+/// `value` to nine significant digits, as recordings are written, without trailing zeros or an exponent.
+pub fn decimal(value: f64) -> String {
+    let digits = DIGITS - 1;
+    let rounded: f64 = format!("{value:.digits$e}").parse().unwrap_or(value);
+    // Adding zero takes the sign off a negative zero.
+    format!("{}", rounded + 0.0)
+}
+
+fn packed(path: &Path, text: Vec<u8>) -> Vec<u8> {
+    if path.extension().is_none_or(|extension| extension != "gz") {
+        return text;
+    }
+    let mut encoder = flate2::write::GzEncoder::new(Vec::new(), flate2::Compression::default());
+    // Writing to memory does not fail.
+    let _ = encoder.write_all(&text);
+    encoder.finish().unwrap_or_default()
+}

@@ -1,0 +1,224 @@
+//! Motion, cycles and blocks read off displacements whose truth is known.
+
+use std::f64::consts::TAU;
+
+use mesh_damper_recording::noise::noise_deviation;
+use mesh_damper_recording::trajectory::Trajectory;
+use rand::SeedableRng;
+use rand_chacha::ChaCha8Rng;
+use rand_distr::{Distribution, Normal};
+
+const TICK: f64 = 2e-3;
+
+/// Amplitude mm, frequency Hz, cycles.
+type Block = (f64, f64, u32);
+
+/// Displacement and velocity of blocks of sines; the amplitude changes over the first half cycle of each block, smoothly,
+/// and the frequency at once, so that the velocity jumps.
+fn programme(blocks: &[Block]) -> (Vec<f64>, Vec<f64>) {
+    let (mut displacement, mut velocity) = (Vec::new(), Vec::new());
+    let mut before = 0.0;
+    for &(amplitude, frequency, cycles) in blocks {
+        let count = (f64::from(cycles) / frequency / TICK).round() as usize;
+        for n in 0..count {
+            let turns = n as f64 * TICK * frequency;
+            let s = (2.0 * turns).min(1.0);
+            let (ramp, slope) = (s * s * (3.0 - 2.0 * s), 12.0 * frequency * s * (1.0 - s));
+            let (envelope, change) = (
+                before + (amplitude - before) * ramp,
+                (amplitude - before) * slope,
+            );
+            let (sin, cos) = (TAU * turns).sin_cos();
+            displacement.push(envelope * sin);
+            velocity.push(change * sin + envelope * TAU * frequency * cos);
+        }
+        before = amplitude;
+    }
+    (displacement, velocity)
+}
+
+fn noisy(clean: &[f64], deviation: f64, seed: u64) -> Vec<f64> {
+    let mut random = ChaCha8Rng::seed_from_u64(seed);
+    let noise = Normal::new(0.0, deviation).unwrap();
+    clean
+        .iter()
+        .map(|y| y + noise.sample(&mut random))
+        .collect()
+}
+
+fn trajectory(displacement: &[f64]) -> Trajectory {
+    Trajectory::new(
+        "test",
+        TICK,
+        displacement,
+        vec![0.0; displacement.len()],
+        None,
+        None,
+    )
+}
+
+fn rms(values: impl Iterator<Item = f64>) -> f64 {
+    let (sum, count) = values.fold((0.0, 0.0), |(sum, count), v| (sum + v * v, count + 1.0));
+    f64::sqrt(sum / count)
+}
+
+const BLOCKS: [Block; 4] = [
+    (0.05, 1.0, 6),
+    (0.05, 5.0, 10),
+    (0.2, 1.0, 6),
+    (0.1, 10.0, 20),
+];
+
+/// Displacement noise of 1e-4 mm through differences would be 0.035 mm/s.
+#[test]
+fn velocity_is_known_a_hundred_times_better_than_by_differences() {
+    let (clean, truth) = programme(&BLOCKS);
+    let trajectory = trajectory(&noisy(&clean, 1e-4, 1));
+    let error = |range: std::ops::Range<usize>| {
+        rms(range.map(|n| trajectory.motion.velocity[n] - truth[n]))
+    };
+    // Steady cycles, from the second of each block: ten coefficients over three half cycles or more of n samples have the
+    // deviation 1e-4·ω·√(10/1.5n) on the mean, and twice that at the ends of a block; four times is allowed.
+    for (range, omega, samples) in [
+        (500..3000, TAU, 1000.0),
+        (3100..4000, 5.0 * TAU, 200.0),
+        (4500..7000, TAU, 1000.0),
+        (7050..8000, 10.0 * TAU, 100.0),
+    ] {
+        let allowed = 4e-4 * omega * f64::sqrt(10.0 / (1.5 * samples));
+        let found = error(range.clone());
+        assert!(
+            found < allowed,
+            "samples {range:?}: {found} mm/s, allowed {allowed}"
+        );
+    }
+    // Ramps: a few thousandths of the peak velocity.
+    assert!(error(4000..4500) < 0.01, "{}", error(4000..4500));
+}
+
+/// |v|^0.4 tells 1e-3 mm/s from 0: a start from rest must stay at rest.
+#[test]
+fn a_start_from_rest_begins_with_no_velocity() {
+    let (clean, truth) = programme(&BLOCKS);
+    for seed in 0..20 {
+        let motion = trajectory(&noisy(&clean, 1e-4, seed)).motion;
+        for (n, (found, truth)) in motion.velocity.iter().zip(&truth).take(10).enumerate() {
+            let error = (found - truth).abs();
+            assert!(error < 2e-3, "seed {seed}, sample {n}: off by {error} mm/s");
+        }
+    }
+}
+
+/// Friction has its full force from the first of them on, and noise of 1e-4 mm hides a motion of 1e-7 mm.
+#[test]
+fn a_start_from_rest_goes_one_way() {
+    let (clean, _) = programme(&BLOCKS);
+    for seed in 0..20 {
+        for way in [1.0, -1.0] {
+            let moved: Vec<f64> = clean.iter().map(|y| way * y).collect();
+            let motion = trajectory(&noisy(&moved, 1e-4, seed)).motion;
+            let mut first = motion.velocity[1..=20].iter();
+            assert!(first.all(|v| way * v > 0.0), "seed {seed}, way {way}");
+        }
+    }
+}
+
+/// Where it stands still before it moves, no direction is made up: 2 deviations are passed in one of 22 samples.
+#[test]
+fn a_standstill_before_the_motion_has_no_direction() {
+    let (clean, _) = programme(&BLOCKS);
+    let still: Vec<f64> = std::iter::repeat_n(0.0, 600).chain(clean).collect();
+    let moving = (0..20).map(|seed| {
+        let motion = trajectory(&noisy(&still, 1e-4, seed)).motion;
+        motion.velocity[..500].iter().filter(|v| **v != 0.0).count()
+    });
+    let moving: usize = moving.sum();
+    assert!(moving < 20 * 500 / 10, "{moving}");
+}
+
+#[test]
+fn kinks_are_found_to_the_sample_and_nowhere_else() {
+    let (clean, _) = programme(&BLOCKS);
+    for seed in 0..40 {
+        let trajectory = trajectory(&noisy(&clean, 1e-4, seed));
+        assert_eq!(trajectory.motion.kinks, [3000, 4000, 7000], "seed {seed}");
+    }
+}
+
+#[test]
+fn blocks_are_those_of_the_programme() {
+    let (clean, _) = programme(&BLOCKS);
+    let trajectory = trajectory(&noisy(&clean, 1e-4, 3));
+    let starts: Vec<usize> = trajectory
+        .blocks
+        .iter()
+        .map(|block| block.samples.start)
+        .collect();
+    assert_eq!(starts, [0, 3000, 4000, 7000]);
+    for (block, (amplitude, frequency, cycles)) in trajectory.blocks.iter().zip(BLOCKS) {
+        assert!(
+            (block.amplitude - amplitude).abs() < 0.01 * amplitude,
+            "{} mm",
+            block.amplitude
+        );
+        assert!(
+            (block.frequency - frequency).abs() < 0.01 * frequency,
+            "{} Hz",
+            block.frequency
+        );
+        // The last cycle may lack the crossing that would end it.
+        assert!(
+            cycles as usize - block.cycles.len() <= 1,
+            "{} cycles",
+            block.cycles.len()
+        );
+    }
+    assert!(
+        (trajectory.cycles[7999] - 42.0).abs() < 0.05,
+        "{}",
+        trajectory.cycles[7999]
+    );
+}
+
+/// A triangle has a kink at every turn, and a constant velocity between.
+#[test]
+fn a_triangle_keeps_its_corners() {
+    let wave: Vec<f64> = (0..4000)
+        .map(|n| {
+            let turn = (n as f64 + 0.5) / 400.0;
+            0.4 * (2.0 * (turn - (turn + 0.5).floor())).abs() - 0.2
+        })
+        .collect();
+    let motion = trajectory(&noisy(&wave, 1e-4, 5)).motion;
+    assert!(motion.kinks.len() >= 18, "{} corners", motion.kinks.len());
+    let speed = 0.8 / (400.0 * TICK);
+    let wrong = (300..3700)
+        .filter(|&n| (motion.velocity[n].abs() - speed).abs() > 0.02 * speed)
+        .count();
+    assert!(wrong < 20, "{wrong} samples");
+}
+
+#[test]
+fn the_noise_is_read_off_the_samples() {
+    let (clean, _) = programme(&BLOCKS);
+    for deviation in [1e-5, 1e-4, 1e-3] {
+        let found = noise_deviation(&noisy(&clean, deviation, 9));
+        // A median of 8000 magnitudes of correlated differences: 3 %.
+        assert!(
+            (found - deviation).abs() < 0.05 * deviation,
+            "{found} for {deviation}"
+        );
+    }
+    assert!(noise_deviation(&clean) < 2e-6);
+}
+
+/// The same motion on a shifted and scaled axis has the same blocks: nothing depends on the unit or the zero.
+#[test]
+fn blocks_do_not_depend_on_the_axis() {
+    let (clean, _) = programme(&BLOCKS);
+    let recorded = noisy(&clean, 1e-4, 4);
+    let moved: Vec<f64> = recorded.iter().map(|y| 30.0 * y + 7.0).collect();
+    let spans =
+        |t: &Trajectory| -> Vec<_> { t.blocks.iter().map(|block| block.samples.clone()).collect() };
+    assert_eq!(spans(&trajectory(&recorded)), spans(&trajectory(&moved)));
+}

@@ -1,0 +1,38 @@
+//! The memory that reading takes, for which the process is this test's alone.
+#![cfg(target_os = "linux")]
+
+use std::fs;
+use std::io::Write as _;
+
+use mesh_damper_recording::Recording;
+
+/// The most memory that the process has had so far, bytes.
+fn most_memory() -> usize {
+    let status = fs::read_to_string("/proc/self/status").unwrap();
+    let line = status.lines().find_map(|line| line.strip_prefix("VmHWM:"));
+    let kibibytes = line.unwrap().trim().trim_end_matches(" kB");
+    1024 * kibibytes.parse::<usize>().unwrap()
+}
+
+/// What the default of the read limit is derived from: at most twelve bytes for each of the file, however short its rows are.
+#[test]
+fn is_in_proportion_to_the_file() {
+    let names: String = (0..1000).map(|n| format!(",c{n}")).collect();
+    let empty = ",".repeat(1000);
+    let at_first = most_memory();
+    for (names, empty, times) in [(&*names, &*empty, 1 << 13), ("", "", 1 << 21)] {
+        let file = tempfile::NamedTempFile::new().unwrap();
+        let mut to = std::io::BufWriter::new(&file);
+        writeln!(to, "time_s,displacement_mm,force_kN{names}").unwrap();
+        for _ in 0..times {
+            writeln!(to, "1,1,1{empty}\n2,2,2{empty}").unwrap();
+        }
+        drop(to);
+        // Read to the end, where time runs backwards.
+        let error = Recording::read(file.path()).unwrap_err().to_string();
+        assert!(error.contains("runs backwards"), "{error}");
+        let bytes = file.path().metadata().unwrap().len() as usize;
+        let taken = most_memory() - at_first;
+        assert!(taken < 12 * bytes, "{taken} bytes for {bytes}");
+    }
+}

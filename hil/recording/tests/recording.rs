@@ -1,0 +1,204 @@
+//! Recordings written and read again.
+
+use std::fs;
+use std::path::Path;
+
+use mesh_damper_recording::faults::{Channel, Fault, Kind};
+use mesh_damper_recording::{Recording, units};
+use proptest::prelude::*;
+
+fn unit_of(units: &[units::Unit], index: usize) -> &units::Unit {
+    &units[index % units.len()]
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(64))]
+
+    /// Whatever the units and the packing, what is read is what was written, to the nine digits that are written.
+    #[test]
+    fn comes_back_in_any_unit(
+        picks in prop::array::uniform4(0_usize..16),
+        gz: bool,
+        measured: bool,
+        channels in prop::collection::vec((-50.0..50.0, -10.0..10.0, -300.0..300.0, -40.0..90.0), 8..40),
+    ) {
+        let time: Vec<f64> = (0..channels.len()).map(|i| 12.0 + i as f64 * 0.002).collect();
+        let pick = |of: fn(&(f64, f64, f64, f64)) -> f64| channels.iter().map(of).collect::<Vec<f64>>();
+        let mut recording =
+            Recording::new("made", time, pick(|c| c.0), pick(|c| c.1)).unwrap().with_comment("specimen: x");
+        if measured {
+            recording = recording.with_velocity(pick(|c| c.2)).unwrap();
+            recording = recording.with_temperature(pick(|c| c.3)).unwrap();
+        }
+        recording.units.time = *unit_of(units::TIME, picks[0]);
+        recording.units.displacement = *unit_of(units::DISPLACEMENT, picks[1]);
+        recording.units.force = *unit_of(units::FORCE, picks[2]);
+        recording.units.velocity = *unit_of(units::VELOCITY, picks[3]);
+
+        let root = tempfile::tempdir().unwrap();
+        let path = root.path().join(if gz { "a.csv.gz" } else { "a.csv" });
+        let bytes = recording.to_file(&path);
+        fs::write(&path, &bytes).unwrap();
+        let read = Recording::read(&path).unwrap();
+        prop_assert_eq!(&read.comments, &recording.comments);
+        prop_assert_eq!(read.units.force, recording.units.force);
+        // Rounding to nine significant digits: at most half a unit of the ninth.
+        let close = |a: &[f64], b: &[f64]| a.iter().zip(b).all(|(a, b)| (a - b).abs() <= 5e-9 * a.abs() + 1e-300);
+        prop_assert!(close(&recording.time, &read.time));
+        prop_assert!(close(&recording.displacement, &read.displacement));
+        prop_assert!(close(&recording.force, &read.force));
+        prop_assert_eq!(read.velocity.is_some(), measured);
+        if measured {
+            prop_assert!(close(recording.velocity.as_ref().unwrap(), read.velocity.as_ref().unwrap()));
+            prop_assert!(close(recording.temperature.as_ref().unwrap(), read.temperature.as_ref().unwrap()));
+        }
+        // What was read is written as it was read.
+        prop_assert_eq!(read.to_file(&path), bytes);
+    }
+
+    /// Bytes of any kind are refused or read, and never end in a panic or in a message of two lines.
+    #[test]
+    fn any_bytes_are_refused_in_one_line(
+        head in prop::sample::select(vec![
+            "", "# c\n", "time_s,displacement_mm,force_kN\n", "time_s,force_N\n", "\u{1f}",
+        ]),
+        body in "[0-9.,eE+\\-\n\r #\"a-z]{0,200}",
+        tail in prop::collection::vec(any::<u8>(), 0..8),
+    ) {
+        let root = tempfile::tempdir().unwrap();
+        let path = root.path().join("a.csv");
+        fs::write(&path, [head.as_bytes(), body.as_bytes(), &tail].concat()).unwrap();
+        if let Err(error) = Recording::read(&path) {
+            prop_assert_eq!(error.to_string().lines().count(), 1);
+        }
+    }
+}
+
+#[test]
+fn each_unit_is_what_it_says() {
+    let root = tempfile::tempdir().unwrap();
+    let path = root.path().join("a.csv");
+    for (column, factor) in [
+        ("displacement_mm", 1.0),
+        ("displacement_m", 1e3),
+        ("displacement_um", 1e-3),
+        ("displacement_in", 25.4),
+    ] {
+        let rows: String = (0..8).map(|i| format!("{i},{i},{i}\n")).collect();
+        fs::write(
+            &path,
+            format!("\u{feff}time_ms,{column},force_kip\r\n{rows}"),
+        )
+        .unwrap();
+        let read = Recording::read(&path).unwrap();
+        assert_eq!(read.displacement[2], 2.0 * factor);
+        assert_eq!(read.time[3], 0.003);
+        assert!((read.force[1] - 4.448_221_615_260_5).abs() < 1e-12);
+        assert!((read.sample_period() - 0.001).abs() < 1e-15);
+    }
+}
+
+#[test]
+fn other_columns_are_kept_and_ignored() {
+    let root = tempfile::tempdir().unwrap();
+    let path = root.path().join("a.csv");
+    let rows: String = (0..8).map(|i| format!("x{i},{i},{i},,{i},{i}\n")).collect();
+    let text =
+        format!("label,time_s,displacement_mm,force_command_kN,force_N,velocity_mm/s\n{rows}");
+    fs::write(&path, &text).unwrap();
+    let read = Recording::read(&path).unwrap();
+    assert_eq!(read.force[7], 0.007);
+    assert_eq!(read.velocity.as_ref().unwrap()[7], 7.0);
+    assert_eq!(read.to_file(&path), text.as_bytes());
+}
+
+fn read(text: &str) -> Recording {
+    Recording::from_bytes("a.csv".as_ref(), text.into()).unwrap()
+}
+
+/// What fuzzing found: each of them came back as another recording once it was written.
+#[test]
+fn what_looks_like_a_comment_stays_what_it_is() {
+    let rows: String = (0..9).map(|n| format!("{n},0.{n},1,a\n")).collect();
+    let quoted_header = read(&format!(
+        "\"#time\",time_s,displacement_mm,force_kN\n{}",
+        rows.replace(",a", "")
+            .lines()
+            .map(|row| format!("x,{row}\n"))
+            .collect::<String>()
+    ));
+    let in_a_cell = read(&format!(
+        "# device: rig\ntime_s,displacement_mm,force_kN,note\n{}",
+        rows.replacen(",a\n", ",\"a\n# specimen: none\"\n", 1)
+    ));
+    assert_eq!(in_a_cell.comments, ["device: rig"]);
+    let lone_return = read(&format!(
+        "# speci\rmen\ntime_s,displacement_mm,force_kN,note\n{rows}"
+    ));
+    assert_eq!(lone_return.comments, ["speci men"]);
+    for recording in [quoted_header, in_a_cell, lone_return] {
+        let bytes = recording.to_file("a.csv".as_ref());
+        assert_eq!(
+            Recording::from_bytes("a.csv".as_ref(), bytes).unwrap(),
+            recording
+        );
+    }
+}
+
+#[test]
+fn a_row_that_is_written_twice_is_read_once() {
+    let row = |index: usize| format!("{},{},{}\n", 0.01 * index as f64, index % 7, index % 5);
+    let rows = |twice: &[usize]| -> String {
+        let each = (0..60).map(|index| row(index).repeat(1 + usize::from(twice.contains(&index))));
+        each.collect()
+    };
+    let header = "time_s,displacement_mm,force_kN\n";
+    let clean = read(&format!("{header}{}", rows(&[])));
+    assert!(clean.faults().is_empty());
+    let spoilt = read(&format!("{header}{}", rows(&[0, 20, 59])));
+    assert_eq!(spoilt.time, clean.time);
+    assert_eq!(spoilt.force, clean.force);
+    let fault = Fault {
+        channel: Channel::Time,
+        kind: Kind::Repeated { samples: 3 },
+    };
+    assert_eq!(spoilt.faults(), [fault]);
+    let written = spoilt.to_file(Path::new("test.csv"));
+    let text = String::from_utf8(written).unwrap();
+    assert_eq!(read(&text).time, clean.time);
+}
+
+/// What a logger writes where it has no sample: an empty cell, or NaN. The rows are as if they were not there.
+#[test]
+fn a_cell_without_a_number_is_a_missing_sample() {
+    let row = |i: i32| {
+        format!(
+            "{:.3},{:.4},{:.4}",
+            0.01 * f64::from(i),
+            (0.1 * f64::from(i)).sin(),
+            0.2
+        )
+    };
+    let text =
+        |rows: Vec<String>| format!("time_s,displacement_mm,force_kN\n{}\n", rows.join("\n"));
+    let read = |text: String| Recording::from_bytes("a.csv".as_ref(), text.into()).unwrap();
+    let with = text(
+        (0..200)
+            .map(|i| match i {
+                50..54 => format!("{:.3},,0.2", 0.01 * f64::from(i)),
+                120 => "1.200,0.5,NaN".into(),
+                _ => row(i),
+            })
+            .collect(),
+    );
+    let without = text(
+        (0..200)
+            .filter(|i| !(50..54).contains(i) && *i != 120)
+            .map(row)
+            .collect(),
+    );
+    let (with, without) = (read(with), read(without));
+    assert_eq!(with.time, without.time);
+    assert_eq!(with.displacement, without.displacement);
+    assert_eq!(with.gaps(), [(49, 4), (115, 1)]);
+}

@@ -1,0 +1,95 @@
+//! Tests as blocks of sines, their ideal motion in closed form, and the one that a drawn specimen is put through.
+//!
+//! It stands beside the paper's equations since it needs nothing else: the simulated rig moves specimens by it, and a trace
+//! plans with it the test that would tell candidates apart, and neither has to know of the other.
+
+use std::f64::consts::TAU;
+
+use serde::Serialize;
+
+/// Whole cycles of a sine that starts rising through 0.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct Block {
+    /// mm.
+    pub amplitude: f64,
+    /// Hz.
+    pub frequency: f64,
+    /// How many.
+    pub cycles: u32,
+}
+
+const fn block(amplitude: f64, frequency: f64, cycles: u32) -> Block {
+    Block {
+        amplitude,
+        frequency,
+        cycles,
+    }
+}
+
+/// 22 s that tell all nine effects apart.
+///
+/// Amplitude against frequency separates rate-dependent effects from rate-independent ones. Every amplitude but one
+/// returns later in the test, so that what changes with time can't pass for a dependence on amplitude.
+pub const PROTOCOL: [Block; 8] = [
+    block(0.10, 1.0, 4),
+    block(0.20, 5.0, 8),
+    block(0.05, 1.0, 4),
+    block(0.15, 2.0, 8),
+    block(0.10, 10.0, 12),
+    block(0.20, 1.0, 4),
+    block(0.05, 5.0, 8),
+    block(0.10, 5.0, 8),
+];
+
+/// A moment of a motion.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Motion {
+    /// s.
+    pub time: f64,
+    /// mm.
+    pub displacement: f64,
+    /// mm/s.
+    pub velocity: f64,
+    /// mm/s².
+    pub acceleration: f64,
+}
+
+/// The ideal motion of `blocks`, `rate` times a second.
+///
+/// Over the first half cycle of a block the amplitude goes from the previous block's (0 at first) to its own as
+/// 3s² − 2s³. Displacement never jumps; velocity does where the frequency changes.
+pub fn motion(blocks: &[Block], rate: f64) -> Vec<Motion> {
+    let mut all = Vec::new();
+    let mut start = 0.0;
+    let mut previous = 0.0;
+    for block in blocks {
+        let end = start + f64::from(block.cycles) / block.frequency;
+        let change = block.amplitude - previous;
+        let omega = TAU * block.frequency;
+        while (all.len() as f64) / rate < end - 0.5 / rate {
+            let time = all.len() as f64 / rate;
+            let slope = 2.0 * block.frequency;
+            let s = (time - start) * slope;
+            let (amplitude, rising, bending) = if s < 1.0 {
+                (
+                    previous + change * s * s * (3.0 - 2.0 * s),
+                    change * slope * 6.0 * s * (1.0 - s),
+                    change * slope * slope * (6.0 - 12.0 * s),
+                )
+            } else {
+                (block.amplitude, 0.0, 0.0)
+            };
+            let (sin, cos) = (omega * (time - start)).sin_cos();
+            all.push(Motion {
+                time,
+                displacement: amplitude * sin,
+                velocity: amplitude * omega * cos + rising * sin,
+                acceleration: (bending - amplitude * omega * omega) * sin
+                    + 2.0 * rising * omega * cos,
+            });
+        }
+        start = end;
+        previous = block.amplitude;
+    }
+    all
+}

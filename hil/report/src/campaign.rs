@@ -1,0 +1,123 @@
+//! What the fault campaign came to, as SVG: how soon faults were found, and how well slow changes were followed.
+
+use mesh_damper_rig::faults::{Changing, Outcome, SlowOutcome, Summary};
+use plotters::prelude::*;
+use plotters::style::text_anchor::{HPos, Pos, VPos};
+
+use super::charts::{self, AFTER, Area, BEFORE, Drawn, FINE, FONT, INK, MEASURED};
+
+/// A name, and the marks beside it: what each is of, by its place in the legend, and where it stands.
+type Row = (String, Vec<(usize, f64)>);
+
+/// Cycles from a fault to its name, one row to a kind and size, one mark to a trial.
+pub fn found(summary: &Summary) -> String {
+    let mark = |one: &Outcome| Some((usize::from(!one.right), one.cycles?));
+    let rows = summary.kinds.iter().map(|kind| {
+        let these = summary
+            .outcomes
+            .iter()
+            .filter(|one| one.trial.kind == kind.kind && one.trial.size == kind.size);
+        let mut marks: Vec<_> = these.filter_map(mark).collect();
+        // What is named otherwise is few and must not be hidden.
+        marks.sort_by_key(|(of, _)| *of);
+        (format!("{:?} {}", kind.kind, kind.size), marks)
+    });
+    picture(
+        &rows.collect::<Vec<Row>>(),
+        &["named for what it is", "named otherwise"],
+        "cycles from the fault to its name",
+    )
+}
+
+/// The law's error before a slow change and after it, one row to a change.
+pub fn followed(slow: &[SlowOutcome]) -> String {
+    let rows = slow.iter().map(|one| {
+        let what = match one.change.changing {
+            Changing::Force => "force",
+            Changing::Friction => "friction",
+        };
+        let change = &one.change;
+        let name = format!(
+            "{what} {:+.0} %, {} g/cm³, {} mm",
+            100.0 * change.size,
+            change.density,
+            change.amplitude
+        );
+        let errors = [one.followed.error, one.stayed.error, one.before];
+        (
+            name,
+            errors
+                .map(|error| 100.0 * error)
+                .into_iter()
+                .enumerate()
+                .collect(),
+        )
+    });
+    picture(
+        &rows.collect::<Vec<Row>>(),
+        &[
+            "after it, a law that follows",
+            "a law that stays",
+            "before the change",
+        ],
+        "RMS of the law's error, % of that of the measured force",
+    )
+}
+
+fn picture(rows: &[Row], legend: &[&str], x_desc: &str) -> String {
+    let most = rows
+        .iter()
+        .flat_map(|(_, marks)| marks)
+        .fold(1.0, |most, (_, x)| f64::max(most, *x));
+    charts::draw(&charts::TALL, |area| {
+        let font = FINE * charts::TALL.font();
+        let text = || (FONT, font).into_font().color(&INK);
+        let mut chart = ChartBuilder::on(area)
+            .margin(font)
+            .margin_top(3 * font)
+            .x_label_area_size(3 * font)
+            .y_label_area_size(17 * font)
+            .build_cartesian_2d(-0.1..1.05 * most, -(rows.len() as f64)..0.0)?;
+        chart
+            .configure_mesh()
+            .disable_y_axis()
+            .disable_y_mesh()
+            .x_desc(x_desc)
+            .label_style(text())
+            .axis_desc_style(text())
+            .draw()?;
+        let (left, top) = chart.plotting_area().map_coordinate(&(0.0, 0.0));
+        let line = top - font as i32;
+        let wide = ((charts::TALL.size.0 * FINE - font) as i32 - left) / legend.len() as i32;
+        for (of, what) in legend.iter().enumerate() {
+            let at = left + of as i32 * wide;
+            mark(area, of, (at, line))?;
+            let beside = text().pos(Pos::new(HPos::Left, VPos::Center));
+            area.draw(&Text::new(*what, (at + font as i32, line), beside))?;
+        }
+        for (row, (name, marks)) in rows.iter().enumerate() {
+            let place = |x: f64| {
+                let middle = -(row as f64) - 0.5;
+                chart.plotting_area().map_coordinate(&(x, middle))
+            };
+            for &(of, x) in marks {
+                mark(area, of, place(x))?;
+            }
+            let right = text().pos(Pos::new(HPos::Right, VPos::Center));
+            let name = Text::new(name.as_str(), (17 * font as i32, place(0.0).1), right);
+            area.draw(&name)?;
+        }
+        Ok(())
+    })
+}
+
+/// The first of a legend, the second, and the third.
+fn mark(area: &Area<'_>, of: usize, at: (i32, i32)) -> Drawn {
+    let size = 3 * FINE as i32;
+    match of {
+        0 => area.draw(&Circle::new(at, size, AFTER.mix(0.4).filled())),
+        1 => area.draw(&Cross::new(at, size, BEFORE.stroke_width(2 * FINE))),
+        _ => area.draw(&Circle::new(at, size, MEASURED.stroke_width(FINE))),
+    }?;
+    Ok(())
+}

@@ -1,0 +1,100 @@
+//! `report.html`: what a trace found, or what became of the paper, in one file that opens anywhere and prints.
+//!
+//! Pictures are SVG within the page; nothing is loaded from elsewhere.
+//!
+//! | module | for |
+//! |---|---|
+//! | the root | [`render`]: the report of a trace; [`loop_picture`]: one loop of it |
+//! | [`mod@paper`] | the report of the paper's claims |
+//! | [`campaign`], [`characterization`], [`curves`] | pictures of the fault campaign, of a characterization, of any curves |
+//! | [`text`] | numbers, names and verdicts in words |
+//!
+//! ```
+//! use mesh_damper_report::curves::{Curve, panels};
+//!
+//! let curve = Curve { name: "a spring", points: vec![(-0.1, -0.8), (0.1, 0.8)] };
+//! let svg = panels(&[("1 Hz".into(), vec![curve])], ("displacement, mm", "force, kN"));
+//! assert!(svg.starts_with("<svg"));
+//! ```
+
+#![forbid(unsafe_code)]
+
+pub mod campaign;
+pub mod characterization;
+mod charts;
+pub mod curves;
+mod evidence;
+mod from_trace;
+mod page;
+pub mod paper;
+mod plots;
+mod reasoning;
+mod residual;
+pub mod text;
+
+use std::ops::Range;
+
+use mesh_damper_identify::trace::result::TraceResult;
+
+pub use page::render;
+
+/// What a report is made from.
+#[derive(Clone, Debug, PartialEq)]
+pub struct ReportData {
+    /// The page's title.
+    pub title: String,
+    /// What else is to be known of the test, as pairs of a name and a text, such as the effect that a demonstration
+    /// hid.
+    pub facts: Vec<(String, String)>,
+    /// What was found.
+    pub result: TraceResult,
+    /// The recordings, those held out included.
+    pub series: Vec<Series>,
+}
+
+/// One recording with the forces that the law gave before and after.
+///
+/// All channels have as many samples as `time`.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Series {
+    /// The recording's name.
+    pub name: String,
+    /// s
+    pub time: Vec<f64>,
+    /// mm
+    pub displacement: Vec<f64>,
+    /// mm/s
+    pub velocity: Vec<f64>,
+    /// Measured, kN.
+    pub force: Vec<f64>,
+    /// The law alone, kN.
+    pub before: Vec<f64>,
+    /// The law with what was found, kN.
+    pub after: Vec<f64>,
+    /// Whether the force was measured, and not left out for a fault of a channel.
+    pub measured: Vec<bool>,
+    /// Its blocks in order; none where no cycle was found.
+    pub blocks: Vec<SeriesBlock>,
+}
+
+/// Cycles of like amplitude and frequency.
+#[derive(Clone, Debug, PartialEq)]
+pub struct SeriesBlock {
+    /// The samples of one representative cycle, with the next one's first where the block goes on: the loop that is
+    /// drawn.
+    pub cycle: Range<usize>,
+    /// mm
+    pub amplitude: f64,
+    /// Hz
+    pub frequency: f64,
+    /// Whether that cycle was never fitted.
+    pub held_out: bool,
+}
+
+/// The loop of one block, measured and before and after, as an SVG file of its own.
+pub fn loop_picture(series: &Series, block: &SeriesBlock) -> String {
+    charts::loop_chart(series, block, &charts::STANDALONE)
+}
+
+#[cfg(test)]
+mod tests;

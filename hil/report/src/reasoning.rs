@@ -1,0 +1,252 @@
+//! The page's way from what was given to what is left, in numbered steps that a reader can follow.
+
+use maud::{Markup, PreEscaped, html};
+use mesh_damper_identify::trace::result::{Candidate, TraceResult, Verdict};
+
+use super::charts;
+use super::evidence;
+use super::residual::{Autocorrelation, Law, Map};
+use super::{ReportData, text};
+
+/// What eq 13 leaves and what is left in the end, side by side in every map and spectrum.
+pub struct Evidence {
+    before: Map,
+    after: Map,
+    /// Of both maps, kN.
+    scale: f64,
+    white_after: Option<Autocorrelation>,
+    white_before: Option<Autocorrelation>,
+}
+
+impl Evidence {
+    /// Of all recordings, those held out included.
+    pub fn of(data: &ReportData) -> Self {
+        let before = Map::of(&data.series, Law::Before);
+        Self {
+            scale: before.scale().max(f64::MIN_POSITIVE),
+            before,
+            after: Map::of(&data.series, Law::After),
+            white_after: Autocorrelation::of(&data.series, Law::After),
+            white_before: Autocorrelation::of(&data.series, Law::Before),
+        }
+    }
+
+    /// What the law alone leaves.
+    pub fn before(&self, data: &ReportData) -> Markup {
+        let result = &data.result;
+        let error = result.baseline.nrmse_held_out;
+        html! {
+            h2 { "2. What the mixed damping law leaves" }
+            p {
+                "Fitted as well as it can be, the law leaves " (text::percent(error)) " of the force's RMS on what was \
+                 never fitted; the noise of the recording is " (text::percent(result.noise_floor_nrmse)) ". "
+                @if error <= 2.0 * result.noise_floor_nrmse { "There is hardly more than noise in it." }
+                @else {
+                    "That is " (text::number(error / result.noise_floor_nrmse)) " times the noise: something is missing. "
+                    "Where the map has a colour, the measured force is above (red) or below (blue) the law's every time \
+                     that the motion comes there; noise would leave it pale."
+                }
+                @if let Some(found) = &self.white_before { " " (whiteness(found)) }
+            }
+            div.pair {
+                figure {
+                    figcaption { "mean force left, over displacement and velocity" }
+                    (PreEscaped(evidence::map_chart(&self.before, self.scale, &charts::HALF)))
+                }
+                figure {
+                    figcaption { "spectrum of the force left" }
+                    (PreEscaped(evidence::spectrum_chart(&data.series, false, &charts::HALF)))
+                }
+            }
+        }
+    }
+
+    /// What is left with what was found.
+    pub fn after(&self, data: &ReportData) -> Markup {
+        let result = &data.result;
+        html! {
+            h2 { "5. What is left" }
+            @if result.augmented.nrmse_held_out == result.baseline.nrmse_held_out {
+                p { "Nothing was added, so what is left is what the law leaves." }
+            } @else {
+                p {
+                    "With what was found, " (text::percent(result.augmented.nrmse_held_out))
+                    " is left on what was never fitted, "
+                    (text::number(result.augmented.nrmse_held_out / result.noise_floor_nrmse))
+                    " times the noise. The colours are those of step 2, on the same scale."
+                }
+            }
+            div.pair {
+                figure {
+                    figcaption { "mean force left, over displacement and velocity" }
+                    (PreEscaped(evidence::map_chart(&self.after, self.scale, &charts::HALF)))
+                }
+                figure {
+                    figcaption { "spectrum of the force left, before (orange) and after (blue)" }
+                    (PreEscaped(evidence::spectrum_chart(&data.series, true, &charts::HALF)))
+                }
+            }
+            @if let Some(found) = &self.white_after {
+                figure {
+                    figcaption { "autocorrelation of the force left; white noise keeps to the grey band nineteen times in twenty" }
+                    (PreEscaped(evidence::autocorrelation_chart(found, &charts::WIDE)))
+                }
+                p { (whiteness(found)) }
+            }
+        }
+    }
+}
+
+/// The test of whiteness in a sentence.
+fn whiteness(found: &Autocorrelation) -> Markup {
+    html! {
+        "Whiteness over " (found.tested) " lags: Ljung–Box sum " (text::number(found.ljung_box)) " where white noise has "
+        (found.tested) " ± " (text::number((2.0 * found.tested as f64).sqrt())) " — "
+        @if found.is_white() { strong { "white" } ", nothing more can be found in it." }
+        @else { strong { "not white" } ", each sample still foretells the next ones." }
+    }
+}
+
+/// Steps of the search with their candidates as bars.
+pub fn tried(result: &TraceResult) -> Markup {
+    let steps = result.candidates.chunk_by(|a, b| a.step == b.step);
+    html! {
+        h2 { "3. What was tried" }
+        @if result.candidates.is_empty() {
+            p { "Nothing: the law leaves no more than the noise." }
+        } @else {
+            p {
+                "Each step adds to the law what the steps before had found, and tries every family of effects beside it. The \
+                 bars are errors on cycles kept apart for judging, none of which was fitted; the dotted line is the noise. Each \
+                 family is shown at its best: fitted where it promised most, else as a fit would begin, as are all beside a law \
+                 that is near the noise. A bar twice as long as most is cut. A step without a clear gain adds \
+                 nothing and ends the search."
+            }
+            div.key {
+                span { i.swatch.stood {} "before the step" }
+                span { i.swatch.won {} "added" }
+                span { i.swatch.rival {} "not told apart from the best" }
+                span { i.swatch {} "worse" }
+                span { i.swatch.refused {} "no passive effect" }
+            }
+            @for step in steps { (bars(step, result)) }
+        }
+    }
+}
+
+/// One step.
+fn bars(step: &[Candidate], result: &TraceResult) -> Markup {
+    let number = step[0].step;
+    // What stood before the step, judged likewise; the first step's is the law alone.
+    let before: Vec<&Candidate> = result
+        .candidates
+        .iter()
+        .filter(|c| c.added && c.step < number)
+        .collect();
+    let reference = before.last().map(|candidate| candidate.nrmse_judged);
+    let shown = best_of_families(step);
+    let largest = longest_bar(&shown, reference);
+    let width = |error: f64| format!("width:{:.2}%", 100.0 * (error / largest).clamp(0.0, 1.0));
+    let noise = format!(
+        "left:{:.2}%",
+        100.0 * (result.noise_floor_nrmse / largest).clamp(0.0, 1.0)
+    );
+    html! {
+        h3 {
+            "Step " (number) ": beside the law"
+            @for candidate in &before { " + " (text::name(&candidate.family)) }
+        }
+        div.bars {
+            @if let Some(reference) = reference {
+                div.name { "before the step" }
+                div.track { div.bar.stood style=(width(reference)) {} div.noise style=(noise) {} }
+                div.value { (text::percent(reference)) }
+            }
+            @for (place, candidate) in shown.iter().enumerate() {
+                @let class = if candidate.added { "bar won" } else if !candidate.admissible { "bar refused" }
+                    else if place == 0 || !candidate.distinguishable { "bar rival" } else { "bar" };
+                div.name title=(text::description(&candidate.family)) { (text::name(&candidate.family)) }
+                div.track { div class=(class) style=(width(candidate.nrmse_judged)) {} div.noise style=(noise) {} }
+                div.value { (text::percent(candidate.nrmse_judged)) }
+            }
+        }
+    }
+}
+
+/// The first of each family, as the search ranks them, and what was added.
+fn best_of_families(step: &[Candidate]) -> Vec<&Candidate> {
+    let first = |place: usize| {
+        let mut earlier = step[..place].iter();
+        earlier.all(|other| other.family != step[place].family)
+    };
+    (0..step.len())
+        .filter(|&place| first(place) || step[place].added)
+        .map(|place| &step[place])
+        .collect()
+}
+
+/// The error at the end of the bars' tracks: at most twice the median, lest one bad fit squeeze all others.
+fn longest_bar(shown: &[&Candidate], reference: Option<f64>) -> f64 {
+    let mut errors: Vec<f64> = shown
+        .iter()
+        .map(|candidate| candidate.nrmse_judged)
+        .filter(|error| error.is_finite())
+        .chain(reference)
+        .collect();
+    errors.sort_unstable_by(f64::total_cmp);
+    let median = errors.get(errors.len() / 2).copied().unwrap_or(0.0);
+    let largest = errors.last().copied().unwrap_or(0.0);
+    largest
+        .min((2.0 * median).max(reference.unwrap_or(0.0)))
+        .max(f64::MIN_POSITIVE)
+}
+
+/// What a step added and the law has no more.
+fn dropped(result: &TraceResult) -> Vec<String> {
+    let kept = |family: &str| result.effects.iter().any(|effect| effect.family == family);
+    let mut names: Vec<String> = result
+        .candidates
+        .iter()
+        .filter(|candidate| candidate.added && !kept(&candidate.family))
+        .map(|candidate| text::name(&candidate.family))
+        .collect();
+    names.sort_unstable();
+    names.dedup();
+    names
+}
+
+/// What was found, in words, and what would settle what is open.
+pub fn concluded(result: &TraceResult) -> Markup {
+    html! {
+        @match result.verdict {
+            Verdict::None => {
+                p {
+                    "Nothing: what the law alone leaves of the judging cycles is hardly more than the noise, or no family \
+                     leaves clearly less."
+                }
+            }
+            Verdict::Found => {}
+            Verdict::Ambiguous => {
+                p { "Any one of these explains the recordings; they cannot tell which it is." }
+            }
+            Verdict::Unlisted => {
+                p {
+                    "Something that is none of the families tried, or more of it than they explain"
+                    @if !result.effects.is_empty() { "; what mends most of it is below." }
+                    @else if result.correction.is_some() { "; a table without a name stands in for it." }
+                    @else { "." }
+                }
+            }
+        }
+        @let dropped = dropped(result);
+        @if !dropped.is_empty() {
+            p { "Added at a step, but not kept in the end: " (text::listed(&dropped)) "." }
+        }
+        @if !result.depends_on.is_empty() {
+            p { "What the law lacked depends on " strong { (text::listed(&result.depends_on)) } "." }
+        }
+        @if let Some(test) = &result.separating_test {
+            p.test { strong { "The test that would tell them apart: " } (test) }
+        }
+    }
+}

@@ -1,0 +1,227 @@
+//! The report of a made-up trace.
+
+use std::collections::BTreeMap;
+use std::f64::consts::TAU;
+
+use mesh_damper_identify::trace::result::{
+    Baseline, Candidate, Errors, Estimate, FoundEffect, LawEstimate, OnTarget, Verdict,
+};
+
+use super::*;
+
+/// Blocks of amplitude (mm) and frequency (Hz), six cycles each, with a slider that the law lacks.
+fn series(name: &str, blocks: &[(f64, f64)], held_out: bool) -> Series {
+    let mut made = Series {
+        name: name.into(),
+        ..Series::default()
+    };
+    let (mut time, mut stretch, mut previous) = (0.0, 0.0_f64, 0.0);
+    for &(amplitude, frequency) in blocks {
+        let start = made.time.len();
+        let count = (6.0 / frequency / 0.002) as usize;
+        for i in 0..count {
+            let phase = TAU * frequency * i as f64 * 0.002;
+            let (y, v) = (
+                amplitude * phase.sin(),
+                amplitude * TAU * frequency * phase.cos(),
+            );
+            stretch = (stretch + y - previous).clamp(-0.03, 0.03);
+            previous = y;
+            let law = 0.9 * y + 20.0 * y.powi(3) + 0.06 * v.abs().powf(0.3) * v.signum();
+            // Noise that is the same on every run.
+            let noise = 6e-4 * ((i * 7919 % 1000) as f64 / 500.0 - 1.0);
+            made.time.push(time);
+            made.displacement.push(y);
+            made.velocity.push(v);
+            made.force.push(law + 1.2 * stretch + noise);
+            made.before.push(1.15 * law);
+            made.after.push(law + 1.2 * stretch);
+            made.measured.push(true);
+            time += 0.002;
+        }
+        made.blocks.push(SeriesBlock {
+            cycle: start + count * 4 / 6..start + count * 5 / 6,
+            amplitude,
+            frequency,
+            held_out,
+        });
+    }
+    made
+}
+
+fn data() -> ReportData {
+    let estimate = |value: f64, unit: &str| Estimate {
+        value,
+        low: 0.97 * value,
+        high: 1.04 * value,
+        unit: unit.into(),
+    };
+    let parameters: BTreeMap<String, Estimate> = [
+        ("stiffness".to_owned(), estimate(1.2, "kN/mm")),
+        ("slip_limit".to_owned(), estimate(0.03, "mm")),
+    ]
+    .into();
+    let candidate = |family: &str, nrmse_held_out, distinguishable| Candidate {
+        family: family.into(),
+        nrmse_held_out,
+        distinguishable,
+        step: 1,
+        added: nrmse_held_out < 0.01,
+        admissible: true,
+        nrmse_judged: 1.02 * nrmse_held_out,
+    };
+    ReportData {
+        title: "Trace of ring-3.csv".into(),
+        facts: vec![("Specimen".into(), "ring <3>, 3.0 g/cm³".into())],
+        result: TraceResult {
+            recordings: vec!["ring-3.csv".into()],
+            held_out: vec!["tests/ring-3-held.csv".into()],
+            noise_floor_nrmse: 0.004,
+            baseline: Baseline {
+                law: "mixed_damping".into(),
+                nrmse_fitted: 0.0712,
+                nrmse_held_out: 0.0834,
+                staged: Some(Errors {
+                    nrmse_fitted: 0.1112,
+                    nrmse_held_out: 0.1234,
+                }),
+            },
+            law: vec![LawEstimate {
+                amplitude: 0.0,
+                k1: estimate(0.9, "kN/mm"),
+                k3: estimate(20.0, "kN/mm^3"),
+                c: estimate(0.06, "kN*(s/mm)^alpha"),
+                alpha: estimate(0.3, "1"),
+            }],
+            verdict: Verdict::Found,
+            effects: vec![FoundEffect {
+                family: "stick_slip".into(),
+                parameters,
+                nrmse_without: 0.0834,
+                nrmse_with: 0.00432,
+            }],
+            candidates: vec![
+                candidate("stick_slip", 0.00432, true),
+                candidate("relaxation", 0.0312, true),
+                candidate("viscous", 0.0733, true),
+            ],
+            separating_test: None,
+            depends_on: vec!["displacement".into(), "history".into()],
+            correction: None,
+            warnings: vec!["3 samples are missing after 4.2 s".into()],
+            augmented: Errors {
+                nrmse_fitted: 0.0041,
+                nrmse_held_out: 0.00432,
+            },
+            on_target: OnTarget {
+                nrmse_held_out: 0.00433,
+            },
+        },
+        series: vec![
+            series(
+                "ring-3.csv",
+                &[
+                    (0.05, 1.0),
+                    (0.05, 5.0),
+                    (0.1, 1.0),
+                    (0.1, 5.0),
+                    (0.2, 1.0),
+                    (0.2, 5.0),
+                    (0.15, 2.0),
+                ],
+                false,
+            ),
+            series("tests/ring-3-held.csv", &[(0.12, 3.0), (0.18, 1.5)], true),
+        ],
+    }
+}
+
+#[test]
+fn is_one_small_file_with_everything_in_it() {
+    let page = render(&data());
+    if let Ok(directory) = std::env::var("REPORT_PREVIEW") {
+        std::fs::write(std::path::Path::new(&directory).join("report.html"), &page).unwrap();
+        let series = &data().series[0];
+        let picture = loop_picture(series, &series.blocks[4]);
+        std::fs::write(std::path::Path::new(&directory).join("loop.svg"), picture).unwrap();
+    }
+    assert!(page.len() < 2_000_000, "{}", page.len());
+    for part in [
+        "Found: stick-slip",
+        "8.34 %",
+        "0.432 %",
+        "0.433 %",
+        "slip limit",
+        "0.0291 … 0.0312",
+        "3 samples are missing",
+        "ring &lt;3&gt;",
+        "displacement, mm",
+        "velocity, mm/s",
+        "0.12",
+        "relaxation",
+    ] {
+        assert!(page.contains(part), "{part}");
+    }
+    // Nothing is fetched, and nothing is run.
+    for foreign in ["http://", "https://", "<script", "<link", "@import"] {
+        let own = page.replace("http://www.w3.org/2000/svg", "");
+        assert!(!own.contains(foreign), "{foreign}");
+    }
+    // Nine loops; two maps, two spectra, an autocorrelation, the force over time; and the swatches of two keys.
+    assert_eq!(page.matches("<svg").count(), 9 + 6 + 3 + 2);
+    // Top to bottom as one would argue.
+    let steps = [
+        "1. What was given",
+        "2. What the",
+        "3. What was tried",
+        "4. What was found",
+        "5. What is left",
+        "6. Error",
+    ];
+    let places = steps.map(|step| page.find(step).unwrap());
+    assert!(places.is_sorted());
+    assert!(page.contains("not white"));
+    assert_eq!(page.matches("bar won").count(), 1);
+}
+
+#[test]
+fn a_step_shows_each_family_at_its_best_and_cuts_the_bar_of_a_bad_fit() {
+    let mut data = data();
+    let mut again = data.result.candidates[1].clone();
+    again.nrmse_judged = 0.0444;
+    data.result.candidates.push(again);
+    data.result.candidates[2].nrmse_judged = 10.0;
+    let page = render(&data);
+    let steps = page.find("3. What was tried").unwrap()..page.find("4. What was found").unwrap();
+    assert_eq!(page[steps.clone()].matches("relaxation").count(), 1);
+    // Of the three shown the median is relaxation's, and twice that is the track's end.
+    assert!(page[steps.clone()].contains("class=\"bar\" style=\"width:50.00%\""));
+    assert!(page[steps].contains("class=\"bar\" style=\"width:100.00%\""));
+}
+
+#[test]
+fn a_long_test_is_thinned() {
+    let mut data = data();
+    let block = [(0.2, 0.05); 30];
+    data.series = vec![
+        series("long.csv", &block, false),
+        series("held.csv", &block, true),
+    ];
+    assert!(data.series[0].time.len() > 1_000_000);
+    assert!(render(&data).len() < 2_000_000);
+}
+
+#[test]
+fn nothing_found_and_nothing_recorded_still_make_a_page() {
+    let mut data = data();
+    data.series = vec![Series::default()];
+    data.result.effects.clear();
+    data.result.verdict = Verdict::None;
+    assert!(render(&data).contains("Nothing is missing"));
+    data.result.verdict = Verdict::Unlisted;
+    assert!(render(&data).contains("Nothing was added"));
+    assert!(render(&data).contains("not kept in the end: stick-slip."));
+    data.result.verdict = Verdict::Ambiguous;
+    data.result.separating_test = Some("a ramp and hold".into());
+    assert!(render(&data).contains("a ramp and hold"));
+}

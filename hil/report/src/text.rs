@@ -1,0 +1,230 @@
+//! Numbers and verdicts in plain words.
+
+use mesh_damper_identify::trace::result::{TraceResult, Verdict};
+
+/// `value` to three significant digits, with an exponent only where it is very large or very small.
+pub fn number(value: f64) -> String {
+    if value == 0.0 {
+        return "0".into();
+    }
+    if !value.is_finite() {
+        return "—".into();
+    }
+    let magnitude = value.abs().log10().floor();
+    if !(-4.0..6.0).contains(&magnitude) {
+        return format!("{value:.2e}").replace('-', "−");
+    }
+    let decimals = (2.0 - magnitude).max(0.0) as usize;
+    format!("{value:.decimals$}").replace('-', "−")
+}
+
+/// What was set rather than measured: without zeros at its end, and rounded to two digits where that changes it by less
+/// than half a per cent.
+pub fn nominal(value: f64) -> String {
+    let two_digits: f64 = format!("{value:.1e}").parse().unwrap_or(value);
+    let close = (two_digits - value).abs() < 5e-3 * value.abs();
+    let text = number(if close { two_digits } else { value });
+    if text.contains('e') || !text.contains('.') {
+        return text;
+    }
+    text.trim_end_matches('0').trim_end_matches('.').to_owned()
+}
+
+/// The ends of an interval and the value in it, with as many decimals as tell them apart.
+pub fn interval(low: f64, value: f64, high: f64) -> [String; 3] {
+    let width = high - low;
+    let decimals = 1.0 - width.log10().floor();
+    let largest = low.abs().max(high.abs());
+    if !(0.0..=9.0).contains(&decimals) || !(1e-4..1e6).contains(&largest) {
+        return [low, value, high].map(number);
+    }
+    let decimals = decimals as usize;
+    [low, value, high].map(|value| format!("{value:.decimals$}").replace('-', "−"))
+}
+
+/// An NRMSE as a percentage.
+pub fn percent(fraction: f64) -> String {
+    if fraction.is_finite() {
+        format!("{} %", number(100.0 * fraction))
+    } else {
+        "—".into()
+    }
+}
+
+/// A unit as a reader writes it: kN·s/mm, kN/mm².
+pub fn unit(unit: &str) -> String {
+    match unit {
+        // A pure number says what it is by its name.
+        "1" => String::new(),
+        other => other
+            .replace('*', "·")
+            .replace("^2", "²")
+            .replace("^3", "³")
+            .replace("^5", "⁵")
+            .replace("degC", "°C"),
+    }
+}
+
+/// `stick_slip` as `stick-slip`; several joined by `+` or `, ` as they are.
+pub fn name(family: &str) -> String {
+    family.replace('_', "-")
+}
+
+/// What a family is.
+pub fn description(family: &str) -> &'static str {
+    match family {
+        "offset" => "a constant force, such as a preload or a load cell that was not zeroed",
+        "asymmetry" => "a stiffness that differs between push and pull",
+        "hardening" => "a stiffness that rises above the cubic at large displacement",
+        "stop" => "a contact on one side of the travel",
+        "gap" => "play: a dead zone in which nothing is touched",
+        "stick_slip" => {
+            "friction that first stretches elastically and then slides, whatever the speed"
+        }
+        "viscous" => "a force in proportion to velocity",
+        "relaxation" => "springs and dashpots in series: a force that fades when motion stops",
+        "inertia" => "a moving mass",
+        "delay" => "a time shift between the force and displacement channels",
+        "compliance" => "a spring in series, such as the fixture's",
+        "drift" => {
+            "a stiffness or a friction, or each in its own way, that settles from cycle to cycle"
+        }
+        "temperature" => "a force that changes with temperature",
+        "periodic" => "tones of fixed frequency",
+        _ => "an effect without a name",
+    }
+}
+
+/// The verdict in a heading and a sentence.
+pub fn verdict(result: &TraceResult) -> (String, String) {
+    let named: Vec<String> = result.effects.iter().map(|e| name(&e.family)).collect();
+    let change = format!(
+        "The error of the force on data that was never fitted goes from {} to {} of the force's RMS \
+         ({} with the embedded f32 law); the noise of the recording is {}.",
+        percent(result.baseline.nrmse_held_out),
+        percent(result.augmented.nrmse_held_out),
+        percent(result.on_target.nrmse_held_out),
+        percent(result.noise_floor_nrmse),
+    );
+    match result.verdict {
+        Verdict::None => (
+            "Nothing is missing".into(),
+            format!(
+                "The mixed damping law explains the recordings: its error on data that was never fitted is {} of \
+                 the force's RMS, and the noise of the recording is {}.",
+                percent(result.baseline.nrmse_held_out),
+                percent(result.noise_floor_nrmse)
+            ),
+        ),
+        Verdict::Found => {
+            let what: Vec<String> = result
+                .effects
+                .iter()
+                .map(|e| format!("{} is {}", name(&e.family), description(&e.family)))
+                .collect();
+            (
+                format!("Found: {}", named.join(" and ")),
+                format!("{}. {change}", capitalised(&what.join("; "))),
+            )
+        }
+        Verdict::Ambiguous => (
+            format!("Ambiguous: {}", named.join(" or ")),
+            format!("The recordings cannot tell these apart. {change}"),
+        ),
+        Verdict::Unlisted if result.correction.is_some() => (
+            "An effect that is not on the list".into(),
+            format!(
+                "The law lacks something that none of the effects tried explains. {} {change}",
+                correction(&named, &result.depends_on)
+            ),
+        ),
+        Verdict::Unlisted if result.effects.is_empty() => (
+            "An effect that is not on the list".into(),
+            "The law lacks something, and none of the effects tried explains any of it. Nothing was added.".into(),
+        ),
+        Verdict::Unlisted => (
+            "An effect that is not on the list".into(),
+            format!(
+                "None of the effects tried explains most of what the law lacks. The nearest, {}, was added. {change}",
+                named.join(" and ")
+            ),
+        ),
+    }
+}
+
+/// What was fitted where no effect has a name for all of it.
+fn correction(named: &[String], depends_on: &[String]) -> String {
+    let beside = match named {
+        [] => String::new(),
+        _ => format!(" beside {}", listed(named)),
+    };
+    let over = match depends_on {
+        [] => String::new(),
+        _ => format!("; it depends on {}", listed(depends_on)),
+    };
+    format!("A correction that has no name, a table, was fitted to it{beside}{over}.")
+}
+
+/// `a, b and c`.
+pub fn listed(words: &[String]) -> String {
+    match words {
+        [] => "nothing that was recorded".into(),
+        [one] => one.clone(),
+        [first @ .., last] => format!("{} and {last}", first.join(", ")),
+    }
+}
+
+fn capitalised(text: &str) -> String {
+    let mut characters = text.chars();
+    characters.next().map_or_else(String::new, |first| {
+        first.to_uppercase().chain(characters).collect()
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn numbers_have_three_digits() {
+        assert_eq!(number(0.0), "0");
+        assert_eq!(number(0.012345), "0.0123");
+        assert_eq!(number(-12.345), "−12.3");
+        assert_eq!(number(1234.5), "1234");
+        assert_eq!(number(1.5e-7), "1.50e−7");
+        assert_eq!(number(f64::NAN), "—");
+        assert_eq!(nominal(0.05), "0.05");
+        assert_eq!(nominal(0.049_93), "0.05");
+        assert_eq!(nominal(0.125), "0.125");
+        assert_eq!(nominal(200.0), "200");
+        assert_eq!(
+            interval(0.029_971, 0.029_987, 0.030_003),
+            ["0.029971", "0.029987", "0.030003"]
+        );
+        assert_eq!(interval(-3.0, 20.0, 43.0), ["−3", "20", "43"]);
+        assert_eq!(percent(0.00412), "0.412 %");
+        assert_eq!(unit("kN/mm^2"), "kN/mm²");
+    }
+
+    #[test]
+    fn a_correction_is_told_with_the_effects_that_stay_beside_it() {
+        let words = |words: &[&str]| {
+            words
+                .iter()
+                .map(|&word| word.to_owned())
+                .collect::<Vec<_>>()
+        };
+        assert_eq!(
+            correction(
+                &words(&["stick-slip", "offset"]),
+                &words(&["displacement", "velocity"])
+            ),
+            "A correction that has no name, a table, was fitted to it beside stick-slip and offset; it depends on \
+             displacement and velocity."
+        );
+        assert_eq!(
+            correction(&[], &[]),
+            "A correction that has no name, a table, was fitted to it."
+        );
+    }
+}

@@ -1,0 +1,78 @@
+//! A specimen that can be damaged while it is tested, settles after its start and changes with the temperature.
+
+use std::cell::Cell;
+use std::rc::Rc;
+
+use mesh_damper_reference::law::Coefficients;
+use mesh_damper_reference::tables;
+
+use crate::specimen::{DamperForce, REFERENCE_TEMPERATURE};
+
+/// What state a specimen is in.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Condition {
+    /// Part of the elastic force that is there.
+    pub stiffness: f64,
+    /// Part of the friction that is there.
+    pub friction: f64,
+    /// Half width of the gap that has opened, mm. In it there is no friction either.
+    pub gap: f64,
+    /// kN.
+    pub preload: f64,
+    /// °C.
+    pub temperature: f64,
+    /// Part of the force that it loses for each degree beyond 20 °C, 1/°C.
+    pub warm_loss: f64,
+}
+
+impl Condition {
+    /// Whole, at the reference temperature.
+    pub const NEW: Self = Self {
+        stiffness: 1.0,
+        friction: 1.0,
+        gap: 0.0,
+        preload: 0.0,
+        temperature: REFERENCE_TEMPERATURE,
+        warm_loss: 0.0,
+    };
+}
+
+/// Eq 13 in a condition that whoever holds the other end of `condition` sets.
+#[derive(Clone, Debug)]
+pub struct Damaged {
+    coefficients: Coefficients,
+    condition: Rc<Cell<Condition>>,
+}
+
+impl Damaged {
+    /// A specimen with the paper's coefficients at `density` g/cm³ and `amplitude` mm, and its condition.
+    pub fn new(density: f64, amplitude: f64) -> (Self, Rc<Cell<Condition>>) {
+        let condition = Rc::new(Cell::new(Condition::NEW));
+        let specimen = Self {
+            coefficients: tables::interpolate(density, amplitude),
+            condition: condition.clone(),
+        };
+        (specimen, condition)
+    }
+
+    /// Of its eq 13 while whole.
+    pub fn coefficients(&self) -> Coefficients {
+        self.coefficients
+    }
+}
+
+impl DamperForce for Damaged {
+    fn force(&mut self, _: f64, y: f64, v: f64, _: f64, _: f64) -> f64 {
+        let now = self.condition.get();
+        let felt = y - y.clamp(-now.gap, now.gap);
+        let moving = if now.gap > 0.0 && felt == 0.0 { 0.0 } else { v };
+        let elastic = self.coefficients.force(felt, 0.0);
+        let friction = self.coefficients.force(felt, moving) - elastic;
+        let warm = 1.0 - now.warm_loss * (now.temperature - REFERENCE_TEMPERATURE);
+        warm * (now.stiffness * elastic + now.friction * friction) + now.preload
+    }
+
+    fn temperature(&self) -> f64 {
+        self.condition.get().temperature
+    }
+}

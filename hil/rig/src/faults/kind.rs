@@ -1,0 +1,225 @@
+//! The kinds of faults, how they are put into the rig, and what they should be called.
+
+use std::cell::Cell;
+use std::f64::consts::TAU;
+
+use mesh_damper::health::{Cause, Channel};
+use serde::Serialize;
+
+use super::damage::{Condition, Damaged};
+use crate::Plant;
+use crate::actuator::{SensorFault, ServoFault};
+
+/// What is faulty.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Group {
+    /// Found within five cycles.
+    Specimen,
+    /// Found within one cycle.
+    Sensor,
+    /// Found within one cycle.
+    Actuator,
+}
+
+impl Group {
+    /// Cycles within which its faults are to be found.
+    pub fn cycles(self) -> f64 {
+        match self {
+            Self::Specimen => 5.0,
+            Self::Sensor | Self::Actuator => 1.0,
+        }
+    }
+}
+
+/// A kind of fault. What its size is stands at [`Kind::sizes`].
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord, Serialize)]
+#[serde(rename_all = "snake_case")]
+#[expect(
+    missing_docs,
+    reason = "each is named as the cause that is expected of it"
+)]
+pub enum Kind {
+    WireBreakage,
+    FrictionWear,
+    Loosening,
+    PreloadShift,
+    DisplacementStuck,
+    ForceStuck,
+    DisplacementDroppedOut,
+    ForceDroppedOut,
+    DisplacementOpen,
+    ForceOpen,
+    DisplacementClipped,
+    ForceClipped,
+    DisplacementSpiking,
+    ForceSpiking,
+    DisplacementDrifting,
+    ForceDrifting,
+    ActuatorSaturated,
+    ActuatorLagging,
+    ActuatorDead,
+}
+
+/// What a drift has come to where it counts as a fault, part of the amplitude.
+const DRIFTED: f64 = 0.05;
+/// Ticks from one spike to the next: a prime, so that they come at every place of a cycle.
+const SPIKES_EVERY: u64 = 337;
+
+impl Kind {
+    /// All of them.
+    pub const ALL: [Self; 19] = [
+        Self::WireBreakage,
+        Self::FrictionWear,
+        Self::Loosening,
+        Self::PreloadShift,
+        Self::DisplacementStuck,
+        Self::ForceStuck,
+        Self::DisplacementDroppedOut,
+        Self::ForceDroppedOut,
+        Self::DisplacementOpen,
+        Self::ForceOpen,
+        Self::DisplacementClipped,
+        Self::ForceClipped,
+        Self::DisplacementSpiking,
+        Self::ForceSpiking,
+        Self::DisplacementDrifting,
+        Self::ForceDrifting,
+        Self::ActuatorSaturated,
+        Self::ActuatorLagging,
+        Self::ActuatorDead,
+    ];
+
+    /// Sizes that are tried: the part of force, or of friction, that is gone; a gap's half width over the amplitude; a preload,
+    /// a spike, or a drift in one cycle, over the amplitude of its channel; the level at which a channel is cut off over that;
+    /// the largest speed over the one demanded; a lag in rad. 1 where there is nothing to size.
+    pub fn sizes(self) -> &'static [f64] {
+        match self {
+            Self::WireBreakage | Self::FrictionWear => &[0.05, 0.1, 0.2],
+            Self::Loosening => &[0.05, 0.1, 0.2],
+            Self::PreloadShift => &[0.05, 0.1, 0.2],
+            Self::DisplacementSpiking | Self::ForceSpiking => &[0.2, 0.5],
+            Self::DisplacementDrifting | Self::ForceDrifting => &[0.002, 0.004, 0.008],
+            Self::DisplacementClipped | Self::ForceClipped => &[0.85, 0.7],
+            Self::ActuatorSaturated => &[0.7, 0.5],
+            Self::ActuatorLagging => &[0.1, 0.2, 0.3],
+            _ => &[1.0],
+        }
+    }
+
+    /// What it is a fault of.
+    pub fn group(self) -> Group {
+        match self {
+            Self::WireBreakage | Self::FrictionWear | Self::Loosening | Self::PreloadShift => {
+                Group::Specimen
+            }
+            Self::ActuatorSaturated | Self::ActuatorLagging | Self::ActuatorDead => Group::Actuator,
+            _ => Group::Sensor,
+        }
+    }
+
+    /// What it should be called.
+    pub fn cause(self) -> Cause {
+        let (displacement, force) = (Channel::Displacement, Channel::Force);
+        match self {
+            Self::WireBreakage => Cause::WireBreakage,
+            Self::FrictionWear => Cause::FrictionWear,
+            Self::Loosening => Cause::Loosening,
+            Self::PreloadShift => Cause::PreloadShift,
+            Self::DisplacementStuck => Cause::SensorStuck(displacement),
+            Self::ForceStuck => Cause::SensorStuck(force),
+            Self::DisplacementDroppedOut => Cause::SensorDroppedOut(displacement),
+            Self::ForceDroppedOut => Cause::SensorDroppedOut(force),
+            Self::DisplacementOpen | Self::DisplacementClipped => {
+                Cause::SensorClipped(displacement)
+            }
+            Self::ForceOpen | Self::ForceClipped => Cause::SensorClipped(force),
+            Self::DisplacementSpiking => Cause::SensorSpiking(displacement),
+            Self::ForceSpiking => Cause::SensorSpiking(force),
+            Self::DisplacementDrifting => Cause::SensorDrifting(displacement),
+            Self::ForceDrifting => Cause::SensorDrifting(force),
+            Self::ActuatorSaturated => Cause::ActuatorSaturated,
+            Self::ActuatorLagging => Cause::ActuatorLagging,
+            Self::ActuatorDead => Cause::ActuatorDead,
+        }
+    }
+
+    /// Cycles from its beginning until it counts as there: a drift has to come to 5 % of the amplitude.
+    pub fn lead(self, size: f64) -> f64 {
+        match self {
+            Self::DisplacementDrifting | Self::ForceDrifting => DRIFTED / size,
+            _ => 0.0,
+        }
+    }
+
+    /// Puts it into `plant`, whose specimen moves by ±`amplitude` mm at `frequency` Hz and gives ±`force` kN.
+    pub(super) fn inject(
+        self,
+        size: f64,
+        plant: &mut Plant<Damaged>,
+        condition: &Cell<Condition>,
+        motion: &Motion,
+    ) {
+        let Motion {
+            amplitude,
+            frequency,
+            force,
+            tick,
+        } = *motion;
+        let damaged = |change: &dyn Fn(&mut Condition)| {
+            let mut now = condition.get();
+            change(&mut now);
+            condition.set(now);
+        };
+        let channel_fault = |range: f64| match self {
+            Self::DisplacementStuck | Self::ForceStuck => SensorFault::Stuck,
+            Self::DisplacementDroppedOut | Self::ForceDroppedOut => SensorFault::DroppedOut,
+            Self::DisplacementOpen | Self::ForceOpen => SensorFault::Open,
+            Self::DisplacementClipped | Self::ForceClipped => SensorFault::Clipped(size * range),
+            Self::DisplacementSpiking | Self::ForceSpiking => SensorFault::Spiking {
+                size: size * range,
+                every: SPIKES_EVERY,
+            },
+            _ => SensorFault::Drifting(size * range * frequency * tick),
+        };
+        match self {
+            Self::WireBreakage => damaged(&|now| {
+                now.stiffness *= 1.0 - size;
+                now.friction *= 1.0 - size;
+            }),
+            Self::FrictionWear => damaged(&|now| now.friction *= 1.0 - size),
+            Self::Loosening => damaged(&|now| now.gap = size * amplitude),
+            Self::PreloadShift => damaged(&|now| now.preload += size * force),
+            Self::ActuatorDead => plant.servo.fault = ServoFault::Dead,
+            Self::ActuatorSaturated => {
+                plant.servo.fault = ServoFault::Saturated(size * TAU * frequency * amplitude);
+            }
+            Self::ActuatorLagging => {
+                let steps = size / (TAU * frequency * tick);
+                plant.servo.fault = ServoFault::Lagging(steps.round() as usize);
+            }
+            Self::DisplacementStuck
+            | Self::DisplacementDroppedOut
+            | Self::DisplacementOpen
+            | Self::DisplacementClipped
+            | Self::DisplacementSpiking
+            | Self::DisplacementDrifting => {
+                plant.displacement_sensor.fault = channel_fault(amplitude);
+            }
+            _ => plant.force_sensor.fault = channel_fault(force),
+        }
+    }
+}
+
+/// What a healthy rig does.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Motion {
+    /// mm.
+    pub(super) amplitude: f64,
+    /// Hz.
+    pub(super) frequency: f64,
+    /// Largest force, kN.
+    pub(super) force: f64,
+    /// s.
+    pub(super) tick: f64,
+}

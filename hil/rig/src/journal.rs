@@ -1,0 +1,95 @@
+//! What a run under way has recorded so far, as a file.
+//!
+//! However the run ends, even if it is killed, what is in the file is a recording up to its last whole row. It goes away once
+//! the recording itself has been written.
+
+use std::fs::{self, File};
+use std::io::Write as _;
+use std::path::{Path, PathBuf};
+
+use mesh_damper_recording::error::InputError;
+use mesh_damper_recording::{UNFINISHED, decimal};
+
+use super::run::Samples;
+
+/// A file that grows with a run, next to where its recording will be.
+#[derive(Debug)]
+pub struct Journal {
+    path: PathBuf,
+    comments: Vec<String>,
+    /// There is none before the first sample, so that a run that does not begin leaves nothing.
+    file: Option<File>,
+    written: usize,
+}
+
+impl Journal {
+    /// `recording.partial.csv` in `directory`, which is there, with these comments; nothing is written yet.
+    pub fn new(directory: &Path, comments: Vec<String>) -> Self {
+        Self {
+            path: Self::path_in(directory),
+            comments,
+            file: None,
+            written: 0,
+        }
+    }
+
+    /// Where it is for a run that leaves its recording in `directory`.
+    pub fn path_in(directory: &Path) -> PathBuf {
+        directory.join("recording.partial.csv")
+    }
+
+    /// Where it is.
+    pub fn path(&self) -> &Path {
+        &self.path
+    }
+
+    /// Writes those of `samples` that it has not written yet.
+    ///
+    /// # Errors
+    /// The file and why it cannot be written. What was written before stays.
+    pub fn write(&mut self, samples: &Samples) -> Result<(), InputError> {
+        if samples.len() == self.written {
+            return Ok(());
+        }
+        let mut text = String::new();
+        if self.file.is_none() {
+            // New, so that it takes nothing's place, nor follows a link.
+            let made = File::create_new(&self.path);
+            self.file = Some(made.map_err(|error| InputError::io(&self.path, "write", &error))?);
+            for comment in &self.comments {
+                text += &format!("# {}\n", comment.replace(['\n', '\r'], " "));
+            }
+            text += &format!("# {UNFINISHED}: the run was under way\n");
+            text += "time_s,displacement_mm,force_kN,temperature_degC\n";
+        }
+        for index in self.written..samples.len() {
+            let cells = [
+                &samples.time,
+                &samples.displacement,
+                &samples.force,
+                &samples.temperature,
+            ];
+            text += &cells.map(|channel| decimal(channel[index])).join(",");
+            text.push('\n');
+        }
+        if let Some(file) = &mut self.file {
+            file.write_all(text.as_bytes())
+                .map_err(|error| InputError::io(&self.path, "write", &error))?;
+        }
+        self.written = samples.len();
+        Ok(())
+    }
+
+    /// Whether there is a file with anything in it.
+    pub fn has_begun(&self) -> bool {
+        self.written > 0
+    }
+
+    /// The recording is there: removes the file.
+    pub fn remove(self) {
+        if self.file.is_some() {
+            // Whoever removed it before wanted the same.
+            let _ = fs::remove_file(&self.path);
+        }
+    }
+}

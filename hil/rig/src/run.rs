@@ -1,0 +1,263 @@
+//! A whole programme on the bench, recorded.
+
+use mesh_damper::health::Event;
+use mesh_damper::law::Law;
+use mesh_damper::rig::{CycleReport, Fault, State, Telemetry};
+use mesh_damper_recording::Recording;
+use mesh_damper_recording::error::InputError;
+
+use super::bench::{Bench, RigSetup, SetupError};
+use super::plant::Plant;
+use crate::specimen::DamperForce;
+
+/// What was recorded, one element per sample.
+///
+/// A sample is one tick's values, not a mean over the ticks since the last: c·|v|^α is too steep at a reversal to
+/// average, and what the rig has above half of the recording rate is white noise, which keeps its size when it is
+/// sampled less often.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Samples {
+    /// s since the start.
+    pub time: Vec<f64>,
+    /// Measured, mm.
+    pub displacement: Vec<f64>,
+    /// Measured, kN.
+    pub force: Vec<f64>,
+    /// Observed by the crate, mm/s.
+    pub velocity: Vec<f64>,
+    /// Of the crate's law, kN.
+    pub model_force: Vec<f64>,
+    /// To the actuator, mm.
+    pub command: Vec<f64>,
+    /// Of the specimen, °C.
+    pub temperature: Vec<f64>,
+    /// Block of the programme.
+    pub block: Vec<usize>,
+    /// Cycles completed.
+    pub cycle: Vec<u32>,
+    /// In a ramp.
+    pub ramp: Vec<bool>,
+}
+
+impl Samples {
+    fn push(&mut self, telemetry: &Telemetry, time: f64, temperature: f64) {
+        self.time.push(time);
+        self.displacement.push(telemetry.displacement.into());
+        self.force.push(telemetry.measured_force.into());
+        self.velocity.push(telemetry.velocity.into());
+        self.model_force.push(telemetry.model_force.into());
+        self.command.push(telemetry.command.into());
+        self.temperature.push(temperature);
+        self.block.push(telemetry.block);
+        self.cycle.push(telemetry.cycle);
+        self.ramp.push(telemetry.ramp);
+    }
+
+    /// Number of samples.
+    pub fn len(&self) -> usize {
+        self.time.len()
+    }
+
+    /// Whether there is none.
+    pub fn is_empty(&self) -> bool {
+        self.time.is_empty()
+    }
+}
+
+/// A test that ran.
+#[derive(Clone, Debug, PartialEq)]
+pub struct RigRun {
+    /// Every `record_every`-th tick.
+    pub samples: Samples,
+    /// Every cycle, ramps included.
+    pub cycles: Vec<CycleReport>,
+    /// When the rig stopped for what, s; none after a test that ran to its end.
+    pub faults: Vec<(f64, Fault)>,
+    /// When the monitor named what, s.
+    pub events: Vec<(f64, Event)>,
+    /// Ticks run.
+    pub ticks: u64,
+}
+
+impl RigRun {
+    /// The steady cycles of one block.
+    pub fn steady_cycles(&self, block: usize) -> impl Iterator<Item = &CycleReport> {
+        self.cycles
+            .iter()
+            .filter(move |cycle| cycle.block == block && !cycle.ramp)
+    }
+
+    /// Motion, force and temperature, as any other recording. The crate's velocity is not among them: it is an estimate
+    /// made without knowing what comes next, and whoever has the whole recording makes a better one.
+    ///
+    /// # Errors
+    /// A run that stopped before it moved.
+    pub fn recording(&self, name: impl Into<String>) -> Result<Recording, InputError> {
+        let samples = &self.samples;
+        Recording::new(
+            name,
+            samples.time.clone(),
+            samples.displacement.clone(),
+            samples.force.clone(),
+        )?
+        .with_temperature(samples.temperature.clone())
+    }
+}
+
+/// Who is told how a run goes on; any `FnMut(f64)` is, of the time alone.
+pub trait Watch {
+    /// Now and then, and at the end however it ends: which part of the programme's time has passed, and what was recorded.
+    ///
+    /// # Errors
+    /// What the run shall end with.
+    fn see(&mut self, part: f64, samples: &Samples) -> Result<(), InputError>;
+}
+
+impl<F: FnMut(f64)> Watch for F {
+    fn see(&mut self, part: f64, _: &Samples) -> Result<(), InputError> {
+        self(part);
+        Ok(())
+    }
+}
+
+/// A rig with what it works on, wherever its controller runs.
+pub trait Controlled<S> {
+    /// What it works on.
+    fn plant(&self) -> &Plant<S>;
+    /// Likewise, to have any of it fail.
+    fn plant_mut(&mut self) -> &mut Plant<S>;
+    /// Begins the programme.
+    ///
+    /// # Errors
+    /// Those of the link to an image; never in this process.
+    fn start(&mut self) -> Result<(), SetupError>;
+    /// One tick of the controller and of the plant.
+    ///
+    /// # Errors
+    /// As [`Controlled::start`].
+    fn tick(&mut self) -> Result<Telemetry, SetupError>;
+    /// Level of the enable line after the last tick.
+    fn is_enabled(&self) -> bool;
+    /// Eq 13's coefficients from the next end of a cycle on.
+    ///
+    /// # Errors
+    /// As [`Controlled::start`].
+    fn set_law(&mut self, law: Law<f32>) -> Result<(), SetupError>;
+}
+
+/// Runs the programme of `setup` to its end, or to the standstill after a fault, with the controller in this process.
+///
+/// # Errors
+/// What one of the parts refuses, or what `watch` ends it with.
+pub fn run_rig<S: DamperForce + Clone, const B: usize, const N: usize>(
+    setup: RigSetup<S, B, N>,
+    watch: impl Watch,
+) -> Result<RigRun, SetupError> {
+    let plan = Plan::of(&setup);
+    run_controlled(&mut Bench::new(setup)?, &plan, watch)
+}
+
+/// What a run needs to know beside the rig.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Plan {
+    tick_rate: f64,
+    duration: f64,
+    record_every: u64,
+    block_laws: Vec<Law<f32>>,
+}
+
+impl Plan {
+    /// What the run of `setup` needs.
+    pub fn of<S, const B: usize, const N: usize>(setup: &RigSetup<S, B, N>) -> Self {
+        Self {
+            tick_rate: setup.programme.tick_rate(),
+            duration: setup.programme.duration(),
+            record_every: setup.record_every.max(1),
+            block_laws: setup.block_laws.clone(),
+        }
+    }
+}
+
+/// Samples for which there is room from the start; more are made room for as they come.
+const MOST_RESERVED: usize = 1 << 20;
+
+/// Runs `plan`'s programme as [`run_rig`] does, on a rig that is wired up already, wherever its controller runs.
+///
+/// # Errors
+/// As [`run_rig`], and those of the link to the controller.
+pub fn run_controlled<S: DamperForce + Clone>(
+    rig: &mut impl Controlled<S>,
+    plan: &Plan,
+    mut watch: impl Watch,
+) -> Result<RigRun, SetupError> {
+    let samples = (plan.duration * plan.tick_rate / plan.record_every as f64) as usize + 16;
+    let capacity = samples.min(MOST_RESERVED);
+    let mut run = RigRun {
+        samples: Samples::default(),
+        cycles: Vec::new(),
+        faults: Vec::new(),
+        events: Vec::new(),
+        ticks: 0,
+    };
+    for column in [
+        &mut run.samples.time,
+        &mut run.samples.displacement,
+        &mut run.samples.force,
+        &mut run.samples.velocity,
+        &mut run.samples.model_force,
+        &mut run.samples.command,
+        &mut run.samples.temperature,
+    ] {
+        column.reserve(capacity);
+    }
+    let ended = run_to_its_end(rig, plan, &mut run, &mut watch);
+    // Who could not go on watching is not asked again.
+    if !matches!(ended, Err(SetupError::Watch(_))) {
+        watch.see(1.0, &run.samples)?;
+    }
+    ended.map(|()| run)
+}
+
+fn run_to_its_end<S: DamperForce + Clone>(
+    rig: &mut impl Controlled<S>,
+    plan: &Plan,
+    run: &mut RigRun,
+    watch: &mut impl Watch,
+) -> Result<(), SetupError> {
+    rig.start()?;
+    let report_every = (plan.tick_rate / 2.0) as u64 + 1;
+    let mut block = None;
+    loop {
+        let time = rig.plant().servo.time();
+        let telemetry = rig.tick()?;
+        if run.ticks.is_multiple_of(plan.record_every) {
+            run.samples
+                .push(&telemetry, time, rig.plant().temperature());
+        }
+        if run.ticks.is_multiple_of(report_every) {
+            watch.see((time / plan.duration).min(1.0), &run.samples)?;
+        }
+        run.ticks += 1;
+        run.cycles.extend(telemetry.report);
+        run.events
+            .extend(telemetry.event.map(|event| (time, event)));
+        if block != Some(telemetry.block) {
+            block = Some(telemetry.block);
+            if let Some(law) = plan.block_laws.get(telemetry.block) {
+                rig.set_law(*law)?;
+            }
+        }
+        match telemetry.state {
+            State::Running => {}
+            State::Faulted(fault) => {
+                if run.faults.is_empty() {
+                    run.faults.push((time, fault));
+                }
+                if telemetry.command == 0.0 {
+                    return Ok(());
+                }
+            }
+            State::Idle | State::Done => return Ok(()),
+        }
+    }
+}

@@ -1,0 +1,111 @@
+//! The whole tick in plain C, on newlib: built by whoever has the compiler.
+
+use std::fmt::Write as _;
+use std::path::{Path, PathBuf};
+use std::process::{Command, Stdio};
+
+use mesh_damper_recording::error::InputError;
+
+use super::suite::{power, tick};
+
+const COMPILER: &str = "arm-none-eabi-gcc";
+const FLAGS: [&str; 9] = [
+    "-O3",
+    "-mcpu=cortex-m4",
+    "-mthumb",
+    "-mfloat-abi=hard",
+    "-mfpu=fpv4-sp-d16",
+    // Not plain C11, in which a multiplication and an addition may not be one instruction.
+    "-std=gnu11",
+    "-Wall",
+    "-Wextra",
+    "-Werror",
+];
+
+/// The compiler's name and version, its library's, and with which options it compiles; `None` where it or the library is
+/// missing.
+pub fn compiler() -> Option<String> {
+    let said = |arguments: &[&str]| {
+        let mut command = Command::new(COMPILER);
+        let output = command.args(arguments).stdin(Stdio::null()).output().ok()?;
+        Some(String::from_utf8_lossy(&output.stdout).into_owned())
+    };
+    let version = said(&["--version"])?;
+    let macros = said(&["-E", "-dM", "-include", "newlib.h", "-x", "c", "/dev/null"])?;
+    let newlib = macros
+        .lines()
+        .find_map(|line| line.strip_prefix("#define _NEWLIB_VERSION "))?;
+    Some(format!(
+        "{}, newlib {}, {}",
+        version.lines().next()?,
+        newlib.trim_matches('"'),
+        FLAGS[..6].join(" ")
+    ))
+}
+
+/// Builds the image in `directory`. It counts over the same inputs as the image in Rust.
+///
+/// # Errors
+/// No compiler, no C library for it, or what the compiler says.
+pub fn build(directory: &Path) -> Result<PathBuf, InputError> {
+    let mend = "apt-get install gcc-arm-none-eabi libnewlib-arm-none-eabi (or your system's packages of them)";
+    let failed = |problem: String| InputError::new("the peer in C", problem, mend);
+    let header = directory.join("inputs.h");
+    std::fs::write(&header, inputs()).map_err(|error| InputError::io(&header, "write", &error))?;
+    let here = Path::new(env!("CARGO_MANIFEST_DIR"));
+    let elf = directory.join("peer.elf");
+    let output = Command::new(COMPILER)
+        .args(FLAGS)
+        .arg("-nostartfiles")
+        .arg("-I")
+        .arg(directory)
+        .arg("-L")
+        .arg(here.join("../../boards/mps2-an386"))
+        .arg("-T")
+        .arg(here.join("bench/peer.ld"))
+        .arg(here.join("bench/peer.c"))
+        .arg("-lm")
+        .arg("-o")
+        .arg(&elf)
+        .stdin(Stdio::null())
+        .output()
+        .map_err(|error| failed(format!("{COMPILER} does not start: {error}")))?;
+    if output.status.success() {
+        Ok(elf)
+    } else {
+        let text = String::from_utf8_lossy(&output.stderr);
+        Err(failed(format!("{COMPILER} fails: {}", text.trim())))
+    }
+}
+
+/// The inputs as a header.
+fn inputs() -> String {
+    let mut laws = String::new();
+    for (amplitude, law) in tick::laws() {
+        // Rust's shortest decimal that reads back as the same float is C's too; writing to a string does not fail.
+        let _ = write!(
+            laws,
+            "{{{amplitude:?}f, {:?}f, {:?}f, {:?}f, {:?}f}}, ",
+            law.k1(),
+            law.k3(),
+            law.c(),
+            law.alpha()
+        );
+    }
+    let alphas = power::ALPHAS.map(|alpha| format!("{alpha:?}f"));
+    let step = tick::FREQUENCY / tick::TICK_RATE * 2_f64.powi(32);
+    let lines = [
+        format!("ALPHAS {}", alphas.join(", ")),
+        format!("VELOCITIES {}u", power::VELOCITIES),
+        format!("VELOCITY_LOW {}u", power::LOWEST.to_bits()),
+        format!("VELOCITY_HIGH {}u", power::HIGHEST.to_bits()),
+        format!("LAWS {laws}"),
+        format!("STEP {}u", step as u32),
+        format!(
+            "ANGULAR {:?}f",
+            (std::f64::consts::TAU * tick::FREQUENCY) as f32
+        ),
+        format!("TICKS {}u", tick::NAIVE_TICKS),
+    ];
+    lines.map(|line| format!("#define {line}\n")).concat()
+}

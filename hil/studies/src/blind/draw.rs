@@ -1,0 +1,323 @@
+//! Trials by seed.
+
+use mesh_damper_recording::Recording;
+use mesh_damper_reference::protocol::Block;
+use mesh_damper_rig::specimen::{HiddenEffect, Unlisted};
+use rand::seq::{IndexedRandom, SliceRandom};
+use rand::{Rng, RngExt, SeedableRng};
+use rand_chacha::ChaCha8Rng;
+use serde::Serialize;
+
+use super::absorbed::left_by_eq13;
+use super::families::{LISTED, UNLISTED, Unsized, effect, largest_amplitude, log_uniform};
+use super::programme::{self, Programme, Shape};
+use super::test_rig::{Sensors, Truth, answer, record};
+
+/// Seeds of a group, in which each class has its fixed share.
+pub const GROUP: u64 = 50;
+/// Of a group: nothing hidden, one listed effect, two of them; the rest is unlisted.
+const NONE: usize = 10;
+const SINGLE: usize = LISTED;
+const PAIRS: usize = 9;
+
+/// What is left by eq 13 of an effect that stands alone, over the force's noise.
+const SIZES: (f64, f64) = (1.0, 50.0);
+/// The same of each effect of a pair.
+const SIZES_IN_PAIR: (f64, f64) = (3.0, 50.0);
+/// RMS of an effect's force is at most this part of that of eq 13.
+const LARGEST_SHARE: f64 = 0.6;
+/// The size may miss the one drawn by this factor.
+const MISS: f64 = 1.15;
+/// Trials of a size before another is drawn.
+const SIZINGS: usize = 8;
+/// Times a second at which sizes are computed.
+const SIZING_RATE: f64 = 500.0;
+/// Times a second that the specimen is called at least.
+const TRUTH_RATE: f64 = 4000.0;
+
+/// What the tracer should say.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Class {
+    /// Nothing is hidden.
+    None,
+    /// One listed effect.
+    Listed,
+    /// Two listed effects.
+    Pair,
+    /// One that no tracer has a name for.
+    Unlisted,
+}
+
+/// An effect and how much it matters.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct Sized {
+    /// The effect.
+    pub effect: HiddenEffect,
+    /// RMS of its force in the training test over that of the noise.
+    pub size: f64,
+    /// RMS of what eq 13, fitted at each amplitude by itself, leaves of it, over that of the noise.
+    pub visible: f64,
+}
+
+/// What is hidden in a trial.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Secret {
+    /// That drew it.
+    pub seed: u64,
+    /// What the tracer should say.
+    pub class: Class,
+    /// g/cm³.
+    pub density: f64,
+    /// What is hidden.
+    pub effects: Vec<Sized>,
+    /// The tests.
+    pub programme: Programme,
+    /// Samples a second.
+    pub rate: f64,
+    /// RMS of the force's noise over that of the force.
+    pub noise: f64,
+    /// Whether the chamber warms though nothing depends on it.
+    pub warms: bool,
+}
+
+impl Secret {
+    /// The families, or kinds of the unlisted.
+    pub fn families(&self) -> Vec<&'static str> {
+        self.effects.iter().map(|e| e.effect.family()).collect()
+    }
+
+    /// The least visible of the effects; infinite where there is none.
+    pub fn visible(&self) -> f64 {
+        self.effects
+            .iter()
+            .fold(f64::INFINITY, |least, e| least.min(e.visible))
+    }
+}
+
+/// Two recordings and what is hidden in them.
+#[derive(Clone, Debug)]
+pub struct Trial {
+    /// What the tracer must not see.
+    pub secret: Secret,
+    /// To be fitted.
+    pub training: Recording,
+    /// To be predicted.
+    pub held_out: Recording,
+    /// RMS of the held-out force's noise over that of its force.
+    pub held_out_noise: f64,
+}
+
+/// The trial of `seed`: the same for the same seed.
+///
+/// Of 50 seeds 50n…50n + 49, 10 hide nothing, 18 a listed effect, 9 two, and 13 an unlisted one, in an order drawn for
+/// the 50. The density is between 2 and 4 g/cm³, the noise of the force 0.2–3 % of its RMS and most often 0.4 %, the
+/// rate mostly 1 kHz. An effect's size is drawn evenly over the logarithm of what eq 13 cannot absorb of it, 1–50 times
+/// the noise (3–50 in pairs), and drawn again with all else where no specimen or no test could have it.
+pub fn draw(seed: u64) -> Trial {
+    let mut rng = ChaCha8Rng::seed_from_u64(seed);
+    let (class, number) = class(seed);
+    loop {
+        if let Some(secret) = secret(seed, class, number, &mut rng) {
+            return trial(secret, &mut rng);
+        }
+    }
+}
+
+/// The class of `seed` and its number among those of its class.
+fn class(seed: u64) -> (Class, usize) {
+    let group = (seed / GROUP) as usize;
+    let mut places: [usize; GROUP as usize] = std::array::from_fn(|i| i);
+    places.shuffle(&mut ChaCha8Rng::seed_from_u64(seed / GROUP));
+    let place = places[(seed % GROUP) as usize];
+    let others = GROUP as usize - NONE - SINGLE - PAIRS;
+    if place < NONE {
+        (Class::None, group * NONE + place)
+    } else if place < NONE + SINGLE {
+        (Class::Listed, group * SINGLE + place - NONE)
+    } else if place < NONE + SINGLE + PAIRS {
+        (Class::Pair, group * PAIRS + place - NONE - SINGLE)
+    } else {
+        let place = place - NONE - SINGLE - PAIRS;
+        (Class::Unlisted, group * others + place)
+    }
+}
+
+/// A secret of its class, if what is drawn is possible.
+fn secret(seed: u64, class: Class, number: usize, rng: &mut impl Rng) -> Option<Secret> {
+    let (shape, effects) = hidden(class, number, rng)?;
+    let programme = programme::draw(shape, rng);
+    let largest = largest_amplitude(&programme.training);
+    let mut secret = Secret {
+        seed,
+        class,
+        density: rng.random_range(2.0..4.0),
+        effects: Vec::new(),
+        rate: *[1000.0, 1000.0, 1000.0, 500.0, 500.0, 2000.0].choose(rng)?,
+        noise: if rng.random_bool(0.6) {
+            0.004
+        } else {
+            log_uniform(0.002, 0.03, rng)
+        },
+        warms: rng.random_bool(0.1),
+        programme,
+    };
+    let law = answer(
+        secret.density,
+        &[],
+        &secret.programme.training,
+        SIZING_RATE,
+        SIZING_RATE,
+    );
+    let sizes = if class == Class::Pair {
+        SIZES_IN_PAIR
+    } else {
+        SIZES
+    };
+    for which in effects {
+        let drawn = effect(which, largest, rng);
+        let wanted = log_uniform(sizes.0, sizes.1, rng);
+        let sized = size(&secret, &law, &drawn, wanted)?;
+        secret.effects.push(sized);
+    }
+    Some(secret)
+}
+
+/// Which effects, and the shape of a test that shows all of them.
+fn hidden(class: Class, number: usize, rng: &mut impl Rng) -> Option<(Shape, Vec<usize>)> {
+    const ALL: [Shape; 4] = [
+        Shape::Amplitudes,
+        Shape::Frequencies,
+        Shape::Long,
+        Shape::Single,
+    ];
+    let effects = match class {
+        Class::None => return Some((ALL[number % ALL.len()], Vec::new())),
+        Class::Listed => vec![number % LISTED],
+        Class::Pair => vec![rng.random_range(0..LISTED), rng.random_range(0..LISTED)],
+        Class::Unlisted => vec![LISTED + number % UNLISTED],
+    };
+    // Neither shapes nor the family's name depend on what is drawn within it.
+    let examples: Vec<Unsized> = effects
+        .iter()
+        .map(|&which| effect(which, 1.0, rng))
+        .collect();
+    let mut shapes = examples[0].shapes.to_vec();
+    if let [a, b] = examples[..] {
+        if a.effect.family() == b.effect.family() {
+            return None;
+        }
+        shapes.retain(|shape| b.shapes.contains(shape) && *shape != Shape::Single);
+    }
+    Some((*shapes.choose(rng)?, effects))
+}
+
+/// The effect scaled until what eq 13 leaves of it is `wanted` times the noise; none where it would have to be larger
+/// than one can be.
+fn size(secret: &Secret, law: &Truth, drawn: &Unsized, wanted: f64) -> Option<Sized> {
+    let law_rms = rms(&law.force);
+    let noise = secret.noise * law_rms;
+    let mut factor = drawn.factors.0.max(1e-3);
+    for _ in 0..SIZINGS {
+        let effect = drawn.effect.scaled(factor);
+        let truth = answer(
+            secret.density,
+            &[effect],
+            &secret.programme.training,
+            SIZING_RATE,
+            SIZING_RATE,
+        );
+        let beyond: Vec<f64> = (truth.force.iter().zip(&law.force))
+            .map(|(force, law)| force - law)
+            .collect();
+        let added = rms(&beyond);
+        let visible = left_by_eq13(&truth, &secret.programme.training) / noise;
+        if visible > wanted / MISS && visible < wanted * MISS {
+            return (added <= LARGEST_SHARE * law_rms).then_some(Sized {
+                effect,
+                size: added / noise,
+                visible,
+            });
+        }
+        // Before anything is seen of it a step is larger than proportion would have it.
+        factor *= (wanted / visible.max(1e-3 * wanted)).clamp(1e-3, 1e3);
+        if factor < drawn.factors.0 || factor > drawn.factors.1 {
+            return None;
+        }
+    }
+    None
+}
+
+/// Runs and records both tests.
+fn trial(secret: Secret, rng: &mut impl Rng) -> Trial {
+    let mut effects: Vec<HiddenEffect> = secret.effects.iter().map(|e| e.effect).collect();
+    let heated = effects
+        .iter()
+        .any(|effect| matches!(effect, HiddenEffect::Temperature { .. }));
+    let warms = secret.warms && !heated;
+    if warms {
+        effects.push(HiddenEffect::Temperature {
+            beta: 0.0,
+            rise: rng.random_range(5.0..30.0),
+            time: rng.random_range(5.0..30.0),
+        });
+    }
+    let mut run = |name: &str, blocks: &[Block], effects: &[HiddenEffect]| {
+        let truth = answer(secret.density, effects, blocks, secret.rate, TRUTH_RATE);
+        let sensors = Sensors {
+            force_noise: secret.noise * rms(&truth.force),
+            thermometer: heated || warms,
+            seed: rng.random(),
+        };
+        let name = format!("{name} of seed {}", secret.seed);
+        (record(name, &truth, &sensors), sensors.force_noise)
+    };
+    let (training, held_out, noise, scored_from) = if secret.programme.shape == Shape::Long {
+        let (whole, noise) = run("held-out test", &secret.programme.held_out, &effects);
+        let seconds: f64 = secret
+            .programme
+            .training
+            .iter()
+            .map(|block| f64::from(block.cycles) / block.frequency)
+            .sum();
+        let samples = (seconds * secret.rate).round() as usize;
+        let name = format!("training test of seed {}", secret.seed);
+        (beginning(&whole, name, samples), whole, noise, samples)
+    } else {
+        let (training, _) = run("training test", &secret.programme.training, &effects);
+        for effect in &mut effects {
+            if let HiddenEffect::Unlisted(Unlisted::RandomWalk { seed, .. }) = effect {
+                // Another day, another walk.
+                *seed ^= 1;
+            }
+        }
+        let (held_out, noise) = run("held-out test", &secret.programme.held_out, &effects);
+        (training, held_out, noise, 0)
+    };
+    Trial {
+        held_out_noise: noise / rms(&held_out.force[scored_from..]),
+        secret,
+        training,
+        held_out,
+    }
+}
+
+/// The first `samples` of a recording.
+fn beginning(whole: &Recording, name: String, samples: usize) -> Recording {
+    let cut = |channel: &[f64]| channel[..samples].to_vec();
+    let recording = Recording::new(
+        name,
+        cut(&whole.time),
+        cut(&whole.displacement),
+        cut(&whole.force),
+    );
+    let recording = match &whole.temperature {
+        Some(temperature) => recording.and_then(|r| r.with_temperature(cut(temperature))),
+        None => recording,
+    };
+    recording.expect("the beginning of a recording is one")
+}
+
+fn rms(values: &[f64]) -> f64 {
+    (values.iter().map(|x| x * x).sum::<f64>() / values.len() as f64).sqrt()
+}

@@ -1,0 +1,237 @@
+//! Effects of size one, to be scaled: what is hidden, before it is known how large.
+
+use std::f64::consts::TAU;
+
+use mesh_damper_reference::protocol::Block;
+use mesh_damper_rig::specimen::{HiddenEffect, SlipShape, Unlisted};
+use rand::{Rng, RngExt};
+
+use super::programme::Shape;
+
+/// Listed effects, by the shapes that a family may have; each is as likely as another.
+pub const LISTED: usize = 18;
+/// Unlisted ones.
+pub const UNLISTED: usize = 14;
+
+/// Sliders of an Iwan element.
+const SLIDERS: usize = 12;
+
+/// An effect that has yet to be scaled, with the largest factor that a specimen could have.
+#[derive(Clone, Copy, Debug)]
+pub struct Unsized {
+    /// With size one, or another at which to begin.
+    pub effect: HiddenEffect,
+    /// Factors between which its size may be.
+    pub factors: (f64, f64),
+    /// Shapes of programme in which it can be seen; drawn from these.
+    pub shapes: &'static [Shape],
+}
+
+const ANY: &[Shape] = &[Shape::Amplitudes, Shape::Frequencies, Shape::Amplitudes];
+const FREQUENCIES: &[Shape] = &[Shape::Frequencies];
+const AMPLITUDES: &[Shape] = &[Shape::Amplitudes];
+const LONG: &[Shape] = &[Shape::Long];
+const ALL: &[Shape] = &[
+    Shape::Amplitudes,
+    Shape::Frequencies,
+    Shape::Amplitudes,
+    Shape::Long,
+    Shape::Single,
+];
+const WITH_LONG: &[Shape] = &[Shape::Amplitudes, Shape::Frequencies, Shape::Long];
+
+/// Effect number `which`, the [`LISTED`] before the [`UNLISTED`], for a test whose largest amplitude is `largest` mm.
+pub fn effect(which: usize, largest: f64, rng: &mut impl Rng) -> Unsized {
+    if which < LISTED {
+        listed(which, largest, rng)
+    } else {
+        unlisted(which - LISTED, largest, rng)
+    }
+}
+
+fn listed(which: usize, largest: f64, rng: &mut impl Rng) -> Unsized {
+    let sign = if rng.random::<bool>() { 1.0 } else { -1.0 };
+    let slip_limit = largest * rng.random_range(0.1..0.4);
+    let friction = |shape| HiddenEffect::StickSlip {
+        stiffness: 1.0,
+        slip_limit,
+        shape,
+    };
+    let any_size = (1e-6, 1e6);
+    let (effect, factors, shapes) = match which {
+        0 => (HiddenEffect::Offset { force: sign }, any_size, ALL),
+        1 => (HiddenEffect::Asymmetry { k2: sign }, any_size, ALL),
+        2 => (HiddenEffect::Hardening { k5: 1.0 }, any_size, AMPLITUDES),
+        3 => (
+            HiddenEffect::Stop {
+                stiffness: 1.0,
+                gap: sign * largest * rng.random_range(0.45..0.9),
+            },
+            any_size,
+            AMPLITUDES,
+        ),
+        4 | 5 => (
+            HiddenEffect::Gap {
+                half_width: 0.01,
+                loose: which == 5,
+            },
+            (0.3, 0.5 * largest / 0.01),
+            AMPLITUDES,
+        ),
+        6 | 7 => (friction(SlipShape::Sharp), any_size, ANY),
+        8 => (
+            friction(SlipShape::Spread { sliders: SLIDERS }),
+            any_size,
+            ANY,
+        ),
+        9 => (
+            friction(SlipShape::Smooth {
+                exponent: rng.random_range(1.0..4.0),
+            }),
+            any_size,
+            ANY,
+        ),
+        10 => (HiddenEffect::Viscous { c: 1.0 }, any_size, FREQUENCIES),
+        11 => (
+            HiddenEffect::Relaxation {
+                stiffness: 1.0,
+                time: log_uniform(0.01, 0.15, rng),
+            },
+            any_size,
+            FREQUENCIES,
+        ),
+        12 => (
+            HiddenEffect::Inertia { mass: 1.0 },
+            (1.0, 500.0),
+            FREQUENCIES,
+        ),
+        13 => (HiddenEffect::Delay { time: 1e-3 }, (0.5, 8.0), FREQUENCIES),
+        14 => (
+            HiddenEffect::Compliance { compliance: 0.01 },
+            (0.3, 100.0),
+            ANY,
+        ),
+        15 => (
+            HiddenEffect::Drift {
+                stiffness: sign,
+                cycles: rng.random_range(10.0..40.0),
+            },
+            any_size,
+            LONG,
+        ),
+        16 => (
+            HiddenEffect::Temperature {
+                beta: 1.0,
+                rise: rng.random_range(15.0..40.0),
+                time: rng.random_range(8.0..40.0),
+            },
+            (1e-5, 0.015),
+            LONG,
+        ),
+        _ => (
+            HiddenEffect::Periodic {
+                force: 1.0,
+                frequency: rng.random_range(7.0..80.0),
+                phase: rng.random_range(0.0..TAU),
+            },
+            any_size,
+            WITH_LONG,
+        ),
+    };
+    Unsized {
+        effect,
+        factors,
+        shapes,
+    }
+}
+
+fn unlisted(which: usize, largest: f64, rng: &mut impl Rng) -> Unsized {
+    let sign = if rng.random::<bool>() { 1.0 } else { -1.0 };
+    let any_size = (1e-6, 1e6);
+    let (effect, factors, shapes) = match which {
+        0 => (Unlisted::LoadFriction { mu: 1.0 }, any_size, ANY),
+        1 => (
+            Unlisted::VelocityWeakening {
+                force: 1.0,
+                velocity: log_uniform(0.2, 2.0, rng),
+            },
+            any_size,
+            ANY,
+        ),
+        2 => (Unlisted::CrossLinear { a: sign }, any_size, ANY),
+        3 => (Unlisted::CrossSquare { a: 1.0 }, any_size, ANY),
+        4 => (
+            Unlisted::Creep {
+                force: sign,
+                time: log_uniform(0.5, 10.0, rng),
+            },
+            any_size,
+            WITH_LONG,
+        ),
+        5 => (
+            Unlisted::Mullins {
+                stiffness: 1.0,
+                stretch: largest * rng.random_range(0.3..0.8),
+            },
+            any_size,
+            AMPLITUDES,
+        ),
+        6 => (Unlisted::QuadraticDrag { c: 1.0 }, any_size, ANY),
+        7 => (Unlisted::OneWayDamping { c: 1.0 }, any_size, ANY),
+        8 => (Unlisted::OneSidedDamping { c: 1.0 }, any_size, ANY),
+        9 => (
+            Unlisted::Fractional {
+                stiffness: 1.0,
+                order: rng.random_range(0.2..0.6),
+            },
+            any_size,
+            FREQUENCIES,
+        ),
+        10 => (
+            Unlisted::FrequencyStiffness { stiffness: 1.0 },
+            any_size,
+            FREQUENCIES,
+        ),
+        11 => (
+            Unlisted::PlaceFriction {
+                force: 1.0,
+                place: sign * largest * rng.random_range(0.2..0.5),
+                width: largest * rng.random_range(0.1..0.3),
+            },
+            any_size,
+            AMPLITUDES,
+        ),
+        12 => (
+            Unlisted::RandomWalk {
+                force: 1.0,
+                seed: rng.random(),
+            },
+            any_size,
+            WITH_LONG,
+        ),
+        _ => (
+            Unlisted::Resonance {
+                mass: 1.0,
+                frequency: rng.random_range(11.0..40.0),
+                damping: rng.random_range(0.02..0.1),
+            },
+            (0.1, 100.0),
+            FREQUENCIES,
+        ),
+    };
+    Unsized {
+        effect: HiddenEffect::Unlisted(effect),
+        factors,
+        shapes,
+    }
+}
+
+/// The largest amplitude of `blocks`, mm.
+pub fn largest_amplitude(blocks: &[Block]) -> f64 {
+    blocks.iter().fold(0.0, |x, block| x.max(block.amplitude))
+}
+
+/// Evenly over the logarithm between `low` and `high`.
+pub fn log_uniform(low: f64, high: f64, rng: &mut impl Rng) -> f64 {
+    rng.random_range(low.ln()..high.ln()).exp()
+}

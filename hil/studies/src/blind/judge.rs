@@ -1,0 +1,149 @@
+//! What a tracer made of a trial, and what it should have.
+
+use mesh_damper_identify::trace::result::{TraceResult, Verdict};
+use mesh_damper_identify::trace::{TraceError, trace};
+use serde::Serialize;
+
+use super::draw::{Class, Secret, Trial};
+
+/// A trial and what was said of it.
+#[derive(Clone, Debug, Serialize)]
+pub struct Outcome {
+    /// What was hidden.
+    pub secret: Secret,
+    /// What was said; where the trace was refused, why.
+    pub said: Result<Said, String>,
+}
+
+/// What a trace said.
+#[derive(Clone, Debug, Serialize)]
+pub struct Said {
+    /// Its verdict.
+    pub verdict: Verdict,
+    /// The families that it named.
+    pub families: Vec<String>,
+    /// Held-out error of eq 13 over the noise.
+    pub before: f64,
+    /// Held-out error of the embedded law over the noise.
+    pub after: f64,
+}
+
+/// How well an answer fits a secret.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Mark {
+    /// As it is.
+    Right,
+    /// What is hidden is among several that the trace could not tell apart.
+    Among,
+    /// Something else.
+    Wrong,
+}
+
+/// Traces `trial` and keeps what was said.
+pub fn judge(trial: &Trial) -> Outcome {
+    let training = std::slice::from_ref(&trial.training);
+    let held_out = std::slice::from_ref(&trial.held_out);
+    let said = trace(training, held_out, &|_| ())
+        .map(|found| Said::of(&found.result, trial.held_out_noise))
+        .map_err(|error: TraceError| error.to_string());
+    Outcome {
+        secret: trial.secret.clone(),
+        said,
+    }
+}
+
+impl Said {
+    fn of(result: &TraceResult, noise: f64) -> Self {
+        Self {
+            verdict: result.verdict,
+            families: result
+                .effects
+                .iter()
+                .map(|effect| effect.family.clone())
+                .collect(),
+            before: result.baseline.nrmse_held_out / noise,
+            after: result.on_target.nrmse_held_out / noise,
+        }
+    }
+}
+
+impl Outcome {
+    /// Whether it counts towards the rates: what is hidden stands at least three times above the noise.
+    pub fn counts(&self) -> bool {
+        self.secret.visible() >= super::LEAST_VISIBLE
+    }
+
+    /// How well the answer fits. A listed effect has to be the only one named, of a pair both have to be; an unlisted one has
+    /// to be called so, or by its name where a tracer has learnt it.
+    pub fn mark(&self) -> Mark {
+        let Ok(said) = &self.said else {
+            return Mark::Wrong;
+        };
+        let hidden = self.secret.families();
+        let all_named = hidden
+            .iter()
+            .all(|family| said.families.iter().any(|named| named == learnt_as(family)));
+        let right = match self.secret.class {
+            Class::None => said.verdict == Verdict::None,
+            Class::Listed => {
+                said.verdict == Verdict::Found && all_named && said.families.len() == 1
+            }
+            Class::Pair => said.verdict == Verdict::Found && all_named,
+            Class::Unlisted => {
+                said.verdict == Verdict::Unlisted || (said.verdict == Verdict::Found && all_named)
+            }
+        };
+        if right {
+            Mark::Right
+        } else if said.verdict == Verdict::Ambiguous && all_named && !hidden.is_empty() {
+            Mark::Among
+        } else {
+            Mark::Wrong
+        }
+    }
+
+    /// Whether the law was mended: held-out error at most 1.5 times the noise, or a tenth of eq 13's.
+    pub fn mended(&self) -> bool {
+        self.said
+            .as_ref()
+            .is_ok_and(|said| said.after <= 1.5 || said.after <= 0.1 * said.before)
+    }
+
+    /// The truth as a row of the confusion matrix.
+    pub fn truth(&self) -> String {
+        match self.secret.class {
+            Class::None => "none".to_owned(),
+            Class::Unlisted => format!("({})", self.secret.families().join(" + ")),
+            Class::Listed | Class::Pair => named(self.secret.families()),
+        }
+    }
+
+    /// The answer as a column.
+    pub fn answer(&self) -> String {
+        match &self.said {
+            Err(_) => "refused".to_owned(),
+            Ok(said) => match said.verdict {
+                Verdict::None => "none".to_owned(),
+                Verdict::Unlisted => "unlisted".to_owned(),
+                Verdict::Found => named(said.families.clone()),
+                Verdict::Ambiguous => format!("ambiguous: {}", named(said.families.clone())),
+            },
+        }
+    }
+}
+
+/// The name under which a tracer knows what is hidden: a spring-pot is Maxwell branches of all times.
+fn learnt_as(hidden: &str) -> &str {
+    match hidden {
+        "fractional" => "relaxation",
+        family => family,
+    }
+}
+
+/// Families in the order of the alphabet.
+fn named<S: AsRef<str> + Ord>(mut families: Vec<S>) -> String {
+    families.sort();
+    let families: Vec<&str> = families.iter().map(AsRef::as_ref).collect();
+    families.join(" + ")
+}

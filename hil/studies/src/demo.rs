@@ -1,0 +1,185 @@
+//! The whole way once, without a recording at hand: a specimen with an effect that nobody declared is tested on the
+//! simulated rig, the recording is traced, and the rig runs again with the better law.
+
+use mesh_damper::error::ConfigError;
+use mesh_damper::sine::{Block, Programme};
+use mesh_damper_identify::trace::{Trace, TraceError, trace};
+use mesh_damper_model::{LawNode, MAX_EFFECTS, Model, ModelError};
+use mesh_damper_recording::Recording;
+use mesh_damper_recording::error::InputError;
+use mesh_damper_reference::protocol::{self, PROTOCOL};
+use mesh_damper_rig::specimen::{DrawnEffect, Specimen, draw};
+use mesh_damper_rig::{RigRun, RigSetup, SetupError, TICK_RATE, run_rig};
+
+/// Blocks that a programme of the demo holds.
+const CAPACITY: usize = 16;
+/// Whole cycles in which the generator goes from one block to the next.
+const RAMP_CYCLES: u32 = 1;
+/// The test that the laws are compared on in the loop: other amplitudes and frequencies than the one that was fitted, and
+/// long enough for what changes with cycles or temperature.
+const CHECK: [protocol::Block; 4] = [
+    protocol::Block {
+        amplitude: 0.12,
+        frequency: 3.0,
+        cycles: 12,
+    },
+    protocol::Block {
+        amplitude: 0.18,
+        frequency: 1.5,
+        cycles: 6,
+    },
+    protocol::Block {
+        amplitude: 0.08,
+        frequency: 7.0,
+        cycles: 20,
+    },
+    protocol::Block {
+        amplitude: 0.15,
+        frequency: 4.0,
+        cycles: 16,
+    },
+];
+
+/// Why a demo could not be made.
+#[derive(Debug, thiserror::Error)]
+pub enum DemoError {
+    /// A setup was refused.
+    #[error(transparent)]
+    Setup(#[from] SetupError),
+    /// A law was refused.
+    #[error(transparent)]
+    Model(#[from] ModelError),
+    /// A programme was refused.
+    #[error(transparent)]
+    Programme(#[from] ConfigError),
+    /// The rig's recording was refused.
+    #[error(transparent)]
+    Recording(#[from] InputError),
+    /// The recording could not be traced.
+    #[error(transparent)]
+    Trace(#[from] TraceError),
+    /// The rig stopped before its programme's end.
+    #[error("the rig stopped after {time:.2} s: {fault}")]
+    Stopped {
+        /// s since the start.
+        time: f64,
+        /// Why.
+        fault: String,
+    },
+}
+
+/// What a demo did.
+#[derive(Clone, Debug)]
+pub struct Demo {
+    /// The effect that the specimen hid.
+    pub drawn: DrawnEffect,
+    /// The rig's recording, which was traced.
+    pub recording: Recording,
+    /// What the trace found.
+    pub trace: Trace,
+    /// The loop with eq 13 alone, on a test that was not fitted.
+    pub before: RigRun,
+    /// The loop with the law that the trace ended in, on the same test.
+    pub after: RigRun,
+}
+
+impl Demo {
+    /// Whether the effect that was hidden is among those found.
+    pub fn is_named(&self) -> bool {
+        let hidden = self.drawn.effect.family();
+        self.trace
+            .result
+            .effects
+            .iter()
+            .any(|effect| effect.family == hidden)
+    }
+
+    /// Whether the law that the trace ended in is nearer the specimen in the loop.
+    pub fn is_nearer(&self) -> bool {
+        loop_error(&self.after) < loop_error(&self.before)
+    }
+}
+
+/// RMS of the force that the rig's law gave beside the specimen, less the force measured there, over the RMS of the latter;
+/// ramps included.
+pub fn loop_error(run: &RigRun) -> f64 {
+    let samples = &run.samples;
+    let (error, force) = samples.model_force.iter().zip(&samples.force).fold(
+        (0.0, 0.0),
+        |(error, force), (model, measured)| {
+            (
+                error + (model - measured).powi(2),
+                force + measured * measured,
+            )
+        },
+    );
+    (error / force).sqrt()
+}
+
+/// Runs the demo with the specimen that `seed` draws. `progress` is told what is being done.
+///
+/// # Errors
+/// A part of the way that refused what the part before it gave.
+pub fn demo(seed: u64, progress: &(dyn Fn(&str) + Sync)) -> Result<Demo, DemoError> {
+    let (specimen, drawn) = draw(seed);
+    let table = Specimen::of_density(drawn.density, 0.1).coefficients();
+    let published = Model {
+        law: vec![LawNode {
+            amplitude: 0.0,
+            k1: table.k1,
+            k3: table.k3,
+            c: table.c,
+            alpha: table.alpha,
+        }],
+        effects: Vec::new(),
+        correction: None,
+    };
+    progress("running the rig with the published law");
+    let first = run(&specimen, &published, &PROTOCOL, seed)?;
+    let recording = first
+        .recording(format!("rig test, seed {seed}"))?
+        .with_comment(format!(
+            "specimen: MMD 22x12x15 mm, density_g_cm3 = {:.1}",
+            drawn.density
+        ))
+        .with_comment(format!("rig: simulated, seed {seed}"));
+    let trace = trace(std::slice::from_ref(&recording), &[], progress)?;
+    // Other noise than in the recording that was fitted.
+    progress("running the rig again with eq 13 alone");
+    let before = run(&specimen, &trace.baseline, &CHECK, !seed)?;
+    progress("running the rig again with the better law");
+    let after = run(&specimen, &trace.model, &CHECK, !seed)?;
+    Ok(Demo {
+        drawn,
+        recording,
+        trace,
+        before,
+        after,
+    })
+}
+
+fn run(
+    specimen: &Specimen,
+    model: &Model,
+    blocks: &[protocol::Block],
+    seed: u64,
+) -> Result<RigRun, DemoError> {
+    let mut programme = Programme::<CAPACITY>::new(TICK_RATE, RAMP_CYCLES)?;
+    let mut block_laws = Vec::new();
+    for block in blocks {
+        programme = programme.with(Block::sine(block.amplitude, block.frequency, block.cycles)?)?;
+        block_laws.push(model.law_at(block.amplitude)?);
+    }
+    let law = model.augmented::<f32>(blocks[0].amplitude, 1.0 / TICK_RATE)?;
+    let mut setup: RigSetup<Specimen, CAPACITY, MAX_EFFECTS> =
+        RigSetup::new(specimen.at_rest(), law, programme, seed);
+    setup.block_laws = block_laws;
+    let run = run_rig(setup, |_| ())?;
+    match run.faults.first() {
+        Some((time, fault)) => Err(DemoError::Stopped {
+            time: *time,
+            fault: format!("{fault:?}"),
+        }),
+        None => Ok(run),
+    }
+}

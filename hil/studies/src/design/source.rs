@@ -1,0 +1,42 @@
+//! Where the coefficients of a design come from.
+
+use std::sync::OnceLock;
+
+use mesh_damper_reference::law::Coefficients;
+use mesh_damper_reference::tables;
+use serde::Serialize;
+
+use crate::surfaces::{self, Surfaces};
+
+/// Eq 13 over density and amplitude: one of two sets of coefficients of the same tests.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Source {
+    /// Tables 6–9, between their cells in straight lines.
+    Tables,
+    /// The surfaces that are fitted to their loops.
+    Surfaces,
+}
+
+impl Source {
+    /// Of a specimen of `density` g/cm³, 2…4, in cycles of `amplitude` mm, 0.05…0.25; beyond, those of the nearest edge.
+    pub fn coefficients(self, density: f64, amplitude: f64) -> Coefficients {
+        match self {
+            Self::Tables => tables::interpolate(density, amplitude),
+            Self::Surfaces => fitted().coefficients(density, amplitude),
+        }
+    }
+
+    /// The other of the two.
+    pub fn other(self) -> Self {
+        match self {
+            Self::Tables => Self::Surfaces,
+            Self::Surfaces => Self::Tables,
+        }
+    }
+}
+
+fn fitted() -> &'static Surfaces {
+    static FITTED: OnceLock<Surfaces> = OnceLock::new();
+    FITTED.get_or_init(|| surfaces::fit(surfaces::DEGREE, None))
+}

@@ -1,0 +1,35 @@
+//! Studies of the metal mesh damper, each of which puts the other crates to one question.
+//!
+//! | module | what it asks |
+//! |---|---|
+//! | [`mod@paper`] | does every table, equation and claim of the paper hold, recomputed? |
+//! | [`mod@finite_element`] | what do the finite elements say that the paper sets beside its law? |
+//! | [`mod@orthogonal`] | which factor of a test matters, and can that be told? |
+//! | [`mod@characterize`] | which stiffness and loss factor has a recording, eqs 1–7? |
+//! | [`mod@surfaces`] | what are the published coefficients worth as surfaces over density and amplitude? |
+//! | [`mod@amplitude_free`] | what is one law for every amplitude worth on the published loops? |
+//! | [`mod@design`] | which density gives a stiffness and a loss factor? |
+//! | [`mod@blind`] | does a trace name effects that it was never told of? |
+//! | [`mod@bench`] | how many instructions does the crate take, beside its peers? |
+//! | [`mod@demo`] | does all of it work at once, from a seed? |
+//!
+//! ```
+//! use mesh_damper_studies::demo::{DemoError, demo};
+//!
+//! let demo = demo(3, &|step| println!("{step}"))?;
+//! assert!(demo.is_named() && demo.is_nearer());
+//! # Ok::<(), DemoError>(())
+//! ```
+#![forbid(unsafe_code)]
+
+pub mod amplitude_free;
+pub mod bench;
+pub mod blind;
+pub mod characterize;
+pub mod demo;
+pub mod design;
+pub mod finite_element;
+mod nonnegative;
+pub mod orthogonal;
+pub mod paper;
+pub mod surfaces;

@@ -1,0 +1,223 @@
+//! What finite elements depend on and the paper leaves open: the readings of Table 4, how the bore sits on its mandrel, and the
+//! mesh; and the static compression that Table 4 was fitted to.
+
+use mesh_damper_reference::tables::{AMPLITUDES, DENSITIES, cell};
+use rayon::prelude::*;
+use serde::Serialize;
+
+use super::cells::FREQUENCY;
+use super::comparison::{Compared, compared_on_its_samples};
+use super::trends::TENTH;
+use crate::finite_element::{
+    Bore, Divisions, FiniteElementError, ForceLoop, Reading, RingModel, StaticCurve,
+};
+
+/// Where §4.2's compression ends, mm.
+const COMPRESSION: f64 = 0.5;
+/// Equal steps of it.
+const POINTS: usize = 10;
+/// Elements through the wall that are tried.
+const MESHES: [usize; 4] = [1, 2, 3, 4];
+/// Where meshes are compared, mm: the largest amplitude of the tests.
+const MESHES_AT: f64 = AMPLITUDES[4];
+
+/// What each choice comes to.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct ElementStudy {
+    /// Every reading of Table 4.
+    pub readings: Vec<TriedReading>,
+    /// Every bore.
+    pub bores: Vec<TriedBore>,
+    /// From coarse to fine.
+    pub meshes: Vec<TriedMesh>,
+    /// By density.
+    pub compressions: Vec<Compression>,
+}
+
+/// A reading of Table 4.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct TriedReading {
+    /// Which.
+    pub reading: Reading,
+    /// Its steady loops at 0.1 mm beside the tables', by density, or why there is none.
+    pub by_density: Vec<Result<Compared, String>>,
+}
+
+/// A bore, at 2.0 g/cm³ and 0.1 mm.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct TriedBore {
+    /// Which.
+    pub bore: Bore,
+    /// Which cycle from rest; none for the steady loop.
+    pub cycle: Option<usize>,
+    /// The loop beside the tables', or why there is none.
+    pub found: Result<Compared, String>,
+}
+
+/// A mesh, at 2.0 g/cm³.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct TriedMesh {
+    /// Elements through the wall.
+    pub through: usize,
+    /// Force of a sudden compression to 0.25 mm, kN, or why there is none.
+    pub force: Result<f64, String>,
+}
+
+/// The compression to 0.5 mm by Table 4 alone, with the bore as in the paper.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Compression {
+    /// g/cm³
+    pub density: f64,
+    /// The curve, or why there is none.
+    pub curve: Result<StaticCurve, String>,
+}
+
+impl ElementStudy {
+    /// What `reading` comes to.
+    ///
+    /// # Panics
+    /// Never: every reading is tried.
+    pub fn reading(&self, reading: Reading) -> &TriedReading {
+        let found = self.readings.iter().find(|one| one.reading == reading);
+        found.expect("every reading is tried")
+    }
+
+    /// What `bore` comes to, in a cycle from rest or steady.
+    ///
+    /// # Panics
+    /// Where that was not tried.
+    pub fn bore(&self, bore: Bore, cycle: Option<usize>) -> &TriedBore {
+        let found = self
+            .bores
+            .iter()
+            .find(|one| (one.bore, one.cycle) == (bore, cycle));
+        found.expect("a bore that is tried")
+    }
+}
+
+impl TriedReading {
+    /// Mean NRMSE over the densities; none where one has no loop.
+    pub fn mean_error(&self) -> Option<f64> {
+        let errors = self.by_density.iter().map(|one| one.as_ref().ok());
+        let errors: Vec<f64> = errors.map(|one| Some(one?.nrmse)).collect::<Option<_>>()?;
+        Some(errors.iter().sum::<f64>() / errors.len() as f64)
+    }
+
+    /// K of its loops, kN/mm; none where one has no loop.
+    pub fn stiffness(&self) -> Option<Vec<f64>> {
+        let loops = self.by_density.iter().map(|one| one.as_ref().ok());
+        loops.map(|one| Some(one?.dynamics.stiffness)).collect()
+    }
+}
+
+impl Compression {
+    /// Force at its point nearest to `displacement` mm, kN.
+    pub fn force_at(&self, displacement: f64) -> Option<f64> {
+        let point = displacement / COMPRESSION * POINTS as f64;
+        self.curve
+            .as_ref()
+            .ok()?
+            .force
+            .get(point.round() as usize)
+            .copied()
+    }
+}
+
+/// The model that the law is compared with: of a ring that stays on its mandrel. One that may leave it has no steady loop, as
+/// [`Bore::Separable`] says.
+pub fn model(density: f64) -> RingModel {
+    RingModel {
+        bore: Bore::Gliding,
+        ..RingModel::new(density)
+    }
+}
+
+/// Tries every choice by itself, everything else as in [`model`].
+pub fn study() -> ElementStudy {
+    let readings: Vec<(Reading, f64)> = Reading::ALL
+        .into_iter()
+        .flat_map(|reading| DENSITIES.map(|density| (reading, density)))
+        .collect();
+    let loops: Vec<Result<Compared, String>> = readings
+        .into_par_iter()
+        .map(|(reading, density)| {
+            let model = RingModel {
+                reading,
+                ..model(density)
+            };
+            compared(&model, None)
+        })
+        .collect();
+    let readings = Reading::ALL.into_iter().zip(loops.chunks(DENSITIES.len()));
+    let bores = [
+        (Bore::Separable, Some(1)),
+        (Bore::Separable, Some(3)),
+        (Bore::Gliding, None),
+        (Bore::Bonded, None),
+    ];
+    ElementStudy {
+        readings: readings
+            .map(|(reading, loops)| TriedReading {
+                reading,
+                by_density: loops.to_vec(),
+            })
+            .collect(),
+        bores: bores
+            .into_par_iter()
+            .map(|(bore, cycle)| TriedBore {
+                bore,
+                cycle,
+                found: compared(
+                    &RingModel {
+                        bore,
+                        ..model(DENSITIES[0])
+                    },
+                    cycle,
+                ),
+            })
+            .collect(),
+        meshes: MESHES
+            .into_par_iter()
+            .map(|through| TriedMesh {
+                through,
+                force: force(&RingModel {
+                    divisions: Divisions::through_wall(through),
+                    ..model(DENSITIES[0])
+                }),
+            })
+            .collect(),
+        compressions: DENSITIES
+            .into_par_iter()
+            .map(|density| Compression {
+                density,
+                curve: RingModel::new(density)
+                    .static_curve(COMPRESSION, POINTS)
+                    .map_err(in_words),
+            })
+            .collect(),
+    }
+}
+
+/// The loop at 0.1 mm of a cycle from rest, or the steady one, beside the tables'.
+fn compared(model: &RingModel, cycle: Option<usize>) -> Result<Compared, String> {
+    let column = DENSITIES.iter().position(|&one| one == model.density);
+    let law = cell(TENTH, column.expect("a density of the tables"));
+    let amplitude = AMPLITUDES[TENTH];
+    let found: Result<ForceLoop, FiniteElementError> = match cycle {
+        Some(cycle) => model.loop_of_cycle(amplitude, FREQUENCY, cycle),
+        None => model.steady_loop(amplitude, FREQUENCY),
+    };
+    let found = found.map_err(in_words)?;
+    Ok(compared_on_its_samples(&found, &law))
+}
+
+fn force(model: &RingModel) -> Result<f64, String> {
+    let curve = model
+        .static_curve(MESHES_AT, POINTS / 2)
+        .map_err(in_words)?;
+    Ok(curve.force[POINTS / 2])
+}
+
+fn in_words(error: FiniteElementError) -> String {
+    error.to_string()
+}
