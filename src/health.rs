@@ -19,6 +19,9 @@
 //! | a sample that stands out | jumps there and back | [`Cause::SensorSpiking`] |
 //! | the response to the demanded motion | limit on its distance from where it was | [`Cause::ActuatorDead`], [`Cause::ActuatorLagging`], [`Cause::ActuatorSaturated`] |
 //!
+//! A cycle in which a channel or the actuator was at fault says nothing of the specimen and is left out: while that lasts the
+//! specimen is not watched, and what has broken meanwhile is found after it.
+//!
 //! An [`Event`] carries its evidence and stays until it is cleared. Memory is constant, and a cycle's work is spread over the
 //! ticks that follow its end. What is there while it learns is taken for normal.
 
@@ -146,10 +149,14 @@ pub(crate) struct HealthMonitor {
     told: usize,
     /// A bit for each cause.
     latched: u32,
-    /// A passing fault was seen in this cycle.
-    disturbed: bool,
-    /// And in the one before.
-    disturbed_before: bool,
+    /// A passing fault was seen in this cycle, and in the one before.
+    disturbed: [bool; 2],
+    /// The displacement was lost or cut off in this cycle, and in the one before: it shows a response that is none.
+    blurred: [bool; 2],
+    /// A fault of the actuator has been told since its response was learned.
+    response_told: bool,
+    /// The drift of a sensor's zero has been told since the means were learned.
+    drift_told: bool,
 }
 
 /// Faults that stay until they are cleared, a bit each: after one the law follows nothing.
@@ -193,8 +200,10 @@ impl HealthMonitor {
             events: heapless::Vec::new(),
             told: 0,
             latched: 0,
-            disturbed: false,
-            disturbed_before: false,
+            disturbed: [false; 2],
+            blurred: [false; 2],
+            response_told: false,
+            drift_told: false,
         }
     }
 
@@ -211,8 +220,10 @@ impl HealthMonitor {
         self.block = 0;
         self.cycle = 0;
         self.spikes = false;
-        self.disturbed = false;
-        self.disturbed_before = false;
+        self.disturbed = [false; 2];
+        self.blurred = [false; 2];
+        self.response_told = false;
+        self.drift_told = false;
         self.displacement.restart();
         self.force.restart();
     }
@@ -230,6 +241,8 @@ impl HealthMonitor {
         self.specimen.relearn();
         self.adaptation.find_anew();
         self.response = ResponseWatch::default();
+        self.response_told = false;
+        self.drift_told = false;
     }
 
     /// Every tick: what a `reading` after one of the codes `last` is to displacement and force. Where one asks,
@@ -301,7 +314,9 @@ impl HealthMonitor {
     }
 
     fn sample_event(&mut self, cause: Cause, limit: f32, sample: &Sample) {
-        self.disturbed = true;
+        let ([disturbed, _], [blurred, _]) = (&mut self.disturbed, &mut self.blurred);
+        *disturbed = true;
+        *blurred |= cause.hides(Channel::Displacement);
         self.latch(Event {
             cause,
             statistic: Statistic::Sample,
@@ -327,7 +342,7 @@ impl HealthMonitor {
                 &reading.force,
             ),
             Fault::TrackingLimit | Fault::NoResponse
-                if !self.has_disturbance() && self.response.is_dead() =>
+                if !self.is_response_known() && self.response.is_dead() =>
             {
                 self.latch(Event {
                     cause: Cause::ActuatorDead,
@@ -415,13 +430,14 @@ impl HealthMonitor {
         followed
     }
 
-    /// What the actuator's response says, unless it is what a bad channel, or the actuator's first fault, shows.
+    /// What the actuator's response says, unless a displacement that is lost shows it, or it has been told.
     #[cold]
     #[inline(never)]
     fn response_event(&mut self, cause: Cause, distance: f32) {
-        let is_shown_by_another = self.has_disturbance();
-        self.disturbed = true;
-        if !is_shown_by_another {
+        let [disturbed, _] = &mut self.disturbed;
+        *disturbed = true;
+        if !self.is_response_known() {
+            self.response_told = true;
             self.latch(Event {
                 cause,
                 statistic: Statistic::Response,
@@ -432,16 +448,21 @@ impl HealthMonitor {
         }
     }
 
-    /// Whether a passing fault is there, as far as this cycle and the one before tell.
-    fn has_disturbance(&self) -> bool {
-        self.disturbed || self.disturbed_before
+    /// Whether a response that is off says nothing new: the displacement was lost in this cycle or in the one before, or the
+    /// actuator's fault has been told.
+    fn is_response_known(&self) -> bool {
+        let [now, before] = self.blurred;
+        self.response_told || now || before
     }
 
     /// A cycle has ended before this tick, whose look is not yet taken. The look does the work: this tick has enough to do.
     #[inline(always)]
     pub(crate) fn cycle(&mut self, ended: Ended) {
         self.cycle = self.cycle.saturating_add(1);
-        self.disturbed_before = core::mem::take(&mut self.disturbed);
+        for seen in [&mut self.disturbed, &mut self.blurred] {
+            let [now, _] = *seen;
+            *seen = [false, now];
+        }
         self.adaptation.report();
         self.ended = Some(ended);
     }
@@ -457,12 +478,14 @@ impl HealthMonitor {
             }
         }
         if ended.another_law {
+            self.drift_told = false;
             self.specimen.relearn();
             self.adaptation = Adaptation::new();
             return;
         }
         // A cycle with a passing fault in it says nothing of the specimen.
-        let steady = ended.steady.filter(|_| !self.disturbed_before);
+        let [_, disturbed] = self.disturbed;
+        let steady = ended.steady.filter(|_| !disturbed);
         if config.follows() {
             self.adaptation.cycle(steady.is_some());
         }
@@ -471,6 +494,7 @@ impl HealthMonitor {
         };
         if ended.block != self.block {
             self.block = ended.block;
+            self.drift_told = false;
             self.specimen.relearn();
             self.adaptation.find_anew();
         }
@@ -501,21 +525,20 @@ impl HealthMonitor {
             return;
         };
         // What is wrong with the specimen is found again in the cycles after a disturbance.
-        let withheld = event.cause.is_fault() && self.disturbed;
-        if !withheld && !self.is_explained(event.cause) {
+        let [disturbed, _] = self.disturbed;
+        let withheld = event.cause.is_fault() && disturbed;
+        // A zero that drifts moves the mean, and goes on moving it.
+        let explained = event.cause == Cause::PreloadShift && self.drift_told;
+        if !withheld && !explained {
+            self.drift_told |= matches!(event.cause, Cause::SensorDrifting(_));
             self.latch(event);
         }
     }
 
-    /// Whether the drift of a sensor's zero that has been told explains that a mean has moved.
-    fn is_explained(&self, cause: Cause) -> bool {
-        let told = |channel| self.latched & (1 << Cause::SensorDrifting(channel).number()) != 0;
-        cause == Cause::PreloadShift && (told(Channel::Displacement) || told(Channel::Force))
-    }
-
     #[inline(never)]
     fn work_on_adaptation(&mut self, config: &HealthConfig) {
-        if self.latched & LASTING == 0 && !self.disturbed && self.specimen.is_sound(config) {
+        let [disturbed, _] = self.disturbed;
+        if self.latched & LASTING == 0 && !disturbed && self.specimen.is_sound(config) {
             self.adaptation.work(config.follow, config.run_in_cycles);
         } else {
             self.adaptation.skip();

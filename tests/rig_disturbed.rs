@@ -184,25 +184,56 @@ fn a_break_after_a_drift_is_found() {
     }
 }
 
-/// Of an actuator whose response changes after a spike has passed.
+/// Of an actuator whose response changes around a spike or some cycles after it.
 #[test]
 fn an_actuator_that_lags_after_a_spike_is_found() {
     for (channel, size) in CHANNELS {
-        let mut test = Test::new(60, 0.0, 1);
-        test.run_to(SPIKE);
-        test.spike(channel, size);
-        test.run_to(BREAK);
-        test.bench.plant.servo.fault = ServoFault::Lagging(100);
-        test.run_to(BREAK + 4);
-        assert!(
-            matches!(
-                test.told[..],
-                [Cause::SensorSpiking(_), Cause::ActuatorLagging]
-            ),
-            "{:?}",
-            test.told
-        );
+        for quarters in [-4, -2, -1, 0, 1, 2, 3, 5, 8, 20i64] {
+            let mut test = Test::new(60, 0.0, 1);
+            let spikes = SPIKE * TICKS + 99;
+            let lags = spikes.checked_add_signed(quarters * (TICKS / 4) as i64);
+            for tick in 0..(SPIKE + 10) * TICKS {
+                if Some(tick) == lags {
+                    test.bench.plant.servo.fault = ServoFault::Lagging(100);
+                }
+                if tick == spikes {
+                    test.spike(channel, size);
+                } else {
+                    test.step();
+                }
+            }
+            test.told.sort_by_key(|cause| cause.number());
+            let expected = [Cause::SensorSpiking(channel), Cause::ActuatorLagging];
+            assert_eq!(test.told, expected, "{quarters} quarters of a cycle");
+        }
     }
+}
+
+/// What a drift of the last run explained is no matter of the next.
+#[test]
+fn a_preload_shift_after_another_runs_drift_is_found() {
+    let mut test = Test::new(40, 0.0, 2);
+    test.run_to(SPIKE);
+    *test.sensor(Channel::Force) = SensorFault::Drifting(0.0075 / TICKS as f64);
+    test.run_to(SPIKE + 12);
+    assert_eq!(test.told, [Cause::SensorDrifting(Channel::Force)]);
+    *test.sensor(Channel::Force) = SensorFault::None;
+    while test.bench.rig.state() == State::Running {
+        test.step();
+    }
+    for _ in 0..2 * TICKS {
+        test.step();
+    }
+    assert!(test.bench.rig.start());
+    test.tick = 0;
+    test.run_to(BREAK);
+    let whole = Condition::NEW;
+    test.condition.set(Condition {
+        preload: 0.05,
+        ..whole
+    });
+    test.run_to(BREAK + 6);
+    assert_eq!(test.told.last(), Some(&Cause::PreloadShift));
 }
 
 #[test]

@@ -11,9 +11,9 @@
 //! For the first cycles with a law, as many as a run-in takes, θ has no bound but [`MOST`]: it finds where the specimen is.
 //! From there on it has the bound.
 //!
-//! A cycle counts only where the monitor watches, suspects nothing, sees no passing fault and has named no lasting one: what comes at once is a failure and
-//! is not followed, and what comes slowly is followed as far as the bound. The monitor judges by the law as it was given,
-//! so that following hides nothing from it.
+//! A cycle counts only where the monitor watches, suspects nothing, sees no passing fault and has named no lasting one: what
+//! comes at once is a failure and is not followed, and what comes slowly is followed as far as the bound. The monitor judges
+//! by the law as it was given, so that following hides nothing from it.
 
 use crate::real::Real;
 use crate::tabulated::Followed;

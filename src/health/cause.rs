@@ -93,6 +93,15 @@ impl Cause {
         )
     }
 
+    /// Whether it hides what `channel` measures for longer than a sample.
+    pub(super) fn hides(self, channel: Channel) -> bool {
+        matches!(
+            self,
+            Self::SensorStuck(of) | Self::SensorDroppedOut(of) | Self::SensorClipped(of)
+                if of == channel
+        )
+    }
+
     /// Whether something is wrong; no of what is normal after a start or with the temperature.
     pub const fn is_fault(self) -> bool {
         !matches!(self, Self::RunIn | Self::Temperature)
