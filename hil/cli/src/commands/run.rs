@@ -260,7 +260,6 @@ impl RunCommand {
         outputs
             .write()
             .map_err(|error| with_journal(error, &journal))?;
-        journal.remove();
         if self.json.as_deref() != Some(Path::new("-")) {
             print_blocks(&run, &programme);
             if self.follow > 0.0
@@ -357,7 +356,7 @@ fn broken_off(error: SetupError, journal: &Journal) -> InputError {
 
 /// `error`, and where to find what was recorded before it.
 fn with_journal(mut error: InputError, journal: &Journal) -> InputError {
-    if journal.has_begun() {
+    if journal.has_begun() && journal.path().exists() {
         let path = journal.path().display();
         error.mend = format!("{}; what was recorded before is {path}", error.mend);
     }

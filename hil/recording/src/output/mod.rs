@@ -25,14 +25,17 @@ pub struct Outputs {
     planned: Vec<Target>,
     files: Vec<(PathBuf, Vec<u8>)>,
     folders: Folders,
+    /// The recording of a test under way, of which the files are the whole.
+    unfinished: Option<PathBuf>,
 }
 
 impl Outputs {
-    fn new(planned: Vec<Target>, folders: Folders) -> Self {
+    fn new(planned: Vec<Target>, folders: Folders, unfinished: Option<PathBuf>) -> Self {
         Self {
             planned,
             files: Vec::new(),
             folders,
+            unfinished,
         }
     }
 
@@ -63,7 +66,8 @@ impl Outputs {
         Ok(())
     }
 
-    /// Writes all files; directories that are missing are made. The command's folder stays locked until `self` is dropped.
+    /// Writes all files; directories that are missing are made, and an unfinished recording is removed once the whole is there. The
+    /// command's folder stays locked until `self` is dropped.
     ///
     /// # Errors
     /// The path that cannot be written and why; one that was not planned.
@@ -91,6 +95,10 @@ impl Outputs {
                 .map_err(|failed| InputError::io(name, "write", &failed.error))?;
         }
         self.folders.keep();
+        if let Some(unfinished) = self.unfinished.take() {
+            // The whole has taken its place, whatever becomes of what is written directly. There may be none.
+            let _ = fs::remove_file(unfinished);
+        }
         for (target, bytes) in direct {
             write_directly(target, bytes)?;
         }

@@ -6,8 +6,6 @@ use crate::error::InputError;
 
 /// The paths that mean standard output.
 const STANDARD_OUTPUT: [&str; 4] = ["-", "/dev/stdout", "/dev/fd/1", "/proc/self/fd/1"];
-/// Where the links are the system's own: to open descriptors and to devices.
-const OF_THE_SYSTEM: [&str; 2] = ["/dev", "/proc"];
 
 /// Where an output goes.
 #[derive(Clone, Debug, PartialEq)]
@@ -100,9 +98,8 @@ fn place_of(name: &Path) -> Result<Place, InputError> {
     if path.is_dir() {
         return is_directory();
     }
-    let of_the_system = OF_THE_SYSTEM.iter().any(|folder| path.starts_with(folder));
     let is_device = if path.is_symlink() {
-        of_the_system
+        is_link_of_the_system(&path)
     } else {
         path.exists() && !path.is_file()
     };
@@ -111,6 +108,14 @@ fn place_of(name: &Path) -> Result<Place, InputError> {
     } else {
         Place::File(path)
     })
+}
+
+/// Whether a link is the system's own: to a device, or to an open descriptor.
+fn is_link_of_the_system(path: &Path) -> bool {
+    let Some(folder) = path.parent() else {
+        return false;
+    };
+    folder == Path::new("/dev") || (folder.starts_with("/proc") && folder.ends_with("fd"))
 }
 
 /// Which regular file it is, whatever leads to it: a link, a hard link, another spelling.
@@ -155,4 +160,22 @@ fn identity_of_standard_output() -> Option<FileIdentity> {
 #[cfg(not(unix))]
 fn identity_of_standard_output() -> Option<FileIdentity> {
     None
+}
+
+#[cfg(all(test, target_os = "linux"))]
+mod tests {
+    use super::*;
+
+    /// Files may be kept below /dev too.
+    #[test]
+    fn a_link_in_shared_memory_is_the_users() {
+        let root = tempfile::tempdir_in("/dev/shm").unwrap();
+        let link = root.path().join("link");
+        std::os::unix::fs::symlink("/dev/null", &link).unwrap();
+        assert!(Target::of(link).unwrap().is_link());
+        for known in ["/dev/null", "/dev/stdin", "/dev/fd/0", "/proc/self/fd/0"] {
+            let place = Target::of(known.into()).unwrap().place;
+            assert!(matches!(place, Place::Device(_)), "{known}: {place:?}");
+        }
+    }
 }

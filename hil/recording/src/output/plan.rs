@@ -100,7 +100,7 @@ impl Plan {
                 "left by a run that was broken off",
                 "move it or remove it, or name another folder",
             )),
-            _ => Ok(Outputs::new(planned, folders)),
+            _ => Ok(Outputs::new(planned, folders, self.unfinished)),
         }
     }
 }
