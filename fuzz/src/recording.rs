@@ -77,7 +77,7 @@ static GOOD: LazyLock<Vec<Vec<u8>>> = LazyLock::new(|| {
 });
 
 /// A recording that is read is one when it is written: the same numbers, cells, units and comments. Rows that stood in it twice
-/// are written once, so that the second reading finds none.
+/// are written once, and one that may have been cut is not, so that the second reading finds none.
 pub fn check(script: &[u8]) -> bool {
     let name = Path::new("fuzzed.csv");
     let Ok(recording) = Recording::from_bytes(name, edited(&GOOD, &WORDS, script)) else {
