@@ -8,7 +8,9 @@
 //! | the mixed damping law F = k1·y + k3·y³ + c·\|v\|^α·sgn v | [`law`], [`power`] |
 //! | its coefficients over density and amplitude, the published ones included | [`table`] |
 //! | the published loops by one law for every amplitude, for a motion that nobody declares | [`amplitude_free`] |
-//! | that law as it runs on the target, with a table for \|v\|^α and a swap at a cycle's end | [`tabulated`] |
+//! | that law as it runs on the target, with a table for \|v\|^α: with the effects that a type names | [`static_law`] |
+//! | the same read from a pack, with a swap at a cycle's end | [`tabulated`] |
+//! | what firmware asks of either | [`tick_law`] |
 //! | what the law lacks: offset, asymmetry, hardening, stops, gaps, stick-slip, viscosity, relaxation, inertia, drift, temperature, tones, series compliance, delay | [`effects`] |
 //! | an excitation: sines, ramps and sweeps | [`sine`] |
 //! | stiffness, energy and loss factor of each cycle | [`cycle`]; without a generator, [`crossing`] |
@@ -79,9 +81,11 @@ pub mod power;
 pub mod real;
 pub mod rig;
 pub mod sine;
+pub mod static_law;
 mod sum;
 pub mod table;
 pub mod tabulated;
+pub mod tick_law;
 pub mod virtual_test;
 
 /// The README's example is compiled, so that it cannot rot.

@@ -14,7 +14,7 @@
 
 use core::fmt;
 
-use crate::effects::Effect;
+use crate::effects::{self, Effect, MOST_WORDS};
 use crate::error::ConfigError;
 use crate::frame::{Reader, Writer, checksum};
 use crate::law::Law;
@@ -157,7 +157,7 @@ pub fn decode<const N: usize>(pack: &[u8], slot: &mut TabulatedLaw<N>) -> Result
     slot.damping.read(|| number(&mut reader))?;
     slot.augmented.clear();
     for _ in 0..reader.u8().ok_or(PackError::Body)? {
-        let effect = Effect::unpack(&mut reader).ok_or(PackError::Body)?;
+        let effect = effect(&mut reader)?;
         effect.check()?;
         slot.augmented.push(effect)?;
     }
@@ -174,6 +174,24 @@ pub fn decode<const N: usize>(pack: &[u8], slot: &mut TabulatedLaw<N>) -> Result
     } else {
         Err(PackError::Body)
     }
+}
+
+/// Number, length and words of an effect, still to be checked.
+fn effect(reader: &mut Reader<'_>) -> Result<Effect<f32>, PackError> {
+    let number = reader.u8().ok_or(PackError::Body)?;
+    let count = usize::from(reader.u8().ok_or(PackError::Body)?);
+    let mut words = [0.0; MOST_WORDS];
+    let words = words.get_mut(..count).ok_or(PackError::Body)?;
+    for word in &mut *words {
+        *word = self::number(reader)?;
+    }
+    Effect::unpack(number, words).ok_or_else(|| {
+        if Effect::is_known(number) {
+            PackError::Body
+        } else {
+            PackError::Refused(effects::unknown(number))
+        }
+    })
 }
 
 /// Not inlined: there are many, and they are not read every tick.

@@ -212,10 +212,15 @@ impl PowerTable {
     /// Filled from `seed`.
     pub fn new(seed: &PowerSeed) -> Self {
         let mut new = Self::empty();
-        for row in 0..ROWS {
-            new.fill_row(seed, row);
-        }
+        new.fill(seed);
         new
+    }
+
+    /// All rows for the c and α of `seed`, in place.
+    pub fn fill(&mut self, seed: &PowerSeed) {
+        for row in 0..ROWS {
+            self.fill_row(seed, row);
+        }
     }
 
     /// 0 for every velocity, until rows are filled.

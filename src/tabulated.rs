@@ -4,10 +4,11 @@
 //! ticks that follow, a row a tick, so that no tick bears the whole: the row that the tick needs, or one more in turn where the
 //! tick before needed the same. So every force is the new law's from the first tick on.
 
-use crate::effects::{AugmentedLaw, AugmentedState, LawForce, Motion};
+use crate::effects::{AugmentedLaw, AugmentedState, ConfinedMotion, LawForce, Motion};
 use crate::law::Law;
 use crate::power::{PowerSeed, PowerTable, ROWS};
 use crate::real::Real;
+use crate::tick_law::TickLaw;
 
 /// Eq 13, up to `N` added effects, and the seed of the damping's table.
 #[derive(Clone, Debug, PartialEq)]
@@ -75,6 +76,44 @@ pub struct Followed {
     pub c: f32,
 }
 
+impl Followed {
+    /// Within −1…1.
+    pub(crate) fn confined(self) -> Self {
+        Self {
+            k1: self.k1.confined(1.0),
+            k3: self.k3.confined(1.0),
+            c: self.c.confined(1.0),
+        }
+    }
+
+    /// The law that differs by this from `given`.
+    pub(crate) fn of(self, given: &Law<f32>) -> Law<f32> {
+        let part = |of: f32| 1.0 + of;
+        Law::from_valid(
+            part(self.k1) * given.k1(),
+            part(self.k3) * given.k3(),
+            part(self.c) * given.c(),
+            given.alpha(),
+        )
+    }
+}
+
+/// [`TickLaw::parts`] of a law as `given`, whose effects make `elastic` and `damping` of an elastic and a damping force of 1.
+#[inline(always)]
+pub(crate) fn parts(
+    given: &Law<f32>,
+    motion: &ConfinedMotion<f32>,
+    [elastic, damping]: [f32; 2],
+    damping_force: f32,
+) -> [f32; 3] {
+    let y = motion.displacement();
+    [
+        elastic * (given.k1() * y),
+        elastic * (given.k3() * (y * y) * y),
+        damping * damping_force,
+    ]
+}
+
 /// A [`TabulatedLaw`] at work, and another one that may wait for the end of the cycle.
 #[derive(Clone, Debug)]
 // What is long comes first: the table within reach of a load's offset, and of one another what follows.
@@ -140,20 +179,9 @@ impl<const N: usize> RunningLaw<N> {
     /// once another law takes over.
     #[inline(never)]
     pub fn follow(&mut self, followed: Followed) {
-        let followed = Followed {
-            k1: followed.k1.confined(1.0),
-            k3: followed.k3.confined(1.0),
-            c: followed.c.confined(1.0),
-        };
-        let part = |of: f32| 1.0 + of;
-        let given = self.law().augmented.law();
-        self.in_force = Law::from_valid(
-            part(followed.k1) * given.k1(),
-            part(followed.k3) * given.k3(),
-            part(followed.c) * given.c(),
-            given.alpha(),
-        );
-        self.damping_part = part(followed.c);
+        let followed = followed.confined();
+        self.in_force = followed.of(self.law().augmented.law());
+        self.damping_part = 1.0 + followed.c;
         self.followed = followed;
     }
 
@@ -180,19 +208,14 @@ impl<const N: usize> RunningLaw<N> {
             return [0.0; 3];
         }
         let motion = motion.confined();
-        let (y, v) = (motion.displacement(), motion.velocity());
-        let given = law.augmented.law();
-        let [elastic, damping] = law.augmented.scales(&motion);
+        let v = motion.velocity();
+        let scales = law.augmented.scales(&motion);
         let damping_force = if self.settled {
             self.table.damping_force(v)
         } else {
             law.damping.damping_force(v)
         };
-        [
-            elastic * (given.k1() * y),
-            elastic * (given.k3() * (y * y) * y),
-            damping * damping_force,
-        ]
+        parts(law.augmented.law(), &motion, scales, damping_force)
     }
 
     /// The law to take over at the next [`RunningLaw::boundary`]; one that was waiting is dropped.
@@ -339,6 +362,30 @@ impl<const N: usize> RunningLaw<N> {
             needed
         };
         self.table.fill_row(&law.damping, row);
+    }
+}
+
+impl<const N: usize> TickLaw for RunningLaw<N> {
+    #[inline(always)]
+    fn force(&mut self, motion: &Motion<f32>) -> f32 {
+        Self::force(self, motion)
+    }
+    fn rest(&mut self) {
+        Self::rest(self);
+    }
+    #[inline(always)]
+    fn boundary(&mut self) -> bool {
+        Self::boundary(self)
+    }
+    fn follow(&mut self, followed: Followed) {
+        Self::follow(self, followed);
+    }
+    fn followed(&self) -> Followed {
+        Self::followed(self)
+    }
+    #[inline(always)]
+    fn parts(&self, motion: &Motion<f32>) -> [f32; 3] {
+        Self::parts(self, motion)
     }
 }
 

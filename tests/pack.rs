@@ -2,7 +2,7 @@
 
 use mesh_damper::effects::correction::{CELLS, CorrectionParts, Memory};
 use mesh_damper::effects::{
-    AugmentedLaw, Correction, Effect, EffectParameters, MAX_STICK_SLIP_ELEMENTS, MAX_TONES, Motion,
+    AugmentedLaw, Correction, DESCRIPTIONS, Effect, MAX_STICK_SLIP_ELEMENTS, MAX_TONES, Motion,
     Periodic, StickSlip,
 };
 use mesh_damper::error::ConfigError;
@@ -18,58 +18,42 @@ fn law() -> Law<f32> {
     Law::new(1.0539, 10.5, 0.1114, 0.3969).unwrap()
 }
 
+/// The effect by its own name, of parameters in the order of its description.
+fn effect(name: &str, parameters: &[f64], tick: f64) -> Effect<f32> {
+    let found = DESCRIPTIONS.iter().find(|each| each.name == name).unwrap();
+    Effect::from_parameters(found.number, parameters, tick).unwrap()
+}
+
+/// Every effect of the crate, as many elements of it as there may be.
 fn every_effect() -> Vec<Effect<f32>> {
-    let elements = (1..=MAX_STICK_SLIP_ELEMENTS).map(|n| (0.1 * n as f32, 0.01 * n as f32));
-    [
-        EffectParameters::Offset { force: 0.02 },
-        EffectParameters::Asymmetry { k2: -1.5 },
-        EffectParameters::Hardening { k5: 120.0 },
-        EffectParameters::StickSlip(elements.collect()),
-        EffectParameters::Viscous { c1: 1e-3 },
-        EffectParameters::Relaxation {
-            branches: [(0.4, 0.05), (0.3, 0.5), (0.1, 5.0)].into_iter().collect(),
-            tick: 1e-4,
-        },
-        EffectParameters::Inertia { mass: 2.5 },
-        EffectParameters::Drift {
-            stiffness: -0.2,
-            cycles: 40.0,
-            elastic_change: 0.1,
-            damping_change: -0.3,
-        },
-        EffectParameters::Temperature {
-            beta: 2e-3,
-            beta_damping: -1e-3,
-            reference: 20.0,
-        },
-        EffectParameters::Stop([(2.0, 0.05), (3.0, -0.08)].into_iter().collect()),
-        EffectParameters::BoucWen {
-            stiffness: 0.8,
-            slip_limit: 0.03,
-            sharpness: 1.4,
-        },
-        EffectParameters::Periodic {
-            tones: [(0.02, 49.9, -1.0), (0.01, 149.7, 1.0), (0.03, 7.3, 0.2)]
-                .into_iter()
-                .collect(),
-            tick: 1e-4,
-        },
-        EffectParameters::Gap {
-            half_width: 0.01,
-            damps_inside: true,
-        },
-        EffectParameters::Compliance {
-            stiffness: 25.0,
-            tick: 1e-4,
-        },
-        EffectParameters::Delay {
-            time: 1.23e-3,
-            tick: 1e-4,
-        },
-    ]
-    .iter()
-    .map(|parameters| parameters.effect().unwrap())
-    .collect()
+    let elements: Vec<f64> = (1..=MAX_STICK_SLIP_ELEMENTS)
+        .flat_map(|n| [0.1 * n as f64, 0.01 * n as f64])
+        .collect();
+    let all: [(&str, &[f64]); 16] = [
+        ("offset", &[0.02]),
+        ("asymmetry", &[-1.5]),
+        ("hardening", &[120.0]),
+        ("stick_slip", &elements),
+        ("viscous", &[1e-3]),
+        ("relaxation", &[0.4, 0.05, 0.3, 0.5, 0.1, 5.0]),
+        ("inertia", &[2.5]),
+        ("load_friction", &[7.5]),
+        ("drift", &[40.0, -0.2, 0.1, -0.3]),
+        ("temperature", &[2e-3, 20.0, -1e-3]),
+        ("stop", &[2.0, 0.05, 3.0, -0.08]),
+        ("bouc_wen", &[0.8, 0.03, 1.4]),
+        (
+            "periodic",
+            &[0.02, 49.9, -1.0, 0.01, 149.7, 1.0, 0.03, 7.3, 0.2],
+        ),
+        ("gap", &[0.01, 1.0]),
+        ("compliance", &[25.0]),
+        ("delay", &[1.23e-3]),
+    ];
+    assert_eq!(all.len(), DESCRIPTIONS.len());
+    all.into_iter()
+        .map(|(name, parameters)| effect(name, parameters, 1e-4))
+        .collect()
 }
 
 fn tabulated<const N: usize>(effects: &[Effect<f32>]) -> TabulatedLaw<N> {
@@ -124,59 +108,24 @@ fn the_largest_effects_fit_often_enough() {
 /// What a constructor takes, the rig takes too, though it sees only the numbers that were made of it.
 #[test]
 fn effects_at_the_ends_of_their_ranges_survive() {
-    let ends = [
-        EffectParameters::Offset { force: 1e9 },
-        EffectParameters::Drift {
-            stiffness: -1e9,
-            cycles: 1e9,
-            elastic_change: 1e3,
-            damping_change: -1.0,
-        },
-        EffectParameters::Drift {
-            stiffness: 1e9,
-            cycles: 0.1,
-            elastic_change: -1.0,
-            damping_change: 1e3,
-        },
-        EffectParameters::Relaxation {
-            branches: [(1e9, 1e6)].into_iter().collect(),
-            tick: 1e-7,
-        },
-        EffectParameters::Relaxation {
-            branches: [(-1e9, 1.1e-6)].into_iter().collect(),
-            tick: 1e3,
-        },
-        EffectParameters::StickSlip([(1e9, 1e4)].into_iter().collect()),
-        EffectParameters::Stop([(1e9, 1e4)].into_iter().collect()),
-        EffectParameters::Stop([(1e-9, -1e-9)].into_iter().collect()),
-        EffectParameters::BoucWen {
-            stiffness: -1e9,
-            slip_limit: 1e-9,
-            sharpness: 8.0,
-        },
-        EffectParameters::Periodic {
-            tones: [(1e9, 499_000.0, 1e3)].into_iter().collect(),
-            tick: 1e-6,
-        },
-        EffectParameters::Gap {
-            half_width: 1e4,
-            damps_inside: false,
-        },
-        EffectParameters::Compliance {
-            stiffness: 1e-3,
-            tick: 1e-7,
-        },
-        EffectParameters::Compliance {
-            stiffness: 1e9,
-            tick: 1e3,
-        },
-        EffectParameters::Delay {
-            time: 255.0,
-            tick: 1.0,
-        },
+    let ends: [(&str, &[f64], f64); 14] = [
+        ("offset", &[1e9], 1e-4),
+        ("drift", &[1e9, -1e9, 1e3, -1.0], 1e-4),
+        ("drift", &[0.1, 1e9, -1.0, 1e3], 1e-4),
+        ("relaxation", &[1e9, 1e6], 1e-7),
+        ("relaxation", &[-1e9, 1.1e-6], 1e3),
+        ("stick_slip", &[1e9, 1e4], 1e-4),
+        ("stop", &[1e9, 1e4], 1e-4),
+        ("stop", &[1e-9, -1e-9], 1e-4),
+        ("bouc_wen", &[-1e9, 1e-9, 8.0], 1e-4),
+        ("periodic", &[1e9, 499_000.0, 1e3], 1e-6),
+        ("gap", &[1e4, 0.0], 1e-4),
+        ("compliance", &[1e-3], 1e-7),
+        ("compliance", &[1e9], 1e3),
+        ("delay", &[255.0], 1.0),
     ];
-    for parameters in ends {
-        let effect = parameters.effect().unwrap();
+    for (name, parameters, tick) in ends {
+        let effect = effect(name, parameters, tick);
         let decoded = decode(&pack(&[effect])).unwrap();
         assert!(decoded.augmented().effects().eq([effect]));
     }
@@ -384,8 +333,7 @@ fn a_sound_checksum_does_not_make_a_sound_law() {
 
 #[test]
 fn load_friction_comes_out_as_it_went_in_and_is_never_below_0() {
-    let load = EffectParameters::LoadFriction { load: 7.5 };
-    let effects = [load.effect().unwrap()];
+    let effects = [effect("load_friction", &[7.5], 1e-4)];
     let good = pack(&effects);
     assert_eq!(decode(&good).unwrap(), tabulated(&effects));
     let mut negative = good[12..].to_vec();

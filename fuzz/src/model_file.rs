@@ -56,7 +56,7 @@ static GOOD: LazyLock<Vec<Vec<u8>>> = LazyLock::new(|| {
         c: 0.1,
         alpha: 0.3,
     };
-    let model = |families: &[(Family, &[(&str, f64)])], correction| {
+    let model = |families: &[(&str, &[(&str, f64)])], correction| {
         let effects = families.iter().map(|&(family, parameters)| AddedEffect {
             family,
             parameters: parameters
@@ -90,15 +90,15 @@ static GOOD: LazyLock<Vec<Vec<u8>>> = LazyLock::new(|| {
     vec![
         model(
             &[
-                (Family::Offset, &[("force", -0.1)]),
-                (Family::Asymmetry, &[("k2", 3.0)]),
-                (Family::Hardening, &[("k5", 100.0)]),
+                ("offset", &[("force", -0.1)]),
+                ("asymmetry", &[("k2", 3.0)]),
+                ("hardening", &[("k5", 100.0)]),
                 (
-                    Family::StickSlip,
+                    "stick_slip",
                     &[("stiffness", 1.2), ("slip_limit", 0.03)],
                 ),
                 (
-                    Family::Relaxation,
+                    "relaxation",
                     &[
                         ("stiffness", 0.4),
                         ("time", 0.05),
@@ -107,28 +107,28 @@ static GOOD: LazyLock<Vec<Vec<u8>>> = LazyLock::new(|| {
                     ],
                 ),
                 (
-                    Family::Temperature,
+                    "temperature",
                     &[
                         ("beta", 0.004),
                         ("beta_damping", -0.002),
                         ("reference", 20.0),
                     ],
                 ),
-                (Family::Stop, &[("stiffness", 2.0), ("gap", 0.1)]),
+                ("stop", &[("stiffness", 2.0), ("gap", 0.1)]),
             ],
             None,
         ),
         model(
             &[
                 (
-                    Family::StickSlip,
+                    "stick_slip",
                     &[("stiffness", 1.2), ("slip_limit", 0.03), ("sharpness", 1.5)],
                 ),
-                (Family::Gap, &[("half_width", 0.01), ("damps_inside", 1.0)]),
-                (Family::Delay, &[("time", 0.0012)]),
-                (Family::Compliance, &[("stiffness", 25.0)]),
+                ("gap", &[("half_width", 0.01), ("damps_inside", 1.0)]),
+                ("delay", &[("time", 0.0012)]),
+                ("compliance", &[("stiffness", 25.0)]),
                 (
-                    Family::Periodic,
+                    "periodic",
                     &[
                         ("amplitude", 0.1),
                         ("frequency", 50.0),
@@ -139,19 +139,19 @@ static GOOD: LazyLock<Vec<Vec<u8>>> = LazyLock::new(|| {
                     ],
                 ),
                 (
-                    Family::Drift,
+                    "drift",
                     &[
                         ("elastic_change", -0.1),
                         ("damping_change", 0.2),
                         ("cycles", 20.0),
                     ],
                 ),
-                (Family::Inertia, &[("mass", 2.0)]),
-                (Family::LoadFriction, &[("load", 3.0)]),
+                ("inertia", &[("mass", 2.0)]),
+                ("load_friction", &[("load", 3.0)]),
             ],
             None,
         ),
-        model(&[(Family::Viscous, &[("c1", 0.01)])], Some(correction)),
+        model(&[("viscous", &[("c1", 0.01)])], Some(correction)),
     ]
 });
 

@@ -1,19 +1,19 @@
 //! Even stiffness: a damper that is stiffer one way than the other, as a preloaded ring is. Eq 14 fits it as a2 and
 //! then drops it.
 
-use super::{ConfinedMotion, EffectForce, LawForce};
+use super::description::{Cost, Dependence, Description, Kind, Parameter};
+use super::{ConfinedMotion, Equations, LawForce, Packed};
 use crate::error::ConfigError;
+use crate::limits;
 use crate::real::{Real, coefficient};
 
 /// F = k2·y².
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Asymmetry<R> {
-    pub(super) k2: R,
+    k2: R,
 }
 
 impl<R: Real> Asymmetry<R> {
-    pub(super) const NONE: Self = Self { k2: R::ZERO };
-
     /// * `k2`: kN/mm², −1e9…1e9
     ///
     /// # Errors
@@ -25,8 +25,34 @@ impl<R: Real> Asymmetry<R> {
     }
 }
 
-impl<R: Real> EffectForce<R> for Asymmetry<R> {
+impl<R: Real> Equations<R> for Asymmetry<R> {
+    const DESCRIPTION: Description = Description {
+        name: "asymmetry",
+        family: "asymmetry",
+        number: 1,
+        kind: Kind::Force,
+        cost: Cost::Light,
+        parameters: &[Parameter::new(
+            "k2",
+            "kN/mm^2",
+            -limits::COEFFICIENT,
+            limits::COEFFICIENT,
+        )],
+        most: 1,
+        depends_on: &[Dependence::Displacement],
+        may_supply_energy: false,
+        scales_law: false,
+        sentence: "Even stiffness: a damper that is stiffer one way than the other.",
+    };
+    const NONE: Self = Self { k2: R::ZERO };
+
     type State = ();
+    const AT_REST: () = ();
+
+    fn from_parameters(parameters: &[f64], _: f64) -> Result<Self, ConfigError> {
+        let [k2] = super::exactly(parameters)?;
+        Self::new(R::from_f64(k2))
+    }
 
     fn check(&self) -> Result<(), ConfigError> {
         coefficient("k2", self.k2).map(|_| ())
@@ -36,5 +62,16 @@ impl<R: Real> EffectForce<R> for Asymmetry<R> {
     fn force(&self, _: &mut (), motion: &ConfinedMotion<R>, _: LawForce<R>) -> R {
         let y = motion.displacement();
         self.k2 * (y * y)
+    }
+}
+
+impl Packed for Asymmetry<f32> {
+    fn pack(&self, put: &mut impl FnMut(f32)) {
+        put(self.k2);
+    }
+
+    fn unpack(words: &[f32]) -> Option<Self> {
+        let &[k2] = words else { return None };
+        Some(Self { k2 })
     }
 }

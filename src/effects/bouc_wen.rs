@@ -1,6 +1,7 @@
 //! Rate-independent friction that gives way smoothly (Bouc 1967, Wen 1976): the second form of stick-slip.
 
-use super::{ConfinedMotion, EffectForce, LawForce};
+use super::description::{Cost, Dependence, Description, Kind, Parameter};
+use super::{ConfinedMotion, Equations, LawForce, Packed};
 use crate::error::ConfigError;
 use crate::limits;
 use crate::real::{Real, coefficient, in_range};
@@ -19,13 +20,13 @@ const SHARPEST: f64 = 8.0;
 /// and bounded for steps of any length, as what stands for eᵃ, 1 + a + a²/2 + a³/6, is at least 1.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct BoucWen<R> {
-    pub(super) stiffness: R,
-    pub(super) slip_limit: R,
-    pub(super) sharpness: R,
+    stiffness: R,
+    slip_limit: R,
+    sharpness: R,
 }
 
 /// What a [`BoucWen`] remembers.
-#[derive(Clone, Copy, Debug, Default)]
+#[derive(Clone, Copy, Debug)]
 pub struct BoucWenState<R> {
     /// z, mm.
     stretch: R,
@@ -34,12 +35,6 @@ pub struct BoucWenState<R> {
 }
 
 impl<R: Real> BoucWen<R> {
-    pub(super) const NONE: Self = Self {
-        stiffness: R::ZERO,
-        slip_limit: R::ZERO,
-        sharpness: R::ZERO,
-    };
-
     /// * `stiffness`: k, kN/mm, −1e9…1e9
     /// * `slip_limit`: x, mm, 1e-9…1e4
     /// * `sharpness`: n, 0.5…8
@@ -90,8 +85,42 @@ fn taken<R: Real>(a: R) -> R {
     grown / (R::ONE + grown)
 }
 
-impl<R: Real> EffectForce<R> for BoucWen<R> {
-    type State = BoucWenState<R>;
+impl<R: Real> Equations<R> for BoucWen<R> {
+    const DESCRIPTION: Description = Description {
+        name: "bouc_wen",
+        family: "stick_slip",
+        number: 11,
+        kind: Kind::Force,
+        cost: Cost::Rare,
+        parameters: &[
+            Parameter::new(
+                "stiffness",
+                "kN/mm",
+                -limits::COEFFICIENT,
+                limits::COEFFICIENT,
+            ),
+            Parameter::new("slip_limit", "mm", 1e-9, limits::DISPLACEMENT),
+            Parameter::new("sharpness", "1", 0.5, SHARPEST),
+        ],
+        most: 1,
+        depends_on: &[Dependence::Displacement, Dependence::History],
+        may_supply_energy: false,
+        scales_law: false,
+        sentence: "Rate-independent friction that gives way smoothly.",
+    };
+    const NONE: Self = Self {
+        stiffness: R::ZERO,
+        slip_limit: R::ZERO,
+        sharpness: R::ZERO,
+    };
+
+    type State = Option<BoucWenState<R>>;
+    const AT_REST: Self::State = None;
+
+    fn from_parameters(parameters: &[f64], _: f64) -> Result<Self, ConfigError> {
+        let [stiffness, slip_limit, sharpness] = super::exactly(parameters)?.map(R::from_f64);
+        Self::new(stiffness, slip_limit, sharpness)
+    }
 
     fn check(&self) -> Result<(), ConfigError> {
         coefficient("stiffness", self.stiffness)?;
@@ -99,17 +128,14 @@ impl<R: Real> EffectForce<R> for BoucWen<R> {
         in_range("sharpness", self.sharpness, 0.5, SHARPEST).map(|_| ())
     }
 
-    fn begin(&self, motion: &ConfinedMotion<R>) -> Self::State {
-        BoucWenState {
-            previous: motion.displacement(),
-            ..BoucWenState::default()
-        }
-    }
-
     // On a target not inlined: its registers and constants are no matter of ticks without it.
     #[cfg_attr(not(feature = "std"), inline(never))]
     fn force(&self, state: &mut Self::State, motion: &ConfinedMotion<R>, _: LawForce<R>) -> R {
         let y = motion.displacement();
+        let state = state.get_or_insert(BoucWenState {
+            stretch: R::ZERO,
+            previous: y,
+        });
         let step = y - state.previous;
         state.previous = y;
         let forward = step > R::ZERO;
@@ -140,5 +166,24 @@ impl<R: Real> EffectForce<R> for BoucWen<R> {
         let stretch = if forward { moved } else { -moved };
         state.stretch = stretch.clipped(self.slip_limit);
         self.stiffness * state.stretch
+    }
+}
+
+impl Packed for BoucWen<f32> {
+    fn pack(&self, put: &mut impl FnMut(f32)) {
+        [self.stiffness, self.slip_limit, self.sharpness]
+            .into_iter()
+            .for_each(put);
+    }
+
+    fn unpack(words: &[f32]) -> Option<Self> {
+        let &[stiffness, slip_limit, sharpness] = words else {
+            return None;
+        };
+        Some(Self {
+            stiffness,
+            slip_limit,
+            sharpness,
+        })
     }
 }

@@ -1,6 +1,7 @@
 //! A spring in series with the specimen: the fixture gives way, and the specimen moves less than is measured.
 
-use super::{AugmentedState, ConfinedMotion, LawForce, Motion};
+use super::description::{Cost, Dependence, Description, Kind, Parameter};
+use super::{AugmentedState, ConfinedMotion, Equations, LawForce, Motion, Packed};
 use crate::error::ConfigError;
 use crate::law::Law;
 use crate::limits;
@@ -24,14 +25,14 @@ use crate::real::{Real, in_range};
 /// holds and a velocity has no meaning the force is that of the balance.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Compliance<R> {
-    pub(super) stiffness: R,
+    stiffness: R,
     /// h
-    pub(super) step: R,
+    step: R,
 }
 
 /// What a [`Compliance`] remembers.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct ComplianceState<R> {
+pub struct ComplianceState<R> {
     /// d₋₁ and d₋₂, mm.
     deflections: [R; 2],
     /// E, kN.
@@ -49,11 +50,6 @@ const POWER: f64 = (1 << SQUARINGS) as f64;
 const SLOWEST: f64 = 1e-20;
 
 impl<R: Real> Compliance<R> {
-    pub(super) const NONE: Self = Self {
-        stiffness: R::ZERO,
-        step: R::ZERO,
-    };
-
     /// * `stiffness`: K, kN/mm, 1e-3…1e9
     /// * `tick`: Δt, s, 1e-7…1e3
     ///
@@ -67,11 +63,6 @@ impl<R: Real> Compliance<R> {
         };
         new.check()?;
         Ok(new)
-    }
-
-    pub(super) fn check(&self) -> Result<(), ConfigError> {
-        in_range("stiffness", self.stiffness, 1e-3, limits::COEFFICIENT)?;
-        in_range("step", self.step, 6e-8, 700.0).map(|_| ())
     }
 
     /// At the first tick the spring is stretched as if `motion` had not changed lately.
@@ -89,18 +80,58 @@ impl<R: Real> Compliance<R> {
             velocity: motion.velocity(),
         }
     }
+}
 
-    /// The specimen's motion, and eq 13's force in kN at it. `damping` gives eq 13's damping force at a velocity within the
-    /// limit, `viscous` is c1 in kN·s/mm.
+impl<R: Real> Equations<R> for Compliance<R> {
+    const DESCRIPTION: Description = Description {
+        name: "compliance",
+        family: "compliance",
+        number: 13,
+        kind: Kind::Stage,
+        cost: Cost::Rare,
+        parameters: &[Parameter::new(
+            "stiffness",
+            "kN/mm",
+            1e-3,
+            limits::COEFFICIENT,
+        )],
+        most: 1,
+        depends_on: &[
+            Dependence::Displacement,
+            Dependence::Velocity,
+            Dependence::Amplitude,
+        ],
+        may_supply_energy: false,
+        scales_law: false,
+        sentence: "A spring in series with the specimen: the fixture gives way.",
+    };
+    const NONE: Self = Self {
+        stiffness: R::ZERO,
+        step: R::ZERO,
+    };
+
+    type State = Option<ComplianceState<R>>;
+    const AT_REST: Self::State = None;
+
+    fn from_parameters(parameters: &[f64], tick: f64) -> Result<Self, ConfigError> {
+        let [stiffness] = super::exactly(parameters)?;
+        Self::new(R::from_f64(stiffness), R::from_f64(tick))
+    }
+
+    fn check(&self) -> Result<(), ConfigError> {
+        in_range("stiffness", self.stiffness, 1e-3, limits::COEFFICIENT)?;
+        in_range("step", self.step, 6e-8, 700.0).map(|_| ())
+    }
+
     #[inline(always)]
-    pub(super) fn deflect(
+    fn solved(
         &self,
-        state: &mut Option<ComplianceState<R>>,
+        state: &mut Self::State,
         motion: &ConfinedMotion<R>,
         law: &Law<R>,
         viscous: R,
-        damping: impl Fn(R) -> R,
-    ) -> (ConfinedMotion<R>, LawForce<R>) {
+        damping: &impl Fn(R) -> R,
+    ) -> Option<(ConfinedMotion<R>, LawForce<R>)> {
         let before = match *state {
             Some(before) => before,
             None => self.begin(motion, law, damping(motion.velocity())),
@@ -159,16 +190,28 @@ impl<R: Real> Compliance<R> {
             damping: force,
             total: at.elastic + force,
         };
-        (seen, law)
+        Some((seen, law))
     }
 
-    /// What the effects added to eq 13's force on this tick, kN.
     #[inline(always)]
-    pub(super) fn remember(&self, state: &mut Option<ComplianceState<R>>, added: R, viscous: R) {
+    fn added(&self, state: &mut Self::State, added: R, viscous: R) {
         if let Some(state) = state {
             // What is beyond all measure must not stay: a difference of infinities would.
             state.others = (added - viscous * state.velocity).confined(R::from_f64(limits::FORCE));
         }
+    }
+}
+
+impl Packed for Compliance<f32> {
+    fn pack(&self, put: &mut impl FnMut(f32)) {
+        [self.stiffness, self.step].into_iter().for_each(put);
+    }
+
+    fn unpack(words: &[f32]) -> Option<Self> {
+        let &[stiffness, step] = words else {
+            return None;
+        };
+        Some(Self { stiffness, step })
     }
 }
 

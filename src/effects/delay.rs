@@ -1,6 +1,7 @@
 //! A force channel that is late: the skew of a multiplexed converter, or of a filter that the displacement does not pass.
 
-use super::{ConfinedMotion, Motion};
+use super::description::{Cost, Dependence, Description, Kind, Parameter};
+use super::{ConfinedMotion, Equations, Motion, Packed};
 use crate::error::ConfigError;
 use crate::real::{Real, in_range};
 
@@ -16,15 +17,15 @@ const KEPT: usize = 256;
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Delay<R> {
     /// Whole ticks.
-    pub(super) whole: u8,
+    whole: u8,
     /// The rest, s.
-    pub(super) rest: R,
+    rest: R,
 }
 
 /// The last forces, kN.
 #[derive(Clone, Debug)]
 #[repr(C)]
-pub(super) struct DelayState<R> {
+pub struct DelayState<R> {
     forces: [R; KEPT],
     /// Where the next one goes.
     next: u8,
@@ -32,20 +33,7 @@ pub(super) struct DelayState<R> {
     filled: u8,
 }
 
-impl<R: Real> DelayState<R> {
-    pub(super) const EMPTY: Self = Self {
-        forces: [R::ZERO; KEPT],
-        next: 0,
-        filled: 0,
-    };
-}
-
 impl<R: Real> Delay<R> {
-    pub(super) const NONE: Self = Self {
-        whole: 0,
-        rest: R::ZERO,
-    };
-
     /// * `time`: T, s, 0 to 255 ticks
     /// * `tick`: s, 1e-7…1e3
     ///
@@ -62,10 +50,6 @@ impl<R: Real> Delay<R> {
             whole,
             rest: R::from_f64((ticks - f64::from(whole)) * tick),
         })
-    }
-
-    pub(super) fn check(&self) -> Result<(), ConfigError> {
-        in_range("rest", self.rest, -500.0, 500.0).map(|_| ())
     }
 
     /// How many ticks late the force of [`Self::shifted`] motion is.
@@ -86,21 +70,69 @@ impl<R: Real> Delay<R> {
             ..*motion
         }
     }
+}
 
-    /// The same, within the limits.
+impl<R: Real> Equations<R> for Delay<R> {
+    const DESCRIPTION: Description = Description {
+        name: "delay",
+        family: "delay",
+        number: 14,
+        kind: Kind::Stage,
+        cost: Cost::Rare,
+        parameters: &[Parameter::new("time", "s", 0.0, 255e3)],
+        most: 1,
+        depends_on: &[Dependence::Velocity, Dependence::Frequency],
+        may_supply_energy: true,
+        scales_law: false,
+        sentence: "A force channel that is late.",
+    };
+    const NONE: Self = Self {
+        whole: 0,
+        rest: R::ZERO,
+    };
+
+    type State = DelayState<R>;
+    const AT_REST: Self::State = DelayState {
+        forces: [R::ZERO; KEPT],
+        next: 0,
+        filled: 0,
+    };
+
+    fn from_parameters(parameters: &[f64], tick: f64) -> Result<Self, ConfigError> {
+        let [time] = super::exactly(parameters)?;
+        Self::new(R::from_f64(time), R::from_f64(tick))
+    }
+
+    fn check(&self) -> Result<(), ConfigError> {
+        in_range("rest", self.rest, -500.0, 500.0).map(|_| ())
+    }
+
     #[inline(always)]
-    pub(super) fn felt(&self, motion: &ConfinedMotion<R>) -> ConfinedMotion<R> {
+    fn felt(&self, motion: &ConfinedMotion<R>) -> ConfinedMotion<R> {
         self.shifted(&motion.0).confined()
     }
 
-    /// What `force` kN of this tick becomes.
     #[inline(always)]
-    pub(super) fn delayed(&self, state: &mut DelayState<R>, force: R) -> R {
+    fn shown(&self, state: &mut Self::State, force: R) -> R {
         let now = state.next;
         state.forces[usize::from(now)] = force;
         state.next = now.wrapping_add(1);
         let lag = self.whole.min(state.filled);
         state.filled = state.filled.saturating_add(1);
         state.forces[usize::from(now.wrapping_sub(lag))]
+    }
+}
+
+impl Packed for Delay<f32> {
+    fn pack(&self, put: &mut impl FnMut(f32)) {
+        [f32::from(self.whole), self.rest].into_iter().for_each(put);
+    }
+
+    fn unpack(words: &[f32]) -> Option<Self> {
+        let &[whole, rest] = words else { return None };
+        Some(Self {
+            whole: whole as u8,
+            rest,
+        })
     }
 }

@@ -1,6 +1,7 @@
 //! A force that settles with the cycles: run-in, friction that wears, or wires that break one after another.
 
-use super::{ConfinedMotion, EffectForce, LawForce};
+use super::description::{Absent, Cost, Dependence, Description, Kind, Parameter};
+use super::{ConfinedMotion, Equations, LawForce, Packed};
 use crate::error::ConfigError;
 use crate::limits;
 use crate::real::{Real, coefficient, in_range};
@@ -9,23 +10,16 @@ use crate::real::{Real, coefficient, in_range};
 /// changed by k, eq 13's elastic force by the fraction a of itself, and its damping force by b.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Drift<R> {
-    pub(super) stiffness: R,
+    stiffness: R,
     /// a
-    pub(super) elastic: R,
+    elastic: R,
     /// b − a
-    pub(super) beyond: R,
+    beyond: R,
     /// −log₂ e/N
-    pub(super) rate: R,
+    rate: R,
 }
 
 impl<R: Real> Drift<R> {
-    pub(super) const NONE: Self = Self {
-        stiffness: R::ZERO,
-        elastic: R::ZERO,
-        beyond: R::ZERO,
-        rate: R::ZERO,
-    };
-
     /// * `stiffness`: what the stiffness has changed by in the end, kN/mm, −1e9…1e9
     /// * `cycles`: N, after which 63 % of the change is done, 0.1…1e9
     ///
@@ -59,11 +53,6 @@ impl<R: Real> Drift<R> {
         })
     }
 
-    /// Its part of eq 13's `law`, kN: all but the stiffness.
-    pub(super) fn force_of_law(&self, motion: &ConfinedMotion<R>, law: LawForce<R>) -> R {
-        self.done(self.change_of_law(law), motion)
-    }
-
     /// What of `law` has changed in the end.
     #[inline(always)]
     fn change_of_law(&self, law: LawForce<R>) -> R {
@@ -77,8 +66,45 @@ impl<R: Real> Drift<R> {
     }
 }
 
-impl<R: Real> EffectForce<R> for Drift<R> {
+impl<R: Real> Equations<R> for Drift<R> {
+    const DESCRIPTION: Description = Description {
+        name: "drift",
+        family: "drift",
+        number: 5,
+        kind: Kind::Force,
+        cost: Cost::Common,
+        parameters: &[
+            Parameter::new("cycles", "1", 0.1, limits::CYCLES),
+            Parameter::new(
+                "stiffness",
+                "kN/mm",
+                -limits::COEFFICIENT,
+                limits::COEFFICIENT,
+            )
+            .or(Absent::Is(0.0)),
+            Parameter::new("elastic_change", "1", -1.0, limits::CHANGE).or(Absent::Is(0.0)),
+            Parameter::new("damping_change", "1", -1.0, limits::CHANGE).or(Absent::Is(0.0)),
+        ],
+        most: 1,
+        depends_on: &[Dependence::Displacement, Dependence::Cycle],
+        may_supply_energy: false,
+        scales_law: true,
+        sentence: "A force that settles with the cycles: run-in, friction that wears, or wires that break one after another.",
+    };
+    const NONE: Self = Self {
+        stiffness: R::ZERO,
+        elastic: R::ZERO,
+        beyond: R::ZERO,
+        rate: R::ZERO,
+    };
+
     type State = ();
+    const AT_REST: () = ();
+
+    fn from_parameters(parameters: &[f64], _: f64) -> Result<Self, ConfigError> {
+        let [cycles, stiffness, elastic, damping] = super::exactly(parameters)?.map(R::from_f64);
+        Self::new(stiffness, cycles)?.with_forces(elastic, damping)
+    }
 
     fn check(&self) -> Result<(), ConfigError> {
         coefficient("stiffness", self.stiffness)?;
@@ -93,5 +119,31 @@ impl<R: Real> EffectForce<R> for Drift<R> {
     fn force(&self, _: &mut (), motion: &ConfinedMotion<R>, law: LawForce<R>) -> R {
         let change = self.stiffness * motion.displacement() + self.change_of_law(law);
         self.done(change, motion)
+    }
+
+    /// All but the stiffness.
+    #[inline(always)]
+    fn force_of_law(&self, motion: &ConfinedMotion<R>, law: LawForce<R>) -> R {
+        self.done(self.change_of_law(law), motion)
+    }
+}
+
+impl Packed for Drift<f32> {
+    fn pack(&self, put: &mut impl FnMut(f32)) {
+        [self.stiffness, self.elastic, self.beyond, self.rate]
+            .into_iter()
+            .for_each(put);
+    }
+
+    fn unpack(words: &[f32]) -> Option<Self> {
+        let &[stiffness, elastic, beyond, rate] = words else {
+            return None;
+        };
+        Some(Self {
+            stiffness,
+            elastic,
+            beyond,
+            rate,
+        })
     }
 }

@@ -1,6 +1,7 @@
 //! Free play of the mounting: the specimen does not feel the first part of a displacement to either side.
 
-use super::{ConfinedMotion, Motion};
+use super::description::{Cost, Dependence, Description, Kind, Parameter};
+use super::{ConfinedMotion, Equations, Motion, Packed};
 use crate::error::ConfigError;
 use crate::limits;
 use crate::real::{Real, in_range};
@@ -9,17 +10,12 @@ use crate::real::{Real, in_range};
 /// or y's as well where what damps lies beside the play.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Gap<R> {
-    pub(super) half_width: R,
+    half_width: R,
     /// What part of velocity and acceleration is felt within ±w: 0 or 1.
-    pub(super) inside: R,
+    inside: R,
 }
 
 impl<R: Real> Gap<R> {
-    pub(super) const NONE: Self = Self {
-        half_width: R::ZERO,
-        inside: R::ZERO,
-    };
-
     /// * `half_width`: w, mm, 0…1e4
     /// * `damps_inside`: velocity and acceleration stay within ±w
     ///
@@ -32,11 +28,6 @@ impl<R: Real> Gap<R> {
         };
         new.check()?;
         Ok(new)
-    }
-
-    pub(super) fn check(&self) -> Result<(), ConfigError> {
-        in_range("half_width", self.half_width, 0.0, limits::DISPLACEMENT)?;
-        in_range("inside", self.inside, 0.0, 1.0).map(|_| ())
     }
 
     /// The motion that the specimen feels where the mounting's is `motion`. Cycles and temperature stay.
@@ -55,10 +46,59 @@ impl<R: Real> Gap<R> {
         }
         felt
     }
+}
 
-    /// The same; what is within the limits stays within.
+impl<R: Real> Equations<R> for Gap<R> {
+    const DESCRIPTION: Description = Description {
+        name: "gap",
+        family: "gap",
+        number: 10,
+        kind: Kind::Stage,
+        cost: Cost::Rare,
+        parameters: &[
+            Parameter::new("half_width", "mm", 0.0, limits::DISPLACEMENT),
+            Parameter::new("damps_inside", "1", 0.0, 1.0),
+        ],
+        most: 1,
+        depends_on: &[Dependence::Displacement],
+        may_supply_energy: false,
+        scales_law: false,
+        sentence: "Free play of the mounting: the first part of a displacement is not felt.",
+    };
+    const NONE: Self = Self {
+        half_width: R::ZERO,
+        inside: R::ZERO,
+    };
+
+    type State = ();
+    const AT_REST: () = ();
+
+    fn from_parameters(parameters: &[f64], _: f64) -> Result<Self, ConfigError> {
+        let [half_width, damps_inside] = super::exactly(parameters)?;
+        Self::new(R::from_f64(half_width), damps_inside != 0.0)
+    }
+
+    fn check(&self) -> Result<(), ConfigError> {
+        in_range("half_width", self.half_width, 0.0, limits::DISPLACEMENT)?;
+        in_range("inside", self.inside, 0.0, 1.0).map(|_| ())
+    }
+
+    /// What is within the limits stays within.
     #[inline(always)]
-    pub(super) fn felt(&self, motion: &ConfinedMotion<R>) -> ConfinedMotion<R> {
+    fn felt(&self, motion: &ConfinedMotion<R>) -> ConfinedMotion<R> {
         ConfinedMotion(self.transform(&motion.0))
+    }
+}
+
+impl Packed for Gap<f32> {
+    fn pack(&self, put: &mut impl FnMut(f32)) {
+        [self.half_width, self.inside].into_iter().for_each(put);
+    }
+
+    fn unpack(words: &[f32]) -> Option<Self> {
+        let &[half_width, inside] = words else {
+            return None;
+        };
+        Some(Self { half_width, inside })
     }
 }

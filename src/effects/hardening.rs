@@ -1,18 +1,18 @@
 //! Odd stiffness above the cubic: wires that come to lie against each other towards the end of the stroke.
 
-use super::{ConfinedMotion, EffectForce, LawForce};
+use super::description::{Cost, Dependence, Description, Kind, Parameter};
+use super::{ConfinedMotion, Equations, LawForce, Packed};
 use crate::error::ConfigError;
+use crate::limits;
 use crate::real::{Real, coefficient};
 
 /// F = k5·y⁵.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Hardening<R> {
-    pub(super) k5: R,
+    k5: R,
 }
 
 impl<R: Real> Hardening<R> {
-    pub(super) const NONE: Self = Self { k5: R::ZERO };
-
     /// * `k5`: kN/mm⁵, −1e9…1e9
     ///
     /// # Errors
@@ -24,8 +24,34 @@ impl<R: Real> Hardening<R> {
     }
 }
 
-impl<R: Real> EffectForce<R> for Hardening<R> {
+impl<R: Real> Equations<R> for Hardening<R> {
+    const DESCRIPTION: Description = Description {
+        name: "hardening",
+        family: "hardening",
+        number: 2,
+        kind: Kind::Force,
+        cost: Cost::Light,
+        parameters: &[Parameter::new(
+            "k5",
+            "kN/mm^5",
+            -limits::COEFFICIENT,
+            limits::COEFFICIENT,
+        )],
+        most: 1,
+        depends_on: &[Dependence::Displacement],
+        may_supply_energy: false,
+        scales_law: false,
+        sentence: "Odd stiffness above the cubic: wires that come to lie against each other.",
+    };
+    const NONE: Self = Self { k5: R::ZERO };
+
     type State = ();
+    const AT_REST: () = ();
+
+    fn from_parameters(parameters: &[f64], _: f64) -> Result<Self, ConfigError> {
+        let [k5] = super::exactly(parameters)?;
+        Self::new(R::from_f64(k5))
+    }
 
     fn check(&self) -> Result<(), ConfigError> {
         coefficient("k5", self.k5).map(|_| ())
@@ -36,5 +62,16 @@ impl<R: Real> EffectForce<R> for Hardening<R> {
         let y = motion.displacement();
         let square = y * y;
         self.k5 * (square * square) * y
+    }
+}
+
+impl Packed for Hardening<f32> {
+    fn pack(&self, put: &mut impl FnMut(f32)) {
+        put(self.k5);
+    }
+
+    fn unpack(words: &[f32]) -> Option<Self> {
+        let &[k5] = words else { return None };
+        Some(Self { k5 })
     }
 }

@@ -1,6 +1,7 @@
 //! The force that accelerates a mass between the load cell and the specimen.
 
-use super::{ConfinedMotion, EffectForce, LawForce};
+use super::description::{Cost, Dependence, Description, Kind, Parameter};
+use super::{ConfinedMotion, Equations, LawForce, Packed};
 use crate::error::ConfigError;
 use crate::limits;
 use crate::real::{Real, in_range};
@@ -12,12 +13,10 @@ const KILONEWTON: f64 = 1e-6;
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Inertia<R> {
     /// kN·s²/mm
-    pub(super) mass: R,
+    mass: R,
 }
 
 impl<R: Real> Inertia<R> {
-    pub(super) const NONE: Self = Self { mass: R::ZERO };
-
     /// * `mass`: kg, −1e6…1e6. A negative one is what a load cell shows that was compensated for too much mass.
     ///
     /// # Errors
@@ -30,8 +29,29 @@ impl<R: Real> Inertia<R> {
     }
 }
 
-impl<R: Real> EffectForce<R> for Inertia<R> {
+impl<R: Real> Equations<R> for Inertia<R> {
+    const DESCRIPTION: Description = Description {
+        name: "inertia",
+        family: "inertia",
+        number: 4,
+        kind: Kind::Force,
+        cost: Cost::Light,
+        parameters: &[Parameter::new("mass", "kg", -limits::MASS, limits::MASS)],
+        most: 1,
+        depends_on: &[Dependence::Displacement, Dependence::Frequency],
+        may_supply_energy: false,
+        scales_law: false,
+        sentence: "A mass that moves between the load cell and the specimen.",
+    };
+    const NONE: Self = Self { mass: R::ZERO };
+
     type State = ();
+    const AT_REST: () = ();
+
+    fn from_parameters(parameters: &[f64], _: f64) -> Result<Self, ConfigError> {
+        let [mass] = super::exactly(parameters)?;
+        Self::new(R::from_f64(mass))
+    }
 
     fn check(&self) -> Result<(), ConfigError> {
         const MOST: f64 = limits::MASS * KILONEWTON;
@@ -41,5 +61,16 @@ impl<R: Real> EffectForce<R> for Inertia<R> {
     #[inline(always)]
     fn force(&self, _: &mut (), motion: &ConfinedMotion<R>, _: LawForce<R>) -> R {
         self.mass * motion.acceleration()
+    }
+}
+
+impl Packed for Inertia<f32> {
+    fn pack(&self, put: &mut impl FnMut(f32)) {
+        put(self.mass);
+    }
+
+    fn unpack(words: &[f32]) -> Option<Self> {
+        let &[mass] = words else { return None };
+        Some(Self { mass })
     }
 }

@@ -1,6 +1,7 @@
 //! Friction that grows with the load on the contacts: wires that are pressed together by the displacement slide harder.
 
-use super::{ConfinedMotion, EffectForce, LawForce};
+use super::description::{Cost, Dependence, Description, Kind, Parameter};
+use super::{ConfinedMotion, Equations, LawForce, Packed};
 use crate::error::ConfigError;
 use crate::limits;
 use crate::real::{Real, in_range};
@@ -11,12 +12,10 @@ use crate::real::{Real, in_range};
 /// amplitude X and angular frequency ω it dissipates 4·λ·c·ω^α·X^(2+α)/(2 + α) J a cycle.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct LoadFriction<R> {
-    pub(super) load: R,
+    load: R,
 }
 
 impl<R: Real> LoadFriction<R> {
-    pub(super) const NONE: Self = Self { load: R::ZERO };
-
     /// * `load`: λ, what a mm of displacement adds to the friction as a part of it, 1/mm, 0…1e6
     ///
     /// # Errors
@@ -28,15 +27,47 @@ impl<R: Real> LoadFriction<R> {
     }
 }
 
-impl<R: Real> EffectForce<R> for LoadFriction<R> {
+impl<R: Real> Equations<R> for LoadFriction<R> {
+    const DESCRIPTION: Description = Description {
+        name: "load_friction",
+        family: "load_friction",
+        number: 15,
+        kind: Kind::Modulator,
+        cost: Cost::Light,
+        parameters: &[Parameter::new("load", "1/mm", 0.0, limits::LOAD)],
+        most: 1,
+        depends_on: &[Dependence::Displacement, Dependence::Velocity],
+        may_supply_energy: false,
+        scales_law: true,
+        sentence: "Friction that grows with the displacement, which presses the wires together.",
+    };
+    const NONE: Self = Self { load: R::ZERO };
+
     type State = ();
+    const AT_REST: () = ();
+
+    fn from_parameters(parameters: &[f64], _: f64) -> Result<Self, ConfigError> {
+        let [load] = super::exactly(parameters)?;
+        Self::new(R::from_f64(load))
+    }
 
     fn check(&self) -> Result<(), ConfigError> {
         in_range("load", self.load, 0.0, limits::LOAD).map(|_| ())
     }
 
     #[inline(always)]
-    fn force(&self, _: &mut (), motion: &ConfinedMotion<R>, law: LawForce<R>) -> R {
+    fn force_of_law(&self, motion: &ConfinedMotion<R>, law: LawForce<R>) -> R {
         self.load * motion.displacement().abs() * law.damping
+    }
+}
+
+impl Packed for LoadFriction<f32> {
+    fn pack(&self, put: &mut impl FnMut(f32)) {
+        put(self.load);
+    }
+
+    fn unpack(words: &[f32]) -> Option<Self> {
+        let &[load] = words else { return None };
+        Some(Self { load })
     }
 }

@@ -1,18 +1,18 @@
 //! A constant force: a preload, or a load cell that was not zeroed.
 
-use super::{ConfinedMotion, EffectForce, LawForce};
+use super::description::{Cost, Description, Kind, Parameter};
+use super::{ConfinedMotion, Equations, LawForce, Packed};
 use crate::error::ConfigError;
+use crate::limits;
 use crate::real::{Real, coefficient};
 
 /// F = f0.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Offset<R> {
-    pub(super) force: R,
+    force: R,
 }
 
 impl<R: Real> Offset<R> {
-    pub(super) const NONE: Self = Self { force: R::ZERO };
-
     /// * `force`: kN, −1e9…1e9
     ///
     /// # Errors
@@ -24,8 +24,34 @@ impl<R: Real> Offset<R> {
     }
 }
 
-impl<R: Real> EffectForce<R> for Offset<R> {
+impl<R: Real> Equations<R> for Offset<R> {
+    const DESCRIPTION: Description = Description {
+        name: "offset",
+        family: "offset",
+        number: 0,
+        kind: Kind::Force,
+        cost: Cost::Light,
+        parameters: &[Parameter::new(
+            "force",
+            "kN",
+            -limits::COEFFICIENT,
+            limits::COEFFICIENT,
+        )],
+        most: 1,
+        depends_on: &[],
+        may_supply_energy: false,
+        scales_law: false,
+        sentence: "A constant force: a preload, or a load cell that was not zeroed.",
+    };
+    const NONE: Self = Self { force: R::ZERO };
+
     type State = ();
+    const AT_REST: () = ();
+
+    fn from_parameters(parameters: &[f64], _: f64) -> Result<Self, ConfigError> {
+        let [force] = super::exactly(parameters)?;
+        Self::new(R::from_f64(force))
+    }
 
     fn check(&self) -> Result<(), ConfigError> {
         coefficient("force", self.force).map(|_| ())
@@ -34,5 +60,16 @@ impl<R: Real> EffectForce<R> for Offset<R> {
     #[inline(always)]
     fn force(&self, _: &mut (), _: &ConfinedMotion<R>, _: LawForce<R>) -> R {
         self.force
+    }
+}
+
+impl Packed for Offset<f32> {
+    fn pack(&self, put: &mut impl FnMut(f32)) {
+        put(self.force);
+    }
+
+    fn unpack(words: &[f32]) -> Option<Self> {
+        let &[force] = words else { return None };
+        Some(Self { force })
     }
 }

@@ -3,11 +3,16 @@
 
 use core::f64::consts::TAU;
 
-use super::{ConfinedMotion, EffectForce, LawForce, some};
+use super::description::{Cost, Dependence, Description, Kind, Parameter};
+use super::{ConfinedMotion, Equations, LawForce, Packed, groups, some};
 use crate::error::ConfigError;
 use crate::frame::{halves, whole};
+use crate::limits;
 use crate::real::{Real, coefficient, in_range};
 use crate::sine::{FREQUENCY_MIN, increment};
+
+/// Hz: half of the highest tick rate.
+const FREQUENCY_MAX: f64 = 0.499e6;
 
 /// Most tones in one [`Periodic`].
 pub const MAX_TONES: usize = 3;
@@ -17,21 +22,21 @@ pub const MAX_TONES: usize = 3;
 /// A phase is an integer of 64 bits, so that a million ticks later it is as far as it should be.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Periodic<R> {
-    pub(super) tones: [Tone<R>; MAX_TONES],
-    pub(super) used: usize,
+    tones: [Tone<R>; MAX_TONES],
+    used: usize,
 }
 
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct Tone<R> {
-    pub(super) amplitude: R,
+struct Tone<R> {
+    amplitude: R,
     /// Of a tick, 2⁶⁴ to the cycle, in halves: aligned as all else that a law is made of.
-    pub(super) increment: [u32; 2],
+    increment: [u32; 2],
     /// At the first tick.
-    pub(super) phase: [u32; 2],
+    phase: [u32; 2],
 }
 
 impl<R: Real> Tone<R> {
-    pub(super) const NONE: Self = Self {
+    const NONE: Self = Self {
         amplitude: R::ZERO,
         increment: [0; 2],
         phase: [0; 2],
@@ -54,11 +59,6 @@ impl<R: Real> Tone<R> {
 }
 
 impl<R: Real> Periodic<R> {
-    pub(super) const NONE: Self = Self {
-        tones: [Tone::NONE; MAX_TONES],
-        used: 0,
-    };
-
     /// The time's parameters are `f64` whatever the float: rounded to `f32` they would be a cycle apart after 10⁷ cycles.
     ///
     /// * `tones`: 1…3, each of an amplitude F, kN, −1e9…1e9, a frequency f, Hz, 1e-6 to 0.499 of the tick rate, and a phase φ,
@@ -87,9 +87,41 @@ impl<R: Real> Periodic<R> {
     }
 }
 
-impl<R: Real> EffectForce<R> for Periodic<R> {
+impl<R: Real> Equations<R> for Periodic<R> {
+    const DESCRIPTION: Description = Description {
+        name: "periodic",
+        family: "periodic",
+        number: 12,
+        kind: Kind::Force,
+        cost: Cost::Rare,
+        parameters: &[
+            Parameter::new("amplitude", "kN", -limits::COEFFICIENT, limits::COEFFICIENT),
+            Parameter::new("frequency", "Hz", FREQUENCY_MIN, FREQUENCY_MAX),
+            Parameter::new("phase", "rad", -1e3, 1e3),
+        ],
+        most: MAX_TONES,
+        depends_on: &[Dependence::Time],
+        may_supply_energy: true,
+        scales_law: false,
+        sentence: "Tones: forces of their own frequencies, whatever the motion.",
+    };
+    const NONE: Self = Self {
+        tones: [Tone::NONE; MAX_TONES],
+        used: 0,
+    };
+
     /// Phases of the next tick.
-    type State = [[u32; 2]; MAX_TONES];
+    type State = Option<[[u32; 2]; MAX_TONES]>;
+    const AT_REST: Self::State = None;
+
+    fn from_parameters(parameters: &[f64], tick: f64) -> Result<Self, ConfigError> {
+        let mut tones = heapless::Vec::<_, MAX_TONES>::new();
+        for &[amplitude, frequency, phase] in groups("tones", parameters, MAX_TONES)? {
+            // As many as there is room for.
+            let _ = tones.push((R::from_f64(amplitude), frequency, phase));
+        }
+        Self::new(&tones, tick)
+    }
 
     fn check(&self) -> Result<(), ConfigError> {
         let used = some("tones", &self.tones, self.used)?;
@@ -97,17 +129,43 @@ impl<R: Real> EffectForce<R> for Periodic<R> {
             .try_for_each(|tone| coefficient("amplitude", tone.amplitude).map(|_| ()))
     }
 
-    fn begin(&self, _: &ConfinedMotion<R>) -> Self::State {
-        self.tones.map(|tone| tone.phase)
-    }
-
     #[inline(always)]
     fn force(&self, state: &mut Self::State, _: &ConfinedMotion<R>, _: LawForce<R>) -> R {
+        let state = state.get_or_insert_with(|| self.tones.map(|tone| tone.phase));
         let ([tone, tones @ ..], [first, others @ ..]) = (&self.tones, state);
         let force = tone.force(first);
         if self.used > 1 {
             return force + Tone::force_of(tones, others);
         }
         force
+    }
+}
+
+impl Packed for Periodic<f32> {
+    fn pack(&self, put: &mut impl FnMut(f32)) {
+        for tone in self.tones.iter().take(self.used) {
+            put(tone.amplitude);
+            for half in tone.increment.into_iter().chain(tone.phase) {
+                put(f32::from_bits(half));
+            }
+        }
+    }
+
+    fn unpack(words: &[f32]) -> Option<Self> {
+        let (packed, []) = words.as_chunks() else {
+            return None;
+        };
+        let mut tones = [Tone::NONE; MAX_TONES];
+        for (tone, &[amplitude, a, b, c, d]) in tones.iter_mut().zip(packed) {
+            *tone = Tone {
+                amplitude,
+                increment: [a, b].map(f32::to_bits),
+                phase: [c, d].map(f32::to_bits),
+            };
+        }
+        Some(Self {
+            tones,
+            used: packed.len(),
+        })
     }
 }

@@ -3,8 +3,10 @@
 //! Several of them with spread times are a Prony series, as the source has it of its material (Table 5), and stand for
 //! materials that relax over all times as well.
 
-use super::{ConfinedMotion, EffectForce, LawForce, some};
+use super::description::{Cost, Dependence, Description, Kind, Parameter};
+use super::{ConfinedMotion, Equations, LawForce, Packed, groups, some};
 use crate::error::ConfigError;
+use crate::limits;
 use crate::real::{Real, coefficient, in_range};
 
 /// Most branches in one [`Relaxation`].
@@ -17,19 +19,19 @@ pub const MAX_BRANCHES: usize = 3;
 /// Storage modulus Σ k·(ωτ)²/(1 + (ωτ)²), loss modulus Σ k·ωτ/(1 + (ωτ)²).
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Relaxation<R> {
-    pub(super) branches: [Branch<R>; MAX_BRANCHES],
-    pub(super) used: usize,
+    branches: [Branch<R>; MAX_BRANCHES],
+    used: usize,
 }
 
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct Branch<R> {
-    pub(super) gain: R,
+struct Branch<R> {
+    gain: R,
     /// Kept instead of 1 − loss: near 1, f32 would round the time constant.
-    pub(super) loss: R,
+    loss: R,
 }
 
 impl<R: Real> Branch<R> {
-    pub(super) const NONE: Self = Self {
+    const NONE: Self = Self {
         gain: R::ZERO,
         loss: R::ZERO,
     };
@@ -62,7 +64,7 @@ impl<R: Real> Branch<R> {
 }
 
 /// What a [`Relaxation`] remembers.
-#[derive(Clone, Copy, Debug, Default)]
+#[derive(Clone, Copy, Debug)]
 // What every tick needs comes first: within reach of a load's offset from one address.
 #[repr(C)]
 pub struct RelaxationState<R> {
@@ -71,7 +73,7 @@ pub struct RelaxationState<R> {
     branches: [BranchState<R>; MAX_BRANCHES],
 }
 
-#[derive(Clone, Copy, Debug, Default)]
+#[derive(Clone, Copy, Debug)]
 struct BranchState<R> {
     force: R,
     /// What rounding has kept from the force: a tick's change is far smaller than an f32 can add when τ is long.
@@ -79,11 +81,6 @@ struct BranchState<R> {
 }
 
 impl<R: Real> Relaxation<R> {
-    pub(super) const NONE: Self = Self {
-        branches: [Branch::NONE; MAX_BRANCHES],
-        used: 0,
-    };
-
     /// * `branches`: 1…3 pairs of stiffness k, kN/mm, −1e9…1e9, and time τ, s, 1e-6…1e6
     /// * `tick`: Δt, s, 1e-7…1e3
     ///
@@ -109,24 +106,64 @@ impl<R: Real> Relaxation<R> {
     }
 }
 
-impl<R: Real> EffectForce<R> for Relaxation<R> {
-    type State = RelaxationState<R>;
+impl<R: Real> Equations<R> for Relaxation<R> {
+    const DESCRIPTION: Description = Description {
+        name: "relaxation",
+        family: "relaxation",
+        number: 8,
+        kind: Kind::Force,
+        cost: Cost::Common,
+        parameters: &[
+            Parameter::new(
+                "stiffness",
+                "kN/mm",
+                -limits::COEFFICIENT,
+                limits::COEFFICIENT,
+            ),
+            Parameter::new("time", "s", 1e-6, 1e6),
+        ],
+        most: MAX_BRANCHES,
+        depends_on: &[
+            Dependence::Displacement,
+            Dependence::History,
+            Dependence::Frequency,
+        ],
+        may_supply_energy: false,
+        scales_law: false,
+        sentence: "Springs and dashpots in series: a force that fades when the motion stops.",
+    };
+    const NONE: Self = Self {
+        branches: [Branch::NONE; MAX_BRANCHES],
+        used: 0,
+    };
+
+    type State = Option<RelaxationState<R>>;
+    const AT_REST: Self::State = None;
+
+    fn from_parameters(parameters: &[f64], tick: f64) -> Result<Self, ConfigError> {
+        let mut branches = heapless::Vec::<_, MAX_BRANCHES>::new();
+        for &[stiffness, time] in groups("branches", parameters, MAX_BRANCHES)? {
+            // As many as there is room for.
+            let _ = branches.push((R::from_f64(stiffness), R::from_f64(time)));
+        }
+        Self::new(&branches, R::from_f64(tick))
+    }
 
     fn check(&self) -> Result<(), ConfigError> {
         let used = some("branches", &self.branches, self.used)?;
         used.iter().try_for_each(Branch::check)
     }
 
-    fn begin(&self, motion: &ConfinedMotion<R>) -> Self::State {
-        RelaxationState {
-            previous: motion.displacement(),
-            ..RelaxationState::default()
-        }
-    }
-
     #[inline(always)]
     fn force(&self, state: &mut Self::State, motion: &ConfinedMotion<R>, _: LawForce<R>) -> R {
         let y = motion.displacement();
+        let state = state.get_or_insert(RelaxationState {
+            previous: y,
+            branches: [BranchState {
+                force: R::ZERO,
+                carry: R::ZERO,
+            }; MAX_BRANCHES],
+        });
         let step = y - state.previous;
         state.previous = y;
         let ([branch, branches @ ..], [first, others @ ..]) = (&self.branches, &mut state.branches);
@@ -135,5 +172,28 @@ impl<R: Real> EffectForce<R> for Relaxation<R> {
             return force + Branch::force_of(branches, others, step);
         }
         force
+    }
+}
+
+impl Packed for Relaxation<f32> {
+    fn pack(&self, put: &mut impl FnMut(f32)) {
+        for branch in self.branches.iter().take(self.used) {
+            put(branch.gain);
+            put(branch.loss);
+        }
+    }
+
+    fn unpack(words: &[f32]) -> Option<Self> {
+        let (pairs, []) = words.as_chunks() else {
+            return None;
+        };
+        let mut branches = [Branch::NONE; MAX_BRANCHES];
+        for (branch, &[gain, loss]) in branches.iter_mut().zip(pairs) {
+            *branch = Branch { gain, loss };
+        }
+        Some(Self {
+            branches,
+            used: pairs.len(),
+        })
     }
 }

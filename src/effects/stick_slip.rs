@@ -4,7 +4,8 @@
 //! then slides at constant force. Many of them with spread slip limits are a bundle of wires whose contacts let go one
 //! after another.
 
-use super::{ConfinedMotion, EffectForce, LawForce, some};
+use super::description::{Cost, Dependence, Description, Kind, Parameter};
+use super::{ConfinedMotion, Equations, LawForce, Packed, groups, some};
 use crate::error::ConfigError;
 use crate::limits;
 use crate::real::{Real, coefficient, in_range};
@@ -18,14 +19,14 @@ pub const MAX_ELEMENTS: usize = 6;
 /// (Iwan 1966; Jenkins 1962).
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct StickSlip<R> {
-    pub(super) elements: [Element<R>; MAX_ELEMENTS],
-    pub(super) used: usize,
+    elements: [Element<R>; MAX_ELEMENTS],
+    used: usize,
 }
 
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub(super) struct Element<R> {
-    pub(super) stiffness: R,
-    pub(super) slip_limit: R,
+struct Element<R> {
+    stiffness: R,
+    slip_limit: R,
 }
 
 impl<R: Real> Element<R> {
@@ -39,7 +40,7 @@ impl<R: Real> Element<R> {
 }
 
 /// What a [`StickSlip`] remembers.
-#[derive(Clone, Copy, Debug, Default)]
+#[derive(Clone, Copy, Debug)]
 pub struct StickSlipState<R> {
     stretch: [R; MAX_ELEMENTS],
     /// Displacement of the tick before, mm.
@@ -47,14 +48,6 @@ pub struct StickSlipState<R> {
 }
 
 impl<R: Real> StickSlip<R> {
-    pub(super) const NONE: Self = Self {
-        elements: [Element {
-            stiffness: R::ZERO,
-            slip_limit: R::ZERO,
-        }; MAX_ELEMENTS],
-        used: 0,
-    };
-
     /// * `elements`: 1…6 pairs of stiffness, kN/mm, −1e9…1e9, and slip limit, mm, 1e-9…1e4
     ///
     /// # Errors
@@ -75,25 +68,61 @@ impl<R: Real> StickSlip<R> {
     }
 }
 
-impl<R: Real> EffectForce<R> for StickSlip<R> {
-    type State = StickSlipState<R>;
+impl<R: Real> Equations<R> for StickSlip<R> {
+    const DESCRIPTION: Description = Description {
+        name: "stick_slip",
+        family: "stick_slip",
+        number: 7,
+        kind: Kind::Force,
+        cost: Cost::Common,
+        parameters: &[
+            Parameter::new(
+                "stiffness",
+                "kN/mm",
+                -limits::COEFFICIENT,
+                limits::COEFFICIENT,
+            ),
+            Parameter::new("slip_limit", "mm", 1e-9, limits::DISPLACEMENT),
+        ],
+        most: MAX_ELEMENTS,
+        depends_on: &[Dependence::Displacement, Dependence::History],
+        may_supply_energy: false,
+        scales_law: false,
+        sentence: "Rate-independent friction with elastic pre-sliding: springs behind Coulomb sliders.",
+    };
+    const NONE: Self = Self {
+        elements: [Element {
+            stiffness: R::ZERO,
+            slip_limit: R::ZERO,
+        }; MAX_ELEMENTS],
+        used: 0,
+    };
+
+    type State = Option<StickSlipState<R>>;
+    const AT_REST: Self::State = None;
+
+    fn from_parameters(parameters: &[f64], _: f64) -> Result<Self, ConfigError> {
+        let mut elements = heapless::Vec::<_, MAX_ELEMENTS>::new();
+        for &[stiffness, slip_limit] in groups("elements", parameters, MAX_ELEMENTS)? {
+            // As many as there is room for.
+            let _ = elements.push((R::from_f64(stiffness), R::from_f64(slip_limit)));
+        }
+        Self::new(&elements)
+    }
 
     fn check(&self) -> Result<(), ConfigError> {
         let used = some("elements", &self.elements, self.used)?;
         used.iter().try_for_each(Element::check)
     }
 
-    fn begin(&self, motion: &ConfinedMotion<R>) -> Self::State {
-        StickSlipState {
-            previous: motion.displacement(),
-            ..StickSlipState::default()
-        }
-    }
-
     // On a target not inlined: its registers and constants are no matter of ticks without it.
     #[cfg_attr(not(feature = "std"), inline(never))]
     fn force(&self, state: &mut Self::State, motion: &ConfinedMotion<R>, _: LawForce<R>) -> R {
         let y = motion.displacement();
+        let state = state.get_or_insert(StickSlipState {
+            stretch: [R::ZERO; MAX_ELEMENTS],
+            previous: y,
+        });
         let step = y - state.previous;
         state.previous = y;
         let mut total = R::ZERO;
@@ -102,5 +131,31 @@ impl<R: Real> EffectForce<R> for StickSlip<R> {
             total += element.stiffness * *stretch;
         }
         total
+    }
+}
+
+impl Packed for StickSlip<f32> {
+    fn pack(&self, put: &mut impl FnMut(f32)) {
+        for element in self.elements.iter().take(self.used) {
+            put(element.stiffness);
+            put(element.slip_limit);
+        }
+    }
+
+    fn unpack(words: &[f32]) -> Option<Self> {
+        let (pairs, []) = words.as_chunks() else {
+            return None;
+        };
+        let mut elements = [Element::default(); MAX_ELEMENTS];
+        for (element, &[stiffness, slip_limit]) in elements.iter_mut().zip(pairs) {
+            *element = Element {
+                stiffness,
+                slip_limit,
+            };
+        }
+        Some(Self {
+            elements,
+            used: pairs.len(),
+        })
     }
 }

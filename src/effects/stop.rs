@@ -1,6 +1,7 @@
 //! One-sided contact: a stop that the specimen or its fixture meets beyond a gap.
 
-use super::{ConfinedMotion, EffectForce, LawForce};
+use super::description::{Cost, Dependence, Description, Kind, Parameter};
+use super::{ConfinedMotion, Equations, LawForce, Packed, groups};
 use crate::error::ConfigError;
 use crate::limits;
 use crate::real::{Real, in_range};
@@ -14,13 +15,13 @@ pub const MAX_CONTACTS: usize = 2;
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Stop<R> {
     /// One that is not there has a stiffness of 0.
-    pub(super) contacts: [Contact<R>; MAX_CONTACTS],
+    contacts: [Contact<R>; MAX_CONTACTS],
 }
 
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct Contact<R> {
-    pub(super) stiffness: R,
-    pub(super) gap: R,
+struct Contact<R> {
+    stiffness: R,
+    gap: R,
 }
 
 impl<R: Real> Contact<R> {
@@ -31,13 +32,6 @@ impl<R: Real> Contact<R> {
 }
 
 impl<R: Real> Stop<R> {
-    pub(super) const NONE: Self = Self {
-        contacts: [Contact {
-            stiffness: R::ZERO,
-            gap: R::ZERO,
-        }; MAX_CONTACTS],
-    };
-
     /// * `contacts`: 1 or 2 pairs of stiffness, kN/mm, 1e-9…1e9, and gap, mm, 1e-9…1e4 on the side of positive displacement,
     ///   −1e4…−1e-9 on the other
     ///
@@ -62,8 +56,41 @@ impl<R: Real> Stop<R> {
     }
 }
 
-impl<R: Real> EffectForce<R> for Stop<R> {
+impl<R: Real> Equations<R> for Stop<R> {
+    const DESCRIPTION: Description = Description {
+        name: "stop",
+        family: "stop",
+        number: 9,
+        kind: Kind::Force,
+        cost: Cost::Rare,
+        parameters: &[
+            Parameter::new("stiffness", "kN/mm", 1e-9, limits::COEFFICIENT),
+            Parameter::new("gap", "mm", -limits::DISPLACEMENT, limits::DISPLACEMENT),
+        ],
+        most: MAX_CONTACTS,
+        depends_on: &[Dependence::Displacement],
+        may_supply_energy: false,
+        scales_law: false,
+        sentence: "One-sided contact: a stop that the specimen or its fixture meets beyond a gap.",
+    };
+    const NONE: Self = Self {
+        contacts: [Contact {
+            stiffness: R::ZERO,
+            gap: R::ZERO,
+        }; MAX_CONTACTS],
+    };
+
     type State = ();
+    const AT_REST: () = ();
+
+    fn from_parameters(parameters: &[f64], _: f64) -> Result<Self, ConfigError> {
+        let mut contacts = heapless::Vec::<_, MAX_CONTACTS>::new();
+        for &[stiffness, gap] in groups("contacts", parameters, MAX_CONTACTS)? {
+            // As many as there is room for.
+            let _ = contacts.push((R::from_f64(stiffness), R::from_f64(gap)));
+        }
+        Self::new(&contacts)
+    }
 
     fn check(&self) -> Result<(), ConfigError> {
         for contact in &self.contacts {
@@ -91,5 +118,24 @@ impl<R: Real> EffectForce<R> for Stop<R> {
             }
         }
         total
+    }
+}
+
+impl Packed for Stop<f32> {
+    fn pack(&self, put: &mut impl FnMut(f32)) {
+        for contact in &self.contacts {
+            put(contact.stiffness);
+            put(contact.gap);
+        }
+    }
+
+    fn unpack(words: &[f32]) -> Option<Self> {
+        let &[stiffness, gap, other_stiffness, other_gap] = words else {
+            return None;
+        };
+        Some(Self {
+            contacts: [(stiffness, gap), (other_stiffness, other_gap)]
+                .map(|(stiffness, gap)| Contact { stiffness, gap }),
+        })
     }
 }

@@ -1,6 +1,7 @@
 //! A force that scales with temperature: the wire's modulus and its friction change, together or each in its own way.
 
-use super::{ConfinedMotion, EffectForce, LawForce};
+use super::description::{Absent, Cost, Dependence, Description, Kind, Parameter};
+use super::{ConfinedMotion, Equations, LawForce, Packed};
 use crate::error::ConfigError;
 use crate::limits;
 use crate::real::{Real, in_range};
@@ -9,20 +10,14 @@ use crate::real::{Real, in_range};
 /// its damping force by β_damping.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Temperature<R> {
-    pub(super) beta: R,
+    beta: R,
     /// β_damping − β
-    pub(super) beyond: R,
+    beyond: R,
     /// T0
-    pub(super) reference: R,
+    reference: R,
 }
 
 impl<R: Real> Temperature<R> {
-    pub(super) const NONE: Self = Self {
-        beta: R::ZERO,
-        beyond: R::ZERO,
-        reference: R::ZERO,
-    };
-
     /// With the same β for both forces.
     ///
     /// * `beta`: loss of force per degree, 1/°C, −1…1
@@ -55,8 +50,37 @@ impl<R: Real> Temperature<R> {
     }
 }
 
-impl<R: Real> EffectForce<R> for Temperature<R> {
+impl<R: Real> Equations<R> for Temperature<R> {
+    const DESCRIPTION: Description = Description {
+        name: "temperature",
+        family: "temperature",
+        number: 6,
+        kind: Kind::Modulator,
+        cost: Cost::Light,
+        parameters: &[
+            Parameter::new("beta", "1/degC", -1.0, 1.0),
+            Parameter::new("reference", "degC", -273.15, limits::TEMPERATURE),
+            Parameter::new("beta_damping", "1/degC", -1.0, 1.0).or(Absent::As(0)),
+        ],
+        most: 1,
+        depends_on: &[Dependence::Temperature],
+        may_supply_energy: false,
+        scales_law: true,
+        sentence: "A force that scales with the temperature, as the modulus and the friction of wire do.",
+    };
+    const NONE: Self = Self {
+        beta: R::ZERO,
+        beyond: R::ZERO,
+        reference: R::ZERO,
+    };
+
     type State = ();
+    const AT_REST: () = ();
+
+    fn from_parameters(parameters: &[f64], _: f64) -> Result<Self, ConfigError> {
+        let [beta, reference, beta_damping] = super::exactly(parameters)?.map(R::from_f64);
+        Self::new(beta, reference)?.with_damping(beta_damping)
+    }
 
     fn check(&self) -> Result<(), ConfigError> {
         in_range("beta", self.beta, -1.0, 1.0)?;
@@ -66,8 +90,27 @@ impl<R: Real> EffectForce<R> for Temperature<R> {
     }
 
     #[inline(always)]
-    fn force(&self, _: &mut (), motion: &ConfinedMotion<R>, law: LawForce<R>) -> R {
+    fn force_of_law(&self, motion: &ConfinedMotion<R>, law: LawForce<R>) -> R {
         let lost = self.beta * law.total + self.beyond * law.damping;
         (self.reference - motion.temperature()) * lost
+    }
+}
+
+impl Packed for Temperature<f32> {
+    fn pack(&self, put: &mut impl FnMut(f32)) {
+        [self.beta, self.beyond, self.reference]
+            .into_iter()
+            .for_each(put);
+    }
+
+    fn unpack(words: &[f32]) -> Option<Self> {
+        let &[beta, beyond, reference] = words else {
+            return None;
+        };
+        Some(Self {
+            beta,
+            beyond,
+            reference,
+        })
     }
 }

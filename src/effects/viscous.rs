@@ -1,18 +1,18 @@
 //! A linear dashpot beside the |v|^α damping: a fluid, or the film between wires.
 
-use super::{ConfinedMotion, EffectForce, LawForce};
+use super::description::{Cost, Dependence, Description, Kind, Parameter};
+use super::{ConfinedMotion, Equations, LawForce, Packed};
 use crate::error::ConfigError;
+use crate::limits;
 use crate::real::{Real, coefficient};
 
 /// F = c1·v.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Viscous<R> {
-    pub(super) c1: R,
+    c1: R,
 }
 
 impl<R: Real> Viscous<R> {
-    pub(super) const NONE: Self = Self { c1: R::ZERO };
-
     /// * `c1`: kN·s/mm, −1e9…1e9. A negative one is allowed: it may take back what |v|^α gives too much of.
     ///
     /// # Errors
@@ -24,8 +24,34 @@ impl<R: Real> Viscous<R> {
     }
 }
 
-impl<R: Real> EffectForce<R> for Viscous<R> {
+impl<R: Real> Equations<R> for Viscous<R> {
+    const DESCRIPTION: Description = Description {
+        name: "viscous",
+        family: "viscous",
+        number: 3,
+        kind: Kind::Force,
+        cost: Cost::Light,
+        parameters: &[Parameter::new(
+            "c1",
+            "kN*s/mm",
+            -limits::COEFFICIENT,
+            limits::COEFFICIENT,
+        )],
+        most: 1,
+        depends_on: &[Dependence::Velocity],
+        may_supply_energy: true,
+        scales_law: false,
+        sentence: "A linear dashpot: a fluid, or the film between wires.",
+    };
+    const NONE: Self = Self { c1: R::ZERO };
+
     type State = ();
+    const AT_REST: () = ();
+
+    fn from_parameters(parameters: &[f64], _: f64) -> Result<Self, ConfigError> {
+        let [c1] = super::exactly(parameters)?;
+        Self::new(R::from_f64(c1))
+    }
 
     fn check(&self) -> Result<(), ConfigError> {
         coefficient("c1", self.c1).map(|_| ())
@@ -34,5 +60,21 @@ impl<R: Real> EffectForce<R> for Viscous<R> {
     #[inline(always)]
     fn force(&self, _: &mut (), motion: &ConfinedMotion<R>, _: LawForce<R>) -> R {
         self.c1 * motion.velocity()
+    }
+
+    #[inline(always)]
+    fn viscous(&self) -> R {
+        self.c1
+    }
+}
+
+impl Packed for Viscous<f32> {
+    fn pack(&self, put: &mut impl FnMut(f32)) {
+        put(self.c1);
+    }
+
+    fn unpack(words: &[f32]) -> Option<Self> {
+        let &[c1] = words else { return None };
+        Some(Self { c1 })
     }
 }

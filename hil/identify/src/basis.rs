@@ -7,12 +7,16 @@ use mesh_damper::effects::ConfinedMotion;
 use mesh_damper_model::LawNode;
 use mesh_damper_recording::trajectory::Trajectory;
 
+use super::families::{Entry, Form, Moment, Step};
 use super::known_forces::UnitForces;
 use super::moved::{delayed, moved};
 use super::rows::{RowMotion, Rows, confined};
 use super::shape::{Extent, Shape};
 use super::solution::{Deflection, Solution};
-use super::term::{Entry, Form, Term, TermValue};
+use super::term::{Term, TermValue};
+
+/// Step of a difference that stands for a derivative.
+pub(super) const STEP: f64 = 1e-4;
 
 /// Eq 13 and added terms over the rows of a fit.
 ///
@@ -70,7 +74,10 @@ impl<'r, 'a> Basis<'r, 'a> {
             .collect();
         Self {
             rows,
-            shapes: terms.iter().map(|term| extent.shapes(term.form)).collect(),
+            shapes: terms
+                .iter()
+                .map(|term| (term.form.shapes)(extent))
+                .collect(),
             terms: terms.to_vec(),
             slots,
             deflections: None,
@@ -80,7 +87,7 @@ impl<'r, 'a> Basis<'r, 'a> {
     /// The same with a spring in series giving way as it does in `solution`, where there is one.
     #[must_use]
     pub fn around(mut self, solution: &Solution) -> Self {
-        if self.terms.iter().any(|term| term.form == Form::Compliance) {
+        if self.terms.iter().any(|term| term.form.gives_way) {
             self.deflections = Some(solution.deflections(self.rows.trajectories));
         }
         self
@@ -90,8 +97,8 @@ impl<'r, 'a> Basis<'r, 'a> {
     pub fn is_positive(&self, size: usize) -> bool {
         self.terms
             .iter()
-            .flat_map(|term| match term.form.entry() {
-                Entry::Adds(count) => std::iter::repeat_n(term.form.size_is_positive(), count),
+            .flat_map(|term| match term.form.entry {
+                Entry::Adds(count) => std::iter::repeat_n(term.form.size_is_positive, count),
                 _ => std::iter::repeat_n(false, 0),
             })
             .nth(size)
@@ -117,7 +124,7 @@ impl<'r, 'a> Basis<'r, 'a> {
             .enumerate()
             .map(|(index, &term)| TermValue {
                 term,
-                sizes: match term.form.entry() {
+                sizes: match term.form.entry {
                     Entry::Adds(count) => sizes.by_ref().take(count).collect(),
                     Entry::Scales(_) => self.scales(at, index),
                     Entry::Moves => Vec::new(),
@@ -156,7 +163,7 @@ impl<'r, 'a> Basis<'r, 'a> {
     /// The sizes of a term that scales eq 13, as far as the crate takes them.
     fn scales(&self, at: &[f64], term: usize) -> Vec<f64> {
         let form = self.terms[term].form;
-        let [least, largest] = form.scale_range();
+        let [least, largest] = form.scale_range;
         let sizes = at[self.slot(term)].iter().take(form.scales());
         sizes.map(|size| size.clamp(least, largest)).collect()
     }
@@ -166,7 +173,7 @@ impl<'r, 'a> Basis<'r, 'a> {
         let same = |range: Range<usize>| known.filter(|known| known.at[range.clone()] == at[range]);
         let stays = |is_of: fn(Entry) -> bool| {
             (0..self.terms.len())
-                .filter(|&term| is_of(self.terms[term].form.entry()))
+                .filter(|&term| is_of(self.terms[term].form.entry))
                 .all(|term| same(self.slot(term)).is_some())
         };
         let motion_stays = stays(|entry| entry == Entry::Moves);
@@ -264,26 +271,23 @@ impl<'r, 'a> Basis<'r, 'a> {
             let place = slot - self.slot(term).start;
             self.shapes[term].get(place.checked_sub(form.scales())?)
         });
-        if let (Some(Form::Delay), Some(shape)) = (form, shape) {
-            // The force jumps a little where the crate takes another whole tick: one to either side sees past that.
-            let tick = self
-                .rows
-                .trajectories
-                .iter()
-                .fold(0.0, |most: f64, each| most.max(each.tick));
-            let beside = |time: f64| time.clamp(shape.low, shape.high).ln();
-            return [beside(at.exp() - tick), beside(at.exp() + tick)];
-        }
+        let step = match (form.map(|form| form.step), shape) {
+            (Some(Step::Tick), Some(shape)) => {
+                let tick = self
+                    .rows
+                    .trajectories
+                    .iter()
+                    .fold(0.0, |most: f64, each| most.max(each.tick));
+                let beside = |time: f64| time.clamp(shape.low, shape.high).ln();
+                return [beside(at.exp() - tick), beside(at.exp() + tick)];
+            }
+            (Some(Step::Part(part)), _) => part,
+            _ => STEP,
+        };
         let toward = match shape {
             Some(shape) if 2.0 * at > (shape.low * shape.high).ln() => -1.0,
             None if at > 0.0 => -1.0,
             _ => 1.0,
-        };
-        // A tone's phase at the end of a recording is its frequency times thousands of periods.
-        let step = if form == Some(Form::Periodic) {
-            1e-7
-        } else {
-            1e-4
         };
         [at, at + toward * step]
     }
@@ -323,7 +327,7 @@ impl<'r, 'a> Basis<'r, 'a> {
 
     fn moved(&self, at: &[f64]) -> Option<Moved> {
         let moves: Vec<(Form, f64)> = (0..self.terms.len())
-            .filter(|&term| self.terms[term].form.entry() == Entry::Moves)
+            .filter(|&term| self.terms[term].form.entry == Entry::Moves)
             .map(|term| (self.terms[term].form, self.shapes(at, term)[0]))
             .collect();
         if moves.is_empty() {
@@ -373,11 +377,11 @@ impl<'r, 'a> Basis<'r, 'a> {
 
     /// At each instant of `motion`.
     fn law_of(&self, at: &[f64], motion: &RowMotion) -> LawColumns {
-        let scaling: Vec<(&Term, [f64; 2], Vec<f64>)> = (0..self.terms.len())
-            .filter_map(|term| {
+        let scaling: Vec<(&Term, Vec<f64>, Vec<f64>)> = (0..self.terms.len())
+            .filter(|&term| matches!(self.terms[term].form.entry, Entry::Scales(_)))
+            .map(|term| {
                 let sizes = self.scales(at, term);
-                let ends = [*sizes.first()?, *sizes.last()?];
-                Some((&self.terms[term], ends, self.shapes(at, term)))
+                (&self.terms[term], sizes, self.shapes(at, term))
             })
             .collect();
         let alphas: Vec<f64> = (0..self.rows.nodes.len())
@@ -385,16 +389,21 @@ impl<'r, 'a> Basis<'r, 'a> {
             .collect();
         let unit: Vec<[f64; 3]> = (0..motion.displacement.len())
             .map(|index| {
+                let y = motion.displacement[index];
                 let [elastic, damping] =
                     scaling
                         .iter()
-                        .fold([1.0; 2], |[elastic, damping], (term, [a, b], shapes)| {
-                            let (cycles, degrees) =
-                                (motion.cycles[index], motion.temperature[index]);
-                            let scale = term.scale(shapes, cycles, degrees);
-                            [elastic + a * scale, damping + b * scale]
+                        .fold([1.0; 2], |[elastic, damping], (term, sizes, shapes)| {
+                            let moment = Moment {
+                                displacement: y,
+                                cycles: motion.cycles[index],
+                                temperature: motion.temperature[index],
+                                reference: term.reference,
+                            };
+                            let [more_elastic, more_damping] =
+                                (term.form.gains)(sizes, shapes, &moment);
+                            [elastic + more_elastic, damping + more_damping]
                         });
-                let y = motion.displacement[index];
                 let speed = (alphas[motion.node[index]] * motion.log_speed[index]).exp();
                 [
                     elastic * y,
@@ -418,7 +427,7 @@ impl<'r, 'a> Basis<'r, 'a> {
         moved: &Option<Arc<Moved>>,
         is_start: bool,
     ) -> Vec<Arc<Vec<f64>>> {
-        let Entry::Adds(count) = self.terms[term].form.entry() else {
+        let Entry::Adds(count) = self.terms[term].form.entry else {
             return Vec::new();
         };
         let shapes = self.shapes(at, term);
@@ -440,8 +449,8 @@ impl<'r, 'a> Basis<'r, 'a> {
             let mut columns: Vec<Vec<Vec<f64>>> = Vec::new();
             for (which, motions) in motions.iter().enumerate() {
                 let tick = self.rows.trajectories[which].tick;
-                let mut forces = form.unit_forces(shapes, motions, tick).ok()?;
-                if let (Form::Periodic, Some(&ticks)) = (form, late.get(which)) {
+                let mut forces = (form.unit_forces)(shapes, motions, tick).ok()?;
+                if let (true, Some(&ticks)) = (form.follows_clock, late.get(which)) {
                     // It follows the clock, and not the motion, which comes late already.
                     let late = forces.iter().map(|force| delayed(force, ticks));
                     forces = late.collect();

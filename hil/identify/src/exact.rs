@@ -12,10 +12,10 @@ use nalgebra::DVector;
 use rayon::iter::{IntoParallelIterator, ParallelIterator};
 
 use super::basis::Basis;
+use super::families::Entry;
 use super::normal::Normal;
 use super::solution::Solution;
 use super::tangent::Tangent;
-use super::term::Entry;
 
 /// Coefficients of eq 13 at a node.
 const LOCAL: usize = 4;
@@ -196,7 +196,7 @@ fn squares(basis: &Basis, force: &[f64]) -> f64 {
 
 /// How many sizes a term has among the linear unknowns.
 fn added_by(basis: &Basis, term: usize) -> usize {
-    match basis.terms[term].form.entry() {
+    match basis.terms[term].form.entry {
         Entry::Adds(count) => count,
         Entry::Scales(_) | Entry::Moves => 0,
     }

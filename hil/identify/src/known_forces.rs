@@ -3,7 +3,7 @@
 use std::collections::HashMap;
 use std::sync::{Arc, Mutex};
 
-use super::term::Form;
+use super::families::Form;
 
 /// The forces in kN with each size 1 at every row; none where the crate refuses the shapes.
 pub(super) type UnitForces = Option<Vec<Arc<Vec<f64>>>>;

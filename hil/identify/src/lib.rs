@@ -6,7 +6,8 @@
 //! | module | for |
 //! |---|---|
 //! | [`mod@trace`] | from recordings to a verdict and a model |
-//! | [`term`], [`shape`] | what may be fitted beside eq 13, and the parameters of it that are not linear |
+//! | [`families`] | how each family of effects enters a fit |
+//! | [`term`], [`shape`] | an effect in a fit, and the parameters of it that are not linear |
 //! | [`rows`], [`problem`], [`solution`] | the samples that are fitted, the least squares, and what came of them |
 //! | [`staged`], [`screen`] | where a fit begins, and which terms are worth one |
 //! | [`uncertainty`] | intervals of what was fitted |
@@ -39,6 +40,7 @@ mod basis;
 pub(crate) mod beyond_noise;
 pub mod correction;
 mod exact;
+pub mod families;
 mod known_forces;
 mod moved;
 mod normal;

@@ -11,11 +11,12 @@ use rayon::prelude::*;
 
 use super::basis::{Basis, Columns};
 use super::exact;
+use super::families::Form;
 use super::normal::{Factor, Normal};
 use super::rows::Rows;
 use super::shape::Extent;
 use super::solution::Solution;
-use super::term::{Form, Term};
+use super::term::Term;
 
 /// Exponents that a search with nothing to start from begins with.
 const EXPONENTS: [f64; 3] = [0.15, 0.35, 0.6];
@@ -45,7 +46,7 @@ impl<'r, 'a> Problem<'r, 'a> {
             .terms
             .iter()
             .flat_map(|term| {
-                let shapes = self.extent.shapes(term.form);
+                let shapes = (term.form.shapes)(self.extent);
                 let middle = |starts: &[f64]| starts.get(starts.len() / 2).copied();
                 let shapes = shapes
                     .iter()
@@ -68,7 +69,7 @@ impl<'r, 'a> Problem<'r, 'a> {
     pub fn solve_from(&self, start: &Solution, shapes: &[f64]) -> Solution {
         let at = self.start(start, shapes);
         let mut solution = self.minimized(self.basis().around(start), at);
-        if self.terms.iter().any(|term| term.form == Form::Compliance) {
+        if self.terms.iter().any(|term| term.form.gives_way) {
             for _ in 1..SERIES_ROUNDS {
                 let at = solution.search.clone();
                 solution = self.minimized(self.basis().around(&solution), at);

@@ -7,12 +7,13 @@
 use nalgebra::{Cholesky, DMatrix, DVector};
 
 use super::basis::{Basis, Columns};
+use super::families::{Entry, Form, Moment};
 use super::normal::{Factor, Normal};
 use super::rows::Rows;
 use super::shape::Extent;
 use super::solution::Solution;
 use super::tangent::Tangent;
-use super::term::{Entry, Form, Term};
+use super::term::Term;
 
 /// A fitted law, linearised.
 pub struct Screen<'s, 'r, 'a> {
@@ -71,34 +72,44 @@ impl<'s, 'r, 'a> Screen<'s, 'r, 'a> {
             return 0.0;
         };
         let left = factor.left(&self.normal);
-        let saved = match term.form.entry() {
+        let saved = match term.form.entry {
             Entry::Moves => left - self.left_when_moved(term, shapes).unwrap_or(left),
             Entry::Scales(count) => {
-                let motion = &self.basis.rows.motion;
-                let scaled = |index: usize| {
-                    let node = &self.solution.law[self.tangent.node[index]];
-                    let [y, y3, damping, _] = self.tangent.local[index];
-                    let forces = [node.k1 * y + node.k3 * y3, node.c * damping];
-                    let scale = term.scale(shapes, motion.cycles[index], motion.temperature[index]);
-                    forces.map(|force| force * scale)
-                };
-                let (elastic, damping): (Vec<f64>, Vec<f64>) = (0..self.basis.rows.len())
-                    .map(|index| scaled(index).into())
-                    .unzip();
-                if count == 1 {
-                    let both: Vec<f64> = elastic.iter().zip(&damping).map(|(a, b)| a + b).collect();
-                    self.saved_by(factor, &[&both], false)
-                } else {
-                    self.saved_by(factor, &[&elastic, &damping], false)
-                }
+                let columns: Vec<Vec<f64>> = (0..count)
+                    .map(|size| {
+                        let mut sizes = vec![0.0; count];
+                        sizes[size] = 1.0;
+                        self.scaled_by(term, &sizes, shapes)
+                    })
+                    .collect();
+                let columns: Vec<&[f64]> = columns.iter().map(Vec::as_slice).collect();
+                self.saved_by(factor, &columns, false)
             }
             Entry::Adds(_) => {
                 let forces = self.basis.unit_forces(term.form, shapes, &self.columns);
                 let forces: Vec<&[f64]> = forces.iter().map(|force| force.as_slice()).collect();
-                self.saved_by(factor, &forces, term.form.size_is_positive())
+                self.saved_by(factor, &forces, term.form.size_is_positive)
             }
         };
         (saved / left).max(0.0)
+    }
+
+    /// What a term that scales the law adds to its force at every row, kN.
+    fn scaled_by(&self, term: Term, sizes: &[f64], shapes: &[f64]) -> Vec<f64> {
+        let motion = &self.basis.rows.motion;
+        let scaled = |index: usize| {
+            let node = &self.solution.law[self.tangent.node[index]];
+            let [y, y3, damping, _] = self.tangent.local[index];
+            let moment = Moment {
+                displacement: motion.displacement[index],
+                cycles: motion.cycles[index],
+                temperature: motion.temperature[index],
+                reference: term.reference,
+            };
+            let [of_elastic, of_damping] = (term.form.gains)(sizes, shapes, &moment);
+            of_elastic * (node.k1 * y + node.k3 * y3) + of_damping * (node.c * damping)
+        };
+        (0..self.basis.rows.len()).map(scaled).collect()
     }
 
     /// The squared error that columns save beside the law's own.
@@ -170,8 +181,7 @@ fn normal_of(rows: &Rows, tangent: &Tangent) -> (Normal, Option<Factor>) {
 
 /// Every combination of the starts of a form's shapes.
 fn grid(extent: &Extent, form: Form) -> Vec<Vec<f64>> {
-    extent
-        .shapes(form)
+    (form.shapes)(extent)
         .iter()
         .fold(vec![Vec::new()], |grid, shape| {
             grid.iter()

@@ -4,7 +4,7 @@ use mesh_damper_model::predict::run;
 use mesh_damper_model::{LawNode, Model};
 use mesh_damper_recording::trajectory::Trajectory;
 
-use super::term::{Form, Term, TermValue, added_effects};
+use super::term::{Term, TermValue, added_effects};
 
 /// What a fit found.
 #[derive(Clone, Debug)]
@@ -63,10 +63,7 @@ impl Solution {
     /// How the spring in series gives way, trajectory by trajectory. Where there is none yet, as one of 1 kN/mm would under
     /// this law's force.
     pub(super) fn deflections(&self, trajectories: &[Trajectory]) -> Vec<Deflection> {
-        let spring = self
-            .terms
-            .iter()
-            .find(|value| value.term.form == Form::Compliance);
+        let spring = self.terms.iter().find(|value| value.term.form.gives_way);
         let stiffness = spring.map_or(1.0, |value| value.shapes[0]);
         let model = self.model();
         trajectories

@@ -1,8 +1,8 @@
 //! The derivatives of a fitted force by everything that was fitted: what a small change can do.
 
 use super::basis::{Basis, Columns};
+use super::families::Entry;
 use super::solution::Solution;
-use super::term::Entry;
 
 /// Derivatives of the force at every row.
 pub(super) struct Tangent {
@@ -31,7 +31,7 @@ impl Tangent {
         let mut added = columns.added().into_iter();
         let mut shared = Vec::new();
         for (index, value) in solution.terms.iter().enumerate() {
-            if let Entry::Adds(count) = value.term.form.entry() {
+            if let Entry::Adds(count) = value.term.form.entry {
                 shared.extend(added.by_ref().take(count).map(<[f64]>::to_vec));
             }
             shared.extend(

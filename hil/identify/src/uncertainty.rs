@@ -8,7 +8,7 @@ use super::rows::Rows;
 use super::shape::Extent;
 use super::solution::Solution;
 use super::tangent::Tangent;
-use super::term::{Form, Term, TermValue};
+use super::term::{Term, TermValue};
 
 /// A normal variable is within this many deviations of its mean in 90 % of the cases.
 const NINETY_PERCENT: f64 = 1.645;
@@ -66,9 +66,11 @@ impl TermUncertainty {
         let shapes: Vec<f64> = shapes
             .map(|(shape, factor)| shape * factor.powf(end))
             .collect();
-        if let (Form::Periodic, [a, b], [of_a, of_b]) =
-            (value.term.form, &value.sizes[..], &self.sizes[..])
-        {
+        if let (true, [a, b], [of_a, of_b]) = (
+            value.term.form.follows_clock,
+            &value.sizes[..],
+            &self.sizes[..],
+        ) {
             // Of √(a² + b²) and of its angle, from the independent errors of a and b.
             let size = a.hypot(*b).max(f64::MIN_POSITIVE);
             let amplitude = size + end * (a * of_a).hypot(b * of_b) / size;
@@ -80,9 +82,9 @@ impl TermUncertainty {
             term: value.term,
             // Above 0, so that no element is lost.
             sizes: sizes
-                .map(|(size, half)| match value.term.form {
-                    Form::Iwan => (size + end * half).max(f64::MIN_POSITIVE),
-                    _ => size + end * half,
+                .map(|(size, half)| match value.term.form.elements_may_miss {
+                    true => (size + end * half).max(f64::MIN_POSITIVE),
+                    false => size + end * half,
                 })
                 .collect(),
             shapes,
@@ -196,7 +198,7 @@ impl Uncertainty {
 /// The derivatives and the force behind a spring in series, whose deflection they change, and by how much it errs for the
 /// length of the steps; `None` where there is none.
 fn exactly(basis: &Basis, solution: &Solution) -> Option<(Tangent, Vec<f64>, Vec<f64>)> {
-    let in_series = |term: &Term| term.form == Form::Compliance;
+    let in_series = |term: &Term| term.form.gives_way;
     let exact = basis.terms.iter().any(in_series);
     let tangent = exact.then(|| exact::tangent(basis, solution)).flatten()?;
     let force = exact::force(basis, solution)?;

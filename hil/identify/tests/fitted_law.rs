@@ -2,12 +2,13 @@
 
 mod hidden;
 
+use mesh_damper_identify::families::{Entry, Form};
 use mesh_damper_identify::problem::Problem;
 use mesh_damper_identify::rows::Rows;
 use mesh_damper_identify::screen::Screen;
 use mesh_damper_identify::shape::Extent;
 use mesh_damper_identify::solution::Solution;
-use mesh_damper_identify::term::{Entry, Form, Term};
+use mesh_damper_identify::term::Term;
 use mesh_damper_model::predict::predict;
 
 use hidden::{block, record_at};
@@ -33,26 +34,25 @@ fn the_error_of_a_fit_is_that_of_the_law_that_comes_of_it() {
         reference: 20.0,
     };
     // Late by whole ticks and a part of one.
-    let shapes = |form, law: &Solution| match form {
-        Form::Delay => vec![6.7e-3],
+    let shapes = |form: Form, law: &Solution| match form.name {
+        "delay" => vec![6.7e-3],
         _ => Screen::at(&rows, &extent, law).starts(term(form))[0]
             .shapes
             .clone(),
     };
-    let forms: Vec<Form> = Form::ALL
-        .into_iter()
-        .filter(|form| *form != Form::Compliance)
+    let forms: Vec<Form> = Form::all()
+        .filter(|form| form.name != "compliance")
         .collect();
     for &first in &forms {
         let problem = Problem::new(&rows, &extent, &[term(first)]);
         // What scales eq 13 is searched.
-        let with_first = match first.entry() {
+        let with_first = match first.entry {
             Entry::Scales(_) => problem.solve_from(&alone, &shapes(first, &alone)),
             _ => problem.solve_at(&alone, &shapes(first, &alone)),
         };
         let is_there = |size: &f64| size.abs() > 1e-4;
         assert!(
-            !matches!(first.entry(), Entry::Scales(_))
+            !matches!(first.entry, Entry::Scales(_))
                 || with_first.terms[0].sizes.iter().all(is_there)
         );
         for &second in forms

@@ -334,7 +334,7 @@ mod tests {
             alpha: 0.3,
         };
         let effect = |family, parameters: &[(&str, f64)]| AddedEffect {
-            family,
+            family: Family::named(family).unwrap(),
             parameters: parameters
                 .iter()
                 .map(|&(name, value)| (name.to_owned(), value))
@@ -344,13 +344,13 @@ mod tests {
             Model {
                 law: vec![node(0.05), node(0.1 + 0.2)],
                 effects: vec![
-                    effect(Family::Offset, &[("force", -0.1)]),
-                    effect(Family::Asymmetry, &[("k2", 3.0)]),
-                    effect(Family::Hardening, &[("k5", 100.0)]),
-                    effect(Family::Viscous, &[("c1", 0.01)]),
-                    effect(Family::Inertia, &[("mass", 2.0)]),
+                    effect("offset", &[("force", -0.1)]),
+                    effect("asymmetry", &[("k2", 3.0)]),
+                    effect("hardening", &[("k5", 100.0)]),
+                    effect("viscous", &[("c1", 0.01)]),
+                    effect("inertia", &[("mass", 2.0)]),
                     effect(
-                        Family::StickSlip,
+                        "stick_slip",
                         &[
                             ("stiffness", 1.2),
                             ("slip_limit", 0.03),
@@ -359,7 +359,7 @@ mod tests {
                         ],
                     ),
                     effect(
-                        Family::Relaxation,
+                        "relaxation",
                         &[
                             ("stiffness", 0.4),
                             ("time", 0.05),
@@ -367,7 +367,7 @@ mod tests {
                             ("time_2", 0.7),
                         ],
                     ),
-                    effect(Family::Temperature, &[("beta", 0.004), ("reference", 20.0)]),
+                    effect("temperature", &[("beta", 0.004), ("reference", 20.0)]),
                 ],
                 correction: Some(correction()),
             },

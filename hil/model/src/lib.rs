@@ -11,32 +11,40 @@
 //! | [`mod@predict`] | the force for a recorded motion, and how far it is off |
 //!
 //! ```
+//! use std::f64::consts::TAU;
+//!
 //! use mesh_damper_model::predict::{nrmse, predict};
 //! use mesh_damper_model::{LawNode, Model};
 //! use mesh_damper_recording::Recording;
 //! use mesh_damper_recording::trajectory::Trajectory;
 //!
-//! // A spring of 8 kN/mm, pulled at 1 Hz.
+//! // A spring of 8 kN/mm, and damping with the root of the speed, at 1 Hz.
 //! let time: Vec<f64> = (0..1000).map(|i| 0.005 * f64::from(i)).collect();
-//! let displacement: Vec<f64> = time.iter().map(|t| 0.1 * (6.2832 * t).sin()).collect();
-//! let force: Vec<f64> = displacement.iter().map(|y| 8.0 * y).collect();
-//! let recording = Recording::new("a spring", time, displacement, force)?;
+//! let (displacement, force) = time
+//!     .iter()
+//!     .map(|t| (TAU * t).sin_cos())
+//!     .map(|(sin, cos)| (0.1 * sin, 0.1 * TAU * cos))
+//!     .map(|(y, v): (f64, f64)| (y, 8.0 * y + 0.1 * v.abs().sqrt() * v.signum()))
+//!     .unzip();
+//! let recording = Recording::new("a test", time, displacement, force)?;
 //!
-//! let spring = Model {
-//!     law: vec![LawNode { amplitude: 0.1, k1: 8.0, k3: 0.0, c: 0.0, alpha: 0.3 }],
+//! let model = Model {
+//!     law: vec![LawNode { amplitude: 0.1, k1: 8.0, k3: 0.0, c: 0.1, alpha: 0.5 }],
 //!     effects: Vec::new(),
 //!     correction: None,
 //! };
 //! let trajectory = Trajectory::of(&recording)?;
-//! let predicted = predict(&spring, &trajectory)?;
+//! let predicted = predict(&model, &trajectory)?;
 //! assert!(nrmse(&predicted, &trajectory.force, |_| true) < 0.01);
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 #![forbid(unsafe_code)]
 
 pub mod correction;
+mod family;
 pub mod file;
 mod model;
 pub mod predict;
 
-pub use model::{AddedEffect, Family, LawNode, MAX_EFFECTS, Model, ModelError, parameter_unit};
+pub use family::{Family, parameter_unit};
+pub use model::{AddedEffect, LawNode, MAX_EFFECTS, Model, ModelError};

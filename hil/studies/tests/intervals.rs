@@ -2,11 +2,12 @@
 
 use std::collections::BTreeMap;
 
+use mesh_damper_identify::families::Form;
 use mesh_damper_identify::problem::Problem;
 use mesh_damper_identify::rows::Rows;
 use mesh_damper_identify::screen::Screen;
 use mesh_damper_identify::shape::Extent;
-use mesh_damper_identify::term::{Form, Term};
+use mesh_damper_identify::term::Term;
 use mesh_damper_identify::uncertainty::{Interval, Uncertainty};
 use mesh_damper_recording::Recording;
 use mesh_damper_recording::trajectory::Trajectory;
@@ -48,33 +49,33 @@ fn case(which: usize, rng: &mut impl Rng) -> Case {
         0 => {
             let force = 0.02 * size;
             let truth = vec![("force", force)];
-            (Form::Offset, HiddenEffect::Offset { force }, truth)
+            ("offset", HiddenEffect::Offset { force }, truth)
         }
         1 => {
             let k2 = 2.0 * size;
             let truth = vec![("k2", k2)];
-            (Form::Asymmetry, HiddenEffect::Asymmetry { k2 }, truth)
+            ("asymmetry", HiddenEffect::Asymmetry { k2 }, truth)
         }
         2 => {
             let k5 = 500.0 * size;
             let truth = vec![("k5", k5)];
-            (Form::Hardening, HiddenEffect::Hardening { k5 }, truth)
+            ("hardening", HiddenEffect::Hardening { k5 }, truth)
         }
         3 => {
             let c = 0.01 * size;
             let truth = vec![("c1", c)];
-            (Form::Viscous, HiddenEffect::Viscous { c }, truth)
+            ("viscous", HiddenEffect::Viscous { c }, truth)
         }
         4 => {
             let (stiffness, time) = (0.6 * size, near(0.04));
             let effect = HiddenEffect::Relaxation { stiffness, time };
             let truth = vec![("stiffness", stiffness), ("time", time)];
-            (Form::Relaxation, effect, truth)
+            ("relaxation", effect, truth)
         }
         5 => {
             let mass = 60.0 * size;
             let truth = vec![("mass", mass)];
-            (Form::Inertia, HiddenEffect::Inertia { mass }, truth)
+            ("inertia", HiddenEffect::Inertia { mass }, truth)
         }
         6 => {
             let (stiffness, slip_limit) = (0.8 * size, near(0.03));
@@ -84,13 +85,13 @@ fn case(which: usize, rng: &mut impl Rng) -> Case {
                 shape: SlipShape::Sharp,
             };
             let truth = vec![("stiffness", stiffness), ("slip_limit", slip_limit)];
-            (Form::Jenkins, effect, truth)
+            ("jenkins", effect, truth)
         }
         7 => {
             let (stiffness, gap) = (3.0 * size, near(0.1));
             let effect = HiddenEffect::Stop { stiffness, gap };
             let truth = vec![("stiffness", stiffness), ("gap", gap)];
-            (Form::StopAbove, effect, truth)
+            ("stop_above", effect, truth)
         }
         8 => {
             let half_width = near(0.01);
@@ -98,29 +99,29 @@ fn case(which: usize, rng: &mut impl Rng) -> Case {
                 half_width,
                 loose: false,
             };
-            (Form::DampedGap, effect, vec![("half_width", half_width)])
+            ("damped_gap", effect, vec![("half_width", half_width)])
         }
         9 => {
             let (stiffness, cycles) = (0.2 * size, near(12.0));
             let effect = HiddenEffect::Drift { stiffness, cycles };
             let truth = vec![("stiffness", stiffness), ("cycles", cycles)];
-            (Form::Drift, effect, truth)
+            ("drift", effect, truth)
         }
         10 => {
             let (beta, rise, time) = (0.004 * size, near(20.0), near(3.0));
             let effect = HiddenEffect::Temperature { beta, rise, time };
-            (Form::Temperature, effect, vec![("beta", beta)])
+            ("temperature", effect, vec![("beta", beta)])
         }
         DELAY => {
             let time = near(3.3e-3);
             let effect = HiddenEffect::Delay { time };
-            (Form::Delay, effect, vec![("time", time)])
+            ("delay", effect, vec![("time", time)])
         }
         SPRING => {
             let compliance = near(0.06);
             let effect = HiddenEffect::Compliance { compliance };
             let truth = vec![("stiffness", 1.0 / compliance)];
-            (Form::Compliance, effect, truth)
+            ("compliance", effect, truth)
         }
         _ => {
             let (force, frequency, phase) = (0.02 * size, near(40.0), near(1.0));
@@ -134,11 +135,11 @@ fn case(which: usize, rng: &mut impl Rng) -> Case {
                 ("frequency", frequency),
                 ("phase", phase),
             ];
-            (Form::Periodic, effect, truth)
+            ("periodic", effect, truth)
         }
     };
     Case {
-        form,
+        form: Form::named(form).unwrap(),
         effect,
         truth,
     }
@@ -149,8 +150,8 @@ const DELAY: usize = 13;
 
 /// A recording with displacement noise of 1e-4 mm and force noise of 0.4–2 % of its RMS.
 fn recorded(case: &Case, rng: &mut impl Rng) -> Recording {
-    let blocks = match case.form {
-        Form::Drift | Form::Temperature => &LONG_TEST[..],
+    let blocks = match case.form.name {
+        "drift" | "temperature" => &LONG_TEST[..],
         _ => &TEST[..],
     };
     let blocks: Vec<Block> = blocks
@@ -163,13 +164,13 @@ fn recorded(case: &Case, rng: &mut impl Rng) -> Recording {
         .collect();
     let density = rng.random_range(2.2..3.6);
     // Between its own ticks the specimen's delay is along a straight line.
-    let each = if case.form == Form::Delay { 64.0 } else { 4.0 };
+    let each = if case.form.name == "delay" { 64.0 } else { 4.0 };
     let truth = answer(density, &[case.effect], &blocks, RATE, each * RATE);
     let squares: f64 = truth.force.iter().map(|f| f * f).sum();
     let rms = (squares / truth.force.len() as f64).sqrt();
     let sensors = Sensors {
         force_noise: rms * rng.random_range(0.004..0.02),
-        thermometer: case.form == Form::Temperature,
+        thermometer: case.form.name == "temperature",
         seed: rng.random(),
     };
     record(format!("{:?}", case.form), &truth, &sensors)
@@ -177,8 +178,8 @@ fn recorded(case: &Case, rng: &mut impl Rng) -> Recording {
 
 /// Eq 13 has coefficients of its own at each amplitude of the test.
 fn nodes(case: &Case) -> Vec<f64> {
-    match case.form {
-        Form::Drift | Form::Temperature => vec![0.1],
+    match case.form.name {
+        "drift" | "temperature" => vec![0.1],
         _ => vec![0.1, 0.2],
     }
 }

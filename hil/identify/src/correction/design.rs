@@ -2,6 +2,7 @@
 
 use mesh_damper::effects::Correction;
 use mesh_damper::effects::correction::{CELLS, CorrectionParts, CorrectionState};
+use mesh_damper::effects::description::Kind;
 use mesh_damper::limits;
 use mesh_damper_model::correction::Remembered;
 use mesh_damper_model::predict::{motion_at, predict};
@@ -441,16 +442,9 @@ fn empty(
     Correction::new(&parts, tick).ok()
 }
 
-/// Whether an effect only adds a force to eq 13's.
+/// Whether an effect only adds a force to the law's.
 fn adds_a_force(family: Family) -> bool {
-    !matches!(
-        family,
-        Family::Temperature
-            | Family::LoadFriction
-            | Family::Gap
-            | Family::Delay
-            | Family::Compliance
-    )
+    family.first().kind == Kind::Force
 }
 
 /// Blocks to leave out one at a time: those whose amplitude another block has, so that eq 13 is known there, and that are

@@ -1,7 +1,8 @@
 //! Recordings of one rig share what is wrong with its channels, which each of them shows only about: a force that is early, and
 //! the zero of the displacement.
 
-use mesh_damper_model::{Family, Model};
+use crate::families::delay;
+use mesh_damper_model::Model;
 use mesh_damper_recording::Recording;
 use mesh_damper_recording::error::InputError;
 use mesh_damper_recording::trajectory::{Known, Trajectory};
@@ -55,7 +56,7 @@ impl<'r> Aligned<'r> {
             return Ok(false);
         };
         let mut effects = model.effects.iter();
-        let delay = effects.find(|effect| effect.family == Family::Delay);
+        let delay = effects.find(|effect| effect.family == delay::FORMS[0].family());
         let less = delay.and_then(|delay| Some(late + delay.parameters.get("time")?));
         let estimate = self.estimate.take();
         let Some(to) = less.map(|less| less.min(0.0)).or(estimate) else {
@@ -160,7 +161,7 @@ mod tests {
         Model {
             law: Vec::new(),
             effects: vec![AddedEffect {
-                family: Family::Delay,
+                family: delay::FORMS[0].family(),
                 parameters: BTreeMap::from([("time".to_owned(), time)]),
             }],
             correction: None,

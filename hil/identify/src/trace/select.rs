@@ -9,12 +9,13 @@ use super::score::{Jury, Score};
 use super::split::{Role, Roles, same_amplitude};
 use super::tones::tones;
 use super::within_blocks::is_seen_within_blocks;
+use crate::families::{Form, drift};
 use crate::problem::Problem;
 use crate::rows::Rows;
 use crate::screen::{Screen, Start};
 use crate::shape::Extent;
 use crate::solution::Solution;
-use crate::term::{Form, Term};
+use crate::term::Term;
 
 /// Most terms beside eq 13.
 const MOST_TERMS: usize = 6;
@@ -71,7 +72,7 @@ impl Fitted {
     /// Forms and how often, whatever their order.
     fn forms(&self) -> Vec<usize> {
         let terms = self.solution.terms.iter();
-        let mut forms: Vec<usize> = terms.map(|value| value.term.form as usize).collect();
+        let mut forms: Vec<usize> = terms.map(|value| value.term.form.place()).collect();
         forms.sort_unstable();
         forms
     }
@@ -80,15 +81,15 @@ impl Fitted {
     /// as a chamber warms, and what was measured explains it with fewer numbers.
     fn is_but_warmth(&self, warmed: &[(Vec<Family>, Score)]) -> bool {
         let mut terms = self.solution.terms.iter();
-        if !terms.any(|value| value.term.form == Form::DriftOfEach) {
+        if !terms.any(|value| value.term.form == drift::OF_EACH) {
             return false;
         }
         let mut families = self.families();
-        families.retain(|&family| family != Family::Drift);
+        families.retain(|&family| family != drift::OF_EACH.family());
         warmed.iter().any(|(others, score)| {
             let others = others
                 .iter()
-                .filter(|&&family| family != Family::Temperature);
+                .filter(|family| !family.depends_on_temperature());
             others.eq(&families) && !self.score.beats(score)
         })
     }
@@ -158,9 +159,8 @@ impl<'a> Search<'a> {
         let temperature = trajectories
             .iter()
             .find_map(|t| t.temperature.as_ref()?.first().copied());
-        let terms = Form::ALL
-            .into_iter()
-            .filter(|&form| form.family() != Family::Temperature || temperature.is_some())
+        let terms = Form::all()
+            .filter(|&form| !form.family().depends_on_temperature() || temperature.is_some())
             .map(|form| Term {
                 form,
                 reference: temperature.unwrap_or_default(),
@@ -289,7 +289,11 @@ impl<'a> Search<'a> {
             .iter()
             .filter(|candidate| candidate.admissible)
             .map(|candidate| (candidate.fitted.families(), candidate.fitted.score.clone()))
-            .filter(|(families, _)| families.contains(&Family::Temperature))
+            .filter(|(families, _)| {
+                families
+                    .iter()
+                    .any(|family| family.depends_on_temperature())
+            })
             .collect();
         tried.retain(|candidate| !candidate.fitted.is_but_warmth(&warmed));
         let preferred = self.preferred(&tried);
@@ -328,7 +332,8 @@ impl<'a> Search<'a> {
     /// Whether it has a drift that the cycles within blocks know nothing of.
     fn stands_still(&self, law: &Fitted) -> Result<bool, ModelError> {
         let mut terms = law.solution.terms.iter();
-        let Some(drift) = terms.position(|value| value.term.form.family() == Family::Drift) else {
+        let Some(drift) = terms.position(|value| value.term.form.family == drift::OF_EACH.family)
+        else {
             return Ok(false);
         };
         let without = law.solution.without(drift).model();
@@ -356,7 +361,7 @@ impl<'a> Search<'a> {
             .with_max_len(1)
             .filter(|term| {
                 let same = known.iter().filter(|known| known.form == term.form).count();
-                same < term.form.most() && !known.iter().any(|known| known.form.excludes(term.form))
+                same < term.form.most && !known.iter().any(|known| known.form.excludes(term.form))
             })
             .map(|&term| (term, screen.starts(term)))
             .filter(|(_, starts)| !starts.is_empty())

@@ -75,15 +75,15 @@ pub(super) fn rivals(selection: &Selection) -> Vec<&Candidate> {
 }
 
 /// What the added forces depend on: those of named effects, and `correction` for what has no name.
-pub(super) fn depends_on(model: &Model, correction: &[&str]) -> Vec<String> {
+pub(super) fn depends_on(model: &Model, correction: &[&'static str]) -> Vec<String> {
     let mut names: Vec<String> = Vec::new();
     let of_effects = model
         .effects
         .iter()
         .flat_map(|effect| effect.family.depends_on());
-    for name in of_effects.chain(correction) {
+    for name in of_effects.chain(correction.iter().copied()) {
         if !names.iter().any(|known| known == name) {
-            names.push((*name).to_owned());
+            names.push(name.to_owned());
         }
     }
     names

@@ -6,10 +6,11 @@ mod slow_changes;
 use std::collections::BTreeSet;
 use std::f64::consts::TAU;
 
+use mesh_damper_identify::families::Form;
 use mesh_damper_identify::problem::Problem;
 use mesh_damper_identify::rows::Rows;
 use mesh_damper_identify::shape::Extent;
-use mesh_damper_identify::term::{Form, Term};
+use mesh_damper_identify::term::Term;
 use mesh_damper_identify::trace::result::Verdict;
 use mesh_damper_identify::trace::{Role, Trace, trace};
 use mesh_damper_identify::uncertainty::Uncertainty;
@@ -440,7 +441,7 @@ fn the_verdict_does_not_depend_on_the_scale() {
 fn intervals_hold_the_truth() {
     let runs = 100;
     let term = Term {
-        form: Form::Jenkins,
+        form: Form::named("jenkins").unwrap(),
         reference: 0.0,
     };
     let (mut sizes, mut shapes) = (0, 0);

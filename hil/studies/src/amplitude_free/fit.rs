@@ -8,7 +8,9 @@
 
 use std::collections::BTreeMap;
 
-use mesh_damper::effects::{AugmentedLaw, Effect, MAX_STICK_SLIP_ELEMENTS, Motion, StickSlip};
+use mesh_damper::effects::{
+    AugmentedLaw, Effect, Equations as _, LoadFriction, MAX_STICK_SLIP_ELEMENTS, Motion, StickSlip,
+};
 use mesh_damper::law::Law;
 use mesh_damper_model::{AddedEffect, Family, LawNode, Model};
 use nalgebra::{DMatrix, DVector};
@@ -253,11 +255,14 @@ impl FittedLaw {
                     };
                     [(name("stiffness"), stiffness), (name("slip_limit"), limit)]
                 });
-            add(Family::StickSlip, parameters.collect());
+            add(
+                Family::of(&StickSlip::<f64>::DESCRIPTION),
+                parameters.collect(),
+            );
         }
         if self.load > 0.0 {
             add(
-                Family::LoadFriction,
+                Family::of(&LoadFriction::<f64>::DESCRIPTION),
                 [("load".to_owned(), self.load)].into(),
             );
         }

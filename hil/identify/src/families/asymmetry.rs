@@ -1,0 +1,14 @@
+//! Even stiffness.
+
+use mesh_damper::effects::Asymmetry;
+
+use super::{Form, FormSpec, one, run};
+
+/// Its size is the coefficient.
+pub const FORMS: [Form; 1] = [Form(&FormSpec {
+    name: "asymmetry",
+    family: "asymmetry",
+    unit_forces: |_, motions, _| Ok(vec![run(&Asymmetry::new(1.0)?, motions)]),
+    elements: |value| one(vec![("k2", value.size(0))]),
+    ..FormSpec::PLAIN
+})];

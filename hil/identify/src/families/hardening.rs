@@ -1,0 +1,14 @@
+//! Odd stiffness above the cubic.
+
+use mesh_damper::effects::Hardening;
+
+use super::{Form, FormSpec, one, run};
+
+/// Its size is the coefficient.
+pub const FORMS: [Form; 1] = [Form(&FormSpec {
+    name: "hardening",
+    family: "hardening",
+    unit_forces: |_, motions, _| Ok(vec![run(&Hardening::new(1.0)?, motions)]),
+    elements: |value| one(vec![("k5", value.size(0))]),
+    ..FormSpec::PLAIN
+})];

@@ -1,0 +1,15 @@
+//! A moving mass.
+
+use mesh_damper::effects::Inertia;
+
+use super::{Form, FormSpec, one, run};
+
+/// Its size is the mass.
+pub const FORMS: [Form; 1] = [Form(&FormSpec {
+    name: "inertia",
+    family: "inertia",
+    size_is_positive: true,
+    unit_forces: |_, motions, _| Ok(vec![run(&Inertia::new(1.0)?, motions)]),
+    elements: |value| one(vec![("mass", value.size(0))]),
+    ..FormSpec::PLAIN
+})];

@@ -1,0 +1,42 @@
+//! Tones.
+
+use std::f64::consts::TAU;
+
+use mesh_damper::effects::{MAX_TONES, Periodic};
+
+use super::{Entry, Form, FormSpec, Step, one, run};
+use crate::shape::Shape;
+
+/// Its sizes are those of a sine and of a cosine.
+pub const FORMS: [Form; 1] = [Form(&FormSpec {
+    name: "periodic",
+    family: "periodic",
+    entry: Entry::Adds(2),
+    shape_names: &["frequency"],
+    most: MAX_TONES,
+    shapes: |extent| {
+        vec![Shape {
+            starts: extent.tones.clone(),
+            ..Shape::spread(4.0 / extent.duration, 0.499 / extent.tick, 1)
+        }]
+    },
+    unit_forces: |shapes, motions, tick| {
+        let tone = |phase| {
+            let tone = Periodic::new(&[(1.0, shapes[0], phase)], tick)?;
+            Ok(run(&tone, motions))
+        };
+        Ok(vec![tone(0.0)?, tone(0.25 * TAU)?])
+    },
+    follows_clock: true,
+    // A tone's phase at the end of a recording is its frequency times thousands of periods.
+    step: Step::Part(1e-7),
+    // a·sin x + b·cos x = √(a² + b²)·sin(x + φ), tan φ = b/a
+    elements: |value| {
+        one(vec![
+            ("amplitude", value.size(0).hypot(value.size(1))),
+            ("frequency", value.shape(0)),
+            ("phase", value.size(1).atan2(value.size(0))),
+        ])
+    },
+    ..FormSpec::PLAIN
+})];

@@ -1,0 +1,107 @@
+//! Rate-independent friction with elastic pre-sliding, in three forms.
+
+use mesh_damper::effects::{BoucWen, MAX_STICK_SLIP_ELEMENTS, StickSlip};
+
+use super::{Element, Entry, Form, FormSpec, one, run};
+use crate::shape::{Extent, Shape};
+use crate::term::TermValue;
+
+/// One Jenkins element; as Bouc and Wen have it; Jenkins elements with evenly spread slip limits (Iwan 1966).
+pub const FORMS: [Form; 3] = [
+    Form(&FormSpec {
+        name: "jenkins",
+        shape_names: &["slip_limit"],
+        most: MAX_STICK_SLIP_ELEMENTS,
+        effect: "elements",
+        // An element that hardly slips is a spring.
+        shapes: |extent| vec![Shape::spread(extent.shortest(), 0.9 * extent.amplitude, 10)],
+        unit_forces: |shapes, motions, _| {
+            Ok(vec![run(&StickSlip::new(&[(1.0, shapes[0])])?, motions)])
+        },
+        elements: |value| {
+            one(vec![
+                ("stiffness", value.size(0)),
+                ("slip_limit", value.shape(0)),
+            ])
+        },
+        ..SLIDER
+    }),
+    Form(&FormSpec {
+        name: "bouc_wen",
+        shape_names: &["slip_limit", "sharpness"],
+        rank: 1,
+        shapes: bouc_wen_shapes,
+        unit_forces: |shapes, motions, _| {
+            Ok(vec![run(
+                &BoucWen::new(1.0, shapes[0], shapes[1])?,
+                motions,
+            )])
+        },
+        elements: |value| {
+            one(vec![
+                ("stiffness", value.size(0)),
+                ("slip_limit", value.shape(0)),
+                ("sharpness", value.shape(1)),
+            ])
+        },
+        ..SLIDER
+    }),
+    Form(&FormSpec {
+        name: "iwan",
+        entry: Entry::Adds(MAX_STICK_SLIP_ELEMENTS),
+        elements_may_miss: true,
+        shape_names: &["slip_limit"],
+        rank: 1,
+        effect: "elements",
+        // The largest of the limits, of which the others are even parts.
+        shapes: |extent| {
+            vec![Shape::spread(
+                6.0 * extent.shortest(),
+                0.9 * extent.amplitude,
+                6,
+            )]
+        },
+        unit_forces: |shapes, motions, _| {
+            iwan_limits(shapes[0])
+                .map(|limit| Ok(run(&StickSlip::new(&[(1.0, limit)])?, motions)))
+                .collect()
+        },
+        elements: iwan_elements,
+        ..SLIDER
+    }),
+];
+
+const SLIDER: FormSpec = FormSpec {
+    family: "stick_slip",
+    size_is_positive: true,
+    ..FormSpec::PLAIN
+};
+
+fn bouc_wen_shapes(extent: &Extent) -> Vec<Shape> {
+    vec![
+        Shape::spread(extent.shortest(), 2.0 * extent.amplitude, 8),
+        Shape {
+            starts: vec![1.0, 2.5],
+            ..Shape::spread(0.5, 8.0, 2)
+        },
+    ]
+}
+
+/// The slip limits of an Iwan model's elements, evenly spread up to `largest`.
+fn iwan_limits(largest: f64) -> impl Iterator<Item = f64> {
+    let count = MAX_STICK_SLIP_ELEMENTS;
+    (1..=count).map(move |i| largest * i as f64 / count as f64)
+}
+
+/// Those that are there.
+fn iwan_elements(value: &TermValue) -> Vec<Element> {
+    let elements = value
+        .sizes
+        .iter()
+        .zip(iwan_limits(value.shape(0)))
+        .enumerate();
+    elements
+        .filter(|(_, (size, _))| **size > 0.0)
+        .map(|(index, (&size, limit))| (index, vec![("stiffness", size), ("slip_limit", limit)]))
+        .collect()
+}

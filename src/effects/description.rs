@@ -1,0 +1,136 @@
+//! What an effect is, as data: packs, model files, reports, benchmarks, fuzzing and docs go through all of them by it.
+
+/// How an effect acts.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Kind {
+    /// It adds a force to that of the mixed damping law, and may scale that too.
+    Force,
+    /// It lies between the specimen and what is measured.
+    Stage,
+    /// It only scales the forces of the mixed damping law.
+    Modulator,
+}
+
+/// When a law that is read while the rig runs looks whether the effect is there.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Cost {
+    /// A multiplication or two, nothing remembered: all of these are computed where one is there.
+    Light,
+    /// One test of its own each tick.
+    Common,
+    /// One test for all of these, and one of its own behind that.
+    Rare,
+}
+
+/// What a force may depend on, by the name that it has in every file.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Dependence {
+    /// Displacement.
+    Displacement,
+    /// Velocity.
+    Velocity,
+    /// What the motion was before.
+    History,
+    /// Time, whatever the motion.
+    Time,
+    /// Cycles since the test began.
+    Cycle,
+    /// Temperature.
+    Temperature,
+    /// Frequency of the motion.
+    Frequency,
+    /// Amplitude of the motion.
+    Amplitude,
+}
+
+impl Dependence {
+    /// The name that it has in every file.
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Displacement => "displacement",
+            Self::Velocity => "velocity",
+            Self::History => "history",
+            Self::Time => "time",
+            Self::Cycle => "cycle",
+            Self::Temperature => "temperature",
+            Self::Frequency => "frequency",
+            Self::Amplitude => "amplitude",
+        }
+    }
+}
+
+/// A parameter that is left out in a file.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Absent {
+    /// It must not be.
+    Refused,
+    /// It has this value.
+    Is(f64),
+    /// It has the value of the parameter at this place.
+    As(usize),
+}
+
+/// A parameter of an effect.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Parameter {
+    /// Its name in every file.
+    pub name: &'static str,
+    /// Its unit, as files write it; `1` for a number without one.
+    pub unit: &'static str,
+    /// Least and largest value.
+    pub range: [f64; 2],
+    /// What holds where a file leaves it out.
+    pub absent: Absent,
+}
+
+impl Parameter {
+    /// One that every file gives.
+    pub const fn new(name: &'static str, unit: &'static str, low: f64, high: f64) -> Self {
+        Self {
+            name,
+            unit,
+            range: [low, high],
+            absent: Absent::Refused,
+        }
+    }
+
+    /// The same, where a file may leave it out.
+    #[must_use]
+    pub const fn or(self, absent: Absent) -> Self {
+        Self { absent, ..self }
+    }
+}
+
+/// What an effect is.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Description {
+    /// Its own name.
+    pub name: &'static str,
+    /// The family that it is of, by the name that it has in every file. Most families have one effect.
+    pub family: &'static str,
+    /// Its number in a pack. It never changes, and that of a removed effect is not given again.
+    pub number: u8,
+    /// How it acts.
+    pub kind: Kind,
+    /// When a running law looks for it.
+    pub cost: Cost,
+    /// Of one element.
+    pub parameters: &'static [Parameter],
+    /// Most elements: 1 for most effects.
+    pub most: usize,
+    /// What its force depends on.
+    pub depends_on: &'static [Dependence],
+    /// Whether it may give more energy in a closed cycle than it takes.
+    pub may_supply_energy: bool,
+    /// Whether all of its force, or a part, is a part of the mixed damping law's: what slow changes of the law change too.
+    pub scales_law: bool,
+    /// What it is, in one sentence.
+    pub sentence: &'static str,
+}
+
+impl Description {
+    /// Whether the force changes with the temperature.
+    pub fn depends_on_temperature(&self) -> bool {
+        self.depends_on.contains(&Dependence::Temperature)
+    }
+}

@@ -1,0 +1,99 @@
+//! What the effects see on a tick: the motion within the limits, and what the mixed damping law makes of it.
+
+use crate::law::Law;
+use crate::limits;
+use crate::real::Real;
+
+/// One tick of motion as the effects see it.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Motion<R> {
+    /// Displacement, mm.
+    pub displacement: R,
+    /// Velocity, mm/s.
+    pub velocity: R,
+    /// Acceleration, mm/s².
+    pub acceleration: R,
+    /// Cycles since the test began, the current one's fraction included.
+    pub cycles: R,
+    /// Temperature, °C. A constant where nothing measures it.
+    pub temperature: R,
+}
+
+impl<R: Real> Motion<R> {
+    /// Within [`limits`], once per tick rather than in every effect. NaN becomes 0.
+    #[inline(always)]
+    pub fn confined(&self) -> ConfinedMotion<R> {
+        ConfinedMotion(Self {
+            displacement: self
+                .displacement
+                .confined(R::from_f64(limits::DISPLACEMENT)),
+            velocity: self.velocity.confined(R::from_f64(limits::VELOCITY)),
+            acceleration: self
+                .acceleration
+                .confined(R::from_f64(limits::ACCELERATION)),
+            cycles: self.cycles.abs(),
+            temperature: self.temperature.confined(R::from_f64(limits::TEMPERATURE)),
+        })
+    }
+}
+
+/// A [`Motion`] within [`limits`].
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ConfinedMotion<R>(pub(super) Motion<R>);
+
+impl<R: Real> ConfinedMotion<R> {
+    /// Displacement, mm.
+    #[inline(always)]
+    pub fn displacement(&self) -> R {
+        self.0.displacement
+    }
+    /// Velocity, mm/s.
+    #[inline(always)]
+    pub fn velocity(&self) -> R {
+        self.0.velocity
+    }
+    /// Acceleration, mm/s².
+    #[inline(always)]
+    pub fn acceleration(&self) -> R {
+        self.0.acceleration
+    }
+    /// Cycles since the test began, at least 0. Not confined: what reads it takes any number of them, and NaN.
+    #[inline(always)]
+    pub fn cycles(&self) -> R {
+        self.0.cycles
+    }
+    /// Temperature, °C.
+    #[inline(always)]
+    pub fn temperature(&self) -> R {
+        self.0.temperature
+    }
+}
+
+/// What eq 13 comes to on a tick, kN.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct LawForce<R> {
+    /// c·|v|^α·sgn v
+    pub damping: R,
+    /// With the elastic force.
+    pub total: R,
+}
+
+impl<R: Real> LawForce<R> {
+    /// An elastic force of 1 alone, and a damping force of 1 alone.
+    pub(crate) fn units() -> [Self; 2] {
+        [R::ZERO, R::ONE].map(|damping| Self {
+            damping,
+            total: R::ONE,
+        })
+    }
+
+    /// `law` at `motion`, its damping by `damping`.
+    #[inline(always)]
+    pub(crate) fn of(law: &Law<R>, motion: &ConfinedMotion<R>, damping: impl Fn(R) -> R) -> Self {
+        let damping = damping(motion.velocity());
+        Self {
+            damping,
+            total: law.elastic_force_within(motion.displacement()) + damping,
+        }
+    }
+}

@@ -1,0 +1,117 @@
+//! A law whose type names its effects gives the same force as one that is put together while it runs.
+
+use mesh_damper::effects::{
+    AugmentedLaw, Compliance, Delay, Drift, Effect, EffectSet, Gap, LoadFriction, Motion, Offset,
+    Periodic, Relaxation, StickSlip, Temperature, Viscous,
+};
+use mesh_damper::law::Law;
+use mesh_damper::static_law::StaticLaw;
+use mesh_damper::tabulated::{Followed, RunningLaw, TabulatedLaw};
+use mesh_damper::tick_law::TickLaw;
+use proptest::prelude::*;
+
+const TICK: f32 = 1e-4;
+
+fn law() -> Law<f32> {
+    Law::new(1.2, 30.0, 0.1, 0.3).unwrap()
+}
+
+fn running(effects: &[Effect<f32>]) -> RunningLaw<8> {
+    let with = |law: AugmentedLaw<f32, 8>, effect: &Effect<f32>| law.with(*effect).unwrap();
+    let augmented = effects.iter().fold(AugmentedLaw::new(law()), with);
+    RunningLaw::new(TabulatedLaw::new(augmented))
+}
+
+fn fixed<E: EffectSet<f32>>(effects: E) -> StaticLaw<E> {
+    let mut fixed = StaticLaw::empty();
+    fixed.set(law(), effects);
+    fixed
+}
+
+/// A motion of two sines, with temperature and cycles that rise.
+fn motion(tick: u32, phase: f32) -> Motion<f32> {
+    let t = tick as f32 * TICK;
+    let (slow, fast) = (6.0 * t + phase, 190.0 * t);
+    Motion {
+        displacement: 0.1 * slow.sin() + 0.02 * fast.sin(),
+        velocity: 0.6 * slow.cos() + 3.8 * fast.cos(),
+        acceleration: -3.6 * slow.sin() - 722.0 * fast.sin(),
+        cycles: t,
+        temperature: 20.0 + 5.0 * t,
+    }
+}
+
+/// Both laws over the same ticks, followed by a part from the middle on, and at rest again for the last third.
+fn agree(fixed: &mut impl TickLaw, running: &mut impl TickLaw, phase: f32) {
+    for tick in 0..3000 {
+        if tick == 1500 {
+            let followed = Followed {
+                k1: 0.1,
+                k3: -0.2,
+                c: 0.3,
+            };
+            fixed.follow(followed);
+            running.follow(followed);
+            assert_eq!(fixed.followed(), running.followed());
+        }
+        if tick == 2000 {
+            fixed.rest();
+            running.rest();
+        }
+        let motion = motion(tick, phase);
+        assert_eq!(fixed.parts(&motion), running.parts(&motion), "tick {tick}");
+        let (one, other) = (fixed.force(&motion), running.force(&motion));
+        assert_eq!(one.to_bits(), other.to_bits(), "tick {tick}: {one} {other}");
+    }
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(8))]
+
+    #[test]
+    fn both_compositions_give_the_same_bits(phase in 0.0f32..6.0, size in 0.1f32..2.0) {
+        agree(&mut fixed(()), &mut running(&[]), phase);
+        let slider = StickSlip::new(&[(size, 0.02), (0.3, 0.05)]).unwrap();
+        agree(&mut fixed((slider,)), &mut running(&[Effect::StickSlip(slider)]), phase);
+        let offset = Offset::new(0.02 * size).unwrap();
+        let viscous = Viscous::new(1e-3 * size).unwrap();
+        let load = LoadFriction::new(size).unwrap();
+        let warm = Temperature::new(2e-3, 20.0).unwrap().with_damping(-1e-3).unwrap();
+        let drift = Drift::new(-0.2, 4.0).unwrap().with_forces(0.1, -0.3).unwrap();
+        let branch = Relaxation::new(&[(0.4 * size, 0.05)], TICK).unwrap();
+        let tone = Periodic::new(&[(0.02, 49.9, 1.0)], f64::from(TICK)).unwrap();
+        let effects = [
+            Effect::Periodic(tone),
+            Effect::Relaxation(branch),
+            Effect::Drift(drift),
+            Effect::Temperature(warm),
+            Effect::LoadFriction(load),
+            Effect::Viscous(viscous),
+            Effect::Offset(offset),
+        ];
+        let named = (offset, viscous, load, warm, drift, branch, tone);
+        agree(&mut fixed(named), &mut running(&effects), phase);
+        let delay = Delay::new(1.23e-3, TICK).unwrap();
+        let gap = Gap::new(0.01, true).unwrap();
+        let spring = Compliance::new(25.0, TICK).unwrap();
+        let effects = [
+            Effect::Compliance(spring),
+            Effect::Viscous(viscous),
+            Effect::StickSlip(slider),
+            Effect::Gap(gap),
+            Effect::Delay(delay),
+        ];
+        let named = (viscous, slider, delay, gap, spring);
+        agree(&mut fixed(named), &mut running(&effects), phase);
+    }
+}
+
+/// A table of 4 KiB, and what its effects are and remember.
+#[test]
+fn a_law_takes_memory_in_proportion_to_its_effects() {
+    let without = size_of::<StaticLaw<()>>();
+    assert!(without < 4096 + 80, "{without}");
+    let slider = size_of::<StaticLaw<(StickSlip<f32>,)>>() - without;
+    assert!(slider < 100, "{slider}");
+    assert!(size_of::<RunningLaw<8>>() > without + 3000);
+}
