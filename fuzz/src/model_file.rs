@@ -2,12 +2,12 @@
 
 use std::sync::LazyLock;
 
-use mesh_damper_model::correction::{CorrectionTable, MemoryAxis, Remembered};
-use mesh_damper_model::{AddedEffect, Family, LawNode, Model};
-use mesh_damper_model::file::{FittedRange, ModelFile};
 use mesh_damper::effects::correction::CELLS;
 use mesh_damper::pack;
 use mesh_damper::tabulated::TabulatedLaw;
+use mesh_damper_model::correction::{CorrectionTable, MemoryAxis, Remembered};
+use mesh_damper_model::file::{FittedRange, ModelFile};
+use mesh_damper_model::{AddedEffect, Family, LawNode, Model};
 
 use crate::edit::edited;
 use crate::law::EFFECTS;
@@ -58,7 +58,7 @@ static GOOD: LazyLock<Vec<Vec<u8>>> = LazyLock::new(|| {
     };
     let model = |families: &[(&str, &[(&str, f64)])], correction| {
         let effects = families.iter().map(|&(family, parameters)| AddedEffect {
-            family,
+            family: Family::named(family).expect("a family of the list"),
             parameters: parameters
                 .iter()
                 .map(|&(name, value)| (name.to_owned(), value))
@@ -93,10 +93,7 @@ static GOOD: LazyLock<Vec<Vec<u8>>> = LazyLock::new(|| {
                 ("offset", &[("force", -0.1)]),
                 ("asymmetry", &[("k2", 3.0)]),
                 ("hardening", &[("k5", 100.0)]),
-                (
-                    "stick_slip",
-                    &[("stiffness", 1.2), ("slip_limit", 0.03)],
-                ),
+                ("stick_slip", &[("stiffness", 1.2), ("slip_limit", 0.03)]),
                 (
                     "relaxation",
                     &[
