@@ -17,8 +17,8 @@ const SAMPLES: usize = 6000;
 const NOISE: f64 = 5e-5;
 /// Samples at either end, where a window has only one side.
 const ENDS: usize = 100;
-/// An error of the velocity that is tolerated, as a part of its RMS: beside a kink that is none the estimate has one side only.
-const TOLERATED: f64 = 0.4;
+/// An error of the velocity that is tolerated, as a part of its RMS: the estimate has a bias where the motion bends.
+const TOLERATED: f64 = 0.1;
 
 const LAW: LawNode = LawNode {
     amplitude: 0.0,
@@ -65,11 +65,18 @@ fn random_motion(seed: u64) -> Truth {
     sum_of(&lines)
 }
 
+fn elastic(y: f64) -> f64 {
+    LAW.k1 * y + LAW.k3 * y.powi(3)
+}
+
+fn damping(v: f64) -> f64 {
+    LAW.c * v.abs().powf(LAW.alpha) * v.signum()
+}
+
 /// Ticks whose force none of the velocities between the tick before and the one after gives, errors that are tolerated included.
 fn outliers(truth: &Truth, forces: &[f64]) -> Vec<usize> {
     let (displacement, velocity) = truth;
     let rms = (velocity.iter().map(|v| v * v).sum::<f64>() / velocity.len() as f64).sqrt();
-    let damping = |v: f64| LAW.c * v.abs().powf(LAW.alpha) * v.signum();
     // Noise and bias of the displacement reach the elastic force; these are ten times the noise.
     let slack = 10.0 * NOISE * LAW.k1;
     (ENDS..SAMPLES - ENDS)
@@ -78,8 +85,7 @@ fn outliers(truth: &Truth, forces: &[f64]) -> Vec<usize> {
             let low = around.iter().fold(f64::MAX, |a, b| a.min(*b)) - TOLERATED * rms;
             let high = around.iter().fold(f64::MIN, |a, b| a.max(*b)) + TOLERATED * rms;
             let y = displacement[n];
-            let elastic = LAW.k1 * y + LAW.k3 * y * y * y;
-            let felt = forces[n] - elastic;
+            let felt = forces[n] - elastic(y);
             felt < damping(low) - slack || felt > damping(high) + slack
         })
         .collect()
@@ -93,7 +99,9 @@ fn check(truth: &Truth, seed: u64) -> Result<(), TestCaseError> {
         .iter()
         .map(|y| y + noise.sample(&mut random))
         .collect();
-    let force = vec![0.0; SAMPLES];
+    // The middle of a motion is its zero where the force says so.
+    let felt = |(y, v): (&f64, &f64)| elastic(*y) + damping(*v);
+    let force = truth.0.iter().zip(&truth.1).map(felt).collect();
     let trajectory = Trajectory::new("smooth", TICK, &recorded, force, None, None);
     let model = Model {
         law: vec![LAW],

@@ -1,7 +1,14 @@
 //! Where the velocity of a recorded displacement jumps.
 
+use std::ops::Range;
+
 use super::motion::SHORTEST;
-use super::polynomial::{Cubic, fit_polynomial};
+use super::polynomial::{Cubic, fit_polynomial, left_by_polynomial};
+
+/// Degree of a polynomial with as many coefficients as two quadratics.
+const SMOOTH: usize = 5;
+/// Standard deviations by which two quadratics have to be better than that: noise alone does so once in a million samples.
+const CLEARLY: f64 = 5.0;
 
 /// Times that a kink is moved to where the sides meet,
 const MEETINGS: usize = 3;
@@ -14,7 +21,8 @@ const CLOSEST: f64 = 2.0;
 ///
 /// At each sample a quadratic is fitted to the samples before and another to those after. Their slopes differ by noise
 /// where the motion is smooth. A kink is where the difference stands out from the noise, is not small beside the
-/// velocities around it, and is the largest within a window's length.
+/// velocities around it, and is the largest within a window's length. The slopes differ too where a smooth motion bends more
+/// within a window than a quadratic does: that is no kink, and one polynomial of as many coefficients describes it as well.
 pub(super) fn find_kinks(samples: &[f64], tick: f64, period: &[f64], noise: f64) -> Vec<usize> {
     let count = samples.len();
     let width = |index: usize| ((0.05 * period[index] / tick) as usize).clamp(5, 200);
@@ -46,7 +54,8 @@ pub(super) fn find_kinks(samples: &[f64], tick: f64, period: &[f64], noise: f64)
         let is_largest = jump[index] > 0.0 && around.clone().all(|i| jump[i] <= jump[index]);
         if is_largest {
             let (before, after) = (width(around.start), width(around.end - 1));
-            let kink = locate_kink(samples, index, 2 * before, 2 * after, noise);
+            let kink = locate_kink(samples, index, 2 * before, 2 * after, noise)
+                .filter(|&kink| is_sharp(samples, kink, before, after, noise));
             kinks.extend(kink.map(|kink| (kink, jump[index])));
             index = around.end;
         } else {
@@ -64,6 +73,16 @@ pub(super) fn find_kinks(samples: &[f64], tick: f64, period: &[f64], noise: f64)
         is_shadow
     });
     kinks.into_iter().map(|(kink, _)| kink).collect()
+}
+
+/// Whether two quadratics that meet at the first sample after a kink describe the motion around it clearly better than one
+/// smooth polynomial does.
+fn is_sharp(samples: &[f64], kink: usize, before: usize, after: usize, noise: f64) -> bool {
+    let start = kink.saturating_sub(before);
+    let end = (kink + after).min(samples.len());
+    let left = |range: Range<usize>, degree| left_by_polynomial(&samples[range], degree);
+    let apart = left(start..kink, 2) + left(kink..end, 2);
+    left(start..end, SMOOTH) - apart > (CLEARLY * noise).powi(2)
 }
 
 /// Polynomials on both sides of a sample that belongs to neither.

@@ -1,6 +1,7 @@
 //! How much noise a channel has.
 
 use std::f64::consts::{PI, TAU};
+use std::ops::Range;
 
 use super::cycles::median;
 use super::spectrum::{place_of_line, powers};
@@ -48,6 +49,19 @@ pub fn noise_beside_tones(samples: &[f64]) -> f64 {
         beside = deviation(&rest).min(beside);
     }
     if beside < LEFT * seen { beside } else { seen }
+}
+
+/// The same over several runs of samples, each by itself: the root of their mean square, by length. 0 where none is long
+/// enough for a difference.
+pub fn noise_of_runs(samples: &[f64], runs: impl IntoIterator<Item = Range<usize>>) -> f64 {
+    let (mut squares, mut count) = (0.0, 0);
+    for run in runs {
+        if run.len() >= SIXTH_DIFFERENCE.len() {
+            count += run.len();
+            squares += run.len() as f64 * noise_beside_tones(&samples[run]).powi(2);
+        }
+    }
+    (squares / f64::max(count as f64, 1.0)).sqrt()
 }
 
 /// Of the noise that leaves these sixth differences.
@@ -163,7 +177,7 @@ mod tests {
     use rand_chacha::ChaCha8Rng;
     use rand_distr::{Distribution, Normal};
 
-    use super::{TAU, noise_beside_tones, noise_deviation};
+    use super::{TAU, noise_beside_tones, noise_deviation, noise_of_runs};
 
     fn noise(count: usize, seed: u64) -> Vec<f64> {
         let mut random = ChaCha8Rng::seed_from_u64(seed);
@@ -174,6 +188,17 @@ mod tests {
     fn with(noise: &[f64], signal: impl Fn(f64) -> f64) -> Vec<f64> {
         let samples = noise.iter().enumerate();
         samples.map(|(n, value)| value + signal(n as f64)).collect()
+    }
+
+    /// Neither what is louder between the runs nor where they meet counts.
+    #[test]
+    fn noise_between_runs_is_not_seen() {
+        let mut samples = noise(6000, 4);
+        samples[2000..3500].iter_mut().for_each(|y| *y *= 50.0);
+        samples[3500..].iter_mut().for_each(|y| *y += 100.0);
+        let found = noise_of_runs(&samples, [0..2000, 3500..5997, 5997..6000]);
+        assert!((0.95..1.05).contains(&found), "{found}");
+        assert_eq!(noise_of_runs(&samples, [0..3]), 0.0);
     }
 
     /// Whatever their frequency and however strong, between bins and on them.

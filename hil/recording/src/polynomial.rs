@@ -59,6 +59,37 @@ pub(super) fn fit_polynomial(samples: &[f64], at: f64, degree: usize) -> Cubic {
     cubic
 }
 
+/// Sum of squares that the least-squares polynomial of `degree`, any, leaves of equidistant samples; 0 where there are no more
+/// samples than coefficients.
+pub(super) fn left_by_polynomial(samples: &[f64], degree: usize) -> f64 {
+    if samples.len() <= degree + 1 {
+        return 0.0;
+    }
+    let centre = 0.5 * (samples.len() as f64 - 1.0);
+    let place = |index: usize| index as f64 / centre - 1.0;
+    // The Gram polynomials' values, by the same recurrence as above; what is left is taken along, so that nothing cancels.
+    let mut before = vec![0.0; samples.len()];
+    let mut now = vec![1.0; samples.len()];
+    let mut left = samples.to_vec();
+    let mut last_norm = f64::INFINITY;
+    for _ in 0..=degree {
+        let norm: f64 = now.iter().map(|p| p * p).sum();
+        let projection: f64 = now.iter().zip(&left).map(|(p, y)| p * y).sum();
+        let coefficient = projection / norm;
+        for (left, p) in left.iter_mut().zip(&now) {
+            *left -= coefficient * p;
+        }
+        let recurrence = norm / last_norm;
+        last_norm = norm;
+        for (index, (now, before)) in now.iter_mut().zip(&mut before).enumerate() {
+            let next = place(index) * *now - recurrence * *before;
+            *before = *now;
+            *now = next;
+        }
+    }
+    left.iter().map(|y| y * y).sum()
+}
+
 /// The Gram polynomial of degree `j` with its first two derivatives at `x`.
 #[inline]
 fn gram(recurrence: &[f64; 4], j: usize, x: f64) -> [f64; 3] {

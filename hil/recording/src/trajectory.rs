@@ -1,5 +1,7 @@
 //! A recording made ready for identification: uniform time base, estimated motion, cycles and blocks.
 
+use std::ops::Range;
+
 use nalgebra::{SMatrix, SVector};
 
 use super::Recording;
@@ -7,7 +9,7 @@ use super::averaging::MovingAverage;
 use super::cycles::{Block, Cycles};
 use super::faults::{self, Channel, Fault, Kind, Shift};
 use super::motion::Motion;
-use super::noise::{noise_beside_tones, noise_deviation};
+use super::noise::{noise_beside_tones, noise_deviation, noise_of_runs};
 use crate::error::InputError;
 use crate::extremes::least_and_largest;
 
@@ -52,6 +54,8 @@ pub struct Trajectory {
     pub amplitude: Vec<f64>,
     /// Standard deviation of the force's noise, kN.
     pub force_noise: f64,
+    /// RMS of the force, kN.
+    pub force_rms: f64,
     /// Whether the force was measured about this tick; false inside a gap of the recording, and where a fault of a
     /// channel was found.
     pub measured: Vec<bool>,
@@ -238,6 +242,7 @@ impl Trajectory {
             middle,
             centre,
             force_noise: noise_beside_tones(&force),
+            force_rms: rms(force.iter().copied()),
             force,
             temperature,
             measured: vec![true; count],
@@ -248,6 +253,18 @@ impl Trajectory {
             amplitude: cycles.amplitude_per_sample(count),
             blocks: cycles.blocks,
         }
+    }
+
+    /// Takes noise and size of the force from the samples of `runs` alone, as nothing may be learned from the others.
+    pub fn size_force_by(&mut self, runs: Vec<Range<usize>>) {
+        let force = &self.force;
+        let seen = runs.iter().cloned().flatten().map(|index| force[index]);
+        self.force_rms = rms(seen);
+        let noise = noise_of_runs(force, runs);
+        self.force_noise = self
+            .average
+            .as_ref()
+            .map_or(noise, |average| average.noise(noise));
     }
 
     /// Moves the force back by `shift`; what lies beyond the recording's ends was not measured.
@@ -352,6 +369,11 @@ pub struct Known {
     pub late: Option<f64>,
     /// Whether the middle of the motion is its zero.
     pub is_off: Option<bool>,
+}
+
+fn rms(values: impl Iterator<Item = f64>) -> f64 {
+    let (sum, count) = values.fold((0.0, 0.0), |(sum, count), x| (sum + x * x, count + 1.0));
+    (sum / f64::max(count, 1.0)).sqrt()
 }
 
 fn middle(displacement: &[f64]) -> f64 {

@@ -104,20 +104,20 @@ pub fn trace(
     }
     progress("estimating the motion");
     let mut aligned = Aligned::of(recordings, held_out)?;
-    let mut trace = conclude(&aligned, progress)?;
+    let mut trace = conclude(&mut aligned, progress)?;
     for _ in 0..MOST_MOVES {
         if !aligned.follow(&trace.model)? {
             break;
         }
         progress("moving anew a force that is early");
-        trace = conclude(&aligned, progress)?;
+        trace = conclude(&mut aligned, progress)?;
     }
     Ok(trace)
 }
 
 /// Searches for what the law lacks, and closes the loop.
-fn conclude(aligned: &Aligned, progress: &(dyn Fn(&str) + Sync)) -> Result<Trace, TraceError> {
-    let [fitted, held] = &aligned.trajectories;
+fn conclude(aligned: &mut Aligned, progress: &(dyn Fn(&str) + Sync)) -> Result<Trace, TraceError> {
+    let [fitted, held] = &mut aligned.trajectories;
     if let Some(known) = held.iter().find(|held| brings_nothing_new(held, fitted)) {
         return Err(InputError::new(
             &known.name,
@@ -129,7 +129,11 @@ fn conclude(aligned: &Aligned, progress: &(dyn Fn(&str) + Sync)) -> Result<Trace
     let mut roles = Roles::all_fit(fitted);
     if held.is_empty() {
         roles.keep_apart(fitted, Role::HeldOut);
+        for (which, trajectory) in fitted.iter_mut().enumerate() {
+            trajectory.size_force_by(roles.open_runs(which));
+        }
     }
+    let (fitted, held) = (&*fitted, &*held);
     let mut judging = roles.clone();
     judging.keep_apart(fitted, Role::Judge);
     let (over_amplitude, selection) = search(fitted, &judging, progress)?;

@@ -467,19 +467,12 @@ pub fn noise_floor(trajectories: &[Trajectory]) -> f64 {
 
 /// The same of one recording.
 pub fn noise_of(trajectory: &Trajectory) -> f64 {
-    trajectory.force_noise / power(trajectory).sqrt()
+    trajectory.force_noise / trajectory.force_rms
 }
 
 /// RMS of the error that a law of `trajectory` is held to, kN.
 pub fn held_to(trajectory: &Trajectory) -> f64 {
-    let force = power(trajectory).sqrt();
-    goal(noise_of(trajectory)) * force
-}
-
-/// The mean squared force, kN².
-fn power(trajectory: &Trajectory) -> f64 {
-    let squares = trajectory.force.iter().map(|force| force * force);
-    squares.sum::<f64>() / trajectory.len() as f64
+    goal(noise_of(trajectory)) * trajectory.force_rms
 }
 
 /// The error that a law is held to: the noise, or [`QUIET`] where the recording is quieter.

@@ -48,6 +48,20 @@ impl Roles {
         self.of(trajectory, sample) != Role::HeldOut
     }
 
+    /// The runs of samples that may be fitted in the end, in order.
+    pub fn open_runs(&self, trajectory: usize) -> Vec<Range<usize>> {
+        let held = |role: &Role| *role == Role::HeldOut;
+        let mut at = 0;
+        let runs = self.0[trajectory].chunk_by(|a, b| held(a) == held(b));
+        let placed = runs.map(|run| {
+            at += run.len();
+            (at - run.len()..at, held(&run[0]))
+        });
+        placed
+            .filter_map(|(run, held)| (!held).then_some(run))
+            .collect()
+    }
+
     /// Takes the last quarter of the cycles that are still fitted in every block, and one whole block, for `role`.
     ///
     /// The whole block is one whose amplitude other fitted blocks have too: eq 13's coefficients depend on amplitude, and a
