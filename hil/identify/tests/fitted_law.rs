@@ -22,7 +22,8 @@ fn the_error_of_a_fit_is_that_of_the_law_that_comes_of_it() {
     let hidden = Box::new(|s: &hidden::Sample| {
         let tone = 0.05 * (std::f64::consts::TAU * 41.0 * s.time + 1.0).sin();
         let warm = -0.01 * (s.temperature - 20.0) * s.law;
-        tone + warm + 0.02 + 0.3 * s.displacement * s.cycles - 0.004 * s.velocity.powi(2)
+        let pressed = 0.4 * s.displacement.abs() * s.velocity.signum();
+        tone + warm + pressed + 0.02 + 0.3 * s.displacement * s.cycles - 0.004 * s.velocity.powi(2)
     });
     let blocks = [block(0.1, 2.0, 4), block(0.2, 5.0, 6)];
     let trajectories = [record_at(warms, &blocks, hidden, 3)];

@@ -1,6 +1,7 @@
 //! Numbers and verdicts in plain words.
 
 use mesh_damper_identify::trace::result::{TraceResult, Verdict};
+use mesh_damper_model::Family;
 
 /// `value` to three significant digits, with an exponent only where it is very large or very small.
 pub fn number(value: f64) -> String {
@@ -70,29 +71,15 @@ pub fn name(family: &str) -> String {
     family.replace('_', "-")
 }
 
-/// What a family is.
-pub fn description(family: &str) -> &'static str {
-    match family {
-        "offset" => "a constant force, such as a preload or a load cell that was not zeroed",
-        "asymmetry" => "a stiffness that differs between push and pull",
-        "hardening" => "a stiffness that rises above the cubic at large displacement",
-        "stop" => "a contact on one side of the travel",
-        "gap" => "play: a dead zone in which nothing is touched",
-        "stick_slip" => {
-            "friction that first stretches elastically and then slides, whatever the speed"
-        }
-        "viscous" => "a force in proportion to velocity",
-        "relaxation" => "springs and dashpots in series: a force that fades when motion stops",
-        "inertia" => "a moving mass",
-        "delay" => "a time shift between the force and displacement channels",
-        "compliance" => "a spring in series, such as the fixture's",
-        "drift" => {
-            "a stiffness or a friction, or each in its own way, that settles from cycle to cycle"
-        }
-        "temperature" => "a force that changes with temperature",
-        "periodic" => "tones of fixed frequency",
-        _ => "an effect without a name",
-    }
+/// What a family is, as it stands within a sentence.
+pub fn description(family: &str) -> String {
+    let Some(family) = Family::named(family) else {
+        return "an effect without a name".into();
+    };
+    let mut characters = family.first().sentence.trim_end_matches('.').chars();
+    characters.next().map_or_else(String::new, |first| {
+        first.to_lowercase().chain(characters).collect()
+    })
 }
 
 /// The verdict in a heading and a sentence.
