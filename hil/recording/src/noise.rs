@@ -51,17 +51,22 @@ pub fn noise_beside_tones(samples: &[f64]) -> f64 {
     if beside < LEFT * seen { beside } else { seen }
 }
 
-/// The same over several runs of samples, each by itself: the root of their mean square, by length. 0 where none is long
-/// enough for a difference.
-pub fn noise_of_runs(samples: &[f64], runs: impl IntoIterator<Item = Range<usize>>) -> f64 {
-    let (mut squares, mut count) = (0.0, 0);
-    for run in runs {
-        if run.len() >= SIXTH_DIFFERENCE.len() {
-            count += run.len();
-            squares += run.len() as f64 * noise_beside_tones(&samples[run]).powi(2);
-        }
+/// The same over several runs of samples; tones are those of the longest. 0 where none is long enough for a difference.
+pub fn noise_of_runs(samples: &[f64], runs: &[Range<usize>]) -> f64 {
+    let each = runs
+        .iter()
+        .flat_map(|run| sixth_differences(&samples[run.clone()]));
+    let seen = deviation(&each.collect::<Vec<_>>());
+    let Some(longest) = runs.iter().max_by_key(|run| run.len()) else {
+        return 0.0;
+    };
+    let longest = &samples[longest.clone()];
+    let with_tones = noise_deviation(longest);
+    if with_tones > 0.0 {
+        seen * (noise_beside_tones(longest) / with_tones)
+    } else {
+        seen
     }
-    (squares / f64::max(count as f64, 1.0)).sqrt()
 }
 
 /// Of the noise that leaves these sixth differences.
@@ -190,15 +195,19 @@ mod tests {
         samples.map(|(n, value)| value + signal(n as f64)).collect()
     }
 
-    /// Neither what is louder between the runs nor where they meet counts.
+    /// Neither what is louder between the runs nor where they meet counts, nor a short run that is loud.
     #[test]
     fn noise_between_runs_is_not_seen() {
         let mut samples = noise(6000, 4);
         samples[2000..3500].iter_mut().for_each(|y| *y *= 50.0);
         samples[3500..].iter_mut().for_each(|y| *y += 100.0);
-        let found = noise_of_runs(&samples, [0..2000, 3500..5997, 5997..6000]);
+        let found = noise_of_runs(&samples, &[0..2000, 2000..2100, 3500..5997, 5997..6000]);
         assert!((0.9..1.1).contains(&found), "{found}");
-        assert_eq!(noise_of_runs(&samples, [0..3]), 0.0);
+        assert_eq!(
+            noise_of_runs(&samples, &[0..6000]),
+            noise_beside_tones(&samples)
+        );
+        assert_eq!(noise_of_runs(&samples, &[0..3]), 0.0);
     }
 
     /// Whatever their frequency and however strong, between bins and on them.

@@ -256,9 +256,9 @@ impl Trajectory {
     }
 
     /// Takes noise and size of the force from the samples of `runs` alone, as nothing may be learned from the others.
-    pub fn size_force_by(&mut self, runs: Vec<Range<usize>>) {
+    pub fn size_force_by(&mut self, runs: &[Range<usize>]) {
         let force = &self.force;
-        let seen = runs.iter().cloned().flatten().map(|index| force[index]);
+        let seen = runs.iter().flat_map(|run| &force[run.clone()]).copied();
         self.force_rms = rms(seen);
         let noise = noise_of_runs(force, runs);
         self.force_noise = self

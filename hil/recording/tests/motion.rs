@@ -198,6 +198,24 @@ fn a_triangle_keeps_its_corners() {
     assert!(wrong < 20, "{wrong} samples");
 }
 
+/// Corners two windows apart, of a 20th of a period each, are both found.
+#[test]
+fn a_trapezoid_keeps_its_corners() {
+    for dwell in [60, 45] {
+        let (rise, half) = (200 - dwell, 200);
+        let wave = |n: usize| {
+            let part = ((n % half) as f64 / rise as f64).min(1.0);
+            (if n / half % 2 == 0 { part } else { 1.0 - part }) * 0.4 - 0.2
+        };
+        let wave: Vec<f64> = (0..4000).map(wave).collect();
+        let kinks = trajectory(&noisy(&wave, 1e-4, 6)).motion.kinks;
+        let corners = (1..19).flat_map(|turn| [turn * half, turn * half + rise]);
+        let is_found = |corner: &usize| kinks.iter().any(|kink| kink.abs_diff(*corner) <= 2);
+        let found = corners.filter(is_found).count();
+        assert_eq!(found, 36, "{dwell}: {kinks:?}");
+    }
+}
+
 #[test]
 fn the_noise_is_read_off_the_samples() {
     let (clean, _) = programme(&BLOCKS);

@@ -130,7 +130,7 @@ fn conclude(aligned: &mut Aligned, progress: &(dyn Fn(&str) + Sync)) -> Result<T
     if held.is_empty() {
         roles.keep_apart(fitted, Role::HeldOut);
         for (which, trajectory) in fitted.iter_mut().enumerate() {
-            trajectory.size_force_by(roles.open_runs(which));
+            trajectory.size_force_by(&roles.open_runs(which));
         }
     }
     let (fitted, held) = (&*fitted, &*held);

@@ -352,7 +352,7 @@ impl<'a> Search<'a> {
         let known = law.solution.terms();
         let extent = self
             .extent
-            .with_tones(tones(self.trajectories, &law.predicted));
+            .with_tones(tones(self.trajectories, self.roles, &law.predicted));
         let screen = Screen::at(&self.rows, &extent, &law.solution);
         // The work for one differs from that for another by orders of magnitude.
         let mut rated: Vec<(Term, Vec<Start>)> = self

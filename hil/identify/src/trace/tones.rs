@@ -3,23 +3,23 @@
 use mesh_damper_recording::spectrum::{place_of_line, powers};
 use mesh_damper_recording::trajectory::Trajectory;
 
+use super::split::Roles;
+
 /// So many of the strongest tones are given.
 const MOST: usize = 3;
 
 /// The frequencies in Hz of the strongest lines in what `predicted` (kN, per trajectory and sample) leaves of the force of
-/// the longest trajectory, the strongest first.
-pub fn tones(trajectories: &[Trajectory], predicted: &[Vec<f64>]) -> Vec<f64> {
-    let longest = trajectories
-        .iter()
-        .zip(predicted)
-        .max_by_key(|(trajectory, _)| trajectory.len());
-    let Some((trajectory, predicted)) = longest else {
+/// the longest trajectory, the strongest first; of the samples that are open, by `roles`.
+pub fn tones(trajectories: &[Trajectory], roles: &Roles, predicted: &[Vec<f64>]) -> Vec<f64> {
+    let Some(longest) = (0..trajectories.len()).max_by_key(|&which| trajectories[which].len())
+    else {
         return Vec::new();
     };
+    let trajectory = &trajectories[longest];
     let left: Vec<f64> = (0..trajectory.len())
         .map(|index| {
-            if trajectory.measured[index] {
-                trajectory.force[index] - predicted[index]
+            if trajectory.measured[index] && roles.is_open(longest, index) {
+                trajectory.force[index] - predicted[longest][index]
             } else {
                 0.0
             }
