@@ -15,6 +15,8 @@ pub const CYCLES: f64 = 1e9;
 pub const CHANGE: f64 = 1e3;
 /// Temperatures are taken as within ±this many °C.
 pub const TEMPERATURE: f64 = 1e4;
+/// Control inputs beyond ±this are treated as this, whatever their unit.
+pub const CONTROL: f64 = 1e6;
 /// Largest magnitude of a stiffness, damping or force coefficient, each in its own unit.
 pub const COEFFICIENT: f64 = 1e9;
 /// Measured forces beyond ±this many kN are treated as this many.

@@ -173,6 +173,7 @@ impl Iterator for Motions<'_> {
             acceleration: reader.f32()?,
             cycles: reader.f32()?,
             temperature: reader.f32()?,
+            ..Motion::default()
         };
         self.0 = reader.rest();
         Some(motion)

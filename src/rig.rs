@@ -48,7 +48,7 @@ use embedded_hal::spi::SpiDevice;
 use crate::adc::{Ads8688, Reading};
 use crate::cycle::Cycle;
 use crate::dac::Ad5761;
-use crate::effects::Motion;
+use crate::effects::{CONTROLS, Motion};
 use crate::error::ConfigError;
 use crate::frame::{Fields, Reader, Writer};
 use crate::health::{
@@ -259,7 +259,8 @@ pub struct Rig<A, D, E, const B: usize, const N: usize, P = Programme<B>, L = Ru
     comparison: Comparison,
     output: Output<D, E>,
     excitation: Excitation,
-    temperature: f32,
+    /// What the law was given last; temperature and controls stay until they are set.
+    motion: Motion<f32>,
     generator: SineGenerator<B, P>,
     law: L,
     health: HealthMonitor,
@@ -322,7 +323,10 @@ where
             exceeded: Exceeded::default(),
             reading: Reading::default(),
             excitation: Excitation::default(),
-            temperature: 20.0,
+            motion: Motion {
+                temperature: 20.0,
+                ..Motion::default()
+            },
             tick: 0,
         })
     }
@@ -405,7 +409,12 @@ where
 
     /// Temperature for the law's effects, °C; 20 until set.
     pub fn set_temperature(&mut self, temperature: f32) {
-        self.temperature = temperature;
+        self.motion.temperature = temperature;
+    }
+
+    /// Control inputs for the law's effects, in the effects' units; 0 until set.
+    pub fn set_controls(&mut self, controls: [f32; CONTROLS]) {
+        self.motion.controls = controls;
     }
 
     /// What the rig is doing.
@@ -438,7 +447,8 @@ where
     /// A close look at this tick. An `event` of its own is told as soon as there is no other.
     #[cold]
     #[inline(never)]
-    fn look(&mut self, motion: &Motion<f32>, model_force: f32, event: &mut Option<Event>) {
+    fn look(&mut self, model_force: f32, event: &mut Option<Event>) {
+        let motion = &self.motion;
         let excitation = &self.excitation;
         let parts = if self.health_config.follows() {
             self.law.borrow().parts(motion)
@@ -506,14 +516,14 @@ where
         let estimate =
             self.observer
                 .update(&self.observer_config, displacement, excitation.acceleration);
-        let motion = Motion {
+        self.motion = Motion {
             displacement: estimate.displacement,
             velocity: estimate.velocity,
             acceleration: estimate.acceleration,
             cycles: excitation.cycle as f32 + excitation.phase as f32 * (1.0 / (1u64 << 32) as f32),
-            temperature: self.temperature,
+            ..self.motion
         };
-        let model_force = self.law.borrow_mut().force(&motion);
+        let model_force = self.law.borrow_mut().force(&self.motion);
         if !model_force.is_finite() {
             self.output.trip(Fault::NotFinite);
         }
@@ -546,7 +556,7 @@ where
             if MONITORED && excitation.cycle_end {
                 self.health.cycle(Ended {
                     block: before.block,
-                    temperature: self.temperature,
+                    temperature: self.motion.temperature,
                     command: self.correction.mean_command(),
                     another_law,
                     steady: report.as_ref().filter(|_| !before.ramp).map(
@@ -559,7 +569,7 @@ where
                 });
             }
             if MONITORED && self.health.is_due(excitation.phase) {
-                self.look(&motion, model_force, &mut event);
+                self.look(model_force, &mut event);
             }
             if excitation.done {
                 self.output.finish();

@@ -41,6 +41,8 @@ pub enum Dependence {
     Frequency,
     /// Amplitude of the motion.
     Amplitude,
+    /// A control input.
+    Control,
 }
 
 impl Dependence {
@@ -55,6 +57,7 @@ impl Dependence {
             Self::Temperature => "temperature",
             Self::Frequency => "frequency",
             Self::Amplitude => "amplitude",
+            Self::Control => "control",
         }
     }
 }

@@ -19,7 +19,7 @@ mod named;
 
 pub use correction::Correction;
 pub use delay::MAX_DELAY;
-pub use motion::{ConfinedMotion, LawForce, Motion};
+pub use motion::{CONTROLS, ConfinedMotion, LawForce, Motion};
 pub use named::EffectSet;
 pub use periodic::MAX_TONES;
 pub use relaxation::MAX_BRANCHES;

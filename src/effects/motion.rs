@@ -4,6 +4,9 @@ use crate::law::Law;
 use crate::limits;
 use crate::real::Real;
 
+/// Most control inputs of a damper: the current of a coil, the pressure of a gas.
+pub const CONTROLS: usize = 4;
+
 /// One tick of motion as the effects see it.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Motion<R> {
@@ -17,6 +20,8 @@ pub struct Motion<R> {
     pub cycles: R,
     /// Temperature, °C. A constant where nothing measures it.
     pub temperature: R,
+    /// What the damper is controlled by, in the units of the effects that depend on it; 0 where it is not.
+    pub controls: [R; CONTROLS],
 }
 
 impl<R: Real> Motion<R> {
@@ -33,6 +38,7 @@ impl<R: Real> Motion<R> {
                 .confined(R::from_f64(limits::ACCELERATION)),
             cycles: self.cycles.abs(),
             temperature: self.temperature.confined(R::from_f64(limits::TEMPERATURE)),
+            controls: self.controls,
         })
     }
 }
@@ -66,6 +72,12 @@ impl<R: Real> ConfinedMotion<R> {
     #[inline(always)]
     pub fn temperature(&self) -> R {
         self.0.temperature
+    }
+    /// Control input at `place`, −1e6…1e6; 0 for NaN and beyond the last. Confined here, as most laws read none.
+    #[inline(always)]
+    pub fn control(&self, place: usize) -> R {
+        let control = self.0.controls.get(place).copied().unwrap_or(R::ZERO);
+        control.confined(R::from_f64(limits::CONTROL))
     }
 }
 

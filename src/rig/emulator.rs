@@ -10,7 +10,7 @@ use super::{CycleReport, Fault, State, Telemetry};
 use crate::adc::{Ads8688, Reading};
 use crate::crossing::CrossingDetector;
 use crate::dac::Ad5761;
-use crate::effects::Motion;
+use crate::effects::{CONTROLS, Motion};
 use crate::error::ConfigError;
 use crate::observer::{Observer, ObserverConfig};
 use crate::tabulated::{Followed, RunningLaw, TabulatedLaw};
@@ -74,7 +74,8 @@ pub struct Emulator<A, D, E, const N: usize> {
     part: f32,
     part_step: f32,
     cycle: u32,
-    temperature: f32,
+    /// What the law was given last; temperature and controls stay until they are set.
+    motion: Motion<f32>,
     tick: u64,
 }
 
@@ -124,7 +125,10 @@ where
             part: 0.0,
             part_step: (1.0 / f64::from(settings.stop_ticks)) as f32,
             cycle: 0,
-            temperature: 20.0,
+            motion: Motion {
+                temperature: 20.0,
+                ..Motion::default()
+            },
             tick: 0,
         })
     }
@@ -175,7 +179,12 @@ where
 
     /// Temperature for the law's effects, °C; 20 until set.
     pub fn set_temperature(&mut self, temperature: f32) {
-        self.temperature = temperature;
+        self.motion.temperature = temperature;
+    }
+
+    /// Control inputs for the law's effects, in the effects' units; 0 until set.
+    pub fn set_controls(&mut self, controls: [f32; CONTROLS]) {
+        self.motion.controls = controls;
     }
 
     /// What the emulator is doing.
@@ -200,13 +209,14 @@ where
             self.cycle = self.cycle.wrapping_add(1);
             self.law.boundary();
         }
-        let model_force = self.law.force(&Motion {
+        self.motion = Motion {
             displacement: estimate.displacement,
             velocity: estimate.velocity,
             acceleration: estimate.acceleration,
             cycles: self.cycle as f32 + crossing.phase as f32 * (1.0 / (1u64 << 32) as f32),
-            temperature: self.temperature,
-        });
+            ..self.motion
+        };
+        let model_force = self.law.force(&self.motion);
         if !model_force.is_finite() {
             self.output.trip(Fault::NotFinite);
         }

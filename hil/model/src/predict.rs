@@ -1,6 +1,6 @@
 //! The force that a model gives for a recorded motion, evaluated by the crate.
 
-use mesh_damper::effects::{AugmentedState, Motion};
+use mesh_damper::effects::{AugmentedState, CONTROLS, Motion};
 use mesh_damper::real::Real;
 use mesh_damper::tabulated::{RunningLaw, TabulatedLaw};
 use mesh_damper_recording::trajectory::Trajectory;
@@ -39,6 +39,7 @@ fn halfway(from: &Motion<f64>, to: &Motion<f64>, tick: f64) -> Motion<f64> {
         acceleration: middle(from.acceleration, to.acceleration),
         cycles: middle(from.cycles, to.cycles),
         temperature: middle(from.temperature, to.temperature),
+        controls: to.controls,
     }
 }
 
@@ -112,6 +113,7 @@ pub fn motion_at<R: Real>(trajectory: &Trajectory, index: usize) -> Motion<R> {
         acceleration: R::from_f64(trajectory.motion.acceleration[index]),
         cycles: R::from_f64(trajectory.cycles[index]),
         temperature: R::from_f64(trajectory.temperature_at(index)),
+        controls: [R::ZERO; CONTROLS],
     }
 }
 
