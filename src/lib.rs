@@ -92,3 +92,8 @@ pub mod virtual_test;
 #[cfg(doctest)]
 #[doc = include_str!("../README.md")]
 struct Readme;
+
+/// So is that of `docs/firmware.md`, the other page with Rust code.
+#[cfg(doctest)]
+#[doc = include_str!("../docs/firmware.md")]
+struct Firmware;

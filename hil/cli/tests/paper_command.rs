@@ -10,7 +10,7 @@ mod recomputed;
 
 use recomputed::{Row, rows};
 
-const README: &str = include_str!("../../../README.md");
+const DOCS: &str = include_str!("../../../docs/paper.md");
 
 /// The result as JSON and the report, of one run for all tests.
 fn run() -> &'static (Value, String) {
@@ -180,7 +180,7 @@ fn the_report_holds_every_claim_and_figure_and_needs_no_other_file() {
 }
 
 #[test]
-fn the_readme_tells_how_many_claims_hold_and_what_the_surfaces_are_worth() {
+fn the_docs_tell_how_many_claims_hold_and_what_the_surfaces_are_worth() {
     let count = |verdict: &str| {
         claims()
             .iter()
@@ -194,8 +194,8 @@ fn the_readme_tells_how_many_claims_hold_and_what_the_surfaces_are_worth() {
         count("fails"),
         count("cannot_tell")
     );
-    let readme = README.replace('\n', " ");
-    assert!(readme.contains(&said), "{said}");
+    let docs = DOCS.replace('\n', " ");
+    assert!(docs.contains(&said), "{said}");
     let figure = |claim: &str, figure: &str| {
         let mut all = claims().iter();
         let claim = all.find(|one| one["name"] == claim).unwrap();
@@ -237,11 +237,11 @@ fn the_readme_tells_how_many_claims_hold_and_what_the_surfaces_are_worth() {
         ),
         format!("is {least:.1} to {most:.1} times that of the surfaces"),
     ] {
-        assert!(readme.contains(&said), "{said}");
+        assert!(docs.contains(&said), "{said}");
     }
     for one in run().0["surface_errors"].as_array().unwrap() {
         let start = format!("| {} |", one["name"].as_str().unwrap());
-        let row = README.lines().find(|line| line.starts_with(&start));
+        let row = DOCS.lines().find(|line| line.starts_with(&start));
         let row = row.unwrap_or_else(|| panic!("no row {start}"));
         let said = row[start.len()..].trim_matches(['|', ' ']).split('|');
         for (said, field) in said.zip(["mean", "largest"]) {

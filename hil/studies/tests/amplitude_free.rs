@@ -13,7 +13,7 @@ use mesh_damper_rig::{EmulatorBench, EmulatorSetup};
 use mesh_damper_studies::amplitude_free::{HeldOut, Study, embedded_force, study, ticks_of};
 use proptest::prelude::*;
 
-const README: &str = include_str!("../../../README.md");
+const DOCS: &str = include_str!("../../../docs/law.md");
 
 /// Of the paper's test, and over the frequencies of the rig.
 fn studies() -> &'static [Study; 2] {
@@ -53,9 +53,9 @@ fn the_held_out_amplitude_is_told_better_than_by_one_eq_13() {
     assert!(mean.law < 0.65 * mean.equation_13, "{mean:?}");
 }
 
-/// Rows of the README: the first cells say what, the others five errors in %.
+/// Rows of `docs/law.md`: the first cells say what, the others five errors in %.
 #[test]
-fn the_readme_tells_these_errors() {
+fn the_docs_tell_these_errors() {
     let [at_1_hz, over_frequencies] = studies();
     let mut expected: Vec<(String, [f64; 5])> = Vec::new();
     for one in &at_1_hz.densities {
@@ -67,7 +67,7 @@ fn the_readme_tells_these_errors() {
         expected.push((of, figures(&over_frequencies.mean(index))));
     }
     for (start, errors) in expected {
-        let row = README.lines().find(|line| line.starts_with(&start));
+        let row = DOCS.lines().find(|line| line.starts_with(&start));
         let row = row.unwrap_or_else(|| panic!("no row {start}"));
         let said = row[start.len()..].trim_matches(['|', ' ']).split('|');
         let said: Vec<f64> = said.map(|cell| cell.trim().parse().unwrap()).collect();

@@ -315,8 +315,8 @@ fn a_solution_holds_on_the_rig() {
 }
 
 #[test]
-fn the_readmes_example_is_so() {
-    const README: &str = include_str!("../../../README.md");
+fn the_docs_example_is_so() {
+    const DOCS: &str = include_str!("../../../docs/design.md");
     let wanted = Wanted::new(4.0, 0.3).unwrap();
     let points: Vec<_> = design(&wanted).unwrap().solutions;
     let (first, last) = (&points[0].point, &points[points.len() - 1].point);
@@ -325,8 +325,8 @@ fn the_readmes_example_is_so() {
         "Here there are four, from {:.2} g/cm³ at {:.3} mm to {:.2} g/cm³ at {:.3} mm",
         first.density, first.amplitude, last.density, last.amplitude
     );
-    let readme = README.replace('\n', " ");
-    assert!(readme.contains(&said), "{said}");
+    let docs = DOCS.replace('\n', " ");
+    assert!(docs.contains(&said), "{said}");
     let less = |point: &Solution| 100.0 * (1.0 - point.by_other_law.stiffness / wanted.stiffness);
     let (least, most) = points
         .iter()
@@ -335,10 +335,10 @@ fn the_readmes_example_is_so() {
             (least.min(less), most.max(less))
         });
     let said = format!("the surfaces have {least:.0} to {most:.0} % less stiffness");
-    assert!(readme.contains(&said), "{said}");
+    assert!(docs.contains(&said), "{said}");
     for solution in &points {
         let rig = on_rig(&solution.point, wanted.law, wanted.frequency).unwrap();
-        // As the README says.
+        // As the page says.
         close(rig.stiffness / 4.0, 1.0, 0.01);
         close(rig.loss_factor / 0.3, 1.0, 0.01);
     }

@@ -58,7 +58,7 @@ pub fn build(image: &Image, board: Board) -> Result<PathBuf, InputError> {
         .stdin(Stdio::null())
         .output();
     let failed = |problem: String| {
-        let mend = "build it by hand, as the README says, to see more";
+        let mend = "build it by hand, as docs/firmware.md says, to see more";
         InputError::new(format!("the image {}", image.binary), problem, mend)
     };
     let output = output.map_err(|error| failed(format!("cargo does not start: {error}")))?;
