@@ -11,7 +11,7 @@
 //! | that law as it runs on the target, with a table for \|v\|^α: with the effects that a type names | [`static_law`] |
 //! | the same read from a pack, with a swap at a cycle's end | [`tabulated`] |
 //! | what firmware asks of either | [`tick_law`] |
-//! | what the law lacks: offset, asymmetry, hardening, stops, gaps, stick-slip, viscosity, relaxation, inertia, drift, temperature, tones, series compliance, delay | [`effects`] |
+//! | what the law lacks: offset, asymmetry, hardening, load friction, stops, gaps, stick-slip, viscosity, relaxation, inertia, drift, temperature, tones, series compliance, delay | [`effects`] |
 //! | an excitation: sines, ramps and sweeps | [`sine`] |
 //! | stiffness, energy and loss factor of each cycle | [`cycle`]; without a generator, [`crossing`] |
 //! | the same without a floating-point unit: law, sine and cycles in integers | [`fixed_point`] |

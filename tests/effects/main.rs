@@ -12,14 +12,24 @@ use std::f64::consts::{PI, TAU};
 
 use loops::{TICKS, alone, close, energy, last_cycle, moduli, nothing, sine};
 use mesh_damper::effects::{
-    Asymmetry, AugmentedLaw, BoucWen, Compliance, Delay, Drift, Effect, Gap, Hardening, Inertia,
-    LoadFriction, MAX_TONES, Motion, Offset, Periodic, Relaxation, StickSlip, Stop, Temperature,
-    Viscous,
+    Asymmetry, AugmentedLaw, BoucWen, Compliance, DESCRIPTIONS, Delay, Drift, Effect, Gap,
+    Hardening, Inertia, LoadFriction, MAX_TONES, Motion, Offset, Periodic, Relaxation, StickSlip,
+    Stop, Temperature, Viscous,
 };
 use mesh_damper::error::ConfigError;
 use mesh_damper::law::Law;
 use mesh_damper::real::Real;
 use proptest::prelude::*;
+
+/// Each family has its row in the page about them.
+#[test]
+fn the_page_of_effects_has_every_family() {
+    let page = include_str!("../../docs/effects.md");
+    for description in DESCRIPTIONS {
+        let row = format!("| `{}` |", description.family);
+        assert!(page.contains(&row), "docs/effects.md: {row}");
+    }
+}
 
 /// 4·k·x·(X − x) for each slider, and nothing below its slip limit.
 #[test]
