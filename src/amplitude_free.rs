@@ -56,12 +56,15 @@ const ROWS: [Row; 5] = [
     },
 ];
 
-/// The law of the published density that is nearest to `density`, g/cm³, 2…4: what a law is made of is not interpolated.
-/// It holds up to 0.25 mm and 10 Hz.
+/// The effects of these laws.
+pub type Effects = (LoadFriction<f32>, StickSlip<f32>);
+
+/// Eq 13 and the effects of the published density that is nearest to `density`, g/cm³, 2…4: what a law is made of is not
+/// interpolated. It holds up to 0.25 mm and 10 Hz. For a [`StaticLaw`](crate::static_law::StaticLaw).
 ///
 /// # Errors
 /// `density` not finite or out of range.
-pub fn law(density: f32) -> Result<TabulatedLaw<2>, ConfigError> {
+pub fn parts(density: f32) -> Result<(Law<f32>, Effects), ConfigError> {
     let density = in_range("density", density, 2.0, 4.0)?;
     let nearest = ROWS.iter().min_by(|a, b| {
         let away = |row: &Row| (row.density - density).abs();
@@ -70,8 +73,18 @@ pub fn law(density: f32) -> Result<TabulatedLaw<2>, ConfigError> {
     let Some(row) = nearest else {
         return Err(ConfigError::Empty("densities"));
     };
-    let law = AugmentedLaw::new(row.law)
-        .with(Effect::StickSlip(StickSlip::new(&row.elements)?))?
-        .with(Effect::LoadFriction(LoadFriction::new(row.load)?))?;
+    let effects = (LoadFriction::new(row.load)?, StickSlip::new(&row.elements)?);
+    Ok((row.law, effects))
+}
+
+/// [`parts`] as a law for a [`RunningLaw`](crate::tabulated::RunningLaw).
+///
+/// # Errors
+/// `density` not finite or out of range.
+pub fn law(density: f32) -> Result<TabulatedLaw<2>, ConfigError> {
+    let (law, (load_friction, stick_slip)) = parts(density)?;
+    let law = AugmentedLaw::new(law)
+        .with(Effect::LoadFriction(load_friction))?
+        .with(Effect::StickSlip(stick_slip))?;
     Ok(TabulatedLaw::new(law))
 }

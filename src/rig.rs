@@ -57,6 +57,7 @@ use crate::health::{
 use crate::observer::{Observer, ObserverConfig};
 use crate::sine::{Excitation, Programme, SineGenerator};
 use crate::tabulated::{Followed, RunningLaw, TabulatedLaw};
+use crate::tick_law::TickLaw;
 use comparison::Comparison;
 use correction::{Correction, CorrectionConfig};
 use fault::{Exceeded, Limits};
@@ -238,7 +239,7 @@ pub struct CycleReport {
     pub followed: Followed,
 }
 
-/// A rig with up to `B` blocks in its programme and up to `N` effects in its law.
+/// A rig with up to `B` blocks in its programme and a law `L`: a [`RunningLaw`] of up to `N` effects unless another is named.
 ///
 /// It owns both, or borrows them: with 2 KiB to sixteen blocks and 6 KiB of law they are what does not fit on a small stack,
 /// and firmware keeps them in statics.
@@ -273,7 +274,7 @@ where
     D: SpiDevice,
     E: OutputPin,
     P: Borrow<Programme<B>>,
-    L: BorrowMut<RunningLaw<N>>,
+    L: TickLaw,
 {
     /// Idle, enable line low. The DAC's scale is that of the command in mm. Ticks run at the programme's rate. `programme`
     /// and `law` are either what they are called or references to it.
@@ -337,10 +338,9 @@ where
         let started = self.output.start();
         if started {
             self.generator.restart();
-            let law = self.law.borrow_mut();
-            law.boundary();
-            law.follow_nothing();
-            law.rest();
+            self.law.boundary();
+            self.law.follow(Followed::default());
+            self.law.rest();
             self.comparison = Comparison::default();
             self.exceeded = Exceeded::default();
             self.correction.restart();
@@ -379,32 +379,9 @@ where
         self.health.clear();
     }
 
-    /// Another law from the end of this cycle on, or from the start where not running; see [`Rig::law`]. What its
-    /// effects remember is kept where they are of the same kinds in the same order as before. The monitor learns what is
-    /// normal beside it anew, and what begins with the swap is normal.
-    pub fn swap_law(&mut self, law: TabulatedLaw<N>) {
-        self.law.borrow_mut().swap(law);
-    }
-
-    /// [`Rig::swap_law`] with a law that `write` writes in place, so that it need not pass through the stack.
-    ///
-    /// # Errors
-    /// That of `write`; no law waits then, and the one in force stays.
-    pub fn swap_law_with<F>(
-        &mut self,
-        write: impl FnOnce(&mut TabulatedLaw<N>) -> Result<(), F>,
-    ) -> Result<(), F> {
-        self.law.borrow_mut().swap_with(write)
-    }
-
-    /// The law in force, as it was given.
-    pub fn law(&self) -> &TabulatedLaw<N> {
-        self.law.borrow().law()
-    }
-
-    /// By how much the law in force differs from that, which slow changes of the specimen have led to.
+    /// By how much the law in force differs from the law as it was given, which slow changes of the specimen have led to.
     pub fn followed(&self) -> Followed {
-        self.law.borrow().followed()
+        self.law.followed()
     }
 
     /// Temperature for the law's effects, °C; 20 until set.
@@ -451,7 +428,7 @@ where
         let motion = &self.motion;
         let excitation = &self.excitation;
         let parts = if self.health_config.follows() {
-            self.law.borrow().parts(motion)
+            self.law.parts(motion)
         } else {
             [0.0; 3]
         };
@@ -467,7 +444,7 @@ where
             ramp: excitation.ramp,
         };
         if let Some(followed) = self.health.look(&self.health_config, &look) {
-            self.law.borrow_mut().follow(followed);
+            self.law.follow(followed);
         }
         if event.is_none() && self.health.has_fresh() {
             *event = self.health.take_fresh();
@@ -512,7 +489,7 @@ where
             self.excitation.cycle_end = false;
         }
         let excitation = self.excitation;
-        let another_law = excitation.cycle_end && self.law.borrow_mut().boundary();
+        let another_law = excitation.cycle_end && self.law.boundary();
         let estimate =
             self.observer
                 .update(&self.observer_config, displacement, excitation.acceleration);
@@ -523,7 +500,7 @@ where
             cycles: excitation.cycle as f32 + excitation.phase as f32 * (1.0 / (1u64 << 32) as f32),
             ..self.motion
         };
-        let model_force = self.law.borrow_mut().force(&self.motion);
+        let model_force = self.law.force(&self.motion);
         if !model_force.is_finite() {
             self.output.trip(Fault::NotFinite);
         }
@@ -602,5 +579,33 @@ where
             }),
             event,
         }
+    }
+}
+
+impl<A, D, E, const B: usize, const N: usize, P, L> Rig<A, D, E, B, N, P, L>
+where
+    L: BorrowMut<RunningLaw<N>>,
+{
+    /// Another law from the end of this cycle on, or from the start where not running; see [`Rig::law`]. What its
+    /// effects remember is kept where they are of the same kinds in the same order as before. The monitor learns what is
+    /// normal beside it anew, and what begins with the swap is normal.
+    pub fn swap_law(&mut self, law: TabulatedLaw<N>) {
+        self.law.borrow_mut().swap(law);
+    }
+
+    /// [`Rig::swap_law`] with a law that `write` writes in place, so that it need not pass through the stack.
+    ///
+    /// # Errors
+    /// That of `write`; no law waits then, and the one in force stays.
+    pub fn swap_law_with<F>(
+        &mut self,
+        write: impl FnOnce(&mut TabulatedLaw<N>) -> Result<(), F>,
+    ) -> Result<(), F> {
+        self.law.borrow_mut().swap_with(write)
+    }
+
+    /// The law in force, as it was given.
+    pub fn law(&self) -> &TabulatedLaw<N> {
+        self.law.borrow().law()
     }
 }

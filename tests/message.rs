@@ -95,6 +95,7 @@ fn motion(number: usize) -> Motion<f32> {
         acceleration: 100.0 * number,
         cycles: number / 4.0,
         temperature: 20.0 + number,
+        ..Motion::default()
     }
 }
 

@@ -441,7 +441,8 @@ proptest! {
                     acceleration: -amplitude * angular * angular * sin,
                     cycles,
                     temperature: 20.0 + cycles,
-                });
+..Motion::default()
+});
                 prop_assert!(force.is_finite());
             }
         }

@@ -38,6 +38,7 @@ fn motion(tick: u32, phase: f32) -> Motion<f32> {
         acceleration: -3.6 * slow.sin() - 722.0 * fast.sin(),
         cycles: t,
         temperature: 20.0 + 5.0 * t,
+        ..Motion::default()
     }
 }
 

@@ -16,7 +16,8 @@ fn motion(random: &mut Random) -> Motion<f32> {
         acceleration: random.float(),
         cycles: random.float(),
         temperature: random.float(),
-    }
+..Motion::default()
+}
 }
 
 /// A law's force at some motions, tabulated and not.

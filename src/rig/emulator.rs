@@ -1,5 +1,7 @@
 //! The rig as the damper: measured motion in, the law's force out.
 
+use core::borrow::BorrowMut;
+
 use embedded_hal::digital::OutputPin;
 use embedded_hal::spi::SpiDevice;
 
@@ -14,6 +16,7 @@ use crate::effects::{CONTROLS, Motion};
 use crate::error::ConfigError;
 use crate::observer::{Observer, ObserverConfig};
 use crate::tabulated::{Followed, RunningLaw, TabulatedLaw};
+use crate::tick_law::TickLaw;
 
 /// What an emulator is set to. [`Emulator::new`] validates it.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -57,14 +60,15 @@ impl Default for EmulatorSettings {
     }
 }
 
-/// A damper made of a law of up to `N` effects and a force actuator.
+/// A damper made of a law and a force actuator: a [`RunningLaw`] of up to `N` effects unless another is named. It owns the law
+/// or borrows it, as firmware does from a static.
 #[derive(Debug)]
-pub struct Emulator<A, D, E, const N: usize> {
+pub struct Emulator<A, D, E, const N: usize = 0, L = RunningLaw<N>> {
     adc: Ads8688<A>,
     output: Output<D, E>,
     limits: Limits,
     observer_config: ObserverConfig,
-    law: RunningLaw<N>,
+    law: L,
     observer: Observer,
     crossing: CrossingDetector,
     comparison: Comparison,
@@ -79,13 +83,14 @@ pub struct Emulator<A, D, E, const N: usize> {
     tick: u64,
 }
 
-impl<A, D, E, const N: usize> Emulator<A, D, E, N>
+impl<A, D, E, const N: usize, L> Emulator<A, D, E, N, L>
 where
     A: SpiDevice,
     D: SpiDevice,
     E: OutputPin,
+    L: TickLaw,
 {
-    /// Idle, enable line low. The DAC's scale is that of the force in kN.
+    /// Idle, enable line low. The DAC's scale is that of the force in kN. `law` is what is called so or a reference to it.
     ///
     /// # Errors
     /// A setting that is not finite or out of range.
@@ -94,7 +99,7 @@ where
         dac: Ad5761<D>,
         enable: E,
         settings: &EmulatorSettings,
-        law: TabulatedLaw<N>,
+        law: L,
     ) -> Result<Self, ConfigError> {
         Ok(Self {
             adc,
@@ -116,7 +121,7 @@ where
                 settings.observer_bandwidth,
                 settings.observer_damping,
             )?,
-            law: RunningLaw::new(law),
+            law,
             observer: Observer::default(),
             crossing: CrossingDetector::new(settings.hysteresis as f32)?,
             comparison: Comparison::default(),
@@ -164,17 +169,6 @@ where
     /// Forgets the fault. Says no, and does nothing, where there is none or the force is not yet back at 0.
     pub fn clear(&mut self) -> bool {
         self.output.clear()
-    }
-
-    /// Another law from the end of this cycle on, or from the start where that comes before. What its effects remember
-    /// is kept where they are of the same kinds in the same order as before.
-    pub fn swap_law(&mut self, law: TabulatedLaw<N>) {
-        self.law.swap(law);
-    }
-
-    /// The law in force.
-    pub fn law(&self) -> &TabulatedLaw<N> {
-        self.law.law()
     }
 
     /// Temperature for the law's effects, °C; 20 until set.
@@ -259,5 +253,21 @@ where
             }),
             event: None,
         }
+    }
+}
+
+impl<A, D, E, const N: usize, L> Emulator<A, D, E, N, L>
+where
+    L: BorrowMut<RunningLaw<N>>,
+{
+    /// Another law from the end of this cycle on, or from the start where that comes before. What its effects remember
+    /// is kept where they are of the same kinds in the same order as before.
+    pub fn swap_law(&mut self, law: TabulatedLaw<N>) {
+        self.law.borrow_mut().swap(law);
+    }
+
+    /// The law in force.
+    pub fn law(&self) -> &TabulatedLaw<N> {
+        self.law.borrow().law()
     }
 }

@@ -28,6 +28,7 @@ pub fn sine<R: Real>(amplitude: f64, frequency: f64, n: usize) -> Motion<R> {
         acceleration: R::from_f64(-amplitude * omega * omega * sin),
         cycles: R::from_f64(n as f64 / TICKS as f64),
         temperature: R::from_f64(20.0),
+        ..Motion::default()
     }
 }
 

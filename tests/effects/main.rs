@@ -522,6 +522,7 @@ fn any_motion() -> impl Strategy<Value = Motion<f32>> {
             acceleration: a,
             cycles,
             temperature,
+            ..Motion::default()
         }
     })
 }

@@ -84,6 +84,7 @@ fn the_public_transformation_is_the_one_that_runs() {
         acceleration: 5.0,
         cycles: 2.5,
         temperature: 31.0,
+        ..Motion::default()
     };
     let felt = gap.transform(&motion);
     assert_eq!(

@@ -99,6 +99,7 @@ fn motions(count: usize, random: &mut ChaCha8Rng) -> Vec<Motion<f32>> {
             acceleration: (-amplitude * speed * speed * phase.sin()) as f32,
             cycles: (phase / std::f64::consts::TAU) as f32,
             temperature: 20.0 + 1e-4 * index as f32,
+            ..Motion::default()
         };
         if random.random_range(0..50) == 0 {
             let strange = STRANGE[random.random_range(0..STRANGE.len())];

@@ -6,7 +6,7 @@ use std::rc::Rc;
 use mesh_damper::dac::OUTPUT_RANGE;
 use mesh_damper::effects::AugmentedLaw;
 use mesh_damper::rig::{Emulator, EmulatorSettings, Telemetry};
-use mesh_damper::tabulated::TabulatedLaw;
+use mesh_damper::tabulated::{RunningLaw, TabulatedLaw};
 
 use super::bench::{SetupError, connect_adc, connect_dac};
 use crate::actuator::{
@@ -90,7 +90,7 @@ impl<const N: usize> EmulatorBench<N> {
                 connect_dac(&dac, setup.force_range)?,
                 enable,
                 &setup.settings,
-                TabulatedLaw::new(setup.law),
+                RunningLaw::new(TabulatedLaw::new(setup.law)),
             )?,
             displacement_sensor: Sensor::new(
                 setup.displacement_sensor,
