@@ -1,13 +1,22 @@
 //! A law whose type names its effects gives the same force as one that is put together while it runs.
 
+use std::f64::consts::TAU;
+use std::rc::Rc;
+
+use mesh_damper::adc::Ads8688;
+use mesh_damper::converter::Scale;
+use mesh_damper::dac::Ad5761;
 use mesh_damper::effects::{
     AugmentedLaw, Compliance, Delay, Drift, Effect, EffectSet, Gap, LoadFriction, Motion, Offset,
     Periodic, Relaxation, StickSlip, Temperature, Viscous,
 };
 use mesh_damper::law::Law;
+use mesh_damper::rig::{Emulator, EmulatorSettings, Rig, RigSettings, State};
+use mesh_damper::sine::{Block, Programme};
 use mesh_damper::static_law::StaticLaw;
 use mesh_damper::tabulated::{Followed, RunningLaw, TabulatedLaw};
 use mesh_damper::tick_law::TickLaw;
+use mesh_damper_rig::actuator::{AdcPins, SimulatedAd5761, SimulatedAds8688, enable_line};
 use proptest::prelude::*;
 
 const TICK: f32 = 1e-4;
@@ -115,4 +124,90 @@ fn a_law_takes_memory_in_proportion_to_its_effects() {
     let slider = size_of::<StaticLaw<(StickSlip<f32>,)>>() - without;
     assert!(slider < 100, "{slider}");
     assert!(size_of::<RunningLaw<8>>() > without + 3000);
+}
+
+type Slider = (StickSlip<f32>,);
+
+fn slider() -> StickSlip<f32> {
+    StickSlip::new(&[(0.5, 0.02)]).unwrap()
+}
+
+/// A measured sine of 5 Hz at 1 kHz.
+fn measured(pins: &AdcPins, tick: u32) {
+    let turn = TAU * f64::from(tick) / 200.0;
+    pins.volts[0].set(2.0 * turn.sin());
+    pins.volts[1].set(1.5 * turn.cos());
+}
+
+fn converters() -> (
+    Rc<AdcPins>,
+    Ads8688<SimulatedAds8688>,
+    Ad5761<SimulatedAd5761>,
+) {
+    let pins = Rc::<AdcPins>::default();
+    let one = Scale::new(1.0, 0.0).unwrap();
+    let adc = Ads8688::new(SimulatedAds8688::new(pins.clone()), one, one).unwrap();
+    let dac = Ad5761::new(SimulatedAd5761::new(Rc::default()), one).unwrap();
+    (pins, adc, dac)
+}
+
+/// A rig that borrows a law whose type names its effect, and one that owns a running law.
+#[test]
+fn a_rig_runs_either_law() {
+    let mut law = StaticLaw::<Slider>::empty();
+    law.set(self::law(), (slider(),));
+    let programme = || {
+        let block = Block::sine(0.1, 5.0, 2).unwrap();
+        Programme::<1>::new(1000.0, 5).unwrap().with(block).unwrap()
+    };
+    let settings = RigSettings {
+        trip_ticks: 1_000_000,
+        ..RigSettings::default()
+    };
+    let (pins, adc, dac) = converters();
+    let (others, other_adc, other_dac) = converters();
+    let (enable, other) = (enable_line().0, enable_line().0);
+    let mut rig: Rig<_, _, _, 1, 0, _, _> =
+        Rig::new(adc, dac, enable, &settings, programme(), &mut law).unwrap();
+    let running = running(&[Effect::StickSlip(slider())]);
+    let mut other: Rig<_, _, _, 1, 8> =
+        Rig::new(other_adc, other_dac, other, &settings, programme(), running).unwrap();
+    assert!(rig.start() && other.start());
+    for tick in 0..500 {
+        measured(&pins, tick);
+        measured(&others, tick);
+        assert_eq!(rig.tick(), other.tick(), "tick {tick}");
+    }
+    assert_eq!(rig.state(), State::Running);
+}
+
+/// The same of the emulated damper.
+#[test]
+fn an_emulator_runs_either_law() {
+    let mut law = StaticLaw::<Slider>::empty();
+    law.set(self::law(), (slider(),));
+    let settings = EmulatorSettings {
+        tick_rate: 1000.0,
+        observer_bandwidth: 50.0,
+        stop_ticks: 10,
+        ..EmulatorSettings::default()
+    };
+    let (pins, adc, dac) = converters();
+    let (others, other_adc, other_dac) = converters();
+    let (enable, other) = (enable_line().0, enable_line().0);
+    let mut damper: Emulator<_, _, _, 0, _> =
+        Emulator::new(adc, dac, enable, &settings, &mut law).unwrap();
+    let running = running(&[Effect::StickSlip(slider())]);
+    let mut other: Emulator<_, _, _, 8> =
+        Emulator::new(other_adc, other_dac, other, &settings, running).unwrap();
+    assert!(damper.start() && other.start());
+    let mut cycles = 0;
+    for tick in 0..2000 {
+        measured(&pins, tick);
+        measured(&others, tick);
+        let (one, two) = (damper.tick(), other.tick());
+        assert_eq!(one, two, "tick {tick}");
+        cycles += u32::from(one.report.is_some());
+    }
+    assert!(cycles >= 3, "{cycles}");
 }

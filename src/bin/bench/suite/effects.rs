@@ -79,6 +79,7 @@ fn count(meter: &mut impl Meter, name: &str, law: Augmented) -> Result<(), Confi
             acceleration: now.acceleration,
             cycles: now.cycle as f32 + now.phase as f32 * (1.0 / (1u64 << 32) as f32),
             temperature: 20.0 + 30.0 * now.displacement,
+            ..Motion::default()
         };
         let result = meter.call(force, &mut beside, 0.0, 0.0);
         if now.cycle > 0 {
