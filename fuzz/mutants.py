@@ -138,7 +138,7 @@ class Tree:
 
     def mutants(self, first, every):
         shard = ["--shard", f"{first}/{every}", "--sharding", "round-robin"]
-        listed = self.cargo("mutants", "-p", "mesh-damper", "-e", "src/bin/**", *shard, "--list", "--json")
+        listed = self.cargo("mutants", "-p", "mesh-damper", *shard, "--list", "--json")
         return dict(enumerate(json.loads(listed.stdout), start=1))
 
     def switch_in(self, mutants):

@@ -63,8 +63,9 @@ use correction::{Correction, CorrectionConfig};
 use fault::{Exceeded, Limits};
 use output::Output;
 
-/// `cargo hil bench` counts the tick without the monitor too: what that costs is the difference.
-const MONITORED: bool = !cfg!(feature = "unmonitored");
+/// `cargo hil bench` counts the tick without the monitor too: what that costs is the difference. It has the compiler set
+/// `unmonitored` for an image of its own; no feature does, so that no crate takes the monitor away from another's rig.
+const MONITORED: bool = !cfg!(unmonitored);
 
 /// What a rig is set to. [`Rig::new`] validates it.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -1,4 +1,4 @@
-/* The whole tick in plain C on newlib's sinf, cosf and powf, and powf alone: what `src/bin/bench/suite/naive.rs` is in
+/* The whole tick in plain C on newlib's sinf, cosf and powf, and powf alone: what `firmware/src/bench/suite/naive.rs` is in
  * Rust, line by line, and counted the same way. */
 
 #include <math.h>
@@ -115,7 +115,7 @@ static float empty(void *context, float a, float b)
     return a;
 }
 
-/* Counting, as in src/bin/bench/counter.rs. */
+/* Counting, as in firmware/src/bench/counter.rs. */
 
 #define SYST_CSR (*(volatile uint32_t *)0xe000e010)
 #define SYST_RVR (*(volatile uint32_t *)0xe000e014)

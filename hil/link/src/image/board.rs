@@ -39,11 +39,12 @@ impl Board {
         }
     }
 
-    /// The crate's feature that gives the linker its memory map, where it is not the target's usual one.
-    pub fn feature(self) -> Option<&'static str> {
+    /// Folder of its package in `firmware/`.
+    pub fn folder(self) -> &'static str {
         match self {
-            Self::Mps2An386 | Self::Mps2An500 | Self::Microbit => None,
-            Self::NetduinoPlus2 => Some("stm32f405"),
+            Self::Mps2An386 | Self::Mps2An500 => "mps2-an386",
+            Self::NetduinoPlus2 => "stm32f405",
+            Self::Microbit => "microbit",
         }
     }
 

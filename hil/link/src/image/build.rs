@@ -1,4 +1,4 @@
-//! Has cargo build an image from the workspace that this harness was built from.
+//! Has cargo build an image from the repository that this harness was built from.
 
 use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
@@ -8,19 +8,22 @@ use serde_json::Value;
 
 use super::Board;
 
-/// An image: a binary of the crate.
+/// An image: a binary of the boards' packages in `firmware/`.
 #[derive(Clone, Copy, Debug)]
 pub struct Image {
     /// Name of the binary.
     pub binary: &'static str,
-    /// Features of the crate that it needs; the board's own is added.
-    pub features: &'static [&'static str],
+    /// Feature of the package `mesh-damper-firmware` that it is.
+    pub feature: &'static str,
+    /// What the compiler is to set for conditional compilation.
+    pub cfg: Option<&'static str>,
 }
 
 /// The rig controller.
 pub const FIRMWARE: Image = Image {
     binary: "firmware",
-    features: &["firmware"],
+    feature: "rig",
+    cfg: None,
 };
 
 /// Builds `image` for `board` with profile `firmware` and gives its ELF file. Does nothing where nothing has changed.
@@ -31,30 +34,30 @@ pub fn build(image: &Image, board: Board) -> Result<PathBuf, InputError> {
     let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("../..");
     let target = board.target();
     check_target(target)?;
-    let features: Vec<&str> = image
-        .features
-        .iter()
-        .copied()
-        .chain(board.feature())
-        .collect();
+    let flags = image
+        .cfg
+        .map_or_else(String::new, |cfg| format!("--cfg {cfg}"));
     let cargo = std::env::var_os("CARGO").unwrap_or_else(|| "cargo".into());
     let output = Command::new(cargo)
-        .current_dir(&root)
+        .current_dir(root.join("firmware").join(board.folder()))
         .args(["build", "--quiet", "--locked", "--profile", "firmware"])
-        .args(["--package", "mesh-damper", "--bin", image.binary])
-        .args(["--features", &features.join(",")])
+        .args(["--bin", image.binary])
+        .args([
+            "--features",
+            &format!("mesh-damper-firmware/{}", image.feature),
+        ])
         .args([
             "--target",
             target,
             "--message-format",
             "json-render-diagnostics",
         ])
-        // Of its own for each memory map: the binary's name is the same for all, and one would take another's place.
+        // Of its own for each board: the binary's name is the same for all, and one would take another's place.
         .arg("--target-dir")
         .arg(target_directory(&root, board))
         // A target-cpu in them would change the images' rounding, and link arguments their layout.
-        .env_remove("RUSTFLAGS")
         .env_remove("CARGO_ENCODED_RUSTFLAGS")
+        .env("RUSTFLAGS", flags)
         .stdin(Stdio::null())
         .output();
     let failed = |problem: String| {
@@ -80,10 +83,7 @@ fn target_directory(root: &Path, board: Board) -> PathBuf {
         Some(directory) => PathBuf::from(directory),
         None => root.join("target"),
     };
-    match board.feature() {
-        Some(feature) => directory.join(feature),
-        None => directory,
-    }
+    root.join(directory).join(board.folder())
 }
 
 /// Whether the core library for `target` is there.

@@ -6,7 +6,7 @@ use mesh_damper_reference::dynamic_test;
 use mesh_damper_reference::law::Coefficients;
 use mesh_damper_reference::turn::sin_cos_of_turn;
 
-use super::suite::tick::{FREQUENCY, TICK_RATE};
+use mesh_damper_firmware::bench::suite::tick::{FREQUENCY, TICK_RATE};
 
 /// Cycles of a tick as a fraction of whole numbers.
 const STEP: u64 = (10.0 * FREQUENCY) as u64;

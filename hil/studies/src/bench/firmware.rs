@@ -17,7 +17,7 @@ use mesh_damper_rig::{RigRun, RigSetup, SetupError, TICK_RATE};
 
 use super::results::{Rate, Size};
 use super::sizes;
-use super::suite::{Refused, effects};
+use mesh_damper_firmware::bench::suite::{Refused, effects};
 
 /// Under which name the sizes are found.
 pub const NAME: &str = "firmware";

@@ -7,8 +7,8 @@ use serde::Serialize;
 
 use super::count::{Core, Count};
 use super::exact::{Exact, ExactCycle};
-use super::suite::tally::{Meter, Region, Tally, When};
-use super::suite::{self, Refused, fixed_point, power, tick};
+use mesh_damper_firmware::bench::suite::tally::{Meter, Region, Tally, When};
+use mesh_damper_firmware::bench::suite::{self, Refused, fixed_point, power, tick};
 
 /// The largest error of something against f64.
 #[derive(Clone, Debug, PartialEq, Serialize)]

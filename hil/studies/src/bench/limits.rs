@@ -5,7 +5,7 @@ use serde::Serialize;
 use super::count::Core;
 use super::firmware;
 use super::results::Results;
-use super::suite::tick::BLOCK;
+use mesh_damper_firmware::bench::suite::tick::BLOCK;
 
 /// On which side of a limit a figure has to be.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]

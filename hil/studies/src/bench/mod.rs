@@ -1,13 +1,13 @@
 //! What the crate costs on a microcontroller: instructions counted in an emulator, beside its peers, with the errors
 //! against f64 and the bytes.
 //!
-//! `src/bin/bench.rs` is the image that counts: one region is called at a time, and the timer that the emulator advances
+//! `firmware/src/bench` is the image that counts: one region is called at a time, and the timer that the emulator advances
 //! by 2¹⁰ ns an instruction is read before and after. A call's count is exact, the same in every run, and includes what the
 //! called function saves and restores; the call itself, as an empty function takes it, is taken off. Sequences of known
 //! length are counted first, and a run whose counts of them are wrong is refused. Instructions are not cycles: an
 //! emulator has no caches, no wait states and no pipeline.
 //!
-//! What is counted stands in `src/bin/bench/suite`, and is run on the host too, bit for bit the same, to be judged.
+//! What is counted stands in `firmware/src/bench/suite`, and is run on the host too, bit for bit the same, to be judged.
 //!
 //! The whole tick is [`mesh_damper::virtual_test`]'s, of a demanded sine; the generator, the law and the accumulator of which
 //! the rig is made, and which serve any motion and any force, are counted beside it.
@@ -28,9 +28,6 @@ mod peer;
 mod rates;
 mod results;
 mod sizes;
-/// Of the image that counts, run here to be judged.
-#[path = "../../../../src/bin/bench/suite/mod.rs"]
-mod suite;
 
 use std::path::PathBuf;
 use std::process::Command;
@@ -41,19 +38,21 @@ pub use judge::LargestError;
 pub use limits::{Side, Verdict};
 pub use results::{Rate, Results, Size, Tools};
 
+use mesh_damper_firmware::bench::suite;
 use mesh_damper_link::image::{self, Image};
 use mesh_damper_recording::error::InputError;
 
 /// The image that counts.
 pub const IMAGE: Image = Image {
     binary: "bench",
-    features: &["bench"],
+    feature: "bench",
+    cfg: None,
 };
 
 /// The same whose rig has no monitor.
 const UNMONITORED: Image = Image {
-    binary: "bench",
-    features: &["bench", "unmonitored"],
+    cfg: Some("unmonitored"),
+    ..IMAGE
 };
 
 /// Ticks to a block of `tick/block`.

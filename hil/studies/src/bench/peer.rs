@@ -6,7 +6,7 @@ use std::process::{Command, Stdio};
 
 use mesh_damper_recording::error::InputError;
 
-use super::suite::{power, tick};
+use mesh_damper_firmware::bench::suite::{power, tick};
 
 const COMPILER: &str = "arm-none-eabi-gcc";
 const FLAGS: [&str; 9] = [
@@ -55,12 +55,12 @@ pub fn build(directory: &Path) -> Result<PathBuf, InputError> {
     let here = Path::new(env!("CARGO_MANIFEST_DIR"));
     let elf = directory.join("peer.elf");
     let output = Command::new(COMPILER)
+        // Where the linker finds the memory.x of the board that it is counted on.
+        .current_dir(here.join("../.."))
         .args(FLAGS)
         .arg("-nostartfiles")
         .arg("-I")
         .arg(directory)
-        .arg("-L")
-        .arg(here.join("../../boards/mps2-an386"))
         .arg("-T")
         .arg(here.join("bench/peer.ld"))
         .arg(here.join("bench/peer.c"))

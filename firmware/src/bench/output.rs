@@ -1,0 +1,15 @@
+//! Text over a board's link.
+
+use core::fmt;
+
+use crate::board::Link;
+
+/// Where lines go.
+pub struct Output<L>(pub L);
+
+impl<L: Link> fmt::Write for Output<L> {
+    fn write_str(&mut self, text: &str) -> fmt::Result {
+        self.0.send(text.as_bytes());
+        Ok(())
+    }
+}

@@ -1,0 +1,181 @@
+//! The rig's tick, its converters answered from memory, and the accumulator that finds its cycles by itself.
+
+use core::cell::Cell;
+use core::convert::Infallible;
+
+use embedded_hal::digital::{self, OutputPin};
+use embedded_hal::spi::{self, Operation, SpiDevice};
+use mesh_damper::adc::Ads8688;
+use mesh_damper::converter::{MIDSCALE, Scale};
+use mesh_damper::crossing::CrossingAccumulator;
+use mesh_damper::cycle::Cycle;
+use mesh_damper::dac::Ad5761;
+use mesh_damper::effects::AugmentedLaw;
+use mesh_damper::health::HealthSettings;
+use mesh_damper::rig::{Rig, RigSettings, State, Telemetry};
+use mesh_damper::sine::{Block, Programme};
+use mesh_damper::table::PAPER;
+use mesh_damper::tabulated::{RunningLaw, TabulatedLaw};
+
+use super::Refused;
+use super::tally::{Meter, Moments, When};
+use super::tick::{FREQUENCY, TICK_RATE};
+
+/// mm
+const AMPLITUDE: f64 = 0.1;
+/// Cycles at full amplitude: those over which the monitor settles and learns, and as many over which it watches.
+const CYCLES: u32 = 36;
+
+/// Both converters: whatever code the DAC is given, the ADC reads on both channels.
+#[derive(Default)]
+struct Wire {
+    code: Cell<u16>,
+    control: Cell<u16>,
+}
+
+struct AdcBus<'a>(&'a Wire);
+struct DacBus<'a>(&'a Wire);
+struct Line;
+
+impl spi::ErrorType for AdcBus<'_> {
+    type Error = Infallible;
+}
+
+impl SpiDevice for AdcBus<'_> {
+    #[inline]
+    fn transaction(&mut self, operations: &mut [Operation<'_, u8>]) -> Result<(), Infallible> {
+        for operation in operations {
+            match operation {
+                Operation::TransferInPlace([_, _, high, low]) => {
+                    [*high, *low] = self.0.code.get().to_be_bytes();
+                }
+                // The register echoes that it was set to 0.
+                Operation::TransferInPlace([_, _, echo]) => *echo = 0,
+                _ => {}
+            }
+        }
+        Ok(())
+    }
+}
+
+impl spi::ErrorType for DacBus<'_> {
+    type Error = Infallible;
+}
+
+impl SpiDevice for DacBus<'_> {
+    #[inline]
+    fn transaction(&mut self, operations: &mut [Operation<'_, u8>]) -> Result<(), Infallible> {
+        for operation in operations {
+            match operation {
+                Operation::Write([0x3, high, low]) => {
+                    self.0.code.set(u16::from_be_bytes([*high, *low]));
+                }
+                Operation::Write([0x4, high, low]) => {
+                    self.0.control.set(u16::from_be_bytes([*high, *low]));
+                }
+                Operation::TransferInPlace([_, high, low]) => {
+                    [*high, *low] = self.0.control.get().to_be_bytes();
+                }
+                _ => {}
+            }
+        }
+        Ok(())
+    }
+}
+
+impl digital::ErrorType for Line {
+    type Error = Infallible;
+}
+
+impl OutputPin for Line {
+    fn set_low(&mut self) -> Result<(), Infallible> {
+        Ok(())
+    }
+    fn set_high(&mut self) -> Result<(), Infallible> {
+        Ok(())
+    }
+}
+
+struct Running<'a> {
+    rig: Rig<AdcBus<'a>, DacBus<'a>, Line, 1, 1>,
+    telemetry: Option<Telemetry>,
+}
+
+extern "C" fn tick(running: &mut Running, _: f32, _: f32) -> f32 {
+    let telemetry = running.rig.tick();
+    let force = telemetry.model_force;
+    running.telemetry = Some(telemetry);
+    force
+}
+
+extern "C" fn crossing(accumulator: &mut Measured, displacement: f32, force: f32) -> f32 {
+    accumulator.cycle = accumulator.crossing.update(displacement, force);
+    force
+}
+
+struct Measured {
+    crossing: CrossingAccumulator,
+    cycle: Option<Cycle>,
+}
+
+/// # Errors
+/// None: every value is in its range and nothing stops the rig.
+pub fn run(meter: &mut impl Meter) -> Result<(), Refused> {
+    let wire = Wire::default();
+    wire.code.set(MIDSCALE);
+    let (travel, force) = (Scale::new(0.512, 0.0)?, Scale::new(5.12, 0.0)?);
+    let adc = Ads8688::new(AdcBus(&wire), travel, force).map_err(|_| Refused)?;
+    let dac = Ad5761::new(DacBus(&wire), Scale::new(0.5, 0.0)?).map_err(|_| Refused)?;
+    let block = Block::sine(AMPLITUDE, FREQUENCY, CYCLES)?;
+    let programme = Programme::new(TICK_RATE, 1)?.with(block)?;
+    let law = TabulatedLaw::new(AugmentedLaw::new(PAPER.lookup(3.0, AMPLITUDE as f32).law));
+    let law = RunningLaw::new(law);
+    let settings = RigSettings {
+        health: HealthSettings {
+            follow: 0.1,
+            ..HealthSettings::default()
+        },
+        ..RigSettings::default()
+    };
+    let rig = Rig::new(adc, dac, Line, &settings, programme, law)?;
+    let mut running = Running {
+        rig,
+        telemetry: None,
+    };
+    if !running.rig.start() {
+        return Err(Refused);
+    }
+    let mut measured = Measured {
+        crossing: CrossingAccumulator::new(0.1 * AMPLITUDE as f32)?,
+        cycle: None,
+    };
+    let mut moments = Moments::default();
+    let mut crossings = Moments::default();
+    let mut cycles = 0;
+    loop {
+        let result = meter.call(tick, &mut running, 0.0, 0.0);
+        let Some(now) = running.telemetry else {
+            return Err(Refused);
+        };
+        match now.state {
+            State::Running => {}
+            State::Done => break,
+            State::Idle | State::Faulted(_) => return Err(Refused),
+        }
+        let when = When::of(false, now.ramp, now.cycle != cycles);
+        cycles = now.cycle;
+        moments.add(when, result, now.report.map(|report| report.model).as_ref());
+
+        let result = meter.call(
+            crossing,
+            &mut measured,
+            now.displacement,
+            now.measured_force,
+        );
+        let when = When::of(false, now.ramp, measured.cycle.is_some());
+        crossings.add(when, result, measured.cycle.as_ref());
+    }
+    moments.report(meter, "rig/tick");
+    crossings.report(meter, "crossing/update");
+    Ok(())
+}

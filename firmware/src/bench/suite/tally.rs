@@ -1,0 +1,131 @@
+//! Regions, who calls them, and what many calls came to.
+
+use mesh_damper::cycle::Cycle;
+
+/// Something to count: a call with a context, which holds what it works on, and up to two numbers.
+pub type Region<C> = extern "C" fn(&mut C, f32, f32) -> f32;
+
+/// Calls regions. On the target it counts their instructions; on the host it keeps what they return.
+pub trait Meter {
+    /// One call: its instructions without those of the call itself, and its result.
+    fn call<C>(&mut self, region: Region<C>, context: &mut C, a: f32, b: f32) -> (u32, f32);
+
+    /// What the calls under `name` came to.
+    fn report(&mut self, name: &str, when: &str, tally: &Tally);
+}
+
+/// What many calls came to.
+#[derive(Clone, Copy, Debug)]
+pub struct Tally {
+    /// Calls.
+    pub calls: u32,
+    /// Instructions of all.
+    pub sum: u64,
+    /// Of the shortest call.
+    pub least: u32,
+    /// Of the longest call.
+    pub most: u32,
+    /// Over the bits of all results.
+    pub checksum: u32,
+}
+
+impl Default for Tally {
+    /// No calls yet.
+    fn default() -> Self {
+        Self {
+            calls: 0,
+            sum: 0,
+            least: u32::MAX,
+            most: 0,
+            checksum: 0x811c_9dc5,
+        }
+    }
+}
+
+impl Tally {
+    /// One more call.
+    pub fn add(&mut self, (instructions, result): (u32, f32)) {
+        self.calls += 1;
+        self.sum += u64::from(instructions);
+        self.least = self.least.min(instructions);
+        self.most = self.most.max(instructions);
+        self.include(result);
+    }
+
+    /// One more result (FNV-1a over words).
+    pub fn include(&mut self, result: f32) {
+        self.checksum = (self.checksum ^ result.to_bits()).wrapping_mul(0x0100_0193);
+    }
+
+    /// The results of a cycle.
+    pub fn include_cycle(&mut self, cycle: &Cycle) {
+        for result in [cycle.stiffness, cycle.energy, cycle.loss_factor] {
+            self.include(result);
+        }
+    }
+}
+
+/// What happens at a tick.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum When {
+    /// The amplitude is changing.
+    Ramp,
+    /// At full amplitude.
+    Steady,
+    /// Steady, the first tick of a cycle, which computes the results of the one before.
+    CycleEnd,
+    /// Steady, in the ticks after other coefficients came into force.
+    Swap,
+    /// The programme is over.
+    Done,
+}
+
+impl When {
+    /// From what the generator says of a tick.
+    pub fn of(done: bool, ramp: bool, cycle_end: bool) -> Self {
+        match (done, ramp, cycle_end) {
+            (true, ..) => Self::Done,
+            (_, true, _) => Self::Ramp,
+            (.., true) => Self::CycleEnd,
+            _ => Self::Steady,
+        }
+    }
+}
+
+/// A tally for each moment of a tick.
+#[derive(Default)]
+pub struct Moments {
+    ramp: Tally,
+    steady: Tally,
+    cycle_end: Tally,
+    swap: Tally,
+}
+
+impl Moments {
+    /// One more tick, and the cycle that ended with it.
+    pub fn add(&mut self, when: When, result: (u32, f32), cycle: Option<&Cycle>) {
+        let tally = match when {
+            When::Ramp => &mut self.ramp,
+            When::Steady => &mut self.steady,
+            When::CycleEnd => &mut self.cycle_end,
+            When::Swap => &mut self.swap,
+            When::Done => return,
+        };
+        tally.add(result);
+        if let Some(cycle) = cycle {
+            tally.include_cycle(cycle);
+        }
+    }
+
+    /// Under `name`, one line for each moment.
+    pub fn report(&self, meter: &mut impl Meter, name: &str) {
+        if self.ramp.calls > 0 {
+            meter.report(name, "ramp", &self.ramp);
+        }
+        meter.report(name, "steady", &self.steady);
+        meter.report(name, "cycle-end", &self.cycle_end);
+        if self.swap.calls > 0 {
+            meter.report(name, "swap", &self.swap);
+        }
+    }
+}

@@ -1,0 +1,165 @@
+//! Converters of an emulated board, which has none: they answer the drivers as their datasheets say, with what the link delivers
+//! and for what it takes away.
+
+use core::convert::Infallible;
+use core::sync::atomic::{AtomicBool, AtomicU16, Ordering::Relaxed};
+
+use embedded_hal::digital::{self, OutputPin};
+use embedded_hal::spi::{self, ErrorKind, Operation, SpiDevice};
+
+use crate::board::Converters;
+
+/// What the sensors deliver at this tick, and what the actuator gets.
+struct Wires {
+    /// Code of the ADC's channel 0.
+    displacement: AtomicU16,
+    /// Of channel 1.
+    force: AtomicU16,
+    /// Code of the DAC.
+    command: AtomicU16,
+    /// Level of the enable line.
+    enabled: AtomicBool,
+}
+
+/// The board's wires.
+static WIRES: Wires = Wires {
+    displacement: AtomicU16::new(0),
+    force: AtomicU16::new(0),
+    command: AtomicU16::new(0),
+    enabled: AtomicBool::new(false),
+};
+
+/// All three of a rig.
+pub struct SimulatedConverters;
+
+impl Converters for SimulatedConverters {
+    type Adc = Adc;
+    type Dac = Dac;
+    type Enable = Enable;
+
+    #[inline]
+    fn open() -> (Adc, Dac, Enable) {
+        let adc = Adc { selected: 0 };
+        let dac = Dac {
+            control: 0,
+            answer: 0,
+        };
+        (adc, dac, Enable)
+    }
+
+    #[inline]
+    fn sense(displacement: u16, force: u16) {
+        WIRES.displacement.store(displacement, Relaxed);
+        WIRES.force.store(force, Relaxed);
+    }
+
+    #[inline]
+    fn driven() -> (u16, bool) {
+        (WIRES.command.load(Relaxed), WIRES.enabled.load(Relaxed))
+    }
+}
+
+/// The frame of a transaction of one operation, which is all that the drivers do.
+#[inline]
+fn one_frame(
+    operations: &mut [Operation<'_, u8>],
+    answer: impl FnOnce(&[u8]) -> [u8; 4],
+) -> Result<(), ErrorKind> {
+    match operations {
+        [Operation::Write(words)] => {
+            answer(words);
+        }
+        [Operation::TransferInPlace(words)] => {
+            let answer = answer(words);
+            for (to, from) in words.iter_mut().zip(answer) {
+                *to = from;
+            }
+        }
+        _ => return Err(ErrorKind::Other),
+    }
+    Ok(())
+}
+
+/// An ADS8688 whose ranges are those that it is told.
+pub struct Adc {
+    /// The channel that the next frame converts.
+    selected: u8,
+}
+
+impl spi::ErrorType for Adc {
+    type Error = ErrorKind;
+}
+
+impl SpiDevice for Adc {
+    #[inline]
+    fn transaction(&mut self, operations: &mut [Operation<'_, u8>]) -> Result<(), ErrorKind> {
+        one_frame(operations, |sent| match sent {
+            // Conversion of the channel selected before; the command selects the next.
+            [command, _, _, _] => {
+                let wire = if self.selected == 0 {
+                    &WIRES.displacement
+                } else {
+                    &WIRES.force
+                };
+                self.selected = command >> 2 & 0x7;
+                let [high, low] = wire.load(Relaxed).to_be_bytes();
+                [0, 0, high, low]
+            }
+            // A register echoes what is written to it.
+            [_, value, _] => [0, 0, *value, 0],
+            _ => [0; 4],
+        })
+    }
+}
+
+/// An AD5761R.
+pub struct Dac {
+    control: u16,
+    /// What the next frame clocks out.
+    answer: u16,
+}
+
+impl spi::ErrorType for Dac {
+    type Error = ErrorKind;
+}
+
+impl SpiDevice for Dac {
+    #[inline]
+    fn transaction(&mut self, operations: &mut [Operation<'_, u8>]) -> Result<(), ErrorKind> {
+        one_frame(operations, |sent| {
+            let &[command, high, low] = sent else {
+                return [0; 4];
+            };
+            let data = u16::from_be_bytes([high, low]);
+            let [answer_high, answer_low] = self.answer.to_be_bytes();
+            self.answer = 0;
+            match command & 0xF {
+                0x3 => WIRES.command.store(data, Relaxed),
+                0x4 => self.control = data,
+                0xC => self.answer = self.control,
+                _ => {}
+            }
+            [0, answer_high, answer_low, 0]
+        })
+    }
+}
+
+/// The line that enables the actuator.
+pub struct Enable;
+
+impl digital::ErrorType for Enable {
+    type Error = Infallible;
+}
+
+impl OutputPin for Enable {
+    #[inline]
+    fn set_low(&mut self) -> Result<(), Infallible> {
+        WIRES.enabled.store(false, Relaxed);
+        Ok(())
+    }
+    #[inline]
+    fn set_high(&mut self) -> Result<(), Infallible> {
+        WIRES.enabled.store(true, Relaxed);
+        Ok(())
+    }
+}

@@ -1,0 +1,11 @@
+//! Parts of a board in QEMU: what stands in for the link, the log, the converters and the interrupts of a real one.
+
+mod converters;
+mod file;
+mod interrupts;
+mod link;
+mod semihosting;
+
+pub use converters::{Adc, Dac, Enable, SimulatedConverters};
+pub use link::{Pipes, StandardError};
+pub use semihosting::exit;

@@ -1,0 +1,19 @@
+//! The images, for any board.
+//!
+//! | image | what it is | made of a board by |
+//! |---|---|---|
+//! | `firmware` | the crate's rig controller, driven tick by tick over a link | `rig_image!`, feature `rig` |
+//! | `bench` | counts instructions in an emulator | `bench_image!`, feature `bench` |
+//!
+//! A [`Board`] is what differs between boards. `emulated` has the parts of one in QEMU.
+#![no_std]
+
+#[cfg(feature = "bench")]
+pub mod bench;
+mod board;
+#[cfg(all(feature = "emulated", target_os = "none"))]
+pub mod emulated;
+#[cfg(all(feature = "rig", target_os = "none"))]
+pub mod rig;
+
+pub use board::{Board, Converters, Link, Log};

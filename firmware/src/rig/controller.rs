@@ -1,0 +1,232 @@
+//! What the image does when it is asked: one request, one answer.
+
+use core::mem::MaybeUninit;
+use core::sync::atomic::Ordering::Relaxed;
+
+use mesh_damper::adc::Ads8688;
+use mesh_damper::dac::Ad5761;
+use mesh_damper::frame::{Frame, FrameBuffer};
+use mesh_damper::message::{
+    MAX_BLOCKS, Refusal, Request, Sensors, Setup, Statistics, write_done, write_forces,
+    write_outcome, write_refusal, write_statistics,
+};
+use mesh_damper::pack::Upload;
+use mesh_damper::rig::{Rig, State, Telemetry};
+use mesh_damper::sine::Programme;
+use mesh_damper::tabulated::{RunningLaw, TabulatedLaw};
+
+use super::{log, stack};
+use crate::board::{Board, Converters};
+
+/// Most effects of a law.
+pub const EFFECTS: usize = 8;
+
+type Wired<B> = <B as Board>::Converters;
+
+/// The crate's rig on the board.
+pub type WiredRig<B> = Rig<
+    <Wired<B> as Converters>::Adc,
+    <Wired<B> as Converters>::Dac,
+    <Wired<B> as Converters>::Enable,
+    MAX_BLOCKS,
+    EFFECTS,
+    &'static Programme<MAX_BLOCKS>,
+    &'static mut RunningLaw<EFFECTS>,
+>;
+
+/// What a rig is made of: the image's own until there is one.
+pub struct Parts<B: Board> {
+    pub programme: &'static mut Programme<MAX_BLOCKS>,
+    pub law: &'static mut RunningLaw<EFFECTS>,
+    /// Where it will be.
+    pub rig: &'static mut MaybeUninit<WiredRig<B>>,
+}
+
+/// Everything that requests act on.
+pub struct Controller<B: Board> {
+    /// Until there is a rig.
+    parts: Option<Parts<B>>,
+    rig: Option<&'static mut WiredRig<B>>,
+    upload: &'static mut Upload,
+    /// Of the last tick, for the log.
+    block: Option<usize>,
+    state: State,
+}
+
+impl<B: Board> Controller<B> {
+    pub fn new(parts: Parts<B>, upload: &'static mut Upload) -> Self {
+        Self {
+            parts: Some(parts),
+            rig: None,
+            upload,
+            block: None,
+            state: State::Idle,
+        }
+    }
+
+    /// Does what `frame` asks and writes the answer; says no, and does nothing, where it asks for nothing.
+    #[inline]
+    pub fn answer(&mut self, frame: &Frame<'_>, answer: &mut FrameBuffer) -> bool {
+        if let Some(sensors) = Sensors::read(frame)
+            && self.rig.is_some()
+        {
+            self.tick(frame.header.sequence, sensors, answer);
+            return true;
+        }
+        self.answer_others(frame, answer)
+    }
+
+    /// One tick of the rig. Not inlined, as little as [`Controller::answer_others`]: what one keeps on the stack is no
+    /// matter of the other.
+    #[inline(never)]
+    fn tick(&mut self, sequence: u32, sensors: Sensors, answer: &mut FrameBuffer) {
+        let Some(rig) = &mut self.rig else {
+            return;
+        };
+        Wired::<B>::sense(sensors.displacement, sensors.force);
+        rig.exchange();
+        rig.set_temperature(sensors.temperature);
+        let telemetry = rig.tick();
+        self.log(&telemetry);
+        let (code, enabled) = Wired::<B>::driven();
+        write_outcome(sequence, code, enabled, &telemetry, answer);
+    }
+
+    #[inline(never)]
+    fn answer_others(&mut self, frame: &Frame<'_>, answer: &mut FrameBuffer) -> bool {
+        let sequence = frame.header.sequence;
+        // Borrowed as it came: taken out, it would be on the stack twice.
+        let request = Request::read(frame);
+        let Some(request) = &request else {
+            return false;
+        };
+        let done = match (request, &mut self.parts) {
+            (Request::Motions(motions), Some(parts)) => {
+                write_forces(sequence, *motions, |motion| parts.law.force(motion), answer);
+                return true;
+            }
+            (Request::Statistics, _) => {
+                let statistics = Statistics {
+                    stack: stack::used(),
+                    log_lost: log::LOST.load(Relaxed),
+                };
+                write_statistics(sequence, &statistics, answer);
+                return true;
+            }
+            _ => self.act(request),
+        };
+        match done {
+            Ok(done) => write_done(sequence, done, answer),
+            Err(refusal) => write_refusal(sequence, &refusal, answer),
+        }
+        true
+    }
+
+    fn act(&mut self, request: &Request<'_>) -> Result<bool, Refusal<'static>> {
+        match (request, &mut self.parts, &mut self.rig) {
+            (Request::PackPart(offset, bytes), ..) => {
+                self.upload.part(usize::from(*offset), bytes)?;
+            }
+            (Request::PackEnd, ..) => return self.take_pack(),
+            (Request::Programme(head), Some(parts), _) => parts.programme.begin_planned(head),
+            (Request::Block(block), Some(parts), _) => parts.programme.push_planned(block)?,
+            (Request::Rest, Some(parts), _) => parts.law.rest(),
+            (Request::Setup(setup), ..) => return self.set_up(setup),
+            (Request::Start, _, Some(rig)) => {
+                let started = rig.start();
+                defmt::info!("start: {=bool}", started);
+                self.state = rig.state();
+                return Ok(started);
+            }
+            (Request::Stop, _, Some(rig)) => {
+                rig.stop();
+                defmt::info!("stop");
+            }
+            (Request::Clear, _, Some(rig)) => {
+                let cleared = rig.clear();
+                defmt::info!("clear: {=bool}", cleared);
+                return Ok(cleared);
+            }
+            _ => return Err(Refusal::Order),
+        }
+        Ok(true)
+    }
+
+    /// The law of the pack that came: at once where nothing runs, else at the end of the cycle.
+    fn take_pack(&mut self) -> Result<bool, Refusal<'static>> {
+        let upload = &mut *self.upload;
+        let write = |slot: &mut TabulatedLaw<EFFECTS>| upload.finish(slot);
+        let taken = match (&mut self.parts, &mut self.rig) {
+            (Some(parts), _) => {
+                let taken = parts.law.swap_with(write);
+                parts.law.boundary();
+                taken
+            }
+            (_, Some(rig)) => rig.swap_law_with(write),
+            // A rig that could not be made.
+            _ => return Err(Refusal::Order),
+        };
+        match taken {
+            Ok(()) => {
+                defmt::info!("coefficient pack accepted");
+                Ok(true)
+            }
+            Err(error) => {
+                defmt::warn!("coefficient pack refused");
+                Err(error.into())
+            }
+        }
+    }
+
+    #[inline(never)]
+    fn set_up(&mut self, setup: &Setup) -> Result<bool, Refusal<'static>> {
+        let Some(parts) = self.parts.take() else {
+            return Err(Refusal::Order);
+        };
+        let (adc, dac, enable) = Wired::<B>::open();
+        let adc = Ads8688::new(adc, setup.displacement, setup.force);
+        let dac = Ad5761::new(dac, setup.command);
+        let (Ok(adc), Ok(dac)) = (adc, dac) else {
+            return Err(Refusal::Converter);
+        };
+        let rig = Rig::with_config(
+            adc,
+            dac,
+            enable,
+            &setup.config,
+            &*parts.programme,
+            parts.law,
+        )?;
+        self.rig = Some(parts.rig.write(rig));
+        Ok(true)
+    }
+
+    /// Blocks, cycles, and why and when it stops.
+    #[inline]
+    fn log(&mut self, telemetry: &Telemetry) {
+        log::TICKS.store(telemetry.tick as u32, Relaxed);
+        if self.block != Some(telemetry.block) {
+            self.block = Some(telemetry.block);
+            defmt::info!("block {=usize}", telemetry.block);
+        }
+        if let Some(report) = &telemetry.report {
+            defmt::info!(
+                "cycle {=u32}: stiffness {=f32} kN/mm, loss factor {=f32}, error of the law {=f32}",
+                report.cycle,
+                report.measured.stiffness,
+                report.measured.loss_factor,
+                report.nrmse
+            );
+        }
+        if let Some(event) = &telemetry.event {
+            defmt::warn!("{}", event);
+        }
+        if self.state != telemetry.state {
+            self.state = telemetry.state;
+            match telemetry.state {
+                State::Faulted(fault) => defmt::error!("stopped: {}", fault),
+                state => defmt::info!("{}", state),
+            }
+        }
+    }
+}
