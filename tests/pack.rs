@@ -1,6 +1,7 @@
 //! Coefficient packs: what goes in comes out, and nothing that is damaged does.
 
 use mesh_damper::effects::correction::{CELLS, CorrectionParts, Memory};
+use mesh_damper::effects::description::Description;
 use mesh_damper::effects::{
     AugmentedLaw, Correction, DESCRIPTIONS, Effect, MAX_STICK_SLIP_ELEMENTS, MAX_TONES, Motion,
     Periodic, StickSlip,
@@ -26,34 +27,15 @@ fn effect(name: &str, parameters: &[f64], tick: f64) -> Effect<f32> {
 
 /// Every effect of the crate, as many elements of it as there may be.
 fn every_effect() -> Vec<Effect<f32>> {
-    let elements: Vec<f64> = (1..=MAX_STICK_SLIP_ELEMENTS)
-        .flat_map(|n| [0.1 * n as f64, 0.01 * n as f64])
-        .collect();
-    let all: [(&str, &[f64]); 16] = [
-        ("offset", &[0.02]),
-        ("asymmetry", &[-1.5]),
-        ("hardening", &[120.0]),
-        ("stick_slip", &elements),
-        ("viscous", &[1e-3]),
-        ("relaxation", &[0.4, 0.05, 0.3, 0.5, 0.1, 5.0]),
-        ("inertia", &[2.5]),
-        ("load_friction", &[7.5]),
-        ("drift", &[40.0, -0.2, 0.1, -0.3]),
-        ("temperature", &[2e-3, 20.0, -1e-3]),
-        ("stop", &[2.0, 0.05, 3.0, -0.08]),
-        ("bouc_wen", &[0.8, 0.03, 1.4]),
-        (
-            "periodic",
-            &[0.02, 49.9, -1.0, 0.01, 149.7, 1.0, 0.03, 7.3, 0.2],
-        ),
-        ("gap", &[0.01, 1.0]),
-        ("compliance", &[25.0]),
-        ("delay", &[1.23e-3]),
-    ];
-    assert_eq!(all.len(), DESCRIPTIONS.len());
-    all.into_iter()
-        .map(|(name, parameters)| effect(name, parameters, 1e-4))
-        .collect()
+    let most = |each: &Description| {
+        let last = &each.typical[each.typical.len() - each.parameters.len()..];
+        let missing = each.most - each.typical.len() / each.parameters.len();
+        // No two elements alike.
+        let more = (1..=missing).flat_map(|n| last.iter().map(move |x| x * (1.0 + 0.1 * n as f64)));
+        let parameters: Vec<f64> = each.typical.iter().copied().chain(more).collect();
+        Effect::from_parameters(each.number, &parameters, 1e-4).unwrap()
+    };
+    DESCRIPTIONS.iter().map(most).collect()
 }
 
 fn tabulated<const N: usize>(effects: &[Effect<f32>]) -> TabulatedLaw<N> {
@@ -152,7 +134,7 @@ fn the_body_is_postcard() {
     assert_eq!(octave, law.damping().octave().as_flattened());
     assert_eq!(scale, *law.damping().scale());
     assert_eq!(packed.len(), EFFECTS);
-    assert_eq!(packed[0], (0, vec![0.02]));
+    assert_eq!(packed[0], (0, vec![0.05]));
     let (numbers, kind, _, cells) = body(&corrected_pack()).4.unwrap();
     assert_eq!(numbers[2], 1e-5);
     assert_eq!(kind, 4);

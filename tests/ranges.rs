@@ -5,8 +5,9 @@ use mesh_damper::converter::Scale;
 use mesh_damper::crossing::{CrossingAccumulator, CrossingDetector};
 use mesh_damper::effects::correction::{CELLS, CorrectionParts, Memory};
 use mesh_damper::effects::{
-    Asymmetry, AugmentedLaw, BoucWen, Compliance, Correction, Delay, Drift, Gap, Hardening,
-    Inertia, LoadFriction, Offset, Periodic, Relaxation, StickSlip, Stop, Temperature, Viscous,
+    Asymmetry, AugmentedLaw, BoucWen, Compliance, Correction, DESCRIPTIONS, Delay, Drift, Effect,
+    Gap, Hardening, Inertia, LoadFriction, Offset, Periodic, Relaxation, StickSlip, Stop,
+    Temperature, Viscous,
 };
 use mesh_damper::error::ConfigError;
 use mesh_damper::fixed_point::{Scales, Sine, SineGenerator};
@@ -383,4 +384,36 @@ fn counts_of_none_or_too_many_are_refused() {
         ),
         "{full:?}"
     );
+}
+
+/// What an effect's description says of its parameters is what its constructor takes.
+#[test]
+fn every_effect_takes_the_ranges_that_its_description_states() {
+    for effect in DESCRIPTIONS {
+        let made = |parameters: &[f64]| {
+            Effect::<f32>::from_parameters(effect.number, parameters, 1e-4).map(|_| ())
+        };
+        assert_eq!(made(effect.typical), Ok(()), "{}", effect.name);
+        assert_eq!(effect.typical.len() % effect.parameters.len(), 0);
+        for (place, parameter) in effect.parameters.iter().enumerate() {
+            let [low, high] = parameter.range;
+            let beyond = |end: f64, way: f64| end + way * (1e-3 * end.abs()).max(1e-3);
+            for value in [
+                beyond(low, -1.0),
+                beyond(high, 1.0),
+                f64::NAN,
+                f64::INFINITY,
+            ] {
+                let mut parameters = effect.typical.to_vec();
+                parameters[place] = value;
+                let refused = made(&parameters);
+                assert!(
+                    refused.is_err(),
+                    "{} {}: {value}",
+                    effect.name,
+                    parameter.name
+                );
+            }
+        }
+    }
 }

@@ -39,6 +39,7 @@ impl<R: Real> Equations<R> for Asymmetry<R> {
             limits::COEFFICIENT,
         )],
         most: 1,
+        typical: &[2.0],
         depends_on: &[Dependence::Displacement],
         may_supply_energy: false,
         scales_law: false,

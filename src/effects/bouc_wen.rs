@@ -103,6 +103,7 @@ impl<R: Real> Equations<R> for BoucWen<R> {
             Parameter::new("sharpness", "1", 0.5, SHARPEST),
         ],
         most: 1,
+        typical: &[0.9, 0.02, 1.5],
         depends_on: &[Dependence::Displacement, Dependence::History],
         may_supply_energy: false,
         scales_law: false,

@@ -96,6 +96,7 @@ impl<R: Real> Equations<R> for Compliance<R> {
             limits::COEFFICIENT,
         )],
         most: 1,
+        typical: &[20.0],
         depends_on: &[
             Dependence::Displacement,
             Dependence::Velocity,

@@ -81,6 +81,7 @@ impl<R: Real> Equations<R> for Delay<R> {
         cost: Cost::Rare,
         parameters: &[Parameter::new("time", "s", 0.0, 255e3)],
         most: 1,
+        typical: &[0.0012],
         depends_on: &[Dependence::Velocity, Dependence::Frequency],
         may_supply_energy: true,
         scales_law: false,

@@ -121,6 +121,8 @@ pub struct Description {
     pub parameters: &'static [Parameter],
     /// Most elements: 1 for most effects.
     pub most: usize,
+    /// Parameters that a damper of 0.1 mm and 1 kN could have, element by element: what counts, fuzzing and tests take.
+    pub typical: &'static [f64],
     /// What its force depends on.
     pub depends_on: &'static [Dependence],
     /// Whether it may give more energy in a closed cycle than it takes.

@@ -86,6 +86,7 @@ impl<R: Real> Equations<R> for Drift<R> {
             Parameter::new("damping_change", "1", -1.0, limits::CHANGE).or(Absent::Is(0.0)),
         ],
         most: 1,
+        typical: &[30.0, 0.2, 0.1, -0.3],
         depends_on: &[Dependence::Displacement, Dependence::Cycle],
         may_supply_energy: false,
         scales_law: true,

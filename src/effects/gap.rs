@@ -60,6 +60,7 @@ impl<R: Real> Equations<R> for Gap<R> {
             Parameter::new("damps_inside", "1", 0.0, 1.0),
         ],
         most: 1,
+        typical: &[0.01, 0.0],
         depends_on: &[Dependence::Displacement],
         may_supply_energy: false,
         scales_law: false,

@@ -38,6 +38,7 @@ impl<R: Real> Equations<R> for Hardening<R> {
             limits::COEFFICIENT,
         )],
         most: 1,
+        typical: &[90.0],
         depends_on: &[Dependence::Displacement],
         may_supply_energy: false,
         scales_law: false,

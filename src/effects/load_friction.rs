@@ -36,6 +36,7 @@ impl<R: Real> Equations<R> for LoadFriction<R> {
         cost: Cost::Light,
         parameters: &[Parameter::new("load", "1/mm", 0.0, limits::LOAD)],
         most: 1,
+        typical: &[4.0],
         depends_on: &[Dependence::Displacement, Dependence::Velocity],
         may_supply_energy: false,
         scales_law: true,

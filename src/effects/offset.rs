@@ -38,6 +38,7 @@ impl<R: Real> Equations<R> for Offset<R> {
             limits::COEFFICIENT,
         )],
         most: 1,
+        typical: &[0.05],
         depends_on: &[],
         may_supply_energy: false,
         scales_law: false,

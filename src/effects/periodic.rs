@@ -100,6 +100,7 @@ impl<R: Real> Equations<R> for Periodic<R> {
             Parameter::new("phase", "rad", -1e3, 1e3),
         ],
         most: MAX_TONES,
+        typical: &[0.02, 50.0, 0.3],
         depends_on: &[Dependence::Time],
         may_supply_energy: true,
         scales_law: false,

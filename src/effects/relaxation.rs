@@ -123,6 +123,7 @@ impl<R: Real> Equations<R> for Relaxation<R> {
             Parameter::new("time", "s", 1e-6, 1e6),
         ],
         most: MAX_BRANCHES,
+        typical: &[0.8, 0.05],
         depends_on: &[
             Dependence::Displacement,
             Dependence::History,

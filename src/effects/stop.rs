@@ -68,6 +68,7 @@ impl<R: Real> Equations<R> for Stop<R> {
             Parameter::new("gap", "mm", -limits::DISPLACEMENT, limits::DISPLACEMENT),
         ],
         most: MAX_CONTACTS,
+        typical: &[2.0, 0.06, 3.0, -0.08],
         depends_on: &[Dependence::Displacement],
         may_supply_energy: false,
         scales_law: false,

@@ -3,7 +3,7 @@
 //! Under `-icount shift=10` an instruction takes 2¹⁰ ns of the emulator's time, in which the core's SysTick timer runs: at
 //! f MHz it falls by 1.024·f in one instruction. So the nearest whole number of instructions is the exact one.
 
-use core::fmt::Write as _;
+use core::fmt::{self, Write as _};
 use core::hint::black_box;
 
 use cortex_m::peripheral::SYST;
@@ -57,7 +57,7 @@ impl<B: Board> Meter for Counter<B> {
         (instructions - self.overhead, result)
     }
 
-    fn report(&mut self, name: &str, when: &str, tally: &Tally) {
+    fn report(&mut self, name: impl fmt::Display, when: &str, tally: &Tally) {
         let Tally {
             calls,
             sum,

@@ -4,10 +4,8 @@ mod emulated;
 
 use std::sync::{Arc, Mutex};
 
-use mesh_damper::effects::{
-    Asymmetry, AugmentedLaw, BoucWen, Compliance, Delay, Drift, Effect, Gap, Hardening, Inertia,
-    LoadFriction, Motion, Offset, Periodic, Relaxation, StickSlip, Stop, Temperature, Viscous,
-};
+use mesh_damper::effects::description::Description;
+use mesh_damper::effects::{AugmentedLaw, DESCRIPTIONS, Effect, Motion};
 use mesh_damper::law::Law;
 use mesh_damper::pack::{LARGEST, encode};
 use mesh_damper::rig::Fault;
@@ -30,37 +28,12 @@ fn image_on(board: Board) -> Option<Image<Emulator>> {
     Some(Image::start(board, Box::new(|_| {})).unwrap())
 }
 
+/// Every effect of the crate, typical.
 fn every_effect() -> Vec<Effect<f32>> {
-    vec![
-        Effect::Offset(Offset::new(0.02).unwrap()),
-        Effect::Asymmetry(Asymmetry::new(-1.5).unwrap()),
-        Effect::Hardening(Hardening::new(120.0).unwrap()),
-        Effect::Viscous(Viscous::new(1e-3).unwrap()),
-        Effect::Inertia(Inertia::new(2.5).unwrap()),
-        Effect::StickSlip(
-            StickSlip::new(&[1, 2, 3, 4, 5, 6].map(|n| (0.1 * n as f32, 0.01 * n as f32))).unwrap(),
-        ),
-        Effect::Relaxation(Relaxation::new(&[(0.4, 0.05), (0.2, 0.5)], TICK).unwrap()),
-        Effect::Drift(
-            Drift::new(-0.2, 40.0)
-                .and_then(|drift| drift.with_forces(0.1, -0.3))
-                .unwrap(),
-        ),
-        Effect::Temperature(Temperature::new(2e-3, 20.0).unwrap()),
-        Effect::LoadFriction(LoadFriction::new(4.0).unwrap()),
-        Effect::Stop(Stop::new(&[(2.0, 0.05), (3.0, -0.08)]).unwrap()),
-        Effect::BoucWen(BoucWen::new(0.8, 0.03, 1.4).unwrap()),
-        Effect::Periodic(
-            Periodic::new(
-                &[(0.02, 49.9, -1.0), (0.01, 149.7, 1.0), (0.03, 7.3, 0.2)],
-                1e-4,
-            )
-            .unwrap(),
-        ),
-        Effect::Gap(Gap::new(0.01, false).unwrap()),
-        Effect::Compliance(Compliance::new(25.0, TICK).unwrap()),
-        Effect::Delay(Delay::new(1.23e-3, TICK).unwrap()),
-    ]
+    let typical = |each: &Description| {
+        Effect::from_parameters(each.number, each.typical, f64::from(TICK)).unwrap()
+    };
+    DESCRIPTIONS.iter().map(typical).collect()
 }
 
 fn law(effects: &[Effect<f32>]) -> TabulatedLaw<EFFECTS> {

@@ -1,12 +1,11 @@
 //! What each added effect costs: the law as it runs on the target with none, with one, and with all of them; and what the
 //! correction without a name does, over all that it may be over.
 
+use core::fmt;
+
 use mesh_damper::effects::correction::{CELLS, CorrectionParts, Memory};
-use mesh_damper::effects::{
-    Asymmetry, AugmentedLaw, BoucWen, Compliance, Correction, Delay, Drift, Effect, Gap, Hardening,
-    Inertia, LoadFriction, Motion, Offset, Periodic, Relaxation, StickSlip, Stop, Temperature,
-    Viscous,
-};
+use mesh_damper::effects::description::Description;
+use mesh_damper::effects::{AugmentedLaw, Correction, DESCRIPTIONS, Effect, Motion, StickSlip};
 use mesh_damper::error::ConfigError;
 use mesh_damper::sine::{Block, Programme, SineGenerator};
 use mesh_damper::table::PAPER;
@@ -17,22 +16,15 @@ use super::tally::{Meter, Tally};
 use super::tick::{FREQUENCY, TICK_RATE};
 
 /// Effects that there are.
-const EFFECTS: usize = 16;
+const EFFECTS: usize = DESCRIPTIONS.len();
 /// Of these, the first so many are ordinary; stages and what is rare come last.
 const ORDINARY: usize = 10;
 /// mm
 const AMPLITUDE: f32 = 0.1;
 /// Largest speed of a correction's table, mm/s.
 const SPEED: f32 = 8.0;
-/// Elements, kN/mm and mm.
-const ELEMENTS: [(f32, f32); 6] = [
-    (0.9, 0.01),
-    (0.8, 0.02),
-    (0.7, 0.03),
-    (0.6, 0.045),
-    (0.5, 0.06),
-    (0.4, 0.09),
-];
+/// kN/mm and mm.
+const ELEMENT: (f32, f32) = (0.9, 0.01);
 
 // Both within reach of a load's offset.
 #[repr(C)]
@@ -60,7 +52,11 @@ fn law(effects: &[Effect<f32>]) -> Result<Augmented, ConfigError> {
 }
 
 /// Over the second and the third cycle of a sine; the first fills the table.
-fn count(meter: &mut impl Meter, name: &str, law: Augmented) -> Result<(), ConfigError> {
+fn count(
+    meter: &mut impl Meter,
+    name: impl fmt::Display,
+    law: Augmented,
+) -> Result<(), ConfigError> {
     let block = Block::sine(f64::from(AMPLITUDE), FREQUENCY, 2)?;
     let mut generator = SineGenerator::new(Programme::<1>::new(TICK_RATE, 1)?.with(block)?)?;
     let mut beside = Beside {
@@ -90,60 +86,22 @@ fn count(meter: &mut impl Meter, name: &str, law: Augmented) -> Result<(), Confi
     Ok(())
 }
 
-fn stick_slip(elements: &[(f32, f32)]) -> Result<Effect<f32>, ConfigError> {
-    StickSlip::new(elements).map(Effect::StickSlip)
+fn one_element() -> Result<Effect<f32>, ConfigError> {
+    StickSlip::new(&[ELEMENT]).map(Effect::StickSlip)
 }
 
-/// Every effect with the name that it is counted under.
+/// Every effect of the crate, as typical as its description says, with its description.
 ///
 /// # Errors
 /// None: every value is in its range.
-pub fn each() -> Result<[(&'static str, Effect<f32>); EFFECTS], ConfigError> {
-    Ok([
-        ("effects/offset", Effect::Offset(Offset::new(0.05)?)),
-        ("effects/asymmetry", Effect::Asymmetry(Asymmetry::new(2.0)?)),
-        (
-            "effects/hardening",
-            Effect::Hardening(Hardening::new(90.0)?),
-        ),
-        ("effects/stick_slip", stick_slip(&ELEMENTS)?),
-        ("effects/viscous", Effect::Viscous(Viscous::new(0.005)?)),
-        (
-            "effects/relaxation",
-            Effect::Relaxation(Relaxation::new(&[(0.8, 0.05)], (1.0 / TICK_RATE) as f32)?),
-        ),
-        ("effects/inertia", Effect::Inertia(Inertia::new(0.5)?)),
-        ("effects/drift", Effect::Drift(Drift::new(0.2, 30.0)?)),
-        (
-            "effects/temperature",
-            Effect::Temperature(Temperature::new(0.002, 20.0)?),
-        ),
-        (
-            "effects/load_friction",
-            Effect::LoadFriction(LoadFriction::new(4.0)?),
-        ),
-        (
-            "effects/stop",
-            Effect::Stop(Stop::new(&[(2.0, 0.06), (3.0, -0.08)])?),
-        ),
-        (
-            "effects/bouc_wen",
-            Effect::BoucWen(BoucWen::new(0.9, 0.02, 1.5)?),
-        ),
-        (
-            "effects/periodic",
-            Effect::Periodic(Periodic::new(&[(0.02, 50.0, 0.3)], 1.0 / TICK_RATE)?),
-        ),
-        ("effects/gap", Effect::Gap(Gap::new(0.01, false)?)),
-        (
-            "effects/compliance",
-            Effect::Compliance(Compliance::new(20.0, (1.0 / TICK_RATE) as f32)?),
-        ),
-        (
-            "effects/delay",
-            Effect::Delay(Delay::new(0.0012, (1.0 / TICK_RATE) as f32)?),
-        ),
-    ])
+pub fn each() -> Result<[(&'static Description, Effect<f32>); EFFECTS], ConfigError> {
+    let mut each = [(&DESCRIPTIONS[0], one_element()?); EFFECTS];
+    for (place, description) in each.iter_mut().zip(DESCRIPTIONS) {
+        let tick = 1.0 / TICK_RATE;
+        let effect = Effect::from_parameters(description.number, description.typical, tick)?;
+        *place = (description, effect);
+    }
+    Ok(each)
 }
 
 /// What a correction remembers, and the z of its first and of its last node.
@@ -223,17 +181,17 @@ fn correction(memory: Option<Remembered>) -> Result<Correction<f32>, ConfigError
 /// None: every value is in its range.
 pub fn run(meter: &mut impl Meter) -> Result<(), Refused> {
     let each = each()?;
-    let [one, ..] = ELEMENTS;
     count(meter, "effects/none", eq13())?;
-    for (name, effect) in each {
+    for (description, effect) in each {
+        let name = format_args!("effects/{}", description.name);
         count(meter, name, law(&[effect])?)?;
     }
-    count(meter, "effects/stick_slip_1", law(&[stick_slip(&[one])?])?)?;
+    let one = one_element()?;
+    count(meter, "effects/stick_slip_1", law(&[one])?)?;
     let all = each.map(|(_, effect)| effect);
     let (ordinary, _) = all.split_at(ORDINARY);
     count(meter, "effects/all", law(ordinary)?)?;
     count(meter, "effects/all_with_stages", law(&all)?)?;
-    let one = stick_slip(&[one])?;
     let all_one = all.map(|effect| match effect {
         Effect::StickSlip(_) => one,
         other => other,

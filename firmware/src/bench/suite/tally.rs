@@ -1,5 +1,7 @@
 //! Regions, who calls them, and what many calls came to.
 
+use core::fmt;
+
 use mesh_damper::cycle::Cycle;
 
 /// Something to count: a call with a context, which holds what it works on, and up to two numbers.
@@ -11,7 +13,7 @@ pub trait Meter {
     fn call<C>(&mut self, region: Region<C>, context: &mut C, a: f32, b: f32) -> (u32, f32);
 
     /// What the calls under `name` came to.
-    fn report(&mut self, name: &str, when: &str, tally: &Tally);
+    fn report(&mut self, name: impl fmt::Display, when: &str, tally: &Tally);
 }
 
 /// What many calls came to.

@@ -1,5 +1,8 @@
 //! What `hil bench` prints.
 
+use std::borrow::Cow;
+
+use mesh_damper::effects::DESCRIPTIONS;
 use mesh_damper_studies::bench::{BLOCK, Core, Results, Verdict};
 
 use super::say;
@@ -8,151 +11,164 @@ use super::say;
 struct Section {
     core: Core,
     title: &'static str,
-    rows: &'static [Row],
+    rows: Vec<Row>,
 }
 
 /// A count as a line.
 struct Row {
-    name: &'static str,
+    name: Cow<'static, str>,
     moment: &'static str,
-    label: &'static str,
+    label: Cow<'static, str>,
     /// Ticks that a call does.
     ticks: usize,
 }
 
-const fn row(name: &'static str, moment: &'static str, label: &'static str) -> Row {
+fn row(
+    name: impl Into<Cow<'static, str>>,
+    moment: &'static str,
+    label: impl Into<Cow<'static, str>>,
+) -> Row {
     Row {
-        name,
+        name: name.into(),
         moment,
-        label,
+        label: label.into(),
         ticks: 1,
     }
 }
 
-const SECTIONS: [Section; 6] = [
-    Section {
-        core: Core::CortexM4f,
-        title: "|v|^α, α 0.15…0.56, v 1e-6…20 mm/s",
-        rows: &[
-            row("power/general", "call", "any α"),
-            row("power/table", "call", "from a table, c·|v|^α·sgn v"),
-            row("power/libm", "call", "libm powf"),
-            row("power/micromath", "call", "micromath powf"),
-            row("power/c", "call", "C, newlib powf"),
-        ],
-    },
-    Section {
-        core: Core::CortexM4f,
-        title: "a whole tick: generator, law, cycle",
-        rows: &[
-            row("tick/whole", "steady", "steady"),
-            row("tick/whole", "spread", "  same tick, by other data"),
-            row("tick/whole", "cycle-end", "at a cycle's end"),
-            row("tick/whole", "swap", "after a swap of coefficients"),
-            row("tick/whole", "ramp", "in a ramp"),
-            Row {
-                ticks: BLOCK,
-                ..row("tick/block", "steady", "in blocks of 64")
-            },
-            row(
-                "tick/parts",
-                "steady",
-                "from the parts that serve any motion",
-            ),
-            row("tick/parts", "cycle-end", "  at a cycle's end"),
-            row("tick/naive", "steady", "Rust on libm"),
-            row("tick/naive", "cycle-end", "  at a cycle's end"),
-            row("tick/c", "steady", "C on newlib"),
-            row("tick/c", "cycle-end", "  at a cycle's end"),
-        ],
-    },
-    Section {
-        core: Core::CortexM4f,
-        title: "the law with effects",
-        rows: &[
-            row("effects/none", "call", "none"),
-            row("effects/offset", "call", "offset"),
-            row("effects/asymmetry", "call", "asymmetry"),
-            row("effects/hardening", "call", "hardening"),
-            row("effects/stick_slip_1", "call", "stick-slip, 1 element"),
-            row("effects/stick_slip", "call", "stick-slip, 6 elements"),
-            row("effects/viscous", "call", "viscous"),
-            row("effects/relaxation", "call", "relaxation"),
-            row("effects/inertia", "call", "inertia"),
-            row("effects/drift", "call", "drift"),
-            row("effects/temperature", "call", "temperature"),
-            row("effects/load_friction", "call", "load friction"),
-            row("effects/all_stick_slip_1", "call", "these ten, 1 element"),
-            row("effects/all", "call", "these ten, 6 elements"),
-            row("effects/stop", "call", "stop, 2 contacts"),
-            row("effects/bouc_wen", "call", "Bouc–Wen"),
-            row("effects/periodic", "call", "periodic"),
-            row("effects/gap", "call", "gap"),
-            row("effects/compliance", "call", "compliance"),
-            row("effects/delay", "call", "delay"),
-            row("effects/all_with_stages", "call", "all sixteen, 6 elements"),
-        ],
-    },
-    Section {
-        core: Core::CortexM4f,
-        title: "the law with a correction without a name",
-        rows: &[
-            row("correction/without_memory", "call", "of the motion alone"),
-            row("correction/place", "call", "with a finer line"),
-            row("correction/sides", "call", "with two sides"),
-            row("correction/temperature", "call", "over temperature"),
-            row("correction/acceleration", "call", "over acceleration"),
-            row("correction/frequency", "call", "over the frequency"),
-            row("correction/slip", "call", "remembering a slip"),
-            row("correction/lag", "call", "a lag"),
-            row("correction/travel", "call", "travel"),
-            row("correction/largest", "call", "the largest displacement"),
-            row("correction/level", "call", "a level"),
-            row("correction/age", "call", "its age"),
-            row("correction/cycles", "call", "the cycles"),
-        ],
-    },
-    Section {
-        core: Core::CortexM4f,
-        title: "the rig",
-        rows: &[
-            row("rig/tick", "steady", "tick, its bus answered from memory"),
-            row("rig/tick", "cycle-end", "  at a cycle's end"),
-            row("rig/unmonitored", "steady", "  without its monitor"),
-            row("crossing/update", "steady", "cycle of a measured motion"),
-            row("crossing/update", "cycle-end", "  at its end"),
-        ],
-    },
-    Section {
-        core: Core::CortexM0,
-        title: "a whole tick without floating-point unit",
-        rows: &[
-            row("fixed/tick", "steady", "in integers"),
-            row("fixed/tick", "cycle-end", "  at a cycle's end"),
-            row("fixed/tick", "ramp", "  in a ramp"),
-            row("fixed/cycle", "call", "  a cycle's results in their units"),
-            row("tick/whole", "steady", "the tick above, floats in software"),
-            row("tick/whole", "cycle-end", "  at a cycle's end"),
-            row("tick/naive", "steady", "on libm, floats in software"),
-        ],
-    },
-];
+fn sections() -> [Section; 6] {
+    [
+        Section {
+            core: Core::CortexM4f,
+            title: "|v|^α, α 0.15…0.56, v 1e-6…20 mm/s",
+            rows: vec![
+                row("power/general", "call", "any α"),
+                row("power/table", "call", "from a table, c·|v|^α·sgn v"),
+                row("power/libm", "call", "libm powf"),
+                row("power/micromath", "call", "micromath powf"),
+                row("power/c", "call", "C, newlib powf"),
+            ],
+        },
+        Section {
+            core: Core::CortexM4f,
+            title: "a whole tick: generator, law, cycle",
+            rows: vec![
+                row("tick/whole", "steady", "steady"),
+                row("tick/whole", "spread", "  same tick, by other data"),
+                row("tick/whole", "cycle-end", "at a cycle's end"),
+                row("tick/whole", "swap", "after a swap of coefficients"),
+                row("tick/whole", "ramp", "in a ramp"),
+                Row {
+                    ticks: BLOCK,
+                    ..row("tick/block", "steady", "in blocks of 64")
+                },
+                row(
+                    "tick/parts",
+                    "steady",
+                    "from the parts that serve any motion",
+                ),
+                row("tick/parts", "cycle-end", "  at a cycle's end"),
+                row("tick/naive", "steady", "Rust on libm"),
+                row("tick/naive", "cycle-end", "  at a cycle's end"),
+                row("tick/c", "steady", "C on newlib"),
+                row("tick/c", "cycle-end", "  at a cycle's end"),
+            ],
+        },
+        Section {
+            core: Core::CortexM4f,
+            title: "the law with effects",
+            rows: effects(),
+        },
+        Section {
+            core: Core::CortexM4f,
+            title: "the law with a correction without a name",
+            rows: vec![
+                row("correction/without_memory", "call", "of the motion alone"),
+                row("correction/place", "call", "with a finer line"),
+                row("correction/sides", "call", "with two sides"),
+                row("correction/temperature", "call", "over temperature"),
+                row("correction/acceleration", "call", "over acceleration"),
+                row("correction/frequency", "call", "over the frequency"),
+                row("correction/slip", "call", "remembering a slip"),
+                row("correction/lag", "call", "a lag"),
+                row("correction/travel", "call", "travel"),
+                row("correction/largest", "call", "the largest displacement"),
+                row("correction/level", "call", "a level"),
+                row("correction/age", "call", "its age"),
+                row("correction/cycles", "call", "the cycles"),
+            ],
+        },
+        Section {
+            core: Core::CortexM4f,
+            title: "the rig",
+            rows: vec![
+                row("rig/tick", "steady", "tick, its bus answered from memory"),
+                row("rig/tick", "cycle-end", "  at a cycle's end"),
+                row("rig/unmonitored", "steady", "  without its monitor"),
+                row("crossing/update", "steady", "cycle of a measured motion"),
+                row("crossing/update", "cycle-end", "  at its end"),
+            ],
+        },
+        Section {
+            core: Core::CortexM0,
+            title: "a whole tick without floating-point unit",
+            rows: vec![
+                row("fixed/tick", "steady", "in integers"),
+                row("fixed/tick", "cycle-end", "  at a cycle's end"),
+                row("fixed/tick", "ramp", "  in a ramp"),
+                row("fixed/cycle", "call", "  a cycle's results in their units"),
+                row("tick/whole", "steady", "the tick above, floats in software"),
+                row("tick/whole", "cycle-end", "  at a cycle's end"),
+                row("tick/naive", "steady", "on libm, floats in software"),
+            ],
+        },
+    ]
+}
+
+/// The law with each effect of the crate, then with several.
+fn effects() -> Vec<Row> {
+    let each = DESCRIPTIONS.iter().map(|effect| {
+        let name = format!("effects/{}", effect.name);
+        let elements = effect.typical.len() / effect.parameters.len();
+        let label = effect.name.replace('_', "-");
+        let label = match elements {
+            1 => label,
+            _ => format!("{label}, {elements} elements"),
+        };
+        row(name, "call", label)
+    });
+    let mut rows = vec![
+        row("effects/none", "call", "none"),
+        row("effects/stick_slip_1", "call", "stick-slip, 1 element"),
+    ];
+    rows.extend(each);
+    rows.extend([
+        row(
+            "effects/all_stick_slip_1",
+            "call",
+            "the ordinary ones, 1 element",
+        ),
+        row("effects/all", "call", "the ordinary ones, 6 elements"),
+        row("effects/all_with_stages", "call", "all, 6 elements"),
+    ]);
+    rows
+}
 
 /// Prints every count with its errors, the sizes, the rates and the limits.
 pub fn print(results: &Results) {
-    for Section { core, title, rows } in SECTIONS {
+    for Section { core, title, rows } in sections() {
         say(&format!(
             "{title:40} {:>9} {:>8} {:>8}",
             "mean", "least", "most"
         ));
         for row in rows {
-            let &Row {
+            let Row {
                 name,
                 moment,
                 label,
                 ticks,
             } = row;
-            let Some(count) = results.count(core, name, moment) else {
+            let Some(count) = results.count(core, &name, moment) else {
                 continue;
             };
             let ticks = ticks as f64;

@@ -1,5 +1,7 @@
 //! How far what was counted is from f64: the same lines over the same inputs, run on the host.
 
+use std::fmt;
+
 use mesh_damper::fixed_point::Part;
 use mesh_damper::power::{PowerSeed, PowerTable};
 use mesh_damper_reference::tables;
@@ -30,8 +32,9 @@ impl Meter for Replay {
         (0, region(context, a, b))
     }
 
-    fn report(&mut self, name: &str, moment: &str, tally: &Tally) {
-        self.0.push((name.into(), moment.into(), tally.checksum));
+    fn report(&mut self, name: impl fmt::Display, moment: &str, tally: &Tally) {
+        self.0
+            .push((name.to_string(), moment.into(), tally.checksum));
     }
 }
 

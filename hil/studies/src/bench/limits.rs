@@ -1,5 +1,8 @@
 //! What is asked of the image.
 
+use std::borrow::Cow;
+
+use mesh_damper::effects::DESCRIPTIONS;
 use serde::Serialize;
 
 use super::count::Core;
@@ -21,7 +24,7 @@ pub enum Side {
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Verdict {
     /// Of what.
-    pub name: &'static str,
+    pub name: Cow<'static, str>,
     /// The figure's unit.
     pub unit: &'static str,
     /// The side that is asked for.
@@ -211,9 +214,14 @@ pub fn verdicts(results: &Results) -> Vec<Verdict> {
     all
 }
 
-fn at_most(name: &'static str, unit: &'static str, limit: f64, figure: Option<f64>) -> Verdict {
+fn at_most(
+    name: impl Into<Cow<'static, str>>,
+    unit: &'static str,
+    limit: f64,
+    figure: Option<f64>,
+) -> Verdict {
     Verdict {
-        name,
+        name: name.into(),
         unit,
         side: Side::AtMost,
         limit,
@@ -222,7 +230,12 @@ fn at_most(name: &'static str, unit: &'static str, limit: f64, figure: Option<f6
     }
 }
 
-fn at_least(name: &'static str, unit: &'static str, limit: f64, figure: Option<f64>) -> Verdict {
+fn at_least(
+    name: impl Into<Cow<'static, str>>,
+    unit: &'static str,
+    limit: f64,
+    figure: Option<f64>,
+) -> Verdict {
     Verdict {
         side: Side::AtLeast,
         ..at_most(name, unit, limit, figure)
@@ -359,27 +372,6 @@ fn rig(results: &Results) -> Vec<Verdict> {
     ]
 }
 
-/// Effects, and what their limit is called.
-const EFFECTS: [(&str, &str); 17] = [
-    ("effects/offset", "offset"),
-    ("effects/asymmetry", "asymmetry"),
-    ("effects/hardening", "hardening"),
-    ("effects/stick_slip_1", "stick-slip, 1 element"),
-    ("effects/stick_slip", "stick-slip, 6 elements"),
-    ("effects/viscous", "viscous"),
-    ("effects/relaxation", "relaxation"),
-    ("effects/inertia", "inertia"),
-    ("effects/drift", "drift"),
-    ("effects/temperature", "temperature"),
-    ("effects/load_friction", "load friction"),
-    ("effects/stop", "stop, 2 contacts"),
-    ("effects/bouc_wen", "Bouc–Wen"),
-    ("effects/periodic", "periodic"),
-    ("effects/gap", "gap"),
-    ("effects/compliance", "compliance"),
-    ("effects/delay", "delay"),
-];
-
 /// Corrections, by what they are over, and what their limit is called.
 const CORRECTIONS: [(&str, &str); 13] = [
     ("correction/without_memory", "correction without memory"),
@@ -406,16 +398,30 @@ const CORRECTIONS: [(&str, &str); 13] = [
 fn effects(results: &Results) -> Vec<Verdict> {
     let none = results.count(Core::CortexM4f, "effects/none", "call");
     let more_than_none = |limit: f64| {
-        move |(name, called): (&str, &'static str)| {
-            let with = results.count(Core::CortexM4f, name, "call");
+        move |(name, called): (String, String)| {
+            let with = results.count(Core::CortexM4f, &name, "call");
             let more = with
                 .zip(none)
                 .map(|(with, none)| with.most as f64 - none.least as f64);
             at_most(called, INSTRUCTIONS, limit, more)
         }
     };
-    let each = EFFECTS.map(more_than_none(25.0));
-    let corrections = CORRECTIONS.map(more_than_none(60.0));
+    let one = (
+        "effects/stick_slip_1".to_owned(),
+        "stick-slip, 1 element".to_owned(),
+    );
+    let each = DESCRIPTIONS.iter().map(|effect| {
+        let elements = effect.typical.len() / effect.parameters.len();
+        let called = effect.name.replace('_', "-");
+        let called = match elements {
+            1 => called,
+            _ => format!("{called}, {elements} elements"),
+        };
+        (format!("effects/{}", effect.name), called)
+    });
+    let each = [one].into_iter().chain(each).map(more_than_none(25.0));
+    let corrections = CORRECTIONS.map(|(name, called)| (name.to_owned(), called.to_owned()));
+    let corrections = corrections.map(more_than_none(60.0));
     let all = [
         ("effects/all_stick_slip_1", "every effect, 1 element"),
         ("effects/all", "every effect, 6 elements"),
@@ -429,7 +435,7 @@ fn effects(results: &Results) -> Vec<Verdict> {
             count.map(|count| count.most as f64),
         )
     });
-    each.into_iter().chain(corrections).chain(all).collect()
+    each.chain(corrections).chain(all).collect()
 }
 
 /// Integers on a core without a floating-point unit.
