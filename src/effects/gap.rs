@@ -76,6 +76,7 @@ impl<R: Real> Equations<R> for Gap<R> {
 
     fn from_parameters(parameters: &[f64], _: f64) -> Result<Self, ConfigError> {
         let [half_width, damps_inside] = super::exactly(parameters)?;
+        in_range("damps_inside", damps_inside, 0.0, 1.0)?;
         Self::new(R::from_f64(half_width), damps_inside != 0.0)
     }
 
