@@ -86,6 +86,11 @@ const WITHIN: u32 = 20;
 /// Bits of its smallest float.
 const LOWEST_BITS: u32 = ((127 + LOWEST_EXPONENT) as u32) << 23;
 
+/// Largest magnitude of a number of [`PowerSeed::octave`]: those of any α in 0…1 stay below.
+const OCTAVE_MOST: f32 = 2.0;
+/// Largest number of [`PowerSeed::scale`]: that of the largest c in the lowest octave, for α = 0, and what rounding adds.
+const SCALE_MOST: f64 = 1.001 * limits::COEFFICIENT * (1u32 << -LOWEST_EXPONENT) as f64;
+
 /// One segment of c·|v|^α·sgn v. With t the segment's lower edge, signed as v,
 ///
 /// F = t·(p0 + |v|·(p1 + |v|·(p2 + |v|·p3))),
@@ -140,6 +145,47 @@ impl PowerSeed {
         Self { octave, scale }
     }
 
+    /// Of what [`PowerSeed::octave`] and [`PowerSeed::scale`] gave on a host: for firmware that knows its law, which then links no
+    /// power in f64. In a `const` it is checked by the compiler.
+    ///
+    /// # Errors
+    /// A number that is not finite, or beyond what any c and α in their ranges give.
+    pub const fn from_parts(
+        octave: [Segment; SEGMENTS],
+        scale: [f32; OCTAVES],
+    ) -> Result<Self, ConfigError> {
+        let mut segment = 0;
+        while segment < SEGMENTS {
+            let mut power = 0;
+            while power < 4 {
+                // NaN is in no range.
+                if !(octave[segment][power].abs() <= OCTAVE_MOST) {
+                    return Err(ConfigError::OutOfRange {
+                        field: "octave",
+                        value: octave[segment][power] as f64,
+                        low: -(OCTAVE_MOST as f64),
+                        high: OCTAVE_MOST as f64,
+                    });
+                }
+                power += 1;
+            }
+            segment += 1;
+        }
+        let mut place = 0;
+        while place < OCTAVES {
+            if !(scale[place] >= 0.0 && scale[place] as f64 <= SCALE_MOST) {
+                return Err(ConfigError::OutOfRange {
+                    field: "scale",
+                    value: scale[place] as f64,
+                    low: 0.0,
+                    high: SCALE_MOST,
+                });
+            }
+            place += 1;
+        }
+        Ok(Self { octave, scale })
+    }
+
     /// What [`PowerSeed::octave`] and then [`PowerSeed::scale`] gave, number by number, from `next`.
     ///
     /// # Errors
@@ -150,11 +196,15 @@ impl PowerSeed {
         mut next: impl FnMut() -> Result<f32, E>,
     ) -> Result<(), E> {
         for value in self.octave.as_flattened_mut() {
-            *value = in_range("octave", next()?, -2.0, 2.0)?;
+            *value = in_range(
+                "octave",
+                next()?,
+                -f64::from(OCTAVE_MOST),
+                f64::from(OCTAVE_MOST),
+            )?;
         }
         for value in &mut self.scale {
-            let most = limits::COEFFICIENT * (1u32 << -LOWEST_EXPONENT) as f64;
-            *value = in_range("scale", next()?, 0.0, 1.001 * most)?;
+            *value = in_range("scale", next()?, 0.0, SCALE_MOST)?;
         }
         Ok(())
     }

@@ -4,6 +4,7 @@
 //! |---|---|---|
 //! | `firmware` | the crate's rig controller, driven tick by tick over a link | `rig_image!`, feature `rig` |
 //! | `bench` | counts instructions in an emulator | `bench_image!`, feature `bench` |
+//! | `static-law`, `running-law`, `damper`, `constructors` | one use of the crate each, to be sized | `size_image!`, feature `sizes` |
 //!
 //! A [`Board`] is what differs between boards. `emulated` has the parts of one in QEMU.
 #![no_std]
@@ -15,5 +16,9 @@ mod board;
 pub mod emulated;
 #[cfg(all(feature = "rig", target_os = "none"))]
 pub mod rig;
+#[cfg(all(feature = "sizes", target_os = "none"))]
+pub mod sizes;
+#[cfg(all(any(feature = "rig", feature = "sizes"), target_os = "none"))]
+mod stack;
 
 pub use board::{Board, Converters, Link, Log};

@@ -107,7 +107,7 @@ impl<B: Board> Controller<B> {
             }
             (Request::Statistics, _) => {
                 let statistics = Statistics {
-                    stack: stack::used(),
+                    stack: crate::stack::used(),
                     log_lost: log::LOST.load(Relaxed),
                 };
                 write_statistics(sequence, &statistics, answer);

@@ -3,7 +3,6 @@
 mod controller;
 #[doc(hidden)]
 pub mod log;
-mod stack;
 
 use core::mem::MaybeUninit;
 

@@ -1,0 +1,7 @@
+//! What running_law takes, on an MPS2+.
+#![no_std]
+#![no_main]
+
+mod board;
+
+mesh_damper_firmware::size_image!(board::Mps2An386, running_law);

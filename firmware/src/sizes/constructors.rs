@@ -1,0 +1,87 @@
+//! The stack of each constructor that a target calls.
+
+use core::hint::black_box;
+
+use cortex_m::singleton;
+use mesh_damper::adc::Ads8688;
+use mesh_damper::amplitude_free::{self, Effects};
+use mesh_damper::converter::Scale;
+use mesh_damper::dac::Ad5761;
+use mesh_damper::pack::{self, Upload};
+use mesh_damper::power::PowerSeed;
+use mesh_damper::rig::{Emulator, EmulatorSettings, Rig, RigSettings};
+use mesh_damper::sine::{Block, Programme, SineGenerator};
+use mesh_damper::static_law::StaticLaw;
+use mesh_damper::tabulated::RunningLaw;
+
+use super::say;
+use crate::board::{Board, Converters as _};
+use crate::stack;
+
+type DamperLaw = StaticLaw<Effects>;
+type Running = RunningLaw<8>;
+type Blocks = Programme<16>;
+
+/// Says the stack of each.
+pub fn constructors<B: Board>(link: &mut B::Link) -> Option<()> {
+    let mut named = |name: &str, work: &mut dyn FnMut() -> Option<()>| {
+        let mut done = None;
+        let bytes = stack::of(|| done = work());
+        say(link, name, bytes);
+        done
+    };
+    let fixed = singleton!(: DamperLaw = DamperLaw::empty())?;
+    let running = singleton!(: Running = Running::empty())?;
+    let upload = singleton!(: Upload = Upload::new())?;
+    let programme = singleton!(: Option<Blocks> = None)?;
+    let (mixed, effects) = amplitude_free::parts(black_box(3.0)).ok()?;
+    named("PowerSeed::new", &mut || {
+        black_box(PowerSeed::new(black_box(0.1), 0.3).ok()?);
+        Some(())
+    })?;
+    named("amplitude_free::parts", &mut || {
+        black_box(amplitude_free::parts(black_box(3.0)).ok()?);
+        Some(())
+    })?;
+    named("StaticLaw::set", &mut || {
+        fixed.set(mixed, effects);
+        Some(())
+    })?;
+    named("RunningLaw::swap_with, pack::decode", &mut || {
+        let refused = running.swap_with(|slot| pack::decode(black_box(&[]), slot));
+        refused.err().map(|_| ())
+    })?;
+    named("Upload::finish", &mut || {
+        let refused = running.swap_with(|slot| upload.finish(slot));
+        refused.err().map(|_| ())
+    })?;
+    named("Programme::with", &mut || {
+        let block = Block::sine(black_box(0.1), 5.0, 2).ok()?;
+        *programme = Some(Blocks::new(10_000.0, 1000).ok()?.with(block).ok()?);
+        Some(())
+    })?;
+    let programme = programme.as_ref()?;
+    named("SineGenerator::new", &mut || {
+        black_box(SineGenerator::<16, _>::new(programme).ok()?);
+        Some(())
+    })?;
+    let scale = Scale::new(black_box(1.0), 0.0).ok()?;
+    named("Rig::new", &mut || {
+        let (adc, dac, enable) = B::Converters::open();
+        let adc = Ads8688::new(adc, scale, scale).ok()?;
+        let dac = Ad5761::new(dac, scale).ok()?;
+        let settings = RigSettings::default();
+        let rig: Rig<_, _, _, 16, 8, _, _> =
+            Rig::new(adc, dac, enable, &settings, programme, &mut *running).ok()?;
+        black_box(rig);
+        Some(())
+    })?;
+    named("Emulator::new", &mut || {
+        let (adc, dac, enable) = B::Converters::open();
+        let adc = Ads8688::new(adc, scale, scale).ok()?;
+        let dac = Ad5761::new(dac, scale).ok()?;
+        let settings = EmulatorSettings::default();
+        black_box(Emulator::<_, _, _, 0, _>::new(adc, dac, enable, &settings, &mut *fixed).ok()?);
+        Some(())
+    })
+}

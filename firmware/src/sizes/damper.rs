@@ -1,0 +1,34 @@
+//! The damper of docs/firmware.md: measured motion in, the law's force out.
+
+use core::hint::black_box;
+
+use mesh_damper::adc::Ads8688;
+use mesh_damper::amplitude_free::{self, Effects};
+use mesh_damper::converter::Scale;
+use mesh_damper::dac::Ad5761;
+use mesh_damper::rig::{Emulator, EmulatorSettings};
+use mesh_damper::static_law::StaticLaw;
+
+use super::TICKS;
+use crate::board::{Board, Converters as _};
+
+static mut LAW: StaticLaw<Effects> = StaticLaw::empty();
+
+/// Fills the law where it is, connects the converters, and ticks.
+pub fn damper<B: Board>(_: &mut B::Link) -> Option<()> {
+    // SAFETY: an image calls this once.
+    let law = unsafe { (&raw mut LAW).as_mut() }?;
+    let (mixed, effects) = amplitude_free::parts(black_box(3.0)).ok()?;
+    law.set(mixed, effects);
+    let (travel, force) = (Scale::new(0.5, 0.0).ok()?, Scale::new(5.0, 0.0).ok()?);
+    let (adc, dac, enable) = B::Converters::open();
+    let adc = Ads8688::new(adc, travel, force).ok()?;
+    let dac = Ad5761::new(dac, force).ok()?;
+    let settings = EmulatorSettings::default();
+    let mut damper = Emulator::<_, _, _, 0, _>::new(adc, dac, enable, &settings, law).ok()?;
+    damper.start();
+    for _ in 0..TICKS {
+        black_box(damper.tick());
+    }
+    Some(())
+}

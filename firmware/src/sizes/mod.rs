@@ -1,0 +1,77 @@
+//! Small images, each of one use of the crate: what it takes of flash, RAM and stack.
+//!
+//! An image says lines of `name bytes` over the board's link: the stack that it took. Flash and RAM are read off its file. No
+//! formatting is linked, which would take more than what is sized.
+
+mod constructors;
+mod damper;
+mod running_law;
+mod static_law;
+
+use core::hint::black_box;
+
+use mesh_damper::effects::Motion;
+
+use crate::board::{Board, Link};
+use crate::stack;
+
+pub use constructors::constructors;
+pub use damper::damper;
+pub use running_law::running_law;
+pub use static_law::static_law;
+
+/// Ticks of the motion that a use is given.
+const TICKS: u16 = 300;
+
+/// The motion of tick `n`: a triangle of 0.1 mm, as the compiler cannot foresee it.
+fn motion(n: u16) -> Motion<f32> {
+    let phase = f32::from(n % 100) * 0.02 - 1.0;
+    Motion {
+        displacement: black_box(0.1 * phase),
+        velocity: black_box(2.0),
+        ..Motion::default()
+    }
+}
+
+/// Says how many bytes `name` takes.
+fn say(link: &mut impl Link, name: &str, bytes: u32) {
+    let mut digits = [b'0'; 11];
+    let mut rest = bytes;
+    let mut first = digits.len() - 1;
+    digits[first] = b'\n';
+    loop {
+        first -= 1;
+        digits[first] = b'0' + (rest % 10) as u8;
+        rest /= 10;
+        if rest == 0 || first == 0 {
+            break;
+        }
+    }
+    link.send(name.as_bytes());
+    link.send(b" ");
+    link.send(digits.get(first..).unwrap_or_default());
+}
+
+/// Does `work`, says the stack of the whole image by then, and ends.
+pub fn run<B: Board>(work: fn(&mut B::Link) -> Option<()>) -> ! {
+    let mut link = B::Link::open();
+    let done = work(&mut link);
+    say(&mut link, "stack", stack::used());
+    B::exit(done.is_some())
+}
+
+/// The image of one use on a board: its entry and its handlers.
+#[macro_export]
+macro_rules! size_image {
+    ($board:ty, $use:ident) => {
+        #[cortex_m_rt::entry]
+        fn main() -> ! {
+            $crate::sizes::run::<$board>($crate::sizes::$use::<$board>)
+        }
+
+        #[panic_handler]
+        fn panic(_: &core::panic::PanicInfo) -> ! {
+            <$board as $crate::Board>::exit(false)
+        }
+    };
+}

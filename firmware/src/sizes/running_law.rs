@@ -1,0 +1,25 @@
+//! A firmware that reads its law from a pack: mixed damping law with up to eight effects of any kind.
+
+use core::hint::black_box;
+
+use mesh_damper::pack;
+use mesh_damper::tabulated::RunningLaw;
+
+use super::{TICKS, motion};
+use crate::board::Board;
+
+static mut LAW: RunningLaw<8> = RunningLaw::empty();
+
+/// Reads a pack into the law where it is, and ticks. Nobody sent one: it is refused, which takes the same code and stack.
+pub fn running_law<B: Board>(_: &mut B::Link) -> Option<()> {
+    // SAFETY: an image calls this once.
+    let law = unsafe { (&raw mut LAW).as_mut() }?;
+    let refused = law
+        .swap_with(|slot| pack::decode(black_box(&[]), slot))
+        .is_err();
+    law.boundary();
+    for n in 0..TICKS {
+        black_box(law.force(&motion(n)));
+    }
+    refused.then_some(())
+}
