@@ -19,8 +19,9 @@
 //! | a sample that stands out | jumps there and back | [`Cause::SensorSpiking`] |
 //! | the response to the demanded motion | limit on its distance from where it was | [`Cause::ActuatorDead`], [`Cause::ActuatorLagging`], [`Cause::ActuatorSaturated`] |
 //!
-//! A cycle in which a channel or the actuator was at fault says nothing of the specimen and is left out: while that lasts the
-//! specimen is not watched, and what has broken meanwhile is found after it.
+//! A cycle in which a channel or the actuator was at fault says nothing of the specimen and is left out; what has broken
+//! meanwhile is found after it. Where a fault lasts for more than 16 cycles the specimen is learned anew with it and
+//! watched on, and learned anew when it has gone. A single bad sample is a fault of its cycle only where a close look took it.
 //!
 //! An [`Event`] carries its evidence and stays until it is cleared. Memory is constant, and a cycle's work is spread over the
 //! ticks that follow its end. What is there while it learns is taken for normal.
@@ -30,6 +31,7 @@ mod baseline;
 mod cause;
 mod channel;
 mod cusum;
+mod places;
 mod response;
 mod settings;
 mod specimen;
@@ -46,6 +48,7 @@ use crate::rig::Fault;
 use crate::tabulated::Followed;
 use adaptation::Adaptation;
 use channel::{Beside, ChannelWatch};
+use places::{late, part_end};
 use response::ResponseWatch;
 use specimen::{CycleNumbers, SpecimenWatch};
 use sums::CycleSums;
@@ -56,26 +59,8 @@ pub const EVENTS: usize = 8;
 /// Amplitudes of displacement and force are taken as at least these parts of what is allowed.
 const LEAST_AMPLITUDES: [f32; 2] = [0.05, 0.02];
 
-/// Bits of the phase that tell apart the parts of a cycle at whose ends a tick is looked at closely: 32 of them.
-const LOOKS: u32 = 5;
-
-/// By how much later than the parts of a phase the parts of a cycle end, in 2³² of it: a quarter of a part and three quarters
-/// in turn, so that two cycles are looked at in 64 places. Not 0: the tick that ends a cycle has enough to do.
-fn late(cycle: u32) -> u32 {
-    const QUARTER: u32 = 1 << (30 - LOOKS);
-    (1 + 2 * (cycle & 1)) * QUARTER
-}
-
-/// Where the part of a `cycle` at `phase` ends; after its last, where the first of the next cycle does.
-fn part_end(phase: u32, cycle: u32) -> u32 {
-    let late_now = late(cycle);
-    let Some(past) = phase.checked_sub(late_now) else {
-        return late_now;
-    };
-    let end = ((past >> (32 - LOOKS)) + 1) << (32 - LOOKS);
-    // The phase of the last part's end is 0.
-    end + if end > 0 { late_now } else { late(cycle ^ 1) }
-}
+/// Cycles in a row that are left out for a fault, before what is there is taken for normal.
+const LEFT_OUT: u32 = 16;
 
 /// One tick that is looked at closely.
 #[derive(Clone, Copy, Debug)]
@@ -153,10 +138,12 @@ pub(crate) struct HealthMonitor {
     disturbed: [bool; 2],
     /// The displacement was lost or cut off in this cycle, and in the one before: it shows a response that is none.
     blurred: [bool; 2],
-    /// A fault of the actuator has been told since its response was learned.
-    response_told: bool,
-    /// The drift of a sensor's zero has been told since the means were learned.
-    drift_told: bool,
+    /// The response was off in this cycle, and in the one before, and that has been told.
+    off: [bool; 2],
+    /// Cycles in a row with a passing fault.
+    left_out: u32,
+    /// The law's force at the last close look, kN: by it that tick is known.
+    looked: f32,
 }
 
 /// Faults that stay until they are cleared, a bit each: after one the law follows nothing.
@@ -202,8 +189,9 @@ impl HealthMonitor {
             latched: 0,
             disturbed: [false; 2],
             blurred: [false; 2],
-            response_told: false,
-            drift_told: false,
+            off: [false; 2],
+            left_out: 0,
+            looked: f32::NAN,
         }
     }
 
@@ -222,8 +210,8 @@ impl HealthMonitor {
         self.spikes = false;
         self.disturbed = [false; 2];
         self.blurred = [false; 2];
-        self.response_told = false;
-        self.drift_told = false;
+        self.off = [false; 2];
+        self.left_out = 0;
         self.displacement.restart();
         self.force.restart();
     }
@@ -241,8 +229,7 @@ impl HealthMonitor {
         self.specimen.relearn();
         self.adaptation.find_anew();
         self.response = ResponseWatch::default();
-        self.response_told = false;
-        self.drift_told = false;
+        self.off = [false; 2];
     }
 
     /// Every tick: what a `reading` after one of the codes `last` is to displacement and force. Where one asks,
@@ -298,11 +285,21 @@ impl HealthMonitor {
         let both = 2 * self.force.held() > self.displacement.held();
         let stuck = Cause::SensorStuck(Channel::Displacement);
         let displacement = displacement.filter(|cause| *cause != stuck || !both);
+        // A spike is found a tick late.
+        let taken = law == self.looked;
         if let Some(cause) = displacement {
-            self.sample_event(cause, self.displacement.limit(), &reading.displacement);
+            if taken {
+                self.response.skip_last();
+            }
+            self.sample_event(
+                cause,
+                taken,
+                self.displacement.limit(),
+                &reading.displacement,
+            );
         }
         if let Some(cause) = force {
-            self.sample_event(cause, self.force.limit(), &reading.force);
+            self.sample_event(cause, taken, self.force.limit(), &reading.force);
         }
         [displacement, force]
             .into_iter()
@@ -313,9 +310,12 @@ impl HealthMonitor {
             })
     }
 
-    fn sample_event(&mut self, cause: Cause, limit: f32, sample: &Sample) {
+    /// `taken` of a spike that a close look took.
+    #[cold]
+    #[inline(never)]
+    fn sample_event(&mut self, cause: Cause, taken: bool, limit: f32, sample: &Sample) {
         let ([disturbed, _], [blurred, _]) = (&mut self.disturbed, &mut self.blurred);
-        *disturbed = true;
+        *disturbed |= taken || !matches!(cause, Cause::SensorSpiking(_));
         *blurred |= cause.hides(Channel::Displacement);
         self.latch(Event {
             cause,
@@ -333,11 +333,13 @@ impl HealthMonitor {
         match fault {
             Fault::DisplacementClipped => self.sample_event(
                 Cause::SensorClipped(Channel::Displacement),
+                true,
                 self.displacement.limit(),
                 &reading.displacement,
             ),
             Fault::ForceClipped => self.sample_event(
                 Cause::SensorClipped(Channel::Force),
+                true,
                 self.force.limit(),
                 &reading.force,
             ),
@@ -409,6 +411,7 @@ impl HealthMonitor {
                 *largest = value.abs();
             }
         }
+        self.looked = look.law;
         let given = look.law - share;
         self.sums.add(&sums::Sample {
             displacement: look.displacement,
@@ -430,14 +433,17 @@ impl HealthMonitor {
         followed
     }
 
-    /// What the actuator's response says, unless a displacement that is lost shows it, or it has been told.
+    /// What the actuator's response says, unless a displacement that is lost shows it, or it has been told and is still off.
     #[cold]
     #[inline(never)]
     fn response_event(&mut self, cause: Cause, distance: f32) {
+        let known = self.is_response_known();
+        let [off, before] = &mut self.off;
+        // Where it is told it goes on; where the displacement is lost it is not told.
+        *off |= *before || !known;
         let [disturbed, _] = &mut self.disturbed;
         *disturbed = true;
-        if !self.is_response_known() {
-            self.response_told = true;
+        if !known {
             self.latch(Event {
                 cause,
                 statistic: Statistic::Response,
@@ -451,20 +457,25 @@ impl HealthMonitor {
     /// Whether a response that is off says nothing new: the displacement was lost in this cycle or in the one before, or the
     /// actuator's fault has been told.
     fn is_response_known(&self) -> bool {
-        let [now, before] = self.blurred;
-        self.response_told || now || before
+        let seen = [self.off, self.blurred];
+        seen.iter().flatten().any(|seen| *seen)
     }
 
     /// A cycle has ended before this tick, whose look is not yet taken. The look does the work: this tick has enough to do.
     #[inline(always)]
     pub(crate) fn cycle(&mut self, ended: Ended) {
         self.cycle = self.cycle.saturating_add(1);
-        for seen in [&mut self.disturbed, &mut self.blurred] {
+        for seen in [&mut self.disturbed, &mut self.blurred, &mut self.off] {
             let [now, _] = *seen;
             *seen = [false, now];
         }
         self.adaptation.report();
         self.ended = Some(ended);
+    }
+
+    /// Whether a passing fault has lasted for so long that it is normal.
+    fn is_lasting(&self) -> bool {
+        self.left_out > LEFT_OUT
     }
 
     /// What the end of a cycle leaves to the look after it, before that look is taken.
@@ -478,23 +489,24 @@ impl HealthMonitor {
             }
         }
         if ended.another_law {
-            self.drift_told = false;
             self.specimen.relearn();
             self.adaptation = Adaptation::new();
             return;
         }
-        // A cycle with a passing fault in it says nothing of the specimen.
+        // A cycle with a passing fault in it says nothing of the specimen, unless the fault does not pass.
         let [_, disturbed] = self.disturbed;
-        let steady = ended.steady.filter(|_| !disturbed);
+        let lasted = self.is_lasting();
+        self.left_out = if disturbed { self.left_out + 1 } else { 0 };
+        let lasting = self.is_lasting();
+        let steady = ended.steady.filter(|_| !disturbed || lasting);
         if config.follows() {
             self.adaptation.cycle(steady.is_some());
         }
         let Some(steady) = steady else {
             return;
         };
-        if ended.block != self.block {
+        if ended.block != self.block || lasting != lasted {
             self.block = ended.block;
-            self.drift_told = false;
             self.specimen.relearn();
             self.adaptation.find_anew();
         }
@@ -524,13 +536,10 @@ impl HealthMonitor {
         let Some(event) = self.specimen.work(config) else {
             return;
         };
-        // What is wrong with the specimen is found again in the cycles after a disturbance.
-        let [disturbed, _] = self.disturbed;
-        let withheld = event.cause.is_fault() && disturbed;
-        // A zero that drifts moves the mean, and goes on moving it.
-        let explained = event.cause == Cause::PreloadShift && self.drift_told;
-        if !withheld && !explained {
-            self.drift_told |= matches!(event.cause, Cause::SensorDrifting(_));
+        // The actuator's fault may have begun in the cycle that this is of. What is wrong with the specimen is found again after
+        // it.
+        let [off, _] = self.off;
+        if !(event.cause.is_fault() && off && !self.is_lasting()) {
             self.latch(event);
         }
     }
@@ -561,22 +570,6 @@ impl HealthMonitor {
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    /// Of 128 parts the ends are at 1, 5, 9… in one cycle and at 3, 7, 11… in the next.
-    #[test]
-    fn two_cycles_are_looked_at_in_64_places() {
-        let mut due = late(0);
-        for look in 0..64u32 {
-            let (cycle, part) = (look / 32, look % 32);
-            assert_eq!(due, (4 * part + 1 + 2 * cycle) << 25);
-            let next = part_end(due, cycle);
-            assert_eq!(part_end(due + (1 << 24), cycle), next);
-            due = next;
-        }
-        assert_eq!(due, late(2));
-        // The last part's look may come after the cycle's end.
-        assert_eq!((part_end(0, 0), part_end(0, 1)), (late(0), late(1)));
-    }
 
     /// y = sin φ, law y + 0.3·sgn v, and a specimen that has `part` of its force in each cycle: what is named, and when.
     fn named(ticks: u32, cycles: u32, part: impl Fn(u32) -> f32) -> Option<(u32, Cause)> {

@@ -25,11 +25,23 @@ const SPIKE: u64 = 25;
 /// and the specimen breaks in this one.
 const BREAK: u64 = 30;
 
-/// The two channels, and how large half of their amplitude is, mm and kN.
-const CHANNELS: [(Channel, f64); 2] = [(Channel::Displacement, 0.05), (Channel::Force, 0.15)];
+/// The two channels, and spikes of half of their amplitude, mm and kN; of all of it where that is within the converter's range.
+const CHANNELS: [(Channel, f64); 3] = [
+    (Channel::Displacement, 0.05),
+    (Channel::Displacement, 0.1),
+    (Channel::Force, 0.15),
+];
+/// The monitor looks at a tick 64 times in two cycles: every so many ticks, 40 after the end of the first and 118 of the second.
+const LOOKS: f64 = TICKS as f64 / 32.0;
+
+/// The tick of the `look` of two cycles, counted from the end of the cycle before them.
+fn look_tick(look: u64) -> u64 {
+    let late = if look < 32 { 0.25 } else { 0.75 };
+    ((look as f64 + late) * LOOKS).ceil() as u64
+}
 
 struct Test {
-    bench: Bench<Damaged, 1, 1>,
+    bench: Bench<Damaged, 2, 1>,
     condition: Rc<Cell<Condition>>,
     /// Since the last start.
     tick: u64,
@@ -38,13 +50,19 @@ struct Test {
 
 impl Test {
     fn new(cycles: u32, follow: f64, seed: u64) -> Self {
+        Self::of_blocks(1, cycles, follow, seed)
+    }
+
+    /// As many `blocks` of so many `cycles`.
+    fn of_blocks(blocks: u32, cycles: u32, follow: f64, seed: u64) -> Self {
         let (specimen, condition) = Damaged::new(3.0, AMPLITUDE);
         let c = specimen.coefficients();
         let law = Law::new(c.k1 as f32, c.k3 as f32, c.c as f32, c.alpha as f32).unwrap();
-        let programme = Programme::new(TICK_RATE, 1)
-            .unwrap()
-            .with(Block::sine(AMPLITUDE, FREQUENCY, cycles).unwrap())
-            .unwrap();
+        let mut programme = Programme::new(TICK_RATE, 1).unwrap();
+        for _ in 0..blocks {
+            let block = Block::sine(AMPLITUDE, FREQUENCY, cycles).unwrap();
+            programme = programme.with(block).unwrap();
+        }
         let mut setup = RigSetup::new(specimen, AugmentedLaw::new(law), programme, seed);
         setup.settings.health.follow = follow;
         let mut test = Self {
@@ -60,6 +78,12 @@ impl Test {
     /// Runs on to the `cycle` of full amplitude; there is one of ramp before.
     fn run_to(&mut self, cycle: u64) {
         while self.tick < (cycle + 1) * TICKS {
+            self.step();
+        }
+    }
+
+    fn step_by(&mut self, ticks: u64) {
+        for _ in 0..ticks {
             self.step();
         }
     }
@@ -86,6 +110,16 @@ impl Test {
         *self.sensor(channel) = SensorFault::None;
     }
 
+    /// The zero of `channel` moves by `step` a cycle for so many `cycles` from [`SPIKE`] on, and stays there.
+    fn drift(&mut self, channel: Channel, step: f64, cycles: u32) {
+        *self.sensor(channel) = SensorFault::Drifting(step / TICKS as f64);
+        self.run_to(SPIKE + u64::from(cycles));
+        *self.sensor(channel) = SensorFault::Spiking {
+            size: f64::from(cycles) * step,
+            every: 1,
+        };
+    }
+
     /// `part` of the elastic force and of the friction is there.
     fn keep(&self, part: f64) {
         let whole = Condition::NEW;
@@ -103,6 +137,13 @@ fn a_break_after_a_spike_is_found() {
         for (channel, size) in CHANNELS {
             let mut test = Test::new(60, 0.0, seed);
             test.run_to(SPIKE);
+            // At a look, and between two.
+            let between = 13 * seed;
+            test.step_by(if seed % 2 == 0 {
+                look_tick(5 * seed)
+            } else {
+                between
+            });
             test.spike(channel, size);
             test.run_to(BREAK);
             assert_eq!(test.told, [Cause::SensorSpiking(channel)], "{seed}");
@@ -121,7 +162,9 @@ fn a_spike_next_to_a_break_does_not_hide_it() {
         for (channel, size) in CHANNELS {
             let mut test = Test::new(60, 0.0, seed);
             let breaks = BREAK * TICKS;
-            let spikes = breaks.checked_add_signed(eighth * (TICKS / 8) as i64 + 99);
+            // A look is at 40 or at 118.
+            let after = [40, 99, 118, 20][eighth.rem_euclid(4) as usize];
+            let spikes = breaks.checked_add_signed(eighth * (TICKS / 8) as i64 + after);
             for tick in 0..(BREAK + 10) * TICKS {
                 if tick == breaks {
                     test.keep(0.8);
@@ -188,9 +231,13 @@ fn a_break_after_a_drift_is_found() {
 #[test]
 fn an_actuator_that_lags_after_a_spike_is_found() {
     for (channel, size) in CHANNELS {
-        for quarters in [-4, -2, -1, 0, 1, 2, 3, 5, 8, 20i64] {
+        for (after, quarters) in [99, 118]
+            .into_iter()
+            .cycle()
+            .zip([-4, -4, -2, -1, -1, 0, 0, 1, 1, 2, 2, 3, 5, 8, 20i64])
+        {
             let mut test = Test::new(60, 0.0, 1);
-            let spikes = SPIKE * TICKS + 99;
+            let spikes = SPIKE * TICKS + after;
             let lags = spikes.checked_add_signed(quarters * (TICKS / 4) as i64);
             for tick in 0..(SPIKE + 10) * TICKS {
                 if Some(tick) == lags {
@@ -253,4 +300,144 @@ fn the_law_follows_again_after_a_spike() {
     let (alone, after) = (moved(false), moved(true));
     assert!(alone < -0.01, "{alone}");
     assert!((after - alone).abs() < 0.2 * alone.abs(), "{after} {alone}");
+}
+
+/// At each of the 64 looks, where the monitor takes the bad sample, and between two of them.
+#[test]
+fn nothing_but_the_spike_is_told_of_a_spike() {
+    let between = (0..157).step_by(26);
+    for (seed, after) in (1..).zip((0..64).map(look_tick).chain(between)) {
+        for (channel, size) in CHANNELS.into_iter().skip(1) {
+            let mut test = Test::new(32, 0.0, seed);
+            test.run_to(SPIKE);
+            test.step_by(after);
+            test.spike(channel, size);
+            test.run_to(SPIKE + 6);
+            assert_eq!(test.told, [Cause::SensorSpiking(channel)], "{after} ticks");
+        }
+    }
+}
+
+/// Whether a look takes the bad samples or not.
+#[test]
+fn a_break_after_many_spikes_is_found() {
+    for after in [look_tick(5), look_tick(40) - TICKS, 99] {
+        for (channel, size) in CHANNELS.into_iter().skip(1) {
+            for spiked in [10, 30] {
+                let mut test = Test::new(80, 0.0, after);
+                for cycle in SPIKE..SPIKE + spiked {
+                    test.run_to(cycle);
+                    test.step_by(after);
+                    test.spike(channel, size);
+                }
+                test.run_to(SPIKE + spiked);
+                assert_eq!(test.told, [Cause::SensorSpiking(channel)], "{after}");
+                test.keep(0.8);
+                test.run_to(SPIKE + spiked + 6);
+                let expected = [Cause::SensorSpiking(channel), Cause::WireBreakage];
+                assert_eq!(test.told, expected, "{after}");
+            }
+        }
+    }
+}
+
+/// The spikes go on, one a cycle.
+#[test]
+fn a_break_among_spikes_is_found() {
+    for after in [look_tick(5), look_tick(40) - TICKS, 99] {
+        for (channel, size) in CHANNELS.into_iter().skip(1) {
+            let mut test = Test::new(80, 0.0, after);
+            test.run_to(SPIKE);
+            for cycle in SPIKE..SPIKE + 30 {
+                if cycle == SPIKE + 20 {
+                    test.keep(0.8);
+                }
+                test.step_by(after);
+                test.spike(channel, size);
+                test.run_to(cycle + 1);
+            }
+            let expected = [Cause::SensorSpiking(channel), Cause::WireBreakage];
+            assert_eq!(test.told, expected, "{after}");
+        }
+    }
+}
+
+/// A lag that has passed says nothing of what comes later: in the same block, and in the next.
+#[test]
+fn an_actuator_fault_after_a_lag_that_has_passed_is_found() {
+    for (fault, cause) in [
+        (ServoFault::Dead, Cause::ActuatorDead),
+        (ServoFault::Saturated(0.6), Cause::ActuatorSaturated),
+    ] {
+        for (blocks, later) in [(1, 6), (2, 40)] {
+            let mut test = Test::of_blocks(blocks, 40, 0.0, 1);
+            test.run_to(SPIKE);
+            test.bench.plant.servo.fault = ServoFault::Lagging(100);
+            test.run_to(SPIKE + 3);
+            assert_eq!(test.told, [Cause::ActuatorLagging]);
+            test.bench.plant.servo.fault = ServoFault::None;
+            test.run_to(SPIKE + 3 + later);
+            assert_eq!(test.told, [Cause::ActuatorLagging]);
+            test.bench.plant.servo.fault = fault;
+            test.run_to(SPIKE + 6 + later);
+            assert_eq!(test.told, [Cause::ActuatorLagging, cause]);
+        }
+    }
+}
+
+/// The actuator loses stroke that no correction gets back. That is told once, and the specimen is learned with it; in such a
+/// motion what breaks may have another name.
+#[test]
+fn a_break_under_an_actuator_fault_that_lasts_is_found() {
+    for speed in [0.85, 0.8, 0.7, 0.6] {
+        let mut test = Test::new(90, 0.0, 1);
+        test.run_to(SPIKE);
+        test.bench.plant.servo.fault = ServoFault::Saturated(speed);
+        test.run_to(SPIKE + 50);
+        assert_eq!(test.told, [Cause::ActuatorSaturated], "{speed} mm/s");
+        test.keep(0.8);
+        test.run_to(SPIKE + 56);
+        let broken = [Cause::WireBreakage, Cause::Loosening];
+        assert!(
+            test.told.iter().any(|cause| broken.contains(cause)),
+            "{speed} mm/s: {:?}",
+            test.told
+        );
+    }
+}
+
+/// The zero stays where the drift has left it.
+#[test]
+fn a_preload_shift_after_a_drift_that_has_stopped_is_found() {
+    for seed in 1..=SEEDS {
+        for preload in [0.05, -0.05] {
+            let mut test = Test::new(120, 0.0, seed);
+            test.run_to(SPIKE);
+            test.drift(Channel::Force, 0.0075, 12);
+            test.run_to(SPIKE + 40);
+            let drifting = Cause::SensorDrifting(Channel::Force);
+            assert_eq!(test.told, [drifting], "{seed}");
+            let whole = Condition::NEW;
+            test.condition.set(Condition { preload, ..whole });
+            test.run_to(SPIKE + 46);
+            assert_eq!(test.told, [drifting, Cause::PreloadShift], "{seed}");
+        }
+    }
+}
+
+/// Of which the displacement's moves where the specimen stands; not when it stops either.
+#[test]
+fn nothing_but_the_drift_is_told_of_a_drift() {
+    for (channel, step) in [
+        (Channel::Displacement, 0.0025),
+        (Channel::Displacement, 0.001),
+        (Channel::Force, 0.0075),
+        (Channel::Force, 0.003),
+    ] {
+        let mut test = Test::new(80, 0.0, 1);
+        test.run_to(SPIKE);
+        test.drift(channel, step, 15);
+        test.run_to(SPIKE + 50);
+        assert_eq!(test.told, [Cause::SensorDrifting(channel)], "{step}");
+    }
 }

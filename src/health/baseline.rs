@@ -41,6 +41,12 @@ impl Baseline {
         self.level += self.trend;
     }
 
+    /// Is at `z` from here on, and level.
+    pub(super) fn place(&mut self, z: f32) {
+        self.level = z;
+        self.trend = 0.0;
+    }
+
     /// Follows the statistic `z` of one more cycle.
     pub(super) fn follow(&mut self, z: f32) {
         let predicted = self.predicted();

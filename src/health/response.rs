@@ -93,7 +93,7 @@ pub(super) struct ResponseWatch {
     now: Sums,
     before: [Sums; EIGHTHS - 1],
     eighth: u32,
-    /// Σ(y − d) and samples of the cycle under way, and its mean over the last whole one.
+    /// Σ(y − d) and samples of the cycle under way, −∞ where one was bad, and its mean over the last whole one.
     sum: (f32, f32),
     mean: f32,
     /// Whole eighths seen, up to [`SETTLING`].
@@ -114,6 +114,12 @@ impl ResponseWatch {
         if self.now.samples > 0.0 {
             *self = Self::default();
         }
+    }
+
+    /// The last sample was bad: the response is judged again once its eighth is none of half a cycle, and its cycle has no mean.
+    pub(super) fn skip_last(&mut self) {
+        self.eighths = self.eighths.min(SETTLING - EIGHTHS as u8);
+        self.sum.1 = f32::NEG_INFINITY;
     }
 
     /// Whether a sample at `phase` is the first of an eighth.
@@ -158,7 +164,7 @@ impl ResponseWatch {
         let samples = self.sum.1 + self.now.samples;
         self.sum = if self.eighth == 0 {
             // A fault moves the mean of the cycle that it begins in.
-            if self.waiting == 0 {
+            if self.waiting == 0 && samples > 0.0 {
                 self.mean = error / samples;
             }
             (0.0, 0.0)
@@ -282,6 +288,30 @@ mod tests {
                 watch.update(gain * d, d, v, look << 27);
             }
             assert_eq!(watch.is_dead(), dead, "{gain}");
+        }
+    }
+
+    /// Wherever it comes; a lag that begins with it is found all the same.
+    #[test]
+    fn a_bad_sample_that_is_skipped_is_no_fault() {
+        for bad in 32 * 8..32 * 10u32 {
+            for lag in [0.0, 0.05] {
+                let mut watch = ResponseWatch::default();
+                let mut name = None;
+                for look in 0..32 * 14 {
+                    let turns = look as f32 / 32.0;
+                    let (d, v) = (sine(turns), sine(turns + 0.25));
+                    let y = if look < bad { d } else { sine(turns - lag) };
+                    let spike = if look == bad { 2.0 } else { 0.0 };
+                    let found = watch.update(y + spike, d, v, look << 27);
+                    name = name.or(found.map(|(cause, _)| cause));
+                    if look == bad {
+                        watch.skip_last();
+                    }
+                }
+                let expected = (lag > 0.0).then_some(Cause::ActuatorLagging);
+                assert_eq!(name, expected, "{bad}");
+            }
         }
     }
 

@@ -34,6 +34,10 @@ const SLOW: f32 = 0.8;
 const GROWING: f32 = 0.12;
 /// Part of a shift from which it was there a cycle before where it comes bit by bit.
 const DRIFTING: f32 = 0.6;
+/// Cycles after a drift, or a mean that it explains, in which it explains what the mean does.
+const EXPLAINED: u8 = 16;
+/// The first statistics, which a mean does not move.
+const UNMOVED: usize = 2;
 /// Of the temperature's level.
 const TEMPERATURE_GAIN: f32 = 0.25;
 
@@ -93,6 +97,8 @@ pub(super) struct SpecimenWatch {
     /// Cycles since the start that were not left out.
     since_start: u32,
     suspicion: Option<Suspicion>,
+    /// Cycles for which a drift still explains what the mean does.
+    explained: u8,
     /// A sum is above 0.
     frozen: bool,
     temperature: f32,
@@ -119,6 +125,7 @@ impl SpecimenWatch {
             cycles: 0,
             since_start: 0,
             suspicion: None,
+            explained: 0,
             frozen: false,
             temperature: 0.0,
             reference_temperature: 0.0,
@@ -159,6 +166,7 @@ impl SpecimenWatch {
             return;
         }
         self.since_start = self.since_start.saturating_add(1);
+        self.explained = self.explained.saturating_sub(1);
         self.sums = sums;
         self.numbers = numbers;
         self.piece = 0;
@@ -181,7 +189,8 @@ impl SpecimenWatch {
             self.sum(config, piece - FIRST_SUM);
             None
         } else if piece == CONCLUSION {
-            self.conclude(config)
+            let event = self.conclude(config)?;
+            self.explain(event)
         } else {
             self.follow(piece - FIRST_BASELINE);
             None
@@ -276,6 +285,16 @@ impl SpecimenWatch {
         } else {
             self.look_back(config)
         }
+    }
+
+    /// A zero that drifts moves the mean, and goes on moving it: where it is now is normal, and a shift soon after is the
+    /// drift's.
+    fn explain(&mut self, event: Event) -> Option<Event> {
+        let explained = event.cause == Cause::PreloadShift && self.explained > 0;
+        if explained || matches!(event.cause, Cause::SensorDrifting(_)) {
+            self.explained = EXPLAINED;
+        }
+        (!explained).then_some(event)
     }
 
     /// A mean force that was most of its way a cycle before its alarm, at which all has moved by `shift`. What comes at once, and
@@ -453,7 +472,13 @@ impl SpecimenWatch {
             return;
         }
         if let Some(watch) = self.watches.get_mut(index) {
-            if self.frozen {
+            // A drift was found in this cycle. It moves neither stiffness nor energy, in which something else may be wrong.
+            if self.explained == EXPLAINED && index >= UNMOVED {
+                let value = self.values.get(index).copied().unwrap_or_default();
+                watch.baseline.place(value);
+                watch.learned = value;
+                watch.reference = value;
+            } else if self.frozen {
                 watch.baseline.coast();
             } else {
                 watch.baseline.follow(value);
