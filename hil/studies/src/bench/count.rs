@@ -76,10 +76,23 @@ pub struct Said {
 /// # Errors
 /// No emulator, an image that fails or does not end, or a line that is none.
 pub fn count(elf: &Path, core: Core) -> Result<Said, InputError> {
-    let failed = |problem: String| {
-        let mend = "run it in the emulator by hand to see more";
-        InputError::new(elf.display().to_string(), problem, mend)
-    };
+    run_to_end(elf, core)?
+        .lines()
+        .try_fold(Said::default(), |said, line| read_line(said, core, line))
+        .map_err(|line| failed(elf, format!("said what is no count: {line}")))
+}
+
+fn failed(elf: &Path, problem: String) -> InputError {
+    let mend = "run it in the emulator by hand to see more";
+    InputError::new(elf.display().to_string(), problem, mend)
+}
+
+/// Runs `elf` on the board of `core` to its end, and gives what it said.
+///
+/// # Errors
+/// No emulator, or an image that fails or does not end.
+pub fn run_to_end(elf: &Path, core: Core) -> Result<String, InputError> {
+    let failed = |problem: String| failed(elf, problem);
     let mut command = core.board().emulator(elf)?;
     command
         // An instruction takes 2^10 ns of the emulator's time, and no time passes otherwise.
@@ -121,10 +134,7 @@ pub fn count(elf: &Path, core: Core) -> Result<Said, InputError> {
             .unwrap_or_default()
     });
     match status {
-        Some(status) if status.success() => said
-            .lines()
-            .try_fold(Said::default(), |said, line| read_line(said, core, line))
-            .map_err(|line| failed(format!("said what is no count: {line}"))),
+        Some(status) if status.success() => Ok(said),
         Some(_) => {
             let last = said.lines().chain(complaint.lines()).last();
             Err(failed(format!(

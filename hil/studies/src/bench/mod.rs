@@ -28,6 +28,7 @@ mod peer;
 mod rates;
 mod results;
 mod sizes;
+mod uses;
 
 use std::path::PathBuf;
 use std::process::Command;
@@ -95,6 +96,8 @@ pub fn run(progress: &dyn Fn(&str)) -> Result<Results, InputError> {
         Ok((_, counts)) => results.counts.extend(counts),
         Err(error) => results.left_out.push(error.to_string()),
     }
+    progress("sizing small images");
+    results.sizes.extend(uses::measure(Core::CortexM4f)?);
     progress("running the firmware's image");
     let (sizes, rate) = firmware::measure(Core::CortexM4f.board())?;
     results.sizes.extend(sizes);

@@ -1,0 +1,65 @@
+//! Flash, RAM and stack of small images, each of one use of the crate (`firmware/src/sizes`).
+
+use mesh_damper_link::image::{self, Image, sections};
+use mesh_damper_recording::error::InputError;
+
+use super::count::{Core, run_to_end};
+use super::results::Size;
+
+/// Mixed damping law, stick-slip and the results of each cycle, in a law whose type names its effects.
+pub const STATIC_LAW: &str = "static-law";
+/// A law that is read from a pack.
+const RUNNING_LAW: &str = "running-law";
+/// The damper of docs/firmware.md.
+pub const DAMPER: &str = "damper";
+/// What targets call to set all up, one after the other: of this image the stack of each counts alone.
+const CONSTRUCTORS: &str = "constructors";
+
+/// Sizes of each use on the board of `core`, and the stack of each constructor.
+///
+/// # Errors
+/// What the compiler or the emulator says, or an image that says something else.
+pub fn measure(core: Core) -> Result<Vec<Size>, InputError> {
+    let mut all = Vec::new();
+    for binary in [STATIC_LAW, RUNNING_LAW, DAMPER, CONSTRUCTORS] {
+        let image = Image {
+            binary,
+            feature: "sizes",
+            cfg: None,
+        };
+        let elf = image::build(&image, core.board())?;
+        let size = |name: &str, of, bytes| Size {
+            name: name.into(),
+            of,
+            bytes,
+        };
+        let said = run_to_end(&elf, core)?;
+        let stacks = said.lines().map(|line| {
+            let (name, bytes) = line.rsplit_once(' ')?;
+            Some((name, bytes.parse().ok()?))
+        });
+        let stacks: Option<Vec<(&str, u64)>> = stacks.collect();
+        let stacks = stacks.ok_or_else(|| {
+            let mend = "report this";
+            InputError::new(
+                elf.display().to_string(),
+                format!("said what is no size: {said}"),
+                mend,
+            )
+        })?;
+        if binary == CONSTRUCTORS {
+            let each = stacks.iter().filter(|(name, _)| *name != "stack");
+            all.extend(each.map(|&(name, bytes)| size(name, "stack", bytes)));
+            continue;
+        }
+        let taken = sections(&elf)?;
+        all.push(size(binary, "flash", taken.flash));
+        all.push(size(binary, "RAM", taken.ram));
+        all.extend(
+            stacks
+                .iter()
+                .map(|&(_, bytes)| size(binary, "stack", bytes)),
+        );
+    }
+    Ok(all)
+}
