@@ -16,20 +16,27 @@ use super::families::Entry;
 use super::normal::Normal;
 use super::solution::Solution;
 use super::tangent::Tangent;
+use crate::policy::policy;
 
 /// Coefficients of eq 13 at a node.
 const LOCAL: usize = 4;
-/// Change of the force, as part of its RMS, that a difference is taken over.
-const CHANGE: f64 = 1e-3;
-/// The same of an exponent, and of a searched parameter, which is a logarithm, a β or a change of a force.
-const STEP: f64 = 1e-3;
-/// Derivatives are taken so often, and so many steps made with each.
-const TANGENTS: usize = 2;
-const STEPS: usize = 3;
-/// A step that does not help is halved so often.
-const HALVINGS: usize = 3;
-/// Steps that save less than this part of the squared error end the fit.
-const SETTLED: f64 = 1e-4;
+mesh_damper_recording::numbers! {
+    /// The last steps of a fit, by the crate's own force.
+    ExactPolicy {
+        /// Change of the force, as part of its RMS, that a difference is taken over.
+        change: f64 = 1e-3, Convention("above rounding, below what bends");
+        /// The same of an exponent, and of a searched parameter, which is a logarithm or a change of a force.
+        step: f64 = 1e-3, Convention("above rounding, below what bends");
+        /// Derivatives are taken so often.
+        tangents: usize = 2, Tuned("the blind trial");
+        /// So many steps are made with each.
+        steps: usize = 3, Tuned("the blind trial");
+        /// A step that does not help is halved so often.
+        halvings: usize = 3, Tuned("the blind trial");
+        /// Steps that save less than this part of the squared error end the fit.
+        settled: f64 = 1e-4, Tuned("the blind trial");
+    }
+}
 
 /// `solution` with all its parameters moved to where the crate's force errs least (Gauss and Newton); itself where the
 /// crate refuses it.
@@ -41,22 +48,22 @@ pub(super) fn refined(basis: &Basis, solution: Solution) -> Solution {
         squares: squares(basis, &force),
         ..solution
     };
-    for _ in 0..TANGENTS {
+    for _ in 0..policy().exact.tangents {
         let Some(tangent) = tangent(basis, &best) else {
             return best;
         };
         let before = best.squares;
-        for _ in 0..STEPS {
+        for _ in 0..policy().exact.steps {
             let Some((tried, its_force)) = stepped(basis, &tangent, &best, &force) else {
                 break;
             };
             let saved = best.squares - tried.squares;
             (best, force) = (tried, its_force);
-            if saved < SETTLED * best.squares {
+            if saved < policy().exact.settled * best.squares {
                 break;
             }
         }
-        if before - best.squares < SETTLED * best.squares {
+        if before - best.squares < policy().exact.settled * best.squares {
             break;
         }
     }
@@ -102,13 +109,13 @@ pub(super) fn tangent(basis: &Basis, solution: &Solution) -> Option<Tangent> {
     let rms = |values: &mut dyn Iterator<Item = f64>| {
         (values.map(|value| value * value).sum::<f64>() / rows.len() as f64).sqrt()
     };
-    let change = CHANGE * rms(&mut rows.force.iter().copied());
+    let change = policy().exact.change * rms(&mut rows.force.iter().copied());
     let over = |unit: f64| if unit > 0.0 { change / unit } else { 0.0 };
     let added = columns.added();
     let mut sizes = added.iter();
     let local: Vec<f64> = (0..3)
         .map(|slot| over(rms(&mut columns.law().iter().map(|row| row[slot]))))
-        .chain([STEP])
+        .chain([policy().exact.step])
         .collect();
     let shared: Vec<f64> = (0..basis.terms.len())
         .flat_map(|term| {
@@ -117,7 +124,7 @@ pub(super) fn tangent(basis: &Basis, solution: &Solution) -> Option<Tangent> {
                 .take(added_by(basis, term))
                 .map(|column| over(rms(&mut column.iter().copied())))
                 .collect();
-            let searched = basis.slot(term).map(|_| STEP);
+            let searched = basis.slot(term).map(|_| policy().exact.step);
             of_sizes.into_iter().chain(searched).collect::<Vec<_>>()
         })
         .collect();
@@ -177,7 +184,7 @@ fn stepped(
     let normal = Normal::assemble(rows, &missing, &tangent.node, &tangent.local, &shared);
     let (step, _) = normal.solve(|_| false)?;
     let at = DVector::from_vec(parameters(basis, from));
-    (0..=HALVINGS).find_map(|halving| {
+    (0..=policy().exact.halvings).find_map(|halving| {
         let tried = &at + &step * 0.5_f64.powi(halving as i32);
         let mut tried = at_parameters(basis, tried.as_slice());
         let force = self::force(basis, &tried)?;

@@ -12,6 +12,7 @@
 //! | [`staged`], [`screen`] | where a fit begins, and which terms are worth one |
 //! | [`uncertainty`] | intervals of what was fitted |
 //! | [`correction`] | the table of what has no name |
+//! | [`policy`] | the numbers that decide all this, each with where it comes from |
 //!
 //! ```
 //! use mesh_damper_identify::trace::trace;
@@ -44,6 +45,7 @@ pub mod families;
 mod known_forces;
 mod moved;
 mod normal;
+pub mod policy;
 pub mod problem;
 pub mod rows;
 pub mod screen;

@@ -17,11 +17,24 @@ use super::rows::Rows;
 use super::shape::Extent;
 use super::solution::Solution;
 use super::term::Term;
+use crate::policy::policy;
 
-/// Exponents that a search with nothing to start from begins with.
-const EXPONENTS: [f64; 3] = [0.15, 0.35, 0.6];
-/// The deflection of a spring in series is worked out anew so many times before all is fitted at once.
-const SERIES_ROUNDS: usize = 4;
+mesh_damper_recording::numbers! {
+    /// The fit of the law and of effects.
+    ProblemPolicy {
+        /// Exponents of the damping that a search with nothing to start from begins with; the middle one is also that of a node
+        /// that is near none.
+        exponents: [f64; 3] = [0.15, 0.35, 0.6], Tuned("the blind trial");
+        /// The deflection of a spring in series is worked out so many times before all is fitted at once.
+        series_rounds: usize = 4, Tuned("the blind trial");
+        /// A search ends where a step saves less than this part of the squared error.
+        saved: f64 = 1e-7, Convention("below any gain that counts");
+        /// A search ends where a step changes its parameters by less than this part.
+        changed: f64 = 1e-5, Convention("below any interval");
+        /// Evaluations that a search may take, over the number of its parameters and one.
+        patience: usize = 8, Tuned("the blind trial");
+    }
+}
 
 /// Eq 13 and terms, to be fitted to rows.
 pub struct Problem<'r, 'a> {
@@ -54,7 +67,7 @@ impl<'r, 'a> Problem<'r, 'a> {
                 searched(term.form, shapes)
             })
             .collect();
-        let starts = EXPONENTS.map(|alpha| {
+        let starts = policy().problem.exponents.map(|alpha| {
             let alphas = std::iter::repeat_n(alpha, self.rows.nodes.len());
             alphas.chain(ends.iter().copied()).collect::<Vec<f64>>()
         });
@@ -70,7 +83,7 @@ impl<'r, 'a> Problem<'r, 'a> {
         let at = self.start(start, shapes);
         let mut solution = self.minimized(self.basis().around(start), at);
         if self.terms.iter().any(|term| term.form.gives_way) {
-            for _ in 1..SERIES_ROUNDS {
+            for _ in 1..policy().problem.series_rounds {
                 let at = solution.search.clone();
                 solution = self.minimized(self.basis().around(&solution), at);
             }
@@ -87,7 +100,7 @@ impl<'r, 'a> Problem<'r, 'a> {
                 .law
                 .iter()
                 .min_by(|a, b| distance(a, amplitude).total_cmp(&distance(b, amplitude)));
-            nearest.map_or(EXPONENTS[1], |node| node.alpha)
+            nearest.map_or(policy().problem.exponents[1], |node| node.alpha)
         });
         let rest = &known.search[known.law.len()..];
         let start = Solution {
@@ -121,10 +134,10 @@ impl<'r, 'a> Problem<'r, 'a> {
     fn minimized(&self, basis: Basis<'r, 'a>, start: Vec<f64>) -> Solution {
         let search = Search::new(&basis, DVector::from_vec(start));
         LevenbergMarquardt::new()
-            .with_ftol(1e-7)
-            .with_xtol(1e-5)
+            .with_ftol(policy().problem.saved)
+            .with_xtol(policy().problem.changed)
             .with_gtol(0.0)
-            .with_patience(8)
+            .with_patience(policy().problem.patience)
             .minimize(search)
             .0
             .solution()

@@ -7,6 +7,19 @@ use mesh_damper_model::predict::motion_at;
 use mesh_damper_recording::trajectory::Trajectory;
 
 use super::known_forces::KnownForces;
+mesh_damper_recording::numbers! {
+    /// How many samples a fit is made to, evenly picked, at most about.
+    RowsPolicy {
+        /// Of a search, for effects or for a residual table.
+        search: usize = 4_000, Convention("a second a fit");
+        /// Of the closing fit.
+        closing: usize = 60_000, Convention("a minute of 1 kHz");
+        /// Of the fits that leave out one block after the other.
+        in_turn: usize = 8_000, Convention("a few seconds for all of them");
+        /// Of the fits to simulated forces by which effects are told apart.
+        separating: usize = 1_500, Convention("there are hundreds of them");
+    }
+}
 
 /// The samples of a fit, gathered from several trajectories.
 pub struct Rows<'a> {

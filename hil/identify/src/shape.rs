@@ -1,6 +1,78 @@
 //! The ranges within which shapes are searched, and where a search starts: spread over what the data can show.
 
+use crate::policy::policy;
 use mesh_damper_recording::trajectory::Trajectory;
+mesh_damper_recording::numbers! {
+    /// Within what ranges the parameters of effects are sought, and from how many starts.
+    ShapePolicy {
+        /// A value within this factor of an end of its range stands at it.
+        at_end: f64 = 1.02, Convention("a fit ends a little inside");
+        /// The shortest length is so many times the noise of the displacement: a smaller one cannot be told from an error of the
+        /// velocity at a reversal.
+        noises: f64 = 5.0, Tuned("the blind trial");
+        /// The shortest length is this part of the amplitude where there is less noise.
+        shortest: f64 = 1e-3, Tuned("the blind trial");
+        /// The shortest length is at most this part of the amplitude.
+        longest_shortest: f64 = 0.4, Derived("less than half of what is longest, so that a range is left to search in");
+        /// A slip limit and half a gap are at most this part of the amplitude.
+        longest: f64 = 0.9, Convention("at the whole amplitude nothing slips or moves");
+        /// Starts of the slip limit of one element.
+        slip_starts: usize = 10, Tuned("the blind trial");
+        /// The slip limit of Bouc and Wen is at most this part of the amplitude: it rounds the corner before.
+        bouc_wen_longest: f64 = 2.0, Tuned("the blind trial");
+        /// Starts of the slip limit of Bouc and Wen.
+        bouc_wen_starts: usize = 8, Tuned("the blind trial");
+        /// The range of the sharpness of Bouc and Wen.
+        sharpness: [f64; 2] = [0.5, 8.0], Convention("from a parabola's corner to one that is as good as sharp");
+        /// Starts of the sharpness of Bouc and Wen.
+        sharpness_starts: [f64; 2] = [1.0, 2.5], Tuned("the blind trial");
+        /// The largest slip limit of several elements is at least so many times the shortest length.
+        iwan_shortest: f64 = 6.0, Tuned("the blind trial");
+        /// Starts of the largest slip limit of several elements.
+        iwan_starts: usize = 6, Tuned("the blind trial");
+        /// Half a gap is at least so many times the shortest length.
+        gap_shortest: f64 = 2.0, Tuned("the blind trial");
+        /// Starts of half a gap.
+        gap_starts: usize = 8, Tuned("the blind trial");
+        /// A contact is beyond this part of the largest displacement to its side, and short of the rest of the second.
+        contact: [f64; 2] = [0.02, 0.98], Tuned("the blind trial");
+        /// Starts of a contact.
+        contact_starts: usize = 16, Tuned("the blind trial");
+        /// A spring in series is at least and at most so many times as stiff as the specimen: a softer one takes up more than the whole
+        /// displacement.
+        series: [f64; 2] = [1.3, 200.0], Tuned("the blind trial");
+        /// Starts of a spring in series.
+        series_starts: usize = 6, Tuned("the blind trial");
+        /// A delay is at least this part of a tick.
+        shortest_delay: f64 = 0.02, Tuned("the blind trial");
+        /// A delay is at most this part of the longest period.
+        longest_delay: f64 = 0.2, Tuned("the blind trial");
+        /// A delay is at most so many ticks.
+        longest_delay_in_ticks: f64 = 250.0, Derived("what the crate remembers");
+        /// Starts of a delay.
+        delay_starts: usize = 9, Tuned("the blind trial");
+        /// A drift settles within at least so many cycles.
+        shortest_drift: f64 = 0.3, Tuned("the blind trial");
+        /// A drift settles within at most so many times the cycles recorded.
+        longest_drift: f64 = 10.0, Convention("longer, and it is a straight line");
+        /// Starts of a drift.
+        drift_starts: usize = 8, Tuned("the blind trial");
+        /// A Maxwell branch relaxes in at least this part of a tick.
+        shortest_relaxation: f64 = 0.5, Derived("faster, and it has relaxed at the next");
+        /// Starts of a branch's time.
+        relaxation_starts: usize = 12, Tuned("the blind trial");
+        /// With ω·time below this at the highest frequency a branch is a dashpot.
+        dashpot: f64 = 0.2, Tuned("the blind trial; a branch then differs from its dashpot by ωτ/√(1 + ω²τ²), a fifth");
+        /// With ω·time above this at the lowest frequency a branch is a spring.
+        spring: f64 = 10.0, Tuned("the blind trial; a branch then differs from its spring by 1/√(1 + ω²τ²), a tenth");
+        /// The highest frequency is more than so many times the lowest where there are several.
+        several: f64 = 1.2, Tuned("the blind trial");
+        /// A tone has at least so many periods in a recording.
+        fewest_periods: f64 = 4.0, Convention("fewer are a drift");
+        /// A tone has at most so many cycles a sample.
+        highest_tone: f64 = 0.499, Derived("half of the sampling rate");
+    }
+}
 
 /// Range and starts of a shape.
 #[derive(Clone, Debug, PartialEq)]
@@ -25,8 +97,8 @@ impl Shape {
             low,
             high,
             starts: (1..=count).map(|i| low * step.powi(i as i32)).collect(),
-            simple_below: 1.02 * low,
-            simple_above: high / 1.02,
+            simple_below: policy().shape.at_end * low,
+            simple_above: high / policy().shape.at_end,
         }
     }
 
@@ -108,9 +180,10 @@ impl Extent {
     /// The shortest length that can be searched, mm. A smaller one than the noise shows cannot be told from an error of the
     /// velocity at a reversal.
     pub(crate) fn shortest(&self) -> f64 {
-        (5.0 * self.noise)
-            .max(1e-3 * self.amplitude)
-            .min(0.4 * self.amplitude)
+        let policy = &policy().shape;
+        (policy.noises * self.noise)
+            .max(policy.shortest * self.amplitude)
+            .min(policy.longest_shortest * self.amplitude)
     }
 }
 

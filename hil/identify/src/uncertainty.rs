@@ -9,13 +9,21 @@ use super::shape::Extent;
 use super::solution::Solution;
 use super::tangent::Tangent;
 use super::term::{Term, TermValue};
+use crate::policy::policy;
 
-/// A normal variable is within this many deviations of its mean in 90 % of the cases.
+/// A normal variable is within this many deviations of its mean in 90 % of the cases. Derived: the quantile.
 const NINETY_PERCENT: f64 = 1.645;
-/// A row that is fitted by itself alone keeps this part of its residual.
-const LEAST_KEPT: f64 = 0.1;
-/// Longest lag, in samples, over which residuals are taken as correlated.
-const LONGEST_LAG: usize = 200;
+mesh_damper_recording::numbers! {
+    /// Intervals of what was fitted.
+    UncertaintyPolicy {
+        /// A row that is fitted by itself alone keeps this part of its residual.
+        least_kept: f64 = 0.1, Tuned("hil/studies/tests/intervals.rs");
+        /// Longest lag, in samples, over which residuals are taken as correlated.
+        longest_lag: usize = 200, Convention("a cycle of 5 Hz at 1 kHz");
+        /// Residuals are correlated up to the first lag whose correlation is below this.
+        uncorrelated: f64 = 0.02, Tuned("hil/studies/tests/intervals.rs");
+    }
+}
 
 /// Half widths of the 90 % intervals, in the units of what they belong to.
 #[derive(Clone, Debug)]
@@ -159,7 +167,7 @@ impl Uncertainty {
                 .flat_map(|&(i, a)| row.iter().map(move |&(j, b)| (i, j, a * b)))
                 .map(|(i, j, product)| inverse[(i, j)] * product)
                 .sum();
-            let kept = (1.0 - leverage).max(LEAST_KEPT);
+            let kept = (1.0 - leverage).max(policy().uncertainty.least_kept);
             add_square(&mut spread, &row, (residual / kept).powi(2));
         }
         let covariance = &inverse * spread * &inverse * autocorrelation_time(&residuals);
@@ -248,8 +256,8 @@ fn autocorrelation_time(residuals: &[f64]) -> f64 {
             .sum::<f64>()
             / power
     };
-    (1..LONGEST_LAG.min(residuals.len()))
+    (1..policy().uncertainty.longest_lag.min(residuals.len()))
         .map(correlation)
-        .take_while(|&rho| rho > 0.02)
+        .take_while(|&rho| rho > policy().uncertainty.uncorrelated)
         .fold(1.0, |total, rho| total + 2.0 * rho)
 }

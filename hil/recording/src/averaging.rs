@@ -12,24 +12,34 @@ use std::ops::Range;
 use super::cycles::median;
 use super::noise::SIXTH_DIFFERENCE;
 use super::spectrum::powers;
+use crate::policy::policy;
 
-/// At most so many notches are looked for.
-const MOST_NOTCHES: usize = 5;
-/// Two at least, so that a filter against the mains is not taken for an average.
-const FEWEST_NOTCHES: usize = 2;
-/// Half the width of a notch over the distance of two: the gain is below a twentieth there.
-const NOTCH: f64 = 0.06;
-/// What lies between notches, likewise from the first to the second number beside one.
-const BETWEEN: [f64; 2] = [0.25, 0.75];
-/// A notch is at least so many bins of the spectrum wide to either side.
-const FEWEST_BINS: f64 = 2.4;
-/// Logarithm of the power in notches over that between them, on average at most: −1.9 to −5.2 in recordings that were averaged,
-/// above −0.9 at its deepest in others.
-const DEEP: f64 = -1.4;
-/// And in each of them.
-const SEEN: f64 = -0.4;
-/// Notches whose distances are within this ratio are the same.
-const NEAR: f64 = 1.15;
+crate::numbers! {
+    /// Which channels were smoothed by a moving average.
+    AveragingPolicy {
+        /// At most so many notches are looked for.
+        most_notches: usize = 5, Convention("those beyond lie in the noise");
+        /// Fewest notches of an average.
+        fewest_notches: usize = 2, Derived("a filter against the mains has one");
+        /// Half the width of a notch over the distance of two.
+        notch: f64 = 0.06, Derived("the gain of a mean is below a fifteenth there");
+        /// What lies between notches: from the first to the second part of their distance beside one.
+        between: [f64; 2] = [0.25, 0.75], Derived("the gain of a mean is above half of its largest there");
+        /// A notch is at least so many bins of the spectrum wide to either side.
+        fewest_bins: f64 = 2.4, Tuned("the recordings of others");
+        /// Logarithm of the power in notches over that between them, on average at most: −1.9 to −5.2 in recordings that were
+        /// averaged, above −0.9 at its deepest in others.
+        deep: f64 = -1.4, Tuned("the recordings of others");
+        /// The same logarithm in each of the notches at most.
+        seen: f64 = -0.4, Tuned("the recordings of others");
+        /// Notches whose distances are within this ratio are the same.
+        near: f64 = 1.15, Tuned("the recordings of others");
+        /// The distances tried are apart by this part of one.
+        finer: f64 = 0.002, Derived("at the fifth notch a twelfth of a notch's width");
+        /// The distances tried are apart by at least so many bins.
+        finest: f64 = 0.5, Derived("half of what a spectrum resolves");
+    }
+}
 
 /// A moving average over samples before and after.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -47,8 +57,8 @@ impl MovingAverage {
         };
         let bins = displacement.bins();
         let mut found: Vec<(f64, f64)> = Vec::new();
-        let mut distance = FEWEST_BINS / NOTCH;
-        while distance * FEWEST_NOTCHES as f64 <= bins {
+        let mut distance = policy().averaging.fewest_bins / policy().averaging.notch;
+        while distance * policy().averaging.fewest_notches as f64 <= bins {
             let depths = [&displacement, &force].map(|spectrum| spectrum.depth(distance));
             if let [Some(one), Some(other)] = depths
                 && displacement.has_notches(distance)
@@ -56,13 +66,13 @@ impl MovingAverage {
             {
                 found.push((distance, one.max(other)));
             }
-            distance += (0.002 * distance).max(0.5);
+            distance += (policy().averaging.finer * distance).max(policy().averaging.finest);
         }
         // Every second notch of an average is a notch too, so those that are nearest together count.
         let (first, _) = *found.first()?;
         let same = found
             .iter()
-            .take_while(|(distance, _)| *distance < NEAR * first);
+            .take_while(|(distance, _)| *distance < policy().averaging.near * first);
         let (distance, _) = same.min_by(|a, b| a.1.total_cmp(&b.1))?;
         Some(Self {
             window: 2.0 * bins / distance,
@@ -174,13 +184,13 @@ impl Spectrum {
 
     /// With `level` of the logarithms in some bins.
     fn depth_by(&self, distance: f64, level: impl Fn(Range<usize>) -> f64) -> Option<f64> {
-        let notches = ((self.bins() + NOTCH * distance) / distance) as usize;
-        let depths: Vec<f64> = (1..=notches.min(MOST_NOTCHES))
+        let notches = ((self.bins() + policy().averaging.notch * distance) / distance) as usize;
+        let depths: Vec<f64> = (1..=notches.min(policy().averaging.most_notches))
             .map(|notch| {
                 let at = |place: f64| (notch as f64 + place) * distance;
                 let within = |from: f64, to: f64| Some(level(self.range(at(from), at(to))?));
-                let [near, far] = BETWEEN;
-                let inside = within(-NOTCH, NOTCH)?;
+                let [near, far] = policy().averaging.between;
+                let inside = within(-policy().averaging.notch, policy().averaging.notch)?;
                 let below = within(-far, -near)?;
                 let above = (at(far) <= self.bins())
                     .then(|| within(near, far))
@@ -189,9 +199,9 @@ impl Spectrum {
             })
             .collect::<Option<_>>()?;
         let mean = depths.iter().sum::<f64>() / depths.len() as f64;
-        let is_average = depths.len() >= FEWEST_NOTCHES
-            && mean < DEEP
-            && depths.iter().all(|depth| *depth < SEEN);
+        let is_average = depths.len() >= policy().averaging.fewest_notches
+            && mean < policy().averaging.deep
+            && depths.iter().all(|depth| *depth < policy().averaging.seen);
         is_average.then_some(mean)
     }
 }

@@ -3,20 +3,30 @@
 use std::f64::consts::TAU;
 
 use super::faults::{Channel, Fault, Kind};
+use crate::policy::policy;
 
-/// A time that is off its tick by up to this fraction of a period is taken as it is: the rounding of printed times. At a
-/// velocity v the displacement is then off by at most this fraction of v·period.
-const ROUNDING: f64 = 0.05;
-/// A step of more periods than this is a gap where the times keep no clock.
-const GAP: f64 = 1.75;
-/// The largest relative change of the period by which gaps can be said to be of whole periods.
-const REFINEMENT: f64 = 1e-3;
-/// Times that are off their ticks by more than this, RMS in periods, keep no clock.
-const KEEPS_NO_CLOCK: f64 = 0.45;
-/// Jitter below this is not worth a word, RMS in periods.
-const WORTH_SAYING: f64 = 0.03;
-/// Samples that the first estimate of a jittering clock is made of.
-const FIRST: usize = 32;
+crate::numbers! {
+    /// How the clock behind a recording's times is found.
+    ClockPolicy {
+        /// A time that is off its tick by up to this part of a period is taken as it is: at a velocity v the displacement is then off
+        /// by at most this part of v·period.
+        rounding: f64 = 0.05, Convention("the rounding of printed times");
+        /// A step of more periods is a gap where the times keep no clock.
+        gap: f64 = 1.75, Tuned("the injected channel faults");
+        /// The largest relative change of the period by which gaps can be said to be of whole periods.
+        refinement: f64 = 1e-3, Tuned("the injected channel faults");
+        /// Times that are off their ticks by more, RMS in periods, keep no clock.
+        keeps_no_clock: f64 = 0.45, Tuned("the injected channel faults");
+        /// Jitter below this is not said, RMS in periods.
+        worth_saying: f64 = 0.03, Convention("the velocity errs by as little");
+        /// Samples that the first estimate of a jittering clock is made of.
+        first: usize = 32, Tuned("the injected channel faults");
+        /// Times are rounded to a step where none is off by more than this part of it.
+        rounded: f64 = 0.55, Derived("half a step, and a tenth for the period's own error");
+        /// A step is decimal where no time is off by more than this part of its last digit.
+        decimal: f64 = 1e-4, Derived("what reading a time rounds, of a recording of days");
+    }
+}
 
 /// Equal steps that a recording's samples stand on or about.
 #[derive(Clone, Debug, PartialEq)]
@@ -36,7 +46,10 @@ impl Clock {
     pub fn of(time: &[f64], displacement: &[f64]) -> Self {
         let period = mean_step(time);
         let positions: Vec<f64> = time.iter().map(|t| (t - time[0]) / period).collect();
-        if positions.iter().all(|p| (p - p.round()).abs() <= ROUNDING) {
+        if positions
+            .iter()
+            .all(|p| (p - p.round()).abs() <= policy().clock.rounding)
+        {
             return Self {
                 period,
                 ticks: positions.iter().map(|p| p.round() as usize).collect(),
@@ -51,7 +64,11 @@ impl Clock {
         let mut ticks = vec![0];
         for pair in time.windows(2) {
             let step = (pair[1] - pair[0]) / period;
-            let ahead = if step > GAP { step.round() as usize } else { 1 };
+            let ahead = if step > policy().clock.gap {
+                step.round() as usize
+            } else {
+                1
+            };
             ticks.push(ticks[ticks.len() - 1] + ahead);
         }
         let apart = time
@@ -87,13 +104,13 @@ impl Clock {
             .map(|(a, &m)| a - m as f64)
             .collect();
         let jitter = rms(apart.iter().copied());
-        if jitter > KEEPS_NO_CLOCK {
+        if jitter > policy().clock.keeps_no_clock {
             return None;
         }
         let largest = apart
             .iter()
             .fold(0.0_f64, |largest, a| largest.max(a.abs()));
-        let rounded = largest * period <= 0.55 * rounding(time);
+        let rounded = largest * period <= policy().clock.rounded * rounding(time);
         let on_ticks = rounded || smoother_over_ticks(time, &ticks, displacement);
         // Where the channels are interpolated anyway, the ticks end with the samples.
         let span = time[time.len() - 1] - time[0];
@@ -124,7 +141,7 @@ impl Clock {
     pub fn faults(&self) -> Vec<Fault> {
         let channel = Channel::Time;
         let mut faults = Vec::new();
-        if self.jitter > WORTH_SAYING {
+        if self.jitter > policy().clock.worth_saying {
             let kind = Kind::Jitter {
                 rms: self.jitter,
                 stamps_only: self.on_ticks,
@@ -148,14 +165,15 @@ fn mean_step(time: &[f64]) -> f64 {
     let mut steps: Vec<f64> = time.windows(2).map(|pair| pair[1] - pair[0]).collect();
     let middle = steps.len() / 2;
     let median = *steps.select_nth_unstable_by(middle, f64::total_cmp).1;
-    let (short, long): (Vec<f64>, Vec<f64>) =
-        steps.into_iter().partition(|step| *step <= GAP * median);
+    let (short, long): (Vec<f64>, Vec<f64>) = steps
+        .into_iter()
+        .partition(|step| *step <= policy().clock.gap * median);
     let period = short.iter().sum::<f64>() / short.len() as f64;
     // Over gaps of whole periods the count is longer and the period finer.
     let missing: f64 = long.iter().map(|step| (step / period).round()).sum();
     let span = time[time.len() - 1] - time[0];
     let refined = span / (short.len() as f64 + missing);
-    if (refined / period - 1.0).abs() < REFINEMENT {
+    if (refined / period - 1.0).abs() < policy().clock.refinement {
         refined
     } else {
         period
@@ -173,7 +191,7 @@ fn lock(time: &[f64]) -> Option<(f64, f64)> {
     let middle = steps.len() / 2;
     let mut period = *steps.select_nth_unstable_by(middle, f64::total_cmp).1;
     let mut start = time[0];
-    let mut count = FIRST.min(time.len());
+    let mut count = policy().clock.first.min(time.len());
     loop {
         for _ in 0..3 {
             start = phase(&time[..count], period);
@@ -239,7 +257,7 @@ fn rounding(time: &[f64]) -> f64 {
         .map(|decimals| 10f64.powi(-decimals))
         .find(|step| {
             time.iter()
-                .all(|t| (t / step - (t / step).round()).abs() < 1e-4)
+                .all(|t| (t / step - (t / step).round()).abs() < policy().clock.decimal)
         })
         .unwrap_or(0.0)
 }

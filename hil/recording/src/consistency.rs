@@ -2,25 +2,33 @@
 
 use super::Recording;
 use crate::error::InputError;
+use crate::policy::policy;
 
-/// Displacement histories that differ by less than this fraction of their RMS are the same motion.
-const SAME_MOTION: f64 = 0.02;
-/// Forces that differ by more than this fraction of their RMS contradict each other; noise is about 0.004, and wear,
-/// temperature or run-in under the same motion change a force by a few per cent.
-const CONTRADICTION: f64 = 0.25;
-/// The same where the two were recorded at other temperatures: only a sign or a unit can be said to be wrong.
-const CONTRADICTION_BETWEEN_TEMPERATURES: f64 = 0.9;
-/// Mean temperatures that differ by more than this many °C are other temperatures.
-const SAME_TEMPERATURE: f64 = 2.0;
-/// The shortest common stretch that is compared, samples.
-const SHORTEST: usize = 50;
-/// Work of more than this part of what the force could do says which way the energy goes.
-const DISSIPATES: f64 = 0.1;
-/// Samples that a step of displacement is taken over.
-const STRIDE: usize = 8;
-/// Forces per displacement that differ by more than this factor differ by a unit: a damper is stiffer at small amplitudes,
-/// but not so much.
-const UNIT_APART: f64 = 200.0;
+crate::numbers! {
+    /// Which recordings contradict each other.
+    ConsistencyPolicy {
+        /// Displacement histories that differ by less than this part of their RMS are the same motion.
+        same_motion: f64 = 0.02, Convention("a controller repeats a motion to a per cent");
+        /// Forces under the same motion that differ by more than this part of their RMS contradict each other: noise is about 0.004,
+        /// and wear, temperature or run-in change a force by a few per cent.
+        contradiction: f64 = 0.25, Tuned("the recordings of others");
+        /// The same where the two were recorded at other temperatures: only a sign or a unit can be said to be wrong.
+        contradiction_between_temperatures: f64 = 0.9, Convention("a force that is mostly another one");
+        /// Mean temperatures that differ by more are other temperatures, °C.
+        same_temperature: f64 = 2.0, Convention("a laboratory keeps its temperature to that");
+        /// The shortest common stretch that is compared, samples.
+        shortest: usize = 50, Convention("fewer are a quarter of a cycle");
+        /// Work of more than this part of what the force could do says which way the energy goes.
+        dissipates: f64 = 0.1, Tuned("the recordings of others");
+        /// Samples that a step of displacement is taken over, so that its noise is small beside it.
+        stride: usize = 8, Convention("a twenty-fifth of a cycle of 5 Hz at 1 kHz");
+        /// A factor between two forces is −1 to within this.
+        opposite: f64 = 0.1, Convention("a tenth");
+        /// A factor between two forces is one where it leaves less than this part of the square.
+        is_factor: f64 = 0.01, Derived("a tenth of the RMS, squared");
+    }
+}
+
 /// Comments that declare what was tested.
 const DECLARATIONS: [&str; 2] = ["specimen", "device"];
 
@@ -46,8 +54,8 @@ pub fn check_consistency(recordings: &[&Recording]) -> Result<(), InputError> {
 /// whatever their motions.
 fn check_character(earlier: &Recording, later: &Recording) -> Result<(), InputError> {
     let (a, b) = (Character::of(earlier), Character::of(later));
-    if a.dissipation.min(b.dissipation) < -DISSIPATES
-        && a.dissipation.max(b.dissipation) > DISSIPATES
+    if a.dissipation.min(b.dissipation) < -policy().consistency.dissipates
+        && a.dissipation.max(b.dissipation) > policy().consistency.dissipates
     {
         let giving = if a.dissipation < 0.0 { earlier } else { later };
         return Err(InputError::new(
@@ -60,7 +68,7 @@ fn check_character(earlier: &Recording, later: &Recording) -> Result<(), InputEr
         ));
     }
     let factor = b.stiffness / a.stiffness;
-    if !(1.0 / UNIT_APART..=UNIT_APART).contains(&factor) {
+    if !(1.0 / policy().scale.unit_apart..=policy().scale.unit_apart).contains(&factor) {
         return Err(InputError::new(
             &later.name,
             format!(
@@ -93,9 +101,9 @@ impl Character {
         );
         let (mut work, mut most) = (0.0, 0.0);
         // Over strides, so that the displacement's noise is small beside its steps.
-        for index in STRIDE..y.len() {
-            let step = y[index] - y[index - STRIDE];
-            let force = f[index - STRIDE / 2];
+        for index in policy().consistency.stride..y.len() {
+            let step = y[index] - y[index - policy().consistency.stride];
+            let force = f[index - policy().consistency.stride / 2];
             work += force * step;
             most += (force * step).abs();
         }
@@ -131,14 +139,14 @@ fn check_forces(earlier: &Recording, later: &Recording) -> Result<(), InputError
     let Some(pairs) = common_stretch(earlier, later) else {
         return Ok(());
     };
-    if difference(pairs.iter().map(|pair| pair.displacement)) > SAME_MOTION {
+    if difference(pairs.iter().map(|pair| pair.displacement)) > policy().consistency.same_motion {
         return Ok(());
     }
     let allowed = match (mean(&earlier.temperature), mean(&later.temperature)) {
-        (Some(a), Some(b)) if (a - b).abs() > SAME_TEMPERATURE => {
-            CONTRADICTION_BETWEEN_TEMPERATURES
+        (Some(a), Some(b)) if (a - b).abs() > policy().consistency.same_temperature => {
+            policy().consistency.contradiction_between_temperatures
         }
-        _ => CONTRADICTION,
+        _ => policy().consistency.contradiction,
     };
     let apart = difference(pairs.iter().map(|pair| pair.force));
     if apart <= allowed {
@@ -146,7 +154,7 @@ fn check_forces(earlier: &Recording, later: &Recording) -> Result<(), InputError
     }
     let factor = scale_between(pairs.iter().map(|pair| pair.force));
     let (how, mend) = match factor {
-        Some(factor) if (factor + 1.0).abs() < 0.1 => (
+        Some(factor) if (factor + 1.0).abs() < policy().consistency.opposite => (
             "its force has the opposite sign".to_owned(),
             "turn the sign of one force channel, or drop one of the two",
         ),
@@ -193,7 +201,7 @@ fn common_stretch(earlier: &Recording, later: &Recording) -> Option<Vec<Pair>> {
             force: (earlier.force[index], at(&later.force)),
         });
     }
-    (pairs.len() >= SHORTEST).then_some(pairs)
+    (pairs.len() >= policy().consistency.shortest).then_some(pairs)
 }
 
 fn sum_of_squares(values: impl Iterator<Item = f64>) -> f64 {
@@ -220,7 +228,7 @@ fn scale_between(pairs: impl Iterator<Item = (f64, f64)> + Clone) -> Option<f64>
     let second = sum_of_squares(pairs.map(|(_, b)| b));
     let correlation = product / (first * second).sqrt();
     // sin of the angle between them is what a factor leaves.
-    (1.0 - correlation * correlation < 0.01).then_some(product / first)
+    (1.0 - correlation * correlation < policy().consistency.is_factor).then_some(product / first)
 }
 
 fn mean(values: &Option<Vec<f64>>) -> Option<f64> {

@@ -3,9 +3,21 @@
 use std::ops::Range;
 
 use crate::extremes::least_and_largest;
+use crate::policy::policy;
 
-/// Two neighbouring cycles are of one block when their periods and amplitudes differ by less than this fraction.
-const ALIKE: f64 = 0.08;
+crate::numbers! {
+    /// Which cycles and which blocks are alike.
+    CyclesPolicy {
+        /// Two neighbouring cycles are of one block when their periods and amplitudes differ by less than this part.
+        alike: f64 = 0.08, Tuned("the blind trial and the recordings of others");
+        /// Two blocks are of one amplitude when those differ by less than this part.
+        same_amplitude: f64 = 0.06, Tuned("the blind trial");
+        /// With more amplitudes the motion has no levels of amplitude.
+        most_amplitudes: usize = 8, Convention("a test with more is a sweep of amplitude");
+        /// Samples by which the boundary of a block may lie beside a kink that it is moved to.
+        snap: usize = 2, Derived("a crossing found through noise may be a sample off, and a kink too");
+    }
+}
 
 /// One cycle of displacement, from one crossing of the mid level to the next in the same direction.
 #[derive(Clone, Debug, PartialEq)]
@@ -130,7 +142,7 @@ impl Cycles {
             let near = kinks
                 .iter()
                 .copied()
-                .find(|kink| kink.abs_diff(boundary) <= 2);
+                .find(|kink| kink.abs_diff(boundary) <= policy().cycles.snap);
             near.unwrap_or(boundary)
         };
         for block in &mut self.blocks {
@@ -166,7 +178,12 @@ fn upward_crossings(displacement: &[f64], level: f64, hysteresis: f64) -> Vec<f6
 }
 
 fn alike(a: f64, b: f64) -> bool {
-    (a - b).abs() < ALIKE * a.abs().max(b.abs())
+    (a - b).abs() < policy().cycles.alike * a.abs().max(b.abs())
+}
+
+/// Whether two amplitudes in mm are one: those at which the law has coefficients of its own lie further apart.
+pub fn same_amplitude(a: f64, b: f64) -> bool {
+    (a - b).abs() < policy().cycles.same_amplitude * a.max(b)
 }
 
 /// Groups cycles into blocks. A cycle that is like neither neighbour is the transition into the block after it.

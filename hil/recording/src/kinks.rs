@@ -2,20 +2,37 @@
 
 use std::ops::Range;
 
-use super::motion::SHORTEST;
 use super::polynomial::{Cubic, fit_polynomial, left_by_polynomial};
+use crate::policy::policy;
 
 /// Degree of a polynomial with as many coefficients as two quadratics.
 const SMOOTH: usize = 5;
-/// Standard deviations by which two quadratics have to be better than that: noise alone does so once in a million samples.
-const CLEARLY: f64 = 5.0;
 
-/// Times that a kink is moved to where the sides meet,
-const MEETINGS: usize = 3;
-/// by at most so many samples each time;
-const FARTHEST: f64 = 6.0;
-/// in the end they meet within so many samples of it.
-const CLOSEST: f64 = 2.0;
+crate::numbers! {
+    /// Where the velocity jumps.
+    KinksPolicy {
+        /// Times that a kink is moved to where its sides meet.
+        meetings: usize = 3, Tuned("the estimated motions");
+        /// Samples by which it is moved each time at most.
+        farthest: f64 = 6.0, Tuned("the estimated motions");
+        /// Its sides meet within so many samples of it in the end.
+        closest: f64 = 2.0, Tuned("the estimated motions");
+        /// The windows to either side of a sample are this part of a period long.
+        window: f64 = 0.05, Tuned("the estimated motions");
+        /// The windows have at least and at most so many samples.
+        windows: [usize; 2] = [5, 200], Derived("a quadratic through fewer has no error, and more cost time and gain nothing");
+        /// A jump of the slope stands out where it is more than so many of its deviations.
+        stands_out: f64 = 8.0, Tuned("the estimated motions");
+        /// A jump of the slope stands out where it is more than this part of the slopes around it.
+        large: f64 = 0.1, Tuned("the estimated motions");
+        /// What of a jump is surely there lies beyond so many of its deviations.
+        surely: f64 = 3.0, Convention("three in a thousand by chance");
+        /// Two quadratics that meet at a kink are better than one smooth polynomial by so many deviations.
+        clearly: f64 = 5.0, Derived("noise alone does so once in a million samples");
+        /// A sample up to this part of a tick before where the sides meet belongs to what comes after.
+        at_kink: f64 = 0.2, Tuned("the estimated motions");
+    }
+}
 
 /// First samples after the displacement's slope jumps, increasing; between two of them lie enough samples for a velocity.
 ///
@@ -25,7 +42,10 @@ const CLOSEST: f64 = 2.0;
 /// within a window than a quadratic does: that is no kink, and one polynomial of as many coefficients describes it as well.
 pub(super) fn find_kinks(samples: &[f64], tick: f64, period: &[f64], noise: f64) -> Vec<usize> {
     let count = samples.len();
-    let width = |index: usize| ((0.05 * period[index] / tick) as usize).clamp(5, 200);
+    let [shortest, longest] = policy().kinks.windows;
+    let width = |index: usize| {
+        ((policy().kinks.window * period[index] / tick) as usize).clamp(shortest, longest)
+    };
     let widths = |index: usize| {
         (
             width(index.saturating_sub(3)),
@@ -38,8 +58,8 @@ pub(super) fn find_kinks(samples: &[f64], tick: f64, period: &[f64], noise: f64)
             let Some(jump) = Jump::at(samples, index, before, after, 2, noise) else {
                 return 0.0;
             };
-            let stands_out = jump.difference > 8.0 * jump.deviation;
-            if stands_out && jump.difference > 0.1 * jump.largest_slope {
+            let stands_out = jump.difference > policy().kinks.stands_out * jump.deviation;
+            if stands_out && jump.difference > policy().kinks.large * jump.largest_slope {
                 jump.surely()
             } else {
                 0.0
@@ -66,7 +86,7 @@ pub(super) fn find_kinks(samples: &[f64], tick: f64, period: &[f64], noise: f64)
     kinks.sort_unstable_by_key(|&(kink, _)| kink);
     // Of two without a window between them one is the other's shadow.
     kinks.dedup_by(|next, kept| {
-        let is_shadow = next.0 - kept.0 <= SHORTEST;
+        let is_shadow = next.0 - kept.0 <= policy().motion.shortest;
         if is_shadow && next.1 > kept.1 {
             *kept = *next;
         }
@@ -82,7 +102,7 @@ fn is_sharp(samples: &[f64], kink: usize, before: usize, after: usize, noise: f6
     let end = (kink + after).min(samples.len());
     let left = |range: Range<usize>, degree| left_by_polynomial(&samples[range], degree);
     let apart = left(start..kink, 2) + left(kink..end, 2);
-    left(start..end, SMOOTH) - apart > (CLEARLY * noise).powi(2)
+    left(start..end, SMOOTH) - apart > (policy().kinks.clearly * noise).powi(2)
 }
 
 /// Polynomials on both sides of a sample that belongs to neither.
@@ -128,7 +148,7 @@ impl Jump {
 
     /// What of the difference is surely there.
     fn surely(&self) -> f64 {
-        self.difference - 3.0 * self.deviation
+        self.difference - policy().kinks.surely * self.deviation
     }
 }
 
@@ -148,14 +168,15 @@ fn locate_kink(
     // off: of a long window on the other side they are a small part.
     let mut at = index;
     let mut meeting = jump.meeting;
-    for _ in 0..MEETINGS {
-        at = (at as f64 + meeting.clamp(-FARTHEST, FARTHEST)).round() as usize;
+    for _ in 0..policy().kinks.meetings {
+        at = (at as f64 + meeting.clamp(-policy().kinks.farthest, policy().kinks.farthest)).round()
+            as usize;
         meeting = Jump::at(samples, at, before, after, 3, noise)?.meeting;
-        if meeting.abs() <= CLOSEST {
+        if meeting.abs() <= policy().kinks.closest {
             break;
         }
     }
     // The sample at the kink itself belongs to what comes after.
-    let first_after = (at as f64 + meeting - 0.2).ceil();
-    (meeting.abs() <= CLOSEST).then_some(first_after as usize)
+    let first_after = (at as f64 + meeting - policy().kinks.at_kink).ceil();
+    (meeting.abs() <= policy().kinks.closest).then_some(first_after as usize)
 }

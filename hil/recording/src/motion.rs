@@ -14,9 +14,25 @@ use super::kinks::find_kinks;
 use super::noise::noise_deviation;
 use super::polynomial::{Cubic, fit_polynomial};
 use crate::extremes::least_and_largest;
+use crate::policy::policy;
 
-/// Fewest samples to each side of the one that a cubic is fitted for.
-pub(super) const SHORTEST: usize = 4;
+crate::numbers! {
+    /// How velocity and acceleration are estimated.
+    MotionPolicy {
+        /// Fewest samples to each side of the one that a cubic is fitted for.
+        shortest: usize = 4, Derived("nine samples leave five beside a cubic's four coefficients");
+        /// A speed within so many of its deviations has no certain direction.
+        uncertain: f64 = 2.0, Tuned("the blind trial");
+        /// A speed above this part of the largest has a direction.
+        at_rest: f64 = 1e-3, Tuned("the blind trial");
+        /// A window reaches over at most this part of a period to each side.
+        longest: f64 = 0.15, Tuned("the estimated motions");
+        /// A start from rest lasts at most this part of the first period.
+        start: f64 = 0.5, Derived("a quarter of a period leads from rest to the first turn, and the window is twice what it is used for");
+        /// A window leaves only noise where its error is within so many deviations of that.
+        only_noise: f64 = 4.0, Derived("a normal variable exceeds it once in 30 000 times");
+    }
+}
 
 /// Displacement, velocity and acceleration on a uniform time base.
 #[derive(Clone, Debug, PartialEq)]
@@ -37,11 +53,6 @@ pub struct Motion {
     pub start_from_rest: usize,
 }
 
-/// A speed within so many of its deviations has no certain direction,
-const UNCERTAIN: f64 = 2.0;
-/// if it is below this part of the largest.
-const AT_REST: f64 = 1e-3;
-
 impl Motion {
     /// Velocities that are 0 as far as the data show become 0: a friction whose direction is not known is then taken as
     /// none, and not as one that may be the wrong way. But a start from rest goes one way: before its direction is certain the
@@ -58,7 +69,9 @@ impl Motion {
             *velocity = reached * index as f64 / started as f64;
         }
         for (velocity, deviation) in rest.iter_mut().zip(&self.velocity_deviation[started..]) {
-            if velocity.abs() < (UNCERTAIN * deviation).min(AT_REST * largest) {
+            if velocity.abs()
+                < (policy().motion.uncertain * deviation).min(policy().motion.at_rest * largest)
+            {
                 *velocity = 0.0;
             }
         }
@@ -72,7 +85,7 @@ impl Motion {
         };
         let way = self.velocity[last].signum();
         let is_certain = |&index: &usize| {
-            way * self.velocity[index] > UNCERTAIN * self.velocity_deviation[index]
+            way * self.velocity[index] > policy().motion.uncertain * self.velocity_deviation[index]
         };
         let certain = (0..start).rev().take_while(is_certain).last();
         certain.unwrap_or_default()
@@ -99,8 +112,11 @@ impl Motion {
             start_from_rest: 0,
         };
         let bounds = segment_bounds(&motion.kinks, count);
-        let start_from_rest =
-            StartFromRest::fit(displacement, (0.5 * period[0] / tick) as usize, noise);
+        let start_from_rest = StartFromRest::fit(
+            displacement,
+            (policy().motion.start * period[0] / tick) as usize,
+            noise,
+        );
         motion.start_from_rest = start_from_rest.as_ref().map_or(0, |start| start.length);
         let mut half = HalfWindow::new(tick, noise);
         for segment in bounds.windows(2) {
@@ -154,13 +170,13 @@ impl HalfWindow {
             return half;
         }
         let theta = TAU * self.tick / period;
-        let longest = (0.15 * period / self.tick) as usize;
+        let longest = (policy().motion.longest * period / self.tick) as usize;
         let error = |half: usize| {
             let n = half as f64;
             let bias = amplitude * theta * (theta * n).powi(4) / 280.0;
             self.noise * self.noise * 75.0 / (4.0 * n.powi(3)) + bias * bias
         };
-        let mut half = SHORTEST;
+        let mut half = policy().motion.shortest;
         while half < longest && error(half + 1) < error(half) {
             half += 1;
         }
@@ -199,7 +215,7 @@ impl StartFromRest {
     /// begin at rest.
     fn fit(samples: &[f64], longest: usize, noise: f64) -> Option<Self> {
         let mut length = longest.min(samples.len());
-        while length >= 4 * SHORTEST {
+        while length >= 4 * policy().motion.shortest {
             let window = length as f64;
             let mut gram = Matrix4::zeros();
             let mut right = Vector4::zeros();
@@ -278,15 +294,17 @@ fn fit_window(
             index as f64 - low as f64,
             degree,
         );
-        if half <= SHORTEST || leaves_only_noise(cubic.error, length as f64 - 4.0, noise) {
+        if half <= policy().motion.shortest
+            || leaves_only_noise(cubic.error, length as f64 - 4.0, noise)
+        {
             return cubic;
         }
-        half = (half * 3 / 4).max(SHORTEST);
+        half = (half * 3 / 4).max(policy().motion.shortest);
     }
 }
 
 /// Whether a sum of squares is no more than white noise of deviation `noise` would leave with so many degrees of
-/// freedom, but for a chance of four deviations.
+/// freedom, but for a chance.
 pub(super) fn leaves_only_noise(error: f64, freedom: f64, noise: f64) -> bool {
-    error <= noise * noise * (freedom + 4.0 * (2.0 * freedom).sqrt())
+    error <= noise * noise * (freedom + policy().motion.only_noise * (2.0 * freedom).sqrt())
 }

@@ -5,26 +5,32 @@ use std::ops::Range;
 
 use super::cycles::median;
 use super::spectrum::{place_of_line, powers};
+use crate::policy::policy;
 
 /// The weights of the samples of a sixth difference.
 pub const SIXTH_DIFFERENCE: [f64; 7] = [1.0, -6.0, 15.0, -20.0, 15.0, -6.0, 1.0];
 /// The sum of their squares, Σ binomial(6, k)².
 const POWER: f64 = 924.0;
 
-/// Tones of fewer cycles a sample are too little of a sixth difference to be taken for noise.
-const LOWEST: f64 = 0.1;
-/// A tone has more than so many times the median power of the bins around it,
-const STANDS_OUT: f64 = 40.0;
-/// of which so many are taken together: it is but four of them.
-const AROUND: usize = 32;
-/// A difference of so many deviations is no noise, and no tone either.
-const JUMP: f64 = 4.0;
-/// At most so many are taken off,
-const MOST_TONES: usize = 12;
-/// and their frequencies, which a spectrum gives within a fiftieth of a bin, are made exact in so many rounds.
-const ROUNDS: usize = 2;
-/// Tones are there where less than this part is left without them.
-const LEFT: f64 = 0.85;
+crate::numbers! {
+    /// What of a channel is noise.
+    NoisePolicy {
+        /// Tones of fewer cycles a sample are too little of a sixth difference to be taken for noise.
+        lowest: f64 = 0.1, Derived("the gain of a sixth difference there is (2 sin 0.1π)⁶, a twentieth");
+        /// A tone has more than so many times the median power of the bins around it.
+        stands_out: f64 = 40.0, Tuned("the injected channel faults");
+        /// So many bins are around it: it is but four of them.
+        around: usize = 32, Convention("enough for a median that a tone does not move");
+        /// A difference of more than so many deviations is no noise, and no tone either.
+        jump: f64 = 4.0, Tuned("the injected channel faults");
+        /// At most so many tones are taken off.
+        most_tones: usize = 12, Convention("a mains' hum and its harmonics");
+        /// Rounds in which their frequencies, which a spectrum gives within a fiftieth of a bin, are made exact.
+        rounds: usize = 2, Derived("each round squares what is left of the error");
+        /// Tones are there where less than this part of the deviation is left without them.
+        left: f64 = 0.85, Tuned("the injected channel faults");
+    }
+}
 
 /// Standard deviation of white noise on a smooth signal, from its sixth differences: a smooth signal's vanish, white
 /// noise's have the variance Σ binomial(6, k)² = 924. Their median magnitude is blind to a few jumps.
@@ -38,7 +44,7 @@ pub fn noise_beside_tones(samples: &[f64]) -> f64 {
     let mut rest: Vec<f64> = sixth_differences(samples).collect();
     let seen = deviation(&rest);
     let mut beside = seen;
-    for _ in 0..MOST_TONES {
+    for _ in 0..policy().noise.most_tones {
         let quiet = without_jumps(&rest, beside);
         let powers = powers(quiet.clone());
         let Some(bin) = strongest_tone(&powers, rest.len()) else {
@@ -48,7 +54,11 @@ pub fn noise_beside_tones(samples: &[f64]) -> f64 {
         take_off(&mut rest, &quiet, turn);
         beside = deviation(&rest).min(beside);
     }
-    if beside < LEFT * seen { beside } else { seen }
+    if beside < policy().noise.left * seen {
+        beside
+    } else {
+        seen
+    }
 }
 
 /// The same over several runs of samples; tones are those of the longest. 0 where none is long enough for a difference.
@@ -79,7 +89,7 @@ fn deviation(differences: &[f64]) -> f64 {
 /// `differences` with 0 in the place of those that noise of this deviation, or a tone, would hardly make: a force that jumps at
 /// reversals has lines too, which would hide a tone's.
 fn without_jumps(differences: &[f64], deviation: f64) -> Vec<f64> {
-    let most = JUMP * deviation * POWER.sqrt();
+    let most = policy().noise.jump * deviation * POWER.sqrt();
     let quiet = |d: &f64| if d.abs() > most { 0.0 } else { *d };
     differences.iter().map(quiet).collect()
 }
@@ -89,26 +99,26 @@ fn strongest_tone(powers: &[f64], count: usize) -> Option<usize> {
     // Of white noise they have (2 sin(ω/2))¹².
     let half_turn = |bin: usize| bin as f64 / count as f64 * PI;
     let flat = |bin: usize| powers[bin] / (2.0 * half_turn(bin).sin()).powi(12);
-    let first = ((LOWEST * count as f64) as usize).max(1);
+    let first = ((policy().noise.lowest * count as f64) as usize).max(1);
     let flat: Vec<f64> = (first..powers.len()).map(flat).collect();
-    let medians = flat.chunks(AROUND);
+    let medians = flat.chunks(policy().noise.around);
     let medians: Vec<f64> = medians
         .filter_map(|bins| median(bins.iter().copied()))
         .collect();
     let ratio = |bin: usize| {
         let place = bin - first;
-        flat[place] / medians[place / AROUND].max(f64::MIN_POSITIVE)
+        flat[place] / medians[place / policy().noise.around].max(f64::MIN_POSITIVE)
     };
     (first..powers.len().saturating_sub(1))
         .max_by(|&a, &b| ratio(a).total_cmp(&ratio(b)))
-        .filter(|&bin| ratio(bin) > STANDS_OUT)
+        .filter(|&bin| ratio(bin) > policy().noise.stands_out)
 }
 
 /// Takes the tone of about so many radians a sample off `rest`, as `samples` have it, by least squares.
 fn take_off(rest: &mut [f64], samples: &[f64], turn: f64) {
     let mut turn = turn;
     let mut tone = Tone::fitted(samples, turn);
-    for _ in 0..ROUNDS {
+    for _ in 0..policy().noise.rounds {
         // A tone that turns a little faster leaves what grows to either side of the middle.
         let (mut product, mut square) = (0.0, 0.0);
         let mut time = -0.5 * samples.len() as f64;

@@ -4,11 +4,19 @@ use super::clock::Clock;
 use super::faults::Fault;
 use super::{Recording, units::Unit};
 use crate::error::{InputError, Place};
+use crate::policy::policy;
 
-/// Channels are interpolated by cubics across steps of up to so many periods; longer ones are gaps.
-const LONGEST: f64 = 2.2;
-/// More ticks than this many per sample, and the recording is mostly gaps.
-const MOST_TICKS_PER_SAMPLE: usize = 4;
+crate::numbers! {
+    /// How a recording is brought to equal steps.
+    ResamplePolicy {
+        /// Channels are interpolated by cubics across steps of up to so many periods; longer ones are gaps.
+        longest: f64 = 2.2, Derived("two ticks, and a tenth of each for their jitter");
+        /// The same of samples that stand on their ticks.
+        longest_on_ticks: f64 = 1.5, Derived("between one tick and two");
+        /// A recording with more ticks than this many a sample is mostly gaps.
+        most_ticks_per_sample: usize = 4, Convention("three quarters of it are missing");
+    }
+}
 
 /// The channels of a recording at equal steps of time.
 #[derive(Clone, Debug, PartialEq)]
@@ -106,7 +114,7 @@ impl Recording {
                 ((self.time[sample] - start) / period).round() as usize
             }
         };
-        if tick_of(last) > MOST_TICKS_PER_SAMPLE * self.len() {
+        if tick_of(last) > policy().resample.most_ticks_per_sample * self.len() {
             return Err(self.mostly_gaps(period));
         }
         let ticks = tick_of(last) + 1;
@@ -117,7 +125,11 @@ impl Recording {
         } else {
             self.time.clone()
         };
-        let longest = if clock.on_ticks { 1.5 } else { LONGEST } * period;
+        let longest = if clock.on_ticks {
+            policy().resample.longest_on_ticks
+        } else {
+            policy().resample.longest
+        } * period;
         let channel = |values: &[f64]| interpolate(&nodes, values, time.clone(), longest);
         let mut measured = vec![true; ticks];
         for (before, _) in clock.gaps() {

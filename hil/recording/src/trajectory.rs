@@ -12,21 +12,35 @@ use super::motion::Motion;
 use super::noise::{noise_beside_tones, noise_deviation, noise_of_runs};
 use crate::error::InputError;
 use crate::extremes::least_and_largest;
+use crate::policy::policy;
 
-/// The fewest samples that a motion can be estimated from.
-const FEWEST_SAMPLES: usize = 32;
-/// An average is over at most this part of a period.
-const LONGEST_AVERAGE: f64 = 0.2;
-/// Noise of more than this part of the displacement's range leaves no motion to be seen.
-const LARGEST_NOISE: f64 = 0.05;
-/// The middle of a motion is off by more than this part of the largest amplitude,
-const OFF: f64 = 0.05;
-/// and whatever the force by this.
-const FAR: f64 = 0.5;
-/// The mean of a motion about its middle differs from that by less than this part.
-const ABOUT: f64 = 0.25;
-/// A specimen that is pushed off its rest has more than this part of the force of a spring.
-const FELT: f64 = 0.4;
+crate::numbers! {
+    /// How a recording is made ready for identification.
+    TrajectoryPolicy {
+        /// A recording with fewer samples that can be used is refused.
+        fewest_samples: usize = 32, Convention("of fewer no motion can be estimated");
+        /// An average that a channel was smoothed by is over at most this part of a period.
+        longest_average: f64 = 0.2, Tuned("the recordings of others: the gaps between the harmonics of a motion with corners look like an average over half a period and more");
+        /// Noise of more than this part of the displacement's range leaves no motion to be seen.
+        largest_noise: f64 = 0.05, Convention("a twentieth");
+        /// The middle of a motion is off by more than this part of the largest amplitude, where the specimen does not feel it.
+        off: f64 = 0.05, Tuned("the blind trial and the recordings of others");
+        /// The middle of a motion is off, whatever the force, by more than this part of the largest amplitude.
+        far: f64 = 0.5, Tuned("the recordings of others");
+        /// The mean of a motion about its middle differs from that by less than this part.
+        about: f64 = 0.25, Tuned("the recordings of others");
+        /// A specimen that is pushed off its rest has more than this part of the force of a spring.
+        felt: f64 = 0.4, Tuned("the recordings of others");
+        /// A velocity of more than so many of its deviations is certain enough for the law's steep |v|^α.
+        certain: f64 = 3.0, Tuned("the blind trial");
+        /// A crossing counts where the displacement leaves a band of so many deviations of the noise about its middle.
+        crossing_noises: f64 = 6.0, Derived("white noise does so about twice in 10⁹ samples");
+        /// A crossing counts where the displacement leaves a band of this part of its range about its middle.
+        crossing: f64 = 0.01, Convention("a hundredth of the largest motion is the smallest that counts");
+        /// The temperature of a recording that has none, °C.
+        room: f64 = 20.0, Convention("a laboratory's");
+    }
+}
 
 /// Motion and force on a uniform time base, with what can be read off them.
 #[derive(Clone, Debug)]
@@ -123,7 +137,7 @@ impl Trajectory {
         recording: &Recording,
         known_off: Option<bool>,
     ) -> Result<(Self, Option<MovingAverage>), InputError> {
-        recording.require_samples(FEWEST_SAMPLES)?;
+        recording.require_samples(policy().trajectory.fewest_samples)?;
         let recording = &recording.mended();
         let mut uniform = recording.uniform()?;
         let mut found = recording.faults().to_vec();
@@ -134,7 +148,7 @@ impl Trajectory {
             .iter()
             .filter(|&&measured| measured)
             .count()
-            < FEWEST_SAMPLES
+            < policy().trajectory.fewest_samples
         {
             return Err(InputError::new(
                 &recording.name,
@@ -163,7 +177,7 @@ impl Trajectory {
         trajectory.measured = uniform.measured;
         trajectory.faults = found;
         let (low, high) = least_and_largest(&trajectory.motion.displacement);
-        if trajectory.motion.noise > LARGEST_NOISE * (high - low) {
+        if trajectory.motion.noise > policy().trajectory.largest_noise * (high - low) {
             return Err(InputError::new(
                 &recording.name,
                 format!(
@@ -177,7 +191,9 @@ impl Trajectory {
         // The gaps between the harmonics of a motion with corners look like notches of an average over half a period and more.
         let fastest = trajectory.blocks.iter().map(|block| block.frequency);
         let shortest = 1.0 / fastest.fold(0.0, f64::max);
-        let average = average.filter(|a| a.window * trajectory.tick < LONGEST_AVERAGE * shortest);
+        let average = average.filter(|a| {
+            a.window * trajectory.tick < policy().trajectory.longest_average * shortest
+        });
         Ok((trajectory, average))
     }
 
@@ -341,8 +357,8 @@ impl Trajectory {
             .kinks
             .get(after)
             .is_some_and(|kink| kink.abs_diff(index) <= 1);
-        let certain =
-            self.motion.velocity[index].abs() > 3.0 * self.motion.velocity_deviation[index];
+        let certain = self.motion.velocity[index].abs()
+            > policy().trajectory.certain * self.motion.velocity_deviation[index];
         self.measured[index] && certain && !at_kink
     }
 
@@ -358,7 +374,7 @@ impl Trajectory {
     pub fn temperature_at(&self, index: usize) -> f64 {
         self.temperature
             .as_ref()
-            .map_or(20.0, |temperature| temperature[index])
+            .map_or(policy().trajectory.room, |temperature| temperature[index])
     }
 }
 
@@ -389,14 +405,14 @@ fn is_off(displacement: &[f64], force: &[f64]) -> bool {
     let largest = 0.5 * (high - low);
     // A motion that is not about its middle says nothing of a zero.
     let mean = displacement.iter().sum::<f64>() / displacement.len() as f64;
-    let is_about = (mean - middle).abs() < ABOUT * middle.abs();
-    middle.abs() > FAR * largest
-        || middle.abs() > OFF * largest
+    let is_about = (mean - middle).abs() < policy().trajectory.about * middle.abs();
+    middle.abs() > policy().trajectory.far * largest
+        || middle.abs() > policy().trajectory.off * largest
             && is_about
             && !feels_it(displacement, force, middle, largest)
 }
 
-/// Whether the force at displacement `middle` is more than [`FELT`] of that of a spring of the stiffness that the channels show
+/// Whether the force at displacement `middle` is more than [`TrajectoryPolicy::felt`] of that of a spring of the stiffness that the channels show
 /// there, by a cubic through the force: what is stiffer on one side has none.
 fn feels_it(displacement: &[f64], force: &[f64], middle: f64, largest: f64) -> bool {
     let mut gram = SMatrix::<f64, 4, 4>::zeros();
@@ -412,12 +428,17 @@ fn feels_it(displacement: &[f64], force: &[f64], middle: f64, largest: f64) -> b
     };
     let cubic = factor.solve(&right);
     let (at_middle, slope) = (cubic[0], cubic[1]);
-    (at_middle / (slope * middle / largest)).abs() > FELT
+    (at_middle / (slope * middle / largest)).abs() > policy().trajectory.felt
 }
 
 /// Half width of the band around the mid level that a crossing has to leave, mm: above the noise, below the smallest
 /// amplitude that counts as motion.
 fn hysteresis(displacement: &[f64]) -> f64 {
     let (low, high) = least_and_largest(displacement);
-    (6.0 * noise_deviation(displacement)).max(0.01 * (high - low))
+    let TrajectoryPolicy {
+        crossing_noises,
+        crossing,
+        ..
+    } = policy().trajectory;
+    (crossing_noises * noise_deviation(displacement)).max(crossing * (high - low))
 }

@@ -1,7 +1,10 @@
 //! The page's way from what was given to what is left, in numbered steps that a reader can follow.
 
+use std::collections::BTreeMap;
+
 use maud::{Markup, PreEscaped, html};
 use mesh_damper_identify::trace::result::{Candidate, TraceResult, Verdict};
+use mesh_damper_identify::trace::rule::Rule;
 
 use super::charts;
 use super::evidence;
@@ -170,7 +173,31 @@ fn bars(step: &[Candidate], result: &TraceResult) -> Markup {
                 div.value { (text::percent(candidate.nrmse_judged)) }
             }
         }
+        @let rejected = rejected(&shown);
+        @if !rejected.is_empty() {
+            p { "Not added:" }
+            ul {
+                @for (rule, names) in rejected {
+                    li { strong { (text::listed(&names)) } ": " (rule.says()) "." }
+                }
+            }
+        }
     }
+}
+
+/// The rules that rejected candidates of a step, each with the names of what it rejected.
+fn rejected(shown: &[&Candidate]) -> BTreeMap<Rule, Vec<String>> {
+    let mut rejected: BTreeMap<Rule, Vec<String>> = BTreeMap::new();
+    for candidate in shown {
+        if let Some(rule) = candidate.rejected_by {
+            let names = rejected.entry(rule).or_default();
+            let name = text::name(&candidate.family);
+            if !names.contains(&name) {
+                names.push(name);
+            }
+        }
+    }
+    rejected
 }
 
 /// The first of each family, as the search ranks them, and what was added.
@@ -237,6 +264,12 @@ pub fn concluded(result: &TraceResult) -> Markup {
                     @else { "." }
                 }
             }
+        }
+        @if let Some(rule) = result.effects_rejected_by {
+            p { "The effects found by the search do not explain the recordings: " (rule.says()) "." }
+        }
+        @if let Some(rule) = result.table_rejected_by {
+            p { "No residual table was added: " (rule.says()) "." }
         }
         @let dropped = dropped(result);
         @if !dropped.is_empty() {

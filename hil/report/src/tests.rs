@@ -6,6 +6,7 @@ use std::f64::consts::TAU;
 use mesh_damper_identify::trace::result::{
     Baseline, Candidate, Errors, Estimate, FoundEffect, LawEstimate, OnTarget, Verdict,
 };
+use mesh_damper_identify::trace::rule::Rule;
 
 use super::*;
 
@@ -68,6 +69,7 @@ fn data() -> ReportData {
         step: 1,
         added: nrmse_held_out < 0.01,
         admissible: true,
+        rejected_by: (nrmse_held_out >= 0.01).then_some(Rule::Worse),
         nrmse_judged: 1.02 * nrmse_held_out,
     };
     ReportData {
@@ -105,6 +107,8 @@ fn data() -> ReportData {
                 candidate("relaxation", 0.0312, true),
                 candidate("viscous", 0.0733, true),
             ],
+            effects_rejected_by: None,
+            table_rejected_by: None,
             separating_test: None,
             depends_on: vec!["displacement".into(), "history".into()],
             correction: None,
@@ -224,4 +228,21 @@ fn nothing_found_and_nothing_recorded_still_make_a_page() {
     data.result.verdict = Verdict::Ambiguous;
     data.result.separating_test = Some("a ramp and hold".into());
     assert!(render(&data).contains("a ramp and hold"));
+}
+
+#[test]
+fn a_step_says_by_which_rule_each_family_was_rejected() {
+    let mut data = data();
+    data.result.candidates[2].rejected_by = Some(Rule::NotPassive);
+    let page = render(&data);
+    for (names, rule) in [("relaxation", Rule::Worse), ("viscous", Rule::NotPassive)] {
+        let line = format!("<li><strong>{names}</strong>: {}.</li>", rule.says());
+        assert!(page.contains(&line), "{line}");
+    }
+    data.result.verdict = Verdict::Unlisted;
+    data.result.effects_rejected_by = Some(Rule::UnknownElsewhere);
+    data.result.table_rejected_by = Some(Rule::TableWorthLittle);
+    let page = render(&data);
+    assert!(page.contains(Rule::UnknownElsewhere.says()));
+    assert!(page.contains(Rule::TableWorthLittle.says()));
 }

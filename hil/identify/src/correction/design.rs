@@ -7,17 +7,23 @@ use mesh_damper::limits;
 use mesh_damper_model::correction::Remembered;
 use mesh_damper_model::predict::{motion_at, predict};
 use mesh_damper_model::{Family, LawNode, Model, ModelError};
+use mesh_damper_recording::cycles::same_amplitude;
 use mesh_damper_recording::extremes::least_and_largest;
 use mesh_damper_recording::trajectory::Trajectory;
 
-/// At most about so many samples are fitted, evenly picked.
-const MOST_ROWS: usize = 4000;
-/// The mean over a window is taken over at most so many of its samples.
-const MOST_INSTANTS: usize = 9;
-/// Two blocks whose amplitudes differ by less than this part are of one amplitude.
-const SAME: f64 = 0.06;
-/// Frequencies within so many octaves are one.
-const ONE_FREQUENCY: f64 = 0.1;
+use crate::policy::policy;
+
+mesh_damper_recording::numbers! {
+    /// The samples that a residual table is fitted to.
+    DesignPolicy {
+        /// The mean over a window is taken over at most so many of its samples.
+        most_instants: usize = 9, Convention("a cubic over the window is averaged to a per cent");
+        /// Frequencies within so many octaves are one.
+        one_frequency: f64 = 0.1, Tuned("the blind trial");
+        /// A memory that changes by less than this part of its range never changes.
+        changes: f64 = 1e-3, Convention("a thousandth");
+    }
+}
 
 /// How far the motion goes.
 #[derive(Clone, Copy, Debug)]
@@ -151,7 +157,7 @@ impl<'a> Design<'a> {
             })
             .collect();
         let nodes: Vec<f64> = model.law.iter().map(|node| node.amplitude).collect();
-        let every = picked.len().div_ceil(MOST_ROWS).max(1);
+        let every = picked.len().div_ceil(policy().rows.search).max(1);
         let rows: Vec<Row> = picked
             .iter()
             .step_by(every)
@@ -237,7 +243,7 @@ impl<'a> Design<'a> {
             Remembered::Frequency { .. } => {
                 let (slowest, fastest) = self.frequencies();
                 let range = [slowest.log2(), fastest.log2()];
-                return (range[1] - range[0] > ONE_FREQUENCY)
+                return (range[1] - range[0] > policy().design.one_frequency)
                     .then(|| self.recall_within(of, range))?;
             }
         };
@@ -245,7 +251,7 @@ impl<'a> Design<'a> {
         let (low, high) = least_and_largest(memories.into_iter().flatten());
         let place = |memory: f64| wide[0] + memory * (wide[1] - wide[0]);
         let range = [place(low), place(high)];
-        if high - low < 1e-3 {
+        if high - low < policy().design.changes {
             return None;
         }
         self.recall_within(of, range)
@@ -402,7 +408,7 @@ impl Row {
 /// The samples of the motion that the force at a sample shows: itself, or some that a moving average is over.
 fn seen_at(trajectory: &Trajectory, sample: usize) -> impl Iterator<Item = usize> {
     let window = trajectory.average.map_or(1.0, |average| average.window);
-    let count = (window as usize).clamp(1, MOST_INSTANTS);
+    let count = (window as usize).clamp(1, policy().design.most_instants);
     let last = trajectory.len() - 1;
     (0..count).map(move |place| {
         let place = (place as f64 + 0.5) / count as f64 - 0.5;
@@ -471,8 +477,8 @@ fn left_out(trajectories: &[Trajectory], rows: &[Row]) -> Vec<usize> {
         .copied()
         .filter(|&block| {
             let (amplitude, speed) = blocks[block];
-            others(block).any(|(other, _)| (other - amplitude).abs() < SAME * amplitude)
-                && others(block).any(|(_, other)| other > (1.0 - SAME) * speed)
+            others(block).any(|(other, _)| same_amplitude(other, amplitude))
+                && others(block).any(|(_, other)| other > speed || same_amplitude(other, speed))
         })
         .collect();
     if inner.is_empty() { all } else { inner }

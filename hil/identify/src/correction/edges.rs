@@ -5,15 +5,21 @@ use mesh_damper_model::correction::Remembered;
 use super::design::{Coefficients, Design};
 use super::gram::{Form, Rows};
 use super::trend::Trend;
+use crate::policy::policy;
 
-/// Zones over ±the largest displacement.
-const ZONES: usize = 40;
+mesh_damper_recording::numbers! {
+    /// Where something may touch.
+    EdgesPolicy {
+        /// Zones over ± the largest displacement, over which friction and damping may differ.
+        zones: usize = 40, Tuned("the blind trial");
+    }
+}
 
 /// What touches on one side, and what on both, where the friction and the damping of the zones beside eq 13 are most alike
 /// within each part.
 pub(super) fn likely_sides(design: &Design, at: &Coefficients) -> Option<[Vec<Remembered>; 2]> {
-    let (zones, power) = design.zones(ZONES);
-    let of_zones = (0..2 * ZONES).map(|cell| Trend::of(vec![(cell, 1.0)]));
+    let (zones, power) = design.zones(policy().edges.zones);
+    let of_zones = (0..2 * policy().edges.zones).map(|cell| Trend::of(vec![(cell, 1.0)]));
     let trends: Vec<Trend> = of_zones.collect();
     let form = Form {
         trends: &trends,
@@ -21,7 +27,7 @@ pub(super) fn likely_sides(design: &Design, at: &Coefficients) -> Option<[Vec<Re
     };
     let rows = Rows::over(design, at, Some(&zones));
     let cells = rows.solved(form)?.cells;
-    let (friction, damping) = cells[..2 * ZONES].split_at(ZONES);
+    let (friction, damping) = cells[..2 * policy().edges.zones].split_at(policy().edges.zones);
 
     // Σ w·(x − mean)² over the zones of one part.
     let unlike = |from: usize, to: usize| -> f64 {
@@ -38,9 +44,11 @@ pub(super) fn likely_sides(design: &Design, at: &Coefficients) -> Option<[Vec<Re
         };
         one(friction, &power[0]) + one(damping, &power[1])
     };
-    let edge = |zone: usize| (2.0 * zone as f64 / ZONES as f64 - 1.0) * design.extent.displacement;
+    let edge = |zone: usize| {
+        (2.0 * zone as f64 / policy().edges.zones as f64 - 1.0) * design.extent.displacement
+    };
     let pair = |below: usize, above: usize| {
-        let left = unlike(0, below) + unlike(below, above) + unlike(above, ZONES);
+        let left = unlike(0, below) + unlike(below, above) + unlike(above, policy().edges.zones);
         let sides = Remembered::Sides {
             below: edge(below),
             above: edge(above),
@@ -52,9 +60,11 @@ pub(super) fn likely_sides(design: &Design, at: &Coefficients) -> Option<[Vec<Re
         let best = pairs.min_by(|a, b| a.0.total_cmp(&b.0));
         best.map(|(_, sides)| sides)
     };
-    let mut one = (1..ZONES).map(|above| (0, above));
-    let mut as_far = (ZONES / 2 + 1..ZONES).map(|above| (ZONES - above, above));
-    let mut two = (1..ZONES).flat_map(|below| (below + 1..ZONES).map(move |above| (below, above)));
+    let mut one = (1..policy().edges.zones).map(|above| (0, above));
+    let mut as_far = (policy().edges.zones / 2 + 1..policy().edges.zones)
+        .map(|above| (policy().edges.zones - above, above));
+    let mut two = (1..policy().edges.zones)
+        .flat_map(|below| (below + 1..policy().edges.zones).map(move |above| (below, above)));
     let both = [best(&mut as_far), best(&mut two)];
     Some([
         best(&mut one).into_iter().collect(),

@@ -10,11 +10,17 @@ use super::hat::hats;
 use super::system::System;
 use super::trend::Trend;
 use crate::beyond_noise::beyond_noise;
+use crate::policy::policy;
 
-/// What a trend has beyond others is nothing where it is less than this part of it, in squares.
+/// What a trend has beyond others is nothing where it is less than this part of it, in squares. Derived: above rounding.
 const ALIKE: f64 = 1e-9;
-/// The largest change of α in one step.
-const LARGEST_STEP: f64 = 0.1;
+mesh_damper_recording::numbers! {
+    /// The least squares of a residual table.
+    GramPolicy {
+        /// The largest change of an exponent in one step.
+        largest_step: f64 = 0.1, Tuned("the blind trial");
+    }
+}
 
 /// What is fitted beside eq 13: trends, and a table around them.
 #[derive(Clone, Copy, Debug)]
@@ -387,7 +393,7 @@ impl<'d, 't> Sums<'d, 't> {
                 return [k1, k3, c, alpha];
             }
             let change = |i: usize| x[4 * node + i];
-            let step = change(3).clamp(-LARGEST_STEP, LARGEST_STEP);
+            let step = change(3).clamp(-policy().gram.largest_step, policy().gram.largest_step);
             [
                 k1 + change(0),
                 k3 + change(1),

@@ -4,19 +4,25 @@ use rayon::prelude::*;
 
 use super::gram::{Form, Rows};
 use super::trend::Trend;
+use crate::policy::policy;
 
-/// Most trends.
-const MOST: usize = 5;
-/// So many, which save most in the fit, are judged by what is left out of it.
-const PROMISING: usize = 24;
-/// A trend is taken for an error beyond the noise that is at most this part of that without.
-pub(super) const WORTHWHILE: f64 = 0.93;
-/// How many times as wide or as narrow those taken are tried to be, one after the other: the square root of the one before.
-const WIDER: [f64; 4] = [1.5, 1.22, 1.11, 1.05];
-/// Most changes by one of these.
-const CHANGES: usize = 6;
-/// What part of the error a change must leave at most.
-const BETTER: f64 = 0.98;
+mesh_damper_recording::numbers! {
+    /// Which trends a residual table follows.
+    GrowthPolicy {
+        /// Most trends.
+        most: usize = 5, Tuned("the blind trial");
+        /// So many trends, which save most in the fit, are judged by what is left out of it.
+        promising: usize = 24, Convention("bounds the time");
+        /// A trend is taken for an error beyond the noise that is at most this part of that without.
+        worthwhile: f64 = 0.93, Tuned("the blind trial");
+        /// Times that those taken are tried to be as wide or as narrow, one after the other.
+        wider: [f64; 4] = [1.5, 1.22, 1.11, 1.05], Derived("each the square root of the one before");
+        /// Most changes by one of these.
+        changes: usize = 6, Convention("bounds the time");
+        /// A change leaves at most this part of the error.
+        better: f64 = 0.98, Tuned("the blind trial");
+    }
+}
 
 /// Those of `candidates` that make the judged error clearly smaller, one at a time; and that error, kN.
 pub(super) fn grown(rows: &Rows, candidates: &[Trend]) -> Option<(f64, Vec<Trend>)> {
@@ -26,13 +32,13 @@ pub(super) fn grown(rows: &Rows, candidates: &[Trend]) -> Option<(f64, Vec<Trend
     })?;
     let mut taken: Vec<usize> = Vec::new();
     let mut error = sums.error_with(&taken)?;
-    while taken.len() < MOST {
+    while taken.len() < policy().growth.most {
         let savings = sums.savings_beside(&taken)?;
         let mut promising: Vec<usize> = (0..candidates.len())
             .filter(|candidate| !taken.contains(candidate))
             .collect();
         promising.sort_by(|a, b| savings[*b].total_cmp(&savings[*a]));
-        promising.truncate(PROMISING);
+        promising.truncate(policy().growth.promising);
         let next = promising
             .into_par_iter()
             .filter_map(|candidate| {
@@ -41,7 +47,9 @@ pub(super) fn grown(rows: &Rows, candidates: &[Trend]) -> Option<(f64, Vec<Trend
             })
             .min_by(|a, b| a.0.total_cmp(&b.0));
         match next {
-            Some((less, more)) if less <= WORTHWHILE * error => (error, taken) = (less, more),
+            Some((less, more)) if less <= policy().growth.worthwhile * error => {
+                (error, taken) = (less, more)
+            }
             _ => break,
         }
     }
@@ -51,15 +59,17 @@ pub(super) fn grown(rows: &Rows, candidates: &[Trend]) -> Option<(f64, Vec<Trend
 
 /// These with the widths that judge best.
 fn polished(rows: &Rows, mut error: f64, mut trends: Vec<Trend>) -> (f64, Vec<Trend>) {
-    for factor in WIDER {
-        for _ in 0..CHANGES {
+    for factor in policy().growth.wider {
+        for _ in 0..policy().growth.changes {
             let near = trends.iter().enumerate();
             let near = near.flat_map(|(place, trend)| {
                 let near = trend.near(factor).into_iter();
                 near.map(move |other| (place, other))
             });
             match best_change(rows, &trends, &near.collect::<Vec<_>>()) {
-                Some((less, others)) if less <= BETTER * error => (error, trends) = (less, others),
+                Some((less, others)) if less <= policy().growth.better * error => {
+                    (error, trends) = (less, others)
+                }
                 _ => break,
             }
         }

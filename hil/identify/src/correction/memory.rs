@@ -2,11 +2,38 @@
 
 use mesh_damper_model::correction::Remembered;
 use mesh_damper_recording::trajectory::Trajectory;
+use serde::{Deserialize, Serialize};
 
-use super::design::Design;
+use super::design::{Coefficients, Design};
+use super::edges;
+use crate::policy::policy;
 
-/// The first step of an edge, over the largest displacement.
-const EDGE: f64 = 0.025;
+mesh_damper_recording::numbers! {
+    /// What a residual table may remember.
+    MemoryPolicy {
+        /// The kinds that are tried.
+        kinds: Vec<MemoryKind> = KINDS.to_vec(), Tuned("the unlisted effects of the blind trial, and the recordings of others: each wins some of them");
+        /// The first step of an edge, over the largest displacement; each later one is half of that before.
+        edge: f64 = 0.025, Derived("half of a zone in which edges are sought first");
+        /// What hardly changes within a block would tell blocks apart, whatever it is of: a time is at most this part of the longest.
+        lasting: f64 = 0.5, Tuned("the blind trial");
+        /// The shortest time, over the period of the fastest motion.
+        shortest: f64 = 0.02, Derived("that motion then lags by an eighth of a radian");
+        /// The shortest time, in ticks.
+        shortest_in_ticks: f64 = 2.0, Derived("what lags by less is the next sample");
+        /// The shortest time of a mean speed, over the shortest of a lag.
+        travel: f64 = 5.0, Tuned("the blind trial");
+        /// The least and the largest slip limit, over the largest displacement.
+        slip: [f64; 2] = [0.05, 0.8], Tuned("the blind trial");
+        /// The shortest time or the fewest cycles since the start, over the whole recording's.
+        age: f64 = 0.01, Tuned("the blind trial");
+        /// The time over which a frequency is taken, over the period of the fastest and of the slowest motion.
+        period: f64 = 0.5, Derived("from one reversal to the next is half a period");
+        /// Factors by which a limit or a time is moved from the best of those tried first.
+        around: [f64; 4] = [0.65, 0.8, 1.25, 1.55], Tuned("the blind trial");
+    }
+}
+
 /// How two edges may move: the upper one alone first.
 const WAYS: [[f64; 2]; 6] = [
     [0.0, -1.0],
@@ -16,6 +43,65 @@ const WAYS: [[f64; 2]; 6] = [
     [-1.0, 1.0],
     [1.0, -1.0],
 ];
+
+/// Those that are tried, in this order.
+const KINDS: [MemoryKind; 12] = [
+    MemoryKind::Slip,
+    MemoryKind::Lag,
+    MemoryKind::Travel,
+    MemoryKind::Level,
+    MemoryKind::Largest,
+    MemoryKind::Age,
+    MemoryKind::Cycles,
+    MemoryKind::Temperature,
+    MemoryKind::Acceleration,
+    MemoryKind::Place,
+    MemoryKind::Frequency,
+    MemoryKind::Sides,
+];
+
+/// What a residual table may be over in the place of speed, kind by kind.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum MemoryKind {
+    /// How far an element of friction is deflected, by its slip limit.
+    Slip,
+    /// The displacement some time ago, smoothed.
+    Lag,
+    /// The mean speed over some time.
+    Travel,
+    /// The mean size of the displacement over some time.
+    Level,
+    /// The largest displacement so far.
+    Largest,
+    /// The time since the start.
+    Age,
+    /// The cycles since the start.
+    Cycles,
+    /// The temperature.
+    Temperature,
+    /// The acceleration.
+    Acceleration,
+    /// The displacement in finer steps.
+    Place,
+    /// The frequency of the motion over some time.
+    Frequency,
+    /// On which side of one or two edges the displacement is.
+    Sides,
+}
+
+impl MemoryKind {
+    /// Limits or times of it that are tried first. Convention: they stand about a factor of two apart, those over time of five.
+    fn tried(self) -> i32 {
+        match self {
+            Self::Slip | Self::Lag => 6,
+            Self::Travel => 5,
+            Self::Level => 4,
+            Self::Age | Self::Cycles | Self::Frequency => 3,
+            Self::Largest | Self::Temperature | Self::Acceleration | Self::Place | Self::Sides => 1,
+        }
+    }
+}
 
 /// Whether it remembers how long a test has run. A temperature that only rises is such a clock too, but one that stands still
 /// within every block of a test is just how it is varied.
@@ -32,51 +118,67 @@ pub(super) fn sides(of: Remembered, design: &Design) -> usize {
     }
 }
 
-/// All kinds but sides, each with its limit or time over all that the data can show.
-pub(super) fn kinds(design: &Design) -> Vec<Vec<Remembered>> {
+/// What may be remembered, kind by kind, each with its limit or time over all that the data can show; beside eq 13 `at` these.
+pub(super) fn kinds(design: &Design, at: &Coefficients) -> Vec<Vec<Remembered>> {
+    let policy = &policy().memory;
     let trajectories = design.trajectories;
     let reach = design.extent.displacement;
     let longest =
         |value: fn(&Trajectory) -> f64| trajectories.iter().map(value).fold(0.0, f64::max);
     let (slowest, fastest) = design.frequencies();
     let duration = longest(|t| t.len() as f64 * t.tick);
-    let cycles = longest(|t| t.cycles.last().copied().unwrap_or_default());
+    let cycles = longest(|t| t.cycles.last().copied().unwrap_or_default()).max(1.0);
     let tick = longest(|t| t.tick);
     let block = longest(|t| {
         let samples = t.blocks.iter().map(|block| block.samples.len());
         samples.max().unwrap_or_default() as f64 * t.tick
     });
-    // What hardly changes within a block would tell blocks apart, whatever it is of.
-    let lasting = 0.5 * block;
+    let lasting = policy.lasting * block;
     // From where the fastest motion hardly lags to where the slowest has lost it.
-    let short = (0.02 / fastest).max(2.0 * tick);
+    let short = (policy.shortest / fastest).max(policy.shortest_in_ticks * tick);
     let long = (1.0 / slowest).min(duration).max(2.0 * short);
-    vec![
-        spread(0.05 * reach, 0.8 * reach, 6, |limit| Remembered::Slip {
-            limit,
-        }),
-        spread(short, long, 6, |time| Remembered::Lag { time }),
-        spread(5.0 * short, lasting.max(10.0 * short), 5, |time| {
-            Remembered::Travel { time }
-        }),
-        // Over longer it would be a clock.
-        spread(long, lasting.max(2.0 * long), 4, |time| Remembered::Level {
-            time,
-        }),
-        vec![Remembered::Largest],
-        spread(0.01 * duration, duration, 3, |time| Remembered::Age {
-            time,
-        }),
-        spread(0.01 * cycles.max(1.0), cycles.max(1.0), 3, |cycles| {
-            Remembered::Cycles { cycles }
-        }),
-        vec![Remembered::Temperature],
-        vec![Remembered::Acceleration],
-        vec![Remembered::Place],
-        spread(0.5 / fastest, 0.5 / slowest, 3, |time| {
-            Remembered::Frequency { time }
-        }),
-    ]
+    let kind = |kind: &MemoryKind| {
+        let spread = |low: f64, high: f64, of| vec![spread(low, high, kind.tried(), of)];
+        match kind {
+            MemoryKind::Slip => {
+                let [least, most] = policy.slip;
+                spread(least * reach, most * reach, |limit| Remembered::Slip {
+                    limit,
+                })
+            }
+            MemoryKind::Lag => spread(short, long, |time| Remembered::Lag { time }),
+            MemoryKind::Travel => {
+                let short = policy.travel * short;
+                spread(short, lasting.max(2.0 * short), |time| Remembered::Travel {
+                    time,
+                })
+            }
+            // Over longer it would be a clock.
+            MemoryKind::Level => spread(long, lasting.max(2.0 * long), |time| Remembered::Level {
+                time,
+            }),
+            MemoryKind::Largest => vec![vec![Remembered::Largest]],
+            MemoryKind::Age => spread(policy.age * duration, duration, |time| Remembered::Age {
+                time,
+            }),
+            MemoryKind::Cycles => spread(policy.age * cycles, cycles, |cycles| {
+                Remembered::Cycles { cycles }
+            }),
+            MemoryKind::Temperature => vec![vec![Remembered::Temperature]],
+            MemoryKind::Acceleration => vec![vec![Remembered::Acceleration]],
+            MemoryKind::Place => vec![vec![Remembered::Place]],
+            MemoryKind::Frequency => {
+                spread(policy.period / fastest, policy.period / slowest, |time| {
+                    Remembered::Frequency { time }
+                })
+            }
+            MemoryKind::Sides => {
+                let sides = edges::likely_sides(design, at).into_iter();
+                sides.flatten().collect()
+            }
+        }
+    };
+    policy.kinds.iter().flat_map(kind).collect()
 }
 
 /// The same kind with its limit or time a little smaller and a little larger, or its edges a little to either side: the less,
@@ -84,7 +186,7 @@ pub(super) fn kinds(design: &Design) -> Vec<Vec<Remembered>> {
 pub(super) fn around(of: Remembered, sought: u32, design: &Design) -> Vec<Remembered> {
     let reach = design.extent.displacement;
     if let Remembered::Sides { below, above } = of {
-        let step = 0.5_f64.powi(sought as i32) * EDGE * reach;
+        let step = 0.5_f64.powi(sought as i32) * policy().memory.edge * reach;
         let ways = if sides(of, design) == 1 {
             &WAYS[..2]
         } else {
@@ -128,7 +230,7 @@ pub(super) fn around(of: Remembered, sought: u32, design: &Design) -> Vec<Rememb
             cycles: factor * cycles,
         }),
     };
-    let factors = [0.65, 0.8, 1.25, 1.55].into_iter();
+    let factors = policy().memory.around.into_iter();
     factors.filter_map(scaled).collect()
 }
 

@@ -5,34 +5,42 @@
 //! over speed comes first; one over what is remembered takes its place only where that clearly pays.
 
 pub(crate) mod design;
-mod edges;
-mod gram;
-mod growth;
+pub(crate) mod edges;
+pub(crate) mod gram;
+pub(crate) mod growth;
 mod hat;
 pub(crate) mod memory;
-mod search;
-mod settle;
-mod system;
-mod trend;
+pub(crate) mod search;
+pub(crate) mod settle;
+pub(crate) mod system;
+pub(crate) mod trend;
 
 use mesh_damper_model::correction::{CorrectionTable, MemoryAxis};
 use mesh_damper_model::{Model, ModelError};
 use mesh_damper_recording::trajectory::Trajectory;
 
 use super::beyond_noise::beyond_noise;
+use crate::policy::policy;
 use design::{Coefficients, Design, Extent, Recalled};
 use gram::{Form, Rows, Solved};
 use search::{Memorable, momentary, promising, remembering};
 use settle::{settle, settled};
 use trend::{Trend, Variable};
 
-/// A correction is taken for an error beyond the noise that is at most this part of that without.
-const WORTHWHILE: f64 = 0.85;
-/// A memory, likewise: with so many to choose from, one will look better by chance.
-const REMEMBERED: f64 = 0.75;
-/// A variable is needed whose absence makes the error more than so many times as large.
-const NEEDED: f64 = 1.7;
-/// Counts of the largest cell.
+mesh_damper_recording::numbers! {
+    /// When a residual table is taken.
+    CorrectionPolicy {
+        /// A table is taken for an error beyond the noise that is at most this part of that without.
+        worthwhile: f64 = 0.85, Tuned("the blind trial");
+        /// A memory is taken for an error that is at most this part of that without: with so many to choose from, one will look better
+        /// by chance.
+        remembered: f64 = 0.75, Tuned("the blind trial");
+        /// A variable is needed whose absence makes the error more than so many times as large.
+        needed: f64 = 1.7, Tuned("the blind trial");
+    }
+}
+
+/// Counts of the largest cell. Derived: below what 16 bits hold.
 const FULL: f64 = 32_000.0;
 
 /// What a correction is made of, before its cells are solved for.
@@ -100,7 +108,8 @@ pub fn fit(
         return Ok(None);
     };
     // What comes to the noise without a memory can't come to much less with one.
-    let may_remember = REMEMBERED * plain.solved.error > beyond_noise(0.0, design.noise());
+    let may_remember =
+        policy().correction.remembered * plain.solved.error > beyond_noise(0.0, design.noise());
     let mut kinds = if may_remember {
         promising(&design, &plain)
     } else {
@@ -109,7 +118,7 @@ pub fn fit(
     let best_of = |kinds: &[Memorable]| {
         let remembered = remembering(&design, &plain, kinds);
         let Fitted { choice, solved } = remembered.unwrap_or_else(|| plain.clone());
-        let is_worthwhile = solved.error <= WORTHWHILE * alone.error;
+        let is_worthwhile = solved.error <= policy().correction.worthwhile * alone.error;
         is_worthwhile.then(|| (corrected(model, &solved, &choice), choice))
     };
     let found = best_of(&kinds);
@@ -185,7 +194,9 @@ pub fn depends_on(
                 trends: &hats,
                 ..Form::NONE
             };
-            if least([along_trends(Some(variable)), judged(table)]) > NEEDED * all {
+            if least([along_trends(Some(variable)), judged(table)])
+                > policy().correction.needed * all
+            {
                 names.push(name);
             }
         }

@@ -7,30 +7,35 @@ use super::design::{Coefficients, Design, Recalled};
 use super::gram::{Form, Rows, Solved};
 use super::settle::{settle, settle_needed};
 use super::trend::{self, Trend};
-use super::{Choice, Fitted, REMEMBERED, WORTHWHILE, edges, growth, memory};
+use super::{Choice, Fitted, growth, memory};
+use crate::policy::policy;
 
-/// Penalties of the bends of the table that are tried, over what the data say of a cell.
-const SMOOTHNESS: [f64; 7] = [1e-5, 1e-4, 1e-3, 1e-2, 1e-1, 1.0, 10.0];
-/// With which kinds of memory are compared.
-const TYPICAL: f64 = 1e-2;
-/// A table around the trends is taken for an error beyond the noise that is at most this part of that without.
-const TABULATED: f64 = 0.9;
-/// A kind of memory is judged if the error of its fit is at most so many times the least of those that do not go on with time,
-/// and at most [`WORTHWHILE`] of that without.
-const COMPARABLE: f64 = 2.0;
-/// Something touches on both sides if that fits with at most this part of the error of one.
-const ANOTHER_SIDE: f64 = 0.9;
-/// Times that what a memory is of is sought ever more finely.
-const SOUGHT: u32 = 5;
-/// Times that trends are sought, each beside the exponents of eq 13 that those before led to.
-const ROUNDS: usize = 2;
+mesh_damper_recording::numbers! {
+    /// How a residual table is sought.
+    SearchPolicy {
+        /// Penalties of the bends of the table that are tried, over what the data say of a cell.
+        smoothness: [f64; 7] = [1e-5, 1e-4, 1e-3, 1e-2, 1e-1, 1.0, 10.0], Convention("decades from hardly any to a plane");
+        /// The penalty with which kinds of memory are compared.
+        typical: f64 = 1e-2, Tuned("the blind trial");
+        /// A table around the trends is taken for an error beyond the noise that is below this part of that without.
+        tabulated: f64 = 0.9, Tuned("the blind trial");
+        /// A kind of memory is judged if the error of its fit is at most so many times the least of those that do not go on with time.
+        comparable: f64 = 2.0, Tuned("the blind trial");
+        /// Something touches on both sides if that fits with less than this part of the error of one.
+        another_side: f64 = 0.9, Tuned("the blind trial");
+        /// Times that what a memory is of is sought ever more finely.
+        sought: u32 = 5, Tuned("the blind trial");
+        /// Times that trends are sought, each beside the exponents of the law that those before led to.
+        rounds: usize = 2, Tuned("the blind trial");
+    }
+}
 
 /// The best correction without memory.
 pub(super) fn momentary(design: &Design, alone: &Solved) -> Option<Fitted> {
     let mut at = alone.coefficients.clone();
     let mut trends = Vec::new();
     // Eq 13's exponents may be far off until something stands in for what it lacks.
-    for _ in 0..ROUNDS {
+    for _ in 0..policy().search.rounds {
         let rows = Rows::over(design, &at, None);
         (_, trends) = growth::grown(&rows, &trend::trends(None, None))?;
         let solved;
@@ -53,13 +58,17 @@ fn around(
         table,
     };
     let mut solved = rows.sums(form(None))?.judged(form(None))?;
-    let sums = rows.sums(form(Some(TYPICAL)))?;
-    let judged = SMOOTHNESS.par_iter().filter_map(|&smoothness| {
-        let table = Some(smoothness);
-        Some((sums.judged(form(table))?, table))
-    });
+    let sums = rows.sums(form(Some(policy().search.typical)))?;
+    let judged = policy()
+        .search
+        .smoothness
+        .par_iter()
+        .filter_map(|&smoothness| {
+            let table = Some(smoothness);
+            Some((sums.judged(form(table))?, table))
+        });
     let best = judged.min_by(|(a, _), (b, _)| a.error.total_cmp(&b.error));
-    let best = best.filter(|(with, _)| with.error < TABULATED * solved.error);
+    let best = best.filter(|(with, _)| with.error < policy().search.tabulated * solved.error);
     let mut table = None;
     if let Some((with, smoothness)) = best {
         table = smoothness;
@@ -93,7 +102,7 @@ pub(super) fn promising(design: &Design, plain: &Fitted) -> Vec<Memorable> {
     let at = &plain.solved.coefficients;
     let tabulated = Form {
         trends: &[],
-        table: Some(TYPICAL),
+        table: Some(policy().search.typical),
     };
     let fitted = |of: Remembered| {
         let recalled = design.recall(of)?;
@@ -104,23 +113,22 @@ pub(super) fn promising(design: &Design, plain: &Fitted) -> Vec<Memorable> {
         let fitted = candidates.into_par_iter().filter_map(fitted);
         fitted.min_by(|a, b| a.0.total_cmp(&b.0))
     };
-    let mut kinds = memory::kinds(design);
-    kinds.extend(edges::likely_sides(design, at).into_iter().flatten());
+    let kinds = memory::kinds(design, at);
     let best_of_each = kinds.into_par_iter().filter_map(|kind| {
         let coarse = best_of(kind)?;
-        if coarse.0 > WORTHWHILE * plain.solved.inside {
+        if coarse.0 > policy().correction.worthwhile * plain.solved.inside {
             return None;
         }
         let finer = |best: (f64, Remembered), sought| {
             let near = best_of(memory::around(best.1, sought, design));
             near.filter(|near| near.0 < best.0).unwrap_or(best)
         };
-        Some((0..SOUGHT).fold(coarse, finer))
+        Some((0..policy().search.sought).fold(coarse, finer))
     });
     let mut best_of_each: Vec<(f64, Remembered)> = best_of_each.collect();
     let mut each = best_of_each.iter();
     if let Some(&(with_one, _)) = each.find(|(_, of)| memory::sides(*of, design) == 1) {
-        let pays = |error: f64| error < ANOTHER_SIDE * with_one;
+        let pays = |error: f64| error < policy().search.another_side * with_one;
         best_of_each.retain(|(error, of)| memory::sides(*of, design) != 2 || pays(*error));
     }
     // Whether how long a test has run may be remembered is decided later.
@@ -129,7 +137,7 @@ pub(super) fn promising(design: &Design, plain: &Fitted) -> Vec<Memorable> {
         .filter(|(_, of)| !memory::goes_on_with_time(*of));
     let least = of_motion.fold(f64::INFINITY, |least, (error, _)| least.min(*error));
     let comparable = best_of_each.into_par_iter();
-    let comparable = comparable.filter(|(error, _)| *error <= COMPARABLE * least);
+    let comparable = comparable.filter(|(error, _)| *error <= policy().search.comparable * least);
     let judged = comparable.filter_map(|(_, of)| {
         let recalled = design.recall(of)?;
         let rows = Rows::over(design, at, Some(&recalled));
@@ -154,6 +162,6 @@ pub(super) fn remembering(design: &Design, plain: &Fitted, kinds: &[Memorable]) 
     let fitted = around(design, &solved.coefficients, trends, recalled)?;
     let choice = &fitted.choice;
     let remembers = choice.table.is_some() || choice.trends.iter().any(Trend::is_over_memory);
-    let pays = fitted.solved.error <= REMEMBERED * plain.solved.error;
+    let pays = fitted.solved.error <= policy().correction.remembered * plain.solved.error;
     (remembers && pays).then_some(fitted)
 }

@@ -4,13 +4,18 @@ use rayon::prelude::*;
 
 use super::design::{Coefficients, Design, Recalled};
 use super::gram::{Form, Rows, Solved};
-use super::growth::WORTHWHILE;
 use super::trend::Trend;
+use crate::policy::policy;
 
-/// Most steps in which eq 13's exponents follow,
-const STEPS: usize = 8;
-/// until none changes by more than this.
-const SETTLED: f64 = 2e-3;
+mesh_damper_recording::numbers! {
+    /// When the exponents beside a residual table have settled.
+    SettlePolicy {
+        /// Most steps in which the law's exponents follow.
+        steps: usize = 8, Convention("they settle in three or four");
+        /// Exponents have settled where none changes by more than this.
+        settled: f64 = 2e-3, Convention("below their intervals");
+    }
+}
 
 /// Settles beside these trends, and beside fewer where those not needed stood in for eq 13's exponents.
 pub(super) fn settle_needed(
@@ -35,7 +40,7 @@ pub(super) fn settle_needed(
         });
         let fewer = fewer.min_by(|(a, _), (b, _)| a.error.total_cmp(&b.error));
         match fewer {
-            Some((without, fewer)) if WORTHWHILE * without.error < solved.error => {
+            Some((without, fewer)) if policy().growth.worthwhile * without.error < solved.error => {
                 (solved, trends) = (without, fewer);
             }
             _ => break,
@@ -67,7 +72,7 @@ pub(super) fn settled(
         let solved = Rows::over(design, &at, recalled).solved(form)?;
         let changes = at.0.iter().zip(&solved.coefficients.0);
         let change = changes.fold(0.0_f64, |most, (a, b)| most.max((a[3] - b[3]).abs()));
-        if change < SETTLED || step == STEPS {
+        if change < policy().settle.settled || step == policy().settle.steps {
             return Some(solved);
         }
         at = solved.coefficients;

@@ -9,18 +9,25 @@ use nalgebra::{DMatrix, DVector};
 use super::design::{Coefficients, Design};
 use super::gram::{Block, Form, Layout};
 use super::hat::KNOTS;
+use crate::policy::policy;
 
-/// What a bend between neighbouring amplitudes costs eq 13's coefficients, over what the data say of them.
-const BEND: f64 = 1e-3;
-/// What a change of α costs, likewise: a step of the search, that later ones carry on.
-const STEP: f64 = 1e-3;
-/// What a slope costs the table, over what a bend costs: so that it ends flat where nothing is known.
-const SLOPE: f64 = 1e-3;
-/// What a cell of a line costs, over what the data say of one: so that it takes nothing that eq 13 can.
-const LEVEL: f64 = 1e-3;
-/// Added to the diagonal of the scaled normal equations.
+mesh_damper_recording::numbers! {
+    /// How smooth a residual table is.
+    SystemPolicy {
+        /// What a bend between neighbouring amplitudes costs the law's coefficients, over what the data say of them.
+        bend: f64 = 1e-3, Tuned("the blind trial");
+        /// What a change of an exponent costs, likewise: a step of the search, that later ones carry on.
+        step: f64 = 1e-3, Tuned("the blind trial");
+        /// What a slope costs the table, over what a bend costs: so that it ends flat where nothing is known.
+        slope: f64 = 1e-3, Tuned("the blind trial");
+        /// What a cell of a line costs, over what the data say of one: so that it takes nothing that the law can.
+        level: f64 = 1e-3, Tuned("the blind trial");
+    }
+}
+
+/// Added to the diagonal of the scaled normal equations. Derived: above rounding, below what the data say.
 const RIDGE: f64 = 1e-10;
-/// What holds a coefficient at the end of its range.
+/// What holds a coefficient at the end of its range. Derived: above all that the data say.
 const PIN: f64 = 1e9;
 
 /// The penalties.
@@ -63,7 +70,7 @@ impl System {
             }
             if layout.of.is_some_and(Remembered::is_line) {
                 for cell in first..first + layout.hats {
-                    system.add(&[(cell, 1.0)], 0.0, LEVEL * per_cell);
+                    system.add(&[(cell, 1.0)], 0.0, policy().system.level * per_cell);
                 }
             }
         }
@@ -87,7 +94,7 @@ impl System {
             let power = |node: usize| total.gram[(4 * node + i, 4 * node + i)];
             if i == 3 {
                 for node in 0..count {
-                    let weight = STEP * power(node) + f64::MIN_POSITIVE;
+                    let weight = policy().system.step * power(node) + f64::MIN_POSITIVE;
                     self.add(&[(4 * node + 3, 1.0)], 0.0, weight);
                 }
                 continue;
@@ -102,7 +109,7 @@ impl System {
                     .sum::<f64>();
                 // The least of the three: y⁶ of large amplitudes would outweigh all that is known of a small one's k3.
                 let least = (node..node + 3).map(power).fold(f64::INFINITY, f64::min);
-                self.add(&terms, -bend, BEND * least);
+                self.add(&terms, -bend, policy().system.bend * least);
             }
         }
     }
@@ -118,14 +125,14 @@ impl System {
                         self.add(
                             &[(cell(i, j), -1.0), (cell(i + 1, j), 1.0)],
                             0.0,
-                            SLOPE * weight,
+                            policy().system.slope * weight,
                         );
                     }
                     if j + 1 < along {
                         self.add(
                             &[(cell(i, j), -1.0), (cell(i, j + 1), 1.0)],
                             0.0,
-                            SLOPE * weight,
+                            policy().system.slope * weight,
                         );
                     }
                     if i + 2 < across {

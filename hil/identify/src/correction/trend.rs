@@ -3,6 +3,7 @@
 //! A table that is only asked to be smooth knows little between two blocks of a test and nothing beyond them. One that
 //! follows a few products of a function of displacement and one of speed does, and the table proper is left with the rest.
 
+use crate::policy::policy;
 use mesh_damper::effects::correction::{CELLS, DISPLACEMENTS, NODES, part_of_speed};
 use mesh_damper_model::correction::Remembered;
 
@@ -58,12 +59,22 @@ const OVER_DISPLACEMENT: [fn(f64) -> f64; 6] = [
 /// Functions of speed over its largest value,
 const OVER_SPEED: [fn(f64) -> f64; 3] = [f64::sqrt, |w| w, |w| w * w];
 
-/// and of speed over a width: friction that grows from rest,
+/// and of speed over a width: friction that grows from rest;
 const GROWING: fn(f64) -> f64 = f64::tanh;
-/// the widths to begin with, of the largest speed,
-const FIRST_GROWING: [f64; 2] = [0.002, 0.006];
-/// and their range;
-const GROWING_WIDTHS: [f64; 2] = [5e-4, 0.05];
+mesh_damper_recording::numbers! {
+    /// What a residual table may follow.
+    TrendPolicy {
+        /// Widths over which friction that grows from rest begins, of the largest speed.
+        first_growing: [f64; 2] = [0.002, 0.006], Tuned("the blind trial");
+        /// The range of those widths.
+        growing_widths: [f64; 2] = [5e-4, 0.05], Tuned("the blind trial");
+        /// Widths over which friction that fades begins, of the largest speed.
+        first_fading: [f64; 3] = [0.03, 0.1, 0.3], Tuned("the blind trial");
+        /// The range of those widths.
+        fading_widths: [f64; 2] = [0.01, 1.0], Tuned("the blind trial");
+    }
+}
+
 /// friction that fades: the curves that are in use for Stribeck's (Armstrong-Hélouvry, Dupont and Canudas de Wit 1994),
 const FADING: [fn(f64) -> f64; 4] = [
     |w| (-w).exp(),
@@ -71,11 +82,8 @@ const FADING: [fn(f64) -> f64; 4] = [
     |w| 1.0 / (1.0 + w),
     |w| 1.0 / (1.0 + w * w),
 ];
-/// which to begin with over which widths,
-const FIRST_FADING: [(usize, f64); 6] =
-    [(0, 0.03), (0, 0.1), (0, 0.3), (1, 0.03), (1, 0.1), (1, 0.3)];
-/// and their range.
-const FADING_WIDTHS: [f64; 2] = [0.01, 1.0];
+/// of which these are begun with.
+const FIRST_FADING: [usize; 2] = [0, 1];
 
 /// Functions of where what stands in the place of speed is in its range: some of what grows from its least value, some of what is lost at its middle.
 const OVER_MEMORY: [fn(f64) -> f64; 5] = [
@@ -121,8 +129,11 @@ pub(super) fn trends(of: Option<Remembered>, without: Option<Variable>) -> Vec<T
 
 fn over_speed() -> Vec<Along> {
     let powers = OVER_SPEED.map(Along::Speed);
-    let growing = FIRST_GROWING.map(Along::Growing);
-    let fading = FIRST_FADING.map(|(curve, width)| Along::Fading(curve, width));
+    let growing = policy().trend.first_growing.map(Along::Growing);
+    let fading = FIRST_FADING.into_iter().flat_map(|curve| {
+        let widths = policy().trend.first_fading.into_iter();
+        widths.map(move |width| Along::Fading(curve, width))
+    });
     let all = [Along::Nothing].into_iter().chain(powers);
     all.chain(growing).chain(fading).collect()
 }
@@ -241,9 +252,11 @@ impl Along {
         };
         match self {
             Self::Nothing | Self::Speed(_) | Self::Memory(_) => Vec::new(),
-            Self::Growing(width) => scaled(width, GROWING_WIDTHS).map(Self::Growing).collect(),
+            Self::Growing(width) => scaled(width, policy().trend.growing_widths)
+                .map(Self::Growing)
+                .collect(),
             Self::Fading(curve, width) => {
-                let widths = scaled(width, FADING_WIDTHS);
+                let widths = scaled(width, policy().trend.fading_widths);
                 let widths = widths.map(|width| Self::Fading(curve, width));
                 let curves = (0..FADING.len()).filter(|other| *other != curve);
                 widths

@@ -2,6 +2,7 @@
 
 use super::{Entry, Form, FormSpec, one};
 use crate::shape::Shape;
+use crate::policy::policy;
 
 /// Its shape is the stiffness.
 pub const FORMS: [Form; 1] = [Form(&FormSpec {
@@ -10,12 +11,12 @@ pub const FORMS: [Form; 1] = [Form(&FormSpec {
     entry: Entry::Moves,
     shape_names: &["stiffness"],
     gives_way: true,
-    // A softer spring would take up more than the whole displacement.
     shapes: |extent| {
+        let [softest, stiffest] = policy().shape.series;
         vec![Shape::spread(
-            1.3 * extent.stiffness,
-            200.0 * extent.stiffness,
-            6,
+            softest * extent.stiffness,
+            stiffest * extent.stiffness,
+            policy().shape.series_starts,
         )]
     },
     // x = y − d

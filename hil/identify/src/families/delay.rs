@@ -5,6 +5,7 @@ use mesh_damper::effects::Delay;
 use super::{Entry, Form, FormSpec, Step, one};
 use crate::moved::through;
 use crate::shape::Shape;
+use crate::policy::policy;
 
 /// Its shape is the time.
 pub const FORMS: [Form; 1] = [Form(&FormSpec {
@@ -13,8 +14,14 @@ pub const FORMS: [Form; 1] = [Form(&FormSpec {
     entry: Entry::Moves,
     shape_names: &["time"],
     shapes: |extent| {
-        let longest = (0.2 / extent.lowest_frequency).min(250.0 * extent.tick);
-        vec![Shape::spread(0.02 * extent.tick, longest, 9)]
+        let policy = &policy().shape;
+        let longest = (policy.longest_delay / extent.lowest_frequency)
+            .min(policy.longest_delay_in_ticks * extent.tick);
+        vec![Shape::spread(
+            policy.shortest_delay * extent.tick,
+            longest,
+            policy.delay_starts,
+        )]
     },
     moves: |trajectory, time, _| {
         let delay = Delay::new(time, trajectory.tick).ok()?;

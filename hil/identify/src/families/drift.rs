@@ -5,6 +5,7 @@ use mesh_damper::limits;
 
 use super::{Entry, Form, FormSpec, one, run};
 use crate::shape::Shape;
+use crate::policy::policy;
 
 /// A stiffness; both forces of the law.
 pub const FORMS: [Form; 2] = [
@@ -44,6 +45,6 @@ pub const OF_EACH: Form = Form(&FormSpec {
 const DRIFT: FormSpec = FormSpec {
     family: "drift",
     shape_names: &["cycles"],
-    shapes: |extent| vec![Shape::spread(0.3, 10.0 * extent.cycles, 8)],
+    shapes: |extent| vec![Shape::spread(policy().shape.shortest_drift, policy().shape.longest_drift * extent.cycles, policy().shape.drift_starts)],
     ..FormSpec::PLAIN
 };

@@ -5,6 +5,7 @@ use mesh_damper::effects::Gap;
 use super::{Entry, Form, FormSpec, one};
 use crate::moved::through;
 use crate::shape::Shape;
+use crate::policy::policy;
 
 /// Nothing is moved; only friction works.
 pub const FORMS: [Form; 2] = [
@@ -37,9 +38,9 @@ const GAP: FormSpec = FormSpec {
     shape_names: &["half_width"],
     shapes: |extent| {
         vec![Shape::spread(
-            2.0 * extent.shortest(),
-            0.9 * extent.amplitude,
-            8,
+            policy().shape.gap_shortest * extent.shortest(),
+            policy().shape.longest * extent.amplitude,
+            policy().shape.gap_starts,
         )]
     },
     ..FormSpec::PLAIN

@@ -6,6 +6,7 @@ use mesh_damper::effects::{MAX_TONES, Periodic};
 
 use super::{Entry, Form, FormSpec, Step, one, run};
 use crate::shape::Shape;
+use crate::policy::policy;
 
 /// Its sizes are those of a sine and of a cosine.
 pub const FORMS: [Form; 1] = [Form(&FormSpec {
@@ -17,7 +18,7 @@ pub const FORMS: [Form; 1] = [Form(&FormSpec {
     shapes: |extent| {
         vec![Shape {
             starts: extent.tones.clone(),
-            ..Shape::spread(4.0 / extent.duration, 0.499 / extent.tick, 1)
+            ..Shape::spread(policy().shape.fewest_periods / extent.duration, policy().shape.highest_tone / extent.tick, 1)
         }]
     },
     unit_forces: |shapes, motions, tick| {

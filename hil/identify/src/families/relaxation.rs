@@ -6,6 +6,7 @@ use mesh_damper::effects::{MAX_BRANCHES, Relaxation};
 
 use super::{Form, FormSpec, one, run};
 use crate::shape::{Extent, Shape};
+use crate::policy::policy;
 
 /// Its size is the stiffness.
 pub const FORMS: [Form; 1] = [Form(&FormSpec {
@@ -25,19 +26,16 @@ pub const FORMS: [Form; 1] = [Form(&FormSpec {
     ..FormSpec::PLAIN
 })];
 
-/// The highest frequency is so many times the lowest where there are several.
-const SEVERAL: f64 = 1.2;
-
-/// With ω·time below 0.3 the branch is a dashpot within a tenth, beyond 1/0.1 a spring. At one frequency any branch is a spring
-/// and a dashpot, and none of them is simpler than the truth may be.
+/// A branch that is fast is a dashpot, one that is slow a spring. At one frequency any branch is a spring and a dashpot, and none of
+/// them is simpler than the truth may be.
 fn shapes(extent: &Extent) -> Vec<Shape> {
-    let spread = Shape::spread(0.5 * extent.tick, extent.duration, 12);
-    if extent.highest_frequency < SEVERAL * extent.lowest_frequency {
+    let spread = Shape::spread(policy().shape.shortest_relaxation * extent.tick, extent.duration, policy().shape.relaxation_starts);
+    if extent.highest_frequency < policy().shape.several * extent.lowest_frequency {
         return vec![spread];
     }
     vec![Shape {
-        simple_below: 0.2 / (TAU * extent.highest_frequency),
-        simple_above: 10.0 / (TAU * extent.lowest_frequency),
+        simple_below: policy().shape.dashpot / (TAU * extent.highest_frequency),
+        simple_above: policy().shape.spring / (TAU * extent.lowest_frequency),
         ..spread
     }]
 }

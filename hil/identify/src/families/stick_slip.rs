@@ -5,6 +5,7 @@ use mesh_damper::effects::{BoucWen, MAX_STICK_SLIP_ELEMENTS, StickSlip};
 use super::{Element, Entry, Form, FormSpec, one, run};
 use crate::shape::{Extent, Shape};
 use crate::term::TermValue;
+use crate::policy::policy;
 
 /// One Jenkins element; as Bouc and Wen have it; Jenkins elements with evenly spread slip limits (Iwan 1966).
 pub const FORMS: [Form; 3] = [
@@ -14,7 +15,7 @@ pub const FORMS: [Form; 3] = [
         most: MAX_STICK_SLIP_ELEMENTS,
         effect: "elements",
         // An element that hardly slips is a spring.
-        shapes: |extent| vec![Shape::spread(extent.shortest(), 0.9 * extent.amplitude, 10)],
+        shapes: |extent| vec![Shape::spread(extent.shortest(), policy().shape.longest * extent.amplitude, policy().shape.slip_starts)],
         unit_forces: |shapes, motions, _| {
             Ok(vec![run(&StickSlip::new(&[(1.0, shapes[0])])?, motions)])
         },
@@ -56,9 +57,9 @@ pub const FORMS: [Form; 3] = [
         // The largest of the limits, of which the others are even parts.
         shapes: |extent| {
             vec![Shape::spread(
-                6.0 * extent.shortest(),
-                0.9 * extent.amplitude,
-                6,
+                policy().shape.iwan_shortest * extent.shortest(),
+                policy().shape.longest * extent.amplitude,
+                policy().shape.iwan_starts,
             )]
         },
         unit_forces: |shapes, motions, _| {
@@ -78,11 +79,18 @@ const SLIDER: FormSpec = FormSpec {
 };
 
 fn bouc_wen_shapes(extent: &Extent) -> Vec<Shape> {
+    let policy = &policy().shape;
+    let [bluntest, sharpest] = policy.sharpness;
+    let starts = policy.sharpness_starts.to_vec();
     vec![
-        Shape::spread(extent.shortest(), 2.0 * extent.amplitude, 8),
+        Shape::spread(
+            extent.shortest(),
+            policy.bouc_wen_longest * extent.amplitude,
+            policy.bouc_wen_starts,
+        ),
         Shape {
-            starts: vec![1.0, 2.5],
-            ..Shape::spread(0.5, 8.0, 2)
+            starts,
+            ..Shape::spread(bluntest, sharpest, 1)
         },
     ]
 }

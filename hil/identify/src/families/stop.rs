@@ -4,24 +4,35 @@ use mesh_damper::effects::Stop;
 
 use super::{Form, FormSpec, one, run};
 use crate::shape::Shape;
+use crate::policy::policy;
 
 /// On the side of positive displacement, and of negative.
 pub const FORMS: [Form; 2] = [
     Form(&FormSpec {
         name: "stop_above",
-        shapes: |extent| vec![Shape::spread(0.02 * extent.above, 0.98 * extent.above, 16)],
+        shapes: |extent| shapes(extent.above),
         unit_forces: |shapes, motions, _| Ok(vec![run(&Stop::new(&[(1.0, shapes[0])])?, motions)]),
         elements: |value| one(vec![("stiffness", value.size(0)), ("gap", value.shape(0))]),
         ..STOP
     }),
     Form(&FormSpec {
         name: "stop_below",
-        shapes: |extent| vec![Shape::spread(0.02 * extent.below, 0.98 * extent.below, 16)],
+        shapes: |extent| shapes(extent.below),
         unit_forces: |shapes, motions, _| Ok(vec![run(&Stop::new(&[(1.0, -shapes[0])])?, motions)]),
         elements: |value| one(vec![("stiffness", value.size(0)), ("gap", -value.shape(0))]),
         ..STOP
     }),
 ];
+
+/// Of a contact to the side whose largest displacement this is, mm.
+fn shapes(largest: f64) -> Vec<Shape> {
+    let [nearest, farthest] = policy().shape.contact;
+    vec![Shape::spread(
+        nearest * largest,
+        farthest * largest,
+        policy().shape.contact_starts,
+    )]
+}
 
 const STOP: FormSpec = FormSpec {
     family: "stop",

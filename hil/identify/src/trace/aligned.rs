@@ -2,17 +2,23 @@
 //! the zero of the displacement.
 
 use crate::families::delay;
+use crate::policy::policy;
 use mesh_damper_model::Model;
 use mesh_damper_recording::Recording;
 use mesh_damper_recording::error::InputError;
 use mesh_damper_recording::trajectory::{Known, Trajectory};
 
-/// Zeros that differ by less than this part of the smaller amplitude are one.
-const SAME_ZERO: f64 = 0.05;
-/// Shifts that differ by so many ticks may be one.
-const SAME_SHIFT: f64 = 1.5;
-/// Ticks that forces are first moved too far.
-const TOO_FAR: f64 = 0.5;
+mesh_damper_recording::numbers! {
+    /// What recordings of one rig share.
+    AlignedPolicy {
+        /// Zeros that differ by less than this part of the smaller amplitude are one.
+        same_zero: f64 = 0.05, Tuned("the recordings of others");
+        /// Shifts that differ by less than so many ticks may be one.
+        same_shift: f64 = 1.5, Tuned("the injected channel faults");
+        /// Ticks that forces are first moved too far: a model finds a force that is late better than one that is early.
+        too_far: f64 = 0.5, Tuned("the injected channel faults");
+    }
+}
 
 /// Recordings made ready, those that are fitted and those held out.
 pub(super) struct Aligned<'r> {
@@ -41,7 +47,7 @@ impl<'r> Aligned<'r> {
         if let Some(early) = aligned.early() {
             let (late, tick) = (early.late, early.tick);
             aligned.estimate = Some(late);
-            aligned.move_from(late, late - TOO_FAR * tick)?;
+            aligned.move_from(late, late - policy().aligned.too_far * tick)?;
         }
         Ok(aligned)
     }
@@ -84,7 +90,7 @@ impl<'r> Aligned<'r> {
     fn move_from(&mut self, from: f64, to: f64) -> Result<(), InputError> {
         self.anew(|trajectory| {
             let differs = (trajectory.late - from).abs() / trajectory.tick;
-            let shares = trajectory.late < 0.0 && differs < SAME_SHIFT;
+            let shares = trajectory.late < 0.0 && differs < policy().aligned.same_shift;
             (shares || trajectory.may_be_late_by(to)).then_some(Known {
                 late: Some(to),
                 is_off: Some(trajectory.centre != 0.0),
@@ -99,7 +105,7 @@ impl<'r> Aligned<'r> {
         };
         let (middle, largest) = (off.middle, largest_amplitude(off));
         self.anew(|trajectory| {
-            let same = SAME_ZERO * largest.min(largest_amplitude(trajectory));
+            let same = policy().aligned.same_zero * largest.min(largest_amplitude(trajectory));
             let shares = trajectory.centre == 0.0 && (trajectory.middle - middle).abs() < same;
             shares.then_some(Known {
                 is_off: Some(true),

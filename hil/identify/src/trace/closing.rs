@@ -11,11 +11,13 @@ use super::result::{
     Baseline, Candidate, CorrectionSummary, Errors, Estimate, FoundEffect, LawEstimate, OnTarget,
     TraceResult, Verdict,
 };
+use super::rule::Rule;
 use super::select::{self, Selection, goal, noise_floor, noise_of};
 use super::separating::separating_test;
 use super::split::{Role, Roles};
 use super::verdict::{accounts_for, conclude, depends_on, generalises, rivals, warnings};
 use super::{Trace, Traced};
+use crate::policy::policy;
 use crate::problem::Problem;
 use crate::rows::Rows;
 use crate::shape::Extent;
@@ -23,11 +25,6 @@ use crate::solution::Solution;
 use crate::staged::staged;
 use crate::term::effects_of;
 use crate::uncertainty::{Interval, Uncertainty};
-
-/// The closing fit is made to at most about this many samples, evenly picked.
-const MOST_ROWS: usize = 60_000;
-/// Fits that leave out one block after the other are made to about this many.
-const ROWS_IN_TURN: usize = 8_000;
 
 /// The recordings of a trace, with what each sample is for.
 pub(super) struct Closing<'a> {
@@ -72,7 +69,7 @@ impl<'a> Closing<'a> {
             rows: nodes
                 .into_iter()
                 .map(|nodes| {
-                    Rows::gather(fitted, nodes, MOST_ROWS, |which, sample| {
+                    Rows::gather(fitted, nodes, policy().rows.closing, |which, sample| {
                         roles.is_open(which, sample)
                     })
                 })
@@ -92,7 +89,13 @@ impl<'a> Closing<'a> {
         let baseline = alone.model();
         let mut solution = self.fit_there(rows, &selection.found.solution);
         let left_out = LeftOut::of(self.trajectories, [self.judging, self.roles]);
-        let (verdict, mut left) = self.verdict(selection, &left_out, [&alone, &solution])?;
+        let found = solution.clone();
+        let Concluded {
+            verdict,
+            mut left,
+            effects_rejected_by,
+        } = self.verdict(selection, &left_out, [&alone, &solution])?;
+        let mut table_rejected_by = None;
         let mut model = solution.model();
         let mut nameless = Vec::new();
         if verdict == Verdict::Unlisted {
@@ -111,6 +114,7 @@ impl<'a> Closing<'a> {
             let mended = mended(self.trajectories, &left_out, &fits)?;
             model = mended.model;
             nameless = mended.depends_on;
+            table_rejected_by = mended.table_rejected_by;
             rows = laws[mended.law].0;
             solution = self.fit_there(rows, laws[mended.law].1);
             left = left_out.left_by(&model)?.in_most().unwrap_or(left);
@@ -151,7 +155,9 @@ impl<'a> Closing<'a> {
             law: law_estimates(&model, &uncertainty),
             verdict,
             effects,
-            candidates: self.candidates(selection)?,
+            candidates: self.candidates(selection, &found)?,
+            effects_rejected_by,
+            table_rejected_by,
             separating_test,
             depends_on: depends_on(&model, &nameless),
             correction: model.correction.as_ref().map(CorrectionSummary::of),
@@ -186,20 +192,24 @@ impl<'a> Closing<'a> {
         })
     }
 
-    /// What is said of a search that ended in `solution`, and how many times the noise it leaves: by all that may be fitted,
-    /// and by blocks that were left out.
+    /// What is said of a search that ended in `solution`: by all that may be fitted, and by blocks that were left out.
     fn verdict(
         &self,
         selection: &Selection,
         left_out: &LeftOut,
         [alone, solution]: [&Solution; 2],
-    ) -> Result<(Verdict, f64), ModelError> {
+    ) -> Result<Concluded, ModelError> {
         let judged = selection.found.score.nrmse() / selection.goal;
         let left_by_solution = left_out.left_by(&solution.model())?;
         let left = left_by_solution.in_most().unwrap_or(judged);
-        let verdict = conclude(selection, left);
+        let (verdict, effects_rejected_by) = conclude(selection, left);
+        let concluded = Concluded {
+            verdict,
+            left,
+            effects_rejected_by,
+        };
         if solution.terms.is_empty() || verdict == Verdict::Unlisted {
-            return Ok((verdict, left));
+            return Ok(concluded);
         }
         let left_by_alone = left_out.left_by(&alone.model())?;
         let accounts = match (
@@ -210,8 +220,18 @@ impl<'a> Closing<'a> {
             _ => true,
         };
         let error = |law| left_out.error(&|picked| Ok(self.refit(&self.rows[0], law, picked)));
-        let holds = accounts && generalises(error(alone)?, error(solution)?);
-        Ok((if holds { verdict } else { Verdict::Unlisted }, left))
+        let rule = if !accounts {
+            Rule::AccountsForTooLittle
+        } else if !generalises(error(alone)?, error(solution)?) {
+            Rule::UnknownElsewhere
+        } else {
+            return Ok(concluded);
+        };
+        Ok(Concluded {
+            verdict: Verdict::Unlisted,
+            effects_rejected_by: Some(rule),
+            ..concluded
+        })
     }
 
     /// What was found, or what the judging cycles do not tell from it and clearly leaves less of all blocks, each counting the
@@ -241,7 +261,7 @@ impl<'a> Closing<'a> {
     /// The terms of `known` fitted to the samples picked, fewer than in the closing fit.
     fn refit(&self, rows: &Rows, known: &Solution, picked: Picked) -> Model {
         let nodes = rows.nodes().to_vec();
-        let rows = Rows::gather(self.trajectories, nodes, ROWS_IN_TURN, picked);
+        let rows = Rows::gather(self.trajectories, nodes, policy().rows.in_turn, picked);
         let problem = Problem::new(&rows, &self.extent, &known.terms());
         problem.solve_near(known).model()
     }
@@ -390,7 +410,17 @@ impl<'a> Closing<'a> {
         Ok(effects)
     }
 
-    fn candidates(&self, selection: &Selection) -> Result<Vec<Candidate>, ModelError> {
+    /// All that was tried; of what was added, `found` is left when fitted to all that may be fitted.
+    fn candidates(
+        &self,
+        selection: &Selection,
+        found: &Solution,
+    ) -> Result<Vec<Candidate>, ModelError> {
+        let left: Vec<Family> = found
+            .terms
+            .iter()
+            .map(|value| value.term.form.family())
+            .collect();
         selection
             .candidates
             .par_iter()
@@ -400,6 +430,8 @@ impl<'a> Closing<'a> {
                 let held = &self.recordings[self.fitted..];
                 let held = held.iter().map(|(held, _)| predict(&model, held));
                 let predicted = known.map(Ok).chain(held).collect::<Result<Vec<_>, _>>()?;
+                let vanishes = candidate.added && !left.contains(&candidate.family);
+                let rule = candidate.rejected_by;
                 Ok(Candidate {
                     family: candidate.family.name().to_owned(),
                     nrmse_held_out: self.nrmse(&predicted, true),
@@ -407,11 +439,21 @@ impl<'a> Closing<'a> {
                     step: candidate.step,
                     added: candidate.added,
                     admissible: candidate.admissible,
+                    rejected_by: rule.or(vanishes.then_some(Rule::Vanishes)),
                     nrmse_judged: candidate.fitted.score.nrmse(),
                 })
             })
             .collect()
     }
+}
+
+/// What is said of a search.
+struct Concluded {
+    verdict: Verdict,
+    /// How many times the noise what was found leaves.
+    left: f64,
+    /// Why what was found does not explain the recordings, where it does not.
+    effects_rejected_by: Option<Rule>,
 }
 
 /// Eq 13's coefficients with their intervals.

@@ -5,29 +5,34 @@ use std::ops::Range;
 
 use mesh_damper_model::predict::predict;
 use mesh_damper_model::{Model, ModelError};
-use mesh_damper_recording::cycles::Block;
+use mesh_damper_recording::cycles::{Block, same_amplitude};
 use mesh_damper_recording::trajectory::Trajectory;
 use rayon::prelude::*;
 
 use super::score::Jury;
 use super::select::{goal, held_to};
-use super::split::{Role, Roles, same_amplitude};
+use super::split::{Role, Roles};
 use super::within_blocks::is_seen_within_blocks;
 use crate::beyond_noise::beyond_noise;
+use crate::policy::policy;
 
-/// With fewer blocks none is left out.
-const FEWEST_BLOCKS: usize = 4;
-/// With fewer between the first and the last of their recordings those are left out too.
-const FEWEST_INNER: usize = 2;
-/// At most so many are.
-const MOST_LEFT_OUT: usize = 4;
-
-/// The part of the cycles that are not the worst.
-const MOST_CYCLES: f64 = 0.8;
-/// Blocks of fewer cycles may be ramps.
-const SOME_CYCLES: usize = 3;
-/// Squared differences of cycles' means are so many times those of noise where a force wanders.
-const WANDERS: f64 = 20.0;
+mesh_damper_recording::numbers! {
+    /// Blocks that are left out of a fit.
+    LeftOutPolicy {
+        /// With fewer blocks none is left out.
+        fewest_blocks: usize = 4, Derived("two amplitudes with two blocks each");
+        /// With fewer blocks between the first and the last of their recordings those are left out too.
+        fewest_inner: usize = 2, Convention("one alone decides nothing");
+        /// At most so many blocks are left out.
+        most: usize = 4, Convention("bounds the time: each takes a fit");
+        /// This part of the cycles are not the worst, which may be those of a start or of a change between blocks.
+        most_cycles: f64 = 0.8, Tuned("the blind trial");
+        /// Blocks of fewer cycles may be ramps.
+        some_cycles: usize = 3, Derived("a cycle into the block, one in it and one out of it");
+        /// A force wanders where the squared differences of its cycles' means are more than so many times those of noise.
+        wanders: f64 = 20.0, Tuned("the recordings of others");
+    }
+}
 
 /// Squared errors over the noise's variance, and of how many samples.
 #[derive(Clone, Copy, Debug, Default)]
@@ -62,7 +67,7 @@ impl LeftInCycles {
         let mut left: Vec<Left> = self.0.concat();
         left.retain(|cycle| cycle.count > 0.0);
         left.sort_by(|a, b| a.mean().total_cmp(&b.mean()));
-        left.truncate((MOST_CYCLES * left.len() as f64).ceil() as usize);
+        left.truncate((policy().left_out.most_cycles * left.len() as f64).ceil() as usize);
         Left::sum(&left).map(|all| all.mean().sqrt())
     }
 
@@ -71,7 +76,7 @@ impl LeftInCycles {
     pub fn beyond_noise(&self) -> Option<f64> {
         let blocks = self.0.iter();
         let blocks: Vec<f64> = blocks
-            .filter(|cycles| cycles.len() >= SOME_CYCLES)
+            .filter(|cycles| cycles.len() >= policy().left_out.some_cycles)
             .filter_map(|cycles| Left::sum(&cycles[1..]))
             .map(|block| block.mean() - 1.0)
             .collect();
@@ -157,7 +162,7 @@ impl<'a> LeftOut<'a> {
                 squares += means.iter().map(|m| (m - mean).powi(2)).sum::<f64>();
             }
         }
-        Ok(squares > WANDERS * expected)
+        Ok(squares > policy().left_out.wanders * expected)
     }
 
     /// Whether `changing` knows what changes from cycle to cycle within blocks better than `still`.
@@ -303,7 +308,7 @@ fn blocks<'t>(trajectories: &'t [Trajectory], roles: &Roles) -> Vec<(usize, &'t 
                 && samples.any(|i| roles.is_open(*which, i) && trajectory.is_telling(i))
         })
         .collect();
-    if blocks.len() < FEWEST_BLOCKS {
+    if blocks.len() < policy().left_out.fewest_blocks {
         return Vec::new();
     }
     blocks.sort_by(|(_, a), (_, b)| {
@@ -319,7 +324,7 @@ fn blocks<'t>(trajectories: &'t [Trajectory], roles: &Roles) -> Vec<(usize, &'t 
         let is_end = |end: f64| same_amplitude(block.amplitude, end);
         !is_end(least) && !is_end(largest)
     };
-    let few = blocks.iter().filter(|(_, b)| has_another(b)).count() < MOST_LEFT_OUT;
+    let few = blocks.iter().filter(|(_, b)| has_another(b)).count() < policy().left_out.most;
     let known: Vec<(usize, &Block)> = blocks
         .iter()
         .filter(|(_, block)| has_another(block) || few && is_between(block))
@@ -336,12 +341,12 @@ fn blocks<'t>(trajectories: &'t [Trajectory], roles: &Roles) -> Vec<(usize, &'t 
         is_only || !(is(first) || is(last))
     };
     let inner: Vec<(usize, &Block)> = known.iter().copied().filter(is_inner).collect();
-    let known = if inner.len() < FEWEST_INNER {
+    let known = if inner.len() < policy().left_out.fewest_inner {
         known
     } else {
         inner
     };
-    let count = known.len().min(MOST_LEFT_OUT);
+    let count = known.len().min(policy().left_out.most);
     (0..count)
         .map(|place| known[(2 * place + 1) * known.len() / (2 * count)])
         .collect()

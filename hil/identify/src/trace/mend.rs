@@ -5,13 +5,20 @@ use mesh_damper_recording::trajectory::Trajectory;
 use rayon::prelude::*;
 
 use super::left_out::{Fit, Judged, LeftOut, Picked};
+use super::rule::Rule;
 use crate::correction;
+use crate::policy::policy;
 
-/// A law is taken in the place of a simpler one if its error is below this part of the other's.
-const BETTER: f64 = 0.95;
-/// The same for effects beside a table, which could stand in for most of them, and for a table in the place of effects, whose
-/// force is known where no table was fitted: of the blocks left out alone, or of all.
-const NEEDED: f64 = 0.75;
+mesh_damper_recording::numbers! {
+    /// When a residual table takes the place of effects.
+    MendPolicy {
+        /// A law is taken in the place of a simpler one if its error is below this part of the other's.
+        better: f64 = 0.95, Tuned("the blind trial");
+        /// The same for effects beside a table, which could stand in for most of them, and for a table in the place of effects, whose
+        /// force is known where no table was fitted: of the blocks left out alone, or of all.
+        needed: f64 = 0.75, Tuned("the blind trial");
+    }
+}
 
 /// The law for recordings that no listed effect explains.
 pub(super) struct Mended {
@@ -21,6 +28,8 @@ pub(super) struct Mended {
     pub model: Model,
     /// What the correction depends on, by the names of `trace.json`.
     pub depends_on: Vec<&'static str>,
+    /// Why it has no correction.
+    pub table_rejected_by: Option<Rule>,
 }
 
 /// One of `laws`, the simplest first, alone or with a correction. Taken is what predicts best the blocks that are left out of its
@@ -52,6 +61,11 @@ pub(super) fn mended(
         Ok(Some((judged, model, choice)))
     });
     let corrected: Vec<_> = corrected.collect::<Result<_, ModelError>>()?;
+    let table_rejected_by = if corrected.iter().all(Option::is_none) {
+        Rule::TableWorthLittle
+    } else {
+        Rule::TableUnknownElsewhere
+    };
     for (number, corrected) in corrected.into_iter().enumerate() {
         let Some((judged, model, choice)) = corrected else {
             continue;
@@ -62,6 +76,7 @@ pub(super) fn mended(
         }
     }
     let (_, law, model, choice) = best;
+    let table_rejected_by = choice.is_none().then_some(table_rejected_by);
     let depends_on = match choice {
         Some(choice) => correction::depends_on(&choice, trajectories, &plain[law], open)?,
         None if left_out.wanders(&model)? => vec!["time"],
@@ -71,6 +86,7 @@ pub(super) fn mended(
         law,
         model,
         depends_on,
+        table_rejected_by,
     })
 }
 
@@ -79,14 +95,14 @@ pub(super) fn mended(
 fn replaces(corrected: &Judged, best: &Judged, named: bool) -> bool {
     let outside = corrected.outside / best.outside;
     let all = corrected.both() / best.both();
-    outside < BETTER && (!named || outside.min(all) < NEEDED)
+    outside < policy().mend.better && (!named || outside.min(all) < policy().mend.needed)
 }
 
 /// Which of some laws, the one that is preferred first, has the least of these errors: a later one where it is clearly less.
 pub(super) fn clearly_best(errors: impl Iterator<Item = f64>) -> usize {
     let mut best = (0, f64::INFINITY);
     for (number, error) in errors.enumerate() {
-        if error < BETTER * best.1 {
+        if error < policy().mend.better * best.1 {
             best = (number, error);
         }
     }

@@ -4,17 +4,19 @@
 //! needless ones are dropped, and the result is fitted once more to all but the samples held out, on which alone the
 //! error is reported.
 
-mod aligned;
+pub(crate) mod aligned;
 mod closing;
-mod left_out;
-mod mend;
+pub(crate) mod left_out;
+pub(crate) mod mend;
 pub mod result;
-mod score;
-mod select;
-mod separating;
-mod split;
-mod tones;
-mod verdict;
+pub mod rule;
+mod ruled_out;
+pub(crate) mod score;
+pub(crate) mod select;
+pub(crate) mod separating;
+pub(crate) mod split;
+pub(crate) mod tones;
+pub(crate) mod verdict;
 mod within_blocks;
 
 pub use split::{Role, Roles};
@@ -24,16 +26,19 @@ use mesh_damper_recording::error::InputError;
 use mesh_damper_recording::trajectory::Trajectory;
 use mesh_damper_recording::{Recording, check_consistency};
 
+use crate::policy::policy;
 use aligned::Aligned;
 use closing::{Closing, brings_nothing_new};
 use result::TraceResult;
 use select::{Search, Selection, amplitude_nodes, error_between};
 
-/// Nodes over amplitude are tried up to this many; more, and the motion has no levels of amplitude.
-const MOST_NODES: usize = 8;
-
-/// A force that was found to be early is moved anew so often.
-const MOST_MOVES: usize = 2;
+mesh_damper_recording::numbers! {
+    /// The steps of a trace.
+    TracePolicy {
+        /// A force that was found to be early is moved again at most so often.
+        most_moves: usize = 2, Convention("the second settles what the first began");
+    }
+}
 
 /// Why a trace could not be made.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
@@ -105,7 +110,7 @@ pub fn trace(
     progress("estimating the motion");
     let mut aligned = Aligned::of(recordings, held_out)?;
     let mut trace = conclude(&mut aligned, progress)?;
-    for _ in 0..MOST_MOVES {
+    for _ in 0..policy().trace.most_moves {
         if !aligned.follow(&trace.model)? {
             break;
         }
@@ -113,6 +118,13 @@ pub fn trace(
         trace = conclude(&mut aligned, progress)?;
     }
     Ok(trace)
+}
+
+/// With more amplitudes the law has one set of coefficients for all.
+fn most_amplitudes() -> usize {
+    mesh_damper_recording::policy::policy()
+        .cycles
+        .most_amplitudes
 }
 
 /// Searches for what the law lacks, and closes the loop.
@@ -140,7 +152,7 @@ fn conclude(aligned: &mut Aligned, progress: &(dyn Fn(&str) + Sync)) -> Result<T
     progress("fitting what was found to all that is not held out");
     let mut nodes = vec![vec![0.0]];
     let over = amplitude_nodes(fitted, &roles);
-    if (2..=MOST_NODES).contains(&over.len()) {
+    if (2..=most_amplitudes()).contains(&over.len()) {
         nodes.insert(usize::from(!over_amplitude), over);
     }
     let closing = Closing::new(fitted, [&judging, &roles], held, nodes);
@@ -159,7 +171,7 @@ fn search(
 ) -> Result<(bool, Selection), ModelError> {
     let nodes = amplitude_nodes(fitted, judging);
     let for_all = Search::new(fitted, judging, vec![0.0]);
-    if nodes.len() < 2 || nodes.len() > MOST_NODES {
+    if nodes.len() < 2 || nodes.len() > most_amplitudes() {
         return Ok((false, for_all.run(progress)?));
     }
     let for_each = for_all.with_nodes(nodes.clone());

@@ -7,6 +7,8 @@ use std::collections::BTreeMap;
 use mesh_damper_model::correction::{CorrectionTable, Remembered};
 use serde::{Deserialize, Serialize};
 
+use super::rule::Rule;
+
 /// The result of a trace.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct TraceResult {
@@ -26,6 +28,12 @@ pub struct TraceResult {
     pub effects: Vec<FoundEffect>,
     /// All families tried, the best first.
     pub candidates: Vec<Candidate>,
+    /// The rule by which what the search found is not all that the law lacks; null where it is, or where nothing was found.
+    #[serde(default)]
+    pub effects_rejected_by: Option<Rule>,
+    /// The rule by which there is no residual table though something is missing; null where there is one, or nothing is missing.
+    #[serde(default)]
+    pub table_rejected_by: Option<Rule>,
     /// The test that would tell the candidates apart, where one is needed.
     pub separating_test: Option<String>,
     /// What the force beyond the law depends on: `displacement`, `velocity`, `history`, `time`, `cycle`,
@@ -125,8 +133,11 @@ pub struct Candidate {
     /// Whether it was added to the law at that step.
     pub added: bool,
     /// Whether this is an effect that can be: one that would be a source of energy is never added, nor a drift that stands
-    /// still within blocks.
+    /// still within blocks or that the measured temperature explains.
     pub admissible: bool,
+    /// The rule by which it is not in the law; null where it is, or where the data do not tell it from what is.
+    #[serde(default)]
+    pub rejected_by: Option<Rule>,
     /// Error on the cycles that chose among the candidates.
     pub nrmse_judged: f64,
 }
@@ -188,7 +199,8 @@ mod tests {
                 "parameters": {"slip_limit": {"value": 0.03, "low": 0.02, "high": 0.04, "unit": "mm"}},
                 "nrmse_without": 0.2, "nrmse_with": 0.005}],
             "candidates": [{"family": "stick_slip", "nrmse_held_out": 0.005, "distinguishable": true,
-                "step": 1, "added": true, "admissible": true, "nrmse_judged": 0.005}],
+                "step": 1, "added": true, "admissible": true, "rejected_by": null, "nrmse_judged": 0.005}],
+            "effects_rejected_by": null, "table_rejected_by": null,
             "separating_test": null, "depends_on": ["displacement", "history"],
             "correction": {"remembers": {"slip": {"limit": 0.03}}, "largest": 0.1}, "warnings": [],
             "augmented": {"nrmse_fitted": 0.004, "nrmse_held_out": 0.005},

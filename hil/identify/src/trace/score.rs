@@ -5,15 +5,23 @@ use std::ops::Range;
 use mesh_damper_recording::trajectory::Trajectory;
 
 use super::split::{Role, Roles};
+use crate::policy::policy;
 
-/// Pieces that a period is cut into for comparing errors.
-const PIECES_PER_PERIOD: f64 = 4.0;
-/// The least part of the other's squared error that a better law has to save.
-const LEAST_GAIN: f64 = 0.05;
-/// A part that is large.
-const LARGE_GAIN: f64 = 0.2;
-/// How many deviations the gain per piece has to stand from zero.
-const DEVIATIONS: f64 = 3.0;
+mesh_damper_recording::numbers! {
+    /// Whether one law predicts better than another.
+    ScorePolicy {
+        /// Pieces that a period is cut into, of which each counts once.
+        pieces_per_period: f64 = 4.0, Derived("a quarter of a period is loading or unloading on one side");
+        /// Fewest samples of a piece.
+        shortest_piece: usize = 4, Convention("fewer are noise");
+        /// A better law saves more than this part of the other's squared error.
+        least_gain: f64 = 0.05, Tuned("the blind trial");
+        /// A law that saves more than this part without the piece in which it saves most is better whatever the others say.
+        large_gain: f64 = 0.2, Tuned("the blind trial");
+        /// The gain of the pieces stands more than so many of its deviations from zero.
+        deviations: f64 = 3.0, Tuned("the blind trial");
+    }
+}
 
 /// The samples of one role that a law is judged by, in short pieces of time.
 #[derive(Clone)]
@@ -117,7 +125,7 @@ impl Score {
         let pieces = || other.pieces.iter().zip(&self.pieces);
         let before: f64 = other.pieces.iter().sum();
         let saved: f64 = pieces().map(|(a, b)| a - b).sum();
-        if saved <= LEAST_GAIN * before {
+        if saved <= policy().score.least_gain * before {
             return false;
         }
         let most = pieces().map(|(a, b)| a - b).fold(0.0, f64::max);
@@ -127,19 +135,22 @@ impl Score {
         let count = gains.len() as f64;
         let mean = gains.iter().sum::<f64>() / count;
         let variance = gains.iter().map(|gain| (gain - mean).powi(2)).sum::<f64>() / (count - 1.0);
-        saved - most > LARGE_GAIN * before || mean > DEVIATIONS * (variance / count).sqrt()
+        saved - most > policy().score.large_gain * before
+            || mean > policy().score.deviations * (variance / count).sqrt()
     }
 }
 
 /// Quarters of a period, block by block.
 fn pieces(trajectory: &Trajectory) -> impl Iterator<Item = Range<usize>> + '_ {
     trajectory.blocks.iter().flat_map(|block| {
-        let length = (1.0 / (block.frequency * trajectory.tick * PIECES_PER_PERIOD)) as usize;
+        let length =
+            (1.0 / (block.frequency * trajectory.tick * policy().score.pieces_per_period)) as usize;
         let end = block.samples.end;
+        let length = length.max(policy().score.shortest_piece);
         block
             .samples
             .clone()
-            .step_by(length.max(4))
-            .map(move |start| start..(start + length.max(4)).min(end))
+            .step_by(length)
+            .map(move |start| start..(start + length).min(end))
     })
 }

@@ -2,14 +2,18 @@
 
 use mesh_damper_model::predict::predict;
 use mesh_damper_model::{Family, ModelError};
+use mesh_damper_recording::cycles::same_amplitude;
 use mesh_damper_recording::trajectory::Trajectory;
 use rayon::prelude::*;
 
+use super::rule::Rule;
+use super::ruled_out;
 use super::score::{Jury, Score};
-use super::split::{Role, Roles, same_amplitude};
+use super::split::{Role, Roles};
 use super::tones::tones;
 use super::within_blocks::is_seen_within_blocks;
 use crate::families::{Form, drift};
+use crate::policy::policy;
 use crate::problem::Problem;
 use crate::rows::Rows;
 use crate::screen::{Screen, Start};
@@ -17,24 +21,24 @@ use crate::shape::Extent;
 use crate::solution::Solution;
 use crate::term::Term;
 
-/// Most terms beside eq 13.
-const MOST_TERMS: usize = 6;
-/// Laws that are carried on from one step to the next: the best with one effect need not be part of the best with two.
-const BEAM: usize = 3;
-/// Of all candidates beside a law, so many that promise most are fitted, if they promise this part of what the first does;
-/// the others are rated as they start. So are all of them beside a law that is settled: none can be added.
-const FITTED: usize = 4;
-const PROMISING: f64 = 0.5;
-/// A candidate is fitted from at most so many starts.
-const STARTS: usize = 2;
-/// A law whose error is within so many times the noise lacks nothing that is larger than the noise; what a term could
-/// still gain there is the error of the estimated motion.
-const SETTLED: f64 = 1.5;
-/// However quiet a recording, errors below this part of the force are those of the estimated motion. What was filtered
-/// before it was written also looks quieter than it is.
-const QUIET: f64 = 1e-3;
-/// A search fits to at most about this many samples, evenly picked; the closing fit takes more.
-const MOST_ROWS: usize = 4_000;
+mesh_damper_recording::numbers! {
+    /// The search for effects.
+    SelectPolicy {
+        /// Most terms beside the law.
+        most_terms: usize = 6, Convention("a search ends long before, where nothing is gained");
+        /// Laws that are carried on from one step to the next: the best with one effect need not be part of the best with two.
+        beam: usize = 3, Tuned("the blind trial");
+        /// Candidates beside a law that are fitted, of those that promise most; the others are rated as a fit would begin.
+        fitted: usize = 4, Tuned("the blind trial");
+        /// A candidate that is fitted promises more than this part of what the first does.
+        promising: f64 = 0.5, Tuned("the blind trial");
+        /// A candidate is fitted from at most so many starts.
+        starts: usize = 2, Tuned("the blind trial");
+        /// However quiet a recording, errors below this part of the force are those of the estimated motion: what was filtered before
+        /// it was written looks quieter than it is.
+        quiet: f64 = 1e-3, Tuned("the estimated motions");
+    }
+}
 
 /// A fitted law and how it does on the cycles that judge.
 #[derive(Clone, Debug)]
@@ -124,10 +128,15 @@ pub struct Candidate {
     pub distinguishable: bool,
     /// Whether the law found at this step is this one.
     pub added: bool,
-    /// Whether no term of it would be a source of energy, or a mass that pushes, or a drift that stands still in every block.
+    /// Whether no term of it would be a source of energy, or a mass that pushes, or a drift that stands still in every block or
+    /// is but warmth.
     pub admissible: bool,
+    /// Whether it was fitted, and not only rated as a fit would begin.
+    pub was_fitted: bool,
     /// Whether a shape stands where the effect is a simpler one as far as the data show.
     pub degenerate: bool,
+    /// The rule by which it is not in the law found; none where it is, or where the data do not tell it from what is.
+    pub rejected_by: Option<Rule>,
 }
 
 /// What a search ended in.
@@ -170,9 +179,12 @@ impl<'a> Search<'a> {
             trajectories,
             jury: Jury::of(trajectories, roles, Role::Judge),
             roles,
-            rows: Rows::gather(trajectories, nodes, MOST_ROWS, |which, sample| {
-                roles.of(which, sample) == Role::Fit
-            }),
+            rows: Rows::gather(
+                trajectories,
+                nodes,
+                policy().rows.search,
+                |which, sample| roles.of(which, sample) == Role::Fit,
+            ),
             extent: Extent::of(trajectories),
             terms,
         }
@@ -202,23 +214,30 @@ impl<'a> Search<'a> {
         let mut found = baseline.clone();
         let mut beam = vec![baseline.clone()];
         let mut candidates = Vec::new();
-        for step in 1..=MOST_TERMS {
+        for step in 1..=policy().select.most_terms {
             progress(&format!(
                 "trying {} forms of effects beside {}",
                 self.terms.len(),
                 found.named()
             ));
             let may_add = !self.is_settled(&found);
-            let mut tried = self.step(&beam, step, if may_add { FITTED } else { 0 });
+            let mut tried = self.step(
+                &beam,
+                step,
+                if may_add { policy().select.fitted } else { 0 },
+            );
             let Some(best) = tried.first_mut() else { break };
             let accepted = may_add && best.admissible && best.fitted.score.beats(&found.score);
             let next = best.fitted.clone();
             best.added = accepted;
+            if !accepted {
+                ruled_out::by_the_law_before(&mut tried, may_add);
+            }
             beam = tried
                 .iter()
                 .filter(|candidate| candidate.admissible)
                 .map(|candidate| candidate.fitted.clone())
-                .take(BEAM)
+                .take(policy().select.beam)
                 .collect();
             candidates.extend(tried);
             if !accepted {
@@ -227,6 +246,7 @@ impl<'a> Search<'a> {
             found = next;
         }
         found = self.prune(found)?;
+        ruled_out::in_the_end(&mut candidates, &found);
         Ok(Selection {
             baseline,
             found,
@@ -237,10 +257,10 @@ impl<'a> Search<'a> {
 
     /// Whether nothing that is larger than the noise is left.
     pub fn is_settled(&self, law: &Fitted) -> bool {
-        law.score.nrmse() <= SETTLED * self.goal()
+        law.score.nrmse() <= policy().verdict.noise_limited * self.goal()
     }
 
-    /// The error on the judging cycles that a law is held to: the noise, or [`QUIET`] where the recording is quieter.
+    /// The error on the judging cycles that a law is held to: the noise, or [`SelectPolicy::quiet`] where the recording is quieter.
     pub fn goal(&self) -> f64 {
         goal(self.jury.noise())
     }
@@ -260,15 +280,25 @@ impl<'a> Search<'a> {
         let mut tried: Vec<Candidate> = beam
             .par_iter()
             .flat_map(|law| self.beside(law, most))
-            .map(|(term, fitted)| Candidate {
-                family: term.form.family(),
-                step,
-                // One that the crate refuses without its drift is none with it.
-                admissible: fitted.is_admissible() && !self.stands_still(&fitted).unwrap_or(true),
-                degenerate: fitted.is_degenerate(&self.extent),
-                fitted,
-                distinguishable: true,
-                added: false,
+            .map(|(term, fitted, was_fitted)| {
+                let rejected_by = if !fitted.is_admissible() {
+                    Some(Rule::NotPassive)
+                } else {
+                    // One that the crate refuses without its drift is none with it.
+                    let stands_still = self.stands_still(&fitted).unwrap_or(true);
+                    stands_still.then_some(Rule::StandsStill)
+                };
+                Candidate {
+                    family: term.form.family(),
+                    step,
+                    admissible: rejected_by.is_none(),
+                    was_fitted,
+                    degenerate: fitted.is_degenerate(&self.extent),
+                    fitted,
+                    distinguishable: true,
+                    added: false,
+                    rejected_by,
+                }
             })
             .collect();
         tried.sort_by(|a, b| {
@@ -295,7 +325,13 @@ impl<'a> Search<'a> {
                     .any(|family| family.depends_on_temperature())
             })
             .collect();
-        tried.retain(|candidate| !candidate.fitted.is_but_warmth(&warmed));
+        for candidate in &mut tried {
+            if candidate.admissible && candidate.fitted.is_but_warmth(&warmed) {
+                candidate.admissible = false;
+                candidate.rejected_by = Some(Rule::Warmth);
+            }
+        }
+        tried.sort_by_key(|candidate| !candidate.admissible);
         let preferred = self.preferred(&tried);
         if preferred > 0 {
             let preferred = tried.remove(preferred);
@@ -307,6 +343,7 @@ impl<'a> Search<'a> {
                     !rival.admissible || best.fitted.score.beats(&rival.fitted.score);
             }
         }
+        ruled_out::by_the_best(&mut tried);
         tried
     }
 
@@ -347,8 +384,8 @@ impl<'a> Search<'a> {
         Ok(!is_seen_within_blocks(all, counts, &law.predicted, &still))
     }
 
-    /// Every form beside `law`: at most `most` that promise most fitted, the others with what they start from.
-    fn beside(&self, law: &Fitted, most: usize) -> Vec<(Term, Fitted)> {
+    /// Every form beside `law`, and whether it was fitted: at most `most` that promise most, the others with what they start from.
+    fn beside(&self, law: &Fitted, most: usize) -> Vec<(Term, Fitted, bool)> {
         let known = law.solution.terms();
         let extent = self
             .extent
@@ -367,7 +404,8 @@ impl<'a> Search<'a> {
             .filter(|(_, starts)| !starts.is_empty())
             .collect();
         rated.sort_by(|a, b| b.1[0].gain.total_cmp(&a.1[0].gain));
-        let promising = PROMISING * rated.first().map_or(0.0, |(_, starts)| starts[0].gain);
+        let promising =
+            policy().select.promising * rated.first().map_or(0.0, |(_, starts)| starts[0].gain);
         rated
             .into_par_iter()
             .with_max_len(1)
@@ -375,8 +413,9 @@ impl<'a> Search<'a> {
             .filter_map(|(place, (term, starts))| {
                 let terms: Vec<Term> = known.iter().copied().chain([term]).collect();
                 let problem = Problem::new(&self.rows, &extent, &terms);
-                let solution = if place < most && starts[0].gain > promising {
-                    starts[..STARTS.min(starts.len())]
+                let is_fitted = place < most && starts[0].gain > promising;
+                let solution = if is_fitted {
+                    starts[..policy().select.starts.min(starts.len())]
                         .par_iter()
                         .map(|start| problem.solve_from(&law.solution, &start.shapes))
                         .min_by(|a, b| a.squares.total_cmp(&b.squares))?
@@ -384,7 +423,7 @@ impl<'a> Search<'a> {
                     problem.solve_at(&law.solution, &starts[0].shapes)
                 };
                 // A fit that ends in coefficients which the crate refuses is no candidate.
-                Some((term, self.judged(solution).ok()?))
+                Some((term, self.judged(solution).ok()?, is_fitted))
             })
             .collect()
     }
@@ -442,9 +481,12 @@ pub fn error_between(
             .copied()
             .filter(|&node| node != amplitude)
             .collect();
-        let rows = Rows::gather(trajectories, others, MOST_ROWS, |which, sample| {
-            !is_left_out(which, sample)
-        });
+        let rows = Rows::gather(
+            trajectories,
+            others,
+            policy().rows.search,
+            |which, sample| !is_left_out(which, sample),
+        );
         let model = Problem::new(&rows, &extent, &found.terms())
             .solve_near(found)
             .model();
@@ -475,9 +517,9 @@ pub fn held_to(trajectory: &Trajectory) -> f64 {
     goal(noise_of(trajectory)) * trajectory.force_rms
 }
 
-/// The error that a law is held to: the noise, or [`QUIET`] where the recording is quieter.
+/// The error that a law is held to: the noise, or [`SelectPolicy::quiet`] where the recording is quieter.
 pub fn goal(noise_floor: f64) -> f64 {
-    noise_floor.max(QUIET)
+    noise_floor.max(policy().select.quiet)
 }
 
 /// The amplitudes in mm of the blocks that are fitted, those that are nearly the same taken as one.

@@ -10,33 +10,41 @@ use mesh_damper_reference::protocol::{Block, motion};
 
 use super::select::{Candidate, Selection, held_to};
 use super::verdict::rivals;
+use crate::policy::policy;
 use crate::problem::Problem;
 use crate::rows::Rows;
 use crate::shape::Extent;
 use crate::solution::Solution;
 
-/// Frequencies that are tried, over the lowest and the highest recorded.
-const BELOW: [f64; 3] = [0.125, 0.25, 0.5];
-const ABOVE: [f64; 3] = [2.0, 4.0, 8.0];
-/// Amplitudes that are tried, over the largest recorded.
-const AMPLITUDES: [f64; 2] = [0.5, 1.5];
-/// What the rig runs, Hz and mm.
-const FREQUENCIES: (f64, f64) = (0.1, 10.0);
-const LARGEST_AMPLITUDE: f64 = 0.3;
-/// Most blocks of a programme.
-const MOST_BLOCKS: usize = 4;
-/// Rivals that differ by so many times the noise need no further block.
-const PLENTY: f64 = 10.0;
-/// Rivals that differ by less than this are not told apart.
-const ENOUGH: f64 = 1.0;
-/// Samples of the fastest cycle, and cycles of each block, in a simulation.
-const SAMPLES: f64 = 200.0;
-const CYCLES: u32 = 3;
-/// Least duration and cycles of a block of the programme, s.
-const DURATION: f64 = 3.0;
-const FEWEST_CYCLES: f64 = 5.0;
-/// A fit takes at most about so many samples.
-const MOST_ROWS: usize = 1_500;
+mesh_damper_recording::numbers! {
+    /// The test that would tell effects apart.
+    SeparatingPolicy {
+        /// Frequencies that are tried below the lowest recorded, over it.
+        below: [f64; 3] = [0.125, 0.25, 0.5], Convention("octaves");
+        /// Frequencies that are tried above the highest recorded, over it.
+        above: [f64; 3] = [2.0, 4.0, 8.0], Convention("octaves");
+        /// Amplitudes that are tried, over the largest recorded.
+        amplitudes: [f64; 2] = [0.5, 1.5], Convention("a half less and a half more");
+        /// The lowest and the highest frequency that the rig runs, Hz.
+        frequencies: [f64; 2] = [0.1, 10.0], Convention("what the rig runs");
+        /// The largest amplitude that the rig runs, mm.
+        largest_amplitude: f64 = 0.3, Convention("what the rig runs");
+        /// Most blocks of a programme.
+        most_blocks: usize = 4, Convention("a test of a minute");
+        /// Effects that differ by so many times the noise need no further block.
+        plenty: f64 = 10.0, Convention("told apart at a glance");
+        /// Effects that differ by less than so many times the noise are not told apart.
+        enough: f64 = 1.0, Derived("the noise");
+        /// Samples of the fastest cycle in a simulation.
+        samples: f64 = 200.0, Convention("as many as of 5 Hz at 1 kHz");
+        /// Cycles of each block in a simulation.
+        cycles: u32 = 3, Convention("the first starts, the others repeat");
+        /// Least duration of a block of the programme, s.
+        duration: f64 = 3.0, Convention("a block that an operator sees");
+        /// Fewest cycles of a block of the programme.
+        fewest_cycles: f64 = 5.0, Convention("a ramp, and four to fit and to judge by");
+    }
+}
 
 /// What would tell the rivals of an ambiguous search apart, in words with a programme of blocks.
 ///
@@ -55,7 +63,7 @@ pub(super) fn separating_test(
     );
     let solutions: Vec<&Solution> = rivals.iter().map(|rival| &rival.fitted.solution).collect();
     let (blocks, apart) = Simulation::new(trajectories, &solutions)?.programme()?;
-    Ok(if apart < ENOUGH {
+    Ok(if apart < policy().separating.enough {
         format!(
             "{said}, and so they would any other that the rig runs: {apart:.1} times the noise is the most by which the nearest \
              two differ"
@@ -117,7 +125,7 @@ impl<'s> Simulation<'s> {
     fn new(trajectories: &[Trajectory], rivals: &'s [&'s Solution]) -> Result<Self, ModelError> {
         let blocks = tried(trajectories);
         let fastest = blocks.iter().fold(0.0_f64, |most, b| most.max(b.frequency));
-        let tick = 1.0 / (SAMPLES * fastest);
+        let tick = 1.0 / (policy().separating.samples * fastest);
         let displacement: Vec<f64> = motion(&blocks, 1.0 / tick)
             .iter()
             .map(|m| m.displacement)
@@ -155,7 +163,7 @@ impl<'s> Simulation<'s> {
     fn programme(&self) -> Result<(Vec<Block>, f64), ModelError> {
         let mut chosen = vec![0];
         let mut apart = 0.0;
-        while chosen.len() < MOST_BLOCKS && apart < PLENTY {
+        while chosen.len() < policy().separating.most_blocks && apart < policy().separating.plenty {
             let mut best: Option<(f64, usize)> = None;
             for next in (0..self.blocks.len()).filter(|next| !chosen.contains(next)) {
                 let more: Vec<usize> = chosen.iter().copied().chain([next]).collect();
@@ -172,7 +180,9 @@ impl<'s> Simulation<'s> {
         }
         let blocks = chosen.into_iter().map(|index| {
             let block = self.blocks[index];
-            let cycles = (DURATION * block.frequency).ceil().max(FEWEST_CYCLES);
+            let cycles = (policy().separating.duration * block.frequency)
+                .ceil()
+                .max(policy().separating.fewest_cycles);
             Block {
                 cycles: cycles as u32,
                 ..block
@@ -205,7 +215,9 @@ impl<'s> Simulation<'s> {
         let mut nodes: Vec<f64> = blocks.iter().map(|&b| self.blocks[b].amplitude).collect();
         nodes.sort_by(f64::total_cmp);
         nodes.dedup();
-        let rows = Rows::gather(recordings, nodes, MOST_ROWS, |_, sample| is_in(sample));
+        let rows = Rows::gather(recordings, nodes, policy().rows.separating, |_, sample| {
+            is_in(sample)
+        });
         let extent = Extent::of(recordings);
         let problem = Problem::new(&rows, &extent, &self.rivals[by].terms());
         let fitted = problem.solve_near(self.rivals[by]).model();
@@ -230,25 +242,30 @@ fn tried(trajectories: &[Trajectory]) -> Vec<Block> {
     // As a person would write them.
     let round = |value: f64, step: f64| (value / step).round() * step;
     let frequency = |value: f64| {
-        let (low, high) = FREQUENCIES;
+        let [low, high] = policy().separating.frequencies;
         (round(value.clamp(low, high), 0.05) * 1e3).round() / 1e3
     };
     // To two digits.
     let amplitude = |value: f64| {
-        let value = value.min(LARGEST_AMPLITUDE);
+        let value = value.min(policy().separating.largest_amplitude);
         let step = 10f64.powf(value.log10().floor() - 1.0);
         format!("{:.9}", round(value, step))
             .parse()
             .unwrap_or(value)
     };
-    let frequencies = BELOW
+    let frequencies = policy()
+        .separating
+        .below
         .map(|part| part * slowest)
         .into_iter()
-        .chain(ABOVE.map(|times| times * fastest));
+        .chain(policy().separating.above.map(|times| times * fastest));
     let middle = (slowest * fastest).sqrt();
     let first = (largest, middle);
     let of_frequency = frequencies.map(|f| (largest, f));
-    let of_amplitude = AMPLITUDES.map(|times| (times * largest, middle));
+    let of_amplitude = policy()
+        .separating
+        .amplitudes
+        .map(|times| (times * largest, middle));
     let mut blocks: Vec<Block> = Vec::new();
     for (a, f) in std::iter::once(first)
         .chain(of_frequency)
@@ -257,7 +274,7 @@ fn tried(trajectories: &[Trajectory]) -> Vec<Block> {
         let block = Block {
             amplitude: amplitude(a),
             frequency: frequency(f),
-            cycles: CYCLES,
+            cycles: policy().separating.cycles,
         };
         let is_new = |known: &Block| {
             known.amplitude != block.amplitude || known.frequency != block.frequency

@@ -5,12 +5,22 @@
 
 use std::ops::Range;
 
+use mesh_damper_recording::cycles::same_amplitude;
 use mesh_damper_recording::trajectory::Trajectory;
 
-/// Of a block's cycles that are left, this many are kept for one that is kept apart.
-const CYCLES_PER_KEPT: usize = 4;
-/// Two amplitudes closer than this fraction are of one node.
-pub const SAME_AMPLITUDE: f64 = 0.06;
+use crate::policy::policy;
+
+mesh_damper_recording::numbers! {
+    /// Which samples are kept apart.
+    SplitPolicy {
+        /// Of a block's cycles that are still fitted, one in this many is kept apart.
+        cycles_per_kept: usize = 4, Tuned("the blind trial");
+        /// A whole block is kept apart where at least so many are fitted.
+        fewest_blocks: usize = 3, Derived("one of two blocks would leave one condition to fit");
+        /// A block with at least so many cycles that are fitted is one of them.
+        fewest_cycles: usize = 2, Derived("one of them may be a ramp");
+    }
+}
 
 /// What a sample is for.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -82,7 +92,7 @@ impl Roles {
                     .filter(|cycle| self.is_fit(which, cycle))
                     .collect();
                 if let [_, .., last] = cycles.as_slice() {
-                    let kept = (cycles.len() / CYCLES_PER_KEPT).max(1);
+                    let kept = (cycles.len() / policy().split.cycles_per_kept).max(1);
                     let first = cycles[cycles.len() - kept];
                     self.assign(which, first.start..last.end, role);
                 }
@@ -91,7 +101,7 @@ impl Roles {
                 let fitted: Vec<usize> = (0..trajectory.len())
                     .filter(|&sample| self.0[which][sample] == Role::Fit)
                     .collect();
-                let first = fitted.len() - fitted.len() / CYCLES_PER_KEPT;
+                let first = fitted.len() - fitted.len() / policy().split.cycles_per_kept;
                 for &sample in &fitted[first..] {
                     self.0[which][sample] = role;
                 }
@@ -114,10 +124,10 @@ impl Roles {
                     .iter()
                     .filter(|cycle| self.is_fit(which, cycle))
                     .count()
-                    >= 2
+                    >= policy().split.fewest_cycles
             })
             .collect();
-        if fitted.len() < 3 {
+        if fitted.len() < policy().split.fewest_blocks {
             return None;
         }
         let block = |(which, number): (usize, usize)| &trajectories[which].blocks[number];
@@ -143,9 +153,4 @@ impl Roles {
     fn assign(&mut self, which: usize, samples: Range<usize>, role: Role) {
         self.0[which][samples].fill(role);
     }
-}
-
-/// Whether two amplitudes belong to one node of the law.
-pub fn same_amplitude(a: f64, b: f64) -> bool {
-    (a - b).abs() < SAME_AMPLITUDE * a.max(b)
 }

@@ -4,9 +4,15 @@ use mesh_damper_recording::spectrum::{place_of_line, powers};
 use mesh_damper_recording::trajectory::Trajectory;
 
 use super::split::Roles;
+use crate::policy::policy;
 
-/// So many of the strongest tones are given.
-const MOST: usize = 3;
+mesh_damper_recording::numbers! {
+    /// Tones in a residual.
+    TonesPolicy {
+        /// A search for a tone starts from so many of the strongest lines.
+        most: usize = 3, Tuned("the blind trial");
+    }
+}
 
 /// The frequencies in Hz of the strongest lines in what `predicted` (kN, per trajectory and sample) leaves of the force of
 /// the longest trajectory, the strongest first; of the samples that are open, by `roles`.
@@ -39,7 +45,7 @@ fn lines(samples: Vec<f64>) -> Vec<f64> {
         .filter(|&k| powers[k] > powers[k - 1] && powers[k] >= powers[k + 1])
         .collect();
     peaks.sort_by(|&a, &b| powers[b].total_cmp(&powers[a]));
-    let strongest = peaks.into_iter().take(MOST);
+    let strongest = peaks.into_iter().take(policy().tones.most);
     strongest
         .map(|peak| place_of_line(&powers, peak) / count as f64)
         .collect()

@@ -1,56 +1,74 @@
 //! What is concluded from a search, in the words of `trace.json`.
 
-use mesh_damper_model::{Family, Model};
+use mesh_damper_model::{Family, LawNode, Model};
+use mesh_damper_recording::cycles::same_amplitude;
 use mesh_damper_recording::trajectory::Trajectory;
 
 use super::left_out::RelativeError;
 use super::result::{Errors, Verdict};
+use super::rule::Rule;
 use super::select::{Candidate, Selection};
+use crate::policy::policy;
 
-/// So many times the noise may a law leave that explains a recording: the estimated motion errs too.
-const EXPLAINED: f64 = 1.5;
-/// The same of a law with more than [`FEW`] families: enough of them come near anything.
-const EXPLAINED_BY_MANY: f64 = 1.1;
-const FEW: usize = 2;
-
-/// Effects that are there take at least this part of the error beyond the noise in blocks that were not fitted.
-const LEAST_TAKEN: f64 = 0.35;
+mesh_damper_recording::numbers! {
+    /// What is concluded from a search.
+    VerdictPolicy {
+        /// A law is noise-limited where it leaves at most so many times the noise: the estimated motion errs too. Nothing is sought
+        /// beside such a law.
+        noise_limited: f64 = 1.5, Tuned("the blind trial");
+        /// The same of a law with more families than `few`: enough of them come near anything.
+        noise_limited_by_many: f64 = 1.1, Tuned("the blind trial");
+        /// Families of effects that are few.
+        few: usize = 2, Tuned("the blind trial");
+        /// Effects that are there take at least this part of the error beyond the noise in blocks that were not fitted.
+        least_taken: f64 = 0.35, Tuned("the blind trial");
+        /// Effects that explain a recording leave at most this part of what the law alone leaves beyond the noise: one that is like
+        /// the one at work leaves more, as a dashpot leaves a fifth of a drag that grows with v².
+        most_left: f64 = 0.12, Tuned("the blind trial");
+        /// What is left below so many times the noise does not show.
+        unseen: f64 = 0.6, Tuned("the blind trial");
+        /// A law that is noise-limited where it was fitted and leaves more than so many times the noise of what was held out knows the
+        /// one and not the other.
+        elsewhere: f64 = 2.0, Convention("a warning, well above what is noise-limited");
+    }
+}
 
 /// Whether effects that bring the error in blocks left out of the fit from `without` to `with` say something of other
 /// conditions than those they were fitted to.
 pub(super) fn generalises(without: RelativeError, with: RelativeError) -> bool {
-    with.error <= EXPLAINED.powi(2) * with.noise
-        || with.beyond_noise() <= (1.0 - LEAST_TAKEN) * without.beyond_noise()
+    with.error <= policy().verdict.noise_limited.powi(2) * with.noise
+        || with.beyond_noise() <= (1.0 - policy().verdict.least_taken) * without.beyond_noise()
 }
-
-/// Effects that explain a recording leave of what the law alone leaves beyond the noise at most this part,
-const MOST_LEFT: f64 = 0.12;
-/// or nothing that shows beside so many times the noise. An effect that is like the one at work leaves more: a dashpot a
-/// fifth of a drag that grows with v².
-const UNSEEN: f64 = 0.6;
 
 /// Whether effects explain what the law alone leaves beyond the noise, `alone`, and leave only `left` of it, over the noise.
 pub(super) fn accounts_for(alone: f64, left: f64) -> bool {
-    left <= UNSEEN || left <= MOST_LEFT * alone
+    left <= policy().verdict.unseen || left <= policy().verdict.most_left * alone
 }
 
-/// The verdict on what a search found, of which so many times the noise is `left`.
-pub(super) fn conclude(selection: &Selection, left: f64) -> Verdict {
-    let few = selection.found.families().len() <= FEW;
-    let explained = left <= if few { EXPLAINED } else { EXPLAINED_BY_MANY };
+/// The verdict on what a search found, of which so many times the noise is `left`, and the rule by which what was found does not
+/// explain it.
+pub(super) fn conclude(selection: &Selection, left: f64) -> (Verdict, Option<Rule>) {
+    let few = selection.found.families().len() <= policy().verdict.few;
+    let explained = left
+        <= if few {
+            policy().verdict.noise_limited
+        } else {
+            policy().verdict.noise_limited_by_many
+        };
     if selection.found.solution.terms.is_empty() {
-        return if explained {
+        let verdict = if explained {
             Verdict::None
         } else {
             Verdict::Unlisted
         };
+        return (verdict, None);
     }
     if !explained {
-        Verdict::Unlisted
+        (Verdict::Unlisted, Some(Rule::LeavesTooMuch))
     } else if rivals(selection).len() > 1 {
-        Verdict::Ambiguous
+        (Verdict::Ambiguous, None)
     } else {
-        Verdict::Found
+        (Verdict::Found, None)
     }
 }
 
@@ -89,10 +107,6 @@ pub(super) fn depends_on(model: &Model, correction: &[&'static str]) -> Vec<Stri
     names
 }
 
-/// A law that explains what it was fitted to and leaves more than so many times the noise of what was held out knows the one and not
-/// the other.
-const ELSEWHERE: f64 = 2.0;
-
 /// What a reader should know before trusting the result: `left` times the noise is what effects leave, `errors` are of the law
 /// alone and with what was added, `held_to` is what a perfect law leaves of what was held out.
 pub(super) fn warnings<'t>(
@@ -117,7 +131,9 @@ pub(super) fn warnings<'t>(
         if let (Some(first), Some(last)) = (first, last)
             && model.law.len() > 1
             && let Some(block) = trajectory.blocks.iter().find(|block| {
-                block.amplitude < 0.94 * first.amplitude || block.amplitude > 1.06 * last.amplitude
+                let is_fitted = |node: &LawNode| same_amplitude(block.amplitude, node.amplitude);
+                (block.amplitude < first.amplitude && !is_fitted(first))
+                    || (block.amplitude > last.amplitude && !is_fitted(last))
             })
         {
             warnings.push(format!(
@@ -133,7 +149,10 @@ pub(super) fn warnings<'t>(
         );
     }
     let elsewhere = errors.1.nrmse_held_out / held_to;
-    if model.correction.is_none() && left <= EXPLAINED && elsewhere > ELSEWHERE {
+    if model.correction.is_none()
+        && left <= policy().verdict.noise_limited
+        && elsewhere > policy().verdict.elsewhere
+    {
         warnings.push(format!(
             "on what was held out the law leaves {elsewhere:.1} times the noise, which it does not where it was fitted: fit more \
              amplitudes and frequencies, about those held out"
@@ -143,7 +162,7 @@ pub(super) fn warnings<'t>(
         warnings.push(
             "no listed effect explains what the law lacks: a table stands in for it, which is held at its edges".to_owned(),
         );
-    } else if left > EXPLAINED {
+    } else if left > policy().verdict.noise_limited {
         warnings.push(format!(
             "what is left is {left:.1} times the noise of the force: more is missing from the law than was found"
         ));

@@ -1,6 +1,7 @@
 //! The trace on recordings whose truth is known: coefficients, effects, verdicts and intervals.
 
 mod elements;
+mod rules;
 mod slow_changes;
 
 use std::collections::BTreeSet;

@@ -8,15 +8,25 @@ use nalgebra::{SMatrix, SVector};
 use super::super::cycles::Cycles;
 use super::runs;
 use crate::extremes::least_and_largest;
+use crate::policy::policy;
 
-/// Up to so many samples in a row a cubic through their neighbours is taken.
-const SHORT: usize = 4;
-/// Samples to each side that the cubic goes through.
-const NEIGHBOURS: usize = 5;
-/// Part of a period to each side that a sine is fitted to.
-const REACH: f64 = 0.75;
-/// A sine that leaves less than this part of its amplitude is the motion.
-const IS_SINE: f64 = 0.03;
+crate::numbers! {
+    /// What stands in for samples that were not measured.
+    BridgePolicy {
+        /// Up to so many samples in a row are bridged by a cubic.
+        short: usize = 4, Tuned("the injected channel faults");
+        /// Samples to each side that the cubic goes through.
+        neighbours: usize = 5, Tuned("the injected channel faults");
+        /// Part of a period to each side that a sine is fitted to.
+        reach: f64 = 0.75, Tuned("the injected channel faults");
+        /// A sine that leaves less than this part of its amplitude is the motion.
+        is_sine: f64 = 0.03, Tuned("the injected channel faults");
+        /// A crossing counts where the channel leaves a band of this part of its range about the middle.
+        hysteresis: f64 = 0.05, Convention("above any noise that leaves a motion to be seen");
+        /// A fit needs so many known samples on either side of a gap.
+        fewest: usize = 3, Convention("of six samples four functions leave something to judge by");
+    }
+}
 
 /// Replaces the `unknown` ones of `values`, sampled every `tick` s: a few in a row by the cubic through their neighbours,
 /// more by the sine that the motion is around them, or, where it is none, by a straight line.
@@ -29,15 +39,15 @@ pub(super) fn bridge(values: &mut [f64], unknown: &[bool], tick: f64) {
         line(values, gap);
     }
     let (low, high) = least_and_largest(&*values);
-    let cycles = Cycles::find(values, tick, 0.05 * (high - low));
+    let cycles = Cycles::find(values, tick, policy().bridge.hysteresis * (high - low));
     let period = cycles.period_per_sample(values.len(), tick);
     for gap in &gaps {
         let samples = period[gap.start] / tick;
-        let filled = if gap.len() <= SHORT {
+        let filled = if gap.len() <= policy().bridge.short {
             let cubic = |x: f64| SVector::from([1.0, x, x * x, x * x * x]);
-            fit(values, unknown, gap, NEIGHBOURS, cubic).map(|(filled, _)| filled)
+            fit(values, unknown, gap, policy().bridge.neighbours, cubic).map(|(filled, _)| filled)
         } else {
-            let reach = (REACH * samples) as usize;
+            let reach = (policy().bridge.reach * samples) as usize;
             // The period is known to a few per cent only; the one that leaves least is taken.
             (-4..=4)
                 .filter_map(|step| {
@@ -45,7 +55,7 @@ pub(super) fn bridge(values: &mut [f64], unknown: &[bool], tick: f64) {
                     let sine = |x: f64| SVector::from([1.0, (w * x).cos(), (w * x).sin(), x]);
                     fit(values, unknown, gap, reach, sine)
                 })
-                .filter(|(_, left)| *left < IS_SINE)
+                .filter(|(_, left)| *left < policy().bridge.is_sine)
                 .min_by(|a, b| a.1.total_cmp(&b.1))
                 .map(|(filled, _)| filled)
         };
@@ -92,7 +102,8 @@ fn fit(
     let around = gap.start.saturating_sub(reach)..(gap.end + reach).min(values.len());
     let known: Vec<usize> = around.filter(|&index| !unknown[index]).collect();
     let before = known.iter().filter(|&&index| index < gap.start).count();
-    if before < 3 || known.len() - before < 3 {
+    let fewest = policy().bridge.fewest;
+    if before < fewest || known.len() - before < fewest {
         return None;
     }
     let mut gram = SMatrix::<f64, 4, 4>::zeros();

@@ -4,20 +4,24 @@ use super::super::noise::noise_deviation;
 use super::super::resample::Uniform;
 use super::{Fault, Kind, mark, runs, sampled, spread};
 use crate::extremes::least_and_largest;
+use crate::policy::policy;
 
-/// Values that differ by less than this part of the channel's spread are the same.
-const SAME: f64 = 1e-7;
-/// Fewest samples at the limit,
-const SAMPLES: usize = 6;
-/// fewest times that the channel stays there for two samples or more,
-const STAYS: usize = 2;
-/// and how many times more of them than just below it. The turn of a smooth signal that was rounded to steps leaves
-/// as many in the next four steps as in the last.
-const PILE: f64 = 2.5;
-/// The other channel moves by more than this part of its spread meanwhile, beyond its noise.
-const MOVES: f64 = 0.01;
-/// Steps of rounding that count as just below.
-const STEPS: f64 = 4.0;
+crate::numbers! {
+    /// Which channels end at the limit of their range.
+    ClippingPolicy {
+        /// Fewest samples at a limit.
+        samples: usize = 6, Tuned("the injected channel faults");
+        /// Fewest times that the channel stays there for two samples or more.
+        stays: usize = 2, Tuned("the injected channel faults");
+        /// There are more than so many times as many samples at a limit as just below it: the turn of a smooth signal that was
+        /// rounded leaves as many in the next four steps as in the last.
+        pile: f64 = 2.5, Tuned("the injected channel faults");
+        /// The other channel moves meanwhile by more than this part of its spread, beyond its noise.
+        moves: f64 = 0.01, Tuned("the injected channel faults");
+        /// Steps of rounding that count as just below a limit.
+        steps: f64 = 4.0, Tuned("the injected channel faults");
+    }
+}
 
 /// Marks samples of displacement and force at a limit in `absent`.
 pub(super) fn find(
@@ -47,7 +51,7 @@ pub(super) fn find(
 
 /// The upper limit of `values` and the samples at it.
 fn at_limit(values: &[f64], present: &[bool]) -> Option<(f64, Vec<bool>)> {
-    let same = SAME * spread(values);
+    let same = policy().faults.same_value * spread(values);
     let limit = values
         .iter()
         .zip(present)
@@ -61,13 +65,14 @@ fn at_limit(values: &[f64], present: &[bool]) -> Option<(f64, Vec<bool>)> {
         .collect();
     let samples = marked.iter().filter(|&&marked| marked).count();
     let stays = runs(&marked).iter().filter(|run| run.len() >= 2).count();
-    let below = STEPS * rounding(values, same) + same;
+    let below = policy().clipping.steps * rounding(values, same) + same;
     let just_below = values
         .iter()
         .filter(|value| (same..=below).contains(&(limit - **value)))
         .count();
-    let piled = samples as f64 > PILE * just_below as f64;
-    (samples >= SAMPLES && stays >= STAYS && piled).then_some((limit, marked))
+    let piled = samples as f64 > policy().clipping.pile * just_below as f64;
+    (samples >= policy().clipping.samples && stays >= policy().clipping.stays && piled)
+        .then_some((limit, marked))
 }
 
 /// The smallest difference between two values that are not the same: the step to which they were rounded, or next to
@@ -95,5 +100,5 @@ fn goes_on(other: &[f64], marked: &[bool]) -> bool {
         moved += high - low;
         stays += 1.0;
     }
-    moved > by_noise + MOVES * spread(other) * stays
+    moved > by_noise + policy().clipping.moves * spread(other) * stays
 }

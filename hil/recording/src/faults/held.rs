@@ -4,17 +4,23 @@ use super::super::noise::noise_deviation;
 use super::super::resample::Uniform;
 use super::{Fault, Kind, quantile, runs, sampled, spread};
 use crate::extremes::least_and_largest;
+use crate::policy::policy;
 
-/// Values that differ by less than this part of the channel's spread are the same.
-const SAME: f64 = 1e-7;
-/// Fewest equal values in a row.
-const SHORTEST: usize = 4;
-/// Chance of so long a run anywhere in the recording, below which it is none.
-const CHANCE: f64 = 1e-4;
-/// Samples to each side that say how often neighbours are equal there.
-const AROUND: usize = 40;
-/// A channel that is let go jumps by so many times the steps before it was held.
-const JUMP: f64 = 8.0;
+crate::numbers! {
+    /// Which values were repeated while the motion went on.
+    HeldPolicy {
+        /// A run of fewer equal samples is no held value.
+        shortest: usize = 4, Tuned("the injected channel faults");
+        /// A run is one that rounding would not make where its chance anywhere in the recording is below this.
+        chance: f64 = 1e-4, Convention("one false alarm in ten thousand recordings");
+        /// Samples to each side of a run that say how often neighbours are equal there.
+        around: usize = 40, Tuned("the injected channel faults");
+        /// A channel that is let go jumps by more than so many times the steps, the rounding or the noise before it was held.
+        jump: f64 = 8.0, Tuned("the injected channel faults");
+        /// Neighbours differ by chance where the noise is more than this part of the rounding's step.
+        noisy: f64 = 0.7, Tuned("the injected channel faults");
+    }
+}
 
 /// Marks repeated values of displacement and force in `absent`.
 pub(super) fn find(
@@ -42,7 +48,7 @@ pub(super) fn find(
 }
 
 fn held(values: &[f64], present: &[bool]) -> Vec<std::ops::Range<usize>> {
-    let same = SAME * spread(values);
+    let same = policy().faults.same_value * spread(values);
     let repeats: Vec<bool> = (0..values.len())
         .map(|index| {
             index > 0
@@ -58,7 +64,7 @@ fn held(values: &[f64], present: &[bool]) -> Vec<std::ops::Range<usize>> {
     let stretches: Vec<_> = runs(&repeats)
         .into_iter()
         .map(|run| run.start - 1..run.end)
-        .filter(|run| run.len() >= SHORTEST)
+        .filter(|run| run.len() >= policy().held.shortest)
         .collect();
     // How often two neighbours are equal where nothing is held, by rounding alone.
     let in_stretches: usize = stretches.iter().map(|run| run.len() - 1).sum();
@@ -74,8 +80,8 @@ fn held(values: &[f64], present: &[bool]) -> Vec<std::ops::Range<usize>> {
             let at_an_end = value - low <= same || high - value <= same;
             // Only noise of more than the rounding makes neighbours differ by chance.
             let often = often.max(often_around(&repeats, run));
-            let unlikely = noise > 0.7 * step
-                && values.len() as f64 * often.powi(run.len() as i32 - 1) < CHANCE;
+            let unlikely = noise > policy().held.noisy * step
+                && values.len() as f64 * often.powi(run.len() as i32 - 1) < policy().held.chance;
             inside && !at_an_end && (unlikely || jumps(values, run, step, noise))
         })
         .collect()
@@ -83,8 +89,8 @@ fn held(values: &[f64], present: &[bool]) -> Vec<std::ops::Range<usize>> {
 
 /// How often neighbours are equal in the samples around `run`: the turn of a rounded signal is slow.
 fn often_around(repeats: &[bool], run: &std::ops::Range<usize>) -> f64 {
-    let before = &repeats[run.start.saturating_sub(AROUND)..=run.start];
-    let after = &repeats[run.end..(run.end + AROUND).min(repeats.len())];
+    let before = &repeats[run.start.saturating_sub(policy().held.around)..=run.start];
+    let after = &repeats[run.end..(run.end + policy().held.around).min(repeats.len())];
     let equal = before
         .iter()
         .chain(after)
@@ -95,13 +101,13 @@ fn often_around(repeats: &[bool], run: &std::ops::Range<usize>) -> f64 {
 
 /// Whether the channel jumps when it is let go, by more than the steps, the rounding and the noise before it was held.
 fn jumps(values: &[f64], run: &std::ops::Range<usize>, step: f64, noise: f64) -> bool {
-    let before = &values[run.start.saturating_sub(2 * SHORTEST)..=run.start];
+    let before = &values[run.start.saturating_sub(2 * policy().held.shortest)..=run.start];
     let mut steps: Vec<f64> = before
         .windows(2)
         .map(|pair| (pair[1] - pair[0]).abs())
         .collect();
     let jump = (values[run.end] - values[run.start]).abs();
-    jump > JUMP * (0.5 * quantile(&mut steps, 0.5)).max(step).max(noise)
+    jump > policy().held.jump * (0.5 * quantile(&mut steps, 0.5)).max(step).max(noise)
 }
 
 /// The smallest difference between neighbours that are not the same.

@@ -7,18 +7,28 @@
 //! time base: `clipping`, `held`, `spikes`. Forces that were not measured are left out; displacements are
 //! bridged, because the motion of the samples around them, and what a specimen remembers, depends on them.
 
-mod bridge;
-mod clipping;
-mod held;
-mod scale;
-mod shift;
-mod sign;
-mod spikes;
-mod velocity;
+pub(crate) mod bridge;
+pub(crate) mod clipping;
+pub(crate) mod held;
+pub(crate) mod scale;
+pub(crate) mod shift;
+pub(crate) mod sign;
+pub(crate) mod spikes;
+pub(crate) mod velocity;
 
 pub use super::channel::Channel;
 use super::resample::Uniform;
 use super::{Recording, counted};
+use crate::policy::policy;
+crate::numbers! {
+    /// What all searches for channel faults share.
+    FaultsPolicy {
+        /// Values that differ by less than this part of the channel's spread are the same.
+        same_value: f64 = 1e-7, Convention("below the last digit that files carry, above what reading rounds");
+        /// What a channel usually does is what this part of its samples keeps to.
+        usually: f64 = 0.9, Convention("nine in ten, so that no spike decides");
+    }
+}
 
 pub(super) use shift::Shift;
 
@@ -322,5 +332,5 @@ fn median_filtered(values: &[f64], half: usize) -> Vec<f64> {
 fn spread(values: &[f64]) -> f64 {
     let median = quantile(&mut values.to_vec(), 0.5);
     let mut apart: Vec<f64> = values.iter().map(|value| (value - median).abs()).collect();
-    quantile(&mut apart, 0.9)
+    quantile(&mut apart, policy().faults.usually)
 }

@@ -4,30 +4,39 @@ use std::ops::Range;
 
 use super::super::Recording;
 use super::{Channel, Fault, Kind, spread};
+use crate::policy::policy;
 
-/// Stretch before and after which sizes are compared, as a part of the recording, and at least so many samples.
-const STRETCH: f64 = 0.05;
-const SHORTEST: usize = 16;
-/// A size that changes by more than this factor at once has changed its unit: no programme of one specimen does.
-const UNIT_APART: f64 = 200.0;
-/// By less than this factor, and it has not.
-const SAME_UNIT: f64 = 12.0;
-/// What units differ by.
+crate::numbers! {
+    /// Which units are off by a thousand.
+    ScalePolicy {
+        /// Sizes are compared over this part of the recording before and after a change.
+        stretch: f64 = 0.05, Tuned("the injected channel faults");
+        /// Sizes are compared over at least so many samples.
+        shortest: usize = 16, Tuned("the injected channel faults");
+        /// What changes by more than this factor has another unit: no programme of one specimen, and no two recordings of it, differ
+        /// by as much.
+        unit_apart: f64 = 200.0, Tuned("the recordings of others, whose stiffness differs between amplitudes by less");
+        /// What changes by less than this factor has the same unit.
+        same_unit: f64 = 12.0, Tuned("the injected channel faults");
+        /// A recording in which a unit changes in more stretches is left as it is.
+        most_changes: usize = 6, Convention("a logger is not switched more often in one test");
+        /// Force per displacement that a mesh damper can have, kN/mm.
+        mesh_stiffness: [f64; 2] = [0.01, 30.0], Convention("the paper's specimens lie in 0.2 to 9, and other sizes get a factor of 3 above and of 20 below");
+        /// Displacements that such a damper is tested with, mm.
+        mesh_travel: [f64; 2] = [0.002, 8.0], Convention("from a sensor's noise to half the height of the paper's specimens, which is 15 mm");
+        /// Force per displacement above which nothing that is called a damper lies, kN/mm.
+        stiffest: f64 = 300.0, Convention("ten times the stiffest mesh damper");
+        /// A channel in motion correlates with the other by at least this.
+        follows: f64 = 0.3, Tuned("the injected channel faults");
+        /// Samples to either side of a change among which its place is sought.
+        near: usize = 24, Tuned("the injected channel faults");
+        /// A declared sampling rate is a unit off where it is a thousand times that of the times to within this part.
+        same_rate: f64 = 0.05, Convention("a declared rate is a round number");
+    }
+}
+
+/// What units differ by. Derived: the prefixes of the SI.
 const THOUSAND: f64 = 1000.0;
-/// Stretches that a unit may change in before the recording is left as it is.
-const MOST_CHANGES: usize = 6;
-/// Force per displacement that a mesh damper of these sizes can have, kN/mm: the paper's lie in 0.2 … 9.
-const MESH_STIFFNESS: Range<f64> = 0.01..30.0;
-/// Displacements that such a damper is tested with, mm; its height is 15 mm.
-const MESH_TRAVEL: Range<f64> = 0.002..8.0;
-/// Force per displacement above which nothing that is called a damper lies, kN/mm.
-const STIFFEST: f64 = 300.0;
-/// Least correlation with the other channel of one that is in motion.
-const FOLLOWS: f64 = 0.3;
-/// Samples about which the change is sought.
-const NEAR: usize = 24;
-/// How far a declared sampling rate may be from that of the times.
-const SAME_RATE: f64 = 0.05;
 
 /// Mends units that change within a recording, and those of a declared mesh damper; says what cannot be decided.
 pub(super) fn mend(recording: &mut Recording) {
@@ -42,24 +51,22 @@ pub(super) fn mend(recording: &mut Recording) {
         recording.faults.iter().any(known)
     };
     if is_mesh(recording) {
+        let can_have = |range: [f64; 2], value: f64| range[0] <= value && value < range[1];
+        let is_travel = |travel: f64| can_have(policy().scale.mesh_travel, travel);
+        let is_stiffness = |stiffness: f64| can_have(policy().scale.mesh_stiffness, stiffness);
         for factor in [1.0 / THOUSAND, THOUSAND] {
-            if !MESH_TRAVEL.contains(&travel)
-                && MESH_TRAVEL.contains(&(travel * factor))
-                && MESH_STIFFNESS.contains(&(stiffness / factor))
+            if !is_travel(travel) && is_travel(travel * factor) && is_stiffness(stiffness / factor)
             {
                 multiply(recording, Channel::Displacement, 0..recording.len(), factor);
                 return;
             }
-            if MESH_TRAVEL.contains(&travel)
-                && !MESH_STIFFNESS.contains(&stiffness)
-                && MESH_STIFFNESS.contains(&(stiffness * factor))
-            {
+            if is_travel(travel) && !is_stiffness(stiffness) && is_stiffness(stiffness * factor) {
                 multiply(recording, Channel::Force, 0..recording.len(), factor);
                 return;
             }
         }
     }
-    if stiffness > STIFFEST && !is_known(recording, Channel::Force) {
+    if stiffness > policy().scale.stiffest && !is_known(recording, Channel::Force) {
         say(
             recording,
             Channel::Force,
@@ -74,7 +81,7 @@ pub(super) fn mend(recording: &mut Recording) {
         let factor = 1.0 / (rate * recording.sample_period());
         if [THOUSAND, 1.0 / THOUSAND]
             .iter()
-            .any(|unit| (factor / unit - 1.0).abs() < SAME_RATE)
+            .any(|unit| (factor / unit - 1.0).abs() < policy().scale.same_rate)
         {
             say(recording, Channel::Time, factor, recording.len(), false);
         }
@@ -117,7 +124,7 @@ fn mend_changes(recording: &mut Recording, channel: Channel) {
     };
     let mut levels: Vec<(usize, i32)> = vec![(0, 0)];
     let mut mended = values(recording, channel).to_vec();
-    for _ in 0..MOST_CHANGES {
+    for _ in 0..policy().scale.most_changes {
         let Some((at, up)) = change(&mended, values(recording, other)) else {
             break;
         };
@@ -152,7 +159,8 @@ fn mend_changes(recording: &mut Recording, channel: Channel) {
 
 /// Where the size of `values` jumps by a unit for good, or for a stretch, while `other` goes on; and whether upwards.
 fn change(values: &[f64], other: &[f64]) -> Option<(usize, bool)> {
-    let stretch = ((STRETCH * values.len() as f64) as usize).max(SHORTEST);
+    let stretch =
+        ((policy().scale.stretch * values.len() as f64) as usize).max(policy().scale.shortest);
     if values.len() < 3 * stretch {
         return None;
     }
@@ -165,7 +173,9 @@ fn change(values: &[f64], other: &[f64]) -> Option<(usize, bool)> {
         .map(|at| (at, beyond(ratio(&own, at))))
         .filter(|&(at, jump)| {
             let others = beyond(ratio(&others, at));
-            jump > UNIT_APART && jump < UNIT_APART * UNIT_APART && others < SAME_UNIT
+            jump > policy().scale.unit_apart
+                && jump < policy().scale.unit_apart * policy().scale.unit_apart
+                && others < policy().scale.same_unit
         })
         .max_by(|a, b| a.1.total_cmp(&b.1))?;
     let up = ratio(&own, at) > 1.0;
@@ -175,18 +185,21 @@ fn change(values: &[f64], other: &[f64]) -> Option<(usize, bool)> {
         at..at + stretch
     };
     // A channel at rest is small too, but does not follow the other.
-    if correlation(&values[smaller.clone()], &other[smaller.clone()]).abs() < FOLLOWS {
+    if correlation(&values[smaller.clone()], &other[smaller.clone()]).abs() < policy().scale.follows
+    {
         return None;
     }
     let around = at - stretch..at + stretch;
-    let too_large = |index: &usize| values[*index].abs() > SAME_UNIT * own.rms(smaller.clone());
+    let too_large =
+        |index: &usize| values[*index].abs() > policy().scale.same_unit * own.rms(smaller.clone());
     let at = if up {
         around.clone().find(too_large)?
     } else {
         around.clone().rev().find(too_large)? + 1
     };
     // Samples about 0 are not too large in either unit: the change is where what was mended is smoothest.
-    let near = at.saturating_sub(NEAR).max(2)..(at + NEAR).min(values.len() - 2);
+    let near = at.saturating_sub(policy().scale.near).max(2)
+        ..(at + policy().scale.near).min(values.len() - 2);
     let roughness = |change: usize| -> f64 {
         let factor = if up { 1.0 / THOUSAND } else { THOUSAND };
         let mended = |index: usize| values[index] * if index < change { 1.0 } else { factor };

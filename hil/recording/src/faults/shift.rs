@@ -2,36 +2,41 @@
 
 use nalgebra::{SMatrix, SVector};
 
-use super::super::cycles::Block;
+use super::super::cycles::{Block, same_amplitude};
 use super::super::trajectory::Trajectory;
 use super::{Channel, Fault, Kind};
+use crate::policy::policy;
 
-/// Samples that a shift is judged on, at most.
-const MOST_ROWS: usize = 3000;
-/// Shifts are sought up to this part of the shortest period, and up to so many ticks: filters and loggers are late by no
-/// more, and a slow specimen with memory may look as if it were early by more.
-const REACH: f64 = 0.3;
-const MOST_TICKS: usize = 64;
-/// The least shift that is said, ticks.
-const LEAST: f64 = 0.7;
-/// A shift has to bring the error of a general damper below this part of what it is unshifted,
-const BETTER: f64 = 0.6;
-/// and below this part of the force: what no such damper describes says nothing about its times.
-const DESCRIBED: f64 = 0.12;
-/// of one frequency only, where a phase may be a loss as well as a time, below this.
-const WELL_DESCRIBED: f64 = 0.05;
-/// A block of so many cycles has a frequency.
-const STEADY: usize = 3;
-/// Frequencies that differ by this factor are several.
-const SEVERAL: f64 = 1.4;
-/// Amplitudes closer than this part are one.
-const SAME_AMPLITUDE: f64 = 0.06;
-/// With more of them the motion has no levels of amplitude.
-const MOST_AMPLITUDES: usize = 8;
-/// So many samples to either side of a kink of the motion are left out.
-const ABOUT_KINKS: usize = 3;
-/// Of an amplitude with fewer samples nothing is said.
-const FEWEST_SAMPLES: usize = 50;
+crate::numbers! {
+    /// When force and displacement are not of the same time.
+    ShiftPolicy {
+        /// Samples that a shift is judged on, at most.
+        most_rows: usize = 3000, Convention("bounds the time of the search");
+        /// Shifts are sought up to this part of the shortest period.
+        reach: f64 = 0.3, Tuned("the injected channel faults: a slow specimen with memory may look as if it were early by more");
+        /// Shifts are sought up to so many ticks: filters and loggers are late by no more.
+        most_ticks: usize = 64, Convention("a filter of 64 samples is a long one");
+        /// The least shift that is said, ticks.
+        least: f64 = 0.7, Tuned("the injected channel faults");
+        /// A shift has to bring the error of a general damper below this part of what it is unshifted.
+        better: f64 = 0.6, Tuned("the injected channel faults and the blind trial");
+        /// A shift has to bring it below this part of the force: what no such damper describes says nothing about its times.
+        described: f64 = 0.12, Tuned("the injected channel faults and the blind trial");
+        /// The same of one frequency only, where a phase may be a loss as well as a time.
+        well_described: f64 = 0.05, Tuned("the injected channel faults and the blind trial");
+        /// A block of so many cycles has a frequency.
+        steady: usize = 3, Convention("one cycle more than a start and an end");
+        /// Frequencies that differ by more than this factor are several.
+        several: f64 = 1.4, Tuned("the blind trial");
+        /// Samples to either side of a kink of the motion that are left out.
+        about_kinks: usize = 3, Tuned("the injected channel faults");
+        /// Of an amplitude with fewer samples nothing is said.
+        fewest_samples: usize = 50, Derived("five for each of the ten functions");
+    }
+}
+
+/// Exponents of friction. Whatever its exponent, it is about a sum of these two. Convention: a dry one and a wet one.
+const DRY_AND_WET: [f64; 2] = [0.15, 0.5];
 /// Functions of the motion of which a general damper's force is a sum.
 const FUNCTIONS: usize = 10;
 
@@ -49,7 +54,7 @@ impl Shift {
     /// A force that comes with the motion, its powers, the direction of the motion, its velocity and its acceleration
     /// is regressed on those at every shift; the shift that leaves least is the channels'.
     pub fn find(trajectory: &Trajectory) -> Option<Self> {
-        let steady = |block: &&Block| block.cycles.len() >= STEADY;
+        let steady = |block: &&Block| block.cycles.len() >= policy().shift.steady;
         let frequencies = || {
             trajectory
                 .blocks
@@ -60,7 +65,7 @@ impl Shift {
         let highest = frequencies().fold(0.0, f64::max);
         let lowest = frequencies().fold(f64::INFINITY, f64::min);
         let shortest = 1.0 / (highest * trajectory.tick);
-        let reach = ((REACH * shortest) as usize).min(MOST_TICKS);
+        let reach = ((policy().shift.reach * shortest) as usize).min(policy().shift.most_ticks);
         if highest == 0.0 || reach < 2 || trajectory.len() < 8 * reach {
             return None;
         }
@@ -81,14 +86,15 @@ impl Shift {
         let (before, after) = (left[best - 1], left[best + 1]);
         let vertex = 0.5 * (before - after) / (before - 2.0 * least + after);
         let late = best as f64 - reach as f64 + vertex;
-        let described = if highest > SEVERAL * lowest {
-            DESCRIBED
+        let described = if highest > policy().shift.several * lowest {
+            policy().shift.described
         } else {
-            WELL_DESCRIBED
+            policy().shift.well_described
         };
-        let better = least < BETTER * BETTER * left[reach] && least < described * described;
+        let better = least < policy().shift.better * policy().shift.better * left[reach]
+            && least < described * described;
         let impossible = late < 0.0 || gives_energy(trajectory);
-        (better && impossible && late.abs() >= LEAST).then_some(Self { late })
+        (better && impossible && late.abs() >= policy().shift.least).then_some(Self { late })
     }
 
     /// Whether a force `late` ticks later leaves less of that damper than the force as it is.
@@ -155,26 +161,24 @@ impl Rows {
     /// A damper may be another one at every amplitude, as in the published tables.
     fn of_each_amplitude(trajectory: &Trajectory, reach: usize) -> Vec<Self> {
         let inner = reach..trajectory.len() - reach;
-        let every = inner.len().div_ceil(MOST_ROWS).max(1);
+        let every = inner.len().div_ceil(policy().shift.most_rows).max(1);
         let mut groups: Vec<(f64, Vec<usize>)> = Vec::new();
         for sample in inner.step_by(every) {
             // Friction jumps there with the velocity, between two samples: that says nothing of parts of a tick.
-            let near = |kink: &usize| kink.abs_diff(sample) <= ABOUT_KINKS;
+            let near = |kink: &usize| kink.abs_diff(sample) <= policy().shift.about_kinks;
             if trajectory.motion.kinks.iter().any(near) {
                 continue;
             }
             let amplitude = trajectory.amplitude[sample];
-            let alike = |group: &&mut (f64, Vec<usize>)| {
-                (group.0 - amplitude).abs() <= SAME_AMPLITUDE * amplitude
-            };
+            let alike = |group: &&mut (f64, Vec<usize>)| same_amplitude(group.0, amplitude);
             match groups.iter_mut().find(alike) {
                 Some((_, samples)) => samples.push(sample),
                 None => groups.push((amplitude, vec![sample])),
             }
         }
         // As many functions as samples describe anything.
-        groups.retain(|(_, samples)| samples.len() >= FEWEST_SAMPLES);
-        if groups.len() > MOST_AMPLITUDES {
+        groups.retain(|(_, samples)| samples.len() >= policy().shift.fewest_samples);
+        if groups.len() > policy().cycles.most_amplitudes {
             let all = groups.into_iter().flat_map(|(_, samples)| samples);
             return vec![Self::of(trajectory, all.collect())];
         }
@@ -201,8 +205,8 @@ impl Rows {
                 let y = motion.displacement[index] / y_max;
                 let v = motion.velocity[index] / v_max;
                 let a = motion.acceleration[index] / a_max;
-                // Whatever its exponent, friction is about a sum of these two: one that is off looks like a shift.
-                let [dry, wet] = [0.15, 0.5].map(|alpha| v.signum() * v.abs().powf(alpha));
+                // One exponent that is off looks like a shift.
+                let [dry, wet] = DRY_AND_WET.map(|alpha| v.signum() * v.abs().powf(alpha));
                 SVector::from([
                     1.0,
                     y,

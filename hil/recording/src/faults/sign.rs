@@ -2,13 +2,19 @@
 
 use super::super::Recording;
 use super::{Channel, Fault, Kind, median_filtered};
+use crate::policy::policy;
 
-/// Part of the work that the force could do, above which the energy's way is certain.
-const CERTAIN: f64 = 0.03;
-/// Correlation of force with displacement below which the force stands against the motion.
-const AGAINST: f64 = -0.2;
-/// Samples that a step of displacement is taken over.
-const STRIDE: usize = 4;
+crate::numbers! {
+    /// When a force has the wrong sign.
+    SignPolicy {
+        /// The energy's way is certain where the work is more than this part of what the force could do.
+        certain: f64 = 0.03, Tuned("the injected channel faults");
+        /// The force stands against the motion where its correlation with the displacement is below this.
+        against: f64 = -0.2, Tuned("the injected channel faults");
+        /// Samples that a step of displacement is taken over, so that its noise is small beside it.
+        stride: usize = 4, Convention("a fiftieth of a cycle of 5 Hz at 1 kHz");
+    }
+}
 
 /// Turns the force of `recording` where no passive damper has it as recorded.
 ///
@@ -35,12 +41,13 @@ fn is_flipped(displacement: &[f64], force: &[f64]) -> bool {
     let product = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| a * b).sum::<f64>();
     let correlation = product(&y, &f) / (product(&y, &y) * product(&f, &f)).sqrt();
     let (mut work, mut most) = (0.0, 0.0);
-    for index in STRIDE..y.len() {
-        let done = f[index - STRIDE / 2] * (y[index] - y[index - STRIDE]);
+    for index in policy().sign.stride..y.len() {
+        let done =
+            f[index - policy().sign.stride / 2] * (y[index] - y[index - policy().sign.stride]);
         work += done;
         most += done.abs();
     }
-    correlation < AGAINST && work < -CERTAIN * most
+    correlation < policy().sign.against && work < -policy().sign.certain * most
 }
 
 fn about_mean(mut values: Vec<f64>) -> Vec<f64> {

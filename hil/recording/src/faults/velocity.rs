@@ -2,14 +2,28 @@
 
 use super::super::resample::Uniform;
 use super::{Channel, Fault, Kind, median_filtered, quantile};
+use crate::policy::policy;
 
-/// Correlation with the derivative below which a velocity is none.
-const IS_DERIVATIVE: f64 = 0.8;
-/// A velocity between these times the derivative has the unit that its column says.
-const SAME_UNIT: std::ops::Range<f64> = 0.7..1.4;
-/// Factors between units, and how near to one a ratio has to be.
+crate::numbers! {
+    /// When a measured velocity is not the derivative of the displacement.
+    VelocityPolicy {
+        /// A velocity whose correlation with the derivative is below this is none.
+        is_derivative: f64 = 0.8, Tuned("the injected channel faults");
+        /// A velocity between these times the derivative has the unit that its column says.
+        same_unit: [f64; 2] = [0.7, 1.4], Tuned("the injected channel faults");
+        /// A ratio is that of two units where it is one of theirs to within this part.
+        near: f64 = 0.2, Tuned("the injected channel faults");
+        /// A slope is taken over steps that are so many times the displacement's noise.
+        beyond_noise: f64 = 10.0, Tuned("the injected channel faults");
+        /// The steps of a motion are as large as the one below which this part of them lie.
+        moving: f64 = 0.8, Convention("one step in five is larger");
+        /// A slope is taken over at most so many samples to each side.
+        longest_stride: usize = 16, Convention("a slow motion sampled fast has a derivative over as many");
+    }
+}
+
+/// Factors between units. Derived: the prefixes of the SI.
 const THOUSANDS: [f64; 4] = [1e3, 1e-3, 1e6, 1e-6];
-const NEAR: f64 = 0.2;
 
 /// Mends the velocity of `uniform` where it is a unit or a sign off, and drops it where it is something else. `unknown`
 /// displacements say nothing.
@@ -43,7 +57,7 @@ pub(super) fn examine(uniform: &mut Uniform, unknown: &[bool], faults: &mut Vec<
     let correlation = product / (slopes * velocities).sqrt();
     let ratio = product / slopes;
     // A velocity that never changes has no correlation.
-    if correlation.is_nan() || correlation.abs() < IS_DERIVATIVE {
+    if correlation.is_nan() || correlation.abs() < policy().velocity.is_derivative {
         say(Kind::NotDerivative);
         uniform.velocity = None;
         return;
@@ -53,12 +67,13 @@ pub(super) fn examine(uniform: &mut Uniform, unknown: &[bool], faults: &mut Vec<
         velocity.iter_mut().for_each(|v| *v = -*v);
     }
     let size = ratio.abs();
-    if SAME_UNIT.contains(&size) {
+    let [least, most] = policy().velocity.same_unit;
+    if (least..most).contains(&size) {
         return;
     }
     let Some(unit) = THOUSANDS
         .into_iter()
-        .find(|unit| (size / unit - 1.0).abs() < NEAR)
+        .find(|unit| (size / unit - 1.0).abs() < policy().velocity.near)
     else {
         say(Kind::NotDerivative);
         uniform.velocity = None;
@@ -75,13 +90,14 @@ pub(super) fn examine(uniform: &mut Uniform, unknown: &[bool], faults: &mut Vec<
 /// Samples to each side that a slope is taken over, so that the displacement's rounding and noise are small beside it.
 fn stride(displacement: &[f64]) -> usize {
     let noise = super::super::noise::noise_deviation(displacement);
-    (1..=16)
+    let longest = policy().velocity.longest_stride;
+    (1..=longest)
         .find(|&stride| {
             let mut steps: Vec<f64> = displacement
                 .windows(2 * stride + 1)
                 .map(|w| (w[2 * stride] - w[0]).abs())
                 .collect();
-            quantile(&mut steps, 0.8) > 10.0 * noise
+            quantile(&mut steps, policy().velocity.moving) > policy().velocity.beyond_noise * noise
         })
-        .unwrap_or(16)
+        .unwrap_or(longest)
 }

@@ -1,0 +1,53 @@
+//! The rules that reject what a trace tried are said by name.
+
+use mesh_damper_identify::trace::result::Verdict;
+use mesh_damper_identify::trace::rule::Rule;
+
+use super::{slider, traced};
+
+/// A slider is found at the first step; at the second the law with it is noise-limited.
+#[test]
+fn every_candidate_that_is_not_in_the_law_has_its_rule() {
+    let result = traced(0.004, 1, || slider(0.9, 0.03)).result;
+    assert_eq!(result.verdict, Verdict::Found);
+    assert_eq!(result.effects_rejected_by, None);
+    assert_eq!(result.table_rejected_by, None);
+    let (first, later): (Vec<_>, Vec<_>) = result
+        .candidates
+        .iter()
+        .partition(|candidate| candidate.step == 1);
+    for candidate in &first {
+        let is_taken_or_alike = candidate.added || !candidate.distinguishable;
+        let rule = candidate.rejected_by;
+        let inherent = matches!(rule, Some(Rule::NotPassive | Rule::StandsStill));
+        assert_eq!(candidate.admissible, !inherent, "{candidate:?}");
+        assert!(is_taken_or_alike || rule.is_some(), "{candidate:?}");
+        assert!(!candidate.added || rule.is_none(), "{candidate:?}");
+    }
+    let first_has = |rule| first.iter().any(|c| c.rejected_by == Some(rule));
+    assert!(first_has(Rule::Worse) && first_has(Rule::LittlePromise));
+    assert!(!later.is_empty());
+    for candidate in later.iter().filter(|candidate| candidate.admissible) {
+        assert_eq!(candidate.rejected_by, Some(Rule::NoiseLimited));
+    }
+}
+
+/// A force that is of nothing listed: the search's best leaves too much.
+#[test]
+fn effects_that_do_not_explain_a_recording_are_rejected_by_a_rule() {
+    let result = traced(0.004, 2, || {
+        |&(time, y, v, _): &super::Sample| {
+            0.3 * (v / 3.0).tanh() * (40.0 * y).sin() * (3.0 * time).cos()
+        }
+    })
+    .result;
+    assert_eq!(result.verdict, Verdict::Unlisted);
+    assert_eq!(
+        result.effects_rejected_by.is_some(),
+        result.candidates.iter().any(|candidate| candidate.added)
+    );
+    assert_eq!(
+        result.table_rejected_by.is_none(),
+        result.correction.is_some()
+    );
+}
