@@ -124,7 +124,7 @@ impl CrossingDetector {
     /// One tick's displacement in mm; beyond ±[`limits::DISPLACEMENT`] treated as the limit, NaN as 0.
     #[inline]
     pub fn update(&mut self, displacement: f32) -> Crossing {
-        let y = displacement.confined(limits::DISPLACEMENT as f32);
+        let y = displacement.clamped(limits::DISPLACEMENT as f32);
         let seen = &mut self.seen;
         seen.swings.update(y, 2.0 * self.hysteresis);
         let lost = seen.swings.count >= SWINGS;
@@ -161,7 +161,7 @@ impl CrossingDetector {
                 seen.swings.count = 0;
             }
             Side::Below if y >= seen.centre => {
-                let part = ((seen.centre - last) / (y - last)).confined(1.0);
+                let part = ((seen.centre - last) / (y - last)).clamped(1.0);
                 boundary = seen.crossing(y, part);
             }
             _ => {}

@@ -351,8 +351,8 @@ impl<const F: usize> CycleAccumulator<F> {
         phase: u32,
         boundary: Option<f32>,
     ) -> Option<[Cycle; F]> {
-        let displacement = displacement.confined(limits::DISPLACEMENT as f32);
-        let forces = forces.map(|force| force.confined(limits::FORCE as f32));
+        let displacement = displacement.clamped(limits::DISPLACEMENT as f32);
+        let forces = forces.map(|force| force.clamped(limits::FORCE as f32));
         let sample = Sample::new(displacement, forces, sin_cos(u64::from(phase) << 32));
         let last = core::mem::replace(&mut self.last, sample);
         let last_phase = core::mem::replace(&mut self.last_phase, phase);
@@ -367,7 +367,7 @@ impl<const F: usize> CycleAccumulator<F> {
             self.sums.tick();
             return None;
         };
-        self.end_cycle(&last, &sample, boundary.confined(1.0), last_phase, phase)
+        self.end_cycle(&last, &sample, boundary.clamped(1.0), last_phase, phase)
     }
 
     fn end_cycle(

@@ -5,19 +5,19 @@
 //!
 //! | what moves | by | cause |
 //! |---|---|---|
-//! | stiffness and energy fall | two-sided CUSUM | [`Cause::WireBreakage`] |
-//! | energy falls, stiffness stays | | [`Cause::FrictionWear`] |
-//! | stiffness falls, the residual's third harmonic with it | | [`Cause::Loosening`] |
-//! | the mean force, at once | | [`Cause::PreloadShift`] |
-//! | the mean force, bit by bit | | [`Cause::SensorDrifting`] of the force |
-//! | the mean force, and the command's mean with it | | [`Cause::SensorDrifting`] of the displacement |
-//! | anything else of these | | [`Cause::Unexplained`] |
-//! | slowly, with the temperature | limit on the way since the run-in | [`Cause::Temperature`], no fault |
-//! | slowly, until the run-in is over | | [`Cause::RunIn`], no fault |
+//! | stiffness and energy fall | two-sided CUSUM | [`HealthCause::WireBreakage`] |
+//! | energy falls, stiffness stays | | [`HealthCause::FrictionWear`] |
+//! | stiffness falls, the residual's third harmonic with it | | [`HealthCause::Loosening`] |
+//! | the mean force, at once | | [`HealthCause::PreloadShift`] |
+//! | the mean force, bit by bit | | [`HealthCause::SensorDrifting`] of the force |
+//! | the mean force, and the command's mean with it | | [`HealthCause::SensorDrifting`] of the displacement |
+//! | anything else of these | | [`HealthCause::Unexplained`] |
+//! | slowly, with the temperature | limit on the way since the run-in | [`HealthCause::Temperature`], no fault |
+//! | slowly, until the run-in is over | | [`HealthCause::RunIn`], no fault |
 //! | slowly, by what the law may follow | | none |
-//! | a channel that repeats one value | what it measures moves beside it | [`Cause::SensorStuck`], [`Cause::SensorDroppedOut`], [`Cause::SensorClipped`] |
-//! | a sample that stands out | jumps there and back | [`Cause::SensorSpiking`] |
-//! | the response to the demanded motion | limit on its distance from where it was | [`Cause::ActuatorDead`], [`Cause::ActuatorLagging`], [`Cause::ActuatorSaturated`] |
+//! | a channel that repeats one value | what it measures moves beside it | [`HealthCause::SensorStuck`], [`HealthCause::SensorDroppedOut`], [`HealthCause::SensorClipped`] |
+//! | a sample that stands out | jumps there and back | [`HealthCause::SensorSpiking`] |
+//! | the response to the demanded motion | limit on its distance from where it was | [`HealthCause::ActuatorDead`], [`HealthCause::ActuatorLagging`], [`HealthCause::ActuatorSaturated`] |
 //!
 //! A cycle in which a channel or the actuator was at fault says nothing of the specimen and is left out; what has broken
 //! meanwhile is found after it. Where a fault lasts for more than 16 cycles the specimen is learned anew with it and
@@ -37,16 +37,16 @@ mod settings;
 mod specimen;
 mod sums;
 
-pub use cause::{Cause, Channel, Event, Statistic};
+pub use cause::{Channel, Event, HealthCause, Statistic};
 pub(crate) use channel::Change;
 pub(crate) use settings::HealthConfig;
 pub use settings::HealthSettings;
 
 use crate::adc::Reading;
 use crate::converter::{Sample, Scale};
-use crate::rig::Fault;
-use crate::tabulated::Followed;
-use adaptation::Adaptation;
+use crate::fast_law::Adaptation;
+use crate::rig::TripCause;
+use adaptation::Adapter;
 use channel::{Beside, ChannelWatch};
 use places::{late, part_end};
 use response::ResponseWatch;
@@ -75,7 +75,7 @@ pub(crate) struct Look {
     /// Measured force and that of the law in force, kN.
     pub(crate) force: f32,
     pub(crate) law: f32,
-    /// [`crate::tabulated::RunningLaw::parts`] where the law follows, 0 otherwise.
+    /// [`crate::fast_law::RunningLaw::parts`] where the law follows, 0 otherwise.
     pub(crate) parts: [f32; 3],
     /// 2³² to the cycle.
     pub(crate) phase: u32,
@@ -115,7 +115,7 @@ pub(crate) struct HealthMonitor {
     force: ChannelWatch,
     response: ResponseWatch,
     specimen: SpecimenWatch,
-    adaptation: Adaptation,
+    adaptation: Adapter,
     sums: CycleSums,
     /// A cycle that the next look closes.
     ended: Option<Ended>,
@@ -150,8 +150,8 @@ pub(crate) struct HealthMonitor {
 const LASTING: u32 = {
     let mut bits = 0;
     let mut number = 0;
-    while number < Cause::ALL.len() {
-        let cause = Cause::ALL[number];
+    while number < HealthCause::ALL.len() {
+        let cause = HealthCause::ALL[number];
         if cause.is_fault() && !cause.is_passing() {
             bits |= 1 << number;
         }
@@ -174,7 +174,7 @@ impl HealthMonitor {
             force: ChannelWatch::new(Channel::Force, force),
             response: ResponseWatch::default(),
             specimen: SpecimenWatch::new(),
-            adaptation: Adaptation::new(),
+            adaptation: Adapter::new(),
             sums: CycleSums::default(),
             ended: None,
             due: late(0),
@@ -199,7 +199,7 @@ impl HealthMonitor {
     pub(crate) fn restart(&mut self) {
         self.response = ResponseWatch::default();
         self.specimen = SpecimenWatch::new();
-        self.adaptation = Adaptation::new();
+        self.adaptation = Adapter::new();
         self.sums = CycleSums::default();
         self.ended = None;
         self.due = late(0);
@@ -283,7 +283,7 @@ impl HealthMonitor {
         };
         // Where nothing moves both channels may stand still, and none is to blame.
         let both = 2 * self.force.held() > self.displacement.held();
-        let stuck = Cause::SensorStuck(Channel::Displacement);
+        let stuck = HealthCause::SensorStuck(Channel::Displacement);
         let displacement = displacement.filter(|cause| *cause != stuck || !both);
         // A spike is found a tick late.
         let taken = law == self.looked;
@@ -305,7 +305,9 @@ impl HealthMonitor {
             .into_iter()
             .flatten()
             .find_map(|cause| match cause {
-                Cause::SensorStuck(channel) | Cause::SensorDroppedOut(channel) => Some(channel),
+                HealthCause::SensorStuck(channel) | HealthCause::SensorDroppedOut(channel) => {
+                    Some(channel)
+                }
                 _ => None,
             })
     }
@@ -313,9 +315,9 @@ impl HealthMonitor {
     /// `taken` of a spike that a close look took.
     #[cold]
     #[inline(never)]
-    fn sample_event(&mut self, cause: Cause, taken: bool, limit: f32, sample: &Sample) {
+    fn sample_event(&mut self, cause: HealthCause, taken: bool, limit: f32, sample: &Sample) {
         let ([disturbed, _], [blurred, _]) = (&mut self.disturbed, &mut self.blurred);
-        *disturbed |= taken || !matches!(cause, Cause::SensorSpiking(_));
+        *disturbed |= taken || !matches!(cause, HealthCause::SensorSpiking(_));
         *blurred |= cause.hides(Channel::Displacement);
         self.latch(Event {
             cause,
@@ -329,25 +331,25 @@ impl HealthMonitor {
     /// The rig has stopped for `fault` with a `reading`: what that says of a channel or of the actuator.
     #[cold]
     #[inline(never)]
-    pub(crate) fn stopped(&mut self, fault: Fault, reading: &Reading) {
+    pub(crate) fn stopped(&mut self, fault: TripCause, reading: &Reading) {
         match fault {
-            Fault::DisplacementClipped => self.sample_event(
-                Cause::SensorClipped(Channel::Displacement),
+            TripCause::DisplacementClipped => self.sample_event(
+                HealthCause::SensorClipped(Channel::Displacement),
                 true,
                 self.displacement.limit(),
                 &reading.displacement,
             ),
-            Fault::ForceClipped => self.sample_event(
-                Cause::SensorClipped(Channel::Force),
+            TripCause::ForceClipped => self.sample_event(
+                HealthCause::SensorClipped(Channel::Force),
                 true,
                 self.force.limit(),
                 &reading.force,
             ),
-            Fault::TrackingLimit | Fault::NoResponse
+            TripCause::TrackingLimit | TripCause::NoResponse
                 if !self.is_response_known() && self.response.is_dead() =>
             {
                 self.latch(Event {
-                    cause: Cause::ActuatorDead,
+                    cause: HealthCause::ActuatorDead,
                     statistic: Statistic::Response,
                     value: 1.0,
                     limit: response::LIMIT,
@@ -359,7 +361,7 @@ impl HealthMonitor {
     }
 
     /// By how much the law differed from the law as it was given in the cycle that has ended last.
-    pub(crate) fn followed(&self) -> Followed {
+    pub(crate) fn followed(&self) -> Adaptation {
         self.adaptation.reported()
     }
 
@@ -386,7 +388,7 @@ impl HealthMonitor {
 
     /// A close look at a tick that is due. What the law is to differ by from here on, where a cycle has ended and it follows.
     #[inline]
-    pub(crate) fn look(&mut self, config: &HealthConfig, look: &Look) -> Option<Followed> {
+    pub(crate) fn look(&mut self, config: &HealthConfig, look: &Look) -> Option<Adaptation> {
         self.due = part_end(look.phase, self.cycle);
         let mut share = self.adaptation.share(look.parts);
         let mut followed = None;
@@ -436,7 +438,7 @@ impl HealthMonitor {
     /// What the actuator's response says, unless a displacement that is lost shows it, or it has been told and is still off.
     #[cold]
     #[inline(never)]
-    fn response_event(&mut self, cause: Cause, distance: f32) {
+    fn response_event(&mut self, cause: HealthCause, distance: f32) {
         let known = self.is_response_known();
         let [off, before] = &mut self.off;
         // Where it is told it goes on; where the displacement is lost it is not told.
@@ -490,7 +492,7 @@ impl HealthMonitor {
         }
         if ended.another_law {
             self.specimen.relearn();
-            self.adaptation = Adaptation::new();
+            self.adaptation = Adapter::new();
             return;
         }
         // A cycle with a passing fault in it says nothing of the specimen, unless the fault does not pass.
@@ -572,7 +574,7 @@ mod tests {
     use super::*;
 
     /// y = sin φ, law y + 0.3·sgn v, and a specimen that has `part` of its force in each cycle: what is named, and when.
-    fn named(ticks: u32, cycles: u32, part: impl Fn(u32) -> f32) -> Option<(u32, Cause)> {
+    fn named(ticks: u32, cycles: u32, part: impl Fn(u32) -> f32) -> Option<(u32, HealthCause)> {
         let config = HealthSettings::default().config().unwrap();
         let scale = Scale::new(2.0, 0.0).unwrap();
         let mut monitor = HealthMonitor::new(&scale, &scale, [2.0, 2.0]);
@@ -623,7 +625,7 @@ mod tests {
         for ticks in [16, 20, 23, 24, 25, 26, 31, 32, 33, 47, 64, 100, 1000] {
             let (cycle, cause) = named(ticks, 60, |cycle| if cycle < 40 { 1.0 } else { 0.9 })
                 .unwrap_or_else(|| panic!("{ticks} ticks"));
-            assert_eq!(cause, Cause::WireBreakage, "{ticks} ticks");
+            assert_eq!(cause, HealthCause::WireBreakage, "{ticks} ticks");
             // Where there are fewer ticks than work, a cycle is left out.
             let last = if ticks < 22 { 48 } else { 44 };
             assert!((42..=last).contains(&cycle), "{ticks} ticks: {cycle}");
@@ -633,21 +635,21 @@ mod tests {
 
     #[test]
     fn a_fault_passes_or_lasts() {
-        for cause in Cause::ALL {
+        for cause in HealthCause::ALL {
             let bit = 1 << cause.number();
             let (fault, passing) = match cause {
-                Cause::RunIn | Cause::Temperature => (false, false),
-                Cause::WireBreakage
-                | Cause::FrictionWear
-                | Cause::Loosening
-                | Cause::PreloadShift
-                | Cause::Unexplained
-                | Cause::SensorDrifting(_) => (true, false),
+                HealthCause::RunIn | HealthCause::Temperature => (false, false),
+                HealthCause::WireBreakage
+                | HealthCause::FrictionWear
+                | HealthCause::Loosening
+                | HealthCause::PreloadShift
+                | HealthCause::Unexplained
+                | HealthCause::SensorDrifting(_) => (true, false),
                 _ => (true, true),
             };
             assert_eq!((cause.is_fault(), cause.is_passing()), (fault, passing));
             assert_eq!(LASTING & bit != 0, fault && !passing);
         }
-        assert_eq!(LASTING >> Cause::ALL.len(), 0);
+        assert_eq!(LASTING >> HealthCause::ALL.len(), 0);
     }
 }

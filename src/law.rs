@@ -59,7 +59,7 @@ impl<R: Real> Law<R> {
     /// k1·y + k3·y³, kN.
     #[inline(always)]
     pub fn elastic_force(&self, y: R) -> R {
-        self.elastic_force_within(y.confined(R::from_f64(limits::DISPLACEMENT)))
+        self.elastic_force_within(y.clamped(R::from_f64(limits::DISPLACEMENT)))
     }
 
     /// The same for a `y` that is within the limit.
@@ -71,7 +71,7 @@ impl<R: Real> Law<R> {
     /// c·|v|^α·sgn v, kN.
     #[inline(always)]
     pub fn damping_force(&self, v: R) -> R {
-        let v = v.confined(R::from_f64(limits::VELOCITY));
+        let v = v.clamped(R::from_f64(limits::VELOCITY));
         let magnitude = self.c * v.abs_pow(self.alpha);
         if v > R::ZERO {
             magnitude

@@ -7,15 +7,15 @@
 //! |---|---|
 //! | the mixed damping law F = k1·y + k3·y³ + c·\|v\|^α·sgn v | [`law`], [`power`] |
 //! | its coefficients over density and amplitude, the published ones included | [`table`] |
-//! | the published loops by one law for every amplitude, for a motion that nobody declares | [`amplitude_free`] |
+//! | the published loops by one law for every amplitude, for a motion that nobody declares | [`amplitude_independent`] |
 //! | that law as it runs on the target, with a table for \|v\|^α: with the effects that a type names | [`static_law`] |
-//! | the same read from a pack, with a swap at a cycle's end | [`tabulated`] |
+//! | the same read from a pack, with a swap at a cycle's end | [`fast_law`] |
 //! | what firmware asks of either | [`tick_law`] |
 //! | what the law lacks: offset, asymmetry, hardening, load friction, stops, gaps, stick-slip, viscosity, relaxation, inertia, drift, temperature, tones, series compliance, delay | [`effects`] |
 //! | an excitation: sines, ramps and sweeps | [`sine`] |
 //! | stiffness, energy and loss factor of each cycle | [`cycle`]; without a generator, [`crossing`] |
 //! | the same without a floating-point unit: law, sine and cycles in integers | [`fixed_point`] |
-//! | the law under an excitation, without a specimen, at the least cost a tick | [`virtual_test`] |
+//! | the law under an excitation, without a specimen, at the least cost a tick | [`simulation`] |
 //! | velocity and acceleration from a measured displacement | [`observer`] |
 //! | a law as bytes, loadable while running | [`pack`] |
 //! | the fixed-tick controller of a rig, or of an emulated damper | [`rig`] |
@@ -62,13 +62,14 @@
 extern crate std;
 
 pub mod adc;
-pub mod amplitude_free;
+pub mod amplitude_independent;
 pub mod converter;
 pub mod crossing;
 pub mod cycle;
 pub mod dac;
 pub mod effects;
 pub mod error;
+pub mod fast_law;
 pub mod fixed_point;
 pub mod frame;
 pub mod health;
@@ -80,13 +81,12 @@ pub mod pack;
 pub mod power;
 pub mod real;
 pub mod rig;
+pub mod simulation;
 pub mod sine;
 pub mod static_law;
 mod sum;
 pub mod table;
-pub mod tabulated;
 pub mod tick_law;
-pub mod virtual_test;
 
 /// The README's example is compiled, so that it cannot rot.
 #[cfg(doctest)]

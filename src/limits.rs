@@ -1,4 +1,4 @@
-//! What inputs are confined to, so that every force stays finite.
+//! What inputs are clamped to, so that every force stays finite.
 //!
 //! Far beyond any rig, and small enough for `f32`: the largest force of eq 13 is below 1e9·(1e4 + 1e12 + 1e6) ≈ 1e21 kN,
 //! that of the highest power, k5·y⁵, 1e29 kN.

@@ -135,10 +135,10 @@ impl Observer {
         measured: f32,
         feed_forward: f32,
     ) -> Estimate {
-        let feed_forward = feed_forward.confined(limits::ACCELERATION as f32);
+        let feed_forward = feed_forward.clamped(limits::ACCELERATION as f32);
         if !self.started && measured.is_finite() {
             *self = Self {
-                displacement: measured.confined(limits::DISPLACEMENT as f32),
+                displacement: measured.clamped(limits::DISPLACEMENT as f32),
                 feed_forward,
                 started: true,
                 ..Self::default()
@@ -149,22 +149,22 @@ impl Observer {
                 self.displacement + (config.tick * self.velocity + config.half_tick_squared * mean);
             let velocity = self.velocity + config.tick * mean;
             let residual = if measured.is_finite() {
-                measured.confined(limits::DISPLACEMENT as f32) - displacement
+                measured.clamped(limits::DISPLACEMENT as f32) - displacement
             } else {
                 0.0
             };
             self.displacement = (displacement + config.displacement_gain * residual)
-                .confined(limits::DISPLACEMENT as f32);
+                .clamped(limits::DISPLACEMENT as f32);
             self.velocity =
-                (velocity + config.velocity_gain * residual).confined(limits::VELOCITY as f32);
+                (velocity + config.velocity_gain * residual).clamped(limits::VELOCITY as f32);
             self.excess = (self.excess + config.acceleration_gain * residual)
-                .confined(limits::ACCELERATION as f32);
+                .clamped(limits::ACCELERATION as f32);
             self.feed_forward = feed_forward;
         }
         Estimate {
             displacement: self.displacement,
             velocity: self.velocity,
-            acceleration: (self.feed_forward + self.excess).confined(limits::ACCELERATION as f32),
+            acceleration: (self.feed_forward + self.excess).clamped(limits::ACCELERATION as f32),
         }
     }
 }

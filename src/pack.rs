@@ -16,9 +16,9 @@ use core::fmt;
 
 use crate::effects::{self, Effect, MOST_WORDS};
 use crate::error::ConfigError;
+use crate::fast_law::FastLaw;
 use crate::frame::{Reader, Writer, checksum};
 use crate::law::Law;
-use crate::tabulated::TabulatedLaw;
 
 /// The version that is written, and the only one read.
 pub const VERSION: u16 = 6;
@@ -99,7 +99,7 @@ impl From<ConfigError> for PackError {
 /// # Errors
 /// [`PackError::Length`] when `buffer` is too short or the pack longer than [`LARGEST`].
 pub fn encode<'b, const N: usize>(
-    law: &TabulatedLaw<N>,
+    law: &FastLaw<N>,
     buffer: &'b mut [u8],
 ) -> Result<&'b [u8], PackError> {
     let capacity = buffer.len().min(LARGEST);
@@ -149,7 +149,7 @@ pub fn encode<'b, const N: usize>(
 ///
 /// # Errors
 /// Whatever is wrong with it; a pack with any one bit changed is refused.
-pub fn decode<const N: usize>(pack: &[u8], slot: &mut TabulatedLaw<N>) -> Result<(), PackError> {
+pub fn decode<const N: usize>(pack: &[u8], slot: &mut FastLaw<N>) -> Result<(), PackError> {
     let mut reader = Reader(body(pack)?);
     let eq13 = reader.words().ok_or(PackError::Body)?;
     let [k1, k3, c, alpha] = eq13.map(f32::from_bits);
@@ -287,7 +287,7 @@ impl Upload {
     ///
     /// # Errors
     /// As [`decode`].
-    pub fn finish<const N: usize>(&mut self, slot: &mut TabulatedLaw<N>) -> Result<(), PackError> {
+    pub fn finish<const N: usize>(&mut self, slot: &mut FastLaw<N>) -> Result<(), PackError> {
         let received = core::mem::take(&mut self.received);
         decode(self.bytes.get(..received).unwrap_or_default(), slot)
     }

@@ -60,7 +60,7 @@ pub trait Real:
     ///
     /// One comparison where it is within; `min` and `max` are calls on a Cortex-M.
     #[inline(always)]
-    fn confined(self, limit: Self) -> Self {
+    fn clamped(self, limit: Self) -> Self {
         if self.abs() <= limit {
             self
         } else if self > Self::ZERO {

@@ -1,7 +1,7 @@
 //! The fixed-tick controller: reads the specimen, drives the actuator, runs the law beside it, protects both.
 //!
 //! [`Rig`] excites a specimen: the generator's displacement goes out as the actuator's command, corrected for amplitude
-//! and phase from cycle to cycle, and the law is evaluated beside the measured force. [`Emulator`] is the other role: it
+//! and phase from cycle to cycle, and the law is evaluated beside the measured force. [`DamperEmulation`] is the other role: it
 //! is the damper, and drives the law's force for the displacement it measures.
 //!
 //! # Deadline
@@ -36,8 +36,8 @@ mod fault;
 mod output;
 mod state;
 
-pub use emulator::{Emulator, EmulatorSettings};
-pub use fault::Fault;
+pub use emulator::{DamperEmulation, DamperEmulationSettings};
+pub use fault::TripCause;
 pub use state::State;
 
 use core::borrow::{Borrow, BorrowMut};
@@ -50,13 +50,13 @@ use crate::cycle::Cycle;
 use crate::dac::Ad5761;
 use crate::effects::{CONTROLS, Motion};
 use crate::error::ConfigError;
+use crate::fast_law::{Adaptation, FastLaw, RunningLaw};
 use crate::frame::{Fields, Reader, Writer};
 use crate::health::{
     Change, Channel, Ended, Event, HealthConfig, HealthMonitor, HealthSettings, Look, Steady,
 };
 use crate::observer::{Observer, ObserverConfig};
 use crate::sine::{Excitation, Programme, SineGenerator};
-use crate::tabulated::{Followed, RunningLaw, TabulatedLaw};
 use crate::tick_law::TickLaw;
 use comparison::Comparison;
 use correction::{Correction, CorrectionConfig};
@@ -237,7 +237,7 @@ pub struct CycleReport {
     pub nrmse: f32,
     /// By how much the law differed from the law as it was given, which slow changes of the specimen had led to; 0 where it
     /// does not follow, and from an emulator.
-    pub followed: Followed,
+    pub followed: Adaptation,
 }
 
 /// A rig with up to `B` blocks in its programme and a law `L`: a [`RunningLaw`] of up to `N` effects unless another is named.
@@ -340,7 +340,7 @@ where
         if started {
             self.generator.restart();
             self.law.boundary();
-            self.law.follow(Followed::default());
+            self.law.follow(Adaptation::default());
             self.law.rest();
             self.comparison = Comparison::default();
             self.exceeded = Exceeded::default();
@@ -360,7 +360,7 @@ where
         self.output.exchange();
     }
 
-    /// A tick came late, or not at all, as whoever owns the timer sees: stops with [`Fault::TickOverrun`].
+    /// A tick came late, or not at all, as whoever owns the timer sees: stops with [`TripCause::TickOverrun`].
     pub fn overrun(&mut self) {
         self.output.overrun();
     }
@@ -381,7 +381,7 @@ where
     }
 
     /// By how much the law in force differs from the law as it was given, which slow changes of the specimen have led to.
-    pub fn followed(&self) -> Followed {
+    pub fn followed(&self) -> Adaptation {
         self.law.followed()
     }
 
@@ -415,8 +415,8 @@ where
         let lost = self.health.channels(&self.reading, &changes, demand, law);
         if let Some(channel) = lost {
             self.output.trip(match channel {
-                Channel::Displacement => Fault::DisplacementLost,
-                Channel::Force => Fault::ForceLost,
+                Channel::Displacement => TripCause::DisplacementLost,
+                Channel::Force => TripCause::ForceLost,
             });
         }
         self.health.take_fresh()
@@ -503,7 +503,7 @@ where
         };
         let model_force = self.law.force(&self.motion);
         if !model_force.is_finite() {
-            self.output.trip(Fault::NotFinite);
+            self.output.trip(TripCause::NotFinite);
         }
         let mut command = 0.0;
         let mut report = None;
@@ -590,7 +590,7 @@ where
     /// Another law from the end of this cycle on, or from the start where not running; see [`Rig::law`]. What its
     /// effects remember is kept where they are of the same kinds in the same order as before. The monitor learns what is
     /// normal beside it anew, and what begins with the swap is normal.
-    pub fn swap_law(&mut self, law: TabulatedLaw<N>) {
+    pub fn swap_law(&mut self, law: FastLaw<N>) {
         self.law.borrow_mut().swap(law);
     }
 
@@ -600,13 +600,13 @@ where
     /// That of `write`; no law waits then, and the one in force stays.
     pub fn swap_law_with<F>(
         &mut self,
-        write: impl FnOnce(&mut TabulatedLaw<N>) -> Result<(), F>,
+        write: impl FnOnce(&mut FastLaw<N>) -> Result<(), F>,
     ) -> Result<(), F> {
         self.law.borrow_mut().swap_with(write)
     }
 
     /// The law in force, as it was given.
-    pub fn law(&self) -> &TabulatedLaw<N> {
+    pub fn law(&self) -> &FastLaw<N> {
         self.law.borrow().law()
     }
 }

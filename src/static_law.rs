@@ -1,10 +1,10 @@
 //! The mixed damping law with the effects that its type names: only those are linked, and only they hold state.
 
 use crate::effects::{EffectSet, LawForce, Motion};
+use crate::fast_law::Adaptation;
 use crate::law::Law;
 use crate::power::{PowerSeed, PowerTable};
 use crate::real::Real;
-use crate::tabulated::Followed;
 use crate::tick_law::TickLaw;
 
 /// The mixed damping law, its damping from a table of 4 KiB, and the effects of the tuple `E` at work.
@@ -33,7 +33,7 @@ pub struct StaticLaw<E: EffectSet<f32>> {
     effects: E,
     state: E::State,
     given: Law<f32>,
-    followed: Followed,
+    followed: Adaptation,
     table: PowerTable,
 }
 
@@ -47,7 +47,7 @@ impl<E: EffectSet<f32>> StaticLaw<E> {
             effects: E::NONE,
             state: E::AT_REST,
             given: NOTHING,
-            followed: Followed {
+            followed: Adaptation {
                 k1: 0.0,
                 k3: 0.0,
                 c: 0.0,
@@ -68,7 +68,7 @@ impl<E: EffectSet<f32>> StaticLaw<E> {
         self.given = law;
         self.effects = effects;
         self.rest();
-        self.follow(Followed::default());
+        self.follow(Adaptation::default());
     }
 
     /// The law as it was given.
@@ -85,7 +85,7 @@ impl<E: EffectSet<f32>> StaticLaw<E> {
 impl<E: EffectSet<f32>> TickLaw for StaticLaw<E> {
     #[inline]
     fn force(&mut self, motion: &Motion<f32>) -> f32 {
-        let motion = motion.confined();
+        let motion = motion.clamped();
         let damping = |v| self.damping_part * self.table.damping_force(v);
         if E::HAS_STAGES {
             return self.effects.force_through_stages(
@@ -109,14 +109,14 @@ impl<E: EffectSet<f32>> TickLaw for StaticLaw<E> {
         false
     }
 
-    fn follow(&mut self, followed: Followed) {
-        let followed = followed.confined();
+    fn follow(&mut self, followed: Adaptation) {
+        let followed = followed.clamped();
         self.in_force = followed.of(&self.given);
         self.damping_part = 1.0 + followed.c;
         self.followed = followed;
     }
 
-    fn followed(&self) -> Followed {
+    fn followed(&self) -> Adaptation {
         self.followed
     }
 
@@ -124,9 +124,9 @@ impl<E: EffectSet<f32>> TickLaw for StaticLaw<E> {
         if E::HAS_STAGES {
             return [0.0; 3];
         }
-        let motion = motion.confined();
+        let motion = motion.clamped();
         let scales = LawForce::units().map(|law| self.effects.scaled(&motion, law));
         let damping = self.table.damping_force(motion.velocity());
-        crate::tabulated::parts(&self.given, &motion, scales, damping)
+        crate::fast_law::parts(&self.given, &motion, scales, damping)
     }
 }

@@ -7,7 +7,7 @@ use mesh_damper::law::Law;
 use mesh_damper::power::{PowerSeed, PowerTable, abs_pow};
 use mesh_damper::sine::sin_cos;
 use mesh_damper::table::PAPER;
-use mesh_damper::{amplitude_free, limits};
+use mesh_damper::{amplitude_independent, limits};
 use proptest::prelude::*;
 
 fn any_float() -> impl Strategy<Value = f32> {
@@ -93,7 +93,7 @@ proptest! {
     #[test]
     fn a_law_of_the_table_is(density in any_float(), amplitude in any_float(), y in any_float(), v in any_float()) {
         prop_assert!(PAPER.lookup(density, amplitude).law.force(y, v).is_finite());
-        if let Ok(law) = amplitude_free::law(density) {
+        if let Ok(law) = amplitude_independent::law(density) {
             prop_assert!(law.augmented().law().force(y, v).is_finite());
         }
     }

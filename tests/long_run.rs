@@ -9,10 +9,10 @@ use mesh_damper::converter::Scale;
 use mesh_damper::cycle::CycleAccumulator;
 use mesh_damper::dac::{Ad5761, OUTPUT_RANGE};
 use mesh_damper::effects::{AugmentedLaw, Effect, Motion, Relaxation, StickSlip};
+use mesh_damper::fast_law::{FastLaw, RunningLaw};
 use mesh_damper::rig::{CycleReport, Rig, RigSettings, State};
 use mesh_damper::sine::{Block, Programme, SineGenerator};
 use mesh_damper::table::PAPER;
-use mesh_damper::tabulated::{RunningLaw, TabulatedLaw};
 use mesh_damper_rig::actuator::{AdcPins, DacPins, SimulatedAd5761, SimulatedAds8688, enable_line};
 
 thread_local! {
@@ -103,7 +103,7 @@ impl Means {
 #[test]
 fn generator_law_and_cycles_end_as_they_began() {
     let mut generator = SineGenerator::new(programme()).unwrap();
-    let mut law = RunningLaw::new(TabulatedLaw::new(law()));
+    let mut law = RunningLaw::new(FastLaw::new(law()));
     let mut accumulator = CycleAccumulator::<1>::new();
     // The ramp, and some cycles in which the effects forget it.
     let (mut start, mut end) = (Means::from(100), Means::from(CYCLES - MEAN_OF));
@@ -157,7 +157,7 @@ fn a_rig_in_closed_loop_ends_as_it_began() {
         enable,
         &settings,
         programme(),
-        RunningLaw::new(TabulatedLaw::new(law())),
+        RunningLaw::new(FastLaw::new(law())),
     )
     .unwrap();
     let settled = 10_000;

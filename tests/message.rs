@@ -3,16 +3,16 @@
 use mesh_damper::converter::Scale;
 use mesh_damper::cycle::Cycle;
 use mesh_damper::effects::Motion;
+use mesh_damper::fast_law::Adaptation;
 use mesh_damper::frame::{Frame, FrameBuffer, Frames, PAYLOAD};
-use mesh_damper::health::{Cause, Event, HealthSettings, Statistic};
+use mesh_damper::health::{Event, HealthCause, HealthSettings, Statistic};
 use mesh_damper::message::{
     Answer, MOTIONS, Motions, Outcome, Refusal, Request, Setup, Statistics, write_again,
     write_forces, write_outcome, write_refusal, write_statistics,
 };
 use mesh_damper::pack::PackError;
-use mesh_damper::rig::{CycleReport, Fault, RigSettings, State, Telemetry};
+use mesh_damper::rig::{CycleReport, RigSettings, State, Telemetry, TripCause};
 use mesh_damper::sine::{Block, Programme};
-use mesh_damper::tabulated::Followed;
 
 fn frame(buffer: &FrameBuffer) -> Frame<'_> {
     Frames(buffer.bytes()).next().unwrap()
@@ -244,14 +244,14 @@ fn an_outcome_passes() {
         measured: cycle(100.0),
         model: cycle(200.0),
         nrmse: 0.0625,
-        followed: Followed {
+        followed: Adaptation {
             k1: -0.03,
             k3: 0.04,
             c: 0.05,
         },
     };
     let event = Event {
-        cause: Cause::WireBreakage,
+        cause: HealthCause::WireBreakage,
         statistic: Statistic::Stiffness,
         value: -0.07,
         limit: 0.05,
@@ -288,7 +288,7 @@ fn an_outcome_passes() {
             },
         );
     }
-    for cause in Cause::ALL {
+    for cause in HealthCause::ALL {
         for statistic in Statistic::ALL {
             outcome_passes(
                 4,
@@ -309,21 +309,21 @@ fn an_outcome_passes() {
 #[test]
 fn every_state_passes() {
     let faults = [
-        Fault::AdcBus,
-        Fault::DacBus,
-        Fault::EnableLine,
-        Fault::DisplacementClipped,
-        Fault::ForceClipped,
-        Fault::CommandClipped,
-        Fault::DisplacementLimit,
-        Fault::ForceLimit,
-        Fault::TrackingLimit,
-        Fault::NoResponse,
-        Fault::NotFinite,
-        Fault::DisplacementLost,
-        Fault::ForceLost,
-        Fault::LinkLost,
-        Fault::TickOverrun,
+        TripCause::AdcBus,
+        TripCause::DacBus,
+        TripCause::EnableLine,
+        TripCause::DisplacementClipped,
+        TripCause::ForceClipped,
+        TripCause::CommandClipped,
+        TripCause::DisplacementLimit,
+        TripCause::ForceLimit,
+        TripCause::TrackingLimit,
+        TripCause::NoResponse,
+        TripCause::NotFinite,
+        TripCause::DisplacementLost,
+        TripCause::ForceLost,
+        TripCause::LinkLost,
+        TripCause::TickOverrun,
     ]
     .map(State::Faulted);
     for state in [State::Idle, State::Running, State::Done]

@@ -1,16 +1,16 @@
 //! Coefficient packs: what goes in comes out, and nothing that is damaged does.
 
-use mesh_damper::effects::correction::{CELLS, CorrectionParts, Memory};
+use mesh_damper::effects::correction::{CELLS, Memory, ResidualTableParts};
 use mesh_damper::effects::description::Description;
 use mesh_damper::effects::{
-    AugmentedLaw, Correction, DESCRIPTIONS, Effect, MAX_STICK_SLIP_ELEMENTS, MAX_TONES, Motion,
-    Periodic, StickSlip,
+    AugmentedLaw, DESCRIPTIONS, Effect, MAX_STICK_SLIP_ELEMENTS, MAX_TONES, Motion, Periodic,
+    ResidualTable, StickSlip,
 };
 use mesh_damper::error::ConfigError;
+use mesh_damper::fast_law::{FastLaw, RunningLaw};
 use mesh_damper::law::Law;
 use mesh_damper::pack::{self, LARGEST, PackError, Upload};
 use mesh_damper::power::PowerSeed;
-use mesh_damper::tabulated::{RunningLaw, TabulatedLaw};
 use proptest::prelude::*;
 
 const EFFECTS: usize = 8;
@@ -38,9 +38,9 @@ fn every_effect() -> Vec<Effect<f32>> {
     DESCRIPTIONS.iter().map(most).collect()
 }
 
-fn tabulated<const N: usize>(effects: &[Effect<f32>]) -> TabulatedLaw<N> {
+fn tabulated<const N: usize>(effects: &[Effect<f32>]) -> FastLaw<N> {
     let with = |law: AugmentedLaw<f32, N>, effect: &Effect<f32>| law.with(*effect).unwrap();
-    TabulatedLaw::new(effects.iter().fold(AugmentedLaw::new(law()), with))
+    FastLaw::new(effects.iter().fold(AugmentedLaw::new(law()), with))
 }
 
 fn pack(effects: &[Effect<f32>]) -> Vec<u8> {
@@ -49,8 +49,8 @@ fn pack(effects: &[Effect<f32>]) -> Vec<u8> {
     pack::encode(&law, &mut buffer).unwrap().to_vec()
 }
 
-fn decode(bytes: &[u8]) -> Result<TabulatedLaw<EFFECTS>, PackError> {
-    let mut law = TabulatedLaw::EMPTY;
+fn decode(bytes: &[u8]) -> Result<FastLaw<EFFECTS>, PackError> {
+    let mut law = FastLaw::EMPTY;
     pack::decode(bytes, &mut law).map(|()| law)
 }
 
@@ -142,26 +142,26 @@ fn the_body_is_postcard() {
     assert_eq!(cells[2..4], 7i16.to_le_bytes());
 }
 
-fn correction(memory: Memory<f32>) -> Correction<f32> {
+fn correction(memory: Memory<f32>) -> ResidualTable<f32> {
     let cells = |count: usize| -> Vec<i16> { (0..count).map(|n| 7 * n as i16).collect() };
-    let parts = CorrectionParts {
+    let parts = ResidualTableParts {
         reach: 0.2,
         speed: 6.0,
         unit: 1e-5,
         cells: &cells(CELLS),
         memory: Some((memory, [-0.1, 0.1])),
     };
-    Correction::new(&parts, 1e-4).unwrap()
+    ResidualTable::new(&parts, 1e-4).unwrap()
 }
 
 /// A law with a correction.
-fn corrected() -> TabulatedLaw<EFFECTS> {
+fn corrected() -> FastLaw<EFFECTS> {
     corrected_over(Memory::Lag { time: 0.05 })
 }
 
-fn corrected_over(memory: Memory<f32>) -> TabulatedLaw<EFFECTS> {
+fn corrected_over(memory: Memory<f32>) -> FastLaw<EFFECTS> {
     let law = AugmentedLaw::new(law()).with_correction(correction(memory));
-    TabulatedLaw::new(law.unwrap())
+    FastLaw::new(law.unwrap())
 }
 
 fn corrected_pack() -> Vec<u8> {
@@ -370,7 +370,7 @@ fn parts_must_follow_one_another() {
         Err(PackError::Length { .. })
     ));
     upload.part(40, &good[40..]).unwrap();
-    let mut law = TabulatedLaw::EMPTY;
+    let mut law = FastLaw::EMPTY;
     upload.finish(&mut law).unwrap();
     assert_eq!(Ok(law.clone()), decode(&good));
     // It is empty again.
@@ -436,7 +436,7 @@ proptest! {
     ) {
         let law = Law::new(k1, k3, c, alpha).unwrap();
         let mut buffer = [0; LARGEST];
-        let law = TabulatedLaw::new(AugmentedLaw::new(law));
+        let law = FastLaw::new(AugmentedLaw::new(law));
         let pack = pack::encode(&law, &mut buffer).unwrap();
         prop_assert_eq!(decode(pack).unwrap(), law);
     }

@@ -1,12 +1,12 @@
 //! Every constructor takes exactly the range that it documents, of every number, and names the one that it refuses.
 
-use mesh_damper::amplitude_free;
+use mesh_damper::amplitude_independent;
 use mesh_damper::converter::Scale;
 use mesh_damper::crossing::{CrossingAccumulator, CrossingDetector};
-use mesh_damper::effects::correction::{CELLS, CorrectionParts, Memory};
+use mesh_damper::effects::correction::{CELLS, Memory, ResidualTableParts};
 use mesh_damper::effects::{
-    Asymmetry, AugmentedLaw, BoucWen, Compliance, Correction, DESCRIPTIONS, Delay, Drift, Effect,
-    Gap, Hardening, Inertia, LoadFriction, Offset, Periodic, Relaxation, StickSlip, Stop,
+    Asymmetry, AugmentedLaw, BoucWen, Compliance, DESCRIPTIONS, Delay, Drift, Effect, Gap,
+    Hardening, Inertia, LoadFriction, Offset, Periodic, Relaxation, ResidualTable, StickSlip, Stop,
     Temperature, Viscous,
 };
 use mesh_damper::error::ConfigError;
@@ -15,7 +15,7 @@ use mesh_damper::health::HealthSettings;
 use mesh_damper::law::Law;
 use mesh_damper::observer::ObserverConfig;
 use mesh_damper::power::PowerSeed;
-use mesh_damper::rig::{EmulatorSettings, RigSettings};
+use mesh_damper::rig::{DamperEmulationSettings, RigSettings};
 use mesh_damper::sine::{Block, Programme};
 use mesh_damper_rig::{EmulatorBench, EmulatorSetup, SetupError};
 use proptest::prelude::*;
@@ -68,14 +68,14 @@ macro_rules! health {
 /// The same of the damper emulator; `$named` where its part is refused by another name.
 macro_rules! emulator {
     ($field:ident, $named:expr, $low:expr, $high:expr) => {
-        number!($named, $low, $high, |x| emulator(EmulatorSettings {
+        number!($named, $low, $high, |x| emulator(DamperEmulationSettings {
             $field: x,
-            ..EmulatorSettings::default()
+            ..DamperEmulationSettings::default()
         }))
     };
 }
 
-fn emulator(settings: EmulatorSettings) -> Result<(), ConfigError> {
+fn emulator(settings: DamperEmulationSettings) -> Result<(), ConfigError> {
     let law = AugmentedLaw::<_, 1>::new(Law::new(1.0, 0.0, 0.0, 0.5)?);
     let bench = EmulatorBench::new(EmulatorSetup {
         settings,
@@ -106,15 +106,15 @@ fn correction(
     memory: Memory<f64>,
     range: [f64; 2],
     tick: f64,
-) -> Result<Correction<f64>, ConfigError> {
-    let parts = CorrectionParts {
+) -> Result<ResidualTable<f64>, ConfigError> {
+    let parts = ResidualTableParts {
         reach,
         speed,
         unit,
         cells: &[1; CELLS],
         memory: Some((memory, range)),
     };
-    Correction::new(&parts, tick)
+    ResidualTable::new(&parts, tick)
 }
 
 const LAG: Memory<f64> = Memory::Lag { time: 0.1 };
@@ -128,7 +128,9 @@ fn numbers() -> Vec<Number> {
         number!("alpha", 0.0, 1.0, |x| Law::new(1.0, 1.0, 1.0, x)),
         number!("c", 0.0, 1e9, |x| PowerSeed::new(x, 0.5)),
         number!("alpha", 0.0, 1.0, |x| PowerSeed::new(1.0, x)),
-        number!("density", 2.0, 4.0, |x| amplitude_free::law(x as f32)),
+        number!("density", 2.0, 4.0, |x| amplitude_independent::law(
+            x as f32
+        )),
         number!("force", -1e9, 1e9, |x| Offset::new(x)),
         number!("k2", -1e9, 1e9, |x| Asymmetry::new(x)),
         number!("k5", -1e9, 1e9, |x| Hardening::new(x)),

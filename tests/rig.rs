@@ -9,11 +9,11 @@ use mesh_damper::converter::Scale;
 use mesh_damper::dac::{Ad5761, OUTPUT_RANGE};
 use mesh_damper::effects::{AugmentedLaw, Drift, Effect, Offset, StickSlip};
 use mesh_damper::error::ConfigError;
-use mesh_damper::health::{Cause, Channel};
+use mesh_damper::fast_law::{FastLaw, RunningLaw};
+use mesh_damper::health::{Channel, HealthCause};
 use mesh_damper::law::Law;
-use mesh_damper::rig::{Fault, Rig, RigSettings, State, Telemetry};
+use mesh_damper::rig::{Rig, RigSettings, State, Telemetry, TripCause};
 use mesh_damper::sine::{Block, Programme};
-use mesh_damper::tabulated::{RunningLaw, TabulatedLaw};
 use mesh_damper_rig::actuator::{
     AdcPins, DacPins, SensorFault, ServoFault, SimulatedAd5761, SimulatedAds8688,
 };
@@ -171,7 +171,7 @@ fn the_specimens_own_law_is_near_its_force() {
 }
 
 /// Ticks until the rig stops, and the telemetry of that tick; then holds it to what stopping means.
-fn stops(bench: &mut Bench<Specimen, 8, 4>, stop_ticks: usize, fault: Fault) -> usize {
+fn stops(bench: &mut Bench<Specimen, 8, 4>, stop_ticks: usize, fault: TripCause) -> usize {
     let mut before = 0.0;
     let mut ticks = 0;
     let last = loop {
@@ -219,12 +219,12 @@ fn limits_stop_the_rig_within_their_ticks() {
     for (setup, fault, over) in [
         (
             limited(|s| s.displacement_limit = 0.1),
-            Fault::DisplacementLimit,
+            TripCause::DisplacementLimit,
             (|t: &Telemetry| t.displacement.abs() > 0.1) as fn(&Telemetry) -> bool,
         ),
         (
             limited(|s| s.force_limit = 0.2),
-            Fault::ForceLimit,
+            TripCause::ForceLimit,
             |t: &Telemetry| t.measured_force.abs() > 0.2,
         ),
     ] {
@@ -253,7 +253,7 @@ fn a_dead_actuator_is_a_tracking_fault() {
         assert_eq!(bench.tick().state, State::Running);
     }
     bench.plant.servo.fault = ServoFault::Dead;
-    let ticks = stops(&mut bench, 5000, Fault::TrackingLimit);
+    let ticks = stops(&mut bench, 5000, TripCause::TrackingLimit);
     // cos φ has fallen by half at a sixth of a cycle, 1667 ticks; and 10 ticks to trip.
     assert!((1667..1800).contains(&ticks), "{ticks}");
 }
@@ -267,11 +267,11 @@ fn a_stuck_sensor_is_lost_before_it_is_far_off() {
             assert_eq!(bench.tick().state, State::Running);
         }
         let (sensor, fault) = if force {
-            (&mut bench.plant.force_sensor, Fault::ForceLost)
+            (&mut bench.plant.force_sensor, TripCause::ForceLost)
         } else {
             (
                 &mut bench.plant.displacement_sensor,
-                Fault::DisplacementLost,
+                TripCause::DisplacementLost,
             )
         };
         sensor.fault = SensorFault::Stuck;
@@ -297,7 +297,7 @@ fn a_sensor_that_is_lost_again_stops_the_rig_again() {
         while bench.rig.state() == State::Running {
             events += usize::from(bench.tick().event.is_some());
         }
-        assert_eq!(bench.rig.state(), State::Faulted(Fault::ForceLost));
+        assert_eq!(bench.rig.state(), State::Faulted(TripCause::ForceLost));
         assert_eq!((events, bench.rig.events().len()), (usize::from(told), 1));
         for _ in 0..5000 {
             bench.tick();
@@ -320,7 +320,7 @@ fn an_event_is_told_at_once() {
         assert_eq!(event.as_slice(), &bench.rig.events()[before..]);
         told.extend(event.map(|event| event.cause));
     }
-    assert_eq!(told, [Cause::ActuatorLagging]);
+    assert_eq!(told, [HealthCause::ActuatorLagging]);
 }
 
 #[test]
@@ -330,7 +330,7 @@ fn an_actuator_dead_from_the_start_is_noticed_after_a_cycle() {
         bench.plant.servo.fault = ServoFault::Dead;
         assert!(bench.rig.start());
         // A ramp and a cycle of 5000 ticks each; the tick that ends it is the first of the next.
-        assert_eq!(stops(&mut bench, 5000, Fault::NoResponse), 10_001);
+        assert_eq!(stops(&mut bench, 5000, TripCause::NoResponse), 10_001);
     }
 }
 
@@ -340,7 +340,7 @@ fn a_sensor_dead_from_the_start_is_noticed_in_the_ramp() {
         let mut bench = Bench::new(setup(3.0, &[(amplitude, 2.0, 5)])).unwrap();
         bench.plant.displacement_sensor.fault = SensorFault::DroppedOut;
         assert!(bench.rig.start());
-        let ticks = stops(&mut bench, 5000, Fault::DisplacementLost);
+        let ticks = stops(&mut bench, 5000, TripCause::DisplacementLost);
         assert!(ticks < 1_250, "{ticks}: a quarter of the ramp");
     }
 }
@@ -354,17 +354,21 @@ fn an_open_sensor_is_a_clipped_channel_at_once() {
         }
         let (sensor, fault, channel) = if force {
             let sensor = &mut bench.plant.force_sensor;
-            (sensor, Fault::ForceClipped, Channel::Force)
+            (sensor, TripCause::ForceClipped, Channel::Force)
         } else {
             let sensor = &mut bench.plant.displacement_sensor;
-            (sensor, Fault::DisplacementClipped, Channel::Displacement)
+            (
+                sensor,
+                TripCause::DisplacementClipped,
+                Channel::Displacement,
+            )
         };
         sensor.fault = SensorFault::Open;
         assert_eq!(stops(&mut bench, 5000, fault), 1);
         let [event] = bench.rig.events() else {
             panic!("{:?}", bench.rig.events());
         };
-        assert_eq!(event.cause, Cause::SensorClipped(channel));
+        assert_eq!(event.cause, HealthCause::SensorClipped(channel));
     }
 }
 
@@ -372,7 +376,7 @@ fn an_open_sensor_is_a_clipped_channel_at_once() {
 fn a_command_beyond_the_dac_stops_the_rig() {
     let mut setup = setup(3.0, &[(0.2, 1.0, 5)]);
     setup.command_range = 0.15;
-    stops(&mut started(setup), 5000, Fault::CommandClipped);
+    stops(&mut started(setup), 5000, TripCause::CommandClipped);
 }
 
 #[test]
@@ -411,9 +415,9 @@ fn bus_errors_stop_the_rig_at_once() {
         }
         let moved = bench.rig.tick().displacement;
         let (flag, fault) = if adc {
-            (&bench.adc.bus_failing, Fault::AdcBus)
+            (&bench.adc.bus_failing, TripCause::AdcBus)
         } else {
-            (&bench.dac.bus_failing, Fault::DacBus)
+            (&bench.dac.bus_failing, TripCause::DacBus)
         };
         flag.set(true);
         let telemetry = bench.tick();
@@ -474,13 +478,13 @@ fn a_fault_on_the_way_back_does_not_prolong_it() {
         // One more where the differences' rounding leaves a rest.
         assert!(tick <= 1000 || command == 0.0, "{command}");
     }
-    let fault = Fault::DisplacementClipped;
+    let fault = TripCause::DisplacementClipped;
     assert_eq!(bench.rig.state(), State::Faulted(fault));
 }
 
 #[test]
 fn another_law_takes_over_at_the_end_of_the_cycle_and_not_before() {
-    let zero = TabulatedLaw::new(AugmentedLaw::new(Law::new(0.0, 0.0, 0.0, 0.5).unwrap()));
+    let zero = FastLaw::new(AugmentedLaw::new(Law::new(0.0, 0.0, 0.0, 0.5).unwrap()));
     for asked_at in [7_321, 12_000] {
         let mut bench = started(setup(3.0, &[(0.2, 2.0, 5)]));
         for _ in 0..asked_at {
@@ -524,8 +528,8 @@ fn another_law_takes_over_at_the_end_of_the_cycle_and_not_before() {
     let mut changed = started(setup);
     for tick in 0..15_000 {
         if tick == 7_000 {
-            swapped.rig.swap_law(TabulatedLaw::new(same.clone()));
-            changed.rig.swap_law(TabulatedLaw::new(other.clone()));
+            swapped.rig.swap_law(FastLaw::new(same.clone()));
+            changed.rig.swap_law(FastLaw::new(other.clone()));
         }
         let expected = plain.tick().model_force;
         assert_eq!(swapped.tick().model_force, expected);
@@ -570,7 +574,7 @@ fn the_law_is_told_of_every_part_of_a_cycle() {
 
 #[test]
 fn a_law_swapped_before_the_start_runs_from_the_first_tick() {
-    let zero = TabulatedLaw::new(AugmentedLaw::new(Law::new(0.0, 0.0, 0.0, 0.5).unwrap()));
+    let zero = FastLaw::new(AugmentedLaw::new(Law::new(0.0, 0.0, 0.0, 0.5).unwrap()));
     let mut bench = Bench::new(setup(3.0, &[(0.2, 10.0, 1)])).unwrap();
     bench.rig.swap_law(zero.clone());
     bench.tick();
@@ -659,7 +663,7 @@ fn wired(
         line,
         settings,
         programme,
-        RunningLaw::new(TabulatedLaw::new(law)),
+        RunningLaw::new(FastLaw::new(law)),
     )
     .unwrap()
 }
@@ -840,7 +844,7 @@ fn a_line_that_cannot_be_raised_is_a_fault() {
     let mut rig = rig_on(line.clone());
     line.fails.set(true);
     assert!(!rig.start());
-    assert_eq!(rig.state(), State::Faulted(Fault::EnableLine));
+    assert_eq!(rig.state(), State::Faulted(TripCause::EnableLine));
     assert_eq!(rig.tick().command, 0.0);
 }
 
@@ -853,7 +857,7 @@ fn a_line_that_does_not_drop_is_tried_until_it_does() {
     line.fails.set(true);
     rig.stop();
     for _ in 0..3 {
-        assert_eq!(rig.tick().state, State::Faulted(Fault::EnableLine));
+        assert_eq!(rig.tick().state, State::Faulted(TripCause::EnableLine));
         assert!(line.high.get());
     }
     line.fails.set(false);
@@ -910,10 +914,10 @@ fn a_lost_link_and_a_late_tick_stop_the_rig() {
         assert_eq!(linked.tick().state, State::Running, "tick {tick}");
     }
     linked.rig.exchange();
-    assert_eq!(stops(&mut linked, 1000, Fault::LinkLost), 21);
+    assert_eq!(stops(&mut linked, 1000, TripCause::LinkLost), 21);
     // A link that is back clears nothing.
     linked.rig.exchange();
-    assert_eq!(linked.tick().state, State::Faulted(Fault::LinkLost));
+    assert_eq!(linked.tick().state, State::Faulted(TripCause::LinkLost));
     assert!(linked.rig.clear() && linked.rig.start());
     assert_eq!(linked.tick().state, State::Running);
 
@@ -927,7 +931,7 @@ fn a_lost_link_and_a_late_tick_stop_the_rig() {
     for _ in 0..1001 {
         assert!(!late.rig.clear() && !late.rig.start(), "not at rest");
         let telemetry = late.tick();
-        assert_eq!(telemetry.state, State::Faulted(Fault::TickOverrun));
+        assert_eq!(telemetry.state, State::Faulted(TripCause::TickOverrun));
         assert!(!late.enabled.get());
     }
     assert_eq!(late.tick().command, 0.0);

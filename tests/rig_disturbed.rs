@@ -4,7 +4,7 @@ use std::cell::Cell;
 use std::rc::Rc;
 
 use mesh_damper::effects::AugmentedLaw;
-use mesh_damper::health::{Cause, Channel};
+use mesh_damper::health::{Channel, HealthCause};
 use mesh_damper::law::Law;
 use mesh_damper::rig::{State, Telemetry};
 use mesh_damper::sine::{Block, Programme};
@@ -45,7 +45,7 @@ struct Test {
     condition: Rc<Cell<Condition>>,
     /// Since the last start.
     tick: u64,
-    told: Vec<Cause>,
+    told: Vec<HealthCause>,
 }
 
 impl Test {
@@ -146,10 +146,13 @@ fn a_break_after_a_spike_is_found() {
             });
             test.spike(channel, size);
             test.run_to(BREAK);
-            assert_eq!(test.told, [Cause::SensorSpiking(channel)], "{seed}");
+            assert_eq!(test.told, [HealthCause::SensorSpiking(channel)], "{seed}");
             test.keep(0.8);
             test.run_to(BREAK + 6);
-            let expected = [Cause::SensorSpiking(channel), Cause::WireBreakage];
+            let expected = [
+                HealthCause::SensorSpiking(channel),
+                HealthCause::WireBreakage,
+            ];
             assert_eq!(test.told, expected, "{seed}");
         }
     }
@@ -176,7 +179,10 @@ fn a_spike_next_to_a_break_does_not_hide_it() {
                 }
             }
             test.told.sort_by_key(|cause| cause.number());
-            let expected = [Cause::WireBreakage, Cause::SensorSpiking(channel)];
+            let expected = [
+                HealthCause::WireBreakage,
+                HealthCause::SensorSpiking(channel),
+            ];
             assert_eq!(test.told, expected, "{eighth} eighths");
         }
     }
@@ -191,7 +197,7 @@ fn a_spike_in_one_run_does_not_blind_the_next() {
         while test.bench.rig.state() == State::Running {
             test.step();
         }
-        assert_eq!(test.told, [Cause::SensorSpiking(channel)]);
+        assert_eq!(test.told, [HealthCause::SensorSpiking(channel)]);
         // The way back to rest.
         for _ in 0..2 * TICKS {
             test.step();
@@ -201,7 +207,7 @@ fn a_spike_in_one_run_does_not_blind_the_next() {
         test.run_to(BREAK);
         test.keep(0.8);
         test.run_to(BREAK + 6);
-        assert_eq!(test.told.last(), Some(&Cause::WireBreakage));
+        assert_eq!(test.told.last(), Some(&HealthCause::WireBreakage));
     }
 }
 
@@ -214,13 +220,13 @@ fn a_break_after_a_drift_is_found() {
         // A fortieth of the force's amplitude a cycle.
         *test.sensor(Channel::Force) = SensorFault::Drifting(0.0075 / TICKS as f64);
         test.run_to(SPIKE + 12);
-        let drifting = Cause::SensorDrifting(Channel::Force);
+        let drifting = HealthCause::SensorDrifting(Channel::Force);
         assert_eq!(test.told, [drifting], "{seed}");
         *test.sensor(Channel::Force) = SensorFault::None;
         test.keep(0.6);
         test.run_to(SPIKE + 40);
         assert!(
-            test.told.contains(&Cause::WireBreakage),
+            test.told.contains(&HealthCause::WireBreakage),
             "{seed}: {:?}",
             test.told
         );
@@ -250,7 +256,10 @@ fn an_actuator_that_lags_after_a_spike_is_found() {
                 }
             }
             test.told.sort_by_key(|cause| cause.number());
-            let expected = [Cause::SensorSpiking(channel), Cause::ActuatorLagging];
+            let expected = [
+                HealthCause::SensorSpiking(channel),
+                HealthCause::ActuatorLagging,
+            ];
             assert_eq!(test.told, expected, "{quarters} quarters of a cycle");
         }
     }
@@ -263,7 +272,7 @@ fn a_preload_shift_after_another_runs_drift_is_found() {
     test.run_to(SPIKE);
     *test.sensor(Channel::Force) = SensorFault::Drifting(0.0075 / TICKS as f64);
     test.run_to(SPIKE + 12);
-    assert_eq!(test.told, [Cause::SensorDrifting(Channel::Force)]);
+    assert_eq!(test.told, [HealthCause::SensorDrifting(Channel::Force)]);
     *test.sensor(Channel::Force) = SensorFault::None;
     while test.bench.rig.state() == State::Running {
         test.step();
@@ -280,7 +289,7 @@ fn a_preload_shift_after_another_runs_drift_is_found() {
         ..whole
     });
     test.run_to(BREAK + 6);
-    assert_eq!(test.told.last(), Some(&Cause::PreloadShift));
+    assert_eq!(test.told.last(), Some(&HealthCause::PreloadShift));
 }
 
 #[test]
@@ -313,7 +322,11 @@ fn nothing_but_the_spike_is_told_of_a_spike() {
             test.step_by(after);
             test.spike(channel, size);
             test.run_to(SPIKE + 6);
-            assert_eq!(test.told, [Cause::SensorSpiking(channel)], "{after} ticks");
+            assert_eq!(
+                test.told,
+                [HealthCause::SensorSpiking(channel)],
+                "{after} ticks"
+            );
         }
     }
 }
@@ -331,10 +344,13 @@ fn a_break_after_many_spikes_is_found() {
                     test.spike(channel, size);
                 }
                 test.run_to(SPIKE + spiked);
-                assert_eq!(test.told, [Cause::SensorSpiking(channel)], "{after}");
+                assert_eq!(test.told, [HealthCause::SensorSpiking(channel)], "{after}");
                 test.keep(0.8);
                 test.run_to(SPIKE + spiked + 6);
-                let expected = [Cause::SensorSpiking(channel), Cause::WireBreakage];
+                let expected = [
+                    HealthCause::SensorSpiking(channel),
+                    HealthCause::WireBreakage,
+                ];
                 assert_eq!(test.told, expected, "{after}");
             }
         }
@@ -356,7 +372,10 @@ fn a_break_among_spikes_is_found() {
                 test.spike(channel, size);
                 test.run_to(cycle + 1);
             }
-            let expected = [Cause::SensorSpiking(channel), Cause::WireBreakage];
+            let expected = [
+                HealthCause::SensorSpiking(channel),
+                HealthCause::WireBreakage,
+            ];
             assert_eq!(test.told, expected, "{after}");
         }
     }
@@ -366,21 +385,21 @@ fn a_break_among_spikes_is_found() {
 #[test]
 fn an_actuator_fault_after_a_lag_that_has_passed_is_found() {
     for (fault, cause) in [
-        (ServoFault::Dead, Cause::ActuatorDead),
-        (ServoFault::Saturated(0.6), Cause::ActuatorSaturated),
+        (ServoFault::Dead, HealthCause::ActuatorDead),
+        (ServoFault::Saturated(0.6), HealthCause::ActuatorSaturated),
     ] {
         for (blocks, later) in [(1, 6), (2, 40)] {
             let mut test = Test::of_blocks(blocks, 40, 0.0, 1);
             test.run_to(SPIKE);
             test.bench.plant.servo.fault = ServoFault::Lagging(100);
             test.run_to(SPIKE + 3);
-            assert_eq!(test.told, [Cause::ActuatorLagging]);
+            assert_eq!(test.told, [HealthCause::ActuatorLagging]);
             test.bench.plant.servo.fault = ServoFault::None;
             test.run_to(SPIKE + 3 + later);
-            assert_eq!(test.told, [Cause::ActuatorLagging]);
+            assert_eq!(test.told, [HealthCause::ActuatorLagging]);
             test.bench.plant.servo.fault = fault;
             test.run_to(SPIKE + 6 + later);
-            assert_eq!(test.told, [Cause::ActuatorLagging, cause]);
+            assert_eq!(test.told, [HealthCause::ActuatorLagging, cause]);
         }
     }
 }
@@ -394,10 +413,10 @@ fn a_break_under_an_actuator_fault_that_lasts_is_found() {
         test.run_to(SPIKE);
         test.bench.plant.servo.fault = ServoFault::Saturated(speed);
         test.run_to(SPIKE + 50);
-        assert_eq!(test.told, [Cause::ActuatorSaturated], "{speed} mm/s");
+        assert_eq!(test.told, [HealthCause::ActuatorSaturated], "{speed} mm/s");
         test.keep(0.8);
         test.run_to(SPIKE + 56);
-        let broken = [Cause::WireBreakage, Cause::Loosening];
+        let broken = [HealthCause::WireBreakage, HealthCause::Loosening];
         assert!(
             test.told.iter().any(|cause| broken.contains(cause)),
             "{speed} mm/s: {:?}",
@@ -415,12 +434,12 @@ fn a_preload_shift_after_a_drift_that_has_stopped_is_found() {
             test.run_to(SPIKE);
             test.drift(Channel::Force, 0.0075, 12);
             test.run_to(SPIKE + 40);
-            let drifting = Cause::SensorDrifting(Channel::Force);
+            let drifting = HealthCause::SensorDrifting(Channel::Force);
             assert_eq!(test.told, [drifting], "{seed}");
             let whole = Condition::NEW;
             test.condition.set(Condition { preload, ..whole });
             test.run_to(SPIKE + 46);
-            assert_eq!(test.told, [drifting, Cause::PreloadShift], "{seed}");
+            assert_eq!(test.told, [drifting, HealthCause::PreloadShift], "{seed}");
         }
     }
 }
@@ -438,6 +457,6 @@ fn nothing_but_the_drift_is_told_of_a_drift() {
         test.run_to(SPIKE);
         test.drift(channel, step, 15);
         test.run_to(SPIKE + 50);
-        assert_eq!(test.told, [Cause::SensorDrifting(channel)], "{step}");
+        assert_eq!(test.told, [HealthCause::SensorDrifting(channel)], "{step}");
     }
 }

@@ -4,9 +4,9 @@ use std::f64::consts::TAU;
 
 use mesh_damper::effects::{AugmentedLaw, Drift, Effect};
 use mesh_damper::error::ConfigError;
+use mesh_damper::fast_law::FastLaw;
 use mesh_damper::law::Law;
-use mesh_damper::rig::{EmulatorSettings, Fault, State};
-use mesh_damper::tabulated::TabulatedLaw;
+use mesh_damper::rig::{DamperEmulationSettings, State, TripCause};
 use mesh_damper_reference::law::Coefficients;
 use mesh_damper_rig::actuator::SensorFault;
 use mesh_damper_rig::{EmulatorBench, EmulatorSetup, SetupError};
@@ -148,7 +148,7 @@ fn another_law_waits_for_the_crossing() {
     for tick in 0..22_000 {
         bench.tick(motion(tick));
     }
-    let none = TabulatedLaw::new(AugmentedLaw::new(Law::new(0.0, 0.0, 0.0, 0.5).unwrap()));
+    let none = FastLaw::new(AugmentedLaw::new(Law::new(0.0, 0.0, 0.0, 0.5).unwrap()));
     bench.emulator.swap_law(none.clone());
     let mut changed_at = None;
     for tick in 22_000..28_000 {
@@ -167,7 +167,7 @@ fn another_law_waits_for_the_crossing() {
 fn a_law_swapped_before_the_start_runs_from_the_first_tick() {
     let mut bench = EmulatorBench::new(setup(2.0, 0.0, 0.1, 0.5)).unwrap();
     bench.tick(0.2);
-    let none = TabulatedLaw::new(AugmentedLaw::new(Law::new(0.0, 0.0, 0.0, 0.5).unwrap()));
+    let none = FastLaw::new(AugmentedLaw::new(Law::new(0.0, 0.0, 0.0, 0.5).unwrap()));
     bench.emulator.swap_law(none);
     assert!(bench.emulator.start());
     assert_eq!(bench.tick(0.2).telemetry.model_force, 0.0);
@@ -177,9 +177,9 @@ fn a_law_swapped_before_the_start_runs_from_the_first_tick() {
 fn faults_take_the_force_to_zero() {
     let motion = |tick: u32| 0.2 * (TAU * H * f64::from(tick)).sin();
     for (what, fault) in [
-        (0, Fault::AdcBus),
-        (1, Fault::DacBus),
-        (2, Fault::DisplacementClipped),
+        (0, TripCause::AdcBus),
+        (1, TripCause::DacBus),
+        (2, TripCause::DisplacementClipped),
     ] {
         let mut bench = started(setup(2.0, 0.0, 0.1, 0.5));
         for tick in 0..12_000 {
@@ -211,7 +211,7 @@ fn faults_take_the_force_to_zero() {
         let state = bench.tick(0.6).telemetry.state;
         assert_eq!(state == State::Running, tick < 10);
     }
-    let fault = Fault::DisplacementLimit;
+    let fault = TripCause::DisplacementLimit;
     assert_eq!(bench.emulator.state(), State::Faulted(fault));
 }
 
@@ -228,7 +228,7 @@ fn no_force_beyond_the_limit_is_driven() {
         let telemetry = emulation.telemetry;
         assert!(emulation.force.abs() <= 1.0 + 0.5 * FORCE_STEP);
         if telemetry.state != State::Running {
-            assert_eq!(telemetry.state, State::Faulted(Fault::ForceLimit));
+            assert_eq!(telemetry.state, State::Faulted(TripCause::ForceLimit));
             stopped.get_or_insert((tick, telemetry.model_force, emulation.force));
         }
     }
@@ -272,7 +272,7 @@ fn a_late_tick_stops_it() {
     bench.tick(0.0);
     bench.emulator.overrun();
     let state = bench.tick(0.0).telemetry.state;
-    assert_eq!(state, State::Faulted(Fault::TickOverrun));
+    assert_eq!(state, State::Faulted(TripCause::TickOverrun));
 }
 
 #[test]
@@ -293,7 +293,7 @@ fn stopped_it_drives_nothing() {
 
 #[test]
 fn settings_are_refused_by_name() {
-    let refused = |change: fn(&mut EmulatorSettings)| {
+    let refused = |change: fn(&mut DamperEmulationSettings)| {
         let mut setup = setup(1.0, 0.0, 0.0, 0.5);
         change(&mut setup.settings);
         match EmulatorBench::new(setup).err().unwrap() {

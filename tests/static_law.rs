@@ -10,11 +10,11 @@ use mesh_damper::effects::{
     AugmentedLaw, Compliance, Delay, Drift, Effect, EffectSet, Gap, LoadFriction, Motion, Offset,
     Periodic, Relaxation, StickSlip, Temperature, Viscous,
 };
+use mesh_damper::fast_law::{Adaptation, FastLaw, RunningLaw};
 use mesh_damper::law::Law;
-use mesh_damper::rig::{Emulator, EmulatorSettings, Rig, RigSettings, State};
+use mesh_damper::rig::{DamperEmulation, DamperEmulationSettings, Rig, RigSettings, State};
 use mesh_damper::sine::{Block, Programme};
 use mesh_damper::static_law::StaticLaw;
-use mesh_damper::tabulated::{Followed, RunningLaw, TabulatedLaw};
 use mesh_damper::tick_law::TickLaw;
 use mesh_damper_rig::actuator::{AdcPins, SimulatedAd5761, SimulatedAds8688, enable_line};
 use proptest::prelude::*;
@@ -28,7 +28,7 @@ fn law() -> Law<f32> {
 fn running(effects: &[Effect<f32>]) -> RunningLaw<8> {
     let with = |law: AugmentedLaw<f32, 8>, effect: &Effect<f32>| law.with(*effect).unwrap();
     let augmented = effects.iter().fold(AugmentedLaw::new(law()), with);
-    RunningLaw::new(TabulatedLaw::new(augmented))
+    RunningLaw::new(FastLaw::new(augmented))
 }
 
 fn fixed<E: EffectSet<f32>>(effects: E) -> StaticLaw<E> {
@@ -55,7 +55,7 @@ fn motion(tick: u32, phase: f32) -> Motion<f32> {
 fn agree(fixed: &mut impl TickLaw, running: &mut impl TickLaw, phase: f32) {
     for tick in 0..3000 {
         if tick == 1500 {
-            let followed = Followed {
+            let followed = Adaptation {
                 k1: 0.1,
                 k3: -0.2,
                 c: 0.3,
@@ -186,20 +186,20 @@ fn a_rig_runs_either_law() {
 fn an_emulator_runs_either_law() {
     let mut law = StaticLaw::<Slider>::empty();
     law.set(self::law(), (slider(),));
-    let settings = EmulatorSettings {
+    let settings = DamperEmulationSettings {
         tick_rate: 1000.0,
         observer_bandwidth: 50.0,
         stop_ticks: 10,
-        ..EmulatorSettings::default()
+        ..DamperEmulationSettings::default()
     };
     let (pins, adc, dac) = converters();
     let (others, other_adc, other_dac) = converters();
     let (enable, other) = (enable_line().0, enable_line().0);
-    let mut damper: Emulator<_, _, _, 0, _> =
-        Emulator::new(adc, dac, enable, &settings, &mut law).unwrap();
+    let mut damper: DamperEmulation<_, _, _, 0, _> =
+        DamperEmulation::new(adc, dac, enable, &settings, &mut law).unwrap();
     let running = running(&[Effect::StickSlip(slider())]);
-    let mut other: Emulator<_, _, _, 8> =
-        Emulator::new(other_adc, other_dac, other, &settings, running).unwrap();
+    let mut other: DamperEmulation<_, _, _, 8> =
+        DamperEmulation::new(other_adc, other_dac, other, &settings, running).unwrap();
     assert!(damper.start() && other.start());
     let mut cycles = 0;
     for tick in 0..2000 {

@@ -1,7 +1,7 @@
 //! The coefficient grid: the paper's cells, interpolation, edges, and what a builder refuses.
 
 use core::f64::consts::{PI, TAU};
-use mesh_damper::amplitude_free;
+use mesh_damper::amplitude_independent;
 use mesh_damper::error::ConfigError;
 use mesh_damper::law::Law;
 use mesh_damper::table::{PAPER, Placement, TableBuilder, TableError};
@@ -308,7 +308,7 @@ fn a_cell_that_makes_no_sense_is_refused_with_its_place() {
 /// It is that of the nearest density, and has both of its effects.
 #[test]
 fn the_law_without_amplitude_is_the_nearest_densitys() {
-    let law = |density| amplitude_free::law(density).unwrap();
+    let law = |density| amplitude_independent::law(density).unwrap();
     for (density, row) in [(2.2, 2.0), (2.3, 2.5), (2.9, 3.0), (3.3, 3.5), (3.8, 4.0)] {
         assert_eq!(law(density), law(row));
         let others = [2.0, 2.5, 3.0, 3.5, 4.0].into_iter();

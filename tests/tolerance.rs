@@ -6,11 +6,11 @@ use std::f64::consts::TAU;
 
 use mesh_damper::cycle::CycleAccumulator;
 use mesh_damper::effects::AugmentedLaw;
+use mesh_damper::fast_law::FastLaw;
 use mesh_damper::law::Law;
+use mesh_damper::simulation::Simulation;
 use mesh_damper::sine::{Block, Programme, SineGenerator};
 use mesh_damper::table::PAPER;
-use mesh_damper::tabulated::TabulatedLaw;
-use mesh_damper::virtual_test::VirtualTest;
 use mesh_damper_reference::law::Coefficients;
 use mesh_damper_reference::turn::sin_cos_of_turn;
 use mesh_damper_reference::{dynamic_test, tables};
@@ -336,8 +336,8 @@ fn the_virtual_test_is_f64s_within_six_tenths_of_a_millionth() {
         let programme = Programme::<1>::new(TICK_RATE, 1)
             .and_then(|p| p.with(Block::sine(amplitude, FREQUENCY, 3)?))
             .unwrap();
-        let law = TabulatedLaw::new(AugmentedLaw::new(own));
-        let mut test = VirtualTest::new(programme, law).unwrap();
+        let law = FastLaw::new(AugmentedLaw::new(own));
+        let mut test = Simulation::new(programme, law).unwrap();
         for n in 0..=4 * TICKS {
             let force = f64::from(test.tick());
             if test.ramp() {

@@ -4,7 +4,7 @@ use std::sync::LazyLock;
 
 use mesh_damper::effects::correction::CELLS;
 use mesh_damper::pack;
-use mesh_damper::tabulated::TabulatedLaw;
+use mesh_damper::fast_law::FastLaw;
 use mesh_damper_model::correction::{CorrectionTable, MemoryAxis, Remembered};
 use mesh_damper_model::file::{FittedRange, ModelFile};
 use mesh_damper_model::{AddedEffect, Family, LawNode, Model};
@@ -167,8 +167,8 @@ pub fn check(script: &[u8]) -> bool {
         .expect("it was checked");
     forces_are_finite(&law);
     let bytes = model.pack(amplitude, TICK).expect("it was checked");
-    let mut unpacked = TabulatedLaw::<EFFECTS>::EMPTY;
+    let mut unpacked = FastLaw::<EFFECTS>::EMPTY;
     assert_eq!(pack::decode(&bytes, &mut unpacked), Ok(()));
-    assert_eq!(unpacked, TabulatedLaw::new(law));
+    assert_eq!(unpacked, FastLaw::new(law));
     true
 }

@@ -4,7 +4,7 @@ use mesh_damper::crossing::CrossingAccumulator;
 use mesh_damper::cycle::{Cycle, CycleAccumulator};
 use mesh_damper::effects::{AugmentedLaw, Motion};
 use mesh_damper::observer::{Observer, ObserverConfig};
-use mesh_damper::tabulated::{RunningLaw, TabulatedLaw};
+use mesh_damper::fast_law::{RunningLaw, FastLaw};
 
 use crate::feed::{Feed, Random};
 use crate::law::{EFFECTS, law};
@@ -23,7 +23,7 @@ fn motion(random: &mut Random) -> Motion<f32> {
 /// A law's force at some motions, tabulated and not.
 pub fn forces_are_finite(law: &AugmentedLaw<f32, EFFECTS>) {
     let mut random = Random::of(b"motions");
-    let mut running = RunningLaw::new(TabulatedLaw::new(law.clone()));
+    let mut running = RunningLaw::new(FastLaw::new(law.clone()));
     let mut state = law.at_rest();
     for _ in 0..16 {
         let motion = motion(&mut random);
@@ -52,7 +52,7 @@ pub fn check(script: &[u8], ticks: u32) {
     .expect("all are in range");
     let laws = [law(feed, 1.0 / tick_rate), law(feed, 1.0 / tick_rate)];
     let hysteresis = feed.between(1e-9, 1e4) as f32;
-    let mut running = RunningLaw::new(TabulatedLaw::new(laws[0].clone()));
+    let mut running = RunningLaw::new(FastLaw::new(laws[0].clone()));
     let mut observer = Observer::default();
     let mut cycles = CycleAccumulator::<2>::new();
     let mut crossing =
@@ -62,7 +62,7 @@ pub fn check(script: &[u8], ticks: u32) {
     for tick in 0..ticks {
         if tick % 512 == 511 {
             let next = &laws[usize::from(random.next().is_multiple_of(2))];
-            running.swap(TabulatedLaw::new(next.clone()));
+            running.swap(FastLaw::new(next.clone()));
             running.boundary();
         }
         let motion = motion(&mut random);

@@ -2,10 +2,10 @@
 
 use std::sync::LazyLock;
 
-use mesh_damper::effects::Correction;
-use mesh_damper::effects::correction::{CELLS, CorrectionParts, Memory};
+use mesh_damper::effects::ResidualTable;
+use mesh_damper::effects::correction::{CELLS, ResidualTableParts, Memory};
 use mesh_damper::pack::{self, LARGEST, Upload, VERSION};
-use mesh_damper::tabulated::TabulatedLaw;
+use mesh_damper::fast_law::FastLaw;
 
 use crate::edit::edited;
 use crate::feed::{Feed, Random};
@@ -35,19 +35,19 @@ pub static GOOD: LazyLock<Vec<Vec<u8>>> = LazyLock::new(|| {
             law(&mut Feed(&bytes), 1e-4)
         })
         .collect();
-    let parts = CorrectionParts {
+    let parts = ResidualTableParts {
         reach: 0.2,
         speed: 10.0,
         unit: 1e-5,
         cells: &[11; CELLS],
         memory: Some((Memory::Slip { limit: 0.01 }, [-0.01, 0.01])),
     };
-    let correction = Correction::new(&parts, 1e-4).expect("all are in range");
+    let correction = ResidualTable::new(&parts, 1e-4).expect("all are in range");
     let last = laws.pop().expect("there are twelve");
     laws.push(last.with_correction(correction).expect("it has none"));
     let packed = |law| {
         let mut buffer = [0; LARGEST];
-        let bytes = pack::encode(&TabulatedLaw::<EFFECTS>::new(law), &mut buffer);
+        let bytes = pack::encode(&FastLaw::<EFFECTS>::new(law), &mut buffer);
         bytes.expect("it fits").to_vec()
     };
     laws.into_iter().map(packed).collect()
@@ -77,12 +77,12 @@ pub fn check(script: &[u8]) -> bool {
 
 /// Whether `bytes` are taken: the law comes back from its own pack, and gives forces. In parts they are what they are whole.
 fn is_a_law(bytes: &[u8]) -> bool {
-    let mut slot = TabulatedLaw::<EFFECTS>::EMPTY;
+    let mut slot = FastLaw::<EFFECTS>::EMPTY;
     let whole = pack::decode(bytes, &mut slot);
     let mut upload = Upload::new();
     let mut parts = bytes.chunks(100).enumerate();
     let uploaded = parts.try_for_each(|(index, part)| upload.part(100 * index, part));
-    let mut from_parts = TabulatedLaw::EMPTY;
+    let mut from_parts = FastLaw::EMPTY;
     if uploaded.is_ok() {
         assert_eq!(upload.finish(&mut from_parts), whole);
     } else {
@@ -93,7 +93,7 @@ fn is_a_law(bytes: &[u8]) -> bool {
     }
     let mut buffer = [0; LARGEST];
     let packed = pack::encode(&slot, &mut buffer).expect("it was one");
-    let mut again = TabulatedLaw::EMPTY;
+    let mut again = FastLaw::EMPTY;
     assert_eq!(pack::decode(packed, &mut again), Ok(()));
     assert_eq!(again, slot);
     assert_eq!(from_parts, slot);

@@ -8,9 +8,9 @@ use mesh_damper::converter::Scale;
 use mesh_damper::dac::Ad5761;
 use mesh_damper::error::ConfigError;
 use mesh_damper::health::HealthSettings;
-use mesh_damper::rig::{Emulator, EmulatorSettings, Rig, RigSettings, State, Telemetry};
+use mesh_damper::rig::{Emulator, DamperEmulationSettings, Rig, RigSettings, State, Telemetry};
 use mesh_damper::sine::{Block, Programme};
-use mesh_damper::tabulated::{RunningLaw, TabulatedLaw};
+use mesh_damper::fast_law::{RunningLaw, FastLaw};
 
 use crate::feed::{Feed, Random};
 use crate::law::{EFFECTS, law};
@@ -25,7 +25,7 @@ trait Controller {
     fn start(&mut self) -> bool;
     fn stop(&mut self);
     fn clear(&mut self) -> bool;
-    fn swap_law(&mut self, law: TabulatedLaw<EFFECTS>);
+    fn swap_law(&mut self, law: FastLaw<EFFECTS>);
     fn set_temperature(&mut self, temperature: f32);
     fn state(&self) -> State;
     fn tick(&mut self) -> Telemetry;
@@ -43,7 +43,7 @@ macro_rules! controller {
             fn clear(&mut self) -> bool {
                 self.clear()
             }
-            fn swap_law(&mut self, law: TabulatedLaw<EFFECTS>) {
+            fn swap_law(&mut self, law: FastLaw<EFFECTS>) {
                 self.swap_law(law);
             }
             fn set_temperature(&mut self, temperature: f32) {
@@ -306,7 +306,7 @@ fn rig(
         };
         programme = programme.with(Block::sweep(amplitude, from, to, cycles)?)?;
     }
-    let laws = [law(feed, 1.0 / tick_rate), law(feed, 1.0 / tick_rate)].map(TabulatedLaw::new);
+    let laws = [law(feed, 1.0 / tick_rate), law(feed, 1.0 / tick_rate)].map(FastLaw::new);
     guard.displacement_limit = settings.displacement_limit as f32;
     guard.force_limit = settings.force_limit as f32;
     guard.trip_ticks = settings.trip_ticks;
@@ -326,7 +326,7 @@ fn emulator(
     ticks: u32,
 ) -> Result<u64, ConfigError> {
     let tick_rate = feed.between(1.0, 1e6);
-    let settings = EmulatorSettings {
+    let settings = DamperEmulationSettings {
         tick_rate,
         displacement_limit: feed.between(1e-6, 1e4),
         force_limit: feed.between(1e-6, 1e9),
@@ -337,7 +337,7 @@ fn emulator(
         observer_damping: feed.between(0.3, 3.0),
         hysteresis: feed.between(1e-9, 1e4),
     };
-    let laws = [law(feed, 1.0 / tick_rate), law(feed, 1.0 / tick_rate)].map(TabulatedLaw::new);
+    let laws = [law(feed, 1.0 / tick_rate), law(feed, 1.0 / tick_rate)].map(FastLaw::new);
     guard.displacement_limit = settings.displacement_limit as f32;
     guard.force_limit = settings.force_limit as f32;
     guard.most = guard.most.min(guard.force_limit);
@@ -354,7 +354,7 @@ const BETWEEN: u64 = 128;
 fn run(
     mut controller: impl Controller,
     mut guard: Guard,
-    laws: &[TabulatedLaw<EFFECTS>; 2],
+    laws: &[FastLaw<EFFECTS>; 2],
     script: &[u8],
     ticks: u32,
 ) -> u64 {

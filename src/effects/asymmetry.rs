@@ -1,8 +1,8 @@
 //! Even stiffness: a damper that is stiffer one way than the other, as a preloaded ring is. Eq 14 fits it as a2 and
 //! then drops it.
 
-use super::description::{Cost, Dependence, Description, Kind, Parameter};
-use super::{ConfinedMotion, Equations, LawForce, Packed};
+use super::description::{Cost, Dependence, Description, EffectKind, Parameter};
+use super::{ClampedMotion, Equations, LawForce, Packed};
 use crate::error::ConfigError;
 use crate::limits;
 use crate::real::{Real, coefficient};
@@ -30,7 +30,7 @@ impl<R: Real> Equations<R> for Asymmetry<R> {
         name: "asymmetry",
         family: "asymmetry",
         number: 1,
-        kind: Kind::Force,
+        kind: EffectKind::Force,
         cost: Cost::Light,
         parameters: &[Parameter::new(
             "k2",
@@ -60,7 +60,7 @@ impl<R: Real> Equations<R> for Asymmetry<R> {
     }
 
     #[inline(always)]
-    fn force(&self, _: &mut (), motion: &ConfinedMotion<R>, _: LawForce<R>) -> R {
+    fn force(&self, _: &mut (), motion: &ClampedMotion<R>, _: LawForce<R>) -> R {
         let y = motion.displacement();
         self.k2 * (y * y)
     }

@@ -1,7 +1,7 @@
 //! Rate-independent friction that gives way smoothly (Bouc 1967, Wen 1976): the second form of stick-slip.
 
-use super::description::{Cost, Dependence, Description, Kind, Parameter};
-use super::{ConfinedMotion, Equations, LawForce, Packed};
+use super::description::{Cost, Dependence, Description, EffectKind, Parameter};
+use super::{ClampedMotion, Equations, LawForce, Packed};
 use crate::error::ConfigError;
 use crate::limits;
 use crate::real::{Real, coefficient, in_range};
@@ -90,7 +90,7 @@ impl<R: Real> Equations<R> for BoucWen<R> {
         name: "bouc_wen",
         family: "stick_slip",
         number: 11,
-        kind: Kind::Force,
+        kind: EffectKind::Force,
         cost: Cost::Rare,
         parameters: &[
             Parameter::new(
@@ -131,7 +131,7 @@ impl<R: Real> Equations<R> for BoucWen<R> {
 
     // On a target not inlined: its registers and constants are no matter of ticks without it.
     #[cfg_attr(not(feature = "std"), inline(never))]
-    fn force(&self, state: &mut Self::State, motion: &ConfinedMotion<R>, _: LawForce<R>) -> R {
+    fn force(&self, state: &mut Self::State, motion: &ClampedMotion<R>, _: LawForce<R>) -> R {
         let y = motion.displacement();
         let state = state.get_or_insert(BoucWenState {
             stretch: R::ZERO,

@@ -1,7 +1,7 @@
 //! A spring in series with the specimen: the fixture gives way, and the specimen moves less than is measured.
 
-use super::description::{Cost, Dependence, Description, Kind, Parameter};
-use super::{AugmentedState, ConfinedMotion, Equations, LawForce, Motion, Packed};
+use super::description::{Cost, Dependence, Description, EffectKind, Parameter};
+use super::{AugmentedState, ClampedMotion, Equations, LawForce, Motion, Packed};
 use crate::error::ConfigError;
 use crate::law::Law;
 use crate::limits;
@@ -68,12 +68,12 @@ impl<R: Real> Compliance<R> {
     /// At the first tick the spring is stretched as if `motion` had not changed lately.
     #[cold]
     #[inline(never)]
-    fn begin(&self, motion: &ConfinedMotion<R>, law: &Law<R>, damping: R) -> ComplianceState<R> {
+    fn begin(&self, motion: &ClampedMotion<R>, law: &Law<R>, damping: R) -> ComplianceState<R> {
         let k1 = law.k1();
         let k1 = if k1 > R::ZERO { k1 } else { R::ZERO };
         let force = law.elastic_force_within(motion.displacement()) + damping;
         let deflection =
-            (force / (self.stiffness + k1)).confined(R::from_f64(limits::DISPLACEMENT));
+            (force / (self.stiffness + k1)).clamped(R::from_f64(limits::DISPLACEMENT));
         ComplianceState {
             deflections: [deflection; 2],
             others: R::ZERO,
@@ -87,7 +87,7 @@ impl<R: Real> Equations<R> for Compliance<R> {
         name: "compliance",
         family: "compliance",
         number: 13,
-        kind: Kind::Stage,
+        kind: EffectKind::Stage,
         cost: Cost::Rare,
         parameters: &[Parameter::new(
             "stiffness",
@@ -128,11 +128,11 @@ impl<R: Real> Equations<R> for Compliance<R> {
     fn solved(
         &self,
         state: &mut Self::State,
-        motion: &ConfinedMotion<R>,
+        motion: &ClampedMotion<R>,
         law: &Law<R>,
         viscous: R,
         damping: &impl Fn(R) -> R,
-    ) -> Option<(ConfinedMotion<R>, LawForce<R>)> {
+    ) -> Option<(ClampedMotion<R>, LawForce<R>)> {
         let before = match *state {
             Some(before) => before,
             None => self.begin(motion, law, damping(motion.velocity())),
@@ -176,13 +176,13 @@ impl<R: Real> Equations<R> for Compliance<R> {
         let held = at.damping / (at.damping.abs() + self.step * self.stiffness * speed);
         let force = trial.signed(at.damping - at.excess * held);
         let deflection =
-            (unmoved - self.step * v).confined(R::from_f64(2.0 * limits::DISPLACEMENT));
+            (unmoved - self.step * v).clamped(R::from_f64(2.0 * limits::DISPLACEMENT));
         *state = Some(ComplianceState {
             deflections: [deflection, last],
             others: before.others,
             velocity: v,
         });
-        let seen = ConfinedMotion(Motion {
+        let seen = ClampedMotion(Motion {
             displacement: at.displacement,
             velocity: v,
             ..motion.0
@@ -198,7 +198,7 @@ impl<R: Real> Equations<R> for Compliance<R> {
     fn added(&self, state: &mut Self::State, added: R, viscous: R) {
         if let Some(state) = state {
             // What is beyond all measure must not stay: a difference of infinities would.
-            state.others = (added - viscous * state.velocity).confined(R::from_f64(limits::FORCE));
+            state.others = (added - viscous * state.velocity).clamped(R::from_f64(limits::FORCE));
         }
     }
 }
@@ -269,7 +269,7 @@ impl<R: Real, D: Fn(R) -> R> Trial<'_, R, D> {
         let Compliance { stiffness, step } = *self.compliance;
         let v = self.signed(speed);
         let deflection = self.unmoved - step * v;
-        let x = (self.displacement - deflection).confined(R::from_f64(limits::DISPLACEMENT));
+        let x = (self.displacement - deflection).clamped(R::from_f64(limits::DISPLACEMENT));
         let elastic = self.law.elastic_force_within(x);
         let damping = (self.damping)(speed);
         let balance = elastic + self.viscous * v + self.others - stiffness * deflection;

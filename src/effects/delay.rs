@@ -1,7 +1,7 @@
 //! A force channel that is late: the skew of a multiplexed converter, or of a filter that the displacement does not pass.
 
-use super::description::{Cost, Dependence, Description, Kind, Parameter};
-use super::{ConfinedMotion, Equations, Motion, Packed};
+use super::description::{Cost, Dependence, Description, EffectKind, Parameter};
+use super::{ClampedMotion, Equations, Motion, Packed};
 use crate::error::ConfigError;
 use crate::real::{Real, in_range};
 
@@ -77,7 +77,7 @@ impl<R: Real> Equations<R> for Delay<R> {
         name: "delay",
         family: "delay",
         number: 14,
-        kind: Kind::Stage,
+        kind: EffectKind::Stage,
         cost: Cost::Rare,
         parameters: &[Parameter::new("time", "s", 0.0, 255e3)],
         most: 1,
@@ -109,8 +109,8 @@ impl<R: Real> Equations<R> for Delay<R> {
     }
 
     #[inline(always)]
-    fn felt(&self, motion: &ConfinedMotion<R>) -> ConfinedMotion<R> {
-        self.shifted(&motion.0).confined()
+    fn felt(&self, motion: &ClampedMotion<R>) -> ClampedMotion<R> {
+        self.shifted(&motion.0).clamped()
     }
 
     #[inline(always)]

@@ -2,7 +2,7 @@
 
 /// How an effect acts.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Kind {
+pub enum EffectKind {
     /// It adds a force to that of the mixed damping law, and may scale that too.
     Force,
     /// It lies between the specimen and what is measured.
@@ -114,7 +114,7 @@ pub struct Description {
     /// Its number in a pack. It never changes, and that of a removed effect is not given again.
     pub number: u8,
     /// How it acts.
-    pub kind: Kind,
+    pub kind: EffectKind,
     /// When a running law looks for it.
     pub cost: Cost,
     /// Of one element.

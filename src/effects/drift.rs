@@ -1,7 +1,7 @@
 //! A force that settles with the cycles: run-in, friction that wears, or wires that break one after another.
 
-use super::description::{Absent, Cost, Dependence, Description, Kind, Parameter};
-use super::{ConfinedMotion, Equations, LawForce, Packed};
+use super::description::{Absent, Cost, Dependence, Description, EffectKind, Parameter};
+use super::{ClampedMotion, Equations, LawForce, Packed};
 use crate::error::ConfigError;
 use crate::limits;
 use crate::real::{Real, coefficient, in_range};
@@ -61,7 +61,7 @@ impl<R: Real> Drift<R> {
 
     /// As much of a change as is done.
     #[inline(always)]
-    fn done(&self, change: R, motion: &ConfinedMotion<R>) -> R {
+    fn done(&self, change: R, motion: &ClampedMotion<R>) -> R {
         change - change * (motion.cycles() * self.rate).exp2_of_negative()
     }
 }
@@ -71,7 +71,7 @@ impl<R: Real> Equations<R> for Drift<R> {
         name: "drift",
         family: "drift",
         number: 5,
-        kind: Kind::Force,
+        kind: EffectKind::Force,
         cost: Cost::Common,
         parameters: &[
             Parameter::new("cycles", "1", 0.1, limits::CYCLES),
@@ -117,14 +117,14 @@ impl<R: Real> Equations<R> for Drift<R> {
     }
 
     #[inline(always)]
-    fn force(&self, _: &mut (), motion: &ConfinedMotion<R>, law: LawForce<R>) -> R {
+    fn force(&self, _: &mut (), motion: &ClampedMotion<R>, law: LawForce<R>) -> R {
         let change = self.stiffness * motion.displacement() + self.change_of_law(law);
         self.done(change, motion)
     }
 
     /// All but the stiffness.
     #[inline(always)]
-    fn force_of_law(&self, motion: &ConfinedMotion<R>, law: LawForce<R>) -> R {
+    fn force_of_law(&self, motion: &ClampedMotion<R>, law: LawForce<R>) -> R {
         self.done(self.change_of_law(law), motion)
     }
 }

@@ -1,7 +1,7 @@
 //! Free play of the mounting: the specimen does not feel the first part of a displacement to either side.
 
-use super::description::{Cost, Dependence, Description, Kind, Parameter};
-use super::{ConfinedMotion, Equations, Motion, Packed};
+use super::description::{Cost, Dependence, Description, EffectKind, Parameter};
+use super::{ClampedMotion, Equations, Motion, Packed};
 use crate::error::ConfigError;
 use crate::limits;
 use crate::real::{Real, in_range};
@@ -53,7 +53,7 @@ impl<R: Real> Equations<R> for Gap<R> {
         name: "gap",
         family: "gap",
         number: 10,
-        kind: Kind::Stage,
+        kind: EffectKind::Stage,
         cost: Cost::Rare,
         parameters: &[
             Parameter::new("half_width", "mm", 0.0, limits::DISPLACEMENT),
@@ -87,8 +87,8 @@ impl<R: Real> Equations<R> for Gap<R> {
 
     /// What is within the limits stays within.
     #[inline(always)]
-    fn felt(&self, motion: &ConfinedMotion<R>) -> ConfinedMotion<R> {
-        ConfinedMotion(self.transform(&motion.0))
+    fn felt(&self, motion: &ClampedMotion<R>) -> ClampedMotion<R> {
+        ClampedMotion(self.transform(&motion.0))
     }
 }
 

@@ -1,7 +1,7 @@
 //! Odd stiffness above the cubic: wires that come to lie against each other towards the end of the stroke.
 
-use super::description::{Cost, Dependence, Description, Kind, Parameter};
-use super::{ConfinedMotion, Equations, LawForce, Packed};
+use super::description::{Cost, Dependence, Description, EffectKind, Parameter};
+use super::{ClampedMotion, Equations, LawForce, Packed};
 use crate::error::ConfigError;
 use crate::limits;
 use crate::real::{Real, coefficient};
@@ -29,7 +29,7 @@ impl<R: Real> Equations<R> for Hardening<R> {
         name: "hardening",
         family: "hardening",
         number: 2,
-        kind: Kind::Force,
+        kind: EffectKind::Force,
         cost: Cost::Light,
         parameters: &[Parameter::new(
             "k5",
@@ -59,7 +59,7 @@ impl<R: Real> Equations<R> for Hardening<R> {
     }
 
     #[inline(always)]
-    fn force(&self, _: &mut (), motion: &ConfinedMotion<R>, _: LawForce<R>) -> R {
+    fn force(&self, _: &mut (), motion: &ClampedMotion<R>, _: LawForce<R>) -> R {
         let y = motion.displacement();
         let square = y * y;
         self.k5 * (square * square) * y

@@ -1,7 +1,7 @@
 //! The force that accelerates a mass between the load cell and the specimen.
 
-use super::description::{Cost, Dependence, Description, Kind, Parameter};
-use super::{ConfinedMotion, Equations, LawForce, Packed};
+use super::description::{Cost, Dependence, Description, EffectKind, Parameter};
+use super::{ClampedMotion, Equations, LawForce, Packed};
 use crate::error::ConfigError;
 use crate::limits;
 use crate::real::{Real, in_range};
@@ -34,7 +34,7 @@ impl<R: Real> Equations<R> for Inertia<R> {
         name: "inertia",
         family: "inertia",
         number: 4,
-        kind: Kind::Force,
+        kind: EffectKind::Force,
         cost: Cost::Light,
         parameters: &[Parameter::new("mass", "kg", -limits::MASS, limits::MASS)],
         most: 1,
@@ -60,7 +60,7 @@ impl<R: Real> Equations<R> for Inertia<R> {
     }
 
     #[inline(always)]
-    fn force(&self, _: &mut (), motion: &ConfinedMotion<R>, _: LawForce<R>) -> R {
+    fn force(&self, _: &mut (), motion: &ClampedMotion<R>, _: LawForce<R>) -> R {
         self.mass * motion.acceleration()
     }
 }

@@ -104,7 +104,7 @@ macro_rules! effects {
         #[derive(Clone, Copy)]
         enum Bit {
             $($name,)+
-            Correction,
+            ResidualTable,
         }
 
         impl Bit {
@@ -114,11 +114,11 @@ macro_rules! effects {
         }
 
         /// The bit of the correction, which counts among the effects as none.
-        const CORRECTION: u32 = Bit::Correction.mask();
+        const CORRECTION: u32 = Bit::ResidualTable.mask();
         const LIGHT: u32 = $(if is_cost(&<$name<f32> as Equations<f32>>::DESCRIPTION, Cost::Light) { Bit::$name.mask() } else { 0 })|+;
         const RARE: u32 = $(if is_cost(&<$name<f32> as Equations<f32>>::DESCRIPTION, Cost::Rare) { Bit::$name.mask() } else { 0 })|+;
         const SCALING: u32 = $(if <$name<f32> as Equations<f32>>::DESCRIPTION.scales_law { Bit::$name.mask() } else { 0 })|+;
-        const STAGES: u32 = $(if is_kind(&<$name<f32> as Equations<f32>>::DESCRIPTION, Kind::Stage) { Bit::$name.mask() } else { 0 })|+;
+        const STAGES: u32 = $(if is_kind(&<$name<f32> as Equations<f32>>::DESCRIPTION, EffectKind::Stage) { Bit::$name.mask() } else { 0 })|+;
 
         /// Up to one effect of each kind.
         #[derive(Clone, Debug, PartialEq)]
@@ -134,14 +134,14 @@ macro_rules! effects {
         #[repr(C)]
         pub struct AugmentedState<R: Real> {
             $($module: <$name<R> as Equations<R>>::State,)+
-            correction: CorrectionState,
+            correction: ResidualTableState,
         }
 
         impl<R: Real> AugmentedState<R> {
             /// Before the first tick, whatever the effects are. All bits are 0.
             pub(crate) const AT_REST: Self = Self {
                 $($module: <$name<R> as Equations<R>>::AT_REST,)+
-                correction: CorrectionState::NEW,
+                correction: ResidualTableState::NEW,
             };
         }
 
@@ -185,7 +185,7 @@ macro_rules! effects {
             fn add_force(
                 &self,
                 state: &mut AugmentedState<R>,
-                motion: &ConfinedMotion<R>,
+                motion: &ClampedMotion<R>,
                 law: LawForce<R>,
             ) -> R {
                 let mut total = law.total;
@@ -205,7 +205,7 @@ macro_rules! effects {
             fn add_rare_force(
                 &self,
                 state: &mut AugmentedState<R>,
-                motion: &ConfinedMotion<R>,
+                motion: &ClampedMotion<R>,
                 law: LawForce<R>,
                 force: R,
             ) -> R {
@@ -221,7 +221,7 @@ macro_rules! effects {
             /// What the effects make of `law` alone, kN.
             // Not inlined: it is taken twice, and not every tick.
             #[inline(never)]
-            fn scaled(&self, motion: &ConfinedMotion<R>, law: LawForce<R>) -> R {
+            fn scaled(&self, motion: &ClampedMotion<R>, law: LawForce<R>) -> R {
                 let mut total = law.total;
                 $(if SCALING & Bit::$name.mask() != 0 && self.has(Bit::$name.mask()) {
                     total += self.$module.force_of_law(motion, law);
@@ -234,7 +234,7 @@ macro_rules! effects {
             fn force_through_stages(
                 &self,
                 state: &mut AugmentedState<R>,
-                motion: &ConfinedMotion<R>,
+                motion: &ClampedMotion<R>,
                 law: &Law<R>,
                 damping: impl Fn(R) -> R,
             ) -> R {

@@ -1,7 +1,7 @@
 //! Friction that grows with the load on the contacts: wires that are pressed together by the displacement slide harder.
 
-use super::description::{Cost, Dependence, Description, Kind, Parameter};
-use super::{ConfinedMotion, Equations, LawForce, Packed};
+use super::description::{Cost, Dependence, Description, EffectKind, Parameter};
+use super::{ClampedMotion, Equations, LawForce, Packed};
 use crate::error::ConfigError;
 use crate::limits;
 use crate::real::{Real, in_range};
@@ -32,7 +32,7 @@ impl<R: Real> Equations<R> for LoadFriction<R> {
         name: "load_friction",
         family: "load_friction",
         number: 15,
-        kind: Kind::Modulator,
+        kind: EffectKind::Modulator,
         cost: Cost::Light,
         parameters: &[Parameter::new("load", "1/mm", 0.0, limits::LOAD)],
         most: 1,
@@ -57,7 +57,7 @@ impl<R: Real> Equations<R> for LoadFriction<R> {
     }
 
     #[inline(always)]
-    fn force_of_law(&self, motion: &ConfinedMotion<R>, law: LawForce<R>) -> R {
+    fn force_of_law(&self, motion: &ClampedMotion<R>, law: LawForce<R>) -> R {
         self.load * motion.displacement().abs() * law.damping
     }
 }

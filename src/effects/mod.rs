@@ -17,9 +17,9 @@ mod list;
 mod motion;
 mod named;
 
-pub use correction::Correction;
+pub use correction::ResidualTable;
 pub use delay::MAX_DELAY;
-pub use motion::{CONTROLS, ConfinedMotion, LawForce, Motion};
+pub use motion::{CONTROLS, ClampedMotion, LawForce, Motion};
 pub use named::EffectSet;
 pub use periodic::MAX_TONES;
 pub use relaxation::MAX_BRANCHES;
@@ -30,8 +30,8 @@ use crate::error::ConfigError;
 use crate::frame::Writer;
 use crate::law::Law;
 use crate::real::Real;
-use correction::CorrectionState;
-use description::{Cost, Description, Kind};
+use correction::ResidualTableState;
+use description::{Cost, Description, EffectKind};
 
 /// The equations of an effect. Its file holds its configuration, which implements this, its state, and its description.
 ///
@@ -62,13 +62,13 @@ pub trait Equations<R: Real>: Copy {
 
     /// The force in kN that it adds on this tick to the mixed damping law's, `law`. Called once per tick, in order.
     #[inline(always)]
-    fn force(&self, _: &mut Self::State, motion: &ConfinedMotion<R>, law: LawForce<R>) -> R {
+    fn force(&self, _: &mut Self::State, motion: &ClampedMotion<R>, law: LawForce<R>) -> R {
         self.force_of_law(motion, law)
     }
 
     /// What of it is a part of the law's forces, kN: all of a modulator that only scales.
     #[inline(always)]
-    fn force_of_law(&self, _: &ConfinedMotion<R>, _: LawForce<R>) -> R {
+    fn force_of_law(&self, _: &ClampedMotion<R>, _: LawForce<R>) -> R {
         R::ZERO
     }
 
@@ -80,7 +80,7 @@ pub trait Equations<R: Real>: Copy {
 
     /// Of a stage: the motion that the specimen feels where what is before the stage moves by `motion`.
     #[inline(always)]
-    fn felt(&self, motion: &ConfinedMotion<R>) -> ConfinedMotion<R> {
+    fn felt(&self, motion: &ClampedMotion<R>) -> ClampedMotion<R> {
         *motion
     }
 
@@ -90,11 +90,11 @@ pub trait Equations<R: Real>: Copy {
     fn solved(
         &self,
         _: &mut Self::State,
-        _motion: &ConfinedMotion<R>,
+        _motion: &ClampedMotion<R>,
         _law: &Law<R>,
         _viscous: R,
         _damping: &impl Fn(R) -> R,
-    ) -> Option<(ConfinedMotion<R>, LawForce<R>)> {
+    ) -> Option<(ClampedMotion<R>, LawForce<R>)> {
         None
     }
 
@@ -192,7 +192,7 @@ const fn is_cost(description: &Description, cost: Cost) -> bool {
     description.cost as u8 == cost as u8
 }
 
-const fn is_kind(description: &Description, kind: Kind) -> bool {
+const fn is_kind(description: &Description, kind: EffectKind) -> bool {
     description.kind as u8 == kind as u8
 }
 
@@ -220,7 +220,7 @@ effects! {
 pub struct AugmentedLaw<R, const N: usize> {
     law: Law<R>,
     effects: Effects<R>,
-    correction: Correction<R>,
+    correction: ResidualTable<R>,
 }
 
 impl<R: Real, const N: usize> AugmentedLaw<R, N> {
@@ -229,7 +229,7 @@ impl<R: Real, const N: usize> AugmentedLaw<R, N> {
         Self {
             law,
             effects: Effects::NONE,
-            correction: Correction::NONE,
+            correction: ResidualTable::NONE,
         }
     }
 
@@ -246,7 +246,7 @@ impl<R: Real, const N: usize> AugmentedLaw<R, N> {
     ///
     /// # Errors
     /// [`ConfigError::Full`] where `N` is 0: such a law has no place for what is remembered.
-    pub fn with_correction(mut self, correction: Correction<R>) -> Result<Self, ConfigError> {
+    pub fn with_correction(mut self, correction: ResidualTable<R>) -> Result<Self, ConfigError> {
         if N == 0 {
             return Err(ConfigError::Full {
                 field: "correction",
@@ -261,7 +261,7 @@ impl<R: Real, const N: usize> AugmentedLaw<R, N> {
     }
 
     /// The correction, where there is one.
-    pub fn correction(&self) -> Option<&Correction<R>> {
+    pub fn correction(&self) -> Option<&ResidualTable<R>> {
         Some(&self.correction).filter(|_| self.effects.has(CORRECTION))
     }
 
@@ -271,7 +271,7 @@ impl<R: Real, const N: usize> AugmentedLaw<R, N> {
     /// That of `write`; the law has no correction then.
     pub(crate) fn correct_with<E>(
         &mut self,
-        write: impl FnOnce(&mut Correction<R>) -> Result<(), E>,
+        write: impl FnOnce(&mut ResidualTable<R>) -> Result<(), E>,
     ) -> Result<(), E> {
         self.effects.present &= !CORRECTION;
         let written = write(&mut self.correction);
@@ -279,7 +279,7 @@ impl<R: Real, const N: usize> AugmentedLaw<R, N> {
             self.effects.present |= CORRECTION;
         } else {
             // What it would remember is no matter of the law's.
-            self.correction = Correction::NONE;
+            self.correction = ResidualTable::NONE;
         }
         written
     }
@@ -287,7 +287,7 @@ impl<R: Real, const N: usize> AugmentedLaw<R, N> {
     /// Takes all effects out, and the correction.
     pub(crate) fn clear(&mut self) {
         self.effects = Effects::NONE;
-        self.correction = Correction::NONE;
+        self.correction = ResidualTable::NONE;
     }
 
     /// [`AugmentedLaw::with`] in place.
@@ -331,7 +331,7 @@ impl<R: Real, const N: usize> AugmentedLaw<R, N> {
     /// Force in kN on this tick: the law's and every effect's. Call it once per tick.
     #[inline]
     pub fn force(&self, state: &mut AugmentedState<R>, motion: &Motion<R>) -> R {
-        let motion = motion.confined();
+        let motion = motion.clamped();
         let damping = |v| self.law.damping_force(v);
         if self.has_stages() {
             return self.force_through_stages(state, &motion, &self.law, damping);
@@ -352,7 +352,7 @@ impl<R: Real, const N: usize> AugmentedLaw<R, N> {
     pub(crate) fn force_through_stages(
         &self,
         state: &mut AugmentedState<R>,
-        motion: &ConfinedMotion<R>,
+        motion: &ClampedMotion<R>,
         law: &Law<R>,
         damping: impl Fn(R) -> R,
     ) -> R {
@@ -364,7 +364,7 @@ impl<R: Real, const N: usize> AugmentedLaw<R, N> {
     }
 
     /// What the effects that scale the law's forces make of an elastic force of 1 and of a damping force of 1.
-    pub(crate) fn scales(&self, motion: &ConfinedMotion<R>) -> [R; 2] {
+    pub(crate) fn scales(&self, motion: &ClampedMotion<R>) -> [R; 2] {
         if self.effects.present & SCALING == 0 {
             return [R::ONE; 2];
         }
@@ -373,7 +373,7 @@ impl<R: Real, const N: usize> AugmentedLaw<R, N> {
 
     /// The sum of `force` and the correction's, kN.
     #[inline(always)]
-    fn corrected(&self, state: &mut AugmentedState<R>, motion: &ConfinedMotion<R>, force: R) -> R {
+    fn corrected(&self, state: &mut AugmentedState<R>, motion: &ClampedMotion<R>, force: R) -> R {
         if self.effects.has(CORRECTION) {
             force + self.correction.force(&mut state.correction, motion)
         } else {
@@ -386,7 +386,7 @@ impl<R: Real, const N: usize> AugmentedLaw<R, N> {
     pub(crate) fn with_effects(
         &self,
         state: &mut AugmentedState<R>,
-        motion: &ConfinedMotion<R>,
+        motion: &ClampedMotion<R>,
         law: LawForce<R>,
     ) -> R {
         if N == 0 {

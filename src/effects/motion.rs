@@ -27,17 +27,13 @@ pub struct Motion<R> {
 impl<R: Real> Motion<R> {
     /// Within [`limits`], once per tick rather than in every effect. NaN becomes 0.
     #[inline(always)]
-    pub fn confined(&self) -> ConfinedMotion<R> {
-        ConfinedMotion(Self {
-            displacement: self
-                .displacement
-                .confined(R::from_f64(limits::DISPLACEMENT)),
-            velocity: self.velocity.confined(R::from_f64(limits::VELOCITY)),
-            acceleration: self
-                .acceleration
-                .confined(R::from_f64(limits::ACCELERATION)),
+    pub fn clamped(&self) -> ClampedMotion<R> {
+        ClampedMotion(Self {
+            displacement: self.displacement.clamped(R::from_f64(limits::DISPLACEMENT)),
+            velocity: self.velocity.clamped(R::from_f64(limits::VELOCITY)),
+            acceleration: self.acceleration.clamped(R::from_f64(limits::ACCELERATION)),
             cycles: self.cycles.abs(),
-            temperature: self.temperature.confined(R::from_f64(limits::TEMPERATURE)),
+            temperature: self.temperature.clamped(R::from_f64(limits::TEMPERATURE)),
             controls: self.controls,
         })
     }
@@ -45,9 +41,9 @@ impl<R: Real> Motion<R> {
 
 /// A [`Motion`] within [`limits`].
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct ConfinedMotion<R>(pub(super) Motion<R>);
+pub struct ClampedMotion<R>(pub(super) Motion<R>);
 
-impl<R: Real> ConfinedMotion<R> {
+impl<R: Real> ClampedMotion<R> {
     /// Displacement, mm.
     #[inline(always)]
     pub fn displacement(&self) -> R {
@@ -63,7 +59,7 @@ impl<R: Real> ConfinedMotion<R> {
     pub fn acceleration(&self) -> R {
         self.0.acceleration
     }
-    /// Cycles since the test began, at least 0. Not confined: what reads it takes any number of them, and NaN.
+    /// Cycles since the test began, at least 0. Not clamped: what reads it takes any number of them, and NaN.
     #[inline(always)]
     pub fn cycles(&self) -> R {
         self.0.cycles
@@ -77,7 +73,7 @@ impl<R: Real> ConfinedMotion<R> {
     #[inline(always)]
     pub fn control(&self, place: usize) -> R {
         let control = self.0.controls.get(place).copied().unwrap_or(R::ZERO);
-        control.confined(R::from_f64(limits::CONTROL))
+        control.clamped(R::from_f64(limits::CONTROL))
     }
 }
 
@@ -101,7 +97,7 @@ impl<R: Real> LawForce<R> {
 
     /// `law` at `motion`, its damping by `damping`.
     #[inline(always)]
-    pub(crate) fn of(law: &Law<R>, motion: &ConfinedMotion<R>, damping: impl Fn(R) -> R) -> Self {
+    pub(crate) fn of(law: &Law<R>, motion: &ClampedMotion<R>, damping: impl Fn(R) -> R) -> Self {
         let damping = damping(motion.velocity());
         Self {
             damping,

@@ -1,7 +1,7 @@
 //! A set of effects that a type names: a tuple of them.
 
-use super::description::Kind;
-use super::{ConfinedMotion, DESCRIPTIONS, Equations, LawForce};
+use super::description::EffectKind;
+use super::{ClampedMotion, DESCRIPTIONS, Equations, LawForce};
 use crate::law::Law;
 use crate::real::Real;
 
@@ -25,17 +25,17 @@ pub trait EffectSet<R: Real>: Copy {
     const HAS_STAGES: bool;
 
     /// The force in kN with `law` for that of the mixed damping law.
-    fn force(&self, state: &mut Self::State, motion: &ConfinedMotion<R>, law: LawForce<R>) -> R;
+    fn force(&self, state: &mut Self::State, motion: &ClampedMotion<R>, law: LawForce<R>) -> R;
 
     /// What the effects make of `law` alone, kN.
-    fn scaled(&self, motion: &ConfinedMotion<R>, law: LawForce<R>) -> R;
+    fn scaled(&self, motion: &ClampedMotion<R>, law: LawForce<R>) -> R;
 
     /// The force in kN through the stages, with `law` for the mixed damping law. `damping` gives its damping force at a velocity
     /// within the limit.
     fn force_through_stages(
         &self,
         state: &mut Self::State,
-        motion: &ConfinedMotion<R>,
+        motion: &ClampedMotion<R>,
         law: &Law<R>,
         damping: impl Fn(R) -> R,
     ) -> R;
@@ -66,7 +66,7 @@ const fn is_ordered(numbers: &[u8]) -> bool {
 const fn has_stage(numbers: &[u8]) -> bool {
     let mut index = 0;
     while index < numbers.len() {
-        if DESCRIPTIONS[place(numbers[index])].kind as u8 == Kind::Stage as u8 {
+        if DESCRIPTIONS[place(numbers[index])].kind as u8 == EffectKind::Stage as u8 {
             return true;
         }
         index += 1;
@@ -95,19 +95,19 @@ macro_rules! sets {
                 fn force(
                     &self,
                     state: &mut Self::State,
-                    motion: &ConfinedMotion<R>,
+                    motion: &ClampedMotion<R>,
                     law: LawForce<R>,
                 ) -> R {
                     #[allow(unused_mut, reason = "of no effects")]
                     let mut total = law.total;
-                    $(if $name::DESCRIPTION.kind as u8 != Kind::Stage as u8 {
+                    $(if $name::DESCRIPTION.kind as u8 != EffectKind::Stage as u8 {
                         total += self.$index.force(&mut state.$index, motion, law);
                     })*
                     total
                 }
 
                 #[allow(unused_variables, reason = "of no effects")]
-                fn scaled(&self, motion: &ConfinedMotion<R>, law: LawForce<R>) -> R {
+                fn scaled(&self, motion: &ClampedMotion<R>, law: LawForce<R>) -> R {
                     #[allow(unused_mut, reason = "of no effects")]
                     let mut total = law.total;
                     $(total += self.$index.force_of_law(motion, law);)*
@@ -119,7 +119,7 @@ macro_rules! sets {
                 fn force_through_stages(
                     &self,
                     state: &mut Self::State,
-                    motion: &ConfinedMotion<R>,
+                    motion: &ClampedMotion<R>,
                     law: &Law<R>,
                     damping: impl Fn(R) -> R,
                 ) -> R {

@@ -1,7 +1,7 @@
 //! A constant force: a preload, or a load cell that was not zeroed.
 
-use super::description::{Cost, Description, Kind, Parameter};
-use super::{ConfinedMotion, Equations, LawForce, Packed};
+use super::description::{Cost, Description, EffectKind, Parameter};
+use super::{ClampedMotion, Equations, LawForce, Packed};
 use crate::error::ConfigError;
 use crate::limits;
 use crate::real::{Real, coefficient};
@@ -29,7 +29,7 @@ impl<R: Real> Equations<R> for Offset<R> {
         name: "offset",
         family: "offset",
         number: 0,
-        kind: Kind::Force,
+        kind: EffectKind::Force,
         cost: Cost::Light,
         parameters: &[Parameter::new(
             "force",
@@ -59,7 +59,7 @@ impl<R: Real> Equations<R> for Offset<R> {
     }
 
     #[inline(always)]
-    fn force(&self, _: &mut (), _: &ConfinedMotion<R>, _: LawForce<R>) -> R {
+    fn force(&self, _: &mut (), _: &ClampedMotion<R>, _: LawForce<R>) -> R {
         self.force
     }
 }

@@ -3,8 +3,8 @@
 
 use core::f64::consts::TAU;
 
-use super::description::{Cost, Dependence, Description, Kind, Parameter};
-use super::{ConfinedMotion, Equations, LawForce, Packed, groups, some};
+use super::description::{Cost, Dependence, Description, EffectKind, Parameter};
+use super::{ClampedMotion, Equations, LawForce, Packed, groups, some};
 use crate::error::ConfigError;
 use crate::frame::{halves, whole};
 use crate::limits;
@@ -92,7 +92,7 @@ impl<R: Real> Equations<R> for Periodic<R> {
         name: "periodic",
         family: "periodic",
         number: 12,
-        kind: Kind::Force,
+        kind: EffectKind::Force,
         cost: Cost::Rare,
         parameters: &[
             Parameter::new("amplitude", "kN", -limits::COEFFICIENT, limits::COEFFICIENT),
@@ -131,7 +131,7 @@ impl<R: Real> Equations<R> for Periodic<R> {
     }
 
     #[inline(always)]
-    fn force(&self, state: &mut Self::State, _: &ConfinedMotion<R>, _: LawForce<R>) -> R {
+    fn force(&self, state: &mut Self::State, _: &ClampedMotion<R>, _: LawForce<R>) -> R {
         let state = state.get_or_insert_with(|| self.tones.map(|tone| tone.phase));
         let ([tone, tones @ ..], [first, others @ ..]) = (&self.tones, state);
         let force = tone.force(first);

@@ -3,8 +3,8 @@
 //! Several of them with spread times are a Prony series, as the source has it of its material (Table 5), and stand for
 //! materials that relax over all times as well.
 
-use super::description::{Cost, Dependence, Description, Kind, Parameter};
-use super::{ConfinedMotion, Equations, LawForce, Packed, groups, some};
+use super::description::{Cost, Dependence, Description, EffectKind, Parameter};
+use super::{ClampedMotion, Equations, LawForce, Packed, groups, some};
 use crate::error::ConfigError;
 use crate::limits;
 use crate::real::{Real, coefficient, in_range};
@@ -111,7 +111,7 @@ impl<R: Real> Equations<R> for Relaxation<R> {
         name: "relaxation",
         family: "relaxation",
         number: 8,
-        kind: Kind::Force,
+        kind: EffectKind::Force,
         cost: Cost::Common,
         parameters: &[
             Parameter::new(
@@ -156,7 +156,7 @@ impl<R: Real> Equations<R> for Relaxation<R> {
     }
 
     #[inline(always)]
-    fn force(&self, state: &mut Self::State, motion: &ConfinedMotion<R>, _: LawForce<R>) -> R {
+    fn force(&self, state: &mut Self::State, motion: &ClampedMotion<R>, _: LawForce<R>) -> R {
         let y = motion.displacement();
         let state = state.get_or_insert(RelaxationState {
             previous: y,

@@ -4,8 +4,8 @@
 //! then slides at constant force. Many of them with spread slip limits are a bundle of wires whose contacts let go one
 //! after another.
 
-use super::description::{Cost, Dependence, Description, Kind, Parameter};
-use super::{ConfinedMotion, Equations, LawForce, Packed, groups, some};
+use super::description::{Cost, Dependence, Description, EffectKind, Parameter};
+use super::{ClampedMotion, Equations, LawForce, Packed, groups, some};
 use crate::error::ConfigError;
 use crate::limits;
 use crate::real::{Real, coefficient, in_range};
@@ -13,7 +13,7 @@ use crate::real::{Real, coefficient, in_range};
 /// Most elements in one [`StickSlip`].
 pub const MAX_ELEMENTS: usize = 6;
 
-/// F = Σ kᵢ·zᵢ, zᵢ ← zᵢ + Δy confined to ±xᵢ.
+/// F = Σ kᵢ·zᵢ, zᵢ ← zᵢ + Δy clamped to ±xᵢ.
 ///
 /// Under a steady sine of amplitude X each element dissipates 4·k·x·(X − x) J a cycle when X > x, nothing otherwise
 /// (Iwan 1966; Jenkins 1962).
@@ -73,7 +73,7 @@ impl<R: Real> Equations<R> for StickSlip<R> {
         name: "stick_slip",
         family: "stick_slip",
         number: 7,
-        kind: Kind::Force,
+        kind: EffectKind::Force,
         cost: Cost::Common,
         parameters: &[
             Parameter::new(
@@ -118,7 +118,7 @@ impl<R: Real> Equations<R> for StickSlip<R> {
 
     // On a target not inlined: its registers and constants are no matter of ticks without it.
     #[cfg_attr(not(feature = "std"), inline(never))]
-    fn force(&self, state: &mut Self::State, motion: &ConfinedMotion<R>, _: LawForce<R>) -> R {
+    fn force(&self, state: &mut Self::State, motion: &ClampedMotion<R>, _: LawForce<R>) -> R {
         let y = motion.displacement();
         let state = state.get_or_insert(StickSlipState {
             stretch: [R::ZERO; MAX_ELEMENTS],

@@ -1,7 +1,7 @@
 //! One-sided contact: a stop that the specimen or its fixture meets beyond a gap.
 
-use super::description::{Cost, Dependence, Description, Kind, Parameter};
-use super::{ConfinedMotion, Equations, LawForce, Packed, groups};
+use super::description::{Cost, Dependence, Description, EffectKind, Parameter};
+use super::{ClampedMotion, Equations, LawForce, Packed, groups};
 use crate::error::ConfigError;
 use crate::limits;
 use crate::real::{Real, in_range};
@@ -61,7 +61,7 @@ impl<R: Real> Equations<R> for Stop<R> {
         name: "stop",
         family: "stop",
         number: 9,
-        kind: Kind::Force,
+        kind: EffectKind::Force,
         cost: Cost::Rare,
         parameters: &[
             Parameter::new("stiffness", "kN/mm", 1e-9, limits::COEFFICIENT),
@@ -104,7 +104,7 @@ impl<R: Real> Equations<R> for Stop<R> {
     }
 
     #[inline(always)]
-    fn force(&self, _: &mut (), motion: &ConfinedMotion<R>, _: LawForce<R>) -> R {
+    fn force(&self, _: &mut (), motion: &ClampedMotion<R>, _: LawForce<R>) -> R {
         let y = motion.displacement();
         let mut total = R::ZERO;
         for contact in &self.contacts {

@@ -1,7 +1,7 @@
 //! A force that scales with temperature: the wire's modulus and its friction change, together or each in its own way.
 
-use super::description::{Absent, Cost, Dependence, Description, Kind, Parameter};
-use super::{ConfinedMotion, Equations, LawForce, Packed};
+use super::description::{Absent, Cost, Dependence, Description, EffectKind, Parameter};
+use super::{ClampedMotion, Equations, LawForce, Packed};
 use crate::error::ConfigError;
 use crate::limits;
 use crate::real::{Real, in_range};
@@ -55,7 +55,7 @@ impl<R: Real> Equations<R> for Temperature<R> {
         name: "temperature",
         family: "temperature",
         number: 6,
-        kind: Kind::Modulator,
+        kind: EffectKind::Modulator,
         cost: Cost::Light,
         parameters: &[
             Parameter::new("beta", "1/degC", -1.0, 1.0),
@@ -91,7 +91,7 @@ impl<R: Real> Equations<R> for Temperature<R> {
     }
 
     #[inline(always)]
-    fn force_of_law(&self, motion: &ConfinedMotion<R>, law: LawForce<R>) -> R {
+    fn force_of_law(&self, motion: &ClampedMotion<R>, law: LawForce<R>) -> R {
         let lost = self.beta * law.total + self.beyond * law.damping;
         (self.reference - motion.temperature()) * lost
     }

@@ -1,7 +1,7 @@
 //! A linear dashpot beside the |v|^α damping: a fluid, or the film between wires.
 
-use super::description::{Cost, Dependence, Description, Kind, Parameter};
-use super::{ConfinedMotion, Equations, LawForce, Packed};
+use super::description::{Cost, Dependence, Description, EffectKind, Parameter};
+use super::{ClampedMotion, Equations, LawForce, Packed};
 use crate::error::ConfigError;
 use crate::limits;
 use crate::real::{Real, coefficient};
@@ -29,7 +29,7 @@ impl<R: Real> Equations<R> for Viscous<R> {
         name: "viscous",
         family: "viscous",
         number: 3,
-        kind: Kind::Force,
+        kind: EffectKind::Force,
         cost: Cost::Light,
         parameters: &[Parameter::new(
             "c1",
@@ -59,7 +59,7 @@ impl<R: Real> Equations<R> for Viscous<R> {
     }
 
     #[inline(always)]
-    fn force(&self, _: &mut (), motion: &ConfinedMotion<R>, _: LawForce<R>) -> R {
+    fn force(&self, _: &mut (), motion: &ClampedMotion<R>, _: LawForce<R>) -> R {
         self.c1 * motion.velocity()
     }
 

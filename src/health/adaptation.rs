@@ -15,8 +15,8 @@
 //! comes at once is a failure and is not followed, and what comes slowly is followed as far as the bound. The monitor judges
 //! by the law as it was given, so that following hides nothing from it.
 
+use crate::fast_law::Adaptation;
 use crate::real::Real;
-use crate::tabulated::Followed;
 
 /// λ: a cycle counts a third after eleven more.
 const FORGETTING: f32 = 0.9;
@@ -98,7 +98,7 @@ enum Work {
 
 /// What it has followed, and what it follows by.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Adaptation {
+pub(super) struct Adapter {
     /// Of the cycle under way, of the one that has ended, and of all before, the older the less.
     now: Sums,
     ended: Sums,
@@ -117,7 +117,7 @@ pub(super) struct Adaptation {
     due: bool,
 }
 
-impl Adaptation {
+impl Adapter {
     /// The law as it was given.
     pub(super) fn new() -> Self {
         Self {
@@ -148,9 +148,9 @@ impl Adaptation {
     }
 
     /// θ of the cycle that was last reported.
-    pub(super) fn reported(&self) -> Followed {
+    pub(super) fn reported(&self) -> Adaptation {
         let [k1, k3, c] = self.reported;
-        Followed { k1, k3, c }
+        Adaptation { k1, k3, c }
     }
 
     /// What the law in force has beyond the law as it was given where that one's parts are `parts`, kN.
@@ -164,24 +164,24 @@ impl Adaptation {
         self.now.add(parts, residual);
     }
 
-    /// A cycle has ended, a `steady` one of a block or another: [`Adaptation::follow`] is due.
+    /// A cycle has ended, a `steady` one of a block or another: [`Adapter::follow`] is due.
     pub(super) fn cycle(&mut self, steady: bool) {
         self.ended = core::mem::take(&mut self.now);
         self.work = if steady { Work::Fold } else { Work::None };
         self.due = true;
     }
 
-    /// Whether [`Adaptation::follow`] is due.
+    /// Whether [`Adapter::follow`] is due.
     pub(super) fn is_due(&self) -> bool {
         self.due
     }
 
     /// What the law differs by from here on.
-    pub(super) fn follow(&mut self) -> Followed {
+    pub(super) fn follow(&mut self) -> Adaptation {
         self.due = false;
         self.followed = self.next;
         let [k1, k3, c] = self.followed;
-        Followed { k1, k3, c }
+        Adaptation { k1, k3, c }
     }
 
     /// Whether there is work.
@@ -222,9 +222,9 @@ impl Adaptation {
         let parts = best.iter().zip(&self.centre).zip(&self.held);
         for (index, ((best, centre), held)) in parts.enumerate() {
             let within = if is_finding {
-                best.confined(MOST)
+                best.clamped(MOST)
             } else {
-                (centre + (best - centre).confined(bound)).confined(MOST)
+                (centre + (best - centre).clamped(bound)).clamped(MOST)
             };
             let beyond = (best - within).abs();
             if held.is_none() && beyond > furthest.0 {
@@ -269,7 +269,7 @@ mod tests {
     }
 
     /// One cycle of a specimen that differs by `truth` from the law, whose coefficients are `scale`.
-    fn cycle(adaptation: &mut Adaptation, scale: [f32; 3], truth: [f32; 3]) {
+    fn cycle(adaptation: &mut Adapter, scale: [f32; 3], truth: [f32; 3]) {
         for look in 0..32 {
             let mut parts = parts(look);
             for (part, scale) in parts.iter_mut().zip(scale) {
@@ -280,15 +280,15 @@ mod tests {
         }
     }
 
-    fn work(adaptation: &mut Adaptation, bound: f32, finding: u32) {
+    fn work(adaptation: &mut Adapter, bound: f32, finding: u32) {
         adaptation.cycle(true);
         while adaptation.has_work() {
             adaptation.work(bound, finding);
         }
     }
 
-    fn follow(scale: [f32; 3], truth: [f32; 3], bound: f32, cycles: u32) -> Adaptation {
-        let mut adaptation = Adaptation::new();
+    fn follow(scale: [f32; 3], truth: [f32; 3], bound: f32, cycles: u32) -> Adapter {
+        let mut adaptation = Adapter::new();
         for _ in 0..cycles {
             cycle(&mut adaptation, scale, truth);
             work(&mut adaptation, bound, 0);
@@ -337,7 +337,7 @@ mod tests {
     fn the_error_never_rises_on_the_way_to_a_bound() {
         let scale = [1.0, 0.1, 0.3];
         for truth in [[-0.05, 0.5, 0.0], [-0.08, 0.9, -0.05], [0.3, -0.4, 0.2]] {
-            let mut adaptation = Adaptation::new();
+            let mut adaptation = Adapter::new();
             let mut before = left(scale, truth, [0.0; 3]);
             let first = before;
             for _ in 0..400 {
@@ -362,7 +362,7 @@ mod tests {
             (2, [-0.03, 0.02, -0.2]),
         ] {
             let scale = [1.0, 1.0, 0.3];
-            let mut adaptation = Adaptation::new();
+            let mut adaptation = Adapter::new();
             for _ in 0..400 {
                 cycle(&mut adaptation, scale, truth);
                 work(&mut adaptation, 0.1, 0);
@@ -383,7 +383,7 @@ mod tests {
 
     #[test]
     fn it_goes_no_further_than_its_bound_from_where_it_found_the_specimen() {
-        let mut adaptation = Adaptation::new();
+        let mut adaptation = Adapter::new();
         let mut go = |truth: f32, finding: u32| {
             for _ in 0..700 {
                 cycle(&mut adaptation, [1.0; 3], [truth; 3]);
@@ -409,7 +409,7 @@ mod tests {
 
     #[test]
     fn a_cycle_that_is_skipped_or_not_steady_leaves_nothing() {
-        let mut adaptation = Adaptation::new();
+        let mut adaptation = Adapter::new();
         for steady in [true, false] {
             cycle(&mut adaptation, [1.0; 3], [0.1; 3]);
             adaptation.cycle(steady);
@@ -418,12 +418,12 @@ mod tests {
             assert!(!adaptation.has_work());
             assert_eq!(adaptation.past.squares, [0.0; 6]);
         }
-        assert_eq!(adaptation.follow(), Followed::default());
+        assert_eq!(adaptation.follow(), Adaptation::default());
     }
 
     #[test]
     fn what_is_no_number_does_not_stay() {
-        let mut adaptation = Adaptation::new();
+        let mut adaptation = Adapter::new();
         let (nan, infinity) = (f32::NAN, f32::INFINITY);
         for (part, residual) in [
             (nan, nan),
@@ -445,7 +445,7 @@ mod tests {
 
     #[test]
     fn the_share_is_what_the_law_in_force_has_beyond_the_given() {
-        let mut adaptation = Adaptation::new();
+        let mut adaptation = Adapter::new();
         adaptation.followed = [0.1, -0.2, 0.3];
         assert!((adaptation.share([10.0, 1.0, 2.0]) - 1.4).abs() < 1e-6);
     }

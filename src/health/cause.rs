@@ -13,7 +13,7 @@ pub enum Channel {
 /// What an event says is the cause.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
-pub enum Cause {
+pub enum HealthCause {
     /// Stiffness falls, and energy with it.
     WireBreakage,
     /// Energy falls, stiffness stays.
@@ -46,7 +46,7 @@ pub enum Cause {
     ActuatorDead,
 }
 
-impl Cause {
+impl HealthCause {
     /// Every cause, by the number that it has on the link.
     pub const ALL: [Self; 20] = [
         Self::WireBreakage,
@@ -71,7 +71,7 @@ impl Cause {
         Self::ActuatorDead,
     ];
 
-    /// Its place in [`Cause::ALL`].
+    /// Its place in [`HealthCause::ALL`].
     pub fn number(self) -> u8 {
         let mut all = (0..).zip(Self::ALL);
         all.find(|(_, other)| *other == self)
@@ -161,7 +161,7 @@ impl Statistic {
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Event {
     /// What it is.
-    pub cause: Cause,
+    pub cause: HealthCause,
     /// What moved.
     pub statistic: Statistic,
     /// By how much it moved; a sample as it was.
@@ -208,27 +208,27 @@ const MOVED_MEAN: f32 = 0.3;
 
 /// The cause whose pattern `shift` has, and what of it is the evidence. `law_third` is the third harmonic over the first of
 /// the law's force in phase with displacement.
-pub(super) fn cause(shift: &Shift, law_third: f32, course: Course) -> (Cause, Statistic) {
+pub(super) fn cause(shift: &Shift, law_third: f32, course: Course) -> (HealthCause, Statistic) {
     let &[stiffness, energy, mean, residual, third, command] = shift;
     let largest = |a: f32, b: f32| if a.abs() > b.abs() { a.abs() } else { b.abs() };
     if mean.abs() > largest(stiffness, energy) {
         let displaced = command * mean > 0.0 && command.abs() > MOVED_MEAN * mean.abs();
         let cause = match (displaced, course) {
-            (true, _) => Cause::SensorDrifting(Channel::Displacement),
-            (false, Course::Slow) => Cause::SensorDrifting(Channel::Force),
-            (false, Course::Step) => Cause::PreloadShift,
+            (true, _) => HealthCause::SensorDrifting(Channel::Displacement),
+            (false, Course::Slow) => HealthCause::SensorDrifting(Channel::Force),
+            (false, Course::Step) => HealthCause::PreloadShift,
         };
         return (cause, Statistic::MeanForce);
     }
     if energy < 0.0 && stiffness.abs() < FRICTION_ALONE * -energy {
-        return (Cause::FrictionWear, Statistic::Energy);
+        return (HealthCause::FrictionWear, Statistic::Energy);
     }
     let flat = third < (law_third + 0.5 * gap_harmonic(law_third)) * stiffness;
     if stiffness < 0.0 && (flat || energy > GAP_ENERGY * stiffness) {
-        return (Cause::Loosening, Statistic::Stiffness);
+        return (HealthCause::Loosening, Statistic::Stiffness);
     }
     if stiffness < 0.0 && energy < 0.0 {
-        return (Cause::WireBreakage, Statistic::Stiffness);
+        return (HealthCause::WireBreakage, Statistic::Stiffness);
     }
     let statistic = if residual.abs() > largest(stiffness, energy) {
         Statistic::Residual
@@ -237,7 +237,7 @@ pub(super) fn cause(shift: &Shift, law_third: f32, course: Course) -> (Cause, St
     } else {
         Statistic::Energy
     };
-    (Cause::Unexplained, statistic)
+    (HealthCause::Unexplained, statistic)
 }
 
 #[cfg(test)]
@@ -246,7 +246,7 @@ mod tests {
 
     #[test]
     fn every_number_is_a_place_in_the_list() {
-        for (place, cause) in (0..).zip(Cause::ALL) {
+        for (place, cause) in (0..).zip(HealthCause::ALL) {
             assert_eq!(cause.number(), place);
         }
         for (place, statistic) in (0..).zip(Statistic::ALL) {
@@ -276,31 +276,31 @@ mod tests {
             for size in [0.05f32, 0.1, 0.3] {
                 // All of it falls alike.
                 let broken = [-size, -size, 0.0, size, -size * law_third, 0.0];
-                assert_eq!(name(broken, Course::Step), Cause::WireBreakage);
+                assert_eq!(name(broken, Course::Step), HealthCause::WireBreakage);
                 let worn = [0.0, -size, 0.0, 0.4 * size, 0.0, 0.0];
-                assert_eq!(name(worn, Course::Slow), Cause::FrictionWear);
+                assert_eq!(name(worn, Course::Slow), HealthCause::FrictionWear);
                 // −g·(k1 + 3·k3·y²)·sgn y, of which sgn y has 4/π and 4/3π and sin²φ·sgn y 8/3π and −8/15π.
                 let gap_first = 4.0 / PI + hardening * 8.0 / PI;
                 let gap_third = 4.0 / (3.0 * PI) - hardening * 8.0 / (5.0 * PI);
                 let third = -size * gap_third / gap_first;
                 for friction_too in [0.0, 0.9] {
                     let loose = [-size, -size * friction_too, 0.0, size, third, 0.0];
-                    assert_eq!(name(loose, Course::Step), Cause::Loosening);
+                    assert_eq!(name(loose, Course::Step), HealthCause::Loosening);
                 }
                 for sign in [1.0, -1.0] {
                     let mean = [0.0, 0.0, sign * size, size, 0.0, 0.0];
-                    assert_eq!(name(mean, Course::Step), Cause::PreloadShift);
-                    let drifting = Cause::SensorDrifting(Channel::Force);
+                    assert_eq!(name(mean, Course::Step), HealthCause::PreloadShift);
+                    let drifting = HealthCause::SensorDrifting(Channel::Force);
                     assert_eq!(name(mean, Course::Slow), drifting);
                     // The specimen stands elsewhere by size·A, and its mean force is that times its stiffness.
                     let elsewhere = [size * size, 0.0, sign * size, size, 0.0, sign * size];
-                    let drifting = Cause::SensorDrifting(Channel::Displacement);
+                    let drifting = HealthCause::SensorDrifting(Channel::Displacement);
                     assert_eq!(name(elsewhere, Course::Step), drifting);
                 }
             }
         }
         let stiffer = [0.1, 0.08, 0.0, 0.05, 0.0, 0.0];
-        let unexplained = (Cause::Unexplained, Statistic::Stiffness);
+        let unexplained = (HealthCause::Unexplained, Statistic::Stiffness);
         assert_eq!(cause(&stiffer, 0.0, Course::Step), unexplained);
     }
 }

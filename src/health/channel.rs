@@ -6,7 +6,7 @@
 //! - A sample stands out when it jumps one way and the next jumps back: the smaller of two differences in a row of opposite
 //!   sign. Noise does that too, and by how much is learned. Physics does not: what it does at once stays.
 
-use super::cause::{Cause, Channel};
+use super::cause::{Channel, HealthCause};
 use crate::converter::{MIDSCALE, Sample, Scale};
 
 /// Squared jumps may be this many times the largest that was learned: twice a jump itself. Gaussian noise of σ jumps there and
@@ -141,7 +141,7 @@ impl ChannelWatch {
         sample: &Sample,
         change: &Change,
         beside: &Beside,
-    ) -> Option<Cause> {
+    ) -> Option<HealthCause> {
         if self.step == 0 {
             self.hold(sample, change.before, beside)
         } else if self.held > 0 {
@@ -156,7 +156,7 @@ impl ChannelWatch {
         crate::real::square_root(-(self.lowest as f32)) * self.unit.abs()
     }
 
-    fn stand_out(&mut self, sample: &Sample, before: i16) -> Option<Cause> {
+    fn stand_out(&mut self, sample: &Sample, before: i16) -> Option<HealthCause> {
         // One that jumps to no voltage, by far more than it came, may have dropped out. If not it jumps from there next.
         let far = self.step.unsigned_abs() / 2 > before.unsigned_abs();
         if far && from_no_voltage(sample).abs() <= NO_VOLTAGE {
@@ -167,7 +167,7 @@ impl ChannelWatch {
         if square < self.lowest {
             // Where it stays there, it is back and has not jumped.
             self.step = 0;
-            return Some(Cause::SensorSpiking(self.channel));
+            return Some(HealthCause::SensorSpiking(self.channel));
         }
         if square < self.learned {
             self.learned = square;
@@ -175,14 +175,14 @@ impl ChannelWatch {
         None
     }
 
-    fn let_go(&mut self) -> Option<Cause> {
+    fn let_go(&mut self) -> Option<HealthCause> {
         let clipped = self.moved;
         self.held = 0;
         self.moved = false;
-        clipped.then_some(Cause::SensorClipped(self.channel))
+        clipped.then_some(HealthCause::SensorClipped(self.channel))
     }
 
-    fn hold(&mut self, sample: &Sample, before: i16, beside: &Beside) -> Option<Cause> {
+    fn hold(&mut self, sample: &Sample, before: i16, beside: &Beside) -> Option<HealthCause> {
         if self.held == 0 {
             self.jump = before;
             self.reference = beside.reference;
@@ -201,13 +201,13 @@ impl ChannelWatch {
             let jump = i32::from(self.jump);
             let jumped = -jump * jump < self.lowest;
             let dropped = moved.abs() > enough || (jumped && self.held >= DROPPED_TICKS);
-            return dropped.then_some(Cause::SensorDroppedOut(self.channel));
+            return dropped.then_some(HealthCause::SensorDroppedOut(self.channel));
         }
         self.moved |= moved.abs() > enough;
         let is_positive = (from_zero > 0) == (self.unit > 0.0);
         let inward = if is_positive { -moved } else { moved };
         let stuck = inward > CAME_IN * beside.amplitude;
-        stuck.then_some(Cause::SensorStuck(self.channel))
+        stuck.then_some(HealthCause::SensorStuck(self.channel))
     }
 }
 
@@ -228,7 +228,7 @@ mod tests {
     }
 
     /// What is found in `codes`, one after the other, beside a force that comes in from −0.5 kN by `step` kN a sample.
-    fn found(watch: &mut ChannelWatch, codes: &[u16], step: f32) -> std::vec::Vec<Cause> {
+    fn found(watch: &mut ChannelWatch, codes: &[u16], step: f32) -> std::vec::Vec<HealthCause> {
         let found = (0u8..).zip(codes.windows(2)).filter_map(|(number, pair)| {
             let sample = Sample {
                 value: 0.0,
@@ -251,7 +251,7 @@ mod tests {
     /// How many spikes beside a force that stands still, and nothing else.
     fn spikes(watch: &mut ChannelWatch, codes: &[u16]) -> usize {
         let found = found(watch, codes, 0.0);
-        let spike = Cause::SensorSpiking(Channel::Force);
+        let spike = HealthCause::SensorSpiking(Channel::Force);
         assert!(found.iter().all(|cause| *cause == spike), "{found:?}");
         found.len()
     }
@@ -308,7 +308,7 @@ mod tests {
         watch.learn(false);
         let jumped = [40_000, 40_041, 40_082, 32_768, 32_768, 32_768, 32_768];
         assert_eq!(found(&mut watch, &jumped, 0.0), []);
-        let dropped = Cause::SensorDroppedOut(Channel::Force);
+        let dropped = HealthCause::SensorDroppedOut(Channel::Force);
         assert_eq!(found(&mut watch, &[32_768; 2], 0.0), [dropped]);
         watch.restart();
         watch.learn(true);
@@ -349,7 +349,7 @@ mod tests {
     /// Held above no voltage, while the force comes in from there; a channel that inverts shows less for more.
     #[test]
     fn what_is_held_while_the_force_comes_in_is_stuck() {
-        let stuck = Cause::SensorStuck(Channel::Force);
+        let stuck = HealthCause::SensorStuck(Channel::Force);
         for (full_scale, code, cause) in [
             (2.0, 20_000, Some(stuck)),
             (2.0, 40_000, None),
@@ -368,7 +368,7 @@ mod tests {
     fn what_is_held_while_the_force_is_further_out_is_clipped_once_it_lets_go() {
         let mut watch = watch();
         assert_eq!(found(&mut watch, &[20_000; 4], -0.5), []);
-        let clipped = Cause::SensorClipped(Channel::Force);
+        let clipped = HealthCause::SensorClipped(Channel::Force);
         assert_eq!(found(&mut watch, &[20_000, 20_100, 20_200], 0.0), [clipped]);
     }
 }

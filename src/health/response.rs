@@ -11,7 +11,7 @@
 //! that hardly moves is dead, one that moves in the shape demanded lags, and one that moves in another is saturated. Another
 //! shape may show an eighth sooner.
 
-use super::cause::Cause;
+use super::cause::HealthCause;
 use crate::real::square_root;
 
 /// Distance of Y from where it was.
@@ -130,7 +130,13 @@ impl ResponseWatch {
 
     /// One sample at `phase`; at the end of an eighth what is wrong, and how far the response is from where it was.
     #[inline]
-    pub(super) fn update(&mut self, y: f32, d: f32, v: f32, phase: u32) -> Option<(Cause, f32)> {
+    pub(super) fn update(
+        &mut self,
+        y: f32,
+        d: f32,
+        v: f32,
+        phase: u32,
+    ) -> Option<(HealthCause, f32)> {
         let found = if self.turns(phase) {
             self.eighth = eighth(phase);
             self.turn()
@@ -159,7 +165,7 @@ impl ResponseWatch {
 
     /// An eighth has ended.
     #[inline(never)]
-    fn turn(&mut self) -> Option<(Cause, f32)> {
+    fn turn(&mut self) -> Option<(HealthCause, f32)> {
         let error = self.sum.0 + self.now.y - self.now.d;
         let samples = self.sum.1 + self.now.samples;
         self.sum = if self.eighth == 0 {
@@ -195,12 +201,12 @@ impl ResponseWatch {
         }
         self.waiting -= 1;
         let cause = match self.waiting {
-            0 if half.is_dead() => Cause::ActuatorDead,
-            0 if unexplained > OTHER_SHAPE => Cause::ActuatorSaturated,
-            0 => Cause::ActuatorLagging,
+            0 if half.is_dead() => HealthCause::ActuatorDead,
+            0 if unexplained > OTHER_SHAPE => HealthCause::ActuatorSaturated,
+            0 => HealthCause::ActuatorLagging,
             1 if !latest.is_dead() && latest.response(self.mean).2 > OTHER_SHAPE => {
                 self.waiting = 0;
-                Cause::ActuatorSaturated
+                HealthCause::ActuatorSaturated
             }
             _ => return None,
         };
@@ -214,7 +220,7 @@ mod tests {
     use core::f32::consts::{FRAC_PI_2, TAU};
 
     /// What a sine of amplitude 1 is found to be where `motion` makes y of its phase in cycles, and in which cycle.
-    fn found(cycles: u32, motion: impl Fn(f32) -> f32) -> Option<(Cause, f32)> {
+    fn found(cycles: u32, motion: impl Fn(f32) -> f32) -> Option<(HealthCause, f32)> {
         let mut watch = ResponseWatch::default();
         for look in 0..32 * cycles {
             let (cycle, part) = (look / 32, look % 32);
@@ -255,12 +261,12 @@ mod tests {
         for moment in 0..16u8 {
             let begins = 8.0 + f32::from(moment) / 16.0;
             let stands = sine(begins);
-            let kinds: [(Cause, &dyn Fn(f32) -> f32); 4] = [
-                (Cause::ActuatorDead, &|_| stands),
-                (Cause::ActuatorLagging, &|turns| sine(turns - 0.05)),
-                (Cause::ActuatorLagging, &|turns| 0.9 * sine(turns)),
+            let kinds: [(HealthCause, &dyn Fn(f32) -> f32); 4] = [
+                (HealthCause::ActuatorDead, &|_| stands),
+                (HealthCause::ActuatorLagging, &|turns| sine(turns - 0.05)),
+                (HealthCause::ActuatorLagging, &|turns| 0.9 * sine(turns)),
                 // A triangle.
-                (Cause::ActuatorSaturated, &|turns| {
+                (HealthCause::ActuatorSaturated, &|turns| {
                     0.8 * libm::asinf(sine(turns)) / FRAC_PI_2
                 }),
             ];
@@ -309,7 +315,7 @@ mod tests {
                         watch.skip_last();
                     }
                 }
-                let expected = (lag > 0.0).then_some(Cause::ActuatorLagging);
+                let expected = (lag > 0.0).then_some(HealthCause::ActuatorLagging);
                 assert_eq!(name, expected, "{bad}");
             }
         }

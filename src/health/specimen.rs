@@ -18,7 +18,7 @@
 
 use super::HealthConfig;
 use super::baseline::Baseline;
-use super::cause::{Cause, Course, Event, Shift, Statistic, cause};
+use super::cause::{Course, Event, HealthCause, Shift, Statistic, cause};
 use super::cusum::{Cusum, threshold};
 use super::sums::CycleSums;
 
@@ -290,8 +290,8 @@ impl SpecimenWatch {
     /// A zero that drifts moves the mean, and goes on moving it: where it is now is normal, and a shift soon after is the
     /// drift's.
     fn explain(&mut self, event: Event) -> Option<Event> {
-        let explained = event.cause == Cause::PreloadShift && self.explained > 0;
-        if explained || matches!(event.cause, Cause::SensorDrifting(_)) {
+        let explained = event.cause == HealthCause::PreloadShift && self.explained > 0;
+        if explained || matches!(event.cause, HealthCause::SensorDrifting(_)) {
             self.explained = EXPLAINED;
         }
         (!explained).then_some(event)
@@ -383,7 +383,13 @@ impl SpecimenWatch {
         self.evidence(cause, statistic, shift, limit)
     }
 
-    fn evidence(&self, cause: Cause, statistic: Statistic, shift: &Shift, limit: f32) -> Event {
+    fn evidence(
+        &self,
+        cause: HealthCause,
+        statistic: Statistic,
+        shift: &Shift,
+        limit: f32,
+    ) -> Event {
         let index = usize::from(statistic.number());
         Event {
             cause,
@@ -441,7 +447,7 @@ impl SpecimenWatch {
         if moved <= limit {
             None
         } else if ends {
-            Some(self.evidence(Cause::RunIn, most, &shift, limit))
+            Some(self.evidence(HealthCause::RunIn, most, &shift, limit))
         } else if !settled {
             None
         } else {
@@ -460,7 +466,7 @@ impl SpecimenWatch {
             } else if moved > limit + warmth {
                 None
             } else {
-                Some(self.evidence(Cause::Temperature, most, &shift, limit))
+                Some(self.evidence(HealthCause::Temperature, most, &shift, limit))
             }
         }
     }

@@ -2,10 +2,10 @@
 
 use super::{answer, kind};
 use crate::cycle::Cycle;
+use crate::fast_law::Adaptation;
 use crate::frame::{FrameBuffer, Reader, Writer};
-use crate::health::{Cause, Event, Statistic};
-use crate::rig::{CycleReport, Fault, State, Telemetry};
-use crate::tabulated::Followed;
+use crate::health::{Event, HealthCause, Statistic};
+use crate::rig::{CycleReport, State, Telemetry, TripCause};
 
 /// What one tick of the rig came to.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -127,7 +127,7 @@ fn write_event(writer: &mut Writer<'_>, event: &Event) {
 fn read_event(reader: &mut Reader<'_>) -> Option<Event> {
     let [cause, statistic, _, _] = reader.u32()?.to_le_bytes();
     Some(Event {
-        cause: *Cause::ALL.get(usize::from(cause))?,
+        cause: *HealthCause::ALL.get(usize::from(cause))?,
         statistic: *Statistic::ALL.get(usize::from(statistic))?,
         value: reader.f32()?,
         limit: reader.f32()?,
@@ -142,7 +142,7 @@ fn write_cycle(writer: &mut Writer<'_>, cycle: &Cycle) {
 
 fn read_report(reader: &mut Reader<'_>, ramp: bool) -> Option<CycleReport> {
     let (block, cycle, nrmse) = (reader.u32()?, reader.u32()?, reader.f32()?);
-    let followed = Followed {
+    let followed = Adaptation {
         k1: reader.f32()?,
         k3: reader.f32()?,
         c: reader.f32()?,
@@ -176,22 +176,22 @@ fn read_report(reader: &mut Reader<'_>, ramp: bool) -> Option<CycleReport> {
 }
 
 /// The faults by the number that they have on the link.
-const FAULTS: [Fault; 15] = [
-    Fault::AdcBus,
-    Fault::DacBus,
-    Fault::EnableLine,
-    Fault::DisplacementClipped,
-    Fault::ForceClipped,
-    Fault::CommandClipped,
-    Fault::DisplacementLimit,
-    Fault::ForceLimit,
-    Fault::TrackingLimit,
-    Fault::NoResponse,
-    Fault::NotFinite,
-    Fault::DisplacementLost,
-    Fault::ForceLost,
-    Fault::LinkLost,
-    Fault::TickOverrun,
+const FAULTS: [TripCause; 15] = [
+    TripCause::AdcBus,
+    TripCause::DacBus,
+    TripCause::EnableLine,
+    TripCause::DisplacementClipped,
+    TripCause::ForceClipped,
+    TripCause::CommandClipped,
+    TripCause::DisplacementLimit,
+    TripCause::ForceLimit,
+    TripCause::TrackingLimit,
+    TripCause::NoResponse,
+    TripCause::NotFinite,
+    TripCause::DisplacementLost,
+    TripCause::ForceLost,
+    TripCause::LinkLost,
+    TripCause::TickOverrun,
 ];
 /// Number of the first one.
 const FIRST_FAULT: u8 = 16;

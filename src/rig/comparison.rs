@@ -2,9 +2,9 @@
 
 use super::CycleReport;
 use crate::cycle::{Cycle, CycleAccumulator};
+use crate::fast_law::Adaptation;
 use crate::real::square_root;
 use crate::sum::{FOLD, Sum};
-use crate::tabulated::Followed;
 
 /// The cycles of the measured force and of the model's, and the error between them.
 #[derive(Clone, Copy, Debug, Default)]
@@ -74,7 +74,7 @@ impl CycleReport {
         block: usize,
         cycles: u32,
         ramp: bool,
-        followed: Followed,
+        followed: Adaptation,
     ) -> Self {
         Self {
             block,

@@ -14,7 +14,7 @@
 //!
 //! i ← i + feedback·h·(d − y) holds the mean, where friction, leakage and sensors would let it drift.
 
-use super::fault::Fault;
+use super::fault::TripCause;
 use crate::error::ConfigError;
 use crate::frame::{Fields, Reader, Writer};
 use crate::real::{Real, in_range};
@@ -131,8 +131,8 @@ impl Correction {
     /// A cycle has ended: the correction that it asks for.
     ///
     /// # Errors
-    /// [`Fault::NoResponse`].
-    pub(super) fn boundary(&mut self, config: &CorrectionConfig) -> Result<(), Fault> {
+    /// [`TripCause::NoResponse`].
+    pub(super) fn boundary(&mut self, config: &CorrectionConfig) -> Result<(), TripCause> {
         let outcome = if self.steady {
             self.correct(config)
         } else {
@@ -171,7 +171,7 @@ impl Correction {
         self.in_phase += config.glide * (self.in_phase_target - self.in_phase);
         self.lead += config.glide * (self.lead_target - self.lead);
         self.integral = (self.integral + config.feedback_step * (d - displacement))
-            .confined(config.feedback_limit);
+            .clamped(config.feedback_limit);
         self.in_phase * d + self.lead * v + self.integral
     }
 
@@ -181,7 +181,7 @@ impl Correction {
         self.integral
     }
 
-    fn correct(&mut self, config: &CorrectionConfig) -> Result<(), Fault> {
+    fn correct(&mut self, config: &CorrectionConfig) -> Result<(), TripCause> {
         let (dd, vv) = (self.demand_square.total(), self.rate_square.total());
         if !(dd > config.demand_min * self.ticks as f32 && vv > f32::MIN_POSITIVE) {
             return Ok(());
@@ -191,7 +191,7 @@ impl Correction {
         let square = vv / dd;
         let magnitude = a * a + square * b * b;
         if magnitude < RESPONSE_MIN * RESPONSE_MIN {
-            return Err(Fault::NoResponse);
+            return Err(TripCause::NoResponse);
         }
         // gain·(1 − Y)/Y = gain·(Y* − |Y|²)/|Y|², Y* = a − jω·b.
         let scale = config.gain / magnitude;
@@ -200,8 +200,8 @@ impl Correction {
         // Confined to 1/GAIN_LIMIT..=GAIN_LIMIT, about the middle of the two.
         const MIDDLE: f32 = 0.5 * (GAIN_LIMIT + 1.0 / GAIN_LIMIT);
         self.in_phase_target =
-            MIDDLE + (p + p * re - square * q * im - MIDDLE).confined(GAIN_LIMIT - MIDDLE);
-        self.lead_target = (q + p * im + q * re).confined(LEAD_LIMIT);
+            MIDDLE + (p + p * re - square * q * im - MIDDLE).clamped(GAIN_LIMIT - MIDDLE);
+        self.lead_target = (q + p * im + q * re).clamped(LEAD_LIMIT);
         Ok(())
     }
 }

@@ -8,19 +8,19 @@ use embedded_hal::spi::SpiDevice;
 use super::comparison::Comparison;
 use super::fault::{Exceeded, Limits};
 use super::output::{self, Output};
-use super::{CycleReport, Fault, State, Telemetry};
+use super::{CycleReport, State, Telemetry, TripCause};
 use crate::adc::{Ads8688, Reading};
 use crate::crossing::CrossingDetector;
 use crate::dac::Ad5761;
 use crate::effects::{CONTROLS, Motion};
 use crate::error::ConfigError;
+use crate::fast_law::{Adaptation, FastLaw, RunningLaw};
 use crate::observer::{Observer, ObserverConfig};
-use crate::tabulated::{Followed, RunningLaw, TabulatedLaw};
 use crate::tick_law::TickLaw;
 
-/// What an emulator is set to. [`Emulator::new`] validates it.
+/// What an emulator is set to. [`DamperEmulation::new`] validates it.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct EmulatorSettings {
+pub struct DamperEmulationSettings {
     /// Hz, 1…1e6.
     pub tick_rate: f64,
     /// Largest measured displacement in either direction, mm, 1e-6…1e4.
@@ -31,7 +31,7 @@ pub struct EmulatorSettings {
     pub trip_ticks: u32,
     /// In how many ticks the force comes in once started, and goes to 0 once stopped, 1…1e7.
     pub stop_ticks: u32,
-    /// After how many ticks without an exchange over the link it stops, see [`Emulator::exchange`], 0…1e7; 0 where nobody is
+    /// After how many ticks without an exchange over the link it stops, see [`DamperEmulation::exchange`], 0…1e7; 0 where nobody is
     /// linked.
     pub link_ticks: u32,
     /// Of the observer, Hz, 1e-3 to a tenth of the tick rate. Nothing tells it the motion ahead: it lags by about
@@ -43,7 +43,7 @@ pub struct EmulatorSettings {
     pub hysteresis: f64,
 }
 
-impl Default for EmulatorSettings {
+impl Default for DamperEmulationSettings {
     /// For amplitudes of 0.02–0.3 mm up to 10 Hz, at 10 kHz.
     fn default() -> Self {
         Self {
@@ -63,7 +63,7 @@ impl Default for EmulatorSettings {
 /// A damper made of a law and a force actuator: a [`RunningLaw`] of up to `N` effects unless another is named. It owns the law
 /// or borrows it, as firmware does from a static.
 #[derive(Debug)]
-pub struct Emulator<A, D, E, const N: usize = 0, L = RunningLaw<N>> {
+pub struct DamperEmulation<A, D, E, const N: usize = 0, L = RunningLaw<N>> {
     adc: Ads8688<A>,
     output: Output<D, E>,
     limits: Limits,
@@ -83,7 +83,7 @@ pub struct Emulator<A, D, E, const N: usize = 0, L = RunningLaw<N>> {
     tick: u64,
 }
 
-impl<A, D, E, const N: usize, L> Emulator<A, D, E, N, L>
+impl<A, D, E, const N: usize, L> DamperEmulation<A, D, E, N, L>
 where
     A: SpiDevice,
     D: SpiDevice,
@@ -98,7 +98,7 @@ where
         adc: Ads8688<A>,
         dac: Ad5761<D>,
         enable: E,
-        settings: &EmulatorSettings,
+        settings: &DamperEmulationSettings,
         law: L,
     ) -> Result<Self, ConfigError> {
         Ok(Self {
@@ -161,7 +161,7 @@ where
         self.output.exchange();
     }
 
-    /// A tick came late, or not at all, as whoever owns the timer sees: stops with [`Fault::TickOverrun`].
+    /// A tick came late, or not at all, as whoever owns the timer sees: stops with [`TripCause::TickOverrun`].
     pub fn overrun(&mut self) {
         self.output.overrun();
     }
@@ -212,7 +212,7 @@ where
         };
         let model_force = self.law.force(&self.motion);
         if !model_force.is_finite() {
-            self.output.trip(Fault::NotFinite);
+            self.output.trip(TripCause::NotFinite);
         }
         let results =
             self.comparison
@@ -229,7 +229,7 @@ where
                 .limits
                 .check(&mut self.exceeded, displacement, measured_force, 0.0);
             // What is about to be driven need not be measured first.
-            let driven = (model_force.abs() > self.limits.force()).then_some(Fault::ForceLimit);
+            let driven = (model_force.abs() > self.limits.force()).then_some(TripCause::ForceLimit);
             if let Some(fault) = measured.or(driven) {
                 self.output.trip(fault);
             }
@@ -249,25 +249,25 @@ where
             ramp: false,
             state: self.output.state(),
             report: results.map(|results| {
-                CycleReport::new(results, 0, self.cycle, false, Followed::default())
+                CycleReport::new(results, 0, self.cycle, false, Adaptation::default())
             }),
             event: None,
         }
     }
 }
 
-impl<A, D, E, const N: usize, L> Emulator<A, D, E, N, L>
+impl<A, D, E, const N: usize, L> DamperEmulation<A, D, E, N, L>
 where
     L: BorrowMut<RunningLaw<N>>,
 {
     /// Another law from the end of this cycle on, or from the start where that comes before. What its effects remember
     /// is kept where they are of the same kinds in the same order as before.
-    pub fn swap_law(&mut self, law: TabulatedLaw<N>) {
+    pub fn swap_law(&mut self, law: FastLaw<N>) {
         self.law.borrow_mut().swap(law);
     }
 
     /// The law in force.
-    pub fn law(&self) -> &TabulatedLaw<N> {
+    pub fn law(&self) -> &FastLaw<N> {
         self.law.borrow().law()
     }
 }

@@ -8,7 +8,7 @@ use crate::real::in_range;
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 #[non_exhaustive]
-pub enum Fault {
+pub enum TripCause {
     /// Reading the ADC failed on the bus.
     AdcBus,
     /// Writing the DAC failed on the bus.
@@ -117,7 +117,7 @@ impl Limits {
         displacement: f32,
         force: f32,
         tracking_error: f32,
-    ) -> Option<Fault> {
+    ) -> Option<TripCause> {
         let count = |counter: &mut u32, value: f32, limit: f32| {
             let within = value.abs() <= limit;
             *counter = if within { 0 } else { counter.saturating_add(1) };
@@ -127,11 +127,11 @@ impl Limits {
         let force = count(&mut exceeded.force, force, self.force);
         let tracking = count(&mut exceeded.tracking, tracking_error, self.tracking);
         if displacement {
-            Some(Fault::DisplacementLimit)
+            Some(TripCause::DisplacementLimit)
         } else if force {
-            Some(Fault::ForceLimit)
+            Some(TripCause::ForceLimit)
         } else if tracking {
-            Some(Fault::TrackingLimit)
+            Some(TripCause::TrackingLimit)
         } else {
             None
         }
@@ -139,11 +139,11 @@ impl Limits {
 }
 
 /// A channel at an end of its range.
-pub(super) fn clipped(reading: &crate::adc::Reading) -> Option<Fault> {
+pub(super) fn clipped(reading: &crate::adc::Reading) -> Option<TripCause> {
     if reading.displacement.clipped() {
-        Some(Fault::DisplacementClipped)
+        Some(TripCause::DisplacementClipped)
     } else if reading.force.clipped() {
-        Some(Fault::ForceClipped)
+        Some(TripCause::ForceClipped)
     } else {
         None
     }

@@ -3,7 +3,7 @@
 use embedded_hal::digital::OutputPin;
 use embedded_hal::spi::SpiDevice;
 
-use super::fault::{Fault, clipped};
+use super::fault::{TripCause, clipped};
 use super::state::{Happening, Machine, State};
 use crate::adc::{Ads8688, Reading};
 use crate::dac::Ad5761;
@@ -82,7 +82,7 @@ impl<D: SpiDevice, E: OutputPin> Output<D, E> {
         self.stop_step = 0.0;
         self.unlinked = 0;
         if self.enable.set_high().is_err() {
-            self.trip(Fault::EnableLine);
+            self.trip(TripCause::EnableLine);
             return false;
         }
         true
@@ -105,7 +105,7 @@ impl<D: SpiDevice, E: OutputPin> Output<D, E> {
     /// Stops for `fault`. The first cause stays.
     #[cold]
     #[inline(never)]
-    pub(super) fn trip(&mut self, fault: Fault) {
+    pub(super) fn trip(&mut self, fault: TripCause) {
         if self.happens(Happening::Trip(fault)) {
             self.come_down();
         }
@@ -116,7 +116,7 @@ impl<D: SpiDevice, E: OutputPin> Output<D, E> {
     fn come_down(&mut self) {
         self.low = self.enable.set_low().is_ok();
         if !self.low {
-            self.machine = self.machine.after(Happening::Trip(Fault::EnableLine));
+            self.machine = self.machine.after(Happening::Trip(TripCause::EnableLine));
         }
         // A way back that has begun is not prolonged, and every way ends.
         let step = self.command.abs() / self.stop_ticks;
@@ -142,7 +142,7 @@ impl<D: SpiDevice, E: OutputPin> Output<D, E> {
     /// A tick came late.
     pub(super) fn overrun(&mut self) {
         if self.is_running() {
-            self.trip(Fault::TickOverrun);
+            self.trip(TripCause::TickOverrun);
         }
     }
 
@@ -152,7 +152,7 @@ impl<D: SpiDevice, E: OutputPin> Output<D, E> {
         if self.link_ticks > 0 {
             self.unlinked = self.unlinked.saturating_add(1);
             if self.unlinked > self.link_ticks && self.is_running() {
-                self.trip(Fault::LinkLost);
+                self.trip(TripCause::LinkLost);
             }
         }
     }
@@ -167,7 +167,7 @@ impl<D: SpiDevice, E: OutputPin> Output<D, E> {
                     self.trip(fault);
                 }
             }
-            Err(_) => self.trip(Fault::AdcBus),
+            Err(_) => self.trip(TripCause::AdcBus),
         }
     }
 
@@ -184,7 +184,7 @@ impl<D: SpiDevice, E: OutputPin> Output<D, E> {
     #[inline]
     pub(super) fn drive(&mut self, command: f32) {
         if self.is_running() && !command.is_finite() {
-            self.trip(Fault::NotFinite);
+            self.trip(TripCause::NotFinite);
         }
         if !self.is_running() && !self.low {
             self.low = self.enable.set_low().is_ok();
@@ -200,10 +200,10 @@ impl<D: SpiDevice, E: OutputPin> Output<D, E> {
         };
         // The way back starts from what the DAC really drives.
         match self.dac.write(command) {
-            Err(_) => self.trip(Fault::DacBus),
+            Err(_) => self.trip(TripCause::DacBus),
             Ok(code) if code.clipped => {
                 self.command = self.dac.scale().decode(code.code).value;
-                self.trip(Fault::CommandClipped);
+                self.trip(TripCause::CommandClipped);
             }
             Ok(_) => self.command = command,
         }
@@ -258,7 +258,7 @@ mod tests {
         assert!(output.start());
         output.drive(0.5);
         output.drive(f32::NAN);
-        assert_eq!(output.state(), State::Faulted(Fault::NotFinite));
+        assert_eq!(output.state(), State::Faulted(TripCause::NotFinite));
         output.drive(f32::NAN);
         assert_eq!(output.command(), 0.0);
         bus.done();

@@ -7,7 +7,7 @@
 //! clear, and that only at rest. An event that a state has no arrow for changes nothing: a trip while faulted leaves the first
 //! cause, a start while moving is refused.
 
-use super::fault::Fault;
+use super::fault::TripCause;
 
 /// What a rig is doing.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -20,7 +20,7 @@ pub enum State {
     /// The programme is over; otherwise as [`State::Idle`].
     Done,
     /// Stopped for this cause, until cleared; otherwise as [`State::Idle`].
-    Faulted(Fault),
+    Faulted(TripCause),
 }
 
 /// What happens to a rig.
@@ -33,7 +33,7 @@ pub(super) enum Happening {
     /// The programme is over.
     Finish,
     /// Something is wrong.
-    Trip(Fault),
+    Trip(TripCause),
     /// The command is back at 0.
     AtRest,
     /// It is told that what was wrong has been seen.
@@ -82,8 +82,8 @@ mod tests {
     use super::State::{Done, Faulted, Idle, Running};
     use super::*;
 
-    const FIRST: Fault = Fault::AdcBus;
-    const OTHER: Fault = Fault::ForceLimit;
+    const FIRST: TripCause = TripCause::AdcBus;
+    const OTHER: TripCause = TripCause::ForceLimit;
 
     const fn at(state: State, resting: bool) -> Machine {
         Machine { state, resting }

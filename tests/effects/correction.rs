@@ -1,13 +1,14 @@
 //! The correction without a name: what its table gives between its nodes and outside, and what it remembers.
 
 use mesh_damper::effects::correction::{
-    CELLS, CorrectionParts, CorrectionState, DISPLACEMENTS, FINE, Memory, NODES, part_of_speed,
+    CELLS, DISPLACEMENTS, FINE, Memory, NODES, ResidualTableParts, ResidualTableState,
+    part_of_speed,
 };
-use mesh_damper::effects::{AugmentedLaw, AugmentedState, Correction, Motion};
+use mesh_damper::effects::{AugmentedLaw, AugmentedState, Motion, ResidualTable};
 use mesh_damper::error::ConfigError;
+use mesh_damper::fast_law::{FastLaw, RunningLaw};
 use mesh_damper::law::Law;
 use mesh_damper::real::Real;
-use mesh_damper::tabulated::{RunningLaw, TabulatedLaw};
 use proptest::prelude::*;
 
 const REACH: f64 = 0.2;
@@ -40,15 +41,15 @@ fn ramp() -> Vec<i16> {
 fn correction<R: Real>(
     cells: &[i16],
     memory: Option<(Memory<R>, [R; 2])>,
-) -> Result<Correction<R>, ConfigError> {
-    let parts = CorrectionParts {
+) -> Result<ResidualTable<R>, ConfigError> {
+    let parts = ResidualTableParts {
         reach: R::from_f64(REACH),
         speed: R::from_f64(SPEED),
         unit: R::from_f64(UNIT),
         cells,
         memory,
     };
-    Correction::new(&parts, R::from_f64(TICK))
+    ResidualTable::new(&parts, R::from_f64(TICK))
 }
 
 struct Alone<R: Real> {
@@ -57,7 +58,7 @@ struct Alone<R: Real> {
 }
 
 impl<R: Real> Alone<R> {
-    fn new(correction: Correction<R>) -> Self {
+    fn new(correction: ResidualTable<R>) -> Self {
         let none = Law::new(R::ZERO, R::ZERO, R::ZERO, R::ZERO).unwrap();
         let law = AugmentedLaw::new(none).with_correction(correction).unwrap();
         Self {
@@ -264,14 +265,14 @@ fn a_line_resolves_what_happens_at_one_place() {
     for (node, cell) in line.iter_mut().take(FINE).enumerate() {
         *cell = (4000.0 * tent(width * node as f64 - REACH)).round() as i16;
     }
-    let parts = CorrectionParts {
+    let parts = ResidualTableParts {
         reach: REACH,
         speed: SPEED,
         unit: UNIT,
         cells: &line,
         memory: Some((Memory::Place, [-REACH, REACH])),
     };
-    let mut alone = Alone::<f64>::new(Correction::new(&parts, TICK).unwrap());
+    let mut alone = Alone::<f64>::new(ResidualTable::new(&parts, TICK).unwrap());
     let high = 4000.0 * UNIT;
     for step in 0..=400 {
         let y = REACH * (f64::from(step) / 200.0 - 1.0);
@@ -305,14 +306,14 @@ fn a_side_begins_at_its_edge() {
         }
     }
     let with = |below, above| {
-        let parts = CorrectionParts {
+        let parts = ResidualTableParts {
             reach: REACH,
             speed: SPEED,
             unit: UNIT,
             cells: &lines,
             memory: Some((Memory::Sides { below, above }, [-REACH, REACH])),
         };
-        Alone::<f64>::new(Correction::new(&parts, TICK).unwrap())
+        Alone::<f64>::new(ResidualTable::new(&parts, TICK).unwrap())
     };
     let mut both = with(below, above);
     let mut one = with(-REACH, above);
@@ -483,10 +484,10 @@ proptest! {
         ][kind];
         let correction = correction::<f64>(&cells, Some((memory, [-0.05, 0.05]))).unwrap();
         let mut alone = Alone::new(correction);
-        let mut state = CorrectionState::NEW;
+        let mut state = ResidualTableState::NEW;
         for (displacement, velocity) in motion {
             let moved = Motion { displacement, velocity, ..Motion::default() };
-            let support = correction.support(&mut state, &moved.confined());
+            let support = correction.support(&mut state, &moved.clamped());
             let weights = support.cells.iter();
             let expected: f64 = weights.map(|&(cell, weight)| weight * f64::from(cells[cell])).sum();
             // Three roundings down.
@@ -502,15 +503,15 @@ fn a_law_that_takes_over_keeps_what_is_remembered_only_where_it_remembers_the_sa
     let largest = (Memory::Largest, [0.0, 0.2]);
     let none = Law::new(0.0, 0.0, 0.0, 0.0).unwrap();
     let law_within = |reach, memory| {
-        let parts = CorrectionParts {
+        let parts = ResidualTableParts {
             reach,
             speed: SPEED as f32,
             unit: UNIT as f32,
             cells: &ramp(),
             memory: Some(memory),
         };
-        let correction = Correction::new(&parts, TICK as f32).unwrap();
-        TabulatedLaw::new(
+        let correction = ResidualTable::new(&parts, TICK as f32).unwrap();
+        FastLaw::new(
             AugmentedLaw::<f32, 1>::new(none)
                 .with_correction(correction)
                 .unwrap(),

@@ -5,6 +5,7 @@ use core::sync::atomic::Ordering::Relaxed;
 
 use mesh_damper::adc::Ads8688;
 use mesh_damper::dac::Ad5761;
+use mesh_damper::fast_law::{FastLaw, RunningLaw};
 use mesh_damper::frame::{Frame, FrameBuffer};
 use mesh_damper::message::{
     MAX_BLOCKS, Refusal, Request, Sensors, Setup, Statistics, write_done, write_forces,
@@ -13,7 +14,6 @@ use mesh_damper::message::{
 use mesh_damper::pack::Upload;
 use mesh_damper::rig::{Rig, State, Telemetry};
 use mesh_damper::sine::Programme;
-use mesh_damper::tabulated::{RunningLaw, TabulatedLaw};
 
 use super::{log, stack};
 use crate::board::{Board, Converters};
@@ -155,7 +155,7 @@ impl<B: Board> Controller<B> {
     /// The law of the pack that came: at once where nothing runs, else at the end of the cycle.
     fn take_pack(&mut self) -> Result<bool, Refusal<'static>> {
         let upload = &mut *self.upload;
-        let write = |slot: &mut TabulatedLaw<EFFECTS>| upload.finish(slot);
+        let write = |slot: &mut FastLaw<EFFECTS>| upload.finish(slot);
         let taken = match (&mut self.parts, &mut self.rig) {
             (Some(parts), _) => {
                 let taken = parts.law.swap_with(write);

@@ -11,11 +11,11 @@ use cortex_m as _;
 #[doc(hidden)]
 pub use {defmt, mesh_damper::frame::FrameBuffer};
 
+use mesh_damper::fast_law::RunningLaw;
 use mesh_damper::frame::{Frames, LARGEST};
 use mesh_damper::message::{MAX_BLOCKS, write_again};
 use mesh_damper::pack::Upload;
 use mesh_damper::sine::Programme;
-use mesh_damper::tabulated::RunningLaw;
 
 use crate::board::{Board, Link as _};
 use controller::{Controller, EFFECTS, Parts, WiredRig};

@@ -4,15 +4,15 @@ use core::hint::black_box;
 
 use cortex_m::singleton;
 use mesh_damper::adc::Ads8688;
-use mesh_damper::amplitude_free::{self, Effects};
+use mesh_damper::amplitude_independent::{self, Effects};
 use mesh_damper::converter::Scale;
 use mesh_damper::dac::Ad5761;
+use mesh_damper::fast_law::RunningLaw;
 use mesh_damper::pack::{self, Upload};
 use mesh_damper::power::PowerSeed;
-use mesh_damper::rig::{Emulator, EmulatorSettings, Rig, RigSettings};
+use mesh_damper::rig::{DamperEmulation, DamperEmulationSettings, Rig, RigSettings};
 use mesh_damper::sine::{Block, Programme, SineGenerator};
 use mesh_damper::static_law::StaticLaw;
-use mesh_damper::tabulated::RunningLaw;
 
 use super::say;
 use crate::board::{Board, Converters as _};
@@ -34,13 +34,13 @@ pub fn constructors<B: Board>(link: &mut B::Link) -> Option<()> {
     let running = singleton!(: Running = Running::empty())?;
     let upload = singleton!(: Upload = Upload::new())?;
     let programme = singleton!(: Option<Blocks> = None)?;
-    let (mixed, effects) = amplitude_free::parts(black_box(3.0)).ok()?;
+    let (mixed, effects) = amplitude_independent::parts(black_box(3.0)).ok()?;
     named("PowerSeed::new", &mut || {
         black_box(PowerSeed::new(black_box(0.1), 0.3).ok()?);
         Some(())
     })?;
-    named("amplitude_free::parts", &mut || {
-        black_box(amplitude_free::parts(black_box(3.0)).ok()?);
+    named("amplitude_independent::parts", &mut || {
+        black_box(amplitude_independent::parts(black_box(3.0)).ok()?);
         Some(())
     })?;
     named("StaticLaw::set", &mut || {
@@ -76,12 +76,14 @@ pub fn constructors<B: Board>(link: &mut B::Link) -> Option<()> {
         black_box(rig);
         Some(())
     })?;
-    named("Emulator::new", &mut || {
+    named("DamperEmulation::new", &mut || {
         let (adc, dac, enable) = B::Converters::open();
         let adc = Ads8688::new(adc, scale, scale).ok()?;
         let dac = Ad5761::new(dac, scale).ok()?;
-        let settings = EmulatorSettings::default();
-        black_box(Emulator::<_, _, _, 0, _>::new(adc, dac, enable, &settings, &mut *fixed).ok()?);
+        let settings = DamperEmulationSettings::default();
+        black_box(
+            DamperEmulation::<_, _, _, 0, _>::new(adc, dac, enable, &settings, &mut *fixed).ok()?,
+        );
         Some(())
     })
 }

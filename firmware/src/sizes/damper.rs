@@ -3,10 +3,10 @@
 use core::hint::black_box;
 
 use mesh_damper::adc::Ads8688;
-use mesh_damper::amplitude_free::{self, Effects};
+use mesh_damper::amplitude_independent::{self, Effects};
 use mesh_damper::converter::Scale;
 use mesh_damper::dac::Ad5761;
-use mesh_damper::rig::{Emulator, EmulatorSettings};
+use mesh_damper::rig::{DamperEmulation, DamperEmulationSettings};
 use mesh_damper::static_law::StaticLaw;
 
 use super::TICKS;
@@ -18,14 +18,15 @@ static mut LAW: StaticLaw<Effects> = StaticLaw::empty();
 pub fn damper<B: Board>(_: &mut B::Link) -> Option<()> {
     // SAFETY: an image calls this once.
     let law = unsafe { (&raw mut LAW).as_mut() }?;
-    let (mixed, effects) = amplitude_free::parts(black_box(3.0)).ok()?;
+    let (mixed, effects) = amplitude_independent::parts(black_box(3.0)).ok()?;
     law.set(mixed, effects);
     let (travel, force) = (Scale::new(0.5, 0.0).ok()?, Scale::new(5.0, 0.0).ok()?);
     let (adc, dac, enable) = B::Converters::open();
     let adc = Ads8688::new(adc, travel, force).ok()?;
     let dac = Ad5761::new(dac, force).ok()?;
-    let settings = EmulatorSettings::default();
-    let mut damper = Emulator::<_, _, _, 0, _>::new(adc, dac, enable, &settings, law).ok()?;
+    let settings = DamperEmulationSettings::default();
+    let mut damper =
+        DamperEmulation::<_, _, _, 0, _>::new(adc, dac, enable, &settings, law).ok()?;
     damper.start();
     for _ in 0..TICKS {
         black_box(damper.tick());

@@ -2,8 +2,8 @@
 
 use core::hint::black_box;
 
+use mesh_damper::fast_law::RunningLaw;
 use mesh_damper::pack;
-use mesh_damper::tabulated::RunningLaw;
 
 use super::{TICKS, motion};
 use crate::board::Board;

@@ -8,7 +8,7 @@ use std::process::{Command, Output};
 use std::time::Instant;
 
 use mesh_damper_recording::Recording;
-use mesh_damper_recording::faults::{Channel, Fault, Kind};
+use mesh_damper_recording::faults::{Channel, ChannelFault, Kind};
 use mesh_damper_studies::orthogonal::Experiment;
 
 const MODEL: &str = r#"{ "format": "mesh-damper-model", "version": 1,
@@ -238,7 +238,7 @@ fn a_last_row_without_a_line_end_is_left_out_and_said() {
     for end in last + 1..text.len() {
         let part = read(&text[..end]);
         assert_eq!(part.force, whole.force[..11]);
-        let fault = Fault {
+        let fault = ChannelFault {
             channel: Channel::Time,
             kind: Kind::Cut,
         };

@@ -5,7 +5,7 @@ use std::process::Command;
 use mesh_damper_reference::dynamic_test::characterize;
 use mesh_damper_reference::law::Coefficients;
 use mesh_damper_reference::tables::interpolate;
-use mesh_damper_studies::amplitude_free::Sine;
+use mesh_damper_studies::amplitude_independent::Sine;
 use mesh_damper_studies::surfaces::{DEGREE, fit};
 
 /// K of a steady cycle of the law that `hil run` has beside the specimen, at 2.75 g/cm³, 0.1 mm, 1 Hz.

@@ -3,14 +3,14 @@
 use std::ops::Range;
 use std::sync::{Arc, OnceLock};
 
-use mesh_damper::effects::ConfinedMotion;
+use mesh_damper::effects::ClampedMotion;
 use mesh_damper_model::LawNode;
 use mesh_damper_recording::trajectory::Trajectory;
 
 use super::families::{Entry, Form, Moment, Step};
 use super::known_forces::UnitForces;
 use super::moved::{delayed, moved};
-use super::rows::{RowMotion, Rows, confined};
+use super::rows::{RowMotion, Rows, clamped};
 use super::shape::{Extent, Shape};
 use super::solution::{Deflection, Solution};
 use super::term::{Term, TermValue};
@@ -54,7 +54,7 @@ struct LawColumns {
 struct Moved {
     trajectories: Vec<Trajectory>,
     /// What effects see of it, once one asks.
-    confined: OnceLock<Vec<Vec<ConfinedMotion<f64>>>>,
+    clamped: OnceLock<Vec<Vec<ClampedMotion<f64>>>>,
     /// By how many ticks the force of each is late.
     late: Vec<usize>,
     rows: RowMotion,
@@ -346,7 +346,7 @@ impl<'r, 'a> Basis<'r, 'a> {
         let (rows, throughout) = self.rows.motion_in(&trajectories);
         Some(Moved {
             trajectories,
-            confined: OnceLock::new(),
+            clamped: OnceLock::new(),
             late,
             rows,
             throughout,
@@ -445,7 +445,7 @@ impl<'r, 'a> Basis<'r, 'a> {
         moved: &Option<Arc<Moved>>,
         is_start: bool,
     ) -> UnitForces {
-        let work = |motions: &[Vec<ConfinedMotion<f64>>], late: &[usize]| {
+        let work = |motions: &[Vec<ClampedMotion<f64>>], late: &[usize]| {
             let mut columns: Vec<Vec<Vec<f64>>> = Vec::new();
             for (which, motions) in motions.iter().enumerate() {
                 let tick = self.rows.trajectories[which].tick;
@@ -469,14 +469,14 @@ impl<'r, 'a> Basis<'r, 'a> {
         };
         match moved {
             Some(moved) => {
-                let of_moved = || confined(&moved.trajectories);
-                work(moved.confined.get_or_init(of_moved), &moved.late)
+                let of_moved = || clamped(&moved.trajectories);
+                work(moved.clamped.get_or_init(of_moved), &moved.late)
             }
             None if is_start => {
                 let known = &self.rows.known_forces;
-                known.of(form, shapes, || work(&self.rows.confined, &[]))
+                known.of(form, shapes, || work(&self.rows.clamped, &[]))
             }
-            None => work(&self.rows.confined, &[]),
+            None => work(&self.rows.clamped, &[]),
         }
     }
 }

@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use mesh_damper::effects::ConfinedMotion;
+use mesh_damper::effects::ClampedMotion;
 use mesh_damper_model::predict::motion_at;
 use mesh_damper_recording::trajectory::Trajectory;
 
@@ -36,7 +36,7 @@ pub struct Rows<'a> {
     /// Amplitudes of the law's nodes, mm.
     pub(super) nodes: Vec<f64>,
     /// What effects see at every sample of each trajectory, as recorded.
-    pub(super) confined: Arc<Vec<Vec<ConfinedMotion<f64>>>>,
+    pub(super) clamped: Arc<Vec<Vec<ClampedMotion<f64>>>>,
     /// Of effects that see the motion as recorded.
     pub(super) known_forces: Arc<KnownForces>,
 }
@@ -83,11 +83,11 @@ impl RowMotion {
 }
 
 /// What effects see at every sample of each trajectory.
-pub(super) fn confined(trajectories: &[Trajectory]) -> Vec<Vec<ConfinedMotion<f64>>> {
+pub(super) fn clamped(trajectories: &[Trajectory]) -> Vec<Vec<ClampedMotion<f64>>> {
     let of_one = |trajectory: &Trajectory| {
         let samples = 0..trajectory.len();
         samples
-            .map(|sample| motion_at(trajectory, sample).confined())
+            .map(|sample| motion_at(trajectory, sample).clamped())
             .collect()
     };
     trajectories.iter().map(of_one).collect()
@@ -144,7 +144,7 @@ impl<'a> Rows<'a> {
             .for_each(|weight| *weight /= mean_square.sqrt());
         Self {
             trajectories,
-            confined: Arc::new(confined(trajectories)),
+            clamped: Arc::new(clamped(trajectories)),
             motion: RowMotion::gather(trajectories, &origin, &nodes),
             throughout: throughout(trajectories, &nodes),
             origin,
@@ -160,7 +160,7 @@ impl<'a> Rows<'a> {
     pub fn with_nodes(&self, nodes: Vec<f64>) -> Self {
         Self {
             trajectories: self.trajectories,
-            confined: self.confined.clone(),
+            clamped: self.clamped.clone(),
             motion: RowMotion::gather(self.trajectories, &self.origin, &nodes),
             throughout: throughout(self.trajectories, &nodes),
             origin: self.origin.clone(),

@@ -7,7 +7,7 @@ use std::path::PathBuf;
 use mesh_damper_identify::trace::result::Verdict;
 use mesh_damper_identify::trace::trace;
 use mesh_damper_recording::Recording;
-use mesh_damper_recording::faults::{Channel, Fault, Kind};
+use mesh_damper_recording::faults::{Channel, ChannelFault, Kind};
 use mesh_damper_recording::trajectory::Trajectory;
 use mesh_damper_reference::protocol::{Block, PROTOCOL, motion};
 use mesh_damper_rig::specimen::{DamperForce as _, HiddenEffect, SlipShape, Specimen};
@@ -161,7 +161,7 @@ fn test(motion: &[Sample], hides: Hides, noise: f64, rounded: bool, seed: u64) -
     }
 }
 
-fn faults_of(recording: &Recording) -> Vec<Fault> {
+fn faults_of(recording: &Recording) -> Vec<ChannelFault> {
     Trajectory::of(recording).unwrap().faults
 }
 
@@ -339,7 +339,7 @@ const SPOILT: [Spoilt; 31] = [
 
 impl Spoilt {
     /// Whether `found` is this fault in `samples` samples and no other.
-    fn is(self, samples: usize, found: &[Fault]) -> bool {
+    fn is(self, samples: usize, found: &[ChannelFault]) -> bool {
         let about = |count: usize, part: f64| {
             count as f64 >= part * samples as f64 && count as f64 <= samples as f64 / part
         };
@@ -382,15 +382,17 @@ impl Spoilt {
             Self::ForceHeld(..) => all(Channel::Force, &held, 0.95),
             Self::DisplacementHeld(..) => all(Channel::Displacement, &held, 0.95),
             Self::Stamps(part) => {
-                matches!(found, [Fault { kind: Kind::Jitter { rms, stamps_only: true }, .. }]
+                matches!(found, [ChannelFault { kind: Kind::Jitter { rms, stamps_only: true }, .. }]
                 // Uniform over ± part.
                 if (rms - part / 3f64.sqrt()).abs() < 0.05 * part)
             }
-            Self::Early(ticks) => matches!(found, [Fault { kind: Kind::Shifted { late }, .. }]
-                if (late / 2e-3 + ticks as f64).abs() < 0.3),
+            Self::Early(ticks) => {
+                matches!(found, [ChannelFault { kind: Kind::Shifted { late }, .. }]
+                if (late / 2e-3 + ticks as f64).abs() < 0.3)
+            }
             Self::Flipped => matches!(
                 found,
-                [Fault {
+                [ChannelFault {
                     channel: Channel::Force,
                     kind: Kind::Flipped
                 }]
@@ -403,14 +405,14 @@ impl Spoilt {
             Self::VelocityUnit => all(Channel::Velocity, &units([1e3, 1e3]), 1.0),
             Self::VelocityFlipped => matches!(
                 found,
-                [Fault {
+                [ChannelFault {
                     channel: Channel::Velocity,
                     kind: Kind::Flipped
                 }]
             ),
             Self::NoVelocity => matches!(
                 found,
-                [Fault {
+                [ChannelFault {
                     kind: Kind::NotDerivative,
                     ..
                 }]
@@ -600,7 +602,7 @@ fn faults_are_found_counted_and_nothing_else_is() {
             let found = faults_of(&recording);
             tried += 1;
             if !spoilt.is(samples, &found) {
-                let said: Vec<String> = found.iter().map(Fault::to_string).collect();
+                let said: Vec<String> = found.iter().map(ChannelFault::to_string).collect();
                 wrong.push(format!(
                     "{hides:?}, noise {noise}, {spoilt:?} of {samples}: {}",
                     said.join("; ")
@@ -642,7 +644,7 @@ fn samples_at_uneven_times_are_interpolated() {
         assert!(
             matches!(
                 trajectory.faults[..],
-                [Fault {
+                [ChannelFault {
                     kind: Kind::Jitter {
                         stamps_only: false,
                         ..

@@ -6,11 +6,11 @@ use std::sync::{Arc, Mutex};
 
 use mesh_damper::effects::description::Description;
 use mesh_damper::effects::{AugmentedLaw, DESCRIPTIONS, Effect, Motion};
+use mesh_damper::fast_law::{FastLaw, RunningLaw};
 use mesh_damper::law::Law;
 use mesh_damper::pack::{LARGEST, encode};
-use mesh_damper::rig::Fault;
+use mesh_damper::rig::TripCause;
 use mesh_damper::sine::{Block, Programme};
-use mesh_damper::tabulated::{RunningLaw, TabulatedLaw};
 use mesh_damper_link::image::{Board, FIRMWARE, sections};
 use mesh_damper_link::lockstep::run_rig_on;
 use mesh_damper_link::lockstep::{Emulator, Image, LinkError, LogLevel, LogLine, Wire};
@@ -36,13 +36,13 @@ fn every_effect() -> Vec<Effect<f32>> {
     DESCRIPTIONS.iter().map(typical).collect()
 }
 
-fn law(effects: &[Effect<f32>]) -> TabulatedLaw<EFFECTS> {
+fn law(effects: &[Effect<f32>]) -> FastLaw<EFFECTS> {
     let eq13 = Law::new(1.0539, 10.5, 0.1114, 0.3969).unwrap();
     let with = |law: AugmentedLaw<f32, EFFECTS>, effect: &Effect<f32>| law.with(*effect).unwrap();
-    TabulatedLaw::new(effects.iter().fold(AugmentedLaw::new(eq13), with))
+    FastLaw::new(effects.iter().fold(AugmentedLaw::new(eq13), with))
 }
 
-fn pack(law: &TabulatedLaw<EFFECTS>) -> Vec<u8> {
+fn pack(law: &FastLaw<EFFECTS>) -> Vec<u8> {
     let mut buffer = [0; LARGEST];
     encode(law, &mut buffer).unwrap().to_vec()
 }
@@ -183,7 +183,7 @@ fn a_stop_is_the_hosts_too_and_the_log_tells_it_with_its_time_and_level() {
     // The log is whole once the emulator has ended.
     drop(image);
     let lines = lines.lock().unwrap();
-    let [(time, Fault::DisplacementLimit)] = run.faults[..] else {
+    let [(time, TripCause::DisplacementLimit)] = run.faults[..] else {
         panic!("{:?}", run.faults)
     };
     let stop = lines

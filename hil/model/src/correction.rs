@@ -1,7 +1,7 @@
 //! A correction without a name as a model carries it: a table over displacement and velocity, or over what is remembered.
 
-use mesh_damper::effects::Correction;
-use mesh_damper::effects::correction::{CorrectionParts, Memory};
+use mesh_damper::effects::ResidualTable;
+use mesh_damper::effects::correction::{Memory, ResidualTableParts};
 use mesh_damper::error::ConfigError;
 use mesh_damper::real::Real;
 use serde::{Deserialize, Serialize};
@@ -105,15 +105,15 @@ impl CorrectionTable {
     ///
     /// # Errors
     /// The field that the crate refuses.
-    pub fn build<R: Real>(&self, tick: f64) -> Result<Correction<R>, ConfigError> {
+    pub fn build<R: Real>(&self, tick: f64) -> Result<ResidualTable<R>, ConfigError> {
         let memory = self.memory;
-        let parts = CorrectionParts {
+        let parts = ResidualTableParts {
             reach: R::from_f64(self.reach),
             speed: R::from_f64(self.speed),
             unit: R::from_f64(self.unit),
             cells: &self.cells,
             memory: memory.map(|memory| (memory.of.memory(), memory.range.map(R::from_f64))),
         };
-        Correction::new(&parts, R::from_f64(tick))
+        ResidualTable::new(&parts, R::from_f64(tick))
     }
 }

@@ -5,10 +5,10 @@ use std::collections::BTreeMap;
 use mesh_damper::effects::description::{Absent, Description};
 use mesh_damper::effects::{AugmentedLaw, Effect};
 use mesh_damper::error::ConfigError;
+use mesh_damper::fast_law::FastLaw;
 use mesh_damper::law::Law;
 use mesh_damper::pack::{self, LARGEST, PackError};
 use mesh_damper::real::Real;
-use mesh_damper::tabulated::TabulatedLaw;
 use serde::{Deserialize, Serialize};
 
 use crate::correction::{CorrectionTable, Remembered};
@@ -155,7 +155,7 @@ impl Model {
     /// # Errors
     /// As [`Self::augmented`].
     pub fn pack(&self, amplitude: f64, tick: f64) -> Result<Vec<u8>, ModelError> {
-        let law = TabulatedLaw::new(self.augmented(amplitude, tick)?);
+        let law = FastLaw::new(self.augmented(amplitude, tick)?);
         let mut buffer = [0; LARGEST];
         pack::encode(&law, &mut buffer)
             .map(<[u8]>::to_vec)

@@ -1,8 +1,8 @@
 //! The force that a model gives for a recorded motion, evaluated by the crate.
 
 use mesh_damper::effects::{AugmentedState, CONTROLS, Motion};
+use mesh_damper::fast_law::{FastLaw, RunningLaw};
 use mesh_damper::real::Real;
-use mesh_damper::tabulated::{RunningLaw, TabulatedLaw};
 use mesh_damper_recording::trajectory::Trajectory;
 
 use crate::{Model, ModelError};
@@ -88,7 +88,7 @@ fn run_by<T>(
 /// A model that the crate refuses.
 pub fn predict_embedded(model: &Model, trajectory: &Trajectory) -> Result<Vec<f64>, ModelError> {
     let mut amplitude = trajectory.amplitude[0];
-    let mut law = TabulatedLaw::new(model.augmented(amplitude, trajectory.tick)?);
+    let mut law = FastLaw::new(model.augmented(amplitude, trajectory.tick)?);
     let mut running = RunningLaw::new(law.clone());
     let force = (0..trajectory.len())
         .map(|index| {

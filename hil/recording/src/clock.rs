@@ -2,7 +2,7 @@
 
 use std::f64::consts::TAU;
 
-use super::faults::{Channel, Fault, Kind};
+use super::faults::{Channel, ChannelFault, Kind};
 use crate::policy::policy;
 
 crate::numbers! {
@@ -138,7 +138,7 @@ impl Clock {
     }
 
     /// What is wrong with the times.
-    pub fn faults(&self) -> Vec<Fault> {
+    pub fn faults(&self) -> Vec<ChannelFault> {
         let channel = Channel::Time;
         let mut faults = Vec::new();
         if self.jitter > policy().clock.worth_saying {
@@ -146,7 +146,7 @@ impl Clock {
                 rms: self.jitter,
                 stamps_only: self.on_ticks,
             };
-            faults.push(Fault { channel, kind });
+            faults.push(ChannelFault { channel, kind });
         }
         let gaps = self.gaps();
         if !gaps.is_empty() {
@@ -154,7 +154,7 @@ impl Clock {
                 samples: gaps.iter().map(|(_, missing)| missing).sum(),
                 gaps: gaps.len(),
             };
-            faults.push(Fault { channel, kind });
+            faults.push(ChannelFault { channel, kind });
         }
         faults
     }

@@ -61,7 +61,7 @@ pub use units::{Unit, Units};
 pub use write::decimal;
 
 use crate::error::{InputError, Place};
-use faults::Fault;
+use faults::ChannelFault;
 use rows::Rows;
 
 /// The key of the comment that marks the recording of a run under way.
@@ -92,7 +92,7 @@ pub struct Recording {
     /// The units that the file has or shall have.
     pub units: Units,
     source: Option<Source>,
-    faults: Vec<Fault>,
+    faults: Vec<ChannelFault>,
 }
 
 /// The file that a recording was read from, cell by cell.

@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use super::channel::Channel;
-use super::faults::{Fault, Kind};
+use super::faults::{ChannelFault, Kind};
 use super::rows::Rows;
 use super::units::{Unit, Units};
 use super::{Recording, Source};
@@ -144,13 +144,13 @@ impl Recording {
             faults: Vec::new(),
         };
         if repeated > 0 {
-            recording.faults.push(Fault {
+            recording.faults.push(ChannelFault {
                 channel: Channel::Time,
                 kind: Kind::Repeated { samples: repeated },
             });
         }
         if cut {
-            recording.faults.push(Fault {
+            recording.faults.push(ChannelFault {
                 channel: Channel::Time,
                 kind: Kind::Cut,
             });

@@ -1,7 +1,7 @@
 //! A recording on a uniform time base.
 
 use super::clock::Clock;
-use super::faults::Fault;
+use super::faults::ChannelFault;
 use super::{Recording, units::Unit};
 use crate::error::{InputError, Place};
 use crate::policy::policy;
@@ -74,7 +74,7 @@ impl Uniform {
     }
 
     /// What is wrong with the recording's times.
-    pub(super) fn faults(&self) -> Vec<Fault> {
+    pub(super) fn faults(&self) -> Vec<ChannelFault> {
         self.clock.faults()
     }
 }

@@ -7,7 +7,7 @@ use nalgebra::{SMatrix, SVector};
 use super::Recording;
 use super::averaging::MovingAverage;
 use super::cycles::{Block, Cycles};
-use super::faults::{self, Channel, Fault, Kind, Shift};
+use super::faults::{self, Channel, ChannelFault, Kind, Shift};
 use super::motion::Motion;
 use super::noise::{noise_beside_tones, noise_deviation, noise_of_runs};
 use crate::error::InputError;
@@ -78,7 +78,7 @@ pub struct Trajectory {
     /// Time in s that the force was late by and was moved back, below 0 where it was early; 0 where it was not moved.
     pub late: f64,
     /// Faults of the recording's channels.
-    pub faults: Vec<Fault>,
+    pub faults: Vec<ChannelFault>,
 }
 
 impl Trajectory {
@@ -98,7 +98,7 @@ impl Trajectory {
         let (mut trajectory, average) = Self::prepared(recording, known.is_off)?;
         if let Some(average) = average {
             trajectory.see_through(average);
-            trajectory.faults.push(Fault {
+            trajectory.faults.push(ChannelFault {
                 channel: Channel::Force,
                 kind: Kind::Averaged {
                     time: average.window * trajectory.tick,

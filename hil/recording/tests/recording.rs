@@ -3,7 +3,7 @@
 use std::fs;
 use std::path::Path;
 
-use mesh_damper_recording::faults::{Channel, Fault, Kind};
+use mesh_damper_recording::faults::{Channel, ChannelFault, Kind};
 use mesh_damper_recording::{Recording, units};
 use proptest::prelude::*;
 
@@ -158,7 +158,7 @@ fn a_row_that_is_written_twice_is_read_once() {
     let spoilt = read(&format!("{header}{}", rows(&[0, 20, 59])));
     assert_eq!(spoilt.time, clean.time);
     assert_eq!(spoilt.force, clean.force);
-    let fault = Fault {
+    let fault = ChannelFault {
         channel: Channel::Time,
         kind: Kind::Repeated { samples: 3 },
     };

@@ -8,11 +8,11 @@ use mesh_damper::converter::Scale;
 use mesh_damper::dac::Ad5761;
 use mesh_damper::effects::AugmentedLaw;
 use mesh_damper::error::ConfigError;
+use mesh_damper::fast_law::{FastLaw, RunningLaw};
 use mesh_damper::law::Law;
 use mesh_damper::pack::PackError;
 use mesh_damper::rig::{Rig, RigSettings, Telemetry};
 use mesh_damper::sine::Programme;
-use mesh_damper::tabulated::{RunningLaw, TabulatedLaw};
 use mesh_damper_recording::error::InputError;
 
 use super::expected::expected;
@@ -156,7 +156,7 @@ impl<S: DamperForce + Clone, const B: usize, const N: usize> Bench<S, B, N> {
             enable,
             &setup.settings,
             setup.programme,
-            RunningLaw::new(TabulatedLaw::new(setup.law)),
+            RunningLaw::new(FastLaw::new(setup.law)),
         )?;
         Ok(Self {
             rig,

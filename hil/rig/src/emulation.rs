@@ -5,8 +5,8 @@ use std::rc::Rc;
 
 use mesh_damper::dac::OUTPUT_RANGE;
 use mesh_damper::effects::AugmentedLaw;
-use mesh_damper::rig::{Emulator, EmulatorSettings, Telemetry};
-use mesh_damper::tabulated::{RunningLaw, TabulatedLaw};
+use mesh_damper::fast_law::{FastLaw, RunningLaw};
+use mesh_damper::rig::{DamperEmulation, DamperEmulationSettings, Telemetry};
 
 use super::bench::{SetupError, connect_adc, connect_dac};
 use crate::actuator::{
@@ -20,7 +20,7 @@ pub struct EmulatorSetup<const N: usize> {
     /// The damper to be.
     pub law: AugmentedLaw<f32, N>,
     /// The crate's settings.
-    pub settings: EmulatorSettings,
+    pub settings: DamperEmulationSettings,
     /// The displacement channel.
     pub displacement_sensor: SensorConfig,
     /// Force at the DAC's full scale, and at the force channel's, kN.
@@ -34,7 +34,7 @@ impl<const N: usize> EmulatorSetup<N> {
     pub fn new(law: AugmentedLaw<f32, N>) -> Self {
         Self {
             law,
-            settings: EmulatorSettings::default(),
+            settings: DamperEmulationSettings::default(),
             displacement_sensor: SensorConfig {
                 full_scale: 1.0,
                 noise: 0.0,
@@ -51,7 +51,7 @@ impl<const N: usize> EmulatorSetup<N> {
 #[derive(Debug)]
 pub struct EmulatorBench<const N: usize> {
     /// The crate's emulator.
-    pub emulator: Emulator<SimulatedAds8688, SimulatedAd5761, SimulatedEnable, N>,
+    pub emulator: DamperEmulation<SimulatedAds8688, SimulatedAd5761, SimulatedEnable, N>,
     /// The displacement channel.
     pub displacement_sensor: Sensor,
     /// The ADC's analogue side.
@@ -81,7 +81,7 @@ impl<const N: usize> EmulatorBench<N> {
         let (adc, dac) = (Rc::<AdcPins>::default(), Rc::<DacPins>::default());
         let (enable, enabled) = enable_line();
         Ok(Self {
-            emulator: Emulator::new(
+            emulator: DamperEmulation::new(
                 connect_adc(
                     &adc,
                     setup.displacement_sensor.full_scale,
@@ -90,7 +90,7 @@ impl<const N: usize> EmulatorBench<N> {
                 connect_dac(&dac, setup.force_range)?,
                 enable,
                 &setup.settings,
-                RunningLaw::new(TabulatedLaw::new(setup.law)),
+                RunningLaw::new(FastLaw::new(setup.law)),
             )?,
             displacement_sensor: Sensor::new(
                 setup.displacement_sensor,

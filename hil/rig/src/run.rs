@@ -2,7 +2,7 @@
 
 use mesh_damper::health::Event;
 use mesh_damper::law::Law;
-use mesh_damper::rig::{CycleReport, Fault, State, Telemetry};
+use mesh_damper::rig::{CycleReport, State, Telemetry, TripCause};
 use mesh_damper_recording::Recording;
 use mesh_damper_recording::error::InputError;
 
@@ -72,7 +72,7 @@ pub struct RigRun {
     /// Every cycle, ramps included.
     pub cycles: Vec<CycleReport>,
     /// When the rig stopped for what, s; none after a test that ran to its end.
-    pub faults: Vec<(f64, Fault)>,
+    pub faults: Vec<(f64, TripCause)>,
     /// When the monitor named what, s.
     pub events: Vec<(f64, Event)>,
     /// Ticks run.

@@ -1,11 +1,11 @@
 //! The fault campaign, a part of it: what the rig's monitor is asked for.
 
 use mesh_damper::effects::AugmentedLaw;
-use mesh_damper::health::Cause;
+use mesh_damper::fast_law::{Adaptation, FastLaw};
+use mesh_damper::health::HealthCause;
 use mesh_damper::law::Law;
 use mesh_damper::rig::State;
 use mesh_damper::sine::{Block, Programme};
-use mesh_damper::tabulated::{Followed, TabulatedLaw};
 use mesh_damper_rig::faults::{Campaign, Condition, Damaged, FOLLOW, Kind, missed};
 use mesh_damper_rig::{Bench, RigSetup, TICK_RATE};
 
@@ -50,7 +50,7 @@ fn a_better_law_in_the_middle_of_a_block_is_no_fault() {
             .unwrap()
             .with(block)
             .unwrap();
-        let better = TabulatedLaw::new(law_of(&specimen, 1.0));
+        let better = FastLaw::new(law_of(&specimen, 1.0));
         let mut setup = RigSetup::new(specimen.clone(), law_of(&specimen, 1.2), programme, 1);
         setup.settings.health.follow = follow;
         let mut bench = Bench::new(setup).unwrap();
@@ -73,17 +73,17 @@ fn a_better_law_in_the_middle_of_a_block_is_no_fault() {
             }
         }
         // The law takes over with the end of cycle 41.
-        let far = |followed: &Followed| followed.k1 < -0.01 && followed.c < -0.01;
+        let far = |followed: &Adaptation| followed.k1 < -0.01 && followed.c < -0.01;
         assert_eq!(far(&followed[41]), follow > 0.0, "{:?}", followed[41]);
-        assert_eq!(followed[42], Followed::default());
+        assert_eq!(followed[42], Adaptation::default());
         let &[(cycle, cause)] = &named[..] else {
             panic!("{named:?}");
         };
-        assert_eq!(cause, Cause::WireBreakage);
+        assert_eq!(cause, HealthCause::WireBreakage);
         assert!((72..76).contains(&cycle), "{cycle}");
         // What broke is not followed: no more than the noise leads to in the cycle before it is suspected.
         let (then, end) = (followed[70], followed[followed.len() - 2]);
         assert!((end.k1 - then.k1).abs() < 2.5e-3, "{then:?}, {end:?}");
-        assert!(follow == 0.0 || end != Followed::default());
+        assert!(follow == 0.0 || end != Adaptation::default());
     }
 }

@@ -2,7 +2,7 @@
 
 use mesh_damper::effects::AugmentedLaw;
 use mesh_damper::law::Law;
-use mesh_damper::rig::Fault;
+use mesh_damper::rig::TripCause;
 use mesh_damper::sine::{Block, Programme};
 use mesh_damper_rig::specimen::{HiddenEffect, Specimen};
 use mesh_damper_rig::{RigRun, RigSetup, run_rig};
@@ -93,7 +93,7 @@ fn a_run_that_stops_says_why_and_when() {
     let [(time, fault)] = run.faults[..] else {
         panic!("{:?}", run.faults)
     };
-    assert_eq!(fault, Fault::DisplacementLimit);
+    assert_eq!(fault, TripCause::DisplacementLimit);
     // In the ramp of half a second or the first quarter of the cycle after it.
     assert!(time > 0.1 && time < 0.64, "{time}");
     // It is recorded until the command is back at 0, half a second later.

@@ -7,7 +7,7 @@
 //! | [`mod@orthogonal`] | which factor of a test matters, and can that be told? |
 //! | [`mod@characterize`] | which stiffness and loss factor has a recording, eqs 1–7? |
 //! | [`mod@surfaces`] | what are the published coefficients worth as surfaces over density and amplitude? |
-//! | [`mod@amplitude_free`] | what is one law for every amplitude worth on the published loops? |
+//! | [`mod@amplitude_independent`] | what is one law for every amplitude worth on the published loops? |
 //! | [`mod@design`] | which density gives a stiffness and a loss factor? |
 //! | [`mod@blind`] | does a trace name effects that it was never told of? |
 //! | [`mod@bench`] | how many instructions does the crate take, beside its peers? |
@@ -22,7 +22,7 @@
 //! ```
 #![forbid(unsafe_code)]
 
-pub mod amplitude_free;
+pub mod amplitude_independent;
 pub mod bench;
 pub mod blind;
 pub mod characterize;

@@ -8,7 +8,7 @@ use mesh_damper_reference::comparison::nrmse;
 use mesh_damper_reference::law::Coefficients;
 use mesh_damper_reference::surfaces::{self as published, Equation18};
 use mesh_damper_reference::tables::{AMPLITUDES, DENSITIES, cells};
-use mesh_damper_studies::amplitude_free::Sine;
+use mesh_damper_studies::amplitude_independent::Sine;
 use mesh_damper_studies::surfaces::{
     DEGREE, Surfaces, fit, left_out_errors, loop_errors, mean_and_largest,
 };

@@ -1,7 +1,7 @@
 //! What a correction is over in the place of speed, in integers: mostly what it remembers of the motion.
 
 use super::{END, LAST_NODE, NODES, ONE};
-use crate::effects::ConfinedMotion;
+use crate::effects::ClampedMotion;
 use crate::error::ConfigError;
 use crate::limits;
 use crate::real::{Real, in_range};
@@ -83,7 +83,7 @@ pub enum Memory<R> {
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd)]
-pub(super) enum Kind {
+pub(super) enum EffectKind {
     Speed,
     Place,
     Sides,
@@ -99,7 +99,7 @@ pub(super) enum Kind {
     Acceleration,
 }
 
-impl Kind {
+impl EffectKind {
     /// This one and those after it have a state.
     pub const FIRST_MEMORY: Self = Self::Slip;
 
@@ -124,7 +124,7 @@ impl Kind {
 /// How it is remembered, and where it stands among the nodes.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Recall<R> {
-    pub kind: Kind,
+    pub kind: EffectKind,
     /// 1/time in ticks, 1/cycles, readings per °C, parts of a speed per mm/s, or Hz of an average of 1; of a slip and the others
     /// unused.
     pub rate: R,
@@ -148,7 +148,7 @@ pub(super) struct Beside<R> {
 
 impl<R: Real> Beside<R> {
     #[inline(always)]
-    pub fn of(motion: &ConfinedMotion<R>) -> Self {
+    pub fn of(motion: &ClampedMotion<R>) -> Self {
         Self {
             cycles: motion.cycles(),
             temperature: motion.temperature(),
@@ -158,32 +158,32 @@ impl<R: Real> Beside<R> {
 
 /// What a correction remembers.
 #[derive(Clone, Copy, Debug)]
-pub struct CorrectionState {
-    /// Of which kind, [`Kind::Speed`] before the first tick: what a tick does follows from it alone.
-    kind: Kind,
+pub struct ResidualTableState {
+    /// Of which kind, [`EffectKind::Speed`] before the first tick: what a tick does follows from it alone.
+    kind: EffectKind,
     /// Place of the tick before, or part of its cycle, or its velocity.
     previous: i32,
     /// Stretch, average, largest displacement or ticks.
     value: i32,
 }
 
-impl CorrectionState {
+impl ResidualTableState {
     /// Nothing, as before the first tick. All bits are 0.
     pub const NEW: Self = Self {
-        kind: Kind::Speed,
+        kind: EffectKind::Speed,
         previous: 0,
         value: 0,
     };
 
     /// Whether it remembers such.
-    pub(super) fn is_of(&self, kind: Kind) -> bool {
+    pub(super) fn is_of(&self, kind: EffectKind) -> bool {
         self.kind == kind
     }
 }
 
 impl<R: Real> Recall<R> {
     pub const SPEED: Self = Self {
-        kind: Kind::Speed,
+        kind: EffectKind::Speed,
         rate: R::ZERO,
         step: 0,
         shift: 0,
@@ -195,7 +195,7 @@ impl<R: Real> Recall<R> {
     /// mm/s at most.
     ///
     /// # Errors
-    /// As for [`super::Correction::new`].
+    /// As for [`super::ResidualTable::new`].
     pub fn new(
         memory: Memory<R>,
         [low, high]: [R; 2],
@@ -228,17 +228,17 @@ impl<R: Real> Recall<R> {
                 let limit = in_range("limit", limit, 1e-9, limits::DISPLACEMENT)?.to_f64();
                 let gain = f64::from(LAST_GAINED) * per_reading / (2.0 * limit);
                 return Ok(Self {
-                    kind: Kind::Slip,
+                    kind: EffectKind::Slip,
                     gain: gain.min(f64::from(LARGEST_GAIN_OF_SLIP)) as i32,
                     ..Self::SPEED
                 });
             }
             Memory::Lag { time } => {
-                new.kind = Kind::Lag;
+                new.kind = EffectKind::Lag;
                 new.step = loss(time)?;
             }
             Memory::Travel { time } => {
-                new.kind = Kind::Travel;
+                new.kind = EffectKind::Travel;
                 new.step = loss(time)?;
                 // Four times the last node is within 2³¹.
                 let rate = (f64::from(1 << 29) / high.max(1e-9)).min(limits::COEFFICIENT);
@@ -246,29 +246,29 @@ impl<R: Real> Recall<R> {
                 per_reading = f64::from(1 << AVERAGE) / rate;
             }
             Memory::Level { time } => {
-                new.kind = Kind::Level;
+                new.kind = EffectKind::Level;
                 new.step = loss(time)?;
             }
-            Memory::Largest => new.kind = Kind::Largest,
+            Memory::Largest => new.kind = EffectKind::Largest,
             Memory::Age { time } => {
                 let time = in_range("time", time, 1e-6, 1e6)?.to_f64();
-                new.kind = Kind::Age;
+                new.kind = EffectKind::Age;
                 new.rate = R::from_f64(tick / time);
                 per_reading = 1.0 / f64::from(ONE);
             }
             Memory::Cycles { cycles } => {
                 let cycles = in_range("cycles", cycles, 0.01, limits::CYCLES)?;
-                new.kind = Kind::Cycles;
+                new.kind = EffectKind::Cycles;
                 new.rate = R::ONE / cycles;
                 per_reading = 1.0 / f64::from(ONE);
             }
             Memory::Temperature => {
-                new.kind = Kind::Temperature;
+                new.kind = EffectKind::Temperature;
                 per_reading = low.abs().max(high.abs()).max(1.0) / largest;
                 new.rate = R::from_f64(1.0 / per_reading);
             }
             Memory::Acceleration => {
-                new.kind = Kind::Acceleration;
+                new.kind = EffectKind::Acceleration;
                 // Four times the largest speed of the tables is within 2³⁰.
                 let rate = (f64::from(1 << 28) / speed).min(limits::COEFFICIENT);
                 new.rate = R::from_f64(rate);
@@ -279,7 +279,7 @@ impl<R: Real> Recall<R> {
                     new.shift += 1;
                 }
             }
-            Memory::Place => new.kind = Kind::Place,
+            Memory::Place => new.kind = EffectKind::Place,
             Memory::Sides { below, above } => {
                 let most = limits::DISPLACEMENT;
                 let below = in_range("below", below, -most, most)?;
@@ -289,14 +289,14 @@ impl<R: Real> Recall<R> {
                     place.clamp(f64::from(-END), f64::from(END - 1)) as i32
                 };
                 return Ok(Self {
-                    kind: Kind::Sides,
+                    kind: EffectKind::Sides,
                     step: place(above),
                     origin: place(below),
                     ..Self::SPEED
                 });
             }
             Memory::Frequency { time } => {
-                new.kind = Kind::Frequency;
+                new.kind = EffectKind::Frequency;
                 new.step = loss(time)?;
                 new.rate = R::from_f64(1.0 / (f64::from(CYCLE) * f64::from(1 << AVERAGE) * tick));
                 per_reading = 1.0 / f64::from(ONE);
@@ -332,7 +332,7 @@ impl<R: Real> Recall<R> {
         let most = LARGEST_READING * LARGEST_GAIN;
         in_range("origin", self.origin, -most, most)?;
         let most = match self.kind {
-            Kind::Slip => LARGEST_GAIN_OF_SLIP,
+            EffectKind::Slip => LARGEST_GAIN_OF_SLIP,
             _ => LARGEST_GAIN,
         };
         in_range("gain", self.gain, 0, most)
@@ -342,7 +342,7 @@ impl<R: Real> Recall<R> {
     pub fn is_like(&self, other: &Self) -> bool {
         let [own, others] = [self, other].map(|recall| Self {
             origin: 0,
-            gain: if recall.kind == Kind::Slip {
+            gain: if recall.kind == EffectKind::Slip {
                 recall.gain
             } else {
                 0
@@ -355,17 +355,17 @@ impl<R: Real> Recall<R> {
     /// As before the first tick.
     #[cold]
     #[inline(never)]
-    pub fn begin(&self, across: i32, velocity: R, cycles: R) -> CorrectionState {
-        CorrectionState {
+    pub fn begin(&self, across: i32, velocity: R, cycles: R) -> ResidualTableState {
+        ResidualTableState {
             kind: self.kind,
             previous: match self.kind {
-                Kind::Acceleration => self.scaled(velocity),
-                Kind::Frequency => part_of_cycle(cycles),
+                EffectKind::Acceleration => self.scaled(velocity),
+                EffectKind::Frequency => part_of_cycle(cycles),
                 _ => across,
             },
             value: match self.kind {
-                Kind::Lag => across << AVERAGE,
-                Kind::Slip => LAST_GAINED / 2,
+                EffectKind::Lag => across << AVERAGE,
+                EffectKind::Slip => LAST_GAINED / 2,
                 _ => 0,
             },
         }
@@ -377,12 +377,12 @@ impl<R: Real> Recall<R> {
     #[inline(always)]
     pub fn along(
         &self,
-        state: &mut CorrectionState,
+        state: &mut ResidualTableState,
         across: i32,
         velocity: R,
         beside: Beside<R>,
     ) -> Option<i32> {
-        let CorrectionState {
+        let ResidualTableState {
             kind,
             previous,
             value,
@@ -392,35 +392,35 @@ impl<R: Real> Recall<R> {
             value.wrapping_add(((change + (1 << 31)) >> 32) as i32)
         };
         let reading = match kind {
-            Kind::Speed | Kind::Place | Kind::Sides => return None,
-            Kind::Slip => {
+            EffectKind::Speed | EffectKind::Place | EffectKind::Sides => return None,
+            EffectKind::Slip => {
                 state.previous = across;
                 let moved = across.wrapping_sub(previous).wrapping_mul(self.gain);
                 state.value = value.wrapping_add(moved).clamp(0, LAST_GAINED);
                 return Some(state.value >> GAIN);
             }
-            Kind::Lag => {
+            EffectKind::Lag => {
                 state.value = toward(across << AVERAGE);
                 across - (state.value >> AVERAGE)
             }
-            Kind::Travel => {
+            EffectKind::Travel => {
                 state.value = toward(self.scaled(velocity.abs()));
                 state.value >> AVERAGE
             }
-            Kind::Level => {
+            EffectKind::Level => {
                 state.value = toward(across.abs() << AVERAGE);
                 state.value >> AVERAGE
             }
-            Kind::Largest => {
+            EffectKind::Largest => {
                 state.value = value.max(across.abs());
                 state.value
             }
-            Kind::Age => {
+            EffectKind::Age => {
                 state.value = value.saturating_add(1);
                 self.age(R::from_i32(value))
             }
-            Kind::Cycles => self.age(beside.cycles),
-            Kind::Frequency => {
+            EffectKind::Cycles => self.age(beside.cycles),
+            EffectKind::Frequency => {
                 let now = part_of_cycle(beside.cycles);
                 state.previous = now;
                 let passed = (now.wrapping_sub(previous) & (CYCLE - 1)) << AVERAGE;
@@ -428,8 +428,8 @@ impl<R: Real> Recall<R> {
                 state.value = if value == 0 { passed } else { toward(passed) };
                 within(octaves(R::from_i32(state.value) * self.rate))
             }
-            Kind::Temperature => within((beside.temperature * self.rate).to_i32()),
-            Kind::Acceleration => {
+            EffectKind::Temperature => within((beside.temperature * self.rate).to_i32()),
+            EffectKind::Acceleration => {
                 let now = self.scaled(velocity);
                 state.previous = now;
                 within(now.saturating_sub(previous) >> self.shift)

@@ -15,13 +15,13 @@
 mod memory;
 mod packed;
 
-use super::ConfinedMotion;
+use super::ClampedMotion;
 use crate::error::ConfigError;
 use crate::limits;
 use crate::real::{Real, in_range};
-use memory::{Beside, Kind, Recall};
+use memory::{Beside, EffectKind, Recall};
 
-pub use memory::{CorrectionState, Memory};
+pub use memory::{Memory, ResidualTableState};
 
 /// Nodes over displacement.
 pub const DISPLACEMENTS: usize = 9;
@@ -45,9 +45,9 @@ const LAST_NODE: i32 = 16 * ONE - 1;
 /// Bits of the way between two nodes of a line over displacement.
 const FINE_FRACTION: u32 = FRACTION - 2;
 
-/// The parts of a [`Correction`].
+/// The parts of a [`ResidualTable`].
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct CorrectionParts<'t, R> {
+pub struct ResidualTableParts<'t, R> {
     /// Largest displacement of the table, mm, 1e-9…1e4.
     pub reach: R,
     /// Largest speed, mm/s, 1e-9…1e6.
@@ -65,7 +65,7 @@ pub struct CorrectionParts<'t, R> {
 
 /// A force as a table.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Correction<R> {
+pub struct ResidualTable<R> {
     /// Places per mm.
     per_displacement: R,
     /// 1/(the speed of node 2).
@@ -96,7 +96,7 @@ enum Along {
     Side(i32),
 }
 
-impl<R: Real> Correction<R> {
+impl<R: Real> ResidualTable<R> {
     /// No force. All bits are 0.
     pub(super) const NONE: Self = Self {
         per_displacement: R::ZERO,
@@ -111,7 +111,7 @@ impl<R: Real> Correction<R> {
     /// # Errors
     /// The field that is not finite or out of range; cells that are too few or too many; a memory whose last node does not
     /// lie above its first.
-    pub fn new(parts: &CorrectionParts<'_, R>, tick: R) -> Result<Self, ConfigError> {
+    pub fn new(parts: &ResidualTableParts<'_, R>, tick: R) -> Result<Self, ConfigError> {
         let reach = in_range("reach", parts.reach, 1e-9, limits::DISPLACEMENT)?.to_f64();
         let speed = in_range("speed", parts.speed, 1e-9, limits::VELOCITY)?.to_f64();
         let tick = in_range("tick", tick, 1e-7, 1e3)?.to_f64();
@@ -149,12 +149,12 @@ impl<R: Real> Correction<R> {
 
     /// Force in kN on this tick of `motion`. Call it once per tick, in order.
     #[inline(always)]
-    pub(super) fn force(&self, state: &mut CorrectionState, motion: &ConfinedMotion<R>) -> R {
+    pub(super) fn force(&self, state: &mut ResidualTableState, motion: &ClampedMotion<R>) -> R {
         let (y, v) = (motion.displacement(), motion.velocity());
         let kind = self.recall.kind;
-        if kind >= Kind::FIRST_MEMORY {
+        if kind >= EffectKind::FIRST_MEMORY {
             self.force_over_memory(state, y, v, Beside::of(motion))
-        } else if kind == Kind::Speed {
+        } else if kind == EffectKind::Speed {
             self.force_over_speed(y, v)
         } else {
             self.force_on_lines(y, v)
@@ -171,7 +171,7 @@ impl<R: Real> Correction<R> {
     #[inline(never)]
     fn force_on_lines(&self, displacement: R, velocity: R) -> R {
         let along = match self.recall.kind {
-            Kind::Sides => Along::Side(self.speed(velocity)),
+            EffectKind::Sides => Along::Side(self.speed(velocity)),
             _ => Along::Line,
         };
         self.force_at(self.across(displacement), along, velocity)
@@ -180,7 +180,7 @@ impl<R: Real> Correction<R> {
     #[inline(never)]
     fn force_over_memory(
         &self,
-        state: &mut CorrectionState,
+        state: &mut ResidualTableState,
         displacement: R,
         velocity: R,
         beside: Beside<R>,
@@ -200,7 +200,7 @@ impl<R: Real> Correction<R> {
     #[inline(never)]
     fn force_at_standstill(
         &self,
-        state: &mut CorrectionState,
+        state: &mut ResidualTableState,
         across: i32,
         velocity: R,
         beside: Beside<R>,
@@ -212,7 +212,7 @@ impl<R: Real> Correction<R> {
     /// The place over what is remembered, on the first tick or another.
     fn recalled(
         &self,
-        state: &mut CorrectionState,
+        state: &mut ResidualTableState,
         across: i32,
         velocity: R,
         beside: Beside<R>,
@@ -269,8 +269,8 @@ impl<R: Real> Correction<R> {
     }
 
     /// The cells that the force on this tick comes from, for one who seeks what should stand in them. `state` is
-    /// [`CorrectionState::NEW`] before the first tick.
-    pub fn support(&self, state: &mut CorrectionState, motion: &ConfinedMotion<R>) -> Support {
+    /// [`ResidualTableState::NEW`] before the first tick.
+    pub fn support(&self, state: &mut ResidualTableState, motion: &ClampedMotion<R>) -> Support {
         let velocity = motion.velocity();
         let across = self.across(motion.displacement());
         let part =
@@ -290,14 +290,14 @@ impl<R: Real> Correction<R> {
             let (first, x) = (first + (along >> bits) as usize, part(along, bits));
             [(first, 1.0 - x), (first + 1, x), nothing, nothing]
         };
-        let along = if self.recall.kind < Kind::FIRST_MEMORY {
+        let along = if self.recall.kind < EffectKind::FIRST_MEMORY {
             self.speed(velocity)
         } else {
             self.recalled(state, across, velocity, Beside::of(motion))
         };
         let of_direction = |first: usize| match self.recall.kind {
-            Kind::Place => on_line(first, across + END, FINE_FRACTION),
-            Kind::Sides => {
+            EffectKind::Place => on_line(first, across + END, FINE_FRACTION),
+            EffectKind::Sides => {
                 let side = self.recall.side(across);
                 side.map_or([nothing; 4], |side| on_line(first + side, along, FRACTION))
             }

@@ -1,13 +1,13 @@
 //! A correction in a coefficient pack: its numbers, four bytes each, and what postcard makes of the cells as a `Vec<u8>`.
 
-use super::memory::Kind;
-use super::{CELLS, Correction};
+use super::memory::EffectKind;
+use super::{CELLS, ResidualTable};
 use crate::error::ConfigError;
 use crate::frame::{Reader, Writer};
 use crate::limits;
 use crate::real::in_range;
 
-impl Correction<f32> {
+impl ResidualTable<f32> {
     /// Writes numbers and cells.
     pub(crate) fn pack(&self, writer: &mut Writer<'_>) {
         let recall = &self.recall;
@@ -19,7 +19,7 @@ impl Correction<f32> {
         ] {
             writer.f32(number);
         }
-        let kind = Kind::ALL.iter().position(|kind| *kind == recall.kind);
+        let kind = EffectKind::ALL.iter().position(|kind| *kind == recall.kind);
         writer.u8(kind.unwrap_or_default() as u8);
         for number in [recall.step, recall.shift, recall.origin, recall.gain] {
             writer.u32(number as u32);
@@ -43,7 +43,7 @@ impl Correction<f32> {
         ] {
             *number = reader.f32()?;
         }
-        recall.kind = *Kind::ALL.get(usize::from(reader.u8()?))?;
+        recall.kind = *EffectKind::ALL.get(usize::from(reader.u8()?))?;
         for number in [
             &mut recall.step,
             &mut recall.shift,
@@ -63,7 +63,7 @@ impl Correction<f32> {
         Some(())
     }
 
-    /// Whether its numbers are finite and within what [`Correction::new`] can give, for one that was read.
+    /// Whether its numbers are finite and within what [`ResidualTable::new`] can give, for one that was read.
     ///
     /// # Errors
     /// The field that is not.

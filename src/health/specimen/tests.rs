@@ -81,7 +81,7 @@ fn first(
     settings: &HealthSettings,
     cycles: u32,
     at: impl Fn(u32) -> Specimen,
-) -> (u32, Cause, f32) {
+) -> (u32, HealthCause, f32) {
     let named = watched(settings, cycles, at);
     let (number, event) = named.first().expect("nothing was named");
     (*number, event.cause, event.value)
@@ -97,14 +97,14 @@ fn from_then(changed: Specimen) -> impl Fn(u32) -> Specimen {
 #[test]
 fn what_comes_at_once_is_named_with_its_size_three_cycles_on() {
     let settings = HealthSettings::default();
-    let (wire, friction) = (Cause::WireBreakage, Cause::FrictionWear);
+    let (wire, friction) = (HealthCause::WireBreakage, HealthCause::FrictionWear);
     for (elastic, of_friction, mean, cause, value) in [
         (0.9, 0.9, 0.0, wire, -0.1f32),
         (0.95, 0.95, 0.0, wire, -0.05),
         (1.0, 0.8, 0.0, friction, -0.2),
-        (1.0, 1.0, 0.1, Cause::PreloadShift, 0.1),
-        (1.0, 1.0, -0.1, Cause::PreloadShift, -0.1),
-        (1.1, 1.1, 0.0, Cause::Unexplained, 0.1),
+        (1.0, 1.0, 0.1, HealthCause::PreloadShift, 0.1),
+        (1.0, 1.0, -0.1, HealthCause::PreloadShift, -0.1),
+        (1.1, 1.1, 0.0, HealthCause::Unexplained, 0.1),
     ] {
         let changed = Specimen {
             elastic,
@@ -162,7 +162,7 @@ fn what_comes_slowly_is_named_at_its_limit() {
         mean: part,
         ..WHOLE
     };
-    let drifting = Cause::SensorDrifting(Channel::Force);
+    let drifting = HealthCause::SensorDrifting(Channel::Force);
     // A mean of one is 1.341 of the residual, RMS of the force 0.9695 beside an amplitude in phase of 1.3: what a law may not
     // follow is seen there first.
     for (follow, limit, of_mean) in [
@@ -175,8 +175,8 @@ fn what_comes_slowly_is_named_at_its_limit() {
             ..HealthSettings::default()
         };
         for (changed, cause, limit) in [
-            (friction, Cause::FrictionWear, limit),
-            (all, Cause::WireBreakage, limit),
+            (friction, HealthCause::FrictionWear, limit),
+            (all, HealthCause::WireBreakage, limit),
             (mean, drifting, of_mean),
         ] {
             let (number, named, moved) = first(&settings, 600, |n| slowly(n, changed));
@@ -204,12 +204,16 @@ fn a_run_in_and_a_temperature_are_said_and_are_no_faults() {
         }
     };
     let causes = |named: &[(u32, Event)]| {
-        let mut causes: std::vec::Vec<Cause> = named.iter().map(|(_, event)| event.cause).collect();
+        let mut causes: std::vec::Vec<HealthCause> =
+            named.iter().map(|(_, event)| event.cause).collect();
         causes.dedup();
         causes
     };
     let named = watched(&settings, 900, warmed);
-    assert_eq!(causes(&named), [Cause::RunIn, Cause::Temperature]);
+    assert_eq!(
+        causes(&named),
+        [HealthCause::RunIn, HealthCause::Temperature]
+    );
     // Two cycles are left out of the count at the start.
     assert_eq!(named[0].0, settings.run_in_cycles + SETTLING - 1);
     // The same without a reason to be seen.
@@ -218,7 +222,10 @@ fn a_run_in_and_a_temperature_are_said_and_are_no_faults() {
         ..warmed(number)
     };
     let named = watched(&settings, 900, unexplained);
-    assert_eq!(causes(&named), [Cause::RunIn, Cause::WireBreakage]);
+    assert_eq!(
+        causes(&named),
+        [HealthCause::RunIn, HealthCause::WireBreakage]
+    );
 }
 
 #[test]
@@ -271,12 +278,16 @@ fn a_mean_that_shifts_in_the_middle_of_a_cycle_does_not_drift() {
         for part in 0..=10u8 {
             let part = f32::from(part) / 10.0;
             let step = |cycle: f32| size * (cycle + part).clamp(0.0, 1.0);
-            assert_eq!(named(&step), Cause::PreloadShift, "{size} from {part} on");
+            assert_eq!(
+                named(&step),
+                HealthCause::PreloadShift,
+                "{size} from {part} on"
+            );
         }
     }
     for rate in [0.004f32, 0.008, -0.008] {
         let drift = |cycle: f32| rate * cycle.clamp(0.0, 1e3);
-        let drifting = Cause::SensorDrifting(Channel::Force);
+        let drifting = HealthCause::SensorDrifting(Channel::Force);
         assert_eq!(named(&drift), drifting, "{rate}");
     }
 }
@@ -292,7 +303,7 @@ fn a_law_that_is_off_is_normal_until_the_specimen_changes() {
         ..WHOLE
     };
     let (_, cause, moved) = first(&settings, 60, |n| of(if n < THEN { 1.1 } else { 1.0 }));
-    assert_eq!(cause, Cause::WireBreakage);
+    assert_eq!(cause, HealthCause::WireBreakage);
     assert!((moved + 0.1).abs() < 2e-3, "{moved}");
 
     let config = settings.config().unwrap();
@@ -339,7 +350,7 @@ fn a_gap_is_loosening_and_its_limit_is_told() {
     let loose = from_then(Specimen { gap: 0.05, ..WHOLE });
     let named = watched(&HealthSettings::default(), 60, loose);
     let (_, first) = named.first().expect("nothing was named");
-    assert_eq!(first.cause, Cause::Loosening);
+    assert_eq!(first.cause, HealthCause::Loosening);
     // Half of what is to be found, and where a sum of what goes beyond that is too far.
     assert!(
         first.limit >= 0.025 && first.limit < 0.05,

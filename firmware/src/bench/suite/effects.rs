@@ -3,13 +3,13 @@
 
 use core::fmt;
 
-use mesh_damper::effects::correction::{CELLS, CorrectionParts, Memory};
+use mesh_damper::effects::correction::{CELLS, Memory, ResidualTableParts};
 use mesh_damper::effects::description::Description;
-use mesh_damper::effects::{AugmentedLaw, Correction, DESCRIPTIONS, Effect, Motion, StickSlip};
+use mesh_damper::effects::{AugmentedLaw, DESCRIPTIONS, Effect, Motion, ResidualTable, StickSlip};
 use mesh_damper::error::ConfigError;
+use mesh_damper::fast_law::{FastLaw, RunningLaw};
 use mesh_damper::sine::{Block, Programme, SineGenerator};
 use mesh_damper::table::PAPER;
-use mesh_damper::tabulated::{RunningLaw, TabulatedLaw};
 
 use super::Refused;
 use super::tally::{Meter, Tally};
@@ -60,7 +60,7 @@ fn count(
     let block = Block::sine(f64::from(AMPLITUDE), FREQUENCY, 2)?;
     let mut generator = SineGenerator::new(Programme::<1>::new(TICK_RATE, 1)?.with(block)?)?;
     let mut beside = Beside {
-        law: RunningLaw::new(TabulatedLaw::new(law)),
+        law: RunningLaw::new(FastLaw::new(law)),
         motion: Motion::default(),
     };
     let mut tally = Tally::default();
@@ -164,17 +164,17 @@ fn memories() -> [(&'static str, Option<Remembered>); 13] {
 }
 
 /// Of a table that reaches as far as the motion and has no two cells alike side by side.
-fn correction(memory: Option<Remembered>) -> Result<Correction<f32>, ConfigError> {
+fn correction(memory: Option<Remembered>) -> Result<ResidualTable<f32>, ConfigError> {
     let uneven = |cell: usize| (cell * 7919 % 2003) as i16 - 1001;
     let cells: [i16; CELLS] = core::array::from_fn(uneven);
-    let parts = CorrectionParts {
+    let parts = ResidualTableParts {
         reach: AMPLITUDE,
         speed: SPEED,
         unit: 1e-5,
         cells: &cells,
         memory,
     };
-    Correction::new(&parts, (1.0 / TICK_RATE) as f32)
+    ResidualTable::new(&parts, (1.0 / TICK_RATE) as f32)
 }
 
 /// # Errors

@@ -1,6 +1,6 @@
 //! The whole tick as it is written down first, on libm: a sine, a cosine and a power a tick, sums in plain f32.
 //!
-//! It gives what [`mesh_damper::virtual_test`] gives, and like that leaves out what a sine and an odd law make known: means
+//! It gives what [`mesh_damper::simulation`] gives, and like that leaves out what a sine and an odd law make known: means
 //! and harmonics, and the displacement's extremes. `hil/studies/bench/peer.c` is the same in C, line by line.
 
 use core::f32::consts::TAU;

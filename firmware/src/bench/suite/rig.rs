@@ -11,11 +11,11 @@ use mesh_damper::crossing::CrossingAccumulator;
 use mesh_damper::cycle::Cycle;
 use mesh_damper::dac::Ad5761;
 use mesh_damper::effects::AugmentedLaw;
+use mesh_damper::fast_law::{FastLaw, RunningLaw};
 use mesh_damper::health::HealthSettings;
 use mesh_damper::rig::{Rig, RigSettings, State, Telemetry};
 use mesh_damper::sine::{Block, Programme};
 use mesh_damper::table::PAPER;
-use mesh_damper::tabulated::{RunningLaw, TabulatedLaw};
 
 use super::Refused;
 use super::tally::{Meter, Moments, When};
@@ -128,7 +128,7 @@ pub fn run(meter: &mut impl Meter) -> Result<(), Refused> {
     let dac = Ad5761::new(DacBus(&wire), Scale::new(0.5, 0.0)?).map_err(|_| Refused)?;
     let block = Block::sine(AMPLITUDE, FREQUENCY, CYCLES)?;
     let programme = Programme::new(TICK_RATE, 1)?.with(block)?;
-    let law = TabulatedLaw::new(AugmentedLaw::new(PAPER.lookup(3.0, AMPLITUDE as f32).law));
+    let law = FastLaw::new(AugmentedLaw::new(PAPER.lookup(3.0, AMPLITUDE as f32).law));
     let law = RunningLaw::new(law);
     let settings = RigSettings {
         health: HealthSettings {

@@ -3,11 +3,11 @@
 use mesh_damper::cycle::{Cycle, CycleAccumulator};
 use mesh_damper::effects::{AugmentedLaw, Motion};
 use mesh_damper::error::ConfigError;
+use mesh_damper::fast_law::{FastLaw, RunningLaw};
 use mesh_damper::law::Law;
+use mesh_damper::simulation::Simulation;
 use mesh_damper::sine::{Block, Programme, SineGenerator};
 use mesh_damper::table::PAPER;
-use mesh_damper::tabulated::{RunningLaw, TabulatedLaw};
-use mesh_damper::virtual_test::VirtualTest;
 
 use super::naive::{self, Naive};
 use super::tally::{Meter, Moments, Tally, When};
@@ -42,14 +42,14 @@ fn programme(amplitude: f32) -> Result<Programme<1>, ConfigError> {
 ///
 /// # Errors
 /// None for a published law and its amplitude.
-pub fn virtual_test(amplitude: f32, law: Law<f32>) -> Result<VirtualTest<1>, ConfigError> {
-    let law = TabulatedLaw::new(AugmentedLaw::new(law));
-    VirtualTest::new(programme(amplitude)?, law)
+pub fn simulation(amplitude: f32, law: Law<f32>) -> Result<Simulation<1>, ConfigError> {
+    let law = FastLaw::new(AugmentedLaw::new(law));
+    Simulation::new(programme(amplitude)?, law)
 }
 
 /// What a tick works on.
 pub struct Whole<'a> {
-    test: &'a mut VirtualTest<1>,
+    test: &'a mut Simulation<1>,
     /// What the last tick came to, beside its force.
     pub when: When,
     /// The results that were complete with it, of a cycle that had ended.
@@ -58,7 +58,7 @@ pub struct Whole<'a> {
 
 impl<'a> Whole<'a> {
     /// Before the first tick of `test`.
-    pub fn new(test: &'a mut VirtualTest<1>) -> Self {
+    pub fn new(test: &'a mut Simulation<1>) -> Self {
         Self {
             test,
             when: When::Ramp,
@@ -113,9 +113,9 @@ fn alone(meter: &mut impl Meter) -> Result<(), ConfigError> {
     let mut extremes = [(u32::MAX, 0); COMPARED];
     for (amplitude, law) in laws() {
         let mut steady = 0;
-        let mut test = virtual_test(amplitude, law)?;
+        let mut test = simulation(amplitude, law)?;
         let mut whole = Whole::new(&mut test);
-        let other = TabulatedLaw::new(AugmentedLaw::new(law));
+        let other = FastLaw::new(AugmentedLaw::new(law));
         let mut ends = 0;
         while whole.when != When::Done {
             let result = whole.told(|whole| meter.call(tick, whole, 0.0, 0.0));
@@ -151,7 +151,7 @@ pub fn small(meter: &mut impl Meter) -> Result<(), ConfigError> {
     let mut moments = Moments::default();
     for (amplitude, law) in laws() {
         // Not moved out of its result: there is no room for a copy either.
-        let mut built = virtual_test(amplitude, law);
+        let mut built = simulation(amplitude, law);
         let mut whole = Whole::new(built.as_mut().map_err(|error| *error)?);
         while whole.when != When::Done {
             let result = whole.told(|whole| meter.call(tick, whole, 0.0, 0.0));
@@ -191,7 +191,7 @@ fn parts(meter: &mut impl Meter) -> Result<(), ConfigError> {
     for (amplitude, law) in laws() {
         let mut parts = Parts {
             generator: SineGenerator::new(programme(amplitude)?)?,
-            law: RunningLaw::new(TabulatedLaw::new(AugmentedLaw::new(law))),
+            law: RunningLaw::new(FastLaw::new(AugmentedLaw::new(law))),
             accumulator: CycleAccumulator::new(),
             when: When::Ramp,
             cycle: None,
@@ -209,7 +209,7 @@ fn blocks(meter: &mut impl Meter) -> Result<(), ConfigError> {
     let mut moments = Moments::default();
     let mut forces = [0.0; BLOCK];
     for (amplitude, law) in laws() {
-        let mut test = virtual_test(amplitude, law)?;
+        let mut test = simulation(amplitude, law)?;
         let mut whole = Whole::new(&mut test);
         while whole.when != When::Done {
             let forces = &mut forces;

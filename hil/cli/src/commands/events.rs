@@ -1,6 +1,6 @@
 //! What the rig's monitor named, as rows of JSON and in words.
 
-use mesh_damper::health::{Cause, Channel, Event, Statistic};
+use mesh_damper::health::{Channel, Event, HealthCause, Statistic};
 use serde::Serialize;
 
 /// One event with its evidence.
@@ -41,7 +41,7 @@ impl EventRow {
     /// In one line.
     pub(super) fn in_words(&self) -> String {
         let Event { cause, .. } = self.event;
-        let kind = if self.fault { "Fault" } else { "Normal" };
+        let kind = if self.fault { "TripCause" } else { "Normal" };
         let (value, limit) = (self.value, self.limit);
         let percent = |what: &str| {
             format!(
@@ -73,18 +73,18 @@ impl EventRow {
     }
 }
 
-fn channel_of(cause: Cause) -> Option<Channel> {
+fn channel_of(cause: HealthCause) -> Option<Channel> {
     match cause {
-        Cause::SensorStuck(channel)
-        | Cause::SensorDroppedOut(channel)
-        | Cause::SensorClipped(channel)
-        | Cause::SensorSpiking(channel)
-        | Cause::SensorDrifting(channel) => Some(channel),
+        HealthCause::SensorStuck(channel)
+        | HealthCause::SensorDroppedOut(channel)
+        | HealthCause::SensorClipped(channel)
+        | HealthCause::SensorSpiking(channel)
+        | HealthCause::SensorDrifting(channel) => Some(channel),
         _ => None,
     }
 }
 
-fn named(cause: Cause) -> String {
+fn named(cause: HealthCause) -> String {
     let sensor = |what: &str| {
         let channel = match channel_of(cause) {
             Some(Channel::Force) => "force",
@@ -93,20 +93,20 @@ fn named(cause: Cause) -> String {
         format!("the {channel} sensor {what}")
     };
     match cause {
-        Cause::WireBreakage => "wire breakage".into(),
-        Cause::FrictionWear => "friction wear".into(),
-        Cause::Loosening => "loosening".into(),
-        Cause::PreloadShift => "the preload has shifted".into(),
-        Cause::Unexplained => "something that no known cause explains".into(),
-        Cause::RunIn => "the run-in".into(),
-        Cause::Temperature => "the temperature".into(),
-        Cause::SensorStuck(_) => sensor("is stuck"),
-        Cause::SensorDroppedOut(_) => sensor("has dropped out"),
-        Cause::SensorClipped(_) => sensor("is clipped"),
-        Cause::SensorSpiking(_) => sensor("spikes"),
-        Cause::SensorDrifting(_) => sensor("drifts"),
-        Cause::ActuatorSaturated => "the actuator is saturated".into(),
-        Cause::ActuatorLagging => "the actuator lags".into(),
-        Cause::ActuatorDead => "the actuator is dead".into(),
+        HealthCause::WireBreakage => "wire breakage".into(),
+        HealthCause::FrictionWear => "friction wear".into(),
+        HealthCause::Loosening => "loosening".into(),
+        HealthCause::PreloadShift => "the preload has shifted".into(),
+        HealthCause::Unexplained => "something that no known cause explains".into(),
+        HealthCause::RunIn => "the run-in".into(),
+        HealthCause::Temperature => "the temperature".into(),
+        HealthCause::SensorStuck(_) => sensor("is stuck"),
+        HealthCause::SensorDroppedOut(_) => sensor("has dropped out"),
+        HealthCause::SensorClipped(_) => sensor("is clipped"),
+        HealthCause::SensorSpiking(_) => sensor("spikes"),
+        HealthCause::SensorDrifting(_) => sensor("drifts"),
+        HealthCause::ActuatorSaturated => "the actuator is saturated".into(),
+        HealthCause::ActuatorLagging => "the actuator lags".into(),
+        HealthCause::ActuatorDead => "the actuator is dead".into(),
     }
 }

@@ -1,6 +1,6 @@
 //! The command line: one file per command.
 
-mod amplitude_free;
+mod amplitude_independent;
 mod bench;
 mod bench_table;
 mod blind;
@@ -47,7 +47,7 @@ enum Command {
     Run(run::RunCommand),
     Bench(bench::BenchCommand),
     Blind(blind::BlindCommand),
-    AmplitudeFree(amplitude_free::AmplitudeFreeCommand),
+    AmplitudeFree(amplitude_independent::AmplitudeFreeCommand),
     Characterize(characterize::CharacterizeCommand),
     Orthogonal(orthogonal::OrthogonalCommand),
     Design(design::DesignCommand),

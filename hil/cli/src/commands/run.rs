@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use clap::Args;
 use mesh_damper::effects::AugmentedLaw;
 use mesh_damper::law::Law;
-use mesh_damper::rig::{CycleReport, Fault};
+use mesh_damper::rig::{CycleReport, TripCause};
 use mesh_damper::sine::Programme;
 use mesh_damper_link::lockstep::run_rig_on;
 use mesh_damper_model::MAX_EFFECTS;
@@ -364,23 +364,23 @@ fn with_journal(mut error: InputError, journal: &Journal) -> InputError {
 }
 
 /// Why the rig stopped.
-pub(super) fn in_words(fault: Fault) -> &'static str {
+pub(super) fn in_words(fault: TripCause) -> &'static str {
     match fault {
-        Fault::AdcBus => "the ADC did not answer",
-        Fault::DacBus => "the DAC did not answer",
-        Fault::EnableLine => "the enable line could not be set",
-        Fault::DisplacementClipped => "the displacement channel is at an end of its range",
-        Fault::ForceClipped => "the force channel is at an end of its range",
-        Fault::CommandClipped => "the command is beyond the DAC's range",
-        Fault::DisplacementLimit => "the displacement exceeded its limit",
-        Fault::ForceLimit => "the force exceeded its limit",
-        Fault::TrackingLimit => "the displacement was too far from the demanded one",
-        Fault::NoResponse => "the displacement did not follow the demanded one",
-        Fault::NotFinite => "a force or command was not finite",
-        Fault::DisplacementLost => "the displacement sensor is lost",
-        Fault::ForceLost => "the force sensor is lost",
-        Fault::LinkLost => "the link was silent for too long",
-        Fault::TickOverrun => "a tick came late",
+        TripCause::AdcBus => "the ADC did not answer",
+        TripCause::DacBus => "the DAC did not answer",
+        TripCause::EnableLine => "the enable line could not be set",
+        TripCause::DisplacementClipped => "the displacement channel is at an end of its range",
+        TripCause::ForceClipped => "the force channel is at an end of its range",
+        TripCause::CommandClipped => "the command is beyond the DAC's range",
+        TripCause::DisplacementLimit => "the displacement exceeded its limit",
+        TripCause::ForceLimit => "the force exceeded its limit",
+        TripCause::TrackingLimit => "the displacement was too far from the demanded one",
+        TripCause::NoResponse => "the displacement did not follow the demanded one",
+        TripCause::NotFinite => "a force or command was not finite",
+        TripCause::DisplacementLost => "the displacement sensor is lost",
+        TripCause::ForceLost => "the force sensor is lost",
+        TripCause::LinkLost => "the link was silent for too long",
+        TripCause::TickOverrun => "a tick came late",
         _ => "a fault without a name",
     }
 }

@@ -1,8 +1,8 @@
 //! The samples of a fit, as the table and eq 13 see them.
 
-use mesh_damper::effects::Correction;
-use mesh_damper::effects::correction::{CELLS, CorrectionParts, CorrectionState};
-use mesh_damper::effects::description::Kind;
+use mesh_damper::effects::ResidualTable;
+use mesh_damper::effects::correction::{CELLS, ResidualTableParts, ResidualTableState};
+use mesh_damper::effects::description::EffectKind;
 use mesh_damper::limits;
 use mesh_damper_model::correction::Remembered;
 use mesh_damper_model::predict::{motion_at, predict};
@@ -180,7 +180,7 @@ impl<'a> Design<'a> {
                             motion.velocity.signum()
                         },
                         cells: table
-                            .support(&mut { CorrectionState::NEW }, &motion.confined())
+                            .support(&mut { ResidualTableState::NEW }, &motion.clamped())
                             .cells,
                     }
                 };
@@ -333,9 +333,9 @@ impl<'a> Design<'a> {
         let mut taken: Vec<Vec<T>> = self.rows.iter().map(|_| Vec::new()).collect();
         for (which, trajectory) in self.trajectories.iter().enumerate() {
             let table = empty(&self.extent, Some((of, range)), trajectory.tick)?;
-            let mut state = CorrectionState::NEW;
+            let mut state = ResidualTableState::NEW;
             for sample in 0..trajectory.len() {
-                let support = table.support(&mut state, &motion_at(trajectory, sample).confined());
+                let support = table.support(&mut state, &motion_at(trajectory, sample).clamped());
                 while let Some((_, row)) = wanted.next_if(|(at, _)| *at == (which, sample)) {
                     taken[row].push(take(support.memory, support.cells));
                 }
@@ -436,21 +436,21 @@ fn empty(
     extent: &Extent,
     memory: Option<(Remembered, [f64; 2])>,
     tick: f64,
-) -> Option<Correction<f64>> {
+) -> Option<ResidualTable<f64>> {
     let memory = memory.map(|(of, range)| (of.memory(), range));
-    let parts = CorrectionParts {
+    let parts = ResidualTableParts {
         reach: extent.displacement,
         speed: extent.speed,
         unit: 1.0,
         cells: &[0; CELLS],
         memory,
     };
-    Correction::new(&parts, tick).ok()
+    ResidualTable::new(&parts, tick).ok()
 }
 
 /// Whether an effect only adds a force to the law's.
 fn adds_a_force(family: Family) -> bool {
-    family.first().kind == Kind::Force
+    family.first().kind == EffectKind::Force
 }
 
 /// Blocks to leave out one at a time: those whose amplitude another block has, so that eq 13 is known there, and that are

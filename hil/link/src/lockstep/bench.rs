@@ -1,11 +1,11 @@
 //! A rig whose controller is an image, and whose sensors and actuator are simulated here.
 
 use mesh_damper::converter::Scale;
+use mesh_damper::fast_law::FastLaw;
 use mesh_damper::law::Law;
 use mesh_damper::message::{Sensors, Setup};
 use mesh_damper::pack::{LARGEST, encode};
 use mesh_damper::rig::Telemetry;
-use mesh_damper::tabulated::TabulatedLaw;
 use mesh_damper_rig::Controlled;
 use mesh_damper_rig::Plant;
 use mesh_damper_rig::actuator::{adc_code, dac_volts};
@@ -21,7 +21,7 @@ pub struct ImageBench<'i, S, W, const N: usize> {
     image: &'i mut Image<W>,
     enabled: bool,
     /// What the image was last given.
-    law: TabulatedLaw<N>,
+    law: FastLaw<N>,
 }
 
 impl<'i, S: DamperForce + Clone, W: Wire, const N: usize> ImageBench<'i, S, W, N> {
@@ -34,7 +34,7 @@ impl<'i, S: DamperForce + Clone, W: Wire, const N: usize> ImageBench<'i, S, W, N
         image: &'i mut Image<W>,
     ) -> Result<Self, SetupError> {
         let plant = Plant::new(&setup)?;
-        let law = TabulatedLaw::new(setup.law);
+        let law = FastLaw::new(setup.law);
         let scale = |full_scale| Scale::new(full_scale, 0.0);
         send(image, &law)?;
         image.set_up(
@@ -55,10 +55,7 @@ impl<'i, S: DamperForce + Clone, W: Wire, const N: usize> ImageBench<'i, S, W, N
     }
 }
 
-fn send<W: Wire, const N: usize>(
-    image: &mut Image<W>,
-    law: &TabulatedLaw<N>,
-) -> Result<(), SetupError> {
+fn send<W: Wire, const N: usize>(image: &mut Image<W>, law: &FastLaw<N>) -> Result<(), SetupError> {
     let mut buffer = [0; LARGEST];
     image.send_pack(encode(law, &mut buffer)?)?;
     Ok(())

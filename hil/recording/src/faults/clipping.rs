@@ -2,7 +2,7 @@
 
 use super::super::noise::noise_deviation;
 use super::super::resample::Uniform;
-use super::{Fault, Kind, mark, runs, sampled, spread};
+use super::{ChannelFault, Kind, mark, runs, sampled, spread};
 use crate::extremes::least_and_largest;
 use crate::policy::policy;
 
@@ -28,7 +28,7 @@ pub(super) fn find(
     uniform: &Uniform,
     present: &[bool],
     absent: &mut [Vec<bool>; 2],
-    faults: &mut Vec<Fault>,
+    faults: &mut Vec<ChannelFault>,
 ) {
     let others = [&uniform.force, &uniform.displacement];
     for ((channel, values, absent), other) in sampled(uniform, absent).into_iter().zip(others) {
@@ -43,7 +43,7 @@ pub(super) fn find(
             let samples = marked.iter().filter(|&&marked| marked).count();
             let limit = side * limit;
             let kind = Kind::Clipping { samples, limit };
-            faults.push(Fault { channel, kind });
+            faults.push(ChannelFault { channel, kind });
             mark(absent, &marked);
         }
     }

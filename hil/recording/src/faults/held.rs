@@ -2,7 +2,7 @@
 
 use super::super::noise::noise_deviation;
 use super::super::resample::Uniform;
-use super::{Fault, Kind, quantile, runs, sampled, spread};
+use super::{ChannelFault, Kind, quantile, runs, sampled, spread};
 use crate::extremes::least_and_largest;
 use crate::policy::policy;
 
@@ -27,7 +27,7 @@ pub(super) fn find(
     uniform: &Uniform,
     present: &[bool],
     absent: &mut [Vec<bool>; 2],
-    faults: &mut Vec<Fault>,
+    faults: &mut Vec<ChannelFault>,
 ) {
     for (channel, values, absent) in sampled(uniform, absent) {
         let mut samples = 0;
@@ -42,7 +42,7 @@ pub(super) fn find(
                 samples,
                 stretches: held.len(),
             };
-            faults.push(Fault { channel, kind });
+            faults.push(ChannelFault { channel, kind });
         }
     }
 }

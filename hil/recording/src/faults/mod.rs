@@ -104,14 +104,14 @@ pub enum Kind {
 
 /// A fault found in a recording.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Fault {
+pub struct ChannelFault {
     /// Where.
     pub channel: Channel,
     /// What.
     pub kind: Kind,
 }
 
-impl std::fmt::Display for Fault {
+impl std::fmt::Display for ChannelFault {
     /// What is wrong, how much of it, and what was done.
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         let channel = self.channel.name();
@@ -216,8 +216,8 @@ impl std::fmt::Display for Fault {
 }
 
 /// The faults in one line.
-pub(super) fn listed(faults: &[Fault]) -> String {
-    let texts: Vec<String> = faults.iter().map(Fault::to_string).collect();
+pub(super) fn listed(faults: &[ChannelFault]) -> String {
+    let texts: Vec<String> = faults.iter().map(ChannelFault::to_string).collect();
     texts.join("; ")
 }
 
@@ -242,13 +242,13 @@ impl Recording {
     }
 
     /// What [`Recording::mended`] mended, and rows that were written twice.
-    pub fn faults(&self) -> &[Fault] {
+    pub fn faults(&self) -> &[ChannelFault] {
         &self.faults
     }
 }
 
 /// Finds faults of single samples, takes them out of what counts as measured, and bridges the displacement.
-pub(super) fn examine(uniform: &mut Uniform) -> Vec<Fault> {
+pub(super) fn examine(uniform: &mut Uniform) -> Vec<ChannelFault> {
     let mut faults = Vec::new();
     let count = uniform.len();
     let mut absent = [vec![false; count], vec![false; count]];

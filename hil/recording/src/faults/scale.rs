@@ -3,7 +3,7 @@
 use std::ops::Range;
 
 use super::super::Recording;
-use super::{Channel, Fault, Kind, spread};
+use super::{Channel, ChannelFault, Kind, spread};
 use crate::policy::policy;
 
 crate::numbers! {
@@ -46,8 +46,9 @@ pub(super) fn mend(recording: &mut Recording) {
     let stiffness = stiffness(recording);
     let travel = spread(&recording.displacement);
     let is_known = |recording: &Recording, channel| {
-        let known =
-            |fault: &Fault| fault.channel == channel && matches!(fault.kind, Kind::Unit { .. });
+        let known = |fault: &ChannelFault| {
+            fault.channel == channel && matches!(fault.kind, Kind::Unit { .. })
+        };
         recording.faults.iter().any(known)
     };
     if is_mesh(recording) {
@@ -113,7 +114,7 @@ fn say(recording: &mut Recording, channel: Channel, factor: f64, samples: usize,
         samples,
         mended,
     };
-    recording.faults.push(Fault { channel, kind });
+    recording.faults.push(ChannelFault { channel, kind });
 }
 
 /// Finds where the size of one channel, and not that of the other, jumps by a unit, and mends the smaller part.

@@ -4,7 +4,7 @@ use nalgebra::{SMatrix, SVector};
 
 use super::super::cycles::{Block, same_amplitude};
 use super::super::trajectory::Trajectory;
-use super::{Channel, Fault, Kind};
+use super::{Channel, ChannelFault, Kind};
 use crate::policy::policy;
 
 crate::numbers! {
@@ -126,8 +126,8 @@ impl Shift {
     }
 
     /// What is said of it, at `tick` s.
-    pub fn fault(self, tick: f64) -> Fault {
-        Fault {
+    pub fn fault(self, tick: f64) -> ChannelFault {
+        ChannelFault {
             channel: Channel::Force,
             kind: Kind::Shifted {
                 late: self.late * tick,

@@ -1,7 +1,7 @@
 //! A force whose sign is turned: against the displacement and giving energy at once.
 
 use super::super::Recording;
-use super::{Channel, Fault, Kind, median_filtered};
+use super::{Channel, ChannelFault, Kind, median_filtered};
 use crate::policy::policy;
 
 crate::numbers! {
@@ -28,7 +28,7 @@ pub(super) fn mend(recording: &mut Recording) {
         .force
         .iter_mut()
         .for_each(|force| *force = -*force);
-    recording.faults.push(Fault {
+    recording.faults.push(ChannelFault {
         channel: Channel::Force,
         kind: Kind::Flipped,
     });

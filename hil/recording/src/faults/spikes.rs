@@ -4,7 +4,9 @@ use std::collections::HashMap;
 
 use super::super::noise::noise_deviation;
 use super::super::resample::Uniform;
-use super::{Channel, Fault, Kind, bridge, mark, median_filtered, quantile, runs, sampled, spread};
+use super::{
+    Channel, ChannelFault, Kind, bridge, mark, median_filtered, quantile, runs, sampled, spread,
+};
 use crate::policy::policy;
 
 crate::numbers! {
@@ -49,7 +51,7 @@ pub(super) fn find(
     uniform: &mut Uniform,
     present: &[bool],
     absent: &mut [Vec<bool>; 2],
-    faults: &mut Vec<Fault>,
+    faults: &mut Vec<ChannelFault>,
 ) {
     let states = states(&uniform.displacement);
     let period = uniform.period;
@@ -61,7 +63,7 @@ pub(super) fn find(
                 samples: found.samples,
                 largest: found.largest / spread(values),
             };
-            faults.push(Fault { channel, kind });
+            faults.push(ChannelFault { channel, kind });
         }
         found.marked
     };

@@ -1,7 +1,7 @@
 //! A measured velocity that is not the derivative of the displacement.
 
 use super::super::resample::Uniform;
-use super::{Channel, Fault, Kind, median_filtered, quantile};
+use super::{Channel, ChannelFault, Kind, median_filtered, quantile};
 use crate::policy::policy;
 
 crate::numbers! {
@@ -27,12 +27,12 @@ const THOUSANDS: [f64; 4] = [1e3, 1e-3, 1e6, 1e-6];
 
 /// Mends the velocity of `uniform` where it is a unit or a sign off, and drops it where it is something else. `unknown`
 /// displacements say nothing.
-pub(super) fn examine(uniform: &mut Uniform, unknown: &[bool], faults: &mut Vec<Fault>) {
+pub(super) fn examine(uniform: &mut Uniform, unknown: &[bool], faults: &mut Vec<ChannelFault>) {
     let Some(velocity) = &mut uniform.velocity else {
         return;
     };
     let mut say = |kind| {
-        faults.push(Fault {
+        faults.push(ChannelFault {
             channel: Channel::Velocity,
             kind,
         });

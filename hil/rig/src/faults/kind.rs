@@ -3,7 +3,7 @@
 use std::cell::Cell;
 use std::f64::consts::TAU;
 
-use mesh_damper::health::{Cause, Channel};
+use mesh_damper::health::{Channel, HealthCause};
 use serde::Serialize;
 
 use super::damage::{Condition, Damaged};
@@ -119,28 +119,28 @@ impl Kind {
     }
 
     /// What it should be called.
-    pub fn cause(self) -> Cause {
+    pub fn cause(self) -> HealthCause {
         let (displacement, force) = (Channel::Displacement, Channel::Force);
         match self {
-            Self::WireBreakage => Cause::WireBreakage,
-            Self::FrictionWear => Cause::FrictionWear,
-            Self::Loosening => Cause::Loosening,
-            Self::PreloadShift => Cause::PreloadShift,
-            Self::DisplacementStuck => Cause::SensorStuck(displacement),
-            Self::ForceStuck => Cause::SensorStuck(force),
-            Self::DisplacementDroppedOut => Cause::SensorDroppedOut(displacement),
-            Self::ForceDroppedOut => Cause::SensorDroppedOut(force),
+            Self::WireBreakage => HealthCause::WireBreakage,
+            Self::FrictionWear => HealthCause::FrictionWear,
+            Self::Loosening => HealthCause::Loosening,
+            Self::PreloadShift => HealthCause::PreloadShift,
+            Self::DisplacementStuck => HealthCause::SensorStuck(displacement),
+            Self::ForceStuck => HealthCause::SensorStuck(force),
+            Self::DisplacementDroppedOut => HealthCause::SensorDroppedOut(displacement),
+            Self::ForceDroppedOut => HealthCause::SensorDroppedOut(force),
             Self::DisplacementOpen | Self::DisplacementClipped => {
-                Cause::SensorClipped(displacement)
+                HealthCause::SensorClipped(displacement)
             }
-            Self::ForceOpen | Self::ForceClipped => Cause::SensorClipped(force),
-            Self::DisplacementSpiking => Cause::SensorSpiking(displacement),
-            Self::ForceSpiking => Cause::SensorSpiking(force),
-            Self::DisplacementDrifting => Cause::SensorDrifting(displacement),
-            Self::ForceDrifting => Cause::SensorDrifting(force),
-            Self::ActuatorSaturated => Cause::ActuatorSaturated,
-            Self::ActuatorLagging => Cause::ActuatorLagging,
-            Self::ActuatorDead => Cause::ActuatorDead,
+            Self::ForceOpen | Self::ForceClipped => HealthCause::SensorClipped(force),
+            Self::DisplacementSpiking => HealthCause::SensorSpiking(displacement),
+            Self::ForceSpiking => HealthCause::SensorSpiking(force),
+            Self::DisplacementDrifting => HealthCause::SensorDrifting(displacement),
+            Self::ForceDrifting => HealthCause::SensorDrifting(force),
+            Self::ActuatorSaturated => HealthCause::ActuatorSaturated,
+            Self::ActuatorLagging => HealthCause::ActuatorLagging,
+            Self::ActuatorDead => HealthCause::ActuatorDead,
         }
     }
 

@@ -1,6 +1,6 @@
 //! A specimen that changes slowly: within what the law may follow it is followed and no fault, beyond it is named.
 
-use mesh_damper::health::Cause;
+use mesh_damper::health::HealthCause;
 use mesh_damper::rig::{CycleReport, State};
 use serde::Serialize;
 
@@ -90,7 +90,7 @@ pub struct Left {
 struct Watched {
     /// Of full amplitude.
     reports: Vec<CycleReport>,
-    named: Vec<(u32, Cause)>,
+    named: Vec<(u32, HealthCause)>,
 }
 
 /// The mean of `of` over `cycles`.
@@ -136,10 +136,10 @@ impl SlowChange {
         self.size.abs() <= FOLLOW
     }
 
-    fn cause(&self) -> Cause {
+    fn cause(&self) -> HealthCause {
         match self.changing {
-            Changing::Force => Cause::WireBreakage,
-            Changing::Friction => Cause::FrictionWear,
+            Changing::Force => HealthCause::WireBreakage,
+            Changing::Friction => HealthCause::FrictionWear,
         }
     }
 

@@ -5,9 +5,9 @@ use std::f64::consts::TAU;
 use std::rc::Rc;
 
 use mesh_damper::effects::AugmentedLaw;
-use mesh_damper::health::{Cause, Event};
+use mesh_damper::health::{Event, HealthCause};
 use mesh_damper::law::Law;
-use mesh_damper::rig::{Fault, State};
+use mesh_damper::rig::{State, TripCause};
 use mesh_damper::sine::{Block, Programme};
 use serde::Serialize;
 
@@ -190,7 +190,7 @@ impl<'t> Test<'t> {
             stopped_in_time: true,
         };
         let mut beyond = 0;
-        let mut stopped: Option<(u64, Fault)> = None;
+        let mut stopped: Option<(u64, TripCause)> = None;
         rig.start()?;
         for tick in 0.. {
             if tick == begins {
@@ -227,7 +227,8 @@ impl<'t> Test<'t> {
         }
         outcome.stopped = stopped.map(|(_, fault)| format!("{fault:?}"));
         let faults = events.iter().filter(|(_, event)| event.cause.is_fault());
-        let faults: Vec<(u64, Cause)> = faults.map(|(tick, event)| (*tick, event.cause)).collect();
+        let faults: Vec<(u64, HealthCause)> =
+            faults.map(|(tick, event)| (*tick, event.cause)).collect();
         outcome.named = faults
             .iter()
             .map(|(_, cause)| format!("{cause:?}"))

@@ -75,7 +75,7 @@ impl Exact {
         }
     }
 
-    /// Cycle `index` as [`mesh_damper::virtual_test`] defines it: the largest force of its ticks, and the energy of the sine
+    /// Cycle `index` as [`mesh_damper::simulation`] defines it: the largest force of its ticks, and the energy of the sine
     /// itself, not of its chords.
     pub fn demanded_cycle(&self, index: u64) -> ExactCycle {
         const NODES: u64 = 50_000;

@@ -119,7 +119,7 @@ pub fn ticks() -> Result<Vec<LargestError>, Refused> {
     let mut integers = [0.0; 4];
     for ((_, amplitude, law), (own_amplitude, own)) in tables::cells().zip(tick::laws()) {
         let exact = Exact { law, amplitude };
-        let mut test = tick::virtual_test(own_amplitude, own)?;
+        let mut test = tick::simulation(own_amplitude, own)?;
         let mut whole = tick::Whole::new(&mut test);
         exact.judge(&mut floats, Exact::demanded_cycle, || {
             let force = f64::from(whole.told(|whole| tick::tick(whole, 0.0, 0.0)));

@@ -9,7 +9,7 @@
 //!
 //! What is counted stands in `firmware/src/bench/suite`, and is run on the host too, bit for bit the same, to be judged.
 //!
-//! The whole tick is [`mesh_damper::virtual_test`]'s, of a demanded sine; the generator, the law and the accumulator of which
+//! The whole tick is [`mesh_damper::simulation`]'s, of a demanded sine; the generator, the law and the accumulator of which
 //! the rig is made, and which serve any motion and any force, are counted beside it.
 //!
 //! # Peers

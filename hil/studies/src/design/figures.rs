@@ -6,7 +6,7 @@ use mesh_damper_reference::dynamic_test::{characterize, elastic_potential, loss_
 use mesh_damper_reference::law::Coefficients;
 use serde::Serialize;
 
-use crate::amplitude_free::Sine;
+use crate::amplitude_independent::Sine;
 
 /// Phases at which the largest force is looked for; it may have two maxima where the cubic stiffens much.
 const PHASES: usize = 48;

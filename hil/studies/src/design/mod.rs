@@ -21,7 +21,7 @@ pub use figures::Figures;
 pub use rig::{OnRig, on_rig};
 pub use source::Source;
 
-use mesh_damper::rig::Fault;
+use mesh_damper::rig::TripCause;
 use mesh_damper_reference::tables::AMPLITUDES;
 use mesh_damper_rig::SetupError;
 use serde::Serialize;
@@ -72,7 +72,7 @@ pub enum DesignError {
         /// s since the start.
         time: f64,
         /// Why.
-        fault: Fault,
+        fault: TripCause,
     },
 }
 

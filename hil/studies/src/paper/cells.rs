@@ -5,7 +5,7 @@ use mesh_damper_reference::law::Coefficients;
 use mesh_damper_reference::tables::{AMPLITUDES, DENSITIES, cell};
 use serde::Serialize;
 
-use crate::amplitude_free::Sine;
+use crate::amplitude_independent::Sine;
 
 /// Samples of a cycle; the largest force is missed by less than (π/N)²/2 of itself.
 const SAMPLES: usize = 4000;

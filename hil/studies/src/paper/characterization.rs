@@ -10,7 +10,7 @@ use mesh_damper_reference::{dynamic_test, static_test};
 
 use super::cells::{Cell, FREQUENCY, dynamics};
 use super::claim::{Claim, Verdict};
-use crate::amplitude_free::Sine;
+use crate::amplitude_independent::Sine;
 
 /// Thickness of the ring's wall, mm: outer diameter 22 mm, inner 12 mm.
 const WALL: f64 = 5.0;

@@ -13,7 +13,7 @@ use serde::Serialize;
 
 use super::cells::{Cell, Dynamics, FREQUENCY, dynamics_of};
 use super::trends::TENTH;
-use crate::amplitude_free::Sine;
+use crate::amplitude_independent::Sine;
 use crate::finite_element::ForceLoop;
 use crate::surfaces::Surfaces;
 

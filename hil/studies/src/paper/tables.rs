@@ -10,7 +10,7 @@ use mesh_damper_reference::tables::{self, AMPLITUDES, DENSITIES};
 use super::cells::{Cell, dynamics};
 use super::claim::{Claim, Verdict, spread};
 use super::misprints::{FitCheck, LeftOut};
-use crate::amplitude_free::Sine;
+use crate::amplitude_independent::Sine;
 use crate::surfaces::{loop_errors, mean_and_largest};
 
 /// What the misprints' evidence is.

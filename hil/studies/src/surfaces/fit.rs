@@ -10,7 +10,7 @@ use mesh_damper_reference::tables::{self, AMPLITUDES, DENSITIES};
 use nalgebra::{DMatrix, DVector};
 
 use super::{OMEGA, SAMPLES, Shape, Surfaces, basis, logistic};
-use crate::amplitude_free::Sine;
+use crate::amplitude_independent::Sine;
 use crate::nonnegative;
 
 /// As many as the tables have densities.

@@ -28,7 +28,7 @@ use mesh_damper_reference::law::Coefficients;
 use mesh_damper_reference::tables::{self, AMPLITUDES, DENSITIES};
 use serde::Serialize;
 
-use crate::amplitude_free::Sine;
+use crate::amplitude_independent::Sine;
 pub use fit::fit;
 
 /// Degree over the logarithm of amplitude: the least that leaves no cell of the tables above an NRMSE of 0.15.

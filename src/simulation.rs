@@ -22,12 +22,12 @@ use core::borrow::Borrow;
 use crate::cycle::{Cycle, CycleAccumulator};
 use crate::effects::Motion;
 use crate::error::ConfigError;
+use crate::fast_law::{FastLaw, RunningLaw};
 use crate::limits;
 use crate::sine::{
     Programme, SECTOR, SECTOR_ROUNDING, SECTORS, Sector, SineGenerator, SteadyBlock,
 };
 use crate::sum::Sum;
-use crate::tabulated::{RunningLaw, TabulatedLaw};
 
 /// The sectors with a step at whose beginning the velocity is no longer, and not yet, positive.
 const RISEN: usize = SECTORS / 4 + 1;
@@ -108,7 +108,7 @@ struct Steady {
 #[derive(Clone, Debug)]
 // The fields of every tick come first, within reach of a load's offset.
 #[repr(C)]
-pub struct VirtualTest<const B: usize, P = Programme<B>> {
+pub struct Simulation<const B: usize, P = Programme<B>> {
     walk: Walk,
     steady: Steady,
     law: RunningLaw<0>,
@@ -120,12 +120,12 @@ pub struct VirtualTest<const B: usize, P = Programme<B>> {
     done: bool,
 }
 
-impl<const B: usize, P: Borrow<Programme<B>>> VirtualTest<B, P> {
+impl<const B: usize, P: Borrow<Programme<B>>> Simulation<B, P> {
     /// At rest, at the start of `programme`.
     ///
     /// # Errors
     /// [`ConfigError::Empty`] for a programme with no block.
-    pub fn new(programme: P, law: TabulatedLaw<0>) -> Result<Self, ConfigError> {
+    pub fn new(programme: P, law: FastLaw<0>) -> Result<Self, ConfigError> {
         let generator = SineGenerator::new(programme)?;
         Ok(Self {
             walk: Walk::PARKED,
@@ -141,7 +141,7 @@ impl<const B: usize, P: Borrow<Programme<B>>> VirtualTest<B, P> {
     }
 
     /// Another law from the end of this cycle on.
-    pub fn swap_law(&mut self, law: TabulatedLaw<0>) {
+    pub fn swap_law(&mut self, law: FastLaw<0>) {
         self.law.swap(law);
         let steady = &mut self.steady;
         if steady.stage != Stage::Programme && !steady.waiting {
@@ -152,7 +152,7 @@ impl<const B: usize, P: Borrow<Programme<B>>> VirtualTest<B, P> {
     }
 
     /// The law in force.
-    pub fn law(&self) -> &TabulatedLaw<0> {
+    pub fn law(&self) -> &FastLaw<0> {
         self.law.law()
     }
 
@@ -198,7 +198,7 @@ impl<const B: usize, P: Borrow<Programme<B>>> VirtualTest<B, P> {
         self.walk.sample(&self.law)
     }
 
-    /// The forces in kN at the next ticks: as many times [`VirtualTest::tick`], for less.
+    /// The forces in kN at the next ticks: as many times [`Simulation::tick`], for less.
     pub fn block(&mut self, forces: &mut [f32]) {
         let mut forces = forces;
         loop {

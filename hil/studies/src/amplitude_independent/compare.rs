@@ -1,7 +1,7 @@
 //! What each law's force is on the loop that was held out.
 
 use mesh_damper::effects::Motion;
-use mesh_damper::tabulated::{RunningLaw, TabulatedLaw};
+use mesh_damper::fast_law::{FastLaw, RunningLaw};
 use mesh_damper_model::{Model, ModelError};
 use mesh_damper_reference::law::Coefficients;
 use mesh_damper_reference::surfaces::{self, Equation18};
@@ -27,7 +27,7 @@ pub fn ticks_of(amplitude: f64, frequency: f64) -> Sine {
 /// A model that the crate refuses.
 pub fn embedded_force(model: &Model, sine: &Sine) -> Result<Vec<f64>, ModelError> {
     let law = model.augmented::<f32>(0.0, 1.0 / TICK_RATE)?;
-    let mut running = RunningLaw::new(TabulatedLaw::new(law));
+    let mut running = RunningLaw::new(FastLaw::new(law));
     let mut cycle = || -> Vec<f64> {
         let samples = sine.displacement.iter().zip(&sine.velocity);
         samples

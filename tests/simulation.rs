@@ -2,20 +2,20 @@
 
 use mesh_damper::cycle::{Cycle, CycleAccumulator};
 use mesh_damper::effects::{AugmentedLaw, Motion};
+use mesh_damper::fast_law::{FastLaw, RunningLaw};
 use mesh_damper::law::Law;
+use mesh_damper::simulation::Simulation;
 use mesh_damper::sine::{Block, Programme, SineGenerator};
 use mesh_damper::table::PAPER;
-use mesh_damper::tabulated::{RunningLaw, TabulatedLaw};
-use mesh_damper::virtual_test::VirtualTest;
 use proptest::prelude::*;
 
 const RATE: f64 = 10_000.0;
 
-fn tabulated(law: Law<f32>) -> TabulatedLaw<0> {
-    TabulatedLaw::new(AugmentedLaw::new(law))
+fn tabulated(law: Law<f32>) -> FastLaw<0> {
+    FastLaw::new(AugmentedLaw::new(law))
 }
 
-fn paper(density: f32) -> TabulatedLaw<0> {
+fn paper(density: f32) -> FastLaw<0> {
     tabulated(PAPER.lookup(density, 0.1).law)
 }
 
@@ -35,12 +35,8 @@ struct Given {
 }
 
 /// `swap` is asked for after that many ticks.
-fn ticks(
-    programme: &Programme<4>,
-    law: &TabulatedLaw<0>,
-    swap: Option<(usize, &TabulatedLaw<0>)>,
-) -> Given {
-    let mut test = VirtualTest::new(programme.clone(), law.clone()).unwrap();
+fn ticks(programme: &Programme<4>, law: &FastLaw<0>, swap: Option<(usize, &FastLaw<0>)>) -> Given {
+    let mut test = Simulation::new(programme.clone(), law.clone()).unwrap();
     let mut given = Given::default();
     loop {
         if let Some((at, law)) = swap
@@ -61,11 +57,7 @@ fn ticks(
 }
 
 /// The same by the parts that know no short cut.
-fn parts(
-    programme: &Programme<4>,
-    law: &TabulatedLaw<0>,
-    swap: Option<(usize, &TabulatedLaw<0>)>,
-) -> Given {
+fn parts(programme: &Programme<4>, law: &FastLaw<0>, swap: Option<(usize, &FastLaw<0>)>) -> Given {
     let mut generator = SineGenerator::new(programme.clone()).unwrap();
     let mut law = RunningLaw::new(law.clone());
     let mut accumulator = CycleAccumulator::new();
@@ -154,7 +146,7 @@ fn a_block_of_ticks_is_so_many_ticks() {
     ]);
     let (law, other) = (paper(3.0), paper(2.0));
     for size in [1, 7, 64, 1000] {
-        let mut single = VirtualTest::new(programme.clone(), law.clone()).unwrap();
+        let mut single = Simulation::new(programme.clone(), law.clone()).unwrap();
         let mut many = single.clone();
         let mut forces = vec![0.0; size];
         let mut ticks = 0;
@@ -195,9 +187,9 @@ fn another_law_takes_over_at_the_cycles_end() {
 #[test]
 fn it_says_while_its_table_is_filled() {
     let programme = programme(&[Block::sine(0.1, 9.7, 6).unwrap()]);
-    let mut test = VirtualTest::new(programme, paper(3.0)).unwrap();
+    let mut test = Simulation::new(programme, paper(3.0)).unwrap();
     assert!(test.filling());
-    let filled_after = |test: &mut VirtualTest<4>| {
+    let filled_after = |test: &mut Simulation<4>| {
         let ticks = (0..2000).take_while(|_| {
             test.tick();
             test.filling()

@@ -4,7 +4,7 @@
 //! ticks that follow, a row a tick, so that no tick bears the whole: the row that the tick needs, or one more in turn where the
 //! tick before needed the same. So every force is the new law's from the first tick on.
 
-use crate::effects::{AugmentedLaw, AugmentedState, ConfinedMotion, LawForce, Motion};
+use crate::effects::{AugmentedLaw, AugmentedState, ClampedMotion, LawForce, Motion};
 use crate::law::Law;
 use crate::power::{PowerSeed, PowerTable, ROWS};
 use crate::real::Real;
@@ -12,12 +12,12 @@ use crate::tick_law::TickLaw;
 
 /// Eq 13, up to `N` added effects, and the seed of the damping's table.
 #[derive(Clone, Debug, PartialEq)]
-pub struct TabulatedLaw<const N: usize> {
+pub struct FastLaw<const N: usize> {
     pub(crate) augmented: AugmentedLaw<f32, N>,
     pub(crate) damping: PowerSeed,
 }
 
-impl<const N: usize> TabulatedLaw<N> {
+impl<const N: usize> FastLaw<N> {
     /// No force.
     pub const EMPTY: Self = Self {
         augmented: AugmentedLaw::new(Law::from_valid(0.0, 0.0, 0.0, 0.0)),
@@ -67,7 +67,7 @@ enum Waiting {
 /// that the rig has followed.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
-pub struct Followed {
+pub struct Adaptation {
     /// Of k1.
     pub k1: f32,
     /// Of k3.
@@ -76,13 +76,13 @@ pub struct Followed {
     pub c: f32,
 }
 
-impl Followed {
+impl Adaptation {
     /// Within −1…1.
-    pub(crate) fn confined(self) -> Self {
+    pub(crate) fn clamped(self) -> Self {
         Self {
-            k1: self.k1.confined(1.0),
-            k3: self.k3.confined(1.0),
-            c: self.c.confined(1.0),
+            k1: self.k1.clamped(1.0),
+            k3: self.k3.clamped(1.0),
+            c: self.c.clamped(1.0),
         }
     }
 
@@ -102,7 +102,7 @@ impl Followed {
 #[inline(always)]
 pub(crate) fn parts(
     given: &Law<f32>,
-    motion: &ConfinedMotion<f32>,
+    motion: &ClampedMotion<f32>,
     [elastic, damping]: [f32; 2],
     damping_force: f32,
 ) -> [f32; 3] {
@@ -114,7 +114,7 @@ pub(crate) fn parts(
     ]
 }
 
-/// A [`TabulatedLaw`] at work, and another one that may wait for the end of the cycle.
+/// A [`FastLaw`] at work, and another one that may wait for the end of the cycle.
 #[derive(Clone, Debug)]
 // What is long comes first: the table within reach of a load's offset, and of one another what follows.
 #[repr(C)]
@@ -123,9 +123,9 @@ pub struct RunningLaw<const N: usize> {
     /// Eq 13 as it is in force, and the part of the tabulated damping that is.
     in_force: Law<f32>,
     damping_part: f32,
-    followed: Followed,
+    followed: Adaptation,
     state: AugmentedState<f32>,
-    laws: [TabulatedLaw<N>; 2],
+    laws: [FastLaw<N>; 2],
     /// The second one is in force.
     second: bool,
     waiting: Waiting,
@@ -138,9 +138,9 @@ pub struct RunningLaw<const N: usize> {
 
 impl<const N: usize> RunningLaw<N> {
     /// `law` at work, its effects at rest.
-    pub fn new(law: TabulatedLaw<N>) -> Self {
+    pub fn new(law: FastLaw<N>) -> Self {
         let mut new = Self {
-            laws: [law, TabulatedLaw::EMPTY],
+            laws: [law, FastLaw::EMPTY],
             needed: ROWS,
             ..Self::empty()
         };
@@ -151,10 +151,10 @@ impl<const N: usize> RunningLaw<N> {
     /// No force, until a law is swapped in. All bits are 0, so that it takes no flash in a static.
     pub const fn empty() -> Self {
         Self {
-            laws: [const { TabulatedLaw::EMPTY }; 2],
+            laws: [const { FastLaw::EMPTY }; 2],
             in_force: Law::from_valid(0.0, 0.0, 0.0, 0.0),
             damping_part: 0.0,
-            followed: Followed {
+            followed: Adaptation {
                 k1: 0.0,
                 k3: 0.0,
                 c: 0.0,
@@ -170,16 +170,16 @@ impl<const N: usize> RunningLaw<N> {
     }
 
     /// The law in force, as it was given.
-    pub fn law(&self) -> &TabulatedLaw<N> {
+    pub fn law(&self) -> &FastLaw<N> {
         let [first, second] = &self.laws;
         if self.second { second } else { first }
     }
 
-    /// From here on k1, k3 and c differ by these parts, confined to −1…1, from the law as it was given; nothing of it is left
+    /// From here on k1, k3 and c differ by these parts, clamped to −1…1, from the law as it was given; nothing of it is left
     /// once another law takes over.
     #[inline(never)]
-    pub fn follow(&mut self, followed: Followed) {
-        let followed = followed.confined();
+    pub fn follow(&mut self, followed: Adaptation) {
+        let followed = followed.clamped();
         self.in_force = followed.of(self.law().augmented.law());
         self.damping_part = 1.0 + followed.c;
         self.followed = followed;
@@ -190,16 +190,16 @@ impl<const N: usize> RunningLaw<N> {
     pub(crate) fn follow_nothing(&mut self) {
         self.in_force = *self.law().augmented.law();
         self.damping_part = 1.0;
-        self.followed = Followed::default();
+        self.followed = Adaptation::default();
     }
 
     /// By how much the law in force differs from the law as it was given.
-    pub fn followed(&self) -> Followed {
+    pub fn followed(&self) -> Adaptation {
         self.followed
     }
 
     /// k1·y, k3·y³ and c·|v|^α·sgn v of the law as it was given, kN, with what its effects make of each: what the law in force
-    /// has of [`Followed`], part by part. 0 where something lies between the specimen and what is measured. Not for every
+    /// has of [`Adaptation`], part by part. 0 where something lies between the specimen and what is measured. Not for every
     /// tick.
     #[inline]
     pub(crate) fn parts(&self, motion: &Motion<f32>) -> [f32; 3] {
@@ -207,7 +207,7 @@ impl<const N: usize> RunningLaw<N> {
         if law.augmented.has_stages() {
             return [0.0; 3];
         }
-        let motion = motion.confined();
+        let motion = motion.clamped();
         let v = motion.velocity();
         let scales = law.augmented.scales(&motion);
         let damping_force = if self.settled {
@@ -219,7 +219,7 @@ impl<const N: usize> RunningLaw<N> {
     }
 
     /// The law to take over at the next [`RunningLaw::boundary`]; one that was waiting is dropped.
-    pub fn swap(&mut self, law: TabulatedLaw<N>) {
+    pub fn swap(&mut self, law: FastLaw<N>) {
         let written: Result<(), core::convert::Infallible> = self.swap_with(|slot| {
             *slot = law;
             Ok(())
@@ -234,7 +234,7 @@ impl<const N: usize> RunningLaw<N> {
     /// That of `write`.
     pub fn swap_with<E>(
         &mut self,
-        write: impl FnOnce(&mut TabulatedLaw<N>) -> Result<(), E>,
+        write: impl FnOnce(&mut FastLaw<N>) -> Result<(), E>,
     ) -> Result<(), E> {
         self.waiting = Waiting::No;
         let [first, second] = &mut self.laws;
@@ -285,7 +285,7 @@ impl<const N: usize> RunningLaw<N> {
             }
             self.settle(motion);
         }
-        let motion = motion.confined();
+        let motion = motion.clamped();
         let [first, second] = &self.laws;
         let law = if self.second { second } else { first };
         let elastic = self.in_force.elastic_force_within(motion.displacement());
@@ -302,14 +302,14 @@ impl<const N: usize> RunningLaw<N> {
     #[cold]
     #[inline(never)]
     fn settle(&mut self, motion: &Motion<f32>) {
-        self.fill(motion.confined().velocity());
+        self.fill(motion.clamped().velocity());
         self.settled = !self.is_filling();
     }
 
     /// Not inlined: its registers are no matter of other ticks.
     #[inline(never)]
     fn force_through_stages(&mut self, motion: &Motion<f32>) -> f32 {
-        let motion = motion.confined();
+        let motion = motion.clamped();
         let filling = self.is_filling();
         if filling {
             self.fill(motion.velocity());
@@ -377,10 +377,10 @@ impl<const N: usize> TickLaw for RunningLaw<N> {
     fn boundary(&mut self) -> bool {
         Self::boundary(self)
     }
-    fn follow(&mut self, followed: Followed) {
+    fn follow(&mut self, followed: Adaptation) {
         Self::follow(self, followed);
     }
-    fn followed(&self) -> Followed {
+    fn followed(&self) -> Adaptation {
         Self::followed(self)
     }
     #[inline(always)]
@@ -399,7 +399,7 @@ mod tests {
     /// By as much of them the force changes.
     #[test]
     fn what_is_followed_is_the_sum_of_its_parts() {
-        let followed = Followed {
+        let followed = Adaptation {
             k1: 0.1,
             k3: -0.2,
             c: 0.3,
@@ -429,7 +429,7 @@ mod tests {
             let law = AugmentedLaw::<f32, 4>::new(Law::new(1.0, 10.0, 0.1, 0.4).unwrap());
             let mut effects = beside.iter().take(count);
             let law = effects.try_fold(law, |law, effect| law.with(*effect));
-            let mut given = RunningLaw::new(TabulatedLaw::new(law.unwrap()));
+            let mut given = RunningLaw::new(FastLaw::new(law.unwrap()));
             let mut following = given.clone();
             following.follow(followed);
             for (y, v) in [(0.2f32, 3.0f32), (-0.1, 0.7), (0.15, -2.0)] {

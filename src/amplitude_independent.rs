@@ -1,15 +1,15 @@
 //! The published loops by one law for every amplitude, for a motion that nobody declares.
 //!
 //! [`crate::table::PAPER`] gives eq 13 for a cycle of known amplitude. Where an actuator elsewhere moves the damper, as it
-//! does an [`Emulator`](crate::rig::Emulator), no amplitude is known before its cycle is over. These laws have none: eq 13
+//! does an [`DamperEmulation`](crate::rig::DamperEmulation), no amplitude is known before its cycle is over. These laws have none: eq 13
 //! with one set of coefficients, friction that grows with the load, and stick-slip. They are fitted to Tables 6–9 at 1 and
 //! 10 Hz without the row of 0.15 mm, where they err by 8 to 19 % of the force's RMS; `cargo hil amplitude-free` fits them.
 
 use crate::effects::{AugmentedLaw, Effect, LoadFriction, StickSlip};
 use crate::error::ConfigError;
+use crate::fast_law::FastLaw;
 use crate::law::Law;
 use crate::real::in_range;
-use crate::tabulated::TabulatedLaw;
 
 /// One density's law.
 struct Row {
@@ -77,14 +77,14 @@ pub fn parts(density: f32) -> Result<(Law<f32>, Effects), ConfigError> {
     Ok((row.law, effects))
 }
 
-/// [`parts`] as a law for a [`RunningLaw`](crate::tabulated::RunningLaw).
+/// [`parts`] as a law for a [`RunningLaw`](crate::fast_law::RunningLaw).
 ///
 /// # Errors
 /// `density` not finite or out of range.
-pub fn law(density: f32) -> Result<TabulatedLaw<2>, ConfigError> {
+pub fn law(density: f32) -> Result<FastLaw<2>, ConfigError> {
     let (law, (load_friction, stick_slip)) = parts(density)?;
     let law = AugmentedLaw::new(law)
         .with(Effect::LoadFriction(load_friction))?
         .with(Effect::StickSlip(stick_slip))?;
-    Ok(TabulatedLaw::new(law))
+    Ok(FastLaw::new(law))
 }

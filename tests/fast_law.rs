@@ -4,14 +4,14 @@ use mesh_damper::effects::{
     AugmentedLaw, Compliance, Delay, Effect, Gap, LoadFriction, Motion, StickSlip, Temperature,
     Viscous,
 };
+use mesh_damper::fast_law::{Adaptation, FastLaw, RunningLaw};
 use mesh_damper::law::Law;
 use mesh_damper::real::Real;
-use mesh_damper::tabulated::{Followed, RunningLaw, TabulatedLaw};
 
-fn law(k1: f32, c: f32, alpha: f32) -> TabulatedLaw<1> {
+fn law(k1: f32, c: f32, alpha: f32) -> FastLaw<1> {
     let law = AugmentedLaw::new(Law::new(k1, 10.0, c, alpha).unwrap());
     let joints = Effect::StickSlip(StickSlip::new(&[(1.0, 0.02)]).unwrap());
-    TabulatedLaw::new(law.with(joints).unwrap())
+    FastLaw::new(law.with(joints).unwrap())
 }
 
 /// Tick `n` of a motion that goes through every octave of the velocity again and again, in an order of its own.
@@ -30,7 +30,7 @@ fn motion(n: u32) -> Motion<f32> {
 }
 
 /// Forces of `laws`, each taking over at the tick beside it.
-fn forces(laws: &[(u32, TabulatedLaw<1>)], ticks: u32) -> Vec<f32> {
+fn forces(laws: &[(u32, FastLaw<1>)], ticks: u32) -> Vec<f32> {
     let mut running = RunningLaw::new(laws[0].1.clone());
     (0..ticks)
         .map(|n| {
@@ -95,7 +95,7 @@ fn a_law_that_waits_does_nothing_before_the_boundary_and_the_last_one_counts() {
     }
 }
 
-const FOLLOWED: Followed = Followed {
+const FOLLOWED: Adaptation = Adaptation {
     k1: -0.1,
     k3: 0.3,
     c: 0.2,
@@ -120,11 +120,11 @@ fn a_law_that_follows_is_the_law_that_it_has_come_to() {
         let of = |law| {
             let law = AugmentedLaw::<f32, 2>::new(law);
             let all = effects.iter();
-            TabulatedLaw::new(all.fold(law, |law, effect| law.with(*effect).unwrap()))
+            FastLaw::new(all.fold(law, |law, effect| law.with(*effect).unwrap()))
         };
         let mut following = RunningLaw::new(of(Law::new(1.0, 10.0, 0.1, 0.4).unwrap()));
         let mut other = RunningLaw::new(of(Law::new(0.9, 13.0, 0.12, 0.4).unwrap()));
-        assert_eq!(following.followed(), Followed::default());
+        assert_eq!(following.followed(), Adaptation::default());
         following.follow(FOLLOWED);
         assert_eq!(following.followed(), FOLLOWED);
         let (mut worst, mut peak) = (0.0_f32, 0.0_f32);
@@ -154,7 +154,7 @@ fn nothing_that_was_followed_is_left_of_another_law() {
     assert_eq!(running.law(), &first);
     running.swap(second.clone());
     assert!(running.boundary());
-    assert_eq!(running.followed(), Followed::default());
+    assert_eq!(running.followed(), Adaptation::default());
     let mut fresh = RunningLaw::new(second);
     for n in 0..2000 {
         assert_eq!(running.force(&motion(n)), fresh.force(&motion(n)));
@@ -164,7 +164,7 @@ fn nothing_that_was_followed_is_left_of_another_law() {
 #[test]
 fn no_more_is_followed_than_the_whole() {
     let mut running = RunningLaw::new(law(1.0, 0.1, 0.4));
-    let beyond = |part: f32| Followed {
+    let beyond = |part: f32| Adaptation {
         k1: part,
         k3: part,
         c: part,
@@ -175,7 +175,7 @@ fn no_more_is_followed_than_the_whole() {
     assert!((running.force(&motion(100)) - (joints - elastic)).abs() < 1e-6);
     assert_eq!(running.followed(), beyond(-1.0));
     running.follow(beyond(f32::NAN));
-    assert_eq!(running.followed(), Followed::default());
+    assert_eq!(running.followed(), Adaptation::default());
 }
 
 /// Gap, compliance and delay around the tabulated law: in f32, while its table is being filled and after, what the f64 law
@@ -199,7 +199,7 @@ fn stages_run_around_the_tabulated_law() {
     }
     let exact = law::<f64>();
     let mut state = exact.at_rest();
-    let mut running = RunningLaw::new(TabulatedLaw::new(law::<f32>()));
+    let mut running = RunningLaw::new(FastLaw::new(law::<f32>()));
     let omega = std::f64::consts::TAU * 5.0;
     let (mut worst, mut peak) = (0.0_f64, 0.0_f64);
     for n in 0..20_000 {

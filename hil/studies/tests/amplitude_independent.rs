@@ -4,13 +4,13 @@
 use std::f64::consts::TAU;
 use std::sync::OnceLock;
 
-use mesh_damper::amplitude_free;
+use mesh_damper::amplitude_independent;
 use mesh_damper::effects::Motion;
+use mesh_damper::fast_law::RunningLaw;
 use mesh_damper::law::Law;
-use mesh_damper::tabulated::RunningLaw;
 use mesh_damper_model::predict::nrmse;
 use mesh_damper_rig::{EmulatorBench, EmulatorSetup};
-use mesh_damper_studies::amplitude_free::{HeldOut, Study, embedded_force, study, ticks_of};
+use mesh_damper_studies::amplitude_independent::{HeldOut, Study, embedded_force, study, ticks_of};
 use proptest::prelude::*;
 
 const DOCS: &str = include_str!("../../../docs/law.md");
@@ -83,7 +83,7 @@ fn the_docs_tell_these_errors() {
 fn the_crates_laws_are_the_fitted_ones() {
     let [_, study] = studies();
     for one in &study.densities {
-        let carried = amplitude_free::law(one.density as f32).unwrap();
+        let carried = amplitude_independent::law(one.density as f32).unwrap();
         let carried = carried.augmented();
         let fitted = one.law.model().augmented::<f32>(0.0, 1e-4).unwrap();
         let numbers = |law: &Law<f32>| [law.k1(), law.k3(), law.c(), law.alpha()];
@@ -95,7 +95,7 @@ fn the_crates_laws_are_the_fitted_ones() {
         }
         let sine = ticks_of(0.12, 3.0);
         let by_file = embedded_force(&one.law.model(), &sine).unwrap();
-        let mut running = RunningLaw::new(amplitude_free::law(one.density as f32).unwrap());
+        let mut running = RunningLaw::new(amplitude_independent::law(one.density as f32).unwrap());
         let mut cycle = || -> Vec<f64> {
             let samples = sine.displacement.iter().zip(&sine.velocity);
             samples
@@ -115,10 +115,12 @@ fn the_crates_laws_are_the_fitted_ones() {
             one.density
         );
     }
-    assert!(amplitude_free::law(1.9).is_err() && amplitude_free::law(f32::NAN).is_err());
+    assert!(
+        amplitude_independent::law(1.9).is_err() && amplitude_independent::law(f32::NAN).is_err()
+    );
     assert_eq!(
-        amplitude_free::law(3.2).unwrap(),
-        amplitude_free::law(3.0).unwrap()
+        amplitude_independent::law(3.2).unwrap(),
+        amplitude_independent::law(3.0).unwrap()
     );
 }
 
@@ -214,7 +216,7 @@ proptest! {
 /// Nobody tells the emulated damper an amplitude: its force follows the law over a beat of two sines.
 #[test]
 fn the_emulated_damper_follows_it_where_no_amplitude_is_declared() {
-    let law = amplitude_free::law(3.0).unwrap();
+    let law = amplitude_independent::law(3.0).unwrap();
     let mut bench = EmulatorBench::new(EmulatorSetup::new(law.augmented().clone())).unwrap();
     assert!(bench.emulator.start());
     let expected = law.augmented();

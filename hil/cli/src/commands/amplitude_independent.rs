@@ -8,7 +8,7 @@ use mesh_damper_recording::error::InputError;
 use mesh_damper_recording::output::Plan;
 use mesh_damper_reference::tables::DENSITIES;
 use mesh_damper_report::curves::{self, Curve};
-use mesh_damper_studies::amplitude_free::{HeldOut, Study, study};
+use mesh_damper_studies::amplitude_independent::{HeldOut, Study, study};
 
 use super::{Failure, say};
 
