@@ -159,7 +159,8 @@ impl PowerSeed {
             let mut power = 0;
             while power < 4 {
                 // NaN is in no range.
-                if !(octave[segment][power].abs() <= OCTAVE_MOST) {
+                let fits = octave[segment][power].abs() <= OCTAVE_MOST;
+                if !fits {
                     return Err(ConfigError::OutOfRange {
                         field: "octave",
                         value: octave[segment][power] as f64,
@@ -173,7 +174,8 @@ impl PowerSeed {
         }
         let mut place = 0;
         while place < OCTAVES {
-            if !(scale[place] >= 0.0 && scale[place] as f64 <= SCALE_MOST) {
+            let fits = scale[place] >= 0.0 && scale[place] as f64 <= SCALE_MOST;
+            if !fits {
                 return Err(ConfigError::OutOfRange {
                     field: "scale",
                     value: scale[place] as f64,

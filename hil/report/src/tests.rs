@@ -197,7 +197,7 @@ fn a_step_shows_each_family_at_its_best_and_cuts_the_bar_of_a_bad_fit() {
     data.result.candidates[2].nrmse_judged = 10.0;
     let page = render(&data);
     let steps = page.find("3. What was tried").unwrap()..page.find("4. What was found").unwrap();
-    assert_eq!(page[steps.clone()].matches("relaxation").count(), 1);
+    assert_eq!(page[steps.clone()].matches(">relaxation</div>").count(), 1);
     // Of the three shown the median is relaxation's, and twice that is the track's end.
     assert!(page[steps.clone()].contains("class=\"bar\" style=\"width:50.00%\""));
     assert!(page[steps].contains("class=\"bar\" style=\"width:100.00%\""));

@@ -10,6 +10,7 @@
 //! | [`mod@amplitude_independent`] | what is one law for every amplitude worth on the published loops? |
 //! | [`mod@design`] | which density gives a stiffness and a loss factor? |
 //! | [`mod@blind`] | does a trace name effects that it was never told of? |
+//! | [`numbers`] | what is each number that decides worth? |
 //! | [`mod@bench`] | how many instructions does the crate take, beside its peers? |
 //! | [`mod@demo`] | does all of it work at once, from a seed? |
 //!
@@ -30,6 +31,7 @@ pub mod demo;
 pub mod design;
 pub mod finite_element;
 mod nonnegative;
+pub mod numbers;
 pub mod orthogonal;
 pub mod paper;
 pub mod surfaces;

@@ -14,15 +14,18 @@ mod image;
 mod law;
 mod orthogonal;
 mod paper;
+mod policy;
 mod predict;
 mod programme;
 mod progress;
 mod reading;
 mod run;
+mod study;
 mod summary;
 mod trace;
 
 use std::io::Write as _;
+use std::path::PathBuf;
 use std::process::ExitCode;
 
 use clap::{Parser, Subcommand};
@@ -35,6 +38,9 @@ use mesh_damper_recording::error::InputError;
 #[derive(Debug, Parser)]
 #[command(name = "hil", version)]
 pub struct Cli {
+    /// Numbers that decide, as JSON, in the place of the default ones
+    #[arg(long, global = true, hide = true, value_name = "FILE")]
+    policy: Option<PathBuf>,
     #[command(subcommand)]
     command: Command,
 }
@@ -53,11 +59,15 @@ enum Command {
     Design(design::DesignCommand),
     Paper(paper::PaperCommand),
     Faults(faults::FaultsCommand),
+    Study(study::StudyCommand),
 }
 
 impl Cli {
     /// Does what the command line asks for.
     pub fn run(self) -> Result<(), Failure> {
+        if let Some(path) = &self.policy {
+            policy::install(path)?;
+        }
         match self.command {
             Command::Demo(command) => command.run(),
             Command::Trace(command) => command.run(),
@@ -71,6 +81,7 @@ impl Cli {
             Command::Design(command) => command.run(),
             Command::Paper(command) => command.run(),
             Command::Faults(command) => command.run(),
+            Command::Study(command) => command.run(),
         }
     }
 }

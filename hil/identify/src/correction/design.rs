@@ -3,7 +3,6 @@
 use mesh_damper::effects::ResidualTable;
 use mesh_damper::effects::correction::{CELLS, ResidualTableParts, ResidualTableState};
 use mesh_damper::effects::description::EffectKind;
-use mesh_damper::limits;
 use mesh_damper_model::correction::Remembered;
 use mesh_damper_model::predict::{motion_at, predict};
 use mesh_damper_model::{Family, LawNode, Model, ModelError};
@@ -230,11 +229,13 @@ impl<'a> Design<'a> {
         let wide = match of {
             Remembered::Lag { .. } => [-self.extent.displacement, self.extent.displacement],
             Remembered::Travel { .. } => [0.0, self.extent.speed],
-            Remembered::Largest | Remembered::Level { .. } => [0.0, self.extent.displacement],
+            Remembered::Largest => [0.0, self.extent.displacement],
             Remembered::Age { time } => [0.0, 1.0 + (longest / time).log2().max(0.0)],
-            Remembered::Cycles { .. } => [0.0, 16.0],
             Remembered::Temperature => self.temperatures()?,
-            Remembered::Acceleration => self.accelerations(),
+            // No kind of these is tried.
+            Remembered::Level { .. } | Remembered::Cycles { .. } | Remembered::Acceleration => {
+                return None;
+            }
             Remembered::Slip { limit } => return self.recall_within(of, [-limit, limit]),
             Remembered::Place | Remembered::Sides { .. } => {
                 return self
@@ -299,13 +300,6 @@ impl<'a> Design<'a> {
         let (low, high) = self.least_and_largest(Trajectory::temperature_at);
         let least = low.abs().max(high.abs()).max(1.0) / 32.0;
         (low < high).then_some([low, high.max(low + least)])
-    }
-
-    /// The largest of the rows to either side, mm/s².
-    fn accelerations(&self) -> [f64; 2] {
-        let (low, high) = self.least_and_largest(|t, sample| t.motion.acceleration[sample]);
-        let largest = high.max(-low).clamp(1e-4, limits::ACCELERATION);
-        [-largest, largest]
     }
 
     /// Of a channel at the rows.

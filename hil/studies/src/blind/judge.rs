@@ -2,6 +2,7 @@
 
 use mesh_damper_identify::trace::result::{TraceResult, Verdict};
 use mesh_damper_identify::trace::{TraceError, trace};
+use mesh_damper_model::correction::Remembered;
 use serde::Serialize;
 
 use super::draw::{Class, Secret, Trial};
@@ -22,6 +23,8 @@ pub struct Said {
     pub verdict: Verdict,
     /// The families that it named.
     pub families: Vec<String>,
+    /// What its residual table remembers, where it has one that does.
+    pub remembers: Option<Remembered>,
     /// Held-out error of eq 13 over the noise.
     pub before: f64,
     /// Held-out error of the embedded law over the noise.
@@ -62,6 +65,10 @@ impl Said {
                 .iter()
                 .map(|effect| effect.family.clone())
                 .collect(),
+            remembers: result
+                .correction
+                .as_ref()
+                .and_then(|correction| correction.remembers),
             before: result.baseline.nrmse_held_out / noise,
             after: result.on_target.nrmse_held_out / noise,
         }

@@ -1,0 +1,30 @@
+//! The option of every command that puts other numbers that decide in the place of the default ones.
+
+use std::path::Path;
+
+use mesh_damper_recording::error::{InputError, Place};
+use mesh_damper_recording::read_limit::{ReadLimit, read_json};
+use mesh_damper_studies::numbers::Policies;
+use serde::de::DeserializeOwned;
+
+/// Puts the numbers of the file at `path` in use; those that it leaves out stay as they are.
+pub fn install(path: &Path) -> Result<(), InputError> {
+    let policies: Policies = read(path)?;
+    policies.install().map_err(|error| {
+        InputError::new(path.display().to_string(), error.to_string(), "report this")
+    })
+}
+
+/// The contents of a JSON file.
+pub fn read<T: DeserializeOwned>(path: &Path) -> Result<T, InputError> {
+    let text = read_json(path, ReadLimit::default())?;
+    let json = &mut serde_json::Deserializer::from_slice(&text);
+    serde_path_to_error::deserialize(json).map_err(|error| {
+        InputError::new(
+            path.display().to_string(),
+            error.inner().to_string(),
+            "see docs/numbers.md for the names of the numbers",
+        )
+        .at(Place::Field(error.path().to_string()))
+    })
+}

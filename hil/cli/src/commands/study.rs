@@ -1,0 +1,190 @@
+//! `hil study`: studies of the tracer itself.
+
+use std::collections::BTreeMap;
+use std::io::Write as _;
+use std::path::{Path, PathBuf};
+use std::process::{Command, Stdio};
+
+use clap::{Args, Subcommand};
+use mesh_damper_recording::error::InputError;
+use mesh_damper_recording::output::Plan;
+use mesh_damper_studies::numbers::{Cost, Costs, Number, Policies, Score, numbers, table};
+
+use super::progress::Progress;
+use super::{Failure, policy, say};
+
+/// Study the tracer itself
+#[derive(Args, Debug)]
+pub struct StudyCommand {
+    #[command(subcommand)]
+    study: Study,
+}
+
+#[derive(Debug, Subcommand)]
+enum Study {
+    Numbers(NumbersCommand),
+}
+
+impl StudyCommand {
+    pub fn run(self) -> Result<(), Failure> {
+        match self.study {
+            Study::Numbers(command) => command.run(),
+        }
+    }
+}
+
+/// Halve and double each tuned number, and run the blind trial with it
+///
+/// Each trial is a process of its own. All tuned numbers take hours, so that --only takes some of them and --known takes over
+/// what was measured before on the same seeds.
+#[derive(Args, Debug)]
+#[command(
+    after_help = "Examples:\n  hil study numbers --only identify.score --json score.json\n  \
+    hil study numbers --known score.json --only identify.select --json both.json --table docs/numbers.md\n  \
+    hil study numbers --seeds 0 --table numbers.md"
+)]
+struct NumbersCommand {
+    /// How many seeds; 0 measures nothing
+    #[arg(long, value_name = "N", default_value_t = 60, value_parser = clap::value_parser!(u64).range(..=1_000_000))]
+    seeds: u64,
+    /// The first of them
+    #[arg(long, value_name = "N", default_value_t = 0, value_parser = clap::value_parser!(u64).range(..=1_000_000_000))]
+    first: u64,
+    /// Only numbers whose path begins so, such as `identify.select`
+    #[arg(long, value_name = "PATH", default_value = "")]
+    only: String,
+    /// Results of an earlier run; with --seeds 0 of whatever seeds
+    #[arg(long, value_name = "FILE")]
+    known: Option<PathBuf>,
+    /// Where the scores go as JSON; `-` for standard output
+    #[arg(long, value_name = "FILE")]
+    json: Option<PathBuf>,
+    /// Where all numbers go as a table in Markdown
+    #[arg(long, value_name = "FILE")]
+    table: Option<PathBuf>,
+}
+
+impl NumbersCommand {
+    fn run(self) -> Result<(), Failure> {
+        let mut outputs = Plan::new()
+            .reads(&self.known)
+            .writes(&self.json)
+            .writes(&self.table)
+            .begin()?;
+        let tuned: Vec<Number> = numbers()
+            .into_iter()
+            .filter(|number| number.is_tuned() && number.path.starts_with(&self.only))
+            .collect();
+        if tuned.is_empty() {
+            return Err(InputError::new(
+                "--only",
+                format!("no tuned number's path begins with `{}`", self.only),
+                "take one of docs/numbers.md",
+            )
+            .into());
+        }
+        let mut costs = self.known()?;
+        if self.seeds > 0 {
+            self.measure(&tuned, &mut costs)?;
+        }
+        if let Some(json) = &self.json {
+            outputs.add_json(json, &costs)?;
+        }
+        if let Some(path) = &self.table {
+            outputs.add(path, table(&costs));
+        }
+        outputs.write()?;
+        if self.json.as_deref() != Some(Path::new("-")) {
+            print(&costs);
+        }
+        Ok(())
+    }
+
+    /// What was measured before.
+    fn known(&self) -> Result<Costs, Failure> {
+        let seeds = self.first..self.first + self.seeds;
+        let Some(path) = &self.known else {
+            return Ok(Costs {
+                seeds,
+                default: None,
+                costs: BTreeMap::new(),
+            });
+        };
+        let costs: Costs = policy::read(path)?;
+        if self.seeds > 0 && costs.seeds != seeds {
+            return Err(InputError::new(
+                path.display().to_string(),
+                format!("holds results of seeds {:?}", costs.seeds),
+                "give the same --first and --seeds, or another file",
+            )
+            .into());
+        }
+        Ok(costs)
+    }
+
+    fn measure(&self, tuned: &[Number], costs: &mut Costs) -> Result<(), Failure> {
+        let progress = Progress::of(2 * tuned.len() as u64 + 1);
+        progress.step("the numbers as they are");
+        if costs.default.is_none() {
+            costs.default = self.score(&Policies::default())?;
+        }
+        let mut done = 1;
+        for number in tuned {
+            if costs.costs.contains_key(&number.path) {
+                done += 2;
+                continue;
+            }
+            let mut scored = |factor: f64, how: &str| {
+                progress.step(&format!("{} {how}", number.path));
+                let score = number.varied(factor).map(|varied| self.score(&varied));
+                done += 1;
+                progress.done(done);
+                score.transpose().map(Option::flatten)
+            };
+            let cost = Cost {
+                halved: scored(0.5, "halved")?,
+                doubled: scored(2.0, "doubled")?,
+            };
+            costs.costs.insert(number.path.clone(), cost);
+        }
+        Ok(())
+    }
+
+    /// Of the blind trial with these numbers; `None` where it fails with them.
+    fn score(&self, policies: &Policies) -> Result<Option<Score>, Failure> {
+        let failed = |error: std::io::Error| InputError::io(Path::new("hil blind"), "run", &error);
+        let mut file = tempfile::NamedTempFile::new().map_err(failed)?;
+        let text = serde_json::to_string(policies).unwrap_or_default();
+        file.write_all(text.as_bytes()).map_err(failed)?;
+        let output = Command::new(std::env::current_exe().map_err(failed)?)
+            .arg("--policy")
+            .arg(file.path())
+            .args(["blind", "--json", "-"])
+            .args(["--first", &self.first.to_string()])
+            .args(["--seeds", &self.seeds.to_string()])
+            .stderr(Stdio::null())
+            .output()
+            .map_err(failed)?;
+        let summary = serde_json::from_slice(&output.stdout).unwrap_or_default();
+        Ok(Score::of(&summary))
+    }
+}
+
+fn print(costs: &Costs) {
+    let in_words = |score: Option<Score>| {
+        score.map_or("-".to_owned(), |score| {
+            format!("{} of {}, {}", score.right, score.of, score.mended)
+        })
+    };
+    say(&format!(
+        "as they are: right {}, mended",
+        in_words(costs.default)
+    ));
+    for (path, cost) in &costs.costs {
+        say(&format!(
+            "{path:45} halved {:>14}   doubled {:>14}",
+            in_words(cost.halved),
+            in_words(cost.doubled)
+        ));
+    }
+}

@@ -1,0 +1,156 @@
+//! What each tuned number is worth: the blind trial with the number halved and doubled.
+//!
+//! The list of numbers is that of the policies themselves, so that none can be missing.
+
+mod cost;
+mod table;
+
+use mesh_damper_identify::policy as identify;
+use mesh_damper_recording::policy::{self as recording, AlreadyInUse, Field, Mark};
+use serde::{Deserialize, Serialize};
+use serde_json::Value;
+
+pub use cost::{Cost, Costs, Score};
+pub use table::table;
+
+/// All numbers that decide, crate by crate.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct Policies {
+    /// How a recording is read.
+    pub recording: recording::Policy,
+    /// What a fit and a trace find.
+    pub identify: identify::Policy,
+}
+
+impl Policies {
+    /// Puts them in use for the whole process, before any work.
+    ///
+    /// # Errors
+    /// A number was read before.
+    pub fn install(self) -> Result<(), AlreadyInUse> {
+        recording::install(self.recording)?;
+        identify::install(self.identify)
+    }
+}
+
+/// One of them.
+#[derive(Clone, Debug)]
+pub struct Number {
+    /// Its path, as in a file of [`Policies`]: `identify.select.beam`.
+    pub path: String,
+    /// What it decides, and where it comes from.
+    pub field: Field,
+    /// Its default.
+    pub default: Value,
+}
+
+/// All numbers in order.
+pub fn numbers() -> Vec<Number> {
+    let defaults = defaults();
+    let crates = [
+        ("recording", recording::Policy::PARTS),
+        ("identify", identify::Policy::PARTS),
+    ];
+    let mut numbers = Vec::new();
+    for (of, parts) in crates {
+        for (part, fields) in parts {
+            numbers.extend(fields.iter().map(|&field| Number {
+                path: format!("{of}.{part}.{}", field.name),
+                field,
+                default: defaults[of][part][field.name].clone(),
+            }));
+        }
+    }
+    numbers
+}
+
+fn defaults() -> Value {
+    serde_json::to_value(Policies::default()).unwrap_or_default()
+}
+
+impl Number {
+    /// Whether the study varies it.
+    pub fn is_tuned(&self) -> bool {
+        self.field.mark == Mark::Tuned
+    }
+
+    /// The policies with this number, or each of several, times `factor`; `None` where that is no other number. Counts are whole
+    /// and at least 1; what is at most 1 stays so, because it is a part or a chance.
+    pub fn varied(&self, factor: f64) -> Option<Policies> {
+        let varied = scaled(&self.default, factor)?;
+        if varied == self.default {
+            return None;
+        }
+        let mut policies = defaults();
+        let pointer = format!("/{}", self.path.replace('.', "/"));
+        *policies.pointer_mut(&pointer)? = varied;
+        serde_json::from_value(policies).ok()
+    }
+}
+
+fn scaled(value: &Value, factor: f64) -> Option<Value> {
+    match value {
+        Value::Array(values) => {
+            let scaled: Option<Vec<Value>> = values.iter().map(|v| scaled(v, factor)).collect();
+            scaled.map(Value::Array)
+        }
+        Value::Number(number) if number.is_f64() => {
+            let value = number.as_f64()?;
+            let most = if value <= 1.0 { 1.0 } else { f64::INFINITY };
+            Some(Value::from((factor * value).min(most)))
+        }
+        Value::Number(number) => {
+            let count = (factor * number.as_f64()?).round().max(1.0);
+            Some(Value::from(count as u64))
+        }
+        _ => None,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn number(path: &str) -> Number {
+        let mut all = numbers().into_iter();
+        all.find(|number| number.path == path).unwrap()
+    }
+
+    #[test]
+    fn every_number_of_a_policy_is_listed_with_its_default_and_a_reason() {
+        let numbers = numbers();
+        for number in &numbers {
+            assert!(!number.default.is_null(), "{}", number.path);
+            assert!(!number.field.about.is_empty() && !number.field.reason.is_empty());
+        }
+        let parts = |value: Value| value.as_object().unwrap().clone();
+        let fields = parts(defaults())
+            .into_values()
+            .flat_map(|policy| parts(policy).into_values());
+        let count: usize = fields.map(|part| parts(part).len()).sum();
+        assert_eq!(numbers.len(), count);
+    }
+
+    #[test]
+    fn a_number_is_halved_and_doubled_within_what_it_can_be() {
+        let beam = number("identify.select.beam");
+        assert_eq!(beam.varied(0.5).unwrap().identify.select.beam, 2);
+        assert_eq!(beam.varied(2.0).unwrap().identify.select.beam, 6);
+        let needed = number("identify.mend.needed");
+        assert_eq!(needed.varied(0.5).unwrap().identify.mend.needed, 0.375);
+        assert_eq!(needed.varied(2.0).unwrap().identify.mend.needed, 1.0);
+        let around = number("recording.spikes.times_around");
+        let around = around.varied(2.0).unwrap().recording.spikes.times_around;
+        assert_eq!(around, [16.0, 6.0]);
+        // All else stays as it is.
+        let mut policies = beam.varied(2.0).unwrap();
+        policies.identify.select.beam = 3;
+        assert_eq!(policies, Policies::default());
+    }
+
+    #[test]
+    fn a_list_of_kinds_is_not_halved() {
+        assert!(number("identify.memory.kinds").varied(0.5).is_none());
+    }
+}
