@@ -42,6 +42,10 @@ pub(crate) use channel::Change;
 pub(crate) use settings::HealthConfig;
 pub use settings::HealthSettings;
 
+/// Former name of [`HealthCause`].
+#[deprecated(note = "use HealthCause")]
+pub type Cause = HealthCause;
+
 use crate::adc::Reading;
 use crate::converter::{Sample, Scale};
 use crate::fast_law::Adaptation;

@@ -97,3 +97,21 @@ struct Readme;
 #[cfg(doctest)]
 #[doc = include_str!("../docs/firmware.md")]
 struct Firmware;
+
+/// Former names of what is in [`fast_law`].
+#[deprecated(note = "use fast_law::{FastLaw, RunningLaw, Adaptation}")]
+pub mod tabulated {
+    pub use crate::fast_law::{Adaptation as Followed, FastLaw as TabulatedLaw, RunningLaw};
+}
+
+/// Former name of what is in [`simulation`].
+#[deprecated(note = "use simulation::Simulation")]
+pub mod virtual_test {
+    pub use crate::simulation::Simulation as VirtualTest;
+}
+
+/// Former name of [`amplitude_independent`].
+#[deprecated(note = "use amplitude_independent")]
+pub mod amplitude_free {
+    pub use crate::amplitude_independent::*;
+}

@@ -40,6 +40,16 @@ pub use emulator::{DamperEmulation, DamperEmulationSettings};
 pub use fault::TripCause;
 pub use state::State;
 
+/// Former name of [`TripCause`].
+#[deprecated(note = "use TripCause")]
+pub type Fault = TripCause;
+/// Former name of [`DamperEmulation`].
+#[deprecated(note = "use DamperEmulation")]
+pub type Emulator<A, D, E, const N: usize> = DamperEmulation<A, D, E, N>;
+/// Former name of [`DamperEmulationSettings`].
+#[deprecated(note = "use DamperEmulationSettings")]
+pub type EmulatorSettings = DamperEmulationSettings;
+
 use core::borrow::{Borrow, BorrowMut};
 
 use embedded_hal::digital::OutputPin;

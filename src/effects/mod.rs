@@ -26,6 +26,13 @@ pub use relaxation::MAX_BRANCHES;
 pub use stick_slip::MAX_ELEMENTS as MAX_STICK_SLIP_ELEMENTS;
 pub use stop::MAX_CONTACTS;
 
+/// Former name of [`ResidualTable`].
+#[deprecated(note = "use ResidualTable")]
+pub type Correction<R> = ResidualTable<R>;
+/// Former name of [`ClampedMotion`].
+#[deprecated(note = "use ClampedMotion")]
+pub type ConfinedMotion<R> = ClampedMotion<R>;
+
 use crate::error::ConfigError;
 use crate::frame::Writer;
 use crate::law::Law;

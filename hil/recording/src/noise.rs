@@ -214,10 +214,10 @@ mod tests {
         let found = noise_of_runs(&samples, &[0..2000, 2000..2100, 3500..5997, 5997..6000]);
         assert!((0.9..1.1).contains(&found), "{found}");
         assert_eq!(
-            noise_of_runs(&samples, &[0..6000]),
+            noise_of_runs(&samples, std::slice::from_ref(&(0..6000))),
             noise_beside_tones(&samples)
         );
-        assert_eq!(noise_of_runs(&samples, &[0..3]), 0.0);
+        assert_eq!(noise_of_runs(&samples, std::slice::from_ref(&(0..3))), 0.0);
     }
 
     /// Whatever their frequency and however strong, between bins and on them.

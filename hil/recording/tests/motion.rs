@@ -205,7 +205,12 @@ fn a_trapezoid_keeps_its_corners() {
         let (rise, half) = (200 - dwell, 200);
         let wave = |n: usize| {
             let part = ((n % half) as f64 / rise as f64).min(1.0);
-            (if n / half % 2 == 0 { part } else { 1.0 - part }) * 0.4 - 0.2
+            (if (n / half).is_multiple_of(2) {
+                part
+            } else {
+                1.0 - part
+            }) * 0.4
+                - 0.2
         };
         let wave: Vec<f64> = (0..4000).map(wave).collect();
         let kinks = trajectory(&noisy(&wave, 1e-4, 6)).motion.kinks;

@@ -13,7 +13,7 @@ use super::Board;
 pub struct Image {
     /// Name of the binary.
     pub binary: &'static str,
-    /// Feature of the package `mesh-damper-firmware` that it is.
+    /// Feature of the board's package that it is.
     pub feature: &'static str,
     /// What the compiler is to set for conditional compilation.
     pub cfg: Option<&'static str>,
@@ -42,10 +42,7 @@ pub fn build(image: &Image, board: Board) -> Result<PathBuf, InputError> {
         .current_dir(root.join("firmware").join(board.folder()))
         .args(["build", "--quiet", "--locked", "--profile", "firmware"])
         .args(["--bin", image.binary])
-        .args([
-            "--features",
-            &format!("mesh-damper-firmware/{}", image.feature),
-        ])
+        .args(["--features", image.feature])
         .args([
             "--target",
             target,
