@@ -3,8 +3,8 @@
 use std::sync::LazyLock;
 
 use mesh_damper::effects::correction::CELLS;
-use mesh_damper::pack;
 use mesh_damper::fast_law::FastLaw;
+use mesh_damper::pack;
 use mesh_damper_model::correction::{CorrectionTable, MemoryAxis, Remembered};
 use mesh_damper_model::file::{FittedRange, ModelFile};
 use mesh_damper_model::{AddedEffect, Family, LawNode, Model};

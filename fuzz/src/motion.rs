@@ -3,8 +3,8 @@
 use mesh_damper::crossing::CrossingAccumulator;
 use mesh_damper::cycle::{Cycle, CycleAccumulator};
 use mesh_damper::effects::{AugmentedLaw, Motion};
+use mesh_damper::fast_law::{FastLaw, RunningLaw};
 use mesh_damper::observer::{Observer, ObserverConfig};
-use mesh_damper::fast_law::{RunningLaw, FastLaw};
 
 use crate::feed::{Feed, Random};
 use crate::law::{EFFECTS, law};
@@ -16,8 +16,8 @@ fn motion(random: &mut Random) -> Motion<f32> {
         acceleration: random.float(),
         cycles: random.float(),
         temperature: random.float(),
-..Motion::default()
-}
+        ..Motion::default()
+    }
 }
 
 /// A law's force at some motions, tabulated and not.

@@ -3,9 +3,9 @@
 use std::sync::LazyLock;
 
 use mesh_damper::effects::ResidualTable;
-use mesh_damper::effects::correction::{CELLS, ResidualTableParts, Memory};
-use mesh_damper::pack::{self, LARGEST, Upload, VERSION};
+use mesh_damper::effects::correction::{CELLS, Memory, ResidualTableParts};
 use mesh_damper::fast_law::FastLaw;
+use mesh_damper::pack::{self, LARGEST, Upload, VERSION};
 
 use crate::edit::edited;
 use crate::feed::{Feed, Random};

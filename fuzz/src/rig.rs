@@ -7,10 +7,12 @@ use mesh_damper::adc::Ads8688;
 use mesh_damper::converter::Scale;
 use mesh_damper::dac::Ad5761;
 use mesh_damper::error::ConfigError;
+use mesh_damper::fast_law::{FastLaw, RunningLaw};
 use mesh_damper::health::HealthSettings;
-use mesh_damper::rig::{Emulator, DamperEmulationSettings, Rig, RigSettings, State, Telemetry};
+use mesh_damper::rig::{
+    DamperEmulation, DamperEmulationSettings, Rig, RigSettings, State, Telemetry,
+};
 use mesh_damper::sine::{Block, Programme};
-use mesh_damper::fast_law::{RunningLaw, FastLaw};
 
 use crate::feed::{Feed, Random};
 use crate::law::{EFFECTS, law};
@@ -60,7 +62,7 @@ macro_rules! controller {
 }
 
 controller!(Rig<Adc, Dac, Line, BLOCKS, EFFECTS>);
-controller!(Emulator<Adc, Dac, Line, EFFECTS>);
+controller!(DamperEmulation<Adc, Dac, Line, EFFECTS>);
 
 /// What is promised of every tick, and what has to be remembered to see it kept.
 struct Guard {
@@ -344,7 +346,8 @@ fn emulator(
     guard.trip_ticks = settings.trip_ticks;
     guard.stop_ticks = settings.stop_ticks;
     let line = Line(guard.wires.clone());
-    let emulator = Emulator::new(adc, dac, line, &settings, laws[0].clone())?;
+    let emulator =
+        DamperEmulation::new(adc, dac, line, &settings, RunningLaw::new(laws[0].clone()))?;
     Ok(run(emulator, guard, &laws, script, ticks))
 }
 

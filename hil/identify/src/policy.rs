@@ -1,4 +1,4 @@
-//! The numbers that decide what a fit and a trace find. How they are stated, [`mesh_damper_recording::policy`] says.
+//! The numbers that decide what a fit and a trace find. How they are stated, [`mod@mesh_damper_recording::policy`] says.
 
 pub use crate::beyond_noise::BeyondNoisePolicy;
 pub use crate::correction::CorrectionPolicy;
