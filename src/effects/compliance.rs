@@ -72,8 +72,7 @@ impl<R: Real> Compliance<R> {
         let k1 = law.k1();
         let k1 = if k1 > R::ZERO { k1 } else { R::ZERO };
         let force = law.elastic_force_within(motion.displacement()) + damping;
-        let deflection =
-            (force / (self.stiffness + k1)).clamped(R::from_f64(limits::DISPLACEMENT));
+        let deflection = (force / (self.stiffness + k1)).clamped(R::from_f64(limits::DISPLACEMENT));
         ComplianceState {
             deflections: [deflection; 2],
             others: R::ZERO,
@@ -175,8 +174,7 @@ impl<R: Real> Equations<R> for Compliance<R> {
         // Where it holds the balance's force, where it slides the law's: they differ by what the steps have left.
         let held = at.damping / (at.damping.abs() + self.step * self.stiffness * speed);
         let force = trial.signed(at.damping - at.excess * held);
-        let deflection =
-            (unmoved - self.step * v).clamped(R::from_f64(2.0 * limits::DISPLACEMENT));
+        let deflection = (unmoved - self.step * v).clamped(R::from_f64(2.0 * limits::DISPLACEMENT));
         *state = Some(ComplianceState {
             deflections: [deflection, last],
             others: before.others,

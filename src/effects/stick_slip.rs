@@ -85,7 +85,9 @@ impl<R: Real> Equations<R> for StickSlip<R> {
             Parameter::new("slip_limit", "mm", 1e-9, limits::DISPLACEMENT),
         ],
         most: MAX_ELEMENTS,
-        typical: &[0.9, 0.01, 0.8, 0.02, 0.7, 0.03, 0.6, 0.045, 0.5, 0.06, 0.4, 0.09],
+        typical: &[
+            0.9, 0.01, 0.8, 0.02, 0.7, 0.03, 0.6, 0.045, 0.5, 0.06, 0.4, 0.09,
+        ],
         depends_on: &[Dependence::Displacement, Dependence::History],
         may_supply_energy: false,
         scales_law: false,

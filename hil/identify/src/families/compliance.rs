@@ -1,8 +1,8 @@
 //! A spring in series.
 
 use super::{Entry, Form, FormSpec, one};
-use crate::shape::Shape;
 use crate::policy::policy;
+use crate::shape::Shape;
 
 /// Its shape is the stiffness.
 pub const FORMS: [Form; 1] = [Form(&FormSpec {

@@ -4,8 +4,8 @@ use mesh_damper::effects::Delay;
 
 use super::{Entry, Form, FormSpec, Step, one};
 use crate::moved::through;
-use crate::shape::Shape;
 use crate::policy::policy;
+use crate::shape::Shape;
 
 /// Its shape is the time.
 pub const FORMS: [Form; 1] = [Form(&FormSpec {

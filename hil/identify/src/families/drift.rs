@@ -4,8 +4,8 @@ use mesh_damper::effects::Drift;
 use mesh_damper::limits;
 
 use super::{Entry, Form, FormSpec, one, run};
-use crate::shape::Shape;
 use crate::policy::policy;
+use crate::shape::Shape;
 
 /// A stiffness; both forces of the law.
 pub const FORMS: [Form; 2] = [
@@ -45,6 +45,12 @@ pub const OF_EACH: Form = Form(&FormSpec {
 const DRIFT: FormSpec = FormSpec {
     family: "drift",
     shape_names: &["cycles"],
-    shapes: |extent| vec![Shape::spread(policy().shape.shortest_drift, policy().shape.longest_drift * extent.cycles, policy().shape.drift_starts)],
+    shapes: |extent| {
+        vec![Shape::spread(
+            policy().shape.shortest_drift,
+            policy().shape.longest_drift * extent.cycles,
+            policy().shape.drift_starts,
+        )]
+    },
     ..FormSpec::PLAIN
 };

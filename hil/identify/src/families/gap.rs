@@ -4,8 +4,8 @@ use mesh_damper::effects::Gap;
 
 use super::{Entry, Form, FormSpec, one};
 use crate::moved::through;
-use crate::shape::Shape;
 use crate::policy::policy;
+use crate::shape::Shape;
 
 /// Nothing is moved; only friction works.
 pub const FORMS: [Form; 2] = [

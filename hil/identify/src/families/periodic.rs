@@ -5,8 +5,8 @@ use std::f64::consts::TAU;
 use mesh_damper::effects::{MAX_TONES, Periodic};
 
 use super::{Entry, Form, FormSpec, Step, one, run};
-use crate::shape::Shape;
 use crate::policy::policy;
+use crate::shape::Shape;
 
 /// Its sizes are those of a sine and of a cosine.
 pub const FORMS: [Form; 1] = [Form(&FormSpec {
@@ -18,7 +18,11 @@ pub const FORMS: [Form; 1] = [Form(&FormSpec {
     shapes: |extent| {
         vec![Shape {
             starts: extent.tones.clone(),
-            ..Shape::spread(policy().shape.fewest_periods / extent.duration, policy().shape.highest_tone / extent.tick, 1)
+            ..Shape::spread(
+                policy().shape.fewest_periods / extent.duration,
+                policy().shape.highest_tone / extent.tick,
+                1,
+            )
         }]
     },
     unit_forces: |shapes, motions, tick| {

@@ -5,8 +5,8 @@ use std::f64::consts::TAU;
 use mesh_damper::effects::{MAX_BRANCHES, Relaxation};
 
 use super::{Form, FormSpec, one, run};
-use crate::shape::{Extent, Shape};
 use crate::policy::policy;
+use crate::shape::{Extent, Shape};
 
 /// Its size is the stiffness.
 pub const FORMS: [Form; 1] = [Form(&FormSpec {
@@ -29,7 +29,11 @@ pub const FORMS: [Form; 1] = [Form(&FormSpec {
 /// A branch that is fast is a dashpot, one that is slow a spring. At one frequency any branch is a spring and a dashpot, and none of
 /// them is simpler than the truth may be.
 fn shapes(extent: &Extent) -> Vec<Shape> {
-    let spread = Shape::spread(policy().shape.shortest_relaxation * extent.tick, extent.duration, policy().shape.relaxation_starts);
+    let spread = Shape::spread(
+        policy().shape.shortest_relaxation * extent.tick,
+        extent.duration,
+        policy().shape.relaxation_starts,
+    );
     if extent.highest_frequency < policy().shape.several * extent.lowest_frequency {
         return vec![spread];
     }

@@ -3,9 +3,9 @@
 use mesh_damper::effects::{BoucWen, MAX_STICK_SLIP_ELEMENTS, StickSlip};
 
 use super::{Element, Entry, Form, FormSpec, one, run};
+use crate::policy::policy;
 use crate::shape::{Extent, Shape};
 use crate::term::TermValue;
-use crate::policy::policy;
 
 /// One Jenkins element; as Bouc and Wen have it; Jenkins elements with evenly spread slip limits (Iwan 1966).
 pub const FORMS: [Form; 3] = [
@@ -15,7 +15,13 @@ pub const FORMS: [Form; 3] = [
         most: MAX_STICK_SLIP_ELEMENTS,
         effect: "elements",
         // An element that hardly slips is a spring.
-        shapes: |extent| vec![Shape::spread(extent.shortest(), policy().shape.longest * extent.amplitude, policy().shape.slip_starts)],
+        shapes: |extent| {
+            vec![Shape::spread(
+                extent.shortest(),
+                policy().shape.longest * extent.amplitude,
+                policy().shape.slip_starts,
+            )]
+        },
         unit_forces: |shapes, motions, _| {
             Ok(vec![run(&StickSlip::new(&[(1.0, shapes[0])])?, motions)])
         },

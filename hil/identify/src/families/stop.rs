@@ -3,8 +3,8 @@
 use mesh_damper::effects::Stop;
 
 use super::{Form, FormSpec, one, run};
-use crate::shape::Shape;
 use crate::policy::policy;
+use crate::shape::Shape;
 
 /// On the side of positive displacement, and of negative.
 pub const FORMS: [Form; 2] = [
