@@ -15,7 +15,7 @@ use mesh_damper::pack::Upload;
 use mesh_damper::rig::{Rig, State, Telemetry};
 use mesh_damper::sine::Programme;
 
-use super::{log, stack};
+use super::log;
 use crate::board::{Board, Converters};
 
 /// Most effects of a law.

@@ -14,9 +14,9 @@ use mesh_damper::rig::{DamperEmulation, DamperEmulationSettings, Rig, RigSetting
 use mesh_damper::sine::{Block, Programme, SineGenerator};
 use mesh_damper::static_law::StaticLaw;
 
+use super::call::stack_of;
 use super::say;
 use crate::board::{Board, Converters as _};
-use crate::stack;
 
 type DamperLaw = StaticLaw<Effects>;
 type Running = RunningLaw<8>;
@@ -26,7 +26,7 @@ type Blocks = Programme<16>;
 pub fn constructors<B: Board>(link: &mut B::Link) -> Option<()> {
     let mut named = |name: &str, work: &mut dyn FnMut() -> Option<()>| {
         let mut done = None;
-        let bytes = stack::of(|| done = work());
+        let bytes = stack_of(|| done = work());
         say(link, name, bytes);
         done
     };

@@ -3,6 +3,7 @@
 //! An image says lines of `name bytes` over the board's link: the stack that it took. Flash and RAM are read off its file. No
 //! formatting is linked, which would take more than what is sized.
 
+mod call;
 mod constructors;
 mod damper;
 mod running_law;
