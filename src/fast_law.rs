@@ -144,7 +144,7 @@ impl<const N: usize> RunningLaw<N> {
             needed: ROWS,
             ..Self::empty()
         };
-        new.follow_nothing();
+        new.follow(Adaptation::default());
         new
     }
 
@@ -183,14 +183,6 @@ impl<const N: usize> RunningLaw<N> {
         self.in_force = followed.of(self.law().augmented.law());
         self.damping_part = 1.0 + followed.c;
         self.followed = followed;
-    }
-
-    /// The law in force is the law as it was given.
-    #[inline]
-    pub(crate) fn follow_nothing(&mut self) {
-        self.in_force = *self.law().augmented.law();
-        self.damping_part = 1.0;
-        self.followed = Adaptation::default();
     }
 
     /// By how much the law in force differs from the law as it was given.
@@ -267,7 +259,7 @@ impl<const N: usize> RunningLaw<N> {
         self.filled = 0;
         self.needed = ROWS;
         self.settled = false;
-        self.follow_nothing();
+        self.follow(Adaptation::default());
         true
     }
 
