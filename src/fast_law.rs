@@ -144,7 +144,7 @@ impl<const N: usize> RunningLaw<N> {
             needed: ROWS,
             ..Self::empty()
         };
-        new.follow(Adaptation::default());
+        new.follow_nothing();
         new
     }
 
@@ -183,6 +183,15 @@ impl<const N: usize> RunningLaw<N> {
         self.in_force = followed.of(self.law().augmented.law());
         self.damping_part = 1.0 + followed.c;
         self.followed = followed;
+    }
+
+    /// The law in force is the law as it was given.
+    // Not inlined: at each boundary it would take its bytes of flash anew.
+    #[inline(never)]
+    fn follow_nothing(&mut self) {
+        self.in_force = *self.law().augmented.law();
+        self.damping_part = 1.0;
+        self.followed = Adaptation::default();
     }
 
     /// By how much the law in force differs from the law as it was given.
@@ -259,7 +268,7 @@ impl<const N: usize> RunningLaw<N> {
         self.filled = 0;
         self.needed = ROWS;
         self.settled = false;
-        self.follow(Adaptation::default());
+        self.follow_nothing();
         true
     }
 
