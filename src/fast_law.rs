@@ -186,9 +186,8 @@ impl<const N: usize> RunningLaw<N> {
     }
 
     /// The law in force is the law as it was given.
-    // Not inlined: at each boundary it would take its bytes of flash anew.
-    #[inline(never)]
-    fn follow_nothing(&mut self) {
+    #[inline]
+    pub(crate) fn follow_nothing(&mut self) {
         self.in_force = *self.law().augmented.law();
         self.damping_part = 1.0;
         self.followed = Adaptation::default();

@@ -58,7 +58,7 @@ use embedded_hal::spi::SpiDevice;
 use crate::adc::{Ads8688, Reading};
 use crate::cycle::Cycle;
 use crate::dac::Ad5761;
-use crate::effects::{CONTROLS, Motion};
+use crate::effects::Motion;
 use crate::error::ConfigError;
 use crate::fast_law::{Adaptation, FastLaw, RunningLaw};
 use crate::frame::{Fields, Reader, Writer};
@@ -67,7 +67,6 @@ use crate::health::{
 };
 use crate::observer::{Observer, ObserverConfig};
 use crate::sine::{Excitation, Programme, SineGenerator};
-use crate::tick_law::TickLaw;
 use comparison::Comparison;
 use correction::{Correction, CorrectionConfig};
 use fault::{Exceeded, Limits};
@@ -250,7 +249,7 @@ pub struct CycleReport {
     pub followed: Adaptation,
 }
 
-/// A rig with up to `B` blocks in its programme and a law `L`: a [`RunningLaw`] of up to `N` effects unless another is named.
+/// A rig with up to `B` blocks in its programme and up to `N` effects in its law.
 ///
 /// It owns both, or borrows them: with 2 KiB to sixteen blocks and 6 KiB of law they are what does not fit on a small stack,
 /// and firmware keeps them in statics.
@@ -271,8 +270,7 @@ pub struct Rig<A, D, E, const B: usize, const N: usize, P = Programme<B>, L = Ru
     comparison: Comparison,
     output: Output<D, E>,
     excitation: Excitation,
-    /// What the law was given last; temperature and controls stay until they are set.
-    motion: Motion<f32>,
+    temperature: f32,
     generator: SineGenerator<B, P>,
     law: L,
     health: HealthMonitor,
@@ -285,7 +283,7 @@ where
     D: SpiDevice,
     E: OutputPin,
     P: Borrow<Programme<B>>,
-    L: TickLaw,
+    L: BorrowMut<RunningLaw<N>>,
 {
     /// Idle, enable line low. The DAC's scale is that of the command in mm. Ticks run at the programme's rate. `programme`
     /// and `law` are either what they are called or references to it.
@@ -335,10 +333,7 @@ where
             exceeded: Exceeded::default(),
             reading: Reading::default(),
             excitation: Excitation::default(),
-            motion: Motion {
-                temperature: 20.0,
-                ..Motion::default()
-            },
+            temperature: 20.0,
             tick: 0,
         })
     }
@@ -349,9 +344,10 @@ where
         let started = self.output.start();
         if started {
             self.generator.restart();
-            self.law.boundary();
-            self.law.follow(Adaptation::default());
-            self.law.rest();
+            let law = self.law.borrow_mut();
+            law.boundary();
+            law.follow_nothing();
+            law.rest();
             self.comparison = Comparison::default();
             self.exceeded = Exceeded::default();
             self.correction.restart();
@@ -392,17 +388,12 @@ where
 
     /// By how much the law in force differs from the law as it was given, which slow changes of the specimen have led to.
     pub fn followed(&self) -> Adaptation {
-        self.law.followed()
+        self.law.borrow().followed()
     }
 
     /// Temperature for the law's effects, °C; 20 until set.
     pub fn set_temperature(&mut self, temperature: f32) {
-        self.motion.temperature = temperature;
-    }
-
-    /// Control inputs for the law's effects, in the effects' units; 0 until set.
-    pub fn set_controls(&mut self, controls: [f32; CONTROLS]) {
-        self.motion.controls = controls;
+        self.temperature = temperature;
     }
 
     /// What the rig is doing.
@@ -435,11 +426,10 @@ where
     /// A close look at this tick. An `event` of its own is told as soon as there is no other.
     #[cold]
     #[inline(never)]
-    fn look(&mut self, model_force: f32, event: &mut Option<Event>) {
-        let motion = &self.motion;
+    fn look(&mut self, motion: &Motion<f32>, model_force: f32, event: &mut Option<Event>) {
         let excitation = &self.excitation;
         let parts = if self.health_config.follows() {
-            self.law.parts(motion)
+            self.law.borrow().parts(motion)
         } else {
             [0.0; 3]
         };
@@ -455,7 +445,7 @@ where
             ramp: excitation.ramp,
         };
         if let Some(followed) = self.health.look(&self.health_config, &look) {
-            self.law.follow(followed);
+            self.law.borrow_mut().follow(followed);
         }
         if event.is_none() && self.health.has_fresh() {
             *event = self.health.take_fresh();
@@ -500,18 +490,19 @@ where
             self.excitation.cycle_end = false;
         }
         let excitation = self.excitation;
-        let another_law = excitation.cycle_end && self.law.boundary();
+        let another_law = excitation.cycle_end && self.law.borrow_mut().boundary();
         let estimate =
             self.observer
                 .update(&self.observer_config, displacement, excitation.acceleration);
-        self.motion = Motion {
+        let motion = Motion {
             displacement: estimate.displacement,
             velocity: estimate.velocity,
             acceleration: estimate.acceleration,
             cycles: excitation.cycle as f32 + excitation.phase as f32 * (1.0 / (1u64 << 32) as f32),
-            ..self.motion
+            temperature: self.temperature,
+            ..Motion::default()
         };
-        let model_force = self.law.force(&self.motion);
+        let model_force = self.law.borrow_mut().force(&motion);
         if !model_force.is_finite() {
             self.output.trip(TripCause::NotFinite);
         }
@@ -544,7 +535,7 @@ where
             if MONITORED && excitation.cycle_end {
                 self.health.cycle(Ended {
                     block: before.block,
-                    temperature: self.motion.temperature,
+                    temperature: self.temperature,
                     command: self.correction.mean_command(),
                     another_law,
                     steady: report.as_ref().filter(|_| !before.ramp).map(
@@ -557,7 +548,7 @@ where
                 });
             }
             if MONITORED && self.health.is_due(excitation.phase) {
-                self.look(model_force, &mut event);
+                self.look(&motion, model_force, &mut event);
             }
             if excitation.done {
                 self.output.finish();

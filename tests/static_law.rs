@@ -12,8 +12,7 @@ use mesh_damper::effects::{
 };
 use mesh_damper::fast_law::{Adaptation, FastLaw, RunningLaw};
 use mesh_damper::law::Law;
-use mesh_damper::rig::{DamperEmulation, DamperEmulationSettings, Rig, RigSettings, State};
-use mesh_damper::sine::{Block, Programme};
+use mesh_damper::rig::{DamperEmulation, DamperEmulationSettings};
 use mesh_damper::static_law::StaticLaw;
 use mesh_damper::tick_law::TickLaw;
 use mesh_damper_rig::actuator::{AdcPins, SimulatedAd5761, SimulatedAds8688, enable_line};
@@ -151,37 +150,7 @@ fn converters() -> (
     (pins, adc, dac)
 }
 
-/// A rig that borrows a law whose type names its effect, and one that owns a running law.
-#[test]
-fn a_rig_runs_either_law() {
-    let mut law = StaticLaw::<Slider>::empty();
-    law.set(self::law(), (slider(),));
-    let programme = || {
-        let block = Block::sine(0.1, 5.0, 2).unwrap();
-        Programme::<1>::new(1000.0, 5).unwrap().with(block).unwrap()
-    };
-    let settings = RigSettings {
-        trip_ticks: 1_000_000,
-        ..RigSettings::default()
-    };
-    let (pins, adc, dac) = converters();
-    let (others, other_adc, other_dac) = converters();
-    let (enable, other) = (enable_line().0, enable_line().0);
-    let mut rig: Rig<_, _, _, 1, 0, _, _> =
-        Rig::new(adc, dac, enable, &settings, programme(), &mut law).unwrap();
-    let running = running(&[Effect::StickSlip(slider())]);
-    let mut other: Rig<_, _, _, 1, 8> =
-        Rig::new(other_adc, other_dac, other, &settings, programme(), running).unwrap();
-    assert!(rig.start() && other.start());
-    for tick in 0..500 {
-        measured(&pins, tick);
-        measured(&others, tick);
-        assert_eq!(rig.tick(), other.tick(), "tick {tick}");
-    }
-    assert_eq!(rig.state(), State::Running);
-}
-
-/// The same of the emulated damper.
+/// A damper emulation that borrows a law whose type names its effect, and one that owns a running law.
 #[test]
 fn an_emulator_runs_either_law() {
     let mut law = StaticLaw::<Slider>::empty();
