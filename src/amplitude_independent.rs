@@ -1,7 +1,7 @@
 //! The published loops by one law for every amplitude, for a motion that nobody declares.
 //!
 //! [`crate::table::PAPER`] gives eq 13 for a cycle of known amplitude. Where an actuator elsewhere moves the damper, as it
-//! does an [`DamperEmulation`](crate::rig::DamperEmulation), no amplitude is known before its cycle is over. These laws have none: eq 13
+//! does a [`DamperEmulation`](crate::rig::DamperEmulation), no amplitude is known before its cycle is over. These laws have none: eq 13
 //! with one set of coefficients, friction that grows with the load, and stick-slip. They are fitted to Tables 6–9 at 1 and
 //! 10 Hz without the row of 0.15 mm, where they err by 8 to 19 % of the force's RMS; `cargo hil amplitude-free` fits them.
 

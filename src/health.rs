@@ -42,10 +42,6 @@ pub(crate) use channel::Change;
 pub(crate) use settings::HealthConfig;
 pub use settings::HealthSettings;
 
-/// Former name of [`HealthCause`].
-#[deprecated(note = "use HealthCause")]
-pub type Cause = HealthCause;
-
 use crate::adc::Reading;
 use crate::converter::{Sample, Scale};
 use crate::fast_law::Adaptation;
@@ -56,6 +52,10 @@ use places::{late, part_end};
 use response::ResponseWatch;
 use specimen::{CycleNumbers, SpecimenWatch};
 use sums::CycleSums;
+
+/// Former name of [`HealthCause`].
+#[deprecated(note = "use HealthCause")]
+pub type Cause = HealthCause;
 
 /// Events of different causes that are told and kept with their evidence until they are cleared; there are seldom more than two.
 pub const EVENTS: usize = 8;

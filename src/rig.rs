@@ -40,16 +40,6 @@ pub use emulator::{DamperEmulation, DamperEmulationSettings};
 pub use fault::TripCause;
 pub use state::State;
 
-/// Former name of [`TripCause`].
-#[deprecated(note = "use TripCause")]
-pub type Fault = TripCause;
-/// Former name of [`DamperEmulation`].
-#[deprecated(note = "use DamperEmulation")]
-pub type Emulator<A, D, E, const N: usize> = DamperEmulation<A, D, E, N>;
-/// Former name of [`DamperEmulationSettings`].
-#[deprecated(note = "use DamperEmulationSettings")]
-pub type EmulatorSettings = DamperEmulationSettings;
-
 use core::borrow::{Borrow, BorrowMut};
 
 use embedded_hal::digital::OutputPin;
@@ -71,6 +61,16 @@ use comparison::Comparison;
 use correction::{Correction, CorrectionConfig};
 use fault::{Exceeded, Limits};
 use output::Output;
+
+/// Former name of [`TripCause`].
+#[deprecated(note = "use TripCause")]
+pub type Fault = TripCause;
+/// Former name of [`DamperEmulation`].
+#[deprecated(note = "use DamperEmulation")]
+pub type Emulator<A, D, E, const N: usize> = DamperEmulation<A, D, E, N>;
+/// Former name of [`DamperEmulationSettings`].
+#[deprecated(note = "use DamperEmulationSettings")]
+pub type EmulatorSettings = DamperEmulationSettings;
 
 /// `cargo hil bench` counts the tick without the monitor too: what that costs is the difference. It has the compiler set
 /// `unmonitored` for an image of its own; no feature does, so that no crate takes the monitor away from another's rig.
@@ -386,7 +386,30 @@ where
         self.health.clear();
     }
 
-    /// By how much the law in force differs from the law as it was given, which slow changes of the specimen have led to.
+    /// Another law from the end of this cycle on, or from the start where not running; see [`Rig::law`]. What its
+    /// effects remember is kept where they are of the same kinds in the same order as before. The monitor learns what is
+    /// normal beside it anew, and what begins with the swap is normal.
+    pub fn swap_law(&mut self, law: FastLaw<N>) {
+        self.law.borrow_mut().swap(law);
+    }
+
+    /// [`Rig::swap_law`] with a law that `write` writes in place, so that it need not pass through the stack.
+    ///
+    /// # Errors
+    /// That of `write`; no law waits then, and the one in force stays.
+    pub fn swap_law_with<F>(
+        &mut self,
+        write: impl FnOnce(&mut FastLaw<N>) -> Result<(), F>,
+    ) -> Result<(), F> {
+        self.law.borrow_mut().swap_with(write)
+    }
+
+    /// The law in force, as it was given.
+    pub fn law(&self) -> &FastLaw<N> {
+        self.law.borrow().law()
+    }
+
+    /// By how much the law in force differs from that, which slow changes of the specimen have led to.
     pub fn followed(&self) -> Adaptation {
         self.law.borrow().followed()
     }
@@ -581,33 +604,5 @@ where
             }),
             event,
         }
-    }
-}
-
-impl<A, D, E, const B: usize, const N: usize, P, L> Rig<A, D, E, B, N, P, L>
-where
-    L: BorrowMut<RunningLaw<N>>,
-{
-    /// Another law from the end of this cycle on, or from the start where not running; see [`Rig::law`]. What its
-    /// effects remember is kept where they are of the same kinds in the same order as before. The monitor learns what is
-    /// normal beside it anew, and what begins with the swap is normal.
-    pub fn swap_law(&mut self, law: FastLaw<N>) {
-        self.law.borrow_mut().swap(law);
-    }
-
-    /// [`Rig::swap_law`] with a law that `write` writes in place, so that it need not pass through the stack.
-    ///
-    /// # Errors
-    /// That of `write`; no law waits then, and the one in force stays.
-    pub fn swap_law_with<F>(
-        &mut self,
-        write: impl FnOnce(&mut FastLaw<N>) -> Result<(), F>,
-    ) -> Result<(), F> {
-        self.law.borrow_mut().swap_with(write)
-    }
-
-    /// The law in force, as it was given.
-    pub fn law(&self) -> &FastLaw<N> {
-        self.law.borrow().law()
     }
 }

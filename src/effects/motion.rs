@@ -69,7 +69,7 @@ impl<R: Real> ClampedMotion<R> {
     pub fn temperature(&self) -> R {
         self.0.temperature
     }
-    /// Control input at `place`, −1e6…1e6; 0 for NaN and beyond the last. Confined here, as most laws read none.
+    /// Control input at `place`, −1e6…1e6; 0 for NaN and beyond the last. Clamped here, as most laws read none.
     #[inline(always)]
     pub fn control(&self, place: usize) -> R {
         let control = self.0.controls.get(place).copied().unwrap_or(R::ZERO);

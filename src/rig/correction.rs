@@ -197,7 +197,7 @@ impl Correction {
         let scale = config.gain / magnitude;
         let (re, im) = (scale * (a - magnitude), -scale * b);
         let (p, q) = (self.in_phase_target, self.lead_target);
-        // Confined to 1/GAIN_LIMIT..=GAIN_LIMIT, about the middle of the two.
+        // Clamped to 1/GAIN_LIMIT..=GAIN_LIMIT, about the middle of the two.
         const MIDDLE: f32 = 0.5 * (GAIN_LIMIT + 1.0 / GAIN_LIMIT);
         self.in_phase_target =
             MIDDLE + (p + p * re - square * q * im - MIDDLE).clamped(GAIN_LIMIT - MIDDLE);

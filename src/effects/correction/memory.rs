@@ -83,7 +83,7 @@ pub enum Memory<R> {
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd)]
-pub(super) enum EffectKind {
+pub(super) enum MemoryKind {
     Speed,
     Place,
     Sides,
@@ -99,7 +99,7 @@ pub(super) enum EffectKind {
     Acceleration,
 }
 
-impl EffectKind {
+impl MemoryKind {
     /// This one and those after it have a state.
     pub const FIRST_MEMORY: Self = Self::Slip;
 
@@ -124,7 +124,7 @@ impl EffectKind {
 /// How it is remembered, and where it stands among the nodes.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Recall<R> {
-    pub kind: EffectKind,
+    pub kind: MemoryKind,
     /// 1/time in ticks, 1/cycles, readings per °C, parts of a speed per mm/s, or Hz of an average of 1; of a slip and the others
     /// unused.
     pub rate: R,
@@ -159,8 +159,8 @@ impl<R: Real> Beside<R> {
 /// What a correction remembers.
 #[derive(Clone, Copy, Debug)]
 pub struct ResidualTableState {
-    /// Of which kind, [`EffectKind::Speed`] before the first tick: what a tick does follows from it alone.
-    kind: EffectKind,
+    /// Of which kind, [`MemoryKind::Speed`] before the first tick: what a tick does follows from it alone.
+    kind: MemoryKind,
     /// Place of the tick before, or part of its cycle, or its velocity.
     previous: i32,
     /// Stretch, average, largest displacement or ticks.
@@ -170,20 +170,20 @@ pub struct ResidualTableState {
 impl ResidualTableState {
     /// Nothing, as before the first tick. All bits are 0.
     pub const NEW: Self = Self {
-        kind: EffectKind::Speed,
+        kind: MemoryKind::Speed,
         previous: 0,
         value: 0,
     };
 
     /// Whether it remembers such.
-    pub(super) fn is_of(&self, kind: EffectKind) -> bool {
+    pub(super) fn is_of(&self, kind: MemoryKind) -> bool {
         self.kind == kind
     }
 }
 
 impl<R: Real> Recall<R> {
     pub const SPEED: Self = Self {
-        kind: EffectKind::Speed,
+        kind: MemoryKind::Speed,
         rate: R::ZERO,
         step: 0,
         shift: 0,
@@ -228,17 +228,17 @@ impl<R: Real> Recall<R> {
                 let limit = in_range("limit", limit, 1e-9, limits::DISPLACEMENT)?.to_f64();
                 let gain = f64::from(LAST_GAINED) * per_reading / (2.0 * limit);
                 return Ok(Self {
-                    kind: EffectKind::Slip,
+                    kind: MemoryKind::Slip,
                     gain: gain.min(f64::from(LARGEST_GAIN_OF_SLIP)) as i32,
                     ..Self::SPEED
                 });
             }
             Memory::Lag { time } => {
-                new.kind = EffectKind::Lag;
+                new.kind = MemoryKind::Lag;
                 new.step = loss(time)?;
             }
             Memory::Travel { time } => {
-                new.kind = EffectKind::Travel;
+                new.kind = MemoryKind::Travel;
                 new.step = loss(time)?;
                 // Four times the last node is within 2³¹.
                 let rate = (f64::from(1 << 29) / high.max(1e-9)).min(limits::COEFFICIENT);
@@ -246,29 +246,29 @@ impl<R: Real> Recall<R> {
                 per_reading = f64::from(1 << AVERAGE) / rate;
             }
             Memory::Level { time } => {
-                new.kind = EffectKind::Level;
+                new.kind = MemoryKind::Level;
                 new.step = loss(time)?;
             }
-            Memory::Largest => new.kind = EffectKind::Largest,
+            Memory::Largest => new.kind = MemoryKind::Largest,
             Memory::Age { time } => {
                 let time = in_range("time", time, 1e-6, 1e6)?.to_f64();
-                new.kind = EffectKind::Age;
+                new.kind = MemoryKind::Age;
                 new.rate = R::from_f64(tick / time);
                 per_reading = 1.0 / f64::from(ONE);
             }
             Memory::Cycles { cycles } => {
                 let cycles = in_range("cycles", cycles, 0.01, limits::CYCLES)?;
-                new.kind = EffectKind::Cycles;
+                new.kind = MemoryKind::Cycles;
                 new.rate = R::ONE / cycles;
                 per_reading = 1.0 / f64::from(ONE);
             }
             Memory::Temperature => {
-                new.kind = EffectKind::Temperature;
+                new.kind = MemoryKind::Temperature;
                 per_reading = low.abs().max(high.abs()).max(1.0) / largest;
                 new.rate = R::from_f64(1.0 / per_reading);
             }
             Memory::Acceleration => {
-                new.kind = EffectKind::Acceleration;
+                new.kind = MemoryKind::Acceleration;
                 // Four times the largest speed of the tables is within 2³⁰.
                 let rate = (f64::from(1 << 28) / speed).min(limits::COEFFICIENT);
                 new.rate = R::from_f64(rate);
@@ -279,7 +279,7 @@ impl<R: Real> Recall<R> {
                     new.shift += 1;
                 }
             }
-            Memory::Place => new.kind = EffectKind::Place,
+            Memory::Place => new.kind = MemoryKind::Place,
             Memory::Sides { below, above } => {
                 let most = limits::DISPLACEMENT;
                 let below = in_range("below", below, -most, most)?;
@@ -289,14 +289,14 @@ impl<R: Real> Recall<R> {
                     place.clamp(f64::from(-END), f64::from(END - 1)) as i32
                 };
                 return Ok(Self {
-                    kind: EffectKind::Sides,
+                    kind: MemoryKind::Sides,
                     step: place(above),
                     origin: place(below),
                     ..Self::SPEED
                 });
             }
             Memory::Frequency { time } => {
-                new.kind = EffectKind::Frequency;
+                new.kind = MemoryKind::Frequency;
                 new.step = loss(time)?;
                 new.rate = R::from_f64(1.0 / (f64::from(CYCLE) * f64::from(1 << AVERAGE) * tick));
                 per_reading = 1.0 / f64::from(ONE);
@@ -332,7 +332,7 @@ impl<R: Real> Recall<R> {
         let most = LARGEST_READING * LARGEST_GAIN;
         in_range("origin", self.origin, -most, most)?;
         let most = match self.kind {
-            EffectKind::Slip => LARGEST_GAIN_OF_SLIP,
+            MemoryKind::Slip => LARGEST_GAIN_OF_SLIP,
             _ => LARGEST_GAIN,
         };
         in_range("gain", self.gain, 0, most)
@@ -342,7 +342,7 @@ impl<R: Real> Recall<R> {
     pub fn is_like(&self, other: &Self) -> bool {
         let [own, others] = [self, other].map(|recall| Self {
             origin: 0,
-            gain: if recall.kind == EffectKind::Slip {
+            gain: if recall.kind == MemoryKind::Slip {
                 recall.gain
             } else {
                 0
@@ -359,13 +359,13 @@ impl<R: Real> Recall<R> {
         ResidualTableState {
             kind: self.kind,
             previous: match self.kind {
-                EffectKind::Acceleration => self.scaled(velocity),
-                EffectKind::Frequency => part_of_cycle(cycles),
+                MemoryKind::Acceleration => self.scaled(velocity),
+                MemoryKind::Frequency => part_of_cycle(cycles),
                 _ => across,
             },
             value: match self.kind {
-                EffectKind::Lag => across << AVERAGE,
-                EffectKind::Slip => LAST_GAINED / 2,
+                MemoryKind::Lag => across << AVERAGE,
+                MemoryKind::Slip => LAST_GAINED / 2,
                 _ => 0,
             },
         }
@@ -392,35 +392,35 @@ impl<R: Real> Recall<R> {
             value.wrapping_add(((change + (1 << 31)) >> 32) as i32)
         };
         let reading = match kind {
-            EffectKind::Speed | EffectKind::Place | EffectKind::Sides => return None,
-            EffectKind::Slip => {
+            MemoryKind::Speed | MemoryKind::Place | MemoryKind::Sides => return None,
+            MemoryKind::Slip => {
                 state.previous = across;
                 let moved = across.wrapping_sub(previous).wrapping_mul(self.gain);
                 state.value = value.wrapping_add(moved).clamp(0, LAST_GAINED);
                 return Some(state.value >> GAIN);
             }
-            EffectKind::Lag => {
+            MemoryKind::Lag => {
                 state.value = toward(across << AVERAGE);
                 across - (state.value >> AVERAGE)
             }
-            EffectKind::Travel => {
+            MemoryKind::Travel => {
                 state.value = toward(self.scaled(velocity.abs()));
                 state.value >> AVERAGE
             }
-            EffectKind::Level => {
+            MemoryKind::Level => {
                 state.value = toward(across.abs() << AVERAGE);
                 state.value >> AVERAGE
             }
-            EffectKind::Largest => {
+            MemoryKind::Largest => {
                 state.value = value.max(across.abs());
                 state.value
             }
-            EffectKind::Age => {
+            MemoryKind::Age => {
                 state.value = value.saturating_add(1);
                 self.age(R::from_i32(value))
             }
-            EffectKind::Cycles => self.age(beside.cycles),
-            EffectKind::Frequency => {
+            MemoryKind::Cycles => self.age(beside.cycles),
+            MemoryKind::Frequency => {
                 let now = part_of_cycle(beside.cycles);
                 state.previous = now;
                 let passed = (now.wrapping_sub(previous) & (CYCLE - 1)) << AVERAGE;
@@ -428,8 +428,8 @@ impl<R: Real> Recall<R> {
                 state.value = if value == 0 { passed } else { toward(passed) };
                 within(octaves(R::from_i32(state.value) * self.rate))
             }
-            EffectKind::Temperature => within((beside.temperature * self.rate).to_i32()),
-            EffectKind::Acceleration => {
+            MemoryKind::Temperature => within((beside.temperature * self.rate).to_i32()),
+            MemoryKind::Acceleration => {
                 let now = self.scaled(velocity);
                 state.previous = now;
                 within(now.saturating_sub(previous) >> self.shift)

@@ -19,7 +19,7 @@ use super::ClampedMotion;
 use crate::error::ConfigError;
 use crate::limits;
 use crate::real::{Real, in_range};
-use memory::{Beside, EffectKind, Recall};
+use memory::{Beside, MemoryKind, Recall};
 
 pub use memory::{Memory, ResidualTableState};
 
@@ -152,9 +152,9 @@ impl<R: Real> ResidualTable<R> {
     pub(super) fn force(&self, state: &mut ResidualTableState, motion: &ClampedMotion<R>) -> R {
         let (y, v) = (motion.displacement(), motion.velocity());
         let kind = self.recall.kind;
-        if kind >= EffectKind::FIRST_MEMORY {
+        if kind >= MemoryKind::FIRST_MEMORY {
             self.force_over_memory(state, y, v, Beside::of(motion))
-        } else if kind == EffectKind::Speed {
+        } else if kind == MemoryKind::Speed {
             self.force_over_speed(y, v)
         } else {
             self.force_on_lines(y, v)
@@ -171,7 +171,7 @@ impl<R: Real> ResidualTable<R> {
     #[inline(never)]
     fn force_on_lines(&self, displacement: R, velocity: R) -> R {
         let along = match self.recall.kind {
-            EffectKind::Sides => Along::Side(self.speed(velocity)),
+            MemoryKind::Sides => Along::Side(self.speed(velocity)),
             _ => Along::Line,
         };
         self.force_at(self.across(displacement), along, velocity)
@@ -290,14 +290,14 @@ impl<R: Real> ResidualTable<R> {
             let (first, x) = (first + (along >> bits) as usize, part(along, bits));
             [(first, 1.0 - x), (first + 1, x), nothing, nothing]
         };
-        let along = if self.recall.kind < EffectKind::FIRST_MEMORY {
+        let along = if self.recall.kind < MemoryKind::FIRST_MEMORY {
             self.speed(velocity)
         } else {
             self.recalled(state, across, velocity, Beside::of(motion))
         };
         let of_direction = |first: usize| match self.recall.kind {
-            EffectKind::Place => on_line(first, across + END, FINE_FRACTION),
-            EffectKind::Sides => {
+            MemoryKind::Place => on_line(first, across + END, FINE_FRACTION),
+            MemoryKind::Sides => {
                 let side = self.recall.side(across);
                 side.map_or([nothing; 4], |side| on_line(first + side, along, FRACTION))
             }

@@ -1,6 +1,6 @@
 //! A correction in a coefficient pack: its numbers, four bytes each, and what postcard makes of the cells as a `Vec<u8>`.
 
-use super::memory::EffectKind;
+use super::memory::MemoryKind;
 use super::{CELLS, ResidualTable};
 use crate::error::ConfigError;
 use crate::frame::{Reader, Writer};
@@ -19,7 +19,7 @@ impl ResidualTable<f32> {
         ] {
             writer.f32(number);
         }
-        let kind = EffectKind::ALL.iter().position(|kind| *kind == recall.kind);
+        let kind = MemoryKind::ALL.iter().position(|kind| *kind == recall.kind);
         writer.u8(kind.unwrap_or_default() as u8);
         for number in [recall.step, recall.shift, recall.origin, recall.gain] {
             writer.u32(number as u32);
@@ -43,7 +43,7 @@ impl ResidualTable<f32> {
         ] {
             *number = reader.f32()?;
         }
-        recall.kind = *EffectKind::ALL.get(usize::from(reader.u8()?))?;
+        recall.kind = *MemoryKind::ALL.get(usize::from(reader.u8()?))?;
         for number in [
             &mut recall.step,
             &mut recall.shift,
