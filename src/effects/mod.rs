@@ -26,19 +26,19 @@ pub use relaxation::MAX_BRANCHES;
 pub use stick_slip::MAX_ELEMENTS as MAX_STICK_SLIP_ELEMENTS;
 pub use stop::MAX_CONTACTS;
 
-/// Former name of [`ResidualTable`].
-#[deprecated(note = "use ResidualTable")]
-pub type Correction<R> = ResidualTable<R>;
-/// Former name of [`ClampedMotion`].
-#[deprecated(note = "use ClampedMotion")]
-pub type ConfinedMotion<R> = ClampedMotion<R>;
-
 use crate::error::ConfigError;
 use crate::frame::Writer;
 use crate::law::Law;
 use crate::real::Real;
 use correction::ResidualTableState;
 use description::{Cost, Description, EffectKind};
+
+/// Former name of [`ResidualTable`].
+#[deprecated(note = "use ResidualTable")]
+pub type Correction<R> = ResidualTable<R>;
+/// Former name of [`ClampedMotion`].
+#[deprecated(note = "use ClampedMotion")]
+pub type ConfinedMotion<R> = ClampedMotion<R>;
 
 /// The equations of an effect. Its file holds its configuration, which implements this, its state, and its description.
 ///
@@ -161,22 +161,28 @@ fn exactly<const N: usize>(parameters: &[f64]) -> Result<[f64; N], ConfigError> 
     })
 }
 
-/// `parameters` by elements of `N`, of which there are at most `most`.
+/// The `parameters` by elements of `N`, of which there are at most `MOST`, and what `make` makes of each.
 ///
 /// # Errors
 /// Too many, or a part of one.
-fn groups<'p, const N: usize>(
+fn elements<const N: usize, const MOST: usize, E>(
     field: &'static str,
-    parameters: &'p [f64],
-    most: usize,
-) -> Result<&'p [[f64; N]], ConfigError> {
-    match parameters.as_chunks() {
-        (elements, []) if elements.len() <= most => Ok(elements),
-        _ => Err(ConfigError::Full {
+    parameters: &[f64],
+    make: impl Fn([f64; N]) -> E,
+) -> Result<heapless::Vec<E, MOST>, ConfigError> {
+    let (groups, rest) = parameters.as_chunks();
+    if !rest.is_empty() || groups.len() > MOST {
+        return Err(ConfigError::Full {
             field,
-            capacity: most,
-        }),
+            capacity: MOST,
+        });
     }
+    let mut elements = heapless::Vec::new();
+    for &group in groups {
+        // There is room, as was just seen.
+        let _ = elements.push(make(group));
+    }
+    Ok(elements)
 }
 
 /// The first `used` of what an effect has room for, at least one.

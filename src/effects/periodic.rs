@@ -4,7 +4,7 @@
 use core::f64::consts::TAU;
 
 use super::description::{Cost, Dependence, Description, EffectKind, Parameter};
-use super::{ClampedMotion, Equations, LawForce, Packed, groups, some};
+use super::{ClampedMotion, Equations, LawForce, Packed, some};
 use crate::error::ConfigError;
 use crate::frame::{halves, whole};
 use crate::limits;
@@ -116,11 +116,11 @@ impl<R: Real> Equations<R> for Periodic<R> {
     const AT_REST: Self::State = None;
 
     fn from_parameters(parameters: &[f64], tick: f64) -> Result<Self, ConfigError> {
-        let mut tones = heapless::Vec::<_, MAX_TONES>::new();
-        for &[amplitude, frequency, phase] in groups("tones", parameters, MAX_TONES)? {
-            // As many as there is room for.
-            let _ = tones.push((R::from_f64(amplitude), frequency, phase));
-        }
+        let tones = super::elements::<3, MAX_TONES, _>(
+            "tones",
+            parameters,
+            |[amplitude, frequency, phase]| (R::from_f64(amplitude), frequency, phase),
+        )?;
         Self::new(&tones, tick)
     }
 

@@ -4,7 +4,7 @@
 //! materials that relax over all times as well.
 
 use super::description::{Cost, Dependence, Description, EffectKind, Parameter};
-use super::{ClampedMotion, Equations, LawForce, Packed, groups, some};
+use super::{ClampedMotion, Equations, LawForce, Packed, some};
 use crate::error::ConfigError;
 use crate::limits;
 use crate::real::{Real, coefficient, in_range};
@@ -142,11 +142,9 @@ impl<R: Real> Equations<R> for Relaxation<R> {
     const AT_REST: Self::State = None;
 
     fn from_parameters(parameters: &[f64], tick: f64) -> Result<Self, ConfigError> {
-        let mut branches = heapless::Vec::<_, MAX_BRANCHES>::new();
-        for &[stiffness, time] in groups("branches", parameters, MAX_BRANCHES)? {
-            // As many as there is room for.
-            let _ = branches.push((R::from_f64(stiffness), R::from_f64(time)));
-        }
+        let branches = super::elements::<2, MAX_BRANCHES, _>("branches", parameters, |[stiffness, time]| {
+            (R::from_f64(stiffness), R::from_f64(time))
+        })?;
         Self::new(&branches, R::from_f64(tick))
     }
 

@@ -5,7 +5,7 @@
 //! after another.
 
 use super::description::{Cost, Dependence, Description, EffectKind, Parameter};
-use super::{ClampedMotion, Equations, LawForce, Packed, groups, some};
+use super::{ClampedMotion, Equations, LawForce, Packed, some};
 use crate::error::ConfigError;
 use crate::limits;
 use crate::real::{Real, coefficient, in_range};
@@ -105,11 +105,9 @@ impl<R: Real> Equations<R> for StickSlip<R> {
     const AT_REST: Self::State = None;
 
     fn from_parameters(parameters: &[f64], _: f64) -> Result<Self, ConfigError> {
-        let mut elements = heapless::Vec::<_, MAX_ELEMENTS>::new();
-        for &[stiffness, slip_limit] in groups("elements", parameters, MAX_ELEMENTS)? {
-            // As many as there is room for.
-            let _ = elements.push((R::from_f64(stiffness), R::from_f64(slip_limit)));
-        }
+        let elements = super::elements::<2, MAX_ELEMENTS, _>("elements", parameters, |[stiffness, slip_limit]| {
+            (R::from_f64(stiffness), R::from_f64(slip_limit))
+        })?;
         Self::new(&elements)
     }
 

@@ -1,7 +1,7 @@
 //! One-sided contact: a stop that the specimen or its fixture meets beyond a gap.
 
 use super::description::{Cost, Dependence, Description, EffectKind, Parameter};
-use super::{ClampedMotion, Equations, LawForce, Packed, groups};
+use super::{ClampedMotion, Equations, LawForce, Packed};
 use crate::error::ConfigError;
 use crate::limits;
 use crate::real::{Real, in_range};
@@ -85,11 +85,9 @@ impl<R: Real> Equations<R> for Stop<R> {
     const AT_REST: () = ();
 
     fn from_parameters(parameters: &[f64], _: f64) -> Result<Self, ConfigError> {
-        let mut contacts = heapless::Vec::<_, MAX_CONTACTS>::new();
-        for &[stiffness, gap] in groups("contacts", parameters, MAX_CONTACTS)? {
-            // As many as there is room for.
-            let _ = contacts.push((R::from_f64(stiffness), R::from_f64(gap)));
-        }
+        let contacts = super::elements::<2, MAX_CONTACTS, _>("contacts", parameters, |[stiffness, gap]| {
+            (R::from_f64(stiffness), R::from_f64(gap))
+        })?;
         Self::new(&contacts)
     }
 
