@@ -2,8 +2,7 @@
 
 use std::borrow::Cow;
 
-use mesh_damper::effects::DESCRIPTIONS;
-use mesh_damper_studies::bench::{BLOCK, Core, Results, Verdict};
+use mesh_damper_studies::bench::{BLOCK, Core, Results, Verdict, counted_effects};
 
 use super::say;
 
@@ -127,21 +126,11 @@ fn sections() -> [Section; 6] {
 
 /// The law with each effect of the crate, then with several.
 fn effects() -> Vec<Row> {
-    let each = DESCRIPTIONS.iter().map(|effect| {
-        let name = format!("effects/{}", effect.name);
-        let elements = effect.typical.len() / effect.parameters.len();
-        let label = effect.name.replace('_', "-");
-        let label = match elements {
-            1 => label,
-            _ => format!("{label}, {elements} elements"),
-        };
-        row(name, "call", label)
-    });
     let mut rows = vec![
         row("effects/none", "call", "none"),
         row("effects/stick_slip_1", "call", "stick-slip, 1 element"),
     ];
-    rows.extend(each);
+    rows.extend(counted_effects().map(|(name, called)| row(name, "call", called)));
     rows.extend([
         row(
             "effects/all_stick_slip_1",

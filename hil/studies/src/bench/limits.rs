@@ -377,6 +377,18 @@ fn rig(results: &Results) -> Vec<Verdict> {
     ]
 }
 
+/// The crate's effects, each by the name that it is counted under and by what it is called.
+pub fn counted_effects() -> impl Iterator<Item = (String, String)> {
+    DESCRIPTIONS.iter().map(|effect| {
+        let called = effect.name.replace('_', "-");
+        let called = match effect.typical.len() / effect.parameters.len() {
+            1 => called,
+            elements => format!("{called}, {elements} elements"),
+        };
+        (format!("effects/{}", effect.name), called)
+    })
+}
+
 /// Corrections, by what they are over, and what their limit is called.
 const CORRECTIONS: [(&str, &str); 13] = [
     ("correction/without_memory", "correction without memory"),
@@ -415,15 +427,7 @@ fn effects(results: &Results) -> Vec<Verdict> {
         "effects/stick_slip_1".to_owned(),
         "stick-slip, 1 element".to_owned(),
     );
-    let each = DESCRIPTIONS.iter().map(|effect| {
-        let elements = effect.typical.len() / effect.parameters.len();
-        let called = effect.name.replace('_', "-");
-        let called = match elements {
-            1 => called,
-            _ => format!("{called}, {elements} elements"),
-        };
-        (format!("effects/{}", effect.name), called)
-    });
+    let each = counted_effects();
     let each = [one].into_iter().chain(each).map(more_than_none(25.0));
     let corrections = CORRECTIONS.map(|(name, called)| (name.to_owned(), called.to_owned()));
     let corrections = corrections.map(more_than_none(60.0));

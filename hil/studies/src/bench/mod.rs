@@ -36,7 +36,7 @@ use std::process::Command;
 pub use baseline::{Baseline, Entry};
 pub use count::{Core, Count};
 pub use judge::LargestError;
-pub use limits::{Side, Verdict};
+pub use limits::{Side, Verdict, counted_effects};
 pub use results::{Rate, Results, Size, Tools};
 
 use mesh_damper_firmware::bench::suite;
