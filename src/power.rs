@@ -5,7 +5,7 @@
 
 use crate::error::ConfigError;
 use crate::limits;
-use crate::real::in_range;
+use crate::real::{in_range, within};
 
 /// ¾'s bits: where the mantissa's range m = ¾…1½ begins.
 const MANTISSA_LOW: u32 = 0x3f40_0000;
@@ -89,7 +89,7 @@ const LOWEST_BITS: u32 = ((127 + LOWEST_EXPONENT) as u32) << 23;
 /// Largest magnitude of a number of [`PowerSeed::octave`]: those of any α in 0…1 stay below.
 const OCTAVE_MOST: f32 = 2.0;
 /// Largest number of [`PowerSeed::scale`]: that of the largest c in the lowest octave, for α = 0, and what rounding adds.
-const SCALE_MOST: f64 = 1.001 * limits::COEFFICIENT * (1u32 << -LOWEST_EXPONENT) as f64;
+const SCALE_MOST: f32 = (1.001 * limits::COEFFICIENT * (1u32 << -LOWEST_EXPONENT) as f64) as f32;
 
 /// One segment of c·|v|^α·sgn v. With t the segment's lower edge, signed as v,
 ///
@@ -154,38 +154,23 @@ impl PowerSeed {
         octave: [Segment; SEGMENTS],
         scale: [f32; OCTAVES],
     ) -> Result<Self, ConfigError> {
-        let mut segment = 0;
-        while segment < SEGMENTS {
-            let mut power = 0;
-            while power < 4 {
-                // NaN is in no range.
-                let fits = octave[segment][power].abs() <= OCTAVE_MOST;
-                if !fits {
-                    return Err(ConfigError::OutOfRange {
-                        field: "octave",
-                        value: octave[segment][power] as f64,
-                        low: -(OCTAVE_MOST as f64),
-                        high: OCTAVE_MOST as f64,
-                    });
-                }
-                power += 1;
-            }
-            segment += 1;
-        }
+        let new = Self { octave, scale };
+        let flat = new.octave.as_flattened();
         let mut place = 0;
-        while place < OCTAVES {
-            let fits = scale[place] >= 0.0 && scale[place] as f64 <= SCALE_MOST;
-            if !fits {
-                return Err(ConfigError::OutOfRange {
-                    field: "scale",
-                    value: scale[place] as f64,
-                    low: 0.0,
-                    high: SCALE_MOST,
-                });
+        while place < flat.len() {
+            if let Err(error) = within("octave", flat[place], -OCTAVE_MOST, OCTAVE_MOST) {
+                return Err(error);
             }
             place += 1;
         }
-        Ok(Self { octave, scale })
+        place = 0;
+        while place < OCTAVES {
+            if let Err(error) = within("scale", new.scale[place], 0.0, SCALE_MOST) {
+                return Err(error);
+            }
+            place += 1;
+        }
+        Ok(new)
     }
 
     /// What [`PowerSeed::octave`] and then [`PowerSeed::scale`] gave, number by number, from `next`.
@@ -198,15 +183,10 @@ impl PowerSeed {
         mut next: impl FnMut() -> Result<f32, E>,
     ) -> Result<(), E> {
         for value in self.octave.as_flattened_mut() {
-            *value = in_range(
-                "octave",
-                next()?,
-                -f64::from(OCTAVE_MOST),
-                f64::from(OCTAVE_MOST),
-            )?;
+            *value = in_range("octave", next()?, (-OCTAVE_MOST).into(), OCTAVE_MOST.into())?;
         }
         for value in &mut self.scale {
-            *value = in_range("scale", next()?, 0.0, SCALE_MOST)?;
+            *value = in_range("scale", next()?, 0.0, SCALE_MOST.into())?;
         }
         Ok(())
     }

@@ -56,7 +56,7 @@ pub trait Real:
     /// sin of `phase`, 2⁶⁴ to the cycle. `f32` takes that of [`crate::sine::sin_cos`], `f64` libm's or the host's.
     fn sine(phase: u64) -> Self;
 
-    /// Confined to `-limit..=limit`; NaN becomes 0.
+    /// Clamped to `-limit..=limit`; NaN becomes 0.
     ///
     /// One comparison where it is within; `min` and `max` are calls on a Cortex-M.
     #[inline(always)]
@@ -107,6 +107,27 @@ fn compare<R: Real>(field: &'static str, value: R, low: R, high: R) -> Result<R,
         })
     } else {
         Ok(value)
+    }
+}
+
+/// [`in_range`] of an `f32` in a `const`, where no trait's comparison can be called.
+pub(crate) const fn within(
+    field: &'static str,
+    value: f32,
+    low: f32,
+    high: f32,
+) -> Result<(), ConfigError> {
+    if !value.is_finite() {
+        Err(ConfigError::NonFinite(field))
+    } else if value < low || value > high {
+        Err(ConfigError::OutOfRange {
+            field,
+            value: value as f64,
+            low: low as f64,
+            high: high as f64,
+        })
+    } else {
+        Ok(())
     }
 }
 

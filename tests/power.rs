@@ -1,5 +1,6 @@
 //! |v|^α against libm's in f64.
 
+use mesh_damper::error::ConfigError;
 use mesh_damper::power::{PowerSeed, PowerTable, ROWS, abs_pow};
 use mesh_damper::real::Real;
 use proptest::prelude::*;
@@ -182,5 +183,28 @@ fn a_table_that_makes_no_sense_is_refused() {
     }
     for alpha in [-0.1, 1.1, f64::NAN] {
         assert!(PowerSeed::new(1.0, alpha).is_err());
+    }
+}
+
+/// What a host computed is what firmware that knows its law gives, and no other number is taken.
+#[test]
+fn a_seed_comes_back_of_its_parts() {
+    let seed = PowerSeed::new(0.1, 0.3).unwrap();
+    let (octave, scale) = (*seed.octave(), *seed.scale());
+    assert_eq!(PowerSeed::from_parts(octave, scale), Ok(seed));
+    let mut bad = octave;
+    bad[7][3] = f32::NAN;
+    assert_eq!(
+        PowerSeed::from_parts(bad, scale),
+        Err(ConfigError::NonFinite("octave"))
+    );
+    for (value, place) in [(-1e-9, 0), (3e15, 31)] {
+        let mut bad = scale;
+        bad[place] = value;
+        let refused = PowerSeed::from_parts(octave, bad).unwrap_err();
+        assert!(
+            matches!(refused, ConfigError::OutOfRange { field: "scale", .. }),
+            "{refused}"
+        );
     }
 }
