@@ -25,7 +25,7 @@ mesh_damper_recording::numbers! {
         /// Exponents of the damping that a search with nothing to start from begins with; the middle one is also that of a node
         /// that is near none.
         exponents: [f64; 3] = [0.15, 0.35, 0.6], Tuned("the blind trial");
-        /// The deflection of a spring in series is worked out so many times before all is fitted at once.
+        /// The deflection of a spring in series is worked out this many times before all is fitted at once.
         series_rounds: usize = 4, Tuned("the blind trial");
         /// A search ends where a step saves less than this part of the squared error.
         saved: f64 = 1e-7, Convention("below any gain that counts");

@@ -7,7 +7,7 @@ mesh_damper_recording::numbers! {
     ShapePolicy {
         /// A value within this factor of an end of its range stands at it.
         at_end: f64 = 1.02, Convention("a fit ends a little inside");
-        /// The shortest length is so many times the noise of the displacement: a smaller one cannot be told from an error of the
+        /// The shortest length is this many times the noise of the displacement: a smaller one cannot be told from an error of the
         /// velocity at a reversal.
         noises: f64 = 5.0, Tuned("the blind trial");
         /// The shortest length is this part of the amplitude where there is less noise.
@@ -26,11 +26,11 @@ mesh_damper_recording::numbers! {
         sharpness: [f64; 2] = [0.5, 8.0], Convention("from a parabola's corner to one that is as good as sharp");
         /// Starts of the sharpness of Bouc and Wen.
         sharpness_starts: [f64; 2] = [1.0, 2.5], Tuned("the blind trial");
-        /// The largest slip limit of several elements is at least so many times the shortest length.
+        /// The largest slip limit of several elements is at least this many times the shortest length.
         iwan_shortest: f64 = 6.0, Tuned("the blind trial");
         /// Starts of the largest slip limit of several elements.
         iwan_starts: usize = 6, Tuned("the blind trial");
-        /// Half a gap is at least so many times the shortest length.
+        /// Half a gap is at least this many times the shortest length.
         gap_shortest: f64 = 2.0, Tuned("the blind trial");
         /// Starts of half a gap.
         gap_starts: usize = 8, Tuned("the blind trial");
@@ -38,7 +38,7 @@ mesh_damper_recording::numbers! {
         contact: [f64; 2] = [0.02, 0.98], Tuned("the blind trial");
         /// Starts of a contact.
         contact_starts: usize = 16, Tuned("the blind trial");
-        /// A spring in series is at least and at most so many times as stiff as the specimen: a softer one takes up more than the whole
+        /// A spring in series is at least and at most this many times as stiff as the specimen: a softer one takes up more than the whole
         /// displacement.
         series: [f64; 2] = [1.3, 200.0], Tuned("the blind trial");
         /// Starts of a spring in series.
@@ -47,13 +47,13 @@ mesh_damper_recording::numbers! {
         shortest_delay: f64 = 0.02, Tuned("the blind trial");
         /// A delay is at most this part of the longest period.
         longest_delay: f64 = 0.2, Tuned("the blind trial");
-        /// A delay is at most so many ticks.
+        /// A delay is at most this many ticks.
         longest_delay_in_ticks: f64 = 250.0, Derived("what the crate remembers");
         /// Starts of a delay.
         delay_starts: usize = 9, Tuned("the blind trial");
-        /// A drift settles within at least so many cycles.
+        /// A drift settles within at least this many cycles.
         shortest_drift: f64 = 0.3, Tuned("the blind trial");
-        /// A drift settles within at most so many times the cycles recorded.
+        /// A drift settles within at most this many times the cycles recorded.
         longest_drift: f64 = 10.0, Convention("longer, and it is a straight line");
         /// Starts of a drift.
         drift_starts: usize = 8, Tuned("the blind trial");
@@ -65,11 +65,11 @@ mesh_damper_recording::numbers! {
         dashpot: f64 = 0.2, Tuned("the blind trial; a branch then differs from its dashpot by ωτ/√(1 + ω²τ²), a fifth");
         /// With ω·time above this at the lowest frequency a branch is a spring.
         spring: f64 = 10.0, Tuned("the blind trial; a branch then differs from its spring by 1/√(1 + ω²τ²), a tenth");
-        /// The highest frequency is more than so many times the lowest where there are several.
+        /// The highest frequency is more than this many times the lowest where there are several.
         several: f64 = 1.2, Tuned("the blind trial");
-        /// A tone has at least so many periods in a recording.
+        /// A tone has at least this many periods in a recording.
         fewest_periods: f64 = 4.0, Convention("fewer are a drift");
-        /// A tone has at most so many cycles a sample.
+        /// A tone has at most this many cycles a sample.
         highest_tone: f64 = 0.499, Derived("half of the sampling rate");
     }
 }

@@ -17,7 +17,7 @@ use crate::policy::policy;
 crate::numbers! {
     /// Which channels were smoothed by a moving average.
     AveragingPolicy {
-        /// At most so many notches are looked for.
+        /// At most this many notches are looked for.
         most_notches: usize = 5, Convention("those beyond lie in the noise");
         /// Fewest notches of an average.
         fewest_notches: usize = 2, Derived("a filter against the mains has one");
@@ -25,7 +25,7 @@ crate::numbers! {
         notch: f64 = 0.06, Derived("the gain of a mean is below a fifteenth there");
         /// What lies between notches: from the first to the second part of their distance beside one.
         between: [f64; 2] = [0.25, 0.75], Derived("the gain of a mean is above half of its largest there");
-        /// A notch is at least so many bins of the spectrum wide to either side.
+        /// A notch is at least this many bins of the spectrum wide to either side.
         fewest_bins: f64 = 2.4, Tuned("the recordings of others");
         /// Logarithm of the power in notches over that between them, on average at most: −1.9 to −5.2 in recordings that were
         /// averaged, above −0.9 at its deepest in others.
@@ -36,7 +36,7 @@ crate::numbers! {
         near: f64 = 1.15, Tuned("the recordings of others");
         /// The distances tried are apart by this part of one.
         finer: f64 = 0.002, Derived("at the fifth notch a twelfth of a notch's width");
-        /// The distances tried are apart by at least so many bins.
+        /// The distances tried are apart by at least this many bins.
         finest: f64 = 0.5, Derived("half of what a spectrum resolves");
     }
 }

@@ -15,19 +15,19 @@ crate::numbers! {
         meetings: usize = 3, Tuned("the estimated motions");
         /// Samples by which it is moved each time at most.
         farthest: f64 = 6.0, Tuned("the estimated motions");
-        /// Its sides meet within so many samples of it in the end.
+        /// Its sides meet within this many samples of it in the end.
         closest: f64 = 2.0, Tuned("the estimated motions");
         /// The windows to either side of a sample are this part of a period long.
         window: f64 = 0.05, Tuned("the estimated motions");
-        /// The windows have at least and at most so many samples.
+        /// The windows have at least and at most this many samples.
         windows: [usize; 2] = [5, 200], Derived("a quadratic through fewer has no error, and more cost time and gain nothing");
-        /// A jump of the slope stands out where it is more than so many of its deviations.
+        /// A jump of the slope stands out where it is more than this many of its deviations.
         stands_out: f64 = 8.0, Tuned("the estimated motions");
         /// A jump of the slope stands out where it is more than this part of the slopes around it.
         large: f64 = 0.1, Tuned("the estimated motions");
-        /// What of a jump is surely there lies beyond so many of its deviations.
+        /// What of a jump is surely there lies beyond this many of its deviations.
         surely: f64 = 3.0, Convention("three in a thousand by chance");
-        /// Two quadratics that meet at a kink are better than one smooth polynomial by so many deviations.
+        /// Two quadratics that meet at a kink are better than one smooth polynomial by this many deviations.
         clearly: f64 = 5.0, Derived("noise alone does so once in a million samples");
         /// A sample up to this part of a tick before where the sides meet belongs to what comes after.
         at_kink: f64 = 0.2, Tuned("the estimated motions");

@@ -21,7 +21,7 @@ crate::numbers! {
     MotionPolicy {
         /// Fewest samples to each side of the one that a cubic is fitted for.
         shortest: usize = 4, Derived("nine samples leave five beside a cubic's four coefficients");
-        /// A speed within so many of its deviations has no certain direction.
+        /// A speed within this many of its deviations has no certain direction.
         uncertain: f64 = 2.0, Tuned("the blind trial");
         /// A speed above this part of the largest has a direction.
         at_rest: f64 = 1e-3, Tuned("the blind trial");
@@ -29,7 +29,7 @@ crate::numbers! {
         longest: f64 = 0.15, Tuned("the estimated motions");
         /// A start from rest lasts at most this part of the first period.
         start: f64 = 0.5, Derived("a quarter of a period leads from rest to the first turn, and the window is twice what it is used for");
-        /// A window leaves only noise where its error is within so many deviations of that.
+        /// A window leaves only noise where its error is within this many deviations of that.
         only_noise: f64 = 4.0, Derived("a normal variable exceeds it once in 30 000 times");
     }
 }

@@ -17,13 +17,13 @@ crate::numbers! {
     NoisePolicy {
         /// Tones of fewer cycles a sample are too little of a sixth difference to be taken for noise.
         lowest: f64 = 0.1, Derived("the gain of a sixth difference there is (2 sin 0.1π)⁶, a twentieth");
-        /// A tone has more than so many times the median power of the bins around it.
+        /// A tone has more than this many times the median power of the bins around it.
         stands_out: f64 = 40.0, Tuned("the injected channel faults");
         /// So many bins are around it: it is but four of them.
         around: usize = 32, Convention("enough for a median that a tone does not move");
-        /// A difference of more than so many deviations is no noise, and no tone either.
+        /// A difference of more than this many deviations is no noise, and no tone either.
         jump: f64 = 4.0, Tuned("the injected channel faults");
-        /// At most so many tones are taken off.
+        /// At most this many tones are taken off.
         most_tones: usize = 12, Convention("a mains' hum and its harmonics");
         /// Rounds in which their frequencies, which a spectrum gives within a fiftieth of a bin, are made exact.
         rounds: usize = 2, Derived("each round squares what is left of the error");

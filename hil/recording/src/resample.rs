@@ -9,7 +9,7 @@ use crate::policy::policy;
 crate::numbers! {
     /// How a recording is brought to equal steps.
     ResamplePolicy {
-        /// Channels are interpolated by cubics across steps of up to so many periods; longer ones are gaps.
+        /// Channels are interpolated by cubics across steps of up to this many periods; longer ones are gaps.
         longest: f64 = 2.2, Derived("two ticks, and a tenth of each for their jitter");
         /// The same of samples that stand on their ticks.
         longest_on_ticks: f64 = 1.5, Derived("between one tick and two");

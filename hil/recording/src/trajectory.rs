@@ -31,9 +31,9 @@ crate::numbers! {
         about: f64 = 0.25, Tuned("the recordings of others");
         /// A specimen that is pushed off its rest has more than this part of the force of a spring.
         felt: f64 = 0.4, Tuned("the recordings of others");
-        /// A velocity of more than so many of its deviations is certain enough for the law's steep |v|^α.
+        /// A velocity of more than this many of its deviations is certain enough for the law's steep |v|^α.
         certain: f64 = 3.0, Tuned("the blind trial");
-        /// A crossing counts where the displacement leaves a band of so many deviations of the noise about its middle.
+        /// A crossing counts where the displacement leaves a band of this many deviations of the noise about its middle.
         crossing_noises: f64 = 6.0, Derived("white noise does so about twice in 10⁹ samples");
         /// A crossing counts where the displacement leaves a band of this part of its range about its middle.
         crossing: f64 = 0.01, Convention("a hundredth of the largest motion is the smallest that counts");

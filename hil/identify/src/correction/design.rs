@@ -15,9 +15,9 @@ use crate::policy::policy;
 mesh_damper_recording::numbers! {
     /// The samples that a residual table is fitted to.
     DesignPolicy {
-        /// The mean over a window is taken over at most so many of its samples.
+        /// The mean over a window is taken over at most this many of its samples.
         most_instants: usize = 9, Convention("a cubic over the window is averaged to a per cent");
-        /// Frequencies within so many octaves are one.
+        /// Frequencies within this many octaves are one.
         one_frequency: f64 = 0.1, Tuned("the blind trial");
         /// A memory that changes by less than this part of its range never changes.
         changes: f64 = 1e-3, Convention("a thousandth");

@@ -32,10 +32,10 @@ mesh_damper_recording::numbers! {
     CorrectionPolicy {
         /// A table is taken for an error beyond the noise that is at most this part of that without.
         worthwhile: f64 = 0.85, Tuned("the blind trial");
-        /// A memory is taken for an error that is at most this part of that without: with so many to choose from, one will look better
+        /// A memory is taken for an error that is at most this part of that without: with this many to choose from, one will look better
         /// by chance.
         remembered: f64 = 0.75, Tuned("the blind trial");
-        /// A variable is needed whose absence makes the error more than so many times as large.
+        /// A variable is needed whose absence makes the error more than this many times as large.
         needed: f64 = 1.7, Tuned("the blind trial");
     }
 }

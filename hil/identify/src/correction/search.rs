@@ -19,7 +19,7 @@ mesh_damper_recording::numbers! {
         typical: f64 = 1e-2, Tuned("the blind trial");
         /// A table around the trends is taken for an error beyond the noise that is below this part of that without.
         tabulated: f64 = 0.9, Tuned("the blind trial");
-        /// A kind of memory is judged if the error of its fit is at most so many times the least of those that do not go on with time.
+        /// A kind of memory is judged if the error of its fit is at most this many times the least of those that do not go on with time.
         comparable: f64 = 2.0, Tuned("the blind trial");
         /// Something touches on both sides if that fits with less than this part of the error of one.
         another_side: f64 = 0.9, Tuned("the blind trial");

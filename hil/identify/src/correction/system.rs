@@ -16,7 +16,7 @@ mesh_damper_recording::numbers! {
     SystemPolicy {
         /// What a bend between neighbouring amplitudes costs the law's coefficients, over what the data say of them.
         bend: f64 = 1e-3, Tuned("the blind trial");
-        /// What a change of an exponent costs, likewise: a step of the search, that later ones carry on.
+        /// What a change of an exponent costs: a step of the search, that later ones carry on.
         step: f64 = 1e-3, Tuned("the blind trial");
         /// What a slope costs the table, over what a bend costs: so that it ends flat where nothing is known.
         slope: f64 = 1e-3, Tuned("the blind trial");

@@ -13,7 +13,7 @@ mesh_damper_recording::numbers! {
     AlignedPolicy {
         /// Zeros that differ by less than this part of the smaller amplitude are one.
         same_zero: f64 = 0.05, Tuned("the recordings of others");
-        /// Shifts that differ by less than so many ticks may be one.
+        /// Shifts that differ by less than this many ticks may be one.
         same_shift: f64 = 1.5, Tuned("the injected channel faults");
         /// Ticks that forces are first moved too far: a model finds a force that is late better than one that is early.
         too_far: f64 = 0.5, Tuned("the injected channel faults");

@@ -23,13 +23,13 @@ mesh_damper_recording::numbers! {
         fewest_blocks: usize = 4, Derived("two amplitudes with two blocks each");
         /// With fewer blocks between the first and the last of their recordings those are left out too.
         fewest_inner: usize = 2, Convention("one alone decides nothing");
-        /// At most so many blocks are left out.
+        /// At most this many blocks are left out.
         most: usize = 4, Convention("bounds the time: each takes a fit");
         /// This part of the cycles are not the worst, which may be those of a start or of a change between blocks.
         most_cycles: f64 = 0.8, Tuned("the blind trial");
         /// Blocks of fewer cycles may be ramps.
         some_cycles: usize = 3, Derived("a cycle into the block, one in it and one out of it");
-        /// A force wanders where the squared differences of its cycles' means are more than so many times those of noise.
+        /// A force wanders where the squared differences of its cycles' means are more than this many times those of noise.
         wanders: f64 = 20.0, Tuned("the recordings of others");
     }
 }

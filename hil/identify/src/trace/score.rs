@@ -18,7 +18,7 @@ mesh_damper_recording::numbers! {
         least_gain: f64 = 0.05, Tuned("the blind trial");
         /// A law that saves more than this part without the piece in which it saves most is better whatever the others say.
         large_gain: f64 = 0.2, Tuned("the blind trial");
-        /// The gain of the pieces stands more than so many of its deviations from zero.
+        /// The gain of the pieces stands more than this many of its deviations from zero.
         deviations: f64 = 3.0, Tuned("the blind trial");
     }
 }

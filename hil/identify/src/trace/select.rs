@@ -32,7 +32,7 @@ mesh_damper_recording::numbers! {
         fitted: usize = 4, Tuned("the blind trial");
         /// A candidate that is fitted promises more than this part of what the first does.
         promising: f64 = 0.5, Tuned("the blind trial");
-        /// A candidate is fitted from at most so many starts.
+        /// A candidate is fitted from at most this many starts.
         starts: usize = 2, Tuned("the blind trial");
         /// However quiet a recording, errors below this part of the force are those of the estimated motion: what was filtered before
         /// it was written looks quieter than it is.

@@ -31,9 +31,9 @@ mesh_damper_recording::numbers! {
         largest_amplitude: f64 = 0.3, Convention("what the rig runs");
         /// Most blocks of a programme.
         most_blocks: usize = 4, Convention("a test of a minute");
-        /// Effects that differ by so many times the noise need no further block.
+        /// Effects that differ by this many times the noise need no further block.
         plenty: f64 = 10.0, Convention("told apart at a glance");
-        /// Effects that differ by less than so many times the noise are not told apart.
+        /// Effects that differ by less than this many times the noise are not told apart.
         enough: f64 = 1.0, Derived("the noise");
         /// Samples of the fastest cycle in a simulation.
         samples: f64 = 200.0, Convention("as many as of 5 Hz at 1 kHz");

@@ -15,9 +15,9 @@ mesh_damper_recording::numbers! {
     SplitPolicy {
         /// Of a block's cycles that are still fitted, one in this many is kept apart.
         cycles_per_kept: usize = 4, Tuned("the blind trial");
-        /// A whole block is kept apart where at least so many are fitted.
+        /// A whole block is kept apart where at least this many are fitted.
         fewest_blocks: usize = 3, Derived("one of two blocks would leave one condition to fit");
-        /// A block with at least so many cycles that are fitted is one of them.
+        /// A block with at least this many cycles that are fitted is one of them.
         fewest_cycles: usize = 2, Derived("one of them may be a ramp");
     }
 }

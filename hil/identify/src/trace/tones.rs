@@ -9,7 +9,7 @@ use crate::policy::policy;
 mesh_damper_recording::numbers! {
     /// Tones in a residual.
     TonesPolicy {
-        /// A search for a tone starts from so many of the strongest lines.
+        /// A search for a tone starts from this many of the strongest lines.
         most: usize = 3, Tuned("the blind trial");
     }
 }

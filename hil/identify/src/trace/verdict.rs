@@ -13,7 +13,7 @@ use crate::policy::policy;
 mesh_damper_recording::numbers! {
     /// What is concluded from a search.
     VerdictPolicy {
-        /// A law is noise-limited where it leaves at most so many times the noise: the estimated motion errs too. Nothing is sought
+        /// A law is noise-limited where it leaves at most this many times the noise: the estimated motion errs too. Nothing is sought
         /// beside such a law.
         noise_limited: f64 = 1.5, Tuned("the blind trial");
         /// The same of a law with more families than `few`: enough of them come near anything.
@@ -25,9 +25,9 @@ mesh_damper_recording::numbers! {
         /// Effects that explain a recording leave at most this part of what the law alone leaves beyond the noise: one that is like
         /// the one at work leaves more, as a dashpot leaves a fifth of a drag that grows with v².
         most_left: f64 = 0.12, Tuned("the blind trial");
-        /// What is left below so many times the noise does not show.
+        /// What is left below this many times the noise does not show.
         unseen: f64 = 0.6, Tuned("the blind trial");
-        /// A law that is noise-limited where it was fitted and leaves more than so many times the noise of what was held out knows the
+        /// A law that is noise-limited where it was fitted and leaves more than this many times the noise of what was held out knows the
         /// one and not the other.
         elsewhere: f64 = 2.0, Convention("a warning, well above what is noise-limited");
     }

@@ -13,7 +13,7 @@ use crate::policy::policy;
 crate::numbers! {
     /// What stands in for samples that were not measured.
     BridgePolicy {
-        /// Up to so many samples in a row are bridged by a cubic.
+        /// Up to this many samples in a row are bridged by a cubic.
         short: usize = 4, Tuned("the injected channel faults");
         /// Samples to each side that the cubic goes through.
         neighbours: usize = 5, Tuned("the injected channel faults");
@@ -23,7 +23,7 @@ crate::numbers! {
         is_sine: f64 = 0.03, Tuned("the injected channel faults");
         /// A crossing counts where the channel leaves a band of this part of its range about the middle.
         hysteresis: f64 = 0.05, Convention("above any noise that leaves a motion to be seen");
-        /// A fit needs so many known samples on either side of a gap.
+        /// A fit needs this many known samples on either side of a gap.
         fewest: usize = 3, Convention("of six samples four functions leave something to judge by");
     }
 }

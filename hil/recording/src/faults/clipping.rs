@@ -13,7 +13,7 @@ crate::numbers! {
         samples: usize = 6, Tuned("the injected channel faults");
         /// Fewest times that the channel stays there for two samples or more.
         stays: usize = 2, Tuned("the injected channel faults");
-        /// There are more than so many times as many samples at a limit as just below it: the turn of a smooth signal that was
+        /// There are more than this many times as many samples at a limit as just below it: the turn of a smooth signal that was
         /// rounded leaves as many in the next four steps as in the last.
         pile: f64 = 2.5, Tuned("the injected channel faults");
         /// The other channel moves meanwhile by more than this part of its spread, beyond its noise.

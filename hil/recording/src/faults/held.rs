@@ -15,7 +15,7 @@ crate::numbers! {
         chance: f64 = 1e-4, Convention("one false alarm in ten thousand recordings");
         /// Samples to each side of a run that say how often neighbours are equal there.
         around: usize = 40, Tuned("the injected channel faults");
-        /// A channel that is let go jumps by more than so many times the steps, the rounding or the noise before it was held.
+        /// A channel that is let go jumps by more than this many times the steps, the rounding or the noise before it was held.
         jump: f64 = 8.0, Tuned("the injected channel faults");
         /// Neighbours differ by chance where the noise is more than this part of the rounding's step.
         noisy: f64 = 0.7, Tuned("the injected channel faults");

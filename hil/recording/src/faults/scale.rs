@@ -11,7 +11,7 @@ crate::numbers! {
     ScalePolicy {
         /// Sizes are compared over this part of the recording before and after a change.
         stretch: f64 = 0.05, Tuned("the injected channel faults");
-        /// Sizes are compared over at least so many samples.
+        /// Sizes are compared over at least this many samples.
         shortest: usize = 16, Tuned("the injected channel faults");
         /// What changes by more than this factor has another unit: no programme of one specimen, and no two recordings of it, differ
         /// by as much.

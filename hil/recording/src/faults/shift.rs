@@ -14,7 +14,7 @@ crate::numbers! {
         most_rows: usize = 3000, Convention("bounds the time of the search");
         /// Shifts are sought up to this part of the shortest period.
         reach: f64 = 0.3, Tuned("the injected channel faults: a slow specimen with memory may look as if it were early by more");
-        /// Shifts are sought up to so many ticks: filters and loggers are late by no more.
+        /// Shifts are sought up to this many ticks: filters and loggers are late by no more.
         most_ticks: usize = 64, Convention("a filter of 64 samples is a long one");
         /// The least shift that is said, ticks.
         least: f64 = 0.7, Tuned("the injected channel faults");
@@ -24,7 +24,7 @@ crate::numbers! {
         described: f64 = 0.12, Tuned("the injected channel faults and the blind trial");
         /// The same of one frequency only, where a phase may be a loss as well as a time.
         well_described: f64 = 0.05, Tuned("the injected channel faults and the blind trial");
-        /// A block of so many cycles has a frequency.
+        /// A block of this many cycles has a frequency.
         steady: usize = 3, Convention("one cycle more than a start and an end");
         /// Frequencies that differ by more than this factor are several.
         several: f64 = 1.4, Tuned("the blind trial");

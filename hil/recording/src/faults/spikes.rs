@@ -14,22 +14,22 @@ crate::numbers! {
     SpikesPolicy {
         /// Samples to each side of the running median; up to this many in a row are seen as one spike.
         half: usize = 3, Tuned("the injected channel faults");
-        /// A spike stands out by more than so many deviations of the noise.
+        /// A spike stands out by more than this many deviations of the noise.
         noises: f64 = 8.0, Tuned("the injected channel faults");
         /// A spike stands out by more than this part of the channel's spread.
         smallest: f64 = 0.06, Tuned("the injected channel faults");
         /// A spike that stands out by more than this part of the channel's spread is a large one.
         large: f64 = 0.25, Tuned("the injected channel faults");
-        /// A small and a large spike stand out by so many times what is usual in the same state: contact and friction come back in
+        /// A small and a large spike stand out by this many times what is usual in the same state: contact and friction come back in
         /// every cycle, and small spikes have to be the rarer.
         times_usual: [f64; 2] = [8.0, 4.0], Tuned("the injected channel faults");
-        /// A small and a large spike stand out by so many times what is usual around them: a tone comes back too.
+        /// A small and a large spike stand out by this many times what is usual around them: a tone comes back too.
         times_around: [f64; 2] = [8.0, 3.0], Tuned("the injected channel faults");
         /// Samples to each side that are around a spike.
         around: usize = 25, Tuned("the injected channel faults");
         /// Fewest samples that say what is usual in a state.
         enough: usize = 30, Convention("of thirty, nine tenths is known to within a few");
-        /// States around a rare one are counted with it up to so many levels and octaves away.
+        /// States around a rare one are counted with it up to this many levels and octaves away.
         reach: i32 = 3, Tuned("the injected channel faults");
         /// What stands out in more than this part of all samples is how the channel is.
         most: f64 = 0.08, Tuned("the injected channel faults");
@@ -37,7 +37,7 @@ crate::numbers! {
         passes: usize = 4, Convention("a search ends earlier where nothing new is found");
         /// Levels of displacement by which states are told apart.
         levels: f64 = 16.0, Tuned("the injected channel faults");
-        /// A change of displacement of less than one in so many of the range is rest.
+        /// A change of displacement of less than one in this many of the range is rest.
         slowest: f64 = 256.0, Tuned("the injected channel faults");
         /// A run is cut to its samples that stand out by more than this part of its largest.
         high: f64 = 0.4, Tuned("the injected channel faults");

@@ -13,11 +13,11 @@ crate::numbers! {
         same_unit: [f64; 2] = [0.7, 1.4], Tuned("the injected channel faults");
         /// A ratio is that of two units where it is one of theirs to within this part.
         near: f64 = 0.2, Tuned("the injected channel faults");
-        /// A slope is taken over steps that are so many times the displacement's noise.
+        /// A slope is taken over steps that are this many times the displacement's noise.
         beyond_noise: f64 = 10.0, Tuned("the injected channel faults");
         /// The steps of a motion are as large as the one below which this part of them lie.
         moving: f64 = 0.8, Convention("one step in five is larger");
-        /// A slope is taken over at most so many samples to each side.
+        /// A slope is taken over at most this many samples to each side.
         longest_stride: usize = 16, Convention("a slow motion sampled fast has a derivative over as many");
     }
 }
