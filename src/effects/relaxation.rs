@@ -142,9 +142,10 @@ impl<R: Real> Equations<R> for Relaxation<R> {
     const AT_REST: Self::State = None;
 
     fn from_parameters(parameters: &[f64], tick: f64) -> Result<Self, ConfigError> {
-        let branches = super::elements::<2, MAX_BRANCHES, _>("branches", parameters, |[stiffness, time]| {
-            (R::from_f64(stiffness), R::from_f64(time))
-        })?;
+        let branches =
+            super::elements::<2, MAX_BRANCHES, _>("branches", parameters, |[stiffness, time]| {
+                (R::from_f64(stiffness), R::from_f64(time))
+            })?;
         Self::new(&branches, R::from_f64(tick))
     }
 

@@ -105,9 +105,11 @@ impl<R: Real> Equations<R> for StickSlip<R> {
     const AT_REST: Self::State = None;
 
     fn from_parameters(parameters: &[f64], _: f64) -> Result<Self, ConfigError> {
-        let elements = super::elements::<2, MAX_ELEMENTS, _>("elements", parameters, |[stiffness, slip_limit]| {
-            (R::from_f64(stiffness), R::from_f64(slip_limit))
-        })?;
+        let elements = super::elements::<2, MAX_ELEMENTS, _>(
+            "elements",
+            parameters,
+            |[stiffness, slip_limit]| (R::from_f64(stiffness), R::from_f64(slip_limit)),
+        )?;
         Self::new(&elements)
     }
 

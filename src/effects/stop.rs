@@ -85,9 +85,10 @@ impl<R: Real> Equations<R> for Stop<R> {
     const AT_REST: () = ();
 
     fn from_parameters(parameters: &[f64], _: f64) -> Result<Self, ConfigError> {
-        let contacts = super::elements::<2, MAX_CONTACTS, _>("contacts", parameters, |[stiffness, gap]| {
-            (R::from_f64(stiffness), R::from_f64(gap))
-        })?;
+        let contacts =
+            super::elements::<2, MAX_CONTACTS, _>("contacts", parameters, |[stiffness, gap]| {
+                (R::from_f64(stiffness), R::from_f64(gap))
+            })?;
         Self::new(&contacts)
     }
 
