@@ -4,6 +4,7 @@
 //! 13's coefficients: along a few trends, and as smooth around them as keeps the error small where the data were left out. One
 //! over speed comes first; one over what is remembered takes its place only where that clearly pays.
 
+mod cholesky;
 pub(crate) mod design;
 pub(crate) mod edges;
 pub(crate) mod gram;

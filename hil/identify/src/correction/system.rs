@@ -1,11 +1,10 @@
 //! What keeps the table smooth and eq 13's coefficients near each other, and the solution of the normal equations with it.
 
-use faer::linalg::solvers::{Llt, Solve as _};
-use faer::{MatMut, MatRef, Side};
 use mesh_damper::effects::correction::{DISPLACEMENTS, FINE, NODES};
 use mesh_damper_model::correction::Remembered;
 use nalgebra::{DMatrix, DVector};
 
+use super::cholesky::Cholesky;
 use super::design::{Coefficients, Design};
 use super::gram::{Block, Form, Layout};
 use super::hat::KNOTS;
@@ -182,12 +181,8 @@ impl System {
             }
             gram[(column, column)] += RIDGE;
         }
-        let width = scale.len();
-        // There are hundreds of unknowns, for which faer's Cholesky, in blocks, is faster than nalgebra's.
-        let gram = MatRef::from_column_major_slice(gram.as_slice(), width, width);
-        let factor = gram.llt(Side::Lower).ok()?;
         Some(Solver {
-            factor,
+            factor: Cholesky::new(gram)?,
             scale,
             pull: &self.pull,
         })
@@ -196,7 +191,7 @@ impl System {
 
 /// The normal equations with the penalties, factored.
 pub(super) struct Solver<'s> {
-    factor: Llt<f64>,
+    factor: Cholesky,
     scale: DVector<f64>,
     pull: &'s DVector<f64>,
 }
@@ -210,9 +205,7 @@ impl Solver<'_> {
     /// The same without the pull.
     pub fn solve_bare(&self, right: DVector<f64>) -> DVector<f64> {
         let mut x = right.component_mul(&self.scale);
-        let width = x.len();
-        let column = MatMut::from_column_major_slice_mut(x.as_mut_slice(), width, 1);
-        self.factor.solve_in_place(column);
+        self.factor.solve(&mut x);
         x.component_mul(&self.scale)
     }
 }

@@ -1,16 +1,18 @@
-//! The sparse symmetric equations of a mesh: their pattern, made once, and their solution.
+//! The symmetric equations of a mesh, and their solution by Cholesky's factor within their envelope.
+//!
+//! Of each row what lies between its first entry and the diagonal is kept: the factor has no entry outside. A ring's nodes are
+//! numbered around it, so that the envelope is as narrow as a cross-section.
 
-use faer::Side;
-use faer::linalg::solvers::Solve as _;
-use faer::sparse::linalg::solvers::{Llt, SymbolicLlt};
-use faer::sparse::{SparseColMatRef, SymbolicSparseColMat};
+use nalgebra::DVectorView;
 
 use super::FiniteElementError;
 
-/// Where the entries of a symmetric matrix go. Only its lower triangle is kept.
+/// Where the entries of a symmetric matrix go. Only its lower triangle is kept, row after row.
 pub(super) struct Pattern {
-    columns: SymbolicSparseColMat<usize>,
-    symbolic: SymbolicLlt<usize>,
+    /// The column of each row's first entry.
+    first: Vec<usize>,
+    /// The place of each row's first entry, and the end of all.
+    starts: Vec<usize>,
 }
 
 impl Pattern {
@@ -22,36 +24,39 @@ impl Pattern {
         size: usize,
         groups: impl Iterator<Item = Vec<usize>>,
     ) -> Result<Self, FiniteElementError> {
-        let mut rows = vec![Vec::<usize>::new(); size];
+        let mut first: Vec<usize> = (0..size).collect();
         for group in groups {
-            for &column in &group {
-                rows[column].extend(group.iter().filter(|&&row| row >= column));
+            if let Some(&least) = group.iter().min() {
+                for row in group {
+                    first[row] = first[row].min(least);
+                }
             }
         }
         let mut starts = vec![0];
-        let mut indices = Vec::new();
-        for mut column in rows {
-            column.sort_unstable();
-            column.dedup();
-            indices.extend(column);
-            starts.push(indices.len());
+        let mut end = 0_usize;
+        for (row, first) in first.iter().enumerate() {
+            end = (end.checked_add(row - first + 1)).ok_or(FiniteElementError::TooLarge)?;
+            starts.push(end);
         }
-        let columns = SymbolicSparseColMat::new_checked(size, size, starts, None, indices);
-        let symbolic = SymbolicLlt::try_new(columns.as_ref(), Side::Lower)
+        Vec::<f64>::new()
+            .try_reserve_exact(end)
             .map_err(|_| FiniteElementError::TooLarge)?;
-        Ok(Self { columns, symbolic })
+        Ok(Self { first, starts })
     }
 
     /// How many entries the lower triangle has.
     pub fn entries(&self) -> usize {
-        self.columns.row_idx().len()
+        self.starts[self.first.len()]
     }
 
-    /// Which entry of the lower triangle is in `row` and `column`, `row` ≥ `column`.
+    /// Which entry of the lower triangle is in `row` and `column`, `row` ≥ `column`, of one group.
     pub fn entry(&self, row: usize, column: usize) -> usize {
-        let range = self.columns.col_range(column);
-        let within = self.columns.row_idx()[range.clone()].binary_search(&row);
-        range.start + within.expect("the pattern has every coupling of its groups")
+        self.starts[row] + column - self.first[row]
+    }
+
+    /// The entries of `row`, from `column` on.
+    fn row<'v>(&self, values: &'v [f64], row: usize, column: usize) -> &'v [f64] {
+        &values[self.entry(row, column)..self.starts[row + 1]]
     }
 
     /// Solves the equations with `values` as the entries of the lower triangle, in place.
@@ -59,11 +64,111 @@ impl Pattern {
     /// # Errors
     /// [`FiniteElementError::Unstable`] when the matrix is not positive definite: the body would leave its equilibrium.
     pub fn solve(&self, values: &[f64], right: &mut [f64]) -> Result<(), FiniteElementError> {
-        let matrix = SparseColMatRef::new(self.columns.as_ref(), values);
-        let factor = Llt::try_new_with_symbolic(self.symbolic.clone(), matrix, Side::Lower)
-            .map_err(|_| FiniteElementError::Unstable)?;
-        let size = right.len();
-        factor.solve_in_place(faer::MatMut::from_column_major_slice_mut(right, size, 1));
+        let mut factor = values.to_vec();
+        for row in 0..self.first.len() {
+            let (above, own) = factor.split_at_mut(self.starts[row]);
+            let first = self.first[row];
+            for column in first..row {
+                // Σ L(row, k)·L(column, k) over the k < column that both rows have.
+                let both = first.max(self.first[column]);
+                let other = self.row(above, column, both);
+                let (other, pivot) = (&other[..column - both], other[column - both]);
+                let known = &own[both - first..column - first];
+                own[column - first] = (own[column - first] - dot(known, other)) / pivot;
+            }
+            let known = &own[..row - first];
+            let square = own[row - first] - dot(known, known);
+            if !(square > 0.0 && square.is_finite()) {
+                return Err(FiniteElementError::Unstable);
+            }
+            own[row - first] = square.sqrt();
+        }
+        for row in 0..self.first.len() {
+            let first = self.first[row];
+            let (known, pivot) = split_last(self.row(&factor, row, first));
+            right[row] = (right[row] - dot(known, &right[first..row])) / pivot;
+        }
+        for row in (0..self.first.len()).rev() {
+            let first = self.first[row];
+            let (known, pivot) = split_last(self.row(&factor, row, first));
+            right[row] /= pivot;
+            let x = right[row];
+            for (left, entry) in right[first..row].iter_mut().zip(known) {
+                *left -= x * entry;
+            }
+        }
         Ok(())
+    }
+}
+
+/// A row's entries before the diagonal, and the one on it.
+fn split_last(row: &[f64]) -> (&[f64], f64) {
+    let (last, before) = row.split_last().expect("a row has its diagonal");
+    (before, *last)
+}
+
+fn dot(a: &[f64], b: &[f64]) -> f64 {
+    DVectorView::from_slice(a, a.len()).dot(&DVectorView::from_slice(b, b.len()))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Two bars of three equations that share one, on springs: K = Σ groups.
+    fn matrix(pattern: &Pattern, spring: f64) -> Vec<f64> {
+        let mut values = vec![0.0; pattern.entries()];
+        for (row, column, value) in [
+            (0, 0, 4.0),
+            (2, 0, 1.0),
+            (2, 2, 5.0),
+            (3, 2, 2.0),
+            (1, 1, 3.0),
+            (3, 3, 6.0),
+            (4, 1, -1.0),
+            (4, 4, spring),
+        ] {
+            values[pattern.entry(row, column)] = value;
+        }
+        values
+    }
+
+    fn pattern() -> Pattern {
+        let groups = [vec![2, 0], vec![3, 2], vec![4, 1]];
+        Pattern::new(5, groups.into_iter()).unwrap()
+    }
+
+    #[test]
+    fn what_is_solved_solves_the_equations() {
+        let pattern = pattern();
+        let values = matrix(&pattern, 2.0);
+        let x = [1.0, -2.0, 3.0, 0.5, -0.25];
+        let mut right = [0.0; 5];
+        for row in 0..5 {
+            for column in pattern.first[row]..=row {
+                let value = values[pattern.entry(row, column)];
+                right[row] += value * x[column];
+                if row != column {
+                    right[column] += value * x[row];
+                }
+            }
+        }
+        pattern.solve(&values, &mut right).unwrap();
+        for (solved, x) in right.iter().zip(x) {
+            assert!((solved - x).abs() < 1e-12, "{right:?}");
+        }
+    }
+
+    #[test]
+    fn a_matrix_that_is_not_positive_definite_is_unstable() {
+        let pattern = pattern();
+        // The square of the coupling, 1, over the other's stiffness, 3.
+        for spring in [1.0 / 3.0 - 1e-9, -1.0, f64::NAN] {
+            let solved = pattern.solve(&matrix(&pattern, spring), &mut [1.0; 5]);
+            assert!(
+                matches!(solved, Err(FiniteElementError::Unstable)),
+                "{spring}"
+            );
+        }
     }
 }
