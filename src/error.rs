@@ -30,6 +30,8 @@ pub enum ConfigError {
     },
     /// Nothing was given where at least one element is needed.
     Empty(&'static str),
+    /// What an earlier version had and this one has not.
+    Removed(&'static str),
 }
 
 impl fmt::Display for ConfigError {
@@ -51,6 +53,7 @@ impl fmt::Display for ConfigError {
             Self::NotIncreasing(field) => write!(f, "{field} must increase from node to node"),
             Self::Full { field, capacity } => write!(f, "{field} holds at most {capacity}"),
             Self::Empty(field) => write!(f, "{field} is empty"),
+            Self::Removed(what) => write!(f, "there is no {what} any more"),
         }
     }
 }

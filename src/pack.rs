@@ -164,7 +164,7 @@ pub fn decode<const N: usize>(pack: &[u8], slot: &mut FastLaw<N>) -> Result<(), 
     match reader.u8() {
         Some(0) => {}
         Some(1) => slot.augmented.correct_with(|correction| {
-            correction.unpack(&mut reader).ok_or(PackError::Body)?;
+            correction.unpack(&mut reader).ok_or(PackError::Body)??;
             Ok::<_, PackError>(correction.check()?)
         })?,
         _ => return Err(PackError::Body),

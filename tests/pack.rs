@@ -175,7 +175,6 @@ fn a_correction_survives() {
     for memory in [
         Memory::Temperature,
         Memory::Place,
-        Memory::Acceleration,
         Memory::Frequency { time: 0.05 },
         Memory::Sides {
             below: -0.1,
@@ -193,6 +192,26 @@ fn a_correction_survives() {
     let mut slot = corrected();
     pack::decode(&pack(&[]), &mut slot).unwrap();
     assert_eq!(slot.augmented().correction(), None);
+}
+
+/// A table over what no table is over any more has its number still, and its name is said.
+#[test]
+fn what_was_removed_is_refused_by_name() {
+    // After the law's and the damping's 68 numbers, the count of effects, that there is one, and four numbers of its own.
+    let kind = 4 * 72 + 2;
+    for (number, name) in [(8, "cycles"), (9, "level"), (12, "acceleration")] {
+        let mut body = corrected_pack()[12..].to_vec();
+        assert_eq!(body[kind], 4, "it remembers a lag");
+        body[kind] = number;
+        let refused = decode(&with_header(&body)).unwrap_err().to_string();
+        assert_eq!(
+            refused,
+            format!("there is no residual table over the {name} any more")
+        );
+    }
+    let mut body = corrected_pack()[12..].to_vec();
+    body[kind] = 13;
+    assert_eq!(decode(&with_header(&body)).unwrap_err(), PackError::Body);
 }
 
 /// One whose cells count for nothing is none: nothing of it stays in the law, not even what it would remember.

@@ -46,7 +46,8 @@ impl From<ConfigError> for Refusal<'static> {
         | ConfigError::OutOfRange { field, .. }
         | ConfigError::NotIncreasing(field)
         | ConfigError::Full { field, .. }
-        | ConfigError::Empty(field)) = error;
+        | ConfigError::Empty(field)
+        | ConfigError::Removed(field)) = error;
         Self::Field(field)
     }
 }

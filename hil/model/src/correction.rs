@@ -43,10 +43,7 @@ pub enum Remembered {
     Travel { time: f64 },
     Largest,
     Age { time: f64 },
-    Cycles { cycles: f64 },
-    Level { time: f64 },
     Temperature,
-    Acceleration,
     Place,
     Sides { below: f64, above: f64 },
     Frequency { time: f64 },
@@ -56,17 +53,11 @@ impl Remembered {
     /// What it is of, by the names of `trace.json`.
     pub fn is_of(self) -> &'static str {
         match self {
-            Self::Slip { .. }
-            | Self::Lag { .. }
-            | Self::Travel { .. }
-            | Self::Largest
-            | Self::Level { .. } => "history",
+            Self::Slip { .. } | Self::Lag { .. } | Self::Travel { .. } | Self::Largest => "history",
             Self::Age { .. } => "time",
-            Self::Cycles { .. } => "cycle",
             Self::Temperature => "temperature",
             Self::Place | Self::Sides { .. } => "displacement",
-            // Of a sine it is −(2πf)²·y.
-            Self::Frequency { .. } | Self::Acceleration => "frequency",
+            Self::Frequency { .. } => "frequency",
         }
     }
 
@@ -82,10 +73,8 @@ impl Remembered {
             Self::Slip { limit } => Memory::Slip { limit: real(limit) },
             Self::Lag { time } => Memory::Lag { time: real(time) },
             Self::Travel { time } => Memory::Travel { time: real(time) },
-            Self::Level { time } => Memory::Level { time: real(time) },
             Self::Largest => Memory::Largest,
             Self::Temperature => Memory::Temperature,
-            Self::Acceleration => Memory::Acceleration,
             Self::Place => Memory::Place,
             Self::Sides { below, above } => Memory::Sides {
                 below: real(below),
@@ -93,9 +82,6 @@ impl Remembered {
             },
             Self::Frequency { time } => Memory::Frequency { time: real(time) },
             Self::Age { time } => Memory::Age { time: real(time) },
-            Self::Cycles { cycles } => Memory::Cycles {
-                cycles: real(cycles),
-            },
         }
     }
 }

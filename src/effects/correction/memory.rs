@@ -48,20 +48,8 @@ pub enum Memory<R> {
         /// s, 1e-6…1e6
         time: R,
     },
-    /// log₂(1 + n/`cycles`), n the cycles since the test began, likewise.
-    Cycles {
-        /// 0.01…1e9
-        cycles: R,
-    },
-    /// The mean of |displacement| over `time`, from 0, mm: how wide the motion has been.
-    Level {
-        /// s, 1e-6…1e6; 2…1e7 ticks are taken.
-        time: R,
-    },
     /// The temperature that is measured, °C.
     Temperature,
-    /// The acceleration, mm/s²: what the velocity has changed by since the tick before.
-    Acceleration,
     /// Nothing: the force is a line over displacement alone, once for each direction, of [`super::FINE`] nodes evenly over
     /// ±reach. It has the first so many of each direction's cells, the others are not read.
     Place,
@@ -92,46 +80,54 @@ pub(super) enum MemoryKind {
     Travel,
     Largest,
     Age,
-    Cycles,
-    Level,
     Temperature,
     Frequency,
-    Acceleration,
 }
 
 impl MemoryKind {
     /// This one and those after it have a state.
     pub const FIRST_MEMORY: Self = Self::Slip;
 
-    /// By their numbers in a pack.
-    pub const ALL: [Self; 13] = [
-        Self::Speed,
-        Self::Place,
-        Self::Sides,
-        Self::Slip,
-        Self::Lag,
-        Self::Travel,
-        Self::Largest,
-        Self::Age,
-        Self::Cycles,
-        Self::Level,
-        Self::Temperature,
-        Self::Frequency,
-        Self::Acceleration,
+    /// By their numbers in a pack. The numbers of those that are no more stay theirs.
+    const NUMBERED: [Result<Self, &'static str>; 13] = [
+        Ok(Self::Speed),
+        Ok(Self::Place),
+        Ok(Self::Sides),
+        Ok(Self::Slip),
+        Ok(Self::Lag),
+        Ok(Self::Travel),
+        Ok(Self::Largest),
+        Ok(Self::Age),
+        Err("residual table over the cycles"),
+        Err("residual table over the level"),
+        Ok(Self::Temperature),
+        Ok(Self::Frequency),
+        Err("residual table over the acceleration"),
     ];
+
+    pub fn number(self) -> u8 {
+        let number = Self::NUMBERED.iter().position(|kind| *kind == Ok(self));
+        number.unwrap_or_default() as u8
+    }
+
+    /// Of this number; `None` where there never was one.
+    ///
+    /// # Errors
+    /// [`ConfigError::Removed`]
+    pub fn of_number(number: u8) -> Option<Result<Self, ConfigError>> {
+        let kind = Self::NUMBERED.get(usize::from(number))?;
+        Some(kind.map_err(ConfigError::Removed))
+    }
 }
 
 /// How it is remembered, and where it stands among the nodes.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Recall<R> {
     pub kind: MemoryKind,
-    /// 1/time in ticks, 1/cycles, readings per °C, parts of a speed per mm/s, or Hz of an average of 1; of a slip and the others
-    /// unused.
+    /// 1/time in ticks, readings per °C, parts of a speed per mm/s, or Hz of an average of 1; of a slip and the others unused.
     pub rate: R,
     /// The place above which there is a side, or what an average loses in a tick, of 2³².
     pub step: i32,
-    /// Bits of a change of speed that a reading leaves out.
-    pub shift: i32,
     /// Where a reading of 0 stands, in 512ths of a place; or the place below which there is a side.
     pub origin: i32,
     /// 512ths of a place per reading.
@@ -161,7 +157,7 @@ impl<R: Real> Beside<R> {
 pub struct ResidualTableState {
     /// Of which kind, [`MemoryKind::Speed`] before the first tick: what a tick does follows from it alone.
     kind: MemoryKind,
-    /// Place of the tick before, or part of its cycle, or its velocity.
+    /// Place of the tick before, or part of its cycle.
     previous: i32,
     /// Stretch, average, largest displacement or ticks.
     value: i32,
@@ -186,20 +182,18 @@ impl<R: Real> Recall<R> {
         kind: MemoryKind::Speed,
         rate: R::ZERO,
         step: 0,
-        shift: 0,
         origin: 0,
         gain: 0,
     };
 
-    /// `memory` from `low` to `high`, over places of which ±`reach` mm are 8·4096, every `tick` s, of a motion of about `speed`
-    /// mm/s at most.
+    /// `memory` from `low` to `high`, over places of which ±`reach` mm are 8·4096, every `tick` s.
     ///
     /// # Errors
     /// As for [`super::ResidualTable::new`].
     pub fn new(
         memory: Memory<R>,
         [low, high]: [R; 2],
-        [reach, speed]: [f64; 2],
+        reach: f64,
         tick: f64,
     ) -> Result<Self, ConfigError> {
         let most = limits::ACCELERATION;
@@ -245,10 +239,6 @@ impl<R: Real> Recall<R> {
                 new.rate = R::from_f64(rate);
                 per_reading = f64::from(1 << AVERAGE) / rate;
             }
-            Memory::Level { time } => {
-                new.kind = MemoryKind::Level;
-                new.step = loss(time)?;
-            }
             Memory::Largest => new.kind = MemoryKind::Largest,
             Memory::Age { time } => {
                 let time = in_range("time", time, 1e-6, 1e6)?.to_f64();
@@ -256,28 +246,10 @@ impl<R: Real> Recall<R> {
                 new.rate = R::from_f64(tick / time);
                 per_reading = 1.0 / f64::from(ONE);
             }
-            Memory::Cycles { cycles } => {
-                let cycles = in_range("cycles", cycles, 0.01, limits::CYCLES)?;
-                new.kind = MemoryKind::Cycles;
-                new.rate = R::ONE / cycles;
-                per_reading = 1.0 / f64::from(ONE);
-            }
             Memory::Temperature => {
                 new.kind = MemoryKind::Temperature;
                 per_reading = low.abs().max(high.abs()).max(1.0) / largest;
                 new.rate = R::from_f64(1.0 / per_reading);
-            }
-            Memory::Acceleration => {
-                new.kind = MemoryKind::Acceleration;
-                // Four times the largest speed of the tables is within 2³⁰.
-                let rate = (f64::from(1 << 28) / speed).min(limits::COEFFICIENT);
-                new.rate = R::from_f64(rate);
-                per_reading = 1.0 / (rate * tick);
-                let most = low.abs().max(high.abs());
-                while new.shift < AVERAGE as i32 && most / per_reading > largest {
-                    per_reading *= 2.0;
-                    new.shift += 1;
-                }
             }
             Memory::Place => new.kind = MemoryKind::Place,
             Memory::Sides { below, above } => {
@@ -328,7 +300,6 @@ impl<R: Real> Recall<R> {
         };
         self::in_range("rate", self.rate, 0.0, limits::COEFFICIENT)?;
         in_range("step", self.step, 0, i32::MAX)?;
-        in_range("shift", self.shift, 0, AVERAGE as i32)?;
         let most = LARGEST_READING * LARGEST_GAIN;
         in_range("origin", self.origin, -most, most)?;
         let most = match self.kind {
@@ -355,11 +326,10 @@ impl<R: Real> Recall<R> {
     /// As before the first tick.
     #[cold]
     #[inline(never)]
-    pub fn begin(&self, across: i32, velocity: R, cycles: R) -> ResidualTableState {
+    pub fn begin(&self, across: i32, cycles: R) -> ResidualTableState {
         ResidualTableState {
             kind: self.kind,
             previous: match self.kind {
-                MemoryKind::Acceleration => self.scaled(velocity),
                 MemoryKind::Frequency => part_of_cycle(cycles),
                 _ => across,
             },
@@ -373,7 +343,6 @@ impl<R: Real> Recall<R> {
 
     /// The place among the nodes on this tick, at a place over displacement; `None` before the first tick. Limits that are powers
     /// of two are one instruction.
-    ///
     #[inline(always)]
     pub fn along(
         &self,
@@ -404,11 +373,7 @@ impl<R: Real> Recall<R> {
                 across - (state.value >> AVERAGE)
             }
             MemoryKind::Travel => {
-                state.value = toward(self.scaled(velocity.abs()));
-                state.value >> AVERAGE
-            }
-            MemoryKind::Level => {
-                state.value = toward(across.abs() << AVERAGE);
+                state.value = toward((velocity.abs() * self.rate).to_i32());
                 state.value >> AVERAGE
             }
             MemoryKind::Largest => {
@@ -417,9 +382,8 @@ impl<R: Real> Recall<R> {
             }
             MemoryKind::Age => {
                 state.value = value.saturating_add(1);
-                self.age(R::from_i32(value))
+                octaves(R::from_i32(value) * self.rate + R::ONE).clamp(0, LARGEST_READING)
             }
-            MemoryKind::Cycles => self.age(beside.cycles),
             MemoryKind::Frequency => {
                 let now = part_of_cycle(beside.cycles);
                 state.previous = now;
@@ -429,26 +393,10 @@ impl<R: Real> Recall<R> {
                 within(octaves(R::from_i32(state.value) * self.rate))
             }
             MemoryKind::Temperature => within((beside.temperature * self.rate).to_i32()),
-            MemoryKind::Acceleration => {
-                let now = self.scaled(velocity);
-                state.previous = now;
-                within(now.saturating_sub(previous) >> self.shift)
-            }
         };
         // Within (2·65536 − 1)·(2¹⁴ − 1) < 2³¹.
         let gained = reading.wrapping_mul(self.gain).wrapping_add(self.origin);
         Some((gained >> GAIN).clamp(0, LAST_NODE))
-    }
-
-    /// A velocity that is averaged, or whose changes are read.
-    #[inline(always)]
-    fn scaled(&self, velocity: R) -> i32 {
-        (velocity * self.rate).to_i32()
-    }
-
-    #[inline(always)]
-    fn age(&self, elapsed: R) -> i32 {
-        octaves(elapsed * self.rate + R::ONE).clamp(0, LARGEST_READING)
     }
 
     /// The first cell of the side that a place is on.

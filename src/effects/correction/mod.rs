@@ -131,7 +131,7 @@ impl<R: Real> ResidualTable<R> {
                 high: CELLS as f64,
             })?;
         if let Some((memory, range)) = parts.memory {
-            new.recall = Recall::new(memory, range, [reach, speed], tick)?;
+            new.recall = Recall::new(memory, range, reach, tick)?;
         }
         Ok(new)
     }
@@ -219,7 +219,7 @@ impl<R: Real> ResidualTable<R> {
     ) -> i32 {
         let recall = &self.recall;
         if !state.is_of(recall.kind) {
-            *state = recall.begin(across, velocity, beside.cycles);
+            *state = recall.begin(across, beside.cycles);
         }
         let along = recall.along(state, across, velocity, beside);
         along.unwrap_or_default()

@@ -19,9 +19,8 @@ impl ResidualTable<f32> {
         ] {
             writer.f32(number);
         }
-        let kind = MemoryKind::ALL.iter().position(|kind| *kind == recall.kind);
-        writer.u8(kind.unwrap_or_default() as u8);
-        for number in [recall.step, recall.shift, recall.origin, recall.gain] {
+        writer.u8(recall.kind.number());
+        for number in [recall.step, UNUSED, recall.origin, recall.gain] {
             writer.u32(number as u32);
         }
         for byte in LENGTH {
@@ -33,7 +32,10 @@ impl ResidualTable<f32> {
     }
 
     /// Reads what [`Self::pack`] wrote into `self`; `None` where it is no correction. Its numbers are still to be checked.
-    pub(crate) fn unpack(&mut self, reader: &mut Reader<'_>) -> Option<()> {
+    ///
+    /// # Errors
+    /// [`ConfigError::Removed`]
+    pub(crate) fn unpack(&mut self, reader: &mut Reader<'_>) -> Option<Result<(), ConfigError>> {
         let recall = &mut self.recall;
         for number in [
             &mut self.per_displacement,
@@ -43,10 +45,14 @@ impl ResidualTable<f32> {
         ] {
             *number = reader.f32()?;
         }
-        recall.kind = *MemoryKind::ALL.get(usize::from(reader.u8()?))?;
+        recall.kind = match MemoryKind::of_number(reader.u8()?)? {
+            Ok(kind) => kind,
+            Err(removed) => return Some(Err(removed)),
+        };
+        let mut unused = UNUSED;
         for number in [
             &mut recall.step,
-            &mut recall.shift,
+            &mut unused,
             &mut recall.origin,
             &mut recall.gain,
         ] {
@@ -60,7 +66,7 @@ impl ResidualTable<f32> {
         for cell in &mut self.cells {
             *cell = reader.u16()? as i16;
         }
-        Some(())
+        Some(Ok(()))
     }
 
     /// Whether its numbers are finite and within what [`ResidualTable::new`] can give, for one that was read.
@@ -75,6 +81,9 @@ impl ResidualTable<f32> {
         self.recall.check()
     }
 }
+
+/// In the place of a number of the table over the acceleration, which is no more.
+const UNUSED: i32 = 0;
 
 /// How many bytes the cells take, as postcard writes a length of 128…16383.
 const LENGTH: [u8; 2] = {

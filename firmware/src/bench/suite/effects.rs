@@ -130,14 +130,6 @@ fn memories() -> [(&'static str, Option<Remembered>); 13] {
             Some((Memory::Age { time: 0.1 }, [0.0, 8.0])),
         ),
         (
-            "correction/cycles",
-            Some((Memory::Cycles { cycles: 0.5 }, [0.0, 4.0])),
-        ),
-        (
-            "correction/level",
-            Some((Memory::Level { time: 0.2 }, [0.0, 0.2])),
-        ),
-        (
             "correction/temperature",
             Some((Memory::Temperature, [14.0, 26.0])),
         ),
@@ -155,10 +147,6 @@ fn memories() -> [(&'static str, Option<Remembered>); 13] {
         (
             "correction/frequency",
             Some((Memory::Frequency { time: 0.2 }, [0.0, 4.0])),
-        ),
-        (
-            "correction/acceleration",
-            Some((Memory::Acceleration, [-800.0, 800.0])),
         ),
     ]
 }

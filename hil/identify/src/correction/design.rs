@@ -232,10 +232,6 @@ impl<'a> Design<'a> {
             Remembered::Largest => [0.0, self.extent.displacement],
             Remembered::Age { time } => [0.0, 1.0 + (longest / time).log2().max(0.0)],
             Remembered::Temperature => self.temperatures()?,
-            // No kind of these is tried.
-            Remembered::Level { .. } | Remembered::Cycles { .. } | Remembered::Acceleration => {
-                return None;
-            }
             Remembered::Slip { limit } => return self.recall_within(of, [-limit, limit]),
             Remembered::Place | Remembered::Sides { .. } => {
                 return self

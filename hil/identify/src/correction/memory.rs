@@ -57,8 +57,8 @@ const KINDS: [MemoryKind; 9] = [
     MemoryKind::Sides,
 ];
 
-/// What a residual table may be over in the place of speed, kind by kind. A model may remember more: its level, its cycles and its
-/// acceleration, which mended none of the blind trial's 130 unlisted effects and were chosen in no recording of others.
+/// What a residual table may be over in the place of speed, kind by kind. The level of the motion, its cycles and its acceleration
+/// are none of them: they mended none of the blind trial's 130 unlisted effects and were chosen in no recording of others.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum MemoryKind {
@@ -199,9 +199,6 @@ pub(super) fn around(of: Remembered, sought: u32, design: &Design) -> Vec<Rememb
         }),
         Remembered::Largest
         | Remembered::Temperature
-        | Remembered::Acceleration
-        | Remembered::Level { .. }
-        | Remembered::Cycles { .. }
         | Remembered::Place
         | Remembered::Sides { .. } => None,
         Remembered::Age { time } => Some(Remembered::Age {

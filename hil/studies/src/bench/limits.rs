@@ -159,24 +159,12 @@ const NOT_REACHED: [(&str, &str); 26] = [
         "12 for the largest and its place, 29 for the four cells and what lies between, the rest to come to it with what it remembers",
     ),
     (
-        "correction that remembers a level",
-        "13 for the average and its place, 29 for the four cells and what lies between, the rest to come to it with what it remembers",
-    ),
-    (
         "correction that remembers its age",
         "15 for the octave and its place, 29 for the four cells and what lies between, the rest to come to it with what it remembers",
     ),
     (
-        "correction over the cycles",
-        "ten for the octave and its place, 29 for the four cells and what lies between, the rest to come to it with what it remembers",
-    ),
-    (
         "correction over temperature",
         "nine for the reading and its place, 29 for the four cells and what lies between, the rest to come to it with what it remembers",
-    ),
-    (
-        "correction over the acceleration",
-        "13 for the change of velocity and its place, 29 for the four cells and what lies between, the rest to come to it with what it remembers",
     ),
     (
         "correction over the frequency",
@@ -400,16 +388,10 @@ const CORRECTIONS: [(&str, &str); 13] = [
         "correction that remembers the largest displacement",
     ),
     ("correction/age", "correction that remembers its age"),
-    ("correction/cycles", "correction over the cycles"),
-    ("correction/level", "correction that remembers a level"),
     ("correction/temperature", "correction over temperature"),
     ("correction/place", "correction with a finer line"),
     ("correction/sides", "correction with two sides"),
     ("correction/frequency", "correction over the frequency"),
-    (
-        "correction/acceleration",
-        "correction over the acceleration",
-    ),
 ];
 
 fn effects(results: &Results) -> Vec<Verdict> {
