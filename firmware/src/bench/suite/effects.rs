@@ -109,7 +109,7 @@ type Remembered = (Memory<f32>, [f32; 2]);
 
 /// Everything that a correction may be over beside the motion, with the name that it is counted under. Half of the range of
 /// each is reached in the cycles that are counted.
-fn memories() -> [(&'static str, Option<Remembered>); 13] {
+fn memories() -> [(&'static str, Option<Remembered>); 10] {
     [
         ("correction/without_memory", None),
         (

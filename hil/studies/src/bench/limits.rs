@@ -93,7 +93,7 @@ const RELATIVE: &str = "relative";
 const RATIO: &str = "ratio";
 
 /// Limits that are not reached, and why. What is reached after all has to leave this list.
-const NOT_REACHED: [(&str, &str); 26] = [
+const NOT_REACHED: [(&str, &str); 23] = [
     (
         "longest steady tick over the mean",
         "a tick in 64 ends a sector of the cycle and does a step of its results in 95 to 131; the first of a block takes 179",
@@ -378,7 +378,7 @@ pub fn counted_effects() -> impl Iterator<Item = (String, String)> {
 }
 
 /// Corrections, by what they are over, and what their limit is called.
-const CORRECTIONS: [(&str, &str); 13] = [
+const CORRECTIONS: [(&str, &str); 10] = [
     ("correction/without_memory", "correction without memory"),
     ("correction/slip", "correction that remembers a slip"),
     ("correction/lag", "correction that remembers a lag"),
