@@ -206,7 +206,7 @@ fn what_was_removed_is_refused_by_name() {
         let refused = decode(&with_header(&body)).unwrap_err().to_string();
         assert_eq!(
             refused,
-            format!("there is no residual table over the {name} any more")
+            format!("there is no residual table over {name} any more")
         );
     }
     let mut body = corrected_pack()[12..].to_vec();

@@ -320,6 +320,8 @@ impl SpecimenWatch {
     }
 
     /// What `values` have beyond the baselines.
+    // Not inlined, as others below: several call it, none on every tick, and flash is short.
+    #[inline(never)]
     fn beyond(&self, values: Shift) -> Shift {
         let mut shift = values;
         for (value, watch) in shift.iter_mut().zip(&self.watches) {
@@ -335,6 +337,7 @@ impl SpecimenWatch {
     }
 
     /// The mean of this cycle's values and of those of the one before.
+    #[inline(never)]
     fn mean_values(&self) -> Shift {
         let mut mean = self.values;
         for (value, before) in mean.iter_mut().zip(&self.before) {
@@ -378,6 +381,7 @@ impl SpecimenWatch {
         Some(self.event(&shift, course, suspicion.limit))
     }
 
+    #[inline(never)]
     fn event(&self, shift: &Shift, course: Course, limit: f32) -> Event {
         let (cause, statistic) = cause(shift, self.law_third(), course);
         self.evidence(cause, statistic, shift, limit)

@@ -70,54 +70,52 @@ pub enum Memory<R> {
     },
 }
 
+/// Each with its number in a pack. The numbers of those that are no more stay theirs.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd)]
+#[repr(u8)]
 pub(super) enum MemoryKind {
-    Speed,
-    Place,
-    Sides,
-    Slip,
-    Lag,
-    Travel,
-    Largest,
-    Age,
-    Temperature,
-    Frequency,
+    Speed = 0,
+    Place = 1,
+    Sides = 2,
+    Slip = 3,
+    Lag = 4,
+    Travel = 5,
+    Largest = 6,
+    Age = 7,
+    Temperature = 10,
+    Frequency = 11,
 }
 
 impl MemoryKind {
     /// This one and those after it have a state.
     pub const FIRST_MEMORY: Self = Self::Slip;
 
-    /// By their numbers in a pack. The numbers of those that are no more stay theirs.
-    const NUMBERED: [Result<Self, &'static str>; 13] = [
-        Ok(Self::Speed),
-        Ok(Self::Place),
-        Ok(Self::Sides),
-        Ok(Self::Slip),
-        Ok(Self::Lag),
-        Ok(Self::Travel),
-        Ok(Self::Largest),
-        Ok(Self::Age),
-        Err("residual table over the cycles"),
-        Err("residual table over the level"),
-        Ok(Self::Temperature),
-        Ok(Self::Frequency),
-        Err("residual table over the acceleration"),
-    ];
-
-    pub fn number(self) -> u8 {
-        let number = Self::NUMBERED.iter().position(|kind| *kind == Ok(self));
-        number.unwrap_or_default() as u8
-    }
-
     /// Of this number; `None` where there never was one.
     ///
     /// # Errors
     /// [`ConfigError::Removed`]
     pub fn of_number(number: u8) -> Option<Result<Self, ConfigError>> {
-        let kind = Self::NUMBERED.get(usize::from(number))?;
-        Some(kind.map_err(ConfigError::Removed))
+        Some(Ok(match number {
+            0 => Self::Speed,
+            1 => Self::Place,
+            2 => Self::Sides,
+            3 => Self::Slip,
+            4 => Self::Lag,
+            5 => Self::Travel,
+            6 => Self::Largest,
+            7 => Self::Age,
+            8 => return removed("residual table over cycles"),
+            9 => return removed("residual table over level"),
+            10 => Self::Temperature,
+            11 => Self::Frequency,
+            12 => return removed("residual table over acceleration"),
+            _ => return None,
+        }))
     }
+}
+
+fn removed<T>(what: &'static str) -> Option<Result<T, ConfigError>> {
+    Some(Err(ConfigError::Removed(what)))
 }
 
 /// How it is remembered, and where it stands among the nodes.

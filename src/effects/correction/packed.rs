@@ -19,7 +19,7 @@ impl ResidualTable<f32> {
         ] {
             writer.f32(number);
         }
-        writer.u8(recall.kind.number());
+        writer.u8(recall.kind as u8);
         for number in [recall.step, UNUSED, recall.origin, recall.gain] {
             writer.u32(number as u32);
         }
