@@ -7,7 +7,7 @@
 use mesh_damper::effects::description::{Dependence, Description};
 use mesh_damper::effects::{AugmentedLaw, DESCRIPTIONS, Effect, Motion};
 use mesh_damper::law::Law;
-use mesh_damper_reference::protocol::Block;
+use mesh_damper_reference::protocol::TestBlock;
 use mesh_damper_reference::tables;
 use mesh_damper_rig::specimen::HiddenEffect;
 use rand::seq::IndexedRandom;
@@ -18,7 +18,7 @@ use serde::Serialize;
 use super::absorbed::left_by_eq13;
 use super::draw::{Class, Hidden, Secret, Sized, Trial, rms};
 use super::families::log_uniform;
-use super::programme::{self, Shape};
+use super::programme::{self, TestShape};
 use super::test_rig::{Sensors, Truth, answer, record};
 
 /// Ticks a second of the law that stands for the specimen.
@@ -82,14 +82,14 @@ pub fn draw_described(seed: u64) -> Option<Trial> {
 }
 
 /// A test in which such an effect differs from a law with other coefficients.
-fn shape_for(description: &Description, rng: &mut impl Rng) -> Shape {
+fn shape_for(description: &Description, rng: &mut impl Rng) -> TestShape {
     let depends_on = |on| description.depends_on.contains(&on);
-    let shapes: &[Shape] = if depends_on(Dependence::Cycle) {
-        &[Shape::Long]
+    let shapes: &[TestShape] = if depends_on(Dependence::Cycle) {
+        &[TestShape::Long]
     } else if depends_on(Dependence::Frequency) || depends_on(Dependence::History) {
-        &[Shape::Frequencies, Shape::Amplitudes]
+        &[TestShape::Frequencies, TestShape::Amplitudes]
     } else {
-        &[Shape::Amplitudes]
+        &[TestShape::Amplitudes]
     };
     *shapes.choose(rng).expect("there is a shape")
 }
@@ -106,7 +106,7 @@ fn drawn(seed: u64, description: &Description, rng: &mut impl Rng) -> Option<Tri
         rise: rng.random_range(5.0..30.0),
         time: rng.random_range(5.0..30.0),
     };
-    let run = |blocks: &[Block]| {
+    let run = |blocks: &[TestBlock]| {
         let motion = answer(density, &[chamber], blocks, TICK_RATE, TICK_RATE);
         let force = force_of(density, &effect, blocks, &motion)?;
         Some(every(&motion, &force, (TICK_RATE / rate) as usize))
@@ -133,7 +133,7 @@ fn drawn(seed: u64, description: &Description, rng: &mut impl Rng) -> Option<Tri
         record(format!("{what} of described seed {seed}"), truth, &sensors)
     };
     let training = recorded("training test", &training);
-    let scored_from = if programme.shape == Shape::Long {
+    let scored_from = if programme.shape == TestShape::Long {
         training.len()
     } else {
         0
@@ -164,10 +164,10 @@ fn drawn(seed: u64, description: &Description, rng: &mut impl Rng) -> Option<Tri
 fn force_of(
     density: f64,
     effect: &DescribedEffect,
-    blocks: &[Block],
+    blocks: &[TestBlock],
     truth: &Truth,
 ) -> Option<Vec<f64>> {
-    let law = |block: &Block| {
+    let law = |block: &TestBlock| {
         let at = tables::interpolate(density, block.amplitude);
         Law::new(at.k1, at.k3, at.c, at.alpha).ok()
     };

@@ -1,7 +1,7 @@
 //! Trials by seed.
 
 use mesh_damper_recording::Recording;
-use mesh_damper_reference::protocol::Block;
+use mesh_damper_reference::protocol::TestBlock;
 use mesh_damper_rig::specimen::{HiddenEffect, Unlisted};
 use rand::seq::{IndexedRandom, SliceRandom};
 use rand::{Rng, RngExt, SeedableRng};
@@ -11,7 +11,7 @@ use serde::Serialize;
 use super::absorbed::left_by_eq13;
 use super::described::DescribedEffect;
 use super::families::{LISTED, UNLISTED, Unsized, effect, largest_amplitude, log_uniform};
-use super::programme::{self, Programme, Shape};
+use super::programme::{self, Programme, TestShape};
 use super::test_rig::{Sensors, Truth, answer, record};
 
 /// Seeds of a group, in which each class has its fixed share.
@@ -220,12 +220,12 @@ fn secret(
 }
 
 /// Which effects, and the shape of a test that shows all of them.
-fn hidden(class: Class, number: usize, rng: &mut impl Rng) -> Option<(Shape, Vec<usize>)> {
-    const ALL: [Shape; 4] = [
-        Shape::Amplitudes,
-        Shape::Frequencies,
-        Shape::Long,
-        Shape::Single,
+fn hidden(class: Class, number: usize, rng: &mut impl Rng) -> Option<(TestShape, Vec<usize>)> {
+    const ALL: [TestShape; 4] = [
+        TestShape::Amplitudes,
+        TestShape::Frequencies,
+        TestShape::Long,
+        TestShape::Single,
     ];
     let effects = match class {
         Class::None => return Some((ALL[number % ALL.len()], Vec::new())),
@@ -243,7 +243,7 @@ fn hidden(class: Class, number: usize, rng: &mut impl Rng) -> Option<(Shape, Vec
         if a.effect.family() == b.effect.family() {
             return None;
         }
-        shapes.retain(|shape| b.shapes.contains(shape) && *shape != Shape::Single);
+        shapes.retain(|shape| b.shapes.contains(shape) && *shape != TestShape::Single);
     }
     Some((*shapes.choose(rng)?, effects))
 }
@@ -303,7 +303,7 @@ fn trial(secret: Secret, mut effects: Vec<HiddenEffect>, rng: &mut impl Rng) -> 
             time: rng.random_range(5.0..30.0),
         });
     }
-    let mut run = |name: &str, blocks: &[Block], effects: &[HiddenEffect]| {
+    let mut run = |name: &str, blocks: &[TestBlock], effects: &[HiddenEffect]| {
         let truth = answer(secret.density, effects, blocks, secret.rate, TRUTH_RATE);
         let sensors = Sensors {
             force_noise: secret.noise * rms(&truth.force),
@@ -313,7 +313,7 @@ fn trial(secret: Secret, mut effects: Vec<HiddenEffect>, rng: &mut impl Rng) -> 
         let name = format!("{name} of seed {}", secret.seed);
         (record(name, &truth, &sensors), sensors.force_noise)
     };
-    let (training, held_out, noise, scored_from) = if secret.programme.shape == Shape::Long {
+    let (training, held_out, noise, scored_from) = if secret.programme.shape == TestShape::Long {
         let (whole, noise) = run("held-out test", &secret.programme.held_out, &effects);
         let seconds: f64 = secret
             .programme

@@ -18,7 +18,7 @@ pub use described::{DescribedEffect, described, draw_described};
 pub use draw::{Class, GROUP, Hidden, Secret, Sized, Trial, draw};
 pub use floors::{FLOORS, FLOORS_OF_A_PART, Floors, PART};
 pub use judge::{Mark, Outcome, Said, judge};
-pub use programme::{Programme, Shape};
+pub use programme::{Programme, TestShape};
 pub use summary::{Rate, Ratios, Summary};
 pub use test_rig::{Sensors, Truth, answer, record};
 
