@@ -1,7 +1,7 @@
 //! Coefficient packs: what goes in comes out, and nothing that is damaged does.
 
-use mesh_damper::effects::correction::{CELLS, Memory, ResidualTableParts};
 use mesh_damper::effects::description::Description;
+use mesh_damper::effects::residual_table::{CELLS, Memory, ResidualTableParts};
 use mesh_damper::effects::{
     AugmentedLaw, DESCRIPTIONS, Effect, MAX_STICK_SLIP_ELEMENTS, MAX_TONES, Motion, Periodic,
     ResidualTable, StickSlip,

@@ -3,7 +3,7 @@
 use mesh_damper::amplitude_independent;
 use mesh_damper::converter::Scale;
 use mesh_damper::crossing::{CrossingAccumulator, CrossingDetector};
-use mesh_damper::effects::correction::{CELLS, Memory, ResidualTableParts};
+use mesh_damper::effects::residual_table::{CELLS, Memory, ResidualTableParts};
 use mesh_damper::effects::{
     Asymmetry, AugmentedLaw, BoucWen, Compliance, DESCRIPTIONS, Delay, Drift, Effect, Gap,
     Hardening, Inertia, LoadFriction, Offset, Periodic, Relaxation, ResidualTable, StickSlip, Stop,

@@ -2,7 +2,7 @@
 
 use std::sync::LazyLock;
 
-use mesh_damper::effects::correction::CELLS;
+use mesh_damper::effects::residual_table::CELLS;
 use mesh_damper::fast_law::FastLaw;
 use mesh_damper::pack;
 use mesh_damper_model::correction::{CorrectionTable, MemoryAxis, Remembered};

@@ -3,7 +3,7 @@
 use std::sync::LazyLock;
 
 use mesh_damper::effects::ResidualTable;
-use mesh_damper::effects::correction::{CELLS, Memory, ResidualTableParts};
+use mesh_damper::effects::residual_table::{CELLS, Memory, ResidualTableParts};
 use mesh_damper::fast_law::FastLaw;
 use mesh_damper::pack::{self, LARGEST, Upload, VERSION};
 

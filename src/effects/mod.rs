@@ -10,19 +10,19 @@
 //! motion ─▶ part of a tick ─▶ gap ─▶ compliance ─▶ eq 13 and every effect that adds a force ─▶ whole ticks ─▶ force
 //! ```
 
-pub mod correction;
 pub mod description;
+pub mod residual_table;
 #[macro_use]
 mod list;
 mod motion;
 mod named;
 
-pub use correction::ResidualTable;
 pub use delay::MAX_DELAY;
 pub use motion::{CONTROLS, ClampedMotion, LawForce, Motion};
 pub use named::EffectSet;
 pub use periodic::MAX_TONES;
 pub use relaxation::MAX_BRANCHES;
+pub use residual_table::ResidualTable;
 pub use stick_slip::MAX_ELEMENTS as MAX_STICK_SLIP_ELEMENTS;
 pub use stop::MAX_CONTACTS;
 
@@ -30,12 +30,17 @@ use crate::error::ConfigError;
 use crate::frame::Writer;
 use crate::law::Law;
 use crate::real::Real;
-use correction::ResidualTableState;
 use description::{Cost, Description, EffectKind};
+use residual_table::ResidualTableState;
 
 /// Former name of [`ResidualTable`].
 #[deprecated(note = "use ResidualTable")]
 pub type Correction<R> = ResidualTable<R>;
+/// Former name of [`residual_table`].
+#[deprecated(note = "use residual_table")]
+pub mod correction {
+    pub use super::residual_table::*;
+}
 /// Former name of [`ClampedMotion`].
 #[deprecated(note = "use ClampedMotion")]
 pub type ConfinedMotion<R> = ClampedMotion<R>;

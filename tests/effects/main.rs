@@ -2,9 +2,9 @@
 
 mod bouc_wen;
 mod compliance;
-mod correction;
 mod load_friction;
 mod loops;
+mod residual_table;
 mod stages;
 mod stop_and_tone;
 

@@ -8,7 +8,7 @@ use std::process::{Command, Output};
 use std::time::Instant;
 
 use mesh_damper_recording::Recording;
-use mesh_damper_recording::faults::{Channel, ChannelFault, Kind};
+use mesh_damper_recording::faults::{Channel, ChannelFault, ChannelFaultKind};
 use mesh_damper_studies::orthogonal::Experiment;
 
 const MODEL: &str = r#"{ "format": "mesh-damper-model", "version": 1,
@@ -240,7 +240,7 @@ fn a_last_row_without_a_line_end_is_left_out_and_said() {
         assert_eq!(part.force, whole.force[..11]);
         let fault = ChannelFault {
             channel: Channel::Time,
-            kind: Kind::Cut,
+            kind: ChannelFaultKind::Cut,
         };
         assert_eq!(part.faults(), [fault]);
     }

@@ -7,9 +7,9 @@ use std::path::PathBuf;
 use mesh_damper_identify::trace::result::Verdict;
 use mesh_damper_identify::trace::trace;
 use mesh_damper_recording::Recording;
-use mesh_damper_recording::faults::{Channel, ChannelFault, Kind};
+use mesh_damper_recording::faults::{Channel, ChannelFault, ChannelFaultKind};
 use mesh_damper_recording::trajectory::Trajectory;
-use mesh_damper_reference::protocol::{Block, PROTOCOL, motion};
+use mesh_damper_reference::protocol::{PROTOCOL, TestBlock, motion};
 use mesh_damper_rig::specimen::{DamperForce as _, HiddenEffect, SlipShape, Specimen};
 use rand::{RngExt as _, SeedableRng as _};
 use rand_chacha::ChaCha8Rng;
@@ -81,7 +81,7 @@ fn sines(rate: f64) -> Vec<Sample> {
     samples_of(&PROTOCOL, rate)
 }
 
-fn samples_of(blocks: &[Block], rate: f64) -> Vec<Sample> {
+fn samples_of(blocks: &[TestBlock], rate: f64) -> Vec<Sample> {
     motion(blocks, rate)
         .iter()
         .map(|m| [m.time, m.displacement, m.velocity, m.acceleration])
@@ -107,7 +107,7 @@ fn trapezoids(rate: f64) -> Vec<Sample> {
 
 /// One amplitude, 1 Hz.
 fn one_sine(rate: f64) -> Vec<Sample> {
-    let block = Block {
+    let block = TestBlock {
         amplitude: 0.1,
         frequency: 1.0,
         cycles: 15,
@@ -229,7 +229,7 @@ fn recordings_of_others_have_the_faults_that_are_in_them() {
                 let name = path.file_name().unwrap().to_string_lossy().into_owned();
                 for fault in faults_of(&Recording::read(&path).unwrap()) {
                     // Those of the press, as its authors say: over a tenth of a period.
-                    if let Kind::Averaged { time } = fault.kind {
+                    if let ChannelFaultKind::Averaged { time } = fault.kind {
                         averaged.push((name.clone(), time));
                     } else {
                         found.push(format!("{name}: {fault}"));
@@ -343,20 +343,25 @@ impl Spoilt {
         let about = |count: usize, part: f64| {
             count as f64 >= part * samples as f64 && count as f64 <= samples as f64 / part
         };
-        let all = |channel: Channel, counted: &dyn Fn(Kind) -> Option<usize>, part: f64| {
-            let counts: Option<Vec<usize>> = found
-                .iter()
-                .map(|fault| counted(fault.kind).filter(|_| fault.channel == channel))
-                .collect();
-            counts.is_some_and(|counts| !counts.is_empty() && about(counts.iter().sum(), part))
-        };
-        let spikes = |kind| matches!(kind, Kind::Spikes { .. }).then(|| spoilt_samples(kind));
-        let clipped = |kind| matches!(kind, Kind::Clipping { .. }).then(|| spoilt_samples(kind));
-        let held = |kind| matches!(kind, Kind::Held { .. }).then(|| spoilt_samples(kind));
-        let missing = |kind| matches!(kind, Kind::Missing { .. }).then(|| spoilt_samples(kind));
+        let all =
+            |channel: Channel, counted: &dyn Fn(ChannelFaultKind) -> Option<usize>, part: f64| {
+                let counts: Option<Vec<usize>> = found
+                    .iter()
+                    .map(|fault| counted(fault.kind).filter(|_| fault.channel == channel))
+                    .collect();
+                counts.is_some_and(|counts| !counts.is_empty() && about(counts.iter().sum(), part))
+            };
+        let spikes =
+            |kind| matches!(kind, ChannelFaultKind::Spikes { .. }).then(|| spoilt_samples(kind));
+        let clipped =
+            |kind| matches!(kind, ChannelFaultKind::Clipping { .. }).then(|| spoilt_samples(kind));
+        let held =
+            |kind| matches!(kind, ChannelFaultKind::Held { .. }).then(|| spoilt_samples(kind));
+        let missing =
+            |kind| matches!(kind, ChannelFaultKind::Missing { .. }).then(|| spoilt_samples(kind));
         let units = |factors: [f64; 2]| {
             move |kind| match kind {
-                Kind::Unit {
+                ChannelFaultKind::Unit {
                     factor,
                     samples,
                     mended: true,
@@ -382,19 +387,19 @@ impl Spoilt {
             Self::ForceHeld(..) => all(Channel::Force, &held, 0.95),
             Self::DisplacementHeld(..) => all(Channel::Displacement, &held, 0.95),
             Self::Stamps(part) => {
-                matches!(found, [ChannelFault { kind: Kind::Jitter { rms, stamps_only: true }, .. }]
+                matches!(found, [ChannelFault { kind: ChannelFaultKind::Jitter { rms, stamps_only: true }, .. }]
                 // Uniform over ± part.
                 if (rms - part / 3f64.sqrt()).abs() < 0.05 * part)
             }
             Self::Early(ticks) => {
-                matches!(found, [ChannelFault { kind: Kind::Shifted { late }, .. }]
+                matches!(found, [ChannelFault { kind: ChannelFaultKind::Shifted { late }, .. }]
                 if (late / 2e-3 + ticks as f64).abs() < 0.3)
             }
             Self::Flipped => matches!(
                 found,
                 [ChannelFault {
                     channel: Channel::Force,
-                    kind: Kind::Flipped
+                    kind: ChannelFaultKind::Flipped
                 }]
             ),
             Self::ForceUnit(_) => all(Channel::Force, &units([1e3, 1e-3]), 0.998),
@@ -407,13 +412,13 @@ impl Spoilt {
                 found,
                 [ChannelFault {
                     channel: Channel::Velocity,
-                    kind: Kind::Flipped
+                    kind: ChannelFaultKind::Flipped
                 }]
             ),
             Self::NoVelocity => matches!(
                 found,
                 [ChannelFault {
-                    kind: Kind::NotDerivative,
+                    kind: ChannelFaultKind::NotDerivative,
                     ..
                 }]
             ),
@@ -422,12 +427,12 @@ impl Spoilt {
 }
 
 /// How many samples have the fault.
-fn spoilt_samples(kind: Kind) -> usize {
+fn spoilt_samples(kind: ChannelFaultKind) -> usize {
     match kind {
-        Kind::Spikes { samples, .. }
-        | Kind::Clipping { samples, .. }
-        | Kind::Held { samples, .. }
-        | Kind::Missing { samples, .. } => samples,
+        ChannelFaultKind::Spikes { samples, .. }
+        | ChannelFaultKind::Clipping { samples, .. }
+        | ChannelFaultKind::Held { samples, .. }
+        | ChannelFaultKind::Missing { samples, .. } => samples,
         _ => 0,
     }
 }
@@ -645,7 +650,7 @@ fn samples_at_uneven_times_are_interpolated() {
             matches!(
                 trajectory.faults[..],
                 [ChannelFault {
-                    kind: Kind::Jitter {
+                    kind: ChannelFaultKind::Jitter {
                         stamps_only: false,
                         ..
                     },
@@ -679,14 +684,14 @@ fn concluded(recording: &Recording) -> (Verdict, Vec<String>, Vec<String>) {
 /// Physics is not invented from faults: what is found in a spoilt recording is what is found in the clean one.
 #[test]
 fn faults_do_not_become_physics() {
-    let blocks: Vec<Block> = [
+    let blocks: Vec<TestBlock> = [
         (0.1, 1.0, 4),
         (0.2, 5.0, 8),
         (0.1, 5.0, 8),
         (0.05, 5.0, 8),
         (0.2, 1.0, 4),
     ]
-    .map(|(amplitude, frequency, cycles)| Block {
+    .map(|(amplitude, frequency, cycles)| TestBlock {
         amplitude,
         frequency,
         cycles,

@@ -6,13 +6,13 @@ use mesh_damper_identify::correction::{depends_on, fit};
 use mesh_damper_model::Model;
 use mesh_damper_model::correction::Remembered;
 use mesh_damper_model::predict::{nrmse, predict, predict_embedded};
-use mesh_damper_reference::protocol::Block;
+use mesh_damper_reference::protocol::TestBlock;
 use mesh_damper_reference::tables;
 
 use hidden::{DENSITY, Hidden, NOISE, RATE, Sample, block, fitted, record, record_at, start};
 
 /// Other amplitudes and frequencies than those fitted.
-fn held() -> Vec<Block> {
+fn held() -> Vec<TestBlock> {
     vec![block(0.12, 3.0, 8), block(0.18, 1.5, 6)]
 }
 

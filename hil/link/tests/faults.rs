@@ -7,7 +7,9 @@ use mesh_damper::law::Law;
 use mesh_damper::sine::{Block, Programme};
 use mesh_damper_link::image::{Board, FIRMWARE};
 use mesh_damper_link::lockstep::{Image, run_rig_on, run_trial_on};
-use mesh_damper_rig::faults::{Campaign, Condition, Damaged, FOLLOW, Kind, Trial, run_trial};
+use mesh_damper_rig::faults::{
+    Campaign, Condition, Damaged, FOLLOW, InjectedFault, Trial, run_trial,
+};
 use mesh_damper_rig::{RigSetup, TICK_RATE, run_rig};
 
 /// A fault of each group, one of them slow: the image's monitor does what the one in this process does, to the last bit.
@@ -18,10 +20,10 @@ fn faults_come_out_on_the_image_as_in_this_process() {
     }
     let trials = Campaign::on_image().trials();
     for (kind, follow) in [
-        (Kind::WireBreakage, FOLLOW),
-        (Kind::ForceStuck, 0.0),
-        (Kind::ForceDrifting, FOLLOW),
-        (Kind::ActuatorLagging, 0.0),
+        (InjectedFault::WireBreakage, FOLLOW),
+        (InjectedFault::ForceStuck, 0.0),
+        (InjectedFault::ForceDrifting, FOLLOW),
+        (InjectedFault::ActuatorLagging, 0.0),
     ] {
         let of_this = |trial: &&Trial| trial.kind == kind && trial.follow == follow;
         let trial = trials.iter().rfind(of_this).unwrap();

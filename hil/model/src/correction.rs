@@ -1,12 +1,12 @@
 //! A correction without a name as a model carries it: a table over displacement and velocity, or over what is remembered.
 
 use mesh_damper::effects::ResidualTable;
-use mesh_damper::effects::correction::{Memory, ResidualTableParts};
+use mesh_damper::effects::residual_table::{Memory, ResidualTableParts};
 use mesh_damper::error::ConfigError;
 use mesh_damper::real::Real;
 use serde::{Deserialize, Serialize};
 
-/// The table of [`mesh_damper::effects::correction`], as JSON.
+/// The table of [`mesh_damper::effects::residual_table`], as JSON.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct CorrectionTable {

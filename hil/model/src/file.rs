@@ -305,7 +305,7 @@ mod tests {
     use super::*;
     use crate::Family;
     use crate::correction::{MemoryAxis, Remembered};
-    use mesh_damper::effects::correction::CELLS;
+    use mesh_damper::effects::residual_table::CELLS;
 
     fn correction() -> CorrectionTable {
         let cells = |count| {

@@ -2,7 +2,7 @@
 
 use std::f64::consts::TAU;
 
-use super::faults::{Channel, ChannelFault, Kind};
+use super::faults::{Channel, ChannelFault, ChannelFaultKind};
 use crate::policy::policy;
 
 crate::numbers! {
@@ -142,7 +142,7 @@ impl Clock {
         let channel = Channel::Time;
         let mut faults = Vec::new();
         if self.jitter > policy().clock.worth_saying {
-            let kind = Kind::Jitter {
+            let kind = ChannelFaultKind::Jitter {
                 rms: self.jitter,
                 stamps_only: self.on_ticks,
             };
@@ -150,7 +150,7 @@ impl Clock {
         }
         let gaps = self.gaps();
         if !gaps.is_empty() {
-            let kind = Kind::Missing {
+            let kind = ChannelFaultKind::Missing {
                 samples: gaps.iter().map(|(_, missing)| missing).sum(),
                 gaps: gaps.len(),
             };

@@ -38,7 +38,7 @@ impl Cycle {
 
 /// Consecutive cycles of like amplitude and frequency.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Block {
+pub struct FoundBlock {
     /// Samples of the block. Blocks follow each other without a gap and cover the recording.
     pub samples: Range<usize>,
     /// Its whole cycles.
@@ -55,7 +55,7 @@ pub struct Cycles {
     /// Whole cycles in order. Empty when the displacement never swings through its mid level twice.
     pub cycles: Vec<Cycle>,
     /// Blocks in order; at least one.
-    pub blocks: Vec<Block>,
+    pub blocks: Vec<FoundBlock>,
 }
 
 impl Cycles {
@@ -187,7 +187,7 @@ pub fn same_amplitude(a: f64, b: f64) -> bool {
 }
 
 /// Groups cycles into blocks. A cycle that is like neither neighbour is the transition into the block after it.
-fn group(cycles: &[Cycle], count: usize, tick: f64, half_range: f64) -> Vec<Block> {
+fn group(cycles: &[Cycle], count: usize, tick: f64, half_range: f64) -> Vec<FoundBlock> {
     let mut starts = vec![0];
     for index in 1..cycles.len() {
         let (before, now) = (&cycles[index - 1], &cycles[index]);
@@ -225,7 +225,7 @@ fn group(cycles: &[Cycle], count: usize, tick: f64, half_range: f64) -> Vec<Bloc
         .collect();
     runs.iter()
         .zip(bounds.windows(2))
-        .map(|(run, bound)| Block {
+        .map(|(run, bound)| FoundBlock {
             samples: bound[0]..bound[1],
             cycles: cycles[run.clone()]
                 .iter()

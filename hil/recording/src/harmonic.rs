@@ -9,10 +9,10 @@ use std::ops::Range;
 
 use nalgebra::{Cholesky, SMatrix, SVector};
 
-use super::cycles::{Block, Cycles};
-use super::motion::{Motion, leaves_only_noise};
+use super::cycles::{Cycles, FoundBlock};
+use super::motion::{MotionEstimate, leaves_only_noise};
 
-impl Motion {
+impl MotionEstimate {
     /// Replaces the local estimate by that of sines, half cycle by half cycle, where the samples of `displacement` (mm,
     /// every `tick` s) follow them down to the noise.
     pub fn refine_sines(&mut self, displacement: &[f64], tick: f64, cycles: &Cycles) {
@@ -46,7 +46,7 @@ impl Motion {
         }
     }
 
-    fn take<S: Shape<N>, const N: usize>(
+    fn take<S: Waveform<N>, const N: usize>(
         &mut self,
         fit: &Fit<S, N>,
         own: &Range<usize>,
@@ -64,7 +64,7 @@ impl Motion {
 }
 
 /// The half cycles of a block, the last one up to the block's end, none across a kink.
-fn half_cycles(block: &Block, kinks: &[usize]) -> Vec<Range<usize>> {
+fn half_cycles(block: &FoundBlock, kinks: &[usize]) -> Vec<Range<usize>> {
     let mut halves: Vec<Range<usize>> = block
         .cycles
         .iter()
@@ -105,7 +105,7 @@ fn windows_around(index: usize, count: usize) -> impl Iterator<Item = Range<usiz
 }
 
 /// Basis functions over a run of samples.
-trait Shape<const N: usize> {
+trait Waveform<const N: usize> {
     fn samples(&self) -> &Range<usize>;
 
     /// The basis functions at a sample, and their first two derivatives per sample.
@@ -127,7 +127,7 @@ struct Ramp {
     step: f64,
 }
 
-impl Shape<10> for Steady {
+impl Waveform<10> for Steady {
     fn samples(&self) -> &Range<usize> {
         &self.samples
     }
@@ -171,7 +171,7 @@ impl Shape<10> for Steady {
     }
 }
 
-impl Shape<6> for Ramp {
+impl Waveform<6> for Ramp {
     fn samples(&self) -> &Range<usize> {
         &self.samples
     }
@@ -209,7 +209,7 @@ struct Fit<S, const N: usize> {
     factor: Cholesky<f64, nalgebra::Const<N>>,
 }
 
-impl<S: Shape<N>, const N: usize> Fit<S, N> {
+impl<S: Waveform<N>, const N: usize> Fit<S, N> {
     /// `None` where the samples are too few.
     fn of(displacement: &[f64], shape: S) -> Option<Self> {
         if shape.samples().len() < 2 * N {

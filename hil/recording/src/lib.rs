@@ -62,7 +62,7 @@ pub use write::decimal;
 
 use crate::error::{InputError, Place};
 use faults::ChannelFault;
-use rows::Rows;
+use rows::TextRows;
 
 /// The key of the comment that marks the recording of a run under way.
 pub const UNFINISHED: &str = "unfinished";
@@ -99,7 +99,7 @@ pub struct Recording {
 #[derive(Clone, Debug, PartialEq)]
 struct Source {
     header: csv::StringRecord,
-    rows: Rows,
+    rows: TextRows,
 }
 
 impl Recording {

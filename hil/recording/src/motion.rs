@@ -36,7 +36,7 @@ crate::numbers! {
 
 /// Displacement, velocity and acceleration on a uniform time base.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Motion {
+pub struct MotionEstimate {
     /// Smoothed displacement, mm.
     pub displacement: Vec<f64>,
     /// Velocity, mm/s.
@@ -53,7 +53,7 @@ pub struct Motion {
     pub start_from_rest: usize,
 }
 
-impl Motion {
+impl MotionEstimate {
     /// Velocities that are 0 as far as the data show become 0: a friction whose direction is not known is then taken as
     /// none, and not as one that may be the wrong way. But a start from rest goes one way: before its direction is certain the
     /// velocity grows evenly to the first that is.

@@ -3,8 +3,8 @@
 use std::path::Path;
 
 use super::channel::Channel;
-use super::faults::{ChannelFault, Kind};
-use super::rows::Rows;
+use super::faults::{ChannelFault, ChannelFaultKind};
+use super::rows::TextRows;
 use super::units::{Unit, Units};
 use super::{Recording, Source};
 use crate::csv_text::{broken_csv, doubled, is_blank, is_cut, number, read_text, text_of};
@@ -73,7 +73,7 @@ impl Recording {
         let columns = Columns::find(&name, &header)?;
 
         let mut channels = vec![Vec::new(); columns.used.len()];
-        let mut rows = Rows::default();
+        let mut rows = TextRows::default();
         let (mut blank, mut first_blank) = (0, None);
         let (mut repeated, mut cut) = (0, false);
         let mut row = csv::StringRecord::new();
@@ -146,13 +146,13 @@ impl Recording {
         if repeated > 0 {
             recording.faults.push(ChannelFault {
                 channel: Channel::Time,
-                kind: Kind::Repeated { samples: repeated },
+                kind: ChannelFaultKind::Repeated { samples: repeated },
             });
         }
         if cut {
             recording.faults.push(ChannelFault {
                 channel: Channel::Time,
-                kind: Kind::Cut,
+                kind: ChannelFaultKind::Cut,
             });
         }
         for (channel, Column { quantity, unit, .. }) in channels.into_iter().zip(columns.used) {

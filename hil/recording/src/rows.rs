@@ -5,20 +5,20 @@ const END: u8 = 0xff;
 
 /// Rows of equally many cells, in one text: with an allocation for each row they would take many times the file's size.
 #[derive(Clone, Debug, Default)]
-pub(super) struct Rows {
+pub(super) struct TextRows {
     cells: Vec<u8>,
     /// The line of the file in which each row begins.
     lines: Vec<u64>,
 }
 
-impl PartialEq for Rows {
+impl PartialEq for TextRows {
     /// Whether the cells are the same, on whatever lines.
     fn eq(&self, other: &Self) -> bool {
         self.cells == other.cells
     }
 }
 
-impl Rows {
+impl TextRows {
     /// One more row, which has as many cells as every other.
     pub(super) fn push(&mut self, row: &csv::StringRecord, line: u64) {
         for cell in row {

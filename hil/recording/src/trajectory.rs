@@ -6,9 +6,9 @@ use nalgebra::{SMatrix, SVector};
 
 use super::Recording;
 use super::averaging::MovingAverage;
-use super::cycles::{Block, Cycles};
-use super::faults::{self, Channel, ChannelFault, Kind, Shift};
-use super::motion::Motion;
+use super::cycles::{Cycles, FoundBlock};
+use super::faults::{self, Channel, ChannelFault, ChannelFaultKind, Shift};
+use super::motion::MotionEstimate;
 use super::noise::{noise_beside_tones, noise_deviation, noise_of_runs};
 use crate::error::InputError;
 use crate::extremes::least_and_largest;
@@ -50,7 +50,7 @@ pub struct Trajectory {
     /// Time between samples, s.
     pub tick: f64,
     /// Displacement, velocity and acceleration.
-    pub motion: Motion,
+    pub motion: MotionEstimate,
     /// What was taken off the recorded displacement, mm: the middle of the motion where that is a sensor's zero that was left in
     /// and not where a specimen is held; 0 otherwise.
     pub centre: f64,
@@ -61,7 +61,7 @@ pub struct Trajectory {
     /// Measured temperature, °C.
     pub temperature: Option<Vec<f64>>,
     /// Blocks of like cycles; they cover the recording.
-    pub blocks: Vec<Block>,
+    pub blocks: Vec<FoundBlock>,
     /// Cycles since the first sample, fraction included.
     pub cycles: Vec<f64>,
     /// Amplitude of the block that the sample is in, mm.
@@ -100,7 +100,7 @@ impl Trajectory {
             trajectory.see_through(average);
             trajectory.faults.push(ChannelFault {
                 channel: Channel::Force,
-                kind: Kind::Averaged {
+                kind: ChannelFaultKind::Averaged {
                     time: average.window * trajectory.tick,
                 },
             });
@@ -241,7 +241,7 @@ impl Trajectory {
         let hysteresis = hysteresis(displacement);
         let rough = Cycles::find(displacement, tick, hysteresis);
         let mut motion =
-            Motion::estimate(displacement, tick, &rough.period_per_sample(count, tick));
+            MotionEstimate::estimate(displacement, tick, &rough.period_per_sample(count, tick));
         let mut cycles = Cycles::find(&motion.displacement, tick, hysteresis);
         cycles.snap_to(&motion.kinks);
         motion.refine_sines(displacement, tick, &cycles);

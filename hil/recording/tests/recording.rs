@@ -3,7 +3,7 @@
 use std::fs;
 use std::path::Path;
 
-use mesh_damper_recording::faults::{Channel, ChannelFault, Kind};
+use mesh_damper_recording::faults::{Channel, ChannelFault, ChannelFaultKind};
 use mesh_damper_recording::{Recording, units};
 use proptest::prelude::*;
 
@@ -160,7 +160,7 @@ fn a_row_that_is_written_twice_is_read_once() {
     assert_eq!(spoilt.force, clean.force);
     let fault = ChannelFault {
         channel: Channel::Time,
-        kind: Kind::Repeated { samples: 3 },
+        kind: ChannelFaultKind::Repeated { samples: 3 },
     };
     assert_eq!(spoilt.faults(), [fault]);
     let written = spoilt.to_file(Path::new("test.csv"));

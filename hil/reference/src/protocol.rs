@@ -9,7 +9,7 @@ use serde::Serialize;
 
 /// Whole cycles of a sine that starts rising through 0.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
-pub struct Block {
+pub struct TestBlock {
     /// mm.
     pub amplitude: f64,
     /// Hz.
@@ -18,8 +18,8 @@ pub struct Block {
     pub cycles: u32,
 }
 
-const fn block(amplitude: f64, frequency: f64, cycles: u32) -> Block {
-    Block {
+const fn block(amplitude: f64, frequency: f64, cycles: u32) -> TestBlock {
+    TestBlock {
         amplitude,
         frequency,
         cycles,
@@ -30,7 +30,7 @@ const fn block(amplitude: f64, frequency: f64, cycles: u32) -> Block {
 ///
 /// Amplitude against frequency separates rate-dependent effects from rate-independent ones. Every amplitude but one
 /// returns later in the test, so that what changes with time can't pass for a dependence on amplitude.
-pub const PROTOCOL: [Block; 8] = [
+pub const PROTOCOL: [TestBlock; 8] = [
     block(0.10, 1.0, 4),
     block(0.20, 5.0, 8),
     block(0.05, 1.0, 4),
@@ -43,7 +43,7 @@ pub const PROTOCOL: [Block; 8] = [
 
 /// A moment of a motion.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Motion {
+pub struct MotionSample {
     /// s.
     pub time: f64,
     /// mm.
@@ -58,7 +58,7 @@ pub struct Motion {
 ///
 /// Over the first half cycle of a block the amplitude goes from the previous block's (0 at first) to its own as
 /// 3s² − 2s³. Displacement never jumps; velocity does where the frequency changes.
-pub fn motion(blocks: &[Block], rate: f64) -> Vec<Motion> {
+pub fn motion(blocks: &[TestBlock], rate: f64) -> Vec<MotionSample> {
     let mut all = Vec::new();
     let mut start = 0.0;
     let mut previous = 0.0;
@@ -80,7 +80,7 @@ pub fn motion(blocks: &[Block], rate: f64) -> Vec<Motion> {
                 (block.amplitude, 0.0, 0.0)
             };
             let (sin, cos) = (omega * (time - start)).sin_cos();
-            all.push(Motion {
+            all.push(MotionSample {
                 time,
                 displacement: amplitude * sin,
                 velocity: amplitude * omega * cos + rising * sin,

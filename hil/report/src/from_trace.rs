@@ -3,7 +3,7 @@
 use std::ops::Range;
 
 use mesh_damper_identify::trace::{Role, Trace, Traced};
-use mesh_damper_recording::cycles::Block;
+use mesh_damper_recording::cycles::FoundBlock;
 
 use super::{ReportData, Series, SeriesBlock};
 
@@ -44,7 +44,7 @@ impl Series {
 
 /// The last cycle that was held out as a whole, or else the last of the block; one that the block goes on after where
 /// there is one, as its loop closes.
-fn representative(block: &Block, roles: &[Role]) -> Option<SeriesBlock> {
+fn representative(block: &FoundBlock, roles: &[Role]) -> Option<SeriesBlock> {
     let is_held_out = |cycle: &&Range<usize>| {
         roles
             .get((*cycle).clone())

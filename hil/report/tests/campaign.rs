@@ -1,12 +1,12 @@
 //! The pictures of the fault campaign.
 
 use mesh_damper_report::campaign;
-use mesh_damper_rig::faults::{Campaign, Kind};
+use mesh_damper_rig::faults::{Campaign, InjectedFault};
 
 #[test]
 fn every_trial_and_every_slow_change_has_its_marks() {
     let campaign = Campaign {
-        kinds: vec![Kind::WireBreakage, Kind::ForceStuck],
+        kinds: vec![InjectedFault::WireBreakage, InjectedFault::ForceStuck],
         specimens: vec![(3.0, 0.1, 10.0)],
         healthy_cycles: 100,
         ..Campaign::part()

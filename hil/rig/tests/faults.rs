@@ -6,14 +6,14 @@ use mesh_damper::health::HealthCause;
 use mesh_damper::law::Law;
 use mesh_damper::rig::State;
 use mesh_damper::sine::{Block, Programme};
-use mesh_damper_rig::faults::{Campaign, Condition, Damaged, FOLLOW, Kind, missed};
+use mesh_damper_rig::faults::{Campaign, Condition, Damaged, FOLLOW, InjectedFault, missed};
 use mesh_damper_rig::{Bench, RigSetup, TICK_RATE};
 
 /// `cargo hil faults --check` is the whole.
 #[test]
 fn a_part_of_the_campaign_meets_the_requirement() {
     let campaign = Campaign::part();
-    assert_eq!(campaign.kinds.len(), Kind::ALL.len());
+    assert_eq!(campaign.kinds.len(), InjectedFault::ALL.len());
     let summary = campaign.run(&|| ()).unwrap();
     let missed = missed(&summary);
     assert!(missed.is_empty(), "{}", missed.join("\n"));

@@ -17,23 +17,23 @@ const CAPACITY: usize = 16;
 const RAMP_CYCLES: u32 = 1;
 /// The test that the laws are compared on in the loop: other amplitudes and frequencies than the one that was fitted, and
 /// long enough for what changes with cycles or temperature.
-const CHECK: [protocol::Block; 4] = [
-    protocol::Block {
+const CHECK: [protocol::TestBlock; 4] = [
+    protocol::TestBlock {
         amplitude: 0.12,
         frequency: 3.0,
         cycles: 12,
     },
-    protocol::Block {
+    protocol::TestBlock {
         amplitude: 0.18,
         frequency: 1.5,
         cycles: 6,
     },
-    protocol::Block {
+    protocol::TestBlock {
         amplitude: 0.08,
         frequency: 7.0,
         cycles: 20,
     },
-    protocol::Block {
+    protocol::TestBlock {
         amplitude: 0.15,
         frequency: 4.0,
         cycles: 16,
@@ -161,7 +161,7 @@ pub fn demo(seed: u64, progress: &(dyn Fn(&str) + Sync)) -> Result<Demo, DemoErr
 fn run(
     specimen: &Specimen,
     model: &Model,
-    blocks: &[protocol::Block],
+    blocks: &[protocol::TestBlock],
     seed: u64,
 ) -> Result<RigRun, DemoError> {
     let mut programme = Programme::<CAPACITY>::new(TICK_RATE, RAMP_CYCLES)?;

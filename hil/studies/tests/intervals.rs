@@ -11,7 +11,7 @@ use mesh_damper_identify::term::Term;
 use mesh_damper_identify::uncertainty::{Interval, Uncertainty};
 use mesh_damper_recording::Recording;
 use mesh_damper_recording::trajectory::Trajectory;
-use mesh_damper_reference::protocol::Block;
+use mesh_damper_reference::protocol::TestBlock;
 use mesh_damper_rig::specimen::{HiddenEffect, SlipShape};
 use mesh_damper_studies::blind::{Sensors, answer, record};
 use rand::{Rng, RngExt, SeedableRng};
@@ -154,9 +154,9 @@ fn recorded(case: &Case, rng: &mut impl Rng) -> Recording {
         "drift" | "temperature" => &LONG_TEST[..],
         _ => &TEST[..],
     };
-    let blocks: Vec<Block> = blocks
+    let blocks: Vec<TestBlock> = blocks
         .iter()
-        .map(|&(amplitude, frequency, cycles)| Block {
+        .map(|&(amplitude, frequency, cycles)| TestBlock {
             amplitude,
             frequency,
             cycles,

@@ -3,8 +3,8 @@
 
 use core::fmt;
 
-use mesh_damper::effects::correction::{CELLS, Memory, ResidualTableParts};
 use mesh_damper::effects::description::Description;
+use mesh_damper::effects::residual_table::{CELLS, Memory, ResidualTableParts};
 use mesh_damper::effects::{AugmentedLaw, DESCRIPTIONS, Effect, Motion, ResidualTable, StickSlip};
 use mesh_damper::error::ConfigError;
 use mesh_damper::fast_law::{FastLaw, RunningLaw};

@@ -5,7 +5,7 @@ use std::sync::atomic::{AtomicU64, Ordering};
 
 use clap::Args;
 use mesh_damper_recording::output::Plan;
-use mesh_damper_studies::blind::{self, Class, FLOORS, Mark, Outcome, Rate, Summary};
+use mesh_damper_studies::blind::{self, Class, Draw, FLOORS, Mark, Outcome, Rate, Summary};
 
 use super::progress::Progress;
 use super::{Failure, say};
@@ -15,7 +15,7 @@ use super::{Failure, say};
 /// Prints the rates, the error ratios and the confusion matrix.
 #[derive(Args, Debug)]
 #[command(
-    after_help = "Examples:\n  hil blind --seeds 50\n  hil blind --show 7 --out blind-7\n\n\
+    after_help = "Examples:\n  hil blind --seeds 50\n  hil blind --show 7 --out blind-7\n  hil blind --described --seeds 64\n\n\
     Of every 50 seeds 10 hide nothing, 18 a listed effect, 9 two of them, 13 an unlisted one. Rates count effects of which\n\
     eq 13, fitted at each amplitude by itself, leaves at least 3 times the noise."
 )]
@@ -32,6 +32,9 @@ pub struct BlindCommand {
     /// With --show: where its recordings go, as training.csv.gz and held-out.csv.gz
     #[arg(long, value_name = "DIR", requires = "show")]
     out: Option<PathBuf>,
+    /// Hide the crate's own effects in turn, with about their typical parameters, in the place of physics of their own
+    #[arg(long, conflicts_with = "check")]
+    described: bool,
     /// Fail (exit code 1) where a rate is below the one recorded
     #[arg(long)]
     check: bool,
@@ -49,7 +52,7 @@ impl BlindCommand {
         let progress = Progress::of(self.seeds);
         progress.step("tracing");
         let finished = AtomicU64::new(0);
-        let summary = blind::run(self.first..self.first + self.seeds, &|_| {
+        let summary = blind::run(self.first..self.first + self.seeds, self.draw(), &|| {
             progress.done(finished.fetch_add(1, Ordering::Relaxed) + 1);
         });
         drop(progress);
@@ -67,10 +70,22 @@ impl BlindCommand {
         Ok(())
     }
 
+    fn draw(&self) -> Draw {
+        if self.described {
+            Draw::Described
+        } else {
+            Draw::Specimens
+        }
+    }
+
     fn show(&self, seed: u64) -> Result<(), Failure> {
         let names = ["training.csv.gz", "held-out.csv.gz"];
         let mut outputs = Plan::new().fills(self.out.as_deref(), names).begin()?;
-        let trial = blind::draw(seed);
+        let trial = (self.draw().trial(seed)).ok_or_else(|| {
+            Failure::Check(format!(
+                "no test shows what described seed {seed} would hide"
+            ))
+        })?;
         if let Some(out) = &self.out {
             for (name, recording) in names.into_iter().zip([&trial.training, &trial.held_out]) {
                 let path = out.join(name);

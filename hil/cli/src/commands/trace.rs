@@ -109,7 +109,7 @@ fn reject_repeats<'a>(paths: impl Iterator<Item = &'a PathBuf>) -> Result<(), In
 
 /// The model with the range of motion that it was fitted on.
 pub fn model_file(found: &Trace) -> ModelFile {
-    let fitted = |channel: fn(&mesh_damper_recording::motion::Motion) -> &Vec<f64>| {
+    let fitted = |channel: fn(&mesh_damper_recording::motion::MotionEstimate) -> &Vec<f64>| {
         found.recordings.iter().flat_map(move |traced| {
             let values = channel(&traced.trajectory.motion);
             values

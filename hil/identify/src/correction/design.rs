@@ -1,8 +1,8 @@
 //! The samples of a fit, as the table and eq 13 see them.
 
 use mesh_damper::effects::ResidualTable;
-use mesh_damper::effects::correction::{CELLS, ResidualTableParts, ResidualTableState};
 use mesh_damper::effects::description::EffectKind;
+use mesh_damper::effects::residual_table::{CELLS, ResidualTableParts, ResidualTableState};
 use mesh_damper_model::correction::Remembered;
 use mesh_damper_model::predict::{motion_at, predict};
 use mesh_damper_model::{Family, LawNode, Model, ModelError};
@@ -26,7 +26,7 @@ mesh_damper_recording::numbers! {
 
 /// How far the motion goes.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Extent {
+pub(crate) struct Reach {
     /// mm
     pub displacement: f64,
     /// mm/s
@@ -87,7 +87,7 @@ type Cells = [(usize, f64); 8];
 /// All samples of a fit.
 pub(crate) struct Design<'a> {
     pub trajectories: &'a [Trajectory],
-    pub extent: Extent,
+    pub extent: Reach,
     pub rows: Vec<Row>,
     /// Amplitudes of eq 13's nodes, mm.
     pub nodes: Vec<f64>,
@@ -114,7 +114,7 @@ impl<'a> Design<'a> {
     pub fn new(
         trajectories: &'a [Trajectory],
         model: &Model,
-        extent: Option<Extent>,
+        extent: Option<Reach>,
         included: impl Fn(usize, usize) -> bool,
     ) -> Result<Option<Self>, ModelError> {
         let picked: Vec<(usize, usize)> = trajectories
@@ -132,7 +132,7 @@ impl<'a> Design<'a> {
                 most.max(channel(&trajectories[which])[sample].abs())
             })
         };
-        let extent = extent.unwrap_or_else(|| Extent {
+        let extent = extent.unwrap_or_else(|| Reach {
             displacement: largest(&|t| &t.motion.displacement),
             speed: largest(&|t| &t.motion.velocity),
         });
@@ -423,7 +423,7 @@ fn between(nodes: &[f64], amplitude: f64) -> (usize, f64) {
 
 /// A table with nothing in it.
 fn empty(
-    extent: &Extent,
+    extent: &Reach,
     memory: Option<(Remembered, [f64; 2])>,
     tick: f64,
 ) -> Option<ResidualTable<f64>> {

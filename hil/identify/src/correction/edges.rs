@@ -3,7 +3,7 @@
 use mesh_damper_model::correction::Remembered;
 
 use super::design::{Coefficients, Design};
-use super::gram::{Form, Rows};
+use super::gram::{GramRows, TableForm};
 use super::trend::Trend;
 use crate::policy::policy;
 
@@ -21,11 +21,11 @@ pub(super) fn likely_sides(design: &Design, at: &Coefficients) -> Option<[Vec<Re
     let (zones, power) = design.zones(policy().edges.zones);
     let of_zones = (0..2 * policy().edges.zones).map(|cell| Trend::of(vec![(cell, 1.0)]));
     let trends: Vec<Trend> = of_zones.collect();
-    let form = Form {
+    let form = TableForm {
         trends: &trends,
-        ..Form::NONE
+        ..TableForm::NONE
     };
-    let rows = Rows::over(design, at, Some(&zones));
+    let rows = GramRows::over(design, at, Some(&zones));
     let cells = rows.solved(form)?.cells;
     let (friction, damping) = cells[..2 * policy().edges.zones].split_at(policy().edges.zones);
 

@@ -1,6 +1,6 @@
 //! The least squares of eq 13 and a table, with each block left out in turn.
 
-use mesh_damper::effects::correction::CELLS;
+use mesh_damper::effects::residual_table::CELLS;
 use mesh_damper_model::correction::Remembered;
 use nalgebra::{DMatrix, DVector};
 use rayon::prelude::*;
@@ -24,15 +24,15 @@ mesh_damper_recording::numbers! {
 
 /// What is fitted beside eq 13: trends, and a table around them.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Form<'t> {
+pub(super) struct TableForm<'t> {
     pub trends: &'t [Trend],
     /// What a bend of the table costs, over what the data say of a cell; `None` without it.
     pub table: Option<f64>,
 }
 
-impl Form<'_> {
+impl TableForm<'_> {
     /// Eq 13 and nothing else.
-    pub const NONE: Self = Form {
+    pub const NONE: Self = TableForm {
         trends: &[],
         table: None,
     };
@@ -67,7 +67,7 @@ impl Layout {
 }
 
 /// Sums over the rows of one block.
-pub(super) struct Block {
+pub(super) struct BlockSums {
     pub gram: DMatrix<f64>,
     right: DVector<f64>,
     energy: f64,
@@ -77,13 +77,13 @@ pub(super) struct Block {
 }
 
 /// The rows of a fit, at given coefficients.
-pub(super) struct Rows<'d> {
+pub(super) struct GramRows<'d> {
     design: &'d Design<'d>,
     at: &'d Coefficients,
     recalled: Option<&'d Recalled>,
 }
 
-impl<'d> Rows<'d> {
+impl<'d> GramRows<'d> {
     /// Of what eq 13 with `at` leaves. The unknowns of eq 13 are changes from `at`.
     pub fn over(
         design: &'d Design<'d>,
@@ -98,7 +98,7 @@ impl<'d> Rows<'d> {
     }
 
     /// The sums over eq 13 and what `form` has beside it, however smooth; `None` without samples.
-    pub fn sums<'t>(&self, form: Form<'t>) -> Option<Sums<'_, 't>> {
+    pub fn sums<'t>(&self, form: TableForm<'t>) -> Option<Sums<'_, 't>> {
         let (layout, hats) = self.layout(form);
         let parts = Parts::new(&layout, form.trends, &hats);
         let mut first = 0;
@@ -112,12 +112,12 @@ impl<'d> Rows<'d> {
         let summed = runs
             .into_par_iter()
             .map(|(first, run)| (run[0].block, self.block(first, run, &layout, &parts)));
-        let empty = || Block::new(layout.width());
-        let mut blocks: Vec<Block> = (0..self.design.blocks).map(|_| empty()).collect();
+        let empty = || BlockSums::new(layout.width());
+        let mut blocks: Vec<BlockSums> = (0..self.design.blocks).map(|_| empty()).collect();
         for (index, block) in summed.collect::<Vec<_>>() {
             blocks[index] = block;
         }
-        let total = Block::sum(layout.width(), &blocks);
+        let total = BlockSums::sum(layout.width(), &blocks);
         Sums::of(
             self.design,
             self.at,
@@ -131,7 +131,7 @@ impl<'d> Rows<'d> {
 
     /// One step from the coefficients, with the error in the fit alone; `None` without samples, or where the equations cannot be
     /// solved.
-    pub fn solved(&self, form: Form) -> Option<Solved> {
+    pub fn solved(&self, form: TableForm) -> Option<Solved> {
         let (layout, hats) = self.layout(form);
         let parts = Parts::new(&layout, form.trends, &hats);
         let total = self.block(0, &self.design.rows, &layout, &parts);
@@ -141,7 +141,7 @@ impl<'d> Rows<'d> {
     }
 
     /// Where each unknown stands, and the hats.
-    fn layout(&self, form: Form) -> (Layout, Vec<Trend>) {
+    fn layout(&self, form: TableForm) -> (Layout, Vec<Trend>) {
         let of = self.recalled.map(|recalled| recalled.of);
         let hats = form.table.map_or(Vec::new(), |_| hats(of));
         let layout = Layout {
@@ -162,9 +162,9 @@ impl<'d> Rows<'d> {
     }
 
     /// The sums over `rows`, of which the first is that of this index.
-    fn block(&self, first: usize, rows: &[Row], layout: &Layout, parts: &Parts) -> Block {
+    fn block(&self, first: usize, rows: &[Row], layout: &Layout, parts: &Parts) -> BlockSums {
         let (law, width) = (layout.law, layout.law + layout.trends);
-        let mut block = Block::new(layout.width());
+        let mut block = BlockSums::new(layout.width());
         let mut of_law: Vec<(usize, f64)> = Vec::new();
         // Nearly all of eq 13's unknowns and of the trends' are at work at once, and few of the hats'.
         let mut dense = DMatrix::zeros(width, rows.len());
@@ -255,7 +255,7 @@ fn add_up(entries: &mut Vec<(usize, f64)>) {
     });
 }
 
-/// The normal equations but for the penalties, which a [`Form`] adds.
+/// The normal equations but for the penalties, which a [`TableForm`] adds.
 pub(super) struct Sums<'d, 't> {
     design: &'d Design<'d>,
     at: &'d Coefficients,
@@ -263,8 +263,8 @@ pub(super) struct Sums<'d, 't> {
     trends: &'t [Trend],
     /// What the table is made of.
     hats: Vec<Trend>,
-    blocks: Vec<Block>,
-    total: Block,
+    blocks: Vec<BlockSums>,
+    total: BlockSums,
 }
 
 impl<'d, 't> Sums<'d, 't> {
@@ -274,8 +274,8 @@ impl<'d, 't> Sums<'d, 't> {
         layout: Layout,
         trends: &'t [Trend],
         hats: Vec<Trend>,
-        blocks: Vec<Block>,
-        total: Block,
+        blocks: Vec<BlockSums>,
+        total: BlockSums,
     ) -> Option<Self> {
         (total.count > 0.0).then_some(Self {
             design,
@@ -292,12 +292,12 @@ impl<'d, 't> Sums<'d, 't> {
     pub fn error_with(&self, trends: &[usize]) -> Option<f64> {
         let unknowns = self.unknowns_of(trends);
         let blocks = self.blocks.iter().map(|block| block.only(&unknowns));
-        let blocks: Vec<Block> = blocks.collect();
+        let blocks: Vec<BlockSums> = blocks.collect();
         let layout = self.layout_of(trends);
         let total = self.total.only(&unknowns);
         let none = Vec::new();
         let sums = Sums::of(self.design, self.at, layout, &[], none, blocks, total)?;
-        let system = sums.system(Form::NONE);
+        let system = sums.system(TableForm::NONE);
         sums.judged_error(&system, &sums.unknowns(&system)?)
     }
 
@@ -306,7 +306,7 @@ impl<'d, 't> Sums<'d, 't> {
         let known = self.unknowns_of(trends);
         let own = self.total.only(&known);
         let layout = self.layout_of(trends);
-        let system = System::new(self.design, self.at, &layout, Form::NONE, &own);
+        let system = System::new(self.design, self.at, &layout, TableForm::NONE, &own);
         let solver = system.solver(own.gram)?;
         let solution = solver.solve(own.right);
         let saving = |trend: usize| {
@@ -339,7 +339,7 @@ impl<'d, 't> Sums<'d, 't> {
 
     /// One step from the coefficients, with the geometric mean of the error in the fit and of the errors in the blocks left out,
     /// one at a time, each beyond the noise; `None` where the equations cannot be solved.
-    pub fn judged(&self, form: Form) -> Option<Solved> {
+    pub fn judged(&self, form: TableForm) -> Option<Solved> {
         let system = self.system(form);
         let unknowns = self.unknowns(&system)?;
         Some(Solved {
@@ -348,7 +348,7 @@ impl<'d, 't> Sums<'d, 't> {
         })
     }
 
-    fn system(&self, form: Form) -> System {
+    fn system(&self, form: TableForm) -> System {
         System::new(self.design, self.at, &self.layout, form, &self.total)
     }
 
@@ -418,7 +418,7 @@ impl<'d, 't> Sums<'d, 't> {
     }
 }
 
-impl Block {
+impl BlockSums {
     fn new(width: usize) -> Self {
         Self {
             gram: DMatrix::zeros(width, width),

@@ -2,7 +2,7 @@
 
 use rayon::prelude::*;
 
-use super::gram::{Form, Rows};
+use super::gram::{GramRows, TableForm};
 use super::trend::Trend;
 use crate::policy::policy;
 
@@ -25,10 +25,10 @@ mesh_damper_recording::numbers! {
 }
 
 /// Those of `candidates` that make the judged error clearly smaller, one at a time; and that error, kN.
-pub(super) fn grown(rows: &Rows, candidates: &[Trend]) -> Option<(f64, Vec<Trend>)> {
-    let sums = rows.sums(Form {
+pub(super) fn grown(rows: &GramRows, candidates: &[Trend]) -> Option<(f64, Vec<Trend>)> {
+    let sums = rows.sums(TableForm {
         trends: candidates,
-        ..Form::NONE
+        ..TableForm::NONE
     })?;
     let mut taken: Vec<usize> = Vec::new();
     let mut error = sums.error_with(&taken)?;
@@ -58,7 +58,7 @@ pub(super) fn grown(rows: &Rows, candidates: &[Trend]) -> Option<(f64, Vec<Trend
 }
 
 /// These with the widths that judge best.
-fn polished(rows: &Rows, mut error: f64, mut trends: Vec<Trend>) -> (f64, Vec<Trend>) {
+fn polished(rows: &GramRows, mut error: f64, mut trends: Vec<Trend>) -> (f64, Vec<Trend>) {
     for factor in policy().growth.wider {
         for _ in 0..policy().growth.changes {
             let near = trends.iter().enumerate();
@@ -79,7 +79,7 @@ fn polished(rows: &Rows, mut error: f64, mut trends: Vec<Trend>) -> (f64, Vec<Tr
 
 /// The best of these trends with one of them replaced, and its judged error; `None` without others.
 fn best_change(
-    rows: &Rows,
+    rows: &GramRows,
     trends: &[Trend],
     others: &[(usize, Trend)],
 ) -> Option<(f64, Vec<Trend>)> {
@@ -88,9 +88,9 @@ fn best_change(
     }
     let others_alone = others.iter().map(|(_, other)| other);
     let all: Vec<Trend> = trends.iter().chain(others_alone).cloned().collect();
-    let sums = rows.sums(Form {
+    let sums = rows.sums(TableForm {
         trends: &all,
-        ..Form::NONE
+        ..TableForm::NONE
     })?;
     let changed = others
         .par_iter()

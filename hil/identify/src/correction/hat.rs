@@ -2,7 +2,7 @@
 
 use std::collections::BTreeMap;
 
-use mesh_damper::effects::correction::{CELLS, DISPLACEMENTS, FINE, NODES};
+use mesh_damper::effects::residual_table::{CELLS, DISPLACEMENTS, FINE, NODES};
 use mesh_damper_model::correction::Remembered;
 
 use super::trend::{SIDES, Trend, Variable};

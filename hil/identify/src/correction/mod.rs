@@ -1,6 +1,6 @@
 //! The correction without a name: fitted to what a law leaves when nothing listed explains it.
 //!
-//! The table of [`mesh_damper::effects::correction`] is linear in its cells, so it is fitted by least squares together with eq
+//! The table of [`mesh_damper::effects::residual_table`] is linear in its cells, so it is fitted by least squares together with eq
 //! 13's coefficients: along a few trends, and as smooth around them as keeps the error small where the data were left out. One
 //! over speed comes first; one over what is remembered takes its place only where that clearly pays.
 
@@ -22,8 +22,8 @@ use mesh_damper_recording::trajectory::Trajectory;
 
 use super::beyond_noise::beyond_noise;
 use crate::policy::policy;
-use design::{Coefficients, Design, Extent, Recalled};
-use gram::{Form, Rows, Solved};
+use design::{Coefficients, Design, Reach, Recalled};
+use gram::{GramRows, Solved, TableForm};
 use search::{Memorable, momentary, promising, remembering};
 use settle::{settle, settled};
 use trend::{Trend, Variable};
@@ -47,7 +47,7 @@ const FULL: f64 = 32_000.0;
 /// What a correction is made of, before its cells are solved for.
 #[derive(Clone, Debug)]
 pub struct Choice {
-    extent: Extent,
+    extent: Reach,
     trends: Vec<Trend>,
     /// How smooth the table is around them, where there is one.
     table: Option<f64>,
@@ -61,8 +61,8 @@ impl Choice {
             .is_some_and(|memory| memory::goes_on_with_time(memory.of))
     }
 
-    fn form(&self) -> Form<'_> {
-        Form {
+    fn form(&self) -> TableForm<'_> {
+        TableForm {
             trends: &self.trends,
             table: self.table,
         }
@@ -102,7 +102,7 @@ pub fn fit(
         return Ok(None);
     };
     let start = Coefficients::of(model);
-    let Some(alone) = settle(&design, &start, Form::NONE, None) else {
+    let Some(alone) = settle(&design, &start, TableForm::NONE, None) else {
         return Ok(None);
     };
     let Some(plain) = momentary(&design, &alone) else {
@@ -174,9 +174,9 @@ pub fn depends_on(
     if let Some(design) = &design {
         let recalled = choice.recalled(design);
         let at = Coefficients::of(model);
-        let rows = Rows::over(design, &at, recalled.as_ref());
+        let rows = GramRows::over(design, &at, recalled.as_ref());
         let of = recalled.as_ref().map(|recalled| recalled.of);
-        let judged = |form: Form| Some(rows.sums(form)?.judged(form)?.error);
+        let judged = |form: TableForm| Some(rows.sums(form)?.judged(form)?.error);
         let along_trends = |without: Option<Variable>| {
             let (error, _) = growth::grown(&rows, &trend::trends(of, without))?;
             Some(error)
@@ -191,9 +191,9 @@ pub fn depends_on(
             ("velocity", Variable::Velocity),
         ] {
             let hats = hat::hats_without(variable, of);
-            let table = Form {
+            let table = TableForm {
                 trends: &hats,
-                ..Form::NONE
+                ..TableForm::NONE
             };
             if least([along_trends(Some(variable)), judged(table)])
                 > policy().correction.needed * all

@@ -4,7 +4,7 @@ use mesh_damper_model::correction::{MemoryAxis, Remembered};
 use rayon::prelude::*;
 
 use super::design::{Coefficients, Design, Recalled};
-use super::gram::{Form, Rows, Solved};
+use super::gram::{GramRows, Solved, TableForm};
 use super::settle::{settle, settle_needed};
 use super::trend::{self, Trend};
 use super::{Choice, Fitted, growth, memory};
@@ -36,7 +36,7 @@ pub(super) fn momentary(design: &Design, alone: &Solved) -> Option<Fitted> {
     let mut trends = Vec::new();
     // Eq 13's exponents may be far off until something stands in for what it lacks.
     for _ in 0..policy().search.rounds {
-        let rows = Rows::over(design, &at, None);
+        let rows = GramRows::over(design, &at, None);
         (_, trends) = growth::grown(&rows, &trend::trends(None, None))?;
         let solved;
         (solved, trends) = settle_needed(design, &at, trends, None)?;
@@ -52,8 +52,8 @@ fn around(
     trends: Vec<Trend>,
     recalled: Option<&Recalled>,
 ) -> Option<Fitted> {
-    let rows = Rows::over(design, start, recalled);
-    let form = |table| Form {
+    let rows = GramRows::over(design, start, recalled);
+    let form = |table| TableForm {
         trends: &trends,
         table,
     };
@@ -100,13 +100,13 @@ pub(super) struct Memorable {
 /// one over another kind.
 pub(super) fn promising(design: &Design, plain: &Fitted) -> Vec<Memorable> {
     let at = &plain.solved.coefficients;
-    let tabulated = Form {
+    let tabulated = TableForm {
         trends: &[],
         table: Some(policy().search.typical),
     };
     let fitted = |of: Remembered| {
         let recalled = design.recall(of)?;
-        let rows = Rows::over(design, at, Some(&recalled));
+        let rows = GramRows::over(design, at, Some(&recalled));
         Some((rows.solved(tabulated)?.inside, of))
     };
     let best_of = |candidates: Vec<Remembered>| {
@@ -140,7 +140,7 @@ pub(super) fn promising(design: &Design, plain: &Fitted) -> Vec<Memorable> {
     let comparable = comparable.filter(|(error, _)| *error <= policy().search.comparable * least);
     let judged = comparable.filter_map(|(_, of)| {
         let recalled = design.recall(of)?;
-        let rows = Rows::over(design, at, Some(&recalled));
+        let rows = GramRows::over(design, at, Some(&recalled));
         let (along_trends, trends) = growth::grown(&rows, &trend::trends(Some(of), None))?;
         let in_table = rows.sums(tabulated)?.judged(tabulated)?.error;
         Some(Memorable {

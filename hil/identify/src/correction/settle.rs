@@ -3,7 +3,7 @@
 use rayon::prelude::*;
 
 use super::design::{Coefficients, Design, Recalled};
-use super::gram::{Form, Rows, Solved};
+use super::gram::{GramRows, Solved, TableForm};
 use super::trend::Trend;
 use crate::policy::policy;
 
@@ -25,9 +25,9 @@ pub(super) fn settle_needed(
     recalled: Option<&Recalled>,
 ) -> Option<(Solved, Vec<Trend>)> {
     let settled_with = |start: &Coefficients, trends: &[Trend]| {
-        let form = Form {
+        let form = TableForm {
             trends,
-            ..Form::NONE
+            ..TableForm::NONE
         };
         settle(design, start, form, recalled)
     };
@@ -53,23 +53,25 @@ pub(super) fn settle_needed(
 pub(super) fn settle(
     design: &Design,
     start: &Coefficients,
-    form: Form,
+    form: TableForm,
     recalled: Option<&Recalled>,
 ) -> Option<Solved> {
     let at = settled(design, start, form, recalled)?.coefficients;
-    Rows::over(design, &at, recalled).sums(form)?.judged(form)
+    GramRows::over(design, &at, recalled)
+        .sums(form)?
+        .judged(form)
 }
 
 /// Solves until eq 13's exponents have settled.
 pub(super) fn settled(
     design: &Design,
     start: &Coefficients,
-    form: Form,
+    form: TableForm,
     recalled: Option<&Recalled>,
 ) -> Option<Solved> {
     let mut at = start.clone();
     for step in 1.. {
-        let solved = Rows::over(design, &at, recalled).solved(form)?;
+        let solved = GramRows::over(design, &at, recalled).solved(form)?;
         let changes = at.0.iter().zip(&solved.coefficients.0);
         let change = changes.fold(0.0_f64, |most, (a, b)| most.max((a[3] - b[3]).abs()));
         if change < policy().settle.settled || step == policy().settle.steps {

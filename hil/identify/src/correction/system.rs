@@ -1,12 +1,12 @@
 //! What keeps the table smooth and eq 13's coefficients near each other, and the solution of the normal equations with it.
 
-use mesh_damper::effects::correction::{DISPLACEMENTS, FINE, NODES};
+use mesh_damper::effects::residual_table::{DISPLACEMENTS, FINE, NODES};
 use mesh_damper_model::correction::Remembered;
 use nalgebra::{DMatrix, DVector};
 
 use super::cholesky::Cholesky;
 use super::design::{Coefficients, Design};
-use super::gram::{Block, Form, Layout};
+use super::gram::{BlockSums, Layout, TableForm};
 use super::hat::KNOTS;
 use crate::policy::policy;
 
@@ -41,8 +41,8 @@ impl System {
         design: &Design,
         at: &Coefficients,
         layout: &Layout,
-        form: Form<'_>,
-        total: &Block,
+        form: TableForm<'_>,
+        total: &BlockSums,
     ) -> Self {
         let width = layout.width();
         let mut system = Self {
@@ -87,7 +87,7 @@ impl System {
     }
 
     /// Eq 13's coefficients shall not bend over amplitude more than the data ask for, nor α run away.
-    fn law(&mut self, design: &Design, at: &Coefficients, total: &Block) {
+    fn law(&mut self, design: &Design, at: &Coefficients, total: &BlockSums) {
         let count = at.0.len();
         for i in 0..4 {
             let power = |node: usize| total.gram[(4 * node + i, 4 * node + i)];

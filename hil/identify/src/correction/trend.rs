@@ -4,7 +4,7 @@
 //! follows a few products of a function of displacement and one of speed does, and the table proper is left with the rest.
 
 use crate::policy::policy;
-use mesh_damper::effects::correction::{CELLS, DISPLACEMENTS, NODES, part_of_speed};
+use mesh_damper::effects::residual_table::{CELLS, DISPLACEMENTS, NODES, part_of_speed};
 use mesh_damper_model::correction::Remembered;
 
 /// What a table may follow.

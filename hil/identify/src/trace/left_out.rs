@@ -5,7 +5,7 @@ use std::ops::Range;
 
 use mesh_damper_model::predict::predict;
 use mesh_damper_model::{Model, ModelError};
-use mesh_damper_recording::cycles::{Block, same_amplitude};
+use mesh_damper_recording::cycles::{FoundBlock, same_amplitude};
 use mesh_damper_recording::trajectory::Trajectory;
 use rayon::prelude::*;
 
@@ -95,7 +95,7 @@ pub(super) struct LeftOut<'a> {
     trajectories: &'a [Trajectory],
     judging: &'a Roles,
     roles: &'a Roles,
-    blocks: Vec<(usize, &'a Block)>,
+    blocks: Vec<(usize, &'a FoundBlock)>,
 }
 
 impl<'a> LeftOut<'a> {
@@ -263,7 +263,7 @@ impl RelativeError {
     fn of(
         trajectory: &Trajectory,
         predicted: &[f64],
-        block: &Block,
+        block: &FoundBlock,
         is_fair: impl Fn(usize) -> bool,
     ) -> Option<Self> {
         let (mut error, mut noise, mut force) = (0.0, 0.0, 0.0);
@@ -296,8 +296,8 @@ impl RelativeError {
 /// Of the blocks whose amplitude another one has, so that eq 13 is known there, some that are evenly spread over amplitude
 /// and frequency; where those are few, of amplitudes between others too, and of all where there is none such. The first and the
 /// last of several in a recording are not left out where there are others.
-fn blocks<'t>(trajectories: &'t [Trajectory], roles: &Roles) -> Vec<(usize, &'t Block)> {
-    let mut blocks: Vec<(usize, &Block)> = trajectories
+fn blocks<'t>(trajectories: &'t [Trajectory], roles: &Roles) -> Vec<(usize, &'t FoundBlock)> {
+    let mut blocks: Vec<(usize, &FoundBlock)> = trajectories
         .iter()
         .enumerate()
         .flat_map(|(which, trajectory)| trajectory.blocks.iter().map(move |block| (which, block)))
@@ -315,32 +315,32 @@ fn blocks<'t>(trajectories: &'t [Trajectory], roles: &Roles) -> Vec<(usize, &'t 
         let by_amplitude = a.amplitude.total_cmp(&b.amplitude);
         by_amplitude.then(a.frequency.total_cmp(&b.frequency))
     });
-    let has_another = |block: &Block| {
+    let has_another = |block: &FoundBlock| {
         let mut others = blocks.iter().filter(|(_, b)| !std::ptr::eq(*b, block));
         others.any(|(_, other)| same_amplitude(other.amplitude, block.amplitude))
     };
     let (least, largest) = (blocks[0].1.amplitude, blocks[blocks.len() - 1].1.amplitude);
-    let is_between = |block: &Block| {
+    let is_between = |block: &FoundBlock| {
         let is_end = |end: f64| same_amplitude(block.amplitude, end);
         !is_end(least) && !is_end(largest)
     };
     let few = blocks.iter().filter(|(_, b)| has_another(b)).count() < policy().left_out.most;
-    let known: Vec<(usize, &Block)> = blocks
+    let known: Vec<(usize, &FoundBlock)> = blocks
         .iter()
         .filter(|(_, block)| has_another(block) || few && is_between(block))
         .copied()
         .collect();
     let known = if known.is_empty() { blocks } else { known };
     // What changes with time is not known before the first block that may be fitted nor after the last.
-    let is_inner = |(which, block): &(usize, &Block)| {
+    let is_inner = |(which, block): &(usize, &FoundBlock)| {
         let all = trajectories[*which].blocks.iter();
         let mut open = all.filter(|block| block.samples.clone().any(|i| roles.is_open(*which, i)));
         let (first, last) = (open.next(), open.next_back());
-        let is = |end: Option<&Block>| end.is_some_and(|end| std::ptr::eq(end, *block));
+        let is = |end: Option<&FoundBlock>| end.is_some_and(|end| std::ptr::eq(end, *block));
         let is_only = last.is_none();
         is_only || !(is(first) || is(last))
     };
-    let inner: Vec<(usize, &Block)> = known.iter().copied().filter(is_inner).collect();
+    let inner: Vec<(usize, &FoundBlock)> = known.iter().copied().filter(is_inner).collect();
     let known = if inner.len() < policy().left_out.fewest_inner {
         known
     } else {
@@ -375,9 +375,9 @@ mod tests {
     /// Which blocks of which recording are left out.
     fn left_out(trajectories: &[Trajectory]) -> Vec<(usize, usize)> {
         let roles = Roles::all_fit(trajectories);
-        let number = |(which, block): (usize, &Block)| {
+        let number = |(which, block): (usize, &FoundBlock)| {
             let blocks = &trajectories[which].blocks;
-            let same = |other: &Block| std::ptr::eq(other, block);
+            let same = |other: &FoundBlock| std::ptr::eq(other, block);
             (which, blocks.iter().position(same).unwrap())
         };
         let mut places: Vec<_> = blocks(trajectories, &roles)

@@ -6,7 +6,7 @@
 use mesh_damper_model::ModelError;
 use mesh_damper_model::predict::predict;
 use mesh_damper_recording::trajectory::Trajectory;
-use mesh_damper_reference::protocol::{Block, motion};
+use mesh_damper_reference::protocol::{TestBlock, motion};
 
 use super::select::{Candidate, Selection, held_to};
 use super::verdict::rivals;
@@ -105,14 +105,14 @@ fn collinearity(rivals: &[&Candidate], selection: &Selection, trajectories: &[Tr
 }
 
 /// `0.1:2:8`
-fn written(block: &Block) -> String {
+fn written(block: &TestBlock) -> String {
     format!("{}:{}:{}", block.amplitude, block.frequency, block.cycles)
 }
 
 /// The rivals' forces under every block that is tried.
 struct Simulation<'s> {
     rivals: &'s [&'s Solution],
-    blocks: Vec<Block>,
+    blocks: Vec<TestBlock>,
     /// First sample of each block, and the end.
     starts: Vec<usize>,
     /// Each with the force of one rival.
@@ -160,7 +160,7 @@ impl<'s> Simulation<'s> {
 
     /// The blocks that tell the rivals apart, and by how many times the noise the nearest two then differ. The first block
     /// is about one that was recorded.
-    fn programme(&self) -> Result<(Vec<Block>, f64), ModelError> {
+    fn programme(&self) -> Result<(Vec<TestBlock>, f64), ModelError> {
         let mut chosen = vec![0];
         let mut apart = 0.0;
         while chosen.len() < policy().separating.most_blocks && apart < policy().separating.plenty {
@@ -183,7 +183,7 @@ impl<'s> Simulation<'s> {
             let cycles = (policy().separating.duration * block.frequency)
                 .ceil()
                 .max(policy().separating.fewest_cycles);
-            Block {
+            TestBlock {
                 cycles: cycles as u32,
                 ..block
             }
@@ -233,7 +233,7 @@ impl<'s> Simulation<'s> {
 
 /// A block about in the middle of what was recorded, then others of its amplitude slower and faster, and of its frequency
 /// smaller and larger, all within what the rig runs.
-fn tried(trajectories: &[Trajectory]) -> Vec<Block> {
+fn tried(trajectories: &[Trajectory]) -> Vec<TestBlock> {
     let recorded = || trajectories.iter().flat_map(|t| &t.blocks);
     let (slowest, fastest) = recorded().fold((f64::INFINITY, 0.0_f64), |(low, high), block| {
         (low.min(block.frequency), high.max(block.frequency))
@@ -266,17 +266,17 @@ fn tried(trajectories: &[Trajectory]) -> Vec<Block> {
         .separating
         .amplitudes
         .map(|times| (times * largest, middle));
-    let mut blocks: Vec<Block> = Vec::new();
+    let mut blocks: Vec<TestBlock> = Vec::new();
     for (a, f) in std::iter::once(first)
         .chain(of_frequency)
         .chain(of_amplitude)
     {
-        let block = Block {
+        let block = TestBlock {
             amplitude: amplitude(a),
             frequency: frequency(f),
             cycles: policy().separating.cycles,
         };
-        let is_new = |known: &Block| {
+        let is_new = |known: &TestBlock| {
             known.amplitude != block.amplitude || known.frequency != block.frequency
         };
         if block.amplitude > 0.0 && blocks.iter().all(is_new) {

@@ -3,7 +3,7 @@
 //! Where the blocks of a test come in order of their frequency, whatever depends on frequency looks like a drift that stands
 //! still in every block.
 
-use mesh_damper_recording::cycles::Block;
+use mesh_damper_recording::cycles::FoundBlock;
 use mesh_damper_recording::trajectory::Trajectory;
 
 use super::select::held_to;
@@ -37,7 +37,7 @@ fn left_of_changes(
 ) -> f64 {
     let noise = held_to(trajectory);
     let left = |sample: usize| (trajectory.force[sample] - predicted[sample]) / noise;
-    let several = |block: &&Block| block.cycles.len() > 1;
+    let several = |block: &&FoundBlock| block.cycles.len() > 1;
     let mut squares = 0.0;
     for block in trajectory.blocks.iter().filter(several) {
         let mut at_phases: [Vec<f64>; PHASES] = Default::default();

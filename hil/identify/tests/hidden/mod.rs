@@ -4,7 +4,7 @@ use std::f64::consts::TAU;
 
 use mesh_damper_model::{LawNode, Model};
 use mesh_damper_recording::trajectory::Trajectory;
-use mesh_damper_reference::protocol::{Block, motion};
+use mesh_damper_reference::protocol::{TestBlock, motion};
 use mesh_damper_reference::tables;
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
@@ -40,8 +40,8 @@ pub struct Sample {
 /// Force beside eq 13, kN, with its memory.
 pub type Hidden = Box<dyn FnMut(&Sample) -> f64>;
 
-pub fn block(amplitude: f64, frequency: f64, cycles: u32) -> Block {
-    Block {
+pub fn block(amplitude: f64, frequency: f64, cycles: u32) -> TestBlock {
+    TestBlock {
         amplitude,
         frequency,
         cycles,
@@ -49,7 +49,7 @@ pub fn block(amplitude: f64, frequency: f64, cycles: u32) -> Block {
 }
 
 #[allow(dead_code, reason = "each test needs some of it")]
-pub fn fitted() -> Vec<Block> {
+pub fn fitted() -> Vec<TestBlock> {
     let amplitudes = [0.05, 0.1, 0.2];
     let pairs = amplitudes.map(|a| [block(a, 1.0, 6), block(a, 5.0, 10)]);
     pairs
@@ -61,14 +61,14 @@ pub fn fitted() -> Vec<Block> {
 
 /// A test of a specimen whose eq 13 is tabulated over amplitude.
 #[allow(dead_code, reason = "each test needs some of it")]
-pub fn record(blocks: &[Block], hidden: Hidden, seed: u64) -> Trajectory {
+pub fn record(blocks: &[TestBlock], hidden: Hidden, seed: u64) -> Trajectory {
     record_at(|_| None, blocks, hidden, seed)
 }
 
 /// The same at a temperature in °C, if any is measured, that depends on the time in s.
 pub fn record_at(
     temperature: impl Fn(f64) -> Option<f64>,
-    blocks: &[Block],
+    blocks: &[TestBlock],
     mut hidden: Hidden,
     seed: u64,
 ) -> Trajectory {

@@ -2,7 +2,7 @@
 
 use super::super::noise::noise_deviation;
 use super::super::resample::Uniform;
-use super::{ChannelFault, Kind, mark, runs, sampled, spread};
+use super::{ChannelFault, ChannelFaultKind, mark, runs, sampled, spread};
 use crate::extremes::least_and_largest;
 use crate::policy::policy;
 
@@ -42,7 +42,7 @@ pub(super) fn find(
             }
             let samples = marked.iter().filter(|&&marked| marked).count();
             let limit = side * limit;
-            let kind = Kind::Clipping { samples, limit };
+            let kind = ChannelFaultKind::Clipping { samples, limit };
             faults.push(ChannelFault { channel, kind });
             mark(absent, &marked);
         }

@@ -2,7 +2,7 @@
 
 use super::super::noise::noise_deviation;
 use super::super::resample::Uniform;
-use super::{ChannelFault, Kind, quantile, runs, sampled, spread};
+use super::{ChannelFault, ChannelFaultKind, quantile, runs, sampled, spread};
 use crate::extremes::least_and_largest;
 use crate::policy::policy;
 
@@ -38,7 +38,7 @@ pub(super) fn find(
             samples += run.len() - 1;
         }
         if samples > 0 {
-            let kind = Kind::Held {
+            let kind = ChannelFaultKind::Held {
                 samples,
                 stretches: held.len(),
             };

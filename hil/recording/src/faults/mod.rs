@@ -34,7 +34,7 @@ pub(super) use shift::Shift;
 
 /// What is wrong with a channel, and how much.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Kind {
+pub enum ChannelFaultKind {
     /// Samples that stand out from both of their neighbours.
     Spikes {
         /// How many.
@@ -108,7 +108,7 @@ pub struct ChannelFault {
     /// Where.
     pub channel: Channel,
     /// What.
-    pub kind: Kind,
+    pub kind: ChannelFaultKind,
 }
 
 impl std::fmt::Display for ChannelFault {
@@ -120,12 +120,12 @@ impl std::fmt::Display for ChannelFault {
             _ => "replaced by what the samples around them say",
         };
         match self.kind {
-            Kind::Spikes { samples, largest } => write!(
+            ChannelFaultKind::Spikes { samples, largest } => write!(
                 f,
                 "spikes in the {channel}: {}, the largest {largest:.1} times the channel's spread; {left}",
                 counted(samples)
             ),
-            Kind::Clipping { samples, limit } => write!(
+            ChannelFaultKind::Clipping { samples, limit } => write!(
                 f,
                 "clipping of the {channel} at {limit:.4} {}: {}; {left}",
                 if self.channel == Channel::Force {
@@ -135,27 +135,27 @@ impl std::fmt::Display for ChannelFault {
                 },
                 counted(samples)
             ),
-            Kind::Held { samples, stretches } => write!(
+            ChannelFaultKind::Held { samples, stretches } => write!(
                 f,
                 "the {channel} stands still while the motion goes on: {} in {}; {left}",
                 counted(samples),
                 stretches_of(stretches, "stretch", "stretches")
             ),
-            Kind::Repeated { samples } => write!(
+            ChannelFaultKind::Repeated { samples } => write!(
                 f,
                 "rows written twice: {}; the second was left out",
                 counted(samples)
             ),
-            Kind::Cut => write!(
+            ChannelFaultKind::Cut => write!(
                 f,
                 "the last row has no line end, so that its last number may have been cut; the row was left out"
             ),
-            Kind::Missing { samples, gaps } => write!(
+            ChannelFaultKind::Missing { samples, gaps } => write!(
                 f,
                 "missing samples: {samples} in {}; the force there was left out, the motion bridged",
                 stretches_of(gaps, "gap", "gaps")
             ),
-            Kind::Jitter {
+            ChannelFaultKind::Jitter {
                 rms,
                 stamps_only: true,
             } => write!(
@@ -163,29 +163,29 @@ impl std::fmt::Display for ChannelFault {
                 "jitter of the times, {rms:.2} of a period RMS: the displacement is smoother over equal steps, so the \
                  samples were taken to be equally spaced"
             ),
-            Kind::Jitter {
+            ChannelFaultKind::Jitter {
                 rms,
                 stamps_only: false,
             } => write!(
                 f,
                 "jitter of the times, {rms:.2} of a period RMS: the channels were interpolated at equal steps"
             ),
-            Kind::Shifted { late } => write!(
+            ChannelFaultKind::Shifted { late } => write!(
                 f,
                 "channels shifted in time: the force is {} by {:.2} ms, which no passive damper can be; it was moved back",
                 if late < 0.0 { "early" } else { "late" },
                 1e3 * late.abs()
             ),
-            Kind::Flipped if self.channel == Channel::Velocity => write!(
+            ChannelFaultKind::Flipped if self.channel == Channel::Velocity => write!(
                 f,
                 "sign of the velocity flipped: it runs against the displacement; it was turned"
             ),
-            Kind::Flipped => write!(
+            ChannelFaultKind::Flipped => write!(
                 f,
                 "sign of the force flipped: as recorded the specimen would give energy and push along with the \
                  motion; it was turned"
             ),
-            Kind::Unit {
+            ChannelFaultKind::Unit {
                 factor,
                 samples,
                 mended,
@@ -201,13 +201,13 @@ impl std::fmt::Display for ChannelFault {
                     factor.max(1.0 / factor)
                 )
             }
-            Kind::Averaged { time } => write!(
+            ChannelFaultKind::Averaged { time } => write!(
                 f,
                 "displacement and force are moving averages over {time:.3} s: neither has noise at {:.1} Hz and its multiples; \
                  the law's force is averaged likewise before it is compared",
                 1.0 / time
             ),
-            Kind::NotDerivative => write!(
+            ChannelFaultKind::NotDerivative => write!(
                 f,
                 "the velocity is not the derivative of the displacement; it was left out and the derivative taken"
             ),

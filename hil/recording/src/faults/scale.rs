@@ -3,7 +3,7 @@
 use std::ops::Range;
 
 use super::super::Recording;
-use super::{Channel, ChannelFault, Kind, spread};
+use super::{Channel, ChannelFault, ChannelFaultKind, spread};
 use crate::policy::policy;
 
 crate::numbers! {
@@ -47,7 +47,7 @@ pub(super) fn mend(recording: &mut Recording) {
     let travel = spread(&recording.displacement);
     let is_known = |recording: &Recording, channel| {
         let known = |fault: &ChannelFault| {
-            fault.channel == channel && matches!(fault.kind, Kind::Unit { .. })
+            fault.channel == channel && matches!(fault.kind, ChannelFaultKind::Unit { .. })
         };
         recording.faults.iter().any(known)
     };
@@ -109,7 +109,7 @@ fn multiply(recording: &mut Recording, channel: Channel, samples: Range<usize>, 
 }
 
 fn say(recording: &mut Recording, channel: Channel, factor: f64, samples: usize, mended: bool) {
-    let kind = Kind::Unit {
+    let kind = ChannelFaultKind::Unit {
         factor,
         samples,
         mended,

@@ -2,9 +2,9 @@
 
 use nalgebra::{SMatrix, SVector};
 
-use super::super::cycles::{Block, same_amplitude};
+use super::super::cycles::{FoundBlock, same_amplitude};
 use super::super::trajectory::Trajectory;
-use super::{Channel, ChannelFault, Kind};
+use super::{Channel, ChannelFault, ChannelFaultKind};
 use crate::policy::policy;
 
 crate::numbers! {
@@ -54,7 +54,7 @@ impl Shift {
     /// A force that comes with the motion, its powers, the direction of the motion, its velocity and its acceleration
     /// is regressed on those at every shift; the shift that leaves least is the channels'.
     pub fn find(trajectory: &Trajectory) -> Option<Self> {
-        let steady = |block: &&Block| block.cycles.len() >= policy().shift.steady;
+        let steady = |block: &&FoundBlock| block.cycles.len() >= policy().shift.steady;
         let frequencies = || {
             trajectory
                 .blocks
@@ -69,7 +69,7 @@ impl Shift {
         if highest == 0.0 || reach < 2 || trajectory.len() < 8 * reach {
             return None;
         }
-        let rows = Rows::of_each_amplitude(trajectory, reach);
+        let rows = ShiftRows::of_each_amplitude(trajectory, reach);
         let left: Vec<f64> = (0..=2 * reach)
             .map(|step| {
                 let shift = step as isize - reach as isize;
@@ -103,7 +103,7 @@ impl Shift {
         if late == 0 || trajectory.len() < 8 * reach {
             return false;
         }
-        let rows = Rows::of_each_amplitude(trajectory, reach);
+        let rows = ShiftRows::of_each_amplitude(trajectory, reach);
         let left = |shift| -> f64 { rows.iter().map(|rows| rows.left(trajectory, shift).0).sum() };
         left(late) < left(0)
     }
@@ -129,7 +129,7 @@ impl Shift {
     pub fn fault(self, tick: f64) -> ChannelFault {
         ChannelFault {
             channel: Channel::Force,
-            kind: Kind::Shifted {
+            kind: ChannelFaultKind::Shifted {
                 late: self.late * tick,
             },
         }
@@ -151,13 +151,13 @@ fn gives_energy(trajectory: &Trajectory) -> bool {
 }
 
 /// Samples of the motion at one amplitude, evenly picked, with the functions of it and the inverse of their Gram matrix.
-struct Rows {
+struct ShiftRows {
     samples: Vec<usize>,
     functions: Vec<SVector<f64, FUNCTIONS>>,
     gram_inverse: SMatrix<f64, FUNCTIONS, FUNCTIONS>,
 }
 
-impl Rows {
+impl ShiftRows {
     /// A damper may be another one at every amplitude, as in the published tables.
     fn of_each_amplitude(trajectory: &Trajectory, reach: usize) -> Vec<Self> {
         let inner = reach..trajectory.len() - reach;

@@ -1,7 +1,7 @@
 //! A force whose sign is turned: against the displacement and giving energy at once.
 
 use super::super::Recording;
-use super::{Channel, ChannelFault, Kind, median_filtered};
+use super::{Channel, ChannelFault, ChannelFaultKind, median_filtered};
 use crate::policy::policy;
 
 crate::numbers! {
@@ -30,7 +30,7 @@ pub(super) fn mend(recording: &mut Recording) {
         .for_each(|force| *force = -*force);
     recording.faults.push(ChannelFault {
         channel: Channel::Force,
-        kind: Kind::Flipped,
+        kind: ChannelFaultKind::Flipped,
     });
 }
 

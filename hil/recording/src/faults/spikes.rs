@@ -5,7 +5,8 @@ use std::collections::HashMap;
 use super::super::noise::noise_deviation;
 use super::super::resample::Uniform;
 use super::{
-    Channel, ChannelFault, Kind, bridge, mark, median_filtered, quantile, runs, sampled, spread,
+    Channel, ChannelFault, ChannelFaultKind, bridge, mark, median_filtered, quantile, runs,
+    sampled, spread,
 };
 use crate::policy::policy;
 
@@ -59,7 +60,7 @@ pub(super) fn find(
         let usable: Vec<bool> = present.iter().zip(absent).map(|(p, a)| *p && !a).collect();
         let found = Spikes::of(values, &states, &usable);
         if found.samples > 0 {
-            let kind = Kind::Spikes {
+            let kind = ChannelFaultKind::Spikes {
                 samples: found.samples,
                 largest: found.largest / spread(values),
             };

@@ -1,7 +1,7 @@
 //! A measured velocity that is not the derivative of the displacement.
 
 use super::super::resample::Uniform;
-use super::{Channel, ChannelFault, Kind, median_filtered, quantile};
+use super::{Channel, ChannelFault, ChannelFaultKind, median_filtered, quantile};
 use crate::policy::policy;
 
 crate::numbers! {
@@ -58,12 +58,12 @@ pub(super) fn examine(uniform: &mut Uniform, unknown: &[bool], faults: &mut Vec<
     let ratio = product / slopes;
     // A velocity that never changes has no correlation.
     if correlation.is_nan() || correlation.abs() < policy().velocity.is_derivative {
-        say(Kind::NotDerivative);
+        say(ChannelFaultKind::NotDerivative);
         uniform.velocity = None;
         return;
     }
     if ratio < 0.0 {
-        say(Kind::Flipped);
+        say(ChannelFaultKind::Flipped);
         velocity.iter_mut().for_each(|v| *v = -*v);
     }
     let size = ratio.abs();
@@ -75,12 +75,12 @@ pub(super) fn examine(uniform: &mut Uniform, unknown: &[bool], faults: &mut Vec<
         .into_iter()
         .find(|unit| (size / unit - 1.0).abs() < policy().velocity.near)
     else {
-        say(Kind::NotDerivative);
+        say(ChannelFaultKind::NotDerivative);
         uniform.velocity = None;
         return;
     };
     velocity.iter_mut().for_each(|v| *v /= unit);
-    say(Kind::Unit {
+    say(ChannelFaultKind::Unit {
         factor: 1.0 / unit,
         samples: velocity.len(),
         mended: true,

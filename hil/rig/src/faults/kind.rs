@@ -32,14 +32,14 @@ impl Group {
     }
 }
 
-/// A kind of fault. What its size is stands at [`Kind::sizes`].
+/// A kind of fault. What its size is stands at [`InjectedFault::sizes`].
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord, Serialize)]
 #[serde(rename_all = "snake_case")]
 #[expect(
     missing_docs,
     reason = "each is named as the cause that is expected of it"
 )]
-pub enum Kind {
+pub enum InjectedFault {
     WireBreakage,
     FrictionWear,
     Loosening,
@@ -66,7 +66,7 @@ const DRIFTED: f64 = 0.05;
 /// Ticks from one spike to the next: a prime, so that they come at every place of a cycle.
 const SPIKES_EVERY: u64 = 337;
 
-impl Kind {
+impl InjectedFault {
     /// All of them.
     pub const ALL: [Self; 19] = [
         Self::WireBreakage,
@@ -158,9 +158,9 @@ impl Kind {
         size: f64,
         plant: &mut Plant<Damaged>,
         condition: &Cell<Condition>,
-        motion: &Motion,
+        motion: &HealthyMotion,
     ) {
-        let Motion {
+        let HealthyMotion {
             amplitude,
             frequency,
             force,
@@ -213,7 +213,7 @@ impl Kind {
 
 /// What a healthy rig does.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Motion {
+pub(super) struct HealthyMotion {
     /// mm.
     pub(super) amplitude: f64,
     /// Hz.

@@ -13,7 +13,7 @@ use rayon::iter::{IndexedParallelIterator as _, IntoParallelIterator as _, Paral
 
 pub use damage::{Condition, Damaged};
 pub use healthy::{Healthy, run_healthy};
-pub use kind::{Group, Kind};
+pub use kind::{Group, InjectedFault};
 pub use requirement::missed;
 pub use slow::{CHANGING, Changing, FOLLOW, Left, SlowChange, SlowOutcome};
 pub use summary::{KindSummary, Summary};
@@ -25,7 +25,7 @@ use crate::SetupError;
 #[derive(Clone, Debug)]
 pub struct Campaign {
     /// Kinds of faults.
-    pub kinds: Vec<Kind>,
+    pub kinds: Vec<InjectedFault>,
     /// Density in g/cm³, amplitude in mm, frequency in Hz.
     pub specimens: Vec<(f64, f64, f64)>,
     /// RMS of the force channel's noise over that of the force.
@@ -40,7 +40,7 @@ impl Campaign {
     /// All of it: every kind in every size on four specimens at three levels of noise, and 1e5 healthy cycles.
     pub fn whole() -> Self {
         Self {
-            kinds: Kind::ALL.into(),
+            kinds: InjectedFault::ALL.into(),
             specimens: vec![
                 (2.0, 0.05, 5.0),
                 (2.5, 0.2, 2.0),

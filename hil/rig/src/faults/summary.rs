@@ -3,7 +3,7 @@
 use serde::Serialize;
 
 use super::healthy::Healthy;
-use super::kind::{Group, Kind};
+use super::kind::{Group, InjectedFault};
 use super::slow::SlowOutcome;
 use super::trial::Outcome;
 
@@ -11,7 +11,7 @@ use super::trial::Outcome;
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct KindSummary {
     /// What was put in.
-    pub kind: Kind,
+    pub kind: InjectedFault,
     /// How large.
     pub size: f64,
     /// What it is a fault of.
@@ -33,7 +33,7 @@ pub struct KindSummary {
 /// All of it.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Summary {
-    /// Kind by kind, size by size.
+    /// Injected faults by kind, size by size.
     pub kinds: Vec<KindSummary>,
     /// Trials.
     pub trials: usize,
@@ -74,7 +74,7 @@ impl Summary {
             |holds: &dyn Fn(&Outcome) -> bool| outcomes.iter().filter(|one| holds(one)).count();
         let largest = |of: &dyn Fn(&Outcome) -> f64| outcomes.iter().map(of).fold(0.0, f64::max);
         let mut kinds = Vec::new();
-        for kind in Kind::ALL {
+        for kind in InjectedFault::ALL {
             for &size in kind.sizes() {
                 let of_this = |one: &&Outcome| one.trial.kind == kind && one.trial.size == size;
                 let these: Vec<&Outcome> = outcomes.iter().filter(of_this).collect();
@@ -109,7 +109,7 @@ impl Summary {
 }
 
 impl KindSummary {
-    fn of(kind: Kind, size: f64, these: &[&Outcome]) -> Self {
+    fn of(kind: InjectedFault, size: f64, these: &[&Outcome]) -> Self {
         let count =
             |holds: &dyn Fn(&Outcome) -> bool| these.iter().filter(|one| holds(one)).count();
         let mut cycles: Vec<f64> = these.iter().filter_map(|one| one.cycles).collect();

@@ -12,15 +12,15 @@ use mesh_damper::sine::{Block, Programme};
 use serde::Serialize;
 
 use super::damage::{Condition, Damaged};
-use super::kind::{Kind, Motion};
+use super::kind::{HealthyMotion, InjectedFault};
 use crate::{Bench, Controlled, RigSetup, SetupError, TICK_RATE};
 
 /// A fault, and the test that it comes into.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Trial {
     /// What it is.
-    pub kind: Kind,
-    /// Of [`Kind::sizes`].
+    pub kind: InjectedFault,
+    /// Of [`InjectedFault::sizes`].
     pub size: f64,
     /// g/cm³.
     pub density: f64,
@@ -138,7 +138,7 @@ pub fn run_trial_with<R: Controlled<Damaged>>(
 struct Test<'t> {
     trial: &'t Trial,
     condition: Rc<Cell<Condition>>,
-    motion: Motion,
+    motion: HealthyMotion,
     /// mm and kN.
     limits: [f64; 2],
     stop_ticks: u64,
@@ -147,7 +147,7 @@ struct Test<'t> {
 impl<'t> Test<'t> {
     fn of(trial: &'t Trial) -> Result<(Self, RigSetup<Damaged, 1, 1>), SetupError> {
         let (specimen, condition) = Damaged::new(trial.density, trial.amplitude);
-        let motion = Motion {
+        let motion = HealthyMotion {
             amplitude: trial.amplitude,
             frequency: trial.frequency,
             force: peak(&specimen, trial.amplitude, trial.frequency),

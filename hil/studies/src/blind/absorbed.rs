@@ -1,6 +1,6 @@
 //! How much of a force eq 13 cannot absorb.
 
-use mesh_damper_reference::protocol::Block;
+use mesh_damper_reference::protocol::TestBlock;
 use nalgebra::{Matrix3, Vector3};
 
 use super::test_rig::Truth;
@@ -15,7 +15,7 @@ const SECTIONS: usize = 16;
 /// `blocks`, kN.
 ///
 /// The ramp into each block, where the amplitude is neither, is left out.
-pub fn left_by_eq13(truth: &Truth, blocks: &[Block]) -> f64 {
+pub fn left_by_eq13(truth: &Truth, blocks: &[TestBlock]) -> f64 {
     let mut amplitudes: Vec<f64> = blocks.iter().map(|b| b.amplitude).collect();
     amplitudes.sort_by(f64::total_cmp);
     amplitudes.dedup();

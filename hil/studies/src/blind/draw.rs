@@ -1,7 +1,7 @@
 //! Trials by seed.
 
 use mesh_damper_recording::Recording;
-use mesh_damper_reference::protocol::Block;
+use mesh_damper_reference::protocol::TestBlock;
 use mesh_damper_rig::specimen::{HiddenEffect, Unlisted};
 use rand::seq::{IndexedRandom, SliceRandom};
 use rand::{Rng, RngExt, SeedableRng};
@@ -9,8 +9,9 @@ use rand_chacha::ChaCha8Rng;
 use serde::Serialize;
 
 use super::absorbed::left_by_eq13;
+use super::described::DescribedEffect;
 use super::families::{LISTED, UNLISTED, Unsized, effect, largest_amplitude, log_uniform};
-use super::programme::{self, Programme, Shape};
+use super::programme::{self, Programme, TestShape};
 use super::test_rig::{Sensors, Truth, answer, record};
 
 /// Seeds of a group, in which each class has its fixed share.
@@ -49,11 +50,39 @@ pub enum Class {
     Unlisted,
 }
 
+/// What is hidden in a specimen.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+#[serde(untagged)]
+pub enum Hidden {
+    /// By physics of its own.
+    Specimen(HiddenEffect),
+    /// By the crate's.
+    Described(DescribedEffect),
+}
+
+impl Hidden {
+    /// Its family, or the kind of an unlisted one.
+    pub fn family(&self) -> &'static str {
+        match self {
+            Self::Specimen(effect) => effect.family(),
+            Self::Described(effect) => effect.family,
+        }
+    }
+
+    /// Its parameters as (name, value, unit).
+    pub fn parameters(&self) -> Vec<(&'static str, f64, &'static str)> {
+        match self {
+            Self::Specimen(effect) => effect.parameters(),
+            Self::Described(effect) => effect.parameters(),
+        }
+    }
+}
+
 /// An effect and how much it matters.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Sized {
     /// The effect.
-    pub effect: HiddenEffect,
+    pub effect: Hidden,
     /// RMS of its force in the training test over that of the noise.
     pub size: f64,
     /// RMS of what eq 13, fitted at each amplitude by itself, leaves of it, over that of the noise.
@@ -118,8 +147,8 @@ pub fn draw(seed: u64) -> Trial {
     let mut rng = ChaCha8Rng::seed_from_u64(seed);
     let (class, number) = class(seed);
     loop {
-        if let Some(secret) = secret(seed, class, number, &mut rng) {
-            return trial(secret, &mut rng);
+        if let Some((secret, effects)) = secret(seed, class, number, &mut rng) {
+            return trial(secret, effects, &mut rng);
         }
     }
 }
@@ -143,8 +172,13 @@ fn class(seed: u64) -> (Class, usize) {
     }
 }
 
-/// A secret of its class, if what is drawn is possible.
-fn secret(seed: u64, class: Class, number: usize, rng: &mut impl Rng) -> Option<Secret> {
+/// A secret of its class and its effects, if what is drawn is possible.
+fn secret(
+    seed: u64,
+    class: Class,
+    number: usize,
+    rng: &mut impl Rng,
+) -> Option<(Secret, Vec<HiddenEffect>)> {
     let (shape, effects) = hidden(class, number, rng)?;
     let programme = programme::draw(shape, rng);
     let largest = largest_amplitude(&programme.training);
@@ -162,6 +196,7 @@ fn secret(seed: u64, class: Class, number: usize, rng: &mut impl Rng) -> Option<
         warms: rng.random_bool(0.1),
         programme,
     };
+    let mut drawn = Vec::new();
     let law = answer(
         secret.density,
         &[],
@@ -175,21 +210,22 @@ fn secret(seed: u64, class: Class, number: usize, rng: &mut impl Rng) -> Option<
         SIZES
     };
     for which in effects {
-        let drawn = effect(which, largest, rng);
+        let example = effect(which, largest, rng);
         let wanted = log_uniform(sizes.0, sizes.1, rng);
-        let sized = size(&secret, &law, &drawn, wanted)?;
+        let (effect, sized) = size(&secret, &law, &example, wanted)?;
+        drawn.push(effect);
         secret.effects.push(sized);
     }
-    Some(secret)
+    Some((secret, drawn))
 }
 
 /// Which effects, and the shape of a test that shows all of them.
-fn hidden(class: Class, number: usize, rng: &mut impl Rng) -> Option<(Shape, Vec<usize>)> {
-    const ALL: [Shape; 4] = [
-        Shape::Amplitudes,
-        Shape::Frequencies,
-        Shape::Long,
-        Shape::Single,
+fn hidden(class: Class, number: usize, rng: &mut impl Rng) -> Option<(TestShape, Vec<usize>)> {
+    const ALL: [TestShape; 4] = [
+        TestShape::Amplitudes,
+        TestShape::Frequencies,
+        TestShape::Long,
+        TestShape::Single,
     ];
     let effects = match class {
         Class::None => return Some((ALL[number % ALL.len()], Vec::new())),
@@ -207,14 +243,19 @@ fn hidden(class: Class, number: usize, rng: &mut impl Rng) -> Option<(Shape, Vec
         if a.effect.family() == b.effect.family() {
             return None;
         }
-        shapes.retain(|shape| b.shapes.contains(shape) && *shape != Shape::Single);
+        shapes.retain(|shape| b.shapes.contains(shape) && *shape != TestShape::Single);
     }
     Some((*shapes.choose(rng)?, effects))
 }
 
 /// The effect scaled until what eq 13 leaves of it is `wanted` times the noise; none where it would have to be larger
 /// than one can be.
-fn size(secret: &Secret, law: &Truth, drawn: &Unsized, wanted: f64) -> Option<Sized> {
+fn size(
+    secret: &Secret,
+    law: &Truth,
+    drawn: &Unsized,
+    wanted: f64,
+) -> Option<(HiddenEffect, Sized)> {
     let law_rms = rms(&law.force);
     let noise = secret.noise * law_rms;
     let mut factor = drawn.factors.0.max(1e-3);
@@ -233,11 +274,12 @@ fn size(secret: &Secret, law: &Truth, drawn: &Unsized, wanted: f64) -> Option<Si
         let added = rms(&beyond);
         let visible = left_by_eq13(&truth, &secret.programme.training) / noise;
         if visible > wanted / MISS && visible < wanted * MISS {
-            return (added <= LARGEST_SHARE * law_rms).then_some(Sized {
-                effect,
+            let sized = Sized {
+                effect: Hidden::Specimen(effect),
                 size: added / noise,
                 visible,
-            });
+            };
+            return (added <= LARGEST_SHARE * law_rms).then_some((effect, sized));
         }
         // Before anything is seen of it a step is larger than proportion would have it.
         factor *= (wanted / visible.max(1e-3 * wanted)).clamp(1e-3, 1e3);
@@ -249,8 +291,7 @@ fn size(secret: &Secret, law: &Truth, drawn: &Unsized, wanted: f64) -> Option<Si
 }
 
 /// Runs and records both tests.
-fn trial(secret: Secret, rng: &mut impl Rng) -> Trial {
-    let mut effects: Vec<HiddenEffect> = secret.effects.iter().map(|e| e.effect).collect();
+fn trial(secret: Secret, mut effects: Vec<HiddenEffect>, rng: &mut impl Rng) -> Trial {
     let heated = effects
         .iter()
         .any(|effect| matches!(effect, HiddenEffect::Temperature { .. }));
@@ -262,7 +303,7 @@ fn trial(secret: Secret, rng: &mut impl Rng) -> Trial {
             time: rng.random_range(5.0..30.0),
         });
     }
-    let mut run = |name: &str, blocks: &[Block], effects: &[HiddenEffect]| {
+    let mut run = |name: &str, blocks: &[TestBlock], effects: &[HiddenEffect]| {
         let truth = answer(secret.density, effects, blocks, secret.rate, TRUTH_RATE);
         let sensors = Sensors {
             force_noise: secret.noise * rms(&truth.force),
@@ -272,7 +313,7 @@ fn trial(secret: Secret, rng: &mut impl Rng) -> Trial {
         let name = format!("{name} of seed {}", secret.seed);
         (record(name, &truth, &sensors), sensors.force_noise)
     };
-    let (training, held_out, noise, scored_from) = if secret.programme.shape == Shape::Long {
+    let (training, held_out, noise, scored_from) = if secret.programme.shape == TestShape::Long {
         let (whole, noise) = run("held-out test", &secret.programme.held_out, &effects);
         let seconds: f64 = secret
             .programme
@@ -318,6 +359,7 @@ fn beginning(whole: &Recording, name: String, samples: usize) -> Recording {
     recording.expect("the beginning of a recording is one")
 }
 
-fn rms(values: &[f64]) -> f64 {
+/// Root of the mean square.
+pub(super) fn rms(values: &[f64]) -> f64 {
     (values.iter().map(|x| x * x).sum::<f64>() / values.len() as f64).sqrt()
 }

@@ -2,11 +2,11 @@
 
 use std::f64::consts::TAU;
 
-use mesh_damper_reference::protocol::Block;
+use mesh_damper_reference::protocol::TestBlock;
 use mesh_damper_rig::specimen::{HiddenEffect, SlipShape, Unlisted};
 use rand::{Rng, RngExt};
 
-use super::programme::Shape;
+use super::programme::TestShape;
 
 /// Listed effects, by the shapes that a family may have; each is as likely as another.
 pub const LISTED: usize = 18;
@@ -24,21 +24,29 @@ pub struct Unsized {
     /// Factors between which its size may be.
     pub factors: (f64, f64),
     /// Shapes of programme in which it can be seen; drawn from these.
-    pub shapes: &'static [Shape],
+    pub shapes: &'static [TestShape],
 }
 
-const ANY: &[Shape] = &[Shape::Amplitudes, Shape::Frequencies, Shape::Amplitudes];
-const FREQUENCIES: &[Shape] = &[Shape::Frequencies];
-const AMPLITUDES: &[Shape] = &[Shape::Amplitudes];
-const LONG: &[Shape] = &[Shape::Long];
-const ALL: &[Shape] = &[
-    Shape::Amplitudes,
-    Shape::Frequencies,
-    Shape::Amplitudes,
-    Shape::Long,
-    Shape::Single,
+const ANY: &[TestShape] = &[
+    TestShape::Amplitudes,
+    TestShape::Frequencies,
+    TestShape::Amplitudes,
 ];
-const WITH_LONG: &[Shape] = &[Shape::Amplitudes, Shape::Frequencies, Shape::Long];
+const FREQUENCIES: &[TestShape] = &[TestShape::Frequencies];
+const AMPLITUDES: &[TestShape] = &[TestShape::Amplitudes];
+const LONG: &[TestShape] = &[TestShape::Long];
+const ALL: &[TestShape] = &[
+    TestShape::Amplitudes,
+    TestShape::Frequencies,
+    TestShape::Amplitudes,
+    TestShape::Long,
+    TestShape::Single,
+];
+const WITH_LONG: &[TestShape] = &[
+    TestShape::Amplitudes,
+    TestShape::Frequencies,
+    TestShape::Long,
+];
 
 /// Effect number `which`, the [`LISTED`] before the [`UNLISTED`], for a test whose largest amplitude is `largest` mm.
 pub fn effect(which: usize, largest: f64, rng: &mut impl Rng) -> Unsized {
@@ -227,7 +235,7 @@ fn unlisted(which: usize, largest: f64, rng: &mut impl Rng) -> Unsized {
 }
 
 /// The largest amplitude of `blocks`, mm.
-pub fn largest_amplitude(blocks: &[Block]) -> f64 {
+pub fn largest_amplitude(blocks: &[TestBlock]) -> f64 {
     blocks.iter().fold(0.0, |x, block| x.max(block.amplitude))
 }
 

@@ -1,6 +1,7 @@
 //! The blind trial: specimens whose effect, size, noise and test are drawn by a seed that the tracer never sees.
 
 mod absorbed;
+mod described;
 mod draw;
 mod families;
 mod floors;
@@ -13,23 +14,43 @@ use std::ops::Range;
 
 use rayon::iter::{IntoParallelIterator, ParallelIterator};
 
-pub use draw::{Class, GROUP, Secret, Sized, Trial, draw};
+pub use described::{DescribedEffect, described, draw_described};
+pub use draw::{Class, GROUP, Hidden, Secret, Sized, Trial, draw};
 pub use floors::{FLOORS, FLOORS_OF_A_PART, Floors, PART};
 pub use judge::{Mark, Outcome, Said, judge};
-pub use programme::{Programme, Shape};
+pub use programme::{Programme, TestShape};
 pub use summary::{Rate, Ratios, Summary};
 pub use test_rig::{Sensors, Truth, answer, record};
 
 /// What eq 13 leaves of a hidden effect is at least so many times the noise where its trial counts.
 pub const LEAST_VISIBLE: f64 = 3.0;
 
-/// Runs the trials of `seeds`; `done` is called after each.
-pub fn run(seeds: Range<u64>, done: &(dyn Fn(&Outcome) + Sync)) -> Summary {
+/// What makes a seed's trial.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Draw {
+    /// [`draw()`]: specimens whose physics are their own.
+    Specimens,
+    /// [`draw_described`]: the effects that the crate describes.
+    Described,
+}
+
+impl Draw {
+    /// The trial of `seed`; `None` where no test shows what it would hide.
+    pub fn trial(self, seed: u64) -> Option<Trial> {
+        match self {
+            Self::Specimens => Some(draw(seed)),
+            Self::Described => draw_described(seed),
+        }
+    }
+}
+
+/// Runs the trials of `seeds`; `done` is called after each seed.
+pub fn run(seeds: Range<u64>, draw: Draw, done: &(dyn Fn() + Sync)) -> Summary {
     let outcomes = seeds
         .into_par_iter()
-        .map(|seed| {
-            let outcome = judge(&draw(seed));
-            done(&outcome);
+        .filter_map(|seed| {
+            let outcome = draw.trial(seed).map(|trial| judge(&trial));
+            done();
             outcome
         })
         .collect();

@@ -1,6 +1,6 @@
 //! The tests that a drawn specimen is put through.
 
-use mesh_damper_reference::protocol::Block;
+use mesh_damper_reference::protocol::TestBlock;
 use mesh_damper_reference::tables;
 use rand::seq::{IndexedRandom, SliceRandom};
 use rand::{Rng, RngExt};
@@ -9,7 +9,7 @@ use serde::Serialize;
 /// The shape of a test.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "snake_case")]
-pub enum Shape {
+pub enum TestShape {
     /// Several amplitudes, each slowly and fast.
     Amplitudes,
     /// One amplitude at several frequencies, and another.
@@ -24,11 +24,11 @@ pub enum Shape {
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Programme {
     /// Its shape.
-    pub shape: Shape,
+    pub shape: TestShape,
     /// What is fitted.
-    pub training: Vec<Block>,
-    /// What is held out; of [`Shape::Long`] the training block with more cycles.
-    pub held_out: Vec<Block>,
+    pub training: Vec<TestBlock>,
+    /// What is held out; of [`TestShape::Long`] the training block with more cycles.
+    pub held_out: Vec<TestBlock>,
 }
 
 /// The tables' amplitudes, mm. Coefficients are linear between them: a test that is to be predicted at other amplitudes has
@@ -36,11 +36,11 @@ pub struct Programme {
 const NODES: [f64; 5] = tables::AMPLITUDES;
 
 /// A programme of `shape`, its amplitudes on a grid of 5 µm and its frequencies on one of 0.1 Hz.
-pub fn draw(shape: Shape, rng: &mut impl Rng) -> Programme {
+pub fn draw(shape: TestShape, rng: &mut impl Rng) -> Programme {
     let (training, held_out) = match shape {
-        Shape::Amplitudes => amplitudes(rng),
-        Shape::Frequencies => frequencies(rng),
-        Shape::Long => {
+        TestShape::Amplitudes => amplitudes(rng),
+        TestShape::Frequencies => frequencies(rng),
+        TestShape::Long => {
             let amplitude = grid(rng.random_range(0.08..0.16), 0.005);
             let frequency = grid(rng.random_range(1.5..3.0), 0.1);
             let cycles = rng.random_range(60..100);
@@ -49,7 +49,7 @@ pub fn draw(shape: Shape, rng: &mut impl Rng) -> Programme {
                 vec![block(amplitude, frequency, cycles + cycles / 3)],
             )
         }
-        Shape::Single => {
+        TestShape::Single => {
             let amplitude = grid(rng.random_range(0.08..0.16), 0.005);
             let frequency = grid(rng.random_range(0.8..2.0), 0.1);
             (
@@ -67,7 +67,7 @@ pub fn draw(shape: Shape, rng: &mut impl Rng) -> Programme {
 
 /// Such as 0.05, 0.1, 0.2 mm at 1 and 5 Hz each and 0.15 mm at 2 Hz, in this order or another, at times with a block that
 /// returns; held out are two amplitudes between them at two frequencies between theirs.
-fn amplitudes(rng: &mut impl Rng) -> (Vec<Block>, Vec<Block>) {
+fn amplitudes(rng: &mut impl Rng) -> (Vec<TestBlock>, Vec<TestBlock>) {
     let mut nodes = if rng.random_bool(0.25) {
         NODES.to_vec()
     } else {
@@ -78,7 +78,7 @@ fn amplitudes(rng: &mut impl Rng) -> (Vec<Block>, Vec<Block>) {
     let fast = grid(rng.random_range(4.0..8.0), 0.1);
     // One amplitude is run at a frequency of its own, as in 0.15 mm at 2 Hz.
     let alone = nodes.remove(rng.random_range(1..nodes.len()));
-    let mut training: Vec<Block> = nodes
+    let mut training: Vec<TestBlock> = nodes
         .iter()
         .flat_map(|&amplitude| [(amplitude, slow, 5..8), (amplitude, fast, 8..13)])
         .map(|(amplitude, frequency, cycles)| block(amplitude, frequency, rng.random_range(cycles)))
@@ -108,10 +108,10 @@ fn amplitudes(rng: &mut impl Rng) -> (Vec<Block>, Vec<Block>) {
 }
 
 /// Such as 0.1 mm at 0.5, 1, 2, 5 and 10 Hz and 0.15 mm at 3 Hz; held out are an amplitude between and another frequency.
-fn frequencies(rng: &mut impl Rng) -> (Vec<Block>, Vec<Block>) {
+fn frequencies(rng: &mut impl Rng) -> (Vec<TestBlock>, Vec<TestBlock>) {
     let node = *[0, 1, 1, 1, 2].choose(rng).unwrap_or(&1);
     let (amplitude, other) = (NODES[node], NODES[node + 1]);
-    let mut training: Vec<Block> = [(0.5, 4), (1.0, 6), (2.0, 8), (5.0, 12), (10.0, 20)]
+    let mut training: Vec<TestBlock> = [(0.5, 4), (1.0, 6), (2.0, 8), (5.0, 12), (10.0, 20)]
         .into_iter()
         .map(|(nominal, cycles)| {
             let frequency = grid(nominal * rng.random_range(0.85..1.15), 0.1);
@@ -133,8 +133,8 @@ fn frequencies(rng: &mut impl Rng) -> (Vec<Block>, Vec<Block>) {
     (training, held_out)
 }
 
-fn block(amplitude: f64, frequency: f64, cycles: u32) -> Block {
-    Block {
+fn block(amplitude: f64, frequency: f64, cycles: u32) -> TestBlock {
+    TestBlock {
         amplitude,
         frequency,
         cycles,

@@ -1,7 +1,7 @@
 //! The simulated test that a trial's recordings come from: no controller in it, only a motion, a specimen and sensors.
 
 use mesh_damper_recording::Recording;
-use mesh_damper_reference::protocol::{Block, Motion, motion};
+use mesh_damper_reference::protocol::{MotionSample, TestBlock, motion};
 use mesh_damper_reference::tables;
 use mesh_damper_rig::specimen::{DamperForce, HiddenEffect, Specimen};
 use rand::{Rng, SeedableRng};
@@ -21,7 +21,7 @@ const TEMPERATURE_STEP: f64 = 0.01;
 /// The true motion and force.
 pub struct Truth {
     /// At each sample.
-    pub motion: Vec<Motion>,
+    pub motion: Vec<MotionSample>,
     /// kN, likewise.
     pub force: Vec<f64>,
     /// °C, likewise.
@@ -37,7 +37,7 @@ pub struct Truth {
 pub fn answer(
     density: f64,
     effects: &[HiddenEffect],
-    blocks: &[Block],
+    blocks: &[TestBlock],
     rate: f64,
     call_rate: f64,
 ) -> Truth {
@@ -45,7 +45,7 @@ pub fn answer(
         .iter()
         .any(|effect| matches!(effect, HiddenEffect::Compliance { .. }));
     let oversampling = (call_rate / rate).ceil() as usize * if soft { 4 } else { 1 };
-    let coefficients = |block: &Block| tables::interpolate(density, block.amplitude);
+    let coefficients = |block: &TestBlock| tables::interpolate(density, block.amplitude);
     let mut specimen = effects.iter().fold(
         Specimen::new(coefficients(&blocks[0])),
         |specimen, &effect| specimen.with(effect),

@@ -5,7 +5,7 @@
 //! by phase, has less of it.
 
 use mesh_damper_recording::Recording;
-use mesh_damper_recording::cycles::Block;
+use mesh_damper_recording::cycles::FoundBlock;
 use mesh_damper_recording::error::{InputError, Place};
 use mesh_damper_recording::extremes::least_and_largest;
 use mesh_damper_recording::trajectory::Trajectory;
@@ -155,7 +155,7 @@ pub fn dynamic_test(recording: &Recording) -> Result<DynamicTest, InputError> {
 
 impl DynamicBlock {
     /// `None` without a steady cycle that was measured from end to end. `start` is the time of the first sample, s.
-    fn of(block: &Block, trajectory: &Trajectory, start: f64) -> Option<Self> {
+    fn of(block: &FoundBlock, trajectory: &Trajectory, start: f64) -> Option<Self> {
         let (displacement, force) = (&trajectory.motion.displacement, &trajectory.force);
         let (low, high) = least_and_largest(displacement);
         let level = 0.5 * (low + high);

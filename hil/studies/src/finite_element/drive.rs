@@ -66,7 +66,7 @@ impl At {
 
 /// A sine as a body is driven by it.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Motion {
+pub(super) struct DrivenSine {
     /// mm
     pub amplitude: f64,
     /// Hz
@@ -78,7 +78,7 @@ pub(super) struct Motion {
 /// A drive on its way through the cycles of a sine.
 pub(super) struct Cycles<'a> {
     drive: &'a Drive,
-    motion: Motion,
+    motion: DrivenSine,
     at: At,
     memory: Memory,
     before: Vec<f64>,
@@ -125,7 +125,7 @@ impl Drive {
     }
 
     /// The loops of cycle after cycle of `motion`, of a body whose shear relaxes as `prony` says and that was at rest before.
-    pub fn cycles(&self, prony: Prony, motion: Motion) -> Cycles<'_> {
+    pub fn cycles(&self, prony: Prony, motion: DrivenSine) -> Cycles<'_> {
         Cycles {
             drive: self,
             motion,
@@ -164,7 +164,7 @@ impl Cycles<'_> {
     /// # Errors
     /// An equilibrium that is not found.
     pub fn next(&mut self) -> Result<ForceLoop, FiniteElementError> {
-        let Motion {
+        let DrivenSine {
             amplitude,
             frequency,
             steps,

@@ -6,7 +6,7 @@ use serde::Serialize;
 use super::FiniteElementError;
 use super::body::Body;
 use super::contact::Mandrel;
-use super::drive::{Drive, ForceLoop, Motion, StaticCurve};
+use super::drive::{Drive, DrivenSine, ForceLoop, StaticCurve};
 use super::material::MooneyRivlin;
 use super::mesh::Mesh;
 use super::published::{Reading, SignReading, TABLE_5, VolumetricReading};
@@ -142,8 +142,8 @@ impl RingModel {
             .steady()
     }
 
-    fn motion(&self, amplitude: f64, frequency: f64) -> Motion {
-        Motion {
+    fn motion(&self, amplitude: f64, frequency: f64) -> DrivenSine {
+        DrivenSine {
             amplitude,
             frequency,
             steps: self.steps,

@@ -9,7 +9,7 @@ use mesh_damper_reference::law::Coefficients;
 use mesh_damper_reference::tables::{self, AMPLITUDES, DENSITIES};
 use nalgebra::{DMatrix, DVector};
 
-use super::{OMEGA, SAMPLES, Shape, Surfaces, basis, logistic};
+use super::{OMEGA, SAMPLES, SurfaceShape, Surfaces, basis, logistic};
 use crate::amplitude_independent::Sine;
 use crate::nonnegative;
 
@@ -91,7 +91,7 @@ impl Cell {
     }
 
     /// Logarithms of k1, k3, c and α over the table's, and their slopes by ln P, logit s, ln D and logit α.
-    fn coefficients(&self, shape: &Shape) -> [(f64, [f64; 4]); 4] {
+    fn coefficients(&self, shape: &SurfaceShape) -> [(f64, [f64; 4]); 4] {
         let found = shape.coefficients(self.amplitude);
         let (s, alpha) = (shape.cubic_share, shape.exponent);
         let speed = (OMEGA * self.amplitude).ln();
@@ -110,8 +110,11 @@ impl Cell {
     }
 
     /// Error of each sample over the norm of the loop, and its slopes by ln P, logit s, ln D and logit α.
-    fn residuals<'a>(&'a self, shape: &'a Shape) -> impl Iterator<Item = (f64, [f64; 4])> + 'a {
-        let Shape {
+    fn residuals<'a>(
+        &'a self,
+        shape: &'a SurfaceShape,
+    ) -> impl Iterator<Item = (f64, [f64; 4])> + 'a {
+        let SurfaceShape {
             elastic,
             cubic_share: s,
             damping,
@@ -230,12 +233,12 @@ impl Unknowns {
         slopes
     }
 
-    fn shape(&self, slopes: &[Vec<(usize, f64)>; 4], at: &DVector<f64>) -> Shape {
+    fn shape(&self, slopes: &[Vec<(usize, f64)>; 4], at: &DVector<f64>) -> SurfaceShape {
         let value = |which: usize| -> f64 {
             let parts = slopes[which].iter();
             parts.map(|&(place, slope)| slope * at[place]).sum()
         };
-        Shape {
+        SurfaceShape {
             elastic: value(0).exp(),
             cubic_share: logistic(value(1)),
             damping: value(2).exp(),

@@ -57,7 +57,7 @@ pub struct Surfaces {
 
 /// What a loop shows, see the module.
 #[derive(Clone, Copy, Debug, PartialEq)]
-struct Shape {
+struct SurfaceShape {
     elastic: f64,
     cubic_share: f64,
     damping: f64,
@@ -71,14 +71,14 @@ impl Surfaces {
         self.shape(density, amplitude).coefficients(amplitude)
     }
 
-    fn shape(&self, density: f64, amplitude: f64) -> Shape {
+    fn shape(&self, density: f64, amplitude: f64) -> SurfaceShape {
         let hats = basis::hats(density);
         let polynomials = basis::polynomials(amplitude, self.degree);
         let at = |b: &[Vec<f64>]| -> f64 {
             let row = |b: &[f64]| -> f64 { b.iter().zip(&polynomials).map(|(b, p)| b * p).sum() };
             b.iter().zip(hats).map(|(b, n)| n * row(b)).sum()
         };
-        Shape {
+        SurfaceShape {
             elastic: at(&self.elastic).exp(),
             cubic_share: logistic(at(&self.cubic_share)),
             damping: at(&self.damping).exp(),
@@ -87,7 +87,7 @@ impl Surfaces {
     }
 }
 
-impl Shape {
+impl SurfaceShape {
     fn coefficients(&self, amplitude: f64) -> Coefficients {
         Coefficients {
             k1: self.elastic * (1.0 - self.cubic_share) / amplitude,

@@ -6,7 +6,7 @@ use proptest::prelude::*;
 
 use super::{FOAM, sheared_cube, unknowns};
 use crate::finite_element::body::Body;
-use crate::finite_element::drive::{Drive, ForceLoop, Motion};
+use crate::finite_element::drive::{Drive, DrivenSine, ForceLoop};
 use crate::finite_element::material::MooneyRivlin;
 use crate::finite_element::mesh::Mesh;
 use crate::finite_element::published::TABLE_5;
@@ -30,7 +30,7 @@ fn steady(drive: &Drive, prony: Prony, frequency: f64, steps: usize) -> ForceLoo
     drive
         .cycles(
             prony,
-            Motion {
+            DrivenSine {
                 amplitude: AMPLITUDE,
                 frequency,
                 steps,
@@ -103,7 +103,7 @@ fn swollen_cube(axes: &[usize]) -> Drive {
 fn a_change_of_volume_leaves_no_loop_and_one_of_shape_does() {
     const SWELLING: f64 = 0.1;
     let cycle = |axes: &[usize]| {
-        let motion = Motion {
+        let motion = DrivenSine {
             amplitude: SWELLING,
             frequency: 1.0,
             steps: 64,

@@ -1,6 +1,6 @@
 //! The correction without a name: what its table gives between its nodes and outside, and what it remembers.
 
-use mesh_damper::effects::correction::{
+use mesh_damper::effects::residual_table::{
     CELLS, DISPLACEMENTS, FINE, Memory, NODES, ResidualTableParts, ResidualTableState,
     part_of_speed,
 };
