@@ -70,6 +70,7 @@ pub mod dac;
 pub mod effects;
 pub mod error;
 pub mod fast_law;
+#[cfg(feature = "fixed-point")]
 pub mod fixed_point;
 pub mod frame;
 pub mod health;

@@ -1,5 +1,12 @@
 //! The `hil` command: rig tests, tracing and prediction of the metal mesh damper.
 #![forbid(unsafe_code)]
+#![cfg_attr(
+    not(feature = "full"),
+    allow(
+        dead_code,
+        reason = "some of what is shared is for the commands of `full` alone"
+    )
+)]
 
 mod commands;
 

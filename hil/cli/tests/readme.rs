@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use mesh_damper_studies::demo::{demo, loop_error};
+use mesh_damper_demo::{demo, loop_error};
 
 const README: &str = include_str!("../../../README.md");
 const ERRORS: &str = include_str!("../../../docs/errors.md");

@@ -4,9 +4,9 @@
 use std::error::Error;
 use std::path::PathBuf;
 
+use mesh_damper_demo::demo;
 use mesh_damper_recording::output::Plan;
 use mesh_damper_report::{ReportData, render};
-use mesh_damper_studies::demo::demo;
 
 fn main() -> Result<(), Box<dyn Error>> {
     let folder = std::env::args_os().nth(1).ok_or("name a folder")?;

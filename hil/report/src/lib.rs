@@ -18,14 +18,23 @@
 //! ```
 
 #![forbid(unsafe_code)]
+#![cfg_attr(
+    not(feature = "studies"),
+    allow(
+        dead_code,
+        reason = "some of what draws is for the pages of the studies alone"
+    )
+)]
 
 pub mod campaign;
+#[cfg(feature = "studies")]
 pub mod characterization;
 mod charts;
 pub mod curves;
 mod evidence;
 mod from_trace;
 mod page;
+#[cfg(feature = "studies")]
 pub mod paper;
 mod plots;
 mod reasoning;

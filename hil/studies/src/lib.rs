@@ -12,14 +12,13 @@
 //! | [`mod@blind`] | does a trace name effects that it was never told of? |
 //! | [`numbers`] | what is each number that decides worth? |
 //! | [`mod@bench`] | how many instructions does the crate take, beside its peers? |
-//! | [`mod@demo`] | does all of it work at once, from a seed? |
 //!
 //! ```
-//! use mesh_damper_studies::demo::{DemoError, demo};
+//! use mesh_damper_studies::design::{DesignError, Wanted, design};
 //!
-//! let demo = demo(3, &|step| println!("{step}"))?;
-//! assert!(demo.is_named() && demo.is_nearer());
-//! # Ok::<(), DemoError>(())
+//! let solution = &design(&Wanted::new(4.0, 0.3)?)?.solutions[0];
+//! assert!((2.0..4.0).contains(&solution.point.density), "g/cm³");
+//! # Ok::<(), DesignError>(())
 //! ```
 #![forbid(unsafe_code)]
 
@@ -27,7 +26,6 @@ pub mod amplitude_independent;
 pub mod bench;
 pub mod blind;
 pub mod characterize;
-pub mod demo;
 pub mod design;
 pub mod finite_element;
 mod nonnegative;

@@ -3,13 +3,13 @@
 use std::path::{Path, PathBuf};
 
 use clap::Args;
+use mesh_damper_demo::{Demo, demo, loop_error};
 use mesh_damper_identify::trace::result::TraceResult;
 use mesh_damper_recording::error::InputError;
 use mesh_damper_recording::output::Plan;
 use mesh_damper_report::{self as report, ReportData, text};
 use mesh_damper_rig::Journal;
 use mesh_damper_rig::specimen::DrawnEffect;
-use mesh_damper_studies::demo::{Demo, demo, loop_error};
 use serde::Serialize;
 
 use super::progress::Progress;

@@ -1,31 +1,14 @@
-//! The command line: one file per command.
+//! The command line: one file per command. What a first look does not need is in `full`.
 
-mod amplitude_independent;
-mod bench;
-mod bench_table;
-mod blind;
-mod characterize;
 mod demo;
-mod design;
-mod effect;
-mod events;
-mod faults;
-mod image;
-mod law;
-mod orthogonal;
-mod paper;
-mod policy;
-mod predict;
-mod programme;
+#[cfg(feature = "full")]
+mod full;
 mod progress;
 mod reading;
-mod run;
-mod study;
 mod summary;
 mod trace;
 
 use std::io::Write as _;
-use std::path::PathBuf;
 use std::process::ExitCode;
 
 use clap::{Parser, Subcommand};
@@ -39,8 +22,9 @@ use mesh_damper_recording::error::InputError;
 #[command(name = "hil", version)]
 pub struct Cli {
     /// Numbers that decide, as JSON, in the place of the default ones
+    #[cfg(feature = "full")]
     #[arg(long, global = true, hide = true, value_name = "FILE")]
-    policy: Option<PathBuf>,
+    policy: Option<std::path::PathBuf>,
     #[command(subcommand)]
     command: Command,
 }
@@ -49,39 +33,23 @@ pub struct Cli {
 enum Command {
     Demo(demo::DemoCommand),
     Trace(trace::TraceCommand),
-    Predict(predict::Predict),
-    Run(run::RunCommand),
-    Bench(bench::BenchCommand),
-    Blind(blind::BlindCommand),
-    AmplitudeFree(amplitude_independent::AmplitudeFreeCommand),
-    Characterize(characterize::CharacterizeCommand),
-    Orthogonal(orthogonal::OrthogonalCommand),
-    Design(design::DesignCommand),
-    Paper(paper::PaperCommand),
-    Faults(faults::FaultsCommand),
-    Study(study::StudyCommand),
+    #[cfg(feature = "full")]
+    #[command(flatten)]
+    Full(full::Command),
 }
 
 impl Cli {
     /// Does what the command line asks for.
     pub fn run(self) -> Result<(), Failure> {
+        #[cfg(feature = "full")]
         if let Some(path) = &self.policy {
-            policy::install(path)?;
+            full::policy::install(path)?;
         }
         match self.command {
             Command::Demo(command) => command.run(),
             Command::Trace(command) => command.run(),
-            Command::Predict(command) => command.run(),
-            Command::Run(command) => command.run(),
-            Command::Bench(command) => command.run(),
-            Command::Blind(command) => command.run(),
-            Command::AmplitudeFree(command) => command.run(),
-            Command::Characterize(command) => command.run(),
-            Command::Orthogonal(command) => command.run(),
-            Command::Design(command) => command.run(),
-            Command::Paper(command) => command.run(),
-            Command::Faults(command) => command.run(),
-            Command::Study(command) => command.run(),
+            #[cfg(feature = "full")]
+            Command::Full(command) => command.run(),
         }
     }
 }
@@ -115,6 +83,7 @@ fn say(text: &str) {
     let _ = writeln!(std::io::stdout(), "{text}");
 }
 
+#[cfg(feature = "full")]
 /// Prints to standard error what the user should know though the work goes on.
 fn warn(text: &str) {
     eprintln!("warning: {text}");

@@ -10,8 +10,9 @@ use mesh_damper_recording::error::InputError;
 use mesh_damper_recording::output::Plan;
 use mesh_damper_studies::numbers::{Cost, Costs, Number, Policies, Score, numbers, table};
 
-use super::progress::Progress;
-use super::{Failure, policy, say};
+use super::policy;
+use crate::commands::progress::Progress;
+use crate::commands::{Failure, say};
 
 /// Study the tracer itself
 #[derive(Args, Debug)]

@@ -12,8 +12,8 @@ use mesh_damper_recording::trajectory::Trajectory;
 use serde::Serialize;
 
 use super::image::{LogLevel, start_image};
-use super::reading::Reading;
-use super::{Failure, say, warn};
+use crate::commands::reading::Reading;
+use crate::commands::{Failure, say, warn};
 
 /// A motion may exceed the one fitted by this fraction before the user is warned: overshoot and noise.
 const RANGE_MARGIN: f64 = 0.05;

@@ -12,9 +12,9 @@ use mesh_damper_studies::design::{
 use serde::Serialize;
 
 use super::law::PublishedLaw;
-use super::progress::Progress;
 use super::run::in_words;
-use super::{Failure, say};
+use crate::commands::progress::Progress;
+use crate::commands::{Failure, say};
 
 /// Find the densities that give a stiffness and a loss factor
 ///

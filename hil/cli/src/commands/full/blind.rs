@@ -7,8 +7,8 @@ use clap::Args;
 use mesh_damper_recording::output::Plan;
 use mesh_damper_studies::blind::{self, Class, Draw, FLOORS, Mark, Outcome, Rate, Summary};
 
-use super::progress::Progress;
-use super::{Failure, say};
+use crate::commands::progress::Progress;
+use crate::commands::{Failure, say};
 
 /// Trace specimens whose hidden effects are drawn by seeds that the tracer never sees, and count what it gets right
 ///

@@ -11,8 +11,8 @@ use mesh_damper_studies::characterize::{
 };
 use serde::Serialize;
 
-use super::reading::Reading;
-use super::{Failure, say, warn};
+use crate::commands::reading::Reading;
+use crate::commands::{Failure, say, warn};
 
 /// Stiffness and loss factor of a recording, eqs 1–7
 ///

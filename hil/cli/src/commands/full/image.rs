@@ -6,7 +6,7 @@ use mesh_damper_link::lockstep::{self, Emulator, Image};
 use mesh_damper_recording::error::InputError;
 use serde::Serialize;
 
-use super::progress::Progress;
+use crate::commands::progress::Progress;
 
 /// Where the crate runs.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, ValueEnum)]

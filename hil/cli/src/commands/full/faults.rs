@@ -14,8 +14,8 @@ use mesh_damper_rig::SetupError;
 use mesh_damper_rig::faults::{CHANGING, Campaign, FOLLOW, Summary, missed};
 
 use super::image::On;
-use super::progress::Progress;
-use super::{Failure, say};
+use crate::commands::progress::Progress;
+use crate::commands::{Failure, say};
 
 /// Put faults into specimen, sensors and actuator of the simulated rig, and count what its monitor finds
 ///

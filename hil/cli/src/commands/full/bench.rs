@@ -6,9 +6,10 @@ use clap::Args;
 use mesh_damper_recording::output::Plan;
 use mesh_damper_studies::bench::{self, Baseline, Verdict};
 
-use super::progress::Progress;
-use super::reading::Reading;
-use super::{Failure, bench_table, warn};
+use super::bench_table;
+use crate::commands::progress::Progress;
+use crate::commands::reading::Reading;
+use crate::commands::{Failure, warn};
 
 /// Count the instructions of law, tick and effects in an emulator, beside their peers
 ///

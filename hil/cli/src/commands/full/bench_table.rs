@@ -4,7 +4,7 @@ use std::borrow::Cow;
 
 use mesh_damper_studies::bench::{BLOCK, Core, Results, Verdict, counted_effects};
 
-use super::say;
+use crate::commands::say;
 
 /// Counts that belong together.
 struct Section {

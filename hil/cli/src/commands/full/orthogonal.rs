@@ -12,8 +12,8 @@ use mesh_damper_studies::orthogonal::{
 };
 use serde::Serialize;
 
-use super::reading::Reading;
-use super::{Failure, say};
+use crate::commands::reading::Reading;
+use crate::commands::{Failure, say};
 
 /// Analyse an orthogonal test on an L9 by ranges and by variance
 ///

@@ -10,7 +10,7 @@ use mesh_damper_reference::tables::DENSITIES;
 use mesh_damper_report::curves::{self, Curve};
 use mesh_damper_studies::amplitude_independent::{HeldOut, Study, study};
 
-use super::{Failure, say};
+use crate::commands::{Failure, say};
 
 /// Fit one law for every amplitude to loops of the published tables
 ///

@@ -22,9 +22,9 @@ use super::events::EventRow;
 use super::image::{LogLevel, On, start_image};
 use super::law::PublishedLaw;
 use super::programme::{self, MOST_BLOCKS};
-use super::progress::Progress;
-use super::reading::Reading;
-use super::{Failure, say};
+use crate::commands::progress::Progress;
+use crate::commands::reading::Reading;
+use crate::commands::{Failure, say};
 
 /// Run the rig in the loop with a simulated actuator and specimen
 ///

@@ -7,8 +7,8 @@ use mesh_damper_recording::output::Plan;
 use mesh_damper_report as report;
 use mesh_damper_studies::paper::{self, Claim, Paper, Verdict};
 
-use super::progress::Progress;
-use super::{Failure, say};
+use crate::commands::progress::Progress;
+use crate::commands::{Failure, say};
 
 /// Recompute every table, equation and claim of the paper, and say which hold
 ///

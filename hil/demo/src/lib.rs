@@ -1,5 +1,14 @@
 //! The whole way once, without a recording at hand: a specimen with an effect that nobody declared is tested on the
 //! simulated rig, the recording is traced, and the rig runs again with the better law.
+//!
+//! ```
+//! use mesh_damper_demo::{DemoError, demo};
+//!
+//! let demo = demo(3, &|step| println!("{step}"))?;
+//! assert!(demo.is_named() && demo.is_nearer());
+//! # Ok::<(), DemoError>(())
+//! ```
+#![forbid(unsafe_code)]
 
 use mesh_damper::error::ConfigError;
 use mesh_damper::sine::{Block, Programme};

@@ -1,0 +1,59 @@
+//! The commands that `cargo demo` builds without: they take as long to build as everything that it needs.
+
+mod amplitude_independent;
+mod bench;
+mod bench_table;
+mod blind;
+mod characterize;
+mod design;
+mod effect;
+mod events;
+mod faults;
+mod image;
+mod law;
+mod orthogonal;
+mod paper;
+pub mod policy;
+mod predict;
+mod programme;
+mod run;
+mod study;
+
+use clap::Subcommand;
+
+use super::Failure;
+
+/// See [`super::Cli`].
+#[derive(Debug, Subcommand)]
+pub enum Command {
+    Predict(predict::Predict),
+    Run(run::RunCommand),
+    Bench(bench::BenchCommand),
+    Blind(blind::BlindCommand),
+    AmplitudeFree(amplitude_independent::AmplitudeFreeCommand),
+    Characterize(characterize::CharacterizeCommand),
+    Orthogonal(orthogonal::OrthogonalCommand),
+    Design(design::DesignCommand),
+    Paper(paper::PaperCommand),
+    Faults(faults::FaultsCommand),
+    Study(study::StudyCommand),
+}
+
+impl Command {
+    /// Does what the command line asks for.
+    pub fn run(self) -> Result<(), Failure> {
+        match self {
+            Self::Predict(command) => command.run(),
+            Self::Run(command) => command.run(),
+            Self::Bench(command) => command.run(),
+            Self::Blind(command) => command.run(),
+            Self::AmplitudeFree(command) => command.run(),
+            Self::Characterize(command) => command.run(),
+            Self::Orthogonal(command) => command.run(),
+            Self::Design(command) => command.run(),
+            Self::Paper(command) => command.run(),
+            Self::Faults(command) => command.run(),
+            Self::Study(command) => command.run(),
+        }
+    }
+}
