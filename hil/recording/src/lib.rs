@@ -49,6 +49,7 @@ mod polynomial;
 mod read;
 pub mod read_limit;
 mod resample;
+mod rest;
 mod rows;
 pub mod spectrum;
 pub mod trajectory;

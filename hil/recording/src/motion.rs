@@ -13,6 +13,7 @@ use nalgebra::{Matrix4, Vector4};
 use super::kinks::find_kinks;
 use super::noise::noise_deviation;
 use super::polynomial::{Cubic, fit_polynomial};
+use super::rest::find_rests;
 use crate::extremes::least_and_largest;
 use crate::policy::policy;
 
@@ -43,6 +44,8 @@ pub struct MotionEstimate {
     pub velocity: Vec<f64>,
     /// Acceleration, mm/s².
     pub acceleration: Vec<f64>,
+    /// Standard deviation of the displacement that its noise leaves, mm.
+    pub displacement_deviation: Vec<f64>,
     /// Standard deviation of the velocity that the displacement's noise leaves, mm/s.
     pub velocity_deviation: Vec<f64>,
     /// First samples after a jump of velocity, increasing.
@@ -106,6 +109,7 @@ impl MotionEstimate {
             displacement: Vec::with_capacity(count),
             velocity: Vec::with_capacity(count),
             acceleration: Vec::with_capacity(count),
+            displacement_deviation: Vec::with_capacity(count),
             velocity_deviation: Vec::with_capacity(count),
             kinks,
             noise,
@@ -118,6 +122,7 @@ impl MotionEstimate {
             noise,
         );
         motion.start_from_rest = start_from_rest.as_ref().map_or(0, |start| start.length);
+        let rests = find_rests(displacement, noise);
         let mut half = HalfWindow::new(tick, noise);
         for segment in bounds.windows(2) {
             let (start, end) = (segment[0], segment[1]);
@@ -134,11 +139,28 @@ impl MotionEstimate {
                 motion.velocity.push(cubic.slope / tick);
                 motion.acceleration.push(cubic.curvature / (tick * tick));
                 motion
+                    .displacement_deviation
+                    .push(noise * cubic.value_variance.sqrt());
+                motion
                     .velocity_deviation
                     .push(noise * cubic.slope_variance.sqrt() / tick);
             }
         }
+        motion.stand_still(&rests, displacement);
         motion
+    }
+
+    /// Gives the samples of `rests` no velocity and their mean for displacement.
+    fn stand_still(&mut self, rests: &[Range<usize>], displacement: &[f64]) {
+        for rest in rests {
+            let count = rest.len() as f64;
+            let mean = displacement[rest.clone()].iter().sum::<f64>() / count;
+            self.displacement[rest.clone()].fill(mean);
+            self.velocity[rest.clone()].fill(0.0);
+            self.acceleration[rest.clone()].fill(0.0);
+            self.displacement_deviation[rest.clone()].fill(self.noise / count.sqrt());
+            self.velocity_deviation[rest.clone()].fill(0.0);
+        }
     }
 }
 
@@ -261,6 +283,7 @@ impl StartFromRest {
             value: value.dot(&self.coefficients),
             slope: slope.dot(&self.coefficients),
             curvature: curvature.dot(&self.coefficients),
+            value_variance: value.dot(&(self.gram_inverse * value)),
             slope_variance: slope.dot(&(self.gram_inverse * slope)),
             error: 0.0,
         }

@@ -35,6 +35,7 @@ pub use crate::kinks::KinksPolicy;
 pub use crate::motion::MotionPolicy;
 pub use crate::noise::NoisePolicy;
 pub use crate::resample::ResamplePolicy;
+pub use crate::rest::RestPolicy;
 pub use crate::trajectory::TrajectoryPolicy;
 
 /// Where a number comes from.
@@ -168,6 +169,8 @@ crate::policy! {
     noise: NoisePolicy,
     /// Equal steps of time.
     resample: ResamplePolicy,
+    /// Where the displacement stands still.
+    rest: RestPolicy,
     /// Units off by a thousand.
     scale: ScalePolicy,
     /// A force that is late or early.

@@ -70,6 +70,9 @@ pub struct Trajectory {
     pub force_noise: f64,
     /// RMS of the force, kN.
     pub force_rms: f64,
+    /// Standard deviation of the force that the error of the motion leaves, kN; empty until
+    /// [`Trajectory::carry_motion_error`] tells.
+    pub motion_error: Vec<f64>,
     /// Whether the force was measured about this tick; false inside a gap of the recording, and where a fault of a
     /// channel was found.
     pub measured: Vec<bool>,
@@ -259,6 +262,7 @@ impl Trajectory {
             centre,
             force_noise: noise_beside_tones(&force),
             force_rms: rms(force.iter().copied()),
+            motion_error: Vec::new(),
             force,
             temperature,
             measured: vec![true; count],
@@ -281,6 +285,33 @@ impl Trajectory {
             .average
             .as_ref()
             .map_or(noise, |average| average.noise(noise));
+    }
+
+    /// Carries the error of the motion into what a law is held to: `force` is about what the law gives at a displacement in mm and
+    /// a velocity in mm/s, kN.
+    ///
+    /// One deviation of either to both sides changes the force by twice what its error leaves: a difference and no derivative,
+    /// because |v|^α is steep where the velocity is within its error.
+    pub fn carry_motion_error(&mut self, force: impl Fn(f64, f64) -> f64) {
+        let motion = &self.motion;
+        let error = |index: usize| {
+            let (y, v) = (motion.displacement[index], motion.velocity[index]);
+            let (of_y, of_v) = (
+                motion.displacement_deviation[index],
+                motion.velocity_deviation[index],
+            );
+            let through_y = 0.5 * (force(y + of_y, v) - force(y - of_y, v));
+            let through_v = 0.5 * (force(y, v + of_v) - force(y, v - of_v));
+            through_y.hypot(through_v)
+        };
+        self.motion_error = (0..self.len()).map(error).collect();
+    }
+
+    /// Variance of what a perfect law leaves at a sample, kN²: of the force's noise, and of the error of the motion as far as that
+    /// was [carried](Trajectory::carry_motion_error) into the force.
+    pub fn tolerance(&self, index: usize) -> f64 {
+        let of_motion = self.motion_error.get(index).copied().unwrap_or_default();
+        self.force_noise.powi(2) + of_motion.powi(2)
     }
 
     /// Moves the force back by `shift`; what lies beyond the recording's ends was not measured.
@@ -327,6 +358,7 @@ impl Trajectory {
             let rates = [
                 &mut motion.velocity,
                 &mut motion.acceleration,
+                &mut motion.displacement_deviation,
                 &mut motion.velocity_deviation,
                 &mut self.amplitude,
             ];
@@ -358,7 +390,7 @@ impl Trajectory {
             .get(after)
             .is_some_and(|kink| kink.abs_diff(index) <= 1);
         let certain = self.motion.velocity[index].abs()
-            > policy().trajectory.certain * self.motion.velocity_deviation[index];
+            >= policy().trajectory.certain * self.motion.velocity_deviation[index];
         self.measured[index] && certain && !at_kink
     }
 

@@ -209,8 +209,8 @@ impl<'a> Design<'a> {
 
     /// Variance of the force's noise at a row, kN².
     pub fn noise_of(&self, row: &Row) -> f64 {
-        let (which, _) = row.instants[0].origin;
-        self.trajectories[which].force_noise.powi(2)
+        let (which, sample) = row.instants[0].origin;
+        self.trajectories[which].tolerance(sample)
     }
 
     /// The mean of that.

@@ -12,7 +12,7 @@ use super::result::{
     TraceResult, Verdict,
 };
 use super::rule::Rule;
-use super::select::{self, Selection, goal, noise_floor, noise_of};
+use super::select::{self, Selection, held_to, noise_floor};
 use super::separating::separating_test;
 use super::split::{Role, Roles};
 use super::verdict::{accounts_for, conclude, depends_on, generalises, rivals, warnings};
@@ -268,14 +268,16 @@ impl<'a> Closing<'a> {
 
     /// The error that a perfect law leaves of what is held out.
     fn held_to(&self) -> f64 {
-        let held: Vec<f64> = self.recordings[self.fitted..]
-            .iter()
-            .map(|(trajectory, _)| goal(noise_of(trajectory)).powi(2))
-            .collect();
-        if held.is_empty() {
-            return goal(self.noise_floor);
+        let (mut error, mut force) = (0.0, 0.0);
+        for (trajectory, roles) in &self.recordings {
+            let held = (0..trajectory.len())
+                .filter(|&i| roles[i] == Role::HeldOut && trajectory.measured[i]);
+            for sample in held {
+                error += held_to(trajectory, sample);
+                force += trajectory.force[sample].powi(2);
+            }
         }
-        (held.iter().sum::<f64>() / held.len() as f64).sqrt()
+        (error / force).sqrt()
     }
 
     /// The model's force on every recording, kN, and its errors.

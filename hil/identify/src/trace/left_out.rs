@@ -120,13 +120,12 @@ impl<'a> LeftOut<'a> {
         let mut blocks = Vec::new();
         for (which, trajectory) in self.trajectories.iter().enumerate() {
             let predicted = predict(model, trajectory)?;
-            let noise = held_to(trajectory);
             let of_cycle = |cycle: &Range<usize>| {
                 let telling = cycle
                     .clone()
                     .filter(|&i| self.is_open(which, i) && trajectory.is_telling(i));
-                let errors =
-                    telling.map(|i| ((predicted[i] - trajectory.force[i]) / noise).powi(2));
+                let errors = telling
+                    .map(|i| (predicted[i] - trajectory.force[i]).powi(2) / held_to(trajectory, i));
                 errors.fold(Left::default(), |left, error| Left {
                     squares: left.squares + error,
                     count: left.count + 1.0,
@@ -145,7 +144,6 @@ impl<'a> LeftOut<'a> {
         let (mut squares, mut expected) = (0.0, 0.0);
         for (which, trajectory) in self.trajectories.iter().enumerate() {
             let predicted = predict(model, trajectory)?;
-            let noise = held_to(trajectory);
             for block in &trajectory.blocks {
                 let cycles = block.cycles.iter().filter(|cycle| {
                     let mut samples = (*cycle).clone();
@@ -154,8 +152,10 @@ impl<'a> LeftOut<'a> {
                 let means: Vec<f64> = cycles
                     .map(|cycle| {
                         let left = cycle.clone().map(|i| trajectory.force[i] - predicted[i]);
-                        expected += noise.powi(2) / cycle.len() as f64;
-                        left.sum::<f64>() / cycle.len() as f64
+                        let count = cycle.len() as f64;
+                        let noise = cycle.clone().map(|i| held_to(trajectory, i));
+                        expected += noise.sum::<f64>() / (count * count);
+                        left.sum::<f64>() / count
                     })
                     .collect();
                 let mean = means.iter().sum::<f64>() / means.len().max(1) as f64;
@@ -267,10 +267,9 @@ impl RelativeError {
         is_fair: impl Fn(usize) -> bool,
     ) -> Option<Self> {
         let (mut error, mut noise, mut force) = (0.0, 0.0, 0.0);
-        let of_sample = held_to(trajectory).powi(2);
         for i in block.samples.clone().filter(|&i| is_fair(i)) {
             error += (predicted[i] - trajectory.force[i]).powi(2);
-            noise += of_sample;
+            noise += held_to(trajectory, i);
             force += trajectory.force[i].powi(2);
         }
         (force > 0.0).then(|| Self {

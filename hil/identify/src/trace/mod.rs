@@ -145,9 +145,13 @@ fn conclude(aligned: &mut Aligned, progress: &(dyn Fn(&str) + Sync)) -> Result<T
             trajectory.size_force_by(&roles.open_runs(which));
         }
     }
-    let (fitted, held) = (&*fitted, &*held);
     let mut judging = roles.clone();
     judging.keep_apart(fitted, Role::Judge);
+    let rough = Search::new(fitted, &judging, vec![0.0]).rough()?;
+    for trajectory in fitted.iter_mut().chain(held.iter_mut()) {
+        trajectory.carry_motion_error(|y, v| rough.force(y, v));
+    }
+    let (fitted, held) = (&*fitted, &*held);
     let (over_amplitude, selection) = search(fitted, &judging, progress)?;
     progress("fitting what was found to all that is not held out");
     let mut nodes = vec![vec![0.0]];

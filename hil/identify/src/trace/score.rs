@@ -62,16 +62,14 @@ impl<'a> Jury<'a> {
         jury
     }
 
-    /// The error that a perfect law leaves: the noise of the force there; of several recordings the root of the mean square.
+    /// The error that a perfect law leaves there, as [`Trajectory::tolerance`] has it; of several recordings the root of the mean
+    /// square.
     pub fn noise(&self) -> f64 {
-        let mut count = vec![0.0; self.trajectories.len()];
-        for (which, samples) in &self.pieces {
-            count[*which] += samples.len() as f64;
-        }
-        let squares: f64 = (0..count.len())
-            .filter(|&which| self.power[which] > 0.0)
-            .map(|which| {
-                count[which] * self.trajectories[which].force_noise.powi(2) / self.power[which]
+        let pieces = self.pieces.iter();
+        let squares: f64 = pieces
+            .map(|(which, samples)| {
+                let tolerance = |&sample: &usize| self.trajectories[*which].tolerance(sample);
+                samples.iter().map(tolerance).sum::<f64>() / self.power[*which]
             })
             .sum();
         (squares / self.recordings() as f64).sqrt()

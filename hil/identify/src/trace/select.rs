@@ -1,5 +1,6 @@
 //! The search for the effects that the law lacks: one at a time, each judged on cycles it was not fitted to.
 
+use mesh_damper::law::Law;
 use mesh_damper_model::predict::predict;
 use mesh_damper_model::{Family, ModelError};
 use mesh_damper_recording::cycles::same_amplitude;
@@ -253,6 +254,15 @@ impl<'a> Search<'a> {
             candidates,
             goal: self.goal(),
         })
+    }
+
+    /// Eq 13 alone, with one set of coefficients for all amplitudes.
+    ///
+    /// # Errors
+    /// A fitted law that the crate refuses.
+    pub fn rough(&self) -> Result<Law<f64>, ModelError> {
+        let model = Problem::new(&self.rows, &self.extent, &[]).solve().model();
+        model.law_at(0.0)
     }
 
     /// Whether nothing that is larger than the noise is left.
@@ -512,9 +522,11 @@ pub fn noise_of(trajectory: &Trajectory) -> f64 {
     trajectory.force_noise / trajectory.force_rms
 }
 
-/// RMS of the error that a law of `trajectory` is held to, kN.
-pub fn held_to(trajectory: &Trajectory) -> f64 {
-    goal(noise_of(trajectory)) * trajectory.force_rms
+/// Variance of the error that a law is held to at a sample of `trajectory`, kN²: as [`Trajectory::tolerance`] has it, or
+/// [`SelectPolicy::quiet`] where the recording is quieter.
+pub fn held_to(trajectory: &Trajectory, sample: usize) -> f64 {
+    let quiet = policy().select.quiet * trajectory.force_rms;
+    trajectory.tolerance(sample).max(quiet * quiet)
 }
 
 /// The error that a law is held to: the noise, or [`SelectPolicy::quiet`] where the recording is quieter.

@@ -8,7 +8,7 @@ use mesh_damper_model::predict::predict;
 use mesh_damper_recording::trajectory::Trajectory;
 use mesh_damper_reference::protocol::{TestBlock, motion};
 
-use super::select::{Candidate, Selection, held_to};
+use super::select::{Candidate, Selection, goal, noise_of};
 use super::verdict::rivals;
 use crate::policy::policy;
 use crate::problem::Problem;
@@ -148,7 +148,7 @@ impl<'s> Simulation<'s> {
                 })
             })
             .collect::<Result<_, ModelError>>()?;
-        let noise = trajectories.iter().map(held_to);
+        let noise = trajectories.iter().map(|t| goal(noise_of(t)) * t.force_rms);
         Ok(Self {
             rivals,
             blocks,

@@ -35,8 +35,9 @@ fn left_of_changes(
     counts: impl Fn(usize) -> bool,
     predicted: &[f64],
 ) -> f64 {
-    let noise = held_to(trajectory);
-    let left = |sample: usize| (trajectory.force[sample] - predicted[sample]) / noise;
+    let left = |sample: usize| {
+        (trajectory.force[sample] - predicted[sample]) / held_to(trajectory, sample).sqrt()
+    };
     let several = |block: &&FoundBlock| block.cycles.len() > 1;
     let mut squares = 0.0;
     for block in trajectory.blocks.iter().filter(several) {
