@@ -38,7 +38,7 @@ impl<R: Real> Equations<R> for Inertia<R> {
         cost: Cost::Light,
         parameters: &[Parameter::new("mass", "kg", -limits::MASS, limits::MASS)],
         most: 1,
-        typical: &[0.5],
+        typical: &[50.0],
         depends_on: &[Dependence::Displacement, Dependence::Frequency],
         may_supply_energy: false,
         scales_law: false,

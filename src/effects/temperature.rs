@@ -63,7 +63,7 @@ impl<R: Real> Equations<R> for Temperature<R> {
             Parameter::new("beta_damping", "1/degC", -1.0, 1.0).or(Absent::As(0)),
         ],
         most: 1,
-        typical: &[0.002, 20.0, -0.001],
+        typical: &[0.005, 20.0, -0.002],
         depends_on: &[Dependence::Temperature],
         may_supply_energy: false,
         scales_law: true,

@@ -38,7 +38,7 @@ impl<R: Real> Equations<R> for Viscous<R> {
             limits::COEFFICIENT,
         )],
         most: 1,
-        typical: &[0.005],
+        typical: &[0.02],
         depends_on: &[Dependence::Velocity],
         may_supply_energy: true,
         scales_law: false,

@@ -25,5 +25,6 @@ fn the_crate_has_no_build_script_no_binaries_and_no_feature_of_an_image() {
         assert!(["lib", "test"].contains(&kind), "{target}");
     }
     let features = root["features"].as_object().unwrap();
-    assert_eq!(features.keys().collect::<Vec<_>>(), ["defmt", "std"]);
+    let names: Vec<&String> = features.keys().collect();
+    assert_eq!(names, ["default", "defmt", "fixed-point", "std"]);
 }

@@ -303,43 +303,92 @@ fn trial(secret: Secret, mut effects: Vec<HiddenEffect>, rng: &mut impl Rng) -> 
             time: rng.random_range(5.0..30.0),
         });
     }
-    let mut run = |name: &str, blocks: &[TestBlock], effects: &[HiddenEffect]| {
-        let truth = answer(secret.density, effects, blocks, secret.rate, TRUTH_RATE);
+    let (seed, density, rate) = (secret.seed, secret.density, secret.rate);
+    let tests = Tests::of(&secret.programme, rate, |which, blocks| {
+        if which == Which::HeldOut {
+            for effect in &mut effects {
+                if let HiddenEffect::Unlisted(Unlisted::RandomWalk { seed, .. }) = effect {
+                    // Another day, another walk.
+                    *seed ^= 1;
+                }
+            }
+        }
+        let truth = answer(density, &effects, blocks, rate, TRUTH_RATE);
         let sensors = Sensors {
             force_noise: secret.noise * rms(&truth.force),
             thermometer: heated || warms,
             seed: rng.random(),
         };
-        let name = format!("{name} of seed {}", secret.seed);
-        (record(name, &truth, &sensors), sensors.force_noise)
-    };
-    let (training, held_out, noise, scored_from) = if secret.programme.shape == TestShape::Long {
-        let (whole, noise) = run("held-out test", &secret.programme.held_out, &effects);
-        let seconds: f64 = secret
-            .programme
-            .training
-            .iter()
-            .map(|block| f64::from(block.cycles) / block.frequency)
-            .sum();
-        let samples = (seconds * secret.rate).round() as usize;
-        let name = format!("training test of seed {}", secret.seed);
-        (beginning(&whole, name, samples), whole, noise, samples)
-    } else {
-        let (training, _) = run("training test", &secret.programme.training, &effects);
-        for effect in &mut effects {
-            if let HiddenEffect::Unlisted(Unlisted::RandomWalk { seed, .. }) = effect {
-                // Another day, another walk.
-                *seed ^= 1;
-            }
+        let name = format!("{} of seed {seed}", which.name());
+        Some((record(name, &truth, &sensors), sensors.force_noise))
+    });
+    tests.expect("each is recorded").hiding(secret)
+}
+
+/// Which test of a programme.
+#[derive(Clone, Copy, PartialEq)]
+pub(super) enum Which {
+    /// The one that is fitted,
+    Training,
+    /// the one to predict,
+    HeldOut,
+    /// or the one to predict that begins with the one that is fitted.
+    Whole,
+}
+
+impl Which {
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Training => "training test",
+            Self::HeldOut | Self::Whole => "held-out test",
         }
-        let (held_out, noise) = run("held-out test", &secret.programme.held_out, &effects);
-        (training, held_out, noise, 0)
-    };
-    Trial {
-        held_out_noise: noise / rms(&held_out.force[scored_from..]),
-        secret,
-        training,
-        held_out,
+    }
+}
+
+/// Both tests of a programme, recorded.
+pub(super) struct Tests {
+    training: Recording,
+    held_out: Recording,
+    /// Noise over force of what is scored.
+    held_out_noise: f64,
+}
+
+impl Tests {
+    /// `record` gives the recording of one and the deviation of its force's noise in kN. `None` where that does.
+    pub fn of(
+        programme: &Programme,
+        rate: f64,
+        mut record: impl FnMut(Which, &[TestBlock]) -> Option<(Recording, f64)>,
+    ) -> Option<Self> {
+        let (training, held_out, noise, scored_from) = if programme.shape == TestShape::Long {
+            let (whole, noise) = record(Which::Whole, &programme.held_out)?;
+            let blocks = programme.training.iter();
+            let seconds: f64 = blocks.map(|b| f64::from(b.cycles) / b.frequency).sum();
+            let samples = (seconds * rate).round() as usize;
+            let name = whole
+                .name
+                .replace(Which::Whole.name(), Which::Training.name());
+            (beginning(&whole, name, samples), whole, noise, samples)
+        } else {
+            let (training, _) = record(Which::Training, &programme.training)?;
+            let (held_out, noise) = record(Which::HeldOut, &programme.held_out)?;
+            (training, held_out, noise, 0)
+        };
+        Some(Self {
+            held_out_noise: noise / rms(&held_out.force[scored_from..]),
+            training,
+            held_out,
+        })
+    }
+
+    /// As the trial that hides `secret`.
+    pub fn hiding(self, secret: Secret) -> Trial {
+        Trial {
+            training: self.training,
+            held_out: self.held_out,
+            held_out_noise: self.held_out_noise,
+            secret,
+        }
     }
 }
 

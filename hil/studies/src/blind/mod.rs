@@ -12,11 +12,11 @@ mod test_rig;
 
 use std::ops::Range;
 
-use rayon::iter::{IntoParallelIterator, ParallelIterator};
+use rayon::iter::{Either, IntoParallelIterator, ParallelIterator};
 
 pub use described::{DescribedEffect, described, draw_described};
 pub use draw::{Class, GROUP, Hidden, Secret, Sized, Trial, draw};
-pub use floors::{FLOORS, FLOORS_OF_A_PART, Floors, PART};
+pub use floors::{FLOORS, FLOORS_OF_A_PART, FLOORS_OF_THE_DESCRIBED, Floors, PART};
 pub use judge::{Mark, Outcome, Said, judge};
 pub use programme::{Programme, TestShape};
 pub use summary::{Rate, Ratios, Summary};
@@ -35,6 +35,14 @@ pub enum Draw {
 }
 
 impl Draw {
+    /// What it has to reach.
+    pub fn floors(self) -> &'static Floors {
+        match self {
+            Self::Specimens => &FLOORS,
+            Self::Described => &FLOORS_OF_THE_DESCRIBED,
+        }
+    }
+
     /// The trial of `seed`; `None` where no test shows what it would hide.
     pub fn trial(self, seed: u64) -> Option<Trial> {
         match self {
@@ -46,13 +54,10 @@ impl Draw {
 
 /// Runs the trials of `seeds`; `done` is called after each seed.
 pub fn run(seeds: Range<u64>, draw: Draw, done: &(dyn Fn() + Sync)) -> Summary {
-    let outcomes = seeds
-        .into_par_iter()
-        .filter_map(|seed| {
-            let outcome = draw.trial(seed).map(|trial| judge(&trial));
-            done();
-            outcome
-        })
-        .collect();
-    Summary::of(outcomes)
+    let (outcomes, not_shown) = seeds.into_par_iter().partition_map(|seed| {
+        let outcome = draw.trial(seed).map(|trial| judge(&trial));
+        done();
+        outcome.map_or(Either::Right(seed), Either::Left)
+    });
+    Summary::of(outcomes, not_shown)
 }

@@ -67,13 +67,15 @@ pub struct Summary {
     pub ratios: BTreeMap<Class, Ratios>,
     /// For each truth how often what was said. Unlisted truths are in brackets.
     pub confusion: BTreeMap<String, BTreeMap<String, usize>>,
+    /// Seeds of what no test shows.
+    pub not_shown: Vec<u64>,
     /// The trials.
     pub outcomes: Vec<Outcome>,
 }
 
 impl Summary {
-    /// Counts `outcomes`.
-    pub fn of(outcomes: Vec<Outcome>) -> Self {
+    /// Counts `outcomes`, beside which are the seeds `not_shown`.
+    pub fn of(outcomes: Vec<Outcome>, not_shown: Vec<u64>) -> Self {
         let counted = |class| {
             outcomes
                 .iter()
@@ -100,6 +102,7 @@ impl Summary {
                 .filter_map(|class| Some((class, ratios(&outcomes, class)?)))
                 .collect(),
             confusion,
+            not_shown,
             outcomes,
         }
     }

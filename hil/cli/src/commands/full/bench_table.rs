@@ -80,21 +80,18 @@ fn sections() -> [Section; 6] {
         },
         Section {
             core: Core::CortexM4f,
-            title: "the law with a correction without a name",
+            title: "the law with a residual table",
             rows: vec![
                 row("correction/without_memory", "call", "of the motion alone"),
                 row("correction/place", "call", "with a finer line"),
                 row("correction/sides", "call", "with two sides"),
                 row("correction/temperature", "call", "over temperature"),
-                row("correction/acceleration", "call", "over acceleration"),
                 row("correction/frequency", "call", "over the frequency"),
                 row("correction/slip", "call", "remembering a slip"),
                 row("correction/lag", "call", "a lag"),
                 row("correction/travel", "call", "travel"),
                 row("correction/largest", "call", "the largest displacement"),
-                row("correction/level", "call", "a level"),
                 row("correction/age", "call", "its age"),
-                row("correction/cycles", "call", "the cycles"),
             ],
         },
         Section {

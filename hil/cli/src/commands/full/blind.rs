@@ -4,8 +4,9 @@ use std::path::PathBuf;
 use std::sync::atomic::{AtomicU64, Ordering};
 
 use clap::Args;
+use mesh_damper_recording::error::InputError;
 use mesh_damper_recording::output::Plan;
-use mesh_damper_studies::blind::{self, Class, Draw, FLOORS, Mark, Outcome, Rate, Summary};
+use mesh_damper_studies::blind::{self, Class, Draw, Mark, Outcome, Rate, Summary};
 
 use crate::commands::progress::Progress;
 use crate::commands::{Failure, say};
@@ -33,7 +34,7 @@ pub struct BlindCommand {
     #[arg(long, value_name = "DIR", requires = "show")]
     out: Option<PathBuf>,
     /// Hide the crate's own effects in turn, with about their typical parameters, in the place of physics of their own
-    #[arg(long, conflicts_with = "check")]
+    #[arg(long)]
     described: bool,
     /// Fail (exit code 1) where a rate is below the one recorded
     #[arg(long)]
@@ -63,7 +64,7 @@ impl BlindCommand {
         if self.json.as_deref() != Some(std::path::Path::new("-")) {
             print(&summary);
         }
-        let missed = FLOORS.missed(&summary);
+        let missed = self.draw().floors().missed(&summary);
         if self.check && !missed.is_empty() {
             return Err(Failure::Check(missed.join("\n")));
         }
@@ -82,9 +83,8 @@ impl BlindCommand {
         let names = ["training.csv.gz", "held-out.csv.gz"];
         let mut outputs = Plan::new().fills(self.out.as_deref(), names).begin()?;
         let trial = (self.draw().trial(seed)).ok_or_else(|| {
-            Failure::Check(format!(
-                "no test shows what described seed {seed} would hide"
-            ))
+            let what = "no test shows the effect that it would hide";
+            InputError::new(format!("described seed {seed}"), what, "show another seed")
         })?;
         if let Some(out) = &self.out {
             for (name, recording) in names.into_iter().zip([&trial.training, &trial.held_out]) {
@@ -163,6 +163,12 @@ fn print(summary: &Summary) {
         for outcome in wrong {
             say(&line(outcome));
         }
+    }
+    if !summary.not_shown.is_empty() {
+        say(&format!(
+            "No test shows what these seeds would hide: {:?}",
+            summary.not_shown
+        ));
     }
     say("\nTruth, how many, and what was said (unlisted truths in brackets):");
     for (truth, answers) in &summary.confusion {

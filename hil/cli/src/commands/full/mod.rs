@@ -1,4 +1,4 @@
-//! The commands that `cargo demo` builds without: they take as long to build as everything that it needs.
+//! The commands that `cargo demo` is built without: they need the image and the studies.
 
 mod amplitude_independent;
 mod bench;
