@@ -43,7 +43,7 @@ pub fn left_by_eq13(truth: &Truth, blocks: &[TestBlock]) -> f64 {
 }
 
 /// Least sum of squares of force − eq 13 over (displacement, velocity, force): for each exponent a linear problem.
-fn least_squares(samples: &[[f64; 3]]) -> f64 {
+pub(super) fn least_squares(samples: &[[f64; 3]]) -> f64 {
     let rest = |alpha: f64| linear_rest(samples, alpha);
     let tried = (0..=EXPONENTS).map(|i| i as f64 * EXPONENT_STEP);
     let best = tried

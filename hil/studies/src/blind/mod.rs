@@ -6,6 +6,7 @@ mod draw;
 mod families;
 mod floors;
 mod judge;
+pub mod motions;
 mod programme;
 mod summary;
 mod test_rig;

@@ -8,6 +8,7 @@ use mesh_damper_recording::error::InputError;
 use mesh_damper_recording::output::Plan;
 use mesh_damper_studies::blind::{self, Class, Draw, Mark, Outcome, Rate, Summary};
 
+use super::motions;
 use crate::commands::progress::Progress;
 use crate::commands::{Failure, say};
 
@@ -36,6 +37,9 @@ pub struct BlindCommand {
     /// Hide the crate's own effects in turn, with about their typical parameters, in the place of physics of their own
     #[arg(long)]
     described: bool,
+    /// Over any motion and sensors, in the place of blocks of sines: random, stepped, slow, swept, with pauses
+    #[arg(long, conflicts_with_all = ["described", "check"])]
+    motions: bool,
     /// Fail (exit code 1) where a rate is below the one recorded
     #[arg(long)]
     check: bool,
@@ -47,7 +51,13 @@ pub struct BlindCommand {
 impl BlindCommand {
     pub fn run(self) -> Result<(), Failure> {
         if let Some(seed) = self.show {
+            if self.motions {
+                return motions::show(seed, self.out.as_deref());
+            }
             return self.show(seed);
+        }
+        if self.motions {
+            return motions::run(self.first..self.first + self.seeds, self.json.as_deref());
         }
         let mut outputs = Plan::new().writes(&self.json).begin()?;
         let progress = Progress::of(self.seeds);

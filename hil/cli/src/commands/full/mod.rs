@@ -11,6 +11,7 @@ mod events;
 mod faults;
 mod image;
 mod law;
+mod motions;
 mod orthogonal;
 mod paper;
 pub mod policy;

@@ -1,0 +1,114 @@
+//! `hil blind --motions`: the trial over any motion.
+
+use std::path::Path;
+use std::sync::atomic::{AtomicU64, Ordering};
+
+use mesh_damper_recording::output::Plan;
+use mesh_damper_studies::blind::motions::{self, Mark, Outcome, Row};
+
+use crate::commands::progress::Progress;
+use crate::commands::{Failure, say};
+
+/// Runs the trials of `seeds` and prints a table.
+pub fn run(seeds: std::ops::Range<u64>, json: Option<&Path>) -> Result<(), Failure> {
+    let mut outputs = Plan::new().writes(json).begin()?;
+    let progress = Progress::of(seeds.end - seeds.start);
+    progress.step("tracing");
+    let finished = AtomicU64::new(0);
+    let summary = motions::run(seeds, &|| {
+        progress.done(finished.fetch_add(1, Ordering::Relaxed) + 1);
+    });
+    drop(progress);
+    if let Some(json) = json {
+        outputs.add_json(json, &summary)?;
+    }
+    outputs.write()?;
+    if json == Some(Path::new("-")) {
+        return Ok(());
+    }
+    say("Seeds that count and were not called what they are:");
+    for outcome in summary.outcomes.iter().filter(|o| o.counts()) {
+        if outcome.mark != Mark::Right {
+            say(&line(outcome));
+        }
+    }
+    say(&format!(
+        "\n{:26} {:>5} {:>7} {:>6} {:>7} {:>6} {:>7} {:>8}   {:>6} {:>7}  {:>9}",
+        "",
+        "count",
+        "right",
+        "among",
+        "honest",
+        "false",
+        "missed",
+        "refused",
+        "median",
+        "9 in 10",
+        "time"
+    ));
+    for row in summary.rows.iter().chain([&summary.all]) {
+        say(&row_of(row));
+    }
+    say(
+        "\nmedian, 9 in 10: held-out error of the embedded law over what the true law leaves. time: the longest trace over its recordings.",
+    );
+    Ok(())
+}
+
+/// One seed: what it hides, what is said of it, and its recordings into `out`.
+pub fn show(seed: u64, out: Option<&Path>) -> Result<(), Failure> {
+    let names = ["training.csv.gz", "held-out.csv.gz"];
+    let mut outputs = Plan::new().fills(out, names).begin()?;
+    let trial = motions::draw(seed);
+    if let Some(out) = out {
+        for (name, recording) in names.into_iter().zip([&trial.training, &trial.held_out]) {
+            let path = out.join(name);
+            outputs.add(&path, recording.to_file(&path));
+        }
+    }
+    outputs.write()?;
+    say(&line(&motions::judge(&trial)));
+    for effect in &trial.hidden {
+        let parameters = effect.parameters();
+        let parameters = parameters.iter();
+        let parameters: Vec<String> = parameters
+            .map(|(name, value, unit)| format!("{name} {value:.4} {unit}"))
+            .collect();
+        say(&format!("{}: {}", effect.family(), parameters.join(", ")));
+    }
+    Ok(())
+}
+
+fn line(outcome: &Outcome) -> String {
+    let hidden = match &outcome.hidden[..] {
+        [] => "nothing".to_owned(),
+        hidden => hidden.join(" + "),
+    };
+    format!(
+        "{:>5} {:8} {:?}, sensors {:?}, {} Hz: {hidden} {:.1} was called {} {}; error {:.2} times the true law's",
+        outcome.seed,
+        format!("{:?}", outcome.mark).to_lowercase(),
+        outcome.kind,
+        outcome.flaw,
+        outcome.rate,
+        outcome.visible,
+        outcome
+            .verdict
+            .map_or_else(|| "nothing".to_owned(), |v| format!("{v:?}").to_lowercase()),
+        outcome.named.join(" + "),
+        outcome.error
+    )
+}
+
+fn row_of(row: &Row) -> String {
+    let [right, among, honest, wrong, missed, refused] = row.marks;
+    format!(
+        "{:26} {:>5} {:>5.1} % {among:>6} {honest:>7} {wrong:>6} {missed:>7} {refused:>8}   {:>6.2} {:>7.2}  {:>7.2} %",
+        row.of,
+        row.count,
+        100.0 * right as f64 / row.count.max(1) as f64,
+        row.median,
+        row.ninth_decile,
+        100.0 * row.time
+    )
+}

@@ -1,0 +1,120 @@
+//! What a trace made of a trial over any motion.
+
+use std::time::Instant;
+
+use mesh_damper_identify::trace::result::Verdict;
+use mesh_damper_identify::trace::trace;
+use serde::Serialize;
+
+use super::super::LEAST_VISIBLE;
+use super::super::draw::rms;
+use super::Trial;
+use super::path::Kind;
+use super::sensors::Flaw;
+
+/// How well an answer fits what is hidden.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Mark {
+    /// As it is.
+    Right,
+    /// What is hidden is among several that the trace could not tell apart.
+    Among,
+    /// "Something is missing", where that is untrue or has a name.
+    Honest,
+    /// An effect that is not there.
+    False,
+    /// "Nothing is missing", where something shows.
+    Missed,
+    /// The trace was refused.
+    Refused,
+}
+
+/// A trial and what was said of it.
+#[derive(Clone, Debug, Serialize)]
+pub struct Outcome {
+    /// That drew it.
+    pub seed: u64,
+    /// Of both tests.
+    pub kind: Kind,
+    /// Of the sensors.
+    pub flaw: Flaw,
+    /// Samples a second.
+    pub rate: f64,
+    /// Families hidden.
+    pub hidden: Vec<&'static str>,
+    /// What eq 13 leaves of them, over what the true law leaves.
+    pub visible: f64,
+    /// What was said.
+    pub verdict: Option<Verdict>,
+    /// Families named.
+    pub named: Vec<String>,
+    /// How well that fits.
+    pub mark: Mark,
+    /// Held-out error of the embedded law over what the true law leaves.
+    pub error: f64,
+    /// Time of the trace over that of both recordings.
+    pub time: f64,
+}
+
+impl Outcome {
+    /// Whether it counts: what is hidden shows.
+    pub fn counts(&self) -> bool {
+        self.hidden.is_empty() || self.visible >= LEAST_VISIBLE
+    }
+}
+
+/// Traces `trial`.
+pub fn judge(trial: &Trial) -> Outcome {
+    let started = Instant::now();
+    let result = trace(
+        std::slice::from_ref(&trial.training),
+        std::slice::from_ref(&trial.held_out),
+        &|_| (),
+    );
+    let took = started.elapsed().as_secs_f64();
+    let lasts = |recording: &mesh_damper_recording::Recording| recording.len() as f64 / trial.rate;
+    let mut hidden: Vec<&str> = trial.hidden.iter().map(|effect| effect.family()).collect();
+    hidden.sort_unstable();
+    let mut outcome = Outcome {
+        seed: trial.seed,
+        kind: trial.kind,
+        flaw: trial.sensors.flaw,
+        rate: trial.rate,
+        visible: trial.left_by_eq13 / trial.reference[0],
+        verdict: None,
+        named: Vec::new(),
+        mark: Mark::Refused,
+        error: f64::NAN,
+        time: took / (lasts(&trial.training) + lasts(&trial.held_out)),
+        hidden,
+    };
+    let Ok(found) = result else {
+        return outcome;
+    };
+    let found = found.result;
+    let effects = found.effects.iter();
+    let mut named: Vec<String> = effects.map(|effect| effect.family.clone()).collect();
+    named.sort();
+    named.dedup();
+    let all_named = outcome
+        .hidden
+        .iter()
+        .all(|family| named.iter().any(|name| name == family));
+    let only_hidden = named
+        .iter()
+        .all(|name| outcome.hidden.contains(&name.as_str()));
+    outcome.mark = match found.verdict {
+        Verdict::None if outcome.hidden.is_empty() => Mark::Right,
+        Verdict::None => Mark::Missed,
+        Verdict::Found if all_named && only_hidden => Mark::Right,
+        Verdict::Ambiguous if all_named && !outcome.hidden.is_empty() => Mark::Among,
+        Verdict::Found | Verdict::Ambiguous => Mark::False,
+        Verdict::Unlisted => Mark::Honest,
+    };
+    outcome.error =
+        found.on_target.nrmse_held_out * rms(&trial.held_out.force) / trial.reference[1];
+    outcome.verdict = Some(found.verdict);
+    outcome.named = named;
+    outcome
+}

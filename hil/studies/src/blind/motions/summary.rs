@@ -1,0 +1,115 @@
+//! Many trials over any motion: how often right, and how large the error.
+
+use serde::Serialize;
+
+use super::judge::{Mark, Outcome};
+
+/// What some trials came to.
+#[derive(Clone, Debug, Serialize)]
+pub struct Row {
+    /// Which.
+    pub of: String,
+    /// So many count.
+    pub count: usize,
+    /// Of these, by mark in the order of [`Mark`].
+    pub marks: [usize; 6],
+    /// Held-out error over that of the true law: half of them are below,
+    pub median: f64,
+    /// and nine in ten.
+    pub ninth_decile: f64,
+    /// The largest time of a trace over that of its recordings.
+    pub time: f64,
+}
+
+impl Row {
+    fn of(name: String, outcomes: &[&Outcome]) -> Self {
+        let count = |mark: Mark| outcomes.iter().filter(|o| o.mark == mark).count();
+        let mut errors: Vec<f64> = outcomes
+            .iter()
+            .map(|o| o.error)
+            .filter(|e| e.is_finite())
+            .collect();
+        errors.sort_by(f64::total_cmp);
+        let quantile = |part: f64| {
+            let place = (part * errors.len() as f64) as usize;
+            errors
+                .get(place.min(errors.len().saturating_sub(1)))
+                .copied()
+        };
+        Self {
+            of: name,
+            count: outcomes.len(),
+            marks: [
+                Mark::Right,
+                Mark::Among,
+                Mark::Honest,
+                Mark::False,
+                Mark::Missed,
+                Mark::Refused,
+            ]
+            .map(count),
+            median: quantile(0.5).unwrap_or(f64::NAN),
+            ninth_decile: quantile(0.9).unwrap_or(f64::NAN),
+            time: outcomes.iter().map(|o| o.time).fold(0.0, f64::max),
+        }
+    }
+
+    /// The part that is right, or names what is hidden among what cannot be told apart.
+    pub fn right(&self) -> f64 {
+        (self.marks[0] + self.marks[1]) as f64 / self.count as f64
+    }
+
+    /// The part that is false or missed.
+    pub fn wrong(&self) -> f64 {
+        (self.marks[3] + self.marks[4]) as f64 / self.count as f64
+    }
+}
+
+/// Rows of all, by kind of motion, by sensors and by what is hidden.
+#[derive(Clone, Debug, Serialize)]
+pub struct Summary {
+    /// All that count.
+    pub all: Row,
+    /// By one thing after another.
+    pub rows: Vec<Row>,
+    /// The trials.
+    pub outcomes: Vec<Outcome>,
+}
+
+impl Summary {
+    /// Counts `outcomes`.
+    pub fn of(outcomes: Vec<Outcome>) -> Self {
+        let counted: Vec<&Outcome> = outcomes.iter().filter(|o| o.counts()).collect();
+        let mut rows = Vec::new();
+        let by: [fn(&Outcome) -> String; 3] = [
+            |o| name(&o.kind),
+            |o| format!("sensors: {}", name(&o.flaw)),
+            |o| match &o.hidden[..] {
+                [] => "hidden: nothing".to_owned(),
+                [one] => format!("hidden: {one}"),
+                _ => "hidden: two".to_owned(),
+            },
+        ];
+        for by in by {
+            let mut names: Vec<String> = counted.iter().map(|o| by(o)).collect();
+            names.sort();
+            names.dedup();
+            for name in names {
+                let these: Vec<&Outcome> =
+                    counted.iter().filter(|o| by(o) == name).copied().collect();
+                rows.push(Row::of(name, &these));
+            }
+        }
+        Self {
+            all: Row::of("all".to_owned(), &counted),
+            rows,
+            outcomes,
+        }
+    }
+}
+
+/// As its JSON has it, in words.
+fn name(of: &impl Serialize) -> String {
+    let json = serde_json::to_string(of).unwrap_or_default();
+    json.trim_matches('"').replace('_', " ")
+}
