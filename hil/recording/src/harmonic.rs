@@ -57,10 +57,8 @@ impl MotionEstimate {
             self.displacement[index] = value.dot(&fit.coefficients);
             self.velocity[index] = slope.dot(&fit.coefficients) / tick;
             self.acceleration[index] = curvature.dot(&fit.coefficients) / (tick * tick);
-            let deviation =
-                |of: &SVector<f64, N>| self.noise * of.dot(&fit.factor.solve(of)).sqrt();
-            self.displacement_deviation[index] = deviation(&value);
-            self.velocity_deviation[index] = deviation(&slope) / tick;
+            let variance = slope.dot(&fit.factor.solve(&slope));
+            self.velocity_deviation[index] = self.noise * variance.sqrt() / tick;
         }
     }
 }

@@ -42,6 +42,7 @@ pub mod faults;
 mod harmonic;
 mod kinks;
 pub mod motion;
+pub mod motion_error;
 pub mod noise;
 pub mod output;
 pub mod policy;

@@ -11,6 +11,7 @@ use std::ops::Range;
 use nalgebra::{Matrix4, Vector4};
 
 use super::kinks::find_kinks;
+use super::motion_error::MotionError;
 use super::noise::noise_deviation;
 use super::polynomial::{Cubic, fit_polynomial};
 use super::rest::find_rests;
@@ -44,8 +45,6 @@ pub struct MotionEstimate {
     pub velocity: Vec<f64>,
     /// Acceleration, mm/s².
     pub acceleration: Vec<f64>,
-    /// Standard deviation of the displacement that its noise leaves, mm.
-    pub displacement_deviation: Vec<f64>,
     /// Standard deviation of the velocity that the displacement's noise leaves, mm/s.
     pub velocity_deviation: Vec<f64>,
     /// First samples after a jump of velocity, increasing.
@@ -80,6 +79,22 @@ impl MotionEstimate {
         }
     }
 
+    /// Takes a measured velocity in mm/s in, as far as it is more certain than the estimated one: each counts by the inverse of its
+    /// variance, so that one which somebody differentiated hardly counts.
+    pub(super) fn weigh_in(&mut self, measured: &[f64], error: &mut MotionError) {
+        let noise = noise_deviation(measured);
+        for (index, measured) in measured.iter().enumerate() {
+            let deviation = self.velocity_deviation[index];
+            let both = deviation.hypot(noise);
+            if both > 0.0 {
+                let weight = (deviation / both).powi(2);
+                self.velocity[index] += weight * (measured - self.velocity[index]);
+                self.velocity_deviation[index] = deviation * noise / both;
+                error.velocity[index] *= 1.0 - weight;
+            }
+        }
+    }
+
     /// The first sample of a start from rest from which on its direction is certain; 0 where it is nowhere.
     fn certain_start(&self) -> usize {
         let start = self.start_from_rest;
@@ -109,7 +124,6 @@ impl MotionEstimate {
             displacement: Vec::with_capacity(count),
             velocity: Vec::with_capacity(count),
             acceleration: Vec::with_capacity(count),
-            displacement_deviation: Vec::with_capacity(count),
             velocity_deviation: Vec::with_capacity(count),
             kinks,
             noise,
@@ -139,9 +153,6 @@ impl MotionEstimate {
                 motion.velocity.push(cubic.slope / tick);
                 motion.acceleration.push(cubic.curvature / (tick * tick));
                 motion
-                    .displacement_deviation
-                    .push(noise * cubic.value_variance.sqrt());
-                motion
                     .velocity_deviation
                     .push(noise * cubic.slope_variance.sqrt() / tick);
             }
@@ -158,7 +169,6 @@ impl MotionEstimate {
             self.displacement[rest.clone()].fill(mean);
             self.velocity[rest.clone()].fill(0.0);
             self.acceleration[rest.clone()].fill(0.0);
-            self.displacement_deviation[rest.clone()].fill(self.noise / count.sqrt());
             self.velocity_deviation[rest.clone()].fill(0.0);
         }
     }
@@ -283,7 +293,6 @@ impl StartFromRest {
             value: value.dot(&self.coefficients),
             slope: slope.dot(&self.coefficients),
             curvature: curvature.dot(&self.coefficients),
-            value_variance: value.dot(&(self.gram_inverse * value)),
             slope_variance: slope.dot(&(self.gram_inverse * slope)),
             error: 0.0,
         }

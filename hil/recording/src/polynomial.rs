@@ -5,8 +5,7 @@ pub(super) struct Cubic {
     pub value: f64,
     pub slope: f64,
     pub curvature: f64,
-    /// Variances of value and slope for noise of variance 1.
-    pub value_variance: f64,
+    /// Variance of the slope for noise of variance 1.
     pub slope_variance: f64,
     /// Sum of squares that the polynomial leaves.
     pub error: f64,
@@ -45,7 +44,6 @@ pub(super) fn fit_polynomial(samples: &[f64], at: f64, degree: usize) -> Cubic {
         value: 0.0,
         slope: 0.0,
         curvature: 0.0,
-        value_variance: 0.0,
         slope_variance: 0.0,
         error: samples.iter().map(|y| y * y).sum(),
     };
@@ -56,7 +54,6 @@ pub(super) fn fit_polynomial(samples: &[f64], at: f64, degree: usize) -> Cubic {
         cubic.value += coefficient * p;
         cubic.slope += coefficient * slope / scale;
         cubic.curvature += coefficient * curvature / (scale * scale);
-        cubic.value_variance += p * p / norms[j];
         cubic.slope_variance += slope * slope / (scale * scale) / norms[j];
     }
     cubic

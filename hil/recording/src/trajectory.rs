@@ -9,6 +9,7 @@ use super::averaging::MovingAverage;
 use super::cycles::{Cycles, FoundBlock};
 use super::faults::{self, Channel, ChannelFault, ChannelFaultKind, Shift};
 use super::motion::MotionEstimate;
+use super::motion_error::MotionError;
 use super::noise::{noise_beside_tones, noise_deviation, noise_of_runs};
 use crate::error::InputError;
 use crate::extremes::least_and_largest;
@@ -37,6 +38,8 @@ crate::numbers! {
         crossing_noises: f64 = 6.0, Derived("white noise does so about twice in 10⁹ samples");
         /// A crossing counts where the displacement leaves a band of this part of its range about its middle.
         crossing: f64 = 0.01, Convention("a hundredth of the largest motion is the smallest that counts");
+        /// So many samples to either side tell how large the force is that the motion's error leaves.
+        about_error: usize = 16, Convention("33 squares give a variance to a quarter");
         /// The temperature of a recording that has none, °C.
         room: f64 = 20.0, Convention("a laboratory's");
     }
@@ -70,9 +73,10 @@ pub struct Trajectory {
     pub force_noise: f64,
     /// RMS of the force, kN.
     pub force_rms: f64,
-    /// Standard deviation of the force that the error of the motion leaves, kN; empty until
-    /// [`Trajectory::carry_motion_error`] tells.
-    pub motion_error: Vec<f64>,
+    /// An error that the motion may have.
+    pub motion_error: MotionError,
+    /// Variance of the force that the error of the motion leaves, kN²; empty until [`Trajectory::carry_motion_error`] tells.
+    pub carried: Vec<f64>,
     /// Whether the force was measured about this tick; false inside a gap of the recording, and where a fault of a
     /// channel was found.
     pub measured: Vec<bool>,
@@ -243,15 +247,19 @@ impl Trajectory {
         let displacement = displacement.as_slice();
         let hysteresis = hysteresis(displacement);
         let rough = Cycles::find(displacement, tick, hysteresis);
-        let mut motion =
-            MotionEstimate::estimate(displacement, tick, &rough.period_per_sample(count, tick));
+        let period = rough.period_per_sample(count, tick);
+        let mut motion = MotionEstimate::estimate(displacement, tick, &period);
         let mut cycles = Cycles::find(&motion.displacement, tick, hysteresis);
         cycles.snap_to(&motion.kinks);
         motion.refine_sines(displacement, tick, &cycles);
+        let mut motion_error = MotionError::of(&motion, displacement, |displacement| {
+            let mut again = MotionEstimate::estimate(displacement, tick, &period);
+            again.refine_sines(displacement, tick, &cycles);
+            again
+        });
         if let Some(velocity) = velocity {
             assert_eq!(velocity.len(), count);
-            motion.velocity_deviation = vec![noise_deviation(&velocity); count];
-            motion.velocity = velocity;
+            motion.weigh_in(&velocity, &mut motion_error);
         }
         motion.rest_at_reversals();
         Self {
@@ -262,7 +270,8 @@ impl Trajectory {
             centre,
             force_noise: noise_beside_tones(&force),
             force_rms: rms(force.iter().copied()),
-            motion_error: Vec::new(),
+            motion_error,
+            carried: Vec::new(),
             force,
             temperature,
             measured: vec![true; count],
@@ -289,29 +298,56 @@ impl Trajectory {
 
     /// Carries the error of the motion into what a law is held to: `force` is about what the law gives at a displacement in mm and
     /// a velocity in mm/s, kN.
-    ///
-    /// One deviation of either to both sides changes the force by twice what its error leaves: a difference and no derivative,
-    /// because |v|^α is steep where the velocity is within its error.
     pub fn carry_motion_error(&mut self, force: impl Fn(f64, f64) -> f64) {
-        let motion = &self.motion;
-        let error = |index: usize| {
-            let (y, v) = (motion.displacement[index], motion.velocity[index]);
-            let (of_y, of_v) = (
-                motion.displacement_deviation[index],
-                motion.velocity_deviation[index],
-            );
-            let through_y = 0.5 * (force(y + of_y, v) - force(y - of_y, v));
-            let through_v = 0.5 * (force(y, v + of_v) - force(y, v - of_v));
-            through_y.hypot(through_v)
+        let (motion, error) = (&self.motion, &self.motion_error);
+        let squares: Vec<f64> = (0..self.len())
+            .map(|index| {
+                let (y, v) = (motion.displacement[index], motion.velocity[index]);
+                let (off_y, off_v) = (y + error.displacement[index], v + error.velocity[index]);
+                (force(off_y, off_v) - force(y, v)).powi(2)
+            })
+            .collect();
+        // One error is no variance, but that of samples which the law can be compared at, some of them about each, is about one.
+        let about = policy().trajectory.about_error;
+        let telling: Vec<f64> = (0..self.len())
+            .map(|index| f64::from(u8::from(self.is_telling(index))))
+            .collect();
+        let sums = |weights: &mut dyn Iterator<Item = f64>| -> Vec<f64> {
+            std::iter::once(0.0)
+                .chain(weights.scan(0.0, |sum, weight| {
+                    *sum += weight;
+                    Some(*sum)
+                }))
+                .collect()
         };
-        self.motion_error = (0..self.len()).map(error).collect();
+        let counts = sums(&mut telling.iter().copied());
+        let told = sums(
+            &mut telling
+                .iter()
+                .zip(&squares)
+                .map(|(telling, square)| telling * square),
+        );
+        self.carried = (0..self.len())
+            .map(|index| {
+                let (from, to) = (
+                    index.saturating_sub(about),
+                    (index + about + 1).min(self.len()),
+                );
+                let count = counts[to] - counts[from];
+                if telling[index] > 0.0 {
+                    (told[to] - told[from]).max(0.0) / count
+                } else {
+                    squares[index]
+                }
+            })
+            .collect();
     }
 
     /// Variance of what a perfect law leaves at a sample, kN²: of the force's noise, and of the error of the motion as far as that
     /// was [carried](Trajectory::carry_motion_error) into the force.
     pub fn tolerance(&self, index: usize) -> f64 {
-        let of_motion = self.motion_error.get(index).copied().unwrap_or_default();
-        self.force_noise.powi(2) + of_motion.powi(2)
+        let carried = self.carried.get(index).copied().unwrap_or_default();
+        self.force_noise.powi(2) + carried
     }
 
     /// Moves the force back by `shift`; what lies beyond the recording's ends was not measured.
@@ -356,9 +392,10 @@ impl Trajectory {
             }
             let motion = &mut self.motion;
             let rates = [
+                &mut self.motion_error.displacement,
+                &mut self.motion_error.velocity,
                 &mut motion.velocity,
                 &mut motion.acceleration,
-                &mut motion.displacement_deviation,
                 &mut motion.velocity_deviation,
                 &mut self.amplitude,
             ];
