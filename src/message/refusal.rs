@@ -14,6 +14,8 @@ pub enum Refusal<'a> {
     Converter,
     /// This field of a configuration.
     Field(&'a str),
+    /// [`ConfigError::Removed`], with what there is no more.
+    Removed(&'a str),
     /// [`PackError::Magic`].
     PackMagic,
     /// [`PackError::Version`].
@@ -42,6 +44,8 @@ const PLAIN: [Refusal<'static>; 8] = [
 
 /// Number of [`Refusal::Field`] on the link.
 const FIELD: u8 = u8::MAX;
+/// Number of [`Refusal::Removed`] on the link.
+const REMOVED: u8 = FIELD - 1;
 
 impl Refusal<'_> {
     /// Its number on the link.
@@ -56,19 +60,21 @@ impl Refusal<'_> {
             Self::PackChecksum => 6,
             Self::PackBody => 7,
             Self::Field(_) => FIELD,
+            Self::Removed(_) => REMOVED,
         }
     }
 }
 
 impl From<ConfigError> for Refusal<'static> {
     fn from(error: ConfigError) -> Self {
-        let (ConfigError::NonFinite(field)
-        | ConfigError::OutOfRange { field, .. }
-        | ConfigError::NotIncreasing(field)
-        | ConfigError::Full { field, .. }
-        | ConfigError::Empty(field)
-        | ConfigError::Removed(field)) = error;
-        Self::Field(field)
+        match error {
+            ConfigError::NonFinite(field)
+            | ConfigError::OutOfRange { field, .. }
+            | ConfigError::NotIncreasing(field)
+            | ConfigError::Full { field, .. }
+            | ConfigError::Empty(field) => Self::Field(field),
+            ConfigError::Removed(what) => Self::Removed(what),
+        }
     }
 }
 
@@ -90,15 +96,18 @@ impl From<PackError> for Refusal<'static> {
 pub fn write_refusal(sequence: u32, refusal: &Refusal<'_>, buffer: &mut FrameBuffer) {
     buffer.write(answer(kind::REFUSED, sequence, 1), |writer| {
         writer.u8(refusal.number());
-        if let Refusal::Field(field) = refusal {
-            writer.bytes(field.as_bytes());
+        if let Refusal::Field(name) | Refusal::Removed(name) = refusal {
+            writer.bytes(name.as_bytes());
         }
     });
 }
 
 pub(super) fn read_refusal<'a>(reader: &mut Reader<'a>) -> Option<Refusal<'a>> {
-    Some(match reader.u8()? {
-        FIELD => Refusal::Field(core::str::from_utf8(reader.rest()).ok()?),
+    let number = reader.u8()?;
+    let mut name = || core::str::from_utf8(reader.rest()).ok();
+    Some(match number {
+        FIELD => Refusal::Field(name()?),
+        REMOVED => Refusal::Removed(name()?),
         number => PLAIN.into_iter().find(|each| each.number() == number)?,
     })
 }
@@ -110,7 +119,7 @@ mod tests {
     /// An image of one version and a harness of another understand each other as long as these stay.
     #[test]
     fn numbers_on_the_link_are_those_of_the_table() {
-        let refusals: [(&[u8], Refusal<'_>); 9] = [
+        let refusals: [(&[u8], Refusal<'_>); 10] = [
             (&[0], Refusal::Order),
             (&[1], Refusal::Converter),
             (&[2], Refusal::PackMagic),
@@ -119,6 +128,7 @@ mod tests {
             (&[5], Refusal::PackOrder),
             (&[6], Refusal::PackChecksum),
             (&[7], Refusal::PackBody),
+            (b"\xfeclock", Refusal::Removed("clock")),
             (b"\xffk1", Refusal::Field("k1")),
         ];
         for (bytes, refusal) in refusals {
