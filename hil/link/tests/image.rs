@@ -102,11 +102,8 @@ fn a_million_ticks_of_every_effect_alone_and_together_are_the_hosts_bit_for_bit(
     let mut random = ChaCha8Rng::seed_from_u64(1);
     let every = every_effect();
     let alone = every.chunks(1).map(<[_]>::to_vec);
-    // All sixteen in two laws, as a law carries eight.
-    let together = [
-        every[..EFFECTS].to_vec(),
-        every[every.len() - EFFECTS..].to_vec(),
-    ];
+    // In as many laws as it takes.
+    let together = every.chunks(EFFECTS).map(<[_]>::to_vec);
     for effects in alone.chain(together) {
         let law = law(&effects);
         image.rest().unwrap();
