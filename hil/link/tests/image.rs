@@ -28,6 +28,10 @@ fn image_on(board: Board) -> Option<Image<Emulator>> {
     Some(Image::start(board, Box::new(|_| {})).unwrap())
 }
 
+fn boards_with_rig() -> impl Iterator<Item = Board> {
+    Board::ALL.into_iter().filter(|board| board.runs_rig())
+}
+
 /// Every effect of the crate, typical.
 fn every_effect() -> Vec<Effect<f32>> {
     let typical = |each: &Description| {
@@ -144,7 +148,7 @@ fn setup() -> RigSetup<Specimen, 4, EFFECTS> {
 fn a_run_on_every_board_is_the_hosts_to_the_last_bit_of_each_sample_and_cycle() {
     let host = run_rig(setup(), |_| {}).unwrap();
     assert!(host.faults.is_empty() && host.cycles.len() == 14);
-    for board in [Board::Mps2An386, Board::Mps2An500, Board::NetduinoPlus2] {
+    for board in boards_with_rig() {
         let Some(mut image) = image_on(board) else {
             return;
         };
@@ -494,7 +498,7 @@ fn the_emulator_ends_with_the_link() {
 
 #[test]
 fn the_image_is_small() {
-    for board in [Board::Mps2An386, Board::NetduinoPlus2] {
+    for board in boards_with_rig() {
         let Some(elf) = emulated::image(&FIRMWARE, board) else {
             return;
         };
