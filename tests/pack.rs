@@ -160,7 +160,7 @@ fn corrected() -> FastLaw<EFFECTS> {
 }
 
 fn corrected_over(memory: Memory<f32>) -> FastLaw<EFFECTS> {
-    let law = AugmentedLaw::new(law()).with_correction(correction(memory));
+    let law = AugmentedLaw::new(law()).with_residual_table(correction(memory));
     FastLaw::new(law.unwrap())
 }
 
@@ -186,7 +186,7 @@ fn a_correction_survives() {
         },
         1e-4,
     );
-    let over_speed = AugmentedLaw::new(law()).with_correction(speed.unwrap());
+    let over_speed = AugmentedLaw::new(law()).with_residual_table(speed.unwrap());
     for (number, (memory, law)) in [
         (0, (None, FastLaw::new(over_speed.unwrap()))),
         (1, over(Memory::Place)),
@@ -213,7 +213,7 @@ fn a_correction_survives() {
     // It leaves with the law that had it.
     let mut slot = corrected();
     pack::decode(&pack(&[]), &mut slot).unwrap();
-    assert_eq!(slot.augmented().correction(), None);
+    assert_eq!(slot.augmented().residual_table(), None);
 }
 
 /// A table over what no table is over any more has its number still, and its name is said.

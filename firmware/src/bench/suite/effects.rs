@@ -186,7 +186,11 @@ pub fn run(meter: &mut impl Meter) -> Result<(), Refused> {
     });
     count(meter, "effects/all_stick_slip_1", law(ordinary_one)?)?;
     for (name, memory) in memories() {
-        count(meter, name, eq13().with_correction(correction(memory)?)?)?;
+        count(
+            meter,
+            name,
+            eq13().with_residual_table(correction(memory)?)?,
+        )?;
     }
     Ok(())
 }
