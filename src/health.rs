@@ -153,13 +153,13 @@ pub(crate) struct HealthMonitor {
 /// Faults that stay until they are cleared, a bit each: after one the law follows nothing.
 const LASTING: u32 = {
     let mut bits = 0;
-    let mut number = 0;
-    while number < HealthCause::ALL.len() {
-        let cause = HealthCause::ALL[number];
+    let mut place = 0;
+    while place < HealthCause::ALL.len() {
+        let cause = HealthCause::ALL[place];
         if cause.is_fault() && !cause.is_passing() {
-            bits |= 1 << number;
+            bits |= 1 << cause.number();
         }
-        number += 1;
+        place += 1;
     }
     bits
 };

@@ -20,7 +20,8 @@ use refusal::read_refusal;
 
 /// Most blocks of a programme in the image.
 pub const MAX_BLOCKS: usize = 16;
-/// Bytes of a motion.
+/// Bytes of a motion: all of it but [`Motion::controls`], on which no effect depends. One that did would be compared on the image
+/// with controls of 0 only.
 const MOTION: usize = 20;
 /// Most motions of one frame.
 pub const MOTIONS: usize = PAYLOAD / MOTION;

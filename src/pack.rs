@@ -128,7 +128,7 @@ pub fn encode<'b, const N: usize>(
     for effect in effects() {
         effect.pack(&mut writer);
     }
-    let correction = law.augmented().correction();
+    let correction = law.augmented().residual_table();
     writer.u8(u8::from(correction.is_some()));
     if let Some(correction) = correction {
         correction.pack(&mut writer);

@@ -9,7 +9,7 @@ use mesh_damper::table::PAPER;
 use proptest::prelude::*;
 
 /// One motion: displacement and velocity in mm and mm/s at a phase in cycles, for a frequency of 1 Hz.
-type Motion = fn(f64) -> (f64, f64);
+type MotionAt = fn(f64) -> (f64, f64);
 
 fn sine(phase: f64) -> (f64, f64) {
     let (sin, cos) = (TAU * phase).sin_cos();
@@ -35,7 +35,7 @@ fn u32_phase(cycles: f64) -> u32 {
 
 /// `cycles` whole cycles at `per_cycle` ticks each (any number), from phase 0 on.
 fn run(
-    motion: Motion,
+    motion: MotionAt,
     force: impl Fn(f64, f64) -> f64,
     per_cycle: f64,
     cycles: usize,
@@ -179,7 +179,7 @@ fn power_law_damping() {
 
 #[test]
 fn a_nonlinear_spring_takes_no_energy() {
-    for motion in [sine as Motion, two_harmonics, lagging] {
+    for motion in [sine as MotionAt, two_harmonics, lagging] {
         for per_cycle in [10_000.0, 1_234.567] {
             let mut turned = 0.0;
             for cycle in run(motion, |y, _| 2.0 * y + 150.0 * y * y * y, per_cycle, 5) {

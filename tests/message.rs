@@ -3,6 +3,7 @@
 use mesh_damper::converter::Scale;
 use mesh_damper::cycle::Cycle;
 use mesh_damper::effects::Motion;
+use mesh_damper::error::ConfigError;
 use mesh_damper::fast_law::Adaptation;
 use mesh_damper::frame::{Frame, FrameBuffer, Frames, PAYLOAD};
 use mesh_damper::health::{Event, HealthCause, HealthSettings, Statistic};
@@ -136,6 +137,7 @@ fn every_refusal_passes() {
         Refusal::Order,
         Refusal::Converter,
         Refusal::Field("glide"),
+        ConfigError::Removed("clock").into(),
         PackError::Magic.into(),
         PackError::Version { found: 9 }.into(),
         PackError::Checksum.into(),

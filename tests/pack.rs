@@ -160,7 +160,7 @@ fn corrected() -> FastLaw<EFFECTS> {
 }
 
 fn corrected_over(memory: Memory<f32>) -> FastLaw<EFFECTS> {
-    let law = AugmentedLaw::new(law()).with_correction(correction(memory));
+    let law = AugmentedLaw::new(law()).with_residual_table(correction(memory));
     FastLaw::new(law.unwrap())
 }
 
@@ -169,40 +169,60 @@ fn corrected_pack() -> Vec<u8> {
     pack::encode(&corrected(), &mut buffer).unwrap().to_vec()
 }
 
+/// Where the kind of a correction stands in a pack's body: after the law's and the damping's 68 numbers, the count of effects, that
+/// there is one, and four numbers of its own.
+const KIND: usize = 4 * 72 + 2;
+
 #[test]
 fn a_correction_survives() {
-    assert_eq!(decode(&corrected_pack()).unwrap(), corrected());
-    for memory in [
-        Memory::Temperature,
-        Memory::Place,
-        Memory::Frequency { time: 0.05 },
-        Memory::Sides {
-            below: -0.1,
-            above: 0.2,
+    let over = |memory: Memory<f32>| (Some(memory), corrected_over(memory));
+    let speed = ResidualTable::new(
+        &ResidualTableParts {
+            reach: 0.2,
+            speed: 6.0,
+            unit: 1e-5,
+            cells: &[3; CELLS],
+            memory: None,
         },
+        1e-4,
+    );
+    let over_speed = AugmentedLaw::new(law()).with_residual_table(speed.unwrap());
+    for (number, (memory, law)) in [
+        (0, (None, FastLaw::new(over_speed.unwrap()))),
+        (1, over(Memory::Place)),
+        (
+            2,
+            over(Memory::Sides {
+                below: -0.1,
+                above: 0.2,
+            }),
+        ),
+        (3, over(Memory::Slip { limit: 0.05 })),
+        (4, over(Memory::Lag { time: 0.05 })),
+        (5, over(Memory::Travel { time: 0.05 })),
+        (6, over(Memory::Largest)),
+        (7, over(Memory::Age { time: 0.05 })),
+        (10, over(Memory::Temperature)),
+        (11, over(Memory::Frequency { time: 0.05 })),
     ] {
-        let law = corrected_over(memory);
         let mut buffer = [0; LARGEST];
-        assert_eq!(
-            decode(pack::encode(&law, &mut buffer).unwrap()).unwrap(),
-            law
-        );
+        let pack = pack::encode(&law, &mut buffer).unwrap();
+        assert_eq!(pack[12 + KIND], number, "{memory:?}");
+        assert_eq!(decode(pack).unwrap(), law, "{memory:?}");
     }
     // It leaves with the law that had it.
     let mut slot = corrected();
     pack::decode(&pack(&[]), &mut slot).unwrap();
-    assert_eq!(slot.augmented().correction(), None);
+    assert_eq!(slot.augmented().residual_table(), None);
 }
 
 /// A table over what no table is over any more has its number still, and its name is said.
 #[test]
 fn what_was_removed_is_refused_by_name() {
-    // After the law's and the damping's 68 numbers, the count of effects, that there is one, and four numbers of its own.
-    let kind = 4 * 72 + 2;
     for (number, name) in [(8, "cycles"), (9, "level"), (12, "acceleration")] {
         let mut body = corrected_pack()[12..].to_vec();
-        assert_eq!(body[kind], 4, "it remembers a lag");
-        body[kind] = number;
+        assert_eq!(body[KIND], 4, "it remembers a lag");
+        body[KIND] = number;
         let refused = decode(&with_header(&body)).unwrap_err().to_string();
         assert_eq!(
             refused,
@@ -210,8 +230,21 @@ fn what_was_removed_is_refused_by_name() {
         );
     }
     let mut body = corrected_pack()[12..].to_vec();
-    body[kind] = 13;
+    body[KIND] = 13;
     assert_eq!(decode(&with_header(&body)).unwrap_err(), PackError::Body);
+}
+
+/// After the kind and a number comes one that a table over acceleration had.
+#[test]
+fn a_word_that_nothing_uses_is_0() {
+    let mut body = corrected_pack()[12..].to_vec();
+    let unused = KIND + 1 + 4..KIND + 1 + 8;
+    assert_eq!(body[unused.clone()], [0; 4]);
+    for byte in unused {
+        body[byte] = 1;
+        assert_eq!(decode(&with_header(&body)).unwrap_err(), PackError::Body);
+        body[byte] = 0;
+    }
 }
 
 /// One whose cells count for nothing is none: nothing of it stays in the law, not even what it would remember.

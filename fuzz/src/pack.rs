@@ -44,7 +44,7 @@ pub static GOOD: LazyLock<Vec<Vec<u8>>> = LazyLock::new(|| {
     };
     let correction = ResidualTable::new(&parts, 1e-4).expect("all are in range");
     let last = laws.pop().expect("there are twelve");
-    laws.push(last.with_correction(correction).expect("it has none"));
+    laws.push(last.with_residual_table(correction).expect("it has none"));
     let packed = |law| {
         let mut buffer = [0; LARGEST];
         let bytes = pack::encode(&FastLaw::<EFFECTS>::new(law), &mut buffer);

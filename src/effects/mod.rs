@@ -260,11 +260,11 @@ impl<R: Real, const N: usize> AugmentedLaw<R, N> {
         Ok(self)
     }
 
-    /// The law with a correction in the place of the one that it has, or has not. It counts among the `N` as none.
+    /// The law with a residual table in the place of the one that it has, or has not. It counts among the `N` as none.
     ///
     /// # Errors
     /// [`ConfigError::Full`] where `N` is 0: such a law has no place for what is remembered.
-    pub fn with_correction(mut self, correction: ResidualTable<R>) -> Result<Self, ConfigError> {
+    pub fn with_residual_table(mut self, table: ResidualTable<R>) -> Result<Self, ConfigError> {
         if N == 0 {
             return Err(ConfigError::Full {
                 field: "correction",
@@ -272,18 +272,33 @@ impl<R: Real, const N: usize> AugmentedLaw<R, N> {
             });
         }
         self.correct_with(|slot| {
-            *slot = correction;
+            *slot = table;
             Ok(())
         })?;
         Ok(self)
     }
 
-    /// The correction, where there is one.
-    pub fn correction(&self) -> Option<&ResidualTable<R>> {
+    /// Former name of [`AugmentedLaw::with_residual_table`].
+    ///
+    /// # Errors
+    /// As there.
+    #[deprecated(note = "use with_residual_table")]
+    pub fn with_correction(self, correction: ResidualTable<R>) -> Result<Self, ConfigError> {
+        self.with_residual_table(correction)
+    }
+
+    /// The residual table, where there is one.
+    pub fn residual_table(&self) -> Option<&ResidualTable<R>> {
         Some(&self.correction).filter(|_| self.effects.has(CORRECTION))
     }
 
-    /// [`AugmentedLaw::with_correction`] with the one that `write` writes in place.
+    /// Former name of [`AugmentedLaw::residual_table`].
+    #[deprecated(note = "use residual_table")]
+    pub fn correction(&self) -> Option<&ResidualTable<R>> {
+        self.residual_table()
+    }
+
+    /// [`AugmentedLaw::with_residual_table`] with the one that `write` writes in place.
     ///
     /// # Errors
     /// That of `write`; the law has no correction then.

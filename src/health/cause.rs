@@ -47,7 +47,7 @@ pub enum HealthCause {
 }
 
 impl HealthCause {
-    /// Every cause, by the number that it has on the link.
+    /// Every cause.
     pub const ALL: [Self; 20] = [
         Self::WireBreakage,
         Self::FrictionWear,
@@ -71,11 +71,35 @@ impl HealthCause {
         Self::ActuatorDead,
     ];
 
-    /// Its place in [`HealthCause::ALL`].
-    pub fn number(self) -> u8 {
-        let mut all = (0..).zip(Self::ALL);
-        all.find(|(_, other)| *other == self)
-            .map_or(u8::MAX, |(number, _)| number)
+    /// Its number on the link. It is below 32: the monitor keeps a bit for each.
+    pub const fn number(self) -> u8 {
+        match self {
+            Self::WireBreakage => 0,
+            Self::FrictionWear => 1,
+            Self::Loosening => 2,
+            Self::PreloadShift => 3,
+            Self::Unexplained => 4,
+            Self::RunIn => 5,
+            Self::Temperature => 6,
+            Self::SensorStuck(Channel::Displacement) => 7,
+            Self::SensorStuck(Channel::Force) => 8,
+            Self::SensorDroppedOut(Channel::Displacement) => 9,
+            Self::SensorDroppedOut(Channel::Force) => 10,
+            Self::SensorClipped(Channel::Displacement) => 11,
+            Self::SensorClipped(Channel::Force) => 12,
+            Self::SensorSpiking(Channel::Displacement) => 13,
+            Self::SensorSpiking(Channel::Force) => 14,
+            Self::SensorDrifting(Channel::Displacement) => 15,
+            Self::SensorDrifting(Channel::Force) => 16,
+            Self::ActuatorSaturated => 17,
+            Self::ActuatorLagging => 18,
+            Self::ActuatorDead => 19,
+        }
+    }
+
+    /// The cause with this number.
+    pub(crate) fn of_number(number: u8) -> Option<Self> {
+        Self::ALL.into_iter().find(|each| each.number() == number)
     }
 
     /// Seen in the samples while it lasts, of a sensor or of the actuator. The other faults are found from cycle to cycle and
@@ -132,7 +156,7 @@ pub enum Statistic {
 }
 
 impl Statistic {
-    /// Every statistic, by the number that it has on the link. The first [`Statistic::OF_CYCLES`] are those of whole cycles.
+    /// Every statistic. The first [`Statistic::OF_CYCLES`] are those of whole cycles.
     pub const ALL: [Self; 8] = [
         Self::Stiffness,
         Self::Energy,
@@ -149,10 +173,29 @@ impl Statistic {
     pub const WATCHED: usize = 4;
 
     /// Its place in [`Statistic::ALL`].
-    pub fn number(self) -> u8 {
+    pub(super) fn place(self) -> u8 {
         let mut all = (0..).zip(Self::ALL);
         all.find(|(_, other)| *other == self)
-            .map_or(u8::MAX, |(number, _)| number)
+            .map_or(u8::MAX, |(place, _)| place)
+    }
+
+    /// Its number on the link.
+    pub const fn number(self) -> u8 {
+        match self {
+            Self::Stiffness => 0,
+            Self::Energy => 1,
+            Self::MeanForce => 2,
+            Self::Residual => 3,
+            Self::ThirdHarmonic => 4,
+            Self::MeanCommand => 5,
+            Self::Sample => 6,
+            Self::Response => 7,
+        }
+    }
+
+    /// The statistic with this number.
+    pub(crate) fn of_number(number: u8) -> Option<Self> {
+        Self::ALL.into_iter().find(|each| each.number() == number)
     }
 }
 
@@ -244,14 +287,53 @@ pub(super) fn cause(shift: &Shift, law_third: f32, course: Course) -> (HealthCau
 mod tests {
     use super::*;
 
+    /// An image of one version and a harness of another understand each other as long as these stay.
     #[test]
-    fn every_number_is_a_place_in_the_list() {
-        for (place, cause) in (0..).zip(HealthCause::ALL) {
-            assert_eq!(cause.number(), place);
+    fn numbers_on_the_link_are_those_of_the_table() {
+        let causes = [
+            (0, HealthCause::WireBreakage),
+            (1, HealthCause::FrictionWear),
+            (2, HealthCause::Loosening),
+            (3, HealthCause::PreloadShift),
+            (4, HealthCause::Unexplained),
+            (5, HealthCause::RunIn),
+            (6, HealthCause::Temperature),
+            (7, HealthCause::SensorStuck(Channel::Displacement)),
+            (8, HealthCause::SensorStuck(Channel::Force)),
+            (9, HealthCause::SensorDroppedOut(Channel::Displacement)),
+            (10, HealthCause::SensorDroppedOut(Channel::Force)),
+            (11, HealthCause::SensorClipped(Channel::Displacement)),
+            (12, HealthCause::SensorClipped(Channel::Force)),
+            (13, HealthCause::SensorSpiking(Channel::Displacement)),
+            (14, HealthCause::SensorSpiking(Channel::Force)),
+            (15, HealthCause::SensorDrifting(Channel::Displacement)),
+            (16, HealthCause::SensorDrifting(Channel::Force)),
+            (17, HealthCause::ActuatorSaturated),
+            (18, HealthCause::ActuatorLagging),
+            (19, HealthCause::ActuatorDead),
+        ];
+        let statistics = [
+            (0, Statistic::Stiffness),
+            (1, Statistic::Energy),
+            (2, Statistic::MeanForce),
+            (3, Statistic::Residual),
+            (4, Statistic::ThirdHarmonic),
+            (5, Statistic::MeanCommand),
+            (6, Statistic::Sample),
+            (7, Statistic::Response),
+        ];
+        for (number, cause) in causes {
+            assert_eq!(cause.number(), number);
+            assert_eq!(HealthCause::of_number(number), Some(cause));
         }
-        for (place, statistic) in (0..).zip(Statistic::ALL) {
-            assert_eq!(statistic.number(), place);
+        for (number, statistic) in statistics {
+            assert_eq!(statistic.number(), number);
+            assert_eq!(Statistic::of_number(number), Some(statistic));
         }
+        assert_eq!(HealthCause::ALL.len(), causes.len());
+        assert_eq!(Statistic::ALL.len(), statistics.len());
+        assert_eq!(HealthCause::of_number(20), None);
+        assert_eq!(Statistic::of_number(8), None);
     }
 
     #[test]

@@ -394,7 +394,7 @@ impl SpecimenWatch {
         shift: &Shift,
         limit: f32,
     ) -> Event {
-        let index = usize::from(statistic.number());
+        let index = usize::from(statistic.place());
         Event {
             cause,
             statistic,

@@ -127,8 +127,8 @@ fn write_event(writer: &mut Writer<'_>, event: &Event) {
 fn read_event(reader: &mut Reader<'_>) -> Option<Event> {
     let [cause, statistic, _, _] = reader.u32()?.to_le_bytes();
     Some(Event {
-        cause: *HealthCause::ALL.get(usize::from(cause))?,
-        statistic: *Statistic::ALL.get(usize::from(statistic))?,
+        cause: HealthCause::of_number(cause)?,
+        statistic: Statistic::of_number(statistic)?,
         value: reader.f32()?,
         limit: reader.f32()?,
         cycle: reader.u32()?,

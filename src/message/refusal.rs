@@ -14,6 +14,8 @@ pub enum Refusal<'a> {
     Converter,
     /// This field of a configuration.
     Field(&'a str),
+    /// [`ConfigError::Removed`], with what there is no more.
+    Removed(&'a str),
     /// [`PackError::Magic`].
     PackMagic,
     /// [`PackError::Version`].
@@ -28,8 +30,8 @@ pub enum Refusal<'a> {
     PackBody,
 }
 
-/// The refusals without a field by the number that they have on the link.
-const REFUSALS: [Refusal<'static>; 8] = [
+/// The refusals that are told by their number alone.
+const PLAIN: [Refusal<'static>; 8] = [
     Refusal::Order,
     Refusal::Converter,
     Refusal::PackMagic,
@@ -40,15 +42,39 @@ const REFUSALS: [Refusal<'static>; 8] = [
     Refusal::PackBody,
 ];
 
+/// Number of [`Refusal::Field`] on the link.
+const FIELD: u8 = u8::MAX;
+/// Number of [`Refusal::Removed`] on the link.
+const REMOVED: u8 = FIELD - 1;
+
+impl Refusal<'_> {
+    /// Its number on the link.
+    const fn number(&self) -> u8 {
+        match self {
+            Self::Order => 0,
+            Self::Converter => 1,
+            Self::PackMagic => 2,
+            Self::PackVersion => 3,
+            Self::PackLength => 4,
+            Self::PackOrder => 5,
+            Self::PackChecksum => 6,
+            Self::PackBody => 7,
+            Self::Field(_) => FIELD,
+            Self::Removed(_) => REMOVED,
+        }
+    }
+}
+
 impl From<ConfigError> for Refusal<'static> {
     fn from(error: ConfigError) -> Self {
-        let (ConfigError::NonFinite(field)
-        | ConfigError::OutOfRange { field, .. }
-        | ConfigError::NotIncreasing(field)
-        | ConfigError::Full { field, .. }
-        | ConfigError::Empty(field)
-        | ConfigError::Removed(field)) = error;
-        Self::Field(field)
+        match error {
+            ConfigError::NonFinite(field)
+            | ConfigError::OutOfRange { field, .. }
+            | ConfigError::NotIncreasing(field)
+            | ConfigError::Full { field, .. }
+            | ConfigError::Empty(field) => Self::Field(field),
+            ConfigError::Removed(what) => Self::Removed(what),
+        }
     }
 }
 
@@ -66,25 +92,49 @@ impl From<PackError> for Refusal<'static> {
     }
 }
 
-/// Number of [`Refusal::Field`] on the link.
-const FIELD: u8 = u8::MAX;
-
 /// Writes [`super::Answer::Refused`].
 pub fn write_refusal(sequence: u32, refusal: &Refusal<'_>, buffer: &mut FrameBuffer) {
     buffer.write(answer(kind::REFUSED, sequence, 1), |writer| {
-        if let Refusal::Field(field) = refusal {
-            writer.u8(FIELD);
-            writer.bytes(field.as_bytes());
-        } else {
-            let number = (0..).zip(&REFUSALS).find(|(_, other)| *other == refusal);
-            writer.u8(number.map_or(FIELD, |(number, _)| number));
+        writer.u8(refusal.number());
+        if let Refusal::Field(name) | Refusal::Removed(name) = refusal {
+            writer.bytes(name.as_bytes());
         }
     });
 }
 
 pub(super) fn read_refusal<'a>(reader: &mut Reader<'a>) -> Option<Refusal<'a>> {
-    Some(match reader.u8()? {
-        FIELD => Refusal::Field(core::str::from_utf8(reader.rest()).ok()?),
-        number => *REFUSALS.get(usize::from(number))?,
+    let number = reader.u8()?;
+    let mut name = || core::str::from_utf8(reader.rest()).ok();
+    Some(match number {
+        FIELD => Refusal::Field(name()?),
+        REMOVED => Refusal::Removed(name()?),
+        number => PLAIN.into_iter().find(|each| each.number() == number)?,
     })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// An image of one version and a harness of another understand each other as long as these stay.
+    #[test]
+    fn numbers_on_the_link_are_those_of_the_table() {
+        let refusals: [(&[u8], Refusal<'_>); 10] = [
+            (&[0], Refusal::Order),
+            (&[1], Refusal::Converter),
+            (&[2], Refusal::PackMagic),
+            (&[3], Refusal::PackVersion),
+            (&[4], Refusal::PackLength),
+            (&[5], Refusal::PackOrder),
+            (&[6], Refusal::PackChecksum),
+            (&[7], Refusal::PackBody),
+            (b"\xfeclock", Refusal::Removed("clock")),
+            (b"\xffk1", Refusal::Field("k1")),
+        ];
+        for (bytes, refusal) in refusals {
+            assert_eq!(refusal.number(), bytes[0]);
+            assert_eq!(read_refusal(&mut Reader(bytes)), Some(refusal));
+        }
+        assert_eq!(read_refusal(&mut Reader(&[8])), None);
+    }
 }

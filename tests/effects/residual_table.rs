@@ -60,7 +60,9 @@ struct Alone<R: Real> {
 impl<R: Real> Alone<R> {
     fn new(correction: ResidualTable<R>) -> Self {
         let none = Law::new(R::ZERO, R::ZERO, R::ZERO, R::ZERO).unwrap();
-        let law = AugmentedLaw::new(none).with_correction(correction).unwrap();
+        let law = AugmentedLaw::new(none)
+            .with_residual_table(correction)
+            .unwrap();
         Self {
             state: law.at_rest(),
             law,
@@ -372,7 +374,7 @@ fn what_cannot_be_is_refused() {
     }
     let law = AugmentedLaw::<f64, 0>::new(Law::new(1.0, 0.0, 0.0, 0.0).unwrap());
     assert!(
-        law.with_correction(correction(&cells, None).unwrap())
+        law.with_residual_table(correction(&cells, None).unwrap())
             .is_err()
     );
 }
@@ -461,7 +463,7 @@ fn a_law_that_takes_over_keeps_what_is_remembered_only_where_it_remembers_the_sa
         let correction = ResidualTable::new(&parts, TICK as f32).unwrap();
         FastLaw::new(
             AugmentedLaw::<f32, 1>::new(none)
-                .with_correction(correction)
+                .with_residual_table(correction)
                 .unwrap(),
         )
     };

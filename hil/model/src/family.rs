@@ -6,7 +6,7 @@ use mesh_damper::effects::DESCRIPTIONS;
 use mesh_damper::effects::description::Description;
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
 
-/// A family of effects: most have one effect, stick-slip has two.
+/// A family of effects: most have one effect.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub struct Family(
     /// Place of its first effect in [`DESCRIPTIONS`].
@@ -53,9 +53,15 @@ impl Family {
         family
     }
 
-    /// What the force of this family depends on.
+    /// What the force of any of its effects depends on.
     pub fn depends_on(self) -> impl Iterator<Item = &'static str> {
-        self.first().depends_on.iter().map(|each| each.name())
+        let mut names = Vec::new();
+        for each in self.effects().flat_map(|effect| effect.depends_on) {
+            if !names.contains(&each.name()) {
+                names.push(each.name());
+            }
+        }
+        names.into_iter()
     }
 
     /// Whether its force changes with the temperature.
@@ -110,6 +116,8 @@ pub(crate) fn base_name(name: &str) -> &str {
 
 #[cfg(test)]
 mod tests {
+    use std::collections::BTreeSet;
+
     use super::*;
 
     /// What reads a parameter by its name alone must not meet two units.
@@ -122,11 +130,24 @@ mod tests {
 
     #[test]
     fn every_family_is_found_by_its_name() {
-        assert_eq!(Family::all().count(), DESCRIPTIONS.len() - 1);
+        let names = DESCRIPTIONS.iter().map(|effect| effect.family);
+        let distinct: BTreeSet<&str> = names.collect();
+        assert_eq!(Family::all().count(), distinct.len());
         for family in Family::all() {
             assert_eq!(Family::named(family.name()), Some(family));
         }
         assert_eq!(Family::named("none"), None);
+    }
+
+    #[test]
+    fn a_family_depends_on_all_that_its_effects_do() {
+        for effect in DESCRIPTIONS {
+            let of_family: Vec<&str> = Family::of(effect).depends_on().collect();
+            for each in effect.depends_on {
+                let times = of_family.iter().filter(|name| **name == each.name());
+                assert_eq!(times.count(), 1, "{}: {of_family:?}", effect.name);
+            }
+        }
     }
 
     #[test]

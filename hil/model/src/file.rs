@@ -198,6 +198,13 @@ impl ModelFile {
                 ));
             }
         }
+        if let Some(removed) = removed_memory(&value) {
+            return Err(refused(
+                "correction.memory.of",
+                removed.to_string(),
+                "trace the recordings again with this program",
+            ));
+        }
         let file: Self = serde_path_to_error::deserialize(value).map_err(|error| {
             refused(
                 &error.path().to_string(),
@@ -272,6 +279,21 @@ impl ModelFile {
             .map_err(|error| model_error(name, &error))?;
         Ok(())
     }
+}
+
+/// What the residual table of a model file of an earlier version is over, where no table is over it any more.
+fn removed_memory(file: &serde_json::Value) -> Option<ConfigError> {
+    let of = file.pointer("/correction/memory/of")?;
+    // One without parameters is its name alone.
+    let name = of
+        .as_str()
+        .or_else(|| of.as_object()?.keys().next().map(String::as_str));
+    Some(ConfigError::Removed(match name? {
+        "level" => "residual table over level",
+        "cycles" => "residual table over cycles",
+        "acceleration" => "residual table over acceleration",
+        _ => return None,
+    }))
 }
 
 /// A model that cannot be built, as an error about the file it is from.
@@ -459,6 +481,26 @@ mod tests {
         ] {
             assert!(error.starts_with(said), "{error}");
             assert!(!error.contains('\n'));
+        }
+    }
+
+    #[test]
+    fn what_was_removed_is_refused_by_name() {
+        for (of, name) in [
+            (
+                serde_json::json!({ "cycles": { "cycles": 10.0 } }),
+                "cycles",
+            ),
+            (serde_json::json!({ "level": { "time": 0.2 } }), "level"),
+            (serde_json::json!("acceleration"), "acceleration"),
+        ] {
+            assert_eq!(
+                read_changed(|v| v["correction"]["memory"]["of"] = of),
+                format!(
+                    "m.json: field correction.memory.of: there is no residual table over {name} any more; \
+                     trace the recordings again with this program"
+                )
+            );
         }
     }
 

@@ -141,7 +141,7 @@ impl Model {
         if let Some(table) = &self.correction {
             law = table
                 .build(tick)
-                .and_then(|correction| law.with_correction(correction))
+                .and_then(|correction| law.with_residual_table(correction))
                 .map_err(|error| ModelError::Refused {
                     place: "correction".into(),
                     error,

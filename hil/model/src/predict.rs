@@ -104,7 +104,7 @@ pub fn predict_embedded(model: &Model, trajectory: &Trajectory) -> Result<Vec<f6
     Ok(trajectory.shown(force))
 }
 
-/// What the law sees at one sample.
+/// What the law sees at one sample. A recording has no channel of a control: an effect of one would see 0 only.
 #[inline]
 pub fn motion_at<R: Real>(trajectory: &Trajectory, index: usize) -> Motion<R> {
     Motion {

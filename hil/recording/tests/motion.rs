@@ -11,11 +11,11 @@ use rand_distr::{Distribution, Normal};
 const TICK: f64 = 2e-3;
 
 /// Amplitude mm, frequency Hz, cycles.
-type Block = (f64, f64, u32);
+type SineBlock = (f64, f64, u32);
 
 /// Displacement and velocity of blocks of sines; the amplitude changes over the first half cycle of each block, smoothly,
 /// and the frequency at once, so that the velocity jumps.
-fn programme(blocks: &[Block]) -> (Vec<f64>, Vec<f64>) {
+fn programme(blocks: &[SineBlock]) -> (Vec<f64>, Vec<f64>) {
     let (mut displacement, mut velocity) = (Vec::new(), Vec::new());
     let mut before = 0.0;
     for &(amplitude, frequency, cycles) in blocks {
@@ -62,7 +62,7 @@ fn rms(values: impl Iterator<Item = f64>) -> f64 {
     f64::sqrt(sum / count)
 }
 
-const BLOCKS: [Block; 4] = [
+const BLOCKS: [SineBlock; 4] = [
     (0.05, 1.0, 6),
     (0.05, 5.0, 10),
     (0.2, 1.0, 6),

@@ -54,17 +54,28 @@ pub fn percent(fraction: f64) -> String {
 
 /// A unit as a reader writes it: kN·s/mm, kN/mm².
 pub fn unit(unit: &str) -> String {
-    match unit {
-        // A pure number says what it is by its name.
-        "1" => String::new(),
-        other => other
-            .replace('*', "·")
-            .replace("^2", "²")
-            .replace("^3", "³")
-            .replace("^5", "⁵")
-            .replace("degC", "°C"),
+    // A pure number says what it is by its name.
+    if unit == "1" {
+        return String::new();
     }
+    let mut written = String::new();
+    let mut is_raised = false;
+    for character in unit.replace('*', "·").replace("degC", "°C").chars() {
+        match (character, character.to_digit(10)) {
+            ('^', _) => is_raised = true,
+            ('-', _) if is_raised => written.push('⁻'),
+            (_, Some(digit)) if is_raised => written.push(RAISED[digit as usize]),
+            _ => {
+                is_raised = false;
+                written.push(character);
+            }
+        }
+    }
+    written
 }
+
+/// The digits of a power.
+const RAISED: [char; 10] = ['⁰', '¹', '²', '³', '⁴', '⁵', '⁶', '⁷', '⁸', '⁹'];
 
 /// `stick_slip` as `stick-slip`; several joined by `+` or `, ` as they are.
 pub fn name(family: &str) -> String {
@@ -190,7 +201,11 @@ mod tests {
         );
         assert_eq!(interval(-3.0, 20.0, 43.0), ["−3", "20", "43"]);
         assert_eq!(percent(0.00412), "0.412 %");
-        assert_eq!(unit("kN/mm^2"), "kN/mm²");
+        assert_eq!(unit("1"), "");
+        assert_eq!(unit("1/degC"), "1/°C");
+        assert_eq!(unit("kN*s/mm^2"), "kN·s/mm²");
+        assert_eq!(unit("kN/mm^5*s"), "kN/mm⁵·s");
+        assert_eq!(unit("mm^-10"), "mm⁻¹⁰");
     }
 
     #[test]

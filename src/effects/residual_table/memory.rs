@@ -90,32 +90,35 @@ impl MemoryKind {
     /// This one and those after it have a state.
     pub const FIRST_MEMORY: Self = Self::Slip;
 
+    const ALL: [Self; 10] = [
+        Self::Speed,
+        Self::Place,
+        Self::Sides,
+        Self::Slip,
+        Self::Lag,
+        Self::Travel,
+        Self::Largest,
+        Self::Age,
+        Self::Temperature,
+        Self::Frequency,
+    ];
+
     /// Of this number; `None` where there never was one.
     ///
     /// # Errors
     /// [`ConfigError::Removed`]
     pub fn of_number(number: u8) -> Option<Result<Self, ConfigError>> {
-        Some(Ok(match number {
-            0 => Self::Speed,
-            1 => Self::Place,
-            2 => Self::Sides,
-            3 => Self::Slip,
-            4 => Self::Lag,
-            5 => Self::Travel,
-            6 => Self::Largest,
-            7 => Self::Age,
-            8 => return removed("residual table over cycles"),
-            9 => return removed("residual table over level"),
-            10 => Self::Temperature,
-            11 => Self::Frequency,
-            12 => return removed("residual table over acceleration"),
-            _ => return None,
-        }))
+        let mut all = Self::ALL.into_iter();
+        let Some(kind) = all.find(|kind| *kind as u8 == number) else {
+            return Some(Err(ConfigError::Removed(match number {
+                8 => "residual table over cycles",
+                9 => "residual table over level",
+                12 => "residual table over acceleration",
+                _ => return None,
+            })));
+        };
+        Some(Ok(kind))
     }
-}
-
-fn removed<T>(what: &'static str) -> Option<Result<T, ConfigError>> {
-    Some(Err(ConfigError::Removed(what)))
 }
 
 /// How it is remembered, and where it stands among the nodes.

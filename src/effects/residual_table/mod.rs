@@ -1,9 +1,8 @@
-//! A correction without a name: a table of what a law still lacks where no known effect explains it.
+//! A residual table: the force, as a table, that a law still lacks where no known effect explains it.
 //!
 //! F = T(y, sgn v, s). T stands over displacement, once for each direction of motion, so that friction's jump at rest is exact,
-//! and over s: speed, or in its place what the motion was before, how fast it goes to and fro, its acceleration, or the
-//! temperature. Or it is a finer line over displacement alone, for what happens at one place, or lines over speed beyond edges,
-//! for what touches there.
+//! and over s: speed, or in its place what the motion was before, how fast it goes to and fro, or the temperature. Or it is a
+//! finer line over displacement alone, for what happens at one place, or lines over speed beyond edges, for what touches there.
 //!
 //! Displacement is divided evenly over ±reach, speed by half octaves ([`part_of_speed`]), what stands in its place evenly.
 //! Between nodes the table is a straight line in each of its variables; outside, its edge holds. So the force is bounded by the
@@ -58,8 +57,8 @@ pub struct ResidualTableParts<'t, R> {
     pub cells: &'t [i16],
     /// What stands in the place of speed, and its values at the first and at the last node, ±1e9, which must rise, and are not
     /// used with [`Memory::Slip`], [`Memory::Place`] and [`Memory::Sides`]. Lengths are taken at least an eighth of the reach
-    /// apart and within four times of it, octaves half an octave and within ±16, speeds an eighth of the last, temperatures and
-    /// accelerations a 32nd and a 16th of the larger.
+    /// apart and within four times of it, octaves half an octave and within ±16, speeds an eighth of the last,
+    /// temperatures a 32nd of the larger.
     pub memory: Option<(Memory<R>, [R; 2])>,
 }
 

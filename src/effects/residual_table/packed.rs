@@ -58,6 +58,9 @@ impl ResidualTable<f32> {
         ] {
             *number = reader.u32()? as i32;
         }
+        if unused != UNUSED {
+            return None;
+        }
         for byte in LENGTH {
             if reader.u8()? != byte {
                 return None;

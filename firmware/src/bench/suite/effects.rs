@@ -3,7 +3,7 @@
 
 use core::fmt;
 
-use mesh_damper::effects::description::Description;
+use mesh_damper::effects::description::{Cost, Description};
 use mesh_damper::effects::residual_table::{CELLS, Memory, ResidualTableParts};
 use mesh_damper::effects::{AugmentedLaw, DESCRIPTIONS, Effect, Motion, ResidualTable, StickSlip};
 use mesh_damper::error::ConfigError;
@@ -17,8 +17,6 @@ use super::tick::{FREQUENCY, TICK_RATE};
 
 /// Effects that there are.
 const EFFECTS: usize = DESCRIPTIONS.len();
-/// Of these, the first so many are ordinary; stages and what is rare come last.
-const ORDINARY: usize = 10;
 /// mm
 const AMPLITUDE: f32 = 0.1;
 /// Largest speed of a correction's table, mm/s.
@@ -43,10 +41,10 @@ fn eq13() -> Augmented {
     AugmentedLaw::new(PAPER.lookup(3.0, AMPLITUDE).law)
 }
 
-fn law(effects: &[Effect<f32>]) -> Result<Augmented, ConfigError> {
+fn law(effects: impl IntoIterator<Item = Effect<f32>>) -> Result<Augmented, ConfigError> {
     let mut law = eq13();
     for effect in effects {
-        law = law.with(*effect)?;
+        law = law.with(effect)?;
     }
     Ok(law)
 }
@@ -172,22 +170,27 @@ pub fn run(meter: &mut impl Meter) -> Result<(), Refused> {
     count(meter, "effects/none", eq13())?;
     for (description, effect) in each {
         let name = format_args!("effects/{}", description.name);
-        count(meter, name, law(&[effect])?)?;
+        count(meter, name, law([effect])?)?;
     }
     let one = one_element()?;
-    count(meter, "effects/stick_slip_1", law(&[one])?)?;
-    let all = each.map(|(_, effect)| effect);
-    let (ordinary, _) = all.split_at(ORDINARY);
-    count(meter, "effects/all", law(ordinary)?)?;
-    count(meter, "effects/all_with_stages", law(&all)?)?;
-    let all_one = all.map(|effect| match effect {
+    count(meter, "effects/stick_slip_1", law([one])?)?;
+    let all = each.iter().map(|(_, effect)| *effect);
+    // Stages, too, are rare.
+    let ordinary = each.iter().filter(|(of, _)| of.cost != Cost::Rare);
+    let ordinary = ordinary.map(|(_, effect)| *effect);
+    count(meter, "effects/all", law(ordinary.clone())?)?;
+    count(meter, "effects/all_with_stages", law(all)?)?;
+    let ordinary_one = ordinary.map(|effect| match effect {
         Effect::StickSlip(_) => one,
         other => other,
     });
-    let (ordinary_one, _) = all_one.split_at(ORDINARY);
     count(meter, "effects/all_stick_slip_1", law(ordinary_one)?)?;
     for (name, memory) in memories() {
-        count(meter, name, eq13().with_correction(correction(memory)?)?)?;
+        count(
+            meter,
+            name,
+            eq13().with_residual_table(correction(memory)?)?,
+        )?;
     }
     Ok(())
 }

@@ -2,7 +2,7 @@
 
 use nalgebra::{DMatrix, DVector};
 
-/// Columns of a block. Convention: as many as stay in the first cache with a few hundred rows.
+/// Columns of a block. Convention: as many as stay in the second cache with a few hundred rows, some 75 KB.
 const BLOCK: usize = 32;
 
 /// L of A = L·Lᵀ, below the diagonal and on it.

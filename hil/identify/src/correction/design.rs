@@ -87,7 +87,7 @@ type Cells = [(usize, f64); 8];
 /// All samples of a fit.
 pub(crate) struct Design<'a> {
     pub trajectories: &'a [Trajectory],
-    pub extent: Reach,
+    pub reach: Reach,
     pub rows: Vec<Row>,
     /// Amplitudes of eq 13's nodes, mm.
     pub nodes: Vec<f64>,
@@ -109,12 +109,12 @@ pub(crate) struct Recalled {
 }
 
 impl<'a> Design<'a> {
-    /// The samples that `included` picks, for a table of `extent`, or of their own; `None` where there are none, or where they
+    /// The samples that `included` picks, for a table of `reach`, or of their own; `None` where there are none, or where they
     /// do not move.
     pub fn new(
         trajectories: &'a [Trajectory],
         model: &Model,
-        extent: Option<Reach>,
+        reach: Option<Reach>,
         included: impl Fn(usize, usize) -> bool,
     ) -> Result<Option<Self>, ModelError> {
         let picked: Vec<(usize, usize)> = trajectories
@@ -132,11 +132,11 @@ impl<'a> Design<'a> {
                 most.max(channel(&trajectories[which])[sample].abs())
             })
         };
-        let extent = extent.unwrap_or_else(|| Reach {
+        let reach = reach.unwrap_or_else(|| Reach {
             displacement: largest(&|t| &t.motion.displacement),
             speed: largest(&|t| &t.motion.velocity),
         });
-        let Some(table) = empty(&extent, None, 1.0) else {
+        let Some(table) = empty(&reach, None, 1.0) else {
             return Ok(None);
         };
 
@@ -198,7 +198,7 @@ impl<'a> Design<'a> {
         let blocks = trajectories.iter().map(|t| t.blocks.len()).sum();
         Ok(Some(Self {
             trajectories,
-            extent,
+            reach,
             left_out: left_out(trajectories, &rows),
             rows,
             nodes,
@@ -227,15 +227,14 @@ impl<'a> Design<'a> {
             .map(|t| t.len() as f64 * t.tick)
             .fold(0.0, f64::max);
         let wide = match of {
-            Remembered::Lag { .. } => [-self.extent.displacement, self.extent.displacement],
-            Remembered::Travel { .. } => [0.0, self.extent.speed],
-            Remembered::Largest => [0.0, self.extent.displacement],
+            Remembered::Lag { .. } => [-self.reach.displacement, self.reach.displacement],
+            Remembered::Travel { .. } => [0.0, self.reach.speed],
+            Remembered::Largest => [0.0, self.reach.displacement],
             Remembered::Age { time } => [0.0, 1.0 + (longest / time).log2().max(0.0)],
             Remembered::Temperature => self.temperatures()?,
             Remembered::Slip { limit } => return self.recall_within(of, [-limit, limit]),
             Remembered::Place | Remembered::Sides { .. } => {
-                return self
-                    .recall_within(of, [-self.extent.displacement, self.extent.displacement]);
+                return self.recall_within(of, [-self.reach.displacement, self.reach.displacement]);
             }
             Remembered::Frequency { .. } => {
                 let (slowest, fastest) = self.frequencies();
@@ -265,7 +264,7 @@ impl<'a> Design<'a> {
     pub fn zones(&self, count: usize) -> (Recalled, [Vec<f64>; 2]) {
         let mut power = [vec![0.0; count], vec![0.0; count]];
         let mut cells_at = |instant: &Instant| {
-            let part = 0.5 * (instant.displacement / self.extent.displacement + 1.0);
+            let part = 0.5 * (instant.displacement / self.reach.displacement + 1.0);
             let zone = ((part * count as f64) as usize).min(count - 1);
             let velocity = instant.direction * instant.log_speed.exp();
             power[0][zone] += 1.0;
@@ -278,7 +277,7 @@ impl<'a> Design<'a> {
         let cells = rows.map(|row| row.instants.iter().map(&mut cells_at).collect());
         let zones = Recalled {
             of: Remembered::Place,
-            range: [-self.extent.displacement, self.extent.displacement],
+            range: [-self.reach.displacement, self.reach.displacement],
             cells: cells.collect(),
         };
         (zones, power)
@@ -322,7 +321,7 @@ impl<'a> Design<'a> {
         let mut wanted = wanted.into_iter().peekable();
         let mut taken: Vec<Vec<T>> = self.rows.iter().map(|_| Vec::new()).collect();
         for (which, trajectory) in self.trajectories.iter().enumerate() {
-            let table = empty(&self.extent, Some((of, range)), trajectory.tick)?;
+            let table = empty(&self.reach, Some((of, range)), trajectory.tick)?;
             let mut state = ResidualTableState::NEW;
             for sample in 0..trajectory.len() {
                 let support = table.support(&mut state, &motion_at(trajectory, sample).clamped());
@@ -423,14 +422,14 @@ fn between(nodes: &[f64], amplitude: f64) -> (usize, f64) {
 
 /// A table with nothing in it.
 fn empty(
-    extent: &Reach,
+    reach: &Reach,
     memory: Option<(Remembered, [f64; 2])>,
     tick: f64,
 ) -> Option<ResidualTable<f64>> {
     let memory = memory.map(|(of, range)| (of.memory(), range));
     let parts = ResidualTableParts {
-        reach: extent.displacement,
-        speed: extent.speed,
+        reach: reach.displacement,
+        speed: reach.speed,
         unit: 1.0,
         cells: &[0; CELLS],
         memory,

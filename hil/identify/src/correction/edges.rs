@@ -45,7 +45,7 @@ pub(super) fn likely_sides(design: &Design, at: &Coefficients) -> Option<[Vec<Re
         one(friction, &power[0]) + one(damping, &power[1])
     };
     let edge = |zone: usize| {
-        (2.0 * zone as f64 / policy().edges.zones as f64 - 1.0) * design.extent.displacement
+        (2.0 * zone as f64 / policy().edges.zones as f64 - 1.0) * design.reach.displacement
     };
     let pair = |below: usize, above: usize| {
         let left = unlike(0, below) + unlike(below, above) + unlike(above, policy().edges.zones);

@@ -103,7 +103,7 @@ pub(super) fn goes_on_with_time(of: Remembered) -> bool {
 /// On how many sides something touches.
 pub(super) fn sides(of: Remembered, design: &Design) -> usize {
     match of {
-        Remembered::Sides { below, .. } if below <= -design.extent.displacement => 1,
+        Remembered::Sides { below, .. } if below <= -design.reach.displacement => 1,
         Remembered::Sides { .. } => 2,
         _ => 0,
     }
@@ -113,7 +113,7 @@ pub(super) fn sides(of: Remembered, design: &Design) -> usize {
 pub(super) fn kinds(design: &Design, at: &Coefficients) -> Vec<Vec<Remembered>> {
     let policy = &policy().memory;
     let trajectories = design.trajectories;
-    let reach = design.extent.displacement;
+    let reach = design.reach.displacement;
     let longest =
         |value: fn(&Trajectory) -> f64| trajectories.iter().map(value).fold(0.0, f64::max);
     let (slowest, fastest) = design.frequencies();
@@ -166,7 +166,7 @@ pub(super) fn kinds(design: &Design, at: &Coefficients) -> Vec<Vec<Remembered>> 
 /// The same kind with its limit or time a little smaller and a little larger, or its edges a little to either side: the less,
 /// the more often they were `sought`.
 pub(super) fn around(of: Remembered, sought: u32, design: &Design) -> Vec<Remembered> {
-    let reach = design.extent.displacement;
+    let reach = design.reach.displacement;
     if let Remembered::Sides { below, above } = of {
         let step = 0.5_f64.powi(sought as i32) * policy().memory.edge * reach;
         let ways = if sides(of, design) == 1 {

@@ -47,7 +47,7 @@ const FULL: f64 = 32_000.0;
 /// What a correction is made of, before its cells are solved for.
 #[derive(Clone, Debug)]
 pub struct Choice {
-    extent: Reach,
+    reach: Reach,
     trends: Vec<Trend>,
     /// How smooth the table is around them, where there is one.
     table: Option<f64>,
@@ -149,7 +149,7 @@ pub fn refit(
     model: &Model,
     included: impl Fn(usize, usize) -> bool,
 ) -> Result<Model, ModelError> {
-    let design = Design::new(trajectories, model, Some(choice.extent), included)?;
+    let design = Design::new(trajectories, model, Some(choice.reach), included)?;
     let solved = design.and_then(|design| {
         let recalled = choice.recalled(&design);
         let start = Coefficients::of(model);
@@ -170,7 +170,7 @@ pub fn depends_on(
     included: impl Fn(usize, usize) -> bool,
 ) -> Result<Vec<&'static str>, ModelError> {
     let mut names = Vec::new();
-    let design = Design::new(trajectories, model, Some(choice.extent), included)?;
+    let design = Design::new(trajectories, model, Some(choice.reach), included)?;
     if let Some(design) = &design {
         let recalled = choice.recalled(design);
         let at = Coefficients::of(model);
@@ -219,8 +219,8 @@ fn corrected(model: &Model, solved: &Solved, choice: &Choice) -> Model {
         law: solved.coefficients.nodes(model),
         effects: model.effects.clone(),
         correction: Some(CorrectionTable {
-            reach: choice.extent.displacement,
-            speed: choice.extent.speed,
+            reach: choice.reach.displacement,
+            speed: choice.reach.speed,
             unit,
             cells: counts.collect(),
             memory: choice.memory,

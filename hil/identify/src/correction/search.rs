@@ -77,7 +77,7 @@ fn around(
         solved = again.unwrap_or(with);
     }
     let choice = Choice {
-        extent: design.extent,
+        reach: design.reach,
         table,
         memory: recalled.map(|recalled| MemoryAxis {
             of: recalled.of,

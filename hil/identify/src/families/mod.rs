@@ -253,12 +253,34 @@ fn one(parameters: Vec<(&'static str, f64)>) -> Vec<Element> {
 
 #[cfg(test)]
 mod tests {
+    use mesh_damper::effects::DESCRIPTIONS;
+
     use super::*;
+    use crate::term::{Term, added_effects};
+
+    /// The name of the effect that a model file has where this form was found.
+    fn effect_of(form: Form) -> &'static str {
+        let sizes = match form.entry {
+            Entry::Adds(count) | Entry::Scales(count) => count,
+            Entry::Moves => 0,
+        };
+        let reference = 20.0;
+        let value = TermValue {
+            term: Term { form, reference },
+            sizes: vec![0.1; sizes],
+            shapes: vec![1.0; form.shape_names.len()],
+        };
+        let added = added_effects(&[value]);
+        assert_eq!(added.len(), 1, "{form:?}");
+        let effect = added[0].effect::<f64>(0.1, || form.name.into()).unwrap();
+        effect.description().name
+    }
 
     #[test]
     fn every_effect_of_the_crate_has_a_form_and_every_form_its_effect() {
-        for family in Family::all() {
-            assert!(Form::all().any(|form| form.family() == family), "{family}");
+        let found: Vec<&str> = Form::all().map(effect_of).collect();
+        for effect in DESCRIPTIONS {
+            assert!(found.contains(&effect.name), "{}", effect.name);
         }
         for (place, form) in Form::all().enumerate() {
             assert_eq!(form.place(), place);

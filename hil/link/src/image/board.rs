@@ -21,6 +21,22 @@ pub enum Board {
 }
 
 impl Board {
+    /// Every board.
+    pub const ALL: [Self; 4] = [
+        Self::Mps2An386,
+        Self::Mps2An500,
+        Self::NetduinoPlus2,
+        Self::Microbit,
+    ];
+
+    /// Whether it runs the rig controller; the others only count instructions.
+    pub fn runs_rig(self) -> bool {
+        match self {
+            Self::Mps2An386 | Self::Mps2An500 | Self::NetduinoPlus2 => true,
+            Self::Microbit => false,
+        }
+    }
+
     /// What QEMU calls it.
     pub fn machine(self) -> &'static str {
         match self {

@@ -55,6 +55,9 @@ impl LinkError {
     fn refused(refusal: &Refusal<'_>) -> Self {
         let reason = match refusal {
             Refusal::Field(field) => return Self::Refused(format!("{field} cannot be so")),
+            Refusal::Removed(what) => {
+                return Self::Refused(format!("there is no {what} any more"));
+            }
             Refusal::Order => "it does not come in this order",
             Refusal::Converter => "a converter did not answer its driver",
             Refusal::PackMagic => "these bytes are no coefficient pack",
@@ -244,5 +247,21 @@ impl<W: Wire> Image<W> {
     /// The wire.
     pub fn wire(&mut self) -> &mut W {
         self.exchange.wire()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use mesh_damper::error::ConfigError;
+
+    use super::*;
+
+    #[test]
+    fn what_was_removed_is_said_as_the_crate_says_it() {
+        let removed = ConfigError::Removed("residual table over cycles");
+        assert_eq!(
+            LinkError::refused(&removed.into()).to_string(),
+            format!("the image refused it: {removed}")
+        );
     }
 }

@@ -50,8 +50,12 @@ impl Pattern {
     }
 
     /// Which entry of the lower triangle is in `row` and `column`, `row` ≥ `column`, of one group.
+    ///
+    /// # Panics
+    /// When the row begins after `column`: the entry would be one of the row before.
     pub fn entry(&self, row: usize, column: usize) -> usize {
-        self.starts[row] + column - self.first[row]
+        let place = column.checked_sub(self.first[row]);
+        self.starts[row] + place.expect("row and column are of one group")
     }
 
     /// The entries of `row`, from `column` on.
@@ -113,6 +117,9 @@ fn dot(a: &[f64], b: &[f64]) -> f64 {
 
 #[cfg(test)]
 mod tests {
+    use nalgebra::{DMatrix, DVector};
+    use proptest::prelude::*;
+
     use super::*;
 
     /// Two bars of three equations that share one, on springs: K = Σ groups.
@@ -157,6 +164,60 @@ mod tests {
         for (solved, x) in right.iter().zip(x) {
             assert!((solved - x).abs() < 1e-12, "{right:?}");
         }
+    }
+
+    /// Groups of 3 to 6 of `size` unknowns, which overlap where they like and leave gaps in rows. Each comes with the entries of
+    /// a square of its own.
+    fn groups(size: usize) -> impl Strategy<Value = Vec<(Vec<usize>, Vec<f64>)>> {
+        let unknowns: Vec<usize> = (0..size).collect();
+        let group = proptest::sample::subsequence(unknowns, 3..=6);
+        let square = proptest::collection::vec(-1.0..1.0, 36);
+        proptest::collection::vec((group, square), 1..=size)
+    }
+
+    proptest! {
+        /// Σ B·Bᵀ over the groups, on springs: positive definite. Groups that overlap fill entries that no group has.
+        #[test]
+        fn groups_that_overlap_are_solved_as_a_dense_matrix_is(
+            (size, groups) in (6_usize..40).prop_flat_map(|size| (Just(size), groups(size))),
+            right in proptest::collection::vec(-1.0..1.0, 40),
+        ) {
+            let unknowns = groups.iter().map(|(group, _)| group.clone());
+            let pattern = Pattern::new(size, unknowns).unwrap();
+            let mut values = vec![0.0; pattern.entries()];
+            let mut dense = DMatrix::<f64>::identity(size, size) * SPRING;
+            for row in 0..size {
+                values[pattern.entry(row, row)] = SPRING;
+            }
+            for (group, square) in &groups {
+                let square = DMatrix::from_row_slice(6, 6, square);
+                let part = &square * square.transpose();
+                for (i, &row) in group.iter().enumerate() {
+                    for (j, &column) in group.iter().enumerate() {
+                        dense[(row, column)] += part[(i, j)];
+                        if column <= row {
+                            values[pattern.entry(row, column)] += part[(i, j)];
+                        }
+                    }
+                }
+            }
+            let right = DVector::from_column_slice(&right[..size]);
+            let expected = dense.cholesky().unwrap().solve(&right);
+            let mut solved = right;
+            pattern.solve(&values, solved.as_mut_slice()).unwrap();
+            // Between the springs' stiffness and 36 from each of 40 groups lies a factor of 15 000.
+            let error = (&solved - &expected).amax();
+            prop_assert!(error < 1e-10 * (1.0 + expected.amax()), "{error}");
+        }
+    }
+
+    /// Of the least stiff motion of the random matrices.
+    const SPRING: f64 = 0.1;
+
+    #[test]
+    #[should_panic(expected = "of one group")]
+    fn an_entry_before_a_row_begins_is_not_one_of_the_row_before() {
+        pattern().entry(3, 1);
     }
 
     #[test]
