@@ -245,3 +245,82 @@ fn blocks_do_not_depend_on_the_axis() {
         |t: &Trajectory| -> Vec<_> { t.blocks.iter().map(|block| block.samples.clone()).collect() };
     assert_eq!(spans(&trajectory(&recorded)), spans(&trajectory(&moved)));
 }
+
+/// Sums of tones up to 10 Hz, and the same with holds: displacement and velocity.
+fn tones_with_holds(holds: bool) -> (Vec<f64>, Vec<f64>) {
+    let at = |index: usize| {
+        let time = index as f64 * TICK;
+        let (gate, slope) = match (time % 8.0, holds) {
+            (since, true) if since > 5.0 => (0.0, 0.0),
+            (since, true) => {
+                let (sin, cos) = (TAU * since / 5.0).sin_cos();
+                (0.5 * (1.0 - cos), 0.5 * sin * TAU / 5.0)
+            }
+            (_, false) => (1.0, 0.0),
+        };
+        let tones = (1..25).map(|tone| {
+            let turn = TAU * (0.4 * f64::from(tone) + 0.013 * f64::from(tone * tone % 7));
+            let (sin, cos) = (turn * time + f64::from(tone * tone)).sin_cos();
+            let size = 0.05 / f64::from(tone);
+            (size * sin, size * turn * cos)
+        });
+        let (y, v) = tones.fold((0.0, 0.0), |(y, v), (a, b)| (y + a, v + b));
+        (gate * y, gate * v + slope * y)
+    };
+    (0..10_000).map(at).unzip()
+}
+
+/// The error that a motion is said to have is as large as the one that it has, whatever the noise and the motion; the variance of a
+/// window's slope alone, which knows nothing of what was smoothed away, says less.
+#[test]
+fn the_error_of_a_motion_is_as_large_as_is_said() {
+    for (holds, deviation, seed) in [(false, 5e-5, 1), (false, 5e-4, 2), (true, 1e-4, 3)] {
+        let (clean, velocity) = tones_with_holds(holds);
+        let trajectory = trajectory(&noisy(&clean, deviation, seed));
+        let (motion, said) = (&trajectory.motion, &trajectory.motion_error);
+        let off =
+            |estimated: &[f64], truth: &[f64]| rms(estimated.iter().zip(truth).map(|(a, b)| a - b));
+        let of_velocity = off(&motion.velocity, &velocity);
+        let of_displacement = off(&motion.displacement, &clean);
+        let ratios = [
+            rms(said.velocity.iter().copied()) / of_velocity,
+            rms(said.displacement.iter().copied()) / of_displacement,
+        ];
+        assert!(
+            ratios.iter().all(|ratio| (0.7..1.4).contains(ratio)),
+            "{deviation}: {ratios:?}"
+        );
+        if holds {
+            let held =
+                (0..clean.len()).filter(|index| (5.2..7.8).contains(&(*index as f64 * TICK % 8.0)));
+            assert!(held.clone().all(|index| motion.velocity[index] == 0.0));
+        }
+    }
+}
+
+/// A velocity that somebody differentiated makes the motion no worse, and a good one makes it better.
+#[test]
+fn a_measured_velocity_counts_by_its_noise() {
+    let (clean, velocity) = tones_with_holds(false);
+    let displacement = noisy(&clean, 1e-4, 5);
+    let last = displacement.len() - 1;
+    let differentiated: Vec<f64> = (0..=last)
+        .map(|index| {
+            let (a, b) = (index.saturating_sub(1), (index + 1).min(last));
+            (displacement[b] - displacement[a]) / ((b - a) as f64 * TICK)
+        })
+        .collect();
+    let error = |measured: Option<Vec<f64>>| {
+        let force = vec![0.0; displacement.len()];
+        let trajectory = Trajectory::new("test", TICK, &displacement, force, measured, None);
+        rms(trajectory
+            .motion
+            .velocity
+            .iter()
+            .zip(&velocity)
+            .map(|(a, b)| a - b))
+    };
+    let without = error(None);
+    assert!(error(Some(differentiated)) < 1.02 * without);
+    assert!(error(Some(noisy(&velocity, 1e-4, 6))) < 0.1 * without);
+}
