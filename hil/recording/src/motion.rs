@@ -47,6 +47,8 @@ pub struct MotionEstimate {
     pub acceleration: Vec<f64>,
     /// Standard deviation of the velocity that the displacement's noise leaves, mm/s.
     pub velocity_deviation: Vec<f64>,
+    /// Samples in which the displacement stands still, in order.
+    pub rests: Vec<Range<usize>>,
     /// First samples after a jump of velocity, increasing.
     pub kinks: Vec<usize>,
     /// Standard deviation of the displacement's noise, mm.
@@ -125,6 +127,7 @@ impl MotionEstimate {
             velocity: Vec::with_capacity(count),
             acceleration: Vec::with_capacity(count),
             velocity_deviation: Vec::with_capacity(count),
+            rests: find_rests(displacement, noise),
             kinks,
             noise,
             start_from_rest: 0,
@@ -136,7 +139,6 @@ impl MotionEstimate {
             noise,
         );
         motion.start_from_rest = start_from_rest.as_ref().map_or(0, |start| start.length);
-        let rests = find_rests(displacement, noise);
         let mut half = HalfWindow::new(tick, noise);
         for segment in bounds.windows(2) {
             let (start, end) = (segment[0], segment[1]);
@@ -157,13 +159,21 @@ impl MotionEstimate {
                     .push(noise * cubic.slope_variance.sqrt() / tick);
             }
         }
-        motion.stand_still(&rests, displacement);
+        motion.stand_still(displacement);
         motion
     }
 
-    /// Gives the samples of `rests` no velocity and their mean for displacement.
-    fn stand_still(&mut self, rests: &[Range<usize>], displacement: &[f64]) {
-        for rest in rests {
+    /// Whether the displacement stands still at a sample.
+    pub fn is_at_rest(&self, index: usize) -> bool {
+        let after = self.rests.partition_point(|rest| rest.end <= index);
+        self.rests
+            .get(after)
+            .is_some_and(|rest| rest.contains(&index))
+    }
+
+    /// Gives the samples of rests no velocity and their mean for displacement.
+    fn stand_still(&mut self, displacement: &[f64]) {
+        for rest in &self.rests {
             let count = rest.len() as f64;
             let mean = displacement[rest.clone()].iter().sum::<f64>() / count;
             self.displacement[rest.clone()].fill(mean);

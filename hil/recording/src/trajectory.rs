@@ -418,7 +418,7 @@ impl Trajectory {
     }
 
     /// Whether the law can be compared with the force at a sample: it was measured, it is not next to a kink, and its
-    /// velocity is certain enough for the law's steep |v|^α.
+    /// velocity is certain enough for the law's steep |v|^α, or certainly none.
     pub fn is_telling(&self, index: usize) -> bool {
         let after = self.motion.kinks.partition_point(|&kink| kink + 1 < index);
         let at_kink = self
@@ -427,8 +427,8 @@ impl Trajectory {
             .get(after)
             .is_some_and(|kink| kink.abs_diff(index) <= 1);
         let certain = self.motion.velocity[index].abs()
-            >= policy().trajectory.certain * self.motion.velocity_deviation[index];
-        self.measured[index] && certain && !at_kink
+            > policy().trajectory.certain * self.motion.velocity_deviation[index];
+        self.measured[index] && (certain || self.motion.is_at_rest(index)) && !at_kink
     }
 
     /// What the channel shows of `force`, one value per sample.
