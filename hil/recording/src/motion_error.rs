@@ -6,6 +6,15 @@
 //! residuals, Efron 1979). That holds for whatever an estimate is made of: windows, sines, rests and kinks.
 
 use super::motion::MotionEstimate;
+use crate::policy::policy;
+
+crate::numbers! {
+    /// How far a motion may be off.
+    MotionErrorPolicy {
+        /// So many samples to either side tell how large the force is that the motion's error leaves.
+        about: usize = 16, Convention("33 squares give a variance to a quarter");
+    }
+}
 
 /// An error that an estimated motion may have: one draw of it for every sample.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -56,5 +65,45 @@ impl MotionError {
             displacement: off(&again.displacement, &motion.displacement),
             velocity: off(&again.velocity, &motion.velocity),
         }
+    }
+
+    /// Variance in kN² of what the error makes of a force in kN at a displacement in mm and a velocity in mm/s, at each sample.
+    ///
+    /// One draw is no variance, but the mean square of those samples about it that are telling is about one. Others are near a
+    /// standstill, where the force of |v|^α may be off by much more: they count for themselves alone.
+    pub(super) fn carried(
+        &self,
+        motion: &MotionEstimate,
+        is_telling: impl Fn(usize) -> bool,
+        force: impl Fn(f64, f64) -> f64,
+    ) -> Vec<f64> {
+        let count = self.displacement.len();
+        let squares = |index: usize| {
+            let (y, v) = (motion.displacement[index], motion.velocity[index]);
+            let off = force(y + self.displacement[index], v + self.velocity[index]);
+            (off - force(y, v)).powi(2)
+        };
+        let squares: Vec<f64> = (0..count).map(squares).collect();
+        let telling: Vec<bool> = (0..count).map(is_telling).collect();
+        // Of the telling samples before each.
+        let mut sums = vec![(0.0, 0.0)];
+        let (mut sum, mut told) = (0.0, 0.0);
+        for (square, telling) in squares.iter().zip(&telling) {
+            if *telling {
+                sum += square;
+                told += 1.0;
+            }
+            sums.push((sum, told));
+        }
+        let about = policy().motion_error.about;
+        let variance = |index: usize| {
+            if !telling[index] {
+                return squares[index];
+            }
+            let from = sums[index.saturating_sub(about)];
+            let to = sums[(index + about + 1).min(count)];
+            (to.0 - from.0).max(0.0) / (to.1 - from.1)
+        };
+        (0..count).map(variance).collect()
     }
 }

@@ -33,6 +33,7 @@ pub use crate::faults::spikes::SpikesPolicy;
 pub use crate::faults::velocity::VelocityPolicy;
 pub use crate::kinks::KinksPolicy;
 pub use crate::motion::MotionPolicy;
+pub use crate::motion_error::MotionErrorPolicy;
 pub use crate::noise::NoisePolicy;
 pub use crate::resample::ResamplePolicy;
 pub use crate::rest::RestPolicy;
@@ -165,6 +166,8 @@ crate::policy! {
     kinks: KinksPolicy,
     /// Velocity and acceleration of a measured displacement.
     motion: MotionPolicy,
+    /// How far that may be off.
+    motion_error: MotionErrorPolicy,
     /// The noise of a channel.
     noise: NoisePolicy,
     /// Equal steps of time.

@@ -38,8 +38,6 @@ crate::numbers! {
         crossing_noises: f64 = 6.0, Derived("white noise does so about twice in 10⁹ samples");
         /// A crossing counts where the displacement leaves a band of this part of its range about its middle.
         crossing: f64 = 0.01, Convention("a hundredth of the largest motion is the smallest that counts");
-        /// So many samples to either side tell how large the force is that the motion's error leaves.
-        about_error: usize = 16, Convention("33 squares give a variance to a quarter");
         /// The temperature of a recording that has none, °C.
         room: f64 = 20.0, Convention("a laboratory's");
     }
@@ -299,48 +297,8 @@ impl Trajectory {
     /// Carries the error of the motion into what a law is held to: `force` is about what the law gives at a displacement in mm and
     /// a velocity in mm/s, kN.
     pub fn carry_motion_error(&mut self, force: impl Fn(f64, f64) -> f64) {
-        let (motion, error) = (&self.motion, &self.motion_error);
-        let squares: Vec<f64> = (0..self.len())
-            .map(|index| {
-                let (y, v) = (motion.displacement[index], motion.velocity[index]);
-                let (off_y, off_v) = (y + error.displacement[index], v + error.velocity[index]);
-                (force(off_y, off_v) - force(y, v)).powi(2)
-            })
-            .collect();
-        // One error is no variance, but that of samples which the law can be compared at, some of them about each, is about one.
-        let about = policy().trajectory.about_error;
-        let telling: Vec<f64> = (0..self.len())
-            .map(|index| f64::from(u8::from(self.is_telling(index))))
-            .collect();
-        let sums = |weights: &mut dyn Iterator<Item = f64>| -> Vec<f64> {
-            std::iter::once(0.0)
-                .chain(weights.scan(0.0, |sum, weight| {
-                    *sum += weight;
-                    Some(*sum)
-                }))
-                .collect()
-        };
-        let counts = sums(&mut telling.iter().copied());
-        let told = sums(
-            &mut telling
-                .iter()
-                .zip(&squares)
-                .map(|(telling, square)| telling * square),
-        );
-        self.carried = (0..self.len())
-            .map(|index| {
-                let (from, to) = (
-                    index.saturating_sub(about),
-                    (index + about + 1).min(self.len()),
-                );
-                let count = counts[to] - counts[from];
-                if telling[index] > 0.0 {
-                    (told[to] - told[from]).max(0.0) / count
-                } else {
-                    squares[index]
-                }
-            })
-            .collect();
+        let is_telling = |index: usize| self.is_telling(index);
+        self.carried = (self.motion_error).carried(&self.motion, is_telling, force);
     }
 
     /// Variance of what a perfect law leaves at a sample, kN²: of the force's noise, and of the error of the motion as far as that

@@ -8,6 +8,9 @@ mod path;
 mod sensors;
 mod summary;
 
+use std::cell::OnceCell;
+use std::ops::Range;
+
 use mesh_damper_recording::Recording;
 use mesh_damper_recording::trajectory::Trajectory;
 use mesh_damper_reference::protocol::MotionSample;
@@ -17,7 +20,6 @@ use rand::seq::IndexedRandom;
 use rand::{Rng, RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use rayon::iter::{IntoParallelIterator, ParallelIterator};
-use std::ops::Range;
 
 pub use judge::{Mark, Outcome, judge};
 pub use path::{Kind, Path};
@@ -89,7 +91,8 @@ fn drawn(seed: u64, rng: &mut impl Rng) -> Option<Trial> {
         Kind::QuasiStatic => *[10.0, 20.0, 50.0].choose(rng)?,
         _ => *[200.0, 500.0, 500.0, 1000.0].choose(rng)?,
     };
-    let law = answer(&specimen, &paths[0], rate);
+    let tests = paths.map(|path| Driven::new(path, rate));
+    let law = tests[0].answer(&specimen);
     let flaw = *Flaw::DRAWN.choose(rng)?;
     let sensors = Sensors::draw(flaw, rms(&law.1), rng);
     let mut hidden: Vec<HiddenEffect> = Vec::new();
@@ -103,7 +106,7 @@ fn drawn(seed: u64, rng: &mut impl Rng) -> Option<Trial> {
         let mut factor: f64 = example.factors.0.max(1e-3);
         let sized = (0..SIZINGS).find_map(|_| {
             let effect = example.effect.scaled(factor);
-            let (motion, force) = answer(&specimen.clone().with(effect), &paths[0], rate);
+            let (motion, force) = tests[0].answer(&specimen.clone().with(effect));
             let left = left_by_eq13(&motion, &force);
             let ratio = wanted / left.max(1e-3 * wanted);
             let added: Vec<f64> = force.iter().zip(&law.1).map(|(a, b)| a - b).collect();
@@ -118,7 +121,7 @@ fn drawn(seed: u64, rng: &mut impl Rng) -> Option<Trial> {
     let specimen = hidden
         .iter()
         .fold(specimen, |specimen, &effect| specimen.with(effect));
-    let truths = paths.each_ref().map(|path| answer(&specimen, path, rate));
+    let truths = tests.each_ref().map(|test| test.answer(&specimen));
     let mut recorded = |which: usize, name: &str| {
         let (motion, force) = &truths[which];
         sensors.record(
@@ -146,34 +149,60 @@ fn drawn(seed: u64, rng: &mut impl Rng) -> Option<Trial> {
     })
 }
 
-/// Motion and force of `specimen` along `path`, `rate` times a second.
-fn answer(specimen: &Specimen, path: &Path, rate: f64) -> (Vec<MotionSample>, Vec<f64>) {
-    let mut specimen = specimen.at_rest();
-    let steps = steps(&specimen, 1.0 / rate);
-    let fine = rate * steps as f64;
-    let count = (path.duration * fine) as usize;
-    let (mut motion, mut force) = (Vec::new(), Vec::new());
-    for index in 0..count {
-        let now = path.at(index as f64 / fine);
-        let answered = specimen.force(
-            now.time,
-            now.displacement,
-            now.velocity,
-            now.acceleration,
-            1.0 / fine,
-        );
-        if index % steps == 0 {
-            motion.push(now);
-            force.push(answered);
+/// A path at the samples of a test and, in steps of the specimen, between them.
+struct Driven {
+    rate: f64,
+    /// In steps for a specimen as it is, and for one with a spring in series where that was asked for.
+    fine: [OnceCell<Vec<MotionSample>>; 2],
+    path: Path,
+}
+
+impl Driven {
+    fn new(path: Path, rate: f64) -> Self {
+        Self {
+            rate,
+            fine: Default::default(),
+            path,
         }
     }
-    (motion, force)
+
+    /// Motion and force of `specimen` at the samples.
+    fn answer(&self, specimen: &Specimen) -> (Vec<MotionSample>, Vec<f64>) {
+        let mut specimen = specimen.at_rest();
+        let steps = steps(&specimen, 1.0 / self.rate);
+        let step = 1.0 / (self.rate * steps as f64);
+        let fine = self.fine[usize::from(is_soft(&specimen))].get_or_init(|| {
+            let count = (self.path.duration / step) as usize;
+            (0..count)
+                .map(|index| self.path.at(index as f64 * step))
+                .collect()
+        });
+        let (mut motion, mut force) = (Vec::new(), Vec::new());
+        for (index, now) in fine.iter().enumerate() {
+            let answered = specimen.force(
+                now.time,
+                now.displacement,
+                now.velocity,
+                now.acceleration,
+                step,
+            );
+            if index % steps == 0 {
+                motion.push(*now);
+                force.push(answered);
+            }
+        }
+        (motion, force)
+    }
+}
+
+fn is_soft(specimen: &Specimen) -> bool {
+    let soft = |effect: HiddenEffect| matches!(effect, HiddenEffect::Compliance { .. });
+    specimen.effects().any(soft)
 }
 
 /// Steps of the specimen in `tick` s.
 fn steps(specimen: &Specimen, tick: f64) -> usize {
-    let soft = |effect: HiddenEffect| matches!(effect, HiddenEffect::Compliance { .. });
-    let finer = if specimen.effects().any(soft) { 4 } else { 1 };
+    let finer = if is_soft(specimen) { 4 } else { 1 };
     (CALL_RATE * tick).ceil() as usize * finer
 }
 

@@ -1,0 +1,37 @@
+//! The trial over any motion; `cargo hil blind --motions` is the whole.
+
+use mesh_damper_studies::blind::motions::{Kind, Mark, draw, run};
+
+/// One of each kind of motion that hides nothing, and one that hides something.
+#[test]
+fn every_kind_of_motion_is_traced() {
+    let kinds = Kind::ALL.len() as u64;
+    let summary = run(0..2 * kinds, &|| ());
+    let marks: Vec<_> = summary
+        .outcomes
+        .iter()
+        .map(|o| (o.seed, o.kind, o.mark))
+        .collect();
+    let counted = |mark| summary.outcomes.iter().filter(|o| o.mark == mark).count();
+    assert_eq!(counted(Mark::Refused), 0, "{marks:?}");
+    assert!(
+        counted(Mark::False) + counted(Mark::Missed) <= MOST_WRONG,
+        "{marks:?}"
+    );
+    assert!(summary.all.right() >= LEAST_RIGHT, "{marks:?}");
+    // Where nothing is hidden the law is nearly as good as the true one.
+    assert!(summary.all.median < 1.1, "{}", summary.all.median);
+}
+
+/// Of the 28: what was reached when this was last written.
+const LEAST_RIGHT: f64 = 0.7;
+const MOST_WRONG: usize = 1;
+
+#[test]
+fn a_seed_draws_the_same_again() {
+    let [one, again] = [(); 2].map(|()| draw(20));
+    assert_eq!(one.training.force, again.training.force);
+    assert_eq!(one.hidden, again.hidden);
+    assert_ne!(one.training.displacement, one.held_out.displacement);
+    assert!(one.left_by_eq13 > one.sensors.force_noise, "it shows");
+}
