@@ -453,7 +453,7 @@ const EFFECTS: usize = 16;
 fn one_of_each<R: Real>() -> AugmentedLaw<R, EFFECTS> {
     let r = R::from_f64;
     let law = Law::new(r(1.05), r(10.5), r(0.11), r(0.4)).unwrap();
-    [
+    let all = [
         Effect::Offset(Offset::new(r(0.05)).unwrap()),
         Effect::Asymmetry(Asymmetry::new(r(3.0)).unwrap()),
         Effect::Hardening(Hardening::new(r(1500.0)).unwrap()),
@@ -478,9 +478,13 @@ fn one_of_each<R: Real>() -> AugmentedLaw<R, EFFECTS> {
         Effect::Gap(Gap::new(r(0.02), false).unwrap()),
         Effect::Compliance(Compliance::new(r(25.0), r(1e-4)).unwrap()),
         Effect::Delay(Delay::new(r(0.0023), r(1e-4)).unwrap()),
-    ]
-    .into_iter()
-    .fold(AugmentedLaw::new(law), |law, effect| {
+    ];
+    assert_eq!(
+        all.len(),
+        DESCRIPTIONS.len(),
+        "each effect of the crate is here"
+    );
+    all.into_iter().fold(AugmentedLaw::new(law), |law, effect| {
         law.with(effect).unwrap()
     })
 }
