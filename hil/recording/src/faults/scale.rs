@@ -3,6 +3,7 @@
 use std::ops::Range;
 
 use super::super::Recording;
+use super::super::noise::noise_deviation;
 use super::{Channel, ChannelFault, ChannelFaultKind, spread};
 use crate::policy::policy;
 
@@ -28,6 +29,8 @@ crate::numbers! {
         stiffest: f64 = 300.0, Convention("ten times the stiffest mesh damper");
         /// A channel in motion correlates with the other by at least this.
         follows: f64 = 0.3, Tuned("the injected channel faults");
+        /// A channel that moves in a smaller unit is larger than this many times its noise; one that rests is not.
+        above_noise: f64 = 4.0, Tuned("the injected channel faults, and motions with pauses");
         /// Samples to either side of a change among which its place is sought.
         near: usize = 24, Tuned("the injected channel faults");
         /// A declared sampling rate is a unit off where it is a thousand times that of the times to within this part.
@@ -188,6 +191,11 @@ fn change(values: &[f64], other: &[f64]) -> Option<(usize, bool)> {
     // A channel at rest is small too, but does not follow the other.
     if correlation(&values[smaller.clone()], &other[smaller.clone()]).abs() < policy().scale.follows
     {
+        return None;
+    }
+    // Nor is one that rests after a motion in another unit: that would have left more than a few times its noise.
+    let noise = noise_deviation(&values[smaller.clone()]);
+    if own.deviation(smaller.clone()) < policy().scale.above_noise * noise {
         return None;
     }
     let around = at - stretch..at + stretch;
