@@ -58,7 +58,7 @@ fn steps(seed: u64) -> impl Fn(f64) -> [f64; 2] {
     }
 }
 
-/// The law's force with noise of so many of its RMS, along a motion whose displacement has noise, mm.
+/// The law's force with noise over its RMS, along a motion whose displacement has noise in mm.
 fn recorded(
     motion: impl Fn(f64) -> [f64; 2],
     noise: f64,

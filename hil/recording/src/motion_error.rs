@@ -11,7 +11,7 @@ use crate::policy::policy;
 crate::numbers! {
     /// How far a motion may be off.
     MotionErrorPolicy {
-        /// So many samples to either side tell how large the force is that the motion's error leaves.
+        /// Samples to either side that tell how large the force is that the motion's error leaves.
         about: usize = 16, Convention("33 squares give a variance to a quarter");
     }
 }

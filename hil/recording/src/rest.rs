@@ -13,7 +13,7 @@ crate::numbers! {
     /// Where the displacement stands still.
     RestPolicy {
         /// Fewest samples of a rest.
-        shortest: usize = 32, Derived("the mean of so many is known to a sixth of the noise, so that a motion of a noise within them shows");
+        shortest: usize = 32, Derived("their mean is known to a sixth of the noise, so that a motion of a noise within them shows");
         /// The mean of the last [`RestPolicy::shortest`] samples differs from that of all before by less than this many of its
         /// deviations.
         same: f64 = 5.0, Derived("noise alone exceeds it once in two million times, and it is asked at every sample");
@@ -48,8 +48,7 @@ pub(super) fn find_rests(samples: &[f64], noise: f64) -> Vec<Range<usize>> {
     rests
 }
 
-/// The smallest difference of two neighbours that differ: the step of a converter, whose rounding has the deviation of a uniform
-/// variable, and next to nothing where there is none.
+/// The smallest difference of two neighbours that differ: the step of a converter, and next to nothing where there is none.
 fn step_of(samples: &[f64]) -> f64 {
     let differences = samples.windows(2).map(|pair| (pair[1] - pair[0]).abs());
     let step = differences
@@ -64,7 +63,7 @@ fn stands_still(samples: &[f64], noise: f64) -> bool {
     leaves_only_noise(error, samples.len() as f64 - 1.0, noise)
 }
 
-/// So many first samples stand still with those that begin them.
+/// How many of the first samples stand still with those that begin them.
 fn extended<'s>(samples: impl Iterator<Item = &'s f64>, noise: f64) -> usize {
     let RestPolicy { shortest, same } = policy().rest;
     let mut recent = std::collections::VecDeque::with_capacity(shortest);
@@ -94,7 +93,7 @@ fn extended<'s>(samples: impl Iterator<Item = &'s f64>, noise: f64) -> usize {
     taken
 }
 
-/// So many of `samples` stand still at `level` before they move off: the rest follows a quadratic from there best.
+/// How many of `samples` stand still at `level` before they move off: what follows is a quadratic from there.
 fn departure(samples: &[f64], level: f64) -> usize {
     let left = |at: usize| -> f64 {
         let before: f64 = samples[..at].iter().map(|y| (y - level).powi(2)).sum();

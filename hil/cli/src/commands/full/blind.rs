@@ -1,11 +1,12 @@
 //! `hil blind`: the tracer on trial.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicU64, Ordering};
 
 use clap::Args;
+use mesh_damper_recording::Recording;
 use mesh_damper_recording::error::InputError;
-use mesh_damper_recording::output::Plan;
+use mesh_damper_recording::output::{Outputs, Plan};
 use mesh_damper_studies::blind::{self, Class, Draw, Mark, Outcome, Rate, Summary};
 
 use super::motions;
@@ -71,7 +72,7 @@ impl BlindCommand {
             outputs.add_json(json, &summary)?;
         }
         outputs.write()?;
-        if self.json.as_deref() != Some(std::path::Path::new("-")) {
+        if self.json.as_deref() != Some(Path::new("-")) {
             print(&summary);
         }
         let missed = self.draw().floors().missed(&summary);
@@ -90,18 +91,16 @@ impl BlindCommand {
     }
 
     fn show(&self, seed: u64) -> Result<(), Failure> {
-        let names = ["training.csv.gz", "held-out.csv.gz"];
-        let mut outputs = Plan::new().fills(self.out.as_deref(), names).begin()?;
+        let mut outputs = recordings(self.out.as_deref())?;
         let trial = (self.draw().trial(seed)).ok_or_else(|| {
             let what = "no test shows the effect that it would hide";
             InputError::new(format!("described seed {seed}"), what, "show another seed")
         })?;
-        if let Some(out) = &self.out {
-            for (name, recording) in names.into_iter().zip([&trial.training, &trial.held_out]) {
-                let path = out.join(name);
-                outputs.add(&path, recording.to_file(&path));
-            }
-        }
+        add_recordings(
+            &mut outputs,
+            self.out.as_deref(),
+            [&trial.training, &trial.held_out],
+        );
         outputs.write()?;
         let progress = Progress::steps();
         progress.step("tracing");
@@ -117,22 +116,40 @@ impl BlindCommand {
             100.0 * secret.noise
         ));
         for hidden in &secret.effects {
-            let parameters: Vec<String> = hidden
-                .effect
-                .parameters()
-                .iter()
-                .map(|(name, value, unit)| format!("{name} {value:.4} {unit}"))
-                .collect();
             say(&format!(
                 "{}: {}; {:.1} times the noise, {:.1} of it beyond eq 13",
                 hidden.effect.family(),
-                parameters.join(", "),
+                in_words(&hidden.effect.parameters()),
                 hidden.size,
                 hidden.visible
             ));
         }
         Ok(())
     }
+}
+
+/// What the recordings of a trial are called.
+const RECORDINGS: [&str; 2] = ["training.csv.gz", "held-out.csv.gz"];
+
+/// The outputs of a trial whose recordings go into `out`.
+pub fn recordings(out: Option<&Path>) -> Result<Outputs, InputError> {
+    Plan::new().fills(out, RECORDINGS).begin()
+}
+
+/// Adds both recordings of a trial, where they are asked for.
+pub fn add_recordings(outputs: &mut Outputs, out: Option<&Path>, both: [&Recording; 2]) {
+    let Some(out) = out else { return };
+    for (name, recording) in RECORDINGS.into_iter().zip(both) {
+        let path = out.join(name);
+        outputs.add(&path, recording.to_file(&path));
+    }
+}
+
+/// Parameters of an effect as (name, value, unit).
+pub fn in_words(parameters: &[(&'static str, f64, &'static str)]) -> String {
+    let each = parameters.iter();
+    let each = each.map(|(name, value, unit)| format!("{name} {value:.4} {unit}"));
+    each.collect::<Vec<_>>().join(", ")
 }
 
 /// Truth and answer in one line.

@@ -6,6 +6,7 @@ use std::sync::atomic::{AtomicU64, Ordering};
 use mesh_damper_recording::output::Plan;
 use mesh_damper_studies::blind::motions::{self, Mark, Outcome, Row};
 
+use super::blind::{add_recordings, in_words, recordings};
 use crate::commands::progress::Progress;
 use crate::commands::{Failure, say};
 
@@ -57,24 +58,17 @@ pub fn run(seeds: std::ops::Range<u64>, json: Option<&Path>) -> Result<(), Failu
 
 /// One seed: what it hides, what is said of it, and its recordings into `out`.
 pub fn show(seed: u64, out: Option<&Path>) -> Result<(), Failure> {
-    let names = ["training.csv.gz", "held-out.csv.gz"];
-    let mut outputs = Plan::new().fills(out, names).begin()?;
+    let mut outputs = recordings(out)?;
     let trial = motions::draw(seed);
-    if let Some(out) = out {
-        for (name, recording) in names.into_iter().zip([&trial.training, &trial.held_out]) {
-            let path = out.join(name);
-            outputs.add(&path, recording.to_file(&path));
-        }
-    }
+    add_recordings(&mut outputs, out, [&trial.training, &trial.held_out]);
     outputs.write()?;
     say(&line(&motions::judge(&trial)));
     for effect in &trial.hidden {
-        let parameters = effect.parameters();
-        let parameters = parameters.iter();
-        let parameters: Vec<String> = parameters
-            .map(|(name, value, unit)| format!("{name} {value:.4} {unit}"))
-            .collect();
-        say(&format!("{}: {}", effect.family(), parameters.join(", ")));
+        say(&format!(
+            "{}: {}",
+            effect.family(),
+            in_words(&effect.parameters())
+        ));
     }
     Ok(())
 }

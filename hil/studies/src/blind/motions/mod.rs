@@ -32,7 +32,7 @@ use super::families::{effect, log_uniform};
 
 /// Amplitude of the tables whose coefficients a specimen has at every amplitude, mm.
 const AMPLITUDE: f64 = 0.1;
-/// The specimen is called at least so many times a second, and four times as often with a spring in series.
+/// Least rate at which the specimen is called, Hz; four times as often with a spring in series.
 const CALL_RATE: f64 = 4000.0;
 /// What eq 13 leaves of an effect, over the force's noise.
 const SIZES: (f64, f64) = (6.0, 60.0);
@@ -41,7 +41,7 @@ const MISS: f64 = 1.5;
 const SIZINGS: usize = 12;
 /// An effect adds at most this part of the law's force.
 const LARGEST_SHARE: f64 = 1.0;
-/// About so many samples tell how much of an effect eq 13 absorbs.
+/// Samples, about, that tell how much of an effect eq 13 absorbs.
 const SIZED_BY: usize = 4000;
 /// Numbers in `families` of the effects that any motion shows: drift and temperature need a long test.
 const SHOWN: [usize; 14] = [0, 1, 2, 3, 6, 7, 8, 9, 10, 11, 12, 13, 14, 17];

@@ -145,7 +145,7 @@ fn pink(white: Vec<f64>) -> Vec<f64> {
     pink
 }
 
-/// In so many steps over a range somewhat larger than the channel.
+/// Rounded to one of `steps` over a range somewhat larger than the channel.
 fn stepped(channel: Vec<f64>, steps: f64) -> Vec<f64> {
     let largest = channel.iter().fold(0.0_f64, |most, x| most.max(x.abs()));
     let step = 2.0 * (1.2 * largest).log2().ceil().exp2() / steps;

@@ -9,7 +9,7 @@ use super::judge::{Mark, Outcome};
 pub struct Row {
     /// Which.
     pub of: String,
-    /// So many count.
+    /// How many count.
     pub count: usize,
     /// Of these, by mark in the order of [`Mark`].
     pub marks: [usize; 6],
