@@ -58,11 +58,16 @@ fn the_rows_come_back_with_a_column_in_the_recordings_own_unit() {
         let before: Vec<&str> = text.lines().collect();
         assert_eq!(lines.len(), before.len());
         assert_eq!(lines[0], before[0]);
-        assert_eq!(lines[1], format!("{},predicted_force_lbf", before[1]));
+        assert_eq!(
+            lines[1],
+            format!("{},predicted_band_lbf,predicted_force_lbf", before[1])
+        );
         for (i, (line, before)) in lines.iter().zip(&before).enumerate().skip(2) {
             let (row, force) = line.rsplit_once(',').unwrap();
+            let (row, band) = row.rsplit_once(',').unwrap();
             assert_eq!(row, *before);
-            let force: f64 = force.parse().unwrap();
+            let [force, band]: [f64; 2] = [force, band].map(|cell| cell.parse().unwrap());
+            assert!((0.0..5e-3).contains(&band), "{i}: {band}");
             let expected =
                 (0.5 + 2.0 * displacement((i - 2) as f64 * 0.002)) / 4.448_221_615_260_5e-3;
             // The motion is estimated from samples printed to 1e-9 in: far below 1e-4 of the force's 45 lbf.

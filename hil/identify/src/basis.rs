@@ -1,9 +1,9 @@
 //! The columns that a fit is linear in, for given exponents and shapes.
 
 use std::ops::Range;
-use std::sync::{Arc, OnceLock};
+use std::sync::Arc;
 
-use mesh_damper::effects::ClampedMotion;
+use mesh_damper::limits::COEFFICIENT;
 use mesh_damper_model::LawNode;
 use mesh_damper_recording::trajectory::Trajectory;
 
@@ -53,8 +53,6 @@ struct LawColumns {
 
 struct Moved {
     trajectories: Vec<Trajectory>,
-    /// What effects see of it, once one asks.
-    clamped: OnceLock<Vec<Vec<ClampedMotion<f64>>>>,
     /// By how many ticks the force of each is late.
     late: Vec<usize>,
     rows: RowMotion,
@@ -111,9 +109,10 @@ impl<'r, 'a> Basis<'r, 'a> {
         let law = (0..nodes)
             .map(|node| LawNode {
                 amplitude: self.rows.nodes[node],
-                k1: linear[3 * node],
-                k3: linear[3 * node + 1],
-                c: linear[3 * node + 2],
+                // What the crate takes: a force over a displacement that is next to nothing asks for more.
+                k1: linear[3 * node].clamp(-COEFFICIENT, COEFFICIENT),
+                k3: linear[3 * node + 1].clamp(-COEFFICIENT, COEFFICIENT),
+                c: linear[3 * node + 2].min(COEFFICIENT),
                 alpha: self.alpha(at, node),
             })
             .collect();
@@ -346,7 +345,6 @@ impl<'r, 'a> Basis<'r, 'a> {
         let (rows, throughout) = self.rows.motion_in(&trajectories);
         Some(Moved {
             trajectories,
-            clamped: OnceLock::new(),
             late,
             rows,
             throughout,
@@ -445,11 +443,12 @@ impl<'r, 'a> Basis<'r, 'a> {
         moved: &Option<Arc<Moved>>,
         is_start: bool,
     ) -> UnitForces {
-        let work = |motions: &[Vec<ClampedMotion<f64>>], late: &[usize]| {
+        let work = |trajectories: &[Trajectory], late: &[usize]| {
             let mut columns: Vec<Vec<Vec<f64>>> = Vec::new();
-            for (which, motions) in motions.iter().enumerate() {
-                let tick = self.rows.trajectories[which].tick;
-                let mut forces = (form.unit_forces)(shapes, motions, tick).ok()?;
+            for (which, trajectory) in trajectories.iter().enumerate() {
+                // Made anew for each: kept, it takes as much memory as the trajectories.
+                let motions = clamped(trajectory);
+                let mut forces = (form.unit_forces)(shapes, &motions, trajectory.tick).ok()?;
                 if let (true, Some(&ticks)) = (form.follows_clock, late.get(which)) {
                     // It follows the clock, and not the motion, which comes late already.
                     let late = forces.iter().map(|force| delayed(force, ticks));
@@ -467,16 +466,11 @@ impl<'r, 'a> Basis<'r, 'a> {
                     .collect(),
             )
         };
+        let recorded = || work(self.rows.trajectories, &[]);
         match moved {
-            Some(moved) => {
-                let of_moved = || clamped(&moved.trajectories);
-                work(moved.clamped.get_or_init(of_moved), &moved.late)
-            }
-            None if is_start => {
-                let known = &self.rows.known_forces;
-                known.of(form, shapes, || work(&self.rows.clamped, &[]))
-            }
-            None => work(&self.rows.clamped, &[]),
+            Some(moved) => work(&moved.trajectories, &moved.late),
+            None if is_start => self.rows.known_forces.of(form, shapes, recorded),
+            None => recorded(),
         }
     }
 }

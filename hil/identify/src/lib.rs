@@ -54,5 +54,6 @@ pub mod solution;
 pub mod staged;
 mod tangent;
 pub mod term;
+pub mod tolerance;
 pub mod trace;
 pub mod uncertainty;

@@ -16,7 +16,7 @@ pub(super) fn moved(
     moves: &[(Form, f64)],
     deflection: Option<&Deflection>,
 ) -> (Trajectory, usize) {
-    let mut moved = trajectory.clone();
+    let mut moved = trajectory.motion_alone();
     let mut ticks = 0;
     // From what is measured to the specimen.
     let mut moves = moves.to_vec();

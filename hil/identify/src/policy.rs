@@ -15,6 +15,7 @@ pub use crate::exact::ExactPolicy;
 pub use crate::problem::ProblemPolicy;
 pub use crate::rows::RowsPolicy;
 pub use crate::shape::ShapePolicy;
+pub use crate::tolerance::TolerancePolicy;
 pub use crate::trace::TracePolicy;
 pub use crate::trace::aligned::AlignedPolicy;
 pub use crate::trace::left_out::LeftOutPolicy;
@@ -70,6 +71,8 @@ mesh_damper_recording::policy! {
     split: SplitPolicy,
     /// How smooth a residual table is.
     system: SystemPolicy,
+    /// The error that a law is held to.
+    tolerance: TolerancePolicy,
     /// Tones in a residual.
     tones: TonesPolicy,
     /// The steps of a trace.

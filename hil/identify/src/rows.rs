@@ -7,6 +7,7 @@ use mesh_damper_model::predict::motion_at;
 use mesh_damper_recording::trajectory::Trajectory;
 
 use super::known_forces::KnownForces;
+use super::tolerance::certainty;
 mesh_damper_recording::numbers! {
     /// How many samples a fit is made to, evenly picked, at most about.
     RowsPolicy {
@@ -31,12 +32,11 @@ pub struct Rows<'a> {
     /// The same at every sample, where a channel shows averages and not what a row sees alone.
     pub(super) throughout: Option<RowMotion>,
     pub(super) force: Vec<f64>,
-    /// Square root of a row's weight: every recording counts the same, however long or strong it is.
+    /// Square root of a row's weight: every recording counts the same, however long or strong it is, and a sample of it by its
+    /// [`certainty`].
     pub(super) weight: Vec<f64>,
     /// Amplitudes of the law's nodes, mm.
     pub(super) nodes: Vec<f64>,
-    /// What effects see at every sample of each trajectory, as recorded.
-    pub(super) clamped: Arc<Vec<Vec<ClampedMotion<f64>>>>,
     /// Of effects that see the motion as recorded.
     pub(super) known_forces: Arc<KnownForces>,
 }
@@ -82,15 +82,12 @@ impl RowMotion {
     }
 }
 
-/// What effects see at every sample of each trajectory.
-pub(super) fn clamped(trajectories: &[Trajectory]) -> Vec<Vec<ClampedMotion<f64>>> {
-    let of_one = |trajectory: &Trajectory| {
-        let samples = 0..trajectory.len();
-        samples
-            .map(|sample| motion_at(trajectory, sample).clamped())
-            .collect()
-    };
-    trajectories.iter().map(of_one).collect()
+/// What effects see at every sample.
+pub(super) fn clamped(trajectory: &Trajectory) -> Vec<ClampedMotion<f64>> {
+    let samples = 0..trajectory.len();
+    samples
+        .map(|sample| motion_at(trajectory, sample).clamped())
+        .collect()
 }
 
 impl<'a> Rows<'a> {
@@ -129,9 +126,9 @@ impl<'a> Rows<'a> {
         }
         let mut weight: Vec<f64> = origin
             .iter()
-            .map(|&(which, _)| {
+            .map(|&(which, sample)| {
                 if power[which] > 0.0 {
-                    power[which].sqrt().recip()
+                    (certainty(&trajectories[which], sample) / power[which]).sqrt()
                 } else {
                     0.0
                 }
@@ -144,7 +141,6 @@ impl<'a> Rows<'a> {
             .for_each(|weight| *weight /= mean_square.sqrt());
         Self {
             trajectories,
-            clamped: Arc::new(clamped(trajectories)),
             motion: RowMotion::gather(trajectories, &origin, &nodes),
             throughout: throughout(trajectories, &nodes),
             origin,
@@ -160,7 +156,6 @@ impl<'a> Rows<'a> {
     pub fn with_nodes(&self, nodes: Vec<f64>) -> Self {
         Self {
             trajectories: self.trajectories,
-            clamped: self.clamped.clone(),
             motion: RowMotion::gather(self.trajectories, &self.origin, &nodes),
             throughout: throughout(self.trajectories, &nodes),
             origin: self.origin.clone(),

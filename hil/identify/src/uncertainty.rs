@@ -22,6 +22,8 @@ mesh_damper_recording::numbers! {
         longest_lag: usize = 200, Convention("a cycle of 5 Hz at 1 kHz");
         /// Residuals are correlated up to the first lag whose correlation is below this.
         uncorrelated: f64 = 0.02, Tuned("hil/studies/tests/intervals.rs");
+        /// A parameter that is uncertain by more than this factor either way has no bound.
+        bounded: f64 = 10.0, Convention("of what is known to a decade either way not even the order of magnitude is known");
     }
 }
 
@@ -44,6 +46,15 @@ pub struct TermUncertainty {
 }
 
 impl TermUncertainty {
+    /// Whether every size is finite and every shape known to a factor of [`UncertaintyPolicy::bounded`].
+    pub fn is_bounded(&self) -> bool {
+        let shapes = self.shapes.iter();
+        self.sizes.iter().all(|half| half.is_finite())
+            && shapes
+                .into_iter()
+                .all(|&factor| factor <= policy().uncertainty.bounded)
+    }
+
     /// The elements of `value` as [`TermValue::elements`] gives them, each parameter with its least and its largest value.
     pub fn elements(&self, value: &TermValue) -> Vec<Vec<(&'static str, Interval)>> {
         let elements = value.elements();

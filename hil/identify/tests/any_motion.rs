@@ -4,6 +4,8 @@ use std::f64::consts::{PI, TAU};
 
 use mesh_damper_identify::trace::result::{TraceResult, Verdict};
 use mesh_damper_identify::trace::trace;
+use mesh_damper_model::predict::{band, predict};
+use mesh_damper_model::{LawNode, Model};
 use mesh_damper_recording::Recording;
 use mesh_damper_recording::trajectory::Trajectory;
 use mesh_damper_reference::law::Coefficients;
@@ -78,7 +80,7 @@ fn recorded(
             law.force(y, v)
         })
         .collect();
-    let rms = (force.iter().map(|force| force * force).sum::<f64>() / force.len() as f64).sqrt();
+    let rms = rms(&force);
     let displacement = time
         .iter()
         .map(|time| motion(*time)[0] + noisy(of_displacement))
@@ -88,6 +90,10 @@ fn recorded(
         .map(|force| force + noisy(noise * rms))
         .collect();
     Recording::new("any motion", time, displacement, force).unwrap()
+}
+
+fn rms(values: &[f64]) -> f64 {
+    (values.iter().map(|value| value * value).sum::<f64>() / values.len() as f64).sqrt()
 }
 
 fn traced(training: Recording, held_out: Recording) -> TraceResult {
@@ -139,4 +145,148 @@ fn holds_between_steps_are_no_missing_effect() {
     assert_eq!(result.verdict, Verdict::None);
     let error = result.augmented.nrmse_held_out;
     assert!(error < 1.1 * of_truth, "{error} {of_truth}");
+}
+
+/// Pink noise has most of its power where a smooth force has it too.
+#[test]
+fn pink_noise_is_no_missing_effect() {
+    let test = |seed: u64| {
+        let mut recording = recorded(random(seed), 1e-4, 5e-5, seed);
+        let rms = rms(&recording.force);
+        let mut noise = StdRng::seed_from_u64(100 + seed);
+        // Twelve octaves of noise, each held twice as long as the one before (Voss 1978), of a hundredth of the force in all.
+        let mut octaves = [0.0; 12];
+        let deviation = 1e-2 * rms / (octaves.len() as f64).sqrt();
+        for (index, force) in recording.force.iter_mut().enumerate() {
+            for (octave, value) in octaves.iter_mut().enumerate() {
+                if index % (1 << octave) == 0 {
+                    *value = Normal::new(0.0, deviation).unwrap().sample(&mut noise);
+                }
+            }
+            *force += octaves.iter().sum::<f64>();
+        }
+        recording
+    };
+    let result = traced(test(5), test(6));
+    assert_eq!(result.verdict, Verdict::None, "{:?}", result.effects);
+    assert!(
+        (0.6e-2..1.6e-2).contains(&result.noise_floor_nrmse),
+        "{}",
+        result.noise_floor_nrmse
+    );
+}
+
+/// Taken for motion it would have a velocity of a tenth of the largest, and friction a direction that is none.
+#[test]
+fn hum_on_the_displacement_is_taken_off() {
+    let test = |seed| {
+        let mut recording = recorded(steps(seed), 5e-3, 5e-5, seed);
+        for (time, y) in recording.time.iter().zip(&mut recording.displacement) {
+            *y += 5e-4 * (TAU * 50.01 * time + 0.3).sin();
+        }
+        recording
+    };
+    let result = traced(test(7), test(8));
+    assert_eq!(result.verdict, Verdict::None, "{:?}", result.effects);
+    let said = |warning: &&String| {
+        warning.contains("hum on the displacement") && warning.contains("at 50.01 Hz")
+    };
+    assert_eq!(
+        result.warnings.iter().filter(said).count(),
+        2,
+        "{:?}",
+        result.warnings
+    );
+}
+
+/// What acts in some places only has to be fitted and judged in such places, wherever they are in the recording.
+#[test]
+fn steps_show_what_acts_on_one_side() {
+    let test = |seed| {
+        let mut recording = recorded(steps(seed), 5e-3, 5e-5, seed);
+        for (time, force) in recording.time.iter().zip(&mut recording.force) {
+            *force += 3.0 * steps(seed)(*time)[0].powi(2);
+        }
+        recording
+    };
+    let result = traced(test(3), test(4));
+    assert_eq!(result.verdict, Verdict::Found);
+    let families: Vec<&str> = result
+        .effects
+        .iter()
+        .map(|effect| effect.family.as_str())
+        .collect();
+    assert_eq!(families, ["asymmetry"]);
+}
+
+/// The tabulated coefficients of each amplitude, which differ by up to three times, from one slow cycle at each.
+#[test]
+fn one_cycle_at_each_amplitude_gives_coefficients_for_each() {
+    let amplitudes = [0.05, 0.1, 0.15, 0.2];
+    let period = 100.0;
+    let rate = 10.0;
+    let mut random = StdRng::seed_from_u64(9);
+    let mut noisy = |deviation: f64| Normal::new(0.0, deviation).unwrap().sample(&mut random);
+    let (mut time, mut displacement, mut force) = (Vec::new(), Vec::new(), Vec::new());
+    for index in 0..(amplitudes.len() as f64 * period * rate) as usize {
+        let now = index as f64 / rate;
+        let amplitude = amplitudes[(now / period) as usize];
+        let (sin, cos) = (TAU * now / period).sin_cos();
+        let [y, v] = [amplitude * sin, amplitude * TAU / period * cos];
+        time.push(now);
+        displacement.push(y + noisy(5e-5));
+        force.push(tables::interpolate(3.0, amplitude).force(y, v) + noisy(5e-4));
+    }
+    let recording = Recording::new("slow", time, displacement, force).unwrap();
+    let result = trace(&[recording], &[], &|_| ()).unwrap().result;
+    assert_eq!(result.verdict, Verdict::None);
+    // The last cycle is held out.
+    assert_eq!(result.law.len(), 3);
+    for (found, amplitude) in result.law.iter().zip(amplitudes) {
+        let law = tables::interpolate(3.0, amplitude);
+        assert!(
+            (found.amplitude / amplitude - 1.0).abs() < 0.01,
+            "{}",
+            found.amplitude
+        );
+        assert!(
+            (found.k1.value / law.k1 - 1.0).abs() < 0.05,
+            "{amplitude}: {} {}",
+            found.k1.value,
+            law.k1
+        );
+    }
+}
+
+/// Whatever the noise of the displacement, at the share that it says.
+#[test]
+fn the_band_holds_the_force_along_the_true_motion() {
+    let law = law();
+    let node = LawNode {
+        amplitude: 0.0,
+        k1: law.k1,
+        k3: law.k3,
+        c: law.c,
+        alpha: law.alpha,
+    };
+    let model = Model {
+        law: vec![node],
+        effects: Vec::new(),
+        correction: None,
+    };
+    for of_displacement in [2e-5, 1e-4, 5e-4] {
+        let recording = recorded(random(11), 1e-3, of_displacement, 11);
+        let trajectory = Trajectory::of(&recording).unwrap();
+        let predicted = predict(&model, &trajectory).unwrap();
+        let band = band(&model, &trajectory).unwrap();
+        let samples: Vec<usize> = (0..trajectory.len())
+            .filter(|&i| trajectory.is_telling(i))
+            .collect();
+        let holds = |&&i: &&usize| {
+            let [y, v] = random(11)(recording.time[i]);
+            (predicted[i] - law.force(y, v)).abs() <= band[i]
+        };
+        let share = samples.iter().filter(holds).count() as f64 / samples.len() as f64;
+        assert!((0.8..0.97).contains(&share), "{of_displacement}: {share}");
+    }
 }

@@ -29,6 +29,29 @@ pub fn predict_in_half_steps(
     Ok(trajectory.shown(run_by(step, model, trajectory, |force, _| force)?))
 }
 
+/// A normal variable is within this many deviations of its mean in 90 % of the cases. Derived: the quantile.
+const NINETY_PERCENT: f64 = 1.645;
+
+/// Half width of the band in kN about the model's force at every sample of `trajectory` that holds the model's force along the true motion
+/// in 90 % of the cases: the motion was estimated from a noisy displacement. The model's own error is not in it.
+///
+/// # Errors
+/// A model that the crate refuses.
+pub fn band(model: &Model, trajectory: &Trajectory) -> Result<Vec<f64>, ModelError> {
+    let force = predict(model, trajectory)?;
+    let other = predict(model, &trajectory.as_it_may_be())?;
+    let off: Vec<f64> = other
+        .iter()
+        .zip(force)
+        .map(|(other, force)| other - force)
+        .collect();
+    let variance = trajectory.variance_of(&off);
+    Ok(variance
+        .into_iter()
+        .map(|variance| NINETY_PERCENT * variance.sqrt())
+        .collect())
+}
+
 /// The motion in the middle of a `tick` s, by cubics through both ends and their slopes.
 fn halfway(from: &Motion<f64>, to: &Motion<f64>, tick: f64) -> Motion<f64> {
     let middle = |from: f64, to: f64| 0.5 * (from + to);

@@ -38,6 +38,17 @@ impl Channel {
         }
     }
 
+    /// The code's unit of it.
+    pub fn unit(self) -> &'static str {
+        match self {
+            Self::Time => "s",
+            Self::Displacement => "mm",
+            Self::Force => "kN",
+            Self::Velocity => "mm/s",
+            Self::Temperature => "°C",
+        }
+    }
+
     /// The units that its column may have.
     pub fn units(self) -> &'static [Unit] {
         match self {

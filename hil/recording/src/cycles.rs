@@ -28,6 +28,8 @@ pub struct Cycle {
     pub period: f64,
     /// Half of the difference between the largest and the smallest displacement, mm.
     pub amplitude: f64,
+    /// Largest distance from the mid level, mm: more than the amplitude where that grows within the cycle.
+    pub reach: f64,
 }
 
 impl Cycle {
@@ -43,7 +45,7 @@ pub struct FoundBlock {
     pub samples: Range<usize>,
     /// Its whole cycles.
     pub cycles: Vec<Range<usize>>,
-    /// Median amplitude of its cycles, mm.
+    /// Median amplitude of its cycles, mm; of a single one its reach, which is the amplitude that it grows to.
     pub amplitude: f64,
     /// Median frequency of its cycles, Hz.
     pub frequency: f64,
@@ -61,12 +63,11 @@ pub struct Cycles {
 impl Cycles {
     /// Finds the cycles of `displacement` in mm, sampled every `tick` s.
     ///
-    /// A crossing of the mid level counts when the displacement then leaves a band of ±`hysteresis` mm around it on the
-    /// other side. Cycles run from upward crossing to upward crossing, or from downward to downward in a test that sets out
+    /// A crossing of the level about which the motion swings counts when the displacement then leaves a band of ±`hysteresis` mm
+    /// around it on the other side. Cycles run from upward crossing to upward crossing, or from downward to downward in a test that sets out
     /// downwards from there: that is where it changes its blocks.
     pub fn find(displacement: &[f64], tick: f64, hysteresis: f64) -> Self {
-        let (low, high) = least_and_largest(displacement);
-        let level = 0.5 * (low + high);
+        let level = level_of(displacement, hysteresis);
         let leaves = displacement
             .iter()
             .position(|y| (y - level).abs() > hysteresis);
@@ -74,15 +75,16 @@ impl Cycles {
             leaves.is_some_and(|index| index > 0 && displacement[index] < level);
         if sets_out_downwards {
             let mirrored: Vec<f64> = displacement.iter().map(|y| -y).collect();
-            return Self::between_upward(&mirrored, tick, hysteresis);
+            return Self::between_upward(&mirrored, tick, -level, hysteresis);
         }
-        Self::between_upward(displacement, tick, hysteresis)
+        Self::between_upward(displacement, tick, level, hysteresis)
     }
 
-    fn between_upward(displacement: &[f64], tick: f64, hysteresis: f64) -> Self {
+    fn between_upward(displacement: &[f64], tick: f64, level: f64, hysteresis: f64) -> Self {
         let count = displacement.len();
         let (low, high) = least_and_largest(displacement);
-        let crossings = upward_crossings(displacement, 0.5 * (low + high), hysteresis);
+        let mut crossings = upward_crossings(displacement, level, hysteresis);
+        crossings.extend(ends_a_cycle(displacement, level, hysteresis, &crossings));
         let cycles: Vec<Cycle> = crossings
             .windows(2)
             .map(|pair| {
@@ -92,6 +94,7 @@ impl Cycles {
                     samples,
                     period: (pair[1] - pair[0]) * tick,
                     amplitude: 0.5 * (high - low),
+                    reach: (high - level).max(level - low),
                 }
             })
             .collect();
@@ -126,11 +129,17 @@ impl Cycles {
             .collect()
     }
 
-    /// The amplitude of the block that each of `count` samples is in, mm.
+    /// The amplitude of the block that each of `count` samples is in, mm; of a block of one cycle the [level](levels) of such.
     pub fn amplitude_per_sample(&self, count: usize) -> Vec<f64> {
+        let is_single = |block: &&FoundBlock| block.cycles.len() == 1;
+        let single = self.blocks.iter().filter(is_single);
+        let levels = levels(single.map(|block| block.amplitude));
         let mut amplitude = vec![0.0; count];
         for block in &self.blocks {
-            amplitude[block.samples.clone()].fill(block.amplitude);
+            let off = |level: &&f64| (**level - block.amplitude).abs();
+            let level = levels.iter().filter(|_| is_single(&block));
+            let level = level.min_by(|a, b| off(a).total_cmp(&off(b)));
+            amplitude[block.samples.clone()].fill(*level.unwrap_or(&block.amplitude));
         }
         amplitude
     }
@@ -151,6 +160,16 @@ impl Cycles {
             }
         }
     }
+}
+
+/// The level about which a motion swings, mm: the middle of its range; or zero, where the first sample is nearer to that, as a test sets
+/// out from there and the largest swing may be on one side.
+fn level_of(displacement: &[f64], hysteresis: f64) -> f64 {
+    let (low, high) = least_and_largest(displacement);
+    let middle = 0.5 * (low + high);
+    let first = displacement.first().copied().unwrap_or_default();
+    let sets_out_from_zero = first.abs() + hysteresis < (first - middle).abs();
+    if sets_out_from_zero { 0.0 } else { middle }
 }
 
 /// Positions, in samples, where the displacement passes `level` upwards.
@@ -177,6 +196,21 @@ fn upward_crossings(displacement: &[f64], level: f64, hysteresis: f64) -> Vec<f6
     crossings
 }
 
+/// The end of a recording where it ends a cycle: at the level, one period after the last of `crossings`. It is not seen to go on upwards.
+fn ends_a_cycle(
+    displacement: &[f64],
+    level: f64,
+    hysteresis: f64,
+    crossings: &[f64],
+) -> Option<f64> {
+    let &[.., before, last] = crossings else {
+        return None;
+    };
+    let end = displacement.len() as f64;
+    let is_there = (displacement.last()? - level).abs() <= hysteresis;
+    (is_there && alike(last - before, end - last)).then_some(end)
+}
+
 fn alike(a: f64, b: f64) -> bool {
     (a - b).abs() < policy().cycles.alike * a.abs().max(b.abs())
 }
@@ -186,7 +220,23 @@ pub fn same_amplitude(a: f64, b: f64) -> bool {
     (a - b).abs() < policy().cycles.same_amplitude * a.max(b)
 }
 
-/// Groups cycles into blocks. A cycle that is like neither neighbour is the transition into the block after it.
+/// The levels in mm of these amplitudes, in order: the means of those that are the same.
+pub fn levels(amplitudes: impl Iterator<Item = f64>) -> Vec<f64> {
+    let mut amplitudes: Vec<f64> = amplitudes.collect();
+    amplitudes.sort_by(f64::total_cmp);
+    let mut levels: Vec<Vec<f64>> = Vec::new();
+    for amplitude in amplitudes {
+        match levels.last_mut() {
+            Some(level) if same_amplitude(level[0], amplitude) => level.push(amplitude),
+            _ => levels.push(vec![amplitude]),
+        }
+    }
+    let mean = |level: &Vec<f64>| level.iter().sum::<f64>() / level.len() as f64;
+    levels.iter().map(mean).collect()
+}
+
+/// Groups cycles into blocks. A cycle that is like neither neighbour is the transition into the block after it; but where most are like
+/// none, each is a block.
 fn group(cycles: &[Cycle], count: usize, tick: f64, half_range: f64) -> Vec<FoundBlock> {
     let mut starts = vec![0];
     for index in 1..cycles.len() {
@@ -196,19 +246,10 @@ fn group(cycles: &[Cycle], count: usize, tick: f64, half_range: f64) -> Vec<Foun
         }
     }
     starts.push(cycles.len());
-    let mut runs: Vec<Range<usize>> = Vec::new();
-    for run in starts.windows(2).map(|pair| pair[0]..pair[1]) {
-        match runs.last_mut() {
-            Some(transition) if transition.len() == 1 && run.len() > 1 => transition.end = run.end,
-            _ => runs.push(run),
-        }
-    }
-    if let [.., before, last] = runs.as_mut_slice()
-        && last.len() == 1
-        && before.len() > 1
-    {
-        before.end = last.end;
-        runs.pop();
+    let mut runs: Vec<Range<usize>> = starts.windows(2).map(|pair| pair[0]..pair[1]).collect();
+    let lone = runs.iter().filter(|run| run.len() == 1).count();
+    if 2 * lone < cycles.len() {
+        runs = without_transitions(runs);
     }
 
     let bounds: Vec<usize> = runs
@@ -231,12 +272,34 @@ fn group(cycles: &[Cycle], count: usize, tick: f64, half_range: f64) -> Vec<Foun
                 .iter()
                 .map(|c| c.samples.clone())
                 .collect(),
-            amplitude: median(cycles[run.clone()].iter().map(|c| c.amplitude))
-                .unwrap_or(half_range),
+            amplitude: match &cycles[run.clone()] {
+                [] => half_range,
+                [single] => single.reach,
+                several => median(several.iter().map(|c| c.amplitude)).unwrap_or(half_range),
+            },
             frequency: median(cycles[run.clone()].iter().map(|c| 1.0 / c.period))
                 .unwrap_or(1.0 / (count as f64 * tick)),
         })
         .collect()
+}
+
+/// A single cycle joins the block after it, and the last one that before it.
+fn without_transitions(all: Vec<Range<usize>>) -> Vec<Range<usize>> {
+    let mut runs: Vec<Range<usize>> = Vec::new();
+    for run in all {
+        match runs.last_mut() {
+            Some(transition) if transition.len() == 1 && run.len() > 1 => transition.end = run.end,
+            _ => runs.push(run),
+        }
+    }
+    if let [.., before, last] = runs.as_mut_slice()
+        && last.len() == 1
+        && before.len() > 1
+    {
+        before.end = last.end;
+        runs.pop();
+    }
+    runs
 }
 
 /// The upper one of two in the middle; `None` of none.

@@ -67,30 +67,19 @@ impl MotionError {
         }
     }
 
-    /// Variance in kN² of what the error makes of a force in kN at a displacement in mm and a velocity in mm/s, at each sample.
+    /// Variance in kN² of what the error makes of a force, of which `off` is one draw at each sample, kN.
     ///
     /// One draw is no variance, but the mean square of those samples about it that are telling is about one. Others are near a
     /// standstill, where the force of |v|^α may be off by much more: they count for themselves alone.
-    pub(super) fn carried(
-        &self,
-        motion: &MotionEstimate,
-        is_telling: impl Fn(usize) -> bool,
-        force: impl Fn(f64, f64) -> f64,
-    ) -> Vec<f64> {
-        let count = self.displacement.len();
-        let squares = |index: usize| {
-            let (y, v) = (motion.displacement[index], motion.velocity[index]);
-            let off = force(y + self.displacement[index], v + self.velocity[index]);
-            (off - force(y, v)).powi(2)
-        };
-        let squares: Vec<f64> = (0..count).map(squares).collect();
+    pub(super) fn variance(off: &[f64], is_telling: impl Fn(usize) -> bool) -> Vec<f64> {
+        let count = off.len();
         let telling: Vec<bool> = (0..count).map(is_telling).collect();
         // Of the telling samples before each.
         let mut sums = vec![(0.0, 0.0)];
         let (mut sum, mut told) = (0.0, 0.0);
-        for (square, telling) in squares.iter().zip(&telling) {
+        for (off, telling) in off.iter().zip(&telling) {
             if *telling {
-                sum += square;
+                sum += off * off;
                 told += 1.0;
             }
             sums.push((sum, told));
@@ -98,7 +87,7 @@ impl MotionError {
         let about = policy().motion_error.about;
         let variance = |index: usize| {
             if !telling[index] {
-                return squares[index];
+                return off[index].powi(2);
             }
             let from = sums[index.saturating_sub(about)];
             let to = sums[(index + about + 1).min(count)];

@@ -20,12 +20,14 @@
 
 pub use crate::averaging::AveragingPolicy;
 pub use crate::clock::ClockPolicy;
+pub use crate::colour::ColourPolicy;
 pub use crate::consistency::ConsistencyPolicy;
 pub use crate::cycles::CyclesPolicy;
 pub use crate::faults::FaultsPolicy;
 pub use crate::faults::bridge::BridgePolicy;
 pub use crate::faults::clipping::ClippingPolicy;
 pub use crate::faults::held::HeldPolicy;
+pub use crate::faults::hum::HumPolicy;
 pub use crate::faults::scale::ScalePolicy;
 pub use crate::faults::shift::ShiftPolicy;
 pub use crate::faults::sign::SignPolicy;
@@ -154,6 +156,8 @@ crate::policy! {
     clipping: ClippingPolicy,
     /// The clock behind the times.
     clock: ClockPolicy,
+    /// Noise that is not white.
+    colour: ColourPolicy,
     /// Recordings that contradict each other.
     consistency: ConsistencyPolicy,
     /// Cycles, and blocks of like ones.
@@ -162,6 +166,8 @@ crate::policy! {
     faults: FaultsPolicy,
     /// Values that were repeated.
     held: HeldPolicy,
+    /// Hum of the mains.
+    hum: HumPolicy,
     /// Where the velocity jumps.
     kinks: KinksPolicy,
     /// Velocity and acceleration of a measured displacement.

@@ -6,6 +6,7 @@ use nalgebra::{SMatrix, SVector};
 
 use super::Recording;
 use super::averaging::MovingAverage;
+use super::colour::pink_deviation;
 use super::cycles::{Cycles, FoundBlock};
 use super::faults::{self, Channel, ChannelFault, ChannelFaultKind, Shift};
 use super::motion::MotionEstimate;
@@ -294,11 +295,67 @@ impl Trajectory {
             .map_or(noise, |average| average.noise(noise));
     }
 
+    /// Raises the noise to what it is where some of it is pink: `left` is what about the law leaves of the force, kN. Only the samples
+    /// of `runs` are looked at.
+    pub fn colour_noise_by(&mut self, left: &[f64], runs: &[Range<usize>]) {
+        // What an average leaves of noise has a colour of its own.
+        if self.average.is_none()
+            && let Some(deviation) = pink_deviation(left, runs, &self.between_reversals(runs))
+        {
+            self.force_noise = self.force_noise.max(deviation);
+        }
+    }
+
+    /// `runs` without the reversals, at which a force may jump.
+    fn between_reversals(&self, runs: &[Range<usize>]) -> Vec<Range<usize>> {
+        let velocity = &self.motion.velocity;
+        let turns = |index: usize| velocity[index - 1] * velocity[index] < 0.0;
+        let mut between = Vec::new();
+        for run in runs {
+            let mut from = run.start;
+            for index in (run.start + 1..run.end).filter(|&index| turns(index)) {
+                between.push(from..index - 1);
+                from = index + 1;
+            }
+            between.push(from..run.end);
+        }
+        between.retain(|run| !run.is_empty());
+        between
+    }
+
     /// Carries the error of the motion into what a law is held to: `force` is about what the law gives at a displacement in mm and
     /// a velocity in mm/s, kN.
     pub fn carry_motion_error(&mut self, force: impl Fn(f64, f64) -> f64) {
-        let is_telling = |index: usize| self.is_telling(index);
-        self.carried = (self.motion_error).carried(&self.motion, is_telling, force);
+        let (motion, error) = (&self.motion, &self.motion_error);
+        let off = |index: usize| {
+            let (y, v) = (motion.displacement[index], motion.velocity[index]);
+            force(y + error.displacement[index], v + error.velocity[index]) - force(y, v)
+        };
+        let off: Vec<f64> = (0..self.len()).map(off).collect();
+        self.carried = self.variance_of(&off);
+    }
+
+    /// The same with a motion that it may be as well: off by one draw of its error.
+    #[must_use]
+    pub fn as_it_may_be(&self) -> Self {
+        let mut other = self.clone();
+        let error = &self.motion_error;
+        for (channel, error) in [
+            (&mut other.motion.displacement, &error.displacement),
+            (&mut other.motion.velocity, &error.velocity),
+        ] {
+            channel
+                .iter_mut()
+                .zip(error)
+                .for_each(|(value, error)| *value += error);
+        }
+        other
+    }
+
+    /// Variance of a force at every sample, kN², that is `off` by so much, kN, where the motion is [off by one draw](Self::as_it_may_be) of
+    /// its error.
+    pub fn variance_of(&self, off: &[f64]) -> Vec<f64> {
+        MotionError::variance(off, |index| self.is_telling(index))
     }
 
     /// Variance of what a perfect law leaves at a sample, kN²: of the force's noise, and of the error of the motion as far as that
@@ -365,14 +422,41 @@ impl Trajectory {
         }
     }
 
+    /// What laws and effects see of it, without force, deviations and faults: what a fit moves need not carry the rest.
+    #[must_use]
+    pub fn motion_alone(&self) -> Self {
+        Self {
+            name: self.name.clone(),
+            motion: MotionEstimate {
+                displacement: self.motion.displacement.clone(),
+                velocity: self.motion.velocity.clone(),
+                acceleration: self.motion.acceleration.clone(),
+                velocity_deviation: Vec::new(),
+                rests: Vec::new(),
+                kinks: Vec::new(),
+                ..self.motion
+            },
+            motion_error: MotionError::default(),
+            carried: Vec::new(),
+            force: Vec::new(),
+            temperature: self.temperature.clone(),
+            measured: Vec::new(),
+            faults: Vec::new(),
+            blocks: Vec::new(),
+            cycles: self.cycles.clone(),
+            amplitude: self.amplitude.clone(),
+            ..*self
+        }
+    }
+
     /// Number of samples.
     pub fn len(&self) -> usize {
-        self.force.len()
+        self.motion.displacement.len()
     }
 
     /// Never true for a trajectory that was constructed.
     pub fn is_empty(&self) -> bool {
-        self.force.is_empty()
+        self.motion.displacement.is_empty()
     }
 
     /// Whether the law can be compared with the force at a sample: it was measured, it is not next to a kink, and its
@@ -430,13 +514,21 @@ fn is_off(displacement: &[f64], force: &[f64]) -> bool {
     let (low, high) = least_and_largest(displacement);
     let middle = middle(displacement);
     let largest = 0.5 * (high - low);
-    // A motion that is not about its middle says nothing of a zero.
+    // A motion that is not about its middle says nothing of a zero, nor does one without like cycles.
     let mean = displacement.iter().sum::<f64>() / displacement.len() as f64;
-    let is_about = (mean - middle).abs() < policy().trajectory.about * middle.abs();
+    let is_about = (mean - middle).abs() < policy().trajectory.about * middle.abs()
+        && has_like_cycles(displacement);
     middle.abs() > policy().trajectory.far * largest
         || middle.abs() > policy().trajectory.off * largest
             && is_about
             && !feels_it(displacement, force, middle, largest)
+}
+
+/// Whether most samples are of cycles that are like a neighbour.
+fn has_like_cycles(displacement: &[f64]) -> bool {
+    let cycles = Cycles::find(displacement, 1.0, hysteresis(displacement));
+    let alike = cycles.blocks.iter().filter(|block| block.cycles.len() > 1);
+    2 * alike.map(|block| block.samples.len()).sum::<usize>() > displacement.len()
 }
 
 /// Whether the force at displacement `middle` is more than [`TrajectoryPolicy::felt`] of that of a spring of the stiffness that the channels show

@@ -16,44 +16,51 @@ impl Recording {
         packed(path, self.to_csv(None))
     }
 
-    /// The same with one more column `predicted_force_UNIT`, in the recording's own unit; a column of that name which
-    /// the recording has already is replaced. `predicted` in kN, one per sample.
-    pub fn to_file_with_prediction(&self, path: &Path, predicted: &[f64]) -> Vec<u8> {
-        packed(path, self.to_csv(Some(predicted)))
+    /// The same with columns `predicted_band_UNIT` and `predicted_force_UNIT`, in the recording's own unit; columns of these names which the
+    /// recording has already are replaced. `predicted` and `band`, its half width, in kN, one per sample.
+    pub fn to_file_with_prediction(&self, path: &Path, predicted: &[f64], band: &[f64]) -> Vec<u8> {
+        packed(path, self.to_csv(Some([band, predicted])))
     }
 
-    fn to_csv(&self, predicted: Option<&[f64]>) -> Vec<u8> {
+    fn to_csv(&self, predicted: Option<[&[f64]; 2]>) -> Vec<u8> {
         let mut bytes = Vec::new();
         for comment in &self.comments {
             bytes.extend(format!("# {}\n", comment.replace(['\n', '\r'], " ")).bytes());
         }
-        let column = format!("predicted_force_{}", self.units.force.symbol);
+        let unit = self.units.force.symbol;
+        let columns = ["predicted_band", "predicted_force"].map(|name| format!("{name}_{unit}"));
         let channels = self.channels();
         let header: csv::StringRecord = match &self.source {
             Some(source) => source.header.clone(),
             None => channels.iter().map(|(name, ..)| name).collect(),
         };
-        let replaced = predicted.and(header.iter().position(|name| *name == column));
+        let is_replaced: Vec<bool> = header
+            .iter()
+            .map(|name| predicted.is_some() && columns.iter().any(|column| column == name))
+            .collect();
         // A first cell that begins as a comment does is quoted.
         let mut writer = csv::WriterBuilder::new()
             .comment(Some(b'#'))
             .from_writer(bytes);
-        let mut line = |cells: &csv::StringRecord, last: Option<String>| {
+        let mut line = |cells: &csv::StringRecord, last: Option<[String; 2]>| {
             let kept = cells
                 .iter()
-                .enumerate()
-                .filter(|(index, _)| Some(*index) != replaced)
-                .map(|(_, cell)| cell.to_owned());
+                .zip(&is_replaced)
+                .filter(|(_, is_replaced)| !**is_replaced)
+                .map(|(cell, _)| cell.to_owned());
             // Writing to memory does not fail, and every row has as many cells as the header.
-            let _ = writer.write_record(kept.chain(last));
+            let _ = writer.write_record(kept.chain(last.into_iter().flatten()));
         };
-        line(&header, predicted.is_some().then(|| column.clone()));
+        line(&header, predicted.is_some().then(|| columns.clone()));
         let mut cells = self.source.iter().flat_map(|source| source.rows.cells());
         let mut row = csv::StringRecord::new();
         for index in 0..self.len() {
-            let force = predicted
-                .map(|values| values.get(index).copied().unwrap_or_default())
-                .map(|force| decimal(force / self.units.force.scale));
+            let force = predicted.map(|both| {
+                both.map(|values| {
+                    let force = values.get(index).copied().unwrap_or_default();
+                    decimal(force / self.units.force.scale)
+                })
+            });
             row.clear();
             match &self.source {
                 Some(_) => row.extend(cells.by_ref().take(header.len())),

@@ -12,8 +12,8 @@ use super::result::{
     TraceResult, Verdict,
 };
 use super::rule::Rule;
-use super::select::{self, Selection, held_to, noise_floor};
-use super::separating::separating_test;
+use super::select::{self, Selection};
+use super::separating::{bounding_test, separating_test};
 use super::split::{Role, Roles};
 use super::verdict::{accounts_for, conclude, depends_on, generalises, rivals, warnings};
 use super::{Trace, Traced};
@@ -24,6 +24,7 @@ use crate::shape::Extent;
 use crate::solution::Solution;
 use crate::staged::staged;
 use crate::term::effects_of;
+use crate::tolerance::{held_to, noise_floor};
 use crate::uncertainty::{Interval, Uncertainty};
 
 /// The recordings of a trace, with what each sample is for.
@@ -91,7 +92,7 @@ impl<'a> Closing<'a> {
         let left_out = LeftOut::of(self.trajectories, [self.judging, self.roles]);
         let found = solution.clone();
         let Concluded {
-            verdict,
+            mut verdict,
             mut left,
             effects_rejected_by,
         } = self.verdict(selection, &left_out, [&alone, &solution])?;
@@ -129,10 +130,20 @@ impl<'a> Closing<'a> {
             effects.extend(self.rivals(selection)?);
         }
 
+        let terms = solution.terms.iter().zip(&uncertainty.terms);
+        let mut unbounded: Vec<Family> = terms
+            .filter(|(_, uncertainty)| !uncertainty.is_bounded())
+            .map(|(value, _)| value.term.form.family())
+            .collect();
+        unbounded.dedup();
         let separating_test = match verdict {
             Verdict::Ambiguous => {
                 progress("seeking the test that would tell the rivals apart");
                 Some(separating_test(selection, self.trajectories)?)
+            }
+            Verdict::Found if !unbounded.is_empty() => {
+                verdict = Verdict::Ambiguous;
+                Some(bounding_test(&unbounded, self.trajectories))
             }
             _ => None,
         };
@@ -166,7 +177,7 @@ impl<'a> Closing<'a> {
                 &model,
                 left,
                 (&without, &with),
-                self.held_to(),
+                [false, true].map(|held_out| self.held_to(held_out)),
             ),
             augmented: with,
             on_target: OnTarget {
@@ -266,13 +277,13 @@ impl<'a> Closing<'a> {
         problem.solve_near(known).model()
     }
 
-    /// The error that a perfect law leaves of what is held out.
-    fn held_to(&self) -> f64 {
+    /// The error that a perfect law leaves of what is held out, or of the rest.
+    fn held_to(&self, held_out: bool) -> f64 {
         let (mut error, mut force) = (0.0, 0.0);
         for (trajectory, roles) in &self.recordings {
-            let held = (0..trajectory.len())
-                .filter(|&i| roles[i] == Role::HeldOut && trajectory.measured[i]);
-            for sample in held {
+            let of_part = (0..trajectory.len())
+                .filter(|&i| (roles[i] == Role::HeldOut) == held_out && trajectory.measured[i]);
+            for sample in of_part {
                 error += held_to(trajectory, sample);
                 force += trajectory.force[sample].powi(2);
             }
@@ -300,16 +311,29 @@ impl<'a> Closing<'a> {
 
     /// The error of `predicted`, kN for every sample of every recording, on what was held out or on the rest.
     fn nrmse(&self, predicted: &[Vec<f64>], held_out: bool) -> f64 {
+        let each = self.recordings.iter().zip(predicted);
+        let (error, force) = each.fold(
+            (0.0, 0.0),
+            |(error, force), ((trajectory, roles), predicted)| {
+                let (more_error, more_force) = squares(trajectory, roles, predicted, held_out);
+                (error + more_error, force + more_force)
+            },
+        );
+        (error / force).sqrt()
+    }
+
+    /// The error of `model` on what was held out.
+    fn held_out(&self, model: &Model) -> Result<f64, ModelError> {
         let (mut error, mut force) = (0.0, 0.0);
-        for ((trajectory, roles), predicted) in self.recordings.iter().zip(predicted) {
-            for (sample, &role) in roles.iter().enumerate() {
-                if (role == Role::HeldOut) == held_out && trajectory.measured[sample] {
-                    error += (predicted[sample] - trajectory.force[sample]).powi(2);
-                    force += trajectory.force[sample].powi(2);
-                }
+        for (trajectory, roles) in &self.recordings {
+            if roles.contains(&Role::HeldOut) {
+                let predicted = predict(model, trajectory)?;
+                let (more_error, more_force) = squares(trajectory, roles, &predicted, true);
+                error += more_error;
+                force += more_force;
             }
         }
-        (error / force).sqrt()
+        Ok((error / force).sqrt())
     }
 
     /// The errors of eq 13 identified as the paper does.
@@ -428,15 +452,11 @@ impl<'a> Closing<'a> {
             .par_iter()
             .map(|candidate| {
                 let model = candidate.fitted.solution.model();
-                let known = candidate.fitted.predicted.iter().cloned();
-                let held = &self.recordings[self.fitted..];
-                let held = held.iter().map(|(held, _)| predict(&model, held));
-                let predicted = known.map(Ok).chain(held).collect::<Result<Vec<_>, _>>()?;
                 let vanishes = candidate.added && !left.contains(&candidate.family);
                 let rule = candidate.rejected_by;
                 Ok(Candidate {
                     family: candidate.family.name().to_owned(),
-                    nrmse_held_out: self.nrmse(&predicted, true),
+                    nrmse_held_out: self.held_out(&model)?,
                     distinguishable: candidate.distinguishable,
                     step: candidate.step,
                     added: candidate.added,
@@ -447,6 +467,24 @@ impl<'a> Closing<'a> {
             })
             .collect()
     }
+}
+
+/// Squares of the error of `predicted` and of the force, kN², on what was held out of a trajectory or on the rest.
+fn squares(
+    trajectory: &Trajectory,
+    roles: &[Role],
+    predicted: &[f64],
+    held_out: bool,
+) -> (f64, f64) {
+    let counts = |&i: &usize| (roles[i] == Role::HeldOut) == held_out && trajectory.measured[i];
+    let of_part = (0..roles.len()).filter(counts);
+    of_part.fold((0.0, 0.0), |(error, force), i| {
+        let measured = trajectory.force[i];
+        (
+            error + (predicted[i] - measured).powi(2),
+            force + measured * measured,
+        )
+    })
 }
 
 /// What is said of a search.

@@ -10,11 +10,11 @@ use mesh_damper_recording::trajectory::Trajectory;
 use rayon::prelude::*;
 
 use super::score::Jury;
-use super::select::{goal, held_to};
 use super::split::{Role, Roles};
 use super::within_blocks::is_seen_within_blocks;
 use crate::beyond_noise::beyond_noise;
 use crate::policy::policy;
+use crate::tolerance::{certainty, goal, held_to, least};
 
 mesh_damper_recording::numbers! {
     /// Blocks that are left out of a fit.
@@ -207,14 +207,10 @@ impl<'a> LeftOut<'a> {
     pub fn error(&self, fit: Fit) -> Result<RelativeError, ModelError> {
         if self.blocks.is_empty() {
             let model = fit(&|which, sample| self.judging.of(which, sample) == Role::Fit)?;
-            let predicted = self
-                .trajectories
-                .iter()
-                .map(|trajectory| predict(&model, trajectory))
-                .collect::<Result<Vec<_>, _>>()?;
             let jury = Jury::of(self.trajectories, self.judging, Role::Judge);
+            let score = jury.score(|trajectory| predict(&model, trajectory))?;
             return Ok(RelativeError {
-                error: jury.score(&predicted).nrmse().powi(2),
+                error: score.nrmse().powi(2),
                 noise: goal(jury.noise()).powi(2),
             });
         }
@@ -268,8 +264,8 @@ impl RelativeError {
     ) -> Option<Self> {
         let (mut error, mut noise, mut force) = (0.0, 0.0, 0.0);
         for i in block.samples.clone().filter(|&i| is_fair(i)) {
-            error += (predicted[i] - trajectory.force[i]).powi(2);
-            noise += held_to(trajectory, i);
+            error += certainty(trajectory, i) * (predicted[i] - trajectory.force[i]).powi(2);
+            noise += least(trajectory);
             force += trajectory.force[i].powi(2);
         }
         (force > 0.0).then(|| Self {

@@ -6,6 +6,7 @@ use mesh_damper_recording::trajectory::Trajectory;
 
 use super::split::{Role, Roles};
 use crate::policy::policy;
+use crate::tolerance::{certainty, least};
 
 mesh_damper_recording::numbers! {
     /// Whether one law predicts better than another.
@@ -62,14 +63,13 @@ impl<'a> Jury<'a> {
         jury
     }
 
-    /// The error that a perfect law leaves there, as [`Trajectory::tolerance`] has it; of several recordings the root of the mean
-    /// square.
+    /// The error that a perfect law leaves there, each sample counting by its [`certainty`]; of several recordings the root of the
+    /// mean square.
     pub fn noise(&self) -> f64 {
         let pieces = self.pieces.iter();
         let squares: f64 = pieces
             .map(|(which, samples)| {
-                let tolerance = |&sample: &usize| self.trajectories[*which].tolerance(sample);
-                samples.iter().map(tolerance).sum::<f64>() / self.power[*which]
+                samples.len() as f64 * least(&self.trajectories[*which]) / self.power[*which]
             })
             .sum();
         (squares / self.recordings() as f64).sqrt()
@@ -79,24 +79,33 @@ impl<'a> Jury<'a> {
         self.power.iter().filter(|&&power| power > 0.0).count()
     }
 
-    /// Compares `predicted` (kN, per trajectory and sample) with the measured force.
-    pub fn score(&self, predicted: &[Vec<f64>]) -> Score {
-        let pieces = self
-            .pieces
-            .iter()
-            .map(|(which, samples)| {
-                let (predicted, force) = (&predicted[*which], &self.trajectories[*which].force);
-                let error = samples
-                    .iter()
-                    .map(|&sample| (predicted[sample] - force[sample]).powi(2))
-                    .sum::<f64>();
-                error / self.power[*which]
-            })
-            .collect();
-        Score {
+    /// Compares what `predict` gives for each trajectory, kN at every sample, with the measured force, each sample counting by its
+    /// [`certainty`].
+    ///
+    /// # Errors
+    /// The first of `predict`.
+    pub fn score<E>(
+        &self,
+        predict: impl Fn(&Trajectory) -> Result<Vec<f64>, E>,
+    ) -> Result<Score, E> {
+        let mut pieces = Vec::with_capacity(self.pieces.len());
+        // Those of one trajectory follow each other.
+        for of_one in self.pieces.chunk_by(|a, b| a.0 == b.0) {
+            let which = of_one[0].0;
+            let trajectory = &self.trajectories[which];
+            let predicted = predict(trajectory)?;
+            pieces.extend(of_one.iter().map(|(_, samples)| {
+                let error = |&sample: &usize| {
+                    let error = predicted[sample] - trajectory.force[sample];
+                    certainty(trajectory, sample) * error * error
+                };
+                samples.iter().map(error).sum::<f64>() / self.power[which]
+            }));
+        }
+        Ok(Score {
             pieces,
             recordings: self.recordings(),
-        }
+        })
     }
 }
 
@@ -108,7 +117,7 @@ pub struct Score {
 }
 
 impl Score {
-    /// RMS error over RMS force; of several recordings the root of the mean square.
+    /// RMS error, as far as it is certain, over RMS force; of several recordings the root of the mean square.
     pub fn nrmse(&self) -> f64 {
         (self.pieces.iter().sum::<f64>() / self.recordings as f64).sqrt()
     }

@@ -3,7 +3,7 @@
 use mesh_damper::law::Law;
 use mesh_damper_model::predict::predict;
 use mesh_damper_model::{Family, ModelError};
-use mesh_damper_recording::cycles::same_amplitude;
+use mesh_damper_recording::cycles::{FoundBlock, levels, same_amplitude};
 use mesh_damper_recording::trajectory::Trajectory;
 use rayon::prelude::*;
 
@@ -21,6 +21,7 @@ use crate::screen::{Screen, Start};
 use crate::shape::Extent;
 use crate::solution::Solution;
 use crate::term::Term;
+use crate::tolerance::goal;
 
 mesh_damper_recording::numbers! {
     /// The search for effects.
@@ -35,9 +36,6 @@ mesh_damper_recording::numbers! {
         promising: f64 = 0.5, Tuned("the blind trial");
         /// A candidate is fitted from at most this many starts.
         starts: usize = 2, Tuned("the blind trial");
-        /// However quiet a recording, errors below this part of the force are those of the estimated motion: what was filtered before
-        /// it was written looks quieter than it is.
-        quiet: f64 = 1e-3, Tuned("the estimated motions");
     }
 }
 
@@ -48,11 +46,20 @@ pub struct Fitted {
     pub solution: Solution,
     /// Errors on the cycles that judge.
     pub score: Score,
-    /// Its force on every trajectory, kN.
-    pub predicted: Vec<Vec<f64>>,
 }
 
 impl Fitted {
+    /// Its force on every one of `trajectories`, kN. It is worked out anew each time: that of all laws that were tried would take more
+    /// memory than the recordings.
+    ///
+    /// # Errors
+    /// A law that the crate refuses.
+    pub fn predicted(&self, trajectories: &[Trajectory]) -> Result<Vec<Vec<f64>>, ModelError> {
+        let model = self.solution.model();
+        let each = trajectories.iter();
+        each.map(|trajectory| predict(&model, trajectory)).collect()
+    }
+
     /// The families of its effects in the order of their names, those of several terms once.
     pub fn families(&self) -> Vec<Family> {
         let terms = self.solution.terms.iter();
@@ -270,7 +277,7 @@ impl<'a> Search<'a> {
         law.score.nrmse() <= policy().verdict.noise_limited * self.goal()
     }
 
-    /// The error on the judging cycles that a law is held to: the noise, or [`SelectPolicy::quiet`] where the recording is quieter.
+    /// The error on the judging cycles that a law is held to: the noise, or [`quiet`](crate::tolerance::TolerancePolicy::quiet) where the recording is quieter.
     pub fn goal(&self) -> f64 {
         goal(self.jury.noise())
     }
@@ -391,15 +398,19 @@ impl<'a> Search<'a> {
             self.roles.is_open(which, sample) && self.trajectories[which].is_telling(sample)
         };
         let all = self.trajectories;
-        Ok(!is_seen_within_blocks(all, counts, &law.predicted, &still))
+        let changing = law.predicted(all)?;
+        Ok(!is_seen_within_blocks(all, counts, &changing, &still))
     }
 
     /// Every form beside `law`, and whether it was fitted: at most `most` that promise most, the others with what they start from.
     fn beside(&self, law: &Fitted, most: usize) -> Vec<(Term, Fitted, bool)> {
         let known = law.solution.terms();
+        // A law that was judged is none that the crate refuses.
+        let predicted = law.predicted(self.trajectories).unwrap_or_default();
         let extent = self
             .extent
-            .with_tones(tones(self.trajectories, self.roles, &law.predicted));
+            .with_tones(tones(self.trajectories, self.roles, &predicted));
+        drop(predicted);
         let screen = Screen::at(&self.rows, &extent, &law.solution);
         // The work for one differs from that for another by orders of magnitude.
         let mut rated: Vec<(Term, Vec<Start>)> = self
@@ -458,16 +469,8 @@ impl<'a> Search<'a> {
 
     fn judged(&self, solution: Solution) -> Result<Fitted, ModelError> {
         let model = solution.model();
-        let predicted = self
-            .trajectories
-            .iter()
-            .map(|trajectory| predict(&model, trajectory))
-            .collect::<Result<Vec<_>, _>>()?;
-        Ok(Fitted {
-            solution,
-            score: self.jury.score(&predicted),
-            predicted,
-        })
+        let score = self.jury.score(|trajectory| predict(&model, trajectory))?;
+        Ok(Fitted { solution, score })
     }
 }
 
@@ -511,54 +514,18 @@ pub fn error_between(
     Ok(error.sqrt())
 }
 
-/// The noise of the force over its RMS; of several recordings the root of the mean square.
-pub fn noise_floor(trajectories: &[Trajectory]) -> f64 {
-    let squares = trajectories.iter().map(|t| noise_of(t).powi(2));
-    (squares.sum::<f64>() / trajectories.len() as f64).sqrt()
-}
-
-/// The same of one recording.
-pub fn noise_of(trajectory: &Trajectory) -> f64 {
-    trajectory.force_noise / trajectory.force_rms
-}
-
-/// Variance of the error that a law is held to at a sample of `trajectory`, kN²: as [`Trajectory::tolerance`] has it, or
-/// [`SelectPolicy::quiet`] where the recording is quieter.
-pub fn held_to(trajectory: &Trajectory, sample: usize) -> f64 {
-    let quiet = policy().select.quiet * trajectory.force_rms;
-    trajectory.tolerance(sample).max(quiet * quiet)
-}
-
-/// The error that a law is held to: the noise, or [`SelectPolicy::quiet`] where the recording is quieter.
-pub fn goal(noise_floor: f64) -> f64 {
-    noise_floor.max(policy().select.quiet)
-}
-
-/// The amplitudes in mm of the blocks that are fitted, those that are nearly the same taken as one.
+/// The levels of amplitude in mm of the blocks that are fitted.
 pub fn amplitude_nodes(trajectories: &[Trajectory], roles: &Roles) -> Vec<f64> {
-    let mut amplitudes: Vec<f64> = trajectories
-        .iter()
-        .enumerate()
-        .flat_map(|(which, trajectory)| {
-            let fitted = trajectory.blocks.iter().filter(move |block| {
-                block
-                    .samples
-                    .clone()
-                    .any(|sample| roles.of(which, sample) == Role::Fit)
-            });
-            fitted.map(|block| block.amplitude)
-        })
-        .collect();
-    amplitudes.sort_by(f64::total_cmp);
-    let mut nodes: Vec<Vec<f64>> = Vec::new();
-    for amplitude in amplitudes {
-        match nodes.last_mut() {
-            Some(node) if same_amplitude(node[0], amplitude) => node.push(amplitude),
-            _ => nodes.push(vec![amplitude]),
-        }
-    }
-    nodes
-        .iter()
-        .map(|node| node.iter().sum::<f64>() / node.len() as f64)
-        .collect()
+    let is_fitted = |which: usize, block: &FoundBlock| {
+        let mut samples = block.samples.clone();
+        samples.any(|sample| roles.of(which, sample) == Role::Fit)
+    };
+    let each = trajectories.iter().enumerate();
+    levels(each.flat_map(|(which, trajectory)| {
+        let fitted = trajectory
+            .blocks
+            .iter()
+            .filter(move |block| is_fitted(which, block));
+        fitted.map(|block| block.amplitude)
+    }))
 }

@@ -3,18 +3,19 @@
 //! Each rival's force is simulated under blocks that a rig can run, and every other rival is fitted to it with all of its
 //! coefficients free. Blocks are added that make the nearest two differ most (Atkinson and Fedorov 1975).
 
-use mesh_damper_model::ModelError;
 use mesh_damper_model::predict::predict;
+use mesh_damper_model::{Family, ModelError};
 use mesh_damper_recording::trajectory::Trajectory;
 use mesh_damper_reference::protocol::{TestBlock, motion};
 
-use super::select::{Candidate, Selection, goal, noise_of};
+use super::select::{Candidate, Selection};
 use super::verdict::rivals;
 use crate::policy::policy;
 use crate::problem::Problem;
 use crate::rows::Rows;
 use crate::shape::Extent;
 use crate::solution::Solution;
+use crate::tolerance::{goal, noise_of};
 
 mesh_damper_recording::numbers! {
     /// The test that would tell effects apart.
@@ -56,7 +57,7 @@ pub(super) fn separating_test(
 ) -> Result<String, ModelError> {
     let rivals = rivals(selection);
     let names: Vec<&str> = rivals.iter().map(|rival| rival.family.name()).collect();
-    let alike = collinearity(&rivals, selection, trajectories);
+    let alike = collinearity(&rivals, selection, trajectories)?;
     let said = format!(
         "{} predict these recordings equally well (collinearity {alike:.3})",
         names.join(" and ")
@@ -77,23 +78,52 @@ pub(super) fn separating_test(
     })
 }
 
+/// The test that would bound what `trajectories` leave unbounded of effects of these families.
+pub(super) fn bounding_test(unbounded: &[Family], trajectories: &[Trajectory]) -> String {
+    let names: Vec<&str> = unbounded.iter().map(|family| family.name()).collect();
+    let blocks = trajectories
+        .iter()
+        .flat_map(|trajectory| &trajectory.blocks);
+    let (low, high) = blocks.fold((f64::INFINITY, 0.0_f64), |(low, high), block| {
+        (low.min(block.frequency), high.max(block.frequency))
+    });
+    let least = policy().separating.below[0];
+    let most = policy().separating.above[policy().separating.above.len() - 1];
+    format!(
+        "these recordings leave a parameter of {} without bounds: record motion from {:.2} to {:.1} Hz at half and at all of the \
+         amplitude, and trace it together with them",
+        names.join(" and of "),
+        least * low,
+        most * high
+    )
+}
+
 /// The least cosine between what two rivals add to what was predicted before the step at which they were tried.
-fn collinearity(rivals: &[&Candidate], selection: &Selection, trajectories: &[Trajectory]) -> f64 {
+fn collinearity(
+    rivals: &[&Candidate],
+    selection: &Selection,
+    trajectories: &[Trajectory],
+) -> Result<f64, ModelError> {
     let before = selection
         .candidates
         .iter()
         .rfind(|candidate| candidate.added && candidate.step < rivals[0].step)
-        .map_or(&selection.baseline, |candidate| &candidate.fitted);
-    let added = |rival: &Candidate| -> Vec<f64> {
+        .map_or(&selection.baseline, |candidate| &candidate.fitted)
+        .predicted(trajectories)?;
+    let added = |rival: &Candidate| -> Result<Vec<f64>, ModelError> {
+        let with = rival.fitted.predicted(trajectories)?;
         let mut added = Vec::new();
         for (which, trajectory) in trajectories.iter().enumerate() {
-            let (with, without) = (&rival.fitted.predicted[which], &before.predicted[which]);
+            let (with, without) = (&with[which], &before[which]);
             let telling = (0..trajectory.len()).filter(|&i| trajectory.is_telling(i));
             added.extend(telling.map(|i| with[i] - without[i]));
         }
-        added
+        Ok(added)
     };
-    let added: Vec<Vec<f64>> = rivals.iter().map(|rival| added(rival)).collect();
+    let added: Vec<Vec<f64>> = rivals
+        .iter()
+        .map(|rival| added(rival))
+        .collect::<Result<_, _>>()?;
     let inner = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| a * b).sum::<f64>();
     let mut least = 1.0_f64;
     for (number, one) in added.iter().enumerate() {
@@ -101,7 +131,7 @@ fn collinearity(rivals: &[&Candidate], selection: &Selection, trajectories: &[Tr
             least = least.min(inner(one, other) / (inner(one, one) * inner(other, other)).sqrt());
         }
     }
-    least
+    Ok(least)
 }
 
 /// `0.1:2:8`

@@ -19,6 +19,10 @@ mesh_damper_recording::numbers! {
         fewest_blocks: usize = 3, Derived("one of two blocks would leave one condition to fit");
         /// A block with at least this many cycles that are fitted is one of them.
         fewest_cycles: usize = 2, Derived("one of them may be a ramp");
+        /// Where less than this part of a recording would be kept apart by its cycles, stretches of it are.
+        least_kept: f64 = 0.08, Derived("one of seven cycles is the least of a block, and half of a test may be ramps");
+        /// Stretches that a recording without like cycles is cut into, of which one in four judges.
+        stretches: usize = 16, Tuned("the blind trial over any motion");
     }
 }
 
@@ -76,8 +80,9 @@ impl Roles {
     ///
     /// The whole block is one whose amplitude other fitted blocks have too: eq 13's coefficients depend on amplitude, and a
     /// block whose amplitude is nowhere else would test the interpolation between amplitudes and not the effects. Where
-    /// there is none, no whole block is taken. A recording without two like cycles gives the last quarter of the samples
-    /// that are still fitted.
+    /// there is none, no whole block is taken. A recording with hardly two like cycles gives a quarter of the samples that are
+    /// still fitted: the last of them to be held out; to judge, stretches all over it, as what one of them holds may be like
+    /// no other.
     pub fn keep_apart(&mut self, trajectories: &[Trajectory], role: Role) {
         let whole = self.whole_block(trajectories);
         for (which, trajectory) in trajectories.iter().enumerate() {
@@ -97,15 +102,31 @@ impl Roles {
                     self.assign(which, first.start..last.end, role);
                 }
             }
-            if !self.0[which].contains(&role) {
-                let fitted: Vec<usize> = (0..trajectory.len())
-                    .filter(|&sample| self.0[which][sample] == Role::Fit)
-                    .collect();
-                let first = fitted.len() - fitted.len() / policy().split.cycles_per_kept;
-                for &sample in &fitted[first..] {
-                    self.0[which][sample] = role;
-                }
-            }
+            self.keep_stretches(which, role);
+        }
+    }
+
+    /// Gives `role` to a quarter of the samples of a recording where its cycles gave it to hardly any.
+    fn keep_stretches(&mut self, which: usize, role: Role) {
+        let roles = &mut self.0[which];
+        let is_free = |one: Role| one == role || one == Role::Fit;
+        let free: Vec<usize> = (0..roles.len()).filter(|&i| is_free(roles[i])).collect();
+        let kept = free.iter().filter(|&&sample| roles[sample] == role).count();
+        let SplitPolicy {
+            cycles_per_kept,
+            least_kept,
+            stretches,
+            ..
+        } = policy().split;
+        if kept as f64 >= least_kept * free.len() as f64 {
+            return;
+        }
+        let is_kept = |place: usize| match role {
+            Role::HeldOut => place >= free.len() - free.len() / cycles_per_kept,
+            _ => place * stretches / free.len() % cycles_per_kept == cycles_per_kept / 2,
+        };
+        for (place, &sample) in free.iter().enumerate() {
+            roles[sample] = if is_kept(place) { role } else { Role::Fit };
         }
     }
 

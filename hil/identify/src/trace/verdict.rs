@@ -27,8 +27,8 @@ mesh_damper_recording::numbers! {
         most_left: f64 = 0.12, Tuned("the blind trial");
         /// What is left below this many times the noise does not show.
         unseen: f64 = 0.6, Tuned("the blind trial");
-        /// A law that is noise-limited where it was fitted and leaves more than this many times the noise of what was held out knows the
-        /// one and not the other.
+        /// A law that is noise-limited where it was fitted and leaves this many times as much of what was held out, each over the noise,
+        /// knows the one and not the other.
         elsewhere: f64 = 2.0, Convention("a warning, well above what is noise-limited");
     }
 }
@@ -108,13 +108,13 @@ pub(super) fn depends_on(model: &Model, correction: &[&'static str]) -> Vec<Stri
 }
 
 /// What a reader should know before trusting the result: `left` times the noise is what effects leave, `errors` are of the law
-/// alone and with what was added, `held_to` is what a perfect law leaves of what was held out.
+/// alone and with what was added, `held_to` is what a perfect law leaves of what was fitted and of what was held out.
 pub(super) fn warnings<'t>(
     trajectories: impl Iterator<Item = &'t Trajectory>,
     model: &Model,
     left: f64,
     errors: (&Errors, &Errors),
-    held_to: f64,
+    held_to: [f64; 2],
 ) -> Vec<String> {
     let mut warnings = Vec::new();
     let (first, last) = (model.law.first(), model.law.last());
@@ -148,13 +148,14 @@ pub(super) fn warnings<'t>(
                 .to_owned(),
         );
     }
-    let elsewhere = errors.1.nrmse_held_out / held_to;
+    let there = errors.1.nrmse_fitted / held_to[0];
+    let elsewhere = errors.1.nrmse_held_out / held_to[1];
     if model.correction.is_none()
         && left <= policy().verdict.noise_limited
-        && elsewhere > policy().verdict.elsewhere
+        && elsewhere > policy().verdict.elsewhere * there.max(1.0)
     {
         warnings.push(format!(
-            "on what was held out the law leaves {elsewhere:.1} times the noise, which it does not where it was fitted: fit more \
+            "on what was held out the law leaves {elsewhere:.1} times the noise, and where it was fitted {there:.1} times: fit more \
              amplitudes and frequencies, about those held out"
         ));
     }

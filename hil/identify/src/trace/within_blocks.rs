@@ -6,7 +6,7 @@
 use mesh_damper_recording::cycles::FoundBlock;
 use mesh_damper_recording::trajectory::Trajectory;
 
-use super::select::held_to;
+use crate::tolerance::held_to;
 
 /// Phases at which cycles are compared.
 const PHASES: usize = 16;

@@ -4,12 +4,13 @@
 //! passive damper can do is a fault. A recording without faults comes out untouched.
 //!
 //! Whole channels come first (`sign`, `scale`), on the recording as it was read. Then single samples, on the uniform
-//! time base: `clipping`, `held`, `spikes`. Forces that were not measured are left out; displacements are
+//! time base: `clipping`, `held`, `spikes`. Hum comes last, when nothing hides it. Forces that were not measured are left out; displacements are
 //! bridged, because the motion of the samples around them, and what a specimen remembers, depends on them.
 
 pub(crate) mod bridge;
 pub(crate) mod clipping;
 pub(crate) mod held;
+pub(crate) mod hum;
 pub(crate) mod scale;
 pub(crate) mod shift;
 pub(crate) mod sign;
@@ -95,6 +96,13 @@ pub enum ChannelFaultKind {
     },
     /// A velocity that is not the derivative of the displacement.
     NotDerivative,
+    /// A tone of the mains.
+    Hum {
+        /// Hz
+        frequency: f64,
+        /// In the code's unit of the channel.
+        amplitude: f64,
+    },
     /// Displacement and force that were smoothed by a moving average.
     Averaged {
         /// Time that it is over, s.
@@ -128,11 +136,7 @@ impl std::fmt::Display for ChannelFault {
             ChannelFaultKind::Clipping { samples, limit } => write!(
                 f,
                 "clipping of the {channel} at {limit:.4} {}: {}; {left}",
-                if self.channel == Channel::Force {
-                    "kN"
-                } else {
-                    "mm"
-                },
+                self.channel.unit(),
                 counted(samples)
             ),
             ChannelFaultKind::Held { samples, stretches } => write!(
@@ -201,6 +205,14 @@ impl std::fmt::Display for ChannelFault {
                     factor.max(1.0 / factor)
                 )
             }
+            ChannelFaultKind::Hum {
+                frequency,
+                amplitude,
+            } => write!(
+                f,
+                "hum on the {channel}: {amplitude:.1e} {} at {frequency:.2} Hz; it was taken off",
+                self.channel.unit()
+            ),
             ChannelFaultKind::Averaged { time } => write!(
                 f,
                 "displacement and force are moving averages over {time:.3} s: neither has noise at {:.1} Hz and its multiples; \
@@ -267,6 +279,7 @@ pub(super) fn examine(uniform: &mut Uniform) -> Vec<ChannelFault> {
         }
     }
     bridge::bridge(&mut uniform.force, &no_force, uniform.period);
+    hum::find(uniform, &mut faults);
     velocity::examine(uniform, &unknown, &mut faults);
     faults
 }

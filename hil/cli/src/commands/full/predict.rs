@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use clap::{Args, ValueEnum};
 use mesh_damper_link::predict::{ImageError, predict_on};
 use mesh_damper_model::file::{FittedRange, ModelFile, model_error};
-use mesh_damper_model::predict::{nrmse, predict, predict_embedded};
+use mesh_damper_model::predict::{band, nrmse, predict, predict_embedded};
 use mesh_damper_recording::Recording;
 use mesh_damper_recording::output::Plan;
 use mesh_damper_recording::trajectory::Trajectory;
@@ -20,7 +20,9 @@ const RANGE_MARGIN: f64 = 0.05;
 
 /// The force that a model gives for a recording's motion
 ///
-/// Writes the recording's rows with one more column, predicted_force_UNIT, in the recording's own unit.
+/// Writes the recording's rows with two more columns in the recording's own unit: predicted_force_UNIT, and predicted_band_UNIT, by which
+/// the force may be off either way in 90 % of the cases because the motion is estimated from a noisy displacement. The model's own
+/// error is not in it.
 #[derive(Args, Debug)]
 #[command(
     after_help = "Example:\n  hil predict --model trace-out/model.json test.csv.gz --out pred.csv"
@@ -67,6 +69,8 @@ struct Summary<'a> {
     samples: usize,
     /// RMS of the error over the RMS of the measured force.
     nrmse: f64,
+    /// RMS of the band's half width over that of the measured force.
+    band: f64,
     /// By how much the motion exceeds the one that the model was fitted on, as a fraction.
     beyond_fitted_range: f64,
 }
@@ -96,7 +100,9 @@ impl Predict {
             ImageError::Model(error) => model_error(&self.model.display().to_string(), &error),
             ImageError::Link(error) => error.into(),
         })?;
-        let force = uniform.at_samples_of(&recording, &force);
+        let band = band(&model, &trajectory)
+            .map_err(|error| model_error(&self.model.display().to_string(), &error))?;
+        let [force, band] = [force, band].map(|values| uniform.at_samples_of(&recording, &values));
 
         for fault in &trajectory.faults {
             warn(&format!("{}: {fault}", recording.name));
@@ -126,11 +132,12 @@ impl Predict {
             on: self.on,
             samples: recording.len(),
             nrmse: nrmse(&force, &recording.force, |_| true),
+            band: rms(&band) / rms(&recording.force),
             beyond_fitted_range: beyond,
         };
         outputs.add(
             &self.out,
-            recording.to_file_with_prediction(&self.out, &force),
+            recording.to_file_with_prediction(&self.out, &force, &band),
         );
         if let Some(json) = &self.json {
             outputs.add_json(json, &summary)?;
@@ -139,12 +146,17 @@ impl Predict {
         let dash = Path::new("-");
         if self.out != dash && self.json.as_deref() != Some(dash) {
             say(&format!(
-                "{}: error {:.2} % of the measured force's RMS over {} samples",
+                "{}: error {:.2} % of the measured force's RMS over {} samples; {:.2} % or less may be of the estimated motion",
                 self.out.display(),
                 100.0 * summary.nrmse,
-                summary.samples
+                summary.samples,
+                100.0 * summary.band
             ));
         }
         Ok(())
     }
+}
+
+fn rms(values: &[f64]) -> f64 {
+    (values.iter().map(|value| value * value).sum::<f64>() / values.len() as f64).sqrt()
 }
