@@ -1,5 +1,6 @@
 //! What drives the mass, at equal steps of time.
 
+use super::RespondError;
 use super::oscillator::Input;
 use super::signal::refined;
 use mesh_damper_recording::policy::policy;
@@ -64,14 +65,42 @@ impl Excitation {
         self.len() == 0
     }
 
+    /// # Errors
+    /// Fewer than two samples, a tick that no effect takes, a sample that is not finite.
+    pub(super) fn check(&self) -> Result<(), RespondError> {
+        let (Drive::Force(samples) | Drive::Base(samples)) = &self.drive;
+        let wrong = |field, value, problem: &str, remedy| {
+            Err(RespondError::Value {
+                field,
+                value,
+                problem: problem.into(),
+                remedy,
+            })
+        };
+        if samples.len() < 2 {
+            let count = samples.len() as f64;
+            return wrong("samples", count, "are no motion", "give two or more");
+        }
+        if !(1e-6..=1e3).contains(&self.tick) {
+            return wrong(
+                "tick",
+                self.tick,
+                "is outside 1e-6…1000 s",
+                "give the time between samples in s",
+            );
+        }
+        match samples.iter().find(|value| !value.is_finite()) {
+            Some(&value) => wrong("sample", value, "is not finite", "mend the sample"),
+            None => Ok(()),
+        }
+    }
+
     /// With `substeps` steps between each two samples.
     pub(super) fn refined(&self, substeps: usize) -> Refined<'_> {
         let (Drive::Force(samples) | Drive::Base(samples)) = &self.drive;
-        let fine = refined(samples, self.tick, substeps);
         Refined {
             excitation: self,
-            values: fine.values,
-            slopes: fine.slopes,
+            values: refined(samples, substeps),
             substeps,
         }
     }
@@ -81,7 +110,6 @@ impl Excitation {
 pub(super) struct Refined<'e> {
     excitation: &'e Excitation,
     values: Vec<f64>,
-    slopes: Vec<f64>,
     substeps: usize,
 }
 
@@ -90,13 +118,23 @@ impl Refined<'_> {
         self.values.len()
     }
 
+    /// Velocity of the base at the start, mm/s.
+    pub fn base_velocity(&self) -> f64 {
+        match (&self.excitation.drive, self.values.as_slice()) {
+            (Drive::Base(_), [first, second, ..]) => {
+                (second - first) * self.substeps as f64 / self.excitation.tick
+            }
+            _ => 0.0,
+        }
+    }
+
     pub fn at(&self, index: usize) -> Input {
         let temperature = match &self.excitation.temperature {
             Some(samples) => samples.get(index / self.substeps).copied(),
             None => None,
         };
         let temperature = temperature.unwrap_or(policy().trajectory.room);
-        let (value, slope) = (self.values[index], self.slopes[index]);
+        let value = self.values[index];
         match self.excitation.drive {
             Drive::Force(_) => Input {
                 force: value,
@@ -105,7 +143,6 @@ impl Refined<'_> {
             },
             Drive::Base(_) => Input {
                 base: value,
-                base_velocity: slope,
                 temperature,
                 ..Input::default()
             },

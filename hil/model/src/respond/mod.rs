@@ -163,7 +163,7 @@ impl Response {
 /// The motion of a mass on the damper of `model` under `excitation`.
 ///
 /// # Errors
-/// A mass, tolerance or start that there can be no motion with; an effect that cannot be integrated; a model that the crate refuses;
+/// An excitation, a mass, a tolerance or a start that there can be no motion with; an effect that cannot be integrated; a model that the crate refuses;
 /// forces that no velocity balances.
 pub fn respond(
     model: &Model,
@@ -171,6 +171,7 @@ pub fn respond(
     settings: &Settings,
 ) -> Result<Response, RespondError> {
     settings.check()?;
+    excitation.check()?;
     let specimen = Specimen::new(model, settings.mass, settings.offset)?;
     let tick = excitation.tick();
     let most = (MOST_STEPS / excitation.len().max(1)).min((tick / SHORTEST_STEP) as usize);
@@ -210,6 +211,7 @@ pub fn respond_in_steps(
     substeps: usize,
 ) -> Result<(Vec<Moment>, EnergyBalance), RespondError> {
     settings.check()?;
+    excitation.check()?;
     let specimen = Specimen::new(model, settings.mass, settings.offset)?;
     integrate(&specimen, excitation, settings, substeps.max(1))
 }
@@ -243,7 +245,12 @@ fn integrate(
 ) -> Result<(Vec<Moment>, EnergyBalance), RespondError> {
     let inputs = excitation.refined(substeps);
     let step = excitation.tick() / substeps as f64;
-    let (mut oscillator, first) = Oscillator::new(specimen, step, settings.start, &inputs.at(0))?;
+    let (mut oscillator, first) = Oscillator::new(
+        specimen,
+        step,
+        settings.start,
+        (&inputs.at(0), inputs.base_velocity()),
+    )?;
     let amplitude = oscillator.amplitude();
     let mut work = Work::from(first);
     let mut moments = vec![first];

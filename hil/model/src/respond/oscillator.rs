@@ -1,9 +1,9 @@
 //! The steps of a mass on a damper.
 //!
 //! M·a = f − F(y, w), y the displacement of the mass from the base and w its rate, a the mass's own acceleration. The backward
-//! differences of second order (BDF2) give both from the rate at the end of the step:
+//! differences of second order (BDF2) give them from the rate at the end of the step:
 //!
-//! y = Y + g·w, a = (w + ḃ − V)/g, with g = 2Δt/3, Y = (4y₋₁ − y₋₂)/3, V = (4v₋₁ − v₋₂)/3.
+//! y = Y + g·w, b = B + g·ḃ, a = (w + ḃ − V)/g, with g = 2Δt/3, Y = (4y₋₁ − y₋₂)/3, and V and B alike of v = w + ḃ and of b.
 //!
 //! So w alone is sought, and M/g, by which its equation rises at least where the damper gives way nowhere, gives a bracket. The
 //! first step is a backward Euler step.
@@ -39,8 +39,6 @@ pub(super) struct Input {
     pub force: f64,
     /// Displacement of the base, mm.
     pub base: f64,
-    /// Velocity of the base, mm/s.
-    pub base_velocity: f64,
     /// Temperature, °C.
     pub temperature: f64,
 }
@@ -51,6 +49,7 @@ struct Place {
     relative: f64,
     rate: f64,
     velocity: f64,
+    base: f64,
 }
 
 /// A mass on a damper as it moves.
@@ -73,7 +72,8 @@ pub(super) struct Oscillator<'s> {
 }
 
 impl<'s> Oscillator<'s> {
-    /// At `displacement` mm from the base with `velocity` mm/s, where `input` holds, to move in steps of `step` s.
+    /// At `displacement` mm from the base with `velocity` mm/s, where `input` holds and the base moves with `base_velocity` mm/s, to
+    /// move in steps of `step` s.
     ///
     /// # Errors
     /// A model that the crate refuses.
@@ -81,7 +81,7 @@ impl<'s> Oscillator<'s> {
         specimen: &'s Specimen,
         step: f64,
         [displacement, velocity]: [f64; 2],
-        input: &Input,
+        (input, base_velocity): (&Input, f64),
     ) -> Result<(Self, Moment), RespondError> {
         let amplitude = specimen
             .model
@@ -91,8 +91,9 @@ impl<'s> Oscillator<'s> {
         let law = specimen.model.augmented::<f64>(amplitude, step)?;
         let now = Place {
             relative: displacement,
-            rate: velocity - input.base_velocity,
+            rate: velocity - base_velocity,
             velocity,
+            base: input.base,
         };
         let mut new = Self {
             specimen,
@@ -130,19 +131,23 @@ impl<'s> Oscillator<'s> {
     /// No velocity within the limits balances the forces; a model that the crate refuses.
     pub fn step(&mut self, input: &Input) -> Result<Moment, RespondError> {
         let (now, before) = (self.now, self.before);
-        let (gain, displacement, velocity) = if self.steps == 0 {
-            (self.step, now.relative, now.velocity)
+        let gain = if self.steps == 0 {
+            self.step
         } else {
-            (
-                2.0 / 3.0 * self.step,
-                (4.0 * now.relative - before.relative) / 3.0,
-                (4.0 * now.velocity - before.velocity) / 3.0,
-            )
+            2.0 / 3.0 * self.step
         };
+        let behind = |of: fn(&Place) -> f64| match self.steps {
+            0 => of(&now),
+            _ => (4.0 * of(&now) - of(&before)) / 3.0,
+        };
+        let displacement = behind(|place| place.relative);
+        let velocity = behind(|place| place.velocity);
+        // By the same differences as the rate: else what they err by would move a mass that hardly moves.
+        let base_velocity = (input.base - behind(|place| place.base)) / gain;
         let inertia = self.mass / gain;
         let excess = |rate: f64| {
             let force = self.tried(displacement + gain * rate, rate, input);
-            inertia * (rate + input.base_velocity - velocity) + force - input.force
+            inertia * (rate + base_velocity - velocity) + force - input.force
         };
         let guess = if self.steps == 0 {
             now.rate
@@ -158,7 +163,8 @@ impl<'s> Oscillator<'s> {
         self.now = Place {
             relative,
             rate,
-            velocity: rate + input.base_velocity,
+            velocity: rate + base_velocity,
+            base: input.base,
         };
         let acceleration = (self.now.velocity - velocity) / gain;
         // At rest the law's own friction is 0: what holds the mass is what the balance says.
@@ -265,7 +271,8 @@ impl<'s> Oscillator<'s> {
             damper,
             // The model's own mass is a part of what the damper's force channel shows.
             force: damper + PER_KILOGRAM * self.specimen.model_mass * acceleration,
-            input_power: input.force * self.now.velocity - damper * input.base_velocity,
+            input_power: input.force * self.now.velocity
+                - damper * (self.now.velocity - self.now.rate),
             damper_power: damper * self.now.rate,
         }
     }

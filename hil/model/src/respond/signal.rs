@@ -1,4 +1,4 @@
-//! A sampled signal and its slope between its samples.
+//! A sampled signal between its samples.
 //!
 //! A force that is sampled a few times a period is no polygon: straight lines between the samples would take a part of its
 //! amplitude. So a smooth signal is interpolated by a windowed sinc, which gives back what lies below 0.3 of the sampling rate.
@@ -17,18 +17,9 @@ const DIFFERENCES: u32 = 8;
 /// sine do above 0.23 of the sampling rate.
 const JUMP: f64 = 0.02;
 
-/// A signal at equal steps of time, finer than its samples.
-#[derive(Clone, Debug, PartialEq)]
-pub(super) struct Fine {
-    /// The signal.
-    pub values: Vec<f64>,
-    /// Its slope, per s.
-    pub slopes: Vec<f64>,
-}
-
-/// `samples`, which are `tick` s apart, with `substeps` steps between each two, ends included.
-pub(super) fn refined(samples: &[f64], tick: f64, substeps: usize) -> Fine {
-    let last = samples.len().saturating_sub(1);
+/// `samples`, at least two, with `substeps` steps between each two, ends included.
+pub(super) fn refined(samples: &[f64], substeps: usize) -> Vec<f64> {
+    let last = samples.len() - 1;
     // Beyond an end the signal goes on as before it, turned about the end: value and slope are continuous there.
     let sample = |index: isize| match usize::try_from(index) {
         Err(_) => 2.0 * samples[0] - samples[index.unsigned_abs().min(last)],
@@ -37,33 +28,18 @@ pub(super) fn refined(samples: &[f64], tick: f64, substeps: usize) -> Fine {
         }
         Ok(index) => samples[index],
     };
-    let kernel: Vec<Vec<[f64; 2]>> = {
-        let jumps = has_jumps(samples);
-        (0..substeps)
-            .map(|part| {
-                let part = part as f64 / substeps as f64;
-                if jumps { cubic(part) } else { sinc(part) }
-            })
-            .collect()
-    };
-    let points = last * substeps + 1;
-    let mut fine = Fine {
-        values: Vec::with_capacity(points),
-        slopes: Vec::with_capacity(points),
-    };
-    for point in 0..points {
-        let (at, weights) = (point / substeps, &kernel[point % substeps]);
-        let first = at as isize + 1 - (weights.len() / 2) as isize;
-        let (mut value, mut slope) = (0.0, 0.0);
-        for (index, [of_value, of_slope]) in (first..).zip(weights) {
-            let sample = sample(index);
-            value += of_value * sample;
-            slope += of_slope * sample;
-        }
-        fine.values.push(value);
-        fine.slopes.push(slope / tick);
-    }
-    fine
+    let weights_at = if has_jumps(samples) { cubic } else { sinc };
+    let kernel: Vec<Vec<f64>> = (0..substeps)
+        .map(|part| weights_at(part as f64 / substeps as f64))
+        .collect();
+    (0..=last * substeps)
+        .map(|point| {
+            let (at, weights) = (point / substeps, &kernel[point % substeps]);
+            let first = at as isize + 1 - (weights.len() / 2) as isize;
+            let each = (first..).zip(weights);
+            each.map(|(index, weight)| weight * sample(index)).sum()
+        })
+        .collect()
 }
 
 /// Whether the signal has jumps, or as good as that.
@@ -80,51 +56,34 @@ fn has_jumps(samples: &[f64]) -> bool {
     largest(&differences) > JUMP * (high - low)
 }
 
-/// Weights for the value and for the slope, a `part` of a step after the sample in the middle of the first half.
-fn sinc(part: f64) -> Vec<[f64; 2]> {
-    let mut weights: Vec<[f64; 2]> = (0..2 * REACH)
-        .map(|index| {
-            let t = part - (index as f64 + 1.0 - REACH as f64);
-            let (sin, cos) = (PI * t).sin_cos();
-            let [sinc, steepness] = if t.abs() < 1e-6 {
-                [1.0, -PI * PI * t / 3.0]
-            } else {
-                [sin / (PI * t), (cos - sin / (PI * t)) / t]
-            };
-            let window = (-(t / WIDTH).powi(2)).exp();
-            [
-                sinc * window,
-                (steepness - 2.0 * t / (WIDTH * WIDTH) * sinc) * window,
-            ]
-        })
-        .collect();
+/// Weights of the samples about a place a `part` of a step after the last of their first half.
+fn sinc(part: f64) -> Vec<f64> {
+    let weight = |index: usize| {
+        let t = part - (index as f64 + 1.0 - REACH as f64);
+        let sinc = if t.abs() < 1e-9 {
+            1.0
+        } else {
+            (PI * t).sin() / (PI * t)
+        };
+        sinc * (-(t / WIDTH).powi(2)).exp()
+    };
+    let weights: Vec<f64> = (0..2 * REACH).map(weight).collect();
     // A constant stays one.
-    let sum: f64 = weights.iter().map(|weight| weight[0]).sum();
-    let drift: f64 = weights.iter().map(|weight| weight[1]).sum();
-    let count = weights.len() as f64;
-    for [value, slope] in &mut weights {
-        *value /= sum;
-        *slope -= drift / count;
-    }
-    weights
+    let sum: f64 = weights.iter().sum();
+    weights.iter().map(|weight| weight / sum).collect()
 }
 
 /// The same of the cubic through two samples whose slopes are those of the parabolas through them and their neighbours.
-fn cubic(part: f64) -> Vec<[f64; 2]> {
-    let u = part;
-    let (u2, u3) = (u * u, u * u * u);
-    vec![
-        [0.5 * (2.0 * u2 - u3 - u), 0.5 * (4.0 * u - 3.0 * u2 - 1.0)],
-        [
-            0.5 * (3.0 * u3 - 5.0 * u2 + 2.0),
-            0.5 * (9.0 * u2 - 10.0 * u),
-        ],
-        [
-            0.5 * (4.0 * u2 - 3.0 * u3 + u),
-            0.5 * (8.0 * u - 9.0 * u2 + 1.0),
-        ],
-        [0.5 * (u3 - u2), 0.5 * (3.0 * u2 - 2.0 * u)],
+fn cubic(part: f64) -> Vec<f64> {
+    let (u, u2, u3) = (part, part * part, part * part * part);
+    [
+        2.0 * u2 - u3 - u,
+        3.0 * u3 - 5.0 * u2 + 2.0,
+        4.0 * u2 - 3.0 * u3 + u,
+        u3 - u2,
     ]
+    .map(|weight| 0.5 * weight)
+    .into()
 }
 
 #[cfg(test)]
@@ -134,50 +93,34 @@ mod tests {
 
     /// Five samples a period: straight lines would take 13 % of the amplitude.
     #[test]
-    fn a_sine_of_five_samples_a_period_comes_back_with_its_slope() {
-        let (tick, frequency) = (0.002, 100.0);
-        let omega = TAU * frequency;
-        let samples: Vec<f64> = (0..400)
-            .map(|i| (omega * tick * f64::from(i)).sin())
-            .collect();
-        let fine = refined(&samples, tick, 7);
+    fn a_sine_of_five_samples_a_period_comes_back() {
+        let sine = |place: f64| (TAU * place / 5.0).sin();
+        let samples: Vec<f64> = (0..400).map(|i| sine(f64::from(i))).collect();
+        let fine = refined(&samples, 7);
         for point in 60 * 7..340 * 7 {
-            let time = tick * point as f64 / 7.0;
-            assert!((fine.values[point] - (omega * time).sin()).abs() < 1e-6);
-            assert!((fine.slopes[point] - omega * (omega * time).cos()).abs() < 1e-5 * omega);
+            assert!((fine[point] - sine(point as f64 / 7.0)).abs() < 1e-6);
         }
     }
 
     #[test]
     fn a_jump_does_not_ring() {
         let samples: Vec<f64> = (0..100).map(|i| f64::from(u8::from(i >= 50))).collect();
-        let fine = refined(&samples, 0.01, 8);
-        assert!(fine.values[..48 * 8].iter().all(|&value| value == 0.0));
-        let most = fine.values.iter().fold(0.0_f64, |most, &v| most.max(v));
+        let fine = refined(&samples, 8);
+        assert!(fine[..48 * 8].iter().all(|&value| value == 0.0));
+        let most = fine.iter().fold(0.0_f64, |most, &v| most.max(v));
         // A cubic overshoots by 2/27 in the step beside the jump.
         assert!(most < 1.0 + 2.01 / 27.0, "{most}");
-        assert!(
-            fine.values[52 * 8..]
-                .iter()
-                .all(|&value| (value - 1.0).abs() < 1e-12)
-        );
+        let after = &fine[52 * 8..];
+        assert!(after.iter().all(|&value| (value - 1.0).abs() < 1e-12));
     }
 
     #[test]
     fn a_constant_and_a_ramp_stay_what_they_are() {
         let ramp: Vec<f64> = (0..80).map(|i| 2.0 - 0.5 * f64::from(i)).collect();
-        let fine = refined(&ramp, 0.1, 3);
-        for (point, (value, slope)) in fine.values.iter().zip(&fine.slopes).enumerate() {
+        for (point, value) in refined(&ramp, 3).iter().enumerate() {
             assert!((value - (2.0 - 0.5 * point as f64 / 3.0)).abs() < 1e-6);
-            assert!((slope + 5.0).abs() < 1e-5, "{slope}");
         }
-        let constant = refined(&[3.0; 9], 0.1, 2);
-        assert!(
-            constant
-                .values
-                .iter()
-                .all(|value| (value - 3.0).abs() < 1e-12)
-        );
-        assert!(constant.slopes.iter().all(|slope| slope.abs() < 1e-9));
+        let constant = refined(&[3.0; 9], 2);
+        assert!(constant.iter().all(|value| (value - 3.0).abs() < 1e-12));
     }
 }

@@ -182,16 +182,20 @@ fn run(
 ) -> Result<Run, RespondError> {
     let omega = TAU * frequency;
     let input = |index: usize| {
-        let (sin, cos) = (TAU * (index % steps) as f64 / steps as f64).sin_cos();
+        let part = (index % steps) as f64 / steps as f64;
         Input {
             force: 0.0,
-            base: amplitude * sin,
-            base_velocity: amplitude * omega * cos,
+            base: amplitude * (TAU * part).sin(),
             temperature: policy().trajectory.room,
         }
     };
     let step = 1.0 / (frequency * steps as f64);
-    let (mut oscillator, _) = Oscillator::new(specimen, step, settings.start, &input(0))?;
+    let (mut oscillator, _) = Oscillator::new(
+        specimen,
+        step,
+        settings.start,
+        (&input(0), amplitude * omega),
+    )?;
     let mut last = [f64::INFINITY; 2];
     for cycle in 1.. {
         let is_look = cycle % CYCLES == 0;
