@@ -5,7 +5,6 @@ use plotters::prelude::*;
 use plotters::style::text_anchor::{HPos, Pos, VPos};
 
 use super::charts::{self, AFTER, Area, BEFORE, Drawn, FINE, FONT, INK, Style};
-use super::text;
 
 /// Colours that remain distinct to the colour-blind (Okabe and Ito 2008).
 const COLOURS: [RGBColor; 5] = [
@@ -60,8 +59,11 @@ fn legend(area: &Area<'_>, curves: &[&[SweepPoint]]) -> Drawn {
         let text = (FONT, font).into_font().color(&INK);
         let text = text.pos(Pos::new(HPos::Left, VPos::Center));
         let amplitude = curve.first().map_or(0.0, |point| point.base_amplitude);
-        let name = format!("base ±{} mm", text::number(amplitude));
-        area.draw(&Text::new(name, (left + 5 * font / 2, y), text))?;
+        area.draw(&Text::new(
+            format!("base ±{amplitude} mm"),
+            (left + 5 * font / 2, y),
+            text,
+        ))?;
     }
     Ok(())
 }

@@ -203,8 +203,8 @@ impl<'s> Oscillator<'s> {
             second.0 = guess + way;
             second.1 = excess(second.0);
         }
-        let is_bracket = (first.1 > 0.0) != (second.1 > 0.0);
-        if !is_bracket || !(second.0.abs() < limits::VELOCITY) {
+        let is_bracket = (first.1 > 0.0) != (second.1 > 0.0) && second.0.abs() < limits::VELOCITY;
+        if !is_bracket {
             return Err(RespondError::NoBalance {
                 time: self.step * (self.steps + 1) as f64,
             });

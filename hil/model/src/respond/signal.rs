@@ -97,8 +97,9 @@ mod tests {
         let sine = |place: f64| (TAU * place / 5.0).sin();
         let samples: Vec<f64> = (0..400).map(|i| sine(f64::from(i))).collect();
         let fine = refined(&samples, 7);
-        for point in 60 * 7..340 * 7 {
-            assert!((fine[point] - sine(point as f64 / 7.0)).abs() < 1e-6);
+        let inner = fine.iter().enumerate().take(340 * 7).skip(60 * 7);
+        for (point, value) in inner {
+            assert!((value - sine(point as f64 / 7.0)).abs() < 1e-6);
         }
     }
 
