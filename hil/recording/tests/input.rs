@@ -70,19 +70,21 @@ fn what_is_missing_is_said() {
 #[test]
 fn noise_of_a_displacement_is_told_as_a_part_of_its_rate() {
     let base = |noise: f64| {
-        let wave = |i: i32| (0.05 * f64::from(i)).sin();
-        // A pattern that no sine has: sixth differences see it.
-        let shaken = |i: i32| wave(i) + noise * f64::from((i * 7919) % 13 - 6) / 6.0;
+        // Numerical Recipes' generator: a pattern that repeats would be a tone.
+        let mut random = 1_u32;
         let rows: String = (0..400)
-            .map(|i| format!("{},{}\n", 0.01 * f64::from(i), shaken(i)))
+            .map(|i| {
+                random = random.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
+                let shaken = noise * (f64::from(random) / f64::from(u32::MAX) - 0.5);
+                let wave = (0.05 * f64::from(i)).sin();
+                format!("{},{}\n", 0.01 * f64::from(i), wave + shaken)
+            })
             .collect();
-        read(
-            &format!("time_s,displacement_mm\n{rows}"),
-            Channel::Displacement,
-        )
-        .unwrap()
+        let text = format!("time_s,displacement_mm\n{rows}");
+        read(&text, Channel::Displacement).unwrap()
     };
     assert!(base(0.0).noise_of_rate() < 0.01);
-    // Steps of 0.05 mm at most, and noise of 0.02 mm.
-    assert!(base(0.02).noise_of_rate() > 0.2);
+    // Steps of 0.035 mm RMS, and differences of uniform noise of √2·0.04/√12 = 0.016 mm.
+    let part = base(0.04).noise_of_rate();
+    assert!((0.3..0.55).contains(&part), "{part}");
 }
