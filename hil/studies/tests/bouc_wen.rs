@@ -83,8 +83,8 @@ fn the_motion_of_a_known_hysteresis_is_that_of_another_integrator() {
     for test in &records.tests {
         let score = score(&model, test).unwrap();
         let error = score.displacement_error.unwrap();
-        // Halving the steps changes the motion by at most 1e-3.
-        assert!(error < 2e-3 * score.displacement_rms, "{score:?}");
+        // Halving the steps changes the motion by at most 1e-3, of which a third is left.
+        assert!(error < 1e-3 * score.displacement_rms, "{score:?}");
     }
 }
 
