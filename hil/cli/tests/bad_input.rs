@@ -333,6 +333,7 @@ fn bad_usage_ends_with_2_and_help_shows_an_example() {
         "demo",
         "trace",
         "predict",
+        "respond",
         "run",
         "characterize",
         "orthogonal",

@@ -9,6 +9,7 @@
 //! | [`mod@file`] | `model.json`, read and written |
 //! | [`correction`] | the table of what has no name |
 //! | [`mod@predict`] | the force for a recorded motion, and how far it is off |
+//! | [`mod@respond`] | the motion of a mass on the damper |
 //!
 //! ```
 //! use std::f64::consts::TAU;
@@ -45,6 +46,7 @@ mod family;
 pub mod file;
 mod model;
 pub mod predict;
+pub mod respond;
 
 pub use family::{Family, parameter_unit};
 pub use model::{AddedEffect, LawNode, MAX_EFFECTS, Model, ModelError};

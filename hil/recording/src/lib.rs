@@ -12,6 +12,7 @@
 //! | [`faults`] | what is wrong with a channel, and what can be mended of it |
 //! | [`noise`], [`averaging`], [`spectrum`] | what a channel's noise is, and how it was smoothed |
 //! | [`motion`], [`cycles`], [`trajectory`] | velocity and acceleration, cycles and blocks, and all that a law needs of it |
+//! | [`input`] | one channel alone: what drives something |
 //! | [`mod@policy`] | the numbers that decide all this, each with where it comes from |
 //! | [`csv_text`], [`read_limit`], [`output`], [`error`], [`extremes`] | files in, how much of them, files out whole or not at all, what is wrong in one line, two numbers |
 //!
@@ -41,6 +42,7 @@ pub mod error;
 pub mod extremes;
 pub mod faults;
 mod harmonic;
+pub mod input;
 mod kinks;
 pub mod motion;
 pub mod motion_error;
@@ -61,7 +63,7 @@ mod write;
 pub use consistency::check_consistency;
 pub use resample::Uniform;
 pub use units::{Unit, Units};
-pub use write::decimal;
+pub use write::{decimal, table};
 
 use crate::error::{InputError, Place};
 use faults::ChannelFault;

@@ -45,6 +45,19 @@ impl Recording {
     }
 
     fn parse(path: &Path, text: &str, limit: ReadLimit) -> Result<Self, InputError> {
+        let recording = Self::parse_channels(path, text, limit, Channel::is_required)?;
+        recording.check()?;
+        Ok(recording)
+    }
+
+    /// The channels of `text`, of which those that are not `needed` may be missing, which leaves them empty. They are still to be
+    /// checked.
+    pub(super) fn parse_channels(
+        path: &Path,
+        text: &str,
+        limit: ReadLimit,
+        needed: impl Fn(Channel) -> bool,
+    ) -> Result<Self, InputError> {
         let name = path.display().to_string();
         let comments = comments_of(&name, text, limit)?;
         let mut reader = csv::ReaderBuilder::new()
@@ -70,7 +83,7 @@ impl Recording {
                 ));
             }
         }
-        let columns = Columns::find(&name, &header)?;
+        let columns = Columns::find(&name, &header, &needed)?;
 
         let mut channels = vec![Vec::new(); columns.used.len()];
         let mut rows = TextRows::default();
@@ -171,7 +184,6 @@ impl Recording {
             }
         }
         recording.units = units;
-        recording.check()?;
         Ok(recording)
     }
 }
@@ -217,7 +229,11 @@ struct Columns {
 }
 
 impl Columns {
-    fn find(file: &str, header: &csv::StringRecord) -> Result<Self, InputError> {
+    fn find(
+        file: &str,
+        header: &csv::StringRecord,
+        needed: &impl Fn(Channel) -> bool,
+    ) -> Result<Self, InputError> {
         let fail = |column: &str, problem: String, mend: String| {
             InputError::new(file, problem, mend).at(Place::Column(column.into()))
         };
@@ -277,7 +293,7 @@ impl Columns {
                 unit: *unit,
             });
         }
-        for quantity in Channel::ALL.into_iter().filter(|q| q.is_required()) {
+        for quantity in Channel::ALL.into_iter().filter(|&q| needed(q)) {
             if !used.iter().any(|column| column.quantity == quantity) {
                 let found: Vec<&str> = header.iter().collect();
                 return Err(InputError::new(

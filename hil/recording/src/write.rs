@@ -100,6 +100,25 @@ pub fn decimal(value: f64) -> String {
     format!("{}", rounded + 0.0)
 }
 
+/// A table as a file of the given name, gzipped when the name ends in `.gz`: comment lines, a header, and a row for each value of
+/// the first of `columns`, each of which is a name and as many values.
+pub fn table(path: &Path, comments: &[String], columns: &[(&str, Vec<f64>)]) -> Vec<u8> {
+    let mut bytes = Vec::new();
+    for comment in comments {
+        bytes.extend(format!("# {}\n", comment.replace(['\n', '\r'], " ")).bytes());
+    }
+    let mut writer = csv::WriterBuilder::new()
+        .comment(Some(b'#'))
+        .from_writer(bytes);
+    // Writing to memory does not fail, and every row has as many cells as the header.
+    let _ = writer.write_record(columns.iter().map(|(name, _)| name));
+    for row in 0..columns.first().map_or(0, |(_, values)| values.len()) {
+        let cells = columns.iter().map(|(_, values)| values.get(row).copied());
+        let _ = writer.write_record(cells.map(|cell| decimal(cell.unwrap_or_default())));
+    }
+    packed(path, writer.into_inner().unwrap_or_default())
+}
+
 fn packed(path: &Path, text: Vec<u8>) -> Vec<u8> {
     if path.extension().is_none_or(|extension| extension != "gz") {
         return text;

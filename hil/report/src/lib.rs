@@ -7,6 +7,7 @@
 //! | the root | [`render`]: the report of a trace; [`loop_picture`]: one loop of it |
 //! | [`mod@paper`] | the report of the paper's claims |
 //! | [`campaign`], [`characterization`], [`curves`] | pictures of the fault campaign, of a characterization, of any curves |
+//! | [`transmissibility`] | the picture of a sweep |
 //! | [`text`] | numbers, names and verdicts in words |
 //!
 //! ```
@@ -40,6 +41,7 @@ mod plots;
 mod reasoning;
 mod residual;
 pub mod text;
+pub mod transmissibility;
 
 use std::ops::Range;
 

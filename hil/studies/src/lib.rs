@@ -10,6 +10,7 @@
 //! | [`mod@amplitude_independent`] | what is one law for every amplitude worth on the published loops? |
 //! | [`mod@design`] | which density gives a stiffness and a loss factor? |
 //! | [`mod@blind`] | does a trace name effects that it was never told of? |
+//! | [`mod@bouc_wen`] | is the oscillator of the Bouc–Wen benchmark found? |
 //! | [`numbers`] | what is each number that decides worth? |
 //! | [`mod@bench`] | how many instructions does the crate take, beside its peers? |
 //!
@@ -25,6 +26,7 @@
 pub mod amplitude_independent;
 pub mod bench;
 pub mod blind;
+pub mod bouc_wen;
 pub mod characterize;
 pub mod design;
 pub mod finite_element;

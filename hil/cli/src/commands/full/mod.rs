@@ -17,8 +17,11 @@ mod paper;
 pub mod policy;
 mod predict;
 mod programme;
+mod respond;
+mod respond_sweep;
 mod run;
 mod study;
+mod study_bouc_wen;
 
 use clap::Subcommand;
 
@@ -28,6 +31,7 @@ use super::Failure;
 #[derive(Debug, Subcommand)]
 pub enum Command {
     Predict(predict::Predict),
+    Respond(respond::RespondCommand),
     Run(run::RunCommand),
     Bench(bench::BenchCommand),
     Blind(blind::BlindCommand),
@@ -45,6 +49,7 @@ impl Command {
     pub fn run(self) -> Result<(), Failure> {
         match self {
             Self::Predict(command) => command.run(),
+            Self::Respond(command) => command.run(),
             Self::Run(command) => command.run(),
             Self::Bench(command) => command.run(),
             Self::Blind(command) => command.run(),

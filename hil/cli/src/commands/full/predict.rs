@@ -16,7 +16,7 @@ use crate::commands::reading::Reading;
 use crate::commands::{Failure, say, warn};
 
 /// A motion may exceed the one fitted by this fraction before the user is warned: overshoot and noise.
-const RANGE_MARGIN: f64 = 0.05;
+pub const RANGE_MARGIN: f64 = 0.05;
 
 /// The force that a model gives for a recording's motion
 ///

@@ -11,6 +11,7 @@ use mesh_damper_recording::output::Plan;
 use mesh_damper_studies::numbers::{Cost, Costs, Number, Policies, Score, numbers, table};
 
 use super::policy;
+use super::study_bouc_wen::BoucWenCommand;
 use crate::commands::progress::Progress;
 use crate::commands::{Failure, say};
 
@@ -24,12 +25,14 @@ pub struct StudyCommand {
 #[derive(Debug, Subcommand)]
 enum Study {
     Numbers(NumbersCommand),
+    BoucWen(BoucWenCommand),
 }
 
 impl StudyCommand {
     pub fn run(self) -> Result<(), Failure> {
         match self.study {
             Study::Numbers(command) => command.run(),
+            Study::BoucWen(command) => command.run(),
         }
     }
 }

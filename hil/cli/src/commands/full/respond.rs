@@ -1,0 +1,341 @@
+//! `hil respond`: the motion of a mass on a damper.
+
+use std::path::{Path, PathBuf};
+
+use clap::Args;
+use mesh_damper_model::file::{FittedRange, ModelFile, model_error};
+use mesh_damper_model::respond::{
+    EnergyBalance, Excitation, LeftOut, Moment, RespondError, Response, Settings, respond,
+};
+use mesh_damper_recording::error::{InputError, Place};
+use mesh_damper_recording::faults::Channel;
+use mesh_damper_recording::input::InputSignal;
+use mesh_damper_recording::output::Plan;
+use mesh_damper_recording::table;
+use serde::Serialize;
+
+use super::predict::RANGE_MARGIN;
+use super::respond_sweep::SweepOptions;
+use crate::commands::reading::Reading;
+use crate::commands::{Failure, say, warn};
+
+/// A base is to be smoothed where its velocity is noise to more than this part: the friction of the damper would follow the noise.
+const NOISY: f64 = 0.1;
+
+/// The motion of a mass on a damper, under a force or on a moving base
+///
+/// Integrates M·x'' + F(x − base) = force with the force F of a model. Writes the damper's displacement, velocity and force, which
+/// `hil trace` reads as a recording, and the mass's displacement, velocity and acceleration. --sweep moves the base by sines and
+/// writes the transmissibility.
+#[derive(Args, Debug)]
+#[command(
+    after_help = "Examples:\n  hil respond --model trace-out/model.json --mass 120 --force shaker.csv --out response.csv\n  \
+    hil respond --model trace-out/model.json --mass 120 --base floor.csv.gz --out response.csv --json -\n  \
+    hil respond --model trace-out/model.json --mass 120 --sweep --amplitudes 0.05,0.1 --from 5 --to 100 --out sweep.csv --picture sweep.svg\n\n\
+    A model with the effect `inertia` has a mass of its own, which is added: --mass 0 takes that alone."
+)]
+pub struct RespondCommand {
+    /// The model, as `hil trace` writes it
+    #[arg(long, value_name = "FILE")]
+    model: PathBuf,
+    /// The mass that is fastened to the damper, kg
+    #[arg(long, value_name = "KG", allow_negative_numbers = true)]
+    mass: f64,
+    /// The force on the mass: a recording with time and a force
+    #[arg(long, value_name = "REC", required_unless_present_any = ["base", "sweep"], conflicts_with_all = ["base", "sweep"])]
+    force: Option<PathBuf>,
+    /// The motion of the base: a recording with time and a displacement
+    #[arg(long, value_name = "REC", conflicts_with = "sweep")]
+    base: Option<PathBuf>,
+    /// The transmissibility of a base that moves by sines, each until the motion is steady
+    #[arg(long, requires_all = ["amplitudes", "from", "to"])]
+    sweep: bool,
+    #[command(flatten)]
+    range: SweepOptions,
+    /// The model's constant force (`offset`) acts on the mass; without this a static load is taken to balance it
+    #[arg(long)]
+    with_offset: bool,
+    /// Steps are halved until displacements change by less than this part of their RMS
+    #[arg(long, value_name = "PART", default_value_t = Settings::TOLERANCE, allow_negative_numbers = true, conflicts_with = "sweep")]
+    tolerance: f64,
+    /// Where the motion or the sweep goes as CSV; gzipped when the name ends in .gz, `-` for standard output
+    #[arg(long, value_name = "FILE")]
+    out: PathBuf,
+    /// Where peaks, RMS values, energies and steps go as JSON, or the sweep; `-` for standard output
+    #[arg(long, value_name = "FILE")]
+    json: Option<PathBuf>,
+    #[command(flatten)]
+    reading: Reading,
+}
+
+/// What drives the mass.
+#[derive(Clone, Copy, Serialize)]
+#[serde(rename_all = "snake_case")]
+enum Drive {
+    Force,
+    Base,
+}
+
+#[derive(Serialize)]
+struct Summary<'a> {
+    format: &'static str,
+    version: u32,
+    model: &'a Path,
+    excitation: &'a Path,
+    drive: Drive,
+    /// kg
+    mass: f64,
+    /// kg, of the model's effect `inertia`
+    model_mass: f64,
+    samples: usize,
+    /// s
+    duration: f64,
+    /// s
+    step: f64,
+    /// RMS over RMS by which the displacements changed when the steps were halved last.
+    change_on_halving: f64,
+    settled: bool,
+    /// mm
+    displacement: Size,
+    /// mm/s
+    velocity: Size,
+    /// mm/s²
+    acceleration: Size,
+    /// mm, of the damper
+    relative_displacement: Size,
+    /// kN, of the damper
+    force: Size,
+    /// J
+    energy: EnergyBalance,
+    beyond_fitted_range: f64,
+    left_out: &'a [LeftOut],
+}
+
+/// Of a channel.
+#[derive(Serialize)]
+struct Size {
+    peak: f64,
+    rms: f64,
+}
+
+impl Size {
+    fn of(moments: &[Moment], channel: impl Fn(&Moment) -> f64) -> Self {
+        let squares: f64 = moments.iter().map(|m| channel(m).powi(2)).sum();
+        Self {
+            peak: moments
+                .iter()
+                .fold(0.0, |most, m| channel(m).abs().max(most)),
+            rms: (squares / moments.len() as f64).sqrt(),
+        }
+    }
+}
+
+impl RespondCommand {
+    pub fn run(self) -> Result<(), Failure> {
+        let settings = Settings {
+            offset: self.with_offset,
+            tolerance: self.tolerance,
+            ..Settings::new(self.mass)
+        };
+        let (path, drive) = match (&self.force, &self.base) {
+            (Some(path), _) => (path, Drive::Force),
+            (_, Some(path)) => (path, Drive::Base),
+            _ => {
+                return self.range.run(
+                    (&self.model, self.reading.limit),
+                    &settings,
+                    (&self.out, self.json.as_deref()),
+                );
+            }
+        };
+        let mut outputs = Plan::new()
+            .reads([&self.model, path])
+            .writes([&self.out])
+            .writes(&self.json)
+            .begin()?;
+        let file = ModelFile::read_within(&self.model, self.reading.limit)?;
+        let channel = match drive {
+            Drive::Force => Channel::Force,
+            Drive::Base => Channel::Displacement,
+        };
+        let input = InputSignal::read_within(path, channel, self.reading.limit)?;
+        let excitation = match drive {
+            Drive::Force => Excitation::force(input.tick, input.values.clone()),
+            Drive::Base => Excitation::base(input.tick, input.values.clone()),
+        }
+        .with_temperature(input.temperature.clone());
+        let model = file.model();
+        let response = respond(&model, &excitation, &settings)
+            .map_err(|error| refused(&self.model, &error))?;
+
+        warn_of_input(&input, drive);
+        if input.temperature.is_none() && model.depends_on_temperature() {
+            warn(&format!(
+                "{} depends on temperature, and {} has none: that of a room is assumed",
+                self.model.display(),
+                input.name
+            ));
+        }
+        warn_of_left_out(&self.model, &response.left_out);
+        if !response.settled {
+            warn(&format!(
+                "displacements still change by {:.2} % when the step of {:.1e} s is halved: the motion may depend on the step",
+                100.0 * response.change,
+                2.0 * response.step
+            ));
+        }
+        let range = file.fitted_range();
+        let beyond = response.range().map_or(0.0, |own| range.exceeded_by(&own));
+        warn_of_range(&self.model, beyond);
+        let moments = &response.moments;
+        let summary = Summary {
+            format: "mesh-damper respond",
+            version: 1,
+            model: &self.model,
+            excitation: path,
+            drive,
+            mass: self.mass,
+            model_mass: response.model_mass,
+            samples: moments.len(),
+            duration: response.tick * (moments.len() - 1) as f64,
+            step: response.step,
+            change_on_halving: response.change,
+            settled: response.settled,
+            displacement: Size::of(moments, |m| m.displacement),
+            velocity: Size::of(moments, |m| m.velocity),
+            acceleration: Size::of(moments, |m| m.acceleration),
+            relative_displacement: Size::of(moments, |m| m.relative_displacement),
+            force: Size::of(moments, |m| m.force),
+            energy: response.energy,
+            beyond_fitted_range: beyond,
+            left_out: &response.left_out,
+        };
+        outputs.add(&self.out, to_file(&self.out, &input, drive, &response));
+        if let Some(json) = &self.json {
+            outputs.add_json(json, &summary)?;
+        }
+        outputs.write()?;
+        if ![Some(&self.out), self.json.as_ref()].contains(&Some(&PathBuf::from("-"))) {
+            print(&self.out, &summary);
+        }
+        Ok(())
+    }
+}
+
+/// The damper's motion and force in the columns of a recording, and the mass's beside them.
+fn to_file(out: &Path, input: &InputSignal, drive: Drive, response: &Response) -> Vec<u8> {
+    let of = |channel: fn(&Moment) -> f64| response.moments.iter().map(channel).collect();
+    let driving = match drive {
+        Drive::Force => "applied_force_kN",
+        Drive::Base => "base_displacement_mm",
+    };
+    let time = (0..response.moments.len()).map(|index| input.start + index as f64 * input.tick);
+    let comments =
+        ["displacement, velocity and force are the damper's, as its channels would show them"];
+    table(
+        out,
+        &comments.map(String::from),
+        &[
+            ("time_s", time.collect()),
+            ("displacement_mm", of(|m| m.relative_displacement)),
+            ("velocity_mm_s", of(|m| m.relative_velocity)),
+            ("force_kN", of(|m| m.force)),
+            ("mass_displacement_mm", of(|m| m.displacement)),
+            ("mass_velocity_mm_s", of(|m| m.velocity)),
+            ("mass_acceleration_mm_s2", of(|m| m.acceleration)),
+            (driving, input.values.clone()),
+        ],
+    )
+}
+
+fn print(out: &Path, summary: &Summary<'_>) {
+    let energy = &summary.energy;
+    say(&format!(
+        "{}: {} samples, {:.3} s in steps of {:.2e} s",
+        out.display(),
+        summary.samples,
+        summary.duration,
+        summary.step
+    ));
+    say("                           peak          RMS");
+    for (name, size, unit) in [
+        ("mass", &summary.displacement, "mm"),
+        ("mass, velocity", &summary.velocity, "mm/s"),
+        ("mass, acceleration", &summary.acceleration, "mm/s²"),
+        ("damper", &summary.relative_displacement, "mm"),
+        ("damper, force", &summary.force, "kN"),
+    ] {
+        say(&format!(
+            "{name:18} {:12.5} {:12.5} {unit}",
+            size.peak, size.rms
+        ));
+    }
+    say(&format!(
+        "Energy, J: input {:.5} = kinetic {:.5} + springs {:.5} + dissipated {:.5} + error of the steps {:.1e}",
+        energy.input, energy.kinetic, energy.elastic, energy.dissipated, energy.residual
+    ));
+}
+
+fn warn_of_input(input: &InputSignal, drive: Drive) {
+    if let Some(warning) = &input.warning {
+        warn(&format!("{}: {warning}", input.name));
+    }
+    let noise = input.noise_of_rate();
+    if matches!(drive, Drive::Base) && noise > NOISY {
+        warn(&format!(
+            "{}: {:.0} % of the base's velocity looks like noise, which the damper's friction follows: smooth the displacement first",
+            input.name,
+            100.0 * noise.min(1.0)
+        ));
+    }
+}
+
+pub fn warn_of_left_out(model: &Path, left_out: &[LeftOut]) {
+    for LeftOut { family, reason } in left_out {
+        warn(&format!("{}: {family}: {reason}", model.display()));
+    }
+}
+
+pub fn warn_of_range(model: &Path, beyond: f64) {
+    if beyond > RANGE_MARGIN {
+        warn(&format!(
+            "the damper moves {:.0} % beyond what {} was fitted on",
+            100.0 * beyond,
+            model.display()
+        ));
+    }
+}
+
+/// By how much the sines of a sweep exceed the operating range.
+pub fn beyond(file: &ModelFile, amplitude: f64, speed: f64) -> f64 {
+    let motion = FittedRange {
+        displacement: [-amplitude, amplitude],
+        velocity: [-speed, speed],
+    };
+    file.fitted_range().exceeded_by(&motion)
+}
+
+/// An error about the model's file, or about the option that gave the value.
+pub fn refused(model: &Path, error: &RespondError) -> InputError {
+    let file = model.display().to_string();
+    match error {
+        RespondError::Value {
+            field,
+            value,
+            problem,
+            remedy,
+        } => {
+            let problem = format!("{value} {problem}");
+            if field.contains('(') {
+                return InputError::new(file, problem, *remedy).at(Place::Field((*field).into()));
+            }
+            InputError::new(format!("--{field}"), problem, *remedy)
+        }
+        RespondError::Model(error) => model_error(&file, error),
+        RespondError::NoBalance { time } => InputError::new(
+            file,
+            format!("no velocity below 1e6 mm/s balances the forces at {time:.4} s"),
+            "check the model's stiffness, the mass and the unit of the force",
+        ),
+    }
+}

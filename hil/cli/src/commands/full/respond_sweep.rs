@@ -1,0 +1,176 @@
+//! `hil respond --sweep`: transmissibility over frequency and amplitude.
+
+use std::path::{Path, PathBuf};
+
+use clap::Args;
+use mesh_damper_model::file::ModelFile;
+use mesh_damper_model::respond::{Settings, Sweep, SweepPoint, SweepRange, sweep};
+use mesh_damper_recording::output::Plan;
+use mesh_damper_recording::read_limit::ReadLimit;
+use mesh_damper_recording::table;
+use mesh_damper_report::transmissibility::picture;
+use serde::Serialize;
+
+use super::respond::{beyond, refused, warn_of_left_out, warn_of_range};
+use crate::commands::progress::Progress;
+use crate::commands::{Failure, say, warn};
+
+/// Which sines.
+#[derive(Args, Debug)]
+pub struct SweepOptions {
+    /// Amplitudes of the base, mm
+    #[arg(
+        long,
+        value_name = "MM,…",
+        value_delimiter = ',',
+        requires = "sweep",
+        allow_negative_numbers = true
+    )]
+    amplitudes: Vec<f64>,
+    /// The first frequency, Hz
+    #[arg(
+        long,
+        value_name = "HZ",
+        requires = "sweep",
+        allow_negative_numbers = true
+    )]
+    from: Option<f64>,
+    /// The last frequency, Hz
+    #[arg(
+        long,
+        value_name = "HZ",
+        requires = "sweep",
+        allow_negative_numbers = true
+    )]
+    to: Option<f64>,
+    /// How many frequencies, evenly in octaves
+    #[arg(long, value_name = "N", default_value_t = 60)]
+    points: usize,
+    /// Where the picture goes, as SVG
+    #[arg(long, value_name = "FILE", requires = "sweep")]
+    picture: Option<PathBuf>,
+}
+
+#[derive(Serialize)]
+struct Summary<'a> {
+    format: &'static str,
+    version: u32,
+    model: &'a Path,
+    /// kg
+    mass: f64,
+    beyond_fitted_range: f64,
+    #[serde(flatten)]
+    sweep: &'a Sweep,
+}
+
+impl SweepOptions {
+    /// Of the model in a file that is read within a limit; CSV and JSON go to `outputs`.
+    pub fn run(
+        &self,
+        (model, limit): (&Path, ReadLimit),
+        settings: &Settings,
+        (out, json): (&Path, Option<&Path>),
+    ) -> Result<(), Failure> {
+        let mut outputs = Plan::new()
+            .reads([model])
+            .writes([out])
+            .writes(json)
+            .writes(&self.picture)
+            .begin()?;
+        let file = ModelFile::read_within(model, limit)?;
+        let range = SweepRange {
+            // The command line asks for both.
+            from: self.from.unwrap_or_default(),
+            to: self.to.unwrap_or_default(),
+            points: self.points,
+        };
+        let progress = Progress::of((self.points * self.amplitudes.len()) as u64);
+        let found = sweep(
+            &file.model(),
+            settings,
+            &self.amplitudes,
+            range,
+            &mut |done| progress.done(done as u64),
+        )
+        .map_err(|error| refused(model, &error))?;
+        drop(progress);
+
+        warn_of_left_out(model, &found.left_out);
+        let unsteady = found.points.iter().filter(|point| !point.steady).count();
+        if unsteady > 0 {
+            warn(&format!(
+                "{unsteady} of {} motions do not repeat from cycle to cycle: their transmissibility is that of the last cycle",
+                found.points.len()
+            ));
+        }
+        let worst = (found.points.iter())
+            .map(|point| beyond(&file, point.damper_amplitude, point.damper_speed))
+            .fold(0.0, f64::max);
+        warn_of_range(model, worst);
+        outputs.add(out, to_file(out, &found.points));
+        if let Some(path) = &self.picture {
+            outputs.add(path, picture(&found.points));
+        }
+        if let Some(path) = json {
+            let summary = Summary {
+                format: "mesh-damper transmissibility",
+                version: 1,
+                model,
+                mass: settings.mass,
+                beyond_fitted_range: worst,
+                sweep: &found,
+            };
+            outputs.add_json(path, &summary)?;
+        }
+        outputs.write()?;
+        if ![Some(out), json, self.picture.as_deref()].contains(&Some(Path::new("-"))) {
+            print(&found.points);
+        }
+        Ok(())
+    }
+}
+
+fn to_file(out: &Path, points: &[SweepPoint]) -> Vec<u8> {
+    let of = |value: fn(&SweepPoint) -> f64| points.iter().map(value).collect();
+    table(
+        out,
+        &[],
+        &[
+            ("base_amplitude_mm", of(|p| p.base_amplitude)),
+            ("frequency_Hz", of(|p| p.frequency)),
+            ("transmissibility", of(|p| p.transmissibility)),
+            ("phase_deg", of(|p| p.phase)),
+            ("peak_transmissibility", of(|p| p.peak)),
+            ("damper_amplitude_mm", of(|p| p.damper_amplitude)),
+            ("cycles", of(|p| p.cycles as f64)),
+            ("steady", of(|p| f64::from(u8::from(p.steady)))),
+            ("change_on_halving", of(|p| p.change)),
+        ],
+    )
+}
+
+/// Of each amplitude the largest transmissibility, and from where on the mass moves less than the base.
+fn print(points: &[SweepPoint]) {
+    say("base, mm   largest   at, Hz   below 1 from, Hz   steps' change");
+    for curve in points.chunk_by(|a, b| a.base_amplitude == b.base_amplitude) {
+        let largest = curve
+            .iter()
+            .max_by(|a, b| a.transmissibility.total_cmp(&b.transmissibility));
+        let isolating = curve
+            .iter()
+            .rev()
+            .take_while(|point| point.transmissibility < 1.0)
+            .last();
+        let change = curve.iter().fold(0.0, |most: f64, p| most.max(p.change));
+        if let Some(largest) = largest {
+            say(&format!(
+                "{:8.4} {:9.3} {:8.2} {:>18} {:15.1e}",
+                largest.base_amplitude,
+                largest.transmissibility,
+                largest.frequency,
+                isolating.map_or("nowhere".into(), |point| format!("{:.2}", point.frequency)),
+                change
+            ));
+        }
+    }
+}

@@ -1,0 +1,151 @@
+//! What drives the mass, at equal steps of time.
+
+use super::RespondError;
+use super::oscillator::Input;
+use super::signal::refined;
+use mesh_damper_recording::policy::policy;
+
+/// A force on the mass or a motion of the base, and the temperature.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Excitation {
+    tick: f64,
+    drive: Drive,
+    /// °C, one per sample, where it is known.
+    temperature: Option<Vec<f64>>,
+}
+
+#[derive(Clone, Debug, PartialEq)]
+enum Drive {
+    /// kN
+    Force(Vec<f64>),
+    /// mm
+    Base(Vec<f64>),
+}
+
+impl Excitation {
+    /// A force on the mass in kN, sampled every `tick` s.
+    pub fn force(tick: f64, force: Vec<f64>) -> Self {
+        Self::new(tick, Drive::Force(force))
+    }
+
+    /// The displacement of the base in mm, sampled every `tick` s.
+    pub fn base(tick: f64, displacement: Vec<f64>) -> Self {
+        Self::new(tick, Drive::Base(displacement))
+    }
+
+    fn new(tick: f64, drive: Drive) -> Self {
+        Self {
+            tick,
+            drive,
+            temperature: None,
+        }
+    }
+
+    /// The same with the damper's temperature in °C at every sample. Without, it is that of a room.
+    #[must_use]
+    pub fn with_temperature(mut self, temperature: Option<Vec<f64>>) -> Self {
+        self.temperature = temperature;
+        self
+    }
+
+    /// Time between samples, s.
+    pub fn tick(&self) -> f64 {
+        self.tick
+    }
+
+    /// Number of samples.
+    pub fn len(&self) -> usize {
+        match &self.drive {
+            Drive::Force(samples) | Drive::Base(samples) => samples.len(),
+        }
+    }
+
+    /// Whether there is no sample.
+    pub fn is_empty(&self) -> bool {
+        self.len() == 0
+    }
+
+    /// # Errors
+    /// Fewer than two samples, a tick that no effect takes, a sample that is not finite.
+    pub(super) fn check(&self) -> Result<(), RespondError> {
+        let (Drive::Force(samples) | Drive::Base(samples)) = &self.drive;
+        let wrong = |field, value, problem: &str, remedy| {
+            Err(RespondError::Value {
+                field,
+                value,
+                problem: problem.into(),
+                remedy,
+            })
+        };
+        if samples.len() < 2 {
+            let count = samples.len() as f64;
+            return wrong("samples", count, "are no motion", "give two or more");
+        }
+        if !(1e-6..=1e3).contains(&self.tick) {
+            return wrong(
+                "tick",
+                self.tick,
+                "is outside 1e-6…1000 s",
+                "give the time between samples in s",
+            );
+        }
+        match samples.iter().find(|value| !value.is_finite()) {
+            Some(&value) => wrong("sample", value, "is not finite", "mend the sample"),
+            None => Ok(()),
+        }
+    }
+
+    /// With `substeps` steps between each two samples.
+    pub(super) fn refined(&self, substeps: usize) -> Refined<'_> {
+        let (Drive::Force(samples) | Drive::Base(samples)) = &self.drive;
+        Refined {
+            excitation: self,
+            values: refined(samples, substeps),
+            substeps,
+        }
+    }
+}
+
+/// An excitation at the steps of an integration.
+pub(super) struct Refined<'e> {
+    excitation: &'e Excitation,
+    values: Vec<f64>,
+    substeps: usize,
+}
+
+impl Refined<'_> {
+    pub fn len(&self) -> usize {
+        self.values.len()
+    }
+
+    /// Velocity of the base at the start, mm/s.
+    pub fn base_velocity(&self) -> f64 {
+        match (&self.excitation.drive, self.values.as_slice()) {
+            (Drive::Base(_), [first, second, ..]) => {
+                (second - first) * self.substeps as f64 / self.excitation.tick
+            }
+            _ => 0.0,
+        }
+    }
+
+    pub fn at(&self, index: usize) -> Input {
+        let temperature = match &self.excitation.temperature {
+            Some(samples) => samples.get(index / self.substeps).copied(),
+            None => None,
+        };
+        let temperature = temperature.unwrap_or(policy().trajectory.room);
+        let value = self.values[index];
+        match self.excitation.drive {
+            Drive::Force(_) => Input {
+                force: value,
+                temperature,
+                ..Input::default()
+            },
+            Drive::Base(_) => Input {
+                base: value,
+                temperature,
+                ..Input::default()
+            },
+        }
+    }
+}

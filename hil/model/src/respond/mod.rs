@@ -1,0 +1,283 @@
+//! The motion of a mass on a damper, under a force or on a base that moves.
+//!
+//! M·x″ + F(x − b, x′ − b′) = f. M is the mass that is fastened to the damper and, where the model has the effect `inertia`, that
+//! of the model: it moves with the same end. F is the model's force without it, evaluated by the crate in f64 as it was fitted.
+//!
+//! # What of a model acts on the mass
+//!
+//! | effect | here |
+//! |---|---|
+//! | mixed damping law, `asymmetry`, `hardening`, `viscous`, `load_friction`, `stick_slip`, `relaxation`, `stop` | as in a prediction |
+//! | `gap` | as in a prediction: within the play the mass feels nothing, or only what damps inside |
+//! | `compliance` | a spring without mass between the mass and the damper: x is the outer end |
+//! | `inertia` | a part of the moving mass, with the mass's own acceleration, solved for exactly |
+//! | `temperature` | of the excitation's `temperature_degC`, or of a room |
+//! | `drift` | with the cycles that the damper has run so far |
+//! | `offset` | left out unless asked for: a preload that a static load balances, or a load cell's zero |
+//! | `delay`, `periodic` | left out: a late channel and a tone of the test rig are of the measurement |
+//! | coefficients over amplitude | of the half cycle that ended last, from the middle of the swing on; of the least amplitude before |
+//! | residual table | as in a prediction |
+//!
+//! The file `oscillator.rs` says how a step is made. [`respond`] halves the steps until the motion no longer changes.
+
+mod energy;
+mod excitation;
+mod oscillator;
+mod root;
+mod running;
+mod signal;
+mod specimen;
+mod sweep;
+
+use crate::file::FittedRange;
+use crate::{Model, ModelError};
+use energy::Work;
+use oscillator::Oscillator;
+use specimen::Specimen;
+
+pub use energy::EnergyBalance;
+pub use excitation::Excitation;
+pub use specimen::LeftOut;
+pub use sweep::{Sweep, SweepPoint, SweepRange, sweep};
+
+/// Most steps of one run: what is kept of them takes less than a gigabyte.
+const MOST_STEPS: usize = 20_000_000;
+/// Steps in the shortest period of the mass on its damper that the first run has at least: BDF2 errs there by about a percent.
+const FEWEST_STEPS_PER_PERIOD: f64 = 32.0;
+/// Shortest step that every effect takes, s.
+const SHORTEST_STEP: f64 = 1e-7;
+
+/// Why a response cannot be computed.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+pub enum RespondError {
+    /// A value that there can be no motion with.
+    #[error("{field} = {value} {problem}; {remedy}")]
+    Value {
+        /// Which.
+        field: &'static str,
+        /// As it was given.
+        value: f64,
+        /// What is wrong with it.
+        problem: String,
+        /// How to mend it.
+        remedy: &'static str,
+    },
+    /// The model cannot be built.
+    #[error(transparent)]
+    Model(#[from] ModelError),
+    /// No velocity balances the forces: a stiffness that pushes away what moves.
+    #[error(
+        "no velocity below 1e6 mm/s balances the forces at {time} s; check the model's stiffness, the mass and the unit of the force"
+    )]
+    NoBalance {
+        /// s since the start.
+        time: f64,
+    },
+}
+
+/// The mass and damper at one time.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Moment {
+    /// Of the mass, mm.
+    pub displacement: f64,
+    /// Of the mass, mm/s.
+    pub velocity: f64,
+    /// Of the mass, mm/s².
+    pub acceleration: f64,
+    /// Of the mass from the base, mm: what the damper's displacement channel would show.
+    pub relative_displacement: f64,
+    /// Its rate, mm/s.
+    pub relative_velocity: f64,
+    /// What the damper's force channel would show, kN: the inertia of the model's own mass is in it.
+    pub force: f64,
+    /// The same without that inertia, kN.
+    damper: f64,
+    /// Of the force and of the base, kN·mm/s.
+    input_power: f64,
+    /// Into the damper, kN·mm/s.
+    damper_power: f64,
+}
+
+/// What there is beside model and excitation.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Settings {
+    /// Mass on the damper, kg, 0…1e6; 0 where the model has a mass of its own.
+    pub mass: f64,
+    /// Whether the model's constant force acts on the mass.
+    pub offset: bool,
+    /// Steps are halved until displacements change by less than this part of their RMS.
+    pub tolerance: f64,
+    /// Displacement from the base in mm and velocity in mm/s at the start.
+    pub start: [f64; 2],
+}
+
+impl Settings {
+    /// A change of the displacement on halving the steps that is far below what a model is off by.
+    pub const TOLERANCE: f64 = 1e-3;
+
+    /// `mass` kg at rest.
+    pub fn new(mass: f64) -> Self {
+        Self {
+            mass,
+            offset: false,
+            tolerance: Self::TOLERANCE,
+            start: [0.0; 2],
+        }
+    }
+}
+
+/// The motion of the mass.
+#[derive(Clone, Debug)]
+pub struct Response {
+    /// Time between two moments, s: that of the excitation's samples.
+    pub tick: f64,
+    /// The motion at the excitation's samples.
+    pub moments: Vec<Moment>,
+    /// The steps that it was integrated in, s.
+    pub step: f64,
+    /// Steps between two moments.
+    pub substeps: usize,
+    /// RMS over RMS by which displacements changed when the steps were halved last; the steps' error is about a third of it.
+    pub change: f64,
+    /// Whether that is within the tolerance.
+    pub settled: bool,
+    /// Where the work of the input went.
+    pub energy: EnergyBalance,
+    /// Mass of the model's own effect `inertia`, kg.
+    pub model_mass: f64,
+    /// Effects that do not act on the mass as they act on a prediction.
+    pub left_out: Vec<LeftOut>,
+}
+
+impl Response {
+    /// Displacement in mm and velocity in mm/s that the damper went through; `None` of no moment.
+    pub fn range(&self) -> Option<FittedRange> {
+        let of = |channel: fn(&Moment) -> &f64| self.moments.iter().map(channel);
+        FittedRange::of(
+            of(|moment| &moment.relative_displacement),
+            of(|moment| &moment.relative_velocity),
+        )
+    }
+}
+
+/// The motion of a mass on the damper of `model` under `excitation`.
+///
+/// # Errors
+/// An excitation, a mass, a tolerance or a start that there can be no motion with; an effect that cannot be integrated; a model that the crate refuses;
+/// forces that no velocity balances.
+pub fn respond(
+    model: &Model,
+    excitation: &Excitation,
+    settings: &Settings,
+) -> Result<Response, RespondError> {
+    settings.check()?;
+    excitation.check()?;
+    let specimen = Specimen::new(model, settings.mass, settings.offset)?;
+    let tick = excitation.tick();
+    let most = (MOST_STEPS / excitation.len().max(1)).min((tick / SHORTEST_STEP) as usize);
+    let wanted = tick * specimen.fastest() * FEWEST_STEPS_PER_PERIOD / std::f64::consts::TAU;
+    let mut substeps = (wanted.ceil().max(1.0) as usize).min((most / 2).max(1));
+    let mut coarse = integrate(&specimen, excitation, settings, substeps)?.0;
+    loop {
+        substeps *= 2;
+        let (moments, energy) = integrate(&specimen, excitation, settings, substeps)?;
+        let change = change_between(&coarse, &moments);
+        let settled = change <= settings.tolerance;
+        if settled || 2 * substeps > most {
+            return Ok(Response {
+                tick,
+                moments,
+                step: tick / substeps as f64,
+                substeps,
+                change,
+                settled,
+                energy,
+                model_mass: specimen.model_mass,
+                left_out: specimen.left_out,
+            });
+        }
+        coarse = moments;
+    }
+}
+
+/// The same in steps of the excitation's tick over `substeps`, whatever their error.
+///
+/// # Errors
+/// As [`respond`].
+pub fn respond_in_steps(
+    model: &Model,
+    excitation: &Excitation,
+    settings: &Settings,
+    substeps: usize,
+) -> Result<(Vec<Moment>, EnergyBalance), RespondError> {
+    settings.check()?;
+    excitation.check()?;
+    let specimen = Specimen::new(model, settings.mass, settings.offset)?;
+    integrate(&specimen, excitation, settings, substeps.max(1))
+}
+
+impl Settings {
+    fn check(&self) -> Result<(), RespondError> {
+        let values = [
+            ("tolerance", self.tolerance, 1e-12, 1.0),
+            ("start displacement", self.start[0], -1e4, 1e4),
+            ("start velocity", self.start[1], -1e6, 1e6),
+        ];
+        for (field, value, low, high) in values {
+            if !(low..=high).contains(&value) {
+                return Err(RespondError::Value {
+                    field,
+                    value,
+                    problem: format!("is outside {low}…{high}"),
+                    remedy: "give one within",
+                });
+            }
+        }
+        Ok(())
+    }
+}
+
+fn integrate(
+    specimen: &Specimen,
+    excitation: &Excitation,
+    settings: &Settings,
+    substeps: usize,
+) -> Result<(Vec<Moment>, EnergyBalance), RespondError> {
+    let inputs = excitation.refined(substeps);
+    let step = excitation.tick() / substeps as f64;
+    let (mut oscillator, first) = Oscillator::new(
+        specimen,
+        step,
+        settings.start,
+        (&inputs.at(0), inputs.base_velocity()),
+    )?;
+    let amplitude = oscillator.amplitude();
+    let mut work = Work::from(first);
+    let mut moments = vec![first];
+    for index in 1..inputs.len() {
+        let now = oscillator.step(&inputs.at(index))?;
+        work.add(now, step);
+        if index % substeps == 0 {
+            moments.push(now);
+        }
+    }
+    let energy = work.balance(specimen, [amplitude, oscillator.amplitude()])?;
+    Ok((moments, energy))
+}
+
+/// RMS of the change of the displacements over their RMS: of the mass's or of the damper's, whichever is larger.
+fn change_between(coarse: &[Moment], fine: &[Moment]) -> f64 {
+    let of = |channel: fn(&Moment) -> f64| {
+        let (mut change, mut size) = (0.0, 0.0);
+        for (coarse, fine) in coarse.iter().zip(fine) {
+            change += (channel(fine) - channel(coarse)).powi(2);
+            size += channel(fine).powi(2);
+        }
+        if change > 0.0 {
+            (change / size).sqrt()
+        } else {
+            0.0
+        }
+    };
+    of(|moment| moment.displacement).max(of(|moment| moment.relative_displacement))
+}

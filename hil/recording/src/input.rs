@@ -1,0 +1,95 @@
+//! One channel over time: the force or the motion that drives something, of which nothing else was recorded.
+
+use std::path::Path;
+
+use super::Recording;
+use super::channel::Channel;
+use super::faults::listed;
+use super::noise::noise_beside_tones;
+use crate::csv_text::read_text;
+use crate::error::{InputError, Place};
+use crate::read_limit::ReadLimit;
+
+/// A channel at equal steps of time.
+#[derive(Clone, Debug, PartialEq)]
+pub struct InputSignal {
+    /// The file's path as the user gave it.
+    pub name: String,
+    /// Time of the first sample, s.
+    pub start: f64,
+    /// Time between samples, s.
+    pub tick: f64,
+    /// In the code's unit of the channel: mm or kN.
+    pub values: Vec<f64>,
+    /// °C, one per sample, where the file has it.
+    pub temperature: Option<Vec<f64>>,
+    /// What is wrong with the file's times, in words; none where nothing is.
+    pub warning: Option<String>,
+}
+
+impl InputSignal {
+    /// Reads time and `channel` of a recording, which needs no other column. Times that jitter are brought to equal steps and gaps
+    /// are bridged as [`Recording::uniform`] does it.
+    ///
+    /// # Errors
+    /// As [`Recording::read`], but that the channel may be constant.
+    ///
+    /// ```no_run
+    /// use mesh_damper_recording::faults::Channel;
+    /// use mesh_damper_recording::input::InputSignal;
+    /// use mesh_damper_recording::read_limit::ReadLimit;
+    ///
+    /// let force = InputSignal::read_within("shaker.csv", Channel::Force, ReadLimit::default())?;
+    /// # Ok::<(), mesh_damper_recording::error::InputError>(())
+    /// ```
+    pub fn read_within(
+        path: impl AsRef<Path>,
+        channel: Channel,
+        limit: ReadLimit,
+    ) -> Result<Self, InputError> {
+        let path = path.as_ref();
+        let text = read_text(path, limit)?;
+        let needed = |each| each == Channel::Time || each == channel;
+        let mut recording = Recording::parse_channels(path, &text, limit, needed)?;
+        let values = match channel {
+            Channel::Force => &recording.force,
+            Channel::Displacement => &recording.displacement,
+            Channel::Velocity | Channel::Temperature | Channel::Time => {
+                return Err(InputError::new(
+                    recording.name,
+                    format!("{} drives nothing", channel.name()),
+                    "read force or displacement",
+                )
+                .at(Place::Column(channel.name().into())));
+            }
+        };
+        // The clock sees by the displacement whether times that jitter are true: here, by the channel itself.
+        let values = values.clone();
+        recording.displacement.clone_from(&values);
+        recording.force = values;
+        recording.velocity = None;
+        recording.require_samples(super::FEWEST_SAMPLES)?;
+        recording.check_time()?;
+        let uniform = recording.uniform()?;
+        let mut faults = recording.faults().to_vec();
+        faults.extend(uniform.faults());
+        Ok(Self {
+            start: uniform.start,
+            tick: uniform.period,
+            values: uniform.displacement,
+            temperature: uniform.temperature,
+            warning: (!faults.is_empty()).then(|| listed(&faults)),
+            name: recording.name,
+        })
+    }
+
+    /// About what part of the channel's rate is noise, RMS over RMS: noise of a displacement is noise of a velocity, multiplied by
+    /// the sampling rate.
+    pub fn noise_of_rate(&self) -> f64 {
+        let rate = (self.values.windows(2)).map(|pair| (pair[1] - pair[0]).powi(2));
+        let size = (rate.sum::<f64>() / self.values.len() as f64).sqrt();
+        // A difference of two samples has the noise of both.
+        let noise = std::f64::consts::SQRT_2 * noise_beside_tones(&self.values);
+        if noise > 0.0 { noise / size } else { 0.0 }
+    }
+}
