@@ -12,8 +12,8 @@ use mesh_damper::message::{
     write_outcome, write_refusal, write_statistics,
 };
 use mesh_damper::pack::Upload;
-use mesh_damper::rig::{Rig, State, Telemetry};
-use mesh_damper::sine::Programme;
+use mesh_damper::rig::{AnyExciter, Rig, State, Stream, StreamConfig, Telemetry};
+use mesh_damper::sine::{Programme, SineGenerator};
 
 use super::log;
 use crate::board::{Board, Converters};
@@ -30,7 +30,7 @@ pub type WiredRig<B> = Rig<
     <Wired<B> as Converters>::Enable,
     MAX_BLOCKS,
     EFFECTS,
-    &'static Programme<MAX_BLOCKS>,
+    AnyExciter<MAX_BLOCKS, &'static Programme<MAX_BLOCKS>>,
     &'static mut RunningLaw<EFFECTS>,
 >;
 
@@ -46,6 +46,8 @@ pub struct Parts<B: Board> {
 pub struct Controller<B: Board> {
     /// Until there is a rig.
     parts: Option<Parts<B>>,
+    /// What the rig is to follow in the place of the programme.
+    stream: Option<StreamConfig>,
     rig: Option<&'static mut WiredRig<B>>,
     upload: &'static mut Upload,
     /// Of the last tick, for the log.
@@ -57,6 +59,7 @@ impl<B: Board> Controller<B> {
     pub fn new(parts: Parts<B>, upload: &'static mut Upload) -> Self {
         Self {
             parts: Some(parts),
+            stream: None,
             rig: None,
             upload,
             block: None,
@@ -131,6 +134,7 @@ impl<B: Board> Controller<B> {
             (Request::Programme(head), Some(parts), _) => parts.programme.begin_planned(head),
             (Request::Block(block), Some(parts), _) => parts.programme.push_planned(block)?,
             (Request::Rest, Some(parts), _) => parts.law.rest(),
+            (Request::Stream(config), Some(_), _) => self.stream = Some(*config),
             (Request::Setup(setup), ..) => return self.set_up(setup),
             (Request::Start, _, Some(rig)) => {
                 let started = rig.start();
@@ -146,6 +150,16 @@ impl<B: Board> Controller<B> {
                 let cleared = rig.clear();
                 defmt::info!("clear: {=bool}", cleared);
                 return Ok(cleared);
+            }
+            (Request::Knots(knots), _, Some(rig)) => {
+                let Some(stream) = rig.exciter().stream() else {
+                    return Err(Refusal::Order);
+                };
+                if knots.is_empty() {
+                    stream.complete();
+                }
+                let mut knots = *knots;
+                return Ok(knots.all(|knot| stream.push(knot)));
             }
             _ => return Err(Refusal::Order),
         }
@@ -189,14 +203,11 @@ impl<B: Board> Controller<B> {
         let (Ok(adc), Ok(dac)) = (adc, dac) else {
             return Err(Refusal::Converter);
         };
-        let rig = Rig::with_config(
-            adc,
-            dac,
-            enable,
-            &setup.config,
-            &*parts.programme,
-            parts.law,
-        )?;
+        let exciter = match self.stream {
+            Some(config) => AnyExciter::Stream(Stream::new(config)),
+            None => AnyExciter::Programme(SineGenerator::new(&*parts.programme)?),
+        };
+        let rig = Rig::with_exciter(adc, dac, enable, &setup.config, exciter, parts.law);
         self.rig = Some(parts.rig.write(rig));
         Ok(true)
     }

@@ -381,6 +381,7 @@ pub(super) fn in_words(fault: TripCause) -> &'static str {
         TripCause::ForceLost => "the force sensor is lost",
         TripCause::LinkLost => "the link was silent for too long",
         TripCause::TickOverrun => "a tick came late",
+        TripCause::DemandLimit => "the streamed motion asked for more than the rig drives",
         _ => "a fault without a name",
     }
 }
