@@ -36,7 +36,6 @@ impl<const B: usize, P: Borrow<Programme<B>>> Exciter for SineGenerator<B, P> {
 
 /// Either, for a rig that learns which when it is set up.
 #[derive(Clone, Debug)]
-#[expect(clippy::large_enum_variant, reason = "one per rig, without a heap")]
 pub enum AnyExciter<const B: usize, P = Programme<B>> {
     /// A programme of sines.
     Programme(SineGenerator<B, P>),

@@ -115,13 +115,8 @@ impl Fields for StreamConfig {
     }
 
     fn read(reader: &mut Reader<'_>) -> Option<Self> {
-        let [
-            rate,
-            tick,
-            displacement_limit,
-            velocity_limit,
-            way_limit,
-        ] = reader.words()?.map(f32::from_bits);
+        let [rate, tick, displacement_limit, velocity_limit, way_limit] =
+            reader.words()?.map(f32::from_bits);
         Some(Self {
             rate,
             tick,

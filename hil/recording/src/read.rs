@@ -32,7 +32,20 @@ impl Recording {
     /// As [`Recording::read`].
     pub fn read_within(path: impl AsRef<Path>, limit: ReadLimit) -> Result<Self, InputError> {
         let path = path.as_ref();
-        Self::parse(path, &read_text(path, limit)?, limit)
+        Self::parse(path, &read_text(path, limit)?, limit, Needed::Law)
+    }
+
+    /// [`Recording::read_within`] of a file that needs no force, because only its motion counts: without a force column the
+    /// force is 0.
+    ///
+    /// # Errors
+    /// As [`Recording::read`].
+    pub fn read_motion_within(
+        path: impl AsRef<Path>,
+        limit: ReadLimit,
+    ) -> Result<Self, InputError> {
+        let path = path.as_ref();
+        Self::parse(path, &read_text(path, limit)?, limit, Needed::Motion)
     }
 
     /// [`Recording::read`] of a file's bytes; `path` is what errors call it.
@@ -41,10 +54,20 @@ impl Recording {
     /// As [`Recording::read`], but for what the file system says.
     pub fn from_bytes(path: &Path, bytes: Vec<u8>) -> Result<Self, InputError> {
         let limit = ReadLimit::default();
-        Self::parse(path, &text_of(path, bytes.as_slice(), limit)?, limit)
+        Self::parse(
+            path,
+            &text_of(path, bytes.as_slice(), limit)?,
+            limit,
+            Needed::Law,
+        )
     }
 
-    fn parse(path: &Path, text: &str, limit: ReadLimit) -> Result<Self, InputError> {
+    fn parse(
+        path: &Path,
+        text: &str,
+        limit: ReadLimit,
+        needed: Needed,
+    ) -> Result<Self, InputError> {
         let name = path.display().to_string();
         let comments = comments_of(&name, text, limit)?;
         let mut reader = csv::ReaderBuilder::new()
@@ -70,7 +93,7 @@ impl Recording {
                 ));
             }
         }
-        let columns = Columns::find(&name, &header)?;
+        let columns = Columns::find(&name, &header, needed)?;
 
         let mut channels = vec![Vec::new(); columns.used.len()];
         let mut rows = TextRows::default();
@@ -171,6 +194,9 @@ impl Recording {
             }
         }
         recording.units = units;
+        if recording.force.is_empty() && needed == Needed::Motion {
+            recording.force = vec![0.0; recording.time.len()];
+        }
         recording.check()?;
         Ok(recording)
     }
@@ -197,6 +223,21 @@ fn comments_of(file: &str, text: &str, limit: ReadLimit) -> Result<Vec<String>, 
     Ok(comments)
 }
 
+/// What a file is read for.
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum Needed {
+    /// A force over a motion.
+    Law,
+    /// A motion alone.
+    Motion,
+}
+
+impl Needed {
+    fn requires(self, channel: Channel) -> bool {
+        channel.is_required() && (channel != Channel::Force || self == Self::Law)
+    }
+}
+
 /// A column that is used.
 struct Column {
     index: usize,
@@ -217,7 +258,7 @@ struct Columns {
 }
 
 impl Columns {
-    fn find(file: &str, header: &csv::StringRecord) -> Result<Self, InputError> {
+    fn find(file: &str, header: &csv::StringRecord, needed: Needed) -> Result<Self, InputError> {
         let fail = |column: &str, problem: String, mend: String| {
             InputError::new(file, problem, mend).at(Place::Column(column.into()))
         };
@@ -277,7 +318,7 @@ impl Columns {
                 unit: *unit,
             });
         }
-        for quantity in Channel::ALL.into_iter().filter(|q| q.is_required()) {
+        for quantity in Channel::ALL.into_iter().filter(|q| needed.requires(*q)) {
             if !used.iter().any(|column| column.quantity == quantity) {
                 let found: Vec<&str> = header.iter().collect();
                 return Err(InputError::new(

@@ -1,9 +1,10 @@
-//! What forces a programme is going to ask for, as whoever sets up a test estimates them to choose a load cell.
+//! What forces a programme or a motion is going to ask for, as whoever sets up a test estimates them to choose a load cell.
 
 use std::f64::consts::TAU;
 
 use mesh_damper::sine::Programme;
 
+use crate::drive::Motion;
 use crate::specimen::DamperForce;
 
 /// Steps per cycle.
@@ -41,4 +42,21 @@ pub(super) fn expected<S: DamperForce + Clone, const B: usize>(
         largest.rms = largest.rms.max((square / f64::from(STEPS)).sqrt());
     }
     largest
+}
+
+/// The same along a motion: a copy of the specimen is taken through all of it.
+pub(super) fn expected_along<S: DamperForce + Clone>(specimen: &S, motion: &Motion) -> Expected {
+    let mut copy = specimen.clone();
+    let step = motion.grid().step();
+    let count = (motion.duration() / step).round() as usize + 1;
+    let mut expected = Expected::default();
+    for index in 0..count {
+        let time = step * index as f64;
+        let at = motion.at(time);
+        let force = copy.force(time, at.displacement, at.velocity, at.acceleration, step);
+        expected.rms += force * force;
+        expected.peak = expected.peak.max(force.abs());
+    }
+    expected.rms = (expected.rms / count as f64).sqrt();
+    expected
 }
