@@ -38,6 +38,8 @@ pub type WiredRig<B> = Rig<
 pub struct Parts<B: Board> {
     pub programme: &'static mut Programme<MAX_BLOCKS>,
     pub law: &'static mut RunningLaw<EFFECTS>,
+    /// What it is to follow in the place of the programme.
+    pub stream: &'static mut Option<StreamConfig>,
     /// Where it will be.
     pub rig: &'static mut MaybeUninit<WiredRig<B>>,
 }
@@ -46,8 +48,6 @@ pub struct Parts<B: Board> {
 pub struct Controller<B: Board> {
     /// Until there is a rig.
     parts: Option<Parts<B>>,
-    /// What the rig is to follow in the place of the programme.
-    stream: Option<StreamConfig>,
     rig: Option<&'static mut WiredRig<B>>,
     upload: &'static mut Upload,
     /// Of the last tick, for the log.
@@ -59,7 +59,6 @@ impl<B: Board> Controller<B> {
     pub fn new(parts: Parts<B>, upload: &'static mut Upload) -> Self {
         Self {
             parts: Some(parts),
-            stream: None,
             rig: None,
             upload,
             block: None,
@@ -134,7 +133,7 @@ impl<B: Board> Controller<B> {
             (Request::Programme(head), Some(parts), _) => parts.programme.begin_planned(head),
             (Request::Block(block), Some(parts), _) => parts.programme.push_planned(block)?,
             (Request::Rest, Some(parts), _) => parts.law.rest(),
-            (Request::Stream(config), Some(_), _) => self.stream = Some(*config),
+            (Request::Stream(config), Some(parts), _) => *parts.stream = Some(*config),
             (Request::Setup(setup), ..) => return self.set_up(setup),
             (Request::Start, _, Some(rig)) => {
                 let started = rig.start();
@@ -203,7 +202,7 @@ impl<B: Board> Controller<B> {
         let (Ok(adc), Ok(dac)) = (adc, dac) else {
             return Err(Refusal::Converter);
         };
-        let exciter = match self.stream {
+        let exciter = match *parts.stream {
             Some(config) => AnyExciter::Stream(Stream::new(config)),
             None => AnyExciter::Programme(SineGenerator::new(&*parts.programme)?),
         };
