@@ -257,7 +257,7 @@ fn the_rig_follows_within_the_error_that_was_said_before() {
     for (to, most) in [(3.0, 0.02), (8.0, 0.06), (20.0, 0.25)] {
         let motion = random(0.08, to);
         let setup = setup(motion.clone());
-        let demands = checked(&setup).unwrap();
+        let demands = checked(&setup, 1.0).unwrap();
         let run = run_rig(setup, |_| {}).unwrap();
         assert!(
             run.faults.is_empty() && run.events.is_empty(),
@@ -322,7 +322,7 @@ fn a_replay_of_a_run_moves_as_the_run_did() {
 }
 
 fn demand(setup: &Setup) -> Result<Demands, String> {
-    checked(setup).map_err(|error| {
+    checked(setup, 1.0).map_err(|error| {
         let SetupError::Drive(error) = error else {
             panic!("{error}")
         };
@@ -367,5 +367,13 @@ fn a_motion_beyond_a_limit_is_refused_with_value_limit_and_scale() {
     let scale = large.split("--scale ").nth(1).unwrap();
     let scale: f64 = scale.split(' ').next().unwrap().parse().unwrap();
     assert!(scale < 0.9);
+    // Of a motion that was scaled already it is the scale that takes the place of that.
+    let again = checked(&setup(random(0.3, 8.0)), 0.5)
+        .unwrap_err()
+        .to_string();
+    assert!(
+        again.contains(&format!("--scale {}", 0.5 * scale)[..12]),
+        "{again}"
+    );
     demand(&setup(random(0.3 * scale, 8.0))).unwrap();
 }

@@ -129,12 +129,13 @@ impl<'a> Closing<'a> {
             effects.extend(self.rivals(selection)?);
         }
 
-        let separating_test = match verdict {
+        let (separating_test, separating_blocks) = match verdict {
             Verdict::Ambiguous => {
                 progress("seeking the test that would tell the rivals apart");
-                Some(separating_test(selection, self.trajectories)?)
+                let (said, blocks) = separating_test(selection, self.trajectories)?;
+                (Some(said), blocks)
             }
-            _ => None,
+            _ => (None, Vec::new()),
         };
         let names = |held: bool| {
             let recordings = self.recordings.iter().enumerate();
@@ -159,6 +160,7 @@ impl<'a> Closing<'a> {
             effects_rejected_by,
             table_rejected_by,
             separating_test,
+            separating_blocks,
             depends_on: depends_on(&model, &nameless),
             correction: model.correction.as_ref().map(CorrectionSummary::of),
             warnings: warnings(

@@ -33,13 +33,14 @@ pub struct Demands {
     pub following_error_rms_mm: f64,
 }
 
-/// What the motion of `setup` asks for.
+/// What the motion of `setup` asks for, which was multiplied by `scale` already.
 ///
 /// # Errors
 /// A setup without a motion, an actuator that cannot be so, or what is asked for and not given: its value, its limit, and the scale
 /// that would do.
 pub fn checked<S: DamperForce + Clone, const B: usize, const N: usize>(
     setup: &RigSetup<S, B, N>,
+    scale: f64,
 ) -> Result<Demands, SetupError> {
     let Some(motion) = &setup.drive else {
         let mend = "give the setup a motion";
@@ -91,6 +92,7 @@ pub fn checked<S: DamperForce + Clone, const B: usize, const N: usize>(
         if value.is_nan() || value > USABLE * limit {
             return Err(SetupError::Drive(beyond(
                 field,
+                scale,
                 value,
                 USABLE * limit,
                 unit,
@@ -100,13 +102,17 @@ pub fn checked<S: DamperForce + Clone, const B: usize, const N: usize>(
     Ok(demands)
 }
 
-fn beyond(field: &str, value: f64, limit: f64, unit: &str) -> InputError {
-    // Two digits, rounded down. What friction makes of a force does not shrink with the motion, so that it may take a second try.
-    let scale = limit / value;
-    let digit = 10f64.powf(scale.log10().floor() - 1.0);
-    let scale = (scale / digit).floor() * digit;
+fn beyond(field: &str, scale: f64, value: f64, limit: f64, unit: &str) -> InputError {
+    // Two digits, rounded down. What friction makes of a force does not shrink with the motion: it may take a second try.
+    let scale = scale * limit / value;
+    let digit = 10f64.powf(scale.abs().log10().floor() - 1.0);
+    let scale = (scale / digit).trunc() * digit;
     let problem = format!("{value:.4} {unit} is beyond the {limit:.4} {unit} that the rig drives");
-    let mend = format!("run it smaller, with --scale {scale:.5} of what it is now");
+    // Without what a binary fraction leaves after those digits.
+    let mend = format!(
+        "run it smaller, with --scale {}",
+        format!("{scale:.9}").trim_end_matches('0')
+    );
     InputError::new("the motion", problem, mend).at(Where::Field(field.into()))
 }
 
