@@ -135,3 +135,25 @@ fn the_test_is_a_file_that_one_command_runs() {
     assert_eq!(families(&after), ["viscous"]);
     assert_eq!(after["separating_blocks"], serde_json::json!([]));
 }
+
+/// One motion of a band of frequencies tells what takes several blocks of sines.
+#[test]
+fn a_random_motion_names_a_maxwell_branch_and_its_numbers() {
+    let root = tempfile::tempdir().unwrap();
+    let random = "random:rms=0.08mm,from=0.5Hz,to=12Hz,duration=10s,seed=2";
+    let effect = "relaxation:stiffness=1.0,time=0.05";
+    hil(root.path(), &["run", "--effect", effect, "--drive", random]);
+    hil(root.path(), &["trace", "run-out/recording.csv.gz"]);
+    let found = result(root.path());
+    assert_eq!(
+        (&found["verdict"], families(&found)),
+        (&"found".into(), vec!["relaxation"])
+    );
+    for (name, truth) in [("stiffness", 1.0), ("time", 0.05)] {
+        let value = found["effects"][0]["parameters"][name]["value"]
+            .as_f64()
+            .unwrap();
+        assert!((value / truth - 1.0).abs() < 0.05, "{name} = {value}");
+    }
+    assert!(!root.path().join("trace-out/separating-test.csv").exists());
+}
