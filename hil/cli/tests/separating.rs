@@ -132,7 +132,18 @@ fn the_test_is_a_file_that_one_command_runs() {
     );
     let after = result(root.path());
     assert_eq!(after["verdict"], "found", "{:?}", families(&after));
-    assert_eq!(families(&after), ["viscous"]);
+    // The rival is gone. The sensors' lag of 0.15 ms may show beside what is left: it rounds the force where the friction
+    // turns, and not the displacement.
+    let found = families(&after);
+    assert_eq!(found[0], "viscous", "{found:?}");
+    assert!(
+        found[1..].iter().all(|family| *family == "delay"),
+        "{found:?}"
+    );
+    for effect in &after["effects"].as_array().unwrap()[1..] {
+        let late = effect["parameters"]["time"]["value"].as_f64().unwrap();
+        assert!(late < 3e-4, "{late} s");
+    }
     assert_eq!(after["separating_blocks"], serde_json::json!([]));
 }
 
