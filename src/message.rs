@@ -1,8 +1,9 @@
 //! What the frames of the link carry: requests of the harness, answers of the image.
 //!
 //! A test is set up by [`Request::Programme`], its blocks, a coefficient pack in parts, and [`Request::Setup`]; then
-//! [`Request::Start`], and a [`Request::Tick`] for each tick of the rig. [`Request::Motions`] instead evaluate the law
-//! alone. Numbers go bit for bit, four bytes each: a target without f64 gets what a host computed.
+//! [`Request::Start`], and a [`Request::Tick`] for each tick of the rig. A motion that is streamed is set up by
+//! [`Request::Stream`] in the place of the programme, and its [`Request::Knots`] come ahead of the ticks that need them.
+//! [`Request::Motions`] instead evaluate the law alone. Numbers go bit for bit, four bytes each: a target without f64 gets what a host computed.
 
 mod outcome;
 mod refusal;
@@ -13,7 +14,7 @@ pub use refusal::{Refusal, write_refusal};
 use crate::converter::Scale;
 use crate::effects::Motion;
 use crate::frame::{Fields, Frame, FrameBuffer, Header, PAYLOAD, Reader, Writer};
-use crate::rig::RigConfig;
+use crate::rig::{Knot, RigConfig, StreamConfig};
 use crate::sine::{PlannedBlock, ProgrammeHead};
 use outcome::read_outcome;
 use refusal::read_refusal;
@@ -25,6 +26,8 @@ pub const MAX_BLOCKS: usize = 16;
 const MOTION: usize = 20;
 /// Most motions of one frame.
 pub const MOTIONS: usize = PAYLOAD / MOTION;
+/// Bytes of a knot.
+const KNOT: usize = 8;
 /// Most bytes of a part of a pack.
 pub const PART: usize = PAYLOAD - 2;
 
@@ -42,6 +45,8 @@ mod kind {
     pub const REST: u8 = 10;
     pub const MOTIONS: u8 = 11;
     pub const STATISTICS: u8 = 12;
+    pub const STREAM: u8 = 13;
+    pub const KNOTS: u8 = 14;
     pub const DONE: u8 = 64;
     pub const REFUSED: u8 = 65;
     pub const OUTCOME: u8 = 66;
@@ -135,6 +140,46 @@ pub enum Request<'a> {
     Motions(Motions<'a>),
     /// What the image took.
     Statistics,
+    /// The rig is to follow a stream, and no programme.
+    Stream(StreamConfig),
+    /// The next knots of the stream; none where it ends with those that it has. The answer is no, and the rest of them is not
+    /// taken, where there is no room.
+    Knots(Knots<'a>),
+}
+
+/// Knots as they lie in a frame.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Knots<'a>(&'a [u8]);
+
+impl<'a> Knots<'a> {
+    /// As many of `knots` as `buffer` takes.
+    pub fn new(knots: &[Knot], buffer: &'a mut [u8; PAYLOAD]) -> Self {
+        let mut used = 0;
+        for (knot, place) in knots.iter().zip(buffer.chunks_exact_mut(KNOT)) {
+            Writer::new(place).words([knot.displacement.to_bits(), knot.velocity.to_bits()]);
+            used += KNOT;
+        }
+        Self(buffer.get(..used).unwrap_or_default())
+    }
+
+    /// Whether there is none.
+    pub fn is_empty(&self) -> bool {
+        self.0.is_empty()
+    }
+}
+
+impl Iterator for Knots<'_> {
+    type Item = Knot;
+
+    fn next(&mut self) -> Option<Knot> {
+        let mut reader = Reader(self.0);
+        let [displacement, velocity] = reader.words()?.map(f32::from_bits);
+        self.0 = reader.rest();
+        Some(Knot {
+            displacement,
+            velocity,
+        })
+    }
 }
 
 /// Motions as they lie in a frame.
@@ -200,6 +245,8 @@ impl<'a> Request<'a> {
             kind::CLEAR => Self::Clear,
             kind::REST => Self::Rest,
             kind::STATISTICS => Self::Statistics,
+            kind::STREAM => Self::Stream(Fields::read(&mut reader)?),
+            kind::KNOTS => Self::Knots(Knots(frame.payload)),
             _ => return None,
         })
     }
@@ -219,6 +266,8 @@ impl<'a> Request<'a> {
             Self::Rest => (kind::REST, 1),
             Self::Motions(motions) => (kind::MOTIONS, motions.count_in_frame()),
             Self::Statistics => (kind::STATISTICS, 1),
+            Self::Stream(_) => (kind::STREAM, 1),
+            Self::Knots(knots) => (kind::KNOTS, (knots.0.len() / KNOT) as u16),
         };
         let header = Header {
             kind,
@@ -239,6 +288,8 @@ impl<'a> Request<'a> {
                 writer.f32(sensors.temperature);
             }
             Self::Motions(motions) => writer.bytes(motions.0),
+            Self::Stream(config) => config.write(writer),
+            Self::Knots(knots) => writer.bytes(knots.0),
             _ => {}
         });
     }

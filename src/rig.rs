@@ -1,8 +1,9 @@
 //! The fixed-tick controller: reads the specimen, drives the actuator, runs the law beside it, protects both.
 //!
-//! [`Rig`] excites a specimen: the generator's displacement goes out as the actuator's command, corrected for amplitude
-//! and phase from cycle to cycle, and the law is evaluated beside the measured force. [`DamperEmulation`] is the other role: it
-//! is the damper, and drives the law's force for the displacement it measures.
+//! [`Rig`] excites a specimen: an [`Exciter`]'s displacement goes out as the actuator's command, corrected for amplitude
+//! and phase from cycle to cycle, and the law is evaluated beside the measured force. The exciter is the generator of a
+//! [`Programme`] or a [`Stream`] of any motion. [`DamperEmulation`] is the other role: it is the damper, and drives the law's
+//! force for the displacement it measures.
 //!
 //! # Deadline
 //! Call `tick()` once per tick, from a timer at the tick rate; it must return before the next. It clocks 64 bits out of
@@ -32,13 +33,17 @@
 mod comparison;
 mod correction;
 mod emulator;
+mod exciter;
 mod fault;
 mod output;
 mod state;
+mod stream;
 
 pub use emulator::{DamperEmulation, DamperEmulationSettings};
+pub use exciter::{AnyExciter, Exciter};
 pub use fault::TripCause;
 pub use state::State;
+pub use stream::{Knot, STREAM_QUEUE, Stream, StreamConfig, StreamSettings};
 
 use core::borrow::{Borrow, BorrowMut};
 
@@ -211,17 +216,17 @@ pub struct Telemetry {
     pub model_force: f32,
     /// What the DAC drives: mm, or kN from an emulator. The last one written, where writing failed.
     pub command: f32,
-    /// Block of the programme; 0 from an emulator.
+    /// Block of the programme; 0 from an emulator and of a stream.
     pub block: usize,
     /// Cycles completed.
     pub cycle: u32,
-    /// Phase of the cycle under way, 2³² to the cycle.
+    /// Phase of the cycle under way, 2³² to the cycle; 0 of a stream.
     pub phase: u32,
-    /// In a ramp of the programme.
+    /// In a ramp of the programme, or following a stream.
     pub ramp: bool,
     /// What the rig is doing after this tick.
     pub state: State,
-    /// The cycle that ended with this tick.
+    /// The cycle that ended with this tick; never of a stream.
     pub report: Option<CycleReport>,
     /// What was found wrong at this tick, or beside something else shortly before, the first time since it was cleared; never by
     /// an emulator.
@@ -249,15 +254,15 @@ pub struct CycleReport {
     pub followed: Adaptation,
 }
 
-/// A rig with up to `B` blocks in its programme and up to `N` effects in its law.
+/// A rig with up to `B` blocks in its programme and up to `N` effects in its law, driven by the [`Exciter`] `X`.
 ///
-/// It owns both, or borrows them: with 2 KiB to sixteen blocks and 6 KiB of law they are what does not fit on a small stack,
-/// and firmware keeps them in statics.
+/// It owns programme and law, or borrows them: with 2 KiB to sixteen blocks and 6 KiB of law they are what does not fit on a
+/// small stack, and firmware keeps them in statics.
 #[derive(Debug)]
 // What every tick needs comes first, within reach of a load's offset: by the compiler's order a tick takes up to 40
 // instructions more or less with the size of any field.
 #[repr(C)]
-pub struct Rig<A, D, E, const B: usize, const N: usize, P = Programme<B>, L = RunningLaw<N>> {
+pub struct Rig<A, D, E, const B: usize, const N: usize, X = SineGenerator<B>, L = RunningLaw<N>> {
     limits: Limits,
     reading: Reading,
     tick: u64,
@@ -271,13 +276,13 @@ pub struct Rig<A, D, E, const B: usize, const N: usize, P = Programme<B>, L = Ru
     output: Output<D, E>,
     excitation: Excitation,
     temperature: f32,
-    generator: SineGenerator<B, P>,
+    exciter: X,
     law: L,
     health: HealthMonitor,
     health_config: HealthConfig,
 }
 
-impl<A, D, E, const B: usize, const N: usize, P, L> Rig<A, D, E, B, N, P, L>
+impl<A, D, E, const B: usize, const N: usize, P, L> Rig<A, D, E, B, N, SineGenerator<B, P>, L>
 where
     A: SpiDevice,
     D: SpiDevice,
@@ -316,8 +321,36 @@ where
     ) -> Result<Self, ConfigError> {
         // What may fail comes first, so that the rest is built where it will be.
         let generator = SineGenerator::new(programme)?;
+        Ok(Self::with_exciter(adc, dac, enable, config, generator, law))
+    }
+
+    /// The programme.
+    pub fn programme(&self) -> &Programme<B> {
+        self.exciter.programme()
+    }
+}
+
+impl<A, D, E, const B: usize, const N: usize, X, L> Rig<A, D, E, B, N, X, L>
+where
+    A: SpiDevice,
+    D: SpiDevice,
+    E: OutputPin,
+    X: Exciter,
+    L: BorrowMut<RunningLaw<N>>,
+{
+    /// [`Rig::with_config`] with any exciter in the place of a programme's generator. Ticks run at the exciter's rate, which is
+    /// to be that of `config`.
+    #[inline]
+    pub fn with_exciter(
+        adc: Ads8688<A>,
+        dac: Ad5761<D>,
+        enable: E,
+        config: &RigConfig,
+        exciter: X,
+        law: L,
+    ) -> Self {
         let (displacement, force) = adc.scales();
-        Ok(Self {
+        Self {
             health: HealthMonitor::new(displacement, force, config.limits.allowed()),
             adc,
             output: Output::new(dac, enable, config.stop_ticks, config.link_ticks),
@@ -325,7 +358,7 @@ where
             observer_config: config.observer,
             correction_config: config.correction,
             health_config: config.health,
-            generator,
+            exciter,
             law,
             observer: Observer::default(),
             correction: Correction::new(&config.correction),
@@ -335,7 +368,12 @@ where
             excitation: Excitation::default(),
             temperature: 20.0,
             tick: 0,
-        })
+        }
+    }
+
+    /// What drives it, to give a [`Stream`] its knots. Changing it otherwise while running may demand a step.
+    pub fn exciter(&mut self) -> &mut X {
+        &mut self.exciter
     }
 
     /// Begins the programme from its start, with the corrections as they were. Says no, and does nothing, while
@@ -343,7 +381,7 @@ where
     pub fn start(&mut self) -> bool {
         let started = self.output.start();
         if started {
-            self.generator.restart();
+            self.exciter.restart();
             let law = self.law.borrow_mut();
             law.boundary();
             law.follow_nothing();
@@ -424,11 +462,6 @@ where
         self.output.state()
     }
 
-    /// The programme.
-    pub fn programme(&self) -> &Programme<B> {
-        self.generator.programme()
-    }
-
     /// A channel did what asks for a look, beside the demand of this tick and the law's force of the one before: stops for a
     /// sensor that is lost; whatever else is found, the rig goes on.
     #[cold]
@@ -500,7 +533,10 @@ where
         let before = self.excitation;
         let mut event = None;
         if self.output.is_running() {
-            self.excitation = self.generator.tick();
+            self.excitation = self.exciter.tick();
+            if let Some(cause) = self.exciter.refusal() {
+                self.output.trip(cause);
+            }
             if MONITORED {
                 let changes = self.health.samples(last, &self.reading);
                 if changes.iter().any(Change::asks) {

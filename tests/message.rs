@@ -326,6 +326,7 @@ fn every_state_passes() {
         TripCause::ForceLost,
         TripCause::LinkLost,
         TripCause::TickOverrun,
+        TripCause::DemandLimit,
     ]
     .map(State::Faulted);
     for state in [State::Idle, State::Running, State::Done]

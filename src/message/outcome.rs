@@ -176,7 +176,7 @@ fn read_report(reader: &mut Reader<'_>, ramp: bool) -> Option<CycleReport> {
 }
 
 /// The faults by the number that they have on the link.
-const FAULTS: [TripCause; 15] = [
+const FAULTS: [TripCause; 16] = [
     TripCause::AdcBus,
     TripCause::DacBus,
     TripCause::EnableLine,
@@ -192,6 +192,7 @@ const FAULTS: [TripCause; 15] = [
     TripCause::ForceLost,
     TripCause::LinkLost,
     TripCause::TickOverrun,
+    TripCause::DemandLimit,
 ];
 /// Number of the first one.
 const FIRST_FAULT: u8 = 16;

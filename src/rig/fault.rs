@@ -36,10 +36,12 @@ pub enum TripCause {
     DisplacementLost,
     /// The force channel is stuck or dropped out.
     ForceLost,
-    /// Nothing was heard over the link for too long.
+    /// Nothing was heard over the link for too long, or nothing of a streamed motion.
     LinkLost,
     /// Whoever owns the timer says that a tick came late, or not at all.
     TickOverrun,
+    /// A streamed motion asked for more than the rig drives: displacement, velocity, or a way too long from knot to knot.
+    DemandLimit,
 }
 
 /// What is allowed, validated.

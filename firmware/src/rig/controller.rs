@@ -12,8 +12,8 @@ use mesh_damper::message::{
     write_outcome, write_refusal, write_statistics,
 };
 use mesh_damper::pack::Upload;
-use mesh_damper::rig::{Rig, State, Telemetry};
-use mesh_damper::sine::Programme;
+use mesh_damper::rig::{AnyExciter, Rig, State, Stream, StreamConfig, Telemetry};
+use mesh_damper::sine::{Programme, SineGenerator};
 
 use super::log;
 use crate::board::{Board, Converters};
@@ -30,7 +30,7 @@ pub type WiredRig<B> = Rig<
     <Wired<B> as Converters>::Enable,
     MAX_BLOCKS,
     EFFECTS,
-    &'static Programme<MAX_BLOCKS>,
+    AnyExciter<MAX_BLOCKS, &'static Programme<MAX_BLOCKS>>,
     &'static mut RunningLaw<EFFECTS>,
 >;
 
@@ -38,6 +38,8 @@ pub type WiredRig<B> = Rig<
 pub struct Parts<B: Board> {
     pub programme: &'static mut Programme<MAX_BLOCKS>,
     pub law: &'static mut RunningLaw<EFFECTS>,
+    /// What it is to follow in the place of the programme.
+    pub stream: &'static mut Option<StreamConfig>,
     /// Where it will be.
     pub rig: &'static mut MaybeUninit<WiredRig<B>>,
 }
@@ -131,6 +133,7 @@ impl<B: Board> Controller<B> {
             (Request::Programme(head), Some(parts), _) => parts.programme.begin_planned(head),
             (Request::Block(block), Some(parts), _) => parts.programme.push_planned(block)?,
             (Request::Rest, Some(parts), _) => parts.law.rest(),
+            (Request::Stream(config), Some(parts), _) => *parts.stream = Some(*config),
             (Request::Setup(setup), ..) => return self.set_up(setup),
             (Request::Start, _, Some(rig)) => {
                 let started = rig.start();
@@ -146,6 +149,16 @@ impl<B: Board> Controller<B> {
                 let cleared = rig.clear();
                 defmt::info!("clear: {=bool}", cleared);
                 return Ok(cleared);
+            }
+            (Request::Knots(knots), _, Some(rig)) => {
+                let Some(stream) = rig.exciter().stream() else {
+                    return Err(Refusal::Order);
+                };
+                if knots.is_empty() {
+                    stream.complete();
+                }
+                let mut knots = *knots;
+                return Ok(knots.all(|knot| stream.push(knot)));
             }
             _ => return Err(Refusal::Order),
         }
@@ -189,14 +202,11 @@ impl<B: Board> Controller<B> {
         let (Ok(adc), Ok(dac)) = (adc, dac) else {
             return Err(Refusal::Converter);
         };
-        let rig = Rig::with_config(
-            adc,
-            dac,
-            enable,
-            &setup.config,
-            &*parts.programme,
-            parts.law,
-        )?;
+        let exciter = match *parts.stream {
+            Some(config) => AnyExciter::Stream(Stream::new(config)),
+            None => AnyExciter::Programme(SineGenerator::new(&*parts.programme)?),
+        };
+        let rig = Rig::with_exciter(adc, dac, enable, &setup.config, exciter, parts.law);
         self.rig = Some(parts.rig.write(rig));
         Ok(true)
     }

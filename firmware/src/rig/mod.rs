@@ -15,6 +15,7 @@ use mesh_damper::fast_law::RunningLaw;
 use mesh_damper::frame::{Frames, LARGEST};
 use mesh_damper::message::{MAX_BLOCKS, write_again};
 use mesh_damper::pack::Upload;
+use mesh_damper::rig::StreamConfig;
 use mesh_damper::sine::Programme;
 
 use crate::board::{Board, Link as _};
@@ -24,6 +25,7 @@ use controller::{Controller, EFFECTS, Parts, WiredRig};
 pub struct Memory<B: Board> {
     programme: Programme<MAX_BLOCKS>,
     law: RunningLaw<EFFECTS>,
+    stream: Option<StreamConfig>,
     rig: MaybeUninit<WiredRig<B>>,
     upload: Upload,
     received: [u8; LARGEST],
@@ -37,6 +39,7 @@ impl<B: Board> Memory<B> {
         Self {
             programme: Programme::empty(),
             law: RunningLaw::empty(),
+            stream: None,
             rig: MaybeUninit::uninit(),
             upload: Upload::new(),
             received: [0; LARGEST],
@@ -51,6 +54,7 @@ pub fn run<B: Board>(memory: &'static mut Memory<B>, answer: &'static mut FrameB
     let parts = Parts::<B> {
         programme: &mut memory.programme,
         law: &mut memory.law,
+        stream: &mut memory.stream,
         rig: &mut memory.rig,
     };
     let mut controller = Controller::new(parts, &mut memory.upload);

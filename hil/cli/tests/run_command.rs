@@ -176,3 +176,107 @@ fn the_file_of_a_programme_says_what_blocks_say() {
     });
     assert_eq!(outputs[0], outputs[1]);
 }
+
+/// As JSON, or what was said of a failure with its exit code.
+fn driven(directory: &Path, arguments: &[&str]) -> Result<serde_json::Value, (i32, String)> {
+    let output = run(directory, &[arguments, &["--json", "-"]].concat());
+    if output.status.success() {
+        return Ok(serde_json::from_slice(&output.stdout).unwrap());
+    }
+    let said = String::from_utf8_lossy(&output.stderr).into_owned();
+    Err((output.status.code().unwrap(), said))
+}
+
+const RANDOM: &str = "random:rms=0.08mm,from=0.5Hz,to=12Hz,duration=10s,seed=2";
+
+/// What a run recorded is a motion for the next, whose recording is one for a trace.
+#[test]
+fn a_motion_is_followed_recorded_and_followed_again() {
+    let root = tempfile::tempdir().unwrap();
+    let first = driven(root.path(), &["--drive", RANDOM]).unwrap();
+    let figure = |summary: &serde_json::Value, name: &str| summary["drive"][name].as_f64().unwrap();
+    assert!((figure(&first, "rms_mm") - 0.08).abs() < 1e-4, "{first}");
+    assert_eq!(figure(&first, "duration_s"), 14.0);
+    assert!(figure(&first, "following_error_rms_mm") < 0.1 * 0.08);
+    // The law is the specimen's; what is left is the observer's, which is told the demand and not what the actuator made of it.
+    assert!(figure(&first, "law_nrmse") < 0.1);
+    assert_eq!(first["cycles"], serde_json::json!([]));
+    assert!(!root.path().join("run-out/cycles.csv").exists());
+    let recording = Recording::read(root.path().join("run-out/recording.csv.gz")).unwrap();
+    let said = recording.declared("excitation").unwrap();
+    assert!(
+        said.contains(RANDOM) && said.contains("ramps of 2 s"),
+        "{said}"
+    );
+
+    // A column of displacement is enough, in any unit.
+    let mut text = "time_ms,displacement_um\n".to_owned();
+    for (time, y) in recording.time.iter().zip(&recording.displacement) {
+        text += &format!("{},{}\n", 1e3 * time, 1e3 * y);
+    }
+    fs::write(root.path().join("motion.csv"), text).unwrap();
+    let arguments = ["--drive", "motion.csv", "--scale", "0.5", "--out", "again"];
+    let second = driven(root.path(), &arguments).unwrap();
+    assert!(figure(&second, "following_error_rms_mm") < 0.1 * 0.04);
+    // The noise of the displacement channel, 1e-4 mm, halved with the motion, is about what is left out.
+    let left_out = figure(&second, "left_out_rms_mm");
+    assert!(left_out > 2e-5 && left_out < 2e-4, "{left_out}");
+    let again = Recording::read(root.path().join("again/recording.csv.gz")).unwrap();
+    let rms = |y: &[f64]| (y.iter().map(|y| y * y).sum::<f64>() / y.len() as f64).sqrt();
+    let ratio = rms(&again.displacement) / rms(&recording.displacement);
+    // The actuator exceeds the demand at the band's upper end, in both runs alike.
+    assert!((ratio / 0.5 - 1.0).abs() < 0.1, "{ratio}");
+}
+
+#[test]
+fn a_motion_that_cannot_be_is_refused_in_one_line_and_leaves_nothing() {
+    let root = tempfile::tempdir().unwrap();
+    let text = "time_s,displacement_mm\n0,0\n".to_owned()
+        + &(1..2000)
+            .map(|i| {
+                format!(
+                    "{},{}\n",
+                    f64::from(i) * 1e-3,
+                    3.0 * (0.02 * f64::from(i)).sin()
+                )
+            })
+            .collect::<String>();
+    fs::write(root.path().join("large.csv"), text).unwrap();
+    for (arguments, said) in [
+        (&["--drive", "large.csv"][..], "field displacement: 3.0"),
+        (&["--drive", "large.csv"], "--scale 0.1"),
+        (
+            &["--drive", "large.csv", "--scale", "0"],
+            "field --scale: 0 leaves no motion",
+        ),
+        (&["--drive", "large.csv", "--scale", "nan"], "field --scale"),
+        (&["--drive", "missing.csv"], "missing.csv"),
+        (&["--drive", "random:rms=1mm"], "field from: it is missing"),
+        (&["--drive", RANDOM, "--shift", "1"], "field --shift"),
+        (&["--drive", RANDOM, "--tick-rate", "0"], "--tick-rate"),
+        (
+            &["--drive", RANDOM, "--blocks", "0.1:1:6"],
+            "cannot be used with",
+        ),
+        (
+            &["--drive", RANDOM, "--follow", "0.1"],
+            "cannot be used with",
+        ),
+        (&["--scale", "2"], "--drive"),
+    ] {
+        let (code, message) = driven(root.path(), arguments).unwrap_err();
+        assert_eq!(code, 2, "{message}");
+        assert!(message.contains(said), "{said}: {message}");
+        assert!(!root.path().join("run-out").exists(), "{message}");
+    }
+    // The scale that the refusal gives is one that runs.
+    let (_, message) = driven(root.path(), &["--drive", "large.csv"]).unwrap_err();
+    let scale = message
+        .split("--scale ")
+        .nth(1)
+        .unwrap()
+        .split_whitespace()
+        .next()
+        .unwrap();
+    driven(root.path(), &["--drive", "large.csv", "--scale", scale]).unwrap();
+}

@@ -10,11 +10,13 @@ use std::ops::Range;
 
 use nalgebra::{Matrix4, Vector4};
 
+use super::cycles::Cycles;
 use super::kinks::find_kinks;
 use super::motion_error::MotionError;
 use super::noise::noise_deviation;
 use super::polynomial::{Cubic, fit_polynomial};
 use super::rest::find_rests;
+use super::trajectory::hysteresis;
 use crate::extremes::least_and_largest;
 use crate::policy::policy;
 
@@ -161,6 +163,16 @@ impl MotionEstimate {
         }
         motion.stand_still(displacement);
         motion
+    }
+
+    /// [`MotionEstimate::estimate`] of a displacement with the periods that it shows by itself.
+    ///
+    /// # Panics
+    /// When there are fewer than 8 samples.
+    pub fn of(displacement: &[f64], tick: f64) -> Self {
+        let cycles = Cycles::find(displacement, tick, hysteresis(displacement));
+        let period = cycles.period_per_sample(displacement.len(), tick);
+        Self::estimate(displacement, tick, &period)
     }
 
     /// Whether the displacement stands still at a sample.

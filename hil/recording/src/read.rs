@@ -35,6 +35,25 @@ impl Recording {
         Self::parse(path, &read_text(path, limit)?, limit)
     }
 
+    /// [`Recording::read_within`] of a file that needs no force, because only its motion counts: without a force column the
+    /// force is 0.
+    ///
+    /// # Errors
+    /// As [`Recording::read`].
+    pub fn read_motion_within(
+        path: impl AsRef<Path>,
+        limit: ReadLimit,
+    ) -> Result<Self, InputError> {
+        let path = path.as_ref();
+        let needed = |channel: Channel| channel.is_required() && channel != Channel::Force;
+        let mut recording = Self::parse_channels(path, &read_text(path, limit)?, limit, needed)?;
+        if recording.force.is_empty() {
+            recording.force = vec![0.0; recording.time.len()];
+        }
+        recording.check()?;
+        Ok(recording)
+    }
+
     /// [`Recording::read`] of a file's bytes; `path` is what errors call it.
     ///
     /// # Errors

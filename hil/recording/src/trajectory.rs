@@ -552,7 +552,7 @@ fn feels_it(displacement: &[f64], force: &[f64], middle: f64, largest: f64) -> b
 
 /// Half width of the band around the mid level that a crossing has to leave, mm: above the noise, below the smallest
 /// amplitude that counts as motion.
-fn hysteresis(displacement: &[f64]) -> f64 {
+pub(super) fn hysteresis(displacement: &[f64]) -> f64 {
     let (low, high) = least_and_largest(displacement);
     let TrajectoryPolicy {
         crossing_noises,

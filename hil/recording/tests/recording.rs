@@ -4,6 +4,7 @@ use std::fs;
 use std::path::Path;
 
 use mesh_damper_recording::faults::{Channel, ChannelFault, ChannelFaultKind};
+use mesh_damper_recording::read_limit::ReadLimit;
 use mesh_damper_recording::{Recording, units};
 use proptest::prelude::*;
 
@@ -201,4 +202,25 @@ fn a_cell_without_a_number_is_a_missing_sample() {
     assert_eq!(with.time, without.time);
     assert_eq!(with.displacement, without.displacement);
     assert_eq!(with.gaps(), [(49, 4), (115, 1)]);
+}
+
+#[test]
+fn a_motion_needs_no_force_and_a_recording_does() {
+    let file = tempfile::NamedTempFile::new().unwrap();
+    let rows: String = (0..20).map(|i| format!("{i},{}\n", i % 3)).collect();
+    fs::write(file.path(), format!("time_ms,displacement_um\n{rows}")).unwrap();
+    let motion = Recording::read_motion_within(file.path(), ReadLimit::default()).unwrap();
+    assert_eq!(motion.displacement[1], 1e-3);
+    assert_eq!(motion.force, vec![0.0; 20]);
+    let error = Recording::read(file.path()).unwrap_err().to_string();
+    assert!(error.contains("there is no force column"), "{error}");
+    // A force that is there is read, and no motion is made without a displacement.
+    fs::write(file.path(), format!("time_ms,force_kN\n{rows}")).unwrap();
+    let error = Recording::read_motion_within(file.path(), ReadLimit::default()).unwrap_err();
+    assert!(
+        error
+            .to_string()
+            .contains("there is no displacement column"),
+        "{error}"
+    );
 }

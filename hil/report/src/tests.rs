@@ -110,6 +110,7 @@ fn data() -> ReportData {
             effects_rejected_by: None,
             table_rejected_by: None,
             separating_test: None,
+            separating_blocks: Vec::new(),
             depends_on: vec!["displacement".into(), "history".into()],
             correction: None,
             warnings: vec!["3 samples are missing after 4.2 s".into()],

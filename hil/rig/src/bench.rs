@@ -11,11 +11,14 @@ use mesh_damper::error::ConfigError;
 use mesh_damper::fast_law::{FastLaw, RunningLaw};
 use mesh_damper::law::Law;
 use mesh_damper::pack::PackError;
-use mesh_damper::rig::{Rig, RigSettings, Telemetry};
-use mesh_damper::sine::Programme;
+use mesh_damper::rig::{
+    AnyExciter, Rig, RigSettings, State, Stream, StreamConfig, StreamSettings, Telemetry,
+};
+use mesh_damper::sine::{Programme, SineGenerator};
 use mesh_damper_recording::error::InputError;
 
-use super::expected::expected;
+use super::drive::{Feeder, Motion};
+use super::expected::{Expected, expected, expected_along};
 use super::plant::Plant;
 use super::run::Controlled;
 use crate::actuator::{
@@ -36,6 +39,9 @@ pub enum SetupError {
     /// A simulated converter did not answer its driver.
     #[error("a simulated converter did not answer its driver: {0}")]
     Converter(String),
+    /// A motion that asks for more than the rig gives.
+    #[error(transparent)]
+    Drive(InputError),
     /// Of the law no coefficient pack can be made.
     #[error(transparent)]
     Pack(#[from] PackError),
@@ -59,6 +65,10 @@ pub struct RigSetup<S, const B: usize, const N: usize> {
     pub block_laws: Vec<Law<f32>>,
     /// The excitation; its tick rate is that of everything.
     pub programme: Programme<B>,
+    /// A motion to follow in the place of the programme's blocks, on a grid of the programme's tick rate.
+    pub drive: Option<Motion>,
+    /// The limits that the rig itself holds a motion to; the ticks from knot to knot are the motion's.
+    pub stream: StreamSettings,
     /// Of the sensors' noise. The same seed gives the same run, bit for bit.
     pub seed: u64,
     /// The actuator.
@@ -87,12 +97,54 @@ impl<S: DamperForce + Clone, const B: usize, const N: usize> RigSetup<S, B, N> {
     /// is expected to give, with 0.4 % of its RMS as noise, one sample in ten recorded.
     pub fn new(specimen: S, law: AugmentedLaw<f32, N>, programme: Programme<B>, seed: u64) -> Self {
         let force = expected(&specimen, &programme);
+        Self::expecting(force, specimen, law, programme, seed)
+    }
+
+    /// The same, with `motion` in the place of a programme's blocks.
+    ///
+    /// # Errors
+    /// A tick rate that the crate refuses.
+    pub fn driven(
+        specimen: S,
+        law: AugmentedLaw<f32, N>,
+        motion: Motion,
+        seed: u64,
+    ) -> Result<Self, ConfigError> {
+        let programme = Programme::new(motion.grid().tick_rate(), 1)?;
+        let force = expected_along(&specimen, &motion);
+        let mut setup = Self::expecting(force, specimen, law, programme, seed);
+        setup.stream.knot_ticks = motion.grid().knot_ticks();
+        setup.drive = Some(motion);
+        Ok(setup)
+    }
+
+    /// What the rig is to hold its motion to.
+    ///
+    /// # Errors
+    /// A limit that the crate refuses.
+    pub fn stream_config(&self) -> Result<StreamConfig, ConfigError> {
+        StreamSettings {
+            displacement_limit: self.settings.displacement_limit,
+            ..self.stream
+        }
+        .at(self.programme.tick_rate())
+    }
+
+    fn expecting(
+        force: Expected,
+        specimen: S,
+        law: AugmentedLaw<f32, N>,
+        programme: Programme<B>,
+        seed: u64,
+    ) -> Self {
         let range = (FORCE_MARGIN * force.peak).max(1e-3);
         Self {
             specimen,
             law,
             block_laws: Vec::new(),
             programme,
+            drive: None,
+            stream: StreamSettings::default(),
             seed,
             servo: ServoConfig::default(),
             displacement_sensor: SensorConfig {
@@ -120,7 +172,7 @@ impl<S: DamperForce + Clone, const B: usize, const N: usize> RigSetup<S, B, N> {
 
 /// The crate's controller on the simulated parts.
 pub type SimulatedRig<const B: usize, const N: usize> =
-    Rig<SimulatedAds8688, SimulatedAd5761, SimulatedEnable, B, N>;
+    Rig<SimulatedAds8688, SimulatedAd5761, SimulatedEnable, B, N, AnyExciter<B>>;
 
 /// A rig wired up, at rest. Everything is public, so that a test can have any of it fail.
 #[derive(Debug)]
@@ -135,6 +187,8 @@ pub struct Bench<S, const B: usize, const N: usize> {
     pub dac: Rc<DacPins>,
     /// Level of the enable line.
     pub enabled: Rc<Cell<bool>>,
+    /// What gives the rig a motion; to be taken away for a host that falls silent.
+    pub feeder: Option<Feeder>,
 }
 
 impl<S: DamperForce + Clone, const B: usize, const N: usize> Bench<S, B, N> {
@@ -146,7 +200,12 @@ impl<S: DamperForce + Clone, const B: usize, const N: usize> Bench<S, B, N> {
         let plant = Plant::new(&setup)?;
         let (adc, dac) = (Rc::<AdcPins>::default(), Rc::<DacPins>::default());
         let (enable, enabled) = enable_line();
-        let rig = Rig::new(
+        let config = setup.settings.at(setup.programme.tick_rate())?;
+        let exciter = match &setup.drive {
+            Some(_) => AnyExciter::Stream(Stream::new(setup.stream_config()?)),
+            None => AnyExciter::Programme(SineGenerator::new(setup.programme)?),
+        };
+        let rig = Rig::with_exciter(
             connect_adc(
                 &adc,
                 setup.displacement_sensor.full_scale,
@@ -154,21 +213,23 @@ impl<S: DamperForce + Clone, const B: usize, const N: usize> Bench<S, B, N> {
             )?,
             connect_dac(&dac, setup.command_range)?,
             enable,
-            &setup.settings,
-            setup.programme,
+            &config,
+            exciter,
             RunningLaw::new(FastLaw::new(setup.law)),
-        )?;
+        );
         Ok(Self {
             rig,
             plant,
             adc,
             dac,
             enabled,
+            feeder: setup.drive.as_ref().map(Feeder::new),
         })
     }
 
     /// One tick: the sensors' voltages, the crate's tick, and the actuator's way until the next.
     pub fn tick(&mut self) -> Telemetry {
+        self.feed();
         let (displacement, force) = self.plant.sense();
         self.adc.volts[0].set(displacement);
         self.adc.volts[1].set(force);
@@ -176,6 +237,24 @@ impl<S: DamperForce + Clone, const B: usize, const N: usize> Bench<S, B, N> {
         let telemetry = self.rig.tick();
         self.plant.advance(self.dac.volts.get(), self.enabled.get());
         telemetry
+    }
+
+    /// The knots that the tick to come needs. A rig that has stopped takes none out of its queue.
+    fn feed(&mut self) {
+        if self.rig.state() != State::Running {
+            return;
+        }
+        if let (Some(feeder), Some(stream)) = (&mut self.feeder, self.rig.exciter().stream()) {
+            while let Some(knots) = feeder.due() {
+                if knots.is_empty() {
+                    stream.complete();
+                }
+                for knot in knots {
+                    stream.push(*knot);
+                }
+            }
+            feeder.tick();
+        }
     }
 }
 
@@ -193,7 +272,11 @@ impl<S: DamperForce + Clone, const B: usize, const N: usize> Controlled<S> for B
     }
 
     fn start(&mut self) -> Result<(), SetupError> {
-        self.rig.start();
+        if self.rig.start()
+            && let Some(feeder) = &mut self.feeder
+        {
+            feeder.restart();
+        }
         Ok(())
     }
 

@@ -1,9 +1,10 @@
-//! What forces a programme is going to ask for, as whoever sets up a test estimates them to choose a load cell.
+//! What forces a programme or a motion is going to ask for, as whoever sets up a test estimates them to choose a load cell.
 
 use std::f64::consts::TAU;
 
 use mesh_damper::sine::Programme;
 
+use crate::drive::Motion;
 use crate::specimen::DamperForce;
 
 /// Steps per cycle.
@@ -41,4 +42,27 @@ pub(super) fn expected<S: DamperForce + Clone, const B: usize>(
         largest.rms = largest.rms.max((square / f64::from(STEPS)).sqrt());
     }
     largest
+}
+
+/// The same along a motion: a copy of the specimen is taken through all of it. The RMS is that of the second in which it is
+/// largest, as that of a programme is its largest block's: a load cell is no quieter for a motion that rests for long.
+pub(super) fn expected_along<S: DamperForce + Clone>(specimen: &S, motion: &Motion) -> Expected {
+    let mut copy = specimen.clone();
+    let step = motion.grid().step();
+    let count = (motion.duration() / step).round() as usize + 1;
+    let mut expected = Expected::default();
+    let mut squares = Vec::with_capacity(count);
+    for index in 0..count {
+        let time = step * index as f64;
+        let at = motion.at(time);
+        let force = copy.force(time, at.displacement, at.velocity, at.acceleration, step);
+        squares.push(force * force);
+        expected.peak = expected.peak.max(force.abs());
+    }
+    let second = ((1.0 / step).round() as usize).clamp(1, count);
+    for some in squares.chunks_exact(second) {
+        let mean = some.iter().sum::<f64>() / second as f64;
+        expected.rms = expected.rms.max(mean.sqrt());
+    }
+    expected
 }

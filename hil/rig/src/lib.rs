@@ -9,6 +9,7 @@
 //! |---|---|
 //! | the root | [`run_rig`]: a whole programme, recorded; [`Bench`]: the same tick by tick; [`EmulatorBench`]: the crate as a damper |
 //! | [`specimen`] | what is tested: eq 13, and effects that the law does not know |
+//! | [`drive`] | any motion for the rig to follow, and what it asks of the rig |
 //! | [`actuator`] | actuator, sensors, converters and enable line |
 //! | [`faults`] | faults put into all of it, and what the rig's monitor finds of them |
 //!
@@ -33,6 +34,7 @@
 
 pub mod actuator;
 mod bench;
+pub mod drive;
 mod emulation;
 mod expected;
 pub mod faults;

@@ -31,11 +31,11 @@ pub struct Samples {
     pub command: Vec<f64>,
     /// Of the specimen, °C.
     pub temperature: Vec<f64>,
-    /// Block of the programme.
+    /// Block of the programme; 0 of a motion.
     pub block: Vec<usize>,
     /// Cycles completed.
     pub cycle: Vec<u32>,
-    /// In a ramp.
+    /// In a ramp; always so of a motion.
     pub ramp: Vec<bool>,
 }
 
@@ -69,7 +69,7 @@ impl Samples {
 pub struct RigRun {
     /// Every `record_every`-th tick.
     pub samples: Samples,
-    /// Every cycle, ramps included.
+    /// Every cycle, ramps included; none of a motion, whose cycles are not told apart.
     pub cycles: Vec<CycleReport>,
     /// When the rig stopped for what, s; none after a test that ran to its end.
     pub faults: Vec<(f64, TripCause)>,
@@ -126,7 +126,7 @@ pub trait Controlled<S> {
     fn plant(&self) -> &Plant<S>;
     /// Likewise, to have any of it fail.
     fn plant_mut(&mut self) -> &mut Plant<S>;
-    /// Begins the programme.
+    /// Begins the programme, or the motion.
     ///
     /// # Errors
     /// Those of the link to an image; never in this process.
@@ -145,7 +145,7 @@ pub trait Controlled<S> {
     fn set_law(&mut self, law: Law<f32>) -> Result<(), SetupError>;
 }
 
-/// Runs the programme of `setup` to its end, or to the standstill after a fault, with the controller in this process.
+/// Runs the programme of `setup`, or its motion, to its end, or to the standstill after a fault, with the controller in this process.
 ///
 /// # Errors
 /// What one of the parts refuses, or what `watch` ends it with.
@@ -171,7 +171,10 @@ impl Plan {
     pub fn of<S, const B: usize, const N: usize>(setup: &RigSetup<S, B, N>) -> Self {
         Self {
             tick_rate: setup.programme.tick_rate(),
-            duration: setup.programme.duration(),
+            duration: match &setup.drive {
+                Some(motion) => motion.duration(),
+                None => setup.programme.duration(),
+            },
             record_every: setup.record_every.max(1),
             block_laws: setup.block_laws.clone(),
         }

@@ -5,6 +5,7 @@ mod demo;
 mod full;
 mod progress;
 mod reading;
+mod separating;
 mod summary;
 mod trace;
 

@@ -12,11 +12,13 @@ use mesh_damper_report::{self as report, ReportData};
 
 use super::progress::Progress;
 use super::reading::Reading;
+use super::separating;
 use super::{Failure, say, summary};
 
 /// Find what the law lacks in recordings, and mend it
 ///
-/// Writes DIR/trace.json, DIR/model.json and DIR/report.html.
+/// Writes DIR/trace.json, DIR/model.json and DIR/report.html; and where several effects explain the recordings equally well
+/// DIR/separating-test.csv, the motion that would tell them apart, which `hil run --drive` follows.
 #[derive(Args, Debug)]
 #[command(
     after_help = "Example:\n  hil trace rig-test.csv.gz --held-out other-amplitudes.csv.gz --out trace-out\n\n\
@@ -46,7 +48,7 @@ impl TraceCommand {
             .reads(&self.held_out)
             .fills(
                 self.out.as_path(),
-                ["trace.json", "model.json", "report.html"],
+                ["trace.json", "model.json", "report.html", separating::FILE],
             )
             .writes(&self.json)
             .begin()?;
@@ -71,6 +73,11 @@ impl TraceCommand {
         outputs.add_json(self.out.join("trace.json"), &found.result)?;
         outputs.add_json(self.out.join("model.json"), &model_file(&found))?;
         outputs.add(self.out.join("report.html"), report::render(&report));
+        let separating = self.out.join(separating::FILE);
+        let separates = !found.result.separating_blocks.is_empty();
+        if separates {
+            outputs.add(&separating, separating::motion(&separating, &found.result)?);
+        }
         if let Some(json) = &self.json {
             outputs.add_json(json, &found.result)?;
         }
@@ -78,6 +85,12 @@ impl TraceCommand {
         outputs.write()?;
         if self.json.as_deref() != Some(Path::new("-")) {
             summary::print(&found.result);
+            if separates {
+                say(&format!(
+                    "Run that test: {}",
+                    separating::command(&separating)
+                ));
+            }
             say(&format!(
                 "The report is {}",
                 self.out.join("report.html").display()

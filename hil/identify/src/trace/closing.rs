@@ -136,16 +136,20 @@ impl<'a> Closing<'a> {
             .map(|(value, _)| value.term.form.family())
             .collect();
         unbounded.dedup();
-        let separating_test = match verdict {
+        let (separating_test, separating_blocks) = match verdict {
             Verdict::Ambiguous => {
                 progress("seeking the test that would tell the rivals apart");
-                Some(separating_test(selection, self.trajectories)?)
+                let (said, blocks) = separating_test(selection, self.trajectories)?;
+                (Some(said), blocks)
             }
             Verdict::Found if !unbounded.is_empty() => {
                 verdict = Verdict::Ambiguous;
-                Some(bounding_test(&unbounded, self.trajectories))
+                (
+                    Some(bounding_test(&unbounded, self.trajectories)),
+                    Vec::new(),
+                )
             }
-            _ => None,
+            _ => (None, Vec::new()),
         };
         let names = |held: bool| {
             let recordings = self.recordings.iter().enumerate();
@@ -170,6 +174,7 @@ impl<'a> Closing<'a> {
             effects_rejected_by,
             table_rejected_by,
             separating_test,
+            separating_blocks,
             depends_on: depends_on(&model, &nameless),
             correction: model.correction.as_ref().map(CorrectionSummary::of),
             warnings: warnings(

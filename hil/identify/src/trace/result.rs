@@ -5,6 +5,7 @@
 use std::collections::BTreeMap;
 
 use mesh_damper_model::correction::{CorrectionTable, Remembered};
+use mesh_damper_reference::protocol::TestBlock;
 use serde::{Deserialize, Serialize};
 
 use super::rule::Rule;
@@ -36,6 +37,9 @@ pub struct TraceResult {
     pub table_rejected_by: Option<Rule>,
     /// The test that would tell the candidates apart, where one is needed.
     pub separating_test: Option<String>,
+    /// The blocks of that test, amplitude in mm and frequency in Hz; none where none is needed, or none would do.
+    #[serde(default)]
+    pub separating_blocks: Vec<TestBlock>,
     /// What the force beyond the law depends on: `displacement`, `velocity`, `history`, `time`, `cycle`,
     /// `temperature`, `frequency`, `amplitude`.
     pub depends_on: Vec<String>,
@@ -201,7 +205,8 @@ mod tests {
             "candidates": [{"family": "stick_slip", "nrmse_held_out": 0.005, "distinguishable": true,
                 "step": 1, "added": true, "admissible": true, "rejected_by": null, "nrmse_judged": 0.005}],
             "effects_rejected_by": null, "table_rejected_by": null,
-            "separating_test": null, "depends_on": ["displacement", "history"],
+            "separating_test": null, "separating_blocks": [{"amplitude": 0.1, "frequency": 2.0, "cycles": 6}],
+            "depends_on": ["displacement", "history"],
             "correction": {"remembers": {"slip": {"limit": 0.03}}, "largest": 0.1}, "warnings": [],
             "augmented": {"nrmse_fitted": 0.004, "nrmse_held_out": 0.005},
             "on_target": {"nrmse_held_out": 0.005}}"#;

@@ -47,14 +47,15 @@ mesh_damper_recording::numbers! {
     }
 }
 
-/// What would tell the rivals of an ambiguous search apart, in words with a programme of blocks.
+/// What would tell the rivals of an ambiguous search apart, in words with a programme of blocks, and these blocks; none where no
+/// test that the rig runs would.
 ///
 /// # Errors
 /// A fitted law that the crate refuses.
 pub(super) fn separating_test(
     selection: &Selection,
     trajectories: &[Trajectory],
-) -> Result<String, ModelError> {
+) -> Result<(String, Vec<TestBlock>), ModelError> {
     let rivals = rivals(selection);
     let names: Vec<&str> = rivals.iter().map(|rival| rival.family.name()).collect();
     let alike = collinearity(&rivals, selection, trajectories)?;
@@ -65,16 +66,18 @@ pub(super) fn separating_test(
     let solutions: Vec<&Solution> = rivals.iter().map(|rival| &rival.fitted.solution).collect();
     let (blocks, apart) = Simulation::new(trajectories, &solutions)?.programme()?;
     Ok(if apart < policy().separating.enough {
-        format!(
+        let said = format!(
             "{said}, and so they would any other that the rig runs: {apart:.1} times the noise is the most by which the nearest \
              two differ"
-        )
+        );
+        (said, Vec::new())
     } else {
-        let blocks: Vec<String> = blocks.iter().map(written).collect();
-        format!(
+        let programme: Vec<String> = blocks.iter().map(written).collect();
+        let said = format!(
             "{said}: record --blocks {} and trace that, where the nearest two differ by {apart:.1} times the noise",
-            blocks.join(",")
-        )
+            programme.join(",")
+        );
+        (said, blocks)
     })
 }
 

@@ -5,10 +5,11 @@ use mesh_damper::fast_law::FastLaw;
 use mesh_damper::law::Law;
 use mesh_damper::message::{Sensors, Setup};
 use mesh_damper::pack::{LARGEST, encode};
-use mesh_damper::rig::Telemetry;
+use mesh_damper::rig::{State, Telemetry};
 use mesh_damper_rig::Controlled;
 use mesh_damper_rig::Plant;
 use mesh_damper_rig::actuator::{adc_code, dac_volts};
+use mesh_damper_rig::drive::Feeder;
 use mesh_damper_rig::specimen::DamperForce;
 use mesh_damper_rig::{RigSetup, SetupError};
 
@@ -20,6 +21,9 @@ pub struct ImageBench<'i, S, W, const N: usize> {
     plant: Plant<S>,
     image: &'i mut Image<W>,
     enabled: bool,
+    /// Of a motion.
+    feeder: Option<Feeder>,
+    state: State,
     /// What the image was last given.
     law: FastLaw<N>,
 }
@@ -34,22 +38,25 @@ impl<'i, S: DamperForce + Clone, W: Wire, const N: usize> ImageBench<'i, S, W, N
         image: &'i mut Image<W>,
     ) -> Result<Self, SetupError> {
         let plant = Plant::new(&setup)?;
-        let law = FastLaw::new(setup.law);
+        let law = FastLaw::new(setup.law.clone());
         let scale = |full_scale| Scale::new(full_scale, 0.0);
         send(image, &law)?;
-        image.set_up(
-            &setup.programme,
-            &Setup {
-                displacement: scale(setup.displacement_sensor.full_scale)?,
-                force: scale(setup.force_sensor.full_scale)?,
-                command: scale(setup.command_range)?,
-                config: setup.settings.at(setup.programme.tick_rate())?,
-            },
-        )?;
+        let wiring = Setup {
+            displacement: scale(setup.displacement_sensor.full_scale)?,
+            force: scale(setup.force_sensor.full_scale)?,
+            command: scale(setup.command_range)?,
+            config: setup.settings.at(setup.programme.tick_rate())?,
+        };
+        match &setup.drive {
+            Some(_) => image.set_up_stream(setup.stream_config()?, &wiring)?,
+            None => image.set_up(&setup.programme, &wiring)?,
+        }
         Ok(Self {
             plant,
             image,
             enabled: false,
+            feeder: setup.drive.as_ref().map(Feeder::new),
+            state: State::Idle,
             law,
         })
     }
@@ -75,11 +82,25 @@ impl<S: DamperForce + Clone, W: Wire, const N: usize> Controlled<S> for ImageBen
     }
 
     fn start(&mut self) -> Result<(), SetupError> {
-        self.image.start_rig()?;
+        if self.image.start_rig()? {
+            self.state = State::Running;
+            if let Some(feeder) = &mut self.feeder {
+                feeder.restart();
+            }
+        }
         Ok(())
     }
 
     fn tick(&mut self) -> Result<Telemetry, SetupError> {
+        // A rig that has stopped takes no knot out of its queue.
+        if self.state == State::Running
+            && let Some(feeder) = &mut self.feeder
+        {
+            while let Some(knots) = feeder.due() {
+                self.image.knots(knots)?;
+            }
+            feeder.tick();
+        }
         let (displacement, force) = self.plant.sense();
         let outcome = self.image.tick(Sensors {
             displacement: adc_code(displacement),
@@ -87,6 +108,7 @@ impl<S: DamperForce + Clone, W: Wire, const N: usize> Controlled<S> for ImageBen
             temperature: self.plant.temperature() as f32,
         })?;
         self.enabled = outcome.enabled;
+        self.state = outcome.telemetry.state;
         self.plant.advance(dac_volts(outcome.code), outcome.enabled);
         Ok(outcome.telemetry)
     }

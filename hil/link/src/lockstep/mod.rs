@@ -17,9 +17,10 @@ pub use run::{run_rig_on, run_trial_on};
 use mesh_damper::effects::Motion;
 use mesh_damper::frame::PAYLOAD;
 use mesh_damper::message::{
-    Answer, MAX_BLOCKS, MOTIONS, Motions, Outcome, PART, Refusal, Request, Sensors, Setup,
+    Answer, Knots, MAX_BLOCKS, MOTIONS, Motions, Outcome, PART, Refusal, Request, Sensors, Setup,
     Statistics,
 };
+use mesh_damper::rig::{Knot, StreamConfig};
 use mesh_damper::sine::Programme;
 use mesh_damper_recording::error::InputError;
 use mesh_damper_rig::SetupError;
@@ -152,6 +153,24 @@ impl<W: Wire> Image<W> {
             self.done(&Request::Block(block))?;
         }
         self.done(&Request::Setup(*setup)).map(|_| ())
+    }
+
+    /// Wires up a rig that is to follow a stream.
+    ///
+    /// # Errors
+    /// What the image refuses.
+    pub fn set_up_stream(&mut self, config: StreamConfig, setup: &Setup) -> Result<(), LinkError> {
+        self.done(&Request::Stream(config))?;
+        self.done(&Request::Setup(*setup)).map(|_| ())
+    }
+
+    /// The next knots of a stream, or its end where there is none. Says no where there was no room for all of them.
+    ///
+    /// # Errors
+    /// The link's; a rig that follows no stream.
+    pub fn knots(&mut self, knots: &[Knot]) -> Result<bool, LinkError> {
+        let mut buffer = [0; PAYLOAD];
+        self.done(&Request::Knots(Knots::new(knots, &mut buffer)))
     }
 
     /// [`mesh_damper::rig::Rig::start`].

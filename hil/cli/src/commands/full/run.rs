@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use clap::Args;
 use mesh_damper::effects::AugmentedLaw;
 use mesh_damper::law::Law;
-use mesh_damper::rig::{CycleReport, TripCause};
+use mesh_damper::rig::TripCause;
 use mesh_damper::sine::Programme;
 use mesh_damper_link::lockstep::run_rig_on;
 use mesh_damper_model::MAX_EFFECTS;
@@ -14,9 +14,11 @@ use mesh_damper_recording::Recording;
 use mesh_damper_recording::error::InputError;
 use mesh_damper_recording::output::Plan;
 use mesh_damper_rig::specimen::{Specimen, draw};
-use mesh_damper_rig::{Journal, RigRun, RigSetup, Samples, SetupError, TICK_RATE, Watch, run_rig};
+use mesh_damper_rig::{Journal, RigSetup, Samples, SetupError, TICK_RATE, Watch, run_rig};
 use serde::Serialize;
 
+use super::cycles::{CycleRow, csv_of, print_blocks};
+use super::drive::{DriveOptions, Driven, Followed};
 use super::effect;
 use super::events::EventRow;
 use super::image::{LogLevel, On, start_image};
@@ -29,11 +31,14 @@ use crate::commands::{Failure, say};
 /// Run the rig in the loop with a simulated actuator and specimen
 ///
 /// Writes DIR/recording.csv.gz and DIR/cycles.csv: what was measured, and what every cycle came to beside the law. Until then
-/// DIR/recording.partial.csv holds what was measured so far; a run that is broken off leaves it.
+/// DIR/recording.partial.csv holds what was measured so far; a run that is broken off leaves it. With --drive the rig follows a
+/// recorded or a random motion; there is no cycles.csv then, as the cycles of such a motion are not told apart.
 #[derive(Args, Debug)]
 #[command(after_help = "Examples:\n  hil run --blocks 0.1:1:6,0.1:5:10\n  \
     hil run --effect stick_slip:stiffness=1.2,slip_limit=0.03\n  \
-    hil run --drawn --seed 7 --model trace-out/model.json --blocks 0.1:1-10:40 --out run-out\n\n\
+    hil run --drawn --seed 7 --model trace-out/model.json --blocks 0.1:1-10:40 --out run-out\n  \
+    hil run --drive road.csv --scale 0.5\n  \
+    hil run --drive random:rms=0.08mm,from=0.5Hz,to=15Hz,duration=30s,seed=1\n\n\
     Exit code 1 says that the rig stopped on a limit; what it recorded until then is written.")]
 pub struct RunCommand {
     /// Where the crate runs
@@ -52,6 +57,8 @@ pub struct RunCommand {
     /// A JSON file with the blocks instead
     #[arg(long, value_name = "FILE", conflicts_with = "blocks")]
     programme: Option<PathBuf>,
+    #[command(flatten)]
+    drive: DriveOptions,
     /// The law beside the specimen, as `hil trace` writes it; the published coefficients without it
     #[arg(long, value_name = "FILE")]
     model: Option<PathBuf>,
@@ -68,7 +75,12 @@ pub struct RunCommand {
     #[arg(long, value_name = "EFFECT")]
     effect: Vec<String>,
     /// Let the law follow slow changes of k1, k3 and c, after the run-in by up to this part of each, 0 to 0.5
-    #[arg(long, value_name = "PART", default_value_t = 0.0)]
+    #[arg(
+        long,
+        value_name = "PART",
+        default_value_t = 0.0,
+        conflicts_with = "drive"
+    )]
     follow: f64,
     /// Of the sensors' noise, and of the effect drawn
     #[arg(long, default_value_t = 1)]
@@ -100,6 +112,9 @@ struct Summary {
     seed: u64,
     tick_rate: f64,
     ticks: u64,
+    /// The motion that was followed; null of a programme.
+    drive: Option<Followed>,
+    /// None of a motion.
     cycles: Vec<CycleRow>,
     /// What the monitor named, each cause once.
     events: Vec<EventRow>,
@@ -122,87 +137,34 @@ impl Stop {
     }
 }
 
-/// One cycle, as a row of `cycles.csv` and as JSON. Units are in the names.
-#[derive(Clone, Debug, Serialize)]
-struct CycleRow {
-    block: usize,
-    cycle: u32,
-    ramp: bool,
-    amplitude_mm: f32,
-    mean_displacement_mm: f32,
-    force_max_kn: f32,
-    force_min_kn: f32,
-    mean_force_kn: f32,
-    energy_j: f32,
-    elastic_energy_j: f32,
-    stiffness_kn_per_mm: f32,
-    loss_factor: f32,
-    model_energy_j: f32,
-    model_stiffness_kn_per_mm: f32,
-    model_loss_factor: f32,
-    nrmse: f32,
-    followed_k1: f32,
-    followed_k3: f32,
-    followed_c: f32,
-}
-
-impl From<&CycleReport> for CycleRow {
-    fn from(report: &CycleReport) -> Self {
-        let (measured, model) = (&report.measured, &report.model);
-        Self {
-            block: report.block,
-            cycle: report.cycle,
-            ramp: report.ramp,
-            amplitude_mm: measured.amplitude,
-            mean_displacement_mm: measured.mean_displacement,
-            force_max_kn: measured.force_max,
-            force_min_kn: measured.force_min,
-            mean_force_kn: measured.mean_force,
-            energy_j: measured.energy,
-            elastic_energy_j: measured.elastic_energy,
-            stiffness_kn_per_mm: measured.stiffness,
-            loss_factor: measured.loss_factor,
-            model_energy_j: model.energy,
-            model_stiffness_kn_per_mm: model.stiffness,
-            model_loss_factor: model.loss_factor,
-            nrmse: report.nrmse,
-            followed_k1: report.followed.k1,
-            followed_k3: report.followed.k3,
-            followed_c: report.followed.c,
-        }
-    }
-}
-
-impl CycleRow {
-    fn followed_in_words(&self) -> String {
-        format!(
-            "The law followed by {:+.1} % of k1, {:+.1} % of k3 and {:+.1} % of c",
-            100.0 * self.followed_k1,
-            100.0 * self.followed_k3,
-            100.0 * self.followed_c
-        )
-    }
-}
-
 impl RunCommand {
     pub fn run(self) -> Result<(), Failure> {
+        let table = (!self.drive.is_given()).then_some("cycles.csv");
         let mut outputs = Plan::new()
             .reads(&self.programme)
+            .reads(self.drive.file())
             .reads(&self.model)
-            .fills(self.out.as_path(), ["recording.csv.gz", "cycles.csv"])
+            .fills(
+                self.out.as_path(),
+                ["recording.csv.gz"].into_iter().chain(table),
+            )
             .writes(&self.json)
             .keeps(Journal::path_in(&self.out))
             .begin()?;
-        let programme = match &self.programme {
-            Some(path) => programme::read(path, self.reading.limit, self.tick_rate)?,
-            None => programme::parse(&self.blocks, self.tick_rate)?,
+        let driven = self.drive.motion(self.reading.limit, self.tick_rate)?;
+        let programme = match (&driven, &self.programme) {
+            (Some(_), _) => None,
+            (None, Some(path)) => Some(programme::read(path, self.reading.limit, self.tick_rate)?),
+            (None, None) => Some(programme::parse(&self.blocks, self.tick_rate)?),
         };
         let (specimen, density, described) = self.specimen()?;
-        let (law, block_laws) = self.laws(&programme, density)?;
-        let mut setup = RigSetup::new(specimen, law, programme.clone(), self.seed);
-        setup.block_laws = block_laws;
+        let mut setup = self.setup(specimen, density, programme.as_ref(), driven.as_ref())?;
         setup.record_every = self.record_every;
         setup.settings.health.follow = self.follow;
+        let asked = match &driven {
+            Some(driven) => Some(driven.checked(&setup)?),
+            None => None,
+        };
 
         let image = match self.on {
             On::Host => None,
@@ -210,10 +172,11 @@ impl RunCommand {
         };
         let progress = Progress::of(100);
         progress.step("running the rig");
-        let comments = vec![
+        let mut comments = vec![
             format!("specimen: {described}"),
             format!("run: simulated rig, seed = {}", self.seed),
         ];
+        comments.extend(driven.as_ref().map(Driven::comment));
         let mut watched = Watched {
             progress,
             journal: Journal::new(&self.out, comments.clone()),
@@ -232,6 +195,10 @@ impl RunCommand {
             seed: self.seed,
             tick_rate: self.tick_rate,
             ticks: run.ticks,
+            drive: driven
+                .as_ref()
+                .zip(asked)
+                .map(|(driven, asked)| driven.followed(&run, asked)),
             cycles: run.cycles.iter().map(CycleRow::from).collect(),
             events: run.events.iter().map(EventRow::new).collect(),
             stopped: run.faults.first().map(|&(time, fault)| Stop {
@@ -253,7 +220,9 @@ impl RunCommand {
         };
         let recorded = comments.into_iter().fold(recorded, Recording::with_comment);
         outputs.add(&recording, recorded.to_file(&recording));
-        outputs.add(self.out.join("cycles.csv"), csv_of(&summary.cycles)?);
+        if let Some(table) = table {
+            outputs.add(self.out.join(table), csv_of(&summary.cycles)?);
+        }
         if let Some(json) = &self.json {
             outputs.add_json(json, &summary)?;
         }
@@ -261,7 +230,12 @@ impl RunCommand {
             .write()
             .map_err(|error| with_journal(error, &journal))?;
         if self.json.as_deref() != Some(Path::new("-")) {
-            print_blocks(&run, &programme);
+            if let Some(programme) = &programme {
+                print_blocks(&run, programme);
+            }
+            if let Some(followed) = &summary.drive {
+                followed.print();
+            }
             if self.follow > 0.0
                 && let Some(last) = summary.cycles.last()
             {
@@ -302,13 +276,38 @@ impl RunCommand {
         Ok((specimen, self.density, described))
     }
 
-    /// The law that runs beside the specimen, and eq 13 for each block.
+    /// The test of `specimen`, of a density in g/cm³, under either `programme` or the motion that is `driven`.
+    fn setup(
+        &self,
+        specimen: Specimen,
+        density: f64,
+        programme: Option<&Programme<MOST_BLOCKS>>,
+        driven: Option<&Driven>,
+    ) -> Result<RigSetup<Specimen, MOST_BLOCKS, MAX_EFFECTS>, InputError> {
+        let blocks = programme.into_iter().flat_map(Programme::blocks);
+        let amplitudes: Vec<f64> = blocks.map(|block| block.amplitude()).collect();
+        let first = match (driven, amplitudes.first()) {
+            (Some(driven), _) => driven.amplitude(),
+            (None, first) => first.copied().unwrap_or_default(),
+        };
+        let (law, block_laws) = self.laws(first, &amplitudes, density)?;
+        let mut setup = match (driven, programme) {
+            (Some(driven), _) => RigSetup::driven(specimen, law, driven.motion.clone(), self.seed)
+                .map_err(|error| refused(error.into()))?,
+            (None, Some(programme)) => RigSetup::new(specimen, law, programme.clone(), self.seed),
+            (None, None) => return Err(InputError::new("the rig", "no motion", "give --blocks")),
+        };
+        setup.block_laws = block_laws;
+        Ok(setup)
+    }
+
+    /// The law that runs beside the specimen, for the amplitude `first` in mm, and eq 13 for each of `amplitudes`.
     fn laws(
         &self,
-        programme: &Programme<MOST_BLOCKS>,
+        first: f64,
+        amplitudes: &[f64],
         density: f64,
     ) -> Result<(AugmentedLaw<f32, MAX_EFFECTS>, Vec<Law<f32>>), InputError> {
-        let amplitudes = programme.blocks().map(|block| block.amplitude());
         let Some(path) = &self.model else {
             let law = self.law.at(density, SPECIMEN_AMPLITUDE);
             return Ok((AugmentedLaw::new(law), Vec::new()));
@@ -316,13 +315,10 @@ impl RunCommand {
         let model = ModelFile::read_within(path, self.reading.limit)?.model();
         let refused = |error| model_error(&path.display().to_string(), &error);
         let block_laws = amplitudes
-            .map(|amplitude| model.law_at::<f32>(amplitude))
+            .iter()
+            .map(|amplitude| model.law_at::<f32>(*amplitude))
             .collect::<Result<Vec<_>, _>>()
             .map_err(refused)?;
-        let first = programme
-            .blocks()
-            .next()
-            .map_or(0.0, |block| block.amplitude());
         let law = model
             .augmented::<f32>(first, 1.0 / self.tick_rate)
             .map_err(refused)?;
@@ -343,15 +339,19 @@ impl Watch for &mut Watched {
     }
 }
 
-fn broken_off(error: SetupError, journal: &Journal) -> InputError {
-    let error = match error {
-        SetupError::Link(error) | SetupError::Watch(error) => error,
+/// What a part of the rig refuses.
+pub(super) fn refused(error: SetupError) -> InputError {
+    match error {
+        SetupError::Link(error) | SetupError::Watch(error) | SetupError::Drive(error) => error,
         error => {
             let mend = "change the blocks, the tick rate, the model or how far it may follow";
             InputError::new("the rig", error.to_string(), mend)
         }
-    };
-    with_journal(error, journal)
+    }
+}
+
+fn broken_off(error: SetupError, journal: &Journal) -> InputError {
+    with_journal(refused(error), journal)
 }
 
 /// `error`, and where to find what was recorded before it.
@@ -381,44 +381,7 @@ pub(super) fn in_words(fault: TripCause) -> &'static str {
         TripCause::ForceLost => "the force sensor is lost",
         TripCause::LinkLost => "the link was silent for too long",
         TripCause::TickOverrun => "a tick came late",
+        TripCause::DemandLimit => "the streamed motion asked for more than the rig drives",
         _ => "a fault without a name",
-    }
-}
-
-fn csv_of(cycles: &[CycleRow]) -> Result<Vec<u8>, InputError> {
-    let failed = |error: String| InputError::new("cycles.csv", error, "report this");
-    let mut writer = csv::Writer::from_writer(Vec::new());
-    for cycle in cycles {
-        writer
-            .serialize(cycle)
-            .map_err(|error| failed(error.to_string()))?;
-    }
-    writer
-        .into_inner()
-        .map_err(|error| failed(error.to_string()))
-}
-
-/// The means over each block's steady cycles.
-fn print_blocks(run: &RigRun, programme: &Programme<MOST_BLOCKS>) {
-    say("    mm      Hz  cycles   K, kN/mm  of law   loss factor  of law   error of law");
-    for (index, block) in programme.blocks().enumerate() {
-        let cycles: Vec<CycleRow> = run.steady_cycles(index).map(CycleRow::from).collect();
-        if cycles.is_empty() {
-            continue;
-        }
-        let mean = |of: fn(&CycleRow) -> f32| {
-            cycles.iter().map(|row| f64::from(of(row))).sum::<f64>() / cycles.len() as f64
-        };
-        say(&format!(
-            "{:6.3} {:7.2} {:7}   {:8.3} {:8.3}   {:10.4} {:8.4}   {:10.2} %",
-            block.amplitude(),
-            block.to(),
-            cycles.len(),
-            mean(|row| row.stiffness_kn_per_mm),
-            mean(|row| row.model_stiffness_kn_per_mm),
-            mean(|row| row.loss_factor),
-            mean(|row| row.model_loss_factor),
-            100.0 * mean(|row| row.nrmse),
-        ));
     }
 }

@@ -1,0 +1,112 @@
+//! What every cycle of a run came to, as a table.
+
+use mesh_damper::rig::CycleReport;
+use mesh_damper::sine::Programme;
+use mesh_damper_recording::error::InputError;
+use mesh_damper_rig::RigRun;
+use serde::Serialize;
+
+use super::programme::MOST_BLOCKS;
+use crate::commands::say;
+
+/// One cycle, as a row of `cycles.csv` and as JSON. Units are in the names.
+#[derive(Clone, Debug, Serialize)]
+pub struct CycleRow {
+    block: usize,
+    cycle: u32,
+    ramp: bool,
+    amplitude_mm: f32,
+    mean_displacement_mm: f32,
+    force_max_kn: f32,
+    force_min_kn: f32,
+    mean_force_kn: f32,
+    energy_j: f32,
+    elastic_energy_j: f32,
+    stiffness_kn_per_mm: f32,
+    loss_factor: f32,
+    model_energy_j: f32,
+    model_stiffness_kn_per_mm: f32,
+    model_loss_factor: f32,
+    nrmse: f32,
+    followed_k1: f32,
+    followed_k3: f32,
+    followed_c: f32,
+}
+
+impl From<&CycleReport> for CycleRow {
+    fn from(report: &CycleReport) -> Self {
+        let (measured, model) = (&report.measured, &report.model);
+        Self {
+            block: report.block,
+            cycle: report.cycle,
+            ramp: report.ramp,
+            amplitude_mm: measured.amplitude,
+            mean_displacement_mm: measured.mean_displacement,
+            force_max_kn: measured.force_max,
+            force_min_kn: measured.force_min,
+            mean_force_kn: measured.mean_force,
+            energy_j: measured.energy,
+            elastic_energy_j: measured.elastic_energy,
+            stiffness_kn_per_mm: measured.stiffness,
+            loss_factor: measured.loss_factor,
+            model_energy_j: model.energy,
+            model_stiffness_kn_per_mm: model.stiffness,
+            model_loss_factor: model.loss_factor,
+            nrmse: report.nrmse,
+            followed_k1: report.followed.k1,
+            followed_k3: report.followed.k3,
+            followed_c: report.followed.c,
+        }
+    }
+}
+
+impl CycleRow {
+    /// By how much the law followed the specimen.
+    pub fn followed_in_words(&self) -> String {
+        format!(
+            "The law followed by {:+.1} % of k1, {:+.1} % of k3 and {:+.1} % of c",
+            100.0 * self.followed_k1,
+            100.0 * self.followed_k3,
+            100.0 * self.followed_c
+        )
+    }
+}
+
+/// `cycles.csv`.
+pub fn csv_of(cycles: &[CycleRow]) -> Result<Vec<u8>, InputError> {
+    let failed = |error: String| InputError::new("cycles.csv", error, "report this");
+    let mut writer = csv::Writer::from_writer(Vec::new());
+    for cycle in cycles {
+        writer
+            .serialize(cycle)
+            .map_err(|error| failed(error.to_string()))?;
+    }
+    writer
+        .into_inner()
+        .map_err(|error| failed(error.to_string()))
+}
+
+/// Prints the means over each block's steady cycles.
+pub fn print_blocks(run: &RigRun, programme: &Programme<MOST_BLOCKS>) {
+    say("    mm      Hz  cycles   K, kN/mm  of law   loss factor  of law   error of law");
+    for (index, block) in programme.blocks().enumerate() {
+        let cycles: Vec<CycleRow> = run.steady_cycles(index).map(CycleRow::from).collect();
+        if cycles.is_empty() {
+            continue;
+        }
+        let mean = |of: fn(&CycleRow) -> f32| {
+            cycles.iter().map(|row| f64::from(of(row))).sum::<f64>() / cycles.len() as f64
+        };
+        say(&format!(
+            "{:6.3} {:7.2} {:7}   {:8.3} {:8.3}   {:10.4} {:8.4}   {:10.2} %",
+            block.amplitude(),
+            block.to(),
+            cycles.len(),
+            mean(|row| row.stiffness_kn_per_mm),
+            mean(|row| row.model_stiffness_kn_per_mm),
+            mean(|row| row.loss_factor),
+            mean(|row| row.model_loss_factor),
+            100.0 * mean(|row| row.nrmse),
+        ));
+    }
+}

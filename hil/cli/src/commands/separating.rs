@@ -1,0 +1,63 @@
+//! The test that would tell rivals apart, as a file that a rig follows.
+
+use std::path::Path;
+
+use mesh_damper::error::ConfigError;
+use mesh_damper::sine::{Block, Programme, SineGenerator};
+use mesh_damper_identify::trace::result::TraceResult;
+use mesh_damper_recording::decimal;
+use mesh_damper_recording::error::InputError;
+
+/// Its name in a trace's folder.
+pub const FILE: &str = "separating-test.csv";
+
+/// Samples a second: a hundred to the cycle of the fastest block that a trace asks for, 10 Hz.
+const RATE: f64 = 1000.0;
+/// Most blocks that a trace asks for, with room to spare.
+const BLOCKS: usize = 16;
+/// Cycles of each ramp, as `hil run --blocks` has them.
+const RAMP_CYCLES: u32 = 2;
+
+/// The command that runs the file at `path`.
+pub fn command(path: &Path) -> String {
+    format!(
+        "cargo hil run --drive {} --out separating-out",
+        path.display()
+    )
+}
+
+/// The file at `path`: time and displacement of the blocks that `result` asks for, from rest to rest, with the ramps that
+/// `hil run --blocks` would put between them.
+///
+/// # Errors
+/// Blocks that the crate's generator does not run.
+pub fn motion(path: &Path, result: &TraceResult) -> Result<String, InputError> {
+    let refused = |error: ConfigError| {
+        let mend = "report this: the trace asks for a test that the rig does not run";
+        InputError::new(FILE, error.to_string(), mend)
+    };
+    let mut programme = Programme::<BLOCKS>::new(RATE, RAMP_CYCLES).map_err(refused)?;
+    for block in &result.separating_blocks {
+        programme = Block::sine(block.amplitude, block.frequency, block.cycles)
+            .and_then(|block| programme.with(block))
+            .map_err(refused)?;
+    }
+    let mut generator = SineGenerator::new(programme).map_err(refused)?;
+    let mut text = format!(
+        "# excitation: the test that tells apart what explains {} equally well\n# run: {}\ntime_s,displacement_mm\n",
+        result.recordings.join(", ").replace(['\n', '\r'], " "),
+        command(path).replace(['\n', '\r'], " ")
+    );
+    for tick in 0u32.. {
+        let at = generator.tick();
+        text += &format!(
+            "{},{}\n",
+            decimal(f64::from(tick) / RATE),
+            decimal(at.displacement.into())
+        );
+        if at.done {
+            break;
+        }
+    }
+    Ok(text)
+}

@@ -1,0 +1,302 @@
+//! Any motion as an excitation: a host streams it, a few points ahead.
+//!
+//! The host gives displacement and velocity at every `knot_ticks`-th tick, a [`Knot`]. From knot to knot the demand is the
+//! cubic that meets both, so that position and velocity have no step and the link carries a knot instead of every tick. A motion of
+//! angular frequency ω is met within (ω·T)⁴/384 of its amplitude, T the time from knot to knot: 6e-7 at 20 Hz and 1 ms.
+//!
+//! What the rig demands stays its own decision:
+//!
+//! - A knot beyond the limits of displacement or velocity, or one that no velocity within its limit can reach in time, stops
+//!   the rig with [`TripCause::DemandLimit`].
+//! - Where the next knot is not there in time, the demand slows down to a hold: v = v₀·(1 − s)² over the part s of
+//!   `hold_ticks`, which has no step in velocity and goes v₀·`hold_ticks`/3 further. A knot that comes meanwhile is followed from
+//!   there. If none has come by then the rig stops with [`TripCause::LinkLost`].
+//!
+//! The rig counts as in a ramp for as long as it follows a stream: it learns no correction of amplitude and phase, gives no
+//! results of cycles, and its monitor watches the channels but neither specimen nor response, because all of these need cycles that
+//! repeat. Cycles are counted for effects that depend on their number and for the swap of a law: one ends where the
+//! demand rises through 0 after it was below 0 by a hundredth of its limit.
+
+use super::exciter::Exciter;
+use super::fault::TripCause;
+use crate::error::ConfigError;
+use crate::frame::{Fields, Reader, Writer};
+use crate::real::{Real, in_range};
+use crate::sine::{Excitation, TICK_RATE_MAX};
+
+/// Knots that a stream holds ahead.
+pub const STREAM_QUEUE: usize = 8;
+
+/// How far below 0 a demand must be to rise through it, as part of its limit.
+const HYSTERESIS: f32 = 0.01;
+
+/// Where a streamed motion is at one of its knots.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Knot {
+    /// mm
+    pub displacement: f32,
+    /// mm/s
+    pub velocity: f32,
+}
+
+/// What a stream is set to. [`StreamSettings::at`] validates it.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct StreamSettings {
+    /// Largest displacement of a knot in either direction, mm, 1e-6…1e4.
+    pub displacement_limit: f64,
+    /// Largest velocity of a knot and largest mean velocity from knot to knot, mm/s, 1e-6…1e6.
+    pub velocity_limit: f64,
+    /// Ticks from knot to knot, 1…1e4.
+    pub knot_ticks: u32,
+    /// Ticks in which the demand comes to a hold where no knot is there, 1…1e6.
+    pub hold_ticks: u32,
+}
+
+impl Default for StreamSettings {
+    /// For the rig of [`super::RigSettings::default`]: a knot each millisecond at 10 kHz, and 0.1 s to a hold.
+    fn default() -> Self {
+        Self {
+            displacement_limit: 0.5,
+            velocity_limit: 120.0,
+            knot_ticks: 10,
+            hold_ticks: 1000,
+        }
+    }
+}
+
+/// [`StreamSettings`] at a tick rate, as they go over a link.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct StreamConfig {
+    /// Hz, and s.
+    rate: f32,
+    tick: f32,
+    displacement_limit: f32,
+    velocity_limit: f32,
+    /// Largest way from knot to knot, mm.
+    way_limit: f32,
+    knot_ticks: u32,
+    hold_ticks: u32,
+}
+
+impl StreamSettings {
+    /// At `tick_rate` Hz, 1…1e6.
+    ///
+    /// # Errors
+    /// A setting that is not finite or out of range.
+    pub fn at(&self, tick_rate: f64) -> Result<StreamConfig, ConfigError> {
+        in_range("tick_rate", tick_rate, 1.0, TICK_RATE_MAX)?;
+        in_range("knot_ticks", f64::from(self.knot_ticks), 1.0, 1e4)?;
+        in_range("hold_ticks", f64::from(self.hold_ticks), 1.0, 1e6)?;
+        let velocity = in_range("velocity_limit", self.velocity_limit, 1e-6, 1e6)?;
+        let displacement = in_range("displacement_limit", self.displacement_limit, 1e-6, 1e4)?;
+        Ok(StreamConfig {
+            rate: tick_rate as f32,
+            tick: (1.0 / tick_rate) as f32,
+            displacement_limit: displacement as f32,
+            velocity_limit: velocity as f32,
+            way_limit: (velocity * f64::from(self.knot_ticks) / tick_rate) as f32,
+            knot_ticks: self.knot_ticks,
+            hold_ticks: self.hold_ticks,
+        })
+    }
+}
+
+impl Fields for StreamConfig {
+    fn write(&self, writer: &mut Writer<'_>) {
+        let floats = [
+            self.rate,
+            self.tick,
+            self.displacement_limit,
+            self.velocity_limit,
+            self.way_limit,
+        ];
+        writer.words(floats.map(f32::to_bits));
+        writer.words([self.knot_ticks, self.hold_ticks]);
+    }
+
+    fn read(reader: &mut Reader<'_>) -> Option<Self> {
+        let [rate, tick, displacement_limit, velocity_limit, way_limit] =
+            reader.words()?.map(f32::from_bits);
+        Some(Self {
+            rate,
+            tick,
+            displacement_limit,
+            velocity_limit,
+            way_limit,
+            knot_ticks: reader.u32()?,
+            hold_ticks: reader.u32()?,
+        })
+    }
+}
+
+impl StreamConfig {
+    /// Whether the rig goes from `from` to `to` in the time from knot to knot. NaN is beyond every limit.
+    fn allows(&self, from: &Knot, to: &Knot) -> bool {
+        to.displacement.abs() <= self.displacement_limit
+            && to.velocity.abs() <= self.velocity_limit
+            && (to.displacement - from.displacement).abs() <= self.way_limit
+    }
+
+    /// Where a demand that is at `from` comes to a hold.
+    fn hold(&self, from: &Knot) -> Knot {
+        let way = from.velocity * self.tick * self.hold_ticks as f32 * (1.0 / 3.0);
+        Knot {
+            displacement: (from.displacement + way).clamped(self.displacement_limit),
+            velocity: 0.0,
+        }
+    }
+}
+
+/// Follows the knots that a host gives. At rest at 0 to begin with.
+#[derive(Clone, Copy, Debug)]
+pub struct Stream {
+    config: StreamConfig,
+    queue: [Knot; STREAM_QUEUE],
+    /// The oldest knot's place in the queue, and how many there are.
+    first: usize,
+    count: usize,
+    /// No knot comes after these.
+    complete: bool,
+    /// Displacement over the ticks since the last knot, mm: the coefficients of 1, t, t² and t³.
+    cubic: [f32; 4],
+    /// Where it leads.
+    end: Knot,
+    /// Ticks that it takes, and those gone.
+    ticks: u32,
+    gone: u32,
+    holding: bool,
+    done: bool,
+    refusal: Option<TripCause>,
+    below: bool,
+    cycle: u32,
+}
+
+impl Stream {
+    /// Without knots.
+    pub fn new(config: StreamConfig) -> Self {
+        Self {
+            config,
+            queue: [Knot::default(); STREAM_QUEUE],
+            first: 0,
+            count: 0,
+            complete: false,
+            cubic: [0.0; 4],
+            end: Knot::default(),
+            ticks: 0,
+            gone: 0,
+            holding: false,
+            done: false,
+            refusal: None,
+            below: false,
+            cycle: 0,
+        }
+    }
+
+    /// How many knots there is room for.
+    pub fn room(&self) -> usize {
+        STREAM_QUEUE.saturating_sub(self.count)
+    }
+
+    /// Takes the next knot; says no, and takes nothing, where there is no room.
+    pub fn push(&mut self, knot: Knot) -> bool {
+        let is_room = self.count < STREAM_QUEUE;
+        if is_room {
+            self.queue[(self.first + self.count) % STREAM_QUEUE] = knot;
+            self.count += 1;
+        }
+        is_room
+    }
+
+    /// The motion ends with the last knot that it was given: once there, the programme is over.
+    pub fn complete(&mut self) {
+        self.complete = true;
+    }
+
+    /// The oldest knot.
+    fn queued(&self) -> Option<Knot> {
+        let knot = self.queue.get(self.first)?;
+        (self.count > 0).then_some(*knot)
+    }
+
+    /// What comes after the end of a cubic. Not inlined, nor what it calls: there is time for it, and flash is short.
+    #[inline(never)]
+    fn next(&mut self) {
+        let from = self.end;
+        let config = &self.config;
+        let (to, ticks) = match self.queued() {
+            Some(knot) if config.allows(&from, &knot) => {
+                self.count -= 1;
+                self.first = (self.first + 1) % STREAM_QUEUE;
+                self.holding = false;
+                (knot, config.knot_ticks)
+            }
+            knot => {
+                if knot.is_some() {
+                    self.refusal = Some(TripCause::DemandLimit);
+                } else if self.complete {
+                    self.done = true;
+                } else if self.holding {
+                    self.refusal = Some(TripCause::LinkLost);
+                }
+                self.holding = true;
+                (config.hold(&from), config.hold_ticks)
+            }
+        };
+        self.lead(&from, to, ticks);
+    }
+
+    fn lead(&mut self, from: &Knot, to: Knot, ticks: u32) {
+        let part = 1.0 / ticks as f32;
+        // All by the tick.
+        let mean = (to.displacement - from.displacement) * part;
+        let [first, last] = [from.velocity, to.velocity].map(|v| v * self.config.tick);
+        self.cubic = [
+            from.displacement,
+            first,
+            (3.0 * mean - first - first - last) * part,
+            (first + last - mean - mean) * part * part,
+        ];
+        self.end = to;
+        self.ticks = ticks;
+        self.gone = 0;
+    }
+}
+
+impl Exciter for Stream {
+    fn restart(&mut self) {
+        *self = Self::new(self.config);
+    }
+
+    #[inline(never)]
+    fn tick(&mut self) -> Excitation {
+        if self.gone >= self.ticks {
+            self.next();
+        }
+        let t = self.gone as f32;
+        self.gone += 1;
+        let [d, v, a, j] = self.cubic;
+        let rate = self.config.rate;
+        let displacement = d + t * (v + t * (a + t * j));
+        let rises = self.below && displacement >= 0.0;
+        if rises {
+            self.below = false;
+            self.cycle = self.cycle.wrapping_add(1);
+        } else if displacement < -HYSTERESIS * self.config.displacement_limit {
+            self.below = true;
+        }
+        Excitation {
+            displacement,
+            velocity: (v + t * (a + a + 3.0 * t * j)) * rate,
+            acceleration: (a + a + 6.0 * t * j) * rate * rate,
+            cycle: self.cycle,
+            cycle_end: rises,
+            ramp: true,
+            done: self.done,
+            ..Excitation::default()
+        }
+    }
+
+    fn refusal(&self) -> Option<TripCause> {
+        self.refusal
+    }
+}
