@@ -177,7 +177,8 @@ const NOT_REACHED: [(&str, &str); 23] = [
     (
         "firmware: flash",
         "seven effects more take 5 KiB: 2 KiB the way through stages, 1.5 KiB to read and check them, the rest their own code; \
-         the correction without a name 4 KiB; the monitor of specimen, sensors and actuator 9 KiB; what follows the specimen 3.5 KiB",
+         the correction without a name 4 KiB; the monitor of specimen, sensors and actuator 9 KiB; what follows the specimen 3.5 KiB; \
+         a streamed motion with its messages 1 KiB",
     ),
     (
         "firmware: RAM, tables included",
