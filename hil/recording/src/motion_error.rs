@@ -67,7 +67,7 @@ impl MotionError {
         }
     }
 
-    /// Variance in kN² of what the error makes of a force, of which `off` is one draw at each sample, kN.
+    /// Variance of what is `off` by one draw at each sample.
     ///
     /// One draw is no variance, but the mean square of those samples about it that are telling is about one. Others are near a
     /// standstill, where the force of |v|^α may be off by much more: they count for themselves alone.

@@ -326,13 +326,20 @@ impl Trajectory {
     /// Carries the error of the motion into what a law is held to: `force` is about what the law gives at a displacement in mm and
     /// a velocity in mm/s, kN.
     pub fn carry_motion_error(&mut self, force: impl Fn(f64, f64) -> f64) {
-        let (motion, error) = (&self.motion, &self.motion_error);
-        let off = |index: usize| {
-            let (y, v) = (motion.displacement[index], motion.velocity[index]);
-            force(y + error.displacement[index], v + error.velocity[index]) - force(y, v)
+        let deviations = |error: &[f64]| -> Vec<f64> {
+            let variances = self.variance_of(error).into_iter();
+            variances.map(f64::sqrt).collect()
         };
-        let off: Vec<f64> = (0..self.len()).map(off).collect();
-        self.carried = self.variance_of(&off);
+        let of_displacement = deviations(&self.motion_error.displacement);
+        let of_velocity = deviations(&self.motion_error.velocity);
+        let carried = |index: usize| {
+            let (y, v) = (self.motion.displacement[index], self.motion.velocity[index]);
+            let (dy, dv) = (of_displacement[index], of_velocity[index]);
+            let here = force(y, v);
+            let off = |y: f64, v: f64| (force(y, v) - here).powi(2);
+            off(y + dy, v) + 0.5 * (off(y, v + dv) + off(y, v - dv))
+        };
+        self.carried = (0..self.len()).map(carried).collect();
     }
 
     /// The same with a motion that it may be as well: off by one draw of its error.
@@ -352,8 +359,7 @@ impl Trajectory {
         other
     }
 
-    /// Variance of a force at every sample, kN², that is `off` by so much, kN, where the motion is [off by one draw](Self::as_it_may_be) of
-    /// its error.
+    /// Variance at every sample of what is `off` by so much where the motion is [off by one draw](Self::as_it_may_be) of its error.
     pub fn variance_of(&self, off: &[f64]) -> Vec<f64> {
         MotionError::variance(off, |index| self.is_telling(index))
     }

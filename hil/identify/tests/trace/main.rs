@@ -305,7 +305,7 @@ fn a_law_that_errs_elsewhere_is_said_to() {
         let warned = result
             .warnings
             .iter()
-            .any(|w| w.contains("times the noise, which it does not"));
+            .any(|w| w.contains("times the noise, and where it was fitted"));
         assert_eq!(warned, said, "{:?}", result.warnings);
     }
 }
