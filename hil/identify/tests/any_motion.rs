@@ -147,35 +147,6 @@ fn holds_between_steps_are_no_missing_effect() {
     assert!(error < 1.1 * of_truth, "{error} {of_truth}");
 }
 
-/// Pink noise has most of its power where a smooth force has it too.
-#[test]
-fn pink_noise_is_no_missing_effect() {
-    let test = |seed: u64| {
-        let mut recording = recorded(random(seed), 1e-4, 5e-5, seed);
-        let rms = rms(&recording.force);
-        let mut noise = StdRng::seed_from_u64(100 + seed);
-        // Twelve octaves of noise, each held twice as long as the one before (Voss 1978), of a hundredth of the force in all.
-        let mut octaves = [0.0; 12];
-        let deviation = 1e-2 * rms / (octaves.len() as f64).sqrt();
-        for (index, force) in recording.force.iter_mut().enumerate() {
-            for (octave, value) in octaves.iter_mut().enumerate() {
-                if index % (1 << octave) == 0 {
-                    *value = Normal::new(0.0, deviation).unwrap().sample(&mut noise);
-                }
-            }
-            *force += octaves.iter().sum::<f64>();
-        }
-        recording
-    };
-    let result = traced(test(5), test(6));
-    assert_eq!(result.verdict, Verdict::None, "{:?}", result.effects);
-    assert!(
-        (0.6e-2..1.6e-2).contains(&result.noise_floor_nrmse),
-        "{}",
-        result.noise_floor_nrmse
-    );
-}
-
 /// Taken for motion it would have a velocity of a tenth of the largest, and friction a direction that is none.
 #[test]
 fn hum_on_the_displacement_is_taken_off() {

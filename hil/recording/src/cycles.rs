@@ -83,21 +83,24 @@ impl Cycles {
     fn between_upward(displacement: &[f64], tick: f64, level: f64, hysteresis: f64) -> Self {
         let count = displacement.len();
         let (low, high) = least_and_largest(displacement);
-        let mut crossings = upward_crossings(displacement, level, hysteresis);
-        crossings.extend(ends_a_cycle(displacement, level, hysteresis, &crossings));
-        let cycles: Vec<Cycle> = crossings
-            .windows(2)
-            .map(|pair| {
-                let samples = (pair[0].ceil() as usize)..(pair[1].ceil() as usize);
-                let (low, high) = least_and_largest(&displacement[samples.clone()]);
-                Cycle {
-                    samples,
-                    period: (pair[1] - pair[0]) * tick,
-                    amplitude: 0.5 * (high - low),
-                    reach: (high - level).max(level - low),
-                }
-            })
-            .collect();
+        let crossings = upward_crossings(displacement, level, hysteresis);
+        let cycle = |start: f64, end: f64| {
+            let samples = (start.ceil() as usize)..(end.ceil() as usize);
+            let (low, high) = least_and_largest(&displacement[samples.clone()]);
+            Cycle {
+                samples,
+                period: (end - start) * tick,
+                amplitude: 0.5 * (high - low),
+                reach: (high - level).max(level - low),
+            }
+        };
+        let between = crossings.windows(2).map(|pair| cycle(pair[0], pair[1]));
+        let mut cycles: Vec<Cycle> = between.collect();
+        if are_mostly_single(&runs_of_like(&cycles))
+            && let Some(end) = ends_a_cycle(displacement, level, hysteresis, &crossings)
+        {
+            cycles.extend(crossings.last().map(|&last| cycle(last, end)));
+        }
         let blocks = group(&cycles, count, tick, 0.5 * (high - low));
         Self { cycles, blocks }
     }
@@ -238,17 +241,8 @@ pub fn levels(amplitudes: impl Iterator<Item = f64>) -> Vec<f64> {
 /// Groups cycles into blocks. A cycle that is like neither neighbour is the transition into the block after it; but where most are like
 /// none, each is a block.
 fn group(cycles: &[Cycle], count: usize, tick: f64, half_range: f64) -> Vec<FoundBlock> {
-    let mut starts = vec![0];
-    for index in 1..cycles.len() {
-        let (before, now) = (&cycles[index - 1], &cycles[index]);
-        if !before.is_like(now) {
-            starts.push(index);
-        }
-    }
-    starts.push(cycles.len());
-    let mut runs: Vec<Range<usize>> = starts.windows(2).map(|pair| pair[0]..pair[1]).collect();
-    let lone = runs.iter().filter(|run| run.len() == 1).count();
-    if 2 * lone < cycles.len() {
+    let mut runs = runs_of_like(cycles);
+    if !are_mostly_single(&runs) {
         runs = without_transitions(runs);
     }
 
@@ -281,6 +275,20 @@ fn group(cycles: &[Cycle], count: usize, tick: f64, half_range: f64) -> Vec<Foun
                 .unwrap_or(1.0 / (count as f64 * tick)),
         })
         .collect()
+}
+
+/// Runs of cycles of which each is like the one before; one empty run of none.
+fn runs_of_like(cycles: &[Cycle]) -> Vec<Range<usize>> {
+    let mut starts = vec![0];
+    starts.extend((1..cycles.len()).filter(|&index| !cycles[index - 1].is_like(&cycles[index])));
+    starts.push(cycles.len());
+    starts.windows(2).map(|pair| pair[0]..pair[1]).collect()
+}
+
+/// Whether at least half of the cycles are like neither neighbour.
+fn are_mostly_single(runs: &[Range<usize>]) -> bool {
+    let single = runs.iter().filter(|run| run.len() == 1).count();
+    2 * single >= runs.last().map_or(0, |last| last.end)
 }
 
 /// A single cycle joins the block after it, and the last one that before it.

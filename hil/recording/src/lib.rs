@@ -34,7 +34,6 @@
 pub mod averaging;
 mod channel;
 mod clock;
-mod colour;
 mod consistency;
 pub mod csv_text;
 pub mod cycles;

@@ -10,7 +10,7 @@ use crate::policy::policy;
 /// The weights of the samples of a sixth difference.
 pub const SIXTH_DIFFERENCE: [f64; 7] = [1.0, -6.0, 15.0, -20.0, 15.0, -6.0, 1.0];
 /// The sum of their squares, Σ binomial(6, k)².
-pub(super) const POWER: f64 = 924.0;
+const POWER: f64 = 924.0;
 
 crate::numbers! {
     /// What of a channel is noise.
@@ -80,7 +80,7 @@ pub fn noise_of_runs(samples: &[f64], runs: &[Range<usize>]) -> f64 {
 }
 
 /// Of the noise that leaves these sixth differences.
-pub(super) fn deviation(differences: &[f64]) -> f64 {
+fn deviation(differences: &[f64]) -> f64 {
     let magnitudes = differences.iter().map(|d| d.abs());
     // The median magnitude of a normal variable is 0.6745 of its deviation.
     median(magnitudes).unwrap_or(0.0) / (0.6745 * POWER.sqrt())
@@ -178,7 +178,7 @@ fn turning(turn: f64) -> impl Iterator<Item = [f64; 2]> {
     })
 }
 
-pub(super) fn sixth_differences(samples: &[f64]) -> impl Iterator<Item = f64> {
+fn sixth_differences(samples: &[f64]) -> impl Iterator<Item = f64> {
     let weighted = |window: &[f64]| -> f64 {
         let pairs = window.iter().zip(SIXTH_DIFFERENCE);
         pairs.map(|(sample, weight)| weight * sample).sum()

@@ -20,7 +20,6 @@
 
 pub use crate::averaging::AveragingPolicy;
 pub use crate::clock::ClockPolicy;
-pub use crate::colour::ColourPolicy;
 pub use crate::consistency::ConsistencyPolicy;
 pub use crate::cycles::CyclesPolicy;
 pub use crate::faults::FaultsPolicy;
@@ -156,8 +155,6 @@ crate::policy! {
     clipping: ClippingPolicy,
     /// The clock behind the times.
     clock: ClockPolicy,
-    /// Noise that is not white.
-    colour: ColourPolicy,
     /// Recordings that contradict each other.
     consistency: ConsistencyPolicy,
     /// Cycles, and blocks of like ones.

@@ -6,7 +6,6 @@ use nalgebra::{SMatrix, SVector};
 
 use super::Recording;
 use super::averaging::MovingAverage;
-use super::colour::pink_deviation;
 use super::cycles::{Cycles, FoundBlock};
 use super::faults::{self, Channel, ChannelFault, ChannelFaultKind, Shift};
 use super::motion::MotionEstimate;
@@ -293,34 +292,6 @@ impl Trajectory {
             .average
             .as_ref()
             .map_or(noise, |average| average.noise(noise));
-    }
-
-    /// Raises the noise to what it is where some of it is pink: `left` is what about the law leaves of the force, kN. Only the samples
-    /// of `runs` are looked at.
-    pub fn colour_noise_by(&mut self, left: &[f64], runs: &[Range<usize>]) {
-        // What an average leaves of noise has a colour of its own.
-        if self.average.is_none()
-            && let Some(deviation) = pink_deviation(left, runs, &self.between_reversals(runs))
-        {
-            self.force_noise = self.force_noise.max(deviation);
-        }
-    }
-
-    /// `runs` without the reversals, at which a force may jump.
-    fn between_reversals(&self, runs: &[Range<usize>]) -> Vec<Range<usize>> {
-        let velocity = &self.motion.velocity;
-        let turns = |index: usize| velocity[index - 1] * velocity[index] < 0.0;
-        let mut between = Vec::new();
-        for run in runs {
-            let mut from = run.start;
-            for index in (run.start + 1..run.end).filter(|&index| turns(index)) {
-                between.push(from..index - 1);
-                from = index + 1;
-            }
-            between.push(from..run.end);
-        }
-        between.retain(|run| !run.is_empty());
-        between
     }
 
     /// Carries the error of the motion into what a law is held to: `force` is about what the law gives at a displacement in mm and

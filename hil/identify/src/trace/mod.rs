@@ -21,9 +21,6 @@ mod within_blocks;
 
 pub use split::{Role, Roles};
 
-use std::ops::Range;
-
-use mesh_damper::law::Law;
 use mesh_damper_model::{Model, ModelError};
 use mesh_damper_recording::error::InputError;
 use mesh_damper_recording::trajectory::Trajectory;
@@ -130,22 +127,6 @@ fn most_amplitudes() -> usize {
         .most_amplitudes
 }
 
-/// Sets what a law is held to along `trajectory` by about that law: the noise's colour in `runs`, and the error of the motion.
-fn hold_to(trajectory: &mut Trajectory, about: &Law<f64>, runs: &[Range<usize>]) {
-    let force = |y: f64, v: f64| about.force(y, v);
-    let motion = trajectory
-        .motion
-        .displacement
-        .iter()
-        .zip(&trajectory.motion.velocity);
-    let left = motion
-        .zip(&trajectory.force)
-        .map(|((y, v), measured)| measured - force(*y, *v));
-    let left: Vec<f64> = left.collect();
-    trajectory.colour_noise_by(&left, runs);
-    trajectory.carry_motion_error(force);
-}
-
 /// Searches for what the law lacks, and closes the loop.
 fn conclude(aligned: &mut Aligned, progress: &(dyn Fn(&str) + Sync)) -> Result<Trace, TraceError> {
     let [fitted, held] = &mut aligned.trajectories;
@@ -167,12 +148,8 @@ fn conclude(aligned: &mut Aligned, progress: &(dyn Fn(&str) + Sync)) -> Result<T
     let mut judging = roles.clone();
     judging.keep_apart(fitted, Role::Judge);
     let rough = Search::new(fitted, &judging, vec![0.0]).rough()?;
-    for (which, trajectory) in fitted.iter_mut().enumerate() {
-        hold_to(trajectory, &rough, &roles.open_runs(which));
-    }
-    for trajectory in held.iter_mut() {
-        let whole = 0..trajectory.len();
-        hold_to(trajectory, &rough, &[whole]);
+    for trajectory in fitted.iter_mut().chain(held.iter_mut()) {
+        trajectory.carry_motion_error(|y, v| rough.force(y, v));
     }
     let (fitted, held) = (&*fitted, &*held);
     let (over_amplitude, selection) = search(fitted, &judging, progress)?;

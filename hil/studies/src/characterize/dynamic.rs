@@ -160,7 +160,11 @@ impl DynamicBlock {
         let (low, high) = least_and_largest(displacement);
         let level = 0.5 * (low + high);
         let crossing = |index: usize| match index.checked_sub(1) {
-            Some(before) if (displacement[before] < level) != (displacement[index] <= level) => {
+            // The last cycle may end with the recording.
+            Some(before)
+                if index < displacement.len()
+                    && (displacement[before] < level) != (displacement[index] <= level) =>
+            {
                 let (a, b) = (displacement[before] - level, displacement[index] - level);
                 before as f64 + a / (a - b)
             }
