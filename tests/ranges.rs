@@ -6,8 +6,8 @@ use mesh_damper::crossing::{CrossingAccumulator, CrossingDetector};
 use mesh_damper::effects::residual_table::{CELLS, Memory, ResidualTableParts};
 use mesh_damper::effects::{
     Asymmetry, AugmentedLaw, BoucWen, Compliance, DESCRIPTIONS, Delay, Drift, Effect, Gap,
-    Hardening, Inertia, LoadFriction, Offset, Periodic, Relaxation, ResidualTable, StickSlip, Stop,
-    Temperature, Viscous,
+    Hardening, HardeningFriction, Inertia, LoadFriction, Offset, Periodic, Relaxation,
+    ResidualTable, StickSlip, Stop, Temperature, Viscous,
 };
 use mesh_damper::error::ConfigError;
 use mesh_damper::fixed_point::{Scales, Sine, SineGenerator};
@@ -140,6 +140,21 @@ fn numbers() -> Vec<Number> {
         number!("stiffness", -1e9, 1e9, |x| BoucWen::new(x, 0.1, 2.0)),
         number!("slip_limit", 1e-9, 1e4, |x| BoucWen::new(1.0, x, 2.0)),
         number!("sharpness", 0.5, 8.0, |x| BoucWen::new(1.0, 0.1, x)),
+        number!("stiffness", -1e9, 1e9, |x| {
+            HardeningFriction::new(x, 0.1, 1.0, 1.0, 1.0)
+        }),
+        number!("stretch_limit", 1e-9, 1e4, |x| {
+            HardeningFriction::new(1.0, x, 1.0, 1.0, 1.0)
+        }),
+        number!("sharpness", 0.5, 8.0, |x| {
+            HardeningFriction::new(1.0, 0.1, x, 1.0, 1.0)
+        }),
+        number!("hardening", -1.0, 100.0, |x| {
+            HardeningFriction::new(1.0, 0.1, 1.0, x, 1.0)
+        }),
+        number!("loss", 0.0, 200.0, |x| {
+            HardeningFriction::new(1.0, 0.1, 1.0, 1.0, x)
+        }),
         number!("stiffness", 1e-3, 1e9, |x| Compliance::new(x, 1e-4)),
         number!("tick", 1e-7, 1e3, |x| Compliance::new(1.0, x)),
         number!("time", 0.0, 255.0, |x| Delay::new(x, 1.0)),

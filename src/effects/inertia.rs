@@ -27,6 +27,12 @@ impl<R: Real> Inertia<R> {
             mass: mass * R::from_f64(KILONEWTON),
         })
     }
+
+    /// Force in kN at an acceleration in mm/s².
+    #[inline(always)]
+    pub fn force_at(&self, acceleration: R) -> R {
+        self.mass * acceleration
+    }
 }
 
 impl<R: Real> Equations<R> for Inertia<R> {
@@ -61,7 +67,7 @@ impl<R: Real> Equations<R> for Inertia<R> {
 
     #[inline(always)]
     fn force(&self, _: &mut (), motion: &ClampedMotion<R>, _: LawForce<R>) -> R {
-        self.mass * motion.acceleration()
+        self.force_at(motion.acceleration())
     }
 }
 

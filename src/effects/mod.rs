@@ -227,6 +227,7 @@ effects! {
     relaxation: Relaxation,
     stop: Stop,
     bouc_wen: BoucWen,
+    hardening_friction: HardeningFriction,
     periodic: Periodic,
     delay: Delay,
     gap: Gap,

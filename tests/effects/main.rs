@@ -2,6 +2,7 @@
 
 mod bouc_wen;
 mod compliance;
+mod hardening_friction;
 mod load_friction;
 mod loops;
 mod residual_table;
@@ -13,8 +14,8 @@ use std::f64::consts::{PI, TAU};
 use loops::{TICKS, alone, close, energy, last_cycle, moduli, nothing, sine};
 use mesh_damper::effects::{
     Asymmetry, AugmentedLaw, BoucWen, Compliance, DESCRIPTIONS, Delay, Drift, Effect, Gap,
-    Hardening, Inertia, LoadFriction, MAX_TONES, Motion, Offset, Periodic, Relaxation, StickSlip,
-    Stop, Temperature, Viscous,
+    Hardening, HardeningFriction, Inertia, LoadFriction, MAX_TONES, Motion, Offset, Periodic,
+    Relaxation, StickSlip, Stop, Temperature, Viscous,
 };
 use mesh_damper::error::ConfigError;
 use mesh_damper::law::Law;
@@ -422,6 +423,12 @@ fn constructors_name_the_field_they_refuse() {
     );
     assert_eq!(field(BoucWen::new(1.0, 0.1, 0.4).unwrap_err()), "sharpness");
     assert_eq!(field(BoucWen::new(1.0, 0.1, 8.1).unwrap_err()), "sharpness");
+    let hardening = |sharpness, hardening, loss| {
+        field(HardeningFriction::new(1.0, 0.1, sharpness, hardening, loss).unwrap_err())
+    };
+    assert_eq!(hardening(8.1, 1.0, 1.0), "sharpness");
+    assert_eq!(hardening(1.0, -1.1, 1.0), "hardening");
+    assert_eq!(hardening(1.0, 1.0, f64::NAN), "loss");
     let periodic = |amplitude, frequency, phase, tick| {
         field(Periodic::new(&[(amplitude, frequency, phase)], tick).unwrap_err())
     };
@@ -447,7 +454,7 @@ fn constructors_name_the_field_they_refuse() {
 }
 
 /// Effects that there are.
-const EFFECTS: usize = 16;
+const EFFECTS: usize = 17;
 
 /// One of each, of ordinary size.
 fn one_of_each<R: Real>() -> AugmentedLaw<R, EFFECTS> {
@@ -472,6 +479,9 @@ fn one_of_each<R: Real>() -> AugmentedLaw<R, EFFECTS> {
         Effect::Temperature(Temperature::new(r(0.004), r(20.0)).unwrap()),
         Effect::Stop(Stop::new(&[(r(2.0), r(0.15)), (r(3.0), r(-0.1))]).unwrap()),
         Effect::BoucWen(BoucWen::new(r(0.8), r(0.04), r(1.5)).unwrap()),
+        Effect::HardeningFriction(
+            HardeningFriction::new(r(0.3), r(0.4), r(1.2), r(2.0), r(5.0)).unwrap(),
+        ),
         Effect::Periodic(
             Periodic::new(&[(r(0.03), 50.0, 0.3), (r(0.01), 150.0, 1.0)], 1e-4).unwrap(),
         ),

@@ -26,6 +26,18 @@ mesh_damper_recording::numbers! {
         sharpness: [f64; 2] = [0.5, 8.0], Convention("from a parabola's corner to one that is as good as sharp");
         /// Starts of the sharpness of Bouc and Wen.
         sharpness_starts: [f64; 2] = [1.0, 2.5], Tuned("the blind trial");
+        /// Friction that hardens has become stiffer by this many times its stiffness at 0 where its stretch ends.
+        hardening: f64 = 4.0, Convention("five times as stiff as at 0 is beyond what a test reaches");
+        /// It ends at this many amplitudes, at least and at most.
+        stretch_limit: [f64; 2] = [1.0, 80.0], Derived("at the first it hardens as much as is allowed within the motion, at the second by a twentieth");
+        /// Starts of that limit.
+        stretch_limit_starts: usize = 3, Tuned("the Bouc–Wen benchmark");
+        /// Range of its sharpness.
+        hardening_sharpness: [f64; 2] = [0.5, 3.0], Convention("about the line that Bouc and Wen's has most often");
+        /// Range of its loss.
+        hardening_loss: [f64; 2] = [0.4, 160.0], Convention("a tenth of its hardening is hardly a loss, and the crate takes 200");
+        /// Starts of its loss.
+        hardening_loss_starts: usize = 2, Tuned("the Bouc–Wen benchmark");
         /// The largest slip limit of several elements is at least this many times the shortest length.
         iwan_shortest: f64 = 6.0, Tuned("the blind trial");
         /// Starts of the largest slip limit of several elements.

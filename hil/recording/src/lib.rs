@@ -54,6 +54,7 @@ pub mod read_limit;
 mod resample;
 mod rest;
 mod rows;
+mod smoother;
 pub mod spectrum;
 pub mod trajectory;
 pub mod units;

@@ -23,39 +23,79 @@ pub struct MotionError {
     pub displacement: Vec<f64>,
     /// mm/s
     pub velocity: Vec<f64>,
+    /// mm/s²
+    pub acceleration: Vec<f64>,
 }
 
 /// By this part of a recording what was left is moved: it meets nothing like its own place, whatever the period of the motion.
 /// Derived: the golden section, which is furthest from all ratios of small numbers.
 const MOVED: f64 = 0.381_966;
 
+/// What was left of a displacement, at other places: moved as it is.
+fn moved(left: &[f64]) -> Vec<f64> {
+    let mut moved = left.to_vec();
+    moved.rotate_left((MOVED * left.len() as f64) as usize);
+    moved
+}
+
+/// The same with each sample at a place of its own: with steps of about that part of the recording, which have no divisor in common with
+/// its length. What is left by an estimate that knows the band of the motion has nothing of the noise in that band; scattered, it is
+/// white again.
+fn scattered(left: &[f64]) -> Vec<f64> {
+    let count = left.len();
+    let divisor = |mut a: usize, mut b: usize| {
+        while b > 0 {
+            (a, b) = (b, a % b);
+        }
+        a
+    };
+    let least = ((MOVED * count as f64) as usize).max(1);
+    let stride = (least..).find(|&stride| divisor(stride, count) == 1);
+    let stride = stride.unwrap_or(1);
+    (0..count)
+        .map(|index| left[(index as u128 * stride as u128 % count as u128) as usize])
+        .collect()
+}
+
+/// A displacement as noisy as the recorded one about the motion that was `estimated` from it, mm, whose `noise` has this deviation, mm: an
+/// estimate may leave less than there was. `is_banded` tells that it knows the band of the motion.
+pub(super) fn as_noisy(
+    estimated: &[f64],
+    displacement: &[f64],
+    noise: f64,
+    is_banded: bool,
+) -> Vec<f64> {
+    let pairs = displacement.iter().zip(estimated);
+    let left: Vec<f64> = pairs
+        .map(|(recorded, estimated)| recorded - estimated)
+        .collect();
+    let left = if is_banded {
+        scattered(&left)
+    } else {
+        moved(&left)
+    };
+    let deviation = (left.iter().map(|x| x * x).sum::<f64>() / left.len() as f64).sqrt();
+    let scale = if deviation > 0.0 {
+        (noise / deviation).max(1.0)
+    } else {
+        0.0
+    };
+    let pairs = estimated.iter().zip(&left);
+    pairs
+        .map(|(estimated, left)| estimated + scale * left)
+        .collect()
+}
+
 impl MotionError {
-    /// Of `motion`, which was estimated from `displacement` in mm, as `estimate` does it.
+    /// Of `motion`, which was estimated from `displacement` in mm, as `estimate` does it; `is_banded` tells whether that knows the
+    /// band of the motion.
     pub(super) fn of(
         motion: &MotionEstimate,
         displacement: &[f64],
+        is_banded: bool,
         estimate: impl FnOnce(&[f64]) -> MotionEstimate,
     ) -> Self {
-        let count = displacement.len();
-        let mut left: Vec<f64> = displacement
-            .iter()
-            .zip(&motion.displacement)
-            .map(|(recorded, estimated)| recorded - estimated)
-            .collect();
-        left.rotate_left((MOVED * count as f64) as usize);
-        // A short window leaves less than there was.
-        let deviation = (left.iter().map(|x| x * x).sum::<f64>() / count as f64).sqrt();
-        let scale = if deviation > 0.0 {
-            (motion.noise / deviation).max(1.0)
-        } else {
-            0.0
-        };
-        let again: Vec<f64> = motion
-            .displacement
-            .iter()
-            .zip(&left)
-            .map(|(estimated, left)| estimated + scale * left)
-            .collect();
+        let again = as_noisy(&motion.displacement, displacement, motion.noise, is_banded);
         let again = estimate(&again);
         let off = |again: &[f64], estimated: &[f64]| {
             let each = again.iter().zip(estimated);
@@ -64,6 +104,7 @@ impl MotionError {
         Self {
             displacement: off(&again.displacement, &motion.displacement),
             velocity: off(&again.velocity, &motion.velocity),
+            acceleration: off(&again.acceleration, &motion.acceleration),
         }
     }
 

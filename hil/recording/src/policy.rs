@@ -38,6 +38,7 @@ pub use crate::motion_error::MotionErrorPolicy;
 pub use crate::noise::NoisePolicy;
 pub use crate::resample::ResamplePolicy;
 pub use crate::rest::RestPolicy;
+pub use crate::smoother::SmootherPolicy;
 pub use crate::trajectory::TrajectoryPolicy;
 
 /// Where a number comes from.
@@ -183,6 +184,8 @@ crate::policy! {
     shift: ShiftPolicy,
     /// A force with the wrong sign.
     sign: SignPolicy,
+    /// Motions of few samples to the cycle.
+    smoother: SmootherPolicy,
     /// Samples that stand out.
     spikes: SpikesPolicy,
     /// A recording made ready for identification.

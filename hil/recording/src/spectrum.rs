@@ -33,3 +33,15 @@ pub fn place_of_line(powers: &[f64], peak: usize) -> f64 {
     let ratio = (side / powers[peak]).sqrt();
     peak as f64 + sign * (2.0 * ratio - 1.0) / (ratio + 1.0)
 }
+
+/// Parts of the upper half of a spectrum of which the quietest is noise. Convention: a part is narrow beside a band of motion, and
+/// wide enough for a mean.
+const PARTS: usize = 8;
+
+/// The power of white noise beside a motion whose band ends somewhere: the mean of the quietest part of the upper half of `powers`.
+pub fn floor(powers: &[f64]) -> f64 {
+    let upper = &powers[powers.len() / 2..];
+    let parts = upper.chunks(upper.len().div_ceil(PARTS).max(1));
+    let means = parts.map(|part| part.iter().sum::<f64>() / part.len() as f64);
+    means.min_by(f64::total_cmp).unwrap_or_default()
+}

@@ -11,6 +11,7 @@ use super::faults::{self, Channel, ChannelFault, ChannelFaultKind, Shift};
 use super::motion::MotionEstimate;
 use super::motion_error::MotionError;
 use super::noise::{noise_beside_tones, noise_deviation, noise_of_runs};
+use super::smoother::Band;
 use crate::error::InputError;
 use crate::extremes::least_and_largest;
 use crate::policy::policy;
@@ -250,11 +251,23 @@ impl Trajectory {
         let mut cycles = Cycles::find(&motion.displacement, tick, hysteresis);
         cycles.snap_to(&motion.kinks);
         motion.refine_sines(displacement, tick, &cycles);
-        let mut motion_error = MotionError::of(&motion, displacement, |displacement| {
+        let locally = |displacement: &[f64]| {
             let mut again = MotionEstimate::estimate(displacement, tick, &period);
             again.refine_sines(displacement, tick, &cycles);
             again
-        });
+        };
+        let band = Band::find(displacement, tick, &motion, locally);
+        if let Some(band) = &band {
+            band.refine(&mut motion, displacement, tick);
+        }
+        let mut motion_error =
+            MotionError::of(&motion, displacement, band.is_some(), |displacement| {
+                let mut again = locally(displacement);
+                if let Some(band) = &band {
+                    band.refine(&mut again, displacement, tick);
+                }
+                again
+            });
         if let Some(velocity) = velocity {
             assert_eq!(velocity.len(), count);
             motion.weigh_in(&velocity, &mut motion_error);
@@ -294,21 +307,26 @@ impl Trajectory {
             .map_or(noise, |average| average.noise(noise));
     }
 
-    /// Carries the error of the motion into what a law is held to: `force` is about what the law gives at a displacement in mm and
-    /// a velocity in mm/s, kN.
-    pub fn carry_motion_error(&mut self, force: impl Fn(f64, f64) -> f64) {
+    /// Carries the error of the motion into what a law is held to: `force` is about what the law gives at a displacement in mm, a
+    /// velocity in mm/s and an acceleration in mm/s², kN.
+    pub fn carry_motion_error(&mut self, force: impl Fn(f64, f64, f64) -> f64) {
         let deviations = |error: &[f64]| -> Vec<f64> {
             let variances = self.variance_of(error).into_iter();
             variances.map(f64::sqrt).collect()
         };
         let of_displacement = deviations(&self.motion_error.displacement);
         let of_velocity = deviations(&self.motion_error.velocity);
+        let of_acceleration = deviations(&self.motion_error.acceleration);
         let carried = |index: usize| {
-            let (y, v) = (self.motion.displacement[index], self.motion.velocity[index]);
+            let motion = &self.motion;
+            let (y, v) = (motion.displacement[index], motion.velocity[index]);
+            let a = motion.acceleration[index];
             let (dy, dv) = (of_displacement[index], of_velocity[index]);
-            let here = force(y, v);
-            let off = |y: f64, v: f64| (force(y, v) - here).powi(2);
-            off(y + dy, v) + 0.5 * (off(y, v + dv) + off(y, v - dv))
+            let here = force(y, v, a);
+            let off = |y: f64, v: f64, a: f64| (force(y, v, a) - here).powi(2);
+            off(y + dy, v, a)
+                + 0.5 * (off(y, v + dv, a) + off(y, v - dv, a))
+                + off(y, v, a + of_acceleration[index])
         };
         self.carried = (0..self.len()).map(carried).collect();
     }
@@ -321,6 +339,7 @@ impl Trajectory {
         for (channel, error) in [
             (&mut other.motion.displacement, &error.displacement),
             (&mut other.motion.velocity, &error.velocity),
+            (&mut other.motion.acceleration, &error.acceleration),
         ] {
             channel
                 .iter_mut()
@@ -386,6 +405,7 @@ impl Trajectory {
             let rates = [
                 &mut self.motion_error.displacement,
                 &mut self.motion_error.velocity,
+                &mut self.motion_error.acceleration,
                 &mut motion.velocity,
                 &mut motion.acceleration,
                 &mut motion.velocity_deviation,

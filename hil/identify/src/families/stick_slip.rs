@@ -1,14 +1,15 @@
-//! Rate-independent friction with elastic pre-sliding, in three forms.
+//! Rate-independent friction with elastic pre-sliding, in four forms.
 
-use mesh_damper::effects::{BoucWen, MAX_STICK_SLIP_ELEMENTS, StickSlip};
+use mesh_damper::effects::{BoucWen, HardeningFriction, MAX_STICK_SLIP_ELEMENTS, StickSlip};
 
 use super::{Element, Entry, Form, FormSpec, one, run};
 use crate::policy::policy;
 use crate::shape::{Extent, Shape};
 use crate::term::TermValue;
 
-/// One Jenkins element; as Bouc and Wen have it; Jenkins elements with evenly spread slip limits (Iwan 1966).
-pub const FORMS: [Form; 3] = [
+/// One Jenkins element; as Bouc and Wen have it where it gives way; Jenkins elements with evenly spread slip limits (Iwan 1966); as
+/// Bouc and Wen have it where it hardens.
+pub const FORMS: [Form; 4] = [
     Form(&FormSpec {
         name: "jenkins",
         shape_names: &["slip_limit"],
@@ -74,6 +75,44 @@ pub const FORMS: [Form; 3] = [
                 .collect()
         },
         elements: iwan_elements,
+        ..SLIDER
+    }),
+    Form(&FormSpec {
+        name: "hardening_friction",
+        shape_names: &["stretch_limit", "sharpness", "loss"],
+        rank: 1,
+        shapes: |extent| {
+            let policy = &policy().shape;
+            let [shortest, longest] = policy.stretch_limit;
+            let [bluntest, sharpest] = policy.hardening_sharpness;
+            let [least, most] = policy.hardening_loss;
+            vec![
+                Shape::spread(
+                    shortest * extent.amplitude,
+                    longest * extent.amplitude,
+                    policy.stretch_limit_starts,
+                ),
+                Shape {
+                    starts: vec![1.0],
+                    ..Shape::spread(bluntest, sharpest, 1)
+                },
+                Shape::spread(least, most, policy.hardening_loss_starts),
+            ]
+        },
+        unit_forces: |shapes, motions, _| {
+            let hardening = policy().shape.hardening;
+            let friction = HardeningFriction::new(1.0, shapes[0], shapes[1], hardening, shapes[2]);
+            Ok(vec![run(&friction?, motions)])
+        },
+        elements: |value| {
+            one(vec![
+                ("stiffness", value.size(0)),
+                ("stretch_limit", value.shape(0)),
+                ("sharpness", value.shape(1)),
+                ("hardening", policy().shape.hardening),
+                ("loss", value.shape(2)),
+            ])
+        },
         ..SLIDER
     }),
 ];

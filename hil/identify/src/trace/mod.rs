@@ -149,7 +149,7 @@ fn conclude(aligned: &mut Aligned, progress: &(dyn Fn(&str) + Sync)) -> Result<T
     judging.keep_apart(fitted, Role::Judge);
     let rough = Search::new(fitted, &judging, vec![0.0]).rough()?;
     for trajectory in fitted.iter_mut().chain(held.iter_mut()) {
-        trajectory.carry_motion_error(|y, v| rough.force(y, v));
+        trajectory.carry_motion_error(|y, v, a| rough.force(y, v, a));
     }
     let (fitted, held) = (&*fitted, &*held);
     let (over_amplitude, selection) = search(fitted, &judging, progress)?;

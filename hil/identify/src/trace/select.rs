@@ -1,5 +1,6 @@
 //! The search for the effects that the law lacks: one at a time, each judged on cycles it was not fitted to.
 
+use mesh_damper::effects::Inertia;
 use mesh_damper::law::Law;
 use mesh_damper_model::predict::predict;
 use mesh_damper_model::{Family, ModelError};
@@ -13,7 +14,7 @@ use super::score::{Jury, Score};
 use super::split::{Role, Roles};
 use super::tones::tones;
 use super::within_blocks::is_seen_within_blocks;
-use crate::families::{Form, drift};
+use crate::families::{Form, drift, inertia};
 use crate::policy::policy;
 use crate::problem::Problem;
 use crate::rows::Rows;
@@ -36,6 +37,19 @@ mesh_damper_recording::numbers! {
         promising: f64 = 0.5, Tuned("the blind trial");
         /// A candidate is fitted from at most this many starts.
         starts: usize = 2, Tuned("the blind trial");
+    }
+}
+
+/// About what the force of the specimen is at a moment.
+pub struct Rough {
+    law: Law<f64>,
+    inertia: Inertia<f64>,
+}
+
+impl Rough {
+    /// At a displacement in mm, a velocity in mm/s and an acceleration in mm/s², kN.
+    pub fn force(&self, displacement: f64, velocity: f64, acceleration: f64) -> f64 {
+        self.law.force(displacement, velocity) + self.inertia.force_at(acceleration)
     }
 }
 
@@ -263,13 +277,32 @@ impl<'a> Search<'a> {
         })
     }
 
-    /// Eq 13 alone, with one set of coefficients for all amplitudes.
+    /// Eq 13, with the specimen's mass where it clearly has one.
     ///
     /// # Errors
     /// A fitted law that the crate refuses.
-    pub fn rough(&self) -> Result<Law<f64>, ModelError> {
-        let model = Problem::new(&self.rows, &self.extent, &[]).solve().model();
-        model.law_at(0.0)
+    pub fn rough(&self) -> Result<Rough, ModelError> {
+        let fit = |terms: &[Term]| {
+            let problem = Problem::new(&self.rows, &self.extent, terms);
+            self.judged(problem.solve())
+        };
+        let mut best = fit(&[])?;
+        let massive = fit(&[Term {
+            form: inertia::FORMS[0],
+            reference: 0.0,
+        }])?;
+        if massive.is_admissible() && massive.score.beats(&best.score) {
+            best = massive;
+        }
+        let masses = best.solution.terms.iter().map(|value| value.size(0));
+        let inertia = Inertia::new(masses.sum()).map_err(|error| ModelError::Refused {
+            place: "a mass".to_owned(),
+            error,
+        })?;
+        Ok(Rough {
+            law: best.solution.model().law_at(0.0)?,
+            inertia,
+        })
     }
 
     /// Whether nothing that is larger than the noise is left.

@@ -1,0 +1,283 @@
+//! The motion behind a displacement of few samples to the cycle: the best linear estimate from the samples around each.
+//!
+//! A cubic follows a sine of ten samples and more. A record of fewer can be differentiated where it is known how its motion is spread
+//! over frequency, and the spectrum tells: noise is flat, so what stands above its floor is motion. With the motion's power S(ω) its
+//! covariance is r(τ) = ∫ S cos ωτ, that of its velocity with it r′(τ), that of its acceleration r″(τ). The estimate of least variance
+//! from samples at tᵢ is Σ wᵢ·yᵢ with (R + σ²·1)·w = r(t − tᵢ), or r′ and r″ in its place, R = r(tᵢ − tⱼ) (Wiener 1949).
+
+use std::f64::consts::PI;
+
+use nalgebra::{Cholesky, DMatrix, DVector, Dyn};
+
+use super::motion::MotionEstimate;
+use super::motion_error::as_noisy;
+use super::spectrum::{floor, powers};
+use crate::policy::policy;
+
+crate::numbers! {
+    /// Motions of few samples to the cycle.
+    SmootherPolicy {
+        /// Bins of frequency in which the power of the motion is told.
+        bins: usize = 256, Derived("their covariance repeats after 512 samples, four times as far as it is used");
+        /// A bin holds at least this many powers of the spectrum.
+        powers: usize = 20, Derived("the mean of twenty exceeds twice its expectation once in ten thousand times");
+        /// A bin holds motion where it has more than this many times the noise's power.
+        above: f64 = 2.0, Derived("the mean of those in a bin exceeds that by chance in none of a thousand");
+        /// The fastest motion: below it lies this part of the velocity's power.
+        most_of_velocity: f64 = 0.99, Convention("a hundredth of the power is a tenth of the velocity");
+        /// The estimate takes in this many periods of the fastest motion to each side.
+        periods: f64 = 4.0, Tuned("the estimated motions");
+        /// At least and at most this many samples to each side.
+        reach: [usize; 2] = [16, 64], Tuned("the estimated motions");
+        /// A motion of more samples to a period of the fastest needs no spectrum.
+        fine: f64 = 64.0, Derived("the shortest window of a cubic, nine samples, shrinks its slope by 1e-4 (Savitzky–Golay)");
+        /// However quiet, the noise is taken for at least this part of the displacement's deviation.
+        quiet: f64 = 3e-6, Derived("R of f64 numbers can be factored down to some 1e-12 of its diagonal");
+        /// Samples to either side in which noise alone is to be left.
+        about: usize = 16, Convention("as many as tell how large an error is");
+        /// The estimate is taken where its squared error is below this part of the other's.
+        better: f64 = 0.8, Tuned("the estimated motions");
+    }
+}
+
+/// Weights for displacement, slope and curvature from the samples around one.
+pub(super) struct Smoother {
+    /// Samples to each side.
+    reach: usize,
+    /// r, r′ and r″ from τ = 0 on, per sample.
+    covariance: [Vec<f64>; 3],
+    /// Of R + σ²·1.
+    factor: Cholesky<f64, Dyn>,
+    /// Mean of the displacement, mm.
+    mean: f64,
+    /// Deviation of the noise, mm.
+    noise: f64,
+}
+
+/// A displacement smoothed, with its derivatives per sample.
+pub(super) struct Smoothed {
+    displacement: Vec<f64>,
+    slope: Vec<f64>,
+    curvature: Vec<f64>,
+    /// Standard deviation of the slope.
+    slope_deviation: Vec<f64>,
+}
+
+impl Smoother {
+    /// For the motion that `displacement` in mm shows; `None` where it has samples enough for a cubic, or too few for a spectrum.
+    pub(super) fn of(displacement: &[f64]) -> Option<Self> {
+        let SmootherPolicy {
+            bins,
+            powers: of_bin,
+            above,
+            most_of_velocity,
+            periods,
+            reach: [least, most],
+            fine,
+            quiet,
+            ..
+        } = policy().smoother;
+        let count = displacement.len();
+        let bins = bins.min(count / (2 * of_bin));
+        let most = most.min(bins / 4);
+        if most < least {
+            return None;
+        }
+        let mean = displacement.iter().sum::<f64>() / count as f64;
+        let density = powers(displacement.iter().map(|y| y - mean).collect());
+        // The squares of a Hann window of mean 1 have the mean 3/2: so white noise has the density of its variance.
+        let scale = 1.0 / (1.5 * count as f64);
+        let mean_of = |powers: &[f64]| scale * powers.iter().sum::<f64>() / powers.len() as f64;
+        let floor = scale * floor(&density);
+        let motion: Vec<f64> = (0..bins)
+            .map(|bin| {
+                let place = |bin: usize| bin * density.len() / bins;
+                let seen = mean_of(&density[place(bin)..place(bin + 1)]);
+                if seen > above * floor {
+                    seen - floor
+                } else {
+                    0.0
+                }
+            })
+            .collect();
+        let turn = |bin: usize| (bin as f64 + 0.5) / bins as f64 * PI;
+        let of_velocity = |bin: usize| motion[bin] * turn(bin).powi(2);
+        let whole: f64 = (0..bins).map(of_velocity).sum();
+        let mut below = 0.0;
+        let fastest = (0..bins).find(|&bin| {
+            below += of_velocity(bin);
+            below >= most_of_velocity * whole
+        })?;
+        let period = 2.0 * PI / turn(fastest);
+        if period > fine {
+            return None;
+        }
+        let reach = ((periods * period) as usize).clamp(least, most);
+        let covariance = [0, 1, 2].map(|derivative| {
+            let at = |lag: usize| -> f64 {
+                let of_bin = |(bin, power): (usize, &f64)| {
+                    let (sin, cos) = (turn(bin) * lag as f64).sin_cos();
+                    let wave = [cos, -turn(bin) * sin, -turn(bin).powi(2) * cos][derivative];
+                    power * wave
+                };
+                motion.iter().enumerate().map(of_bin).sum::<f64>() / bins as f64
+            };
+            (0..=2 * reach).map(at).collect::<Vec<f64>>()
+        });
+        let [r, ..] = &covariance;
+        let variance = floor.max(quiet.powi(2) * r[0]);
+        let length = 2 * reach + 1;
+        let matrix = DMatrix::from_fn(length, length, |i, j| {
+            r[i.abs_diff(j)] + if i == j { variance } else { 0.0 }
+        });
+        Some(Self {
+            reach,
+            factor: Cholesky::new(matrix)?,
+            covariance,
+            mean,
+            noise: floor.sqrt(),
+        })
+    }
+
+    /// The weights of the window's samples for displacement, slope and curvature at its sample `at`, and the deviation of the
+    /// slope.
+    fn weights(&self, at: usize) -> ([DVector<f64>; 3], f64) {
+        let of = |derivative: usize| {
+            DVector::from_fn(2 * self.reach + 1, |sample, _| {
+                let value = self.covariance[derivative][at.abs_diff(sample)];
+                // Of the three the middle one is odd.
+                if derivative == 1 && sample > at {
+                    -value
+                } else {
+                    value
+                }
+            })
+        };
+        let right = [0, 1, 2].map(of);
+        let weights = [0, 1, 2].map(|derivative| self.factor.solve(&right[derivative]));
+        let variance = -self.covariance[2][0] - weights[1].dot(&right[1]);
+        (weights, variance.max(0.0).sqrt())
+    }
+
+    /// `displacement` in mm, of a motion with this spectrum, smoothed.
+    pub(super) fn smooth(&self, displacement: &[f64]) -> Smoothed {
+        let count = displacement.len();
+        let mut smoothed = Smoothed {
+            displacement: Vec::with_capacity(count),
+            slope: Vec::with_capacity(count),
+            curvature: Vec::with_capacity(count),
+            slope_deviation: Vec::with_capacity(count),
+        };
+        let reach = self.reach;
+        let within = self.weights(reach);
+        for index in 0..count {
+            // At an end the window keeps its length.
+            let low = index.saturating_sub(reach).min(count - 2 * reach - 1);
+            let at_end;
+            let (weights, deviation) = if index - low == reach {
+                &within
+            } else {
+                at_end = self.weights(index - low);
+                &at_end
+            };
+            let samples = &displacement[low..=low + 2 * reach];
+            let [value, slope, curvature] = [0, 1, 2].map(|derivative| {
+                let each = weights[derivative].iter().zip(samples);
+                each.map(|(weight, y)| weight * (y - self.mean))
+                    .sum::<f64>()
+            });
+            smoothed.displacement.push(self.mean + value);
+            smoothed.slope.push(slope);
+            smoothed.curvature.push(curvature);
+            smoothed.slope_deviation.push(*deviation);
+        }
+        smoothed
+    }
+}
+
+/// The samples at which a smoother does better than windows of cubics.
+pub(super) struct Band {
+    smoother: Smoother,
+    holds: Vec<bool>,
+}
+
+impl Band {
+    /// Where it does so in `displacement` in mm: it leaves the noise alone, and of a motion as it has been found a displacement
+    /// as noisy is estimated better than by `estimate`, whose own estimate `motion` is. `None` where it does nowhere.
+    pub(super) fn find(
+        displacement: &[f64],
+        tick: f64,
+        motion: &MotionEstimate,
+        estimate: impl Fn(&[f64]) -> MotionEstimate,
+    ) -> Option<Self> {
+        let smoother = Smoother::of(displacement)?;
+        let smoothed = smoother.smooth(displacement);
+        let left: Vec<f64> = displacement
+            .iter()
+            .zip(&smoothed.displacement)
+            .map(|(recorded, smoothed)| recorded - smoothed)
+            .collect();
+        let mut holds = smoother.leaves_only_noise(&left);
+        holds[..motion.start_from_rest].fill(false);
+        for rest in &motion.rests {
+            holds[rest.clone()].fill(false);
+        }
+        if holds.iter().all(|holds| !holds) {
+            return None;
+        }
+        let again = as_noisy(&smoothed.displacement, displacement, smoother.noise, true);
+        let own = smoother.smooth(&again).slope;
+        let other = estimate(&again).velocity;
+        let (mut of_own, mut of_other) = (0.0, 0.0);
+        for index in (0..holds.len()).filter(|&index| holds[index]) {
+            let truth = smoothed.slope[index];
+            of_own += (own[index] - truth).powi(2);
+            of_other += (tick * other[index] - truth).powi(2);
+        }
+        (of_own < policy().smoother.better * of_other).then_some(Self { smoother, holds })
+    }
+
+    /// Takes its estimate of `displacement` in mm, every `tick` s, into `motion` where it holds.
+    pub(super) fn refine(&self, motion: &mut MotionEstimate, displacement: &[f64], tick: f64) {
+        let smoothed = self.smoother.smooth(displacement);
+        let is_held = |index: usize| self.holds.get(index).copied().unwrap_or_default();
+        for index in (0..self.holds.len()).filter(|&index| self.holds[index]) {
+            motion.displacement[index] = smoothed.displacement[index];
+            motion.velocity[index] = smoothed.slope[index] / tick;
+            motion.acceleration[index] = smoothed.curvature[index] / (tick * tick);
+            motion.velocity_deviation[index] = smoothed.slope_deviation[index] / tick;
+        }
+        // Where noise alone is left of a smooth motion there is none.
+        motion
+            .kinks
+            .retain(|&kink| !(is_held(kink) && is_held(kink.saturating_sub(1))));
+        if 2 * self.holds.iter().filter(|&&holds| holds).count() > self.holds.len() {
+            motion.noise = self.smoother.noise;
+        }
+    }
+}
+
+impl Smoother {
+    /// About which samples noise alone was `left`, mm.
+    fn leaves_only_noise(&self, left: &[f64]) -> Vec<bool> {
+        let mut sums = vec![0.0];
+        let mut sum = 0.0;
+        for left in left {
+            sum += left * left;
+            sums.push(sum);
+        }
+        let about = policy().smoother.about;
+        let quiet = policy().smoother.quiet.powi(2) * self.covariance[0][0];
+        let noise = self.noise.powi(2).max(quiet).sqrt();
+        (0..left.len())
+            .map(|index| {
+                let (low, high) = (
+                    index.saturating_sub(about),
+                    (index + about + 1).min(left.len()),
+                );
+                let error = sums[high] - sums[low];
+                super::motion::leaves_only_noise(error, (high - low) as f64, noise)
+            })
+            .collect()
+    }
+}

@@ -1,0 +1,219 @@
+//! Rate-independent friction in the general form of Bouc (1967) and Wen (1976), bounded: the third form of stick-slip.
+
+use super::description::{Cost, Dependence, Description, EffectKind, Parameter};
+use super::{ClampedMotion, Equations, LawForce, Packed};
+use crate::error::ConfigError;
+use crate::limits;
+use crate::real::{Real, coefficient, in_range};
+
+/// Largest exponent.
+const SHARPEST: f64 = 8.0;
+/// Range of the rise of a branch that leads away from 0.
+const HARDENING: [f64; 2] = [-1.0, 100.0];
+/// Largest excess of the rise of a branch that leads towards 0.
+const MOST_LOSS: f64 = 200.0;
+
+/// F = k·z with |z| ≤ x: away from 0 dz = dy·(1 + h·(|z|/x)ⁿ), towards 0 dz = dy·(1 + (h + l)·(|z|/x)ⁿ).
+///
+/// Bouc and Wen's dz = A·dy − β·(γ·|dy|·|z|ⁿ⁻¹·z + δ·dy·|z|ⁿ) is this with k = A, h = −(γ + δ)·β·(A·x)ⁿ/A and l = 2γ·β·(A·x)ⁿ/A.
+/// With h = −1 and l = 1 it is the softening one of [`BoucWen`](super::BoucWen); with h > 0 each branch grows steeper, which nothing
+/// ends but x.
+///
+/// It is passive: ∫ k·z dz/(1 + h·(|z|/x)ⁿ) is stored, all of the work goes there on the way away from 0, and on the way back, with
+/// l ≥ 0, not more is given back.
+///
+/// # Step
+/// To 0 and from 0 by the midpoint rule, of the second order; z is held between 0 and the bound, so that steps of any length end there.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct HardeningFriction<R> {
+    stiffness: R,
+    stretch_limit: R,
+    sharpness: R,
+    hardening: R,
+    loss: R,
+}
+
+/// What a [`HardeningFriction`] remembers.
+#[derive(Clone, Copy, Debug)]
+pub struct HardeningFrictionState<R> {
+    /// z, mm.
+    stretch: R,
+    /// Displacement of the tick before, mm.
+    previous: R,
+}
+
+impl<R: Real> HardeningFriction<R> {
+    /// * `stiffness`: k, kN/mm, −1e9…1e9
+    /// * `stretch_limit`: x, mm, 1e-9…1e4
+    /// * `sharpness`: n, 0.5…8
+    /// * `hardening`: h, −1…100
+    /// * `loss`: l, 0…200
+    ///
+    /// # Errors
+    /// The field that is not finite or out of range.
+    pub fn new(
+        stiffness: R,
+        stretch_limit: R,
+        sharpness: R,
+        hardening: R,
+        loss: R,
+    ) -> Result<Self, ConfigError> {
+        let new = Self {
+            stiffness,
+            stretch_limit,
+            sharpness,
+            hardening,
+            loss,
+        };
+        new.check()?;
+        Ok(new)
+    }
+
+    /// 1 + rise·(|z|/x)ⁿ at z = `stretch` ≥ 0, at least 0. Not inlined: it is taken four times.
+    #[inline(never)]
+    fn slope(&self, stretch: R, rise: R) -> R {
+        // By an exponent of at most 1.
+        let root =
+            (stretch / self.stretch_limit).abs_pow(self.sharpness * R::from_f64(1.0 / SHARPEST));
+        let square = root * root;
+        let fourth = square * square;
+        let slope = R::ONE + rise * (fourth * fourth);
+        if slope > R::ZERO { slope } else { R::ZERO }
+    }
+
+    /// z ≥ 0 after `way` mm away from 0.
+    fn away(&self, stretch: R, way: R) -> R {
+        let half = R::from_f64(0.5) * way;
+        let middle = stretch + half * self.slope(stretch, self.hardening);
+        let middle = middle.clipped(self.stretch_limit);
+        (stretch + way * self.slope(middle, self.hardening)).clipped(self.stretch_limit)
+    }
+
+    /// z after `way` mm from −`stretch` ≤ 0 on, towards 0 and beyond.
+    fn back(&self, stretch: R, way: R) -> R {
+        let rise = self.hardening + self.loss;
+        let half = R::from_f64(0.5) * way;
+        let middle = stretch - half * self.slope(stretch, rise);
+        let middle = if middle > R::ZERO { middle } else { R::ZERO };
+        let left = stretch - way * self.slope(middle, rise);
+        if left >= R::ZERO {
+            return -left;
+        }
+        let slope = self.slope(R::from_f64(0.5) * stretch, rise);
+        let rest = way - stretch / slope;
+        if rest > R::ZERO {
+            self.away(R::ZERO, rest)
+        } else {
+            R::ZERO
+        }
+    }
+}
+
+impl<R: Real> Equations<R> for HardeningFriction<R> {
+    const DESCRIPTION: Description = Description {
+        name: "hardening_friction",
+        family: "stick_slip",
+        number: 16,
+        kind: EffectKind::Force,
+        cost: Cost::Rare,
+        parameters: &[
+            Parameter::new(
+                "stiffness",
+                "kN/mm",
+                -limits::COEFFICIENT,
+                limits::COEFFICIENT,
+            ),
+            Parameter::new("stretch_limit", "mm", 1e-9, limits::DISPLACEMENT),
+            Parameter::new("sharpness", "1", 0.5, SHARPEST),
+            Parameter::new("hardening", "1", HARDENING[0], HARDENING[1]),
+            Parameter::new("loss", "1", 0.0, MOST_LOSS),
+        ],
+        most: 1,
+        typical: &[0.9, 0.4, 1.0, 2.0, 10.0],
+        depends_on: &[Dependence::Displacement, Dependence::History],
+        may_supply_energy: false,
+        scales_law: false,
+        sentence: "Rate-independent friction whose branches grow steeper, and fall off faster than they rose.",
+    };
+    const NONE: Self = Self {
+        stiffness: R::ZERO,
+        stretch_limit: R::ZERO,
+        sharpness: R::ZERO,
+        hardening: R::ZERO,
+        loss: R::ZERO,
+    };
+
+    type State = Option<HardeningFrictionState<R>>;
+    const AT_REST: Self::State = None;
+
+    fn from_parameters(parameters: &[f64], _: f64) -> Result<Self, ConfigError> {
+        let [stiffness, stretch_limit, sharpness, hardening, loss] =
+            super::exactly(parameters)?.map(R::from_f64);
+        Self::new(stiffness, stretch_limit, sharpness, hardening, loss)
+    }
+
+    fn check(&self) -> Result<(), ConfigError> {
+        coefficient("stiffness", self.stiffness)?;
+        in_range(
+            "stretch_limit",
+            self.stretch_limit,
+            1e-9,
+            limits::DISPLACEMENT,
+        )?;
+        in_range("sharpness", self.sharpness, 0.5, SHARPEST)?;
+        in_range("hardening", self.hardening, HARDENING[0], HARDENING[1])?;
+        in_range("loss", self.loss, 0.0, MOST_LOSS).map(|_| ())
+    }
+
+    // On a target not inlined: its registers and constants are no matter of ticks without it.
+    #[cfg_attr(not(feature = "std"), inline(never))]
+    fn force(&self, state: &mut Self::State, motion: &ClampedMotion<R>, _: LawForce<R>) -> R {
+        let y = motion.displacement();
+        let state = state.get_or_insert(HardeningFrictionState {
+            stretch: R::ZERO,
+            previous: y,
+        });
+        let step = y - state.previous;
+        state.previous = y;
+        let forward = step > R::ZERO;
+        let (way, stretch) = if forward {
+            (step, state.stretch)
+        } else {
+            (-step, -state.stretch)
+        };
+        let moved = if stretch < R::ZERO {
+            self.back(-stretch, way)
+        } else {
+            self.away(stretch, way)
+        };
+        state.stretch = if forward { moved } else { -moved };
+        self.stiffness * state.stretch
+    }
+}
+
+impl Packed for HardeningFriction<f32> {
+    fn pack(&self, put: &mut impl FnMut(f32)) {
+        [
+            self.stiffness,
+            self.stretch_limit,
+            self.sharpness,
+            self.hardening,
+            self.loss,
+        ]
+        .into_iter()
+        .for_each(put);
+    }
+
+    fn unpack(words: &[f32]) -> Option<Self> {
+        let &[stiffness, stretch_limit, sharpness, hardening, loss] = words else {
+            return None;
+        };
+        Some(Self {
+            stiffness,
+            stretch_limit,
+            sharpness,
+            hardening,
+            loss,
+        })
+    }
+}

@@ -1,0 +1,127 @@
+//! Friction that hardens against what its equation comes to in closed form.
+
+use mesh_damper::effects::{BoucWen, Effect, HardeningFriction, Motion};
+use proptest::prelude::*;
+
+use crate::loops::{alone, close};
+
+fn effect(stiffness: f64, limit: f64, sharpness: f64, hardening: f64, loss: f64) -> Effect<f64> {
+    Effect::HardeningFriction(
+        HardeningFriction::new(stiffness, limit, sharpness, hardening, loss).unwrap(),
+    )
+}
+
+/// The forces at the ends of legs of `steps` equal steps from 0 to the first of `turns`, and on.
+fn at_turns(effect: Effect<f64>, turns: &[f64], steps: usize) -> Vec<f64> {
+    let law = alone(effect);
+    let mut state = law.at_rest();
+    let mut to = |displacement: f64| {
+        let motion = Motion {
+            displacement,
+            ..Motion::default()
+        };
+        law.force(&mut state, &motion)
+    };
+    to(0.0);
+    let mut from = 0.0;
+    turns
+        .iter()
+        .map(|&turn| {
+            let leg = (1..=steps).map(|n| from + (turn - from) * n as f64 / steps as f64);
+            let force = leg.fold(0.0, |_, y| to(y));
+            from = turn;
+            force
+        })
+        .collect()
+}
+
+/// For n = 1, with a = h/x and b = (h + l)/x: away from 0 z = (e^(a·y) − 1)/a, towards 0 z = ((1 + b·z₀)·e^(−b·y) − 1)/b, which is 0
+/// after ln(1 + b·z₀)/b.
+#[test]
+fn branches_are_the_closed_forms() {
+    let (x, h, l) = (2.0, 1.2, 3.0);
+    let (a, b) = (h / x, (h + l) / x);
+    let (up, back) = (0.5, 0.1);
+    let top = ((a * up).exp() - 1.0) / a;
+    let returned = ((1.0 + b * top) * (-b * back).exp() - 1.0) / b;
+    // To 0, and as far again on the other side.
+    let to_zero = (1.0 + b * returned).ln() / b;
+    let beyond = 0.3;
+    let end = -((a * beyond).exp() - 1.0) / a;
+    let turns = [up, up - back, up - back - to_zero - beyond];
+    for sign in [1.0, -1.0] {
+        let turns = turns.map(|y| sign * y);
+        let found = at_turns(effect(1.5, x, 1.0, h, l), &turns, 500);
+        for (found, expected) in found.into_iter().zip([top, returned, end]) {
+            close(found, sign * 1.5 * expected, 1e-5);
+        }
+    }
+}
+
+/// With h = −1 and l = 1 a branch away from 0 bends, and one towards 0 is straight: as of [`BoucWen`].
+#[test]
+fn without_hardening_it_is_the_softening_one() {
+    for n in [0.7, 1.0, 2.5] {
+        let other = Effect::BoucWen(BoucWen::new(1.2, 0.03, n).unwrap());
+        let turns = [0.05, -0.02, 0.01, -0.08];
+        let own = at_turns(effect(1.2, 0.03, n, -1.0, 1.0), &turns, 4000);
+        for (own, other) in own.into_iter().zip(at_turns(other, &turns, 4000)) {
+            assert!(
+                (own - other).abs() < 1e-4 * 1.2 * 0.03,
+                "{n}: {own} {other}"
+            );
+        }
+    }
+}
+
+/// Steps ten times as long leave a hundred times the error at most.
+#[test]
+fn a_step_is_of_the_second_order() {
+    for n in [0.8, 1.0, 2.0] {
+        let turns = [0.5, -0.4, 0.3];
+        let of = |steps| at_turns(effect(1.0, 0.6, n, 1.5, 6.0), &turns, steps);
+        let (exact, coarse) = (of(10_000), of(40));
+        for (coarse, exact) in coarse.into_iter().zip(exact) {
+            assert!((coarse - exact).abs() < 5e-3, "{n}: {coarse} {exact}");
+        }
+    }
+}
+
+proptest! {
+    /// It never holds more than stiffness times its limit, whatever the steps.
+    #[test]
+    fn it_stays_within_its_limit(
+        path in prop::collection::vec(prop_oneof![-1.0..1.0_f32, -1e4..1e4_f32], 1..100),
+        k in 0.01..10.0_f32, x in 1e-6..0.5_f32, n in 0.5..8.0_f32, h in -1.0..100.0_f32, l in 0.0..200.0_f32,
+    ) {
+        let friction = HardeningFriction::new(k, x, n, h, l).unwrap();
+        let law = alone(Effect::HardeningFriction(friction));
+        let mut state = law.at_rest();
+        for displacement in path {
+            let force = law.force(&mut state, &Motion { displacement, ..Motion::default() });
+            prop_assert!(force.abs() <= k * x);
+        }
+    }
+
+    /// Passive: over any closed path it takes energy and gives none.
+    #[test]
+    fn it_is_passive(
+        turns in prop::collection::vec(-0.3..0.3_f64, 2..8), x in 0.05..1.0_f64, n in 0.5..4.0_f64,
+        h in -1.0..5.0_f64, l in 0.0..20.0_f64,
+    ) {
+        let law = alone(effect(1.0, x, n, h, l));
+        let mut state = law.at_rest();
+        let (mut work, mut y, mut before) = (0.0, 0.0, 0.0);
+        law.force(&mut state, &Motion::default());
+        for &target in turns.iter().chain(&[0.0]) {
+            let start = y;
+            for step in 1..=2000 {
+                let next = start + (target - start) * f64::from(step) / 2000.0;
+                let force = law.force(&mut state, &Motion { displacement: next, ..Motion::default() });
+                work += 0.5 * (force + before) * (next - y);
+                (y, before) = (next, force);
+            }
+        }
+        prop_assert!(work > -1e-4 * x, "{work}");
+    }
+}
