@@ -33,6 +33,8 @@ crate::numbers! {
         fine: f64 = 64.0, Derived("the shortest window of a cubic, nine samples, shrinks its slope by 1e-4 (Savitzky–Golay)");
         /// However quiet, the noise is taken for at least this part of the displacement's deviation.
         quiet: f64 = 3e-6, Derived("R of f64 numbers can be factored down to some 1e-12 of its diagonal");
+        /// Of a motion without noise the estimate may leave this part of the displacement's deviation.
+        exact: f64 = 1e-4, Derived("with some ten samples to the cycle the corner of a triangle leaves a hundredth");
         /// Samples to either side in which noise alone is to be left.
         about: usize = 16, Convention("as many as tell how large an error is");
         /// The estimate is taken where its squared error is below this part of the other's.
@@ -267,8 +269,8 @@ impl Smoother {
             sums.push(sum);
         }
         let about = policy().smoother.about;
-        let quiet = policy().smoother.quiet.powi(2) * self.covariance[0][0];
-        let noise = self.noise.powi(2).max(quiet).sqrt();
+        let exact = policy().smoother.exact.powi(2) * self.covariance[0][0];
+        let noise = self.noise.powi(2).max(exact).sqrt();
         (0..left.len())
             .map(|index| {
                 let (low, high) = (
