@@ -11,7 +11,7 @@ use nalgebra::{Cholesky, DMatrix, DVector, Dyn};
 
 use super::motion::MotionEstimate;
 use super::motion_error::as_noisy;
-use super::spectrum::{floor, powers};
+use super::spectrum::{density, floor};
 use crate::policy::policy;
 
 crate::numbers! {
@@ -19,8 +19,8 @@ crate::numbers! {
     SmootherPolicy {
         /// Bins of frequency in which the power of the motion is told.
         bins: usize = 256, Derived("their covariance repeats after 512 samples, four times as far as it is used");
-        /// A bin holds at least this many powers of the spectrum.
-        powers: usize = 20, Derived("the mean of twenty exceeds twice its expectation once in ten thousand times");
+        /// They are told by at least this many stretches of the record.
+        stretches: usize = 40, Derived("they overlap by halves, and the mean of twenty powers exceeds twice its expectation once in ten thousand times");
         /// A bin holds motion where it has more than this many times the noise's power.
         above: f64 = 2.0, Derived("the mean of those in a bin exceeds that by chance in none of a thousand");
         /// The fastest motion: below it lies this part of the velocity's power.
@@ -70,7 +70,7 @@ impl Smoother {
     pub(super) fn of(displacement: &[f64]) -> Option<Self> {
         let SmootherPolicy {
             bins,
-            powers: of_bin,
+            stretches,
             above,
             most_of_velocity,
             periods,
@@ -80,21 +80,17 @@ impl Smoother {
             ..
         } = policy().smoother;
         let count = displacement.len();
-        let bins = bins.min(count / (2 * of_bin));
+        let bins = bins.min(count / stretches);
         let most = most.min(bins / 4);
         if most < least {
             return None;
         }
         let mean = displacement.iter().sum::<f64>() / count as f64;
-        let density = powers(displacement.iter().map(|y| y - mean).collect());
-        // The squares of a Hann window of mean 1 have the mean 3/2: so white noise has the density of its variance.
-        let scale = 1.0 / (1.5 * count as f64);
-        let mean_of = |powers: &[f64]| scale * powers.iter().sum::<f64>() / powers.len() as f64;
-        let floor = scale * floor(&density);
-        let motion: Vec<f64> = (0..bins)
-            .map(|bin| {
-                let place = |bin: usize| bin * density.len() / bins;
-                let seen = mean_of(&density[place(bin)..place(bin + 1)]);
+        let centred: Vec<f64> = displacement.iter().map(|y| y - mean).collect();
+        let density = density(&centred, 2 * bins);
+        let floor = floor(&density);
+        let motion: Vec<f64> = (density[..bins].iter())
+            .map(|&seen| {
                 if seen > above * floor {
                     seen - floor
                 } else {
@@ -102,7 +98,7 @@ impl Smoother {
                 }
             })
             .collect();
-        let turn = |bin: usize| (bin as f64 + 0.5) / bins as f64 * PI;
+        let turn = |bin: usize| bin as f64 / bins as f64 * PI;
         let of_velocity = |bin: usize| motion[bin] * turn(bin).powi(2);
         let whole: f64 = (0..bins).map(of_velocity).sum();
         let mut below = 0.0;

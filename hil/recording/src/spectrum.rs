@@ -21,6 +21,25 @@ pub fn powers(mut samples: Vec<f64>) -> Vec<f64> {
     }
 }
 
+/// Power of each bin from 0 to half the sampling rate, of which white noise has its variance in each: the mean of stretches of `length`
+/// samples that overlap by halves (Welch 1967), so that each part of a record counts.
+pub fn density(samples: &[f64], length: usize) -> Vec<f64> {
+    let mut sum = vec![0.0; length / 2 + 1];
+    let (mut start, mut count) = (0, 0.0);
+    while start + length <= samples.len() {
+        let powers = powers(samples[start..start + length].to_vec());
+        sum.iter_mut()
+            .zip(powers)
+            .for_each(|(sum, power)| *sum += power);
+        start += (length / 2).max(1);
+        count += 1.0;
+    }
+    // The squares of a Hann window of mean 1 have the mean 3/2.
+    let scale = 1.0 / (1.5 * length as f64 * f64::max(count, 1.0));
+    sum.iter_mut().for_each(|sum| *sum *= scale);
+    sum
+}
+
 /// Where the line lies whose peak is at bin `peak`, neither the first nor the last, in bins. With a = |X(k+1)|/|X(k)| of its two
 /// largest bins it is k + (2a − 1)/(a + 1) (Grandke 1983).
 pub fn place_of_line(powers: &[f64], peak: usize) -> f64 {
