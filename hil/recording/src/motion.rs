@@ -27,6 +27,8 @@ crate::numbers! {
         shortest: usize = 4, Derived("nine samples leave five beside a cubic's four coefficients");
         /// A speed within this many of its deviations has no certain direction.
         uncertain: f64 = 2.0, Tuned("the blind trial");
+        /// A measured velocity that is off by more than this many times the error of the estimated one is of no use.
+        worse: f64 = 2.0, Derived("with weights by the inverse of the variances it would take a tenth off the error");
         /// A speed above this part of the largest has a direction.
         at_rest: f64 = 1e-3, Tuned("the blind trial");
         /// A window reaches over at most this part of a period to each side.
@@ -84,8 +86,21 @@ impl MotionEstimate {
     }
 
     /// Takes a measured velocity in mm/s in, as far as it is more certain than the estimated one: each counts by the inverse of its
-    /// variance, so that one which somebody differentiated hardly counts.
+    /// variance. One that differs from the estimated one by more than that errs tells nothing new: somebody differentiated it, from the same
+    /// displacement.
     pub(super) fn weigh_in(&mut self, measured: &[f64], error: &mut MotionError) {
+        let mean = |squares: &mut dyn Iterator<Item = f64>| {
+            squares.map(|x| x * x).sum::<f64>() / measured.len() as f64
+        };
+        let mut differs = self
+            .velocity
+            .iter()
+            .zip(measured)
+            .map(|(own, other)| own - other);
+        let own = mean(&mut error.velocity.iter().copied());
+        if mean(&mut differs) > policy().motion.worse.powi(2) * own {
+            return;
+        }
         let noise = noise_deviation(measured);
         for (index, measured) in measured.iter().enumerate() {
             let deviation = self.velocity_deviation[index];

@@ -58,22 +58,27 @@ fn scattered(left: &[f64]) -> Vec<f64> {
 }
 
 /// A displacement as noisy as the recorded one about the motion that was `estimated` from it, mm, whose `noise` has this deviation, mm: an
-/// estimate may leave less than there was. `is_banded` tells that it knows the band of the motion.
+/// estimate may leave less than there was. `is_banded` tells where it knows the band of the motion.
 pub(super) fn as_noisy(
     estimated: &[f64],
     displacement: &[f64],
     noise: f64,
-    is_banded: bool,
+    is_banded: impl Fn(usize) -> bool,
 ) -> Vec<f64> {
     let pairs = displacement.iter().zip(estimated);
     let left: Vec<f64> = pairs
         .map(|(recorded, estimated)| recorded - estimated)
         .collect();
-    let left = if is_banded {
-        scattered(&left)
-    } else {
-        moved(&left)
-    };
+    let (moved, scattered) = (moved(&left), scattered(&left));
+    let left: Vec<f64> = (0..left.len())
+        .map(|index| {
+            if is_banded(index) {
+                scattered[index]
+            } else {
+                moved[index]
+            }
+        })
+        .collect();
     let deviation = (left.iter().map(|x| x * x).sum::<f64>() / left.len() as f64).sqrt();
     let scale = if deviation > 0.0 {
         (noise / deviation).max(1.0)
@@ -87,12 +92,12 @@ pub(super) fn as_noisy(
 }
 
 impl MotionError {
-    /// Of `motion`, which was estimated from `displacement` in mm, as `estimate` does it; `is_banded` tells whether that knows the
-    /// band of the motion.
+    /// Of `motion`, which was estimated from `displacement` in mm, as `estimate` does it; `is_banded` tells where that knows
+    /// the band of the motion.
     pub(super) fn of(
         motion: &MotionEstimate,
         displacement: &[f64],
-        is_banded: bool,
+        is_banded: impl Fn(usize) -> bool,
         estimate: impl FnOnce(&[f64]) -> MotionEstimate,
     ) -> Self {
         let again = as_noisy(&motion.displacement, displacement, motion.noise, is_banded);

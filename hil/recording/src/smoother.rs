@@ -10,7 +10,7 @@ use std::f64::consts::PI;
 use nalgebra::{Cholesky, DMatrix, DVector, Dyn};
 
 use super::motion::MotionEstimate;
-use super::motion_error::as_noisy;
+use super::motion_error::{MotionError, as_noisy};
 use super::spectrum::{density, floor};
 use crate::policy::policy;
 
@@ -37,6 +37,12 @@ crate::numbers! {
         exact: f64 = 1e-4, Derived("with some ten samples to the cycle the corner of a triangle leaves a hundredth");
         /// Samples to either side in which noise alone is to be left.
         about: usize = 16, Convention("as many as tell how large an error is");
+        /// The squares of what is left there are within this many of their deviations.
+        only_noise: f64 = 4.0, Derived("a normal variable exceeds it once in 30 000 times");
+        /// A corner shows in what is left at this many samples to either side.
+        corner: usize = 4, Derived("the shortest window of a cubic");
+        /// All corners together leave more there than elsewhere, by this many deviations of the squares of noise.
+        some_noise: f64 = 2.0, Convention("noise does so once in forty times, and little is lost where it does");
         /// The estimate is taken where its squared error is below this part of the other's.
         better: f64 = 0.8, Tuned("the estimated motions");
     }
@@ -50,6 +56,8 @@ pub(super) struct Smoother {
     covariance: [Vec<f64>; 3],
     /// Of R + σ²·1.
     factor: Cholesky<f64, Dyn>,
+    /// Variances of displacement, slope and curvature.
+    variances: [f64; 3],
     /// Mean of the displacement, mm.
     mean: f64,
     /// Deviation of the noise, mm.
@@ -122,6 +130,10 @@ impl Smoother {
             };
             (0..=2 * reach).map(at).collect::<Vec<f64>>()
         });
+        let variances = [0, 2, 4].map(|power| {
+            let of_bin = |(bin, motion): (usize, &f64)| motion * turn(bin).powi(power);
+            motion.iter().enumerate().map(of_bin).sum::<f64>() / bins as f64
+        });
         let [r, ..] = &covariance;
         let variance = floor.max(quiet.powi(2) * r[0]);
         let length = 2 * reach + 1;
@@ -132,14 +144,14 @@ impl Smoother {
             reach,
             factor: Cholesky::new(matrix)?,
             covariance,
+            variances,
             mean,
             noise: floor.sqrt(),
         })
     }
 
-    /// The weights of the window's samples for displacement, slope and curvature at its sample `at`, and the deviation of the
-    /// slope.
-    fn weights(&self, at: usize) -> ([DVector<f64>; 3], f64) {
+    /// The weights of the window's samples for displacement, slope and curvature at its sample `at`, and the deviations of these.
+    fn weights(&self, at: usize) -> ([DVector<f64>; 3], [f64; 3]) {
         let of = |derivative: usize| {
             DVector::from_fn(2 * self.reach + 1, |sample, _| {
                 let value = self.covariance[derivative][at.abs_diff(sample)];
@@ -153,8 +165,25 @@ impl Smoother {
         };
         let right = [0, 1, 2].map(of);
         let weights = [0, 1, 2].map(|derivative| self.factor.solve(&right[derivative]));
-        let variance = -self.covariance[2][0] - weights[1].dot(&right[1]);
-        (weights, variance.max(0.0).sqrt())
+        let deviations = [0, 1, 2].map(|derivative| {
+            let known = weights[derivative].dot(&right[derivative]);
+            (self.variances[derivative] - known).max(0.0).sqrt()
+        });
+        (weights, deviations)
+    }
+
+    /// By how much each of the three errs over what the noise alone leaves: what lies beside the noise in the band, and is not told from
+    /// it, is missing from the estimate too.
+    fn excess(&self) -> [f64; 3] {
+        let (weights, deviations) = self.weights(self.reach);
+        [0, 1, 2].map(|derivative| {
+            let of_noise = self.noise * weights[derivative].norm();
+            if of_noise > 0.0 {
+                (deviations[derivative] / of_noise).max(1.0)
+            } else {
+                1.0
+            }
+        })
     }
 
     /// `displacement` in mm, of a motion with this spectrum, smoothed.
@@ -172,7 +201,7 @@ impl Smoother {
             // At an end the window keeps its length.
             let low = index.saturating_sub(reach).min(count - 2 * reach - 1);
             let at_end;
-            let (weights, deviation) = if index - low == reach {
+            let (weights, [_, deviation, _]) = if index - low == reach {
                 &within
             } else {
                 at_end = self.weights(index - low);
@@ -210,20 +239,23 @@ impl Band {
     ) -> Option<Self> {
         let smoother = Smoother::of(displacement)?;
         let smoothed = smoother.smooth(displacement);
-        let left: Vec<f64> = displacement
-            .iter()
-            .zip(&smoothed.displacement)
-            .map(|(recorded, smoothed)| recorded - smoothed)
-            .collect();
+        let left = left_by(displacement, &smoothed.displacement);
         let mut holds = smoother.leaves_only_noise(&left);
         holds[..motion.start_from_rest].fill(false);
+        for kink in smoother.corners(displacement, motion, &left) {
+            // No window may lie across one.
+            let (low, high) = (kink.saturating_sub(smoother.reach), kink + smoother.reach);
+            holds[low..high.min(displacement.len())].fill(false);
+        }
         for rest in &motion.rests {
             holds[rest.clone()].fill(false);
         }
         if holds.iter().all(|holds| !holds) {
             return None;
         }
-        let again = as_noisy(&smoothed.displacement, displacement, smoother.noise, true);
+        let again = as_noisy(&smoothed.displacement, displacement, smoother.noise, |_| {
+            true
+        });
         let own = smoother.smooth(&again).slope;
         let other = estimate(&again).velocity;
         let (mut of_own, mut of_other) = (0.0, 0.0);
@@ -235,10 +267,31 @@ impl Band {
         (of_own < policy().smoother.better * of_other).then_some(Self { smoother, holds })
     }
 
+    /// Whether it holds at a sample.
+    pub(super) fn holds_at(&self, index: usize) -> bool {
+        self.holds[index]
+    }
+
+    /// Enlarges the part of an error that noise leaves in a motion to all of it.
+    pub(super) fn complete(&self, error: &mut MotionError) {
+        let excess = self.smoother.excess();
+        let channels = [
+            &mut error.displacement,
+            &mut error.velocity,
+            &mut error.acceleration,
+        ];
+        for (channel, excess) in channels.into_iter().zip(excess) {
+            let held = channel
+                .iter_mut()
+                .zip(&self.holds)
+                .filter(|(_, holds)| **holds);
+            held.for_each(|(error, _)| *error *= excess);
+        }
+    }
+
     /// Takes its estimate of `displacement` in mm, every `tick` s, into `motion` where it holds.
     pub(super) fn refine(&self, motion: &mut MotionEstimate, displacement: &[f64], tick: f64) {
         let smoothed = self.smoother.smooth(displacement);
-        let is_held = |index: usize| self.holds.get(index).copied().unwrap_or_default();
         for index in (0..self.holds.len()).filter(|&index| self.holds[index]) {
             motion.displacement[index] = smoothed.displacement[index];
             motion.velocity[index] = smoothed.slope[index] / tick;
@@ -248,34 +301,69 @@ impl Band {
         // Where noise alone is left of a smooth motion there is none.
         motion
             .kinks
-            .retain(|&kink| !(is_held(kink) && is_held(kink.saturating_sub(1))));
+            .retain(|&kink| !(self.holds[kink] && self.holds[kink.saturating_sub(1)]));
         if 2 * self.holds.iter().filter(|&&holds| holds).count() > self.holds.len() {
             motion.noise = self.smoother.noise;
         }
     }
 }
 
+/// What an estimate leaves of a displacement.
+fn left_by(displacement: &[f64], estimated: &[f64]) -> Vec<f64> {
+    let pairs = displacement.iter().zip(estimated);
+    pairs
+        .map(|(recorded, estimated)| recorded - estimated)
+        .collect()
+}
+
 impl Smoother {
+    /// Variance of what may be left, mm².
+    fn variance(&self) -> f64 {
+        let exact = policy().smoother.exact.powi(2) * self.covariance[0][0];
+        self.noise.powi(2).max(exact)
+    }
+
     /// About which samples noise alone was `left`, mm.
     fn leaves_only_noise(&self, left: &[f64]) -> Vec<bool> {
+        let SmootherPolicy {
+            about, only_noise, ..
+        } = policy().smoother;
         let mut sums = vec![0.0];
         let mut sum = 0.0;
         for left in left {
             sum += left * left;
             sums.push(sum);
         }
-        let about = policy().smoother.about;
-        let exact = policy().smoother.exact.powi(2) * self.covariance[0][0];
-        let noise = self.noise.powi(2).max(exact).sqrt();
-        (0..left.len())
-            .map(|index| {
-                let (low, high) = (
-                    index.saturating_sub(about),
-                    (index + about + 1).min(left.len()),
-                );
-                let error = sums[high] - sums[low];
-                super::motion::leaves_only_noise(error, (high - low) as f64, noise)
-            })
-            .collect()
+        let is_noise = |index: usize| {
+            let (low, high) = (
+                index.saturating_sub(about),
+                (index + about + 1).min(left.len()),
+            );
+            let count = (high - low) as f64;
+            sums[high] - sums[low] <= self.variance() * (count + only_noise * (2.0 * count).sqrt())
+        };
+        (0..left.len()).map(is_noise).collect()
+    }
+
+    /// The kinks of `motion` that are corners: the cubics about them leave noise alone, and about all of them together this estimate
+    /// leaves more than elsewhere; `left` is what it leaves, mm.
+    fn corners(&self, displacement: &[f64], motion: &MotionEstimate, left: &[f64]) -> Vec<usize> {
+        let SmootherPolicy {
+            corner, some_noise, ..
+        } = policy().smoother;
+        let explained = self.leaves_only_noise(&left_by(displacement, &motion.displacement));
+        let mut kinks = motion.kinks.clone();
+        kinks.retain(|&kink| explained[kink]);
+        let (mut squares, mut count) = (0.0, 0.0);
+        for &kink in &kinks {
+            let (low, high) = (kink.saturating_sub(corner), (kink + corner).min(left.len()));
+            squares += left[low..high].iter().map(|left| left * left).sum::<f64>();
+            count += (high - low) as f64;
+        }
+        let mean = left.iter().map(|left| left * left).sum::<f64>() / left.len() as f64;
+        if squares <= mean * (count + some_noise * (2.0 * count).sqrt()) {
+            kinks.clear();
+        }
+        kinks
     }
 }

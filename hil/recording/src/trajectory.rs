@@ -260,14 +260,17 @@ impl Trajectory {
         if let Some(band) = &band {
             band.refine(&mut motion, displacement, tick);
         }
-        let mut motion_error =
-            MotionError::of(&motion, displacement, band.is_some(), |displacement| {
-                let mut again = locally(displacement);
-                if let Some(band) = &band {
-                    band.refine(&mut again, displacement, tick);
-                }
-                again
-            });
+        let is_banded = |index: usize| band.as_ref().is_some_and(|band| band.holds_at(index));
+        let mut motion_error = MotionError::of(&motion, displacement, is_banded, |displacement| {
+            let mut again = locally(displacement);
+            if let Some(band) = &band {
+                band.refine(&mut again, displacement, tick);
+            }
+            again
+        });
+        if let Some(band) = &band {
+            band.complete(&mut motion_error);
+        }
         if let Some(velocity) = velocity {
             assert_eq!(velocity.len(), count);
             motion.weigh_in(&velocity, &mut motion_error);

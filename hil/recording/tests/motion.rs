@@ -324,3 +324,107 @@ fn a_measured_velocity_counts_by_its_noise() {
     assert!(error(Some(differentiated)) < 1.02 * without);
     assert!(error(Some(noisy(&velocity, 1e-4, 6))) < 0.1 * without);
 }
+
+/// Tones of random phase at every line between two frequencies in cycles a sample, of RMS 1 mm in displacement, with each one's size
+/// as 1/f: displacement, slope and curvature per sample.
+fn random_phases(count: usize, band: [f64; 2], seed: u64) -> [Vec<f64>; 3] {
+    let mut random = ChaCha8Rng::seed_from_u64(seed);
+    let phase = rand::distr::Uniform::new(0.0, TAU).unwrap();
+    // More than the record holds, so that it is no whole number of periods.
+    let period = 1.37 * count as f64;
+    let lines = (band[0] * period) as usize..(band[1] * period) as usize;
+    let mut all = [vec![0.0; count], vec![0.0; count], vec![0.0; count]];
+    for line in lines.step_by(5) {
+        let turn = TAU * line as f64 / period;
+        let start = phase.sample(&mut random);
+        for index in 0..count {
+            let (sin, cos) = (turn * index as f64 + start).sin_cos();
+            all[0][index] += cos / turn;
+            all[1][index] -= sin;
+            all[2][index] -= turn * cos;
+        }
+    }
+    let scale = 1.0 / rms(all[0].iter().copied());
+    all.map(|values| values.into_iter().map(|value| scale * value).collect())
+}
+
+/// Five samples to the fastest period: what a cubic cannot follow is differentiated to the noise that lies in the band.
+///
+/// White noise of deviation σ leaves at least σ·√(2B) of a motion of band B known exactly, and σ·√(∫₀ᴮ 2(2πf)² df) of its slope.
+#[test]
+fn few_samples_to_the_cycle_are_differentiated_to_the_noise() {
+    let (low, high) = (0.01, 0.2);
+    let [clean, slope, curvature] = random_phases(20_000, [low, high], 1);
+    let off = |estimated: &[f64], truth: &[f64], scale: f64| {
+        // The ends have samples to one side only.
+        let inner = 100..truth.len() - 100;
+        rms(inner.map(|index| estimated[index] * scale - truth[index]))
+    };
+    for deviation in [3e-3, 3e-2] {
+        let motion = trajectory(&noisy(&clean, deviation, 2)).motion;
+        let moment = |power: i32| {
+            let power = 2 * power + 1;
+            2.0 * (high.powi(power) - low.powi(power)) / f64::from(power)
+        };
+        for (derivative, error) in [
+            off(&motion.displacement, &clean, 1.0),
+            off(&motion.velocity, &slope, TICK),
+            off(&motion.acceleration, &curvature, TICK * TICK),
+        ]
+        .into_iter()
+        .enumerate()
+        {
+            let order = derivative as i32;
+            let least = deviation * TAU.powi(order) * moment(order).sqrt();
+            assert!(
+                (0.8..1.5).contains(&(error / least)),
+                "{deviation}: derivative {derivative} is off by {error}, the least is {least}"
+            );
+        }
+        assert!(motion.kinks.is_empty());
+        assert!((motion.noise / deviation - 1.0).abs() < 0.1);
+    }
+    // Without noise to a thousandth, where a cubic over nine samples of five to the period is off by a third.
+    let motion = trajectory(&clean).motion;
+    assert!(off(&motion.velocity, &slope, TICK) < 2e-3 * rms(slope.iter().copied()));
+}
+
+/// Its own error is as large as it says, for each derivative.
+#[test]
+fn the_error_of_a_motion_of_few_samples_is_as_large_as_is_said() {
+    let [clean, slope, curvature] = random_phases(20_000, [0.01, 0.15], 3);
+    let trajectory = trajectory(&noisy(&clean, 1e-2, 4));
+    let (motion, said) = (&trajectory.motion, &trajectory.motion_error);
+    let off = |estimated: &[f64], truth: &[f64], scale: f64| {
+        rms((0..truth.len()).map(|index| estimated[index] * scale - truth[index]))
+    };
+    let ratios = [
+        rms(said.displacement.iter().copied()) / off(&motion.displacement, &clean, 1.0),
+        rms(said.velocity.iter().copied()) * TICK / off(&motion.velocity, &slope, TICK),
+        rms(said.acceleration.iter().copied()) * TICK * TICK
+            / off(&motion.acceleration, &curvature, TICK * TICK),
+    ];
+    assert!(
+        ratios.iter().all(|ratio| (0.8..1.25).contains(ratio)),
+        "{ratios:?}"
+    );
+}
+
+/// A triangle of a hundred samples to the period has a spectrum too, but its corners are corners.
+#[test]
+fn corners_of_a_fast_triangle_stay_corners() {
+    let triangle = |index: usize| {
+        let turn = index as f64 / 100.0 + 0.013;
+        1.0 - 4.0 * ((turn - turn.floor()) - 0.5).abs()
+    };
+    let clean: Vec<f64> = (0..20_000).map(triangle).collect();
+    let motion = trajectory(&noisy(&clean, 1e-3, 5)).motion;
+    // One every half period.
+    assert!(motion.kinks.len() > 380, "{}", motion.kinks.len());
+    let speed = 4.0 / 100.0 / TICK;
+    let close = motion
+        .velocity
+        .iter()
+        .filter(|v| (v.abs() / speed - 1.0).abs() < 0.02);
+    assert!(close.count() > 16_000);
+}

@@ -70,7 +70,8 @@ pub struct Test {
     pub name: &'static str,
     /// Without noise.
     pub recording: Recording,
-    /// What is judged of the simulated displacement: all but the swinging in from rest, which a record of a steady motion lacks.
+    /// What is judged: all but the beginning of a record of a steady motion, of which a simulation from rest does not know how it
+    /// came about.
     pub judged: Range<usize>,
 }
 
@@ -243,7 +244,9 @@ pub fn score(model: &Model, test: &Test) -> Result<Score, TraceError> {
     };
     Ok(Score {
         test: test.name,
-        force_nrmse: nrmse(&predicted, &trajectory.force, |_| true),
+        force_nrmse: nrmse(&predicted, &trajectory.force, |index| {
+            test.judged.contains(&index)
+        }),
         displacement_rms: rms(&mut judged.iter().copied()),
         displacement_error,
         refused,
