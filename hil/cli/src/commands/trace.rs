@@ -56,7 +56,7 @@ impl TraceCommand {
         let read = |paths: &[PathBuf]| {
             paths
                 .iter()
-                .map(|path| Recording::read_within(path, self.reading.limit))
+                .map(|path| Recording::read_channels_within(path, self.reading.limit))
                 .collect::<Result<Vec<_>, _>>()
         };
         let recordings = read(&self.recordings)?;
