@@ -10,7 +10,7 @@ use mesh_damper_recording::trajectory::Trajectory;
 use super::families::{Entry, Form, Moment, Step};
 use super::known_forces::UnitForces;
 use super::moved::{delayed, moved};
-use super::rows::{RowMotion, Rows, clamped};
+use super::rows::{RowMotion, Rows};
 use super::shape::{Extent, Shape};
 use super::solution::{Deflection, Solution};
 use super::term::{Term, TermValue};
@@ -446,9 +446,7 @@ impl<'r, 'a> Basis<'r, 'a> {
         let work = |trajectories: &[Trajectory], late: &[usize]| {
             let mut columns: Vec<Vec<Vec<f64>>> = Vec::new();
             for (which, trajectory) in trajectories.iter().enumerate() {
-                // Made anew for each: kept, it takes as much memory as the trajectories.
-                let motions = clamped(trajectory);
-                let mut forces = (form.unit_forces)(shapes, &motions, trajectory.tick).ok()?;
+                let mut forces = (form.unit_forces)(shapes, trajectory, trajectory.tick).ok()?;
                 if let (true, Some(&ticks)) = (form.follows_clock, late.get(which)) {
                     // It follows the clock, and not the motion, which comes late already.
                     let late = forces.iter().map(|force| delayed(force, ticks));
