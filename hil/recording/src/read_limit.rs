@@ -42,8 +42,8 @@ pub struct ReadLimit {
 }
 
 impl Default for ReadLimit {
-    /// Derived from memory: reading a recording takes five bytes of memory for each byte of the file, and at most twelve, where a
-    /// row has no more than six; that is 2.5 GiB and at most 6. At 10 kHz and 40 bytes to the row it is 22 minutes.
+    /// Derived from memory: reading a recording takes two bytes of memory for each byte of the file, and at most twelve, where a
+    /// row has no more than six; that is 1 GiB and at most 6. At 10 kHz and 40 bytes to the row it is 22 minutes.
     fn default() -> Self {
         Self { file: 512 << 20 }
     }
@@ -82,10 +82,7 @@ impl ReadLimit {
 
     /// A file that exceeds the limit.
     pub(crate) fn exceeded(self, name: &str) -> InputError {
-        self.refused(
-            name,
-            format!("holds more than {self}, the limit of a file"),
-        )
+        self.refused(name, format!("holds more than {self}, the limit of a file"))
     }
 
     fn refused(self, name: &str, problem: String) -> InputError {

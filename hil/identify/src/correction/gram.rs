@@ -103,8 +103,9 @@ impl<'d> GramRows<'d> {
         let parts = Parts::new(&layout, form.trends, &hats);
         let is_left_out = |block: usize| self.design.left_out.binary_search(&block).is_ok();
         // Those that are never left out are summed together: there may be thousands, and the sums of each take a megabyte.
-        let together =
-            |a: &Row, b: &Row| a.block == b.block || !(is_left_out(a.block) || is_left_out(b.block));
+        let together = |a: &Row, b: &Row| {
+            a.block == b.block || !(is_left_out(a.block) || is_left_out(b.block))
+        };
         let mut first = 0;
         let runs = self.design.rows.chunk_by(together);
         let runs: Vec<(usize, &[Row])> = runs

@@ -34,10 +34,7 @@ impl<'r> Aligned<'r> {
     ///
     /// # Errors
     /// As [`Trajectory::of`].
-    pub fn of(
-        fitted: &'r [&'r Recording],
-        held: &'r [&'r Recording],
-    ) -> Result<Self, InputError> {
+    pub fn of(fitted: &'r [&'r Recording], held: &'r [&'r Recording]) -> Result<Self, InputError> {
         let each = |recordings: &[&Recording]| -> Result<Vec<Trajectory>, InputError> {
             let each = recordings.iter();
             each.map(|recording| Trajectory::of(recording)).collect()

@@ -90,8 +90,12 @@ pub fn trace(
     let mended = |recordings| <[Recording]>::iter(recordings).map(Recording::mended);
     let (recordings, held_out): (Vec<_>, Vec<_>) =
         (mended(recordings).collect(), mended(held_out).collect());
-    let [recordings, held_out] = [&recordings, &held_out]
-        .map(|mended| mended.iter().map(AsRef::as_ref).collect::<Vec<&Recording>>());
+    let [recordings, held_out] = [&recordings, &held_out].map(|mended| {
+        mended
+            .iter()
+            .map(AsRef::as_ref)
+            .collect::<Vec<&Recording>>()
+    });
     let all = [recordings.as_slice(), &held_out].concat();
     check_consistency(&all)?;
     for recording in &all {
