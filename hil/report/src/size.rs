@@ -51,7 +51,7 @@ fn panel(
     let y = charts::padded(points().map(|point| point.1));
     let style = Style::of_size(SIZE.0 / 2, SIZE.1);
     let rows = |x: f64| format!("{:.0e}", 10_f64.powf(x));
-    let values = |y: f64| super::text::number(10_f64.powf(y));
+    let values = |y: f64| two_digits(10_f64.powf(y));
     let labels = ("rows", label);
     let mut chart = charts::axes_labelled(area, &style, (x, y), labels, (&rows, &values))?;
     let line = |colour: RGBColor| colour.stroke_width(2 * FINE);
@@ -67,6 +67,13 @@ fn panel(
         entries.push((colour, motion.in_words()));
     }
     legend(area, &entries)
+}
+
+/// A positive number with two digits that count.
+fn two_digits(value: f64) -> String {
+    let last = 10_f64.powf(value.log10().floor() - 1.0);
+    let rounded = (value / last).round() * last;
+    format!("{rounded:.*}", (-last.log10()).max(0.0).round() as usize)
 }
 
 /// Names beside their colours, in the upper left corner, where what grows leaves room.
@@ -86,6 +93,12 @@ fn legend(area: &Area<'_>, entries: &[(RGBColor, &str)]) -> Drawn {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn ticks_have_two_digits() {
+        let written = [0.0316, 0.98, 9.96, 63.1, 631.0].map(two_digits);
+        assert_eq!(written, ["0.032", "0.98", "10.0", "63", "630"]);
+    }
 
     #[test]
     fn every_measurement_is_a_point_of_both_panels_beside_the_limit() {

@@ -318,7 +318,8 @@ impl<'a> Design<'a> {
         }
         wanted.sort_unstable();
         let mut wanted = wanted.into_iter().peekable();
-        let mut taken: Vec<Vec<T>> = self.rows.iter().map(|_| Vec::new()).collect();
+        let room = self.rows.iter().map(|row| row.instants.len());
+        let mut taken: Vec<Vec<T>> = room.map(Vec::with_capacity).collect();
         for (which, trajectory) in self.trajectories.iter().enumerate() {
             let table = empty(&self.reach, Some((of, range)), trajectory.tick)?;
             let mut state = ResidualTableState::NEW;
