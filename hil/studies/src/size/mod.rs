@@ -16,10 +16,10 @@ use serde::{Deserialize, Serialize};
 pub use process::{Usage, usage_of};
 pub use simulate::{Motion, simulate};
 
-/// The most memory that a trace may take: so much a row, and so much whatever the rows. Convention: a gigabyte of free memory is
+/// The most memory that a trace may take: bytes for each row, beside [`BYTES_BESIDE`]. Convention: a gigabyte of free memory is
 /// enough for two million rows, and the rest is the command itself.
 pub const BYTES_PER_ROW: u64 = 400;
-/// The other part of that, bytes.
+/// What a trace may take whatever the rows, bytes.
 pub const BYTES_BESIDE: u64 = 64 << 20;
 /// The part of a recording's duration that its trace may take on two free cores. Convention: a day's tests are traced within the
 /// hour.
@@ -61,7 +61,7 @@ impl Measured {
     }
 }
 
-/// The most memory that a trace of so many rows may take, bytes.
+/// The most memory that a trace of `rows` rows may take, bytes.
 pub fn memory_limit(rows: usize) -> u64 {
     BYTES_PER_ROW * rows as u64 + BYTES_BESIDE
 }
