@@ -10,7 +10,7 @@ use mesh_damper_recording::trajectory::Trajectory;
 use super::families::{Entry, Form, Moment, Step};
 use super::known_forces::UnitForces;
 use super::moved::{delayed, moved};
-use super::rows::{RowMotion, Rows, clamped};
+use super::rows::{RowMotion, Rows};
 use super::shape::{Extent, Shape};
 use super::solution::{Deflection, Solution};
 use super::term::{Term, TermValue};
@@ -52,9 +52,9 @@ struct LawColumns {
 }
 
 struct Moved {
-    trajectories: Vec<Trajectory>,
-    /// By how many ticks the force of each is late.
-    late: Vec<usize>,
+    /// What moves the recorded motion, each with its shape. The motion is made of them where it is needed: kept at every sample,
+    /// those of all searches at once took as much memory as all else.
+    by: Vec<(Form, f64)>,
     rows: RowMotion,
     throughout: Option<RowMotion>,
 }
@@ -332,23 +332,21 @@ impl<'r, 'a> Basis<'r, 'a> {
         if moves.is_empty() {
             return None;
         }
-        let (trajectories, late): (Vec<Trajectory>, Vec<usize>) = self
-            .rows
-            .trajectories
-            .iter()
-            .enumerate()
-            .map(|(which, trajectory)| {
-                let deflection = self.deflections.as_ref().map(|each| &each[which]);
-                moved(trajectory, &moves, deflection)
-            })
-            .unzip();
+        let each = 0..self.rows.trajectories.len();
+        let trajectories: Vec<Trajectory> =
+            each.map(|which| self.motion_by(&moves, which).0).collect();
         let (rows, throughout) = self.rows.motion_in(&trajectories);
         Some(Moved {
-            trajectories,
-            late,
+            by: moves,
             rows,
             throughout,
         })
+    }
+
+    /// The motion of a trajectory as these make it, and by how many ticks the force is late.
+    fn motion_by(&self, moves: &[(Form, f64)], which: usize) -> (Trajectory, usize) {
+        let deflection = self.deflections.as_ref().map(|each| &each[which]);
+        moved(&self.rows.trajectories[which], moves, deflection)
     }
 
     fn law(&self, at: &[f64], moved: &Option<Arc<Moved>>) -> LawColumns {
@@ -443,16 +441,20 @@ impl<'r, 'a> Basis<'r, 'a> {
         moved: &Option<Arc<Moved>>,
         is_start: bool,
     ) -> UnitForces {
-        let work = |trajectories: &[Trajectory], late: &[usize]| {
+        let work = || {
             let mut columns: Vec<Vec<Vec<f64>>> = Vec::new();
-            for (which, trajectory) in trajectories.iter().enumerate() {
-                // Made anew for each: kept, it takes as much memory as the trajectories.
-                let motions = clamped(trajectory);
-                let mut forces = (form.unit_forces)(shapes, &motions, trajectory.tick).ok()?;
-                if let (true, Some(&ticks)) = (form.follows_clock, late.get(which)) {
+            for (which, recorded) in self.rows.trajectories.iter().enumerate() {
+                let through = moved.as_ref();
+                let through = through.map(|moved| self.motion_by(&moved.by, which));
+                let (motion, late) = match &through {
+                    Some((moved, late)) => (moved, *late),
+                    None => (recorded, 0),
+                };
+                let mut forces = (form.unit_forces)(shapes, motion, motion.tick).ok()?;
+                if form.follows_clock && late > 0 {
                     // It follows the clock, and not the motion, which comes late already.
-                    let late = forces.iter().map(|force| delayed(force, ticks));
-                    forces = late.collect();
+                    let on_time = forces.iter().map(|force| delayed(force, late));
+                    forces = on_time.collect();
                 }
                 columns.resize(forces.len(), Vec::new());
                 for (column, force) in columns.iter_mut().zip(forces) {
@@ -466,11 +468,10 @@ impl<'r, 'a> Basis<'r, 'a> {
                     .collect(),
             )
         };
-        let recorded = || work(self.rows.trajectories, &[]);
-        match moved {
-            Some(moved) => work(&moved.trajectories, &moved.late),
-            None if is_start => self.rows.known_forces.of(form, shapes, recorded),
-            None => recorded(),
+        if moved.is_none() && is_start {
+            self.rows.known_forces.of(form, shapes, work)
+        } else {
+            work()
         }
     }
 }

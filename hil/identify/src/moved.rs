@@ -1,5 +1,7 @@
 //! The motion that reaches the law when something stands between it and the recorded displacement.
 
+use std::sync::Arc;
+
 use mesh_damper::effects::Motion;
 use mesh_damper_model::predict::motion_at;
 use mesh_damper_recording::trajectory::Trajectory;
@@ -56,9 +58,11 @@ fn delay_all(trajectory: &mut Trajectory, ticks: usize) {
     delay(&mut motion.displacement);
     delay(&mut motion.velocity);
     delay(&mut motion.acceleration);
-    delay(&mut trajectory.cycles);
+    let [cycles, amplitude] = [&mut trajectory.cycles, &mut trajectory.amplitude];
+    for shared in [cycles, amplitude] {
+        *shared = Arc::new(delayed(shared, ticks));
+    }
     if let Some(temperature) = &mut trajectory.temperature {
         delay(temperature);
     }
-    delay(&mut trajectory.amplitude);
 }

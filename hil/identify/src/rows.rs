@@ -2,8 +2,6 @@
 
 use std::sync::Arc;
 
-use mesh_damper::effects::ClampedMotion;
-use mesh_damper_model::predict::motion_at;
 use mesh_damper_recording::trajectory::Trajectory;
 
 use super::known_forces::KnownForces;
@@ -80,14 +78,6 @@ impl RowMotion {
         }
         rows
     }
-}
-
-/// What effects see at every sample.
-pub(super) fn clamped(trajectory: &Trajectory) -> Vec<ClampedMotion<f64>> {
-    let samples = 0..trajectory.len();
-    samples
-        .map(|sample| motion_at(trajectory, sample).clamped())
-        .collect()
 }
 
 impl<'a> Rows<'a> {

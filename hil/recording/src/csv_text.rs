@@ -2,71 +2,249 @@
 
 use std::collections::HashMap;
 use std::io::{self, Read};
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use crate::error::{InputError, Place, quoted};
-use crate::read_limit::{ReadLimit, open, read_lines};
+use crate::read_limit::{ReadLimit, open};
 
 /// The two bytes with which every gzip member begins (RFC 1952, 2.3.1).
 const GZIP_MAGIC: [u8; 2] = [0x1f, 0x8b];
 /// What some programs write before the text.
-const BYTE_ORDER_MARK: char = '\u{feff}';
+const BYTE_ORDER_MARK: &[u8] = "\u{feff}".as_bytes();
+/// Bytes that are read at a time.
+const CHUNK: usize = 1 << 16;
 
-/// The text of a file, unzipped where it is gzip, without a byte order mark.
+/// The text of a CSV file as it is read: unzipped where it is gzip, without a byte order mark, and never held as a whole.
 ///
-/// # Errors
-/// The file and why it cannot be read: a folder, broken gzip, beyond `limit`, or no UTF-8, with its line.
-pub fn read_text(path: &Path, limit: ReadLimit) -> Result<String, InputError> {
-    text_of(path, open(path)?, limit)
-}
-
-/// The text that `source` gives, unzipped where it is gzip, without a byte order mark; `path` is what errors call it.
-pub(crate) fn text_of(
-    path: &Path,
-    mut source: impl Read,
+/// What is wrong with the file comes out of [`Read::read`] as an [`InputError`] within an [`io::Error`]; [`broken_csv`] takes
+/// it out again.
+pub struct CsvText<'a> {
+    path: PathBuf,
     limit: ReadLimit,
-) -> Result<String, InputError> {
-    let name = path.display().to_string();
-    let unreadable = |error: &io::Error| InputError::io(path, "read", error);
-    let mut head = Vec::new();
-    (source.by_ref().take(GZIP_MAGIC.len() as u64))
-        .read_to_end(&mut head)
-        .map_err(|error| unreadable(&error))?;
-    let named_gzip = path.extension().is_some_and(|extension| extension == "gz");
-    let is_gzip = head == GZIP_MAGIC || (named_gzip && !head.is_empty());
-    let whole = head.as_slice().chain(source);
-    let bytes = if is_gzip {
-        let unzipped = flate2::read::MultiGzDecoder::new(whole);
-        read_lines(&name, unzipped, limit, |error| {
-            // What is wrong with the gzip has no number of the operating system.
-            if error.raw_os_error().is_some() {
-                return unreadable(error);
-            }
-            InputError::new(
-                &name,
-                format!("not valid gzip: {error}"),
-                "copy the file again, or unpack it and name the CSV",
-            )
-        })?
-    } else {
-        read_lines(&name, whole, limit, unreadable)?
-    };
-    let mut text = String::from_utf8(bytes).map_err(|error| {
-        let valid = &error.as_bytes()[..error.utf8_error().valid_up_to()];
-        let line = 1 + valid.iter().filter(|&&byte| byte == b'\n').count() as u64;
-        InputError::new(&name, "not UTF-8 text", "save the file as UTF-8 CSV").at(Place::Line(line))
-    })?;
-    if text.starts_with(BYTE_ORDER_MARK) {
-        text.drain(..BYTE_ORDER_MARK.len_utf8());
+    source: Box<dyn Read + 'a>,
+    is_gzip: bool,
+    /// What was read and not handed on. Behind its first `whole` bytes begins a character that is not read to its end.
+    chunk: Vec<u8>,
+    next: usize,
+    whole: usize,
+    /// Bytes read of the file, unpacked, and bytes handed on.
+    read: u64,
+    handed: u64,
+    last: Option<u8>,
+    has_ended: bool,
+    lines: Lines,
+}
+
+/// The lines of a text so far.
+#[derive(Default)]
+struct Lines {
+    /// Line ends that were passed.
+    ends: u64,
+    /// Bytes of this line so far.
+    length: u64,
+    /// Bytes of all comment lines so far.
+    of_comments: u64,
+    comments: Vec<String>,
+    /// The bytes of this line, where it is a comment.
+    comment: Option<Vec<u8>>,
+    /// Whether a quoted cell has begun and not ended.
+    quoted: bool,
+    is_within: bool,
+}
+
+impl<'a> CsvText<'a> {
+    /// Opens a file.
+    ///
+    /// # Errors
+    /// The file and why it cannot be read: there is none, or it is a folder.
+    pub fn open(path: &Path, limit: ReadLimit) -> Result<Self, InputError> {
+        Self::of(path, open(path)?, limit)
     }
-    Ok(text)
+
+    /// What `source` gives; `path` is what errors call it.
+    pub(crate) fn of(
+        path: &Path,
+        mut source: impl Read + 'a,
+        limit: ReadLimit,
+    ) -> Result<Self, InputError> {
+        let mut head = Vec::new();
+        (source.by_ref().take(GZIP_MAGIC.len() as u64))
+            .read_to_end(&mut head)
+            .map_err(|error| InputError::io(path, "read", &error))?;
+        let named_gzip = path.extension().is_some_and(|extension| extension == "gz");
+        let is_gzip = head == GZIP_MAGIC || (named_gzip && !head.is_empty());
+        let whole = io::Cursor::new(head).chain(source);
+        Ok(Self {
+            path: path.to_owned(),
+            limit,
+            source: if is_gzip {
+                Box::new(flate2::read::MultiGzDecoder::new(whole))
+            } else {
+                Box::new(whole)
+            },
+            is_gzip,
+            chunk: Vec::with_capacity(CHUNK),
+            next: 0,
+            whole: 0,
+            read: 0,
+            handed: 0,
+            last: None,
+            has_ended: false,
+            lines: Lines::default(),
+        })
+    }
+
+    /// The file as the user named it.
+    pub fn name(&self) -> String {
+        self.path.display().to_string()
+    }
+
+    /// Its rows, those of different lengths included; comment lines are left out.
+    pub fn rows(self) -> csv::Reader<Self> {
+        csv::ReaderBuilder::new()
+            .comment(Some(b'#'))
+            .has_headers(false)
+            .flexible(true)
+            .trim(csv::Trim::All)
+            .buffer_capacity(CHUNK)
+            .from_reader(self)
+    }
+
+    /// The texts of the lines read so far that begin with `#` and do not stand within a quoted cell.
+    pub fn comments(self) -> Vec<String> {
+        self.lines.comments
+    }
+
+    /// Reads on, and takes what it reads as far as its last character goes.
+    fn fill(&mut self) -> Result<(), InputError> {
+        self.chunk.drain(..self.whole);
+        (self.next, self.whole) = (0, 0);
+        while self.whole == 0 && !self.has_ended {
+            self.more()?;
+            if self.handed == 0 && self.chunk.starts_with(BYTE_ORDER_MARK) {
+                self.chunk.drain(..BYTE_ORDER_MARK.len());
+                self.lines.length = BYTE_ORDER_MARK.len() as u64;
+            }
+            let error = std::str::from_utf8(&self.chunk).err();
+            self.whole = error.map_or(self.chunk.len(), |error| error.valid_up_to());
+            self.lines
+                .pass(&self.chunk[..self.whole], &self.name(), self.limit)?;
+            let is_broken = error.is_some_and(|error| error.error_len().is_some());
+            if is_broken || (self.has_ended && self.whole < self.chunk.len()) {
+                let line = 1 + self.lines.ends;
+                return Err(InputError::new(
+                    self.name(),
+                    "not UTF-8 text",
+                    "save the file as UTF-8 CSV",
+                )
+                .at(Place::Line(line)));
+            }
+        }
+        if self.has_ended {
+            self.lines.end();
+        }
+        Ok(())
+    }
+
+    /// Some more bytes of the file, or its end.
+    fn more(&mut self) -> Result<(), InputError> {
+        let held = self.chunk.len();
+        self.chunk.resize(held + CHUNK, 0);
+        let count = loop {
+            match self.source.read(&mut self.chunk[held..]) {
+                Ok(count) => break count,
+                Err(error) if error.kind() == io::ErrorKind::Interrupted => {}
+                Err(error) => return Err(self.failed(&error)),
+            }
+        };
+        self.chunk.truncate(held + count);
+        self.has_ended = count == 0;
+        self.read += count as u64;
+        if self.read > self.limit.file() {
+            return Err(self.limit.exceeded(&self.name()));
+        }
+        Ok(())
+    }
+
+    fn failed(&self, error: &io::Error) -> InputError {
+        // What is wrong with the gzip has no number of the operating system.
+        if !self.is_gzip || error.raw_os_error().is_some() {
+            return InputError::io(&self.path, "read", error);
+        }
+        InputError::new(
+            self.name(),
+            format!("not valid gzip: {error}"),
+            "copy the file again, or unpack it and name the CSV",
+        )
+    }
 }
 
-/// Whether the record that `reader` read last, of this `text`, has no line end: its last cell may have been cut.
-pub fn is_cut(text: &str, reader: &csv::Reader<&[u8]>) -> bool {
-    !text.ends_with(['\n', '\r']) && reader.position().byte() == text.len() as u64
+impl Read for CsvText<'_> {
+    fn read(&mut self, to: &mut [u8]) -> io::Result<usize> {
+        if self.next == self.whole && !self.has_ended {
+            self.fill().map_err(io::Error::other)?;
+        }
+        let count = to.len().min(self.whole - self.next);
+        let from = &self.chunk[self.next..self.next + count];
+        to[..count].copy_from_slice(from);
+        self.last = from.last().copied().or(self.last);
+        self.next += count;
+        self.handed += count as u64;
+        Ok(count)
+    }
 }
 
+impl Lines {
+    /// Counts the lines of `text` and keeps those that are comments.
+    fn pass(&mut self, text: &[u8], name: &str, limit: ReadLimit) -> Result<(), InputError> {
+        for &byte in text {
+            if !self.is_within && byte == b'#' && !self.quoted {
+                self.comment = Some(Vec::new());
+            }
+            self.is_within = byte != b'\n';
+            match &mut self.comment {
+                Some(comment) if byte != b'\n' => {
+                    comment.push(byte);
+                    // Each takes more memory than its text, so that many short ones take many times the file.
+                    if self.of_comments + comment.len() as u64 >= limit.line().saturating_add(1) {
+                        return Err(limit.exceeded_by(name, "has comments of", "all comments"));
+                    }
+                }
+                Some(_) => self.end(),
+                None => self.quoted ^= byte == b'"',
+            }
+            // A lone carriage return ends a row too, but no line is counted there.
+            self.length = match byte {
+                b'\n' | b'\r' => 0,
+                _ => self.length + 1,
+            };
+            if self.length > limit.line() {
+                let error = limit.exceeded_by(name, "has", "a line");
+                return Err(error.at(Place::Line(1 + self.ends)));
+            }
+            self.ends += u64::from(byte == b'\n');
+        }
+        Ok(())
+    }
+
+    /// Ends a comment.
+    fn end(&mut self) {
+        let Some(comment) = self.comment.take() else {
+            return;
+        };
+        self.of_comments += comment.len() as u64 + 1;
+        let text = String::from_utf8_lossy(&comment[1..]);
+        self.comments.push(text.trim().replace('\r', " "));
+    }
+}
+
+/// Whether the record that was read last has no line end: its last cell may have been cut.
+pub fn is_cut(rows: &csv::Reader<CsvText>) -> bool {
+    let text = rows.get_ref();
+    let has_end = matches!(text.last, Some(b'\n' | b'\r'));
+    // A record without a line end is one only once there is nothing more.
+    text.has_ended && !has_end && rows.position().byte() == text.handed
+}
 /// The first name in a header that stands there twice, with both of its columns, counted from 0.
 pub fn doubled(header: &csv::StringRecord) -> Option<(&str, usize, usize)> {
     let mut known = HashMap::with_capacity(header.len());
@@ -105,8 +283,14 @@ pub(crate) fn is_blank(cell: &str) -> bool {
     cell.is_empty() || cell.parse().is_ok_and(f64::is_nan)
 }
 
-/// What the CSV reader could not read, with its line.
+/// What the CSV reader could not read, with its line; or what is wrong with the file, which [`CsvText`] found.
 pub fn broken_csv(file: &str, error: &csv::Error) -> InputError {
+    if let csv::ErrorKind::Io(error) = error.kind()
+        && let Some(inner) = error.get_ref()
+        && let Some(found) = inner.downcast_ref::<InputError>()
+    {
+        return found.clone();
+    }
     let broken = InputError::new(
         file,
         format!("not readable as CSV: {error}"),

@@ -6,7 +6,8 @@ use super::Recording;
 use super::channel::Channel;
 use super::faults::listed;
 use super::noise::noise_beside_tones;
-use crate::csv_text::read_text;
+use super::read::Kept;
+use crate::csv_text::CsvText;
 use crate::error::{InputError, Place};
 use crate::read_limit::ReadLimit;
 
@@ -47,10 +48,9 @@ impl InputSignal {
         channel: Channel,
         limit: ReadLimit,
     ) -> Result<Self, InputError> {
-        let path = path.as_ref();
-        let text = read_text(path, limit)?;
+        let text = CsvText::open(path.as_ref(), limit)?;
         let needed = |each| each == Channel::Time || each == channel;
-        let mut recording = Recording::parse_channels(path, &text, limit, needed)?;
+        let mut recording = Recording::parse_channels(text, Kept::Channels, needed)?;
         let values = match channel {
             Channel::Force => &recording.force,
             Channel::Displacement => &recording.displacement,

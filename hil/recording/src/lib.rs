@@ -67,7 +67,7 @@ pub use write::{decimal, table};
 
 use crate::error::{InputError, Place};
 use faults::ChannelFault;
-use rows::TextRows;
+use rows::{RowLines, TextRows};
 
 /// The key of the comment that marks the recording of a run under way.
 pub const UNFINISHED: &str = "unfinished";
@@ -97,6 +97,7 @@ pub struct Recording {
     /// The units that the file has or shall have.
     pub units: Units,
     source: Option<Source>,
+    lines: RowLines,
     faults: Vec<ChannelFault>,
 }
 
@@ -129,6 +130,7 @@ impl Recording {
             comments: Vec::new(),
             units: Units::default(),
             source: None,
+            lines: RowLines::default(),
             faults: Vec::new(),
         };
         recording.check()?;
@@ -195,10 +197,7 @@ impl Recording {
 
     /// The line of the file in which sample `index` stands, or `index` + 1 where there is no file.
     fn line(&self, index: usize) -> u64 {
-        self.source
-            .as_ref()
-            .and_then(|source| source.rows.line(index))
-            .unwrap_or(index as u64 + 1)
+        self.lines.line(index).unwrap_or(index as u64 + 1)
     }
 
     /// The invariants that the type's documentation states.

@@ -4,10 +4,10 @@ use std::path::Path;
 
 use super::channel::Channel;
 use super::faults::{ChannelFault, ChannelFaultKind};
-use super::rows::TextRows;
+use super::rows::{RowLines, TextRows};
 use super::units::{Unit, Units};
 use super::{Recording, Source};
-use crate::csv_text::{broken_csv, doubled, is_blank, is_cut, number, read_text, text_of};
+use crate::csv_text::{CsvText, broken_csv, doubled, is_blank, is_cut, number};
 use crate::error::{InputError, Place, quoted};
 use crate::read_limit::ReadLimit;
 
@@ -31,12 +31,22 @@ impl Recording {
     /// # Errors
     /// As [`Recording::read`].
     pub fn read_within(path: impl AsRef<Path>, limit: ReadLimit) -> Result<Self, InputError> {
-        let path = path.as_ref();
-        Self::parse(path, &read_text(path, limit)?, limit)
+        Self::parse(CsvText::open(path.as_ref(), limit)?, Kept::Cells)
     }
 
-    /// [`Recording::read_within`] of a file that needs no force, because only its motion counts: without a force column the
-    /// force is 0.
+    /// [`Recording::read_within`] for who does not write the recording again: other columns, and the cells as text, are not kept.
+    ///
+    /// # Errors
+    /// As [`Recording::read`].
+    pub fn read_channels_within(
+        path: impl AsRef<Path>,
+        limit: ReadLimit,
+    ) -> Result<Self, InputError> {
+        Self::parse(CsvText::open(path.as_ref(), limit)?, Kept::Channels)
+    }
+
+    /// [`Recording::read_channels_within`] of a file that needs no force, because only its motion counts: without a force column
+    /// the force is 0.
     ///
     /// # Errors
     /// As [`Recording::read`].
@@ -44,9 +54,9 @@ impl Recording {
         path: impl AsRef<Path>,
         limit: ReadLimit,
     ) -> Result<Self, InputError> {
-        let path = path.as_ref();
         let needed = |channel: Channel| channel.is_required() && channel != Channel::Force;
-        let mut recording = Self::parse_channels(path, &read_text(path, limit)?, limit, needed)?;
+        let text = CsvText::open(path.as_ref(), limit)?;
+        let mut recording = Self::parse_channels(text, Kept::Channels, needed)?;
         if recording.force.is_empty() {
             recording.force = vec![0.0; recording.time.len()];
         }
@@ -59,12 +69,12 @@ impl Recording {
     /// # Errors
     /// As [`Recording::read`], but for what the file system says.
     pub fn from_bytes(path: &Path, bytes: Vec<u8>) -> Result<Self, InputError> {
-        let limit = ReadLimit::default();
-        Self::parse(path, &text_of(path, bytes.as_slice(), limit)?, limit)
+        let text = CsvText::of(path, bytes.as_slice(), ReadLimit::default())?;
+        Self::parse(text, Kept::Cells)
     }
 
-    fn parse(path: &Path, text: &str, limit: ReadLimit) -> Result<Self, InputError> {
-        let recording = Self::parse_channels(path, text, limit, Channel::is_required)?;
+    fn parse(text: CsvText, kept: Kept) -> Result<Self, InputError> {
+        let recording = Self::parse_channels(text, kept, Channel::is_required)?;
         recording.check()?;
         Ok(recording)
     }
@@ -72,25 +82,18 @@ impl Recording {
     /// The channels of `text`, of which those that are not `needed` may be missing, which leaves them empty. They are still to be
     /// checked.
     pub(super) fn parse_channels(
-        path: &Path,
-        text: &str,
-        limit: ReadLimit,
+        text: CsvText,
+        kept: Kept,
         needed: impl Fn(Channel) -> bool,
     ) -> Result<Self, InputError> {
-        let name = path.display().to_string();
-        let comments = comments_of(&name, text, limit)?;
-        let mut reader = csv::ReaderBuilder::new()
-            .comment(Some(b'#'))
-            .has_headers(false)
-            .flexible(true)
-            .trim(csv::Trim::All)
-            .from_reader(text.as_bytes());
+        let name = text.name();
+        let mut reader = text.rows();
         let mut header = csv::StringRecord::new();
         match reader.read_record(&mut header) {
             Ok(true) => {}
             Err(error) => return Err(broken_csv(&name, &error)),
             Ok(false) => {
-                let problem = if text.trim().is_empty() {
+                let problem = if reader.into_inner().comments().is_empty() {
                     "is empty"
                 } else {
                     "holds comments only"
@@ -105,12 +108,13 @@ impl Recording {
         let columns = Columns::find(&name, &header, &needed)?;
 
         let mut channels = vec![Vec::new(); columns.used.len()];
-        let mut rows = TextRows::default();
+        let mut cells = (kept == Kept::Cells).then(TextRows::default);
+        let mut lines = RowLines::default();
         let (mut blank, mut first_blank) = (0, None);
         let (mut repeated, mut cut) = (0, false);
         let mut row = csv::StringRecord::new();
         while (reader.read_record(&mut row)).map_err(|error| broken_csv(&name, &error))? {
-            if is_cut(text, &reader) {
+            if is_cut(&reader) {
                 // The reader makes an empty row of a comment there.
                 cut = row.iter().any(|cell| !cell.is_empty());
                 break;
@@ -152,11 +156,15 @@ impl Recording {
                 continue;
             }
             for (channel, value) in channels.iter_mut().zip(values) {
+                grow(channel);
                 channel.push(value);
             }
-            rows.push(&row, line);
+            if let Some(cells) = &mut cells {
+                cells.push(&row);
+            }
+            lines.push(line);
         }
-        if blank > rows.len()
+        if blank > lines.len()
             && let Some(error) = first_blank
         {
             return Err(error);
@@ -170,9 +178,10 @@ impl Recording {
             force: Vec::new(),
             velocity: None,
             temperature: None,
-            comments,
+            comments: reader.into_inner().comments(),
             units,
-            source: Some(Source { header, rows }),
+            source: cells.map(|rows| Source { header, rows }),
+            lines,
             faults: Vec::new(),
         };
         if repeated > 0 {
@@ -207,25 +216,21 @@ impl Recording {
     }
 }
 
-/// The texts of the lines that begin with `#` and do not stand within a quoted cell.
-fn comments_of(file: &str, text: &str, limit: ReadLimit) -> Result<Vec<String>, InputError> {
-    let mut quoted = false;
-    let mut comments = Vec::new();
-    let mut bytes = 0;
-    for line in text.lines() {
-        match line.strip_prefix('#') {
-            Some(comment) if !quoted => {
-                // Each takes more memory than its text, so that many short ones take many times the file.
-                bytes += line.len() as u64 + 1;
-                if bytes > limit.line() {
-                    return Err(limit.exceeded_by(file, "has comments of", "all comments"));
-                }
-                comments.push(comment.trim().replace('\r', " "));
-            }
-            _ => quoted ^= line.matches('"').count() % 2 == 1,
-        }
+/// Makes room for one more value: a quarter more than there is. Twice as much, as a vector takes by itself, is all that a file of
+/// short rows may take.
+fn grow(channel: &mut Vec<f64>) {
+    if channel.len() == channel.capacity() {
+        channel.reserve_exact((channel.len() / 4).max(1024));
     }
-    Ok(comments)
+}
+
+/// What is kept of a file.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) enum Kept {
+    /// Its channels.
+    Channels,
+    /// These, and all cells as they are written, so that they can be written again.
+    Cells,
 }
 
 /// A column that is used.

@@ -4,17 +4,15 @@
 
 use std::fmt;
 use std::fs::File;
-use std::io::{self, Read};
+use std::io::Read as _;
 use std::path::Path;
 use std::str::FromStr;
 
-use crate::error::{InputError, Place};
+use crate::error::InputError;
 
 /// Part of the limit of a file that one line may take, all comments, or a JSON file. Convention: a row of measured channels has
 /// some hundred bytes and a model file some ten thousand; at the default a header of 5e5 columns still passes.
 const PART: u64 = 64;
-/// Bytes that are read at a time.
-const CHUNK: usize = 1 << 16;
 /// Units of a size, the largest first.
 const UNITS: [(&str, u64); 7] = [
     ("GiB", 1 << 30),
@@ -44,8 +42,8 @@ pub struct ReadLimit {
 }
 
 impl Default for ReadLimit {
-    /// Derived from memory: reading a recording takes five bytes of memory for each byte of the file, and at most twelve, where a
-    /// row has no more than six; that is 2.5 GiB and at most 6. At 10 kHz and 40 bytes to the row it is 22 minutes.
+    /// Derived from memory: reading a recording takes two bytes of memory for each byte of the file, and at most twelve, where a
+    /// row has no more than six; that is 1 GiB and at most 6. At 10 kHz and 40 bytes to the row it is 22 minutes.
     fn default() -> Self {
         Self { file: 512 << 20 }
     }
@@ -80,6 +78,11 @@ impl ReadLimit {
                 Self::OPTION
             ),
         )
+    }
+
+    /// A file that exceeds the limit.
+    pub(crate) fn exceeded(self, name: &str) -> InputError {
+        self.refused(name, format!("holds more than {self}, the limit of a file"))
     }
 
     fn refused(self, name: &str, problem: String) -> InputError {
@@ -152,41 +155,6 @@ pub fn read_json(path: &Path, limit: ReadLimit) -> Result<Vec<u8>, InputError> {
         return Err(limit.exceeded_by(&name, "holds", "a JSON file"));
     }
     Ok(bytes)
-}
-
-/// All that `source` gives, which is the file called `name`; `failed` says why it gives no more.
-pub(crate) fn read_lines(
-    name: &str,
-    mut source: impl Read,
-    limit: ReadLimit,
-    failed: impl Fn(&io::Error) -> InputError,
-) -> Result<Vec<u8>, InputError> {
-    let mut bytes = Vec::new();
-    let mut chunk = [0; CHUNK];
-    let (mut line, mut length) = (1, 0);
-    loop {
-        let count = match source.read(&mut chunk) {
-            Ok(0) => return Ok(bytes),
-            Ok(count) => count,
-            Err(error) if error.kind() == io::ErrorKind::Interrupted => continue,
-            Err(error) => return Err(failed(&error)),
-        };
-        for &byte in &chunk[..count] {
-            // A lone carriage return ends a row too, but no line is counted there.
-            let ends = matches!(byte, b'\n' | b'\r');
-            length = if ends { 0 } else { length + 1 };
-            if length > limit.line() {
-                let error = limit.exceeded_by(name, "has", "a line");
-                return Err(error.at(Place::Line(line)));
-            }
-            line += u64::from(byte == b'\n');
-        }
-        bytes.extend_from_slice(&chunk[..count]);
-        if bytes.len() as u64 > limit.file() {
-            let problem = format!("holds more than {limit}, the limit of a file");
-            return Err(limit.refused(name, problem));
-        }
-    }
 }
 
 #[cfg(test)]

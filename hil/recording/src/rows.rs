@@ -1,41 +1,21 @@
-//! The cells of a recording's rows as the file has them.
+//! The rows of a recording as the file has them.
 
 /// What ends a cell: a byte that no UTF-8 text holds.
 const END: u8 = 0xff;
 
 /// Rows of equally many cells, in one text: with an allocation for each row they would take many times the file's size.
-#[derive(Clone, Debug, Default)]
+#[derive(Clone, Debug, Default, PartialEq)]
 pub(super) struct TextRows {
     cells: Vec<u8>,
-    /// The line of the file in which each row begins.
-    lines: Vec<u64>,
-}
-
-impl PartialEq for TextRows {
-    /// Whether the cells are the same, on whatever lines.
-    fn eq(&self, other: &Self) -> bool {
-        self.cells == other.cells
-    }
 }
 
 impl TextRows {
     /// One more row, which has as many cells as every other.
-    pub(super) fn push(&mut self, row: &csv::StringRecord, line: u64) {
+    pub(super) fn push(&mut self, row: &csv::StringRecord) {
         for cell in row {
             self.cells.extend_from_slice(cell.as_bytes());
             self.cells.push(END);
         }
-        self.lines.push(line);
-    }
-
-    /// Number of rows.
-    pub(super) fn len(&self) -> usize {
-        self.lines.len()
-    }
-
-    /// The line of the file in which row `index` begins.
-    pub(super) fn line(&self, index: usize) -> Option<u64> {
-        self.lines.get(index).copied()
     }
 
     /// All cells, row after row.
@@ -43,5 +23,63 @@ impl TextRows {
         // They were text when they came.
         let text = |cell| std::str::from_utf8(cell).unwrap_or_default();
         self.cells.split(|&byte| byte == END).map(text)
+    }
+}
+
+/// The line of the file in which each row begins.
+#[derive(Clone, Debug, Default)]
+pub(super) struct RowLines {
+    rows: usize,
+    /// Rows that do not stand one line below the row before, each with its line.
+    jumps: Vec<(usize, u64)>,
+}
+
+impl PartialEq for RowLines {
+    /// Always: rows are the same on whatever lines they stand.
+    fn eq(&self, _: &Self) -> bool {
+        true
+    }
+}
+
+impl RowLines {
+    /// One more row.
+    pub(super) fn push(&mut self, line: u64) {
+        if self.line_of(self.rows) != Some(line) {
+            self.jumps.push((self.rows, line));
+        }
+        self.rows += 1;
+    }
+
+    /// Number of rows.
+    pub(super) fn len(&self) -> usize {
+        self.rows
+    }
+
+    /// The line of the file in which row `index` begins.
+    pub(super) fn line(&self, index: usize) -> Option<u64> {
+        (index < self.rows).then(|| self.line_of(index)).flatten()
+    }
+
+    /// The same where row `index` stands one line below the row before unless that is known not to be so.
+    fn line_of(&self, index: usize) -> Option<u64> {
+        let after = self.jumps.partition_point(|&(row, _)| row <= index);
+        let &(row, line) = self.jumps.get(after.checked_sub(1)?)?;
+        Some(line + (index - row) as u64)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn each_row_has_the_line_that_it_came_with() {
+        let lines = [2, 3, 4, 7, 8, 20, 22, 23];
+        let mut rows = RowLines::default();
+        lines.iter().for_each(|&line| rows.push(line));
+        let each = (0..9).map(|index| rows.line(index));
+        let expected = lines.iter().copied().map(Some).chain([None]);
+        assert!(each.eq(expected));
+        assert_eq!(rows.jumps.len(), 4);
     }
 }

@@ -1,6 +1,7 @@
 //! A recording made ready for identification: uniform time base, estimated motion, cycles and blocks.
 
 use std::ops::Range;
+use std::sync::Arc;
 
 use nalgebra::{SMatrix, SVector};
 
@@ -64,10 +65,10 @@ pub struct Trajectory {
     pub temperature: Option<Vec<f64>>,
     /// Blocks of like cycles; they cover the recording.
     pub blocks: Vec<FoundBlock>,
-    /// Cycles since the first sample, fraction included.
-    pub cycles: Vec<f64>,
+    /// Cycles since the first sample, fraction included. Shared by all that a fit [moves](Self::motion_alone), as the next is.
+    pub cycles: Arc<Vec<f64>>,
     /// Amplitude of the block that the sample is in, mm.
-    pub amplitude: Vec<f64>,
+    pub amplitude: Arc<Vec<f64>>,
     /// Standard deviation of the force's noise, kN.
     pub force_noise: f64,
     /// RMS of the force, kN.
@@ -292,8 +293,8 @@ impl Trajectory {
             average: None,
             late: 0.0,
             faults: Vec::new(),
-            cycles: cycles.elapsed(count, tick),
-            amplitude: cycles.amplitude_per_sample(count),
+            cycles: Arc::new(cycles.elapsed(count, tick)),
+            amplitude: Arc::new(cycles.amplitude_per_sample(count)),
             blocks: cycles.blocks,
         }
     }
@@ -412,7 +413,7 @@ impl Trajectory {
                 &mut motion.velocity,
                 &mut motion.acceleration,
                 &mut motion.velocity_deviation,
-                &mut self.amplitude,
+                Arc::make_mut(&mut self.amplitude),
             ];
             for channel in rates {
                 channel[samples.clone()]

@@ -14,7 +14,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     let mut outputs = Plan::new().writes([&path]).begin()?;
     let demo = demo(3, &|step| eprintln!("{step}"))?;
     let facts = vec![("Hidden".into(), demo.drawn.effect.family().into())];
-    let data = ReportData::of_trace("A simulated test", facts, &demo.trace);
+    let data = ReportData::of_trace("A simulated test", facts, demo.trace);
     outputs.add(path, render(&data));
     Ok(outputs.write()?)
 }

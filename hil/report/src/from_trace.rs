@@ -8,36 +8,39 @@ use mesh_damper_recording::cycles::FoundBlock;
 use super::{ReportData, Series, SeriesBlock};
 
 impl ReportData {
-    /// The report of `trace`, with `facts` about the test as pairs of a name and a text.
-    pub fn of_trace(title: impl Into<String>, facts: Vec<(String, String)>, trace: &Trace) -> Self {
+    /// The report of `trace`, which it takes over, with `facts` about the test as pairs of a name and a text.
+    pub fn of_trace(title: impl Into<String>, facts: Vec<(String, String)>, trace: Trace) -> Self {
         Self {
             title: title.into(),
             facts,
-            result: trace.result.clone(),
-            series: trace.recordings.iter().map(Series::of_traced).collect(),
+            result: trace.result,
+            series: trace
+                .recordings
+                .into_iter()
+                .map(Series::of_traced)
+                .collect(),
         }
     }
 }
 
 impl Series {
-    fn of_traced(traced: &Traced) -> Self {
-        let trajectory = &traced.trajectory;
+    fn of_traced(traced: Traced) -> Self {
+        let trajectory = traced.trajectory;
+        let blocks = trajectory.blocks.iter();
         Self {
-            name: trajectory.name.clone(),
-            time: (0..trajectory.len())
-                .map(|sample| sample as f64 * trajectory.tick)
-                .collect(),
-            displacement: trajectory.motion.displacement.clone(),
-            velocity: trajectory.motion.velocity.clone(),
-            force: trajectory.force.clone(),
-            before: traced.before.clone(),
-            after: traced.after.clone(),
-            measured: trajectory.measured.clone(),
-            blocks: trajectory
-                .blocks
-                .iter()
+            blocks: blocks
                 .filter_map(|block| representative(block, &traced.roles))
                 .collect(),
+            time: (0..trajectory.motion.displacement.len())
+                .map(|sample| sample as f64 * trajectory.tick)
+                .collect(),
+            name: trajectory.name,
+            displacement: trajectory.motion.displacement,
+            velocity: trajectory.motion.velocity,
+            force: trajectory.force,
+            before: traced.before,
+            after: traced.after,
+            measured: trajectory.measured,
         }
     }
 }

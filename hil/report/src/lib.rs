@@ -7,6 +7,7 @@
 //! | the root | [`render`]: the report of a trace; [`loop_picture`]: one loop of it |
 //! | [`mod@paper`] | the report of the paper's claims |
 //! | [`campaign`], [`characterization`], [`curves`] | pictures of the fault campaign, of a characterization, of any curves |
+//! | `size` | the picture of what a trace takes |
 //! | [`transmissibility`] | the picture of a sweep |
 //! | [`text`] | numbers, names and verdicts in words |
 //!
@@ -40,6 +41,8 @@ pub mod paper;
 mod plots;
 mod reasoning;
 mod residual;
+#[cfg(feature = "studies")]
+pub mod size;
 pub mod text;
 pub mod transmissibility;
 

@@ -11,6 +11,7 @@
 //! | [`mod@design`] | which density gives a stiffness and a loss factor? |
 //! | [`mod@blind`] | does a trace name effects that it was never told of? |
 //! | [`mod@bouc_wen`] | is the oscillator of the Bouc–Wen benchmark found? |
+//! | [`size`] | how much time and memory does a trace take? |
 //! | [`numbers`] | what is each number that decides worth? |
 //! | [`mod@bench`] | how many instructions does the crate take, beside its peers? |
 //!
@@ -34,4 +35,5 @@ mod nonnegative;
 pub mod numbers;
 pub mod orthogonal;
 pub mod paper;
+pub mod size;
 pub mod surfaces;

@@ -86,7 +86,7 @@ impl DemoCommand {
         let report = ReportData::of_trace(
             format!("A simulated rig test, seed {}", self.seed),
             facts(&done, &summary),
-            &done.trace,
+            done.trace.clone(),
         );
         let recording = self.out.join("recording.csv.gz");
         outputs.add(&recording, done.recording.to_file(&recording));

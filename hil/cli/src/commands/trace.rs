@@ -56,35 +56,36 @@ impl TraceCommand {
         let read = |paths: &[PathBuf]| {
             paths
                 .iter()
-                .map(|path| Recording::read_within(path, self.reading.limit))
+                .map(|path| Recording::read_channels_within(path, self.reading.limit))
                 .collect::<Result<Vec<_>, _>>()
         };
         let recordings = read(&self.recordings)?;
         let held_out = read(&self.held_out)?;
         let progress = Progress::steps();
         let found = trace(&recordings, &held_out, &|what| progress.step(what))?;
+        let declared = declarations(&recordings);
+        // The report needs memory of its own.
+        drop((recordings, held_out));
         progress.step("writing the report");
         let names: Vec<String> = self.recordings.iter().map(|path| file_name(path)).collect();
-        let report = ReportData::of_trace(
-            format!("Trace of {}", names.join(", ")),
-            declarations(&recordings),
-            &found,
-        );
-        outputs.add_json(self.out.join("trace.json"), &found.result)?;
         outputs.add_json(self.out.join("model.json"), &model_file(&found))?;
+        let title = format!("Trace of {}", names.join(", "));
+        let report = ReportData::of_trace(title, declared, found);
         outputs.add(self.out.join("report.html"), report::render(&report));
+        let result = report.result;
+        outputs.add_json(self.out.join("trace.json"), &result)?;
         let separating = self.out.join(separating::FILE);
-        let separates = !found.result.separating_blocks.is_empty();
+        let separates = !result.separating_blocks.is_empty();
         if separates {
-            outputs.add(&separating, separating::motion(&separating, &found.result)?);
+            outputs.add(&separating, separating::motion(&separating, &result)?);
         }
         if let Some(json) = &self.json {
-            outputs.add_json(json, &found.result)?;
+            outputs.add_json(json, &result)?;
         }
         drop(progress);
         outputs.write()?;
         if self.json.as_deref() != Some(Path::new("-")) {
-            summary::print(&found.result);
+            summary::print(&result);
             if separates {
                 say(&format!(
                     "Run that test: {}",

@@ -19,6 +19,8 @@ mesh_damper_recording::numbers! {
         most_instants: usize = 9, Convention("a cubic over the window is averaged to a per cent");
         /// Frequencies within this many octaves are one.
         one_frequency: f64 = 0.1, Tuned("the blind trial");
+        /// At most this many blocks are left out, one at a time.
+        most_left_out: usize = 48, Convention("bounds time and memory, of which each takes its own: without like cycles every cycle is a block");
         /// A memory that changes by less than this part of its range never changes.
         changes: f64 = 1e-3, Convention("a thousandth");
     }
@@ -93,8 +95,7 @@ pub(crate) struct Design<'a> {
     pub nodes: Vec<f64>,
     /// Eq 13 is fitted anew: no effect stands between it and the motion.
     pub fits_law: bool,
-    /// Number of blocks, and those that are left out one at a time.
-    pub blocks: usize,
+    /// Blocks that are left out one at a time, in order.
     pub left_out: Vec<usize>,
 }
 
@@ -195,7 +196,6 @@ impl<'a> Design<'a> {
                 row
             })
             .collect();
-        let blocks = trajectories.iter().map(|t| t.blocks.len()).sum();
         Ok(Some(Self {
             trajectories,
             reach,
@@ -203,7 +203,6 @@ impl<'a> Design<'a> {
             rows,
             nodes,
             fits_law,
-            blocks,
         }))
     }
 
@@ -319,7 +318,8 @@ impl<'a> Design<'a> {
         }
         wanted.sort_unstable();
         let mut wanted = wanted.into_iter().peekable();
-        let mut taken: Vec<Vec<T>> = self.rows.iter().map(|_| Vec::new()).collect();
+        let room = self.rows.iter().map(|row| row.instants.len());
+        let mut taken: Vec<Vec<T>> = room.map(Vec::with_capacity).collect();
         for (which, trajectory) in self.trajectories.iter().enumerate() {
             let table = empty(&self.reach, Some((of, range)), trajectory.tick)?;
             let mut state = ResidualTableState::NEW;
@@ -444,7 +444,7 @@ fn adds_a_force(family: Family) -> bool {
 
 /// Blocks to leave out one at a time: those whose amplitude another block has, so that eq 13 is known there, and that are
 /// not the only ones at so high a speed, where the table would be asked for what it cannot know. All of them where there is
-/// none such.
+/// none such; of many, some that are evenly spread over the recordings.
 fn left_out(trajectories: &[Trajectory], rows: &[Row]) -> Vec<usize> {
     let blocks: Vec<(f64, f64)> = trajectories
         .iter()
@@ -470,5 +470,9 @@ fn left_out(trajectories: &[Trajectory], rows: &[Row]) -> Vec<usize> {
                 && others(block).any(|(_, other)| other > speed || same_amplitude(other, speed))
         })
         .collect();
-    if inner.is_empty() { all } else { inner }
+    let known = if inner.is_empty() { all } else { inner };
+    let count = known.len().min(policy().design.most_left_out);
+    (0..count)
+        .map(|place| known[(2 * place + 1) * known.len() / (2 * count)])
+        .collect()
 }

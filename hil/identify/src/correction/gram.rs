@@ -101,8 +101,13 @@ impl<'d> GramRows<'d> {
     pub fn sums<'t>(&self, form: TableForm<'t>) -> Option<Sums<'_, 't>> {
         let (layout, hats) = self.layout(form);
         let parts = Parts::new(&layout, form.trends, &hats);
+        let is_left_out = |block: usize| self.design.left_out.binary_search(&block).is_ok();
+        // Those that are never left out are summed together: there may be thousands, and the sums of each take a megabyte.
+        let together = |a: &Row, b: &Row| {
+            a.block == b.block || !(is_left_out(a.block) || is_left_out(b.block))
+        };
         let mut first = 0;
-        let runs = self.design.rows.chunk_by(|a, b| a.block == b.block);
+        let runs = self.design.rows.chunk_by(together);
         let runs: Vec<(usize, &[Row])> = runs
             .map(|run| {
                 first += run.len();
@@ -112,12 +117,10 @@ impl<'d> GramRows<'d> {
         let summed = runs
             .into_par_iter()
             .map(|(first, run)| (run[0].block, self.block(first, run, &layout, &parts)));
-        let empty = || BlockSums::new(layout.width());
-        let mut blocks: Vec<BlockSums> = (0..self.design.blocks).map(|_| empty()).collect();
-        for (index, block) in summed.collect::<Vec<_>>() {
-            blocks[index] = block;
-        }
-        let total = BlockSums::sum(layout.width(), &blocks);
+        let summed: Vec<(usize, BlockSums)> = summed.collect();
+        let total = BlockSums::sum(layout.width(), summed.iter().map(|(_, sums)| sums));
+        let left_out = summed.into_iter().filter(|(block, _)| is_left_out(*block));
+        let blocks = left_out.map(|(_, sums)| sums).collect();
         Sums::of(
             self.design,
             self.at,
@@ -263,6 +266,7 @@ pub(super) struct Sums<'d, 't> {
     trends: &'t [Trend],
     /// What the table is made of.
     hats: Vec<Trend>,
+    /// Of those that are left out, one at a time.
     blocks: Vec<BlockSums>,
     total: BlockSums,
 }
@@ -354,15 +358,14 @@ impl<'d, 't> Sums<'d, 't> {
 
     fn judged_error(&self, system: &System, unknowns: &DVector<f64>) -> Option<f64> {
         let mut outside = 0.0;
-        for &left_out in &self.design.left_out {
-            let block = &self.blocks[left_out];
+        for block in &self.blocks {
             let (gram, right) = (
                 &self.total.gram - &block.gram,
                 &self.total.right - &block.right,
             );
             outside += block.beyond_noise(&system.solve(gram, right)?).ln();
         }
-        let outside = outside / self.design.left_out.len() as f64;
+        let outside = outside / self.blocks.len() as f64;
         let inside = self.total.beyond_noise(unknowns).ln();
         Some((0.5 * (inside + outside)).exp())
     }
@@ -429,8 +432,8 @@ impl BlockSums {
         }
     }
 
-    fn sum(width: usize, blocks: &[Self]) -> Self {
-        blocks.iter().fold(Self::new(width), |mut sum, block| {
+    fn sum<'a>(width: usize, blocks: impl Iterator<Item = &'a Self>) -> Self {
+        blocks.fold(Self::new(width), |mut sum, block| {
             sum.gram += &block.gram;
             sum.right += &block.right;
             sum.energy += block.energy;

@@ -7,9 +7,10 @@ use std::fmt;
 use std::hash::{Hash, Hasher};
 use std::sync::LazyLock;
 
-use mesh_damper::effects::{ClampedMotion, Equations, LawForce};
+use mesh_damper::effects::{Equations, LawForce};
 use mesh_damper::error::ConfigError;
 use mesh_damper_model::Family;
+use mesh_damper_model::predict::motion_at;
 use mesh_damper_recording::trajectory::Trajectory;
 
 use crate::shape::{Extent, Shape};
@@ -83,7 +84,7 @@ pub enum Step {
 pub(crate) type Moving = fn(&mut Trajectory, f64, Option<&Deflection>) -> Option<usize>;
 
 /// Forces in kN at every sample, one for each size, of shapes and a motion sampled so many s apart.
-pub type UnitForces = fn(&[f64], &[ClampedMotion<f64>], f64) -> Result<Vec<Vec<f64>>, ConfigError>;
+pub type UnitForces = fn(&[f64], &Trajectory, f64) -> Result<Vec<Vec<f64>>, ConfigError>;
 
 /// A form in which an effect is fitted. Most families have one.
 pub struct FormSpec {
@@ -238,11 +239,12 @@ impl fmt::Debug for Form {
 }
 
 /// The force of `effect` at every sample, from rest.
-fn run<E: Equations<f64>>(effect: &E, motions: &[ClampedMotion<f64>]) -> Vec<f64> {
+fn run<E: Equations<f64>>(effect: &E, motions: &Trajectory) -> Vec<f64> {
     let mut state = E::AT_REST;
-    motions
-        .iter()
-        .map(|motion| effect.force(&mut state, motion, LawForce::default()))
+    // What effects see is made sample by sample: all of it takes as much memory as the trajectories.
+    (0..motions.len())
+        .map(|sample| motion_at(motions, sample).clamped())
+        .map(|motion| effect.force(&mut state, &motion, LawForce::default()))
         .collect()
 }
 

@@ -22,7 +22,7 @@ mesh_damper_recording::numbers! {
 
 /// Recordings made ready, those that are fitted and those held out.
 pub(super) struct Aligned<'r> {
-    recordings: [&'r [Recording]; 2],
+    recordings: [&'r [&'r Recording]; 2],
     /// In the same order.
     pub trajectories: [Vec<Trajectory>; 2],
     /// By how much the force is late as far as the channels show, s, until a model has shown more.
@@ -34,9 +34,10 @@ impl<'r> Aligned<'r> {
     ///
     /// # Errors
     /// As [`Trajectory::of`].
-    pub fn of(fitted: &'r [Recording], held: &'r [Recording]) -> Result<Self, InputError> {
-        let each = |recordings: &[Recording]| -> Result<Vec<Trajectory>, InputError> {
-            recordings.iter().map(Trajectory::of).collect()
+    pub fn of(fitted: &'r [&'r Recording], held: &'r [&'r Recording]) -> Result<Self, InputError> {
+        let each = |recordings: &[&Recording]| -> Result<Vec<Trajectory>, InputError> {
+            let each = recordings.iter();
+            each.map(|recording| Trajectory::of(recording)).collect()
         };
         let mut aligned = Self {
             recordings: [fitted, held],
@@ -177,7 +178,8 @@ mod tests {
     /// However much it is: what was found to be early at first is what is moved.
     #[test]
     fn what_was_moved_is_moved_by_what_a_model_found() {
-        let recordings = [early()];
+        let early = early();
+        let recordings = [&early];
         for ticks in [0.5, 2.0, 9.0] {
             let mut aligned = Aligned::of(&recordings, &[]).unwrap();
             let before = aligned.trajectories[0][0].late;

@@ -16,7 +16,6 @@ use super::select::{self, Selection};
 use super::separating::{bounding_test, separating_test};
 use super::split::{Role, Roles};
 use super::verdict::{accounts_for, conclude, depends_on, generalises, rivals, warnings};
-use super::{Trace, Traced};
 use crate::policy::policy;
 use crate::problem::Problem;
 use crate::rows::Rows;
@@ -26,6 +25,25 @@ use crate::staged::staged;
 use crate::term::effects_of;
 use crate::tolerance::{held_to, noise_floor};
 use crate::uncertainty::{Interval, Uncertainty};
+
+/// A trace but for the trajectories that it was made of, which the caller has.
+pub(super) struct Closed {
+    /// The contents of `trace.json`.
+    pub result: TraceResult,
+    /// Eq 13 alone.
+    pub baseline: Model,
+    /// Eq 13 with the effects found.
+    pub model: Model,
+    /// Of the recordings fitted, then of those held out.
+    pub forces: Vec<Forces>,
+}
+
+/// What each sample of a recording was for, and the force there of eq 13 alone and of what was found, kN.
+pub(super) struct Forces {
+    pub roles: Vec<Role>,
+    pub before: Vec<f64>,
+    pub after: Vec<f64>,
+}
 
 /// The recordings of a trace, with what each sample is for.
 pub(super) struct Closing<'a> {
@@ -84,7 +102,7 @@ impl<'a> Closing<'a> {
         &self,
         selection: &Selection,
         progress: &(dyn Fn(&str) + Sync),
-    ) -> Result<Trace, ModelError> {
+    ) -> Result<Closed, ModelError> {
         let mut rows = &self.rows[0];
         let alone = self.fit_near(rows, &selection.baseline.solution);
         let baseline = alone.model();
@@ -189,22 +207,21 @@ impl<'a> Closing<'a> {
                 nrmse_held_out: on_target.nrmse_held_out,
             },
         };
-        let recordings = self
+        let forces = self
             .recordings
             .iter()
             .zip(before.into_iter().zip(after))
-            .map(|((trajectory, roles), (before, after))| Traced {
-                trajectory: (*trajectory).clone(),
+            .map(|((_, roles), (before, after))| Forces {
                 roles: roles.clone(),
                 before,
                 after,
             })
             .collect();
-        Ok(Trace {
+        Ok(Closed {
             result,
             baseline,
             model,
-            recordings,
+            forces,
         })
     }
 

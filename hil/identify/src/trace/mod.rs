@@ -28,7 +28,7 @@ use mesh_damper_recording::{Recording, check_consistency};
 
 use crate::policy::policy;
 use aligned::Aligned;
-use closing::{Closing, brings_nothing_new};
+use closing::{Closed, Closing, brings_nothing_new};
 use result::TraceResult;
 use select::{Search, Selection, amplitude_nodes, error_between};
 
@@ -87,11 +87,16 @@ pub fn trace(
     held_out: &[Recording],
     progress: &(dyn Fn(&str) + Sync),
 ) -> Result<Trace, TraceError> {
-    let mended = |recordings: &[Recording]| -> Vec<Recording> {
-        recordings.iter().map(Recording::mended).collect()
-    };
-    let (recordings, held_out) = (&mended(recordings), &mended(held_out));
-    let all: Vec<&Recording> = recordings.iter().chain(held_out).collect();
+    let mended = |recordings| <[Recording]>::iter(recordings).map(Recording::mended);
+    let (recordings, held_out): (Vec<_>, Vec<_>) =
+        (mended(recordings).collect(), mended(held_out).collect());
+    let [recordings, held_out] = [&recordings, &held_out].map(|mended| {
+        mended
+            .iter()
+            .map(AsRef::as_ref)
+            .collect::<Vec<&Recording>>()
+    });
+    let all = [recordings.as_slice(), &held_out].concat();
     check_consistency(&all)?;
     for recording in &all {
         if recording
@@ -108,16 +113,30 @@ pub fn trace(
         }
     }
     progress("estimating the motion");
-    let mut aligned = Aligned::of(recordings, held_out)?;
-    let mut trace = conclude(&mut aligned, progress)?;
+    let mut aligned = Aligned::of(&recordings, &held_out)?;
+    let mut closed = conclude(&mut aligned, progress)?;
     for _ in 0..policy().trace.most_moves {
-        if !aligned.follow(&trace.model)? {
+        if !aligned.follow(&closed.model)? {
             break;
         }
         progress("moving anew a force that is early");
-        trace = conclude(&mut aligned, progress)?;
+        closed = conclude(&mut aligned, progress)?;
     }
-    Ok(trace)
+    let trajectories = aligned.trajectories.into_iter().flatten();
+    Ok(Trace {
+        result: closed.result,
+        baseline: closed.baseline,
+        model: closed.model,
+        recordings: trajectories
+            .zip(closed.forces)
+            .map(|(trajectory, forces)| Traced {
+                trajectory,
+                roles: forces.roles,
+                before: forces.before,
+                after: forces.after,
+            })
+            .collect(),
+    })
 }
 
 /// With more amplitudes the law has one set of coefficients for all.
@@ -128,7 +147,7 @@ fn most_amplitudes() -> usize {
 }
 
 /// Searches for what the law lacks, and closes the loop.
-fn conclude(aligned: &mut Aligned, progress: &(dyn Fn(&str) + Sync)) -> Result<Trace, TraceError> {
+fn conclude(aligned: &mut Aligned, progress: &(dyn Fn(&str) + Sync)) -> Result<Closed, TraceError> {
     let [fitted, held] = &mut aligned.trajectories;
     if let Some(known) = held.iter().find(|held| brings_nothing_new(held, fitted)) {
         return Err(InputError::new(

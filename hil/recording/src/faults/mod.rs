@@ -7,6 +7,8 @@
 //! time base: `clipping`, `held`, `spikes`. Hum comes last, when nothing hides it. Forces that were not measured are left out; displacements are
 //! bridged, because the motion of the samples around them, and what a specimen remembers, depends on them.
 
+use std::borrow::Cow;
+
 pub(crate) mod bridge;
 pub(crate) mod clipping;
 pub(crate) mod held;
@@ -244,13 +246,18 @@ fn stretches_of(count: usize, one: &str, many: &str) -> String {
 
 impl Recording {
     /// The recording with the channels mended that are wrong as a whole or from some time on: a sign, a unit. What was
-    /// mended is in [`Recording::faults`]; mending twice changes nothing more.
+    /// mended is in [`Recording::faults`]; mending twice changes nothing more. A recording that needs none is not copied.
     #[must_use]
-    pub fn mended(&self) -> Self {
+    pub fn mended(&self) -> Cow<'_, Self> {
         let mut recording = self.clone();
         scale::mend(&mut recording);
         sign::mend(&mut recording);
-        recording
+        // Whatever is mended is said.
+        if recording.faults.len() == self.faults.len() {
+            Cow::Borrowed(self)
+        } else {
+            Cow::Owned(recording)
+        }
     }
 
     /// What [`Recording::mended`] mended, and rows that were written twice.

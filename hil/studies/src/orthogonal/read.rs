@@ -13,7 +13,7 @@ use std::cmp::Ordering;
 use std::collections::HashMap;
 use std::path::Path;
 
-use mesh_damper_recording::csv_text::{broken_csv, doubled, is_cut, number, read_text};
+use mesh_damper_recording::csv_text::{CsvText, broken_csv, doubled, is_cut, number};
 use mesh_damper_recording::error::{InputError, Place, quoted};
 use mesh_damper_recording::read_limit::ReadLimit;
 
@@ -42,8 +42,7 @@ impl Experiment {
     /// # Errors
     /// As [`Experiment::read`].
     pub fn read_within(path: impl AsRef<Path>, limit: ReadLimit) -> Result<Self, InputError> {
-        let path = path.as_ref();
-        let table = Table::parse(&path.display().to_string(), &read_text(path, limit)?)?;
+        let table = Table::parse(CsvText::open(path.as_ref(), limit)?)?;
         let factors = table
             .columns(FACTOR)
             .map(|(index, name)| table.factor(index, name))
@@ -61,13 +60,9 @@ struct Table {
 }
 
 impl Table {
-    fn parse(name: &str, text: &str) -> Result<Self, InputError> {
-        let mut reader = csv::ReaderBuilder::new()
-            .comment(Some(b'#'))
-            .has_headers(false)
-            .flexible(true)
-            .trim(csv::Trim::All)
-            .from_reader(text.as_bytes());
+    fn parse(text: CsvText) -> Result<Self, InputError> {
+        let name = &text.name();
+        let mut reader = text.rows();
         let broken = |error: csv::Error| broken_csv(name, &error);
         let mut header = csv::StringRecord::new();
         if !reader.read_record(&mut header).map_err(broken)? {
@@ -81,7 +76,7 @@ impl Table {
         let mut runs = 0;
         let mut row = csv::StringRecord::new();
         while reader.read_record(&mut row).map_err(broken)? {
-            if is_cut(text, &reader) {
+            if is_cut(&reader) {
                 return Err(InputError::new(
                     name,
                     "the last row has no line end, so that its last number may have been cut",
@@ -116,7 +111,7 @@ impl Table {
             .at(Place::Column(column.into())));
         }
         let table = Self {
-            name: name.into(),
+            name: name.clone(),
             header,
             rows,
         };

@@ -72,7 +72,7 @@ impl CharacterizeCommand {
             .fills(self.out.as_deref(), ["characterize.svg"])
             .writes(&self.json)
             .begin()?;
-        let recording = Recording::read_within(&self.recording, self.reading.limit)?;
+        let recording = Recording::read_channels_within(&self.recording, self.reading.limit)?;
         let found = if self.of_curves {
             Found::Static(static_test(&recording)?)
         } else {

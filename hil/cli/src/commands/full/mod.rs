@@ -24,6 +24,7 @@ mod respond_sweep;
 mod run;
 mod study;
 mod study_bouc_wen;
+mod study_size;
 
 use clap::Subcommand;
 

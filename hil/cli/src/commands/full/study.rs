@@ -12,6 +12,7 @@ use mesh_damper_studies::numbers::{Cost, Costs, Number, Policies, Score, numbers
 
 use super::policy;
 use super::study_bouc_wen::BoucWenCommand;
+use super::study_size::SizeCommand;
 use crate::commands::progress::Progress;
 use crate::commands::{Failure, say};
 
@@ -26,6 +27,7 @@ pub struct StudyCommand {
 enum Study {
     Numbers(NumbersCommand),
     BoucWen(BoucWenCommand),
+    Size(SizeCommand),
 }
 
 impl StudyCommand {
@@ -33,6 +35,7 @@ impl StudyCommand {
         match self.study {
             Study::Numbers(command) => command.run(),
             Study::BoucWen(command) => command.run(),
+            Study::Size(command) => command.run(),
         }
     }
 }

@@ -1,0 +1,99 @@
+//! `hil study size`: what a trace takes.
+
+use std::path::{Path, PathBuf};
+
+use clap::Args;
+use mesh_damper_recording::error::InputError;
+use mesh_damper_recording::output::Plan;
+use mesh_damper_report::size::picture;
+use mesh_damper_studies::size::{Measured, Motion, measure, table};
+
+use crate::commands::progress::Progress;
+use crate::commands::{Failure, say};
+
+/// Measure the time and memory that a trace takes, over the number of rows
+///
+/// Simulates recordings of blocks of sines and of a random motion, and traces each in a process of its own. Needs Linux, whose
+/// /proc says what a process takes. Other work on the machine makes the times longer.
+#[derive(Args, Debug)]
+#[command(
+    after_help = "Examples:\n  hil study size --picture size.svg\n  hil study size --rows 5e6 --json size.json --check"
+)]
+pub struct SizeCommand {
+    /// Numbers of rows, such as 1e6; with commas between them
+    #[arg(long, value_name = "N", value_delimiter = ',', default_value = "1e4,1e5,1e6", value_parser = rows)]
+    rows: Vec<usize>,
+    /// Where the measurements go as JSON; `-` for standard output
+    #[arg(long, value_name = "FILE")]
+    json: Option<PathBuf>,
+    /// Where the picture goes, as SVG
+    #[arg(long, value_name = "FILE")]
+    picture: Option<PathBuf>,
+    /// Fail where a trace takes more than 400 bytes a row and 64 MiB, or longer than a twentieth of the test and than 2 s
+    #[arg(long)]
+    check: bool,
+}
+
+impl SizeCommand {
+    pub fn run(self) -> Result<(), Failure> {
+        let mut outputs = Plan::new()
+            .writes(&self.json)
+            .writes(&self.picture)
+            .begin()?;
+        let all = self.measure()?;
+        if let Some(json) = &self.json {
+            outputs.add_json(json, &all)?;
+        }
+        if let Some(path) = &self.picture {
+            outputs.add(path, picture(&all));
+        }
+        outputs.write()?;
+        if self.json.as_deref() != Some(Path::new("-")) {
+            say(table(&all).trim_end());
+        }
+        let beyond = all.iter().filter(|one| !one.is_within_limits()).count();
+        if self.check && beyond > 0 {
+            return Err(Failure::Check(format!(
+                "{beyond} of {} traces took more than they may",
+                all.len()
+            )));
+        }
+        Ok(())
+    }
+
+    fn measure(&self) -> Result<Vec<Measured>, InputError> {
+        let folder = tempfile::tempdir()
+            .map_err(|error| InputError::io(&std::env::temp_dir(), "write to", &error))?;
+        let hil = std::env::current_exe()
+            .map_err(|error| InputError::io(Path::new("hil"), "run", &error))?;
+        let works = Motion::ALL.iter().flat_map(|&motion| {
+            let rows = self.rows.iter();
+            rows.map(move |&rows| (motion, rows))
+        });
+        // Most of the time goes to the longest, and grows as the rows do.
+        let total = Motion::ALL.len() * self.rows.iter().sum::<usize>();
+        let progress = Progress::of(total as u64);
+        let mut done = 0;
+        let each = works.map(|(motion, rows)| {
+            progress.step(&format!("tracing {rows} rows, {}", motion.in_words()));
+            let measured = measure(&hil, folder.path(), motion, rows);
+            done += rows as u64;
+            progress.done(done);
+            measured
+        });
+        each.collect()
+    }
+}
+
+/// A number of rows, with or without an exponent.
+fn rows(text: &str) -> Result<usize, String> {
+    let rows: f64 = text
+        .parse()
+        .map_err(|_| "write a number such as 100000 or 1e5")?;
+    // Fewer have not one cycle to each block; of more the recording is larger than what is read.
+    if (1e4..=1e7).contains(&rows) {
+        Ok(rows as usize)
+    } else {
+        Err("1e4 to 1e7 rows can be simulated".into())
+    }
+}

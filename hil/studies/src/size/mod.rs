@@ -1,0 +1,158 @@
+//! What a trace takes: processor time and memory over the number of rows.
+//!
+//! Recordings are simulated with any number of rows, of blocks of sines and of a random motion. Each is traced by a process of its
+//! own, which the system counts time and memory of.
+
+mod process;
+mod simulate;
+
+use std::ffi::OsStr;
+use std::path::Path;
+use std::process::Command;
+
+use mesh_damper_recording::error::InputError;
+use serde::{Deserialize, Serialize};
+
+pub use process::{Usage, usage_of};
+pub use simulate::{Motion, simulate};
+
+/// The most memory that a trace may take: bytes for each row, beside [`BYTES_BESIDE`]. Convention: a gigabyte of free memory is
+/// enough for two million rows, and the rest is the command itself.
+pub const BYTES_PER_ROW: u64 = 400;
+/// What a trace may take whatever the rows, bytes.
+pub const BYTES_BESIDE: u64 = 64 << 20;
+/// The part of a recording's duration that its trace may take on two free cores. Convention: a day's tests are traced within the
+/// hour.
+pub const PART_OF_DURATION: f64 = 0.05;
+/// A trace that takes no longer is quick enough however short the recording is, s. Convention: who waits does not turn away.
+pub const QUICK: f64 = 2.0;
+
+/// What a trace of one recording took.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Measured {
+    /// What the specimen was moved by.
+    pub motion: Motion,
+    /// Rows of the recording.
+    pub rows: usize,
+    /// How long the test lasted, s.
+    pub duration: f64,
+    /// Time of all processors together, s.
+    pub processor: f64,
+    /// From start to end, s.
+    pub elapsed: f64,
+    /// The most memory at once, bytes.
+    pub memory: u64,
+}
+
+impl Measured {
+    /// The most memory that it may take, bytes.
+    pub fn memory_limit(&self) -> u64 {
+        memory_limit(self.rows)
+    }
+
+    /// The most time from start to end that it may take on two free cores, s.
+    pub fn time_limit(&self) -> f64 {
+        (PART_OF_DURATION * self.duration).max(QUICK)
+    }
+
+    /// Whether it keeps within both limits.
+    pub fn is_within_limits(&self) -> bool {
+        self.memory <= self.memory_limit() && self.elapsed <= self.time_limit()
+    }
+}
+
+/// The most memory that a trace of `rows` rows may take, bytes.
+pub fn memory_limit(rows: usize) -> u64 {
+    BYTES_PER_ROW * rows as u64 + BYTES_BESIDE
+}
+
+/// Traces a simulated test of `motion` with `rows` rows by `hil`, the command itself, in `folder`, which it leaves the
+/// recording in.
+///
+/// # Errors
+/// A folder that cannot be written to, a command that cannot be started or fails, a system that counts no memory.
+pub fn measure(
+    hil: impl AsRef<OsStr>,
+    folder: &Path,
+    motion: Motion,
+    rows: usize,
+) -> Result<Measured, InputError> {
+    let path = folder.join(format!("{}-{rows}.csv", motion.name()));
+    let recording = simulate(motion, rows);
+    std::fs::write(&path, recording.to_file(&path))
+        .map_err(|error| InputError::io(&path, "write", &error))?;
+    let [first, .., last] = recording.time[..] else {
+        return Err(InputError::new(
+            recording.name,
+            "holds no samples",
+            "take more rows",
+        ));
+    };
+    let rows = recording.len();
+    drop(recording);
+    let mut command = Command::new(hil);
+    let out = folder.join(format!("{}-{rows}", motion.name()));
+    command.arg("trace").arg(&path).arg("--out").arg(out);
+    let Usage {
+        processor,
+        elapsed,
+        memory,
+    } = usage_of(&mut command)?;
+    Ok(Measured {
+        motion,
+        rows,
+        duration: last - first,
+        processor,
+        elapsed,
+        memory,
+    })
+}
+
+/// As a table in Markdown.
+pub fn table(all: &[Measured]) -> String {
+    let mut text = "| motion | rows | lasts, s | processor, s | elapsed, s | limit, s | memory, MiB | limit, MiB |\n\
+                    |---|---|---|---|---|---|---|---|\n"
+        .to_owned();
+    for one in all {
+        text += &format!(
+            "| {} | {} | {:.0} | {:.1} | {:.1} | {:.1} | {:.0} | {:.0} |\n",
+            one.motion.in_words(),
+            one.rows,
+            one.duration,
+            one.processor,
+            one.elapsed,
+            one.time_limit(),
+            mebibytes(one.memory),
+            mebibytes(one.memory_limit()),
+        );
+    }
+    text
+}
+
+/// In MiB.
+pub fn mebibytes(bytes: u64) -> f64 {
+    bytes as f64 / f64::from(1 << 20)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn either_limit_counts() {
+        let measured = |memory: u64, elapsed: f64, duration: f64| Measured {
+            motion: Motion::Sines,
+            rows: 1000,
+            duration,
+            processor: 0.0,
+            elapsed,
+            memory,
+        };
+        let most = 400_000 + (64 << 20);
+        assert!(measured(most, 1.9, 1.0).is_within_limits());
+        assert!(!measured(most + 1, 1.9, 1.0).is_within_limits());
+        assert!(!measured(most, 2.1, 1.0).is_within_limits());
+        assert!(measured(most, 4.9, 100.0).is_within_limits());
+        assert!(!measured(most, 5.1, 100.0).is_within_limits());
+    }
+}
