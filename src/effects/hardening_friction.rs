@@ -23,7 +23,8 @@ const MOST_LOSS: f64 = 200.0;
 /// l ≥ 0, not more is given back.
 ///
 /// # Step
-/// To 0 and from 0 by the midpoint rule, of the second order; z is held between 0 and the bound, so that steps of any length end there.
+/// To 0 and from 0 with (|z|/x)ⁿ as the line through 0 that meets it in the middle of the step, dz = dy·(1 + c·z): of the second
+/// order, and exact for n = 1. z is held between 0 and the bound, so that steps of any length end there.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct HardeningFriction<R> {
     stiffness: R,
@@ -69,44 +70,72 @@ impl<R: Real> HardeningFriction<R> {
         Ok(new)
     }
 
-    /// 1 + rise·(|z|/x)ⁿ at z = `stretch` ≥ 0, at least 0. Not inlined: it is taken four times.
+    /// c of the line 1 + c·z that meets 1 + rise·(z/x)ⁿ at z = `stretch` ≥ 0. Not inlined: it is taken four times.
     #[inline(never)]
-    fn slope(&self, stretch: R, rise: R) -> R {
+    fn bend(&self, stretch: R, rise: R) -> R {
+        // Next to 0 it is a quotient of what rounding leaves, of a force that hardly bends there.
+        let least = R::from_f64(1e-4) * self.stretch_limit;
+        let stretch = if stretch > least { stretch } else { least };
         // By an exponent of at most 1.
         let root =
             (stretch / self.stretch_limit).abs_pow(self.sharpness * R::from_f64(1.0 / SHARPEST));
         let square = root * root;
         let fourth = square * square;
-        let slope = R::ONE + rise * (fourth * fourth);
-        if slope > R::ZERO { slope } else { R::ZERO }
+        rise * (fourth * fourth) / stretch
     }
 
     /// z ≥ 0 after `way` mm away from 0.
     fn away(&self, stretch: R, way: R) -> R {
-        let half = R::from_f64(0.5) * way;
-        let middle = stretch + half * self.slope(stretch, self.hardening);
-        let middle = middle.clipped(self.stretch_limit);
-        (stretch + way * self.slope(middle, self.hardening)).clipped(self.stretch_limit)
+        let slope = R::ONE + self.bend(stretch, self.hardening) * stretch;
+        let middle = (stretch + R::from_f64(0.5) * way * slope).clipped(self.stretch_limit);
+        let bend = self.bend(middle, self.hardening);
+        let moved = stretch + (R::ONE + bend * stretch) * way * mean_growth(bend * way);
+        if moved > stretch {
+            moved.clipped(self.stretch_limit)
+        } else {
+            stretch
+        }
     }
 
     /// z after `way` mm from −`stretch` ≤ 0 on, towards 0 and beyond.
     fn back(&self, stretch: R, way: R) -> R {
         let rise = self.hardening + self.loss;
-        let half = R::from_f64(0.5) * way;
-        let middle = stretch - half * self.slope(stretch, rise);
-        let middle = if middle > R::ZERO { middle } else { R::ZERO };
-        let left = stretch - way * self.slope(middle, rise);
+        let slope = R::ONE + self.bend(stretch, rise) * stretch;
+        let middle = stretch - R::from_f64(0.5) * way * slope;
+        let bend = self.bend(middle, rise);
+        let slope = R::ONE + bend * stretch;
+        let left = stretch - slope * way * mean_growth(-bend * way);
         if left >= R::ZERO {
             return -left;
         }
-        let slope = self.slope(R::from_f64(0.5) * stretch, rise);
-        let rest = way - stretch / slope;
+        // The way to 0 is ln(1 + u)/u·z with u = bend·z: about (6 + u)/(6 + 4u), and a step of Newton's from there.
+        let bend = self.bend(R::from_f64(0.5) * stretch, rise);
+        let part = bend * stretch;
+        let six = R::from_f64(6.0);
+        let near = stretch * (six + part) / (six + R::from_f64(4.0) * part);
+        let over = stretch - (R::ONE + part) * near * mean_growth(-bend * near);
+        let there = near + over / (R::ONE + bend * over);
+        let rest = way - there;
         if rest > R::ZERO {
             self.away(R::ZERO, rest)
         } else {
             R::ZERO
         }
     }
+}
+
+/// (eᵃ − 1)/a, the mean of eᵗ from 0 to a.
+fn mean_growth<R: Real>(a: R) -> R {
+    let (small, most) = (R::from_f64(0.05), R::from_f64(30.0));
+    let size = a.abs();
+    if size < small {
+        // The next term is a³/24.
+        return R::ONE + a * (R::from_f64(0.5) + a * R::from_f64(1.0 / 6.0));
+    }
+    let size = if size < most { size } else { most };
+    let fallen = (-size * R::from_f64(core::f64::consts::LOG2_E)).exp2_of_negative();
+    let mean = (R::ONE - fallen) / size;
+    if a > R::ZERO { mean / fallen } else { mean }
 }
 
 impl<R: Real> Equations<R> for HardeningFriction<R> {

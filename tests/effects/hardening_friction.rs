@@ -39,7 +39,7 @@ fn at_turns(effect: Effect<f64>, turns: &[f64], steps: usize) -> Vec<f64> {
 /// after ln(1 + b·z₀)/b.
 #[test]
 fn branches_are_the_closed_forms() {
-    let (x, h, l) = (2.0, 1.2, 3.0);
+    let (x, h, l): (f64, f64, f64) = (2.0, 1.2, 3.0);
     let (a, b) = (h / x, (h + l) / x);
     let (up, back) = (0.5, 0.1);
     let top = ((a * up).exp() - 1.0) / a;
@@ -49,11 +49,12 @@ fn branches_are_the_closed_forms() {
     let beyond = 0.3;
     let end = -((a * beyond).exp() - 1.0) / a;
     let turns = [up, up - back, up - back - to_zero - beyond];
-    for sign in [1.0, -1.0] {
+    // However long the steps.
+    for (sign, steps) in [(1.0, 500), (-1.0, 500), (1.0, 1), (-1.0, 2)] {
         let turns = turns.map(|y| sign * y);
-        let found = at_turns(effect(1.5, x, 1.0, h, l), &turns, 500);
+        let found = at_turns(effect(1.5, x, 1.0, h, l), &turns, steps);
         for (found, expected) in found.into_iter().zip([top, returned, end]) {
-            close(found, sign * 1.5 * expected, 1e-5);
+            close(found, sign * 1.5 * expected, 1e-4);
         }
     }
 }
