@@ -34,7 +34,7 @@ pub fn run(seeds: std::ops::Range<u64>, json: Option<&Path>) -> Result<(), Failu
         }
     }
     say(&format!(
-        "\n{:26} {:>5} {:>7} {:>6} {:>7} {:>6} {:>7} {:>8}   {:>6} {:>7}  {:>9}",
+        "\n{:26} {:>5} {:>7} {:>6} {:>7} {:>6} {:>7} {:>8}   {:>6} {:>7}  {:>9}  {:>9} {:>9} {:>8}",
         "",
         "count",
         "right",
@@ -45,13 +45,18 @@ pub fn run(seeds: std::ops::Range<u64>, json: Option<&Path>) -> Result<(), Failu
         "refused",
         "median",
         "9 in 10",
-        "time"
+        "time",
+        "intervals",
+        "velocity",
+        "covered"
     ));
     for row in summary.rows.iter().chain([&summary.all]) {
         say(&row_of(row));
     }
     say(
-        "\nmedian, 9 in 10: held-out error of the embedded law over what the true law leaves. time: the longest trace over its recordings.",
+        "\nmedian, 9 in 10: held-out error of the embedded law over what the true law leaves. time: the longest trace over its recordings.\n\
+         intervals: of the law's 90 % intervals, the part that holds. velocity: error of the estimated one over that of cubics alone; covered: \n\
+         the part of its samples within their 90 % interval.",
     );
     Ok(())
 }
@@ -97,12 +102,15 @@ fn line(outcome: &Outcome) -> String {
 fn row_of(row: &Row) -> String {
     let [right, among, honest, wrong, missed, refused] = row.marks;
     format!(
-        "{:26} {:>5} {:>5.1} % {among:>6} {honest:>7} {wrong:>6} {missed:>7} {refused:>8}   {:>6.2} {:>7.2}  {:>7.2} %",
+        "{:26} {:>5} {:>5.1} % {among:>6} {honest:>7} {wrong:>6} {missed:>7} {refused:>8}   {:>6.2} {:>7.2}  {:>7.2} %  {:>7.1} % {:>9.2} {:>6.1} %",
         row.of,
         row.count,
         100.0 * right as f64 / row.count.max(1) as f64,
         row.median,
         row.ninth_decile,
-        100.0 * row.time
+        100.0 * row.time,
+        100.0 * row.intervals,
+        row.over_cubics,
+        100.0 * row.covered
     )
 }

@@ -2,8 +2,10 @@
 
 use std::time::Instant;
 
-use mesh_damper_identify::trace::result::Verdict;
+use mesh_damper_identify::trace::result::{Estimate, Verdict};
 use mesh_damper_identify::trace::trace;
+use mesh_damper_recording::motion::MotionEstimate;
+use mesh_damper_recording::trajectory::Trajectory;
 use serde::Serialize;
 
 use super::super::LEAST_VISIBLE;
@@ -55,7 +57,44 @@ pub struct Outcome {
     pub error: f64,
     /// Time of the trace over that of both recordings.
     pub time: f64,
+    /// Of the 90 % intervals of the law's coefficients, how many hold the true one, and how many there are: where what is hidden was
+    /// found, and one set of coefficients holds for all amplitudes.
+    pub intervals: [usize; 2],
+    /// Of the training test.
+    pub velocity: VelocityError,
 }
+
+/// How far the estimated velocity is off.
+#[derive(Clone, Copy, Debug, Serialize)]
+pub struct VelocityError {
+    /// RMS of its error over that of cubics in windows alone.
+    pub over_cubics: f64,
+    /// Part of the samples at which the error is within 1.645 deviations of what it is said to be: 0.9 where those are right.
+    pub covered: f64,
+}
+
+impl VelocityError {
+    /// Of the estimate from the training test of `trial`; `None` where it is refused.
+    fn of(trial: &Trial) -> Option<Self> {
+        let trajectory = Trajectory::of(&trial.training).ok()?;
+        let cubics = MotionEstimate::of(&trial.training.displacement, trajectory.tick);
+        let said = trajectory.variance_of(&trajectory.motion_error.velocity);
+        let (mut own, mut other, mut covered) = (0.0, 0.0, 0);
+        for (index, truth) in trial.motion.iter().enumerate().take(trajectory.len()) {
+            let error = (trajectory.motion.velocity[index] - truth.velocity).powi(2);
+            own += error;
+            other += (cubics.velocity[index] - truth.velocity).powi(2);
+            covered += usize::from(error <= NINETY_PERCENT.powi(2) * said[index]);
+        }
+        Some(Self {
+            over_cubics: (own / other).sqrt(),
+            covered: covered as f64 / trajectory.len() as f64,
+        })
+    }
+}
+
+/// A normal variable is within this many deviations of its mean in 90 % of the cases. Derived: the quantile.
+const NINETY_PERCENT: f64 = 1.645;
 
 impl Outcome {
     /// Whether it counts: what is hidden shows.
@@ -88,6 +127,11 @@ pub fn judge(trial: &Trial) -> Outcome {
         error: f64::NAN,
         time: took / (lasts(&trial.training) + lasts(&trial.held_out)),
         hidden,
+        intervals: [0, 0],
+        velocity: VelocityError::of(trial).unwrap_or(VelocityError {
+            over_cubics: f64::NAN,
+            covered: f64::NAN,
+        }),
     };
     let Ok(found) = result else {
         return outcome;
@@ -116,6 +160,18 @@ pub fn judge(trial: &Trial) -> Outcome {
     };
     outcome.error =
         found.on_target.nrmse_held_out * rms(&trial.held_out.force) / trial.reference[1];
+    if let (Mark::Right, [law]) = (outcome.mark, &found.law[..]) {
+        let truth = &trial.law;
+        let pairs = [
+            (&law.k1, truth.k1),
+            (&law.k3, truth.k3),
+            (&law.c, truth.c),
+            (&law.alpha, truth.alpha),
+        ];
+        let holds =
+            |(estimate, truth): &(&Estimate, f64)| (estimate.low..=estimate.high).contains(truth);
+        outcome.intervals = [pairs.iter().filter(|pair| holds(pair)).count(), pairs.len()];
+    }
     outcome.verdict = Some(found.verdict);
     outcome.named = named;
     outcome

@@ -13,6 +13,7 @@ use std::ops::Range;
 
 use mesh_damper_recording::Recording;
 use mesh_damper_recording::trajectory::Trajectory;
+use mesh_damper_reference::law::Coefficients;
 use mesh_damper_reference::protocol::MotionSample;
 use mesh_damper_reference::tables;
 use mesh_damper_rig::specimen::{DamperForce, HiddenEffect, Specimen};
@@ -59,6 +60,10 @@ pub struct Trial {
     pub rate: f64,
     /// What is hidden; none, one or two.
     pub hidden: Vec<HiddenEffect>,
+    /// Coefficients of the law.
+    pub law: Coefficients,
+    /// The true motion of the training test.
+    pub motion: Vec<MotionSample>,
     /// What is fitted.
     pub training: Recording,
     /// What is predicted.
@@ -86,7 +91,8 @@ fn drawn(seed: u64, rng: &mut impl Rng) -> Option<Trial> {
     let effects = [0, 1, 2, 1][(seed / kinds % 4) as usize];
     let largest = rng.random_range(0.12..0.25);
     let paths = [1.0, 0.8].map(|part| Path::draw(kind, part * largest, rng));
-    let specimen = Specimen::new(tables::interpolate(rng.random_range(2.0..4.0), AMPLITUDE));
+    let coefficients = tables::interpolate(rng.random_range(2.0..4.0), AMPLITUDE);
+    let specimen = Specimen::new(coefficients);
     let rate = match kind {
         Kind::QuasiStatic => *[10.0, 20.0, 50.0].choose(rng)?,
         _ => *[200.0, 500.0, 500.0, 1000.0].choose(rng)?,
@@ -136,16 +142,20 @@ fn drawn(seed: u64, rng: &mut impl Rng) -> Option<Trial> {
         left_by_truth(&specimen, &training)?,
         left_by_truth(&specimen, &held_out)?,
     ];
+    let left_by_eq13 = left_by_eq13(&truths[0].0, &truths[0].1);
+    let [(motion, _), _] = truths;
     Some(Trial {
         seed,
         kind,
         sensors,
         rate,
         hidden,
+        law: coefficients,
+        motion,
         training,
         held_out,
         reference,
-        left_by_eq13: left_by_eq13(&truths[0].0, &truths[0].1),
+        left_by_eq13,
     })
 }
 

@@ -19,6 +19,12 @@ pub struct Row {
     pub ninth_decile: f64,
     /// The largest time of a trace over that of its recordings.
     pub time: f64,
+    /// The part of the 90 % intervals of the law's coefficients that hold.
+    pub intervals: f64,
+    /// Error of the estimated velocity over that of cubics in windows alone, the geometric mean.
+    pub over_cubics: f64,
+    /// The part of the samples at which that error is within its 90 % interval.
+    pub covered: f64,
 }
 
 impl Row {
@@ -36,6 +42,11 @@ impl Row {
                 .get(place.min(errors.len().saturating_sub(1)))
                 .copied()
         };
+        let mean = |of: &dyn Fn(&Outcome) -> f64| {
+            let values = outcomes.iter().map(|o| of(o)).filter(|x| x.is_finite());
+            let (sum, count) = values.fold((0.0, 0.0), |(sum, count), x| (sum + x, count + 1.0));
+            sum / count
+        };
         Self {
             of: name,
             count: outcomes.len(),
@@ -51,6 +62,13 @@ impl Row {
             median: quantile(0.5).unwrap_or(f64::NAN),
             ninth_decile: quantile(0.9).unwrap_or(f64::NAN),
             time: outcomes.iter().map(|o| o.time).fold(0.0, f64::max),
+            intervals: {
+                let [held, of] =
+                    [0, 1].map(|which| outcomes.iter().map(|o| o.intervals[which]).sum::<usize>());
+                held as f64 / of as f64
+            },
+            over_cubics: mean(&|o| o.velocity.over_cubics.ln()).exp(),
+            covered: mean(&|o| o.velocity.covered),
         }
     }
 
