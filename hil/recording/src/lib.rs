@@ -47,6 +47,7 @@ pub mod motion;
 pub mod motion_error;
 pub mod noise;
 pub mod output;
+pub mod pink;
 pub mod policy;
 mod polynomial;
 mod read;

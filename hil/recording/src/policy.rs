@@ -36,6 +36,7 @@ pub use crate::kinks::KinksPolicy;
 pub use crate::motion::MotionPolicy;
 pub use crate::motion_error::MotionErrorPolicy;
 pub use crate::noise::NoisePolicy;
+pub use crate::pink::PinkPolicy;
 pub use crate::resample::ResamplePolicy;
 pub use crate::rest::RestPolicy;
 pub use crate::smoother::SmootherPolicy;
@@ -174,6 +175,8 @@ crate::policy! {
     motion_error: MotionErrorPolicy,
     /// The noise of a channel.
     noise: NoisePolicy,
+    /// Noise that grows towards low frequencies.
+    pink: PinkPolicy,
     /// Equal steps of time.
     resample: ResamplePolicy,
     /// Where the displacement stands still.

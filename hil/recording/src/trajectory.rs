@@ -82,6 +82,8 @@ pub struct Trajectory {
     pub measured: Vec<bool>,
     /// What the channels were smoothed by before they were written.
     pub average: Option<MovingAverage>,
+    /// By how much the force's noise is larger than quick changes show; 1 where they show all of it.
+    pub noise_beside: f64,
     /// Time in s that the force was late by and was moved back, below 0 where it was early; 0 where it was not moved.
     pub late: f64,
     /// Faults of the recording's channels.
@@ -291,6 +293,7 @@ impl Trajectory {
             temperature,
             measured: vec![true; count],
             average: None,
+            noise_beside: 1.0,
             late: 0.0,
             faults: Vec::new(),
             cycles: Arc::new(cycles.elapsed(count, tick)),
@@ -305,10 +308,22 @@ impl Trajectory {
         let seen = runs.iter().flat_map(|run| &force[run.clone()]).copied();
         self.force_rms = rms(seen);
         let noise = noise_of_runs(force, runs);
-        self.force_noise = self
+        let noise = self
             .average
             .as_ref()
             .map_or(noise, |average| average.noise(noise));
+        self.force_noise = self.noise_beside * noise;
+    }
+
+    /// Takes the force's noise to have a deviation of `noise` kN, of which quick changes show a part only.
+    pub fn take_pink_noise(&mut self, noise: f64) {
+        let times = noise / self.force_noise;
+        self.noise_beside = times;
+        self.force_noise = noise;
+        self.faults.push(ChannelFault {
+            channel: Channel::Force,
+            kind: ChannelFaultKind::Pink { times },
+        });
     }
 
     /// Carries the error of the motion into what a law is held to: `force` is about what the law gives at a displacement in mm, a

@@ -3,9 +3,12 @@
 
 use crate::families::delay;
 use crate::policy::policy;
+use crate::trace::closing::Forces;
+use crate::trace::split::Role;
 use mesh_damper_model::Model;
 use mesh_damper_recording::Recording;
 use mesh_damper_recording::error::InputError;
+use mesh_damper_recording::pink::pink_deviation;
 use mesh_damper_recording::trajectory::{Known, Trajectory};
 
 mesh_damper_recording::numbers! {
@@ -71,6 +74,42 @@ impl<'r> Aligned<'r> {
         };
         self.move_from(late, to)?;
         Ok(true)
+    }
+
+    /// Allows for noise that quick changes do not show: whether there is any in what laws with these `forces` leave, those of the
+    /// recordings in order.
+    pub fn take_pink_noise(&mut self, forces: &[Forces]) -> bool {
+        let [fitted, held] = &mut self.trajectories;
+        let mut most = 1.0_f64;
+        for (trajectory, forces) in fitted.iter_mut().zip(forces) {
+            let left = |index: usize| {
+                if trajectory.measured[index] {
+                    trajectory.force[index] - forces.after[index]
+                } else {
+                    0.0
+                }
+            };
+            // Of what is predicted nothing may be learned.
+            let known = forces
+                .roles
+                .iter()
+                .take_while(|role| **role != Role::HeldOut);
+            let left: Vec<f64> = (0..known.count()).map(left).collect();
+            if let Some(noise) = pink_deviation(&left)
+                && noise > trajectory.force_noise
+            {
+                trajectory.take_pink_noise(noise);
+                most = most.max(trajectory.noise_beside);
+            }
+        }
+        let any = most > 1.0;
+        if any {
+            // They are of the same load cell.
+            for trajectory in held {
+                trajectory.take_pink_noise(most * trajectory.force_noise);
+            }
+        }
+        any
     }
 
     /// The longest of those that are fitted whose force is early, or else of those held out.

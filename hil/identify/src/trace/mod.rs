@@ -29,7 +29,7 @@ use mesh_damper_recording::{Recording, check_consistency};
 use crate::policy::policy;
 use aligned::Aligned;
 use closing::{Closed, Closing, brings_nothing_new};
-use result::TraceResult;
+use result::{TraceResult, Verdict};
 use select::{Search, Selection, amplitude_nodes, error_between};
 
 mesh_damper_recording::numbers! {
@@ -120,6 +120,10 @@ pub fn trace(
             break;
         }
         progress("moving anew a force that is early");
+        closed = conclude(&mut aligned, progress)?;
+    }
+    if closed.result.verdict == Verdict::Unlisted && aligned.take_pink_noise(&closed.forces) {
+        progress("allowing for noise that grows towards low frequencies");
         closed = conclude(&mut aligned, progress)?;
     }
     let trajectories = aligned.trajectories.into_iter().flatten();

@@ -287,11 +287,15 @@ impl<'a> Search<'a> {
             self.judged(problem.solve())
         };
         let mut best = fit(&[])?;
+        // On a slow test a mass may be any, and one that the crate refuses.
         let massive = fit(&[Term {
             form: inertia::FORMS[0],
             reference: 0.0,
-        }])?;
-        if massive.is_admissible() && massive.score.beats(&best.score) {
+        }]);
+        if let Ok(massive) = massive
+            && massive.is_admissible()
+            && massive.score.beats(&best.score)
+        {
             best = massive;
         }
         let masses = best.solution.terms.iter().map(|value| value.size(0));

@@ -110,6 +110,11 @@ pub enum ChannelFaultKind {
         /// Time that it is over, s.
         time: f64,
     },
+    /// Noise that grows towards low frequencies as 1/f.
+    Pink {
+        /// Its standard deviation over that of the noise that quick changes show.
+        times: f64,
+    },
 }
 
 /// A fault found in a recording.
@@ -214,6 +219,11 @@ impl std::fmt::Display for ChannelFault {
                 f,
                 "hum on the {channel}: {amplitude:.1e} {} at {frequency:.2} Hz; it was taken off",
                 self.channel.unit()
+            ),
+            ChannelFaultKind::Pink { times } => write!(
+                f,
+                "its noise grows towards low frequencies as 1/f: there is {times:.1} times as much as quick changes show; it was allowed \
+                 for"
             ),
             ChannelFaultKind::Averaged { time } => write!(
                 f,

@@ -1,0 +1,135 @@
+//! Noise that grows towards low frequencies as 1/f: quick changes show little of it.
+//!
+//! It is looked for in what a law leaves, where the motion is no more. What a law lacks follows the motion and has its band: it does not
+//! lie on one line over all octaves.
+
+use super::spectrum::density;
+use crate::policy::policy;
+
+crate::numbers! {
+    /// Noise that grows towards low frequencies.
+    PinkPolicy {
+        /// Samples of a stretch whose spectrum is taken, at most.
+        longest: usize = 16_384, Convention("twelve octaves");
+        /// Stretches of a record, at least.
+        stretches: usize = 8, Derived("the lowest octave then has two bins in fifteen of them that overlap, and is certain to a fifth");
+        /// Fewest octaves.
+        octaves: usize = 6, Convention("a factor of sixty in frequency");
+        /// By how much log₂ of the power falls from octave to octave.
+        slope: [f64; 2] = [0.7, 1.3], Derived("1/f falls by 1; white noise by 0, jumps of a force by 2");
+        /// By how much log₂ of an octave's power is off that line, at most.
+        straight: f64 = 0.5, Derived("two deviations of the lowest octave's");
+    }
+}
+
+/// Standard deviation of what is `left`, when it is noise of that kind; `None` when it is not, or too short to tell.
+pub fn pink_deviation(left: &[f64]) -> Option<f64> {
+    let PinkPolicy {
+        longest,
+        stretches,
+        octaves: fewest,
+        slope: [least, most],
+        straight,
+    } = policy().pink;
+    let mut length = longest;
+    while length * stretches > left.len() {
+        length /= 2;
+    }
+    let octaves = (length / 4).checked_ilog2()? as usize;
+    if octaves < fewest {
+        return None;
+    }
+    let density = density(left, length);
+    let mean = |bins: &[f64]| bins.iter().sum::<f64>() / bins.len() as f64;
+    let powers: Vec<f64> = (1..=octaves)
+        .map(|octave| mean(&density[1 << octave..2 << octave]).log2())
+        .collect();
+    let middle = 0.5 * (octaves - 1) as f64;
+    let level = powers.iter().sum::<f64>() / octaves as f64;
+    let (mut product, mut square) = (0.0, 0.0);
+    for (octave, power) in powers.iter().enumerate() {
+        let along = octave as f64 - middle;
+        product += along * power;
+        square += along * along;
+    }
+    let slope = product / square;
+    let is_on_line = |(octave, power): (usize, &f64)| {
+        (power - level - slope * (octave as f64 - middle)).abs() < straight
+    };
+    let is_pink = (least..most).contains(&-slope) && powers.iter().enumerate().all(is_on_line);
+    is_pink.then(|| mean(&density).sqrt())
+}
+
+#[cfg(test)]
+mod tests {
+    use rand::SeedableRng;
+    use rand_chacha::ChaCha8Rng;
+    use rand_distr::{Distribution, StandardNormal};
+
+    use super::*;
+
+    const COUNT: usize = 40_000;
+
+    fn white(seed: u64) -> Vec<f64> {
+        let mut random = ChaCha8Rng::seed_from_u64(seed);
+        (0..COUNT)
+            .map(|_| StandardNormal.sample(&mut random))
+            .collect()
+    }
+
+    /// White noise through poles two octaves apart, whose powers add up to nearly 1/f.
+    fn pink(seed: u64) -> Vec<f64> {
+        let mut sum = vec![0.0; COUNT];
+        for pole in 0..9 {
+            let kept = (-(4.0_f64.powi(-pole))).exp();
+            let mut state = 0.0;
+            for (sum, white) in sum.iter_mut().zip(white(seed * 100 + pole as u64)) {
+                state = kept * state + (1.0 - kept * kept).sqrt() * white;
+                *sum += state;
+            }
+        }
+        sum
+    }
+
+    #[test]
+    fn pink_noise_has_the_size_that_it_has() {
+        for seed in 1..6 {
+            let noise = pink(seed);
+            let rms = (noise.iter().map(|x| x * x).sum::<f64>() / COUNT as f64).sqrt();
+            let found = pink_deviation(&noise).unwrap();
+            // The slowest of it moves by less than a period in a stretch.
+            assert!((found / rms - 1.0).abs() < 0.25, "{found} {rms}");
+        }
+    }
+
+    #[test]
+    fn what_is_no_pink_noise_is_not_taken_for_it() {
+        assert!(pink_deviation(&white(1)).is_none());
+        // A force that jumps, as friction does at a reversal, and a motion's band over white noise.
+        let mut level = 1.0;
+        let jumps: Vec<f64> = white(2)
+            .iter()
+            .map(|x| {
+                level = if *x > 2.0 { -level } else { level };
+                level + 0.01 * x
+            })
+            .collect();
+        assert!(pink_deviation(&jumps).is_none());
+        let tones: Vec<f64> = white(3)
+            .iter()
+            .enumerate()
+            .map(|(index, x)| {
+                let tone = |period: f64| (index as f64 * std::f64::consts::TAU / period).sin();
+                tone(37.0) + tone(91.0) + tone(230.0) + 0.3 * x
+            })
+            .collect();
+        assert!(pink_deviation(&tones).is_none());
+        // Pink noise below a tone that a law lacks.
+        let both: Vec<f64> = pink(4)
+            .iter()
+            .enumerate()
+            .map(|(index, x)| x + 3.0 * (index as f64 * std::f64::consts::TAU / 60.0).sin())
+            .collect();
+        assert!(pink_deviation(&both).is_none());
+    }
+}
