@@ -12,52 +12,52 @@ crate::numbers! {
         /// Samples of a stretch whose spectrum is taken, at most.
         longest: usize = 16_384, Convention("twelve octaves");
         /// Stretches of a record, at least.
-        stretches: usize = 8, Derived("the lowest octave then has two bins in fifteen of them that overlap, and is certain to a fifth");
-        /// Fewest octaves.
-        octaves: usize = 6, Convention("a factor of sixty in frequency");
-        /// By how much log₂ of the power falls from octave to octave.
-        slope: [f64; 2] = [0.7, 1.3], Derived("1/f falls by 1; white noise by 0, jumps of a force by 2");
-        /// By how much log₂ of an octave's power is off that line, at most.
-        straight: f64 = 0.5, Derived("two deviations of the lowest octave's");
+        stretches: usize = 8, Derived("the lowest octave then has four bins in fifteen of them that overlap, and is certain to an eighth");
+        /// Octaves in which it is more than the white noise beside it, at least.
+        octaves: usize = 5, Convention("a factor of thirty in frequency");
+        /// By how much log₂ of an octave's power is off the sum of both, at most.
+        straight: f64 = 0.5, Derived("three deviations of the lowest octave's");
     }
 }
 
-/// Standard deviation of what is `left`, when it is noise of that kind; `None` when it is not, or too short to tell.
+/// Standard deviation of what is `left`, when it is noise of that kind, with white noise beside it; `None` when it is not, or too
+/// short to tell.
 pub fn pink_deviation(left: &[f64]) -> Option<f64> {
     let PinkPolicy {
         longest,
         stretches,
         octaves: fewest,
-        slope: [least, most],
         straight,
     } = policy().pink;
     let mut length = longest;
     while length * stretches > left.len() {
         length /= 2;
     }
-    let octaves = (length / 4).checked_ilog2()? as usize;
+    // The lowest has the four bins that a line at 0 does not reach.
+    let octaves = (length / 8).checked_ilog2()? as usize;
     if octaves < fewest {
         return None;
     }
     let density = density(left, length);
     let mean = |bins: &[f64]| bins.iter().sum::<f64>() / bins.len() as f64;
-    let powers: Vec<f64> = (1..=octaves)
+    let powers: Vec<f64> = (2..2 + octaves)
         .map(|octave| mean(&density[1 << octave..2 << octave]).log2())
         .collect();
-    let middle = 0.5 * (octaves - 1) as f64;
-    let level = powers.iter().sum::<f64>() / octaves as f64;
-    let (mut product, mut square) = (0.0, 0.0);
-    for (octave, power) in powers.iter().enumerate() {
-        let along = octave as f64 - middle;
-        product += along * power;
-        square += along * along;
-    }
-    let slope = product / square;
-    let is_on_line = |(octave, power): (usize, &f64)| {
-        (power - level - slope * (octave as f64 - middle)).abs() < straight
+    // 2^−octave + white, and the level that fits best.
+    let fit = |white: f64| {
+        let shape = (0..octaves).map(|octave| (0.5_f64.powi(octave as i32) + white).log2());
+        let off: Vec<f64> = powers.iter().zip(shape).map(|(p, s)| p - s).collect();
+        let level = mean(&off);
+        off.iter()
+            .map(|off| (off - level).abs())
+            .fold(0.0, f64::max)
     };
-    let is_pink = (least..most).contains(&-slope) && powers.iter().enumerate().all(is_on_line);
-    is_pink.then(|| mean(&density).sqrt())
+    // White noise above that of the highest octaves, by quarters of octaves.
+    let highest = 0.5_f64.powi(fewest as i32 - 1);
+    let worst = (0..4 * octaves)
+        .map(|quarters| fit(highest * 0.5_f64.powf(0.25 * quarters as f64)))
+        .fold(f64::INFINITY, f64::min);
+    (worst < straight).then(|| mean(&density).sqrt())
 }
 
 #[cfg(test)]
@@ -77,11 +77,11 @@ mod tests {
             .collect()
     }
 
-    /// White noise through poles two octaves apart, whose powers add up to nearly 1/f.
+    /// White noise through poles an octave apart, whose powers add up to nearly 1/f.
     fn pink(seed: u64) -> Vec<f64> {
         let mut sum = vec![0.0; COUNT];
-        for pole in 0..9 {
-            let kept = (-(4.0_f64.powi(-pole))).exp();
+        for pole in 0..16 {
+            let kept = (-(2.0_f64.powi(1 - pole))).exp();
             let mut state = 0.0;
             for (sum, white) in sum.iter_mut().zip(white(seed * 100 + pole as u64)) {
                 state = kept * state + (1.0 - kept * kept).sqrt() * white;
