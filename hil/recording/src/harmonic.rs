@@ -14,8 +14,14 @@ use super::motion::{MotionEstimate, leaves_only_noise};
 
 impl MotionEstimate {
     /// Replaces the local estimate by that of sines, half cycle by half cycle, where the samples of `displacement` (mm,
-    /// every `tick` s) follow them down to the noise.
-    pub fn refine_sines(&mut self, displacement: &[f64], tick: f64, cycles: &Cycles) {
+    /// every `tick` s) follow them down to the noise. Returns those samples.
+    pub fn refine_sines(
+        &mut self,
+        displacement: &[f64],
+        tick: f64,
+        cycles: &Cycles,
+    ) -> Vec<Range<usize>> {
+        let mut refined = Vec::new();
         for block in &cycles.blocks {
             let step = TAU * tick * block.frequency;
             let halves = half_cycles(block, &self.kinks);
@@ -27,6 +33,7 @@ impl MotionEstimate {
                     .max_by_key(|fit| fit.shape.samples.len());
                 if let Some(fit) = steady {
                     self.take(&fit, own, tick);
+                    refined.push(own.clone());
                 } else if index == 0 {
                     let ramp = Fit::of(
                         displacement,
@@ -39,11 +46,14 @@ impl MotionEstimate {
                         ramp.filter(|fit| fit.leaves_only_noise(displacement, own, self.noise))
                     {
                         // A start from rest is known better by its own form.
-                        self.take(&fit, &(own.start.max(self.start_from_rest)..own.end), tick);
+                        let own = own.start.max(self.start_from_rest)..own.end;
+                        self.take(&fit, &own, tick);
+                        refined.push(own);
                     }
                 }
             }
         }
+        refined
     }
 
     fn take<S: Waveform<N>, const N: usize>(

@@ -6,6 +6,7 @@
 //! from samples at tᵢ is Σ wᵢ·yᵢ with (R + σ²·1)·w = r(t − tᵢ), or r′ and r″ in its place, R = r(tᵢ − tⱼ) (Wiener 1949).
 
 use std::f64::consts::PI;
+use std::ops::Range;
 
 use nalgebra::{Cholesky, DMatrix, DVector, Dyn};
 
@@ -229,12 +230,13 @@ pub(super) struct Band {
 }
 
 impl Band {
-    /// Where it does so in `displacement` in mm: it leaves the noise alone, and of a motion as it has been found a displacement
+    /// Where it does so in `displacement` in mm, but for the samples whose motion is `known` better: it leaves the noise alone, and of a motion as it has been found a displacement
     /// as noisy is estimated better than by `estimate`, whose own estimate `motion` is. `None` where it does nowhere.
     pub(super) fn find(
         displacement: &[f64],
         tick: f64,
         motion: &MotionEstimate,
+        known: &[Range<usize>],
         estimate: impl Fn(&[f64]) -> MotionEstimate,
     ) -> Option<Self> {
         let smoother = Smoother::of(displacement)?;
@@ -247,8 +249,8 @@ impl Band {
             let (low, high) = (kink.saturating_sub(smoother.reach), kink + smoother.reach);
             holds[low..high.min(displacement.len())].fill(false);
         }
-        for rest in &motion.rests {
-            holds[rest.clone()].fill(false);
+        for better in motion.rests.iter().chain(known) {
+            holds[better.clone()].fill(false);
         }
         if holds.iter().all(|holds| !holds) {
             return None;

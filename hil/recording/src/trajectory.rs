@@ -253,13 +253,13 @@ impl Trajectory {
         let mut motion = MotionEstimate::estimate(displacement, tick, &period);
         let mut cycles = Cycles::find(&motion.displacement, tick, hysteresis);
         cycles.snap_to(&motion.kinks);
-        motion.refine_sines(displacement, tick, &cycles);
+        let sines = motion.refine_sines(displacement, tick, &cycles);
         let locally = |displacement: &[f64]| {
             let mut again = MotionEstimate::estimate(displacement, tick, &period);
             again.refine_sines(displacement, tick, &cycles);
             again
         };
-        let band = Band::find(displacement, tick, &motion, locally);
+        let band = Band::find(displacement, tick, &motion, &sines, locally);
         if let Some(band) = &band {
             band.refine(&mut motion, displacement, tick);
         }
