@@ -11,10 +11,20 @@ use nalgebra::{Cholesky, SMatrix, SVector};
 
 use super::cycles::{Cycles, FoundBlock};
 use super::motion::{MotionEstimate, leaves_only_noise};
+use crate::policy::policy;
+
+crate::numbers! {
+    /// Motion that is a sine.
+    HarmonicPolicy {
+        /// A block of more cycles is of a sine.
+        several: usize = 2, Derived("a cycle into the block, one in it and one out of it");
+    }
+}
 
 impl MotionEstimate {
     /// Replaces the local estimate by that of sines, half cycle by half cycle, where the samples of `displacement` (mm,
-    /// every `tick` s) follow them down to the noise. Returns those samples.
+    /// every `tick` s) follow them down to the noise. Returns those samples in
+    /// blocks of several cycles: of one alone a sine is but a form that fits.
     pub fn refine_sines(
         &mut self,
         displacement: &[f64],
@@ -24,6 +34,7 @@ impl MotionEstimate {
         let mut refined = Vec::new();
         for block in &cycles.blocks {
             let step = TAU * tick * block.frequency;
+            let is_sine = block.cycles.len() > policy().harmonic.several;
             let halves = half_cycles(block, &self.kinks);
             for (index, own) in halves.iter().enumerate() {
                 let steady = windows_around(index, halves.len())
@@ -33,7 +44,7 @@ impl MotionEstimate {
                     .max_by_key(|fit| fit.shape.samples.len());
                 if let Some(fit) = steady {
                     self.take(&fit, own, tick);
-                    refined.push(own.clone());
+                    refined.extend(is_sine.then(|| own.clone()));
                 } else if index == 0 {
                     let ramp = Fit::of(
                         displacement,
@@ -48,7 +59,7 @@ impl MotionEstimate {
                         // A start from rest is known better by its own form.
                         let own = own.start.max(self.start_from_rest)..own.end;
                         self.take(&fit, &own, tick);
-                        refined.push(own);
+                        refined.extend(is_sine.then_some(own));
                     }
                 }
             }

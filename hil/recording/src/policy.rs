@@ -32,6 +32,7 @@ pub use crate::faults::shift::ShiftPolicy;
 pub use crate::faults::sign::SignPolicy;
 pub use crate::faults::spikes::SpikesPolicy;
 pub use crate::faults::velocity::VelocityPolicy;
+pub use crate::harmonic::HarmonicPolicy;
 pub use crate::kinks::KinksPolicy;
 pub use crate::motion::MotionPolicy;
 pub use crate::motion_error::MotionErrorPolicy;
@@ -163,6 +164,8 @@ crate::policy! {
     cycles: CyclesPolicy,
     /// What all searches for channel faults share.
     faults: FaultsPolicy,
+    /// Motion that is a sine.
+    harmonic: HarmonicPolicy,
     /// Values that were repeated.
     held: HeldPolicy,
     /// Hum of the mains.
