@@ -261,3 +261,52 @@ fn the_band_holds_the_force_along_the_true_motion() {
         assert!((0.8..0.97).contains(&share), "{of_displacement}: {share}");
     }
 }
+
+/// White noise through poles an octave apart, whose powers add up to nearly 1/f; of deviation 1.
+fn pink(count: usize, seed: u64) -> Vec<f64> {
+    let mut random = StdRng::seed_from_u64(seed);
+    let white = Normal::new(0.0, 1.0).unwrap();
+    let mut sum = vec![0.0; count];
+    for pole in 0..16 {
+        let kept = (-(2.0_f64.powi(1 - pole))).exp();
+        let mut state = white.sample(&mut random);
+        for sum in &mut sum {
+            state = kept * state + f64::sqrt(1.0 - kept * kept) * white.sample(&mut random);
+            *sum += state;
+        }
+    }
+    let deviation = rms(&sum);
+    sum.iter().map(|x| x / deviation).collect()
+}
+
+/// An amplifier's noise grows towards low frequencies, where the motion is: quick changes show a third of it. It is no missing effect, and
+/// hides none that is larger.
+#[test]
+fn noise_that_grows_towards_low_frequencies_is_no_missing_effect() {
+    let test = |stiffness: f64, seed: u64| {
+        let mut recording = recorded(random(seed), 1e-4, 1e-5, seed);
+        let noise = 0.01 * rms(&recording.force);
+        let pink = pink(recording.force.len(), seed);
+        let mut stretch = 0.0;
+        for index in 0..recording.force.len() {
+            let y = |index: usize| random(seed)(index as f64 / RATE)[0];
+            if stiffness > 0.0 && index > 0 {
+                stretch += y(index) - y(index - 1);
+                stretch = f64::clamp(stretch, -0.03, 0.03);
+            }
+            recording.force[index] += noise * pink[index] + stiffness * stretch;
+        }
+        recording
+    };
+    let nothing = traced(test(0.0, 1), test(0.0, 2));
+    assert_eq!(nothing.verdict, Verdict::None, "{:?}", nothing.warnings);
+    let told = nothing
+        .warnings
+        .iter()
+        .any(|warning| warning.contains("1/f"));
+    assert!(told, "{:?}", nothing.warnings);
+    let sliding = traced(test(1.5, 3), test(1.5, 4));
+    assert_eq!(sliding.verdict, Verdict::Found, "{:?}", sliding.warnings);
+    assert_eq!(sliding.effects[0].family, "stick_slip");
+    assert_eq!(sliding.effects.len(), 1);
+}
