@@ -93,7 +93,7 @@ const RELATIVE: &str = "relative";
 const RATIO: &str = "ratio";
 
 /// Limits that are not reached, and why. What is reached after all has to leave this list.
-const NOT_REACHED: [(&str, &str); 23] = [
+const NOT_REACHED: [(&str, &str); 24] = [
     (
         "longest steady tick over the mean",
         "a tick in 64 ends a sector of the cycle and does a step of its results in 95 to 131; the first of a block takes 179",
@@ -125,6 +125,10 @@ const NOT_REACHED: [(&str, &str); 23] = [
     (
         "bouc-wen",
         "two powers of 60 with a quotient each, and two more quotients for the parts that a step takes",
+    ),
+    (
+        "hardening-friction",
+        "up to four powers of 60 with a quotient each, and up to three exponentials on a tick that passes 0",
     ),
     (
         "periodic",
