@@ -287,14 +287,14 @@ fn noise_that_grows_towards_low_frequencies_is_no_missing_effect() {
         let mut recording = recorded(random(seed), 1e-4, 1e-5, seed);
         let noise = 0.01 * rms(&recording.force);
         let pink = pink(recording.force.len(), seed);
-        let mut stretch = 0.0;
-        for index in 0..recording.force.len() {
-            let y = |index: usize| random(seed)(index as f64 / RATE)[0];
-            if stiffness > 0.0 && index > 0 {
-                stretch += y(index) - y(index - 1);
-                stretch = f64::clamp(stretch, -0.03, 0.03);
-            }
-            recording.force[index] += noise * pink[index] + stiffness * stretch;
+        let motion = random(seed);
+        let (mut stretch, mut before) = (0.0, motion(0.0)[0]);
+        let moments = recording.time.iter().zip(&pink);
+        for (force, (time, pink)) in recording.force.iter_mut().zip(moments) {
+            let [y, _] = motion(*time);
+            stretch = f64::clamp(stretch + y - before, -0.03, 0.03);
+            before = y;
+            *force += noise * pink + stiffness * stretch;
         }
         recording
     };
