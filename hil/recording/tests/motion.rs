@@ -337,11 +337,13 @@ fn random_phases(count: usize, band: [f64; 2], seed: u64) -> [Vec<f64>; 3] {
     for line in lines.step_by(5) {
         let turn = TAU * line as f64 / period;
         let start = phase.sample(&mut random);
-        for index in 0..count {
+        let [y, slope, curvature] = &mut all;
+        let channels = y.iter_mut().zip(slope).zip(curvature);
+        for (index, ((y, slope), curvature)) in channels.enumerate() {
             let (sin, cos) = (turn * index as f64 + start).sin_cos();
-            all[0][index] += cos / turn;
-            all[1][index] -= sin;
-            all[2][index] -= turn * cos;
+            *y += cos / turn;
+            *slope -= sin;
+            *curvature -= turn * cos;
         }
     }
     let scale = 1.0 / rms(all[0].iter().copied());
