@@ -19,12 +19,13 @@ const MOST_LOSS: f64 = 200.0;
 /// With h = −1 and l = 1 it is the softening one of [`BoucWen`](super::BoucWen); with h > 0 each branch grows steeper, which nothing
 /// ends but x.
 ///
-/// It is passive: ∫ k·z dz/(1 + h·(|z|/x)ⁿ) is stored, all of the work goes there on the way away from 0, and on the way back, with
+/// The equation is passive: ∫ k·z dz/(1 + h·(|z|/x)ⁿ) is stored, all of the work goes there on the way away from 0, and on the way back, with
 /// l ≥ 0, not more is given back.
 ///
 /// # Step
 /// To 0 and from 0 with (|z|/x)ⁿ as the line through 0 that meets it in the middle of the step, dz = dy·(1 + c·z): of the second
-/// order, and exact for n = 1. z is held between 0 and the bound, so that steps of any length end there.
+/// order, and exact for n = 1. A step that takes more than half of a z loses too much of it and not too little. z never passes its bound,
+/// whatever the steps.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct HardeningFriction<R> {
     stiffness: R,
@@ -100,28 +101,42 @@ impl<R: Real> HardeningFriction<R> {
     /// z after `way` mm from −`stretch` ≤ 0 on, towards 0 and beyond.
     fn back(&self, stretch: R, way: R) -> R {
         let rise = self.hardening + self.loss;
-        let slope = R::ONE + self.bend(stretch, rise) * stretch;
-        let middle = stretch - R::from_f64(0.5) * way * slope;
+        let half = R::from_f64(0.5);
+        // Where a step falls by much, the line of its middle would hardly fall at all: not below half of where it began.
+        let middle = fallen(stretch, self.bend(stretch, rise), half * way);
+        let least = half * stretch;
+        let middle = if middle > least { middle } else { least };
         let bend = self.bend(middle, rise);
-        let slope = R::ONE + bend * stretch;
-        let left = stretch - slope * way * mean_growth(-bend * way);
+        let left = fallen(stretch, bend, way);
         if left >= R::ZERO {
             return -left;
         }
-        // The way to 0 is ln(1 + u)/u·z with u = bend·z: about (6 + u)/(6 + 4u), and a step of Newton's from there.
-        let bend = self.bend(R::from_f64(0.5) * stretch, rise);
-        let part = bend * stretch;
-        let six = R::from_f64(6.0);
-        let near = stretch * (six + part) / (six + R::from_f64(4.0) * part);
-        let over = stretch - (R::ONE + part) * near * mean_growth(-bend * near);
-        let there = near + over / (R::ONE + bend * over);
-        let rest = way - there;
+        let rest = way - stretch * mean_logarithm(bend * stretch);
         if rest > R::ZERO {
             self.away(R::ZERO, rest)
         } else {
             R::ZERO
         }
     }
+}
+
+/// z after `way` of dz = −(1 + bend·z)·dy from `stretch` on, below 0 where it passes that.
+#[inline(never)]
+fn fallen<R: Real>(stretch: R, bend: R, way: R) -> R {
+    stretch - (R::ONE + bend * stretch) * way * mean_growth(-bend * way)
+}
+
+/// ln(1 + u)/u for an u of at least 0: with s the eighth root of 1 + u and x = (s − 1)/(s + 1), ln s is 2·artanh x, of which two terms
+/// are within x⁴/5.
+#[inline(never)]
+fn mean_logarithm<R: Real>(u: R) -> R {
+    if u < R::from_f64(0.02) {
+        // The next term is u³/4.
+        return R::ONE - u * (R::from_f64(0.5) - u * R::from_f64(1.0 / 3.0));
+    }
+    let root = (R::ONE + u).abs_pow(R::from_f64(0.125));
+    let x = (root - R::ONE) / (root + R::ONE);
+    R::from_f64(16.0) * x * (R::ONE + x * x * R::from_f64(1.0 / 3.0)) / u
 }
 
 /// (eᵃ − 1)/a, the mean of eᵗ from 0 to a.
@@ -194,7 +209,7 @@ impl<R: Real> Equations<R> for HardeningFriction<R> {
         in_range("loss", self.loss, 0.0, MOST_LOSS).map(|_| ())
     }
 
-    // On a target not inlined: its registers and constants are no matter of ticks without it.
+    // On a target not inlined: a tick without it need not save the registers that it takes.
     #[cfg_attr(not(feature = "std"), inline(never))]
     fn force(&self, state: &mut Self::State, motion: &ClampedMotion<R>, _: LawForce<R>) -> R {
         let y = motion.displacement();

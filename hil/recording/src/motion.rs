@@ -86,8 +86,8 @@ impl MotionEstimate {
     }
 
     /// Takes a measured velocity in mm/s in, as far as it is more certain than the estimated one: each counts by the inverse of its
-    /// variance. One that differs from the estimated one by more than that errs tells nothing new: somebody differentiated it, from the same
-    /// displacement.
+    /// variance. Where it differs from the estimated one by more than twice the error of that, it is left out: most often it was
+    /// differentiated from the same displacement.
     pub(super) fn weigh_in(&mut self, measured: &[f64], error: &mut MotionError) {
         let mean = |squares: &mut dyn Iterator<Item = f64>| {
             squares.map(|x| x * x).sum::<f64>() / measured.len() as f64

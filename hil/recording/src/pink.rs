@@ -57,7 +57,9 @@ pub fn pink_deviation(left: &[f64]) -> Option<f64> {
     let worst = (0..4 * octaves)
         .map(|quarters| fit(highest * 0.5_f64.powf(0.25 * quarters as f64)))
         .fold(f64::INFINITY, f64::min);
-    (worst < straight).then(|| mean(&density).sqrt())
+    // A constant has the first two bins.
+    let noise = density[2..].iter().sum::<f64>() / density.len() as f64;
+    (worst < straight).then(|| noise.sqrt())
 }
 
 #[cfg(test)]

@@ -1,7 +1,7 @@
 //! The motion behind a displacement of few samples to the cycle: the best linear estimate from the samples around each.
 //!
 //! A cubic follows a sine of ten samples and more. A record of fewer can be differentiated where it is known how its motion is spread
-//! over frequency, and the spectrum tells: noise is flat, so what stands above its floor is motion. With the motion's power S(ω) its
+//! over frequency, and the spectrum tells: white noise is flat, so what stands above its floor is motion. With the motion's power S(ω) its
 //! covariance is r(τ) = ∫ S cos ωτ, that of its velocity with it r′(τ), that of its acceleration r″(τ). The estimate of least variance
 //! from samples at tᵢ is Σ wᵢ·yᵢ with (R + σ²·1)·w = r(t − tᵢ), or r′ and r″ in its place, R = r(tᵢ − tⱼ) (Wiener 1949).
 
@@ -32,6 +32,10 @@ crate::numbers! {
         reach: [usize; 2] = [16, 64], Tuned("the estimated motions");
         /// A motion of more samples to a period of the fastest needs no spectrum.
         fine: f64 = 64.0, Derived("the shortest window of a cubic, nine samples, shrinks its slope by 1e-4 (Savitzky–Golay)");
+        /// A motion has more samples to a period.
+        unmeasured: f64 = 3.5, Convention("no rig is sampled so coarsely; what is faster is noise that a filter shaped, and what stands above its floor is no motion");
+        /// Of the velocity's power a part below this may be faster.
+        part_unmeasured: f64 = 1e-4, Convention("a hundredth of the velocity");
         /// However quiet, the noise is taken for at least this part of the displacement's deviation.
         quiet: f64 = 3e-6, Derived("R of f64 numbers can be factored down to some 1e-12 of its diagonal");
         /// Of a motion without noise the estimate may leave this part of the displacement's deviation.
@@ -63,6 +67,8 @@ pub(super) struct Smoother {
     mean: f64,
     /// Deviation of the noise, mm.
     noise: f64,
+    /// The same as the weights take it, mm: never 0.
+    taken: f64,
 }
 
 /// A displacement smoothed, with its derivatives per sample.
@@ -79,6 +85,8 @@ impl Smoother {
     pub(super) fn of(displacement: &[f64]) -> Option<Self> {
         let SmootherPolicy {
             bins,
+            unmeasured,
+            part_unmeasured,
             stretches,
             above,
             most_of_velocity,
@@ -110,6 +118,11 @@ impl Smoother {
         let turn = |bin: usize| bin as f64 / bins as f64 * PI;
         let of_velocity = |bin: usize| motion[bin] * turn(bin).powi(2);
         let whole: f64 = (0..bins).map(of_velocity).sum();
+        let quickest = |bin: &usize| turn(*bin) * unmeasured > 2.0 * PI;
+        let unmeasured: f64 = (0..bins).filter(quickest).map(of_velocity).sum();
+        if unmeasured > part_unmeasured * whole {
+            return None;
+        }
         let mut below = 0.0;
         let fastest = (0..bins).find(|&bin| {
             below += of_velocity(bin);
@@ -148,6 +161,7 @@ impl Smoother {
             variances,
             mean,
             noise: floor.sqrt(),
+            taken: variance.sqrt(),
         })
     }
 
@@ -178,12 +192,8 @@ impl Smoother {
     fn excess(&self) -> [f64; 3] {
         let (weights, deviations) = self.weights(self.reach);
         [0, 1, 2].map(|derivative| {
-            let of_noise = self.noise * weights[derivative].norm();
-            if of_noise > 0.0 {
-                (deviations[derivative] / of_noise).max(1.0)
-            } else {
-                1.0
-            }
+            let of_noise = self.taken * weights[derivative].norm();
+            (deviations[derivative] / of_noise).max(1.0)
         })
     }
 
@@ -245,9 +255,15 @@ impl Band {
         let mut holds = smoother.leaves_only_noise(&left);
         holds[..motion.start_from_rest].fill(false);
         for kink in smoother.corners(displacement, motion, &left) {
-            // No window may lie across one.
-            let (low, high) = (kink.saturating_sub(smoother.reach), kink + smoother.reach);
-            holds[low..high.min(displacement.len())].fill(false);
+            // No window may lie across one; at an end all lie across the same samples.
+            let (reach, count) = (smoother.reach, displacement.len());
+            let low = if kink <= 2 * reach { 0 } else { kink - reach };
+            let high = if kink + 2 * reach >= count {
+                count
+            } else {
+                kink + reach
+            };
+            holds[low..high].fill(false);
         }
         for better in motion.rests.iter().chain(known) {
             holds[better.clone()].fill(false);

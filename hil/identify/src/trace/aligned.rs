@@ -89,12 +89,16 @@ impl<'r> Aligned<'r> {
                     0.0
                 }
             };
-            // Of what is predicted nothing may be learned.
-            let known = forces
-                .roles
-                .iter()
-                .take_while(|role| **role != Role::HeldOut);
-            let left: Vec<f64> = (0..known.count()).map(left).collect();
+            // Of what is held out nothing may be learned.
+            let mut start = 0;
+            let runs = forces.roles.split(|role| *role == Role::HeldOut);
+            let runs = runs.map(|run| {
+                let samples = start..start + run.len();
+                start = samples.end + 1;
+                samples
+            });
+            let longest = runs.max_by_key(ExactSizeIterator::len).unwrap_or_default();
+            let left: Vec<f64> = longest.map(left).collect();
             if let Some(noise) = pink_deviation(&left)
                 && noise > trajectory.force_noise
             {

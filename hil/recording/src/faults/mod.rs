@@ -256,7 +256,7 @@ fn stretches_of(count: usize, one: &str, many: &str) -> String {
 
 impl Recording {
     /// The recording with the channels mended that are wrong as a whole or from some time on: a sign, a unit. What was
-    /// mended is in [`Recording::faults`]; mending twice changes nothing more. A recording that needs none is not copied.
+    /// mended is in [`Recording::faults`]; mending twice changes nothing more. Where nothing is, the copy is dropped at once.
     #[must_use]
     pub fn mended(&self) -> Cow<'_, Self> {
         let mut recording = self.clone();
