@@ -128,7 +128,7 @@ const NOT_REACHED: [(&str, &str); 24] = [
     ),
     (
         "hardening-friction",
-        "up to four powers of 60 with a quotient each, and up to three exponentials on a tick that passes 0",
+        "up to five powers of 60 with a quotient each, and up to three exponentials, on a tick that passes 0",
     ),
     (
         "periodic",
