@@ -116,6 +116,35 @@ impl TermUncertainty {
     }
 }
 
+impl Uncertainty {
+    /// Widens the intervals of `solution` by what it differs from `moved`, the same terms fitted along a motion off by one draw of its
+    /// error: the residuals tell of its chance, and not of the bias that it brings.
+    pub fn widen(&mut self, solution: &Solution, moved: &Solution) {
+        for ((halves, node), other) in self.law.iter_mut().zip(&solution.law).zip(&moved.law) {
+            let differs = [
+                node.k1 - other.k1,
+                node.k3 - other.k3,
+                node.c - other.c,
+                node.alpha - other.alpha,
+            ];
+            for (half, differs) in halves.iter_mut().zip(differs) {
+                *half = half.hypot(differs);
+            }
+        }
+        let terms = self.terms.iter_mut().zip(&solution.terms);
+        for ((uncertainty, term), other) in terms.zip(&moved.terms) {
+            let sizes = term.sizes.iter().zip(&other.sizes);
+            for (half, (size, other)) in uncertainty.sizes.iter_mut().zip(sizes) {
+                *half = half.hypot(size - other);
+            }
+            let shapes = term.shapes.iter().zip(&other.shapes);
+            for (factor, (shape, other)) in uncertainty.shapes.iter_mut().zip(shapes) {
+                *factor = factor.ln().hypot((shape / other).ln()).exp();
+            }
+        }
+    }
+}
+
 /// A parameter and its 90 % interval.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Interval {

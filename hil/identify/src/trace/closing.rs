@@ -142,18 +142,20 @@ impl<'a> Closing<'a> {
         let (after, with) = self.evaluate(&model, predict)?;
         let (_, on_target) = self.evaluate(&model, predict_embedded)?;
         let noise_floor = self.noise_floor;
-        let uncertainty = Uncertainty::of(rows, &self.extent, &solution);
-        let mut effects = self.effects(rows, &solution, &uncertainty, with.nrmse_held_out)?;
-        if verdict == Verdict::Ambiguous {
-            effects.extend(self.rivals(selection)?);
-        }
-
+        let mut uncertainty = Uncertainty::of(rows, &self.extent, &solution);
         let terms = solution.terms.iter().zip(&uncertainty.terms);
         let mut unbounded: Vec<Family> = terms
             .filter(|(_, uncertainty)| !uncertainty.is_bounded())
             .map(|(value, _)| value.term.form.family())
             .collect();
         unbounded.dedup();
+        let moved = self.fit_moved(rows, &solution);
+        uncertainty.widen(&solution, &moved);
+        let mut effects = self.effects(rows, &solution, &uncertainty, with.nrmse_held_out)?;
+        if verdict == Verdict::Ambiguous {
+            effects.extend(self.rivals(selection)?);
+        }
+
         let (separating_test, separating_blocks) = match verdict {
             Verdict::Ambiguous => {
                 progress("seeking the test that would tell the rivals apart");
@@ -429,6 +431,18 @@ impl<'a> Closing<'a> {
     /// The terms of `known` fitted to these rows.
     fn fit_near(&self, rows: &Rows, known: &Solution) -> Solution {
         Problem::new(rows, &self.extent, &known.terms()).solve_near(known)
+    }
+
+    /// The terms of `known` fitted along a motion that it may be as well: what the error of the motion makes of each parameter. A noisy
+    /// displacement takes a part of what the law gives to it, however many samples there are.
+    fn fit_moved(&self, rows: &Rows, known: &Solution) -> Solution {
+        let moved = self.trajectories.iter().map(Trajectory::as_it_may_be);
+        let moved: Vec<Trajectory> = moved.collect();
+        let nodes = rows.nodes().to_vec();
+        let rows = Rows::gather(&moved, nodes, policy().rows.closing, |which, sample| {
+            self.roles.is_open(which, sample)
+        });
+        self.fit_near(&rows, known)
     }
 
     /// The same without those that all of the data hold at 0.
