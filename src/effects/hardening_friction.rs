@@ -85,7 +85,8 @@ impl<R: Real> HardeningFriction<R> {
         rise * (fourth * fourth) / stretch
     }
 
-    /// z ≥ 0 after `way` mm away from 0.
+    /// z ≥ 0 after `way` mm away from 0. Not inlined: it is called from two places.
+    #[inline(never)]
     fn away(&self, stretch: R, way: R) -> R {
         let slope = R::ONE + self.bend(stretch, self.hardening) * stretch;
         let middle = (stretch + R::from_f64(0.5) * way * slope).clipped(self.stretch_limit);
@@ -140,6 +141,7 @@ fn mean_logarithm<R: Real>(u: R) -> R {
 }
 
 /// (eᵃ − 1)/a, the mean of eᵗ from 0 to a.
+#[inline(never)]
 fn mean_growth<R: Real>(a: R) -> R {
     let (small, most) = (R::from_f64(0.05), R::from_f64(30.0));
     let size = a.abs();
