@@ -138,10 +138,6 @@ impl<'a> Closing<'a> {
             solution = self.fit_there(rows, laws[mended.law].1);
             left = left_out.left_by(&model)?.in_most().unwrap_or(left);
         }
-        let (before, without) = self.evaluate(&baseline, predict)?;
-        let (after, with) = self.evaluate(&model, predict)?;
-        let (_, on_target) = self.evaluate(&model, predict_embedded)?;
-        let noise_floor = self.noise_floor;
         let mut uncertainty = Uncertainty::of(rows, &self.extent, &solution);
         let terms = solution.terms.iter().zip(&uncertainty.terms);
         let mut unbounded: Vec<Family> = terms
@@ -151,6 +147,10 @@ impl<'a> Closing<'a> {
         unbounded.dedup();
         let moved = self.fit_moved(rows, &solution);
         uncertainty.widen(&solution, &moved);
+        let (before, without) = self.evaluate(&baseline, predict)?;
+        let (after, with) = self.evaluate(&model, predict)?;
+        let (_, on_target) = self.evaluate(&model, predict_embedded)?;
+        let noise_floor = self.noise_floor;
         let mut effects = self.effects(rows, &solution, &uncertainty, with.nrmse_held_out)?;
         if verdict == Verdict::Ambiguous {
             effects.extend(self.rivals(selection)?);
