@@ -1,13 +1,11 @@
 //! Rate-independent friction that gives way smoothly (Bouc 1967, Wen 1976): the second form of stick-slip.
 
 use super::description::{Cost, Dependence, Description, EffectKind, Parameter};
+use super::stretch::{SHARPEST, Stretch, power};
 use super::{ClampedMotion, Equations, LawForce, Packed};
 use crate::error::ConfigError;
 use crate::limits;
 use crate::real::{Real, coefficient, in_range};
-
-/// Largest exponent.
-const SHARPEST: f64 = 8.0;
 
 /// F = k·z, dz = dy·(1 − (|z|/x)ⁿ·(1 + sgn(dy·z))/2).
 ///
@@ -25,14 +23,9 @@ pub struct BoucWen<R> {
     sharpness: R,
 }
 
-/// What a [`BoucWen`] remembers.
-#[derive(Clone, Copy, Debug)]
-pub struct BoucWenState<R> {
-    /// z, mm.
-    stretch: R,
-    /// Displacement of the tick before, mm.
-    previous: R,
-}
+/// Former name of [`Stretch`].
+#[deprecated(note = "use Stretch")]
+pub type BoucWenState<R> = Stretch<R>;
 
 impl<R: Real> BoucWen<R> {
     /// * `stiffness`: k, kN/mm, −1e9…1e9
@@ -54,11 +47,7 @@ impl<R: Real> BoucWen<R> {
     /// m at |z|/x = `part`. Not inlined: it is taken twice.
     #[inline(never)]
     fn bend(&self, part: R) -> R {
-        // |part|ⁿ by an exponent of at most 1.
-        let root = part.abs_pow(self.sharpness * R::from_f64(1.0 / SHARPEST));
-        let square = root * root;
-        let fourth = square * square;
-        let bend = (R::ONE - fourth * fourth) / (R::ONE - part);
+        let bend = (R::ONE - power(part, self.sharpness)) / (R::ONE - part);
         // Next to the limit it is a quotient of what rounding leaves.
         let (low, high) = if self.sharpness > R::ONE {
             (R::ONE, self.sharpness)
@@ -115,7 +104,7 @@ impl<R: Real> Equations<R> for BoucWen<R> {
         sharpness: R::ZERO,
     };
 
-    type State = Option<BoucWenState<R>>;
+    type State = Option<Stretch<R>>;
     const AT_REST: Self::State = None;
 
     fn from_parameters(parameters: &[f64], _: f64) -> Result<Self, ConfigError> {
@@ -132,41 +121,29 @@ impl<R: Real> Equations<R> for BoucWen<R> {
     // On a target not inlined: its registers and constants are no matter of ticks without it.
     #[cfg_attr(not(feature = "std"), inline(never))]
     fn force(&self, state: &mut Self::State, motion: &ClampedMotion<R>, _: LawForce<R>) -> R {
-        let y = motion.displacement();
-        let state = state.get_or_insert(BoucWenState {
-            stretch: R::ZERO,
-            previous: y,
+        let stretch = Stretch::after(state, motion, |stretch, way| {
+            // Straight as far as 0, and bent from there.
+            let sum = stretch + way;
+            let (start, bent) = if stretch >= R::ZERO {
+                (stretch, way)
+            } else if sum > R::ZERO {
+                (R::ZERO, sum)
+            } else {
+                (sum, R::ZERO)
+            };
+            let moved = if bent > R::ZERO {
+                let part = start / self.slip_limit;
+                let left = R::ONE - part;
+                let length = bent / self.slip_limit;
+                let half = R::from_f64(0.5) * length;
+                let middle = part + left * taken(half * self.bend(part));
+                start + self.slip_limit * (left * taken(length * self.bend(middle)))
+            } else {
+                start
+            };
+            moved.clipped(self.slip_limit)
         });
-        let step = y - state.previous;
-        state.previous = y;
-        let forward = step > R::ZERO;
-        let (way, stretch) = if forward {
-            (step, state.stretch)
-        } else {
-            (-step, -state.stretch)
-        };
-        // Straight as far as 0, and bent from there.
-        let sum = stretch + way;
-        let (start, bent) = if stretch >= R::ZERO {
-            (stretch, way)
-        } else if sum > R::ZERO {
-            (R::ZERO, sum)
-        } else {
-            (sum, R::ZERO)
-        };
-        let moved = if bent > R::ZERO {
-            let part = start / self.slip_limit;
-            let left = R::ONE - part;
-            let length = bent / self.slip_limit;
-            let half = R::from_f64(0.5) * length;
-            let middle = part + left * taken(half * self.bend(part));
-            start + self.slip_limit * (left * taken(length * self.bend(middle)))
-        } else {
-            start
-        };
-        let stretch = if forward { moved } else { -moved };
-        state.stretch = stretch.clipped(self.slip_limit);
-        self.stiffness * state.stretch
+        self.stiffness * stretch
     }
 }
 

@@ -1,13 +1,12 @@
 //! Rate-independent friction in the general form of Bouc (1967) and Wen (1976), bounded: the third form of stick-slip.
 
 use super::description::{Cost, Dependence, Description, EffectKind, Parameter};
+use super::stretch::{SHARPEST, Stretch, power};
 use super::{ClampedMotion, Equations, LawForce, Packed};
 use crate::error::ConfigError;
 use crate::limits;
 use crate::real::{Real, coefficient, in_range};
 
-/// Largest exponent.
-const SHARPEST: f64 = 8.0;
 /// Range of the rise of a branch that leads away from 0.
 const HARDENING: [f64; 2] = [-1.0, 100.0];
 /// Largest excess of the rise of a branch that leads towards 0.
@@ -33,15 +32,6 @@ pub struct HardeningFriction<R> {
     sharpness: R,
     hardening: R,
     loss: R,
-}
-
-/// What a [`HardeningFriction`] remembers.
-#[derive(Clone, Copy, Debug)]
-pub struct HardeningFrictionState<R> {
-    /// z, mm.
-    stretch: R,
-    /// Displacement of the tick before, mm.
-    previous: R,
 }
 
 impl<R: Real> HardeningFriction<R> {
@@ -77,12 +67,7 @@ impl<R: Real> HardeningFriction<R> {
         // Next to 0 it is a quotient of what rounding leaves, of a force that hardly bends there.
         let least = R::from_f64(1e-4) * self.stretch_limit;
         let stretch = if stretch > least { stretch } else { least };
-        // By an exponent of at most 1.
-        let root =
-            (stretch / self.stretch_limit).abs_pow(self.sharpness * R::from_f64(1.0 / SHARPEST));
-        let square = root * root;
-        let fourth = square * square;
-        rise * (fourth * fourth) / stretch
+        rise * power(stretch / self.stretch_limit, self.sharpness) / stretch
     }
 
     /// z ≥ 0 after `way` mm away from 0. Not inlined: it is called from two places.
@@ -189,7 +174,7 @@ impl<R: Real> Equations<R> for HardeningFriction<R> {
         loss: R::ZERO,
     };
 
-    type State = Option<HardeningFrictionState<R>>;
+    type State = Option<Stretch<R>>;
     const AT_REST: Self::State = None;
 
     fn from_parameters(parameters: &[f64], _: f64) -> Result<Self, ConfigError> {
@@ -214,26 +199,14 @@ impl<R: Real> Equations<R> for HardeningFriction<R> {
     // On a target not inlined: a tick without it need not save the registers that it takes.
     #[cfg_attr(not(feature = "std"), inline(never))]
     fn force(&self, state: &mut Self::State, motion: &ClampedMotion<R>, _: LawForce<R>) -> R {
-        let y = motion.displacement();
-        let state = state.get_or_insert(HardeningFrictionState {
-            stretch: R::ZERO,
-            previous: y,
+        let stretch = Stretch::after(state, motion, |stretch, way| {
+            if stretch < R::ZERO {
+                self.back(-stretch, way)
+            } else {
+                self.away(stretch, way)
+            }
         });
-        let step = y - state.previous;
-        state.previous = y;
-        let forward = step > R::ZERO;
-        let (way, stretch) = if forward {
-            (step, state.stretch)
-        } else {
-            (-step, -state.stretch)
-        };
-        let moved = if stretch < R::ZERO {
-            self.back(-stretch, way)
-        } else {
-            self.away(stretch, way)
-        };
-        state.stretch = if forward { moved } else { -moved };
-        self.stiffness * state.stretch
+        self.stiffness * stretch
     }
 }
 

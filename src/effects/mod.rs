@@ -16,6 +16,7 @@ pub mod residual_table;
 mod list;
 mod motion;
 mod named;
+pub mod stretch;
 
 pub use delay::MAX_DELAY;
 pub use motion::{CONTROLS, ClampedMotion, LawForce, Motion};

@@ -1,9 +1,9 @@
-//! Friction that hardens against what its equation comes to in closed form.
+//! Friction that hardens against the closed forms of its equation.
 
 use mesh_damper::effects::{BoucWen, Effect, HardeningFriction, Motion};
 use proptest::prelude::*;
 
-use crate::loops::{alone, close};
+use crate::loops::{alone, close, largest_force, work};
 
 fn effect(stiffness: f64, limit: f64, sharpness: f64, hardening: f64, loss: f64) -> Effect<f64> {
     Effect::HardeningFriction(
@@ -103,25 +103,7 @@ fn few_steps_lose_about_as_much() {
         (3.0, 160.0),
     ] {
         let turns = [0.4, -0.4, 0.4, -0.4, 0.4];
-        let lost = |steps: usize| {
-            let law = alone(effect(1.0, 1.0, n, 4.0, loss));
-            let mut state = law.at_rest();
-            let (mut y, mut before, mut work) = (0.0, 0.0, 0.0);
-            for &turn in &turns {
-                let from = y;
-                for step in 1..=steps {
-                    let displacement = from + (turn - from) * step as f64 / steps as f64;
-                    let motion = Motion {
-                        displacement,
-                        ..Motion::default()
-                    };
-                    let force = law.force(&mut state, &motion);
-                    work += 0.5 * (force + before) * (displacement - y);
-                    (y, before) = (displacement, force);
-                }
-            }
-            work
-        };
+        let lost = |steps| work(effect(1.0, 1.0, n, 4.0, loss), turns, steps);
         let (fine, coarse) = (lost(20_000), lost(10));
         assert!(
             (0.8..1.6).contains(&(coarse / fine)),
@@ -138,12 +120,8 @@ proptest! {
         k in 0.01..10.0_f32, x in 1e-6..0.5_f32, n in 0.5..8.0_f32, h in -1.0..100.0_f32, l in 0.0..200.0_f32,
     ) {
         let friction = HardeningFriction::new(k, x, n, h, l).unwrap();
-        let law = alone(Effect::HardeningFriction(friction));
-        let mut state = law.at_rest();
-        for displacement in path {
-            let force = law.force(&mut state, &Motion { displacement, ..Motion::default() });
-            prop_assert!(force.abs() <= k * x);
-        }
+        let force = largest_force(Effect::HardeningFriction(friction), path);
+        prop_assert!(force <= k * x);
     }
 
     /// Passive: over any closed path it takes energy and gives none.
@@ -152,19 +130,7 @@ proptest! {
         turns in prop::collection::vec(-0.3..0.3_f64, 2..8), x in 0.05..1.0_f64, n in 0.5..4.0_f64,
         h in -1.0..5.0_f64, l in 0.0..20.0_f64,
     ) {
-        let law = alone(effect(1.0, x, n, h, l));
-        let mut state = law.at_rest();
-        let (mut work, mut y, mut before) = (0.0, 0.0, 0.0);
-        law.force(&mut state, &Motion::default());
-        for &target in turns.iter().chain(&[0.0]) {
-            let start = y;
-            for step in 1..=2000 {
-                let next = start + (target - start) * f64::from(step) / 2000.0;
-                let force = law.force(&mut state, &Motion { displacement: next, ..Motion::default() });
-                work += 0.5 * (force + before) * (next - y);
-                (y, before) = (next, force);
-            }
-        }
+        let work = work(effect(1.0, x, n, h, l), turns.into_iter().chain([0.0]), 2000);
         prop_assert!(work > -1e-4 * x, "{work}");
     }
 }

@@ -1,4 +1,4 @@
-//! Loops of one effect under a sine, and what they come to.
+//! Loops of one effect, and the energy that they take.
 
 use std::f64::consts::TAU;
 
@@ -75,4 +75,50 @@ pub fn close(value: f64, expected: f64, tolerance: f64) {
         (value - expected).abs() <= tolerance * expected.abs(),
         "{value} is not {expected} within {tolerance}"
     );
+}
+
+/// ∫F dy of an effect from rest at 0 along legs of `steps` equal steps to each of `turns`, trapezoids.
+pub fn work(effect: Effect<f64>, turns: impl IntoIterator<Item = f64>, steps: u32) -> f64 {
+    let law = alone(effect);
+    let mut state = law.at_rest();
+    let mut at = |displacement: f64| {
+        let motion = Motion {
+            displacement,
+            ..Motion::default()
+        };
+        law.force(&mut state, &motion)
+    };
+    let (mut y, mut before) = (0.0, at(0.0));
+    let mut work = 0.0;
+    for turn in turns {
+        let start = y;
+        for step in 1..=steps {
+            let next = start + (turn - start) * f64::from(step) / f64::from(steps);
+            let force = at(next);
+            work += 0.5 * (force + before) * (next - y);
+            (y, before) = (next, force);
+        }
+    }
+    work
+}
+
+/// The largest force of an effect along `path`, mm.
+pub fn largest_force(effect: Effect<f32>, path: Vec<f32>) -> f32 {
+    let law = alone(effect);
+    let mut state = law.at_rest();
+    let forces = path.into_iter().map(|displacement| {
+        let motion = Motion {
+            displacement,
+            ..Motion::default()
+        };
+        law.force(&mut state, &motion).abs()
+    });
+    // Not a number is the largest.
+    forces.fold(0.0, |most, force| {
+        if force > most || force.is_nan() {
+            force
+        } else {
+            most
+        }
+    })
 }

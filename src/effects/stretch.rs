@@ -1,0 +1,52 @@
+//! What both forms of Bouc and Wen's friction remember, and the power that bends them.
+
+use super::ClampedMotion;
+use crate::real::Real;
+
+/// Largest exponent.
+pub(super) const SHARPEST: f64 = 8.0;
+
+/// A stretch and where it was.
+#[derive(Clone, Copy, Debug)]
+pub struct Stretch<R> {
+    /// z, mm.
+    stretch: R,
+    /// Displacement of the tick before, mm.
+    previous: R,
+}
+
+impl<R: Real> Stretch<R> {
+    /// z after a tick with this motion; `moved` gives it for a z and a way of at least 0, for both of which the way leads up.
+    #[inline(always)]
+    pub(super) fn after(
+        state: &mut Option<Self>,
+        motion: &ClampedMotion<R>,
+        moved: impl FnOnce(R, R) -> R,
+    ) -> R {
+        let y = motion.displacement();
+        let state = state.get_or_insert(Self {
+            stretch: R::ZERO,
+            previous: y,
+        });
+        let step = y - state.previous;
+        state.previous = y;
+        let forward = step > R::ZERO;
+        let (way, stretch) = if forward {
+            (step, state.stretch)
+        } else {
+            (-step, -state.stretch)
+        };
+        let moved = moved(stretch, way);
+        state.stretch = if forward { moved } else { -moved };
+        state.stretch
+    }
+}
+
+/// |part|^sharpness for a sharpness up to [`SHARPEST`], by an exponent of at most 1.
+#[inline(always)]
+pub(super) fn power<R: Real>(part: R, sharpness: R) -> R {
+    let root = part.abs_pow(sharpness * R::from_f64(1.0 / SHARPEST));
+    let square = root * root;
+    let fourth = square * square;
+    fourth * fourth
+}
