@@ -450,7 +450,7 @@ impl<'r, 'a> Basis<'r, 'a> {
                     Some((moved, late)) => (moved, *late),
                     None => (recorded, 0),
                 };
-                let mut forces = (form.unit_forces)(shapes, motion, motion.tick).ok()?;
+                let mut forces = (form.unit_forces)(shapes, motion).ok()?;
                 if form.follows_clock && late > 0 {
                     // It follows the clock, and not the motion, which comes late already.
                     let on_time = forces.iter().map(|force| delayed(force, late));

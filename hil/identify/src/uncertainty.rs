@@ -1,5 +1,6 @@
 //! How well the data determine each coefficient of a fit.
 
+use mesh_damper_model::predict::NINETY_PERCENT;
 use nalgebra::{Cholesky, DMatrix, DVector};
 
 use super::basis::Basis;
@@ -11,8 +12,6 @@ use super::tangent::Tangent;
 use super::term::{Term, TermValue};
 use crate::policy::policy;
 
-/// A normal variable is within this many deviations of its mean in 90 % of the cases. Derived: the quantile.
-const NINETY_PERCENT: f64 = 1.645;
 mesh_damper_recording::numbers! {
     /// Intervals of what was fitted.
     UncertaintyPolicy {

@@ -30,7 +30,7 @@ pub fn predict_in_half_steps(
 }
 
 /// A normal variable is within this many deviations of its mean in 90 % of the cases. Derived: the quantile.
-const NINETY_PERCENT: f64 = 1.645;
+pub const NINETY_PERCENT: f64 = 1.645;
 
 /// Half width of the band in kN about the model's force at every sample of `trajectory` that holds the model's force along the true motion
 /// in 90 % of the cases: the motion was estimated from a noisy displacement. The model's own error is not in it.

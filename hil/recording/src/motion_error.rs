@@ -31,18 +31,9 @@ pub struct MotionError {
 /// Derived: the golden section, which is furthest from all ratios of small numbers.
 const MOVED: f64 = 0.381_966;
 
-/// What was left of a displacement, at other places: moved as it is.
-fn moved(left: &[f64]) -> Vec<f64> {
-    let mut moved = left.to_vec();
-    moved.rotate_left((MOVED * left.len() as f64) as usize);
-    moved
-}
-
-/// The same with each sample at a place of its own: with steps of about that part of the recording, which have no divisor in common with
-/// its length. What is left by an estimate that knows the band of the motion has nothing of the noise in that band; scattered, it is
-/// white again.
-fn scattered(left: &[f64]) -> Vec<f64> {
-    let count = left.len();
+/// The step between the places of `count` samples that are scattered: about that part of a recording, without a divisor in common
+/// with its length, so that each sample has a place of its own.
+fn stride(count: usize) -> usize {
     let divisor = |mut a: usize, mut b: usize| {
         while b > 0 {
             (a, b) = (b, a % b);
@@ -50,35 +41,33 @@ fn scattered(left: &[f64]) -> Vec<f64> {
         a
     };
     let least = ((MOVED * count as f64) as usize).max(1);
-    let stride = (least..).find(|&stride| divisor(stride, count) == 1);
-    let stride = stride.unwrap_or(1);
-    (0..count)
-        .map(|index| left[(index as u128 * stride as u128 % count as u128) as usize])
-        .collect()
+    (least..)
+        .find(|&stride| divisor(stride, count) == 1)
+        .unwrap_or(1)
 }
 
 /// A displacement as noisy as the recorded one about the motion that was `estimated` from it, mm, whose `noise` has this deviation, mm: an
-/// estimate may leave less than there was. `is_banded` tells where it knows the band of the motion.
+/// estimate may leave less than there was.
+///
+/// What was left is moved as it is. `is_banded` tells where the estimate knows the band of the motion: there it leaves nothing of the
+/// noise in that band, and what was left is scattered, which makes it white again.
 pub(super) fn as_noisy(
     estimated: &[f64],
     displacement: &[f64],
     noise: f64,
     is_banded: impl Fn(usize) -> bool,
 ) -> Vec<f64> {
-    let pairs = displacement.iter().zip(estimated);
-    let left: Vec<f64> = pairs
-        .map(|(recorded, estimated)| recorded - estimated)
-        .collect();
-    let (moved, scattered) = (moved(&left), scattered(&left));
-    let left: Vec<f64> = (0..left.len())
-        .map(|index| {
-            if is_banded(index) {
-                scattered[index]
-            } else {
-                moved[index]
-            }
-        })
-        .collect();
+    let count = displacement.len();
+    let (shift, stride) = ((MOVED * count as f64) as usize, stride(count));
+    let left = |index: usize| {
+        let from = if is_banded(index) {
+            (index as u128 * stride as u128 % count as u128) as usize
+        } else {
+            (index + shift) % count
+        };
+        displacement[from] - estimated[from]
+    };
+    let left: Vec<f64> = (0..count).map(left).collect();
     let deviation = (left.iter().map(|x| x * x).sum::<f64>() / left.len() as f64).sqrt();
     let scale = if deviation > 0.0 {
         (noise / deviation).max(1.0)

@@ -10,7 +10,7 @@ use std::ops::Range;
 
 use nalgebra::{Cholesky, DMatrix, DVector, Dyn};
 
-use super::motion::MotionEstimate;
+use super::motion::{MotionEstimate, leaves_only_noise};
 use super::motion_error::{MotionError, as_noisy};
 use super::spectrum::{density, floor};
 use crate::policy::policy;
@@ -18,9 +18,9 @@ use crate::policy::policy;
 crate::numbers! {
     /// Motions of few samples to the cycle.
     SmootherPolicy {
-        /// Bins of frequency in which the power of the motion is told.
+        /// Bins of frequency in which the power of the motion is estimated.
         bins: usize = 256, Derived("their covariance repeats after 512 samples, four times as far as it is used");
-        /// They are told by at least this many stretches of the record.
+        /// At least this many stretches of the record give their powers.
         stretches: usize = 40, Derived("they overlap by halves, and the mean of twenty powers exceeds twice its expectation once in ten thousand times");
         /// A bin holds motion where it has more than this many times the noise's power.
         above: f64 = 2.0, Derived("the mean of those in a bin exceeds that by chance in none of a thousand");
@@ -42,8 +42,6 @@ crate::numbers! {
         exact: f64 = 1e-4, Derived("with some ten samples to the cycle the corner of a triangle leaves a hundredth");
         /// Samples to either side in which noise alone is to be left.
         about: usize = 16, Convention("as many as tell how large an error is");
-        /// The squares of what is left there are within this many of their deviations.
-        only_noise: f64 = 4.0, Derived("a normal variable exceeds it once in 30 000 times");
         /// A corner shows in what is left at this many samples to either side.
         corner: usize = 4, Derived("the shortest window of a cubic");
         /// All corners together leave more there than elsewhere, by this many deviations of the squares of noise.
@@ -240,15 +238,16 @@ pub(super) struct Band {
 }
 
 impl Band {
-    /// Where it does so in `displacement` in mm, but for the samples whose motion is `known` better: it leaves the noise alone, and of a motion as it has been found a displacement
-    /// as noisy is estimated better than by `estimate`, whose own estimate `motion` is. `None` where it does nowhere.
+    /// Where it does so in `displacement` in mm, but for the samples whose motion is `known` better, and what it makes of that: it
+    /// leaves the noise alone, and of a motion as it has been found a displacement as noisy is estimated better than by `estimate`,
+    /// whose own estimate `motion` is. `None` where it does nowhere.
     pub(super) fn find(
         displacement: &[f64],
         tick: f64,
         motion: &MotionEstimate,
         known: &[Range<usize>],
         estimate: impl Fn(&[f64]) -> MotionEstimate,
-    ) -> Option<Self> {
+    ) -> Option<(Self, Smoothed)> {
         let smoother = Smoother::of(displacement)?;
         let smoothed = smoother.smooth(displacement);
         let left = left_by(displacement, &smoothed.displacement);
@@ -282,7 +281,8 @@ impl Band {
             of_own += (own[index] - truth).powi(2);
             of_other += (tick * other[index] - truth).powi(2);
         }
-        (of_own < policy().smoother.better * of_other).then_some(Self { smoother, holds })
+        let is_better = of_own < policy().smoother.better * of_other;
+        is_better.then_some((Self { smoother, holds }, smoothed))
     }
 
     /// Whether it holds at a sample.
@@ -309,7 +309,11 @@ impl Band {
 
     /// Takes its estimate of `displacement` in mm, every `tick` s, into `motion` where it holds.
     pub(super) fn refine(&self, motion: &mut MotionEstimate, displacement: &[f64], tick: f64) {
-        let smoothed = self.smoother.smooth(displacement);
+        self.take(&self.smoother.smooth(displacement), motion, tick);
+    }
+
+    /// Takes what was `smoothed` into `motion` where it holds, with samples every `tick` s.
+    pub(super) fn take(&self, smoothed: &Smoothed, motion: &mut MotionEstimate, tick: f64) {
         for index in (0..self.holds.len()).filter(|&index| self.holds[index]) {
             motion.displacement[index] = smoothed.displacement[index];
             motion.velocity[index] = smoothed.slope[index] / tick;
@@ -335,17 +339,10 @@ fn left_by(displacement: &[f64], estimated: &[f64]) -> Vec<f64> {
 }
 
 impl Smoother {
-    /// Variance of what may be left, mm².
-    fn variance(&self) -> f64 {
-        let exact = policy().smoother.exact.powi(2) * self.covariance[0][0];
-        self.noise.powi(2).max(exact)
-    }
-
     /// About which samples noise alone was `left`, mm.
     fn leaves_only_noise(&self, left: &[f64]) -> Vec<bool> {
-        let SmootherPolicy {
-            about, only_noise, ..
-        } = policy().smoother;
+        let SmootherPolicy { about, exact, .. } = policy().smoother;
+        let noise = self.noise.max(exact * self.variances[0].sqrt());
         let mut sums = vec![0.0];
         let mut sum = 0.0;
         for left in left {
@@ -357,8 +354,7 @@ impl Smoother {
                 index.saturating_sub(about),
                 (index + about + 1).min(left.len()),
             );
-            let count = (high - low) as f64;
-            sums[high] - sums[low] <= self.variance() * (count + only_noise * (2.0 * count).sqrt())
+            leaves_only_noise(sums[high] - sums[low], (high - low) as f64, noise)
         };
         (0..left.len()).map(is_noise).collect()
     }

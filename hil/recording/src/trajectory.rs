@@ -260,9 +260,10 @@ impl Trajectory {
             again
         };
         let band = Band::find(displacement, tick, &motion, &sines, locally);
-        if let Some(band) = &band {
-            band.refine(&mut motion, displacement, tick);
-        }
+        let band = band.map(|(band, smoothed)| {
+            band.take(&smoothed, &mut motion, tick);
+            band
+        });
         let is_banded = |index: usize| band.as_ref().is_some_and(|band| band.holds_at(index));
         let mut motion_error = MotionError::of(&motion, displacement, is_banded, |displacement| {
             let mut again = locally(displacement);

@@ -11,7 +11,7 @@ use crate::shape::Shape;
 pub const FORMS: [Form; 2] = [
     Form(&FormSpec {
         name: "drift",
-        unit_forces: |shapes, motions, _| Ok(vec![run(&Drift::new(1.0, shapes[0])?, motions)]),
+        unit_forces: |shapes, motion| Ok(vec![run(&Drift::new(1.0, shapes[0])?, motion)]),
         elements: |value| {
             one(vec![
                 ("stiffness", value.size(0)),

@@ -9,7 +9,7 @@ pub const FORMS: [Form; 1] = [Form(&FormSpec {
     name: "inertia",
     family: "inertia",
     size_is_positive: true,
-    unit_forces: |_, motions, _| Ok(vec![run(&Inertia::new(1.0)?, motions)]),
+    unit_forces: |_, motion| Ok(vec![run(&Inertia::new(1.0)?, motion)]),
     elements: |value| one(vec![("mass", value.size(0))]),
     ..FormSpec::PLAIN
 })];

@@ -83,8 +83,8 @@ pub enum Step {
 /// many ticks late the force then is.
 pub(crate) type Moving = fn(&mut Trajectory, f64, Option<&Deflection>) -> Option<usize>;
 
-/// Forces in kN at every sample, one for each size, of shapes and a motion sampled so many s apart.
-pub type UnitForces = fn(&[f64], &Trajectory, f64) -> Result<Vec<Vec<f64>>, ConfigError>;
+/// Forces in kN at every sample, one for each size, of shapes and a motion.
+pub type UnitForces = fn(&[f64], &Trajectory) -> Result<Vec<Vec<f64>>, ConfigError>;
 
 /// A form in which an effect is fitted. Most families have one.
 pub struct FormSpec {
@@ -112,7 +112,7 @@ pub struct FormSpec {
     pub scale_range: [f64; 2],
     /// Ranges and starts of its shapes.
     pub shapes: fn(&Extent) -> Vec<Shape>,
-    /// The forces in kN with each size 1 and these shapes at every sample, so many s apart.
+    /// The forces in kN with each size 1 and these shapes at every sample.
     pub unit_forces: UnitForces,
     /// What the law's elastic and damping force gain for these sizes and shapes, as parts of them.
     pub gains: fn(&[f64], &[f64], &Moment) -> [f64; 2],
@@ -146,7 +146,7 @@ impl FormSpec {
         rank: 0,
         scale_range: [-1.0, 1.0],
         shapes: |_| Vec::new(),
-        unit_forces: |_, _, _| Ok(Vec::new()),
+        unit_forces: |_, _| Ok(Vec::new()),
         gains: |_, _, _| [0.0; 2],
         moves: |_, _, _| None,
         follows_clock: false,
@@ -239,11 +239,11 @@ impl fmt::Debug for Form {
 }
 
 /// The force of `effect` at every sample, from rest.
-fn run<E: Equations<f64>>(effect: &E, motions: &Trajectory) -> Vec<f64> {
+fn run<E: Equations<f64>>(effect: &E, motion: &Trajectory) -> Vec<f64> {
     let mut state = E::AT_REST;
     // What effects see is made sample by sample: all of it takes as much memory as the trajectories.
-    (0..motions.len())
-        .map(|sample| motion_at(motions, sample).clamped())
+    (0..motion.len())
+        .map(|sample| motion_at(motion, sample).clamped())
         .map(|motion| effect.force(&mut state, &motion, LawForce::default()))
         .collect()
 }

@@ -25,10 +25,10 @@ pub const FORMS: [Form; 1] = [Form(&FormSpec {
             )
         }]
     },
-    unit_forces: |shapes, motions, tick| {
+    unit_forces: |shapes, motion| {
         let tone = |phase| {
-            let tone = Periodic::new(&[(1.0, shapes[0], phase)], tick)?;
-            Ok(run(&tone, motions))
+            let tone = Periodic::new(&[(1.0, shapes[0], phase)], motion.tick)?;
+            Ok(run(&tone, motion))
         };
         Ok(vec![tone(0.0)?, tone(0.25 * TAU)?])
     },

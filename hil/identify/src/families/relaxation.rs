@@ -16,10 +16,10 @@ pub const FORMS: [Form; 1] = [Form(&FormSpec {
     size_is_positive: true,
     most: MAX_BRANCHES,
     shapes,
-    unit_forces: |shapes, motions, tick| {
+    unit_forces: |shapes, motion| {
         Ok(vec![run(
-            &Relaxation::new(&[(1.0, shapes[0])], tick)?,
-            motions,
+            &Relaxation::new(&[(1.0, shapes[0])], motion.tick)?,
+            motion,
         )])
     },
     elements: |value| one(vec![("stiffness", value.size(0)), ("time", value.shape(0))]),

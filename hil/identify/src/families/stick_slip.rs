@@ -23,9 +23,7 @@ pub const FORMS: [Form; 4] = [
                 policy().shape.slip_starts,
             )]
         },
-        unit_forces: |shapes, motions, _| {
-            Ok(vec![run(&StickSlip::new(&[(1.0, shapes[0])])?, motions)])
-        },
+        unit_forces: |shapes, motion| Ok(vec![run(&StickSlip::new(&[(1.0, shapes[0])])?, motion)]),
         elements: |value| {
             one(vec![
                 ("stiffness", value.size(0)),
@@ -39,11 +37,8 @@ pub const FORMS: [Form; 4] = [
         shape_names: &["slip_limit", "sharpness"],
         rank: 1,
         shapes: bouc_wen_shapes,
-        unit_forces: |shapes, motions, _| {
-            Ok(vec![run(
-                &BoucWen::new(1.0, shapes[0], shapes[1])?,
-                motions,
-            )])
+        unit_forces: |shapes, motion| {
+            Ok(vec![run(&BoucWen::new(1.0, shapes[0], shapes[1])?, motion)])
         },
         elements: |value| {
             one(vec![
@@ -69,9 +64,9 @@ pub const FORMS: [Form; 4] = [
                 policy().shape.iwan_starts,
             )]
         },
-        unit_forces: |shapes, motions, _| {
+        unit_forces: |shapes, motion| {
             iwan_limits(shapes[0])
-                .map(|limit| Ok(run(&StickSlip::new(&[(1.0, limit)])?, motions)))
+                .map(|limit| Ok(run(&StickSlip::new(&[(1.0, limit)])?, motion)))
                 .collect()
         },
         elements: iwan_elements,
@@ -99,10 +94,10 @@ pub const FORMS: [Form; 4] = [
                 Shape::spread(least, most, policy.hardening_loss_starts),
             ]
         },
-        unit_forces: |shapes, motions, _| {
+        unit_forces: |shapes, motion| {
             let hardening = policy().shape.hardening;
             let friction = HardeningFriction::new(1.0, shapes[0], shapes[1], hardening, shapes[2]);
-            Ok(vec![run(&friction?, motions)])
+            Ok(vec![run(&friction?, motion)])
         },
         elements: |value| {
             one(vec![

@@ -4,6 +4,7 @@ use std::time::Instant;
 
 use mesh_damper_identify::trace::result::{Estimate, Verdict};
 use mesh_damper_identify::trace::trace;
+use mesh_damper_model::predict::NINETY_PERCENT;
 use mesh_damper_recording::motion::MotionEstimate;
 use mesh_damper_recording::trajectory::Trajectory;
 use serde::Serialize;
@@ -92,9 +93,6 @@ impl VelocityError {
         })
     }
 }
-
-/// A normal variable is within this many deviations of its mean in 90 % of the cases. Derived: the quantile.
-const NINETY_PERCENT: f64 = 1.645;
 
 impl Outcome {
     /// Whether it counts: what is hidden shows.
