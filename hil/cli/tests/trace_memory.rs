@@ -10,7 +10,7 @@ use command::hil;
 use mesh_damper_studies::size::{BYTES_PER_ROW, Measured, Motion, measure};
 
 /// Far enough apart for what is kept of each row to stand out of what an allocator keeps for later.
-const ROWS: [usize; 2] = [50_000, 250_000];
+const ROWS: [usize; 2] = [50_000, 450_000];
 
 #[track_caller]
 fn takes_no_more_than_it_may(motion: Motion) {
