@@ -93,6 +93,9 @@ impl<R: Real> HardeningFriction<R> {
         let least = half * stretch;
         let middle = if middle > least { middle } else { least };
         let bend = self.bend(middle, rise);
+        // Where it falls less than its way, the line may be below 0 at an end that is not its middle: there z would grow.
+        let flat = -R::ONE / stretch;
+        let bend = if bend > flat { bend } else { flat };
         let left = fallen(stretch, bend, way);
         if left >= R::ZERO {
             return -left;
@@ -112,11 +115,11 @@ fn fallen<R: Real>(stretch: R, bend: R, way: R) -> R {
     stretch - (R::ONE + bend * stretch) * way * mean_growth(-bend * way)
 }
 
-/// ln(1 + u)/u for an u of at least 0: with s the eighth root of 1 + u and x = (s − 1)/(s + 1), ln s is 2·artanh x, of which two terms
-/// are within x⁴/5.
+/// ln(1 + u)/u for an u of at least −1: with s the eighth root of 1 + u and x = (s − 1)/(s + 1), ln s is 2·artanh x, of which two terms
+/// are within x⁴/5, and at −1 it is finite.
 #[inline(never)]
 fn mean_logarithm<R: Real>(u: R) -> R {
-    if u < R::from_f64(0.02) {
+    if u.abs() < R::from_f64(0.02) {
         // The next term is u³/4.
         return R::ONE - u * (R::from_f64(0.5) - u * R::from_f64(1.0 / 3.0));
     }
