@@ -60,6 +60,7 @@ pub mod spectrum;
 pub mod trajectory;
 pub mod units;
 mod write;
+pub mod zero;
 
 pub use consistency::check_consistency;
 pub use resample::Uniform;

@@ -42,6 +42,7 @@ pub use crate::resample::ResamplePolicy;
 pub use crate::rest::RestPolicy;
 pub use crate::smoother::SmootherPolicy;
 pub use crate::trajectory::TrajectoryPolicy;
+pub use crate::zero::ZeroPolicy;
 
 /// Where a number comes from.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize)]
@@ -198,4 +199,6 @@ crate::policy! {
     trajectory: TrajectoryPolicy,
     /// A measured velocity.
     velocity: VelocityPolicy,
+    /// A zero that steps.
+    zero: ZeroPolicy,
 }

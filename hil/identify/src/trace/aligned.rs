@@ -3,13 +3,15 @@
 
 use crate::families::delay;
 use crate::policy::policy;
-use crate::trace::closing::Forces;
+use crate::trace::closing::{Closed, Forces};
 use crate::trace::split::Role;
-use mesh_damper_model::Model;
+use mesh_damper_model::predict::predict;
+use mesh_damper_model::{Model, ModelError};
 use mesh_damper_recording::Recording;
 use mesh_damper_recording::error::InputError;
 use mesh_damper_recording::pink::pink_deviation;
 use mesh_damper_recording::trajectory::{Known, Trajectory};
+use mesh_damper_recording::zero::zero_step;
 
 mesh_damper_recording::numbers! {
     /// What recordings of one rig share.
@@ -114,6 +116,36 @@ impl<'r> Aligned<'r> {
             }
         }
         any
+    }
+
+    /// Moves forces back where their zero stepped most: whether any does in what eq 13 alone leaves, or what has a name in `closed`.
+    ///
+    /// # Errors
+    /// A law that the crate refuses.
+    pub fn take_zero_steps(&mut self, closed: &Closed) -> Result<bool, ModelError> {
+        // What has no name may have taken a step in.
+        let named = Model {
+            correction: None,
+            ..closed.model.clone()
+        };
+        let mut any = false;
+        for (trajectory, forces) in self.trajectories[0].iter_mut().zip(&closed.forces) {
+            // Of what is held out nothing may be learned.
+            let open: Vec<usize> = (0..trajectory.len())
+                .filter(|&index| trajectory.measured[index] && forces.roles[index] != Role::HeldOut)
+                .collect();
+            let left = |predicted: &[f64]| -> Vec<f64> {
+                let each = open.iter();
+                each.map(|&index| trajectory.force[index] - predicted[index])
+                    .collect()
+            };
+            let left = [left(&forces.before), left(&predict(&named, trajectory)?)];
+            if let Some(step) = zero_step(&left.each_ref().map(Vec::as_slice)) {
+                trajectory.take_zero_step(open[step.sample], step.change);
+                any = true;
+            }
+        }
+        Ok(any)
     }
 
     /// The longest of those that are fitted whose force is early, or else of those held out.

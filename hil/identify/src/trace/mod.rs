@@ -122,6 +122,13 @@ pub fn trace(
         progress("moving anew a force that is early");
         closed = conclude(&mut aligned, progress)?;
     }
+    for _ in 0..mesh_damper_recording::policy::policy().zero.most {
+        if closed.result.verdict == Verdict::None || !aligned.take_zero_steps(&closed)? {
+            break;
+        }
+        progress("moving back a force whose zero steps");
+        closed = conclude(&mut aligned, progress)?;
+    }
     if closed.result.verdict == Verdict::Unlisted && aligned.take_pink_noise(&closed.forces) {
         progress("allowing for noise that grows towards low frequencies");
         closed = conclude(&mut aligned, progress)?;

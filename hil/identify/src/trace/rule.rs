@@ -12,6 +12,8 @@ pub enum Rule {
     NotPassive,
     /// Of a drift: the cycles within blocks know nothing of it.
     StandsStill,
+    /// Of a tone: its frequency is a sum of the motion's, which a specimen makes of them.
+    InStepWithMotion,
     /// Of a drift: the measured temperature does as well in its place.
     Warmth,
     /// Of a candidate: too little was promised for a fit, and less was left as a fit would begin by the best of the step.
@@ -47,6 +49,7 @@ impl Rule {
             Self::NoiseLimited => "nothing is added to a noise-limited law",
             Self::NotPassive => "a term would give energy, or push as a mass or a spring does not",
             Self::StandsStill => "the cycles within a block show nothing of such a drift",
+            Self::InStepWithMotion => "its frequency is one that a specimen makes of the motion's",
             Self::Warmth => "the measured temperature explains as much in the place of the drift",
             Self::LittlePromise => {
                 "it promised too little to be fitted, and the best of the step is clearly better"

@@ -12,9 +12,9 @@ use super::rule::Rule;
 use super::ruled_out;
 use super::score::{Jury, Score};
 use super::split::{Role, Roles};
-use super::tones::tones;
+use super::tones::{OfMotion, tones};
 use super::within_blocks::is_seen_within_blocks;
-use crate::families::{Form, drift, inertia};
+use crate::families::{Form, drift, inertia, periodic};
 use crate::policy::policy;
 use crate::problem::Problem;
 use crate::rows::Rows;
@@ -88,6 +88,12 @@ impl Fitted {
             .terms
             .iter()
             .all(|value| value.is_admissible())
+    }
+
+    /// Whether it has a tone of a frequency that the motion makes.
+    fn has_tone(&self, of_motion: &OfMotion) -> bool {
+        let mut terms = self.solution.terms.iter();
+        terms.any(|value| value.term.form == periodic::FORMS[0] && of_motion.holds(value.shape(0)))
     }
 
     fn is_degenerate(&self, extent: &Extent) -> bool {
@@ -182,6 +188,7 @@ pub struct Search<'a> {
     rows: Rows<'a>,
     extent: Extent,
     terms: Vec<Term>,
+    of_motion: OfMotion,
 }
 
 impl<'a> Search<'a> {
@@ -209,6 +216,7 @@ impl<'a> Search<'a> {
             ),
             extent: Extent::of(trajectories),
             terms,
+            of_motion: OfMotion::of(trajectories),
         }
     }
 
@@ -221,6 +229,7 @@ impl<'a> Search<'a> {
             roles: self.roles,
             extent: self.extent.clone(),
             terms: self.terms.clone(),
+            of_motion: self.of_motion.clone(),
             trajectories: self.trajectories,
         }
     }
@@ -337,6 +346,8 @@ impl<'a> Search<'a> {
             .map(|(term, fitted, was_fitted)| {
                 let rejected_by = if !fitted.is_admissible() {
                     Some(Rule::NotPassive)
+                } else if fitted.has_tone(&self.of_motion) {
+                    Some(Rule::InStepWithMotion)
                 } else {
                     // One that the crate refuses without its drift is none with it.
                     let stands_still = self.stands_still(&fitted).unwrap_or(true);

@@ -11,8 +11,103 @@ mesh_damper_recording::numbers! {
     TonesPolicy {
         /// A search for a tone starts from this many of the strongest lines.
         most: usize = 3, Tuned("the blind trial");
+        /// A motion of at most this many lines has frequencies of its own.
+        most_of_motion: usize = 4, Convention("a modulated or beating sine has three; of more the sums fill the band");
+        /// They hold this part of the displacement's power.
+        hold: f64 = 0.95, Convention("what is left is starts, ends and noise");
+        /// A line is more than this part of the strongest.
+        least_of_motion: f64 = 1e-3, Convention("a thirtieth of its amplitude");
+        /// Sums of this many lines, their signs either way, are made by a specimen that the motion drives.
+        sums: usize = 4, Convention("a law of the third power has sums of three, and what changes with its power those of four");
+        /// A tone is one of them where it is off by less than this part of a line's width.
+        off: f64 = 0.1, Derived("a line that stands out is placed to a hundredth, and a model's tone to less than a tenth");
     }
 }
+
+/// The frequencies that a specimen which the motion drives makes of it.
+#[derive(Clone, Debug)]
+pub struct OfMotion {
+    /// Hz, in order; none where the motion has no lines.
+    frequencies: Vec<f64>,
+    /// How far a tone may be off one of them, Hz.
+    off: f64,
+}
+
+impl OfMotion {
+    /// Of the longest of `trajectories`.
+    pub fn of(trajectories: &[Trajectory]) -> Self {
+        let longest = trajectories
+            .iter()
+            .max_by_key(|trajectory| trajectory.len());
+        let Some(trajectory) = longest else {
+            return Self {
+                frequencies: Vec::new(),
+                off: 0.0,
+            };
+        };
+        let per_sample = few_lines(trajectory.motion.displacement.clone());
+        let mut sums = vec![0.0];
+        for _ in 0..policy().tones.sums {
+            let more: Vec<f64> = sums
+                .iter()
+                .flat_map(|sum| per_sample.iter().flat_map(move |f| [sum + f, sum - f]))
+                .collect();
+            sums.extend(more);
+            sums.sort_by(f64::total_cmp);
+            sums.dedup();
+        }
+        Self {
+            frequencies: sums.iter().map(|sum| sum / trajectory.tick).collect(),
+            off: policy().tones.off / (trajectory.len() as f64 * trajectory.tick),
+        }
+    }
+
+    /// Whether a tone of `frequency` in Hz is one of them: what is there goes with the motion, and is no tone from without.
+    pub fn holds(&self, frequency: f64) -> bool {
+        let after = self
+            .frequencies
+            .partition_point(|&other| other < frequency - self.off);
+        let next = self.frequencies.get(after);
+        next.is_some_and(|next| *next <= frequency + self.off)
+    }
+}
+
+/// The lines that nearly all of the power lies in, cycles per sample; none where there are more than a few.
+fn few_lines(mut samples: Vec<f64>) -> Vec<f64> {
+    let count = samples.len();
+    let mean = samples.iter().sum::<f64>() / count.max(1) as f64;
+    samples.iter_mut().for_each(|sample| *sample -= mean);
+    let powers = powers(samples);
+    let mut left = powers.clone();
+    let total: f64 = powers.iter().sum();
+    let (mut held, mut strongest) = (0.0, 0.0_f64);
+    let mut lines = Vec::new();
+    loop {
+        let inner = 1..powers.len().saturating_sub(1);
+        let Some(peak) = inner.max_by(|&a, &b| left[a].total_cmp(&left[b])) else {
+            return Vec::new();
+        };
+        strongest = strongest.max(left[peak]);
+        if left[peak] <= policy().tones.least_of_motion * strongest {
+            break;
+        }
+        if lines.len() == policy().tones.most_of_motion {
+            return Vec::new();
+        }
+        lines.push(place_of_line(&powers, peak) / count as f64);
+        let around = peak.saturating_sub(LEAKS)..(peak + LEAKS + 1).min(powers.len());
+        held += left[around.clone()].iter().sum::<f64>();
+        left[around].fill(0.0);
+    }
+    if held >= policy().tones.hold * total {
+        lines
+    } else {
+        Vec::new()
+    }
+}
+
+/// Bins to either side of a line's peak that it has under the window of [`powers`].
+const LEAKS: usize = 2;
 
 /// The frequencies in Hz of the strongest lines in what `predicted` (kN, per trajectory and sample) leaves of the force of
 /// the longest trajectory, the strongest first; of the samples that are open, by `roles`.
@@ -53,7 +148,27 @@ fn lines(samples: Vec<f64>) -> Vec<f64> {
 
 #[cfg(test)]
 mod tests {
-    use super::lines;
+    use super::{few_lines, lines};
+
+    /// A modulated sine has three lines, noise none.
+    #[test]
+    fn lines_of_a_motion_are_few_or_none() {
+        let count = 20_000;
+        let turn = |frequency: f64, index: usize| std::f64::consts::TAU * frequency * index as f64;
+        let modulated =
+            |index| (1.0 + 0.5 * turn(2.03e-4, index).cos()) * turn(6.01e-3, index).sin();
+        let mut found = few_lines((0..count).map(modulated).collect());
+        found.sort_by(f64::total_cmp);
+        assert_eq!(found.len(), 3, "{found:?}");
+        for (found, expected) in found.iter().zip([5.807e-3, 6.01e-3, 6.213e-3]) {
+            assert!(
+                (found - expected).abs() * (count as f64) < 0.1,
+                "{found} {expected}"
+            );
+        }
+        let many = |index| (1..9).map(|n| turn(1.3e-3 * n as f64, index).sin()).sum();
+        assert!(few_lines((0..count).map(many).collect()).is_empty());
+    }
 
     /// Of two tones between bins the stronger comes first, each within a fiftieth of a bin.
     #[test]

@@ -19,7 +19,10 @@ fn every_candidate_that_is_not_in_the_law_has_its_rule() {
     for candidate in &first {
         let is_taken_or_alike = candidate.added || !candidate.distinguishable;
         let rule = candidate.rejected_by;
-        let inherent = matches!(rule, Some(Rule::NotPassive | Rule::StandsStill));
+        let inherent = matches!(
+            rule,
+            Some(Rule::NotPassive | Rule::StandsStill | Rule::InStepWithMotion)
+        );
         assert_eq!(candidate.admissible, !inherent, "{candidate:?}");
         assert!(is_taken_or_alike || rule.is_some(), "{candidate:?}");
         assert!(!candidate.added || rule.is_none(), "{candidate:?}");

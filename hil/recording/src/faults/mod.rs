@@ -110,6 +110,13 @@ pub enum ChannelFaultKind {
         /// Time that it is over, s.
         time: f64,
     },
+    /// A zero of the channel that steps once and stays.
+    ZeroStep {
+        /// When, s.
+        time: f64,
+        /// By how much, in the code's unit of the channel.
+        change: f64,
+    },
     /// Noise that grows towards low frequencies as 1/f.
     Pink {
         /// Its standard deviation over that of the noise that quick changes show.
@@ -218,6 +225,11 @@ impl std::fmt::Display for ChannelFault {
             } => write!(
                 f,
                 "hum on the {channel}: {amplitude:.1e} {} at {frequency:.2} Hz; it was taken off",
+                self.channel.unit()
+            ),
+            ChannelFaultKind::ZeroStep { time, change } => write!(
+                f,
+                "the zero of the {channel} steps by {change:.2e} {} at {time:.3} s; what follows was moved back",
                 self.channel.unit()
             ),
             ChannelFaultKind::Pink { times } => write!(

@@ -1,0 +1,254 @@
+//! A zero of the load cell that steps: an amplifier was tared anew, a cable was touched.
+//!
+//! It is looked for in what a law leaves. What a law lacks goes to and fro with the motion and changes about as fast in many places. A zero
+//! changes in one and stays.
+
+use std::ops::Range;
+
+use crate::noise::noise_deviation;
+use crate::policy::policy;
+
+crate::numbers! {
+    /// A zero that steps.
+    ZeroPolicy {
+        /// Steps of one record, at most.
+        most: usize = 4, Convention("a load cell that steps more often is broken");
+        /// A level lasts at least this part of the record.
+        lasts: f64 = 0.05, Convention("a twentieth: what ends sooner is an event");
+        /// Samples of the narrowest means that are compared.
+        narrowest: usize = 16, Convention("a mean of them is certain to a quarter of the noise");
+        /// The smallest step is larger than the largest change elsewhere by this factor.
+        stands_out: f64 = 2.0, Tuned("white noise, walks and effects that a law lacks: see the tests beside it");
+        /// Of the change of a narrow mean, this many deviations may be noise.
+        noises: f64 = 3.0, Convention("three deviations of a mean");
+        /// The levels on both sides differ by the step to within this part of it.
+        stays: f64 = 0.5, Convention("a half: the rest is what the law leaves there beside it");
+    }
+}
+
+/// A step of the zero.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ZeroStep {
+    /// The first sample after it.
+    pub sample: usize,
+    /// Change of the zero, in the unit of what was left.
+    pub change: f64,
+}
+
+/// The largest step in what laws left of one force, as the one shows it in which steps stand out most; `None` where nothing does. Where it was moved
+/// back, a law fits better, and the next shows.
+pub fn zero_step(left: &[&[f64]]) -> Option<ZeroStep> {
+    let mut best = (policy().zero.stands_out, Vec::new());
+    for left in left {
+        let sums = Sums::of(left);
+        let noise = noise_deviation(left);
+        let lasts = (policy().zero.lasts * left.len() as f64) as usize;
+        let mut width = policy().zero.narrowest;
+        while width <= lasts {
+            let (stands_out, steps) = sums.outstanding(width);
+            if stands_out > best.0 && sums.stay(&steps, lasts, noise) {
+                best = (stands_out, steps);
+            }
+            width *= 2;
+        }
+    }
+    let steps = best.1.into_iter();
+    steps.max_by(|a, b| a.change.abs().total_cmp(&b.change.abs()))
+}
+
+/// Sums of the first samples, by their number.
+struct Sums(Vec<f64>);
+
+impl Sums {
+    fn of(samples: &[f64]) -> Self {
+        let mut sum = 0.0;
+        let sums = samples.iter().map(|sample| {
+            sum += sample;
+            sum
+        });
+        Self(std::iter::once(0.0).chain(sums).collect())
+    }
+
+    fn count(&self) -> usize {
+        self.0.len() - 1
+    }
+
+    fn mean(&self, samples: Range<usize>) -> f64 {
+        (self.0[samples.end] - self.0[samples.start]) / samples.len() as f64
+    }
+
+    /// The mean of `width` samples after `place` less that of those before it.
+    fn change(&self, place: usize, width: usize) -> f64 {
+        self.mean(place..place + width) - self.mean(place - width..place)
+    }
+
+    /// The changes of means over `width` samples that stand out most from the rest, in order, and by how much the smallest of them is larger than the
+    /// largest elsewhere.
+    fn outstanding(&self, width: usize) -> (f64, Vec<ZeroStep>) {
+        let places = width..=self.count() - width;
+        let mut largest: Vec<ZeroStep> = Vec::new();
+        for _ in 0..=policy().zero.most {
+            let is_new = |place: &usize| {
+                largest
+                    .iter()
+                    .all(|step| step.sample.abs_diff(*place) > width)
+            };
+            let changes = places.clone().filter(is_new).map(|sample| ZeroStep {
+                sample,
+                change: self.change(sample, width),
+            });
+            let Some(next) = changes.max_by(|a, b| a.change.abs().total_cmp(&b.change.abs()))
+            else {
+                break;
+            };
+            largest.push(next);
+        }
+        let gaps = largest
+            .windows(2)
+            .map(|pair| (pair[0].change / pair[1].change).abs());
+        let widest = gaps.enumerate().max_by(|a, b| a.1.total_cmp(&b.1));
+        let (place, stands_out) = widest.unwrap_or_default();
+        largest.truncate(place + 1);
+        for step in &mut largest {
+            step.sample = self.edge(step.sample, width);
+        }
+        largest.sort_by_key(|step| step.sample);
+        (stands_out, largest)
+    }
+
+    /// Where two levels describe the samples within `width` of `place` best, then those within half of that, and on.
+    fn edge(&self, place: usize, width: usize) -> usize {
+        let (mut place, mut width) = (place, width);
+        while width >= policy().zero.narrowest {
+            let (start, end) = (place - width, place + width);
+            // What two means take off the sum of squares.
+            let taken = |edge: usize| {
+                let (before, after) = ((edge - start) as f64, (end - edge) as f64);
+                let change = self.mean(edge..end) - self.mean(start..edge);
+                change * change * before * after
+            };
+            let edges = start + width / 2..end - width / 2;
+            let best = edges.max_by(|&a, &b| taken(a).total_cmp(&taken(b)));
+            width /= 2;
+            place = best.unwrap_or(place).clamp(width, self.count() - width);
+        }
+        place
+    }
+
+    /// Whether each level lasts, the next is off by the step between them, and it comes at once, where what a law lacks comes with the motion;
+    /// with white noise of deviation `noise`.
+    fn stay(&self, steps: &[ZeroStep], lasts: usize, noise: f64) -> bool {
+        let edges: Vec<usize> = std::iter::once(0)
+            .chain(steps.iter().map(|step| step.sample))
+            .chain([self.count()])
+            .collect();
+        let levels: Vec<Range<usize>> = edges.windows(2).map(|pair| pair[0]..pair[1]).collect();
+        let of_levels = levels
+            .windows(2)
+            .map(|pair| self.mean(pair[1].clone()) - self.mean(pair[0].clone()));
+        let narrow = policy().zero.narrowest;
+        // Of the change of two means less half of that of two others to either side.
+        let of_noise = policy().zero.noises * noise * (5.0 / narrow as f64).sqrt();
+        let at_once = |place: usize| {
+            let beside = self.change(place - narrow, narrow) + self.change(place + narrow, narrow);
+            self.change(place, narrow) - 0.5 * beside
+        };
+        let agrees = |change: f64, step: &ZeroStep, beside: f64| {
+            (change - step.change).abs() < policy().zero.stays * step.change.abs() + beside
+        };
+        levels
+            .iter()
+            .all(|level| level.len() >= lasts.max(2 * narrow))
+            && of_levels.zip(steps).all(|(apart, step)| {
+                agrees(apart, step, 0.0) && agrees(at_once(step.sample), step, of_noise)
+            })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use std::f64::consts::TAU;
+
+    use super::*;
+    use rand::rngs::StdRng;
+    use rand::{RngExt, SeedableRng};
+
+    const COUNT: usize = 20_000;
+
+    /// Uniform, of deviation 0.58.
+    fn white(seed: u64) -> Vec<f64> {
+        let mut random = StdRng::seed_from_u64(seed);
+        (0..COUNT).map(|_| random.random_range(-1.0..1.0)).collect()
+    }
+
+    fn with(steps: &[(usize, f64)], mut samples: Vec<f64>) -> Vec<f64> {
+        for &(start, change) in steps {
+            samples[start..]
+                .iter_mut()
+                .for_each(|sample| *sample += change);
+        }
+        samples
+    }
+
+    /// In noise, and beside a force that a law lacks, larger than the step.
+    #[test]
+    fn the_largest_step_is_found_where_it_is() {
+        let tone: Vec<f64> = (0..COUNT)
+            .map(|index| 1.5 * (TAU * index as f64 / 130.0).sin())
+            .collect();
+        for steps in [
+            &[(7001, 1.0)][..],
+            &[(4000, -1.5), (16_000, 1.0)],
+            &[(9000, 1.2), (2000, 1.0), (15_000, -1.0)],
+        ] {
+            for beside in [0.0, 1.0] {
+                let noise = white(3);
+                let samples = noise.iter().zip(&tone).map(|(a, b)| a + beside * b);
+                let found = zero_step(&[&with(steps, samples.collect())]).unwrap();
+                let (sample, change) = steps[0];
+                // Beside a force that a law lacks to half of its period.
+                let near = if beside > 0.0 { 65 } else { 16 };
+                assert!(found.sample.abs_diff(sample) < near, "{found:?}");
+                assert!((found.change / change - 1.0).abs() < 0.3, "{found:?}");
+            }
+        }
+    }
+
+    /// Noise, a walk, a ramp, an event that ends, a spring that breaks.
+    #[test]
+    fn what_does_not_step_has_none() {
+        let none = |samples: &[f64], what: &str| assert_eq!(zero_step(&[samples]), None, "{what}");
+        for seed in 0..40 {
+            let noise = white(seed);
+            none(&noise, "noise");
+            let mut sum = 0.0;
+            let walk: Vec<f64> = noise
+                .iter()
+                .map(|x| {
+                    sum += x;
+                    sum
+                })
+                .collect();
+            none(&walk, "walk");
+            let ramp: Vec<f64> = noise
+                .iter()
+                .enumerate()
+                .map(|(index, x)| x + 1e-3 * index as f64)
+                .collect();
+            none(&ramp, "ramp");
+            none(&with(&[(8000, 4.0), (8200, -4.0)], noise.clone()), "event");
+            let broken: Vec<f64> = noise
+                .iter()
+                .enumerate()
+                .map(|(index, x)| {
+                    x + if index > 9000 {
+                        20.0 * (TAU * index as f64 / 900.0).cos()
+                    } else {
+                        0.0
+                    }
+                })
+                .collect();
+            none(&broken, "broken");
+        }
+    }
+}
