@@ -84,7 +84,7 @@ impl<R: Real> Yielding<R> {
         let least = self.yield_stretch + self.drag + self.slip;
         let start = self.yield_stretch / least;
         // A step adds about 1 where C is a small part of x, and at 20 tanh is 1 in f64 too.
-        let root = self.from_below::<24>(start, self.yield_stretch);
+        let root = self.risen::<24>(start, self.yield_stretch);
         let reach = self.yield_stretch / tanh(root);
         // Where the root is as good as 0, it is C.
         if reach > least { reach } else { least }
@@ -92,7 +92,7 @@ impl<R: Real> Yielding<R> {
 
     /// The root for `force` = b ≥ 0 after so many of Halley's steps from `start` ≥ 0, which is not above it.
     #[inline(always)]
-    fn from_below<const STEPS: usize>(&self, start: R, force: R) -> R {
+    fn risen<const STEPS: usize>(&self, start: R, force: R) -> R {
         let mut root = start;
         for _ in 0..STEPS {
             let tanh = tanh(root);
@@ -126,7 +126,7 @@ impl<R: Real> Yielding<R> {
         let tangent = artanh + beyond / (drag + x * (R::ONE - part * part));
         let line = beyond / drag;
         let start = if tangent > line { tangent } else { line };
-        self.from_below::<STEPS>(start, force)
+        self.risen::<STEPS>(start, force)
     }
 
     /// γ·Δt·w of the stage with `force` = b.
