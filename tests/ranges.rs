@@ -7,7 +7,7 @@ use mesh_damper::effects::residual_table::{CELLS, Memory, ResidualTableParts};
 use mesh_damper::effects::{
     Asymmetry, AugmentedLaw, BoucWen, Compliance, DESCRIPTIONS, Delay, Drift, Effect, ForceFilter,
     Gap, Hardening, HardeningFriction, Inertia, LoadFriction, Offset, Periodic, Relaxation,
-    ResidualTable, StickSlip, Stop, Temperature, Viscous,
+    ResidualTable, StickSlip, Stop, Temperature, Viscous, Yielding,
 };
 use mesh_damper::error::ConfigError;
 use mesh_damper::fixed_point::{Scales, Sine, SineGenerator};
@@ -155,6 +155,15 @@ fn numbers() -> Vec<Number> {
         number!("loss", 0.0, 200.0, |x| {
             HardeningFriction::new(1.0, 0.1, 1.0, 1.0, x)
         }),
+        number!("stiffness", -1e9, 1e9, |x| {
+            Yielding::new(x, 0.1, 1.0, 0.1, 1e-3)
+        }),
+        number!("yield_stretch", 0.0, 1e4, |x| {
+            Yielding::new(1.0, x, 1.0, 0.1, 1e-3)
+        }),
+        number!("rate", 1e-9, 1e6, |x| Yielding::new(1.0, 0.1, x, 0.1, 1e-3)),
+        number!("time", 0.0, 1e6, |x| Yielding::new(1.0, 0.1, 1.0, x, 1e-3)),
+        number!("tick", 1e-7, 1e3, |x| Yielding::new(1.0, 0.1, 1.0, 0.1, x)),
         number!("stiffness", 1e-3, 1e9, |x| Compliance::new(x, 1e-4)),
         number!("tick", 1e-7, 1e3, |x| Compliance::new(1.0, x)),
         number!("time", 0.0, 255.0, |x| Delay::new(x, 1.0)),

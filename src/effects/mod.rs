@@ -229,6 +229,7 @@ effects! {
     stop: Stop,
     bouc_wen: BoucWen,
     hardening_friction: HardeningFriction,
+    yielding: Yielding,
     periodic: Periodic,
     delay: Delay,
     force_filter: ForceFilter,

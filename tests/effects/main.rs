@@ -9,6 +9,7 @@ mod loops;
 mod residual_table;
 mod stages;
 mod stop_and_tone;
+mod yielding;
 
 use std::f64::consts::{PI, TAU};
 
@@ -16,7 +17,7 @@ use loops::{TICKS, alone, close, energy, last_cycle, moduli, nothing, sine};
 use mesh_damper::effects::{
     Asymmetry, AugmentedLaw, BoucWen, Compliance, DESCRIPTIONS, Delay, Drift, Effect, ForceFilter,
     Gap, Hardening, HardeningFriction, Inertia, LoadFriction, MAX_TONES, Motion, Offset, Periodic,
-    Relaxation, StickSlip, Stop, Temperature, Viscous,
+    Relaxation, StickSlip, Stop, Temperature, Viscous, Yielding,
 };
 use mesh_damper::error::ConfigError;
 use mesh_damper::law::Law;
@@ -430,6 +431,17 @@ fn constructors_name_the_field_they_refuse() {
     assert_eq!(hardening(8.1, 1.0, 1.0), "sharpness");
     assert_eq!(hardening(1.0, -1.1, 1.0), "hardening");
     assert_eq!(hardening(1.0, 1.0, f64::NAN), "loss");
+    let yielding = |stretch, rate, time, tick| {
+        field(Yielding::new(1.0, stretch, rate, time, tick).unwrap_err())
+    };
+    assert_eq!(
+        field(Yielding::new(f32::NAN, 0.1, 1.0, 0.0, 1e-3).unwrap_err()),
+        "stiffness"
+    );
+    assert_eq!(yielding(-0.1, 1.0, 0.0, 1e-3), "yield_stretch");
+    assert_eq!(yielding(0.1, 0.0, 0.0, 1e-3), "rate");
+    assert_eq!(yielding(0.1, 1.0, -1e-3, 1e-3), "time");
+    assert_eq!(yielding(0.1, 1.0, 0.0, 0.0), "tick");
     let periodic = |amplitude, frequency, phase, tick| {
         field(Periodic::new(&[(amplitude, frequency, phase)], tick).unwrap_err())
     };
@@ -487,6 +499,7 @@ fn one_of_each<R: Real>() -> AugmentedLaw<R, EFFECTS> {
         Effect::HardeningFriction(
             HardeningFriction::new(r(0.3), r(0.4), r(1.2), r(2.0), r(5.0)).unwrap(),
         ),
+        Effect::Yielding(Yielding::new(r(0.4), r(0.05), r(0.3), r(0.02), r(1e-4)).unwrap()),
         Effect::Periodic(
             Periodic::new(&[(r(0.03), 50.0, 0.3), (r(0.01), 150.0, 1.0)], 1e-4).unwrap(),
         ),

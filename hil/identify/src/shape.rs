@@ -14,7 +14,7 @@ mesh_damper_recording::numbers! {
         shortest: f64 = 1e-3, Tuned("the blind trial");
         /// The shortest length is at most this part of the amplitude.
         longest_shortest: f64 = 0.4, Derived("less than half of what is longest, so that a range is left to search in");
-        /// A slip limit and half a gap are at most this part of the amplitude.
+        /// A slip limit, the stretch at which a dashpot yields, and half a gap are at most this part of the amplitude.
         longest: f64 = 0.9, Convention("at the whole amplitude nothing slips or moves");
         /// Starts of the slip limit of one element.
         slip_starts: usize = 10, Tuned("the blind trial");
@@ -73,6 +73,19 @@ mesh_damper_recording::numbers! {
         shortest_relaxation: f64 = 0.5, Derived("faster, and it has relaxed at the next");
         /// Starts of a branch's time.
         relaxation_starts: usize = 12, Tuned("the blind trial");
+        /// A dashpot yields at a stretch of at least this part of the amplitude.
+        shortest_yield: f64 = 1e-3, Convention("the spring is then as good as rigid");
+        /// Starts of that stretch.
+        yield_starts: usize = 4, Convention("four times the one before: a fit goes on from there");
+        /// A dashpot yields at a rate of at least and at most this part of the largest velocity.
+        yield_rate: [f64; 2] = [0.01, 3.0], Derived("at the first it slips nearly at once, at the second tanh of a third is a line within a twenty-fifth");
+        /// Starts of that rate.
+        yield_rate_starts: usize = 3, Convention("four times the one before: a fit goes on from there");
+        /// The viscosity over the stiffness is at least and at most this many times the amplitude over the largest velocity, about the time of a
+        /// swing.
+        yield_time: [f64; 2] = [1e-4, 3.0], Derived("at the first it adds less to the force than the shortest stretch, at the second the dashpot hardly moves");
+        /// Starts of that time.
+        yield_time_starts: usize = 1, Convention("the stretch and the rate say where the dashpot yields");
         /// With ω·time below this at the highest frequency a branch is a dashpot.
         dashpot: f64 = 0.2, Tuned("the blind trial; a branch then differs from its dashpot by ωτ/√(1 + ω²τ²), a fifth");
         /// With ω·time above this at the lowest frequency a branch is a spring.
@@ -137,6 +150,8 @@ pub struct Extent {
     /// Hz
     pub(crate) lowest_frequency: f64,
     pub(crate) highest_frequency: f64,
+    /// Largest, mm/s.
+    pub(crate) velocity: f64,
     /// Largest force over largest displacement, kN/mm.
     pub(crate) stiffness: f64,
     /// Tones that stand out of what eq 13 leaves, Hz.
@@ -175,6 +190,11 @@ impl Extent {
             cycles: largest(trajectories.iter().filter_map(|t| t.cycles.last().copied())),
             lowest_frequency: frequencies().fold(f64::INFINITY, f64::min),
             highest_frequency: largest(frequencies()),
+            velocity: largest(
+                trajectories
+                    .iter()
+                    .flat_map(|t| t.motion.velocity.iter().map(|velocity| velocity.abs())),
+            ),
             stiffness: force / above.max(below),
             tones: Vec::new(),
         }

@@ -220,6 +220,33 @@ fn a_maxwell_branch_has_its_storage_and_loss_moduli() {
     }
 }
 
+/// A steady velocity is held by the dashpot; a motion that is small beside its rate has the moduli of a Maxwell branch.
+#[test]
+fn a_dashpot_that_yields_has_its_closed_forms() {
+    let (stiffness, yields, rate, c) = (1.5, 0.05, 2.0, 0.004);
+    let effect = HiddenEffect::Yielding {
+        stiffness,
+        force: yields,
+        rate,
+        c,
+    };
+    let (_, force) = last_cycle(effect, 1e-4, 5.0, 20, 4000);
+    let x = TAU * 5.0 * (yields / rate + c) / stiffness;
+    let (storage, loss) = moduli(&force, 1e-4);
+    // A rule of the first order, of 2e-5 s.
+    close(storage, stiffness * x * x / (1.0 + x * x), 2e-3);
+    close(loss, stiffness * x / (1.0 + x * x), 2e-3);
+    for velocity in [-9.0, 0.5, 4.0] {
+        let mut specimen = Specimen::new(NOTHING).with(effect);
+        let dt = 1e-3;
+        let held = (0..1000).fold(0.0, |_, n| {
+            let time = f64::from(n) * dt;
+            specimen.force(time, velocity * time, velocity, 0.0, dt)
+        });
+        close(held, yields * (velocity / rate).tanh() + c * velocity, 1e-6);
+    }
+}
+
 /// k·(1 − e^(−n/N))·y: no dissipation, and the peak forces follow the count of half cycles.
 #[test]
 fn drift_follows_the_cycles_run() {

@@ -128,3 +128,11 @@ fn a_spring_pot_is_relaxation() {
     outcome.said.as_mut().unwrap().families = vec!["viscous".into()];
     assert_eq!(outcome.mark(), Mark::Wrong);
 }
+
+/// By physics that are none of the crate's.
+#[test]
+fn a_dashpot_that_yields_is_named() {
+    let trial = draw(522);
+    assert_eq!(trial.secret.families(), ["yielding"]);
+    assert_eq!(judge(&trial).mark(), Mark::Right);
+}

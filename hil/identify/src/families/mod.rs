@@ -38,6 +38,7 @@ families! {
     stop,
     stick_slip,
     relaxation,
+    yielding,
     drift,
     temperature,
     delay,
@@ -107,6 +108,8 @@ pub struct FormSpec {
     pub most: usize,
     /// Whether it may stand beside another form of its family.
     pub stands_with_siblings: bool,
+    /// Families of effects that this one is at an end of its shapes, or has all of: one of them is simpler where it does as well.
+    pub special_cases: &'static [&'static str],
     /// Forms of one family with the same word are elements of one effect.
     pub effect: &'static str,
     /// 0 for what is tried first; 1 for forms that are tried where a simpler one of their family is not enough.
@@ -147,6 +150,7 @@ impl FormSpec {
         elements_may_miss: false,
         most: 1,
         stands_with_siblings: false,
+        special_cases: &[],
         effect: "",
         rank: 0,
         scale_range: [-1.0, 1.0],

@@ -85,6 +85,22 @@ impl Fitted {
         families
     }
 
+    /// Whether `other` has the same families but for one, of which one of this law's effects is the general form.
+    fn includes(&self, other: &Self) -> bool {
+        let mut forms = self.solution.terms.iter().map(|value| value.term.form);
+        forms.any(|form| {
+            let mut special_cases = form.special_cases.iter();
+            special_cases.any(|&special| {
+                let mut families = self.families();
+                families.retain(|&family| family != form.family());
+                families.extend(Family::named(special));
+                families.sort_by_key(|family| family.name());
+                families.dedup();
+                families == other.families()
+            })
+        })
+    }
+
     fn is_admissible(&self) -> bool {
         self.solution
             .terms
@@ -421,14 +437,15 @@ impl<'a> Search<'a> {
     }
 
     /// The best of `tried`, which are in order, or one that does as well and is simpler: of fewer parameters and the same
-    /// families, or of as many in forms that are tried first, or one that stands for what the best is at the limit of its shape.
+    /// families, or of as many in forms that are tried first, or one that stands for what the best is at the limit of its shape, or may
+    /// be there.
     fn preferred(&self, tried: &[Candidate]) -> usize {
         let Some(best) = tried.first() else { return 0 };
         let simpler = |candidate: &Candidate| {
             let (fitted, best_fitted) = (&candidate.fitted, &best.fitted);
             let same = fitted.families() == best_fitted.families();
             match fitted.parameters().cmp(&best_fitted.parameters()) {
-                Ordering::Less => best.degenerate || same,
+                Ordering::Less => best.degenerate || same || best_fitted.includes(fitted),
                 Ordering::Equal => same && fitted.rank() < best_fitted.rank(),
                 Ordering::Greater => false,
             }

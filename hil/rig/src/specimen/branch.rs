@@ -5,6 +5,10 @@ use std::f64::consts::TAU;
 use super::hidden::{HiddenEffect, SlipShape};
 use super::{REFERENCE_TEMPERATURE, unlisted};
 
+/// Longest substep of a dashpot that yields, s: its implicit rule of the first order is then late by half of it, a thousandth of a period of
+/// 100 Hz.
+const YIELDING_SUBSTEP: f64 = 2e-5;
+
 /// One call of the specimen.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Step {
@@ -94,7 +98,7 @@ impl Hidden {
                 ],
                 displacement: 0.0,
             },
-            HiddenEffect::Relaxation { .. } => Memory::Branch {
+            HiddenEffect::Relaxation { .. } | HiddenEffect::Yielding { .. } => Memory::Branch {
                 force: 0.0,
                 displacement: 0.0,
             },
@@ -153,6 +157,36 @@ impl Hidden {
                 *displacement = y;
                 *force
             }
+            (
+                HiddenEffect::Yielding {
+                    stiffness,
+                    force: yields,
+                    rate,
+                    c,
+                },
+                Memory::Branch {
+                    force,
+                    displacement,
+                },
+            ) => {
+                let moved = y - *displacement;
+                *displacement = y;
+                let substeps = (step.dt / YIELDING_SUBSTEP).ceil().max(1.0);
+                let dt = step.dt / substeps;
+                for _ in 0..substeps as usize {
+                    // What the spring would have if the dashpot stood, less what it loses to that within the substep.
+                    let held = *force + stiffness * moved / substeps;
+                    let dashpot = |w: f64| yields * (w / rate).tanh() + c * w;
+                    let slope = |w: f64| {
+                        let tanh = (w / rate).tanh();
+                        yields / rate * (1.0 - tanh * tanh) + c + stiffness * dt
+                    };
+                    let excess = |w: f64| dashpot(w) + stiffness * dt * w - held.abs();
+                    let w = root(excess, slope, held.abs() / (c + stiffness * dt));
+                    *force = held - stiffness * dt * w.copysign(held);
+                }
+                *force
+            }
             (HiddenEffect::Drift { stiffness, cycles }, Memory::Cycles(count)) => {
                 let run = match step.frequency {
                     Some(frequency) => count.run_on(frequency * step.dt),
@@ -183,6 +217,31 @@ impl Hidden {
             _ => unreachable!("at_rest() gives every effect its own memory"),
         }
     }
+}
+
+/// Where a rising function is 0, between 0 and `most`: by Newton's steps, and by halves where one leads out of what is left.
+fn root(function: impl Fn(f64) -> f64, slope: impl Fn(f64) -> f64, most: f64) -> f64 {
+    let (mut low, mut high) = (0.0, most);
+    let mut at = 0.0;
+    for _ in 0..100 {
+        let value = function(at);
+        if value > 0.0 {
+            high = at;
+        } else {
+            low = at;
+        }
+        let newton = at - value / slope(at);
+        let next = if low < newton && newton < high {
+            newton
+        } else {
+            0.5 * (low + high)
+        };
+        if (next - at).abs() <= 1e-12 * most || high <= low {
+            return next;
+        }
+        at = next;
+    }
+    at
 }
 
 /// Moves the sliders by `moved` mm and returns their mean stretch, mm.

@@ -44,6 +44,17 @@ pub enum HiddenEffect {
         /// s.
         time: f64,
     },
+    /// A spring and a dashpot in series: Ḟ = stiffness·(v − w) with F = force·tanh(w/rate) + c·w.
+    Yielding {
+        /// Of the spring, kN/mm.
+        stiffness: f64,
+        /// At which the dashpot yields, kN.
+        force: f64,
+        /// At which it has yielded, mm/s.
+        rate: f64,
+        /// kN·s/mm.
+        c: f64,
+    },
     /// F = m·a: what the load cell carries along.
     Inertia {
         /// kg, that is 1e-6 kN·s²/mm.
@@ -130,6 +141,7 @@ impl HiddenEffect {
             Self::StickSlip { .. } => "stick_slip",
             Self::Viscous { .. } => "viscous",
             Self::Relaxation { .. } => "relaxation",
+            Self::Yielding { .. } => "yielding",
             Self::Inertia { .. } => "inertia",
             Self::Drift { .. } => "drift",
             Self::Temperature { .. } => "temperature",
@@ -145,13 +157,17 @@ impl HiddenEffect {
     /// The same effect with `factor` times the force; of a gap, a delay or a compliance, as many times as wide, late or
     /// soft.
     pub fn scaled(mut self, factor: f64) -> Self {
+        if let Self::Yielding { force, c, .. } = &mut self {
+            *force *= factor;
+            *c *= factor;
+        }
         *match &mut self {
             Self::Offset { force } => force,
             Self::Asymmetry { k2 } => k2,
             Self::Hardening { k5 } => k5,
             Self::StickSlip { stiffness, .. } => stiffness,
             Self::Viscous { c } => c,
-            Self::Relaxation { stiffness, .. } => stiffness,
+            Self::Relaxation { stiffness, .. } | Self::Yielding { stiffness, .. } => stiffness,
             Self::Inertia { mass } => mass,
             Self::Drift { stiffness, .. } => stiffness,
             Self::Temperature { beta, .. } => beta,
@@ -183,6 +199,17 @@ impl HiddenEffect {
             Self::Relaxation { stiffness, time } => {
                 vec![("stiffness", stiffness, "kN/mm"), ("time", time, "s")]
             }
+            Self::Yielding {
+                stiffness,
+                force,
+                rate,
+                c,
+            } => vec![
+                ("stiffness", stiffness, "kN/mm"),
+                ("force", force, "kN"),
+                ("rate", rate, "mm/s"),
+                ("c", c, "kN*s/mm"),
+            ],
             Self::Inertia { mass } => vec![("mass", mass, "kg")],
             Self::Drift { stiffness, cycles } => {
                 vec![
@@ -234,6 +261,12 @@ impl HiddenEffect {
                         }
                 }
                 Self::Relaxation { time, .. } | Self::Temperature { time, .. } => time > 0.0,
+                Self::Yielding {
+                    stiffness,
+                    force,
+                    rate,
+                    c,
+                } => stiffness > 0.0 && force >= 0.0 && rate > 0.0 && c >= 0.0,
                 Self::Drift { cycles, .. } => cycles > 0.0,
                 Self::Gap { half_width, .. } => half_width >= 0.0,
                 Self::Delay { time } => time >= 0.0,

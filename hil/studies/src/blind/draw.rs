@@ -10,7 +10,10 @@ use serde::Serialize;
 
 use super::absorbed::left_by_eq13;
 use super::described::DescribedEffect;
-use super::families::{LISTED, UNLISTED, Unsized, effect, largest_amplitude, log_uniform};
+use super::families::{
+    FIRST_WITH_YIELDING, LISTED, UNLISTED, Unsized, YIELDING, effect, largest_amplitude,
+    log_uniform,
+};
 use super::programme::{self, Programme, TestShape};
 use super::test_rig::{Sensors, Truth, answer, record};
 
@@ -179,7 +182,7 @@ fn secret(
     number: usize,
     rng: &mut impl Rng,
 ) -> Option<(Secret, Vec<HiddenEffect>)> {
-    let (shape, effects) = hidden(class, number, rng)?;
+    let (shape, effects) = hidden(seed, class, number, rng)?;
     let programme = programme::draw(shape, rng);
     let largest = largest_amplitude(&programme.training);
     let mut secret = Secret {
@@ -220,17 +223,26 @@ fn secret(
 }
 
 /// Which effects, and the shape of a test that shows all of them.
-fn hidden(class: Class, number: usize, rng: &mut impl Rng) -> Option<(TestShape, Vec<usize>)> {
+fn hidden(
+    seed: u64,
+    class: Class,
+    number: usize,
+    rng: &mut impl Rng,
+) -> Option<(TestShape, Vec<usize>)> {
     const ALL: [TestShape; 4] = [
         TestShape::Amplitudes,
         TestShape::Frequencies,
         TestShape::Long,
         TestShape::Single,
     ];
+    let listed = LISTED + usize::from(seed >= FIRST_WITH_YIELDING);
+    let of_listed = |which: usize| if which < LISTED { which } else { YIELDING };
     let effects = match class {
         Class::None => return Some((ALL[number % ALL.len()], Vec::new())),
-        Class::Listed => vec![number % LISTED],
-        Class::Pair => vec![rng.random_range(0..LISTED), rng.random_range(0..LISTED)],
+        Class::Listed => vec![of_listed(number % listed)],
+        Class::Pair => [0; 2]
+            .map(|_| of_listed(rng.random_range(0..listed)))
+            .to_vec(),
         Class::Unlisted => vec![LISTED + number % UNLISTED],
     };
     // Neither shapes nor the family's name depend on what is drawn within it.

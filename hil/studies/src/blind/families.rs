@@ -12,6 +12,10 @@ use super::programme::TestShape;
 pub const LISTED: usize = 18;
 /// Unlisted ones.
 pub const UNLISTED: usize = 14;
+/// Number of a dashpot that yields, which is listed too. It came later: what seeds below [`FIRST_WITH_YIELDING`] draw is as it was.
+pub const YIELDING: usize = LISTED + UNLISTED;
+/// The first seed of the trial that may draw it: those below are the 500 whose figures are published.
+pub const FIRST_WITH_YIELDING: u64 = 500;
 
 /// Sliders of an Iwan element.
 const SLIDERS: usize = 12;
@@ -48,10 +52,12 @@ const WITH_LONG: &[TestShape] = &[
     TestShape::Long,
 ];
 
-/// Effect number `which`, the [`LISTED`] before the [`UNLISTED`], for a test whose largest amplitude is `largest` mm.
+/// Effect number `which`, the [`LISTED`] before the [`UNLISTED`] before [`YIELDING`], for a test whose largest amplitude is `largest` mm.
 pub fn effect(which: usize, largest: f64, rng: &mut impl Rng) -> Unsized {
     if which < LISTED {
         listed(which, largest, rng)
+    } else if which == YIELDING {
+        yielding(largest, rng)
     } else {
         unlisted(which - LISTED, largest, rng)
     }
@@ -150,6 +156,23 @@ fn listed(which: usize, largest: f64, rng: &mut impl Rng) -> Unsized {
         effect,
         factors,
         shapes,
+    }
+}
+
+/// Of a stiffness of 1: between a tenth and a half of the largest amplitude it yields, at a rate that a test of some Hz passes, and its
+/// viscosity adds up to about as much again.
+fn yielding(largest: f64, rng: &mut impl Rng) -> Unsized {
+    let force = largest * rng.random_range(0.1..0.4);
+    let rate = largest * log_uniform(3.0, 20.0, rng);
+    Unsized {
+        effect: HiddenEffect::Yielding {
+            stiffness: 1.0,
+            force,
+            rate,
+            c: force / rate * log_uniform(0.02, 0.3, rng),
+        },
+        factors: (1e-6, 1e6),
+        shapes: FREQUENCIES,
     }
 }
 

@@ -1,0 +1,121 @@
+//! A dashpot that yields, under random motion: it is named, and so are a slider and a Maxwell branch, which it may be.
+
+use std::f64::consts::TAU;
+
+use mesh_damper_identify::trace::result::{TraceResult, Verdict};
+use mesh_damper_identify::trace::trace;
+use mesh_damper_recording::Recording;
+use mesh_damper_reference::tables;
+use mesh_damper_rig::specimen::{DamperForce, HiddenEffect, SlipShape, Specimen};
+use rand::rngs::StdRng;
+use rand::{RngExt, SeedableRng};
+use rand_distr::{Distribution, Normal};
+
+const RATE: f64 = 500.0;
+const DURATION: f64 = 30.0;
+/// Calls of the specimen to a sample.
+const CALLS: usize = 8;
+/// Of the force, over its RMS.
+const NOISE: f64 = 5e-3;
+
+/// A specimen that hides `effect`, under noise of 0.3 to 12 Hz.
+fn recorded(effect: HiddenEffect, seed: u64) -> Recording {
+    let mut random = StdRng::seed_from_u64(seed);
+    let tones: Vec<[f64; 3]> = (0..40)
+        .map(|_| {
+            let turn = TAU * random.random_range(0.3..12.0);
+            [
+                0.03 / (turn / TAU).max(1.0),
+                turn,
+                random.random_range(0.0..TAU),
+            ]
+        })
+        .collect();
+    let mut specimen = Specimen::new(tables::interpolate(3.0, 0.1)).with(effect);
+    let dt = 1.0 / (RATE * CALLS as f64);
+    let (mut time, mut displacement, mut force) = (Vec::new(), Vec::new(), Vec::new());
+    for call in 0..(RATE * DURATION) as usize * CALLS {
+        let t = call as f64 * dt;
+        let [y, v, a] = tones
+            .iter()
+            .fold([0.0; 3], |[y, v, a], [size, turn, phase]| {
+                let (sin, cos) = (turn * t + phase).sin_cos();
+                [
+                    y + size * sin,
+                    v + size * turn * cos,
+                    a - size * turn * turn * sin,
+                ]
+            });
+        let answered = specimen.force(t, y, v, a, dt);
+        if call % CALLS == 0 {
+            time.push(t);
+            displacement.push(y);
+            force.push(answered);
+        }
+    }
+    let squares: f64 = force.iter().map(|force| force * force).sum();
+    let noise = NOISE * (squares / force.len() as f64).sqrt();
+    let noise = Normal::new(0.0, noise).unwrap();
+    let force = force.iter().map(|force| force + noise.sample(&mut random));
+    let force = force.collect();
+    Recording::new("random motion", time, displacement, force).unwrap()
+}
+
+fn traced(effect: HiddenEffect, seed: u64) -> TraceResult {
+    let [training, held_out] = [seed, seed + 1].map(|seed| recorded(effect, seed));
+    trace(&[training], &[held_out], &|_| ()).unwrap().result
+}
+
+fn families(result: &TraceResult) -> Vec<&str> {
+    let effects = result.effects.iter();
+    effects.map(|effect| effect.family.as_str()).collect()
+}
+
+#[test]
+fn it_is_named_and_has_its_parameters() {
+    let (stiffness, force, rate, c) = (1.2, 0.03, 0.6, 0.01);
+    let effect = HiddenEffect::Yielding {
+        stiffness,
+        force,
+        rate,
+        c,
+    };
+    let result = traced(effect, 1);
+    assert_eq!(result.verdict, Verdict::Found, "{:?}", families(&result));
+    assert_eq!(families(&result), ["yielding"]);
+    let found = |name: &str| result.effects[0].parameters[name].value;
+    for (name, truth) in [
+        ("stiffness", stiffness),
+        ("yield_stretch", force / stiffness),
+        ("rate", rate),
+        ("time", c / stiffness),
+    ] {
+        let part = found(name) / truth;
+        assert!((part - 1.0).abs() < 0.03, "{name}: {} {truth}", found(name));
+    }
+    // Beside the noise of the force there is the error of the velocity, where |v|^α is steep.
+    let [before, after] = [
+        result.baseline.nrmse_held_out,
+        result.augmented.nrmse_held_out,
+    ];
+    assert!(before > 0.1 && after < 2.0 * NOISE, "{before} {after}");
+}
+
+/// It does as well on them, with two more parameters.
+#[test]
+fn what_it_is_at_its_ends_keeps_its_name() {
+    let slider = HiddenEffect::StickSlip {
+        stiffness: 1.2,
+        slip_limit: 0.02,
+        shape: SlipShape::Sharp,
+    };
+    let branch = HiddenEffect::Relaxation {
+        stiffness: 0.9,
+        time: 0.05,
+    };
+    for (effect, family) in [(slider, "stick_slip"), (branch, "relaxation")] {
+        let result = traced(effect, 5);
+        assert_eq!(result.verdict, Verdict::Found, "{:?}", families(&result));
+        assert_eq!(families(&result), [family]);
+    }
+}

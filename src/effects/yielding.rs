@@ -1,0 +1,321 @@
+//! A dashpot that yields, behind a spring: a Maxwell branch whose force grows ever more slowly with its rate.
+//!
+//! Oil through a valve that opens, a pad that slips once it is pushed hard enough, rubber that flows: stiff while they are hardly
+//! moved, and then of about one force.
+
+use super::description::{Cost, Dependence, Description, EffectKind, Parameter};
+use super::stretch::Stretch;
+use super::{ClampedMotion, Equations, LawForce, Packed};
+use crate::error::ConfigError;
+use crate::limits;
+use crate::real::{Real, coefficient, in_range};
+
+/// Range of the rate, mm/s.
+const RATE: [f64; 2] = [1e-9, limits::VELOCITY];
+/// Longest relaxation time, s: that of [`Relaxation`](super::Relaxation).
+const TIME: f64 = 1e6;
+/// Range of the tick, s.
+const TICK: [f64; 2] = [1e-7, 1e3];
+/// γ = 1 − 1/√2 of the step.
+const PART: f64 = 1.0 - core::f64::consts::FRAC_1_SQRT_2;
+/// Halley's steps that a stage takes. From where it starts, the two leave a stretch within 3e-10 of itself, and an f32 by two units
+/// of its last digit (`the_root_is_found_in_two_steps`).
+const STEPS: usize = 2;
+
+/// F = k·e, de/dt = v − w, x·tanh(w/v₀) + τ·w = e.
+///
+/// The spring k has the stretch e, and the dashpot behind it goes at the rate w with the force k·x·tanh(w/v₀) + k·τ·w. So a steady
+/// velocity v is held by k·x·tanh(v/v₀) + k·τ·v. With x = 0 it is a branch of [`Relaxation`](super::Relaxation) with the time τ; for a small
+/// force too, with x/v₀ + τ. With τ = 0 and a small v₀ it is a Jenkins element of [`StickSlip`](super::StickSlip) with the slip limit x.
+///
+/// It is passive for k ≥ 0: k·e²/2 is stored, and what the dashpot takes, k·e·w, is never below 0.
+///
+/// # Step
+/// The displacement is a straight line within a tick. The step is implicit, of two stages (SDIRK2 of Alexander 1977 with γ = 1 − 1/√2):
+/// of the second order, and what is stiff is forgotten within a tick, so that no parameter is too fast for one. Each stage is one equation x·tanh u + C·u = b,
+/// whose left side is concave above 0: the lines that bound its root from below say where Halley's steps start.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Yielding<R> {
+    stiffness: R,
+    yield_stretch: R,
+    /// τ·v₀, mm.
+    drag: R,
+    /// γ·Δt·v₀, mm.
+    slip: R,
+    /// x/tanh u at the root u for b = x, mm: a little more than x + C. It says where a search starts.
+    reach: R,
+}
+
+impl<R: Real> Yielding<R> {
+    /// * `stiffness`: k, kN/mm, −1e9…1e9
+    /// * `yield_stretch`: x, mm, 0…1e4: the dashpot yields at k·x
+    /// * `rate`: v₀, mm/s, 1e-9…1e6
+    /// * `time`: τ, s, 0…1e6
+    /// * `tick`: Δt, s, 1e-7…1e3
+    ///
+    /// # Errors
+    /// The field that is not finite or out of range.
+    pub fn new(
+        stiffness: R,
+        yield_stretch: R,
+        rate: R,
+        time: R,
+        tick: R,
+    ) -> Result<Self, ConfigError> {
+        let rate = in_range("rate", rate, RATE[0], RATE[1])?.to_f64();
+        let time = in_range("time", time, 0.0, TIME)?.to_f64();
+        let tick = in_range("tick", tick, TICK[0], TICK[1])?.to_f64();
+        let mut new = Self {
+            stiffness,
+            yield_stretch,
+            drag: R::from_f64(time * rate),
+            slip: R::from_f64(PART * tick * rate),
+            reach: R::ZERO,
+        };
+        // Before it is worked out, the least that it can be.
+        new.reach = new.yield_stretch + new.drag + new.slip;
+        new.check()?;
+        new.reach = new.reached();
+        Ok(new)
+    }
+
+    /// x/tanh u at the root u for b = x.
+    fn reached(&self) -> R {
+        let least = self.yield_stretch + self.drag + self.slip;
+        let start = self.yield_stretch / least;
+        // A step adds about 1 where C is a small part of x, and at 20 tanh is 1 in f64 too.
+        let root = self.risen::<24>(start, self.yield_stretch);
+        let reach = self.yield_stretch / tanh(root);
+        // Where the root is as good as 0, it is C.
+        if reach > least { reach } else { least }
+    }
+
+    /// The root for `force` = b ≥ 0 after so many of Halley's steps from `start` ≥ 0, which is not above it.
+    #[inline(always)]
+    fn risen<const STEPS: usize>(&self, start: R, force: R) -> R {
+        let mut root = start;
+        for _ in 0..STEPS {
+            let tanh = tanh(root);
+            let missing = force - self.yield_stretch * tanh - (self.drag + self.slip) * root;
+            let curved = self.yield_stretch * (R::ONE - tanh * tanh);
+            let slope = curved + self.drag + self.slip;
+            // Divided by more than 0: what is missing is at most x·(1 − tanh u).
+            let next = root + missing * slope / (slope * slope - missing * tanh * curved);
+            // What falls below the start is rounding, of a C that is no digit of x.
+            root = if next > start { next } else { start };
+        }
+        root
+    }
+
+    /// u of x·tanh u + C·u = `force`, C = (τ + γ·Δt)·v₀, for a `force` of at least 0. Not inlined: it is taken twice.
+    #[inline(never)]
+    fn root(&self, force: R) -> R {
+        let x = self.yield_stretch;
+        let (bent, beyond) = if force < x {
+            (force, R::ZERO)
+        } else {
+            (x, force - x)
+        };
+        // Up to x, u is convex in b and tanh u at least that part of what it is at x. The logarithm of artanh is by straight lines, from below.
+        let part = (bent / self.reach).clipped(R::from_f64(1.0 - 6e-8));
+        let octaves = ((R::ONE + part) / (R::ONE - part)).half_octaves();
+        let artanh =
+            R::from_i32(octaves) * R::from_f64(0.5 * core::f64::consts::LN_2 / 8192.0);
+        // Beyond it is above its tangent at x, and above the line that it tends to.
+        let drag = self.drag + self.slip;
+        let tangent = artanh + beyond / (drag + x * (R::ONE - part * part));
+        let line = beyond / drag;
+        let start = if tangent > line { tangent } else { line };
+        self.risen::<STEPS>(start, force)
+    }
+
+    /// γ·Δt·w of the stage with `force` = b.
+    #[inline(always)]
+    fn slipped(&self, force: R) -> R {
+        let slipped = self.slip * self.root(force.abs());
+        if force < R::ZERO { -slipped } else { slipped }
+    }
+
+    /// e at the end of the stage with `force` = b.
+    #[inline(always)]
+    fn stretched(&self, force: R) -> R {
+        let size = force.abs();
+        let root = self.root(size);
+        let slipped = self.slip * root;
+        // Of two equal forms the one in which less cancels: it slips little, or all the way.
+        let stretch = if slipped + slipped < size {
+            size - slipped
+        } else {
+            self.yield_stretch * tanh(root) + self.drag * root
+        };
+        if force < R::ZERO { -stretch } else { stretch }
+    }
+}
+
+/// tanh of an `u` of at least 0. Below ½ by a continued fraction, within 1e-10 of itself: the difference of exponentials has few digits
+/// there.
+#[inline(always)]
+fn tanh<R: Real>(u: R) -> R {
+    let (above, below) = if u < R::from_f64(0.5) {
+        let square = u * u;
+        (
+            u * (R::from_f64(945.0) + square * (R::from_f64(105.0) + square)),
+            R::from_f64(945.0) + square * (R::from_f64(420.0) + square * R::from_f64(15.0)),
+        )
+    } else {
+        let fallen = (u * R::from_f64(-2.0 * core::f64::consts::LOG2_E)).exp2_of_negative();
+        (R::ONE - fallen, R::ONE + fallen)
+    };
+    above / below
+}
+
+impl<R: Real> Equations<R> for Yielding<R> {
+    const DESCRIPTION: Description = Description {
+        name: "yielding",
+        family: "yielding",
+        number: 18,
+        kind: EffectKind::Force,
+        cost: Cost::Rare,
+        parameters: &[
+            Parameter::new(
+                "stiffness",
+                "kN/mm",
+                -limits::COEFFICIENT,
+                limits::COEFFICIENT,
+            ),
+            Parameter::new("yield_stretch", "mm", 0.0, limits::DISPLACEMENT),
+            Parameter::new("rate", "mm/s", RATE[0], RATE[1]),
+            Parameter::new("time", "s", 0.0, TIME),
+        ],
+        most: 1,
+        typical: &[2.0, 0.04, 0.3, 0.02],
+        depends_on: &[
+            Dependence::Displacement,
+            Dependence::History,
+            Dependence::Frequency,
+        ],
+        may_supply_energy: false,
+        scales_law: false,
+        sentence: "A spring and a dashpot that yields, in series: a force that fades when the motion stops, and rises ever more slowly with its speed.",
+    };
+    const NONE: Self = Self {
+        stiffness: R::ZERO,
+        yield_stretch: R::ZERO,
+        drag: R::ZERO,
+        slip: R::ZERO,
+        reach: R::ZERO,
+    };
+
+    type State = Option<Stretch<R>>;
+    const AT_REST: Self::State = None;
+
+    fn from_parameters(parameters: &[f64], tick: f64) -> Result<Self, ConfigError> {
+        let [stiffness, yield_stretch, rate, time] =
+            super::exactly(parameters)?.map(R::from_f64);
+        Self::new(stiffness, yield_stretch, rate, time, R::from_f64(tick))
+    }
+
+    fn check(&self) -> Result<(), ConfigError> {
+        coefficient("stiffness", self.stiffness)?;
+        in_range(
+            "yield_stretch",
+            self.yield_stretch,
+            0.0,
+            limits::DISPLACEMENT,
+        )?;
+        in_range("drag", self.drag, 0.0, 1.001 * TIME * RATE[1])?;
+        let slip = [TICK[0] * RATE[0], TICK[1] * RATE[1]].map(|slip| PART * slip);
+        in_range("slip", self.slip, 0.999 * slip[0], 1.001 * slip[1])?;
+        // It is x + C·u, of an u that makes tanh u one in f64 too at 20.
+        let most = self.yield_stretch + R::from_f64(24.0) * (self.drag + self.slip);
+        // Rounding, next to 1, of tanh u is some more.
+        let most = R::from_f64(1.001) * most;
+        let range = [self.yield_stretch, most].map(R::to_f64);
+        in_range("reach", self.reach, range[0], range[1]).map(|_| ())
+    }
+
+    // On a target not inlined: a tick without it need not save the registers that it takes.
+    #[cfg_attr(not(feature = "std"), inline(never))]
+    fn force(&self, state: &mut Self::State, motion: &ClampedMotion<R>, _: LawForce<R>) -> R {
+        let stretch = Stretch::after(state, motion, |stretch, way| {
+            let slipped = self.slipped(stretch + R::from_f64(PART) * way);
+            let rest = R::from_f64((1.0 - PART) / PART) * slipped;
+            self.stretched(stretch + way - rest)
+        });
+        self.stiffness * stretch
+    }
+}
+
+impl Packed for Yielding<f32> {
+    fn pack(&self, put: &mut impl FnMut(f32)) {
+        [
+            self.stiffness,
+            self.yield_stretch,
+            self.drag,
+            self.slip,
+            self.reach,
+        ]
+        .into_iter()
+        .for_each(put);
+    }
+
+    fn unpack(words: &[f32]) -> Option<Self> {
+        let &[stiffness, yield_stretch, drag, slip, reach] = words else {
+            return None;
+        };
+        Some(Self {
+            stiffness,
+            yield_stretch,
+            drag,
+            slip,
+            reach,
+        })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Largest error of C·u beside b, of x = 1 and every C and b of a grid, knee and ends included; the root by halves.
+    fn error<R: Real>() -> f64 {
+        let mut worst = 0.0_f64;
+        let grid = |low: f64, high: f64, count: i32| {
+            (0..=count).map(move |n| low * libm::pow(high / low, f64::from(n) / f64::from(count)))
+        };
+        for c in grid(1e-9, 1e6, 120) {
+            let mut branch = Yielding {
+                stiffness: R::ONE,
+                yield_stretch: R::ONE,
+                drag: R::ZERO,
+                slip: R::from_f64(c),
+                reach: R::from_f64(1.0 + c),
+            };
+            branch.reach = branch.reached();
+            let c = branch.slip.to_f64();
+            let about_the_knee = (-40..40).map(|n| 1.0 + c * 0.2 * f64::from(n));
+            for b in grid(1e-9, 1e9, 200).chain(about_the_knee).filter(|b| *b > 0.0) {
+                let b = R::from_f64(b);
+                let (mut low, mut high) = (0.0, b.to_f64() / c);
+                for _ in 0..120 {
+                    let middle = 0.5 * (low + high);
+                    if libm::tanh(middle) + c * middle < b.to_f64() {
+                        low = middle;
+                    } else {
+                        high = middle;
+                    }
+                }
+                let error = c * (branch.root(b).to_f64() - low) / b.to_f64();
+                worst = worst.max(error.abs());
+            }
+        }
+        worst
+    }
+
+    #[test]
+    fn the_root_is_found_in_two_steps() {
+        let (single, double) = (error::<f32>(), error::<f64>());
+        assert!(double < 3e-10, "{double}");
+        assert!(single < 2.4e-7, "{single}");
+    }
+}
