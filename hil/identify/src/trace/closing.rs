@@ -5,17 +5,19 @@ use mesh_damper_model::{Family, Model, ModelError, parameter_unit};
 use mesh_damper_recording::trajectory::Trajectory;
 use rayon::prelude::*;
 
+use super::adopt::gains;
 use super::left_out::{Fit, LeftOut, Picked};
 use super::mend::{clearly_best, mended};
 use super::result::{
     Baseline, Candidate, CorrectionSummary, Errors, Estimate, FoundEffect, LawEstimate, OnTarget,
-    TraceResult, Verdict,
+    Rejected, TraceResult, Verdict,
 };
 use super::rule::Rule;
 use super::select::{self, Selection};
 use super::separating::{bounding_test, separating_test};
 use super::split::{Role, Roles};
 use super::verdict::{accounts_for, conclude, depends_on, generalises, rivals, warnings};
+use crate::correction::{Choice, refit};
 use crate::policy::policy;
 use crate::problem::Problem;
 use crate::rows::Rows;
@@ -112,11 +114,12 @@ impl<'a> Closing<'a> {
         let Concluded {
             mut verdict,
             mut left,
-            effects_rejected_by,
+            mut effects_rejected_by,
         } = self.verdict(selection, &left_out, [&alone, &solution])?;
         let mut table_rejected_by = None;
         let mut model = solution.model();
         let mut nameless = Vec::new();
+        let mut choice = None;
         if verdict == Verdict::Unlisted {
             progress("correcting without a name what is left");
             let mut laws: Vec<(&Rows, &Solution)> =
@@ -132,12 +135,49 @@ impl<'a> Closing<'a> {
             let fits: Vec<Fit> = fits.iter().map(|fit| fit as Fit).collect();
             let mended = mended(self.trajectories, &left_out, &fits)?;
             model = mended.model;
+            choice = mended.choice;
             nameless = mended.depends_on;
             table_rejected_by = mended.table_rejected_by;
             rows = laws[mended.law].0;
             solution = self.fit_there(rows, laws[mended.law].1);
             left = left_out.left_by(&model)?.in_most().unwrap_or(left);
         }
+        let nothing_added = solution.terms.is_empty() && choice.is_none();
+        let mut rejected = None;
+        if !(nothing_added && std::ptr::eq(rows, &self.rows[0])) {
+            progress("holding out one condition after the other");
+            let of_alone =
+                left_out.in_turn(&|picked| Ok(self.refit(&self.rows[0], &alone, picked)))?;
+            let gains_with = |choice: Option<&Choice>| {
+                let fit = |picked: Picked| {
+                    let law = self.refit(rows, &solution, picked);
+                    match choice {
+                        Some(choice) => refit(choice, self.trajectories, &law, picked),
+                        None => Ok(law),
+                    }
+                };
+                Ok::<_, ModelError>(gains(&of_alone, &left_out.in_turn(&fit)?))
+            };
+            if !gains_with(choice.as_ref())? {
+                rejected = Some(self.rejected(&model)?);
+                if choice.is_some() && !solution.terms.is_empty() && gains_with(None)? {
+                    model = solution.model();
+                } else {
+                    model = baseline.clone();
+                    solution = alone;
+                    rows = &self.rows[0];
+                }
+                if choice.take().is_some() {
+                    table_rejected_by = Some(Rule::TableUnknownElsewhere);
+                }
+                if verdict != Verdict::Unlisted {
+                    verdict = Verdict::Unlisted;
+                    effects_rejected_by = Some(Rule::UnknownElsewhere);
+                }
+                left = left_out.left_by(&model)?.in_most().unwrap_or(left);
+            }
+        }
+        let adopted = !model.effects.is_empty() || model.correction.is_some();
         let mut uncertainty = Uncertainty::of(rows, &self.extent, &solution);
         let terms = solution.terms.iter().zip(&uncertainty.terms);
         let mut unbounded: Vec<Family> = terms
@@ -208,6 +248,8 @@ impl<'a> Closing<'a> {
             on_target: OnTarget {
                 nrmse_held_out: on_target.nrmse_held_out,
             },
+            adopted,
+            rejected,
         };
         let forces = self
             .recordings
@@ -224,6 +266,16 @@ impl<'a> Closing<'a> {
             baseline,
             model,
             forces,
+        })
+    }
+
+    /// The errors of a law that is not adopted.
+    fn rejected(&self, model: &Model) -> Result<Rejected, ModelError> {
+        Ok(Rejected {
+            augmented: self.evaluate(model, predict)?.1,
+            on_target: OnTarget {
+                nrmse_held_out: self.evaluate(model, predict_embedded)?.1.nrmse_held_out,
+            },
         })
     }
 
@@ -297,6 +349,7 @@ impl<'a> Closing<'a> {
     fn refit(&self, rows: &Rows, known: &Solution, picked: Picked) -> Model {
         let nodes = rows.nodes().to_vec();
         let rows = Rows::gather(self.trajectories, nodes, policy().rows.in_turn, picked);
+        let rows = rows.with_nodes_seen();
         let problem = Problem::new(&rows, &self.extent, &known.terms());
         problem.solve_near(known).model()
     }

@@ -23,6 +23,12 @@ mesh_damper_recording::numbers! {
         fewest_blocks: usize = 4, Derived("two amplitudes with two blocks each");
         /// With fewer blocks between the first and the last of their recordings those are left out too.
         fewest_inner: usize = 2, Convention("one alone decides nothing");
+        /// With fewer conditions, stretches of the recordings take their place.
+        fewest_conditions: usize = 3, Convention("of two each would be told by the other alone");
+        /// At most this many conditions are held out in turn.
+        most_conditions: usize = 8, Convention("bounds the time: each takes a fit");
+        /// Stretches that recordings without conditions are cut into.
+        stretches: usize = 5, Convention("each leaves four fifths to fit");
         /// At most this many blocks are left out.
         most: usize = 4, Convention("bounds the time: each takes a fit");
         /// This part of the cycles are not the worst, which may be those of a start or of a change between blocks.
@@ -96,6 +102,7 @@ pub(super) struct LeftOut<'a> {
     judging: &'a Roles,
     roles: &'a Roles,
     blocks: Vec<(usize, &'a FoundBlock)>,
+    conditions: Vec<(usize, Range<usize>)>,
 }
 
 impl<'a> LeftOut<'a> {
@@ -107,6 +114,7 @@ impl<'a> LeftOut<'a> {
             judging,
             roles,
             blocks: blocks(trajectories, roles),
+            conditions: conditions(trajectories, roles),
         }
     }
 
@@ -197,10 +205,27 @@ impl<'a> LeftOut<'a> {
         for (which, trajectory) in self.trajectories.iter().enumerate() {
             let predicted = predict(model, trajectory)?;
             let is_fair = |i: usize| self.is_open(which, i) && trajectory.is_telling(i);
-            let of_block = |block| RelativeError::of(trajectory, &predicted, block, is_fair);
+            let of_block = |block: &FoundBlock| {
+                RelativeError::of(trajectory, &predicted, &block.samples, is_fair)
+            };
             errors.extend(trajectory.blocks.iter().filter_map(of_block));
         }
         Ok(RelativeError::mean(&errors).beyond_noise())
+    }
+
+    /// What the law leaves of each condition that may be fitted when that is held out, in the order of [`conditions`].
+    pub fn in_turn(&self, fit: Fit) -> Result<Vec<RelativeError>, ModelError> {
+        let errors = self.conditions.par_iter().map(|(which, samples)| {
+            let model = fit(&|other, sample| {
+                self.is_open(other, sample) && !(other == *which && samples.contains(&sample))
+            })?;
+            let trajectory = &self.trajectories[*which];
+            let is_fair = |i: usize| self.is_open(*which, i) && trajectory.is_telling(i);
+            let predicted = predict(&model, trajectory)?;
+            Ok(RelativeError::of(trajectory, &predicted, samples, is_fair))
+        });
+        let errors: Vec<Option<RelativeError>> = errors.collect::<Result<_, ModelError>>()?;
+        Ok(errors.into_iter().flatten().collect())
     }
 
     /// What is left there of the force, each block counting the same.
@@ -221,7 +246,12 @@ impl<'a> LeftOut<'a> {
             let trajectory = &self.trajectories[*which];
             let is_fair = |i: usize| self.is_open(*which, i) && trajectory.is_telling(i);
             let predicted = predict(&model, trajectory)?;
-            Ok(RelativeError::of(trajectory, &predicted, block, is_fair))
+            Ok(RelativeError::of(
+                trajectory,
+                &predicted,
+                &block.samples,
+                is_fair,
+            ))
         });
         let errors: Vec<Option<RelativeError>> = errors.collect::<Result<_, ModelError>>()?;
         let errors: Vec<RelativeError> = errors.into_iter().flatten().collect();
@@ -255,15 +285,15 @@ pub(super) struct RelativeError {
 }
 
 impl RelativeError {
-    /// In the samples of a block that are `is_fair`; `None` where there is none.
+    /// In the samples that are `is_fair`; `None` where there is none.
     fn of(
         trajectory: &Trajectory,
         predicted: &[f64],
-        block: &FoundBlock,
+        samples: &Range<usize>,
         is_fair: impl Fn(usize) -> bool,
     ) -> Option<Self> {
         let (mut error, mut noise, mut force) = (0.0, 0.0, 0.0);
-        for i in block.samples.clone().filter(|&i| is_fair(i)) {
+        for i in samples.clone().filter(|&i| is_fair(i)) {
             error += certainty(trajectory, i) * (predicted[i] - trajectory.force[i]).powi(2);
             noise += least(trajectory);
             force += trajectory.force[i].powi(2);
@@ -344,6 +374,47 @@ fn blocks<'t>(trajectories: &'t [Trajectory], roles: &Roles) -> Vec<(usize, &'t 
     let count = known.len().min(policy().left_out.most);
     (0..count)
         .map(|place| known[(2 * place + 1) * known.len() / (2 * count)])
+        .collect()
+}
+
+/// Conditions that may be fitted, evenly spread over amplitude and frequency, those at the ends among them: blocks of several cycles, or stretches
+/// where there are few.
+fn conditions(trajectories: &[Trajectory], roles: &Roles) -> Vec<(usize, Range<usize>)> {
+    let LeftOutPolicy {
+        fewest_conditions,
+        most_conditions,
+        stretches,
+        ..
+    } = policy().left_out;
+    let mut blocks: Vec<(usize, &FoundBlock)> = Vec::new();
+    for (which, trajectory) in trajectories.iter().enumerate() {
+        let is_telling = |block: &&FoundBlock| {
+            let mut samples = block.samples.clone();
+            block.cycles.len() > 1
+                && samples.any(|i| roles.is_open(which, i) && trajectory.is_telling(i))
+        };
+        let of_one = trajectory.blocks.iter().filter(is_telling);
+        blocks.extend(of_one.map(|block| (which, block)));
+    }
+    if blocks.len() < fewest_conditions {
+        let cut = |(which, trajectory): (usize, &Trajectory)| {
+            let open: Vec<usize> = (0..trajectory.len())
+                .filter(|&i| roles.is_open(which, i))
+                .collect();
+            let length = open.len().div_ceil(stretches).max(1);
+            let each = open.chunks(length);
+            let each = each.map(|some| (which, some[0]..some[some.len() - 1] + 1));
+            each.collect::<Vec<_>>()
+        };
+        return trajectories.iter().enumerate().flat_map(cut).collect();
+    }
+    blocks.sort_by(|(_, a), (_, b)| {
+        let by_amplitude = a.amplitude.total_cmp(&b.amplitude);
+        by_amplitude.then(a.frequency.total_cmp(&b.frequency))
+    });
+    let count = blocks.len().min(most_conditions);
+    let each = (0..count).map(|place| blocks[place * (blocks.len() - 1) / (count - 1)]);
+    each.map(|(which, block)| (which, block.samples.clone()))
         .collect()
 }
 

@@ -4,6 +4,7 @@
 //! needless ones are dropped, and the result is fitted once more to all but the samples held out, on which alone the
 //! error is reported.
 
+pub(crate) mod adopt;
 pub(crate) mod aligned;
 mod closing;
 pub(crate) mod left_out;
