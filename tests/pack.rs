@@ -90,7 +90,7 @@ fn the_largest_effects_fit_often_enough() {
 /// What a constructor takes, the rig takes too, though it sees only the numbers that were made of it.
 #[test]
 fn effects_at_the_ends_of_their_ranges_survive() {
-    let ends: [(&str, &[f64], f64); 15] = [
+    let ends: [(&str, &[f64], f64); 17] = [
         ("offset", &[1e9], 1e-4),
         ("drift", &[1e9, -1e9, 1e3, -1.0], 1e-4),
         ("drift", &[0.1, 1e9, -1.0, 1e3], 1e-4),
@@ -106,6 +106,8 @@ fn effects_at_the_ends_of_their_ranges_survive() {
         ("compliance", &[1e-3], 1e-7),
         ("compliance", &[1e9], 1e3),
         ("delay", &[255.0], 1.0),
+        ("force_filter", &[1.001], 1e-4),
+        ("force_filter", &[0.999e3], 1.0),
     ];
     for (name, parameters, tick) in ends {
         let effect = effect(name, parameters, tick);

@@ -5,8 +5,8 @@ use mesh_damper::converter::Scale;
 use mesh_damper::crossing::{CrossingAccumulator, CrossingDetector};
 use mesh_damper::effects::residual_table::{CELLS, Memory, ResidualTableParts};
 use mesh_damper::effects::{
-    Asymmetry, AugmentedLaw, BoucWen, Compliance, DESCRIPTIONS, Delay, Drift, Effect, Gap,
-    Hardening, HardeningFriction, Inertia, LoadFriction, Offset, Periodic, Relaxation,
+    Asymmetry, AugmentedLaw, BoucWen, Compliance, DESCRIPTIONS, Delay, Drift, Effect, ForceFilter,
+    Gap, Hardening, HardeningFriction, Inertia, LoadFriction, Offset, Periodic, Relaxation,
     ResidualTable, StickSlip, Stop, Temperature, Viscous,
 };
 use mesh_damper::error::ConfigError;
@@ -159,6 +159,7 @@ fn numbers() -> Vec<Number> {
         number!("tick", 1e-7, 1e3, |x| Compliance::new(1.0, x)),
         number!("time", 0.0, 255.0, |x| Delay::new(x, 1.0)),
         number!("tick", 1e-7, 1e3, |x| Delay::new(0.0, x)),
+        number!("corner", 1.0, 1e7, |x| ForceFilter::new(x, 1e-4)),
         number!("stiffness", -1e9, 1e9, |x| Drift::new(x, 10.0)),
         number!("cycles", 0.1, 1e9, |x| Drift::new(1.0, x)),
         number!("elastic_change", -1.0, 1e3, |x| Drift::new(0.0, 10.0)

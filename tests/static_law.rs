@@ -7,8 +7,8 @@ use mesh_damper::adc::Ads8688;
 use mesh_damper::converter::Scale;
 use mesh_damper::dac::Ad5761;
 use mesh_damper::effects::{
-    AugmentedLaw, Compliance, Delay, Drift, Effect, EffectSet, Gap, LoadFriction, Motion, Offset,
-    Periodic, Relaxation, StickSlip, Temperature, Viscous,
+    AugmentedLaw, Compliance, Delay, Drift, Effect, EffectSet, ForceFilter, Gap, LoadFriction,
+    Motion, Offset, Periodic, Relaxation, StickSlip, Temperature, Viscous,
 };
 use mesh_damper::fast_law::{Adaptation, FastLaw, RunningLaw};
 use mesh_damper::law::Law;
@@ -101,6 +101,7 @@ proptest! {
         let named = (offset, viscous, load, warm, drift, branch, tone);
         agree(&mut fixed(named), &mut running(&effects), phase);
         let delay = Delay::new(1.23e-3, TICK).unwrap();
+        let filter = ForceFilter::new(90.0, TICK).unwrap();
         let gap = Gap::new(0.01, true).unwrap();
         let spring = Compliance::new(25.0, TICK).unwrap();
         let effects = [
@@ -109,8 +110,9 @@ proptest! {
             Effect::StickSlip(slider),
             Effect::Gap(gap),
             Effect::Delay(delay),
+            Effect::ForceFilter(filter),
         ];
-        let named = (viscous, slider, delay, gap, spring);
+        let named = (viscous, slider, delay, filter, gap, spring);
         agree(&mut fixed(named), &mut running(&effects), phase);
     }
 }

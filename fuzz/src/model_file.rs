@@ -148,7 +148,10 @@ static GOOD: LazyLock<Vec<Vec<u8>>> = LazyLock::new(|| {
             ],
             None,
         ),
-        model(&[("viscous", &[("c1", 0.01)])], Some(correction)),
+        model(
+            &[("viscous", &[("c1", 0.01)]), ("delay", &[("corner", 200.0)])],
+            Some(correction),
+        ),
     ]
 });
 

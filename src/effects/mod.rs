@@ -3,11 +3,11 @@
 //! Every effect has a configuration (validated, shared, swappable at a cycle boundary) and a state (what it remembers).
 //! All are generic over the float: identification runs them in `f64`, the firmware in `f32`.
 //!
-//! Most add a force to eq 13's. Three lie between the specimen and what is measured, and are stages that a tick passes
+//! Most add a force to eq 13's. Four lie between the specimen and what is measured, and are stages that a tick passes
 //! through:
 //!
 //! ```text
-//! motion ─▶ part of a tick ─▶ gap ─▶ compliance ─▶ eq 13 and every effect that adds a force ─▶ whole ticks ─▶ force
+//! motion ─▶ part of a tick ─▶ gap ─▶ compliance ─▶ eq 13 and every effect that adds a force ─▶ whole ticks ─▶ low-pass ─▶ force
 //! ```
 
 pub mod description;
@@ -231,6 +231,7 @@ effects! {
     hardening_friction: HardeningFriction,
     periodic: Periodic,
     delay: Delay,
+    force_filter: ForceFilter,
     gap: Gap,
     compliance: Compliance,
 }

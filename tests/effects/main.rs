@@ -2,6 +2,7 @@
 
 mod bouc_wen;
 mod compliance;
+mod force_filter;
 mod hardening_friction;
 mod load_friction;
 mod loops;
@@ -13,8 +14,8 @@ use std::f64::consts::{PI, TAU};
 
 use loops::{TICKS, alone, close, energy, last_cycle, moduli, nothing, sine};
 use mesh_damper::effects::{
-    Asymmetry, AugmentedLaw, BoucWen, Compliance, DESCRIPTIONS, Delay, Drift, Effect, Gap,
-    Hardening, HardeningFriction, Inertia, LoadFriction, MAX_TONES, Motion, Offset, Periodic,
+    Asymmetry, AugmentedLaw, BoucWen, Compliance, DESCRIPTIONS, Delay, Drift, Effect, ForceFilter,
+    Gap, Hardening, HardeningFriction, Inertia, LoadFriction, MAX_TONES, Motion, Offset, Periodic,
     Relaxation, StickSlip, Stop, Temperature, Viscous,
 };
 use mesh_damper::error::ConfigError;
@@ -451,10 +452,14 @@ fn constructors_name_the_field_they_refuse() {
     assert_eq!(field(Delay::new(-1e-3, 1e-4).unwrap_err()), "time");
     assert_eq!(field(Delay::new(0.02551, 1e-4).unwrap_err()), "time");
     assert_eq!(field(Delay::new(1e-3, 0.0).unwrap_err()), "tick");
+    for corner in [0.9, 1.1e7, f32::NAN] {
+        assert_eq!(field(ForceFilter::new(corner, 1e-4).unwrap_err()), "corner");
+    }
+    assert_eq!(field(ForceFilter::new(200.0, 2e3).unwrap_err()), "tick");
 }
 
 /// Effects that there are.
-const EFFECTS: usize = 17;
+const EFFECTS: usize = 18;
 
 /// One of each, of ordinary size.
 fn one_of_each<R: Real>() -> AugmentedLaw<R, EFFECTS> {
@@ -488,6 +493,7 @@ fn one_of_each<R: Real>() -> AugmentedLaw<R, EFFECTS> {
         Effect::Gap(Gap::new(r(0.02), false).unwrap()),
         Effect::Compliance(Compliance::new(r(25.0), r(1e-4)).unwrap()),
         Effect::Delay(Delay::new(r(0.0023), r(1e-4)).unwrap()),
+        Effect::ForceFilter(ForceFilter::new(r(200.0), r(1e-4)).unwrap()),
     ];
     assert_eq!(
         all.len(),

@@ -17,6 +17,8 @@ use super::term::{Term, TermValue};
 
 /// Step of a difference that stands for a derivative.
 pub(super) const STEP: f64 = 1e-4;
+/// Samples of which eq 13 is worked out at once: of no matter to what comes of it.
+const PART: usize = 4096;
 
 /// Eq 13 and added terms over the rows of a fit.
 ///
@@ -55,8 +57,8 @@ struct Moved {
     /// What moves the recorded motion, each with its shape. The motion is made of them where it is needed: kept at every sample,
     /// those of all searches at once took as much memory as all else.
     by: Vec<(Form, f64)>,
-    rows: RowMotion,
-    throughout: Option<RowMotion>,
+    /// `None` where it stays as recorded, and only the force is shown otherwise.
+    rows: Option<RowMotion>,
 }
 
 impl<'r, 'a> Basis<'r, 'a> {
@@ -321,7 +323,8 @@ impl<'r, 'a> Basis<'r, 'a> {
     fn motion_of<'c>(&'c self, moved: &'c Option<Arc<Moved>>) -> &'c RowMotion {
         moved
             .as_ref()
-            .map_or(&self.rows.motion, |moved| &moved.rows)
+            .and_then(|moved| moved.rows.as_ref())
+            .unwrap_or(&self.rows.motion)
     }
 
     fn moved(&self, at: &[f64]) -> Option<Moved> {
@@ -332,15 +335,25 @@ impl<'r, 'a> Basis<'r, 'a> {
         if moves.is_empty() {
             return None;
         }
-        let each = 0..self.rows.trajectories.len();
-        let trajectories: Vec<Trajectory> =
-            each.map(|which| self.motion_by(&moves, which).0).collect();
-        let (rows, throughout) = self.rows.motion_in(&trajectories);
-        Some(Moved {
-            by: moves,
-            rows,
-            throughout,
-        })
+        let stays = moves.iter().all(|(form, _)| form.shows.is_some());
+        let rows = (!stays).then(|| {
+            let each = 0..self.rows.trajectories.len();
+            let trajectories: Vec<Trajectory> =
+                each.map(|which| self.motion_by(&moves, which).0).collect();
+            self.rows.motion_in(&trajectories)
+        });
+        Some(Moved { by: moves, rows })
+    }
+
+    /// What the channels show at the rows of a force known at every sample of every trajectory.
+    fn shown(&self, moved: &Option<Arc<Moved>>, mut force: Vec<Vec<f64>>) -> Vec<f64> {
+        let by = moved.iter().flat_map(|moved| &moved.by);
+        let shows = by.filter_map(|&(form, shape)| Some((form.shows?, shape)));
+        for (shows, shape) in shows {
+            let each = force.iter_mut().zip(self.rows.trajectories);
+            each.for_each(|(force, trajectory)| shows(force, shape, trajectory.tick));
+        }
+        self.rows.shown(force)
     }
 
     /// The motion of a trajectory as these make it, and by how many ticks the force is late.
@@ -350,24 +363,37 @@ impl<'r, 'a> Basis<'r, 'a> {
     }
 
     fn law(&self, at: &[f64], moved: &Option<Arc<Moved>>) -> LawColumns {
-        let throughout = match moved {
-            Some(moved) => &moved.throughout,
-            None => &self.rows.throughout,
-        };
-        let Some(throughout) = throughout else {
+        let mut by = moved.iter().flat_map(|moved| &moved.by);
+        if !self.rows.are_averaged() && by.all(|(form, _)| form.shows.is_none()) {
             return self.law_of(at, self.motion_of(moved));
-        };
-        let all = self.law_of(at, throughout);
-        let shown = |take: &dyn Fn(usize) -> f64| {
-            let force: Vec<f64> = (0..all.unit.len()).map(take).collect();
-            self.rows.shown_of_all(&force)
-        };
-        let unit = [0, 1, 2].map(|i| shown(&|index| all.unit[index][i]));
+        }
+        // Part by part: what eq 13 sees at every sample would take more memory than the recordings.
+        let mut columns: [Vec<Vec<f64>>; 4] = Default::default();
+        for (which, recorded) in self.rows.trajectories.iter().enumerate() {
+            let through = moved.as_ref().filter(|moved| moved.rows.is_some());
+            let through = through.map(|moved| self.motion_by(&moved.by, which).0);
+            let motion = through.as_ref().unwrap_or(recorded);
+            let mut own = [(); 4].map(|()| Vec::with_capacity(motion.len()));
+            for start in (0..motion.len()).step_by(PART) {
+                let samples = start..(start + PART).min(motion.len());
+                let part = self.law_of(at, &self.rows.motion_at(motion, samples));
+                for ([y, y3, damping], slope) in part.unit.into_iter().zip(part.by_exponent) {
+                    let values = [y, y3, damping, slope];
+                    own.iter_mut()
+                        .zip(values)
+                        .for_each(|(own, value)| own.push(value));
+                }
+            }
+            for (column, own) in columns.iter_mut().zip(own) {
+                column.push(own);
+            }
+        }
+        let [y, y3, damping, by_exponent] = columns.map(|column| self.shown(moved, column));
         LawColumns {
             unit: (0..self.rows.len())
-                .map(|index| std::array::from_fn(|i| unit[i][index]))
+                .map(|row| [y[row], y3[row], damping[row]])
                 .collect(),
-            by_exponent: shown(&|index| all.by_exponent[index]),
+            by_exponent,
         }
     }
 
@@ -444,7 +470,7 @@ impl<'r, 'a> Basis<'r, 'a> {
         let work = || {
             let mut columns: Vec<Vec<Vec<f64>>> = Vec::new();
             for (which, recorded) in self.rows.trajectories.iter().enumerate() {
-                let through = moved.as_ref();
+                let through = moved.as_ref().filter(|moved| moved.rows.is_some());
                 let through = through.map(|moved| self.motion_by(&moved.by, which));
                 let (motion, late) = match &through {
                     Some((moved, late)) => (moved, *late),
@@ -464,7 +490,7 @@ impl<'r, 'a> Basis<'r, 'a> {
             let columns = columns.into_iter();
             Some(
                 columns
-                    .map(|column| Arc::new(self.rows.shown(column)))
+                    .map(|column| Arc::new(self.shown(moved, column)))
                     .collect(),
             )
         };

@@ -1,5 +1,6 @@
 //! The samples that a fit is made to.
 
+use std::ops::Range;
 use std::sync::Arc;
 
 use mesh_damper_recording::trajectory::Trajectory;
@@ -27,8 +28,6 @@ pub struct Rows<'a> {
     pub(super) origin: Vec<(usize, usize)>,
     /// As recorded.
     pub(super) motion: RowMotion,
-    /// The same at every sample, where a channel shows averages and not what a row sees alone.
-    pub(super) throughout: Option<RowMotion>,
     pub(super) force: Vec<f64>,
     /// Square root of a row's weight: every recording counts the same, however long or strong it is, and a sample of it by its
     /// [`certainty`].
@@ -132,7 +131,6 @@ impl<'a> Rows<'a> {
         Self {
             trajectories,
             motion: RowMotion::gather(trajectories, &origin, &nodes),
-            throughout: throughout(trajectories, &nodes),
             origin,
             force,
             weight,
@@ -161,7 +159,6 @@ impl<'a> Rows<'a> {
         Self {
             trajectories: self.trajectories,
             motion: RowMotion::gather(self.trajectories, &self.origin, &nodes),
-            throughout: throughout(self.trajectories, &nodes),
             origin: self.origin.clone(),
             force: self.force.clone(),
             weight: self.weight.clone(),
@@ -190,10 +187,21 @@ impl<'a> Rows<'a> {
         rows.collect()
     }
 
-    /// What eq 13 sees at the rows when the motion is that of `moved` and not the recorded one, and throughout where needed.
-    pub(super) fn motion_in(&self, moved: &[Trajectory]) -> (RowMotion, Option<RowMotion>) {
-        let rows = RowMotion::gather(moved, &self.origin, &self.nodes);
-        (rows, throughout(moved, &self.nodes))
+    /// What eq 13 sees at the rows when the motion is that of `moved` and not the recorded one.
+    pub(super) fn motion_in(&self, moved: &[Trajectory]) -> RowMotion {
+        RowMotion::gather(moved, &self.origin, &self.nodes)
+    }
+
+    /// The same at these samples of one trajectory.
+    pub(super) fn motion_at(&self, moved: &Trajectory, samples: Range<usize>) -> RowMotion {
+        let origin: Vec<(usize, usize)> = samples.map(|sample| (0, sample)).collect();
+        RowMotion::gather(std::slice::from_ref(moved), &origin, &self.nodes)
+    }
+
+    /// Whether a channel shows averages.
+    pub(super) fn are_averaged(&self) -> bool {
+        let mut each = self.trajectories.iter();
+        each.any(|trajectory| trajectory.average.is_some())
     }
 
     /// What the channels show at the rows of a force known at every sample of every trajectory.
@@ -205,17 +213,6 @@ impl<'a> Rows<'a> {
         self.pick(&shown)
     }
 
-    /// The same of a force known at every sample of all trajectories, one after the other.
-    pub(super) fn shown_of_all(&self, force: &[f64]) -> Vec<f64> {
-        let mut rest = force;
-        let per_trajectory = self.trajectories.iter().map(|trajectory| {
-            let (own, others) = rest.split_at(trajectory.len());
-            rest = others;
-            own.to_vec()
-        });
-        self.shown(per_trajectory.collect())
-    }
-
     /// The rows of what is known at every sample of every trajectory.
     pub(super) fn pick(&self, per_trajectory: &[Vec<f64>]) -> Vec<f64> {
         self.origin
@@ -223,20 +220,6 @@ impl<'a> Rows<'a> {
             .map(|&(which, sample)| per_trajectory[which][sample])
             .collect()
     }
-}
-
-/// What eq 13 sees at every sample, where a channel shows averages.
-fn throughout(trajectories: &[Trajectory], nodes: &[f64]) -> Option<RowMotion> {
-    trajectories
-        .iter()
-        .any(|trajectory| trajectory.average.is_some())
-        .then(|| {
-            let all = trajectories.iter().enumerate();
-            let all = all.flat_map(|(which, trajectory)| {
-                (0..trajectory.len()).map(move |sample| (which, sample))
-            });
-            RowMotion::gather(trajectories, &all.collect::<Vec<_>>(), nodes)
-        })
 }
 
 fn nearest(nodes: &[f64], amplitude: f64) -> usize {

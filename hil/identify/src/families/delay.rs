@@ -1,35 +1,79 @@
-//! A force recorded late.
+//! A force recorded late: by a time, or as a low-pass shows it.
 
-use mesh_damper::effects::Delay;
+use std::collections::BTreeMap;
+use std::f64::consts::{SQRT_2, TAU};
+
+use mesh_damper::effects::{Delay, Equations, ForceFilter};
 
 use super::{Entry, Form, FormSpec, Step, one};
 use crate::moved::through;
 use crate::policy::policy;
-use crate::shape::Shape;
+use crate::shape::{Extent, Shape};
 
-/// Its shape is the time.
-pub const FORMS: [Form; 1] = [Form(&FormSpec {
-    name: "delay",
+/// By a time; behind a low-pass, whose shape is the corner.
+pub const FORMS: [Form; 2] = [
+    Form(&FormSpec {
+        name: "delay",
+        shape_names: &["time"],
+        shapes: |extent| {
+            let [shortest, longest] = lags(extent);
+            let starts = policy().shape.delay_starts;
+            vec![Shape::spread(shortest, longest, starts)]
+        },
+        moves: |trajectory, time, _| {
+            let delay = Delay::new(time, trajectory.tick).ok()?;
+            through(trajectory, |motion| delay.shifted(motion));
+            Some(delay.whole_ticks())
+        },
+        // The force jumps a little where the crate takes another whole tick: one to either side sees past that.
+        step: Step::Tick,
+        elements: |value| one(vec![("time", value.shape(0))]),
+        ..LATE
+    }),
+    Form(&FormSpec {
+        name: "force_filter",
+        shape_names: &["corner"],
+        // Well below its corner it is a delay, as far as the data show.
+        rank: 1,
+        shapes: |extent| {
+            let [shortest, longest] = lags(extent);
+            let starts = policy().shape.delay_starts;
+            vec![Shape::spread(SLOW / longest, SLOW / shortest, starts)]
+        },
+        shows: Some(|forces, corner, tick| {
+            // Refused where a tick sees no lag.
+            if let Ok(filter) = ForceFilter::new(corner, tick) {
+                let mut state = ForceFilter::AT_REST;
+                for force in forces {
+                    *force = filter.shown(&mut state, *force);
+                }
+            }
+        }),
+        elements: |value| one(vec![("corner", value.shape(0))]),
+        ..LATE
+    }),
+];
+
+const LATE: FormSpec = FormSpec {
     family: "delay",
     entry: Entry::Moves,
-    shape_names: &["time"],
-    shapes: |extent| {
-        let policy = &policy().shape;
-        let longest = (policy.longest_delay / extent.lowest_frequency)
-            .min(policy.longest_delay_in_ticks * extent.tick);
-        vec![Shape::spread(
-            policy.shortest_delay * extent.tick,
-            longest,
-            policy.delay_starts,
-        )]
-    },
-    moves: |trajectory, time, _| {
-        let delay = Delay::new(time, trajectory.tick).ok()?;
-        through(trajectory, |motion| delay.shifted(motion));
-        Some(delay.whole_ticks())
-    },
-    // The force jumps a little where the crate takes another whole tick: one to either side sees past that.
-    step: Step::Tick,
-    elements: |value| one(vec![("time", value.shape(0))]),
     ..FormSpec::PLAIN
-})];
+};
+
+/// The lag of a slow force behind a low-pass, times its corner: √2/ω.
+const SLOW: f64 = SQRT_2 / TAU;
+
+/// By how much a slow force is late where an effect of this family has these parameters, s.
+pub(crate) fn lag(parameters: &BTreeMap<String, f64>) -> Option<f64> {
+    let of_corner = || Some(SLOW / parameters.get("corner")?);
+    parameters.get("time").copied().or_else(of_corner)
+}
+
+/// The shortest and the longest lag that are sought, s. The shortest is far below a tick, where either form changes little and from where a search
+/// finds its way.
+fn lags(extent: &Extent) -> [f64; 2] {
+    let policy = &policy().shape;
+    let longest = (policy.longest_delay / extent.lowest_frequency)
+        .min(policy.longest_delay_in_ticks * extent.tick);
+    [policy.shortest_delay * extent.tick, longest]
+}

@@ -53,7 +53,7 @@ pub enum Entry {
     Adds(usize),
     /// It scales the mixed damping law, by so many sizes.
     Scales(usize),
-    /// It changes the motion that all else is given.
+    /// It changes the motion that all else is given, or what is shown of all forces.
     Moves,
 }
 
@@ -82,6 +82,9 @@ pub enum Step {
 /// What a form that [`Entry::Moves`] does to a recording's motion, with its shape and with how the specimen gives way in all; how
 /// many ticks late the force then is.
 pub(crate) type Moving = fn(&mut Trajectory, f64, Option<&Deflection>) -> Option<usize>;
+
+/// What a form that [`Entry::Moves`] makes of the forces in kN behind it, at every sample of a tick in s, with its shape.
+pub(crate) type Showing = fn(&mut [f64], f64, f64);
 
 /// Forces in kN at every sample, one for each size, of shapes and a motion.
 pub type UnitForces = fn(&[f64], &Trajectory) -> Result<Vec<Vec<f64>>, ConfigError>;
@@ -118,6 +121,8 @@ pub struct FormSpec {
     pub gains: fn(&[f64], &[f64], &Moment) -> [f64; 2],
     /// What it does to the motion.
     pub(crate) moves: Moving,
+    /// What it shows of all forces; such a form leaves the motion as it is.
+    pub(crate) shows: Option<Showing>,
     /// Its forces follow the clock, and not the motion.
     pub follows_clock: bool,
     /// Its motion depends on the force behind it.
@@ -149,6 +154,7 @@ impl FormSpec {
         unit_forces: |_, _| Ok(Vec::new()),
         gains: |_, _, _| [0.0; 2],
         moves: |_, _, _| None,
+        shows: None,
         follows_clock: false,
         gives_way: false,
         step: Step::Part(1e-4),

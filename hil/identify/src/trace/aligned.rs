@@ -69,7 +69,7 @@ impl<'r> Aligned<'r> {
         };
         let mut effects = model.effects.iter();
         let delay = effects.find(|effect| effect.family == delay::FORMS[0].family());
-        let less = delay.and_then(|delay| Some(late + delay.parameters.get("time")?));
+        let less = delay.and_then(|effect| Some(late + delay::lag(&effect.parameters)?));
         let estimate = self.estimate.take();
         let Some(to) = less.map(|less| less.min(0.0)).or(estimate) else {
             return Ok(false);

@@ -1,5 +1,7 @@
 //! The search for the effects that the law lacks: one at a time, each judged on cycles it was not fitted to.
 
+use std::cmp::Ordering;
+
 use mesh_damper::effects::Inertia;
 use mesh_damper::law::Law;
 use mesh_damper_model::predict::predict;
@@ -124,6 +126,12 @@ impl Fitted {
                 .filter(|family| !family.depends_on_temperature());
             others.eq(&families) && !self.score.beats(score)
         })
+    }
+
+    /// Of all its forms.
+    fn rank(&self) -> u32 {
+        let terms = self.solution.terms.iter();
+        terms.map(|value| u32::from(value.term.form.rank)).sum()
     }
 
     fn parameters(&self) -> usize {
@@ -413,12 +421,17 @@ impl<'a> Search<'a> {
     }
 
     /// The best of `tried`, which are in order, or one that does as well and is simpler: of fewer parameters and the same
-    /// families, or one that stands for what the best is at the limit of its shape.
+    /// families, or of as many in forms that are tried first, or one that stands for what the best is at the limit of its shape.
     fn preferred(&self, tried: &[Candidate]) -> usize {
         let Some(best) = tried.first() else { return 0 };
         let simpler = |candidate: &Candidate| {
-            candidate.fitted.parameters() < best.fitted.parameters()
-                && (best.degenerate || candidate.fitted.families() == best.fitted.families())
+            let (fitted, best_fitted) = (&candidate.fitted, &best.fitted);
+            let same = fitted.families() == best_fitted.families();
+            match fitted.parameters().cmp(&best_fitted.parameters()) {
+                Ordering::Less => best.degenerate || same,
+                Ordering::Equal => same && fitted.rank() < best_fitted.rank(),
+                Ordering::Greater => false,
+            }
         };
         tried
             .iter()

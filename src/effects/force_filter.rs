@@ -1,0 +1,145 @@
+//! A force channel behind a low-pass: that of a load cell's amplifier, which the displacement does not pass.
+
+use core::f64::consts::{PI, SQRT_2};
+
+use super::description::{Cost, Dependence, Description, EffectKind, Parameter};
+use super::{Equations, Packed};
+use crate::error::ConfigError;
+use crate::real::{Real, in_range};
+
+/// Least and largest corner, cycles a tick. Below, f32 would lose what a tick changes; above, a tick sees no lag.
+const CORNER: [f64; 2] = [1e-4, 1e3];
+
+/// F″ + √2·ω·F′ + ω²·F = ω²·F_all, ω = 2π·corner: of the law's force with every effect's, what a second-order low-pass of
+/// Butterworth's damping 1/√2 shows (S. Butterworth, "On the theory of filter amplifiers", Wireless Engineer 7, 1930).
+///
+/// Its gain is 1/√(1 + r⁴) and its lag atan2(√2·r, 1 − r²) at r corners: 1 at rest, 1/√2 and a quarter turn at the corner. A slow
+/// force is √2/ω late. Before the first tick the first force has stood for ever.
+///
+/// With the force a straight line within a tick of Δt the step is exact. What is shown differs from the force by e, and
+/// g = e + √2·F′/ω turns with it: with a = ω·Δt/√2 and ΔF the force's change
+///
+/// - e ← e + im·g − lost·e + along·ΔF, along = −lost/a
+/// - g ← g − im·e − lost·g + across·ΔF, across = −im/a
+///
+/// where 1 − lost = e^(−a)·cos a and im = e^(−a)·sin a. Both shrink by e^(−a) in a tick, so that nothing grows, however the
+/// coefficients are rounded; at rest e is 0 to the last bit.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ForceFilter<R> {
+    /// Kept instead of 1 − lost: near 1, f32 would round the corner.
+    lost: R,
+    im: R,
+    along: R,
+    across: R,
+}
+
+/// What a [`ForceFilter`] remembers, all in kN.
+#[derive(Clone, Copy, Debug)]
+pub struct ForceFilterState<R> {
+    /// The force of the tick before.
+    previous: R,
+    /// What was shown less that.
+    e: R,
+    g: R,
+}
+
+impl<R: Real> ForceFilter<R> {
+    /// * `corner`: where the gain is 1/√2, Hz, 1e-4…1e3 a tick
+    /// * `tick`: s, 1e-7…1e3
+    ///
+    /// # Errors
+    /// The field that is not finite or out of range.
+    pub fn new(corner: R, tick: R) -> Result<Self, ConfigError> {
+        let tick = in_range("tick", tick, 1e-7, 1e3)?.to_f64();
+        let [least, most] = CORNER.map(|corner| corner / tick);
+        let corner = in_range("corner", corner, least, most)?.to_f64();
+        let a = SQRT_2 * PI * corner * tick;
+        let (sin, cos) = libm::sincos(a);
+        let kept = libm::exp(-a);
+        let (lost, im) = (1.0 - kept * cos, kept * sin);
+        Ok(Self {
+            lost: R::from_f64(lost),
+            im: R::from_f64(im),
+            along: R::from_f64(-lost / a),
+            across: R::from_f64(-im / a),
+        })
+    }
+}
+
+impl<R: Real> Equations<R> for ForceFilter<R> {
+    const DESCRIPTION: Description = Description {
+        name: "force_filter",
+        family: "delay",
+        number: 17,
+        kind: EffectKind::Stage,
+        cost: Cost::Rare,
+        // At the longest tick and at the shortest.
+        parameters: &[Parameter::new("corner", "Hz", 1e-7, 1e10)],
+        most: 1,
+        typical: &[200.0],
+        depends_on: &[Dependence::Velocity, Dependence::Frequency],
+        may_supply_energy: true,
+        scales_law: false,
+        sentence: "A force channel behind a second-order low-pass.",
+    };
+    const NONE: Self = Self {
+        lost: R::ZERO,
+        im: R::ZERO,
+        along: R::ZERO,
+        across: R::ZERO,
+    };
+
+    type State = Option<ForceFilterState<R>>;
+    const AT_REST: Self::State = None;
+
+    fn from_parameters(parameters: &[f64], tick: f64) -> Result<Self, ConfigError> {
+        let [corner] = super::exactly(parameters)?;
+        Self::new(R::from_f64(corner), R::from_f64(tick))
+    }
+
+    fn check(&self) -> Result<(), ConfigError> {
+        // e^(−a)·cos a is −0.067 at least, at 3π/4; e^(−a)·sin a is 0.323 at most, at π/4, and −0.014 at least, at 5π/4.
+        in_range("lost", self.lost, 1e-4, 1.07)?;
+        in_range("im", self.im, -0.014, 0.323)?;
+        in_range("along", self.along, -1.0, 0.0)?;
+        in_range("across", self.across, -1.0, 0.004)?;
+        // What was read may be any of these, and must not grow: the slowest corner keeps 1 − 9e-4 of the square.
+        let kept = R::ONE - self.lost;
+        let square = kept * kept + self.im * self.im;
+        in_range("kept", square, 0.0, 0.9995).map(|_| ())
+    }
+
+    #[inline(always)]
+    fn shown(&self, state: &mut Self::State, force: R) -> R {
+        let state = state.get_or_insert(ForceFilterState {
+            previous: force,
+            e: R::ZERO,
+            g: R::ZERO,
+        });
+        let change = force - state.previous;
+        let (e, g) = (state.e, state.g);
+        state.previous = force;
+        state.e = e + (self.im * g - self.lost * e + self.along * change);
+        state.g = g + (self.across * change - self.im * e - self.lost * g);
+        force + state.e
+    }
+}
+
+impl Packed for ForceFilter<f32> {
+    fn pack(&self, put: &mut impl FnMut(f32)) {
+        let words = [self.lost, self.im, self.along, self.across];
+        words.into_iter().for_each(put);
+    }
+
+    fn unpack(words: &[f32]) -> Option<Self> {
+        let &[lost, im, along, across] = words else {
+            return None;
+        };
+        Some(Self {
+            lost,
+            im,
+            along,
+            across,
+        })
+    }
+}
