@@ -102,7 +102,7 @@ pub(super) struct LeftOut<'a> {
     judging: &'a Roles,
     roles: &'a Roles,
     blocks: Vec<(usize, &'a FoundBlock)>,
-    conditions: Vec<(usize, Range<usize>)>,
+    conditions: Vec<Condition>,
 }
 
 impl<'a> LeftOut<'a> {
@@ -215,14 +215,20 @@ impl<'a> LeftOut<'a> {
 
     /// What the law leaves of each condition that may be fitted when that is held out, in the order of [`conditions`].
     pub fn in_turn(&self, fit: Fit) -> Result<Vec<RelativeError>, ModelError> {
-        let errors = self.conditions.par_iter().map(|(which, samples)| {
+        let errors = self.conditions.par_iter().map(|condition| {
+            let Condition {
+                which,
+                ref samples,
+                loud,
+            } = *condition;
             let model = fit(&|other, sample| {
-                self.is_open(other, sample) && !(other == *which && samples.contains(&sample))
+                self.is_open(other, sample) && !(other == which && samples.contains(&sample))
             })?;
-            let trajectory = &self.trajectories[*which];
-            let is_fair = |i: usize| self.is_open(*which, i) && trajectory.is_telling(i);
+            let trajectory = &self.trajectories[which];
+            let is_fair = |i: usize| self.is_open(which, i) && trajectory.is_telling(i);
             let predicted = predict(&model, trajectory)?;
-            Ok(RelativeError::of(trajectory, &predicted, samples, is_fair))
+            let error = RelativeError::of(trajectory, &predicted, samples, is_fair);
+            Ok(error.map(|error| error.times(loud)))
         });
         let errors: Vec<Option<RelativeError>> = errors.collect::<Result<_, ModelError>>()?;
         Ok(errors.into_iter().flatten().collect())
@@ -304,7 +310,14 @@ impl RelativeError {
         })
     }
 
-    fn mean(errors: &[Self]) -> Self {
+    fn times(self, factor: f64) -> Self {
+        Self {
+            error: factor * self.error,
+            noise: factor * self.noise,
+        }
+    }
+
+    pub fn mean(errors: &[Self]) -> Self {
         let mean = |of: fn(&Self) -> f64| errors.iter().map(of).sum::<f64>() / errors.len() as f64;
         Self {
             error: mean(|one| one.error),
@@ -377,9 +390,17 @@ fn blocks<'t>(trajectories: &'t [Trajectory], roles: &Roles) -> Vec<(usize, &'t 
         .collect()
 }
 
+/// Samples of one trajectory that are held out together.
+struct Condition {
+    which: usize,
+    samples: Range<usize>,
+    /// By how much their force is more than that which an error is over, in squares: of a stretch that is of the recording, as it may rest.
+    loud: f64,
+}
+
 /// Conditions that may be fitted, evenly spread over amplitude and frequency, those at the ends among them: blocks of several cycles, or stretches
 /// where there are few.
-fn conditions(trajectories: &[Trajectory], roles: &Roles) -> Vec<(usize, Range<usize>)> {
+fn conditions(trajectories: &[Trajectory], roles: &Roles) -> Vec<Condition> {
     let LeftOutPolicy {
         fewest_conditions,
         most_conditions,
@@ -390,20 +411,40 @@ fn conditions(trajectories: &[Trajectory], roles: &Roles) -> Vec<(usize, Range<u
     for (which, trajectory) in trajectories.iter().enumerate() {
         let is_telling = |block: &&FoundBlock| {
             let mut samples = block.samples.clone();
-            block.cycles.len() > 1
+            block.cycles.len() >= policy().left_out.some_cycles
                 && samples.any(|i| roles.is_open(which, i) && trajectory.is_telling(i))
         };
         let of_one = trajectory.blocks.iter().filter(is_telling);
         blocks.extend(of_one.map(|block| (which, block)));
     }
-    if blocks.len() < fewest_conditions {
+    // The cycles of a random motion are like others only by chance: what blocks have of it is no condition.
+    let open = |which: usize, samples: &Range<usize>| {
+        samples.clone().filter(|&i| roles.is_open(which, i)).count()
+    };
+    let in_blocks: usize = blocks
+        .iter()
+        .map(|(which, block)| open(*which, &block.samples))
+        .sum();
+    let all = trajectories.iter().enumerate();
+    let all: usize = all
+        .map(|(which, trajectory)| open(which, &(0..trajectory.len())))
+        .sum();
+    if blocks.len() < fewest_conditions || 2 * in_blocks < all {
         let cut = |(which, trajectory): (usize, &Trajectory)| {
             let open: Vec<usize> = (0..trajectory.len())
                 .filter(|&i| roles.is_open(which, i))
                 .collect();
             let length = open.len().div_ceil(stretches).max(1);
-            let each = open.chunks(length);
-            let each = each.map(|some| (which, some[0]..some[some.len() - 1] + 1));
+            let power = |samples: &[usize]| {
+                let squares = samples.iter().map(|&i| trajectory.force[i].powi(2));
+                squares.sum::<f64>() / samples.len() as f64
+            };
+            let of_all = power(&open);
+            let each = open.chunks(length).map(|some| Condition {
+                which,
+                samples: some[0]..some[some.len() - 1] + 1,
+                loud: power(some) / of_all,
+            });
             each.collect::<Vec<_>>()
         };
         return trajectories.iter().enumerate().flat_map(cut).collect();
@@ -414,8 +455,12 @@ fn conditions(trajectories: &[Trajectory], roles: &Roles) -> Vec<(usize, Range<u
     });
     let count = blocks.len().min(most_conditions);
     let each = (0..count).map(|place| blocks[place * (blocks.len() - 1) / (count - 1)]);
-    each.map(|(which, block)| (which, block.samples.clone()))
-        .collect()
+    each.map(|(which, block)| Condition {
+        which,
+        samples: block.samples.clone(),
+        loud: 1.0,
+    })
+    .collect()
 }
 
 #[cfg(test)]

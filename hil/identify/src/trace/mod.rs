@@ -17,6 +17,7 @@ pub(crate) mod select;
 pub(crate) mod separating;
 pub(crate) mod split;
 pub(crate) mod tones;
+mod unlisted;
 pub(crate) mod verdict;
 mod within_blocks;
 
