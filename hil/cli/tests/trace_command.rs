@@ -96,3 +96,53 @@ fn what_trace_leaves_predict_takes_up() {
         );
     }
 }
+
+/// A channel that stands still for a while, and a sign that is turned: both commands leave out the same samples, and mend the same.
+#[test]
+fn both_say_the_same_of_a_recording_with_faults() {
+    let root = tempfile::tempdir().unwrap();
+    let at = |name: &str| root.path().join(name);
+    record(
+        &at("rec.csv"),
+        &[(0.1, 1.0), (0.1, 5.0), (0.2, 1.0), (0.2, 5.0)],
+    );
+    record(&at("held.csv"), &[(0.15, 2.0)]);
+    let whole = Recording::read(at("held.csv")).unwrap();
+    let mut frozen = whole.force.clone();
+    frozen[500..900].fill(whole.force[500]);
+    let turned = whole.force.iter().map(|force| -force).collect();
+    for (name, force) in [("frozen.csv", frozen), ("turned.csv", turned)] {
+        let (time, y) = (whole.time.clone(), whole.displacement.clone());
+        let recording = Recording::new(name, time, y, force).unwrap();
+        fs::write(at(name), recording.to_file(&at(name))).unwrap();
+        hil(
+            root.path(),
+            &["trace", "rec.csv", "--held-out", name, "--out", "out"],
+        );
+        let file = fs::read_to_string(at("out/trace.json")).unwrap();
+        let result: TraceResult = serde_json::from_str(&file).unwrap();
+        let expected = result.augmented.nrmse_held_out;
+        assert!(expected < 0.01, "{name}: {expected}");
+        let printed = hil(
+            root.path(),
+            &[
+                "predict",
+                "--model",
+                "out/model.json",
+                name,
+                "--out",
+                "p.csv",
+                "--on",
+                "f64",
+                "--json",
+                "-",
+            ],
+        );
+        let summary: serde_json::Value = serde_json::from_str(&printed).unwrap();
+        let nrmse = summary["nrmse"].as_f64().unwrap();
+        assert!(
+            (nrmse / expected - 1.0).abs() < 1e-3,
+            "{name}: {nrmse} {expected}"
+        );
+    }
+}

@@ -17,6 +17,7 @@ pub use crate::rows::RowsPolicy;
 pub use crate::shape::ShapePolicy;
 pub use crate::tolerance::TolerancePolicy;
 pub use crate::trace::TracePolicy;
+pub use crate::trace::adopt::AdoptPolicy;
 pub use crate::trace::aligned::AlignedPolicy;
 pub use crate::trace::left_out::LeftOutPolicy;
 pub use crate::trace::mend::MendPolicy;
@@ -51,6 +52,8 @@ mesh_damper_recording::policy! {
     memory: MemoryPolicy,
     /// When a residual table takes the place of effects.
     mend: MendPolicy,
+    /// When a law with more takes the place of the law alone.
+    adopt: AdoptPolicy,
     /// The fit of the law and of effects.
     problem: ProblemPolicy,
     /// How many samples a fit is made to.

@@ -139,6 +139,20 @@ impl<'a> Rows<'a> {
         }
     }
 
+    /// The same without the coefficients of amplitudes that no row is near: they would be none, and not those of the nearest.
+    #[must_use]
+    pub fn with_nodes_seen(self) -> Self {
+        let seen = |number: &usize| self.motion.node.contains(number);
+        let nodes: Vec<f64> = (0..self.nodes.len())
+            .filter(seen)
+            .map(|number| self.nodes[number])
+            .collect();
+        if nodes.len() == self.nodes.len() {
+            return self;
+        }
+        self.with_nodes(nodes)
+    }
+
     /// The same rows with coefficients of eq 13 at other amplitudes, mm.
     #[must_use]
     pub fn with_nodes(&self, nodes: Vec<f64>) -> Self {

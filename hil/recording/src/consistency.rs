@@ -9,6 +9,8 @@ crate::numbers! {
     ConsistencyPolicy {
         /// Displacement histories that differ by less than this part of their RMS are the same motion.
         same_motion: f64 = 0.02, Convention("a controller repeats a motion to a per cent");
+        /// They also move alike, to within this part of the RMS about their means.
+        same_moves: f64 = 0.2, Convention("a fifth: a displacement that moves has noise far below that");
         /// Forces under the same motion that differ by more than this part of their RMS contradict each other: noise is about 0.004,
         /// and wear, temperature or run-in change a force by a few per cent.
         contradiction: f64 = 0.25, Tuned("the recordings of others");
@@ -139,7 +141,17 @@ fn check_forces(earlier: &Recording, later: &Recording) -> Result<(), InputError
     let Some(pairs) = common_stretch(earlier, later) else {
         return Ok(());
     };
-    if difference(pairs.iter().map(|pair| pair.displacement)) > policy().consistency.same_motion {
+    // About the means: on a plateau that both begin with, noise alone moves, and says nothing of what went before.
+    let mean_of = |of: fn(&(f64, f64)) -> f64| -> f64 {
+        pairs.iter().map(|pair| of(&pair.displacement)).sum::<f64>() / pairs.len() as f64
+    };
+    let (a, b) = (mean_of(|pair| pair.0), mean_of(|pair| pair.1));
+    let about = pairs
+        .iter()
+        .map(|pair| (pair.displacement.0 - a, pair.displacement.1 - b));
+    if difference(pairs.iter().map(|pair| pair.displacement)) > policy().consistency.same_motion
+        || difference(about) > policy().consistency.same_moves
+    {
         return Ok(());
     }
     let allowed = match (mean(&earlier.temperature), mean(&later.temperature)) {
@@ -279,6 +291,20 @@ mod tests {
         check_consistency(&[&cold, &warm]).unwrap();
         let turned = at(recording("e", 0.1, |y| -1.2 * y), 80.0);
         check_consistency(&[&cold, &turned]).unwrap_err();
+    }
+
+    /// What stands on a plateau says nothing of the way there: a force that relaxes is another one each time.
+    #[test]
+    fn a_common_plateau_is_no_common_motion() {
+        let on_plateau = |name: &str, force: f64| {
+            let time: Vec<f64> = (0..1000).map(|i| f64::from(i) * 0.002).collect();
+            let rough = |i: usize| f64::from((i * 7_919 % 1_000) as u32) / 1_000.0 - 0.5;
+            let seed = name.len();
+            let y = (0..1000).map(|i| 5.0 + 1e-3 * rough(i + seed)).collect();
+            Recording::new(name, time, y, vec![force; 1000]).unwrap()
+        };
+        let (loaded, relaxed) = (on_plateau("loaded", 1.0), on_plateau("relaxed", 0.6));
+        assert!(check_forces(&loaded, &relaxed).is_ok());
     }
 
     #[test]

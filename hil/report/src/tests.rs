@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 use std::f64::consts::TAU;
 
 use mesh_damper_identify::trace::result::{
-    Baseline, Candidate, Errors, Estimate, FoundEffect, LawEstimate, OnTarget, Verdict,
+    Baseline, Candidate, Errors, Estimate, FoundEffect, LawEstimate, OnTarget, Rejected, Verdict,
 };
 use mesh_damper_identify::trace::rule::Rule;
 
@@ -121,6 +121,8 @@ fn data() -> ReportData {
             on_target: OnTarget {
                 nrmse_held_out: 0.00433,
             },
+            adopted: true,
+            rejected: None,
         },
         series: vec![
             series(
@@ -229,6 +231,29 @@ fn nothing_found_and_nothing_recorded_still_make_a_page() {
     data.result.verdict = Verdict::Ambiguous;
     data.result.separating_test = Some("a ramp and hold".into());
     assert!(render(&data).contains("a ramp and hold"));
+}
+
+/// What a reader must know before using the model is in the first line.
+#[test]
+fn a_model_that_is_not_adopted_or_worse_elsewhere_says_so_first() {
+    let mut result = data().result;
+    assert_eq!(text::verdict(&result).0, "Found: stick-slip");
+    result.augmented.nrmse_held_out = 1.5 * result.baseline.nrmse_held_out;
+    let (heading, _) = text::verdict(&result);
+    assert!(
+        heading.ends_with("; worse than the law alone on what was held out"),
+        "{heading}"
+    );
+    result.verdict = Verdict::Unlisted;
+    result.adopted = false;
+    result.effects.clear();
+    result.rejected = Some(Rejected {
+        augmented: result.augmented,
+        on_target: result.on_target,
+    });
+    let (heading, sentence) = text::verdict(&result);
+    assert!(heading.ends_with("; the law alone is kept"), "{heading}");
+    assert!(sentence.contains("12.5 %"), "{sentence}");
 }
 
 #[test]

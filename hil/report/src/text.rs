@@ -93,8 +93,45 @@ pub fn description(family: &str) -> String {
     })
 }
 
-/// The verdict in a heading and a sentence.
+/// The verdict in a heading and a sentence, with what a reader must know of the model before using it.
 pub fn verdict(result: &TraceResult) -> (String, String) {
+    let (heading, sentence) = concluded(result);
+    let (alone, with) = (
+        result.baseline.nrmse_held_out,
+        result.augmented.nrmse_held_out,
+    );
+    if let Some(rejected) = &result.rejected {
+        let kept = if result.adopted {
+            "no table is added"
+        } else {
+            "the law alone is kept"
+        };
+        return (
+            format!("{heading}; {kept}"),
+            format!(
+                "{sentence} What was found is no better on conditions that were held out in turn, and was not adopted: on data that was \
+                 never fitted it leaves {} where the law alone leaves {}.",
+                percent(rejected.augmented.nrmse_held_out),
+                percent(alone)
+            ),
+        );
+    }
+    if result.adopted && with > WORSE * alone {
+        return (
+            format!("{heading}; worse than the law alone on what was held out"),
+            format!(
+                "{sentence} Do not use the model there: what was held out lies outside of what was fitted."
+            ),
+        );
+    }
+    (heading, sentence)
+}
+
+/// A model whose error is larger by this factor is worse. Convention: two per cent are no difference.
+const WORSE: f64 = 1.02;
+
+/// The verdict in a heading and a sentence.
+fn concluded(result: &TraceResult) -> (String, String) {
     let named: Vec<String> = result.effects.iter().map(|e| name(&e.family)).collect();
     let change = format!(
         "The error of the force on data that was never fitted goes from {} to {} of the force's RMS \
@@ -138,7 +175,7 @@ pub fn verdict(result: &TraceResult) -> (String, String) {
         ),
         Verdict::Unlisted if result.effects.is_empty() => (
             "An effect that is not on the list".into(),
-            "The law lacks something, and none of the effects tried explains any of it. Nothing was added.".into(),
+            "The law lacks something, and none of the effects tried explains any of it. Nothing is added.".into(),
         ),
         Verdict::Unlisted => (
             "An effect that is not on the list".into(),

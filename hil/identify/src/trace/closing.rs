@@ -5,8 +5,8 @@ use mesh_damper_model::{Family, Model, ModelError, parameter_unit};
 use mesh_damper_recording::trajectory::Trajectory;
 use rayon::prelude::*;
 
-use super::left_out::{Fit, LeftOut, Picked};
-use super::mend::{clearly_best, mended};
+use super::left_out::{LeftOut, Picked};
+use super::mend::clearly_best;
 use super::result::{
     Baseline, Candidate, CorrectionSummary, Errors, Estimate, FoundEffect, LawEstimate, OnTarget,
     TraceResult, Verdict,
@@ -15,6 +15,7 @@ use super::rule::Rule;
 use super::select::{self, Selection};
 use super::separating::{bounding_test, separating_test};
 use super::split::{Role, Roles};
+use super::unlisted::Laws;
 use super::verdict::{accounts_for, conclude, depends_on, generalises, rivals, warnings};
 use crate::policy::policy;
 use crate::problem::Problem;
@@ -50,12 +51,12 @@ pub(super) struct Closing<'a> {
     /// The recordings fitted, then those held out.
     recordings: Vec<(&'a Trajectory, Vec<Role>)>,
     /// Those fitted.
-    trajectories: &'a [Trajectory],
+    pub(super) trajectories: &'a [Trajectory],
     fitted: usize,
     judging: &'a Roles,
     roles: &'a Roles,
     /// With the nodes preferred, then with others.
-    rows: Vec<Rows<'a>>,
+    pub(super) rows: Vec<Rows<'a>>,
     extent: Extent,
     noise_floor: f64,
 }
@@ -103,41 +104,43 @@ impl<'a> Closing<'a> {
         selection: &Selection,
         progress: &(dyn Fn(&str) + Sync),
     ) -> Result<Closed, ModelError> {
-        let mut rows = &self.rows[0];
+        let rows = &self.rows[0];
         let alone = self.fit_near(rows, &selection.baseline.solution);
-        let baseline = alone.model();
-        let mut solution = self.fit_there(rows, &selection.found.solution);
+        let solution = self.fit_there(rows, &selection.found.solution);
         let left_out = LeftOut::of(self.trajectories, [self.judging, self.roles]);
         let found = solution.clone();
         let Concluded {
             mut verdict,
-            mut left,
+            left,
             effects_rejected_by,
         } = self.verdict(selection, &left_out, [&alone, &solution])?;
-        let mut table_rejected_by = None;
-        let mut model = solution.model();
-        let mut nameless = Vec::new();
-        if verdict == Verdict::Unlisted {
-            progress("correcting without a name what is left");
-            let mut laws: Vec<(&Rows, &Solution)> =
-                self.rows.iter().map(|rows| (rows, &alone)).collect();
-            if !solution.terms.is_empty() {
-                solution = self.preferred(selection, &left_out, solution)?;
-                laws.push((rows, &solution));
+        let Laws {
+            rows,
+            alone,
+            solution,
+            model,
+            nameless,
+            table_rejected_by,
+            rejected,
+        } = if verdict == Verdict::Unlisted {
+            let found = self.preferred(selection, &left_out, solution)?;
+            self.unlisted(&left_out, alone, found, progress)?
+        } else {
+            Laws {
+                rows,
+                alone,
+                model: solution.model(),
+                solution,
+                nameless: Vec::new(),
+                table_rejected_by: None,
+                rejected: None,
             }
-            let fits: Vec<_> = laws
-                .iter()
-                .map(|&(rows, law)| move |picked: Picked| Ok(self.refit(rows, law, picked)))
-                .collect();
-            let fits: Vec<Fit> = fits.iter().map(|fit| fit as Fit).collect();
-            let mended = mended(self.trajectories, &left_out, &fits)?;
-            model = mended.model;
-            nameless = mended.depends_on;
-            table_rejected_by = mended.table_rejected_by;
-            rows = laws[mended.law].0;
-            solution = self.fit_there(rows, laws[mended.law].1);
-            left = left_out.left_by(&model)?.in_most().unwrap_or(left);
-        }
+        };
+        let baseline = alone.model();
+        let left = match verdict {
+            Verdict::Unlisted => left_out.left_by(&model)?.in_most().unwrap_or(left),
+            _ => left,
+        };
         let mut uncertainty = Uncertainty::of(rows, &self.extent, &solution);
         let terms = solution.terms.iter().zip(&uncertainty.terms);
         let mut unbounded: Vec<Family> = terms
@@ -208,6 +211,8 @@ impl<'a> Closing<'a> {
             on_target: OnTarget {
                 nrmse_held_out: on_target.nrmse_held_out,
             },
+            adopted: !model.effects.is_empty() || model.correction.is_some(),
+            rejected,
         };
         let forces = self
             .recordings
@@ -294,9 +299,10 @@ impl<'a> Closing<'a> {
     }
 
     /// The terms of `known` fitted to the samples picked, fewer than in the closing fit.
-    fn refit(&self, rows: &Rows, known: &Solution, picked: Picked) -> Model {
+    pub(super) fn refit(&self, rows: &Rows, known: &Solution, picked: Picked) -> Model {
         let nodes = rows.nodes().to_vec();
         let rows = Rows::gather(self.trajectories, nodes, policy().rows.in_turn, picked);
+        let rows = rows.with_nodes_seen();
         let problem = Problem::new(&rows, &self.extent, &known.terms());
         problem.solve_near(known).model()
     }
@@ -316,7 +322,7 @@ impl<'a> Closing<'a> {
     }
 
     /// The model's force on every recording, kN, and its errors.
-    fn evaluate(
+    pub(super) fn evaluate(
         &self,
         model: &Model,
         predict: impl Fn(&Model, &Trajectory) -> Result<Vec<f64>, ModelError>,
@@ -429,7 +435,7 @@ impl<'a> Closing<'a> {
     }
 
     /// The terms of `known` fitted to these rows.
-    fn fit_near(&self, rows: &Rows, known: &Solution) -> Solution {
+    pub(super) fn fit_near(&self, rows: &Rows, known: &Solution) -> Solution {
         Problem::new(rows, &self.extent, &known.terms()).solve_near(known)
     }
 
@@ -446,7 +452,7 @@ impl<'a> Closing<'a> {
     }
 
     /// The same without those that all of the data hold at 0.
-    fn fit_there(&self, rows: &Rows, known: &Solution) -> Solution {
+    pub(super) fn fit_there(&self, rows: &Rows, known: &Solution) -> Solution {
         let mut solution = self.fit_near(rows, known);
         while let Some(index) = solution.terms.iter().position(|term| !term.is_admissible()) {
             solution = self.fit_near(rows, &solution.without(index));

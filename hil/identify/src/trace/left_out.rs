@@ -23,6 +23,12 @@ mesh_damper_recording::numbers! {
         fewest_blocks: usize = 4, Derived("two amplitudes with two blocks each");
         /// With fewer blocks between the first and the last of their recordings those are left out too.
         fewest_inner: usize = 2, Convention("one alone decides nothing");
+        /// With fewer conditions, stretches of the recordings take their place.
+        fewest_conditions: usize = 3, Convention("of two each would be told by the other alone");
+        /// At most this many conditions are held out in turn.
+        most_conditions: usize = 8, Convention("bounds the time: each takes a fit");
+        /// Stretches that recordings without conditions are cut into.
+        stretches: usize = 5, Convention("each leaves four fifths to fit");
         /// At most this many blocks are left out.
         most: usize = 4, Convention("bounds the time: each takes a fit");
         /// This part of the cycles are not the worst, which may be those of a start or of a change between blocks.
@@ -96,6 +102,7 @@ pub(super) struct LeftOut<'a> {
     judging: &'a Roles,
     roles: &'a Roles,
     blocks: Vec<(usize, &'a FoundBlock)>,
+    conditions: Vec<Condition>,
 }
 
 impl<'a> LeftOut<'a> {
@@ -107,6 +114,7 @@ impl<'a> LeftOut<'a> {
             judging,
             roles,
             blocks: blocks(trajectories, roles),
+            conditions: conditions(trajectories, roles),
         }
     }
 
@@ -197,10 +205,33 @@ impl<'a> LeftOut<'a> {
         for (which, trajectory) in self.trajectories.iter().enumerate() {
             let predicted = predict(model, trajectory)?;
             let is_fair = |i: usize| self.is_open(which, i) && trajectory.is_telling(i);
-            let of_block = |block| RelativeError::of(trajectory, &predicted, block, is_fair);
+            let of_block = |block: &FoundBlock| {
+                RelativeError::of(trajectory, &predicted, &block.samples, is_fair)
+            };
             errors.extend(trajectory.blocks.iter().filter_map(of_block));
         }
         Ok(RelativeError::mean(&errors).beyond_noise())
+    }
+
+    /// What the law leaves of each condition that may be fitted when that is held out, in the order of [`conditions`].
+    pub fn in_turn(&self, fit: Fit) -> Result<Vec<RelativeError>, ModelError> {
+        let errors = self.conditions.par_iter().map(|condition| {
+            let Condition {
+                which,
+                ref samples,
+                loud,
+            } = *condition;
+            let model = fit(&|other, sample| {
+                self.is_open(other, sample) && !(other == which && samples.contains(&sample))
+            })?;
+            let trajectory = &self.trajectories[which];
+            let is_fair = |i: usize| self.is_open(which, i) && trajectory.is_telling(i);
+            let predicted = predict(&model, trajectory)?;
+            let error = RelativeError::of(trajectory, &predicted, samples, is_fair);
+            Ok(error.map(|error| error.times(loud)))
+        });
+        let errors: Vec<Option<RelativeError>> = errors.collect::<Result<_, ModelError>>()?;
+        Ok(errors.into_iter().flatten().collect())
     }
 
     /// What is left there of the force, each block counting the same.
@@ -221,7 +252,12 @@ impl<'a> LeftOut<'a> {
             let trajectory = &self.trajectories[*which];
             let is_fair = |i: usize| self.is_open(*which, i) && trajectory.is_telling(i);
             let predicted = predict(&model, trajectory)?;
-            Ok(RelativeError::of(trajectory, &predicted, block, is_fair))
+            Ok(RelativeError::of(
+                trajectory,
+                &predicted,
+                &block.samples,
+                is_fair,
+            ))
         });
         let errors: Vec<Option<RelativeError>> = errors.collect::<Result<_, ModelError>>()?;
         let errors: Vec<RelativeError> = errors.into_iter().flatten().collect();
@@ -255,15 +291,15 @@ pub(super) struct RelativeError {
 }
 
 impl RelativeError {
-    /// In the samples of a block that are `is_fair`; `None` where there is none.
+    /// In the samples that are `is_fair`; `None` where there is none.
     fn of(
         trajectory: &Trajectory,
         predicted: &[f64],
-        block: &FoundBlock,
+        samples: &Range<usize>,
         is_fair: impl Fn(usize) -> bool,
     ) -> Option<Self> {
         let (mut error, mut noise, mut force) = (0.0, 0.0, 0.0);
-        for i in block.samples.clone().filter(|&i| is_fair(i)) {
+        for i in samples.clone().filter(|&i| is_fair(i)) {
             error += certainty(trajectory, i) * (predicted[i] - trajectory.force[i]).powi(2);
             noise += least(trajectory);
             force += trajectory.force[i].powi(2);
@@ -274,7 +310,14 @@ impl RelativeError {
         })
     }
 
-    fn mean(errors: &[Self]) -> Self {
+    fn times(self, factor: f64) -> Self {
+        Self {
+            error: factor * self.error,
+            noise: factor * self.noise,
+        }
+    }
+
+    pub fn mean(errors: &[Self]) -> Self {
         let mean = |of: fn(&Self) -> f64| errors.iter().map(of).sum::<f64>() / errors.len() as f64;
         Self {
             error: mean(|one| one.error),
@@ -345,6 +388,79 @@ fn blocks<'t>(trajectories: &'t [Trajectory], roles: &Roles) -> Vec<(usize, &'t 
     (0..count)
         .map(|place| known[(2 * place + 1) * known.len() / (2 * count)])
         .collect()
+}
+
+/// Samples of one trajectory that are held out together.
+struct Condition {
+    which: usize,
+    samples: Range<usize>,
+    /// By how much their force is more than that which an error is over, in squares: of a stretch that is of the recording, as it may rest.
+    loud: f64,
+}
+
+/// Conditions that may be fitted, evenly spread over amplitude and frequency, those at the ends among them: blocks of several cycles, or stretches
+/// where there are few.
+fn conditions(trajectories: &[Trajectory], roles: &Roles) -> Vec<Condition> {
+    let LeftOutPolicy {
+        fewest_conditions,
+        most_conditions,
+        stretches,
+        ..
+    } = policy().left_out;
+    let mut blocks: Vec<(usize, &FoundBlock)> = Vec::new();
+    for (which, trajectory) in trajectories.iter().enumerate() {
+        let is_telling = |block: &&FoundBlock| {
+            let mut samples = block.samples.clone();
+            block.cycles.len() >= policy().left_out.some_cycles
+                && samples.any(|i| roles.is_open(which, i) && trajectory.is_telling(i))
+        };
+        let of_one = trajectory.blocks.iter().filter(is_telling);
+        blocks.extend(of_one.map(|block| (which, block)));
+    }
+    // The cycles of a random motion are like others only by chance: what blocks have of it is no condition.
+    let open = |which: usize, samples: &Range<usize>| {
+        samples.clone().filter(|&i| roles.is_open(which, i)).count()
+    };
+    let in_blocks: usize = blocks
+        .iter()
+        .map(|(which, block)| open(*which, &block.samples))
+        .sum();
+    let all = trajectories.iter().enumerate();
+    let all: usize = all
+        .map(|(which, trajectory)| open(which, &(0..trajectory.len())))
+        .sum();
+    if blocks.len() < fewest_conditions || 2 * in_blocks < all {
+        let cut = |(which, trajectory): (usize, &Trajectory)| {
+            let open: Vec<usize> = (0..trajectory.len())
+                .filter(|&i| roles.is_open(which, i))
+                .collect();
+            let length = open.len().div_ceil(stretches).max(1);
+            let power = |samples: &[usize]| {
+                let squares = samples.iter().map(|&i| trajectory.force[i].powi(2));
+                squares.sum::<f64>() / samples.len() as f64
+            };
+            let of_all = power(&open);
+            let each = open.chunks(length).map(|some| Condition {
+                which,
+                samples: some[0]..some[some.len() - 1] + 1,
+                loud: power(some) / of_all,
+            });
+            each.collect::<Vec<_>>()
+        };
+        return trajectories.iter().enumerate().flat_map(cut).collect();
+    }
+    blocks.sort_by(|(_, a), (_, b)| {
+        let by_amplitude = a.amplitude.total_cmp(&b.amplitude);
+        by_amplitude.then(a.frequency.total_cmp(&b.frequency))
+    });
+    let count = blocks.len().min(most_conditions);
+    let each = (0..count).map(|place| blocks[place * (blocks.len() - 1) / (count - 1)]);
+    each.map(|(which, block)| Condition {
+        which,
+        samples: block.samples.clone(),
+        loud: 1.0,
+    })
+    .collect()
 }
 
 #[cfg(test)]

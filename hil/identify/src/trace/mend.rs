@@ -26,6 +26,8 @@ pub(super) struct Mended {
     pub law: usize,
     /// With its correction, if it has one.
     pub model: Model,
+    /// How the correction was made, where there is one.
+    pub choice: Option<correction::Choice>,
     /// What the correction depends on, by the names of `trace.json`.
     pub depends_on: Vec<&'static str>,
     /// Why it has no correction.
@@ -77,14 +79,15 @@ pub(super) fn mended(
     }
     let (_, law, model, choice) = best;
     let table_rejected_by = choice.is_none().then_some(table_rejected_by);
-    let depends_on = match choice {
-        Some(choice) => correction::depends_on(&choice, trajectories, &plain[law], open)?,
+    let depends_on = match &choice {
+        Some(choice) => correction::depends_on(choice, trajectories, &plain[law], open)?,
         None if left_out.wanders(&model)? => vec!["time"],
         None => Vec::new(),
     };
     Ok(Mended {
         law,
         model,
+        choice,
         depends_on,
         table_rejected_by,
     })

@@ -4,6 +4,7 @@
 //! needless ones are dropped, and the result is fitted once more to all but the samples held out, on which alone the
 //! error is reported.
 
+pub(crate) mod adopt;
 pub(crate) mod aligned;
 mod closing;
 pub(crate) mod left_out;
@@ -16,6 +17,7 @@ pub(crate) mod select;
 pub(crate) mod separating;
 pub(crate) mod split;
 pub(crate) mod tones;
+mod unlisted;
 pub(crate) mod verdict;
 mod within_blocks;
 

@@ -47,9 +47,30 @@ pub struct TraceResult {
     pub correction: Option<CorrectionSummary>,
     /// What is wrong with the data, in words.
     pub warnings: Vec<String>,
-    /// The law with what was found, in f64.
+    /// The law of `model.json`, in f64: with what was found, where that was adopted.
     pub augmented: Errors,
     /// The same on the embedded law in f32.
+    pub on_target: OnTarget,
+    /// Whether the law of `model.json` holds what was found; it is the law alone where nothing was, or where that is no better on
+    /// conditions that are held out in turn.
+    #[serde(default = "is_adopted")]
+    pub adopted: bool,
+    /// What was found and not adopted; null where it was.
+    #[serde(default)]
+    pub rejected: Option<Rejected>,
+}
+
+/// Results of before there was the field had adopted what they had.
+fn is_adopted() -> bool {
+    true
+}
+
+/// The errors of a law that was not adopted.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Rejected {
+    /// In f64.
+    pub augmented: Errors,
+    /// On the embedded law in f32.
     pub on_target: OnTarget,
 }
 
@@ -209,7 +230,8 @@ mod tests {
             "depends_on": ["displacement", "history"],
             "correction": {"remembers": {"slip": {"limit": 0.03}}, "largest": 0.1}, "warnings": [],
             "augmented": {"nrmse_fitted": 0.004, "nrmse_held_out": 0.005},
-            "on_target": {"nrmse_held_out": 0.005}}"#;
+            "on_target": {"nrmse_held_out": 0.005}, "adopted": false,
+            "rejected": {"augmented": {"nrmse_fitted": 0.004, "nrmse_held_out": 0.3}, "on_target": {"nrmse_held_out": 0.3}}}"#;
         let contract: serde_json::Value = serde_json::from_str(text).unwrap();
         let result: TraceResult = serde_json::from_str(text).unwrap();
         assert_eq!(serde_json::to_value(&result).unwrap(), contract);

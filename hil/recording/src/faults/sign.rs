@@ -11,6 +11,11 @@ crate::numbers! {
         certain: f64 = 0.03, Tuned("the injected channel faults");
         /// The force stands against the motion where its correlation with the displacement is below this.
         against: f64 = -0.2, Tuned("the injected channel faults");
+        /// A force that gives more than this part of the most that it could stands against the velocity, though its correlation with the
+        /// displacement is only not above `with`: a damper that is hardly a spring.
+        gives: f64 = 0.5, Convention("a half: a sine's is 0.5 where the force is 60° off, and a spring's is not late by that");
+        /// A force with a larger correlation with the displacement may be late and not turned.
+        with: f64 = 0.3, Convention("a force that leads or lags by 73° or more");
         /// Samples that a step of displacement is taken over, so that its noise is small beside it.
         stride: usize = 4, Convention("a fiftieth of a cycle of 5 Hz at 1 kHz");
     }
@@ -19,7 +24,7 @@ crate::numbers! {
 /// Turns the force of `recording` where no passive damper has it as recorded.
 ///
 /// A force late by more than the loss angle gives energy too, but keeps a positive stiffness; a mass turns the stiffness
-/// negative, but takes energy.
+/// negative, but takes energy. A damper that is no spring has no stiffness that could tell, but gives nearly all it could.
 pub(super) fn mend(recording: &mut Recording) {
     if !is_flipped(&recording.displacement, &recording.force) {
         return;
@@ -47,11 +52,47 @@ fn is_flipped(displacement: &[f64], force: &[f64]) -> bool {
         work += done;
         most += done.abs();
     }
-    correlation < policy().sign.against && work < -policy().sign.certain * most
+    let SignPolicy {
+        certain,
+        against,
+        gives,
+        with,
+        ..
+    } = policy().sign;
+    correlation < against && work < -certain * most || correlation < with && work < -gives * most
 }
 
 fn about_mean(mut values: Vec<f64>) -> Vec<f64> {
     let mean = values.iter().sum::<f64>() / values.len() as f64;
     values.iter_mut().for_each(|value| *value -= mean);
     values
+}
+
+#[cfg(test)]
+mod tests {
+    use std::f64::consts::TAU;
+
+    use super::is_flipped;
+
+    /// Of k·y + c·v under a sine, with the force late by a part of a cycle.
+    fn is(stiffness: f64, damping: f64, late: f64) -> bool {
+        let phase = |index: usize| TAU * index as f64 / 200.0;
+        let samples = 0..2000;
+        let displacement: Vec<f64> = samples.clone().map(|index| phase(index).sin()).collect();
+        let force = |index: usize| {
+            let (sin, cos) = (phase(index) - TAU * late).sin_cos();
+            stiffness * sin + damping * cos
+        };
+        is_flipped(&displacement, &samples.map(force).collect::<Vec<_>>())
+    }
+
+    #[test]
+    fn a_damper_that_is_no_spring_has_a_sign_too() {
+        for stiffness in [-0.05, 0.0, 0.05, 0.2] {
+            assert!(is(-stiffness, -1.0, 0.0), "{stiffness}");
+            assert!(!is(stiffness, 1.0, 0.0), "{stiffness}");
+        }
+        assert!(!is(-3.0, 0.2, 0.0), "a mass");
+        assert!(!is(1.0, 0.1, 0.15), "a spring with a late force");
+    }
 }

@@ -84,8 +84,10 @@ impl Predict {
             .begin()?;
         let file = ModelFile::read_within(&self.model, self.reading.limit)?;
         let recording = Recording::read_within(&self.recording, self.reading.limit)?;
-        let uniform = recording.uniform()?;
-        let trajectory = Trajectory::of(&recording)?;
+        // As a trace has it: the same faults are mended, and the same samples count.
+        let mended = recording.mended();
+        let uniform = mended.uniform()?;
+        let trajectory = Trajectory::of(&mended)?;
         let model = file.model();
         let force = match self.on {
             On::F64 => predict(&model, &trajectory).map_err(ImageError::Model),
@@ -102,7 +104,13 @@ impl Predict {
         })?;
         let band = band(&model, &trajectory)
             .map_err(|error| model_error(&self.model.display().to_string(), &error))?;
-        let [force, band] = [force, band].map(|values| uniform.at_samples_of(&recording, &values));
+        let measured: Vec<f64> = trajectory
+            .measured
+            .iter()
+            .map(|&is| f64::from(is))
+            .collect();
+        let [force, band, measured] =
+            [force, band, measured].map(|values| uniform.at_samples_of(&mended, &values));
 
         for fault in &trajectory.faults {
             warn(&format!("{}: {fault}", recording.name));
@@ -131,8 +139,8 @@ impl Predict {
             recording: &self.recording,
             on: self.on,
             samples: recording.len(),
-            nrmse: nrmse(&force, &recording.force, |_| true),
-            band: rms(&band) / rms(&recording.force),
+            nrmse: nrmse(&force, &mended.force, |sample| measured[sample] == 1.0),
+            band: rms(&band) / rms(&mended.force),
             beyond_fitted_range: beyond,
         };
         outputs.add(

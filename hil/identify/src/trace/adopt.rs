@@ -1,0 +1,58 @@
+//! Whether a law with more is worth having: on conditions that it was not fitted to.
+
+use super::left_out::RelativeError;
+use crate::policy::policy;
+
+mesh_damper_recording::numbers! {
+    /// When a law with more takes the place of the law alone.
+    AdoptPolicy {
+        /// Held out in turn, conditions are left by it with less than this part of the law's error: of the mean square, and of the geometric mean.
+        gain: f64 = 0.98, Convention("two per cent is no gain");
+    }
+}
+
+/// Whether a law `with` more leaves less of conditions held out in turn than the law `alone`: both in all, where the worst weigh most, and of one after
+/// the other. A law that wins much in one condition and loses in the others would lose in the next.
+pub(super) fn gains(alone: &[RelativeError], with: &[RelativeError]) -> bool {
+    let count = alone.len() as f64;
+    let mean_square = |errors: &[RelativeError]| {
+        let squares = errors.iter().map(|one| one.beyond_noise().powi(2));
+        squares.sum::<f64>() / count
+    };
+    let ratios = alone.iter().zip(with);
+    let ratios = ratios.map(|(alone, with)| (with.beyond_noise() / alone.beyond_noise()).ln());
+    let mean_ratio = (ratios.sum::<f64>() / count).exp();
+    let gain = policy().adopt.gain;
+    (mean_square(with) / mean_square(alone)).sqrt() < gain && mean_ratio < gain
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn errors(errors: &[f64]) -> Vec<RelativeError> {
+        let each = errors.iter();
+        each.map(|error| RelativeError {
+            error: error * error,
+            noise: 1e-6,
+        })
+        .collect()
+    }
+
+    #[test]
+    fn a_gain_in_one_condition_pays_for_no_loss_in_the_others() {
+        let alone = errors(&[0.1, 0.2, 0.3, 0.1]);
+        assert!(gains(&alone, &errors(&[0.05, 0.1, 0.15, 0.05])));
+        assert!(
+            gains(&alone, &errors(&[0.1, 0.2, 0.05, 0.1])),
+            "an effect of one condition"
+        );
+        assert!(!gains(&alone, &errors(&[0.15, 0.3, 0.1, 0.15])));
+        assert!(
+            !gains(&alone, &errors(&[0.02, 0.05, 0.9, 0.02])),
+            "a loss that outweighs"
+        );
+        assert!(!gains(&alone, &alone));
+        assert!(!gains(&alone, &errors(&[f64::NAN; 4])));
+    }
+}

@@ -1,0 +1,119 @@
+//! The law for recordings that no listed effect explains: what predicts conditions that it was not fitted to, or the law alone.
+
+use mesh_damper_model::predict::{predict, predict_embedded};
+use mesh_damper_model::{Model, ModelError};
+
+use super::adopt::gains;
+use super::closing::Closing;
+use super::left_out::{Fit, LeftOut, Picked, RelativeError};
+use super::mend::{clearly_best, mended};
+use super::result::{OnTarget, Rejected};
+use super::rule::Rule;
+use crate::correction::{Choice, refit};
+use crate::rows::Rows;
+use crate::solution::Solution;
+
+/// The laws that a trace ends in.
+pub(super) struct Laws<'c> {
+    /// What `solution` was fitted to.
+    pub rows: &'c Rows<'c>,
+    /// Eq 13.
+    pub alone: Solution,
+    /// With effects, where there are such.
+    pub solution: Solution,
+    /// That with a correction, where there is one.
+    pub model: Model,
+    /// What the correction depends on, by the names of `trace.json`.
+    pub nameless: Vec<&'static str>,
+    /// Why there is no correction.
+    pub table_rejected_by: Option<Rule>,
+    /// What was no better than eq 13 on conditions held out in turn.
+    pub rejected: Option<Rejected>,
+}
+
+impl Closing<'_> {
+    /// From eq 13 `alone` and with the effects that were `found`. What is adopted gains on conditions held out in turn.
+    pub(super) fn unlisted(
+        &self,
+        left_out: &LeftOut,
+        alone: Solution,
+        found: Solution,
+        progress: &(dyn Fn(&str) + Sync),
+    ) -> Result<Laws<'_>, ModelError> {
+        progress("holding out one condition after the other");
+        // One set of coefficients, or one for each amplitude, whichever says more of another condition.
+        let each = self.rows.iter();
+        let errors: Vec<Vec<RelativeError>> = each
+            .map(|rows| left_out.in_turn(&|picked| Ok(self.refit(rows, &alone, picked))))
+            .collect::<Result<_, _>>()?;
+        let best = clearly_best(
+            errors
+                .iter()
+                .map(|errors| RelativeError::mean(errors).beyond_noise()),
+        );
+        let (rows, of_alone) = (&self.rows[best], &errors[best]);
+        let alone = self.fit_near(rows, &alone);
+
+        progress("correcting without a name what is left");
+        let mut laws: Vec<(&Rows, &Solution)> =
+            self.rows.iter().map(|rows| (rows, &alone)).collect();
+        if !found.terms.is_empty() {
+            laws.push((rows, &found));
+        }
+        let fits: Vec<_> = laws
+            .iter()
+            .map(|&(rows, law)| move |picked: Picked| Ok(self.refit(rows, law, picked)))
+            .collect();
+        let fits: Vec<Fit> = fits.iter().map(|fit| fit as Fit).collect();
+        let mended = mended(self.trajectories, left_out, &fits)?;
+        let (of_law, law) = laws[mended.law];
+        let mut ended = Laws {
+            rows: of_law,
+            solution: self.fit_there(of_law, law),
+            alone,
+            model: mended.model,
+            nameless: mended.depends_on,
+            table_rejected_by: mended.table_rejected_by,
+            rejected: None,
+        };
+        if ended.solution.terms.is_empty() && mended.choice.is_none() && std::ptr::eq(of_law, rows)
+        {
+            return Ok(ended);
+        }
+        let gains_with = |choice: Option<&Choice>| -> Result<bool, ModelError> {
+            let fit = |picked: Picked| {
+                let law = self.refit(of_law, &ended.solution, picked);
+                match choice {
+                    Some(choice) => refit(choice, self.trajectories, &law, picked),
+                    None => Ok(law),
+                }
+            };
+            Ok(gains(of_alone, &left_out.in_turn(&fit)?))
+        };
+        if gains_with(mended.choice.as_ref())? {
+            return Ok(ended);
+        }
+        let without_table =
+            mended.choice.is_some() && !ended.solution.terms.is_empty() && gains_with(None)?;
+        ended.rejected = Some(self.rejected(&ended.model)?);
+        if mended.choice.is_some() {
+            ended.table_rejected_by = Some(Rule::TableUnknownElsewhere);
+        }
+        if !without_table {
+            ended.rows = rows;
+            ended.solution = ended.alone.clone();
+        }
+        ended.model = ended.solution.model();
+        Ok(ended)
+    }
+
+    /// The errors of a law that is not adopted.
+    fn rejected(&self, model: &Model) -> Result<Rejected, ModelError> {
+        Ok(Rejected {
+            augmented: self.evaluate(model, predict)?.1,
+            on_target: OnTarget {
+                nrmse_held_out: self.evaluate(model, predict_embedded)?.1.nrmse_held_out,
+            },
+        })
+    }
+}
