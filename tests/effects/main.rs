@@ -471,7 +471,7 @@ fn constructors_name_the_field_they_refuse() {
 }
 
 /// Effects that there are.
-const EFFECTS: usize = 18;
+const EFFECTS: usize = 19;
 
 /// One of each, of ordinary size.
 fn one_of_each<R: Real>() -> AugmentedLaw<R, EFFECTS> {
