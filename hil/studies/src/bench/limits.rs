@@ -131,6 +131,14 @@ const NOT_REACHED: [(&str, &str); 24] = [
         "up to five powers of 60 with a quotient each, and up to three exponentials, on a tick that passes 0",
     ),
     (
+        "yielding",
+        "two stages of a step, each a saturating force solved by two steps of Halley, with an exponential and three quotients a step",
+    ),
+    (
+        "force-filter",
+        "about 40 for the longer way of a tick through stages, and a rotation of two numbers by four coefficients",
+    ),
+    (
         "periodic",
         "a sine of 20 from a phase of 64 bits, eleven to tell which of the rare effects there are",
     ),
@@ -180,7 +188,7 @@ const NOT_REACHED: [(&str, &str); 24] = [
     ),
     (
         "firmware: flash",
-        "seven effects more take 5 KiB: 2 KiB the way through stages, 1.5 KiB to read and check them, the rest their own code; \
+        "nine effects more take 8.5 KiB: 2 KiB the way through stages, 1.5 KiB to read and check them, the rest their own code; \
          the correction without a name 4 KiB; the monitor of specimen, sensors and actuator 9 KiB; what follows the specimen 3.5 KiB; \
          a streamed motion with its messages 1 KiB",
     ),
