@@ -93,7 +93,7 @@ const RELATIVE: &str = "relative";
 const RATIO: &str = "ratio";
 
 /// Limits that are not reached, and why. What is reached after all has to leave this list.
-const NOT_REACHED: [(&str, &str); 24] = [
+const NOT_REACHED: [(&str, &str); 26] = [
     (
         "longest steady tick over the mean",
         "a tick in 64 ends a sector of the cycle and does a step of its results in 95 to 131; the first of a block takes 179",
