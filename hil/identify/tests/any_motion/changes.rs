@@ -77,7 +77,7 @@ fn what_swells_with_the_motion_is_no_tone() {
     };
     let test = |size: f64, lasts: f64, softer: f64, seed: u64| {
         let motion = motion(size);
-        let mut recording = recorded(&motion, 5e-3, 5e-5, seed);
+        let mut recording = recorded(motion, 5e-3, 5e-5, seed);
         let work = |force: f64, time: f64| force * motion(time)[1];
         let moments = recording.force.iter().zip(&recording.time);
         let mean = moments
