@@ -119,8 +119,7 @@ impl<R: Real> Yielding<R> {
         // Up to x, u is convex in b and tanh u at least that part of what it is at x. The logarithm of artanh is by straight lines, from below.
         let part = (bent / self.reach).clipped(R::from_f64(1.0 - 6e-8));
         let octaves = ((R::ONE + part) / (R::ONE - part)).half_octaves();
-        let artanh =
-            R::from_i32(octaves) * R::from_f64(0.5 * core::f64::consts::LN_2 / 8192.0);
+        let artanh = R::from_i32(octaves) * R::from_f64(0.5 * core::f64::consts::LN_2 / 8192.0);
         // Beyond it is above its tangent at x, and above the line that it tends to.
         let drag = self.drag + self.slip;
         let tangent = artanh + beyond / (drag + x * (R::ONE - part * part));
@@ -210,8 +209,7 @@ impl<R: Real> Equations<R> for Yielding<R> {
     const AT_REST: Self::State = None;
 
     fn from_parameters(parameters: &[f64], tick: f64) -> Result<Self, ConfigError> {
-        let [stiffness, yield_stretch, rate, time] =
-            super::exactly(parameters)?.map(R::from_f64);
+        let [stiffness, yield_stretch, rate, time] = super::exactly(parameters)?.map(R::from_f64);
         Self::new(stiffness, yield_stretch, rate, time, R::from_f64(tick))
     }
 
@@ -294,7 +292,10 @@ mod tests {
             branch.reach = branch.reached();
             let c = branch.slip.to_f64();
             let about_the_knee = (-40..40).map(|n| 1.0 + c * 0.2 * f64::from(n));
-            for b in grid(1e-9, 1e9, 200).chain(about_the_knee).filter(|b| *b > 0.0) {
+            for b in grid(1e-9, 1e9, 200)
+                .chain(about_the_knee)
+                .filter(|b| *b > 0.0)
+            {
                 let b = R::from_f64(b);
                 let (mut low, mut high) = (0.0, b.to_f64() / c);
                 for _ in 0..120 {

@@ -36,11 +36,7 @@ fn shapes(extent: &Extent) -> Vec<Shape> {
     let [slowest, fastest] = policy.yield_rate;
     let swing = extent.amplitude / extent.velocity;
     let [briefest, longest] = policy.yield_time;
-    let time = Shape::spread(
-        briefest * swing,
-        longest * swing,
-        policy.yield_time_starts,
-    );
+    let time = Shape::spread(briefest * swing, longest * swing, policy.yield_time_starts);
     vec![
         Shape::spread(
             policy.shortest_yield * extent.amplitude,
