@@ -70,7 +70,7 @@ impl Closing<'_> {
         let mut ended = Laws {
             rows: of_law,
             solution: self.fit_there(of_law, law),
-            alone,
+            alone: alone.clone(),
             model: mended.model,
             nameless: mended.depends_on,
             table_rejected_by: mended.table_rejected_by,
@@ -80,28 +80,39 @@ impl Closing<'_> {
         {
             return Ok(ended);
         }
-        let gains_with = |choice: Option<&Choice>| -> Result<bool, ModelError> {
-            let fit = |picked: Picked| {
-                let law = self.refit(of_law, &ended.solution, picked);
+        let in_turn = |rows: &Rows, law: &Solution, choice: Option<&Choice>| {
+            left_out.in_turn(&|picked| {
+                let law = self.refit(rows, law, picked);
                 match choice {
                     Some(choice) => refit(choice, self.trajectories, &law, picked),
                     None => Ok(law),
                 }
-            };
-            Ok(gains(of_alone, &left_out.in_turn(&fit)?))
+            })
         };
-        if gains_with(mended.choice.as_ref())? {
-            return Ok(ended);
-        }
-        let without_table =
-            mended.choice.is_some() && !ended.solution.terms.is_empty() && gains_with(None)?;
-        ended.rejected = Some(self.rejected(&ended.model)?);
-        if mended.choice.is_some() {
-            ended.table_rejected_by = Some(Rule::TableUnknownElsewhere);
-        }
-        if !without_table {
+        let left = |errors: &[RelativeError]| RelativeError::mean(errors).beyond_noise();
+        let of_ended = in_turn(of_law, &ended.solution, mended.choice.as_ref())?;
+        // What has names is bounded by its physics where it was not fitted, a table only by its edges.
+        let named = laws.last().filter(|(_, law)| !law.terms.is_empty());
+        let named = named.filter(|_| mended.choice.is_some());
+        let of_named = named.map(|&(rows, law)| in_turn(rows, law, None));
+        let of_named = of_named.transpose()?;
+        let named = named.zip(of_named);
+        if let Some((&(rows, law), errors)) = named
+            && gains(of_alone, &errors)
+            && clearly_best([left(&errors), left(&of_ended)].into_iter()) == 0
+        {
             ended.rows = rows;
-            ended.solution = ended.alone.clone();
+            ended.solution = self.fit_there(rows, law);
+            ended.table_rejected_by = Some(Rule::TableUnknownElsewhere);
+        } else if gains(of_alone, &of_ended) {
+            return Ok(ended);
+        } else {
+            ended.rejected = Some(self.rejected(&ended.model)?);
+            if mended.choice.is_some() {
+                ended.table_rejected_by = Some(Rule::TableUnknownElsewhere);
+            }
+            ended.rows = rows;
+            ended.solution = alone.clone();
         }
         ended.model = ended.solution.model();
         Ok(ended)
