@@ -1,4 +1,4 @@
-//! What both forms of Bouc and Wen's friction remember, and the power that bends them.
+//! What a branch with a spring remembers, and the power that bends Bouc and Wen's friction.
 
 use super::ClampedMotion;
 use crate::real::Real;

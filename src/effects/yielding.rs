@@ -90,7 +90,7 @@ impl<R: Real> Yielding<R> {
         if reach > least { reach } else { least }
     }
 
-    /// The root for `force` = b ≥ 0 after so many of Halley's steps from `start` ≥ 0, which is not above it.
+    /// The root for `force` = b ≥ 0 after a number of Halley's steps from `start` ≥ 0, which is not above it.
     #[inline(always)]
     fn risen<const STEPS: usize>(&self, start: R, force: R) -> R {
         let mut root = start;

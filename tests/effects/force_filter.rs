@@ -32,7 +32,7 @@ fn shown<R: Real>(law: &AugmentedLaw<R, 1>, forces: impl IntoIterator<Item = f64
     forces.into_iter().map(force).collect()
 }
 
-/// Gain and lag in rad of a steady sine of so many ticks a period.
+/// Gain and lag in rad of a steady sine, by the ticks of its period.
 fn response(law: &AugmentedLaw<f64, 1>, period: usize, settled: usize) -> (f64, f64) {
     let angle = |tick: usize| TAU * tick as f64 / period as f64;
     let all = shown(law, (0..settled + period).map(|tick| angle(tick).sin()));

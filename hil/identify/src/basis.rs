@@ -367,6 +367,8 @@ impl<'r, 'a> Basis<'r, 'a> {
         if !self.rows.are_averaged() && by.all(|(form, _)| form.shows.is_none()) {
             return self.law_of(at, self.motion_of(moved));
         }
+        // The coefficients of a row's amplitude hold for all that its channel still shows: where one amplitude follows another, a force that
+        // ran there has some of both.
         // Part by part: what eq 13 sees at every sample would take more memory than the recordings.
         let mut columns: [Vec<Vec<f64>>; 4] = Default::default();
         for (which, recorded) in self.rows.trajectories.iter().enumerate() {

@@ -106,7 +106,9 @@ impl Sums {
         let gaps = largest
             .windows(2)
             .map(|pair| (pair[0].change / pair[1].change).abs());
-        let widest = gaps.enumerate().max_by(|a, b| a.1.total_cmp(&b.1));
+        // Where nothing is left, 0/0 is none.
+        let gaps = gaps.enumerate().filter(|(_, gap)| !gap.is_nan());
+        let widest = gaps.max_by(|a, b| a.1.total_cmp(&b.1));
         let (place, stands_out) = widest.unwrap_or_default();
         largest.truncate(place + 1);
         for step in &mut largest {

@@ -101,16 +101,11 @@ pub fn verdict(result: &TraceResult) -> (String, String) {
         result.augmented.nrmse_held_out,
     );
     if let Some(rejected) = &result.rejected {
-        let kept = if result.adopted {
-            "no table is added"
-        } else {
-            "the law alone is kept"
-        };
         return (
-            format!("{heading}; {kept}"),
+            format!("{heading}; the law alone is kept"),
             format!(
-                "{sentence} What was found is no better on conditions that were held out in turn, and was not adopted: on data that was \
-                 never fitted it leaves {} where the law alone leaves {}.",
+                "The law lacks something. What was found is no better on conditions that were held out in turn, and was not \
+                 adopted: on data that was never fitted it leaves {}, where the law alone leaves {}.",
                 percent(rejected.augmented.nrmse_held_out),
                 percent(alone)
             ),

@@ -11,8 +11,8 @@ mesh_damper_recording::numbers! {
     }
 }
 
-/// Whether a law `with` more leaves less of conditions held out in turn than the law `alone`: both in all, where the worst weigh most, and of one after
-/// the other. A law that wins much in one condition and loses in the others would lose in the next.
+/// Whether a law `with` more leaves less of conditions held out in turn than the law `alone`: in all, where the worst weigh most, and from one to the
+/// next, where each weighs the same. A law that wins where little was left and loses where much was, or the other way round, would lose in the next.
 pub(super) fn gains(alone: &[RelativeError], with: &[RelativeError]) -> bool {
     let count = alone.len() as f64;
     let mean_square = |errors: &[RelativeError]| {
@@ -40,7 +40,7 @@ mod tests {
     }
 
     #[test]
-    fn a_gain_in_one_condition_pays_for_no_loss_in_the_others() {
+    fn a_gain_is_one_in_all_and_from_one_condition_to_the_next() {
         let alone = errors(&[0.1, 0.2, 0.3, 0.1]);
         assert!(gains(&alone, &errors(&[0.05, 0.1, 0.15, 0.05])));
         assert!(

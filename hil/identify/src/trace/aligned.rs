@@ -4,10 +4,12 @@
 use crate::families::delay;
 use crate::policy::policy;
 use crate::trace::closing::{Closed, Forces};
+use crate::trace::result::Verdict;
 use crate::trace::split::Role;
 use mesh_damper_model::predict::predict;
 use mesh_damper_model::{Model, ModelError};
 use mesh_damper_recording::Recording;
+use mesh_damper_recording::cycles::FoundBlock;
 use mesh_damper_recording::error::InputError;
 use mesh_damper_recording::pink::pink_deviation;
 use mesh_damper_recording::trajectory::{Known, Trajectory};
@@ -22,6 +24,10 @@ mesh_damper_recording::numbers! {
         same_shift: f64 = 1.5, Tuned("the injected channel faults");
         /// Ticks that forces are first moved too far: a model finds a force that is late better than one that is early.
         too_far: f64 = 0.5, Tuned("the injected channel faults");
+        /// Samples about a step of the zero among which none may be missing.
+        about_splices: usize = 32, Derived("those that say whether it comes at once: twice those of the narrowest means");
+        /// Blocks of this many cycles are steady: where one follows another, what a law lacks changes.
+        steady: usize = 3, Convention("one cycle more than a start and an end");
     }
 }
 
@@ -118,7 +124,8 @@ impl<'r> Aligned<'r> {
         any
     }
 
-    /// Moves forces back where their zero stepped most: whether any does in what eq 13 alone leaves, or what has a name in `closed`.
+    /// Moves forces back where their zero stepped most: whether any does in what has a name in `closed`, or, where that is not all, in what
+    /// eq 13 alone leaves.
     ///
     /// # Errors
     /// A law that the crate refuses.
@@ -128,8 +135,9 @@ impl<'r> Aligned<'r> {
             correction: None,
             ..closed.model.clone()
         };
+        let [fitted, held] = &mut self.trajectories;
         let mut any = false;
-        for (trajectory, forces) in self.trajectories[0].iter_mut().zip(&closed.forces) {
+        for (trajectory, forces) in fitted.iter_mut().zip(&closed.forces) {
             // Of what is held out nothing may be learned.
             let open: Vec<usize> = (0..trajectory.len())
                 .filter(|&index| trajectory.measured[index] && forces.roles[index] != Role::HeldOut)
@@ -139,11 +147,22 @@ impl<'r> Aligned<'r> {
                 each.map(|&index| trajectory.force[index] - predicted[index])
                     .collect()
             };
-            let left = [left(&forces.before), left(&predict(&named, trajectory)?)];
-            if let Some(step) = zero_step(&left.each_ref().map(Vec::as_slice)) {
-                trajectory.take_zero_step(open[step.sample], step.change);
-                any = true;
+            let mut each = vec![left(&predict(&named, trajectory)?)];
+            if closed.result.verdict == Verdict::Unlisted {
+                each.push(left(&forces.before));
             }
+            let each: Vec<&[f64]> = each.iter().map(Vec::as_slice).collect();
+            let step =
+                zero_step(&each).filter(|step| !changes_near(trajectory, &open, step.sample));
+            let Some(step) = step else { continue };
+            let sample = open[step.sample];
+            // A test that was run on holds what is fitted once more.
+            let again = held
+                .iter_mut()
+                .filter(|held| held.force.starts_with(&trajectory.force));
+            again.for_each(|held| held.take_zero_step(sample, step.change));
+            trajectory.take_zero_step(sample, step.change);
+            any = true;
         }
         Ok(any)
     }
@@ -201,6 +220,22 @@ impl<'r> Aligned<'r> {
         }
         Ok(())
     }
+}
+
+/// Whether the motion changes there, or samples of `open` are missing: what a law lacks changes with the amplitude and from one time to
+/// another.
+fn changes_near(trajectory: &Trajectory, open: &[usize], place: usize) -> bool {
+    let policy = &policy().aligned;
+    let about =
+        place.saturating_sub(policy.about_splices)..(place + policy.about_splices).min(open.len());
+    let is_spliced = open[about].windows(2).any(|pair| pair[1] > pair[0] + 1);
+    let blocks = trajectory.blocks.windows(2).filter(|pair| {
+        let steady = |block: &FoundBlock| block.cycles.len() >= policy.steady;
+        pair.iter().all(steady)
+    });
+    let cycle = |block: &FoundBlock| (1.0 / (block.frequency * trajectory.tick)) as usize;
+    let mut ends = blocks.map(|pair| (pair[1].samples.start, cycle(&pair[0]).max(cycle(&pair[1]))));
+    is_spliced || ends.any(|(end, cycle)| end.abs_diff(open[place]) <= cycle)
 }
 
 fn largest_amplitude(trajectory: &Trajectory) -> f64 {

@@ -123,7 +123,10 @@ impl<'a> Closing<'a> {
             table_rejected_by,
             rejected,
         } = if verdict == Verdict::Unlisted {
-            let found = self.preferred(selection, &left_out, solution)?;
+            let found = match solution.terms.is_empty() {
+                true => solution,
+                false => self.preferred(selection, &left_out, solution)?,
+            };
             self.unlisted(&left_out, alone, found, progress)?
         } else {
             Laws {

@@ -24,7 +24,7 @@ mesh_damper_recording::numbers! {
         /// With fewer blocks between the first and the last of their recordings those are left out too.
         fewest_inner: usize = 2, Convention("one alone decides nothing");
         /// With fewer conditions, stretches of the recordings take their place.
-        fewest_conditions: usize = 3, Convention("of two each would be told by the other alone");
+        fewest_conditions: usize = 3, Convention("of two each would be judged by the other alone");
         /// At most this many conditions are held out in turn.
         most_conditions: usize = 8, Convention("bounds the time: each takes a fit");
         /// Stretches that recordings without conditions are cut into.
@@ -454,7 +454,7 @@ fn conditions(trajectories: &[Trajectory], roles: &Roles) -> Vec<Condition> {
         by_amplitude.then(a.frequency.total_cmp(&b.frequency))
     });
     let count = blocks.len().min(most_conditions);
-    let each = (0..count).map(|place| blocks[place * (blocks.len() - 1) / (count - 1)]);
+    let each = (0..count).map(|place| blocks[place * (blocks.len() - 1) / (count - 1).max(1)]);
     each.map(|(which, block)| Condition {
         which,
         samples: block.samples.clone(),

@@ -24,8 +24,6 @@ mesh_damper_recording::numbers! {
 pub(super) struct Mended {
     /// Which of the laws it is made of.
     pub law: usize,
-    /// With its correction, if it has one.
-    pub model: Model,
     /// How the correction was made, where there is one.
     pub choice: Option<correction::Choice>,
     /// What the correction depends on, by the names of `trace.json`.
@@ -86,7 +84,6 @@ pub(super) fn mended(
     };
     Ok(Mended {
         law,
-        model,
         choice,
         depends_on,
         table_rejected_by,

@@ -55,7 +55,7 @@ pub struct TraceResult {
     /// conditions that are held out in turn.
     #[serde(default = "is_adopted")]
     pub adopted: bool,
-    /// What was found and not adopted; null where it was.
+    /// The errors of what was found and not adopted; null where it was, or where nothing was found.
     #[serde(default)]
     pub rejected: Option<Rejected>,
 }

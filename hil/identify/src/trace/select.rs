@@ -428,6 +428,8 @@ impl<'a> Search<'a> {
         }
         if let Some((best, rest)) = tried.split_first_mut() {
             for rival in rest {
+                // What may be the best and more, and does no better, is at the limit of its shapes.
+                rival.degenerate |= rival.fitted.includes(&best.fitted);
                 rival.distinguishable =
                     !rival.admissible || best.fitted.score.beats(&rival.fitted.score);
             }
@@ -485,9 +487,12 @@ impl<'a> Search<'a> {
         let known = law.solution.terms();
         // A law that was judged is none that the crate refuses.
         let predicted = law.predicted(self.trajectories).unwrap_or_default();
-        let extent = self
-            .extent
-            .with_tones(tones(self.trajectories, self.roles, &predicted));
+        let extent = self.extent.with_tones(tones(
+            self.trajectories,
+            self.roles,
+            &predicted,
+            &self.of_motion,
+        ));
         drop(predicted);
         let screen = Screen::at(&self.rows, &extent, &law.solution);
         // The work for one differs from that for another by orders of magnitude.

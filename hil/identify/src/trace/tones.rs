@@ -11,6 +11,8 @@ mesh_damper_recording::numbers! {
     TonesPolicy {
         /// A search for a tone starts from this many of the strongest lines.
         most: usize = 3, Tuned("the blind trial");
+        /// Of this many of the strongest lines, without those that the motion makes.
+        seen: usize = 24, Convention("those that the motion makes are a dozen");
         /// A motion of at most this many lines has frequencies of its own.
         most_of_motion: usize = 4, Convention("a modulated or beating sine has three; of more the sums fill the band");
         /// They hold this part of the displacement's power.
@@ -109,9 +111,14 @@ fn few_lines(mut samples: Vec<f64>) -> Vec<f64> {
 /// Bins to either side of a line's peak that it has under the window of [`powers`].
 const LEAKS: usize = 2;
 
-/// The frequencies in Hz of the strongest lines in what `predicted` (kN, per trajectory and sample) leaves of the force of
+/// The frequencies in Hz, without those `of_motion`, of the strongest lines in what `predicted` (kN, per trajectory and sample) leaves of the force of
 /// the longest trajectory, the strongest first; of the samples that are open, by `roles`.
-pub fn tones(trajectories: &[Trajectory], roles: &Roles, predicted: &[Vec<f64>]) -> Vec<f64> {
+pub fn tones(
+    trajectories: &[Trajectory],
+    roles: &Roles,
+    predicted: &[Vec<f64>],
+    of_motion: &OfMotion,
+) -> Vec<f64> {
     let Some(longest) = (0..trajectories.len()).max_by_key(|&which| trajectories[which].len())
     else {
         return Vec::new();
@@ -126,10 +133,9 @@ pub fn tones(trajectories: &[Trajectory], roles: &Roles, predicted: &[Vec<f64>])
             }
         })
         .collect();
-    lines(left)
-        .into_iter()
-        .map(|line| line / trajectory.tick)
-        .collect()
+    let frequencies = lines(left).into_iter().map(|line| line / trajectory.tick);
+    let without = frequencies.filter(|&frequency| !of_motion.holds(frequency));
+    without.take(policy().tones.most).collect()
 }
 
 /// The strongest lines in cycles per sample.
@@ -140,8 +146,9 @@ fn lines(samples: Vec<f64>) -> Vec<f64> {
         .filter(|&k| powers[k] > powers[k - 1] && powers[k] >= powers[k + 1])
         .collect();
     peaks.sort_by(|&a, &b| powers[b].total_cmp(&powers[a]));
-    let strongest = peaks.into_iter().take(policy().tones.most);
-    strongest
+    peaks
+        .into_iter()
+        .take(policy().tones.seen)
         .map(|peak| place_of_line(&powers, peak) / count as f64)
         .collect()
 }

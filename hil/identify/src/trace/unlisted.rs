@@ -67,18 +67,17 @@ impl Closing<'_> {
         let fits: Vec<Fit> = fits.iter().map(|fit| fit as Fit).collect();
         let mended = mended(self.trajectories, left_out, &fits)?;
         let (of_law, law) = laws[mended.law];
-        let mut ended = Laws {
-            rows: of_law,
-            solution: self.fit_there(of_law, law),
-            alone: alone.clone(),
-            model: mended.model,
+        let kept = Laws {
+            rows,
+            model: alone.model(),
+            solution: alone.clone(),
             nameless: mended.depends_on,
             table_rejected_by: mended.table_rejected_by,
             rejected: None,
+            alone: alone.clone(),
         };
-        if ended.solution.terms.is_empty() && mended.choice.is_none() && std::ptr::eq(of_law, rows)
-        {
-            return Ok(ended);
+        if law.terms.is_empty() && mended.choice.is_none() {
+            return Ok(kept);
         }
         let in_turn = |rows: &Rows, law: &Solution, choice: Option<&Choice>| {
             left_out.in_turn(&|picked| {
@@ -90,32 +89,49 @@ impl Closing<'_> {
             })
         };
         let left = |errors: &[RelativeError]| RelativeError::mean(errors).beyond_noise();
-        let of_ended = in_turn(of_law, &ended.solution, mended.choice.as_ref())?;
-        // What has names is bounded by its physics where it was not fitted, a table only by its edges.
+        let choice = mended.choice.as_ref();
+        let of_ended = in_turn(of_law, law, choice)?;
         let named = laws.last().filter(|(_, law)| !law.terms.is_empty());
-        let named = named.filter(|_| mended.choice.is_some());
-        let of_named = named.map(|&(rows, law)| in_turn(rows, law, None));
-        let of_named = of_named.transpose()?;
-        let named = named.zip(of_named);
-        if let Some((&(rows, law), errors)) = named
-            && gains(of_alone, &errors)
-            && clearly_best([left(&errors), left(&of_ended)].into_iter()) == 0
+        // What has names is bounded by its physics where it was not fitted, a table only by its edges.
+        if choice.is_some()
+            && let Some(&(rows, law)) = named
         {
-            ended.rows = rows;
-            ended.solution = self.fit_there(rows, law);
-            ended.table_rejected_by = Some(Rule::TableUnknownElsewhere);
-        } else if gains(of_alone, &of_ended) {
-            return Ok(ended);
-        } else {
-            ended.rejected = Some(self.rejected(&ended.model)?);
-            if mended.choice.is_some() {
-                ended.table_rejected_by = Some(Rule::TableUnknownElsewhere);
+            let of_named = in_turn(rows, law, None)?;
+            if gains(of_alone, &of_named)
+                && clearly_best([left(&of_named), left(&of_ended)].into_iter()) == 0
+            {
+                let solution = self.fit_there(rows, law);
+                return Ok(Laws {
+                    rows,
+                    model: solution.model(),
+                    solution,
+                    table_rejected_by: Some(Rule::TableUnknownElsewhere),
+                    ..kept
+                });
             }
-            ended.rows = rows;
-            ended.solution = alone.clone();
         }
-        ended.model = ended.solution.model();
-        Ok(ended)
+        let solution = self.fit_there(of_law, law);
+        let model = match choice {
+            Some(choice) => {
+                let open: Picked = &|which, sample| left_out.is_open(which, sample);
+                refit(choice, self.trajectories, &solution.model(), open)?
+            }
+            None => solution.model(),
+        };
+        if gains(of_alone, &of_ended) {
+            return Ok(Laws {
+                rows: of_law,
+                solution,
+                model,
+                ..kept
+            });
+        }
+        let without_table = choice.map(|_| Rule::TableUnknownElsewhere);
+        Ok(Laws {
+            rejected: Some(self.rejected(&model)?),
+            table_rejected_by: without_table.or(kept.table_rejected_by),
+            ..kept
+        })
     }
 
     /// The errors of a law that is not adopted.

@@ -54,6 +54,8 @@ fn a_zero_that_steps_is_moved_back() {
     }
     let result = traced(test(0.0, 0.1, &steps(5), 5), test(0.0, 0.0, &steps(6), 6));
     assert_eq!(result.verdict, Verdict::None, "{:?}", result.warnings);
+    let told = |warning: &String| warning.contains("the zero of the force steps by");
+    assert!(result.warnings.iter().any(told), "{:?}", result.warnings);
 }
 
 /// A specimen that warms as it works softens with the swell of a modulated sine: at a frequency of the motion, which no tone from without
@@ -100,5 +102,33 @@ fn what_swells_with_the_motion_is_no_tone() {
             .iter()
             .any(|effect| effect.family == "periodic");
         assert!(!named, "{lasts} s: {:?}", result.effects);
+    }
+}
+
+/// The mean force of a specimen that is stiffer on one side changes with the amplitude: that is no step of a zero.
+#[test]
+fn a_mean_that_changes_with_the_amplitude_is_no_step_of_the_zero() {
+    let sines = |time: f64| {
+        let amplitude = [0.05, 0.1, 0.05, 0.1][((time / 7.5) as usize).min(3)];
+        let (sin, cos) = (TAU * 4.0 * time).sin_cos();
+        [amplitude * sin, amplitude * TAU * 4.0 * cos]
+    };
+    let test = |stiffness: f64, power: i32, seed: u64| {
+        let mut recording = recorded(sines, 5e-3, 5e-5, seed);
+        for (force, time) in recording.force.iter_mut().zip(&recording.time) {
+            *force += stiffness * sines(*time)[0].abs().powi(power);
+        }
+        recording
+    };
+    // Of the list, and of no list.
+    for power in [2, 1] {
+        let result = traced(test(2.0, power, 1), test(2.0, power, 2));
+        let told = |warning: &String| warning.contains("the zero of the force");
+        assert!(
+            !result.warnings.iter().any(told),
+            "{power}: {:?}",
+            result.warnings
+        );
+        assert_ne!(result.verdict, Verdict::None, "{power}");
     }
 }

@@ -13,7 +13,7 @@ crate::numbers! {
         against: f64 = -0.2, Tuned("the injected channel faults");
         /// A force that gives more than this part of the most that it could stands against the velocity, though its correlation with the
         /// displacement is only not above `with`: a damper that is hardly a spring.
-        gives: f64 = 0.5, Convention("a half: a sine's is 0.5 where the force is 60° off, and a spring's is not late by that");
+        gives: f64 = 0.5, Convention("a half: that of a sine whose force is 70° off, and a spring's is not late by that");
         /// A force with a larger correlation with the displacement may be late and not turned.
         with: f64 = 0.3, Convention("a force that leads or lags by 73° or more");
         /// Samples that a step of displacement is taken over, so that its noise is small beside it.
@@ -94,5 +94,6 @@ mod tests {
         }
         assert!(!is(-3.0, 0.2, 0.0), "a mass");
         assert!(!is(1.0, 0.1, 0.15), "a spring with a late force");
+        assert!(is(1.0, 0.1, 0.3), "no spring is late by 108°");
     }
 }

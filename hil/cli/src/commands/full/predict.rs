@@ -104,13 +104,10 @@ impl Predict {
         })?;
         let band = band(&model, &trajectory)
             .map_err(|error| model_error(&self.model.display().to_string(), &error))?;
-        let measured: Vec<f64> = trajectory
-            .measured
-            .iter()
-            .map(|&is| f64::from(is))
-            .collect();
-        let [force, band, measured] =
-            [force, band, measured].map(|values| uniform.at_samples_of(&mended, &values));
+        let error = nrmse(&force, &trajectory.force, |sample| {
+            trajectory.measured[sample]
+        });
+        let [force, band] = [force, band].map(|values| uniform.at_samples_of(&mended, &values));
 
         for fault in &trajectory.faults {
             warn(&format!("{}: {fault}", recording.name));
@@ -139,7 +136,7 @@ impl Predict {
             recording: &self.recording,
             on: self.on,
             samples: recording.len(),
-            nrmse: nrmse(&force, &mended.force, |sample| measured[sample] == 1.0),
+            nrmse: error,
             band: rms(&band) / rms(&mended.force),
             beyond_fitted_range: beyond,
         };
