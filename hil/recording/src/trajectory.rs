@@ -40,8 +40,6 @@ crate::numbers! {
         crossing_noises: f64 = 6.0, Derived("white noise does so about twice in 10⁹ samples");
         /// A crossing counts where the displacement leaves a band of this part of its range about its middle.
         crossing: f64 = 0.01, Convention("a hundredth of the largest motion is the smallest that counts");
-        /// What a force channel remembers of a motion before the recording has faded after so long, s.
-        remembered: f64 = 0.05, Convention("five times over behind a filter of 25 Hz, a slow one for a load cell");
         /// The temperature of a recording that has none, °C.
         room: f64 = 20.0, Convention("a laboratory's");
     }
@@ -513,8 +511,8 @@ impl Trajectory {
         self.motion.displacement.is_empty()
     }
 
-    /// Whether the law can be compared with the force at a sample: it was measured, it shows nothing from before the recording, it
-    /// is not next to a kink, and its velocity is certain enough for the law's steep |v|^α, or certainly none.
+    /// Whether the law can be compared with the force at a sample: it was measured, it is not next to a kink, and its
+    /// velocity is certain enough for the law's steep |v|^α, or certainly none.
     pub fn is_telling(&self, index: usize) -> bool {
         let after = self.motion.kinks.partition_point(|&kink| kink + 1 < index);
         let at_kink = self
@@ -524,19 +522,7 @@ impl Trajectory {
             .is_some_and(|kink| kink.abs_diff(index) <= 1);
         let certain = self.motion.velocity[index].abs()
             > policy().trajectory.certain * self.motion.velocity_deviation[index];
-        self.measured[index]
-            && !self.is_remembered(index)
-            && (certain || self.motion.is_at_rest(index))
-            && !at_kink
-    }
-
-    /// Whether a force channel with a lag may still show a motion from before the recording, which begins in its midst: neither at rest nor
-    /// with a block that has a frequency.
-    fn is_remembered(&self, index: usize) -> bool {
-        let is_steady = |block: &FoundBlock| block.cycles.len() >= policy().shift.steady;
-        (index as f64) * self.tick < policy().trajectory.remembered
-            && !self.blocks.first().is_some_and(is_steady)
-            && !self.motion.is_at_rest(0)
+        self.measured[index] && (certain || self.motion.is_at_rest(index)) && !at_kink
     }
 
     /// What the channel shows of `force`, one value per sample.

@@ -430,25 +430,3 @@ fn corners_of_a_fast_triangle_stay_corners() {
         .filter(|v| (v.abs() / speed - 1.0).abs() < 0.02);
     assert!(close.count() > 16_000);
 }
-
-/// A channel with a lag still shows what came before a recording that begins in the midst of a motion: 50 ms of it tell nothing. A programme
-/// and a rest have nothing before them.
-#[test]
-fn what_came_before_a_recording_is_not_judged() {
-    let chirp = |from: f64| -> Vec<f64> {
-        let time = (0..4000).map(|n| from + f64::from(n) * TICK);
-        let motion = time.map(|t| 0.1 * (TAU * t * (1.0 + 0.05 * t)).sin() * (0.31 * t).cos());
-        motion.collect()
-    };
-    let telling = |displacement: &[f64], samples: std::ops::Range<usize>| {
-        let trajectory = trajectory(displacement);
-        samples.filter(|&n| trajectory.is_telling(n)).count()
-    };
-    let midst = chirp(3.3);
-    assert_eq!(telling(&midst, 0..25), 0);
-    assert!(telling(&midst, 25..50) > 20);
-    assert!(telling(&programme(&BLOCKS).0, 0..25) > 20);
-    let held = vec![midst[0]; 500];
-    let from_rest = [&held[..], &midst].concat();
-    assert!(telling(&from_rest, 0..25) > 20);
-}

@@ -23,7 +23,9 @@ pub(super) fn gains(alone: &[RelativeError], with: &[RelativeError]) -> bool {
     let ratios = ratios.map(|(alone, with)| (with.beyond_noise() / alone.beyond_noise()).ln());
     let mean_ratio = (ratios.sum::<f64>() / count).exp();
     let gain = policy().adopt.gain;
-    (mean_square(with) / mean_square(alone)).sqrt() < gain && mean_ratio < gain
+    // What is beyond the noise is 0 of what is no number.
+    let finite = with.iter().all(|one| one.error.is_finite());
+    finite && (mean_square(with) / mean_square(alone)).sqrt() < gain && mean_ratio < gain
 }
 
 #[cfg(test)]
