@@ -170,7 +170,7 @@ fn concluded(result: &TraceResult) -> (String, String) {
         ),
         Verdict::Unlisted if result.effects.is_empty() => (
             "An effect that is not on the list".into(),
-            "The law lacks something, and none of the effects tried explains any of it. Nothing is added.".into(),
+            "The law lacks something, and none of the effects tried explains any of it. Nothing was added.".into(),
         ),
         Verdict::Unlisted => (
             "An effect that is not on the list".into(),
