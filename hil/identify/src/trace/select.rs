@@ -448,7 +448,9 @@ impl<'a> Search<'a> {
             let same = fitted.families() == best_fitted.families();
             match fitted.parameters().cmp(&best_fitted.parameters()) {
                 Ordering::Less => best.degenerate || same || best_fitted.includes(fitted),
-                Ordering::Equal => same && fitted.rank() < best_fitted.rank(),
+                Ordering::Equal => {
+                    same && fitted.rank() < best_fitted.rank() || best_fitted.includes(fitted)
+                }
                 Ordering::Greater => false,
             }
         };
@@ -496,7 +498,7 @@ impl<'a> Search<'a> {
         drop(predicted);
         let screen = Screen::at(&self.rows, &extent, &law.solution);
         // The work for one differs from that for another by orders of magnitude.
-        let mut rated: Vec<(Term, Vec<Start>)> = self
+        let mut rated: Vec<(Term, Solution, Vec<Start>)> = self
             .terms
             .par_iter()
             .with_max_len(1)
@@ -504,27 +506,38 @@ impl<'a> Search<'a> {
                 let same = known.iter().filter(|known| known.form == term.form).count();
                 same < term.form.most && !known.iter().any(|known| known.form.excludes(term.form))
             })
-            .map(|&term| (term, screen.starts(term)))
-            .filter(|(_, starts)| !starts.is_empty())
+            .filter_map(|&term| {
+                if term.form.special_cases.is_empty() {
+                    return Some((term, law.solution.clone(), screen.starts(term)));
+                }
+                // One that may be several simpler ones is tried in the place of the last of those, where they are not all: alone it would be
+                // taken for any two of them.
+                let is_special =
+                    |known: &Term| term.form.special_cases.contains(&known.form.family);
+                let rest = law.solution.without(known.iter().rposition(is_special)?);
+                let starts = Screen::at(&self.rows, &extent, &rest).starts(term);
+                Some((term, rest, starts))
+            })
+            .filter(|(_, _, starts)| !starts.is_empty())
             .collect();
-        rated.sort_by(|a, b| b.1[0].gain.total_cmp(&a.1[0].gain));
+        rated.sort_by(|a, b| b.2[0].gain.total_cmp(&a.2[0].gain));
         let promising =
-            policy().select.promising * rated.first().map_or(0.0, |(_, starts)| starts[0].gain);
+            policy().select.promising * rated.first().map_or(0.0, |(_, _, starts)| starts[0].gain);
         rated
             .into_par_iter()
             .with_max_len(1)
             .enumerate()
-            .filter_map(|(place, (term, starts))| {
-                let terms: Vec<Term> = known.iter().copied().chain([term]).collect();
+            .filter_map(|(place, (term, base, starts))| {
+                let terms: Vec<Term> = base.terms().into_iter().chain([term]).collect();
                 let problem = Problem::new(&self.rows, &extent, &terms);
                 let is_fitted = place < most && starts[0].gain > promising;
                 let solution = if is_fitted {
                     starts[..policy().select.starts.min(starts.len())]
                         .par_iter()
-                        .map(|start| problem.solve_from(&law.solution, &start.shapes))
+                        .map(|start| problem.solve_from(&base, &start.shapes))
                         .min_by(|a, b| a.squares.total_cmp(&b.squares))?
                 } else {
-                    problem.solve_at(&law.solution, &starts[0].shapes)
+                    problem.solve_at(&base, &starts[0].shapes)
                 };
                 // A fit that ends in coefficients which the crate refuses is no candidate.
                 Some((term, self.judged(solution).ok()?, is_fitted))

@@ -92,13 +92,13 @@ impl Closing<'_> {
         let choice = mended.choice.as_ref();
         let of_ended = in_turn(of_law, law, choice)?;
         let named = laws.last().filter(|(_, law)| !law.terms.is_empty());
-        // What has names is bounded by its physics where it was not fitted, a table only by its edges.
+        // A table that follows how well it fits may say less than names of what it was not fitted to.
         if choice.is_some()
             && let Some(&(rows, law)) = named
         {
             let of_named = in_turn(rows, law, None)?;
             if gains(of_alone, &of_named)
-                && clearly_best([left(&of_named), left(&of_ended)].into_iter()) == 0
+                && clearly_best([left(&of_ended), left(&of_named)].into_iter()) == 1
             {
                 let solution = self.fit_there(rows, law);
                 return Ok(Laws {

@@ -76,7 +76,15 @@ pub(super) fn conclude(selection: &Selection, left: f64) -> (Verdict, Option<Rul
 /// judging cycles do not tell from it.
 pub(super) fn rivals(selection: &Selection) -> Vec<&Candidate> {
     let found = &selection.found;
-    let last = found.solution.terms.len();
+    let families = found.families();
+    let added = selection
+        .candidates
+        .iter()
+        .filter(|candidate| candidate.added);
+    let as_found = added.filter(|candidate| candidate.fitted.families() == families);
+    // What took the place of another has fewer terms than there were steps.
+    let last = as_found.map(|candidate| candidate.step).max();
+    let last = last.unwrap_or(found.solution.terms.len());
     let mut known: Vec<Vec<Family>> = Vec::new();
     selection
         .candidates
