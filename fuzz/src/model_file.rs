@@ -149,7 +149,10 @@ static GOOD: LazyLock<Vec<Vec<u8>>> = LazyLock::new(|| {
             None,
         ),
         model(
-            &[("viscous", &[("c1", 0.01)]), ("delay", &[("corner", 200.0)])],
+            &[
+                ("viscous", &[("c1", 0.01)]),
+                ("delay", &[("corner", 200.0)]),
+            ],
             Some(correction),
         ),
     ]
