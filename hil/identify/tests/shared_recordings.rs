@@ -129,8 +129,11 @@ fn a_measured_damper_is_predicted_twice_as_well_at_a_condition_not_fitted() {
             after <= most * before,
             "{current}: {before} before, {after} after"
         );
-        // Friction behind a spring, sharp or not: what the specimen truly has nobody knows.
-        let mut effects = result.effects.iter();
-        assert!(effects.any(|effect| ["stick_slip", "yielding"].contains(&effect.family.as_str())));
+        assert!(
+            result
+                .effects
+                .iter()
+                .any(|effect| effect.family == "stick_slip")
+        );
     }
 }

@@ -4,7 +4,9 @@
 //! lie on one line over all octaves.
 
 use super::spectrum::density;
+use crate::faults::{Channel, ChannelFault, ChannelFaultKind};
 use crate::policy::policy;
+use crate::trajectory::Trajectory;
 
 crate::numbers! {
     /// Noise that grows towards low frequencies.
@@ -60,6 +62,19 @@ pub fn pink_deviation(left: &[f64]) -> Option<f64> {
     // A constant has the first two bins.
     let noise = density[2..].iter().sum::<f64>() / density.len() as f64;
     (worst < straight).then(|| noise.sqrt())
+}
+
+impl Trajectory {
+    /// Takes the force's noise to have a deviation of `noise` kN, of which quick changes show a part only.
+    pub fn take_pink_noise(&mut self, noise: f64) {
+        let times = noise / self.force_noise;
+        self.noise_beside = times;
+        self.force_noise = noise;
+        self.faults.push(ChannelFault {
+            channel: Channel::Force,
+            kind: ChannelFaultKind::Pink { times },
+        });
+    }
 }
 
 #[cfg(test)]

@@ -316,41 +316,6 @@ impl Trajectory {
         self.force_noise = self.noise_beside * noise;
     }
 
-    /// Takes the force's noise to have a deviation of `noise` kN, of which quick changes show a part only.
-    pub fn take_pink_noise(&mut self, noise: f64) {
-        let times = noise / self.force_noise;
-        self.noise_beside = times;
-        self.force_noise = noise;
-        self.faults.push(ChannelFault {
-            channel: Channel::Force,
-            kind: ChannelFaultKind::Pink { times },
-        });
-    }
-
-    /// Moves the force back from `sample` on, where its zero changed by `change` kN; or by so much more than was found before.
-    pub fn take_zero_step(&mut self, sample: usize, change: f64) {
-        for force in &mut self.force[sample..] {
-            *force -= change;
-        }
-        let now = sample as f64 * self.tick;
-        let about = policy().zero.narrowest as f64 * self.tick;
-        for fault in &mut self.faults {
-            if let ChannelFaultKind::ZeroStep {
-                time,
-                change: before,
-            } = &mut fault.kind
-                && (*time - now).abs() < about
-            {
-                *before += change;
-                return;
-            }
-        }
-        self.faults.push(ChannelFault {
-            channel: Channel::Force,
-            kind: ChannelFaultKind::ZeroStep { time: now, change },
-        });
-    }
-
     /// Carries the error of the motion into what a law is held to: `force` is about what the law gives at a displacement in mm, a
     /// velocity in mm/s and an acceleration in mm/s², kN.
     pub fn carry_motion_error(&mut self, force: impl Fn(f64, f64, f64) -> f64) {

@@ -1,12 +1,14 @@
-//! A zero of the load cell that steps: an amplifier was tared anew, a cable was touched.
+//! A zero of the load cell that steps: an amplifier was tared, a cable was touched.
 //!
 //! It is looked for in what a law leaves. What a law lacks goes to and fro with the motion and changes about as fast in many places. A zero
 //! changes in one and stays.
 
 use std::ops::Range;
 
+use crate::faults::{Channel, ChannelFault, ChannelFaultKind};
 use crate::noise::noise_deviation;
 use crate::policy::policy;
+use crate::trajectory::Trajectory;
 
 crate::numbers! {
     /// A zero that steps.
@@ -164,6 +166,32 @@ impl Sums {
             && of_levels.zip(steps).all(|(apart, step)| {
                 agrees(apart, step, 0.0) && agrees(at_once(step.sample), step, of_noise)
             })
+    }
+}
+
+impl Trajectory {
+    /// Moves the force back from `sample` on, where its zero changed by `change` kN; or by so much more than was found before.
+    pub fn take_zero_step(&mut self, sample: usize, change: f64) {
+        for force in &mut self.force[sample..] {
+            *force -= change;
+        }
+        let now = sample as f64 * self.tick;
+        let about = policy().zero.narrowest as f64 * self.tick;
+        for fault in &mut self.faults {
+            if let ChannelFaultKind::ZeroStep {
+                time,
+                change: before,
+            } = &mut fault.kind
+                && (*time - now).abs() < about
+            {
+                *before += change;
+                return;
+            }
+        }
+        self.faults.push(ChannelFault {
+            channel: Channel::Force,
+            kind: ChannelFaultKind::ZeroStep { time: now, change },
+        });
     }
 }
 

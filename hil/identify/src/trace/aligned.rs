@@ -24,10 +24,6 @@ mesh_damper_recording::numbers! {
         same_shift: f64 = 1.5, Tuned("the injected channel faults");
         /// Ticks that forces are first moved too far: a model finds a force that is late better than one that is early.
         too_far: f64 = 0.5, Tuned("the injected channel faults");
-        /// Samples about a step of the zero among which none may be missing.
-        about_splices: usize = 32, Derived("those that say whether it comes at once: twice those of the narrowest means");
-        /// Blocks of this many cycles are steady: where one follows another, what a law lacks changes.
-        steady: usize = 3, Convention("one cycle more than a start and an end");
     }
 }
 
@@ -225,12 +221,13 @@ impl<'r> Aligned<'r> {
 /// Whether the motion changes there, or samples of `open` are missing: what a law lacks changes with the amplitude and from one time to
 /// another.
 fn changes_near(trajectory: &Trajectory, open: &[usize], place: usize) -> bool {
-    let policy = &policy().aligned;
-    let about =
-        place.saturating_sub(policy.about_splices)..(place + policy.about_splices).min(open.len());
+    let policy = mesh_damper_recording::policy::policy();
+    // What says whether it comes at once: two of the narrowest means to either side.
+    let reach = 2 * policy.zero.narrowest;
+    let about = place.saturating_sub(reach)..(place + reach).min(open.len());
     let is_spliced = open[about].windows(2).any(|pair| pair[1] > pair[0] + 1);
     let blocks = trajectory.blocks.windows(2).filter(|pair| {
-        let steady = |block: &FoundBlock| block.cycles.len() >= policy.steady;
+        let steady = |block: &FoundBlock| block.cycles.len() >= policy.shift.steady;
         pair.iter().all(steady)
     });
     let cycle = |block: &FoundBlock| (1.0 / (block.frequency * trajectory.tick)) as usize;

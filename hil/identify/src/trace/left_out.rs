@@ -213,22 +213,27 @@ impl<'a> LeftOut<'a> {
         Ok(RelativeError::mean(&errors).beyond_noise())
     }
 
+    /// What the law leaves of samples of one trajectory when it is fitted to all others that may be.
+    fn held_out(
+        &self,
+        fit: Fit,
+        which: usize,
+        samples: &Range<usize>,
+    ) -> Result<Option<RelativeError>, ModelError> {
+        let model = fit(&|other, sample| {
+            self.is_open(other, sample) && !(other == which && samples.contains(&sample))
+        })?;
+        let trajectory = &self.trajectories[which];
+        let is_fair = |i: usize| self.is_open(which, i) && trajectory.is_telling(i);
+        let predicted = predict(&model, trajectory)?;
+        Ok(RelativeError::of(trajectory, &predicted, samples, is_fair))
+    }
+
     /// What the law leaves of each condition that may be fitted when that is held out, in the order of [`conditions`].
     pub fn in_turn(&self, fit: Fit) -> Result<Vec<RelativeError>, ModelError> {
         let errors = self.conditions.par_iter().map(|condition| {
-            let Condition {
-                which,
-                ref samples,
-                loud,
-            } = *condition;
-            let model = fit(&|other, sample| {
-                self.is_open(other, sample) && !(other == which && samples.contains(&sample))
-            })?;
-            let trajectory = &self.trajectories[which];
-            let is_fair = |i: usize| self.is_open(which, i) && trajectory.is_telling(i);
-            let predicted = predict(&model, trajectory)?;
-            let error = RelativeError::of(trajectory, &predicted, samples, is_fair);
-            Ok(error.map(|error| error.times(loud)))
+            let error = self.held_out(fit, condition.which, &condition.samples)?;
+            Ok(error.map(|error| error.times(condition.loud)))
         });
         let errors: Vec<Option<RelativeError>> = errors.collect::<Result<_, ModelError>>()?;
         Ok(errors.into_iter().flatten().collect())
@@ -245,20 +250,8 @@ impl<'a> LeftOut<'a> {
                 noise: goal(jury.noise()).powi(2),
             });
         }
-        let errors = self.blocks.par_iter().map(|(which, block)| {
-            let model = fit(&|other, sample| {
-                self.is_open(other, sample) && !(other == *which && block.samples.contains(&sample))
-            })?;
-            let trajectory = &self.trajectories[*which];
-            let is_fair = |i: usize| self.is_open(*which, i) && trajectory.is_telling(i);
-            let predicted = predict(&model, trajectory)?;
-            Ok(RelativeError::of(
-                trajectory,
-                &predicted,
-                &block.samples,
-                is_fair,
-            ))
-        });
+        let errors = self.blocks.par_iter();
+        let errors = errors.map(|(which, block)| self.held_out(fit, *which, &block.samples));
         let errors: Vec<Option<RelativeError>> = errors.collect::<Result<_, ModelError>>()?;
         let errors: Vec<RelativeError> = errors.into_iter().flatten().collect();
         Ok(RelativeError::mean(&errors))
@@ -331,28 +324,38 @@ impl RelativeError {
     }
 }
 
-/// Of the blocks whose amplitude another one has, so that eq 13 is known there, some that are evenly spread over amplitude
-/// and frequency; where those are few, of amplitudes between others too, and of all where there is none such. The first and the
-/// last of several in a recording are not left out where there are others.
-fn blocks<'t>(trajectories: &'t [Trajectory], roles: &Roles) -> Vec<(usize, &'t FoundBlock)> {
-    let mut blocks: Vec<(usize, &FoundBlock)> = trajectories
-        .iter()
-        .enumerate()
-        .flat_map(|(which, trajectory)| trajectory.blocks.iter().map(move |block| (which, block)))
+/// Blocks of at least that many cycles of which something may be fitted, by their amplitude, then by their frequency.
+fn blocks_of_cycles<'t>(
+    trajectories: &'t [Trajectory],
+    roles: &Roles,
+    fewest: usize,
+) -> Vec<(usize, &'t FoundBlock)> {
+    let each = trajectories.iter().enumerate();
+    let each = each
+        .flat_map(|(which, trajectory)| trajectory.blocks.iter().map(move |block| (which, block)));
+    let mut blocks: Vec<(usize, &FoundBlock)> = each
         .filter(|(which, block)| {
             let mut samples = block.samples.clone();
             let trajectory = &trajectories[*which];
-            block.cycles.len() > 1
+            block.cycles.len() >= fewest
                 && samples.any(|i| roles.is_open(*which, i) && trajectory.is_telling(i))
         })
         .collect();
-    if blocks.len() < policy().left_out.fewest_blocks {
-        return Vec::new();
-    }
     blocks.sort_by(|(_, a), (_, b)| {
         let by_amplitude = a.amplitude.total_cmp(&b.amplitude);
         by_amplitude.then(a.frequency.total_cmp(&b.frequency))
     });
+    blocks
+}
+
+/// Of the blocks whose amplitude another one has, so that eq 13 is known there, some that are evenly spread over amplitude
+/// and frequency; where those are few, of amplitudes between others too, and of all where there is none such. The first and the
+/// last of several in a recording are not left out where there are others.
+fn blocks<'t>(trajectories: &'t [Trajectory], roles: &Roles) -> Vec<(usize, &'t FoundBlock)> {
+    let blocks = blocks_of_cycles(trajectories, roles, 2);
+    if blocks.len() < policy().left_out.fewest_blocks {
+        return Vec::new();
+    }
     let has_another = |block: &FoundBlock| {
         let mut others = blocks.iter().filter(|(_, b)| !std::ptr::eq(*b, block));
         others.any(|(_, other)| same_amplitude(other.amplitude, block.amplitude))
@@ -407,16 +410,7 @@ fn conditions(trajectories: &[Trajectory], roles: &Roles) -> Vec<Condition> {
         stretches,
         ..
     } = policy().left_out;
-    let mut blocks: Vec<(usize, &FoundBlock)> = Vec::new();
-    for (which, trajectory) in trajectories.iter().enumerate() {
-        let is_telling = |block: &&FoundBlock| {
-            let mut samples = block.samples.clone();
-            block.cycles.len() >= policy().left_out.some_cycles
-                && samples.any(|i| roles.is_open(which, i) && trajectory.is_telling(i))
-        };
-        let of_one = trajectory.blocks.iter().filter(is_telling);
-        blocks.extend(of_one.map(|block| (which, block)));
-    }
+    let blocks = blocks_of_cycles(trajectories, roles, policy().left_out.some_cycles);
     // The cycles of a random motion are like others only by chance: what blocks have of it is no condition.
     let open = |which: usize, samples: &Range<usize>| {
         samples.clone().filter(|&i| roles.is_open(which, i)).count()
@@ -449,10 +443,6 @@ fn conditions(trajectories: &[Trajectory], roles: &Roles) -> Vec<Condition> {
         };
         return trajectories.iter().enumerate().flat_map(cut).collect();
     }
-    blocks.sort_by(|(_, a), (_, b)| {
-        let by_amplitude = a.amplitude.total_cmp(&b.amplitude);
-        by_amplitude.then(a.frequency.total_cmp(&b.frequency))
-    });
     let count = blocks.len().min(most_conditions);
     let each = (0..count).map(|place| blocks[place * (blocks.len() - 1) / (count - 1).max(1)]);
     each.map(|(which, block)| Condition {

@@ -7,6 +7,7 @@
 pub(crate) mod adopt;
 pub(crate) mod aligned;
 mod closing;
+mod fitted;
 pub(crate) mod left_out;
 pub(crate) mod mend;
 pub mod result;

@@ -1,7 +1,8 @@
 //! Which rule a candidate of the search falls to.
 
+use super::fitted::Fitted;
 use super::rule::Rule;
-use super::select::{Candidate, Fitted};
+use super::select::Candidate;
 
 /// Of the candidates of one step, the best first, those that the judging cycles tell from it or that it stands for.
 pub(super) fn by_the_best(tried: &mut [Candidate]) {

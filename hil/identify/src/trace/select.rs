@@ -1,6 +1,7 @@
 //! The search for the effects that the law lacks: one at a time, each judged on cycles it was not fitted to.
 
 use std::cmp::Ordering;
+use std::sync::{Arc, OnceLock};
 
 use mesh_damper::effects::Inertia;
 use mesh_damper::law::Law;
@@ -10,13 +11,14 @@ use mesh_damper_recording::cycles::{FoundBlock, levels, same_amplitude};
 use mesh_damper_recording::trajectory::Trajectory;
 use rayon::prelude::*;
 
+use super::fitted::Fitted;
 use super::rule::Rule;
 use super::ruled_out;
 use super::score::{Jury, Score};
 use super::split::{Role, Roles};
 use super::tones::{OfMotion, tones};
 use super::within_blocks::is_seen_within_blocks;
-use crate::families::{Form, drift, inertia, periodic};
+use crate::families::{Form, drift, inertia};
 use crate::policy::policy;
 use crate::problem::Problem;
 use crate::rows::Rows;
@@ -52,118 +54,6 @@ impl Rough {
     /// At a displacement in mm, a velocity in mm/s and an acceleration in mm/s², kN.
     pub fn force(&self, displacement: f64, velocity: f64, acceleration: f64) -> f64 {
         self.law.force(displacement, velocity) + self.inertia.force_at(acceleration)
-    }
-}
-
-/// A fitted law and how it does on the cycles that judge.
-#[derive(Clone, Debug)]
-pub struct Fitted {
-    /// What was fitted.
-    pub solution: Solution,
-    /// Errors on the cycles that judge.
-    pub score: Score,
-}
-
-impl Fitted {
-    /// Its force on every one of `trajectories`, kN. It is worked out anew each time: that of all laws that were tried would take more
-    /// memory than the recordings.
-    ///
-    /// # Errors
-    /// A law that the crate refuses.
-    pub fn predicted(&self, trajectories: &[Trajectory]) -> Result<Vec<Vec<f64>>, ModelError> {
-        let model = self.solution.model();
-        let each = trajectories.iter();
-        each.map(|trajectory| predict(&model, trajectory)).collect()
-    }
-
-    /// The families of its effects in the order of their names, those of several terms once.
-    pub fn families(&self) -> Vec<Family> {
-        let terms = self.solution.terms.iter();
-        let mut families: Vec<Family> = terms.map(|value| value.term.form.family()).collect();
-        families.sort_by_key(|family| family.name());
-        families.dedup();
-        families
-    }
-
-    /// Whether `other` has the same families but for one, of which one of this law's effects is the general form.
-    fn includes(&self, other: &Self) -> bool {
-        let mut forms = self.solution.terms.iter().map(|value| value.term.form);
-        forms.any(|form| {
-            let mut special_cases = form.special_cases.iter();
-            special_cases.any(|&special| {
-                let mut families = self.families();
-                families.retain(|&family| family != form.family());
-                families.extend(Family::named(special));
-                families.sort_by_key(|family| family.name());
-                families.dedup();
-                families == other.families()
-            })
-        })
-    }
-
-    fn is_admissible(&self) -> bool {
-        self.solution
-            .terms
-            .iter()
-            .all(|value| value.is_admissible())
-    }
-
-    /// Whether it has a tone of a frequency that the motion makes.
-    fn has_tone(&self, of_motion: &OfMotion) -> bool {
-        let mut terms = self.solution.terms.iter();
-        terms.any(|value| value.term.form == periodic::FORMS[0] && of_motion.holds(value.shape(0)))
-    }
-
-    fn is_degenerate(&self, extent: &Extent) -> bool {
-        let terms = self.solution.terms.iter();
-        terms.into_iter().any(|value| value.is_degenerate(extent))
-    }
-
-    /// Forms and how often, whatever their order.
-    fn forms(&self) -> Vec<usize> {
-        let terms = self.solution.terms.iter();
-        let mut forms: Vec<usize> = terms.map(|value| value.term.form.place()).collect();
-        forms.sort_unstable();
-        forms
-    }
-
-    /// Whether one of `warmed` does as well with the temperature in the place of its drift of both forces: the cycles count on
-    /// as a chamber warms, and what was measured explains it with fewer numbers.
-    fn is_but_warmth(&self, warmed: &[(Vec<Family>, Score)]) -> bool {
-        let mut terms = self.solution.terms.iter();
-        if !terms.any(|value| value.term.form == drift::OF_EACH) {
-            return false;
-        }
-        let mut families = self.families();
-        families.retain(|&family| family != drift::OF_EACH.family());
-        warmed.iter().any(|(others, score)| {
-            let others = others
-                .iter()
-                .filter(|family| !family.depends_on_temperature());
-            others.eq(&families) && !self.score.beats(score)
-        })
-    }
-
-    /// Of all its forms.
-    fn rank(&self) -> u32 {
-        let terms = self.solution.terms.iter();
-        terms.map(|value| u32::from(value.term.form.rank)).sum()
-    }
-
-    fn parameters(&self) -> usize {
-        let terms = self.solution.terms.iter();
-        terms
-            .map(|value| value.sizes.len() + value.shapes.len())
-            .sum()
-    }
-
-    fn named(&self) -> String {
-        self.solution
-            .terms
-            .iter()
-            .fold("eq 13".to_owned(), |text, value| {
-                format!("{text} + {}", value.term.form.family())
-            })
     }
 }
 
@@ -212,7 +102,8 @@ pub struct Search<'a> {
     rows: Rows<'a>,
     extent: Extent,
     terms: Vec<Term>,
-    of_motion: OfMotion,
+    /// Worked out where a tone is sought.
+    of_motion: Arc<OnceLock<OfMotion>>,
 }
 
 impl<'a> Search<'a> {
@@ -240,7 +131,7 @@ impl<'a> Search<'a> {
             ),
             extent: Extent::of(trajectories),
             terms,
-            of_motion: OfMotion::of(trajectories),
+            of_motion: Arc::default(),
         }
     }
 
@@ -342,6 +233,11 @@ impl<'a> Search<'a> {
         })
     }
 
+    fn of_motion(&self) -> &OfMotion {
+        self.of_motion
+            .get_or_init(|| OfMotion::of(self.trajectories))
+    }
+
     /// Whether nothing that is larger than the noise is left.
     pub fn is_settled(&self, law: &Fitted) -> bool {
         law.score.nrmse() <= policy().verdict.noise_limited * self.goal()
@@ -370,7 +266,7 @@ impl<'a> Search<'a> {
             .map(|(term, fitted, was_fitted)| {
                 let rejected_by = if !fitted.is_admissible() {
                     Some(Rule::NotPassive)
-                } else if fitted.has_tone(&self.of_motion) {
+                } else if fitted.has_tone(self.of_motion()) {
                     Some(Rule::InStepWithMotion)
                 } else {
                     // One that the crate refuses without its drift is none with it.
@@ -493,7 +389,7 @@ impl<'a> Search<'a> {
             self.trajectories,
             self.roles,
             &predicted,
-            &self.of_motion,
+            self.of_motion(),
         ));
         drop(predicted);
         let screen = Screen::at(&self.rows, &extent, &law.solution);

@@ -41,16 +41,22 @@ impl Closing<'_> {
         progress: &(dyn Fn(&str) + Sync),
     ) -> Result<Laws<'_>, ModelError> {
         progress("holding out one condition after the other");
+        let in_turn = |rows: &Rows, law: &Solution, choice: Option<&Choice>| {
+            left_out.in_turn(&|picked| {
+                let law = self.refit(rows, law, picked);
+                match choice {
+                    Some(choice) => refit(choice, self.trajectories, &law, picked),
+                    None => Ok(law),
+                }
+            })
+        };
+        let left = |errors: &[RelativeError]| RelativeError::mean(errors).beyond_noise();
         // One set of coefficients, or one for each amplitude, whichever says more of another condition.
         let each = self.rows.iter();
         let errors: Vec<Vec<RelativeError>> = each
-            .map(|rows| left_out.in_turn(&|picked| Ok(self.refit(rows, &alone, picked))))
+            .map(|rows| in_turn(rows, &alone, None))
             .collect::<Result<_, _>>()?;
-        let best = clearly_best(
-            errors
-                .iter()
-                .map(|errors| RelativeError::mean(errors).beyond_noise()),
-        );
+        let best = clearly_best(errors.iter().map(|errors| left(errors)));
         let (rows, of_alone) = (&self.rows[best], &errors[best]);
         let alone = self.fit_near(rows, &alone);
 
@@ -79,16 +85,6 @@ impl Closing<'_> {
         if law.terms.is_empty() && mended.choice.is_none() {
             return Ok(kept);
         }
-        let in_turn = |rows: &Rows, law: &Solution, choice: Option<&Choice>| {
-            left_out.in_turn(&|picked| {
-                let law = self.refit(rows, law, picked);
-                match choice {
-                    Some(choice) => refit(choice, self.trajectories, &law, picked),
-                    None => Ok(law),
-                }
-            })
-        };
-        let left = |errors: &[RelativeError]| RelativeError::mean(errors).beyond_noise();
         let choice = mended.choice.as_ref();
         let of_ended = in_turn(of_law, law, choice)?;
         let named = laws.last().filter(|(_, law)| !law.terms.is_empty());

@@ -16,6 +16,7 @@ use rand_distr::{Distribution, Normal};
 
 mod changes;
 mod late_force;
+mod yielding;
 
 const RATE: f64 = 500.0;
 const DURATION: f64 = 30.0;
@@ -24,19 +25,19 @@ fn law() -> Coefficients {
     tables::interpolate(3.0, 0.1)
 }
 
+/// Sizes in mm, turns in rad/s and phases of the tones of noise of 0.3 to 12 Hz.
+fn tones(random: &mut StdRng) -> Vec<[f64; 3]> {
+    let tone = |_| {
+        let turn = TAU * random.random_range(0.3..12.0);
+        let size = 0.03 / (turn / TAU).max(1.0);
+        [size, turn, random.random_range(0.0..TAU)]
+    };
+    (0..40).map(tone).collect()
+}
+
 /// Displacement and velocity of noise up to 12 Hz.
 fn random(seed: u64) -> impl Fn(f64) -> [f64; 2] {
-    let mut random = StdRng::seed_from_u64(seed);
-    let tones: Vec<[f64; 3]> = (0..40)
-        .map(|_| {
-            let turn = TAU * random.random_range(0.3..12.0);
-            [
-                0.03 / (turn / TAU).max(1.0),
-                turn,
-                random.random_range(0.0..TAU),
-            ]
-        })
-        .collect();
+    let tones = tones(&mut StdRng::seed_from_u64(seed));
     move |time| {
         tones.iter().fold([0.0; 2], |[y, v], [size, turn, phase]| {
             let (sin, cos) = (turn * time + phase).sin_cos();

@@ -1,18 +1,14 @@
 //! A dashpot that yields, under random motion: it is named, and so are a slider and a Maxwell branch, which it may be.
 
-use std::f64::consts::TAU;
-
 use mesh_damper_identify::trace::result::{TraceResult, Verdict};
-use mesh_damper_identify::trace::trace;
 use mesh_damper_recording::Recording;
-use mesh_damper_reference::tables;
 use mesh_damper_rig::specimen::{DamperForce, HiddenEffect, SlipShape, Specimen};
+use rand::SeedableRng;
 use rand::rngs::StdRng;
-use rand::{RngExt, SeedableRng};
 use rand_distr::{Distribution, Normal};
 
-const RATE: f64 = 500.0;
-const DURATION: f64 = 30.0;
+use super::{DURATION, RATE, law, rms, tones};
+
 /// Calls of the specimen to a sample.
 const CALLS: usize = 8;
 /// Of the force, over its RMS.
@@ -21,17 +17,8 @@ const NOISE: f64 = 5e-3;
 /// A specimen that hides `effect`, under noise of 0.3 to 12 Hz.
 fn recorded(effect: HiddenEffect, seed: u64) -> Recording {
     let mut random = StdRng::seed_from_u64(seed);
-    let tones: Vec<[f64; 3]> = (0..40)
-        .map(|_| {
-            let turn = TAU * random.random_range(0.3..12.0);
-            [
-                0.03 / (turn / TAU).max(1.0),
-                turn,
-                random.random_range(0.0..TAU),
-            ]
-        })
-        .collect();
-    let mut specimen = Specimen::new(tables::interpolate(3.0, 0.1)).with(effect);
+    let tones = tones(&mut random);
+    let mut specimen = Specimen::new(law()).with(effect);
     let dt = 1.0 / (RATE * CALLS as f64);
     let (mut time, mut displacement, mut force) = (Vec::new(), Vec::new(), Vec::new());
     for call in 0..(RATE * DURATION) as usize * CALLS {
@@ -53,17 +40,14 @@ fn recorded(effect: HiddenEffect, seed: u64) -> Recording {
             force.push(answered);
         }
     }
-    let squares: f64 = force.iter().map(|force| force * force).sum();
-    let noise = NOISE * (squares / force.len() as f64).sqrt();
-    let noise = Normal::new(0.0, noise).unwrap();
+    let noise = Normal::new(0.0, NOISE * rms(&force)).unwrap();
     let force = force.iter().map(|force| force + noise.sample(&mut random));
     let force = force.collect();
     Recording::new("random motion", time, displacement, force).unwrap()
 }
 
 fn traced(effect: HiddenEffect, seed: u64) -> TraceResult {
-    let [training, held_out] = [seed, seed + 1].map(|seed| recorded(effect, seed));
-    trace(&[training], &[held_out], &|_| ()).unwrap().result
+    super::traced(recorded(effect, seed), recorded(effect, seed + 1))
 }
 
 fn families(result: &TraceResult) -> Vec<&str> {
