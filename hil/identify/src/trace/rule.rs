@@ -24,6 +24,8 @@ pub enum Rule {
     SameFamilies,
     /// Of a candidate: it does as well as the best of the step, but a shape of it stands where the effect is a simpler one.
     AtLimit,
+    /// Of a candidate: two simpler effects that it may stand for do as well in its place.
+    SimplerOnes,
     /// Of a candidate: it predicts the judging cycles not clearly better than the law before the step.
     LittleGain,
     /// Of a candidate that was added: the judging cycles are predicted as well without it.
@@ -59,6 +61,7 @@ impl Rule {
             Self::AtLimit => {
                 "it does as well as the best, but only where it turns into a simpler effect"
             }
+            Self::SimplerOnes => "two simpler effects that it may stand for do as well",
             Self::LittleGain => {
                 "the judging cycles are not predicted clearly better than before the step"
             }

@@ -262,7 +262,7 @@ impl<'a> Search<'a> {
     fn step(&self, beam: &[Fitted], step: usize, most: usize) -> Vec<Candidate> {
         let mut tried: Vec<Candidate> = beam
             .par_iter()
-            .flat_map(|law| self.beside(law, most))
+            .flat_map(|law| self.beside(law, &self.terms, most))
             .map(|(term, fitted, was_fitted)| {
                 let rejected_by = if !fitted.is_admissible() {
                     Some(Rule::NotPassive)
@@ -317,10 +317,15 @@ impl<'a> Search<'a> {
             }
         }
         tried.sort_by_key(|candidate| !candidate.admissible);
-        let preferred = self.preferred(&tried);
-        if preferred > 0 {
-            let preferred = tried.remove(preferred);
-            tried.insert(0, preferred);
+        self.prefer(&mut tried);
+        while let Some(best) = tried.first_mut()
+            && best.admissible
+            && self.is_but_simpler_ones(&best.fitted, most)
+        {
+            best.admissible = false;
+            best.rejected_by = Some(Rule::SimplerOnes);
+            tried.sort_by_key(|candidate| !candidate.admissible);
+            self.prefer(&mut tried);
         }
         if let Some((best, rest)) = tried.split_first_mut() {
             for rival in rest {
@@ -332,6 +337,43 @@ impl<'a> Search<'a> {
         }
         ruled_out::by_the_best(&mut tried);
         tried
+    }
+
+    /// Whether two of the simpler effects that the last one may be do as well in its place: alone it would be taken for any two of them.
+    fn is_but_simpler_ones(&self, law: &Fitted, most: usize) -> bool {
+        let terms = &law.solution.terms;
+        let Some(last) = terms.last().map(|value| value.term.form) else {
+            return false;
+        };
+        if last.special_cases.is_empty() || most == 0 {
+            return false;
+        }
+        let is_special = |term: &Term| last.special_cases.contains(&term.form.family);
+        let simpler: Vec<Term> = self.terms.iter().copied().filter(is_special).collect();
+        let rest = law.solution.without(terms.len() - 1);
+        let Ok(mut rest) = self.judged(rest) else {
+            return false;
+        };
+        for _ in 0..2 {
+            let beside = self.beside(&rest, &simpler, simpler.len());
+            let admissible = beside.into_iter().filter(|(_, law, _)| law.is_admissible());
+            let better =
+                admissible.min_by(|(_, a, _), (_, b, _)| a.score.nrmse().total_cmp(&b.score.nrmse()));
+            let Some((_, better, _)) = better else {
+                return false;
+            };
+            rest = better;
+        }
+        !law.score.beats(&rest.score)
+    }
+
+    /// Moves the one that is [preferred](Self::preferred) to the front.
+    fn prefer(&self, tried: &mut Vec<Candidate>) {
+        let preferred = self.preferred(tried);
+        if preferred > 0 {
+            let preferred = tried.remove(preferred);
+            tried.insert(0, preferred);
+        }
     }
 
     /// The best of `tried`, which are in order, or one that does as well and is simpler: of fewer parameters and the same
@@ -380,8 +422,8 @@ impl<'a> Search<'a> {
         Ok(!is_seen_within_blocks(all, counts, &changing, &still))
     }
 
-    /// Every form beside `law`, and whether it was fitted: at most `most` that promise most, the others with what they start from.
-    fn beside(&self, law: &Fitted, most: usize) -> Vec<(Term, Fitted, bool)> {
+    /// Each of `terms` beside `law`, and whether it was fitted: at most `most` that promise most, the others with what they start from.
+    fn beside(&self, law: &Fitted, terms: &[Term], most: usize) -> Vec<(Term, Fitted, bool)> {
         let known = law.solution.terms();
         // A law that was judged is none that the crate refuses.
         let predicted = law.predicted(self.trajectories).unwrap_or_default();
@@ -394,25 +436,24 @@ impl<'a> Search<'a> {
         drop(predicted);
         let screen = Screen::at(&self.rows, &extent, &law.solution);
         // The work for one differs from that for another by orders of magnitude.
-        let mut rated: Vec<(Term, Solution, Vec<Start>)> = self
-            .terms
+        let mut rated: Vec<(Term, Solution, Vec<Start>)> = terms
             .par_iter()
             .with_max_len(1)
             .filter(|term| {
                 let same = known.iter().filter(|known| known.form == term.form).count();
                 same < term.form.most && !known.iter().any(|known| known.form.excludes(term.form))
             })
-            .filter_map(|&term| {
-                if term.form.special_cases.is_empty() {
-                    return Some((term, law.solution.clone(), screen.starts(term)));
-                }
-                // One that may be several simpler ones is tried in the place of the last of those, where they are not all: alone it would be
-                // taken for any two of them.
+            .flat_map(|&term| {
+                let beside = Some((term, law.solution.clone(), screen.starts(term)));
+                // One that may be several simpler ones may be what the last of those stands for.
                 let is_special =
                     |known: &Term| term.form.special_cases.contains(&known.form.family);
-                let rest = law.solution.without(known.iter().rposition(is_special)?);
-                let starts = Screen::at(&self.rows, &extent, &rest).starts(term);
-                Some((term, rest, starts))
+                let in_place = known.iter().rposition(is_special).map(|index| {
+                    let rest = law.solution.without(index);
+                    let starts = Screen::at(&self.rows, &extent, &rest).starts(term);
+                    (term, rest, starts)
+                });
+                [beside, in_place].into_par_iter().flatten()
             })
             .filter(|(_, _, starts)| !starts.is_empty())
             .collect();
