@@ -19,8 +19,10 @@ pub use crate::tolerance::TolerancePolicy;
 pub use crate::trace::TracePolicy;
 pub use crate::trace::adopt::AdoptPolicy;
 pub use crate::trace::aligned::AlignedPolicy;
+pub use crate::trace::confirm::ConfirmPolicy;
 pub use crate::trace::left_out::LeftOutPolicy;
 pub use crate::trace::mend::MendPolicy;
+pub use crate::trace::remainder::RemainderPolicy;
 pub use crate::trace::score::ScorePolicy;
 pub use crate::trace::select::SelectPolicy;
 pub use crate::trace::separating::SeparatingPolicy;
@@ -54,6 +56,10 @@ mesh_damper_recording::policy! {
     mend: MendPolicy,
     /// When a law with more takes the place of the law alone.
     adopt: AdoptPolicy,
+    /// When an effect is confirmed though something else is missing too.
+    confirm: ConfirmPolicy,
+    /// What the remainder depends on.
+    remainder: RemainderPolicy,
     /// The fit of the law and of effects.
     problem: ProblemPolicy,
     /// How many samples a fit is made to.

@@ -1,7 +1,7 @@
 //! What a fit found.
 
 use mesh_damper_model::predict::run;
-use mesh_damper_model::{LawNode, Model};
+use mesh_damper_model::{Family, LawNode, Model};
 use mesh_damper_recording::trajectory::Trajectory;
 
 use super::term::{Term, TermValue, added_effects};
@@ -47,6 +47,29 @@ impl Solution {
             .drain(from..from + self.terms[index].term.form.searched());
         rest.terms.remove(index);
         rest
+    }
+
+    /// The same without the terms of one family.
+    #[must_use]
+    pub fn without_family(&self, family: Family) -> Self {
+        let mut rest = self.clone();
+        let of_family = |value: &TermValue| value.term.form.family() == family;
+        while let Some(index) = rest.terms.iter().position(of_family) {
+            rest = rest.without(index);
+        }
+        rest
+    }
+
+    /// The families of its terms, each once.
+    pub fn families(&self) -> Vec<Family> {
+        let mut families: Vec<Family> = Vec::new();
+        for value in &self.terms {
+            let family = value.term.form.family();
+            if !families.contains(&family) {
+                families.push(family);
+            }
+        }
+        families
     }
 
     /// k1, k3 and c of every node, then the sizes of the terms that have a force of their own.

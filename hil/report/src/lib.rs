@@ -7,6 +7,7 @@
 //! | the root | [`render`]: the report of a trace; [`loop_picture`]: one loop of it |
 //! | [`mod@paper`] | the report of the paper's claims |
 //! | [`campaign`], [`characterization`], [`curves`] | pictures of the fault campaign, of a characterization, of any curves |
+//! | [`conditions`] | what each effect gains on each condition held out |
 //! | `size` | the picture of what a trace takes |
 //! | [`transmissibility`] | the picture of a sweep |
 //! | [`text`] | numbers, names and verdicts in words |
@@ -32,6 +33,7 @@ pub mod campaign;
 #[cfg(feature = "studies")]
 pub mod characterization;
 mod charts;
+pub mod conditions;
 pub mod curves;
 mod evidence;
 mod from_trace;

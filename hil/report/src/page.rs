@@ -5,6 +5,7 @@ use mesh_damper_identify::trace::result::TraceResult;
 use plotters::style::RGBColor;
 
 use super::charts;
+use super::conditions;
 use super::reasoning::{self, Evidence};
 use super::{ReportData, Series, SeriesBlock, text};
 
@@ -34,6 +35,7 @@ pub fn render(data: &ReportData) -> String {
                 (evidence.before(data))
                 (reasoning::tried(&data.result))
                 (found(&data.result))
+                (conditions::gains(&data.result))
                 (evidence.after(data))
                 (errors(&data.result))
                 (loops(&data.series))

@@ -101,7 +101,12 @@ fn data() -> ReportData {
                 parameters,
                 nrmse_without: 0.0834,
                 nrmse_with: 0.00432,
+                unconfirmed_by: None,
+                rivals: Vec::new(),
             }],
+            unconfirmed: Vec::new(),
+            conditions: Vec::new(),
+            remainder: None,
             candidates: vec![
                 candidate("stick_slip", 0.00432, true),
                 candidate("relaxation", 0.0312, true),

@@ -152,10 +152,23 @@ fn concluded(result: &TraceResult) -> (String, String) {
                 .iter()
                 .map(|e| format!("{} is {}", name(&e.family), description(&e.family)))
                 .collect();
-            (
-                format!("Found: {}", named.join(" and ")),
-                format!("{}. {change}", capitalised(&what.join("; "))),
-            )
+            let what = capitalised(&what.join("; "));
+            match &result.remainder {
+                None => (
+                    format!("Found: {}", named.join(" and ")),
+                    format!("{what}. {change}"),
+                ),
+                Some(left) => (
+                    format!("Found: {}; something is left", named.join(" and ")),
+                    format!(
+                        "{what}. Confirmed on every condition that was held out in turn. What is left is {} of the force's RMS, {} \
+                         times the noise{}. {change}",
+                        percent(left.nrmse),
+                        number(left.times_noise),
+                        over(&left.depends_on)
+                    ),
+                ),
+            }
         }
         Verdict::Ambiguous => (
             format!("Ambiguous: {}", named.join(" or ")),
@@ -188,11 +201,15 @@ fn correction(named: &[String], depends_on: &[String]) -> String {
         [] => String::new(),
         _ => format!(" beside {}", listed(named)),
     };
-    let over = match depends_on {
+    let over = over(depends_on);
+    format!("A correction that has no name, a table, was fitted to it{beside}{over}.")
+}
+
+fn over(depends_on: &[String]) -> String {
+    match depends_on {
         [] => String::new(),
         _ => format!("; it depends on {}", listed(depends_on)),
-    };
-    format!("A correction that has no name, a table, was fitted to it{beside}{over}.")
+    }
 }
 
 /// `a, b and c`.

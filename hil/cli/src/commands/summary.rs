@@ -1,7 +1,8 @@
 //! The result of a trace in a few lines for the terminal.
 
 use mesh_damper_identify::trace::result::TraceResult;
-use mesh_damper_report::text::{interval, percent, verdict};
+use mesh_damper_report::conditions;
+use mesh_damper_report::text::{interval, listed, number, percent, verdict};
 
 use super::say;
 
@@ -17,6 +18,22 @@ pub fn print(result: &TraceResult) {
                 effect.family
             ));
         }
+    }
+    for effect in result.effects.iter().chain(&result.unconfirmed) {
+        if effect.unconfirmed_by.is_some() {
+            say(&format!("  {}", conditions::said(effect)));
+        }
+    }
+    if let Some(left) = &result.remainder {
+        let depends_on = match left.depends_on.as_slice() {
+            [] => String::new(),
+            some => format!("; it depends on {}", listed(some)),
+        };
+        say(&format!(
+            "Left: {} of the force's RMS, {} times the noise{depends_on}",
+            percent(left.nrmse),
+            number(left.times_noise)
+        ));
     }
     say("Error of the force, RMS over RMS            fitted     held out");
     for (what, fitted, held_out) in [

@@ -6,18 +6,31 @@ use super::{Form, FormSpec, one, run};
 use crate::policy::policy;
 use crate::shape::{Extent, Shape};
 
-/// Its size is the stiffness, with which the force at which it yields and its viscosity grow.
-pub const FORMS: [Form; 1] = [Form(&FormSpec {
-    name: "yielding",
+/// Without viscosity, and with it. Its size is the stiffness, with which the force at which it yields and its viscosity grow.
+pub const FORMS: [Form; 2] = [
+    Form(&FormSpec {
+        name: "yielding",
+        shape_names: &["yield_stretch", "rate"],
+        shapes: |extent| shapes(extent)[..2].to_vec(),
+        ..BRANCH
+    }),
+    Form(&FormSpec {
+        name: "viscous_yielding",
+        shape_names: &["yield_stretch", "rate", "time"],
+        rank: 2,
+        shapes,
+        ..BRANCH
+    }),
+];
+
+const BRANCH: FormSpec = FormSpec {
     family: "yielding",
-    shape_names: &["yield_stretch", "rate", "time"],
     size_is_positive: true,
     rank: 1,
     special_cases: &["relaxation", "stick_slip", "viscous"],
-    shapes,
     unit_forces: |shapes, motion| {
-        let [yield_stretch, rate, time] = [shapes[0], shapes[1], shapes[2]];
-        let branch = Yielding::new(1.0, yield_stretch, rate, time, motion.tick)?;
+        let time = shapes.get(2).copied().unwrap_or_default();
+        let branch = Yielding::new(1.0, shapes[0], shapes[1], time, motion.tick)?;
         Ok(vec![run(&branch, motion)])
     },
     elements: |value| {
@@ -29,7 +42,7 @@ pub const FORMS: [Form; 1] = [Form(&FormSpec {
         ])
     },
     ..FormSpec::PLAIN
-})];
+};
 
 fn shapes(extent: &Extent) -> Vec<Shape> {
     let policy = &policy().shape;
@@ -48,10 +61,6 @@ fn shapes(extent: &Extent) -> Vec<Shape> {
             fastest * extent.velocity,
             policy.yield_rate_starts,
         ),
-        // A branch without viscosity is as little simpler as one that hardly has any.
-        Shape {
-            simple_below: 0.0,
-            ..time
-        },
+        time,
     ]
 }

@@ -14,6 +14,15 @@ mesh_damper_recording::numbers! {
 /// Whether a law `with` more leaves less of conditions held out in turn than the law `alone`: in all, where the worst weigh most, and from one to the
 /// next, where each weighs the same. A law that wins where little was left and loses where much was, or the other way round, would lose in the next.
 pub(super) fn gains(alone: &[RelativeError], with: &[RelativeError]) -> bool {
+    gains_by(policy().adopt.gain, alone, with)
+}
+
+/// The same by what makes one law [clearly better](super::mend::MendPolicy::better) than another.
+pub(super) fn gains_clearly(alone: &[RelativeError], with: &[RelativeError]) -> bool {
+    gains_by(policy().mend.better, alone, with)
+}
+
+fn gains_by(gain: f64, alone: &[RelativeError], with: &[RelativeError]) -> bool {
     let count = alone.len() as f64;
     let mean_square = |errors: &[RelativeError]| {
         let squares = errors.iter().map(|one| one.beyond_noise().powi(2));
@@ -22,7 +31,6 @@ pub(super) fn gains(alone: &[RelativeError], with: &[RelativeError]) -> bool {
     let ratios = alone.iter().zip(with);
     let ratios = ratios.map(|(alone, with)| (with.beyond_noise() / alone.beyond_noise()).ln());
     let mean_ratio = (ratios.sum::<f64>() / count).exp();
-    let gain = policy().adopt.gain;
     // What is beyond the noise is 0 of what is no number.
     let finite = with.iter().all(|one| one.error.is_finite());
     finite && (mean_square(with) / mean_square(alone)).sqrt() < gain && mean_ratio < gain

@@ -5,11 +5,13 @@ use mesh_damper_model::{Family, Model, ModelError, parameter_unit};
 use mesh_damper_recording::trajectory::Trajectory;
 use rayon::prelude::*;
 
+use super::confirm::Confirmed;
 use super::left_out::{LeftOut, Picked};
 use super::mend::clearly_best;
+use super::remainder;
 use super::result::{
     Baseline, Candidate, CorrectionSummary, Errors, Estimate, FoundEffect, LawEstimate, OnTarget,
-    TraceResult, Verdict,
+    Remainder, TraceResult, Verdict,
 };
 use super::rule::Rule;
 use super::select::{self, Selection};
@@ -53,7 +55,7 @@ pub(super) struct Closing<'a> {
     /// Those fitted.
     pub(super) trajectories: &'a [Trajectory],
     fitted: usize,
-    judging: &'a Roles,
+    pub(super) judging: &'a Roles,
     roles: &'a Roles,
     /// With the nodes preferred, then with others.
     pub(super) rows: Vec<Rows<'a>>,
@@ -114,15 +116,7 @@ impl<'a> Closing<'a> {
             left,
             effects_rejected_by,
         } = self.verdict(selection, &left_out, [&alone, &solution])?;
-        let Laws {
-            rows,
-            alone,
-            solution,
-            model,
-            nameless,
-            table_rejected_by,
-            rejected,
-        } = if verdict == Verdict::Unlisted {
+        let laws = if verdict == Verdict::Unlisted {
             let found = match solution.terms.is_empty() {
                 true => solution,
                 false => self.preferred(selection, &left_out, solution)?,
@@ -139,16 +133,41 @@ impl<'a> Closing<'a> {
                 rejected: None,
             }
         };
+        let mut laws = laws;
+        let graded = self.graded(&left_out, &mut laws, verdict)?;
+        if graded.as_ref().is_some_and(Confirmed::any) {
+            verdict = Verdict::Found;
+        }
+        let Laws {
+            rows,
+            alone,
+            solution,
+            model,
+            nameless,
+            table_rejected_by,
+            rejected,
+        } = laws;
         let baseline = alone.model();
-        let left = match verdict {
-            Verdict::Unlisted => left_out.left_by(&model)?.in_most().unwrap_or(left),
-            _ => left,
+        let is_graded = verdict == Verdict::Unlisted || graded.is_some();
+        let named = solution.model();
+        let left_by = |model: &Model| -> Result<f64, ModelError> {
+            Ok(match is_graded {
+                true => left_out.left_by(model)?.in_most().unwrap_or(left),
+                false => left,
+            })
+        };
+        let left_by_named = left_by(&named)?;
+        let left = left_by(&model)?;
+        let is_confirmed = |family: Family| match &graded {
+            Some(graded) if graded.any() => graded.confirms(family),
+            _ => true,
         };
         let mut uncertainty = Uncertainty::of(rows, &self.extent, &solution);
         let terms = solution.terms.iter().zip(&uncertainty.terms);
         let mut unbounded: Vec<Family> = terms
             .filter(|(_, uncertainty)| !uncertainty.is_bounded())
             .map(|(value, _)| value.term.form.family())
+            .filter(|&family| is_confirmed(family))
             .collect();
         unbounded.dedup();
         let moved = self.fit_moved(rows, &solution);
@@ -161,6 +180,23 @@ impl<'a> Closing<'a> {
         if verdict == Verdict::Ambiguous {
             effects.extend(self.rivals(selection)?);
         }
+        if let Some(graded) = &graded {
+            graded.say_of(&mut effects);
+        }
+        let (effects, unconfirmed) = effects
+            .into_iter()
+            .partition(|effect| Family::named(&effect.family).is_none_or(is_confirmed));
+        let remainder = match is_graded && left_by_named > policy().verdict.noise_limited {
+            true => Some(Remainder {
+                nrmse: self.evaluate(&named, predict)?.1.nrmse_fitted,
+                times_noise: left_by_named,
+                depends_on: remainder::depends_on(&left_out, self.trajectories, &named)?
+                    .into_iter()
+                    .map(str::to_owned)
+                    .collect(),
+            }),
+            false => None,
+        };
 
         let (separating_test, separating_blocks) = match verdict {
             Verdict::Ambiguous => {
@@ -196,6 +232,12 @@ impl<'a> Closing<'a> {
             law: law_estimates(&model, &uncertainty),
             verdict,
             effects,
+            unconfirmed,
+            conditions: graded
+                .iter()
+                .flat_map(|graded| graded.conditions(&left_out))
+                .collect(),
+            remainder,
             candidates: self.candidates(selection, &found)?,
             effects_rejected_by,
             table_rejected_by,
@@ -262,7 +304,8 @@ impl<'a> Closing<'a> {
             (Some(alone), Some(left)) => accounts_for(alone, left),
             _ => true,
         };
-        let error = |law| left_out.error(&|picked| Ok(self.refit(&self.rows[0], law, picked)));
+        let error =
+            |law| left_out.error(&|picked| Ok(self.refit_model(&self.rows[0], law, picked)));
         let rule = if !accounts {
             Rule::AccountsForTooLittle
         } else if !generalises(error(alone)?, error(solution)?) {
@@ -301,13 +344,29 @@ impl<'a> Closing<'a> {
         Ok(laws.swap_remove(clearly_best(left.into_iter())))
     }
 
-    /// The terms of `known` fitted to the samples picked, fewer than in the closing fit.
-    pub(super) fn refit(&self, rows: &Rows, known: &Solution, picked: Picked) -> Model {
+    /// The terms of `known` fitted to the samples picked, fewer than in the closing fit; with these.
+    pub(super) fn refit(
+        &self,
+        rows: &Rows,
+        known: &Solution,
+        picked: Picked,
+    ) -> (Rows<'_>, Solution) {
         let nodes = rows.nodes().to_vec();
         let rows = Rows::gather(self.trajectories, nodes, policy().rows.in_turn, picked);
         let rows = rows.with_nodes_seen();
         let problem = Problem::new(&rows, &self.extent, &known.terms());
-        problem.solve_near(known).model()
+        let solution = problem.solve_near(known);
+        (rows, solution)
+    }
+
+    /// The model of such a fit.
+    pub(super) fn refit_model(&self, rows: &Rows, known: &Solution, picked: Picked) -> Model {
+        self.refit(rows, known, picked).1.model()
+    }
+
+    /// How far the recordings' motion goes.
+    pub(super) fn extent(&self) -> &Extent {
+        &self.extent
     }
 
     /// The error that a perfect law leaves of what is held out, or of the rest.
@@ -418,6 +477,8 @@ impl<'a> Closing<'a> {
                     parameters,
                     nrmse_without: self.without(rows, solution, family)?,
                     nrmse_with: with,
+                    unconfirmed_by: None,
+                    rivals: Vec::new(),
                 })
             })
             .collect()
@@ -425,14 +486,7 @@ impl<'a> Closing<'a> {
 
     /// The held-out error of a law without the terms of one family.
     fn without(&self, rows: &Rows, solution: &Solution, family: Family) -> Result<f64, ModelError> {
-        let mut rest = solution.clone();
-        let of_family = |rest: &Solution| {
-            let mut terms = rest.terms.iter();
-            terms.position(|value| value.term.form.family() == family)
-        };
-        while let Some(index) = of_family(&rest) {
-            rest = rest.without(index);
-        }
+        let rest = solution.without_family(family);
         let model = self.fit_near(rows, &rest).model();
         Ok(self.evaluate(&model, predict)?.1.nrmse_held_out)
     }

@@ -27,6 +27,8 @@ mesh_damper_recording::numbers! {
         fewest_conditions: usize = 3, Convention("of two each would be judged by the other alone");
         /// At most this many conditions are held out in turn.
         most_conditions: usize = 8, Convention("bounds the time: each takes a fit");
+        /// Blocks whose frequencies differ by less than this part are of one.
+        alike: f64 = 0.08, Convention("as neighbouring cycles are of one block");
         /// Stretches that recordings without conditions are cut into.
         stretches: usize = 5, Convention("each leaves four fifths to fit");
         /// At most this many blocks are left out.
@@ -116,6 +118,30 @@ impl<'a> LeftOut<'a> {
             blocks: blocks(trajectories, roles),
             conditions: conditions(trajectories, roles),
         }
+    }
+
+    /// What is held out in turn.
+    pub fn conditions(&self) -> &[Condition] {
+        &self.conditions
+    }
+
+    /// The trajectory that a condition is of.
+    pub fn trajectory(&self, condition: &Condition) -> &Trajectory {
+        &self.trajectories[condition.which]
+    }
+
+    /// Whether what is held out in turn differs: parts of one steady motion say nothing of another.
+    pub fn differ(&self) -> bool {
+        let blocks = self.trajectories.iter().flat_map(|one| &one.blocks);
+        let mut cycles = blocks.filter(|block| !block.cycles.is_empty());
+        let Some(first) = cycles.next() else {
+            return true;
+        };
+        cycles.any(|block| {
+            let ratio = block.frequency / first.frequency;
+            !same_amplitude(block.amplitude, first.amplitude)
+                || ratio.ln().abs() > policy().left_out.alike
+        })
     }
 
     /// Whether a sample may be fitted.
@@ -213,30 +239,44 @@ impl<'a> LeftOut<'a> {
         Ok(RelativeError::mean(&errors).beyond_noise())
     }
 
-    /// What the law leaves of samples of one trajectory when it is fitted to all others that may be.
-    fn held_out(
+    /// What a law leaves of samples of one trajectory when it is fitted to all others that may be; with it what else the fit gives.
+    fn held_out<T>(
         &self,
-        fit: Fit,
+        fit: &(dyn Fn(Picked) -> Result<(Model, T), ModelError> + Sync),
         which: usize,
         samples: &Range<usize>,
-    ) -> Result<Option<RelativeError>, ModelError> {
-        let model = fit(&|other, sample| {
+    ) -> Result<Option<(RelativeError, T)>, ModelError> {
+        let (model, more) = fit(&|other, sample| {
             self.is_open(other, sample) && !(other == which && samples.contains(&sample))
         })?;
         let trajectory = &self.trajectories[which];
         let is_fair = |i: usize| self.is_open(which, i) && trajectory.is_telling(i);
         let predicted = predict(&model, trajectory)?;
-        Ok(RelativeError::of(trajectory, &predicted, samples, is_fair))
+        let error = RelativeError::of(trajectory, &predicted, samples, is_fair);
+        Ok(error.map(|error| (error, more)))
     }
 
-    /// What the law leaves of each condition that may be fitted when that is held out, in the order of [`conditions`].
-    pub fn in_turn(&self, fit: Fit) -> Result<Vec<RelativeError>, ModelError> {
+    /// What a law leaves of each condition that may be fitted when that is held out, and what else its fit gives, in the order of
+    /// [`conditions`](Self::conditions).
+    pub fn each_in_turn<T: Send>(
+        &self,
+        fit: &(dyn Fn(Picked) -> Result<(Model, T), ModelError> + Sync),
+    ) -> Result<Vec<Option<(RelativeError, T)>>, ModelError> {
         let errors = self.conditions.par_iter().map(|condition| {
             let error = self.held_out(fit, condition.which, &condition.samples)?;
-            Ok(error.map(|error| error.times(condition.loud)))
+            Ok(error.map(|(error, more)| (error.times(condition.loud), more)))
         });
-        let errors: Vec<Option<RelativeError>> = errors.collect::<Result<_, ModelError>>()?;
-        Ok(errors.into_iter().flatten().collect())
+        errors.collect()
+    }
+
+    /// What the law leaves of each condition that may be fitted when that is held out.
+    pub fn in_turn(&self, fit: Fit) -> Result<Vec<RelativeError>, ModelError> {
+        let errors = self.each_in_turn(&|picked| Ok((fit(picked)?, ())))?;
+        Ok(errors
+            .into_iter()
+            .flatten()
+            .map(|(error, ())| error)
+            .collect())
     }
 
     /// What is left there of the force, each block counting the same.
@@ -251,9 +291,13 @@ impl<'a> LeftOut<'a> {
             });
         }
         let errors = self.blocks.par_iter();
-        let errors = errors.map(|(which, block)| self.held_out(fit, *which, &block.samples));
-        let errors: Vec<Option<RelativeError>> = errors.collect::<Result<_, ModelError>>()?;
-        let errors: Vec<RelativeError> = errors.into_iter().flatten().collect();
+        let errors = errors.map(|(which, block)| {
+            let fit: &(dyn Fn(Picked) -> Result<(Model, ()), ModelError> + Sync) =
+                &|picked| Ok((fit(picked)?, ()));
+            self.held_out(fit, *which, &block.samples)
+        });
+        let errors: Vec<_> = errors.collect::<Result<_, ModelError>>()?;
+        let errors: Vec<RelativeError> = errors.into_iter().flatten().map(|(e, ())| e).collect();
         Ok(RelativeError::mean(&errors))
     }
 }
@@ -394,15 +438,17 @@ fn blocks<'t>(trajectories: &'t [Trajectory], roles: &Roles) -> Vec<(usize, &'t 
 }
 
 /// Samples of one trajectory that are held out together.
-struct Condition {
-    which: usize,
-    samples: Range<usize>,
+pub(super) struct Condition {
+    /// Of which trajectory.
+    pub which: usize,
+    /// Which.
+    pub samples: Range<usize>,
     /// By how much their force is more than that which an error is over, in squares: of a stretch that is of the recording, as it may rest.
     loud: f64,
 }
 
-/// Conditions that may be fitted, evenly spread over amplitude and frequency, those at the ends among them: blocks of several cycles, or stretches
-/// where there are few.
+/// Conditions that may be fitted, evenly spread over amplitude and frequency, those at the ends among them: blocks of several cycles, or where there
+/// are few, recordings, or stretches where these are few too.
 fn conditions(trajectories: &[Trajectory], roles: &Roles) -> Vec<Condition> {
     let LeftOutPolicy {
         fewest_conditions,
@@ -424,11 +470,16 @@ fn conditions(trajectories: &[Trajectory], roles: &Roles) -> Vec<Condition> {
         .map(|(which, trajectory)| open(which, &(0..trajectory.len())))
         .sum();
     if blocks.len() < fewest_conditions || 2 * in_blocks < all {
+        let pieces = if trajectories.len() < fewest_conditions {
+            stretches
+        } else {
+            1
+        };
         let cut = |(which, trajectory): (usize, &Trajectory)| {
             let open: Vec<usize> = (0..trajectory.len())
                 .filter(|&i| roles.is_open(which, i))
                 .collect();
-            let length = open.len().div_ceil(stretches).max(1);
+            let length = open.len().div_ceil(pieces).max(1);
             let power = |samples: &[usize]| {
                 let squares = samples.iter().map(|&i| trajectory.force[i].powi(2));
                 squares.sum::<f64>() / samples.len() as f64
@@ -441,16 +492,29 @@ fn conditions(trajectories: &[Trajectory], roles: &Roles) -> Vec<Condition> {
             });
             each.collect::<Vec<_>>()
         };
-        return trajectories.iter().enumerate().flat_map(cut).collect();
+        let all = trajectories.iter().enumerate().flat_map(cut).collect();
+        return evenly(all, most_conditions);
     }
-    let count = blocks.len().min(most_conditions);
-    let each = (0..count).map(|place| blocks[place * (blocks.len() - 1) / (count - 1).max(1)]);
+    let each = evenly(blocks, most_conditions).into_iter();
     each.map(|(which, block)| Condition {
         which,
         samples: block.samples.clone(),
         loud: 1.0,
     })
     .collect()
+}
+
+/// At most so many of `all`, the first and the last among them.
+fn evenly<T>(all: Vec<T>, most: usize) -> Vec<T> {
+    let (length, count) = (all.len(), all.len().min(most));
+    let mut places = (0..count)
+        .map(|place| place * (length - 1) / (count - 1).max(1))
+        .peekable();
+    let picked = all.into_iter().enumerate();
+    picked
+        .filter(|(place, _)| places.next_if_eq(place).is_some())
+        .map(|(_, one)| one)
+        .collect()
 }
 
 #[cfg(test)]

@@ -7,9 +7,11 @@
 pub(crate) mod adopt;
 pub(crate) mod aligned;
 mod closing;
+pub(crate) mod confirm;
 mod fitted;
 pub(crate) mod left_out;
 pub(crate) mod mend;
+pub(crate) mod remainder;
 pub mod result;
 pub mod rule;
 mod ruled_out;
@@ -132,7 +134,9 @@ pub fn trace(
         progress("moving back a force whose zero steps");
         closed = conclude(&mut aligned, progress)?;
     }
-    if closed.result.verdict == Verdict::Unlisted && aligned.take_pink_noise(&closed.forces) {
+    let is_more_missing =
+        |result: &TraceResult| result.verdict == Verdict::Unlisted || result.remainder.is_some();
+    if is_more_missing(&closed.result) && aligned.take_pink_noise(&closed.forces) {
         progress("allowing for noise that grows towards low frequencies");
         closed = conclude(&mut aligned, progress)?;
     }

@@ -27,6 +27,15 @@ pub struct TraceResult {
     pub verdict: Verdict,
     /// The effects found; for [`Verdict::Ambiguous`] those that the data cannot tell apart.
     pub effects: Vec<FoundEffect>,
+    /// Effects that the law has beside those that are confirmed, where some are and something is left.
+    #[serde(default)]
+    pub unconfirmed: Vec<FoundEffect>,
+    /// What conditions that were held out in turn say of each effect, where the effects leave more than the noise.
+    #[serde(default)]
+    pub conditions: Vec<HeldCondition>,
+    /// What the law with all effects leaves beyond the noise; null where it leaves nothing.
+    #[serde(default)]
+    pub remainder: Option<Remainder>,
     /// All families tried, the best first.
     pub candidates: Vec<Candidate>,
     /// The rule by which what the search found is not all that the law lacks; null where it is, or where nothing was found.
@@ -128,6 +137,41 @@ pub struct FoundEffect {
     pub nrmse_without: f64,
     /// Held-out error with it.
     pub nrmse_with: f64,
+    /// Why it is not confirmed, of an effect that was held against conditions held out in turn; null where it is, or where the law leaves
+    /// nothing but noise.
+    #[serde(default)]
+    pub unconfirmed_by: Option<Rule>,
+    /// Families that do as well in its place, where it is not confirmed because of these.
+    #[serde(default)]
+    pub rivals: Vec<String>,
+}
+
+/// One condition that was held out: the law was fitted to all others.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct HeldCondition {
+    /// The recording that it is of.
+    pub recording: String,
+    /// Its first sample and the one behind its last, s.
+    pub span: [f64; 2],
+    /// Its amplitude, mm; of a motion without blocks null.
+    pub amplitude: Option<f64>,
+    /// Its frequency, Hz; of a motion without blocks null.
+    pub frequency: Option<f64>,
+    /// What is left of it by the law with all effects.
+    pub nrmse_with: f64,
+    /// What is left without the effects of each family.
+    pub nrmse_without: BTreeMap<String, f64>,
+}
+
+/// What a law leaves.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Remainder {
+    /// On the samples that were fitted.
+    pub nrmse: f64,
+    /// Over the noise.
+    pub times_noise: f64,
+    /// What it depends on, by the names of [`TraceResult::depends_on`].
+    pub depends_on: Vec<String>,
 }
 
 /// A parameter with its 90 % interval.
@@ -222,7 +266,12 @@ mod tests {
             "verdict": "found",
             "effects": [{"family": "stick_slip",
                 "parameters": {"slip_limit": {"value": 0.03, "low": 0.02, "high": 0.04, "unit": "mm"}},
-                "nrmse_without": 0.2, "nrmse_with": 0.005}],
+                "nrmse_without": 0.2, "nrmse_with": 0.005, "unconfirmed_by": null, "rivals": []}],
+            "unconfirmed": [{"family": "viscous", "parameters": {}, "nrmse_without": 0.2, "nrmse_with": 0.005,
+                "unconfirmed_by": "rivalled", "rivals": ["delay"]}],
+            "conditions": [{"recording": "a.csv", "span": [0.0, 2.0], "amplitude": 0.1, "frequency": 2.0, "nrmse_with": 0.005,
+                "nrmse_without": {"stick_slip": 0.1}}],
+            "remainder": {"nrmse": 0.01, "times_noise": 2.5, "depends_on": ["frequency"]},
             "candidates": [{"family": "stick_slip", "nrmse_held_out": 0.005, "distinguishable": true,
                 "step": 1, "added": true, "admissible": true, "rejected_by": null, "nrmse_judged": 0.005}],
             "effects_rejected_by": null, "table_rejected_by": null,

@@ -38,6 +38,12 @@ pub enum Rule {
     AccountsForTooLittle,
     /// Of the effects found: blocks that are left out of the fit are hardly better predicted than by the law alone.
     UnknownElsewhere,
+    /// Of an effect beside which something is missing: held out, some condition is not left with less by it, or too few show it.
+    HelpsNotEverywhere,
+    /// Of such an effect: fits without one condition or the other differ in its parameters by more than these are uncertain.
+    Unsteady,
+    /// Of such an effect: another in its place predicts the judging cycles as well.
+    Rivalled,
     /// Of a residual table: no table fits clearly better than the law does.
     TableWorthLittle,
     /// Of a residual table: blocks that are left out of the fit are not clearly better predicted than without it.
@@ -76,6 +82,13 @@ impl Rule {
             Self::UnknownElsewhere => {
                 "blocks that were left out of the fit are hardly better predicted than by the law alone"
             }
+            Self::HelpsNotEverywhere => {
+                "it does not help on every condition held out in turn, or shows on too few"
+            }
+            Self::Unsteady => {
+                "its parameters differ from one condition held out to the next by more than they are uncertain"
+            }
+            Self::Rivalled => "another effect in its place does as well",
             Self::TableWorthLittle => "no table fits clearly better than the law does",
             Self::TableUnknownElsewhere => {
                 "blocks that were left out of the fit are not clearly better predicted than without it"

@@ -201,6 +201,35 @@ impl<'a> Search<'a> {
         })
     }
 
+    /// Laws of `rest` with an effect of another family than `law` has beside it, which predict the judging cycles as well as `law`: of each
+    /// family the best.
+    ///
+    /// # Errors
+    /// A fitted law that the crate refuses.
+    pub fn rivals(&self, law: &Solution, rest: &Solution) -> Result<Vec<Solution>, ModelError> {
+        let refit = |known: &Solution| {
+            let problem = Problem::new(&self.rows, &self.extent, &known.terms());
+            self.judged(problem.solve_near(known))
+        };
+        let (law, rest) = (refit(law)?, refit(rest)?);
+        let families = law.families();
+        let is_other = |term: &&Term| !families.contains(&term.form.family());
+        let others: Vec<Term> = self.terms.iter().filter(is_other).copied().collect();
+        let mut beside = self.beside(&rest, &others, policy().select.fitted);
+        beside.retain(|(_, rival, _)| rival.is_admissible() && !law.score.beats(&rival.score));
+        beside.sort_by(|(_, a, _), (_, b, _)| a.score.nrmse().total_cmp(&b.score.nrmse()));
+        let mut known: Vec<Family> = Vec::new();
+        beside.retain(|(term, ..)| {
+            let is_new = !known.contains(&term.form.family());
+            known.push(term.form.family());
+            is_new
+        });
+        Ok(beside
+            .into_iter()
+            .map(|(_, rival, _)| rival.solution)
+            .collect())
+    }
+
     /// Eq 13, with the specimen's mass where it clearly has one.
     ///
     /// # Errors
@@ -357,8 +386,8 @@ impl<'a> Search<'a> {
         for _ in 0..2 {
             let beside = self.beside(&rest, &simpler, simpler.len());
             let admissible = beside.into_iter().filter(|(_, law, _)| law.is_admissible());
-            let better =
-                admissible.min_by(|(_, a, _), (_, b, _)| a.score.nrmse().total_cmp(&b.score.nrmse()));
+            let better = admissible
+                .min_by(|(_, a, _), (_, b, _)| a.score.nrmse().total_cmp(&b.score.nrmse()));
             let Some((_, better, _)) = better else {
                 return false;
             };

@@ -43,7 +43,7 @@ impl Closing<'_> {
         progress("holding out one condition after the other");
         let in_turn = |rows: &Rows, law: &Solution, choice: Option<&Choice>| {
             left_out.in_turn(&|picked| {
-                let law = self.refit(rows, law, picked);
+                let law = self.refit_model(rows, law, picked);
                 match choice {
                     Some(choice) => refit(choice, self.trajectories, &law, picked),
                     None => Ok(law),
@@ -68,7 +68,7 @@ impl Closing<'_> {
         }
         let fits: Vec<_> = laws
             .iter()
-            .map(|&(rows, law)| move |picked: Picked| Ok(self.refit(rows, law, picked)))
+            .map(|&(rows, law)| move |picked: Picked| Ok(self.refit_model(rows, law, picked)))
             .collect();
         let fits: Vec<Fit> = fits.iter().map(|fit| fit as Fit).collect();
         let mended = mended(self.trajectories, left_out, &fits)?;

@@ -156,6 +156,14 @@ pub fn draw(seed: u64) -> Trial {
     }
 }
 
+/// The trial with that number among those whose effect is on no list.
+pub fn draw_unlisted(number: u64) -> Trial {
+    let of_group = GROUP - (NONE + SINGLE + PAIRS) as u64;
+    let group = number / of_group * GROUP;
+    let mut seeds = (group..group + GROUP).filter(|&seed| class(seed).0 == Class::Unlisted);
+    draw(seeds.nth((number % of_group) as usize).unwrap_or(group))
+}
+
 /// The class of `seed` and its number among those of its class.
 fn class(seed: u64) -> (Class, usize) {
     let group = (seed / GROUP) as usize;

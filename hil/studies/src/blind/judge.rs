@@ -110,6 +110,12 @@ impl Outcome {
         }
     }
 
+    /// Whether it was found to be what it is not.
+    pub fn is_called_another(&self) -> bool {
+        let found = |said: &Said| matches!(said.verdict, Verdict::Found | Verdict::Ambiguous);
+        self.said.as_ref().is_ok_and(found) && self.mark() == Mark::Wrong
+    }
+
     /// Whether the law was mended: held-out error at most 1.5 times the noise, or a tenth of eq 13's.
     pub fn mended(&self) -> bool {
         self.said

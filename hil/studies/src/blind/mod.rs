@@ -16,7 +16,7 @@ use std::ops::Range;
 use rayon::iter::{Either, IntoParallelIterator, ParallelIterator};
 
 pub use described::{DescribedEffect, described, draw_described};
-pub use draw::{Class, GROUP, Hidden, Secret, Sized, Trial, draw};
+pub use draw::{Class, GROUP, Hidden, Secret, Sized, Trial, draw, draw_unlisted};
 pub use floors::{FLOORS, FLOORS_OF_A_PART, FLOORS_OF_THE_DESCRIBED, Floors, PART};
 pub use judge::{Mark, Outcome, Said, judge};
 pub use programme::{Programme, TestShape};
@@ -31,6 +31,8 @@ pub const LEAST_VISIBLE: f64 = 3.0;
 pub enum Draw {
     /// [`draw()`]: specimens whose physics are their own.
     Specimens,
+    /// [`draw_unlisted`]: those of them whose effect is on no list.
+    Unlisted,
     /// [`draw_described`]: the effects that the crate describes.
     Described,
 }
@@ -39,7 +41,7 @@ impl Draw {
     /// What it has to reach.
     pub fn floors(self) -> &'static Floors {
         match self {
-            Self::Specimens => &FLOORS,
+            Self::Specimens | Self::Unlisted => &FLOORS,
             Self::Described => &FLOORS_OF_THE_DESCRIBED,
         }
     }
@@ -48,6 +50,7 @@ impl Draw {
     pub fn trial(self, seed: u64) -> Option<Trial> {
         match self {
             Self::Specimens => Some(draw(seed)),
+            Self::Unlisted => Some(draw_unlisted(seed)),
             Self::Described => draw_described(seed),
         }
     }

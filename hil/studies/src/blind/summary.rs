@@ -61,6 +61,8 @@ pub struct Summary {
     pub pairs_or_among: Rate,
     /// An unlisted effect, called so.
     pub unlisted: Rate,
+    /// An unlisted effect, called by the name of another.
+    pub unlisted_named: Rate,
     /// An unlisted effect without which the law predicts to 1.5 times the noise or a tenth of eq 13's error.
     pub unlisted_mended: Rate,
     /// By class.
@@ -96,6 +98,7 @@ impl Summary {
             pairs: Rate::over(counted(Class::Pair), right),
             pairs_or_among: Rate::over(counted(Class::Pair), named),
             unlisted: Rate::over(counted(Class::Unlisted), right),
+            unlisted_named: Rate::over(counted(Class::Unlisted), Outcome::is_called_another),
             unlisted_mended: Rate::over(counted(Class::Unlisted), Outcome::mended),
             ratios: classes
                 .into_iter()

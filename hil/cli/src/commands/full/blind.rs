@@ -38,8 +38,11 @@ pub struct BlindCommand {
     /// Hide the crate's own effects in turn, with about their typical parameters, in the place of physics of their own
     #[arg(long)]
     described: bool,
+    /// Only effects that are on no list; the seeds are numbered among these
+    #[arg(long, conflicts_with = "described")]
+    unlisted: bool,
     /// Over any motion and sensors, in the place of blocks of sines: random, stepped, slow, swept, with pauses
-    #[arg(long, conflicts_with_all = ["described", "check"])]
+    #[arg(long, conflicts_with_all = ["described", "unlisted", "check"])]
     motions: bool,
     /// Fail (exit code 1) where a rate is below the one recorded
     #[arg(long)]
@@ -85,6 +88,8 @@ impl BlindCommand {
     fn draw(&self) -> Draw {
         if self.described {
             Draw::Described
+        } else if self.unlisted {
+            Draw::Unlisted
         } else {
             Draw::Specimens
         }
@@ -232,6 +237,10 @@ fn print(summary: &Summary) {
         ("two effects, both named", summary.pairs),
         ("the same, or named among several", summary.pairs_or_among),
         ("an unlisted effect, called unlisted", summary.unlisted),
+        (
+            "an unlisted effect, called by another name",
+            summary.unlisted_named,
+        ),
         (
             "an unlisted effect, the law mended",
             summary.unlisted_mended,

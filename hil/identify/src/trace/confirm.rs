@@ -1,0 +1,337 @@
+//! Which effects are confirmed of a law that leaves more than the noise: each is held against conditions that it was not fitted to.
+
+use std::collections::BTreeMap;
+
+use mesh_damper_model::predict::NINETY_PERCENT;
+use mesh_damper_model::{Family, ModelError};
+
+use super::adopt::{gains, gains_clearly};
+use super::closing::Closing;
+use super::left_out::{LeftOut, RelativeError};
+use super::result::{FoundEffect, HeldCondition, Verdict};
+use super::rule::Rule;
+use super::select::Search;
+use super::unlisted::Laws;
+use crate::policy::policy;
+use crate::rows::Rows;
+use crate::solution::Solution;
+use crate::uncertainty::{Interval, Uncertainty};
+
+mesh_damper_recording::numbers! {
+    /// When an effect is confirmed though something else is missing too.
+    ConfirmPolicy {
+        /// With fewer conditions on which it shows nothing is confirmed.
+        fewest: usize = 3, Convention("two may agree by chance");
+        /// Its parameters from any two of the fits differ by less than this many of their joint deviations.
+        steady: f64 = 2.0, Convention("what 95 of 100 differences of one truth stay within");
+    }
+}
+
+/// A law and what conditions held out in turn say of its effects.
+pub(super) struct Confirmed {
+    /// That law.
+    pub law: Solution,
+    /// Of each family.
+    pub families: Vec<Confirmation>,
+}
+
+impl Confirmed {
+    /// Whether some effect is.
+    pub fn any(&self) -> bool {
+        self.families.iter().any(|one| one.rejected_by.is_none())
+    }
+
+    /// Whether those of a family are.
+    pub fn confirms(&self, family: Family) -> bool {
+        let mut families = self.families.iter();
+        families.any(|one| one.family == family && one.rejected_by.is_none())
+    }
+
+    /// Adds to `effects` why they are not.
+    pub fn say_of(&self, effects: &mut [FoundEffect]) {
+        for effect in effects {
+            let mut families = self.families.iter();
+            let of_effect = families.find(|one| one.family.name() == effect.family);
+            if let Some(one) = of_effect {
+                effect.unconfirmed_by = one.rejected_by;
+                effect.rivals = one
+                    .rivals
+                    .iter()
+                    .map(|rival| rival.name().to_owned())
+                    .collect();
+            }
+        }
+    }
+
+    /// What is left of each condition, for `trace.json`.
+    pub fn conditions(&self, left_out: &LeftOut) -> Vec<HeldCondition> {
+        let each = left_out.conditions().iter().enumerate();
+        let each = each.filter_map(|(number, condition)| {
+            let nrmse = |left: RelativeError| left.error.sqrt();
+            let left = |one: &Confirmation| Some(one.left.get(number)?.as_ref()?.map(nrmse));
+            let each = self.families.iter();
+            let nrmse_without: BTreeMap<String, f64> = each
+                .filter_map(|one| Some((one.family.name().to_owned(), left(one)?[0])))
+                .collect();
+            let [_, nrmse_with] = self.families.first().and_then(left)?;
+            let trajectory = left_out.trajectory(condition);
+            let seconds = |sample: usize| sample as f64 * trajectory.tick;
+            let mut blocks = trajectory.blocks.iter();
+            let block = blocks.find(|block| block.samples == condition.samples);
+            Some(HeldCondition {
+                recording: trajectory.name.clone(),
+                span: [condition.samples.start, condition.samples.end].map(seconds),
+                amplitude: block.map(|block| block.amplitude),
+                frequency: block.map(|block| block.frequency),
+                nrmse_with,
+                nrmse_without,
+            })
+        });
+        each.collect()
+    }
+}
+
+/// What conditions held out in turn say of the effects of one family.
+#[derive(Clone, Debug)]
+pub(super) struct Confirmation {
+    /// The family.
+    pub family: Family,
+    /// Why it is not confirmed; none where it is.
+    pub rejected_by: Option<Rule>,
+    /// The families that do as well in its place.
+    pub rivals: Vec<Family>,
+    /// What the law leaves of each condition without it, and with it, in the order of [`LeftOut::conditions`].
+    pub left: Vec<Option<[RelativeError; 2]>>,
+}
+
+/// What a law leaves of each condition held out, with the parameters of that fit.
+type Held = Vec<Option<(RelativeError, Vec<(Family, Interval)>)>>;
+
+impl Closing<'_> {
+    /// What is confirmed of the effects that `laws` end in, where there are such and the `verdict` is that more is missing. Where that is of fewer of them,
+    /// these are the law that the trace ends in.
+    pub(super) fn graded(
+        &self,
+        left_out: &LeftOut,
+        laws: &mut Laws,
+        verdict: Verdict,
+    ) -> Result<Option<Confirmed>, ModelError> {
+        if verdict != Verdict::Unlisted || laws.solution.terms.is_empty() || !left_out.differ() {
+            return Ok(None);
+        }
+        let confirmed = self.confirmed(left_out, laws.rows, &laws.solution)?;
+        if confirmed.law.terms.len() < laws.solution.terms.len() {
+            laws.solution = self.fit_there(laws.rows, &confirmed.law);
+            laws.model = laws.solution.model();
+            laws.nameless = Vec::new();
+        }
+        Ok(Some(confirmed))
+    }
+
+    /// What is confirmed of `law`, which has effects. Where nothing is, the effect that gains least is dropped as long as the law without it is no
+    /// worse on conditions held out in turn: what stands in for it may be what hides the others.
+    fn confirmed(
+        &self,
+        left_out: &LeftOut,
+        rows: &Rows,
+        law: &Solution,
+    ) -> Result<Confirmed, ModelError> {
+        let search = Search::new(self.trajectories, self.judging, rows.nodes().to_vec());
+        let held = self.held(left_out, rows, law)?;
+        let of_law = errors(&held);
+        let first = Confirmed {
+            law: law.clone(),
+            families: self.confirmations(left_out, rows, law, (&held, &search))?,
+        };
+        let mut last = first.families.clone();
+        let mut rest = law.clone();
+        while !last.iter().any(|one| one.rejected_by.is_none()) && last.len() > 1 {
+            let gained = |one: &Confirmation| {
+                let logs = one.left.iter().flatten();
+                logs.map(|[without, with]| (with.beyond_noise() / without.beyond_noise()).ln())
+                    .sum::<f64>()
+            };
+            let Some(least) = last.iter().max_by(|a, b| gained(a).total_cmp(&gained(b))) else {
+                break;
+            };
+            rest = self.fit_near(rows, &rest.without_family(least.family));
+            let held = self.held(left_out, rows, &rest)?;
+            if gains_clearly(&errors(&held), &of_law) {
+                return Ok(first);
+            }
+            last = self.confirmations(left_out, rows, &rest, (&held, &search))?;
+        }
+        let confirmed = Confirmed {
+            law: rest,
+            families: last,
+        };
+        Ok(if confirmed.any() { confirmed } else { first })
+    }
+
+    fn held(&self, left_out: &LeftOut, rows: &Rows, law: &Solution) -> Result<Held, ModelError> {
+        left_out.each_in_turn(&|picked| {
+            let (rows, solution) = self.refit(rows, law, picked);
+            let uncertainty = Uncertainty::of(&rows, self.extent(), &solution);
+            Ok((solution.model(), parameters(&solution, &uncertainty)))
+        })
+    }
+
+    fn confirmations(
+        &self,
+        left_out: &LeftOut,
+        rows: &Rows,
+        law: &Solution,
+        (held, search): (&Held, &Search),
+    ) -> Result<Vec<Confirmation>, ModelError> {
+        let in_turn = |law: &Solution| {
+            left_out.each_in_turn(&|picked| Ok((self.refit_model(rows, law, picked), ())))
+        };
+        let each = law.families().into_iter().map(|family| {
+            let rest = law.without_family(family);
+            let pairs = in_turn(&rest)?.into_iter().zip(held);
+            let left: Vec<Option<[RelativeError; 2]>> = pairs
+                .map(|(without, with)| Some([without?.0, with.as_ref()?.0]))
+                .collect();
+            let fits = held.iter().flatten();
+            let fits: Vec<Vec<Interval>> = fits.map(|(_, all)| of_family(all, family)).collect();
+            let mut rivals = Vec::new();
+            let rejected_by = if !helps_everywhere(&left) {
+                Some(Rule::HelpsNotEverywhere)
+            } else if largest_difference(&fits) >= policy().confirm.steady {
+                Some(Rule::Unsteady)
+            } else {
+                for rival in search.rivals(law, &rest)? {
+                    let of_rival = in_turn(&rival)?.into_iter().flatten();
+                    let of_rival: Vec<RelativeError> = of_rival.map(|(left, ())| left).collect();
+                    let of_law = errors(held);
+                    // What may be the effect and more does as well by that alone.
+                    let is_one = match is_more_than(&rival, family) {
+                        true => gains_clearly(&of_law, &of_rival),
+                        false => !gains_clearly(&of_rival, &of_law),
+                    };
+                    if is_one {
+                        let own = rival.families().into_iter();
+                        rivals.extend(own.filter(|own| !law.families().contains(own)));
+                    }
+                }
+                (!rivals.is_empty()).then_some(Rule::Rivalled)
+            };
+            Ok(Confirmation {
+                family,
+                rejected_by,
+                rivals,
+                left,
+            })
+        });
+        each.collect()
+    }
+}
+
+/// Whether the last effect of a law may be one of `family`, and more.
+fn is_more_than(law: &Solution, family: Family) -> bool {
+    let last = law.terms.last().map(|value| value.term.form);
+    last.is_some_and(|form| form.special_cases.contains(&family.name()))
+}
+
+fn errors(held: &Held) -> Vec<RelativeError> {
+    held.iter().flatten().map(|(left, _)| *left).collect()
+}
+
+fn parameters(solution: &Solution, uncertainty: &Uncertainty) -> Vec<(Family, Interval)> {
+    let terms = solution.terms.iter().zip(&uncertainty.terms);
+    let each = terms.flat_map(|(value, uncertainty)| {
+        let family = value.term.form.family();
+        let elements = uncertainty.elements(value).into_iter().flatten();
+        elements.map(move |(_, interval)| (family, interval))
+    });
+    each.collect()
+}
+
+fn of_family(all: &[(Family, Interval)], family: Family) -> Vec<Interval> {
+    let own = all.iter().filter(|(of, _)| *of == family);
+    own.map(|(_, interval)| *interval).collect()
+}
+
+/// Whether less is left of every condition on which there is something to gain.
+fn helps_everywhere(left: &[Option<[RelativeError; 2]>]) -> bool {
+    let noise_limited = policy().verdict.noise_limited.powi(2);
+    let shown: Vec<[RelativeError; 2]> = left
+        .iter()
+        .flatten()
+        .copied()
+        .filter(|[without, _]| without.error > noise_limited * without.noise)
+        .collect();
+    shown.len() >= policy().confirm.fewest
+        && shown
+            .iter()
+            .all(|[without, with]| gains(&[*without], &[*with]))
+}
+
+/// Of any parameter between any two fits, in joint deviations; infinite where one has no bound.
+fn largest_difference(fits: &[Vec<Interval>]) -> f64 {
+    let deviation = |one: &Interval| (one.high - one.low) / (2.0 * NINETY_PERCENT);
+    let mut largest = 0.0_f64;
+    for (number, a) in fits.iter().enumerate() {
+        for b in &fits[..number] {
+            // An element that one of them lacks has no value there.
+            if a.len() != b.len() {
+                return f64::INFINITY;
+            }
+            for (a, b) in a.iter().zip(b) {
+                // What a form holds at a value differs in none.
+                let joint = deviation(a).hypot(deviation(b)).max(f64::MIN_POSITIVE);
+                let differs = (a.value - b.value).abs() / joint;
+                largest = match joint.is_finite() && differs.is_finite() {
+                    true => largest.max(differs),
+                    false => f64::INFINITY,
+                };
+            }
+        }
+    }
+    largest
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn left(without: f64, with: f64) -> Option<[RelativeError; 2]> {
+        let each = [without, with].map(|error| RelativeError {
+            error: error * error,
+            noise: 1e-4,
+        });
+        Some(each)
+    }
+
+    #[test]
+    fn an_effect_helps_on_each_of_some_conditions_that_show_it() {
+        let helps = [left(0.1, 0.05), left(0.2, 0.19), left(0.1, 0.09)];
+        assert!(helps_everywhere(&helps));
+        assert!(!helps_everywhere(&helps[..2]), "too few");
+        let one_not = [&helps[..], &[left(0.1, 0.101)]].concat();
+        assert!(!helps_everywhere(&one_not));
+        let one_at_the_noise = [&helps[..], &[left(0.012, 0.013)]].concat();
+        assert!(helps_everywhere(&one_at_the_noise));
+        assert!(
+            !helps_everywhere(&[left(0.012, 0.005); 4]),
+            "nothing shows it"
+        );
+    }
+
+    #[test]
+    fn parameters_differ_in_their_joint_deviations() {
+        let interval = |value: f64, half: f64| Interval {
+            value,
+            low: value - NINETY_PERCENT * half,
+            high: value + NINETY_PERCENT * half,
+        };
+        let fits = [(1.0, 0.3), (1.5, 0.4), (1.2, 0.3)].map(|(v, h)| vec![interval(v, h)]);
+        assert!((largest_difference(&fits) - 1.0).abs() < 1e-12);
+        let held = [vec![interval(0.0, 0.0)], vec![interval(0.0, 0.0)]];
+        assert_eq!(largest_difference(&held), 0.0);
+        let unbounded = [vec![interval(1.0, 0.1)], vec![interval(1.0, f64::INFINITY)]];
+        assert_eq!(largest_difference(&unbounded), f64::INFINITY);
+        let lacks_one = [vec![interval(1.0, 0.1); 2], vec![interval(1.0, 0.1)]];
+        assert_eq!(largest_difference(&lacks_one), f64::INFINITY);
+    }
+}

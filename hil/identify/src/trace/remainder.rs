@@ -1,0 +1,128 @@
+//! What a law leaves, and what that depends on.
+
+use mesh_damper_model::predict::predict;
+use mesh_damper_model::{Model, ModelError};
+use mesh_damper_recording::cycles::{FoundBlock, levels, same_amplitude};
+use mesh_damper_recording::trajectory::Trajectory;
+
+use super::left_out::LeftOut;
+use crate::policy::policy;
+use crate::tolerance::held_to;
+
+mesh_damper_recording::numbers! {
+    /// What the remainder depends on.
+    RemainderPolicy {
+        /// Zones of a variable over its range.
+        zones: usize = 12, Convention("as fine as a table's, with some hundred samples in each");
+        /// A variable explains at least this part of what is left beyond the noise.
+        explains: f64 = 0.15, Convention("less is seen in no picture");
+    }
+}
+
+/// A sample of what is left.
+struct Sample {
+    left: f64,
+    displacement: usize,
+    velocity: usize,
+    block: usize,
+    amplitude: usize,
+    frequency: usize,
+}
+
+/// The variables that what `model` leaves depends on, by the names of `trace.json`: those by which means of it, zone by zone, explain a part of it. Of
+/// displacement and velocity each alone; of amplitude and frequency what they explain beyond both; what the two do not explain within a block is
+/// the history's, or where it changes from one cycle to the next, the time's.
+pub(super) fn depends_on(
+    left_out: &LeftOut,
+    trajectories: &[Trajectory],
+    model: &Model,
+) -> Result<Vec<&'static str>, ModelError> {
+    let (samples, noise) = samples(left_out, trajectories, model)?;
+    let energy: f64 = samples.iter().map(|one| one.left * one.left).sum();
+    let beyond = energy - noise;
+    let RemainderPolicy { zones, explains } = policy().remainder;
+    if beyond <= explains * energy {
+        return Ok(Vec::new());
+    }
+    let explained = |key: &dyn Fn(&Sample) -> usize| explained(&samples, key) / beyond;
+    let state = |one: &Sample| one.displacement * zones + one.velocity;
+    let of_state = explained(&state);
+    let of_block = explained(&|one| one.block * zones * zones + state(one));
+    let beside = |level: fn(&Sample) -> usize| {
+        explained(&|one| level(one) * zones * zones + state(one)) - of_state
+    };
+    let wanders = left_out.wanders(model)?;
+    let parts = [
+        ("displacement", explained(&|one| one.displacement)),
+        ("velocity", explained(&|one| one.velocity)),
+        ("amplitude", beside(|one| one.amplitude)),
+        ("frequency", beside(|one| one.frequency)),
+        (if wanders { "time" } else { "history" }, 1.0 - of_block),
+    ];
+    let some = parts.into_iter().filter(|&(_, part)| part >= explains);
+    Ok(some.map(|(name, _)| name).collect())
+}
+
+/// Those that may be fitted and are telling, and the energy of their noise.
+fn samples(
+    left_out: &LeftOut,
+    trajectories: &[Trajectory],
+    model: &Model,
+) -> Result<(Vec<Sample>, f64), ModelError> {
+    let blocks = || trajectories.iter().flat_map(|one| &one.blocks);
+    let amplitudes = levels(blocks().map(|block| block.amplitude));
+    let frequencies = levels(blocks().map(|block| block.frequency));
+    let level = |levels: &[f64], value: f64| {
+        let mut each = levels.iter();
+        each.position(|&level| same_amplitude(level, value))
+            .unwrap_or(levels.len())
+    };
+    let largest = |of: fn(&Trajectory) -> &[f64]| {
+        let each = trajectories.iter().flat_map(of);
+        each.fold(0.0_f64, |most, value| most.max(value.abs()))
+    };
+    let displacement = largest(|one| &one.motion.displacement);
+    let velocity = largest(|one| &one.motion.velocity);
+    let zones = policy().remainder.zones;
+    let zone = |value: f64, largest: f64| {
+        let place = 0.5 * (value / largest + 1.0) * zones as f64;
+        (place as usize).min(zones - 1)
+    };
+    let (mut samples, mut noise, mut number) = (Vec::new(), 0.0, 0);
+    for (which, trajectory) in trajectories.iter().enumerate() {
+        let predicted = predict(model, trajectory)?;
+        let motion = &trajectory.motion;
+        for block in &trajectory.blocks {
+            let FoundBlock {
+                amplitude,
+                frequency,
+                ..
+            } = *block;
+            let telling = block.samples.clone();
+            for i in telling.filter(|&i| left_out.is_open(which, i) && trajectory.is_telling(i)) {
+                noise += held_to(trajectory, i);
+                samples.push(Sample {
+                    left: trajectory.force[i] - predicted[i],
+                    displacement: zone(motion.displacement[i], displacement),
+                    velocity: zone(motion.velocity[i], velocity),
+                    block: number,
+                    amplitude: level(&amplitudes, amplitude),
+                    frequency: level(&frequencies, frequency),
+                });
+            }
+            number += 1;
+        }
+    }
+    Ok((samples, noise))
+}
+
+/// The energy of the means over the samples with one key.
+fn explained(samples: &[Sample], key: impl Fn(&Sample) -> usize) -> f64 {
+    let mut sums: std::collections::HashMap<usize, (f64, f64)> = std::collections::HashMap::new();
+    for sample in samples {
+        let sum = sums.entry(key(sample)).or_default();
+        sum.0 += sample.left;
+        sum.1 += 1.0;
+    }
+    sums.values().map(|(sum, count)| sum * sum / count).sum()
+}
