@@ -3,7 +3,8 @@
 use std::path::{Path, PathBuf};
 
 use clap::Args;
-use mesh_damper_identify::trace::{Role, Trace, trace};
+use mesh_damper_identify::trace::{Role, Sought, Trace, trace_for};
+use mesh_damper_model::Family;
 use mesh_damper_model::file::{FittedRange, ModelFile};
 use mesh_damper_recording::Recording;
 use mesh_damper_recording::error::InputError;
@@ -34,6 +35,12 @@ pub struct TraceCommand {
     /// Where the results go
     #[arg(long, value_name = "DIR", default_value = "trace-out")]
     out: PathBuf,
+    /// Seek only these families of effects, as `stick_slip,yielding`; all where it is not given
+    #[arg(long, value_name = "FAMILIES", value_delimiter = ',', value_parser = family)]
+    families: Vec<Family>,
+    /// Seek none of these families: what the specimen cannot have
+    #[arg(long, value_name = "FAMILIES", value_delimiter = ',', value_parser = family)]
+    exclude: Vec<Family>,
     /// Where trace.json goes as well; `-` for standard output
     #[arg(long, value_name = "FILE")]
     json: Option<PathBuf>,
@@ -62,7 +69,11 @@ impl TraceCommand {
         let recordings = read(&self.recordings)?;
         let held_out = read(&self.held_out)?;
         let progress = Progress::steps();
-        let found = trace(&recordings, &held_out, &|what| progress.step(what))?;
+        let sought = Sought {
+            families: self.families,
+            exclude: self.exclude,
+        };
+        let found = trace_for(&sought, &recordings, &held_out, &|what| progress.step(what))?;
         let declared = declarations(&recordings);
         // The report needs memory of its own.
         drop((recordings, held_out));
@@ -99,6 +110,13 @@ impl TraceCommand {
         }
         Ok(())
     }
+}
+
+fn family(name: &str) -> Result<Family, String> {
+    Family::named(name).ok_or_else(|| {
+        let all: Vec<&str> = Family::all().map(Family::name).collect();
+        format!("no effect has that name; give one of {}", all.join(", "))
+    })
 }
 
 /// A file given twice would be held out and fitted, or counted twice.

@@ -110,6 +110,8 @@ pub struct FormSpec {
     pub stands_with_siblings: bool,
     /// Families of effects that this one is at an end of its shapes, or has all of: one of them is simpler where it does as well.
     pub special_cases: &'static [&'static str],
+    /// It is tried only in the place of one of those.
+    pub refines: bool,
     /// Forms of one family with the same word are elements of one effect.
     pub effect: &'static str,
     /// 0 for what is tried first; 1 for forms that are tried where a simpler one of their family is not enough.
@@ -151,6 +153,7 @@ impl FormSpec {
         most: 1,
         stands_with_siblings: false,
         special_cases: &[],
+        refines: false,
         effect: "",
         rank: 0,
         scale_range: [-1.0, 1.0],

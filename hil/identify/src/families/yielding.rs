@@ -18,6 +18,8 @@ pub const FORMS: [Form; 2] = [
         name: "viscous_yielding",
         shape_names: &["yield_stretch", "rate", "time"],
         rank: 2,
+        special_cases: &["yielding"],
+        refines: true,
         shapes,
         ..BRANCH
     }),

@@ -16,6 +16,7 @@ use super::result::{
 use super::rule::Rule;
 use super::select::{self, Selection};
 use super::separating::{bounding_test, separating_test};
+use super::sought::Sought;
 use super::split::{Role, Roles};
 use super::unlisted::Laws;
 use super::verdict::{accounts_for, conclude, depends_on, generalises, rivals, warnings};
@@ -61,6 +62,7 @@ pub(super) struct Closing<'a> {
     pub(super) rows: Vec<Rows<'a>>,
     extent: Extent,
     noise_floor: f64,
+    pub(super) sought: &'a Sought,
 }
 
 impl<'a> Closing<'a> {
@@ -71,6 +73,7 @@ impl<'a> Closing<'a> {
         [judging, roles]: [&'a Roles; 2],
         held: &'a [Trajectory],
         nodes: Vec<Vec<f64>>,
+        sought: &'a Sought,
     ) -> Self {
         let of_fitted = fitted.iter().enumerate().map(|(which, trajectory)| {
             let roles = (0..trajectory.len())
@@ -97,6 +100,7 @@ impl<'a> Closing<'a> {
                 })
                 .collect(),
             extent: Extent::of(fitted),
+            sought,
         }
     }
 

@@ -28,6 +28,7 @@ mesh_damper_recording::numbers! {
 }
 
 /// A law and what conditions held out in turn say of its effects.
+#[derive(Clone)]
 pub(super) struct Confirmed {
     /// That law.
     pub law: Solution,
@@ -104,6 +105,23 @@ pub(super) struct Confirmation {
     pub left: Vec<Option<[RelativeError; 2]>>,
 }
 
+impl Confirmation {
+    /// By how much less is left with it, as the mean logarithm.
+    fn gain(&self) -> f64 {
+        let left = self.left.iter().flatten();
+        let logs = left.map(|[without, with]| (without.beyond_noise() / with.beyond_noise()).ln());
+        logs.sum::<f64>() / self.left.len() as f64
+    }
+
+    /// Whether less is left with it of all conditions together.
+    fn gains(&self) -> bool {
+        let each = self.left.iter().flatten();
+        let (without, with): (Vec<_>, Vec<_>) =
+            each.map(|&[without, with]| (without, with)).unzip();
+        gains(&without, &with)
+    }
+}
+
 /// What a law leaves of each condition held out, with the parameters of that fit.
 type Held = Vec<Option<(RelativeError, Vec<(Family, Interval)>)>>;
 
@@ -119,53 +137,53 @@ impl Closing<'_> {
         if verdict != Verdict::Unlisted || laws.solution.terms.is_empty() || !left_out.differ() {
             return Ok(None);
         }
-        let confirmed = self.confirmed(left_out, laws.rows, &laws.solution)?;
+        // A table was fitted beside all of them.
+        let may_drop = laws.model.correction.is_none();
+        let confirmed = self.confirmed(left_out, laws.rows, &laws.solution, may_drop)?;
         if confirmed.law.terms.len() < laws.solution.terms.len() {
             laws.solution = self.fit_there(laws.rows, &confirmed.law);
             laws.model = laws.solution.model();
-            laws.nameless = Vec::new();
         }
         Ok(Some(confirmed))
     }
 
-    /// What is confirmed of `law`, which has effects. Where nothing is, the effect that gains least is dropped as long as the law without it is no
-    /// worse on conditions held out in turn: what stands in for it may be what hides the others.
+    /// What is confirmed of `law`, which has effects. Where some `may_drop`, the one that gains least is left out where it gains nothing, and where nothing is
+    /// confirmed: what stands in for another may be what hides it. So it is as long as the law is no worse for it on conditions held out in turn.
     fn confirmed(
         &self,
         left_out: &LeftOut,
         rows: &Rows,
         law: &Solution,
+        may_drop: bool,
     ) -> Result<Confirmed, ModelError> {
-        let search = Search::new(self.trajectories, self.judging, rows.nodes().to_vec());
+        let nodes = rows.nodes().to_vec();
+        let search = Search::new(self.trajectories, self.judging, nodes, self.sought);
         let held = self.held(left_out, rows, law)?;
-        let of_law = errors(&held);
-        let first = Confirmed {
-            law: law.clone(),
-            families: self.confirmations(left_out, rows, law, (&held, &search))?,
-        };
-        let mut last = first.families.clone();
-        let mut rest = law.clone();
-        while !last.iter().any(|one| one.rejected_by.is_none()) && last.len() > 1 {
-            let gained = |one: &Confirmation| {
-                let logs = one.left.iter().flatten();
-                logs.map(|[without, with]| (with.beyond_noise() / without.beyond_noise()).ln())
-                    .sum::<f64>()
-            };
-            let Some(least) = last.iter().max_by(|a, b| gained(a).total_cmp(&gained(b))) else {
+        let of_all = errors(&held);
+        let mut now = self.confirmations(left_out, rows, law, (&held, &search))?;
+        // The law without what gains nothing.
+        let mut kept = now.clone();
+        while may_drop && now.families.len() > 1 {
+            let by_gain = |a: &&Confirmation, b: &&Confirmation| a.gain().total_cmp(&b.gain());
+            let Some(least) = now.families.iter().min_by(by_gain) else {
                 break;
             };
-            rest = self.fit_near(rows, &rest.without_family(least.family));
-            let held = self.held(left_out, rows, &rest)?;
-            if gains_clearly(&errors(&held), &of_law) {
-                return Ok(first);
+            let is_needless = !least.gains();
+            if !is_needless && now.any() {
+                break;
             }
-            last = self.confirmations(left_out, rows, &rest, (&held, &search))?;
+            let rest = self.fit_near(rows, &now.law.without_family(least.family));
+            let held = self.held(left_out, rows, &rest)?;
+            if gains_clearly(&errors(&held), &of_all) {
+                break;
+            }
+            let was_kept = kept.families.len() == now.families.len();
+            now = self.confirmations(left_out, rows, &rest, (&held, &search))?;
+            if now.any() || is_needless && was_kept {
+                kept = now.clone();
+            }
         }
-        let confirmed = Confirmed {
-            law: rest,
-            families: last,
-        };
-        Ok(if confirmed.any() { confirmed } else { first })
+        Ok(kept)
     }
 
     fn held(&self, left_out: &LeftOut, rows: &Rows, law: &Solution) -> Result<Held, ModelError> {
@@ -182,7 +200,7 @@ impl Closing<'_> {
         rows: &Rows,
         law: &Solution,
         (held, search): (&Held, &Search),
-    ) -> Result<Vec<Confirmation>, ModelError> {
+    ) -> Result<Confirmed, ModelError> {
         let in_turn = |law: &Solution| {
             left_out.each_in_turn(&|picked| Ok((self.refit_model(rows, law, picked), ())))
         };
@@ -223,7 +241,10 @@ impl Closing<'_> {
                 left,
             })
         });
-        each.collect()
+        Ok(Confirmed {
+            law: law.clone(),
+            families: each.collect::<Result<_, ModelError>>()?,
+        })
     }
 }
 

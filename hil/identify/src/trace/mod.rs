@@ -18,12 +18,14 @@ mod ruled_out;
 pub(crate) mod score;
 pub(crate) mod select;
 pub(crate) mod separating;
+mod sought;
 pub(crate) mod split;
 pub(crate) mod tones;
 mod unlisted;
 pub(crate) mod verdict;
 mod within_blocks;
 
+pub use sought::Sought;
 pub use split::{Role, Roles};
 
 use mesh_damper_model::{Model, ModelError};
@@ -92,6 +94,19 @@ pub fn trace(
     held_out: &[Recording],
     progress: &(dyn Fn(&str) + Sync),
 ) -> Result<Trace, TraceError> {
+    trace_for(&Sought::default(), recordings, held_out, progress)
+}
+
+/// The same for the effects `sought` alone.
+///
+/// # Errors
+/// As [`trace`].
+pub fn trace_for(
+    sought: &Sought,
+    recordings: &[Recording],
+    held_out: &[Recording],
+    progress: &(dyn Fn(&str) + Sync),
+) -> Result<Trace, TraceError> {
     let mended = |recordings| <[Recording]>::iter(recordings).map(Recording::mended);
     let (recordings, held_out): (Vec<_>, Vec<_>) =
         (mended(recordings).collect(), mended(held_out).collect());
@@ -119,26 +134,26 @@ pub fn trace(
     }
     progress("estimating the motion");
     let mut aligned = Aligned::of(&recordings, &held_out)?;
-    let mut closed = conclude(&mut aligned, progress)?;
+    let mut closed = conclude(&mut aligned, sought, progress)?;
     for _ in 0..policy().trace.most_moves {
         if !aligned.follow(&closed.model)? {
             break;
         }
         progress("moving anew a force that is early");
-        closed = conclude(&mut aligned, progress)?;
+        closed = conclude(&mut aligned, sought, progress)?;
     }
     for _ in 0..mesh_damper_recording::policy::policy().zero.most {
         if closed.result.verdict == Verdict::None || !aligned.take_zero_steps(&closed)? {
             break;
         }
         progress("moving back a force whose zero steps");
-        closed = conclude(&mut aligned, progress)?;
+        closed = conclude(&mut aligned, sought, progress)?;
     }
     let is_more_missing =
         |result: &TraceResult| result.verdict == Verdict::Unlisted || result.remainder.is_some();
     if is_more_missing(&closed.result) && aligned.take_pink_noise(&closed.forces) {
         progress("allowing for noise that grows towards low frequencies");
-        closed = conclude(&mut aligned, progress)?;
+        closed = conclude(&mut aligned, sought, progress)?;
     }
     let trajectories = aligned.trajectories.into_iter().flatten();
     Ok(Trace {
@@ -165,7 +180,11 @@ fn most_amplitudes() -> usize {
 }
 
 /// Searches for what the law lacks, and closes the loop.
-fn conclude(aligned: &mut Aligned, progress: &(dyn Fn(&str) + Sync)) -> Result<Closed, TraceError> {
+fn conclude(
+    aligned: &mut Aligned,
+    sought: &Sought,
+    progress: &(dyn Fn(&str) + Sync),
+) -> Result<Closed, TraceError> {
     let [fitted, held] = &mut aligned.trajectories;
     if let Some(known) = held.iter().find(|held| brings_nothing_new(held, fitted)) {
         return Err(InputError::new(
@@ -184,19 +203,19 @@ fn conclude(aligned: &mut Aligned, progress: &(dyn Fn(&str) + Sync)) -> Result<C
     }
     let mut judging = roles.clone();
     judging.keep_apart(fitted, Role::Judge);
-    let rough = Search::new(fitted, &judging, vec![0.0]).rough()?;
+    let rough = Search::new(fitted, &judging, vec![0.0], sought).rough()?;
     for trajectory in fitted.iter_mut().chain(held.iter_mut()) {
         trajectory.carry_motion_error(|y, v, a| rough.force(y, v, a));
     }
     let (fitted, held) = (&*fitted, &*held);
-    let (over_amplitude, selection) = search(fitted, &judging, progress)?;
+    let (over_amplitude, selection) = search(fitted, &judging, sought, progress)?;
     progress("fitting what was found to all that is not held out");
     let mut nodes = vec![vec![0.0]];
     let over = amplitude_nodes(fitted, &roles);
     if (2..=most_amplitudes()).contains(&over.len()) {
         nodes.insert(usize::from(!over_amplitude), over);
     }
-    let closing = Closing::new(fitted, [&judging, &roles], held, nodes);
+    let closing = Closing::new(fitted, [&judging, &roles], held, nodes, sought);
     Ok(closing.close(&selection, progress)?)
 }
 
@@ -208,10 +227,11 @@ fn conclude(aligned: &mut Aligned, progress: &(dyn Fn(&str) + Sync)) -> Result<C
 fn search(
     fitted: &[Trajectory],
     judging: &Roles,
+    sought: &Sought,
     progress: &(dyn Fn(&str) + Sync),
 ) -> Result<(bool, Selection), ModelError> {
     let nodes = amplitude_nodes(fitted, judging);
-    let for_all = Search::new(fitted, judging, vec![0.0]);
+    let for_all = Search::new(fitted, judging, vec![0.0], sought);
     if nodes.len() < 2 || nodes.len() > most_amplitudes() {
         return Ok((false, for_all.run(progress)?));
     }
@@ -235,8 +255,8 @@ fn search(
     }
     progress("testing amplitudes between the fitted ones");
     let inner = &nodes[1..nodes.len() - 1];
-    let between_of_each = error_between(fitted, &nodes, inner, &each.found.solution)?;
-    let between_of_one = error_between(fitted, &[0.0], inner, &one.found.solution)?;
+    let between_of_each = error_between(fitted, judging, &nodes, inner, &each.found.solution)?;
+    let between_of_one = error_between(fitted, judging, &[0.0], inner, &one.found.solution)?;
     let gain = one.found.score.nrmse() / each.found.score.nrmse();
     Ok(if between_of_each <= gain * between_of_one {
         (true, each)

@@ -15,6 +15,7 @@ use super::fitted::Fitted;
 use super::rule::Rule;
 use super::ruled_out;
 use super::score::{Jury, Score};
+use super::sought::Sought;
 use super::split::{Role, Roles};
 use super::tones::{OfMotion, tones};
 use super::within_blocks::is_seen_within_blocks;
@@ -107,12 +108,18 @@ pub struct Search<'a> {
 }
 
 impl<'a> Search<'a> {
-    /// A search with eq 13's coefficients at the amplitudes `nodes`.
-    pub fn new(trajectories: &'a [Trajectory], roles: &'a Roles, nodes: Vec<f64>) -> Self {
+    /// A search with eq 13's coefficients at the amplitudes `nodes`, for effects that `sought` has.
+    pub fn new(
+        trajectories: &'a [Trajectory],
+        roles: &'a Roles,
+        nodes: Vec<f64>,
+        sought: &Sought,
+    ) -> Self {
         let temperature = trajectories
             .iter()
             .find_map(|t| t.temperature.as_ref()?.first().copied());
         let terms = Form::all()
+            .filter(|&form| sought.has(form.family()))
             .filter(|&form| !form.family().depends_on_temperature() || temperature.is_some())
             .map(|form| Term {
                 form,
@@ -374,7 +381,7 @@ impl<'a> Search<'a> {
         let Some(last) = terms.last().map(|value| value.term.form) else {
             return false;
         };
-        if last.special_cases.is_empty() || most == 0 {
+        if last.special_cases.is_empty() || last.refines || most == 0 {
             return false;
         }
         let is_special = |term: &Term| last.special_cases.contains(&term.form.family);
@@ -393,7 +400,13 @@ impl<'a> Search<'a> {
             };
             rest = better;
         }
-        !law.score.beats(&rest.score)
+        // It may be refined at the next step.
+        let refines =
+            |term: &Term| term.form.refines && term.form.special_cases.contains(&last.family);
+        let refining: Vec<Term> = self.terms.iter().copied().filter(refines).collect();
+        let refined = self.beside(law, &refining, refining.len());
+        let mut general = refined.iter().map(|(_, refined, _)| refined).chain([law]);
+        !general.any(|general| general.score.beats(&rest.score))
     }
 
     /// Moves the one that is [preferred](Self::preferred) to the front.
@@ -468,17 +481,16 @@ impl<'a> Search<'a> {
         let mut rated: Vec<(Term, Solution, Vec<Start>)> = terms
             .par_iter()
             .with_max_len(1)
-            .filter(|term| {
-                let same = known.iter().filter(|known| known.form == term.form).count();
-                same < term.form.most && !known.iter().any(|known| known.form.excludes(term.form))
-            })
             .flat_map(|&term| {
-                let beside = Some((term, law.solution.clone(), screen.starts(term)));
+                let beside = (!term.form.refines && may_stand(term, &known))
+                    .then(|| (term, law.solution.clone(), screen.starts(term)));
                 // One that may be several simpler ones may be what the last of those stands for.
                 let is_special =
                     |known: &Term| term.form.special_cases.contains(&known.form.family);
-                let in_place = known.iter().rposition(is_special).map(|index| {
-                    let rest = law.solution.without(index);
+                let rest = known.iter().rposition(is_special);
+                let rest = rest.map(|index| law.solution.without(index));
+                let rest = rest.filter(|rest| may_stand(term, &rest.terms()));
+                let in_place = rest.map(|rest| {
                     let starts = Screen::at(&self.rows, &extent, &rest).starts(term);
                     (term, rest, starts)
                 });
@@ -536,10 +548,17 @@ impl<'a> Search<'a> {
     }
 }
 
+/// Whether a term may stand beside the `known` ones.
+fn may_stand(term: Term, known: &[Term]) -> bool {
+    let same = known.iter().filter(|known| known.form == term.form).count();
+    same < term.form.most && !known.iter().any(|known| known.form.excludes(term.form))
+}
+
 /// How well a law with coefficients at the amplitudes `nodes` predicts an amplitude that it was not fitted to: each inner
-/// node in turn is left out, and the root of the summed squared error there is returned, kN.
+/// node in turn is left out, and the root of the summed squared error there is returned, kN. What `roles` hold out is not seen.
 pub fn error_between(
     trajectories: &[Trajectory],
+    roles: &Roles,
     nodes: &[f64],
     left_out: &[f64],
     found: &Solution,
@@ -560,7 +579,7 @@ pub fn error_between(
             trajectories,
             others,
             policy().rows.search,
-            |which, sample| !is_left_out(which, sample),
+            |which, sample| roles.is_open(which, sample) && !is_left_out(which, sample),
         );
         let model = Problem::new(&rows, &extent, &found.terms())
             .solve_near(found)
@@ -568,7 +587,7 @@ pub fn error_between(
         for (which, trajectory) in trajectories.iter().enumerate() {
             let predicted = predict(&model, trajectory)?;
             error += (0..trajectory.len())
-                .filter(|&sample| is_left_out(which, sample))
+                .filter(|&sample| roles.is_open(which, sample) && is_left_out(which, sample))
                 .map(|sample| (predicted[sample] - trajectory.force[sample]).powi(2))
                 .sum::<f64>();
         }

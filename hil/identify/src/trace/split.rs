@@ -171,7 +171,10 @@ impl Roles {
             .all(|sample| self.0[which][sample] == Role::Fit)
     }
 
+    /// Gives `role` to those of the samples that are still fitted: what was held out stays so.
     fn assign(&mut self, which: usize, samples: Range<usize>, role: Role) {
-        self.0[which][samples].fill(role);
+        let free = self.0[which][samples].iter_mut();
+        free.filter(|one| **one == Role::Fit)
+            .for_each(|one| *one = role);
     }
 }

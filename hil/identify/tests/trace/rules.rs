@@ -1,7 +1,9 @@
 //! The rules that reject what a trace tried are said by name.
 
-use mesh_damper_identify::trace::result::Verdict;
+use mesh_damper_identify::trace::result::{TraceResult, Verdict};
 use mesh_damper_identify::trace::rule::Rule;
+use mesh_damper_identify::trace::{Sought, trace_for};
+use mesh_damper_model::Family;
 
 use super::{slider, traced};
 
@@ -53,4 +55,33 @@ fn effects_that_do_not_explain_a_recording_are_rejected_by_a_rule() {
         result.table_rejected_by.is_none(),
         result.correction.is_some()
     );
+}
+
+/// What the specimen cannot have is not sought, and what it may have is sought alone.
+#[test]
+fn only_what_is_sought_is_tried() {
+    let slides =
+        |name: &str, seed| super::record(name, &super::BLOCKS, 0.004, seed, slider(0.9, 0.03));
+    let of = |sought: &Sought| {
+        let [fitted, held] = [slides("fitted", 1), slides("held", 2)];
+        trace_for(sought, &[fitted], &[held], &|_| ())
+            .unwrap()
+            .result
+    };
+    let named = |name: &str| vec![Family::named(name).unwrap()];
+    let without = of(&Sought {
+        exclude: named("stick_slip"),
+        ..Sought::default()
+    });
+    let tried = |result: &TraceResult, name: &str| {
+        let mut candidates = result.candidates.iter();
+        candidates.any(|candidate| candidate.family == name)
+    };
+    assert!(!tried(&without, "stick_slip") && tried(&without, "relaxation"));
+    let alone = of(&Sought {
+        families: named("stick_slip"),
+        ..Sought::default()
+    });
+    assert!(tried(&alone, "stick_slip") && !tried(&alone, "relaxation"));
+    assert_eq!(alone.verdict, Verdict::Found);
 }

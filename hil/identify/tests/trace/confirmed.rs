@@ -1,0 +1,71 @@
+//! An effect is confirmed beside something that is on no list, and what only resembles one is not.
+
+use mesh_damper_identify::trace::result::Verdict;
+use mesh_damper_identify::trace::rule::Rule;
+
+use super::{Sample, families, slider, traced};
+
+/// A force of nothing listed: friction of which the motion's place and the clock decide the sign.
+fn nameless(size: f64) -> impl Fn(&Sample) -> f64 {
+    move |&(time, y, v, _)| size * (v / 3.0).tanh() * (40.0 * y).sin() * (3.0 * time).cos()
+}
+
+#[test]
+fn a_slider_is_confirmed_beside_what_has_no_name() {
+    let trace = traced(0.004, 3, || {
+        let (mut slider, nameless) = (slider(0.9, 0.03), nameless(0.02));
+        move |sample: &Sample| slider(sample) + nameless(sample)
+    });
+    let result = &trace.result;
+    assert_eq!(result.verdict, Verdict::Found, "{:?}", result.effects);
+    assert_eq!(families(&trace), ["stick_slip"]);
+    let found = &result.effects[0].parameters["slip_limit"];
+    assert!((found.value / 0.03 - 1.0).abs() < 0.1, "{found:?}");
+    assert_eq!(result.effects[0].unconfirmed_by, None);
+    let left = result.remainder.as_ref().expect("the rest is left");
+    assert!(left.times_noise > 1.5, "{left:?}");
+    assert!(left.nrmse > 0.006, "{left:?}");
+    assert!(result.conditions.len() >= 3);
+    for condition in &result.conditions {
+        assert!(
+            condition.nrmse_with < condition.nrmse_without["stick_slip"],
+            "{condition:?}"
+        );
+    }
+}
+
+#[test]
+fn what_has_no_name_gets_none() {
+    let trace = traced(0.004, 4, || nameless(0.06));
+    let result = &trace.result;
+    assert_eq!(result.verdict, Verdict::Unlisted, "{:?}", result.effects);
+    assert!(
+        result
+            .effects
+            .iter()
+            .all(|one| one.unconfirmed_by.is_some())
+    );
+    assert!(result.remainder.is_some());
+}
+
+/// A drag that grows with v² is nearly what a dashpot is, at any one speed.
+#[test]
+fn a_dashpot_is_not_confirmed_for_a_drag() {
+    let trace = traced(0.004, 5, || {
+        let nameless = nameless(0.03);
+        move |sample: &Sample| 0.004 * sample.2 * sample.2.abs() + nameless(sample)
+    });
+    let result = &trace.result;
+    assert!(!families(&trace).contains(&"viscous") || result.verdict == Verdict::Unlisted);
+    let dashpot = result.effects.iter().chain(&result.unconfirmed);
+    for effect in dashpot.filter(|effect| effect.family == "viscous") {
+        let rule = effect.unconfirmed_by;
+        assert!(
+            matches!(
+                rule,
+                Some(Rule::HelpsNotEverywhere | Rule::Unsteady | Rule::Rivalled)
+            ),
+            "{effect:?}"
+        );
+    }
+}
