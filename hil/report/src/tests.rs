@@ -4,7 +4,8 @@ use std::collections::BTreeMap;
 use std::f64::consts::TAU;
 
 use mesh_damper_identify::trace::result::{
-    Baseline, Candidate, Errors, Estimate, FoundEffect, LawEstimate, OnTarget, Rejected, Verdict,
+    Baseline, Candidate, Errors, Estimate, FoundEffect, HeldCondition, LawEstimate, OnTarget,
+    Rejected, Remainder, Verdict,
 };
 use mesh_damper_identify::trace::rule::Rule;
 
@@ -276,4 +277,49 @@ fn a_step_says_by_which_rule_each_family_was_rejected() {
     let page = render(&data);
     assert!(page.contains(Rule::UnknownElsewhere.says()));
     assert!(page.contains(Rule::TableWorthLittle.says()));
+}
+
+/// What was confirmed though something is left, by what it gains on each condition held out.
+#[test]
+fn what_each_effect_gains_on_which_condition_is_a_table() {
+    let mut data = data();
+    assert!(!render(&data).contains("What each effect gains"));
+    let condition = |amplitude, nrmse_with, without| HeldCondition {
+        recording: "ring-3.csv".into(),
+        span: [0.0, 4.0],
+        amplitude,
+        frequency: amplitude.map(|_| 5.0),
+        nrmse_with,
+        nrmse_without: [("stick_slip".to_owned(), without)].into(),
+    };
+    let result = &mut data.result;
+    result.conditions = vec![
+        condition(Some(0.2), 0.02, 0.04),
+        condition(None, 0.01, 0.0097),
+    ];
+    result.remainder = Some(Remainder {
+        nrmse: 0.0152,
+        times_noise: 3.2,
+        depends_on: vec!["frequency".into()],
+    });
+    let (heading, sentence) = text::verdict(result);
+    assert_eq!(heading, "Found: stick-slip; something is left");
+    assert!(sentence.contains("1.52 %") && sentence.contains("it depends on frequency"));
+    let mut delay = result.effects[0].clone();
+    delay.family = "delay".into();
+    delay.unconfirmed_by = Some(Rule::Rivalled);
+    delay.rivals = vec!["compliance".into()];
+    result.unconfirmed = vec![delay];
+    let page = render(&data);
+    for said in [
+        "ring-3.csv, 0.200 mm at 5.00 Hz",
+        "ring-3.csv, 0 s … 4.00 s",
+        "without stick-slip",
+        "rgba(33,102,172,0.50)",
+        "rgba(178,24,43,0.02)",
+        "stick-slip is confirmed",
+        "delay is not confirmed: another effect in its place does as well (compliance)",
+    ] {
+        assert!(page.contains(said), "{said}");
+    }
 }

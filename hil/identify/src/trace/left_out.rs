@@ -97,6 +97,8 @@ impl LeftInCycles {
 pub(super) type Picked<'p> = &'p (dyn Fn(usize, usize) -> bool + Sync);
 /// A law fitted to the samples that are picked.
 pub(super) type Fit<'f> = &'f (dyn Fn(Picked) -> Result<Model, ModelError> + Sync);
+/// The same with what else the fit gives.
+pub(super) type FitWith<'f, T> = &'f (dyn Fn(Picked) -> Result<(Model, T), ModelError> + Sync);
 
 /// Recordings and the blocks of them that are left out.
 pub(super) struct LeftOut<'a> {
@@ -242,7 +244,7 @@ impl<'a> LeftOut<'a> {
     /// What a law leaves of samples of one trajectory when it is fitted to all others that may be; with it what else the fit gives.
     fn held_out<T>(
         &self,
-        fit: &(dyn Fn(Picked) -> Result<(Model, T), ModelError> + Sync),
+        fit: FitWith<T>,
         which: usize,
         samples: &Range<usize>,
     ) -> Result<Option<(RelativeError, T)>, ModelError> {
@@ -260,7 +262,7 @@ impl<'a> LeftOut<'a> {
     /// [`conditions`](Self::conditions).
     pub fn each_in_turn<T: Send>(
         &self,
-        fit: &(dyn Fn(Picked) -> Result<(Model, T), ModelError> + Sync),
+        fit: FitWith<T>,
     ) -> Result<Vec<Option<(RelativeError, T)>>, ModelError> {
         let errors = self.conditions.par_iter().map(|condition| {
             let error = self.held_out(fit, condition.which, &condition.samples)?;
@@ -292,8 +294,7 @@ impl<'a> LeftOut<'a> {
         }
         let errors = self.blocks.par_iter();
         let errors = errors.map(|(which, block)| {
-            let fit: &(dyn Fn(Picked) -> Result<(Model, ()), ModelError> + Sync) =
-                &|picked| Ok((fit(picked)?, ()));
+            let fit: FitWith<()> = &|picked| Ok((fit(picked)?, ()));
             self.held_out(fit, *which, &block.samples)
         });
         let errors: Vec<_> = errors.collect::<Result<_, ModelError>>()?;
