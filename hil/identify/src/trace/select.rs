@@ -196,7 +196,11 @@ impl<'a> Search<'a> {
             if !accepted {
                 break;
             }
-            found = next;
+            // A law that leaves little more than the noise is refined too: what it lacks falsifies its parameters.
+            found = self.refined(&next);
+            if let Some(first) = beam.first_mut() {
+                *first = found.clone();
+            }
         }
         found = self.prune(found)?;
         ruled_out::in_the_end(&mut candidates, &found);
@@ -400,13 +404,24 @@ impl<'a> Search<'a> {
             };
             rest = better;
         }
-        // It may be refined at the next step.
+        !self.refined(law).score.beats(&rest.score)
+    }
+
+    /// The law with its last effect in a finer form, where that is clearly better; else as it is.
+    fn refined(&self, law: &Fitted) -> Fitted {
+        let Some(last) = law.solution.terms.last().map(|value| value.term.form) else {
+            return law.clone();
+        };
         let refines =
             |term: &Term| term.form.refines && term.form.special_cases.contains(&last.family);
         let refining: Vec<Term> = self.terms.iter().copied().filter(refines).collect();
-        let refined = self.beside(law, &refining, refining.len());
-        let mut general = refined.iter().map(|(_, refined, _)| refined).chain([law]);
-        !general.any(|general| general.score.beats(&rest.score))
+        let refined = self.beside(law, &refining, refining.len()).into_iter();
+        let refined = refined.map(|(_, refined, _)| refined);
+        let better =
+            refined.filter(|refined| refined.is_admissible() && refined.score.beats(&law.score));
+        better
+            .min_by(|a, b| a.score.nrmse().total_cmp(&b.score.nrmse()))
+            .unwrap_or_else(|| law.clone())
     }
 
     /// Moves the one that is [preferred](Self::preferred) to the front.

@@ -153,6 +153,8 @@ pub fn judge(trial: &Trial) -> Outcome {
         Verdict::None => Mark::Missed,
         Verdict::Found if all_named && only_hidden => Mark::Right,
         Verdict::Ambiguous if all_named && !outcome.hidden.is_empty() => Mark::Among,
+        // What is confirmed is there, and what is left is said to be.
+        Verdict::Found if only_hidden && found.remainder.is_some() => Mark::Honest,
         Verdict::Found | Verdict::Ambiguous => Mark::False,
         Verdict::Unlisted => Mark::Honest,
     };
