@@ -214,7 +214,8 @@ fn ends_a_cycle(
     (is_there && alike(last - before, end - last)).then_some(end)
 }
 
-fn alike(a: f64, b: f64) -> bool {
+/// Whether two periods, frequencies or amplitudes are those of one block.
+pub fn alike(a: f64, b: f64) -> bool {
     (a - b).abs() < policy().cycles.alike * a.abs().max(b.abs())
 }
 

@@ -45,11 +45,7 @@ pub fn gains(result: &TraceResult) -> Markup {
         } }
         ul { @for effect in result.effects.iter().chain(&result.unconfirmed) { li { (said(effect)) } } }
         @if let Some(left) = &result.remainder {
-            p {
-                "What is left is " (text::percent(left.nrmse)) " of the force's RMS, " (text::number(left.times_noise)) " times the noise"
-                @if left.depends_on.is_empty() { "." }
-                @else { ". It depends on " strong { (text::listed(&left.depends_on)) } "." }
-            }
+            p { "What is left is " (text::remainder(left)) "." }
         }
     }
 }

@@ -1,6 +1,6 @@
 //! Numbers and verdicts in plain words.
 
-use mesh_damper_identify::trace::result::{TraceResult, Verdict};
+use mesh_damper_identify::trace::result::{Remainder, TraceResult, Verdict};
 use mesh_damper_model::Family;
 
 /// `value` to three significant digits, with an exponent only where it is very large or very small.
@@ -161,11 +161,8 @@ fn concluded(result: &TraceResult) -> (String, String) {
                 Some(left) => (
                     format!("Found: {}; something is left", named.join(" and ")),
                     format!(
-                        "{what}. Confirmed on every condition that was held out in turn. What is left is {} of the force's RMS, {} \
-                         times the noise{}. {change}",
-                        percent(left.nrmse),
-                        number(left.times_noise),
-                        over(&left.depends_on)
+                        "{what}. Confirmed on every condition that was held out in turn. What is left is {}. {change}",
+                        remainder(left)
                     ),
                 ),
             }
@@ -203,6 +200,16 @@ fn correction(named: &[String], depends_on: &[String]) -> String {
     };
     let over = over(depends_on);
     format!("A correction that has no name, a table, was fitted to it{beside}{over}.")
+}
+
+/// How much a law leaves, and what that depends on.
+pub fn remainder(left: &Remainder) -> String {
+    format!(
+        "{} of the force's RMS, {} times the noise{}",
+        percent(left.nrmse),
+        number(left.times_noise),
+        over(&left.depends_on)
+    )
 }
 
 fn over(depends_on: &[String]) -> String {

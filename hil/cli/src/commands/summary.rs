@@ -2,7 +2,7 @@
 
 use mesh_damper_identify::trace::result::TraceResult;
 use mesh_damper_report::conditions;
-use mesh_damper_report::text::{interval, listed, number, percent, verdict};
+use mesh_damper_report::text::{interval, percent, remainder, verdict};
 
 use super::say;
 
@@ -25,15 +25,7 @@ pub fn print(result: &TraceResult) {
         }
     }
     if let Some(left) = &result.remainder {
-        let depends_on = match left.depends_on.as_slice() {
-            [] => String::new(),
-            some => format!("; it depends on {}", listed(some)),
-        };
-        say(&format!(
-            "Left: {} of the force's RMS, {} times the noise{depends_on}",
-            percent(left.nrmse),
-            number(left.times_noise)
-        ));
+        say(&format!("Left: {}", remainder(left)));
     }
     say("Error of the force, RMS over RMS            fitted     held out");
     for (what, fitted, held_out) in [

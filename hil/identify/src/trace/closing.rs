@@ -120,7 +120,8 @@ impl<'a> Closing<'a> {
             left,
             effects_rejected_by,
         } = self.verdict(selection, &left_out, [&alone, &solution])?;
-        let laws = if verdict == Verdict::Unlisted {
+        let is_more_missing = verdict == Verdict::Unlisted;
+        let mut laws = if is_more_missing {
             let found = match solution.terms.is_empty() {
                 true => solution,
                 false => self.preferred(selection, &left_out, solution)?,
@@ -137,8 +138,10 @@ impl<'a> Closing<'a> {
                 rejected: None,
             }
         };
-        let mut laws = laws;
-        let graded = self.graded(&left_out, &mut laws, verdict)?;
+        let graded = match is_more_missing {
+            true => self.graded(&left_out, &mut laws)?,
+            false => None,
+        };
         if graded.as_ref().is_some_and(Confirmed::any) {
             verdict = Verdict::Found;
         }
@@ -152,10 +155,9 @@ impl<'a> Closing<'a> {
             rejected,
         } = laws;
         let baseline = alone.model();
-        let is_graded = verdict == Verdict::Unlisted || graded.is_some();
         let named = solution.model();
         let left_by = |model: &Model| -> Result<f64, ModelError> {
-            Ok(match is_graded {
+            Ok(match is_more_missing {
                 true => left_out.left_by(model)?.in_most().unwrap_or(left),
                 false => left,
             })
@@ -190,7 +192,7 @@ impl<'a> Closing<'a> {
         let (effects, unconfirmed) = effects
             .into_iter()
             .partition(|effect| Family::named(&effect.family).is_none_or(is_confirmed));
-        let remainder = match is_graded && left_by_named > policy().verdict.noise_limited {
+        let remainder = match is_more_missing && left_by_named > policy().verdict.noise_limited {
             true => Some(Remainder {
                 nrmse: self.evaluate(&named, predict)?.1.nrmse_fitted,
                 times_noise: left_by_named,

@@ -8,7 +8,7 @@ use mesh_damper_model::{Family, ModelError};
 use super::adopt::{gains, gains_clearly};
 use super::closing::Closing;
 use super::left_out::{LeftOut, RelativeError};
-use super::result::{FoundEffect, HeldCondition, Verdict};
+use super::result::{FoundEffect, HeldCondition};
 use super::rule::Rule;
 use super::select::Search;
 use super::unlisted::Laws;
@@ -126,15 +126,14 @@ impl Confirmation {
 type Held = Vec<Option<(RelativeError, Vec<(Family, Interval)>)>>;
 
 impl Closing<'_> {
-    /// What is confirmed of the effects that `laws` end in, where there are such and the `verdict` is that more is missing. Where that is of fewer of them,
+    /// What is confirmed of the effects that `laws` end in, beside which more is missing, where there are such. Where that is of fewer of them,
     /// these are the law that the trace ends in.
     pub(super) fn graded(
         &self,
         left_out: &LeftOut,
         laws: &mut Laws,
-        verdict: Verdict,
     ) -> Result<Option<Confirmed>, ModelError> {
-        if verdict != Verdict::Unlisted || laws.solution.terms.is_empty() || !left_out.differ() {
+        if laws.solution.terms.is_empty() || !left_out.differ() {
             return Ok(None);
         }
         // A table was fitted beside all of them.
@@ -204,6 +203,7 @@ impl Closing<'_> {
         let in_turn = |law: &Solution| {
             left_out.each_in_turn(&|picked| Ok((self.refit_model(rows, law, picked), ())))
         };
+        let of_law = errors(held);
         let each = law.families().into_iter().map(|family| {
             let rest = law.without_family(family);
             let pairs = in_turn(&rest)?.into_iter().zip(held);
@@ -219,17 +219,14 @@ impl Closing<'_> {
                 Some(Rule::Unsteady)
             } else {
                 for rival in search.rivals(law, &rest)? {
-                    let of_rival = in_turn(&rival)?.into_iter().flatten();
-                    let of_rival: Vec<RelativeError> = of_rival.map(|(left, ())| left).collect();
-                    let of_law = errors(held);
+                    let of_rival = errors(&in_turn(&rival)?);
                     // What may be the effect and more does as well by that alone.
-                    let is_one = match is_more_than(&rival, family) {
+                    let does_as_well = match is_more_than(&rival, family) {
                         true => gains_clearly(&of_law, &of_rival),
                         false => !gains_clearly(&of_rival, &of_law),
                     };
-                    if is_one {
-                        let own = rival.families().into_iter();
-                        rivals.extend(own.filter(|own| !law.families().contains(own)));
+                    if does_as_well {
+                        rivals.extend(rival.terms.last().map(|last| last.term.form.family()));
                     }
                 }
                 (!rivals.is_empty()).then_some(Rule::Rivalled)
@@ -254,7 +251,7 @@ fn is_more_than(law: &Solution, family: Family) -> bool {
     last.is_some_and(|form| form.special_cases.contains(&family.name()))
 }
 
-fn errors(held: &Held) -> Vec<RelativeError> {
+fn errors<T>(held: &[Option<(RelativeError, T)>]) -> Vec<RelativeError> {
     held.iter().flatten().map(|(left, _)| *left).collect()
 }
 

@@ -20,7 +20,7 @@ pub struct Fitted {
 }
 
 impl Fitted {
-    /// Its force on every one of `trajectories`, kN. It is worked out anew each time: that of all laws that were tried would take more
+    /// Its force on every one of `trajectories`, kN. It is worked out each time: that of all laws that were tried would take more
     /// memory than the recordings.
     ///
     /// # Errors
@@ -33,10 +33,8 @@ impl Fitted {
 
     /// The families of its effects in the order of their names, those of several terms once.
     pub fn families(&self) -> Vec<Family> {
-        let terms = self.solution.terms.iter();
-        let mut families: Vec<Family> = terms.map(|value| value.term.form.family()).collect();
+        let mut families = self.solution.families();
         families.sort_by_key(|family| family.name());
-        families.dedup();
         families
     }
 

@@ -5,7 +5,7 @@ use std::ops::Range;
 
 use mesh_damper_model::predict::predict;
 use mesh_damper_model::{Model, ModelError};
-use mesh_damper_recording::cycles::{FoundBlock, same_amplitude};
+use mesh_damper_recording::cycles::{FoundBlock, alike, same_amplitude};
 use mesh_damper_recording::trajectory::Trajectory;
 use rayon::prelude::*;
 
@@ -27,8 +27,6 @@ mesh_damper_recording::numbers! {
         fewest_conditions: usize = 3, Convention("of two each would be judged by the other alone");
         /// At most this many conditions are held out in turn.
         most_conditions: usize = 8, Convention("bounds the time: each takes a fit");
-        /// Blocks whose frequencies differ by less than this part are of one.
-        alike: f64 = 0.08, Convention("as neighbouring cycles are of one block");
         /// Stretches that recordings without conditions are cut into.
         stretches: usize = 5, Convention("each leaves four fifths to fit");
         /// At most this many blocks are left out.
@@ -140,9 +138,8 @@ impl<'a> LeftOut<'a> {
             return true;
         };
         cycles.any(|block| {
-            let ratio = block.frequency / first.frequency;
             !same_amplitude(block.amplitude, first.amplitude)
-                || ratio.ln().abs() > policy().left_out.alike
+                || !alike(block.frequency, first.frequency)
         })
     }
 
@@ -505,7 +502,7 @@ fn conditions(trajectories: &[Trajectory], roles: &Roles) -> Vec<Condition> {
     .collect()
 }
 
-/// At most so many of `all`, the first and the last among them.
+/// At most `most` of `all`, the first and the last among them.
 fn evenly<T>(all: Vec<T>, most: usize) -> Vec<T> {
     let (length, count) = (all.len(), all.len().min(most));
     let mut places = (0..count)

@@ -42,7 +42,7 @@ pub enum Rule {
     HelpsNotEverywhere,
     /// Of such an effect: fits without one condition or the other differ in its parameters by more than these are uncertain.
     Unsteady,
-    /// Of such an effect: another in its place predicts the judging cycles as well.
+    /// Of such an effect: another in its place predicts the conditions held out as well.
     Rivalled,
     /// Of a residual table: no table fits clearly better than the law does.
     TableWorthLittle,

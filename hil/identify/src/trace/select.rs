@@ -415,6 +415,9 @@ impl<'a> Search<'a> {
         let refines =
             |term: &Term| term.form.refines && term.form.special_cases.contains(&last.family);
         let refining: Vec<Term> = self.terms.iter().copied().filter(refines).collect();
+        if refining.is_empty() {
+            return law.clone();
+        }
         let refined = self.beside(law, &refining, refining.len()).into_iter();
         let refined = refined.map(|(_, refined, _)| refined);
         let better =
