@@ -261,21 +261,36 @@ impl<'a> LeftOut<'a> {
         &self,
         fit: FitWith<T>,
     ) -> Result<Vec<Option<(RelativeError, T)>>, ModelError> {
-        let errors = self.conditions.par_iter().map(|condition| {
-            let error = self.held_out(fit, condition.which, &condition.samples)?;
-            Ok(error.map(|(error, more)| (error.times(condition.loud), more)))
-        });
-        errors.collect()
+        let all: Vec<&Condition> = self.conditions.iter().collect();
+        self.held_out_each(&all, fit)
     }
 
-    /// What the law leaves of each condition that may be fitted when that is held out.
+    /// What the law leaves of each condition that may be fitted when that is held out. Where enough others are left, the ends do not count: coefficients
+    /// over the amplitude err without bound beyond the amplitudes that they were fitted to, and that would outweigh all that is known.
     pub fn in_turn(&self, fit: Fit) -> Result<Vec<RelativeError>, ModelError> {
-        let errors = self.each_in_turn(&|picked| Ok((fit(picked)?, ())))?;
+        let inner: Vec<&Condition> = self.conditions.iter().filter(|one| !one.is_end).collect();
+        let counted = match inner.len() < policy().left_out.fewest_conditions {
+            true => self.conditions.iter().collect(),
+            false => inner,
+        };
+        let errors = self.held_out_each(&counted, &|picked| Ok((fit(picked)?, ())))?;
         Ok(errors
             .into_iter()
             .flatten()
             .map(|(error, ())| error)
             .collect())
+    }
+
+    fn held_out_each<T: Send>(
+        &self,
+        conditions: &[&Condition],
+        fit: FitWith<T>,
+    ) -> Result<Vec<Option<(RelativeError, T)>>, ModelError> {
+        let errors = conditions.par_iter().map(|condition| {
+            let error = self.held_out(fit, condition.which, &condition.samples)?;
+            Ok(error.map(|(error, more)| (error.times(condition.loud), more)))
+        });
+        errors.collect()
     }
 
     /// What is left there of the force, each block counting the same.
@@ -443,6 +458,8 @@ pub(super) struct Condition {
     pub samples: Range<usize>,
     /// By how much their force is more than that which an error is over, in squares: of a stretch that is of the recording, as it may rest.
     loud: f64,
+    /// Whether no other condition has an amplitude as small, or none one as large: what is said of it then is an extrapolation.
+    is_end: bool,
 }
 
 /// Conditions that may be fitted, evenly spread over amplitude and frequency, those at the ends among them: blocks of several cycles, or where there
@@ -487,17 +504,26 @@ fn conditions(trajectories: &[Trajectory], roles: &Roles) -> Vec<Condition> {
                 which,
                 samples: some[0]..some[some.len() - 1] + 1,
                 loud: power(some) / of_all,
+                is_end: false,
             });
             each.collect::<Vec<_>>()
         };
         let all = trajectories.iter().enumerate().flat_map(cut).collect();
         return evenly(all, most_conditions);
     }
+    // They are in the order of their amplitudes.
+    let amplitudes: Vec<f64> = blocks.iter().map(|(_, block)| block.amplitude).collect();
+    let is_end = |amplitude: f64| {
+        let alone_at = |end: f64, next: f64| amplitude == end && !same_amplitude(end, next);
+        let last = amplitudes.len() - 1;
+        alone_at(amplitudes[0], amplitudes[1]) || alone_at(amplitudes[last], amplitudes[last - 1])
+    };
     let each = evenly(blocks, most_conditions).into_iter();
     each.map(|(which, block)| Condition {
         which,
         samples: block.samples.clone(),
         loud: 1.0,
+        is_end: is_end(block.amplitude),
     })
     .collect()
 }
@@ -520,6 +546,7 @@ mod tests {
     use std::f64::consts::TAU;
 
     use super::*;
+    use mesh_damper_model::LawNode;
     use mesh_damper_recording::Recording;
 
     /// Sines of 1 Hz with these amplitudes in mm follow each other.
@@ -549,6 +576,34 @@ mod tests {
             .collect();
         places.sort_unstable();
         places
+    }
+
+    #[test]
+    fn what_lies_beyond_all_other_amplitudes_counts_only_where_little_else_is() {
+        let counted = |amplitudes: &[f64]| {
+            let trajectories = [test(amplitudes)];
+            let roles = Roles::all_fit(&trajectories);
+            let left_out = LeftOut::of(&trajectories, [&roles, &roles]);
+            let no_force = || Model {
+                law: vec![LawNode {
+                    amplitude: 0.1,
+                    k1: 0.0,
+                    k3: 0.0,
+                    c: 0.0,
+                    alpha: 1.0,
+                }],
+                effects: Vec::new(),
+                correction: None,
+            };
+            left_out.in_turn(&|_| Ok(no_force())).unwrap().len()
+        };
+        assert_eq!(counted(&[0.2, 0.1, 0.2, 0.3, 0.2]), 3);
+        assert_eq!(counted(&[0.1, 0.3, 0.2, 0.1, 0.3]), 5, "no end is alone");
+        assert_eq!(
+            counted(&[0.2, 0.1, 0.2, 0.3]),
+            4,
+            "two alone decide nothing"
+        );
     }
 
     #[test]
