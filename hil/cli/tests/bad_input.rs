@@ -465,3 +465,25 @@ fn a_bad_programme_or_specimen_is_refused_by_run() {
         refuses(root.path(), &[&["run"], arguments].concat(), &[said]);
     }
 }
+
+/// What `hil trace --law` cannot keep.
+#[test]
+fn what_is_known_is_what_a_fit_has() {
+    let root = tempfile::tempdir().unwrap();
+    fs::write(root.path().join("rec.csv"), recording(|_| ())).unwrap();
+    let friction = r#"{ "family": "stick_slip", "parameters": { "stiffness": 1.0, "stretch_limit": 0.1,
+        "sharpness": 1.0, "hardening": 7.5, "loss": 0.5 } }"#;
+    let offset = r#"{ "family": "offset", "parameters": { "force": 0.01 } }"#;
+    let known = MODEL.replacen(offset, friction, 1);
+    assert_ne!(known, MODEL);
+    fs::write(root.path().join("known.json"), known).unwrap();
+    let refuses = |law: &str, said: &[&str]| {
+        refuses(root.path(), &["trace", "rec.csv", "--law", law], said);
+    };
+    refuses(
+        "known.json",
+        &["known.json: field effects[0]", "leave it out"],
+    );
+    refuses("none.json", &["none.json", "does not exist"]);
+    refuses("rec.csv", &["rec.csv", "not JSON"]);
+}

@@ -146,3 +146,39 @@ fn both_say_the_same_of_a_recording_with_faults() {
         );
     }
 }
+
+/// The constant force is known from the first test: it is in the law of the next, and nothing beside it is found.
+#[test]
+fn what_a_model_knows_stays_in_the_law_of_the_next_test() {
+    let root = tempfile::tempdir().unwrap();
+    let blocks = [(0.1, 1.0), (0.1, 5.0), (0.2, 1.0), (0.2, 5.0)];
+    for name in ["rec.csv", "next.csv"] {
+        record(&root.path().join(name), &blocks);
+    }
+    let offset = ["--families", "offset"];
+    let first = ["trace", "rec.csv", "--out", "first"];
+    hil(root.path(), &[&first[..], &offset].concat());
+    let printed = hil(
+        root.path(),
+        &[
+            "trace",
+            "next.csv",
+            "--law",
+            "first/model.json",
+            "--out",
+            "next",
+        ],
+    );
+    assert!(
+        printed.contains("before: mixed damping law with offset"),
+        "{printed}"
+    );
+    let read = |file: &str| -> serde_json::Value {
+        let text = fs::read_to_string(root.path().join(file)).unwrap();
+        serde_json::from_str(&text).unwrap()
+    };
+    let result = read("next/trace.json");
+    assert_eq!(result["verdict"], "none");
+    assert_eq!(result["baseline"]["known"], serde_json::json!(["offset"]));
+    assert_eq!(read("next/model.json")["effects"][0]["family"], "offset");
+}

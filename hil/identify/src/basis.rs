@@ -148,7 +148,8 @@ impl<'r, 'a> Basis<'r, 'a> {
 
     /// The exponent of a node.
     pub fn alpha(&self, at: &[f64], node: usize) -> f64 {
-        at[node].clamp(0.0, 1.0)
+        let given = self.rows.law.exponent();
+        given.unwrap_or(at[node]).clamp(0.0, 1.0)
     }
 
     /// The shapes of a term.
@@ -411,6 +412,7 @@ impl<'r, 'a> Basis<'r, 'a> {
         let alphas: Vec<f64> = (0..self.rows.nodes.len())
             .map(|node| self.alpha(at, node))
             .collect();
+        let has = self.rows.law.has();
         let unit: Vec<[f64; 3]> = (0..motion.displacement.len())
             .map(|index| {
                 let y = motion.displacement[index];
@@ -429,16 +431,24 @@ impl<'r, 'a> Basis<'r, 'a> {
                             [elastic + more_elastic, damping + more_damping]
                         });
                 let speed = (alphas[motion.node[index]] * motion.log_speed[index]).exp();
-                [
+                let all = [
                     elastic * y,
                     elastic * y * y * y,
                     damping * motion.direction[index] * speed,
-                ]
+                ];
+                // What is not in the law has no column: its coefficient stays 0.
+                std::array::from_fn(|slot| if has[slot] { all[slot] } else { 0.0 })
             })
             .collect();
+        let given = self.rows.law.exponent();
         let damping = unit.iter().zip(&motion.log_speed);
         LawColumns {
-            by_exponent: damping.map(|(row, log_speed)| row[2] * log_speed).collect(),
+            by_exponent: damping
+                .map(|(row, log_speed)| match given {
+                    Some(_) => 0.0,
+                    None => row[2] * log_speed,
+                })
+                .collect(),
             unit,
         }
     }

@@ -37,12 +37,14 @@
 
 #![forbid(unsafe_code)]
 
+pub mod base_law;
 mod basis;
 pub(crate) mod beyond_noise;
 pub mod correction;
 mod exact;
 pub mod families;
 mod known_forces;
+pub mod known_terms;
 mod moved;
 mod normal;
 pub mod policy;

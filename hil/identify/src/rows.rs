@@ -5,6 +5,7 @@ use std::sync::Arc;
 
 use mesh_damper_recording::trajectory::Trajectory;
 
+use super::base_law::BaseLaw;
 use super::known_forces::KnownForces;
 use super::tolerance::certainty;
 mesh_damper_recording::numbers! {
@@ -34,6 +35,8 @@ pub struct Rows<'a> {
     pub(super) weight: Vec<f64>,
     /// Amplitudes of the law's nodes, mm.
     pub(super) nodes: Vec<f64>,
+    /// What the law is made of.
+    pub(super) law: BaseLaw,
     /// Of effects that see the motion as recorded.
     pub(super) known_forces: Arc<KnownForces>,
 }
@@ -135,8 +138,15 @@ impl<'a> Rows<'a> {
             force,
             weight,
             nodes,
+            law: BaseLaw::default(),
             known_forces: Arc::default(),
         }
+    }
+
+    /// The same for another law than eq 13.
+    #[must_use]
+    pub fn under(self, law: BaseLaw) -> Self {
+        Self { law, ..self }
     }
 
     /// The same without the coefficients of amplitudes that no row is near: they would be none, and not those of the nearest.
@@ -162,6 +172,7 @@ impl<'a> Rows<'a> {
             origin: self.origin.clone(),
             force: self.force.clone(),
             weight: self.weight.clone(),
+            law: self.law,
             known_forces: self.known_forces.clone(),
             nodes,
         }

@@ -49,21 +49,32 @@ impl Solution {
         rest
     }
 
-    /// The same without the terms of one family.
+    /// The same without the terms of one family, as far as they were not known before.
     #[must_use]
     pub fn without_family(&self, family: Family) -> Self {
         let mut rest = self.clone();
-        let of_family = |value: &TermValue| value.term.form.family() == family;
+        let of_family =
+            |value: &TermValue| !value.term.is_known && value.term.form.family() == family;
         while let Some(index) = rest.terms.iter().position(of_family) {
             rest = rest.without(index);
         }
         rest
     }
 
-    /// The families of its terms, each once.
+    /// The terms that were not known before.
+    pub fn found(&self) -> impl Iterator<Item = &TermValue> {
+        self.terms.iter().filter(|value| !value.term.is_known)
+    }
+
+    /// Whether it has no such term.
+    pub fn is_alone(&self) -> bool {
+        self.found().next().is_none()
+    }
+
+    /// The families of these terms, each once.
     pub fn families(&self) -> Vec<Family> {
         let mut families: Vec<Family> = Vec::new();
-        for value in &self.terms {
+        for value in self.found() {
             let family = value.term.form.family();
             if !families.contains(&family) {
                 families.push(family);

@@ -14,6 +14,8 @@ pub struct Term {
     pub form: Form,
     /// The temperature at which the law holds, °C; used by temperature only.
     pub reference: f64,
+    /// Whether it was known before: it stays.
+    pub is_known: bool,
 }
 
 /// A term's parameters after a fit.

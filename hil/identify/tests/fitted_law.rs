@@ -33,6 +33,7 @@ fn the_error_of_a_fit_is_that_of_the_law_that_comes_of_it() {
     let term = |form| Term {
         form,
         reference: 20.0,
+        is_known: false,
     };
     // Late by whole ticks and a part of one.
     let shapes = |form: Form, law: &Solution| match form.name {

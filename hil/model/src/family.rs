@@ -108,7 +108,7 @@ pub fn parameter_unit(name: &str) -> Option<&'static str> {
 }
 
 /// `slip_limit` of `slip_limit_2`.
-pub(crate) fn base_name(name: &str) -> &str {
+pub fn base_name(name: &str) -> &str {
     name.rsplit_once('_')
         .filter(|(_, number)| number.bytes().all(|byte| byte.is_ascii_digit()))
         .map_or(name, |(base, _)| base)

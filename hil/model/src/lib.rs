@@ -48,5 +48,5 @@ mod model;
 pub mod predict;
 pub mod respond;
 
-pub use family::{Family, parameter_unit};
+pub use family::{Family, base_name, parameter_unit};
 pub use model::{AddedEffect, LawNode, MAX_EFFECTS, Model, ModelError};

@@ -38,8 +38,8 @@ pub fn render(data: &ReportData) -> String {
                 (conditions::gains(&data.result))
                 (evidence.after(data))
                 (errors(&data.result))
-                (loops(&data.series))
-                (over_time(&data.series))
+                (loops(&data.result, &data.series))
+                (over_time(&data.result, &data.series))
                 (candidates(&data.result))
                 (law(data))
                 footer {
@@ -80,7 +80,7 @@ fn errors(result: &TraceResult) -> Markup {
             thead { tr { th { "" } th { "fitted" } th { "held out" } th { "held out, in noise floors" } } }
             tbody {
                 tr {
-                    td { "Before: mixed damping law alone" }
+                    td { "Before: " (text::law_alone(&result.baseline)) }
                     td { (text::percent(result.baseline.nrmse_fitted)) }
                     td { (text::percent(result.baseline.nrmse_held_out)) }
                     td { (times(result.baseline.nrmse_held_out)) }
@@ -112,7 +112,8 @@ fn errors(result: &TraceResult) -> Markup {
 }
 
 /// Colours and what they stand for.
-fn key(measured: bool) -> Markup {
+fn key(result: &TraceResult, measured: bool) -> Markup {
+    let before = format!("before: {}", text::law_alone(&result.baseline));
     let swatch = |RGBColor(r, g, b): RGBColor, width: u32, name: &str| {
         let colour = format!("rgb({r},{g},{b})");
         html! {
@@ -127,13 +128,13 @@ fn key(measured: bool) -> Markup {
     html! {
         div.key {
             @if measured { (swatch(RGBColor(175, 175, 175), 5, "measured")) }
-            (swatch(charts::BEFORE, 3, "before: mixed damping law alone"))
+            (swatch(charts::BEFORE, 3, &before))
             (swatch(charts::AFTER, 3, "after: with what was found"))
         }
     }
 }
 
-fn loops(series: &[Series]) -> Markup {
+fn loops(result: &TraceResult, series: &[Series]) -> Markup {
     let chosen = chosen_blocks(series);
     let several = series.len() > 1;
     html! {
@@ -141,7 +142,7 @@ fn loops(series: &[Series]) -> Markup {
         @if chosen.is_empty() {
             p { "No whole cycle was found in the recordings." }
         } @else {
-            (key(true))
+            (key(result, true))
             div.grid {
                 @for (one, block) in &chosen {
                     figure {
@@ -180,10 +181,10 @@ fn spread(indices: &[usize], most: usize) -> Vec<usize> {
         .collect()
 }
 
-fn over_time(series: &[Series]) -> Markup {
+fn over_time(result: &TraceResult, series: &[Series]) -> Markup {
     html! {
         h2 { "The force left over time" }
-        (key(false))
+        (key(result, false))
         figure { (PreEscaped(charts::residual_chart(series, &charts::WIDE))) }
     }
 }

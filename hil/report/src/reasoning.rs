@@ -39,7 +39,7 @@ impl Evidence {
         let result = &data.result;
         let error = result.baseline.nrmse_held_out;
         html! {
-            h2 { "2. What the mixed damping law leaves" }
+            h2 { "2. What the " (text::law(&result.baseline)) " leaves" }
             p {
                 "Fitted as well as it can be, the law leaves " (text::percent(error)) " of the force's RMS on what was \
                  never fitted; the noise of the recording is " (text::percent(result.noise_floor_nrmse)) ". "

@@ -82,6 +82,7 @@ fn data() -> ReportData {
             noise_floor_nrmse: 0.004,
             baseline: Baseline {
                 law: "mixed_damping".into(),
+                known: Vec::new(),
                 nrmse_fitted: 0.0712,
                 nrmse_held_out: 0.0834,
                 staged: Some(Errors {
@@ -322,4 +323,22 @@ fn what_each_effect_gains_on_which_condition_is_a_table() {
     ] {
         assert!(page.contains(said), "{said}");
     }
+}
+
+#[test]
+fn the_law_is_called_what_it_is() {
+    let mut result = data().result;
+    let said = |result: &TraceResult| text::law_alone(&result.baseline);
+    assert_eq!(said(&result), "mixed damping law alone");
+    result.baseline.law = "none".into();
+    assert_eq!(said(&result), "no law");
+    result.baseline.known = vec!["stick_slip".into(), "offset".into()];
+    assert_eq!(said(&result), "stick-slip and offset");
+    result.baseline.law = "linear".into();
+    result.verdict = Verdict::None;
+    let (_, sentence) = text::verdict(&result);
+    assert!(
+        sentence.starts_with("Beside the linear law with stick-slip and offset nothing is needed"),
+        "{sentence}"
+    );
 }

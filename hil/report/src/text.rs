@@ -1,6 +1,6 @@
 //! Numbers and verdicts in plain words.
 
-use mesh_damper_identify::trace::result::{Remainder, TraceResult, Verdict};
+use mesh_damper_identify::trace::result::{Baseline, Remainder, TraceResult, Verdict};
 use mesh_damper_model::Family;
 
 /// `value` to three significant digits, with an exponent only where it is very large or very small.
@@ -125,6 +125,29 @@ pub fn verdict(result: &TraceResult) -> (String, String) {
 /// A model whose error is larger by this factor is worse. Convention: two per cent are no difference.
 const WORSE: f64 = 1.02;
 
+/// The law before anything is added: `mixed damping law`, and what was known to be beside it.
+pub fn law(baseline: &Baseline) -> String {
+    let known: Vec<String> = baseline.known.iter().map(|family| name(family)).collect();
+    let law = match &baseline.law[..] {
+        "linear" => "linear law",
+        "none" if known.is_empty() => "no law",
+        "none" => return listed(&known),
+        _ => "mixed damping law",
+    };
+    match &known[..] {
+        [] => law.to_owned(),
+        known => format!("{law} with {}", listed(known)),
+    }
+}
+
+/// The same where nothing that was found stands beside it.
+pub fn law_alone(baseline: &Baseline) -> String {
+    match (&baseline.law[..], baseline.known.is_empty()) {
+        ("none", _) | (_, false) => law(baseline),
+        _ => format!("{} alone", law(baseline)),
+    }
+}
+
 /// The verdict in a heading and a sentence.
 fn concluded(result: &TraceResult) -> (String, String) {
     let named: Vec<String> = result.effects.iter().map(|e| name(&e.family)).collect();
@@ -140,8 +163,9 @@ fn concluded(result: &TraceResult) -> (String, String) {
         Verdict::None => (
             "Nothing is missing".into(),
             format!(
-                "The mixed damping law explains the recordings: its error on data that was never fitted is {} of \
-                 the force's RMS, and the noise of the recording is {}.",
+                "Beside the {} nothing is needed: its error on data that was never fitted is {} of the force's RMS, and the noise of \
+                 the recording is {}.",
+                law(&result.baseline),
                 percent(result.baseline.nrmse_held_out),
                 percent(result.noise_floor_nrmse)
             ),

@@ -196,6 +196,7 @@ fn intervals(case: &Case, recording: &Recording) -> Vec<(&'static str, Interval)
     let term = Term {
         form: case.form,
         reference: 20.0,
+        is_known: false,
     };
     let law = Problem::new(&rows, &extent, &[]).solve();
     let terms = [term];

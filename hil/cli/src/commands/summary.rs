@@ -2,7 +2,7 @@
 
 use mesh_damper_identify::trace::result::TraceResult;
 use mesh_damper_report::conditions;
-use mesh_damper_report::text::{interval, percent, remainder, verdict};
+use mesh_damper_report::text::{interval, law_alone, percent, remainder, verdict};
 
 use super::say;
 
@@ -27,10 +27,11 @@ pub fn print(result: &TraceResult) {
     if let Some(left) = &result.remainder {
         say(&format!("Left: {}", remainder(left)));
     }
+    let before = format!("before: {}", law_alone(&result.baseline));
     say("Error of the force, RMS over RMS            fitted     held out");
     for (what, fitted, held_out) in [
         (
-            "before: mixed damping law alone",
+            &before[..],
             Some(result.baseline.nrmse_fitted),
             result.baseline.nrmse_held_out,
         ),

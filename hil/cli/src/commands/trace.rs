@@ -3,12 +3,15 @@
 use std::path::{Path, PathBuf};
 
 use clap::Args;
+use mesh_damper_identify::base_law::BaseLaw;
+use mesh_damper_identify::known_terms::{KnownTerm, known_terms};
 use mesh_damper_identify::trace::{Role, Sought, Trace, trace_for};
 use mesh_damper_model::Family;
 use mesh_damper_model::file::{FittedRange, ModelFile};
 use mesh_damper_recording::Recording;
-use mesh_damper_recording::error::InputError;
+use mesh_damper_recording::error::{InputError, Place};
 use mesh_damper_recording::output::Plan;
+use mesh_damper_recording::read_limit::ReadLimit;
 use mesh_damper_report::{self as report, ReportData};
 
 use super::progress::Progress;
@@ -41,6 +44,12 @@ pub struct TraceCommand {
     /// Seek none of these families: what the specimen cannot have
     #[arg(long, value_name = "FAMILIES", value_delimiter = ',', value_parser = family)]
     exclude: Vec<Family>,
+    /// What the law is without effects: eq 13, a spring and a dashpot, or nothing but the effects
+    #[arg(long, value_name = "LAW", default_value = BaseLaw::default().word(), value_parser = base_law)]
+    baseline: BaseLaw,
+    /// A model whose effects are known: they stay in the law, and more is sought. Their parameters are fitted with the law's, from those of the model
+    #[arg(long, value_name = "MODEL")]
+    law: Option<PathBuf>,
     /// Where trace.json goes as well; `-` for standard output
     #[arg(long, value_name = "FILE")]
     json: Option<PathBuf>,
@@ -53,6 +62,7 @@ impl TraceCommand {
         let mut outputs = Plan::new()
             .reads(&self.recordings)
             .reads(&self.held_out)
+            .reads(&self.law)
             .fills(
                 self.out.as_path(),
                 ["trace.json", "model.json", "report.html", separating::FILE],
@@ -66,12 +76,18 @@ impl TraceCommand {
                 .map(|path| Recording::read_channels_within(path, self.reading.limit))
                 .collect::<Result<Vec<_>, _>>()
         };
+        let known = match &self.law {
+            Some(path) => known_effects(path, self.reading.limit)?,
+            None => Vec::new(),
+        };
         let recordings = read(&self.recordings)?;
         let held_out = read(&self.held_out)?;
         let progress = Progress::steps();
         let sought = Sought {
             families: self.families,
             exclude: self.exclude,
+            law: self.baseline,
+            known,
         };
         let found = trace_for(&sought, &recordings, &held_out, &|what| progress.step(what))?;
         let declared = declarations(&recordings);
@@ -117,6 +133,41 @@ fn family(name: &str) -> Result<Family, String> {
         let all: Vec<&str> = Family::all().map(Family::name).collect();
         format!("no effect has that name; give one of {}", all.join(", "))
     })
+}
+
+fn base_law(word: &str) -> Result<BaseLaw, String> {
+    let mut all = BaseLaw::ALL.into_iter();
+    all.find(|law| law.word() == word).ok_or_else(|| {
+        let words = BaseLaw::ALL.map(BaseLaw::word);
+        format!("no law has that name; give one of {}", words.join(", "))
+    })
+}
+
+/// The effects of a model as a fit has them.
+fn known_effects(path: &Path, limit: ReadLimit) -> Result<Vec<KnownTerm>, InputError> {
+    let model = ModelFile::read_within(path, limit)?.model();
+    let refused = |field: &str, problem: &str, remedy: &str| {
+        let place = Place::Field(field.to_owned());
+        InputError::new(path.display().to_string(), problem, remedy).at(place)
+    };
+    if model.correction.is_some() {
+        return Err(refused(
+            "correction",
+            "is a residual table, which stands for what is sought",
+            "give a model without it",
+        ));
+    }
+    let effects = model.effects.iter().enumerate().map(|(index, effect)| {
+        known_terms(effect).ok_or_else(|| {
+            refused(
+                &format!("effects[{index}]"),
+                "has parameters that no fit has",
+                "give the effect as `hil trace` writes it, or leave it out",
+            )
+        })
+    });
+    let effects: Vec<Vec<KnownTerm>> = effects.collect::<Result<_, _>>()?;
+    Ok(effects.concat())
 }
 
 /// A file given twice would be held out and fitted, or counted twice.

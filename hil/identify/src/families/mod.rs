@@ -281,7 +281,11 @@ mod tests {
         };
         let reference = 20.0;
         let value = TermValue {
-            term: Term { form, reference },
+            term: Term {
+                form,
+                reference,
+                is_known: false,
+            },
             sizes: vec![0.1; sizes],
             shapes: vec![1.0; form.shape_names.len()],
         };

@@ -20,13 +20,14 @@ use super::sought::Sought;
 use super::split::{Role, Roles};
 use super::unlisted::Laws;
 use super::verdict::{accounts_for, conclude, depends_on, generalises, rivals, warnings};
+use crate::base_law::BaseLaw;
 use crate::policy::policy;
 use crate::problem::Problem;
 use crate::rows::Rows;
 use crate::shape::Extent;
 use crate::solution::Solution;
 use crate::staged::staged;
-use crate::term::effects_of;
+use crate::term::{TermValue, effects_of};
 use crate::tolerance::{held_to, noise_floor};
 use crate::uncertainty::{Interval, Uncertainty};
 
@@ -97,6 +98,7 @@ impl<'a> Closing<'a> {
                     Rows::gather(fitted, nodes, policy().rows.closing, |which, sample| {
                         roles.is_open(which, sample)
                     })
+                    .under(sought.law)
                 })
                 .collect(),
             extent: Extent::of(fitted),
@@ -122,7 +124,7 @@ impl<'a> Closing<'a> {
         } = self.verdict(selection, &left_out, [&alone, &solution])?;
         let is_more_missing = verdict == Verdict::Unlisted;
         let mut laws = if is_more_missing {
-            let found = match solution.terms.is_empty() {
+            let found = match solution.is_alone() {
                 true => solution,
                 false => self.preferred(selection, &left_out, solution)?,
             };
@@ -171,7 +173,7 @@ impl<'a> Closing<'a> {
         let mut uncertainty = Uncertainty::of(rows, &self.extent, &solution);
         let terms = solution.terms.iter().zip(&uncertainty.terms);
         let mut unbounded: Vec<Family> = terms
-            .filter(|(_, uncertainty)| !uncertainty.is_bounded())
+            .filter(|(value, uncertainty)| !value.term.is_known && !uncertainty.is_bounded())
             .map(|(value, _)| value.term.form.family())
             .filter(|&family| is_confirmed(family))
             .collect();
@@ -230,7 +232,8 @@ impl<'a> Closing<'a> {
             held_out: names(true),
             noise_floor_nrmse: noise_floor,
             baseline: Baseline {
-                law: "mixed_damping".to_owned(),
+                law: self.sought.law.name().to_owned(),
+                known: self.known(),
                 nrmse_fitted: without.nrmse_fitted,
                 nrmse_held_out: without.nrmse_held_out,
                 staged: self.staged()?,
@@ -262,7 +265,7 @@ impl<'a> Closing<'a> {
             on_target: OnTarget {
                 nrmse_held_out: on_target.nrmse_held_out,
             },
-            adopted: !model.effects.is_empty() || model.correction.is_some(),
+            adopted: !solution.is_alone() || model.correction.is_some(),
             rejected,
         };
         let forces = self
@@ -299,7 +302,7 @@ impl<'a> Closing<'a> {
             left,
             effects_rejected_by,
         };
-        if solution.terms.is_empty() || verdict == Verdict::Unlisted {
+        if solution.is_alone() || verdict == Verdict::Unlisted {
             return Ok(concluded);
         }
         let left_by_alone = left_out.left_by(&alone.model())?;
@@ -359,7 +362,7 @@ impl<'a> Closing<'a> {
     ) -> (Rows<'_>, Solution) {
         let nodes = rows.nodes().to_vec();
         let rows = Rows::gather(self.trajectories, nodes, policy().rows.in_turn, picked);
-        let rows = rows.with_nodes_seen();
+        let rows = rows.under(self.sought.law).with_nodes_seen();
         let problem = Problem::new(&rows, &self.extent, &known.terms());
         let solution = problem.solve_near(known);
         (rows, solution)
@@ -434,8 +437,21 @@ impl<'a> Closing<'a> {
         Ok((error / force).sqrt())
     }
 
-    /// The errors of eq 13 identified as the paper does.
+    /// The families of what was known.
+    fn known(&self) -> Vec<String> {
+        let known = self.sought.known.iter();
+        let mut names: Vec<String> = known
+            .map(|known| known.term.form.family().name().to_owned())
+            .collect();
+        names.dedup();
+        names
+    }
+
+    /// The errors of eq 13 identified as the paper does, which knows of no other law.
     fn staged(&self) -> Result<Option<Errors>, ModelError> {
+        if self.sought.law != BaseLaw::Mixed || !self.sought.known.is_empty() {
+            return Ok(None);
+        }
         let Some(law) = staged(&self.rows[0]) else {
             return Ok(None);
         };
@@ -468,6 +484,7 @@ impl<'a> Closing<'a> {
             (name, estimate)
         };
         let terms = solution.terms.iter().zip(&uncertainty.terms);
+        let terms = terms.filter(|(value, _)| !value.term.is_known);
         let estimates = terms.flat_map(|(value, uncertainty)| {
             let elements = uncertainty.elements(value).into_iter();
             elements.map(|parameters| {
@@ -510,14 +527,16 @@ impl<'a> Closing<'a> {
         let nodes = rows.nodes().to_vec();
         let rows = Rows::gather(&moved, nodes, policy().rows.closing, |which, sample| {
             self.roles.is_open(which, sample)
-        });
+        })
+        .under(self.sought.law);
         self.fit_near(&rows, known)
     }
 
     /// The same without those that all of the data hold at 0.
     pub(super) fn fit_there(&self, rows: &Rows, known: &Solution) -> Solution {
         let mut solution = self.fit_near(rows, known);
-        while let Some(index) = solution.terms.iter().position(|term| !term.is_admissible()) {
+        let is_nothing = |value: &TermValue| !value.term.is_known && !value.is_admissible();
+        while let Some(index) = solution.terms.iter().position(is_nothing) {
             solution = self.fit_near(rows, &solution.without(index));
         }
         solution

@@ -133,7 +133,7 @@ impl Closing<'_> {
         left_out: &LeftOut,
         laws: &mut Laws,
     ) -> Result<Option<Confirmed>, ModelError> {
-        if laws.solution.terms.is_empty() || !left_out.differ() {
+        if laws.solution.is_alone() || !left_out.differ() {
             return Ok(None);
         }
         // A table was fitted beside all of them.

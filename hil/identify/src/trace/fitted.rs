@@ -9,6 +9,7 @@ use super::tones::OfMotion;
 use crate::families::{drift, periodic};
 use crate::shape::Extent;
 use crate::solution::Solution;
+use crate::term::TermValue;
 
 /// A fitted law and how it does on the cycles that judge.
 #[derive(Clone, Debug)]
@@ -40,7 +41,7 @@ impl Fitted {
 
     /// Whether `other` has the same families but for one, of which one of this law's effects is the general form.
     pub(super) fn includes(&self, other: &Self) -> bool {
-        let mut forms = self.solution.terms.iter().map(|value| value.term.form);
+        let mut forms = self.solution.found().map(|value| value.term.form);
         forms.any(|form| {
             let mut special_cases = form.special_cases.iter();
             special_cases.any(|&special| {
@@ -55,21 +56,18 @@ impl Fitted {
     }
 
     pub(super) fn is_admissible(&self) -> bool {
-        self.solution
-            .terms
-            .iter()
-            .all(|value| value.is_admissible())
+        self.solution.found().all(TermValue::is_admissible)
     }
 
     /// Whether it has a tone of a frequency that the motion makes.
     pub(super) fn has_tone(&self, of_motion: &OfMotion) -> bool {
-        let mut terms = self.solution.terms.iter();
+        let mut terms = self.solution.found();
         terms.any(|value| value.term.form == periodic::FORMS[0] && of_motion.holds(value.shape(0)))
     }
 
     pub(super) fn is_degenerate(&self, extent: &Extent) -> bool {
-        let terms = self.solution.terms.iter();
-        terms.into_iter().any(|value| value.is_degenerate(extent))
+        let mut terms = self.solution.found();
+        terms.any(|value| value.is_degenerate(extent))
     }
 
     /// Forms and how often, whatever their order.

@@ -33,6 +33,7 @@ use mesh_damper_recording::error::InputError;
 use mesh_damper_recording::trajectory::Trajectory;
 use mesh_damper_recording::{Recording, check_consistency};
 
+use crate::base_law::BaseLaw;
 use crate::policy::policy;
 use aligned::Aligned;
 use closing::{Closed, Closing, brings_nothing_new};
@@ -203,7 +204,8 @@ fn conclude(
     }
     let mut judging = roles.clone();
     judging.keep_apart(fitted, Role::Judge);
-    let rough = Search::new(fitted, &judging, vec![0.0], sought).rough()?;
+    // However the force is made up, eq 13 says about what it does with the motion.
+    let rough = Search::new(fitted, &judging, vec![0.0], &Sought::default()).rough()?;
     for trajectory in fitted.iter_mut().chain(held.iter_mut()) {
         trajectory.carry_motion_error(|y, v, a| rough.force(y, v, a));
     }
@@ -212,7 +214,7 @@ fn conclude(
     progress("fitting what was found to all that is not held out");
     let mut nodes = vec![vec![0.0]];
     let over = amplitude_nodes(fitted, &roles);
-    if (2..=most_amplitudes()).contains(&over.len()) {
+    if sought.law != BaseLaw::None && (2..=most_amplitudes()).contains(&over.len()) {
         nodes.insert(usize::from(!over_amplitude), over);
     }
     let closing = Closing::new(fitted, [&judging, &roles], held, nodes, sought);
@@ -232,7 +234,7 @@ fn search(
 ) -> Result<(bool, Selection), ModelError> {
     let nodes = amplitude_nodes(fitted, judging);
     let for_all = Search::new(fitted, judging, vec![0.0], sought);
-    if nodes.len() < 2 || nodes.len() > most_amplitudes() {
+    if sought.law == BaseLaw::None || nodes.len() < 2 || nodes.len() > most_amplitudes() {
         return Ok((false, for_all.run(progress)?));
     }
     let for_each = for_all.with_nodes(nodes.clone());
@@ -255,8 +257,11 @@ fn search(
     }
     progress("testing amplitudes between the fitted ones");
     let inner = &nodes[1..nodes.len() - 1];
-    let between_of_each = error_between(fitted, judging, &nodes, inner, &each.found.solution)?;
-    let between_of_one = error_between(fitted, judging, &[0.0], inner, &one.found.solution)?;
+    let between = |nodes: &[f64], found: &Selection| {
+        let law = (&found.found.solution, sought.law);
+        error_between(fitted, judging, nodes, inner, law)
+    };
+    let (between_of_each, between_of_one) = (between(&nodes, &each)?, between(&[0.0], &one)?);
     let gain = one.found.score.nrmse() / each.found.score.nrmse();
     Ok(if between_of_each <= gain * between_of_one {
         (true, each)

@@ -100,8 +100,11 @@ pub enum Verdict {
 /// The law before anything is added.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Baseline {
-    /// The law's name.
+    /// The law's name: `mixed_damping`, `linear` or `none`.
     pub law: String,
+    /// The families of effects that were known: they are in the law, whatever was found.
+    #[serde(default)]
+    pub known: Vec<String>,
     /// On the samples that were fitted.
     pub nrmse_fitted: f64,
     /// On the samples that were held out.

@@ -19,7 +19,9 @@ use super::sought::Sought;
 use super::split::{Role, Roles};
 use super::tones::{OfMotion, tones};
 use super::within_blocks::is_seen_within_blocks;
+use crate::base_law::BaseLaw;
 use crate::families::{Form, drift, inertia};
+use crate::known_terms::KnownTerm;
 use crate::policy::policy;
 use crate::problem::Problem;
 use crate::rows::Rows;
@@ -103,6 +105,7 @@ pub struct Search<'a> {
     rows: Rows<'a>,
     extent: Extent,
     terms: Vec<Term>,
+    known: Vec<KnownTerm>,
     /// Worked out where a tone is sought.
     of_motion: Arc<OnceLock<OfMotion>>,
 }
@@ -124,6 +127,7 @@ impl<'a> Search<'a> {
             .map(|form| Term {
                 form,
                 reference: temperature.unwrap_or_default(),
+                is_known: false,
             })
             .collect();
         Self {
@@ -135,9 +139,11 @@ impl<'a> Search<'a> {
                 nodes,
                 policy().rows.search,
                 |which, sample| roles.of(which, sample) == Role::Fit,
-            ),
+            )
+            .under(sought.law),
             extent: Extent::of(trajectories),
             terms,
+            known: sought.known.clone(),
             of_motion: Arc::default(),
         }
     }
@@ -151,6 +157,7 @@ impl<'a> Search<'a> {
             roles: self.roles,
             extent: self.extent.clone(),
             terms: self.terms.clone(),
+            known: self.known.clone(),
             of_motion: self.of_motion.clone(),
             trajectories: self.trajectories,
         }
@@ -162,8 +169,8 @@ impl<'a> Search<'a> {
     /// # Errors
     /// A fitted law that the crate refuses.
     pub fn run(&self, progress: &(dyn Fn(&str) + Sync)) -> Result<Selection, ModelError> {
-        progress("fitting eq 13");
-        let baseline = self.judged(Problem::new(&self.rows, &self.extent, &[]).solve())?;
+        progress("fitting the law");
+        let baseline = self.judged(self.without_more())?;
         let mut found = baseline.clone();
         let mut beam = vec![baseline.clone()];
         let mut candidates = Vec::new();
@@ -212,6 +219,18 @@ impl<'a> Search<'a> {
         })
     }
 
+    /// The law with the effects that are known.
+    fn without_more(&self) -> Solution {
+        let mut terms = Vec::new();
+        let mut law = Problem::new(&self.rows, &self.extent, &terms).solve();
+        for known in &self.known {
+            terms.push(known.term);
+            let problem = Problem::new(&self.rows, &self.extent, &terms);
+            law = problem.solve_from(&law, &known.shapes);
+        }
+        law
+    }
+
     /// Laws of `rest` with an effect of another family than `law` has beside it, which predict the judging cycles as well as `law`: of each
     /// family the best.
     ///
@@ -255,6 +274,7 @@ impl<'a> Search<'a> {
         let massive = fit(&[Term {
             form: inertia::FORMS[0],
             reference: 0.0,
+            is_known: false,
         }]);
         if let Ok(massive) = massive
             && massive.is_admissible()
@@ -503,8 +523,9 @@ impl<'a> Search<'a> {
                 let beside = (!term.form.refines && may_stand(term, &known))
                     .then(|| (term, law.solution.clone(), screen.starts(term)));
                 // One that may be several simpler ones may be what the last of those stands for.
-                let is_special =
-                    |known: &Term| term.form.special_cases.contains(&known.form.family);
+                let is_special = |known: &Term| {
+                    !known.is_known && term.form.special_cases.contains(&known.form.family)
+                };
                 let rest = known.iter().rposition(is_special);
                 let rest = rest.map(|index| law.solution.without(index));
                 let rest = rest.filter(|rest| may_stand(term, &rest.terms()));
@@ -544,8 +565,10 @@ impl<'a> Search<'a> {
     /// Drops terms without which the judging cycles are predicted as well.
     fn prune(&self, found: Fitted) -> Result<Fitted, ModelError> {
         let mut found = found;
-        let mut index = 0;
-        while found.solution.terms.len() > 1 && index < found.solution.terms.len() {
+        // What is known stays; it comes first.
+        let known = self.known.len();
+        let mut index = known;
+        while found.solution.terms.len() > known + 1 && index < found.solution.terms.len() {
             let rest = found.solution.without(index);
             let problem = Problem::new(&self.rows, &self.extent, &rest.terms());
             let without = self.judged(problem.solve_near(&rest))?;
@@ -553,7 +576,7 @@ impl<'a> Search<'a> {
                 index += 1;
             } else {
                 found = without;
-                index = 0;
+                index = known;
             }
         }
         Ok(found)
@@ -579,8 +602,9 @@ pub fn error_between(
     roles: &Roles,
     nodes: &[f64],
     left_out: &[f64],
-    found: &Solution,
+    found: (&Solution, BaseLaw),
 ) -> Result<f64, ModelError> {
+    let (found, law) = found;
     let extent = Extent::of(trajectories);
     let mut error = 0.0;
     for &amplitude in left_out {
@@ -598,7 +622,8 @@ pub fn error_between(
             others,
             policy().rows.search,
             |which, sample| roles.is_open(which, sample) && !is_left_out(which, sample),
-        );
+        )
+        .under(law);
         let model = Problem::new(&rows, &extent, &found.terms())
             .solve_near(found)
             .model();

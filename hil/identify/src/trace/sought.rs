@@ -1,14 +1,21 @@
-//! What a trace is to seek.
+//! What a trace is to seek, and beside what.
 
 use mesh_damper_model::Family;
 
-/// Families of effects that a trace may find.
+use crate::base_law::BaseLaw;
+use crate::known_terms::KnownTerm;
+
+/// Families of effects that a trace may find, and the law beside which they are sought.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Sought {
     /// Only these; all where there is none.
     pub families: Vec<Family>,
     /// And none of these.
     pub exclude: Vec<Family>,
+    /// What the law is without effects.
+    pub law: BaseLaw,
+    /// Effects that are known: they stay in the law, and their parameters are fitted with its own.
+    pub known: Vec<KnownTerm>,
 }
 
 impl Sought {
@@ -33,6 +40,7 @@ mod tests {
         let some = Sought {
             families: named(&["stick_slip", "viscous"]),
             exclude: named(&["viscous"]),
+            ..Sought::default()
         };
         let has: Vec<Family> = Family::all().filter(|&family| some.has(family)).collect();
         assert_eq!(has, named(&["stick_slip"]));

@@ -63,7 +63,7 @@ impl Closing<'_> {
         progress("correcting without a name what is left");
         let mut laws: Vec<(&Rows, &Solution)> =
             self.rows.iter().map(|rows| (rows, &alone)).collect();
-        if !found.terms.is_empty() {
+        if !found.is_alone() {
             laws.push((rows, &found));
         }
         let fits: Vec<_> = laws
@@ -82,12 +82,12 @@ impl Closing<'_> {
             rejected: None,
             alone: alone.clone(),
         };
-        if law.terms.is_empty() && mended.choice.is_none() {
+        if law.is_alone() && mended.choice.is_none() {
             return Ok(kept);
         }
         let choice = mended.choice.as_ref();
         let of_ended = in_turn(of_law, law, choice)?;
-        let named = laws.last().filter(|(_, law)| !law.terms.is_empty());
+        let named = laws.last().filter(|(_, law)| !law.is_alone());
         // A table that follows how well it fits may say less than names of what it was not fitted to.
         if choice.is_some()
             && let Some(&(rows, law)) = named

@@ -55,7 +55,7 @@ pub(super) fn conclude(selection: &Selection, left: f64) -> (Verdict, Option<Rul
         } else {
             policy().verdict.noise_limited_by_many
         };
-    if selection.found.solution.terms.is_empty() {
+    if selection.found.solution.is_alone() {
         let verdict = if explained {
             Verdict::None
         } else {
@@ -84,7 +84,7 @@ pub(super) fn rivals(selection: &Selection) -> Vec<&Candidate> {
     let as_found = added.filter(|candidate| candidate.fitted.families() == families);
     // What took the place of another has fewer terms than there were steps.
     let last = as_found.map(|candidate| candidate.step).max();
-    let last = last.unwrap_or(found.solution.terms.len());
+    let last = last.unwrap_or(found.solution.found().count());
     let mut known: Vec<Vec<Family>> = Vec::new();
     selection
         .candidates

@@ -2,6 +2,7 @@
 
 mod confirmed;
 mod elements;
+mod known;
 mod rules;
 mod slow_changes;
 
@@ -446,6 +447,7 @@ fn intervals_hold_the_truth() {
     let term = Term {
         form: Form::named("jenkins").unwrap(),
         reference: 0.0,
+        is_known: false,
     };
     let (mut sizes, mut shapes) = (0, 0);
     for seed in 0..runs {

@@ -1,0 +1,148 @@
+//! The terms of a fit that the effects of a model stand for: what [`TermValue::elements`] gives, read the other way round.
+
+use std::collections::{BTreeMap, BTreeSet};
+
+use mesh_damper_model::{AddedEffect, base_name};
+
+use crate::families::{Entry, Form};
+use crate::term::{Term, TermValue};
+
+/// A term that stays in the law, and its shapes as they are known.
+#[derive(Clone, Debug, PartialEq)]
+pub struct KnownTerm {
+    /// Which.
+    pub term: Term,
+    /// Where a fit of it begins.
+    pub shapes: Vec<f64>,
+}
+
+/// The terms of `effect`: one, or of several elements one each; the elements of an Iwan model are one.
+/// `None` where an element is fitted in no form.
+pub fn known_terms(effect: &AddedEffect) -> Option<Vec<KnownTerm>> {
+    let mut elements: BTreeMap<usize, BTreeMap<&str, f64>> = BTreeMap::new();
+    for (name, &value) in &effect.parameters {
+        let base = base_name(name);
+        let number = name[base.len()..].trim_start_matches('_').parse();
+        let element = elements.entry(number.unwrap_or(1)).or_default();
+        element.insert(base, value);
+    }
+    let of_family = Form::all().filter(|form| form.family() == effect.family);
+    let of_family: Vec<Form> = of_family.collect();
+    let several = of_family.iter().find(|form| form.elements_may_miss);
+    if let (2.., Some(&form)) = (elements.len(), several) {
+        // Of even parts of the largest shape.
+        let largest = elements.values().filter_map(|one| shapes_of(form, one));
+        let largest = largest.max_by(|a, b| a[0].total_cmp(&b[0]))?;
+        return Some(vec![known(form, 0.0, largest)]);
+    }
+    let term = |element: &BTreeMap<&str, f64>| {
+        let mut forms = of_family.iter().filter(|form| !form.elements_may_miss);
+        forms.find_map(|&form| {
+            let shapes = shapes_of(form, element)?;
+            let reference = element.get("reference").copied().unwrap_or_default();
+            let known = known(form, reference, shapes);
+            stands_for(&known, element).then_some(known)
+        })
+    };
+    elements.values().map(term).collect()
+}
+
+fn known(form: Form, reference: f64, shapes: Vec<f64>) -> KnownTerm {
+    let term = Term {
+        form,
+        reference,
+        is_known: true,
+    };
+    KnownTerm { term, shapes }
+}
+
+/// The shapes that an element has; they are positive where a parameter may have either sign.
+fn shapes_of(form: Form, element: &BTreeMap<&str, f64>) -> Option<Vec<f64>> {
+    let names = form.shape_names.iter();
+    names.map(|name| Some(element.get(name)?.abs())).collect()
+}
+
+/// Whether an element has all parameters of a term, and no others, and those that do not change with its sizes are the term's.
+fn stands_for(known: &KnownTerm, element: &BTreeMap<&str, f64>) -> bool {
+    let sizes = match known.term.form.entry {
+        Entry::Adds(count) | Entry::Scales(count) => count,
+        Entry::Moves => 0,
+    };
+    let with_size = |size: f64| {
+        let value = TermValue {
+            term: known.term,
+            sizes: vec![size; sizes],
+            shapes: known.shapes.clone(),
+        };
+        let (_, parameters) = value.elements().into_iter().next().unwrap_or_default();
+        parameters
+    };
+    let [one, other] = [1.0, -2.0].map(with_size);
+    let names: BTreeSet<&str> = one.iter().map(|(name, _)| *name).collect();
+    let has_all = element.keys().copied().eq(names);
+    let mut pairs = one.iter().zip(&other);
+    has_all && pairs.all(|((name, a), (_, b))| a != b || element[name] == *a)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::term::added_effects;
+
+    /// Every form that an element can be, with each size 0.2.
+    #[test]
+    fn a_model_gives_back_the_terms_that_it_was_made_of() {
+        for form in Form::all() {
+            let sizes = match form.entry {
+                Entry::Adds(count) | Entry::Scales(count) => count,
+                Entry::Moves => 0,
+            };
+            let term = Term {
+                form,
+                reference: 20.0,
+                is_known: true,
+            };
+            let places = 1..=form.shape_names.len();
+            let value = TermValue {
+                term,
+                sizes: vec![0.2; sizes],
+                shapes: places.map(|place| 0.3 * place as f64).collect(),
+            };
+            let added = added_effects(std::slice::from_ref(&value));
+            let read = known_terms(&added[0]).unwrap();
+            assert_eq!(read.len(), 1, "{form:?}");
+            assert_eq!(read[0].term.form, form);
+            let pairs = read[0].shapes.iter().zip(&value.shapes);
+            for (read, shape) in pairs {
+                assert!((read / shape - 1.0).abs() < 1e-12, "{form:?}");
+            }
+        }
+    }
+
+    #[test]
+    fn what_is_fitted_in_no_form_is_no_term() {
+        let parameters = |pairs: &[(&str, f64)]| {
+            let each = pairs.iter();
+            each.map(|&(name, value)| (name.to_owned(), value))
+                .collect()
+        };
+        let branches = AddedEffect {
+            family: Form::named("relaxation").unwrap().family(),
+            parameters: parameters(&[
+                ("stiffness", 1.0),
+                ("time", 0.1),
+                ("stiffness_2", 2.0),
+                ("time_2", 0.2),
+            ]),
+        };
+        let times: Vec<f64> = known_terms(&branches)
+            .unwrap()
+            .iter()
+            .map(|known| known.shapes[0])
+            .collect();
+        assert_eq!(times, [0.1, 0.2]);
+        let mut cut = branches;
+        cut.parameters.remove("time_2");
+        assert_eq!(known_terms(&cut), None);
+    }
+}
