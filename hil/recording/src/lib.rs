@@ -61,6 +61,7 @@ pub mod trajectory;
 pub mod units;
 mod write;
 pub mod zero;
+pub mod zeros;
 
 pub use consistency::check_consistency;
 pub use resample::Uniform;

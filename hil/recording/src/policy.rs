@@ -43,6 +43,7 @@ pub use crate::rest::RestPolicy;
 pub use crate::smoother::SmootherPolicy;
 pub use crate::trajectory::TrajectoryPolicy;
 pub use crate::zero::ZeroPolicy;
+pub use crate::zeros::ZerosPolicy;
 
 /// Where a number comes from.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize)]
@@ -201,4 +202,6 @@ crate::policy! {
     velocity: VelocityPolicy,
     /// A zero that steps.
     zero: ZeroPolicy,
+    /// A zero that is not that of other recordings.
+    zeros: ZerosPolicy,
 }

@@ -11,9 +11,11 @@ use mesh_damper_model::{Model, ModelError};
 use mesh_damper_recording::Recording;
 use mesh_damper_recording::cycles::FoundBlock;
 use mesh_damper_recording::error::InputError;
+use mesh_damper_recording::faults::{Channel, ChannelFault, ChannelFaultKind};
 use mesh_damper_recording::pink::pink_deviation;
 use mesh_damper_recording::trajectory::{Known, Trajectory};
 use mesh_damper_recording::zero::zero_step;
+use mesh_damper_recording::zeros::{LeftOfOne, odd_zeros};
 
 mesh_damper_recording::numbers! {
     /// What recordings of one rig share.
@@ -126,11 +128,7 @@ impl<'r> Aligned<'r> {
     /// # Errors
     /// A law that the crate refuses.
     pub fn take_zero_steps(&mut self, closed: &Closed) -> Result<bool, ModelError> {
-        // What has no name may have taken a step in.
-        let named = Model {
-            correction: None,
-            ..closed.model.clone()
-        };
+        let named = named(closed);
         let [fitted, held] = &mut self.trajectories;
         let mut any = false;
         for (trajectory, forces) in fitted.iter_mut().zip(&closed.forces) {
@@ -161,6 +159,70 @@ impl<'r> Aligned<'r> {
             any = true;
         }
         Ok(any)
+    }
+
+    /// Moves forces back whose zero is not that of the other recordings: whether any is, in what has a name in `closed`, or, where that is not all,
+    /// in what eq 13 alone leaves.
+    ///
+    /// # Errors
+    /// A law that the crate refuses.
+    pub fn take_zeros(&mut self, closed: &Closed) -> Result<bool, ModelError> {
+        let mut laws = vec![named(closed)];
+        if closed.result.verdict == Verdict::Unlisted {
+            laws.push(closed.baseline.clone());
+        }
+        let [fitted, held] = &mut self.trajectories;
+        for law in laws {
+            let each = fitted.iter().zip(&closed.forces);
+            let left = each.map(|(trajectory, forces)| left_of(&law, trajectory, &forces.roles));
+            let left: Vec<LeftOfOne> = left.collect::<Result<_, _>>()?;
+            let odd = odd_zeros(&left, noise_of_means(fitted));
+            for &(place, change) in &odd {
+                // A test that was run on holds what is fitted once more.
+                let again = held
+                    .iter_mut()
+                    .filter(|held| held.force.starts_with(&fitted[place].force));
+                again.for_each(|held| held.take_zero(change));
+                fitted[place].take_zero(change);
+            }
+            if !odd.is_empty() {
+                return Ok(true);
+            }
+        }
+        Ok(false)
+    }
+
+    /// Recordings that are held out and whose zero is not that of those that were fitted: nothing of them may be learned, so that they stay as they
+    /// are.
+    ///
+    /// # Errors
+    /// A law that the crate refuses.
+    pub fn say_odd_zeros(&self, closed: &mut Closed) -> Result<(), ModelError> {
+        let law = named(closed);
+        let [fitted, held] = &self.trajectories;
+        let is_never = [Role::Fit];
+        let left =
+            |trajectory: &Trajectory| left_of(&law, trajectory, &is_never.repeat(trajectory.len()));
+        let of_fitted: Vec<LeftOfOne> = fitted.iter().map(left).collect::<Result<_, _>>()?;
+        for trajectory in held {
+            let mut all = of_fitted.clone();
+            all.push(left(trajectory)?);
+            let odd = odd_zeros(&all, noise_of_means(fitted));
+            if let [(place, change)] = odd[..]
+                && place == of_fitted.len()
+            {
+                let fault = ChannelFault {
+                    channel: Channel::Force,
+                    kind: ChannelFaultKind::Zero {
+                        change,
+                        mended: false,
+                    },
+                };
+                let said = format!("{}: {fault}", trajectory.name);
+                closed.result.warnings.push(said);
+            }
+        }
+        Ok(())
     }
 
     /// The longest of those that are fitted whose force is early, or else of those held out.
@@ -216,6 +278,40 @@ impl<'r> Aligned<'r> {
         }
         Ok(())
     }
+}
+
+/// What has a name: what has none may have taken a zero in.
+fn named(closed: &Closed) -> Model {
+    Model {
+        correction: None,
+        ..closed.model.clone()
+    }
+}
+
+/// What a law leaves of what is not held out of a recording.
+fn left_of(law: &Model, trajectory: &Trajectory, roles: &[Role]) -> Result<LeftOfOne, ModelError> {
+    let predicted = predict(law, trajectory)?;
+    let open = (0..trajectory.len())
+        .filter(|&index| trajectory.measured[index] && roles[index] != Role::HeldOut);
+    let (mut count, mut sum, mut squares) = (0.0, 0.0, 0.0);
+    for index in open {
+        let left = trajectory.force[index] - predicted[index];
+        count += 1.0;
+        sum += left;
+        squares += left * left;
+    }
+    let mean = sum / count;
+    Ok(LeftOfOne {
+        mean,
+        variance: squares / count - mean * mean,
+        scale: trajectory.force_rms,
+    })
+}
+
+/// What a mean may err by where noise is slow: no more than a sample, kN.
+fn noise_of_means(trajectories: &[Trajectory]) -> f64 {
+    let noise = trajectories.iter().map(|one| one.force_noise);
+    noise.fold(f64::MIN_POSITIVE, f64::max)
 }
 
 /// Whether the motion changes there, or samples of `open` are missing: what a law lacks changes with the amplitude and from one time to

@@ -150,12 +150,15 @@ pub fn trace_for(
         progress("moving back a force whose zero steps");
         closed = conclude(&mut aligned, sought, progress)?;
     }
-    let is_more_missing =
-        |result: &TraceResult| result.verdict == Verdict::Unlisted || result.remainder.is_some();
+    if is_more_missing(&closed.result) && aligned.take_zeros(&closed)? {
+        progress("moving back forces whose zero is another");
+        closed = conclude(&mut aligned, sought, progress)?;
+    }
     if is_more_missing(&closed.result) && aligned.take_pink_noise(&closed.forces) {
         progress("allowing for noise that grows towards low frequencies");
         closed = conclude(&mut aligned, sought, progress)?;
     }
+    aligned.say_odd_zeros(&mut closed)?;
     let trajectories = aligned.trajectories.into_iter().flatten();
     Ok(Trace {
         result: closed.result,
@@ -171,6 +174,11 @@ pub fn trace_for(
             })
             .collect(),
     })
+}
+
+/// Whether the law with its effects leaves more than the noise.
+fn is_more_missing(result: &TraceResult) -> bool {
+    result.verdict == Verdict::Unlisted || result.remainder.is_some()
 }
 
 /// With more amplitudes the law has one set of coefficients for all.

@@ -10,6 +10,7 @@ use super::mend::{clearly_best, mended};
 use super::result::{OnTarget, Rejected};
 use super::rule::Rule;
 use crate::correction::{Choice, refit};
+use crate::policy::policy;
 use crate::rows::Rows;
 use crate::solution::Solution;
 
@@ -88,14 +89,19 @@ impl Closing<'_> {
         let choice = mended.choice.as_ref();
         let of_ended = in_turn(of_law, law, choice)?;
         let named = laws.last().filter(|(_, law)| !law.is_alone());
-        // A table that follows how well it fits may say less than names of what it was not fitted to.
+        // A table that follows how well it fits may say less than names of what it was not fitted to. One in their place has to say much more: its
+        // force is known where no table was fitted, and a name says why.
         if choice.is_some()
-            && let Some(&(rows, law)) = named
+            && let Some(&(named_rows, named)) = named
         {
-            let of_named = in_turn(rows, law, None)?;
-            if gains(of_alone, &of_named)
-                && clearly_best([left(&of_ended), left(&of_named)].into_iter()) == 1
-            {
+            let of_named = in_turn(named_rows, named, None)?;
+            let part = left(&of_ended) / left(&of_named);
+            let is_enough = match law.is_alone() {
+                true => part < policy().mend.needed,
+                false => part <= 1.0 / policy().mend.better,
+            };
+            if gains(of_alone, &of_named) && !is_enough {
+                let (rows, law) = (named_rows, named);
                 let solution = self.fit_there(rows, law);
                 return Ok(Laws {
                     rows,

@@ -117,6 +117,13 @@ pub enum ChannelFaultKind {
         /// By how much, in the code's unit of the channel.
         change: f64,
     },
+    /// A zero of the channel that is not that of the other recordings of the specimen.
+    Zero {
+        /// By how much, in the code's unit of the channel.
+        change: f64,
+        /// Whether it was moved back.
+        mended: bool,
+    },
     /// Noise that grows towards low frequencies as 1/f.
     Pink {
         /// Its standard deviation over that of the noise that quick changes show.
@@ -226,6 +233,16 @@ impl std::fmt::Display for ChannelFault {
                 f,
                 "hum on the {channel}: {amplitude:.1e} {} at {frequency:.2} Hz; it was taken off",
                 self.channel.unit()
+            ),
+            ChannelFaultKind::Zero { change, mended } => write!(
+                f,
+                "the zero of the {channel} lies {change:+.4} {} from that of the other recordings; {}",
+                self.channel.unit(),
+                match mended {
+                    true => "it was moved back",
+                    false =>
+                        "nothing that was fitted knows of it: tare the channel, or take that off the column",
+                }
             ),
             ChannelFaultKind::ZeroStep { time, change } => write!(
                 f,

@@ -1,0 +1,156 @@
+//! A zero of the load cell that is another in one recording than in the others of the same specimen.
+//!
+//! It is looked for in the means of what a law leaves. What a law lacks differs from one recording to the next too, but there the means are
+//! spread, and here all but few are alike.
+
+use crate::faults::{Channel, ChannelFault, ChannelFaultKind};
+use crate::policy::policy;
+use crate::trajectory::Trajectory;
+
+crate::numbers! {
+    /// Zeros of recordings.
+    ZerosPolicy {
+        /// Of fewer recordings none is odd.
+        fewest: usize = 4, Derived("three that agree, and one");
+        /// An odd mean is farther from the others than these are from each other by this factor.
+        stands_out: f64 = 5.0, Tuned("means drawn at random: see the tests beside it");
+        /// Without its odd zeros a law leaves less than this part of what it left.
+        needed: f64 = 0.75, Convention("what a residual table has to gain in the place of a name");
+    }
+}
+
+/// What laws left of one recording.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct LeftOfOne {
+    /// Its mean, kN.
+    pub mean: f64,
+    /// Variance about it, kN².
+    pub variance: f64,
+    /// RMS of the force, kN: every recording counts the same.
+    pub scale: f64,
+}
+
+/// By how much the zeros of some recordings lie from that of the others, with the place of each in `left`; none where they do not, or where a
+/// law leaves hardly less without them. `noise` is what a mean may err by, kN.
+pub fn odd_zeros(left: &[LeftOfOne], noise: f64) -> Vec<(usize, f64)> {
+    if left.len() < policy().zeros.fewest {
+        return Vec::new();
+    }
+    let mut order: Vec<usize> = (0..left.len()).collect();
+    order.sort_by(|&a, &b| left[a].mean.total_cmp(&left[b].mean));
+    // The few at one end: the others agree.
+    let few = 1..=(left.len() - 1) / 2;
+    let splits = few.flat_map(|few| [(few, left.len()), (0, left.len() - few)]);
+    let outstanding = splits.map(|(start, end)| {
+        let alike = &order[start..end];
+        let mean = |place: &usize| left[*place].mean;
+        let (low, high) = (mean(&alike[0]), mean(&alike[alike.len() - 1]));
+        let away = match start {
+            0 => mean(&order[end]) - high,
+            _ => low - mean(&order[start - 1]),
+        };
+        (away / (high - low).max(noise), start, end)
+    });
+    let Some((stands_out, start, end)) = outstanding.max_by(|a, b| a.0.total_cmp(&b.0)) else {
+        return Vec::new();
+    };
+    if stands_out.is_nan() || stands_out <= policy().zeros.stands_out {
+        return Vec::new();
+    }
+    let alike = &order[start..end];
+    let of_alike = alike.iter().map(|&place| left[place].mean).sum::<f64>() / alike.len() as f64;
+    let odd: Vec<(usize, f64)> = order[..start]
+        .iter()
+        .chain(&order[end..])
+        .map(|&place| (place, left[place].mean - of_alike))
+        .collect();
+    let mut without = left.to_vec();
+    for &(place, change) in &odd {
+        without[place].mean -= change;
+    }
+    let is_needed = scattered(&without) < policy().zeros.needed.powi(2) * scattered(left);
+    if is_needed { odd } else { Vec::new() }
+}
+
+/// What is left about a common mean, which a law could have, as a part of the squared force.
+fn scattered(left: &[LeftOfOne]) -> f64 {
+    let weight = |one: &LeftOfOne| one.scale.powi(-2);
+    let weights: f64 = left.iter().map(weight).sum();
+    let common = left.iter().map(|one| weight(one) * one.mean).sum::<f64>() / weights;
+    let each = left.iter();
+    each.map(|one| weight(one) * (one.variance + (one.mean - common).powi(2)))
+        .sum()
+}
+
+impl Trajectory {
+    /// Moves the force back whose zero lies `change` kN from that of the other recordings.
+    pub fn take_zero(&mut self, change: f64) {
+        for force in &mut self.force {
+            *force -= change;
+        }
+        self.faults.push(ChannelFault {
+            channel: Channel::Force,
+            kind: ChannelFaultKind::Zero {
+                change,
+                mended: true,
+            },
+        });
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use rand::rngs::StdRng;
+    use rand::{RngExt, SeedableRng};
+
+    fn left(means: &[f64], deviation: f64) -> Vec<LeftOfOne> {
+        let each = means.iter();
+        each.map(|&mean| LeftOfOne {
+            mean,
+            variance: deviation * deviation,
+            scale: 1.0,
+        })
+        .collect()
+    }
+
+    #[test]
+    fn the_few_that_lie_apart_are_odd() {
+        let zeros = odd_zeros(&left(&[0.12, 0.13, 0.0, 0.125, 0.121], 0.02), 1e-4);
+        let [(2, change)] = zeros[..] else {
+            panic!("{zeros:?}");
+        };
+        assert!((change + 0.124).abs() < 1e-12);
+        // Two that share another zero.
+        let zeros = odd_zeros(&left(&[0.0, 0.3, 0.001, 0.301, 0.002], 0.02), 1e-4);
+        let places: Vec<usize> = zeros.iter().map(|(place, _)| *place).collect();
+        assert_eq!(places, [1, 3]);
+    }
+
+    #[test]
+    fn none_is_odd_where_all_differ_or_little_is_gained() {
+        let none = |means: &[f64], deviation| {
+            assert_eq!(odd_zeros(&left(means, deviation), 1e-4), [], "{means:?}");
+        };
+        none(&[0.0, 0.1, 0.2, 0.3, 0.4], 0.01);
+        none(&[0.0, 0.0, 0.0, 0.1], 0.3);
+        none(&[0.0, 0.0, 0.1], 0.01);
+        none(&[0.0, 0.0, 0.1, 0.1], 0.01);
+        none(&[0.0; 4], 0.01);
+        none(&[0.0, 0.0, 1e-5, 4e-4], 0.0);
+        none(&[f64::NAN, 0.0, 0.0, 0.0, 1.0], 0.01);
+    }
+
+    /// Means of what laws lack, as large as what is left about them.
+    #[test]
+    fn means_drawn_at_random_are_seldom_odd() {
+        let mut random = StdRng::seed_from_u64(1);
+        let mut odd = 0;
+        for _ in 0..1000 {
+            let count = random.random_range(4..10);
+            let means: Vec<f64> = (0..count).map(|_| random.random_range(-1.0..1.0)).collect();
+            odd += usize::from(!odd_zeros(&left(&means, 1.0), 1e-3).is_empty());
+        }
+        assert!(odd < 10, "{odd} of 1000");
+    }
+}
