@@ -4,6 +4,7 @@
 //!
 //! y displacement in mm, v velocity in mm/s, F in kN. α = 0 is Coulomb friction, α = 1 a linear dashpot.
 
+use crate::effects::description::Growth;
 use crate::error::ConfigError;
 use crate::limits;
 use crate::real::{Real, coefficient, in_range};
@@ -20,6 +21,9 @@ pub struct Law<R> {
 }
 
 impl<R> Law<R> {
+    /// How its force grows outside the operating range, by k3·y³.
+    pub const OUTSIDE: Growth = Growth::Cubic;
+
     /// From coefficients that are known to be in range.
     pub(crate) const fn from_valid(k1: R, k3: R, c: R, alpha: R) -> Self
     where

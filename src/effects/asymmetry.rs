@@ -1,7 +1,7 @@
 //! Even stiffness: a damper that is stiffer one way than the other, as a preloaded ring is. Eq 14 fits it as a2 and
 //! then drops it.
 
-use super::description::{Cost, Dependence, Description, EffectKind, Parameter};
+use super::description::{Cost, Dependence, Description, EffectKind, Growth, Parameter};
 use super::{ClampedMotion, Equations, LawForce, Packed};
 use crate::error::ConfigError;
 use crate::limits;
@@ -41,6 +41,7 @@ impl<R: Real> Equations<R> for Asymmetry<R> {
         most: 1,
         typical: &[2.0],
         depends_on: &[Dependence::Displacement],
+        outside: Growth::Quadratic,
         may_supply_energy: false,
         scales_law: false,
         sentence: "Even stiffness: a damper that is stiffer one way than the other.",

@@ -1,6 +1,6 @@
 //! Rate-independent friction that gives way smoothly (Bouc 1967, Wen 1976): the second form of stick-slip.
 
-use super::description::{Cost, Dependence, Description, EffectKind, Parameter};
+use super::description::{Cost, Dependence, Description, EffectKind, Growth, Parameter};
 use super::stretch::{SHARPEST, Stretch, power};
 use super::{ClampedMotion, Equations, LawForce, Packed};
 use crate::error::ConfigError;
@@ -94,6 +94,7 @@ impl<R: Real> Equations<R> for BoucWen<R> {
         most: 1,
         typical: &[0.9, 0.02, 1.5],
         depends_on: &[Dependence::Displacement, Dependence::History],
+        outside: Growth::Saturates,
         may_supply_energy: false,
         scales_law: false,
         sentence: "Rate-independent friction that gives way smoothly.",

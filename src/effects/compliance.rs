@@ -1,6 +1,6 @@
 //! A spring in series with the specimen: the fixture gives way, and the specimen moves less than is measured.
 
-use super::description::{Cost, Dependence, Description, EffectKind, Parameter};
+use super::description::{Cost, Dependence, Description, EffectKind, Growth, Parameter};
 use super::{AugmentedState, ClampedMotion, Equations, LawForce, Motion, Packed};
 use crate::error::ConfigError;
 use crate::law::Law;
@@ -101,6 +101,7 @@ impl<R: Real> Equations<R> for Compliance<R> {
             Dependence::Velocity,
             Dependence::Amplitude,
         ],
+        outside: Growth::AtMostLinear,
         may_supply_energy: false,
         scales_law: false,
         sentence: "A spring in series with the specimen: the fixture gives way.",

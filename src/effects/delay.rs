@@ -1,6 +1,6 @@
 //! A force channel that is late: the skew of a multiplexed converter, or of a filter that the displacement does not pass.
 
-use super::description::{Cost, Dependence, Description, EffectKind, Parameter};
+use super::description::{Cost, Dependence, Description, EffectKind, Growth, Parameter};
 use super::{ClampedMotion, Equations, Motion, Packed};
 use crate::error::ConfigError;
 use crate::real::{Real, in_range};
@@ -83,6 +83,7 @@ impl<R: Real> Equations<R> for Delay<R> {
         most: 1,
         typical: &[0.0012],
         depends_on: &[Dependence::Velocity, Dependence::Frequency],
+        outside: Growth::OfForceBehind,
         may_supply_energy: true,
         scales_law: false,
         sentence: "A force channel that is late.",

@@ -62,6 +62,58 @@ impl Dependence {
     }
 }
 
+/// How a force grows with a motion that goes on beyond the operating range, with displacement, velocity and acceleration in
+/// proportion.
+///
+/// Whatever it is, a force stays finite: motions are clamped to [`crate::limits`].
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Growth {
+    /// Not at all: it does not depend on the motion.
+    Constant,
+    /// Up to a limit of its own, and no further.
+    Saturates,
+    /// As at the edge of its table, and no further.
+    Held,
+    /// As the motion, or less.
+    AtMostLinear,
+    /// As the motion.
+    Linear,
+    /// As the way beyond a gap.
+    LinearBeyondGap,
+    /// As the square.
+    Quadratic,
+    /// As the third power.
+    Cubic,
+    /// As the fifth power.
+    FifthPower,
+    /// As the displacement times |v|^α.
+    LinearTimesDamping,
+    /// As the forces of the mixed damping law.
+    OfLaw,
+    /// As the force of all that lies between it and the specimen.
+    OfForceBehind,
+}
+
+impl Growth {
+    /// Its words in `docs/effects.md`.
+    pub const fn words(self) -> &'static str {
+        match self {
+            Self::Constant => "constant",
+            Self::Saturates => "saturates",
+            Self::Held => "held at the edge",
+            Self::AtMostLinear => "at most linear",
+            Self::Linear => "linear",
+            Self::LinearBeyondGap => "linear beyond the gap",
+            Self::Quadratic => "quadratic",
+            Self::Cubic => "cubic",
+            Self::FifthPower => "exponent 5",
+            Self::LinearTimesDamping => "exponent 1 + α",
+            Self::OfLaw => "as the law",
+            Self::OfForceBehind => "as the force behind it",
+        }
+    }
+}
+
 /// A parameter that is left out in a file.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Absent {
@@ -125,6 +177,8 @@ pub struct Description {
     pub typical: &'static [f64],
     /// What its force depends on.
     pub depends_on: &'static [Dependence],
+    /// How its force grows outside the operating range.
+    pub outside: Growth,
     /// Whether it may give more energy in a closed cycle than it takes.
     pub may_supply_energy: bool,
     /// Whether all of its force, or a part, is a part of the mixed damping law's: what slow changes of the law change too.

@@ -1,6 +1,6 @@
 //! A force that settles with the cycles: run-in, friction that wears, or wires that break one after another.
 
-use super::description::{Absent, Cost, Dependence, Description, EffectKind, Parameter};
+use super::description::{Absent, Cost, Dependence, Description, EffectKind, Growth, Parameter};
 use super::{ClampedMotion, Equations, LawForce, Packed};
 use crate::error::ConfigError;
 use crate::limits;
@@ -88,6 +88,7 @@ impl<R: Real> Equations<R> for Drift<R> {
         most: 1,
         typical: &[30.0, 0.2, 0.1, -0.3],
         depends_on: &[Dependence::Displacement, Dependence::Cycle],
+        outside: Growth::OfLaw,
         may_supply_energy: false,
         scales_law: true,
         sentence: "A force that settles with the cycles: run-in, friction that wears, or wires that break one after another.",

@@ -2,7 +2,7 @@
 
 use core::f64::consts::{PI, SQRT_2};
 
-use super::description::{Cost, Dependence, Description, EffectKind, Parameter};
+use super::description::{Cost, Dependence, Description, EffectKind, Growth, Parameter};
 use super::{Equations, Packed};
 use crate::error::ConfigError;
 use crate::real::{Real, in_range};
@@ -78,6 +78,7 @@ impl<R: Real> Equations<R> for ForceFilter<R> {
         most: 1,
         typical: &[200.0],
         depends_on: &[Dependence::Velocity, Dependence::Frequency],
+        outside: Growth::OfForceBehind,
         may_supply_energy: true,
         scales_law: false,
         sentence: "A force channel behind a second-order low-pass.",

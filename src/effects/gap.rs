@@ -1,6 +1,6 @@
 //! Free play of the mounting: the specimen does not feel the first part of a displacement to either side.
 
-use super::description::{Cost, Dependence, Description, EffectKind, Parameter};
+use super::description::{Cost, Dependence, Description, EffectKind, Growth, Parameter};
 use super::{ClampedMotion, Equations, Motion, Packed};
 use crate::error::ConfigError;
 use crate::limits;
@@ -62,6 +62,7 @@ impl<R: Real> Equations<R> for Gap<R> {
         most: 1,
         typical: &[0.01, 0.0],
         depends_on: &[Dependence::Displacement],
+        outside: Growth::OfForceBehind,
         may_supply_energy: false,
         scales_law: false,
         sentence: "Free play of the mounting: the first part of a displacement is not felt.",

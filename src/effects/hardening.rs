@@ -1,6 +1,6 @@
 //! Odd stiffness above the cubic: wires that come to lie against each other towards the end of the stroke.
 
-use super::description::{Cost, Dependence, Description, EffectKind, Parameter};
+use super::description::{Cost, Dependence, Description, EffectKind, Growth, Parameter};
 use super::{ClampedMotion, Equations, LawForce, Packed};
 use crate::error::ConfigError;
 use crate::limits;
@@ -40,6 +40,7 @@ impl<R: Real> Equations<R> for Hardening<R> {
         most: 1,
         typical: &[90.0],
         depends_on: &[Dependence::Displacement],
+        outside: Growth::FifthPower,
         may_supply_energy: false,
         scales_law: false,
         sentence: "Odd stiffness above the cubic: wires that come to lie against each other.",

@@ -1,6 +1,6 @@
 //! Rate-independent friction in the general form of Bouc (1967) and Wen (1976), bounded: the third form of stick-slip.
 
-use super::description::{Cost, Dependence, Description, EffectKind, Parameter};
+use super::description::{Cost, Dependence, Description, EffectKind, Growth, Parameter};
 use super::stretch::{SHARPEST, Stretch, power};
 use super::{ClampedMotion, Equations, LawForce, Packed};
 use crate::error::ConfigError;
@@ -165,6 +165,7 @@ impl<R: Real> Equations<R> for HardeningFriction<R> {
         most: 1,
         typical: &[0.9, 0.4, 1.0, 2.0, 10.0],
         depends_on: &[Dependence::Displacement, Dependence::History],
+        outside: Growth::Saturates,
         may_supply_energy: false,
         scales_law: false,
         sentence: "Rate-independent friction whose branches grow steeper, and fall off faster than they rose.",

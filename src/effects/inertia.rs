@@ -1,6 +1,6 @@
 //! The force that accelerates a mass between the load cell and the specimen.
 
-use super::description::{Cost, Dependence, Description, EffectKind, Parameter};
+use super::description::{Cost, Dependence, Description, EffectKind, Growth, Parameter};
 use super::{ClampedMotion, Equations, LawForce, Packed};
 use crate::error::ConfigError;
 use crate::limits;
@@ -46,6 +46,7 @@ impl<R: Real> Equations<R> for Inertia<R> {
         most: 1,
         typical: &[50.0],
         depends_on: &[Dependence::Displacement, Dependence::Frequency],
+        outside: Growth::Linear,
         may_supply_energy: false,
         scales_law: false,
         sentence: "A mass that moves between the load cell and the specimen.",

@@ -1,6 +1,6 @@
 //! Friction that grows with the load on the contacts: wires that are pressed together by the displacement slide harder.
 
-use super::description::{Cost, Dependence, Description, EffectKind, Parameter};
+use super::description::{Cost, Dependence, Description, EffectKind, Growth, Parameter};
 use super::{ClampedMotion, Equations, LawForce, Packed};
 use crate::error::ConfigError;
 use crate::limits;
@@ -38,6 +38,7 @@ impl<R: Real> Equations<R> for LoadFriction<R> {
         most: 1,
         typical: &[4.0],
         depends_on: &[Dependence::Displacement, Dependence::Velocity],
+        outside: Growth::LinearTimesDamping,
         may_supply_energy: false,
         scales_law: true,
         sentence: "Friction that grows with the displacement, which presses the wires together.",

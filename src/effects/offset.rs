@@ -1,6 +1,6 @@
 //! A constant force: a preload, or a load cell that was not zeroed.
 
-use super::description::{Cost, Description, EffectKind, Parameter};
+use super::description::{Cost, Description, EffectKind, Growth, Parameter};
 use super::{ClampedMotion, Equations, LawForce, Packed};
 use crate::error::ConfigError;
 use crate::limits;
@@ -40,6 +40,7 @@ impl<R: Real> Equations<R> for Offset<R> {
         most: 1,
         typical: &[0.05],
         depends_on: &[],
+        outside: Growth::Constant,
         may_supply_energy: false,
         scales_law: false,
         sentence: "A constant force: a preload, or a load cell that was not zeroed.",

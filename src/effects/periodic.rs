@@ -3,7 +3,7 @@
 
 use core::f64::consts::TAU;
 
-use super::description::{Cost, Dependence, Description, EffectKind, Parameter};
+use super::description::{Cost, Dependence, Description, EffectKind, Growth, Parameter};
 use super::{ClampedMotion, Equations, LawForce, Packed, some};
 use crate::error::ConfigError;
 use crate::frame::{halves, whole};
@@ -102,6 +102,7 @@ impl<R: Real> Equations<R> for Periodic<R> {
         most: MAX_TONES,
         typical: &[0.02, 50.0, 0.3],
         depends_on: &[Dependence::Time],
+        outside: Growth::Constant,
         may_supply_energy: true,
         scales_law: false,
         sentence: "Tones: forces of their own frequencies, whatever the motion.",

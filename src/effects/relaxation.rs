@@ -3,7 +3,7 @@
 //! Several of them with spread times are a Prony series, as the source has it of its material (Table 5), and stand for
 //! materials that relax over all times as well.
 
-use super::description::{Cost, Dependence, Description, EffectKind, Parameter};
+use super::description::{Cost, Dependence, Description, EffectKind, Growth, Parameter};
 use super::{ClampedMotion, Equations, LawForce, Packed, some};
 use crate::error::ConfigError;
 use crate::limits;
@@ -129,6 +129,7 @@ impl<R: Real> Equations<R> for Relaxation<R> {
             Dependence::History,
             Dependence::Frequency,
         ],
+        outside: Growth::Linear,
         may_supply_energy: false,
         scales_law: false,
         sentence: "Springs and dashpots in series: a force that fades when the motion stops.",

@@ -4,7 +4,7 @@
 //! then slides at constant force. Many of them with spread slip limits are a bundle of wires whose contacts let go one
 //! after another.
 
-use super::description::{Cost, Dependence, Description, EffectKind, Parameter};
+use super::description::{Cost, Dependence, Description, EffectKind, Growth, Parameter};
 use super::{ClampedMotion, Equations, LawForce, Packed, some};
 use crate::error::ConfigError;
 use crate::limits;
@@ -89,6 +89,7 @@ impl<R: Real> Equations<R> for StickSlip<R> {
             0.9, 0.01, 0.8, 0.02, 0.7, 0.03, 0.6, 0.045, 0.5, 0.06, 0.4, 0.09,
         ],
         depends_on: &[Dependence::Displacement, Dependence::History],
+        outside: Growth::Saturates,
         may_supply_energy: false,
         scales_law: false,
         sentence: "Rate-independent friction with elastic pre-sliding: springs behind Coulomb sliders.",

@@ -1,6 +1,6 @@
 //! One-sided contact: a stop that the specimen or its fixture meets beyond a gap.
 
-use super::description::{Cost, Dependence, Description, EffectKind, Parameter};
+use super::description::{Cost, Dependence, Description, EffectKind, Growth, Parameter};
 use super::{ClampedMotion, Equations, LawForce, Packed};
 use crate::error::ConfigError;
 use crate::limits;
@@ -70,6 +70,7 @@ impl<R: Real> Equations<R> for Stop<R> {
         most: MAX_CONTACTS,
         typical: &[2.0, 0.06, 3.0, -0.08],
         depends_on: &[Dependence::Displacement],
+        outside: Growth::LinearBeyondGap,
         may_supply_energy: false,
         scales_law: false,
         sentence: "One-sided contact: a stop that the specimen or its fixture meets beyond a gap.",

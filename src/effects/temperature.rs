@@ -1,6 +1,6 @@
 //! A force that scales with temperature: the wire's modulus and its friction change, together or each in its own way.
 
-use super::description::{Absent, Cost, Dependence, Description, EffectKind, Parameter};
+use super::description::{Absent, Cost, Dependence, Description, EffectKind, Growth, Parameter};
 use super::{ClampedMotion, Equations, LawForce, Packed};
 use crate::error::ConfigError;
 use crate::limits;
@@ -65,6 +65,7 @@ impl<R: Real> Equations<R> for Temperature<R> {
         most: 1,
         typical: &[0.005, 20.0, -0.002],
         depends_on: &[Dependence::Temperature],
+        outside: Growth::OfLaw,
         may_supply_energy: false,
         scales_law: true,
         sentence: "A force that scales with the temperature, as the modulus and the friction of wire do.",

@@ -1,6 +1,6 @@
 //! A linear dashpot beside the |v|^α damping: a fluid, or the film between wires.
 
-use super::description::{Cost, Dependence, Description, EffectKind, Parameter};
+use super::description::{Cost, Dependence, Description, EffectKind, Growth, Parameter};
 use super::{ClampedMotion, Equations, LawForce, Packed};
 use crate::error::ConfigError;
 use crate::limits;
@@ -40,6 +40,7 @@ impl<R: Real> Equations<R> for Viscous<R> {
         most: 1,
         typical: &[0.02],
         depends_on: &[Dependence::Velocity],
+        outside: Growth::Linear,
         may_supply_energy: true,
         scales_law: false,
         sentence: "A linear dashpot: a fluid, or the film between wires.",

@@ -3,7 +3,7 @@
 //! Oil through a valve that opens, a pad that slips once it is pushed hard enough, rubber that flows: stiff while they are hardly
 //! moved, and then of about one force.
 
-use super::description::{Cost, Dependence, Description, EffectKind, Parameter};
+use super::description::{Cost, Dependence, Description, EffectKind, Growth, Parameter};
 use super::stretch::Stretch;
 use super::{ClampedMotion, Equations, LawForce, Packed};
 use crate::error::ConfigError;
@@ -193,6 +193,7 @@ impl<R: Real> Equations<R> for Yielding<R> {
             Dependence::History,
             Dependence::Frequency,
         ],
+        outside: Growth::AtMostLinear,
         may_supply_energy: false,
         scales_law: false,
         sentence: "A spring and a dashpot that yields, in series: a force that fades when the motion stops, and rises ever more slowly with its speed.",

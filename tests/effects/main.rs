@@ -6,6 +6,7 @@ mod force_filter;
 mod hardening_friction;
 mod load_friction;
 mod loops;
+mod outside;
 mod residual_table;
 mod stages;
 mod stop_and_tone;

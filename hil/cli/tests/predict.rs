@@ -101,3 +101,81 @@ fn a_jittering_recording_is_predicted_at_its_own_times() {
         assert!((force - expected).abs() < 0.2, "{time}: {force} {expected}");
     }
 }
+
+/// A sine of 0.1 mm, at 2 Hz up to 1.26 mm/s, beside the operating range of a model: JSON, what is said and what is warned of.
+fn beside(range: &str) -> (serde_json::Value, String, String) {
+    let root = tempfile::tempdir().unwrap();
+    let model = MODEL.replace(
+        r#""displacement": [-0.2, 0.2], "velocity": [-6.3, 6.3]"#,
+        range,
+    );
+    assert!(model.contains(range));
+    fs::write(root.path().join("model.json"), model).unwrap();
+    let mut text = String::from("time_s,displacement_mm,force_kN\n");
+    for i in 0..2000 {
+        let time = f64::from(i) * 0.002;
+        let y = displacement(time);
+        text += &format!("{time:.3},{y:.9},{:.6}\n", 0.5 + 2.0 * y);
+    }
+    fs::write(root.path().join("rec.csv"), text).unwrap();
+    let arguments = "predict --model model.json rec.csv --out pred.csv --json pred.json";
+    let output = Command::new(env!("CARGO_BIN_EXE_hil"))
+        .args(arguments.split(' '))
+        .current_dir(root.path())
+        .output()
+        .unwrap();
+    let said = [output.stdout, output.stderr].map(|text| String::from_utf8(text).unwrap());
+    assert!(output.status.success(), "{}", said[1]);
+    let json = fs::read(root.path().join("pred.json")).unwrap();
+    let [out, error] = said;
+    (serde_json::from_slice(&json).unwrap(), out, error)
+}
+
+#[test]
+fn samples_outside_the_operating_range_are_counted_and_warned_of() {
+    let range = r#""displacement": [-0.05, 0.05], "velocity": [-1.0, 1.0]"#;
+    let (json, out, error) = beside(range);
+    let outside = &json["outside_operating_range"];
+    let figure = |value: &serde_json::Value| value.as_f64().unwrap();
+    // Of a sine the part beyond 0.0525 of 0.1 mm, and that beyond 1.05 of 1.257 mm/s.
+    let part = |edge: f64| 1.0 - edge.asin() / std::f64::consts::FRAC_PI_2;
+    let speed = 0.1 * std::f64::consts::TAU * 2.0;
+    for (channel, edge, most) in [
+        ("displacement", 0.525, 1.0),
+        ("velocity", 1.05 / speed, speed - 1.0),
+    ] {
+        // Each of four crossings in a cycle of 250 samples is off by half of one at most.
+        let off = figure(&outside[channel]["part"]) - part(edge);
+        assert!(off.abs() < 8e-3, "{channel}: {off}");
+        assert!((figure(&outside[channel]["most"]) - most).abs() < 5e-3);
+    }
+    // One is large where the other is small, so that all of both count but for what both share.
+    let all = figure(&outside["part"]);
+    assert!(all > part(0.525) + 0.05 && all <= 1.0, "{all}");
+    assert!((figure(&json["beyond_fitted_range"]) - 1.0).abs() < 5e-3);
+    let percent = format!("{:.1} % of the samples", 100.0 * all);
+    let line = format!("outside the operating range: {percent}, by up to 1.00 times the range");
+    assert!(out.lines().any(|said| said == line), "{out}");
+    assert!(
+        error.starts_with(&format!(
+            "warning: {percent} lie outside the operating range of model.json: displacement at "
+        )),
+        "{error}"
+    );
+    assert!(error.contains("by up to 1.00 times the range, velocity at "));
+}
+
+/// The sine exceeds the range by a 50th: a number, and no warning.
+#[test]
+fn a_tiny_overshoot_of_the_operating_range_is_no_warning() {
+    let range = r#""displacement": [-0.098, 0.098], "velocity": [-6.3, 6.3]"#;
+    let (json, out, error) = beside(range);
+    assert_eq!(error, "");
+    assert_eq!(json["outside_operating_range"]["part"], 0.0);
+    let beyond = json["beyond_fitted_range"].as_f64().unwrap();
+    assert!((beyond - 0.002 / 0.098).abs() < 1e-3, "{beyond}");
+    assert!(
+        out.ends_with("outside the operating range: none of the samples\n"),
+        "{out}"
+    );
+}

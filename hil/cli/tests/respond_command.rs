@@ -65,7 +65,9 @@ fn a_force_moves_the_mass_and_the_file_is_a_recording() {
         "{error}"
     );
     assert!(
-        error.contains("beyond what model.json was fitted on"),
+        error.contains(
+            "of the samples lie outside the operating range of model.json: displacement at "
+        ),
         "{error}"
     );
     let recording = Recording::read(root.path().join("out.csv")).unwrap();
@@ -147,7 +149,7 @@ fn a_sweep_has_the_resonance_in_table_json_and_picture() {
         "--json",
         "sweep.json",
     ];
-    let (out, _) = done(root.path(), &arguments);
+    let (out, error) = done(root.path(), &arguments);
     assert!(out.contains("below 1 from"), "{out}");
     let table = fs::read_to_string(root.path().join("sweep.csv")).unwrap();
     assert!(table.starts_with("base_amplitude_mm,frequency_Hz,transmissibility,"));
@@ -155,6 +157,28 @@ fn a_sweep_has_the_resonance_in_table_json_and_picture() {
     let json = fs::read_to_string(root.path().join("sweep.json")).unwrap();
     let json: Value = serde_json::from_str(&json).unwrap();
     let points = json["points"].as_array().unwrap();
+    // The operating range is 0.02 mm and 6.3 mm/s, with a margin of 5 %.
+    let beyond = |name: &str, edge: f64| {
+        let values = points.iter().map(|point| point[name].as_f64().unwrap());
+        values.map(|value| value / edge - 1.0).collect::<Vec<_>>()
+    };
+    let (y, v) = (
+        beyond("damper_amplitude", 0.02),
+        beyond("damper_speed", 6.3),
+    );
+    let outside = y.iter().zip(&v).filter(|(y, v)| y.max(**v) > 0.05).count();
+    assert!(outside > 0 && outside < 18, "{outside}");
+    let told = |path: &str| json.pointer(path).unwrap().as_f64().unwrap();
+    assert_eq!(told("/outside_operating_range/part"), outside as f64 / 18.0);
+    let most = |of: &[f64]| of.iter().fold(0.0_f64, |most, one| most.max(*one));
+    assert!((told("/outside_operating_range/displacement/most") - most(&y)).abs() < 1e-9);
+    assert!((told("/outside_operating_range/velocity/most") - most(&v)).abs() < 1e-9);
+    assert!((told("/beyond_fitted_range") - most(&y).max(most(&v))).abs() < 1e-9);
+    let warned = format!(
+        "{:.1} % of the motions lie outside",
+        100.0 * outside as f64 / 18.0
+    );
+    assert!(error.contains(&warned), "{error}");
     for point in points {
         let number = |name: &str| point[name].as_f64().unwrap();
         let omega = TAU * number("frequency");

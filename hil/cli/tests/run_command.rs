@@ -149,6 +149,62 @@ fn leaves_a_recording_and_its_cycles() {
     assert_ne!(csv("first"), csv("run-out"));
 }
 
+/// 0.05 mm and 0.1 mm beside a model that was fitted on 0.07 mm: ticks of the second block are outside, as the recording shows.
+#[test]
+fn ticks_outside_the_operating_range_of_the_model_are_counted() {
+    let root = tempfile::tempdir().unwrap();
+    let model = |speed: f64| {
+        let text = format!(
+            r#"{{ "format": "mesh-damper-model", "version": 1,
+            "units": {{ "displacement": "mm", "force": "kN", "time": "s", "temperature": "degC" }},
+            "law": [ {{ "amplitude": 0.0, "k1": 2.0, "k3": 0.0, "c": 0.1, "alpha": 0.5 }} ], "effects": [],
+            "fitted_range": {{ "displacement": [-0.07, 0.07], "velocity": [-{speed}, {speed}] }} }}"#
+        );
+        fs::write(root.path().join("model.json"), text).unwrap();
+    };
+    let blocks = ["--model", "model.json", "--blocks", "0.05:5:10,0.1:5:10"];
+    let ran = |arguments: &[&str]| {
+        let output = run(root.path(), &[arguments, &["--json", "-"]].concat());
+        let error = String::from_utf8(output.stderr).unwrap();
+        assert!(output.status.success(), "{error}");
+        let json: serde_json::Value = serde_json::from_slice(&output.stdout).unwrap();
+        (json, error)
+    };
+    model(100.0);
+    let (json, error) = ran(&blocks);
+    let outside = &json["outside_operating_range"];
+    let (ticks, all) = (outside["ticks"].as_u64(), json["ticks"].as_u64());
+    let (ticks, all) = (ticks.unwrap() as f64, all.unwrap() as f64);
+    let part = outside["part"].as_f64().unwrap();
+    assert_eq!(part, ticks / all);
+    let recording = Recording::read(root.path().join("run-out/recording.csv.gz")).unwrap();
+    let beyond = recording.displacement.iter().filter(|y| y.abs() > 0.0735);
+    let expected = beyond.count() as f64 / recording.len() as f64;
+    // Every tenth tick is a sample.
+    assert!(
+        part > 0.1 && (part - expected).abs() < 5e-3,
+        "{part} {expected}"
+    );
+    let warned = format!(
+        "warning: {:.1} % of the ticks, {ticks} of {all}, lie outside the operating range of model.json",
+        100.0 * part
+    );
+    assert!(error.lines().any(|line| line == warned), "{error}");
+
+    // 0.1 mm at 5 Hz is 3.1 mm/s: more of the ticks are outside where no more than 1 mm/s was fitted.
+    model(1.0);
+    let (json, _) = ran(&blocks);
+    assert!(json["outside_operating_range"]["part"].as_f64().unwrap() > part + 0.1);
+
+    model(100.0);
+    let (json, error) = ran(&["--model", "model.json", "--blocks", "0.05:5:10"]);
+    assert_eq!(json["outside_operating_range"]["ticks"], 0);
+    assert!(!error.contains("operating range"), "{error}");
+    // The published coefficients have none.
+    let (json, _) = ran(&["--blocks", "0.05:5:10"]);
+    assert!(json["outside_operating_range"].is_null());
+}
+
 #[test]
 fn a_rig_that_stops_on_a_limit_ends_with_1_and_keeps_what_it_recorded() {
     let root = tempfile::tempdir().unwrap();

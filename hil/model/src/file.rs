@@ -95,14 +95,17 @@ impl FittedRange {
         })
     }
 
-    /// By how much a motion's ranges exceed these, as a fraction of the larger end; 0 inside.
-    pub fn exceeded_by(&self, motion: &Self) -> f64 {
+    /// By how much a motion's displacement and velocity exceed these, each as a fraction of the larger end; 0 inside.
+    pub fn exceeded_in(&self, motion: &Self) -> [f64; 2] {
         let beyond = |own: [f64; 2], other: [f64; 2]| {
             let reach = own[0].abs().max(own[1].abs());
             let excess = (own[0] - other[0]).max(other[1] - own[1]).max(0.0);
             if excess > 0.0 { excess / reach } else { 0.0 }
         };
-        beyond(self.displacement, motion.displacement).max(beyond(self.velocity, motion.velocity))
+        [
+            beyond(self.displacement, motion.displacement),
+            beyond(self.velocity, motion.velocity),
+        ]
     }
 }
 
@@ -261,8 +264,8 @@ impl ModelFile {
             ("displacement", self.fitted_range.displacement),
             ("velocity", self.fitted_range.velocity),
         ] {
-            // An infinite one would be written as null, which is not read again.
-            if !(low.is_finite() && high.is_finite() && low <= high) {
+            // An infinite one would be written as null, which is not read again; a firmware takes it as f32.
+            if !((low as f32).is_finite() && (high as f32).is_finite() && low <= high) {
                 return refused(
                     format!("fitted_range.{field}"),
                     format!("{low} to {high} is no finite range"),
@@ -463,6 +466,10 @@ mod tests {
                 read_changed(|v| v["fitted_range"]["velocity"] = serde_json::json!([1.0, -1.0])),
             ),
             (
+                "m.json: field fitted_range.displacement: 0 to 10000000000",
+                read_changed(|v| v["fitted_range"]["displacement"] = serde_json::json!([0, 1e300])),
+            ),
+            (
                 "m.json: field units.force: unknown variant `N`",
                 read_changed(|v| v["units"]["force"] = "N".into()),
             ),
@@ -509,7 +516,9 @@ mod tests {
         let fitted = example().fitted_range();
         let motion = FittedRange::of(&[-0.1, 0.25], &[-6.0, 6.0]).unwrap();
         // (0.25 − 0.2)/0.2
-        assert!((fitted.exceeded_by(&motion) - 0.25).abs() < 1e-12);
-        assert_eq!(motion.exceeded_by(&motion), 0.0);
+        let [displacement, velocity] = fitted.exceeded_in(&motion);
+        assert!((displacement - 0.25).abs() < 1e-12);
+        assert_eq!(velocity, 0.0);
+        assert_eq!(motion.exceeded_in(&motion), [0.0; 2]);
     }
 }

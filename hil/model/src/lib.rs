@@ -8,6 +8,7 @@
 //! | the root | the model itself, and the names of its effects |
 //! | [`mod@file`] | `model.json`, read and written |
 //! | [`correction`] | the table of what has no name |
+//! | [`extrapolation`] | what of a motion lies outside the operating range |
 //! | [`mod@predict`] | the force for a recorded motion, and how far it is off |
 //! | [`mod@respond`] | the motion of a mass on the damper |
 //!
@@ -42,6 +43,7 @@
 #![forbid(unsafe_code)]
 
 pub mod correction;
+pub mod extrapolation;
 mod family;
 pub mod file;
 mod model;

@@ -10,6 +10,7 @@ use mesh_damper::effects::AugmentedLaw;
 use mesh_damper::error::ConfigError;
 use mesh_damper::fast_law::{FastLaw, RunningLaw};
 use mesh_damper::law::Law;
+use mesh_damper::operating_range::OperatingRange;
 use mesh_damper::pack::PackError;
 use mesh_damper::rig::{
     AnyExciter, Rig, RigSettings, State, Stream, StreamConfig, StreamSettings, Telemetry,
@@ -63,6 +64,8 @@ pub struct RigSetup<S, const B: usize, const N: usize> {
     /// Eq 13's coefficients for each block, where they are tabulated over amplitude; the law's own where there is none.
     /// They take over within the ramp into their block.
     pub block_laws: Vec<Law<f32>>,
+    /// The motion that the law was fitted on, where ticks outside it are to be counted.
+    pub operating_range: Option<OperatingRange<f32>>,
     /// The excitation; its tick rate is that of everything.
     pub programme: Programme<B>,
     /// A motion to follow in the place of the programme's blocks, on a grid of the programme's tick rate.
@@ -142,6 +145,7 @@ impl<S: DamperForce + Clone, const B: usize, const N: usize> RigSetup<S, B, N> {
             specimen,
             law,
             block_laws: Vec::new(),
+            operating_range: None,
             programme,
             drive: None,
             stream: StreamSettings::default(),

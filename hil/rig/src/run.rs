@@ -2,6 +2,7 @@
 
 use mesh_damper::health::Event;
 use mesh_damper::law::Law;
+use mesh_damper::operating_range::{OperatingRange, RangeCounter};
 use mesh_damper::rig::{CycleReport, State, Telemetry, TripCause};
 use mesh_damper_recording::Recording;
 use mesh_damper_recording::error::InputError;
@@ -77,6 +78,9 @@ pub struct RigRun {
     pub events: Vec<(f64, Event)>,
     /// Ticks run.
     pub ticks: u64,
+    /// Ticks of these with a measured displacement or an observed velocity outside the law's operating range; `None` where the
+    /// setup has none.
+    pub outside: Option<u64>,
 }
 
 impl RigRun {
@@ -164,6 +168,7 @@ pub struct Plan {
     duration: f64,
     record_every: u64,
     block_laws: Vec<Law<f32>>,
+    operating_range: Option<OperatingRange<f32>>,
 }
 
 impl Plan {
@@ -177,6 +182,7 @@ impl Plan {
             },
             record_every: setup.record_every.max(1),
             block_laws: setup.block_laws.clone(),
+            operating_range: setup.operating_range,
         }
     }
 }
@@ -201,6 +207,7 @@ pub fn run_controlled<S: DamperForce + Clone>(
         faults: Vec::new(),
         events: Vec::new(),
         ticks: 0,
+        outside: None,
     };
     for column in [
         &mut run.samples.time,
@@ -230,6 +237,7 @@ fn run_to_its_end<S: DamperForce + Clone>(
     rig.start()?;
     let report_every = (plan.tick_rate / 2.0) as u64 + 1;
     let mut block = None;
+    let mut range = plan.operating_range.map(RangeCounter::new);
     loop {
         let time = rig.plant().servo.time();
         let telemetry = rig.tick()?;
@@ -241,6 +249,10 @@ fn run_to_its_end<S: DamperForce + Clone>(
             watch.see((time / plan.duration).min(1.0), &run.samples)?;
         }
         run.ticks += 1;
+        if let Some(range) = &mut range {
+            range.tick(telemetry.displacement, telemetry.velocity);
+            run.outside = Some(range.outside());
+        }
         run.cycles.extend(telemetry.report);
         run.events
             .extend(telemetry.event.map(|event| (time, event)));

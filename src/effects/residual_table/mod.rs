@@ -15,6 +15,7 @@ mod memory;
 mod packed;
 
 use super::ClampedMotion;
+use super::description::Growth;
 use crate::error::ConfigError;
 use crate::limits;
 use crate::real::{Real, in_range};
@@ -96,6 +97,8 @@ enum Along {
 }
 
 impl<R: Real> ResidualTable<R> {
+    /// How its force grows outside the operating range.
+    pub const OUTSIDE: Growth = Growth::Held;
     /// No force. All bits are 0.
     pub(super) const NONE: Self = Self {
         per_displacement: R::ZERO,

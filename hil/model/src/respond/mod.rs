@@ -29,6 +29,7 @@ mod signal;
 mod specimen;
 mod sweep;
 
+use crate::extrapolation::Extrapolation;
 use crate::file::FittedRange;
 use crate::{Model, ModelError};
 use energy::Work;
@@ -150,10 +151,11 @@ pub struct Response {
 }
 
 impl Response {
-    /// Displacement in mm and velocity in mm/s that the damper went through; `None` of no moment.
-    pub fn range(&self) -> Option<FittedRange> {
+    /// What of the damper's motion lies outside the operating range of its model.
+    pub fn extrapolation(&self, range: &FittedRange) -> Extrapolation {
         let of = |channel: fn(&Moment) -> &f64| self.moments.iter().map(channel);
-        FittedRange::of(
+        Extrapolation::of(
+            range,
             of(|moment| &moment.relative_displacement),
             of(|moment| &moment.relative_velocity),
         )

@@ -4,7 +4,8 @@ use std::path::{Path, PathBuf};
 
 use clap::{Args, ValueEnum};
 use mesh_damper_link::predict::{ImageError, predict_on};
-use mesh_damper_model::file::{FittedRange, ModelFile, model_error};
+use mesh_damper_model::extrapolation::{Extrapolation, percent};
+use mesh_damper_model::file::{ModelFile, model_error};
 use mesh_damper_model::predict::{band, nrmse, predict, predict_embedded};
 use mesh_damper_recording::Recording;
 use mesh_damper_recording::output::Plan;
@@ -12,11 +13,9 @@ use mesh_damper_recording::trajectory::Trajectory;
 use serde::Serialize;
 
 use super::image::{LogLevel, start_image};
+use super::respond::warn_of_range;
 use crate::commands::reading::Reading;
 use crate::commands::{Failure, say, warn};
-
-/// A motion may exceed the one fitted by this fraction before the user is warned: overshoot and noise.
-pub const RANGE_MARGIN: f64 = 0.05;
 
 /// The force that a model gives for a recording's motion
 ///
@@ -73,6 +72,8 @@ struct Summary<'a> {
     band: f64,
     /// By how much the motion exceeds the one that the model was fitted on, as a fraction.
     beyond_fitted_range: f64,
+    /// The part of the samples outside, and how far, of displacement and velocity.
+    outside_operating_range: Extrapolation,
 }
 
 impl Predict {
@@ -113,16 +114,9 @@ impl Predict {
             warn(&format!("{}: {fault}", recording.name));
         }
         let motion = &trajectory.motion;
-        let beyond = FittedRange::of(&motion.displacement, &motion.velocity)
-            .map_or(0.0, |motion| file.fitted_range().exceeded_by(&motion));
-        if beyond > RANGE_MARGIN {
-            warn(&format!(
-                "{} moves {:.0} % beyond what {} was fitted on",
-                recording.name,
-                100.0 * beyond,
-                self.model.display()
-            ));
-        }
+        let outside =
+            Extrapolation::of(&file.fitted_range(), &motion.displacement, &motion.velocity);
+        warn_of_range(&self.model, &outside, "samples");
         if recording.temperature.is_none() && model.depends_on_temperature() {
             warn(&format!(
                 "{} depends on temperature, and {} has none: {} °C is assumed",
@@ -138,7 +132,8 @@ impl Predict {
             samples: recording.len(),
             nrmse: error,
             band: rms(&band) / rms(&mended.force),
-            beyond_fitted_range: beyond,
+            beyond_fitted_range: outside.most(),
+            outside_operating_range: outside,
         };
         outputs.add(
             &self.out,
@@ -157,9 +152,22 @@ impl Predict {
                 summary.samples,
                 100.0 * summary.band
             ));
+            say(&in_words(&summary.outside_operating_range));
         }
         Ok(())
     }
+}
+
+/// Which part of the samples is outside the operating range, and how far at most.
+fn in_words(outside: &Extrapolation) -> String {
+    if outside.part > 0.0 {
+        let most = outside.most();
+        return format!(
+            "outside the operating range: {} of the samples, by up to {most:.2} times the range",
+            percent(outside.part)
+        );
+    }
+    "outside the operating range: none of the samples".into()
 }
 
 fn rms(values: &[f64]) -> f64 {

@@ -3,7 +3,8 @@
 use std::path::{Path, PathBuf};
 
 use clap::Args;
-use mesh_damper_model::file::{FittedRange, ModelFile, model_error};
+use mesh_damper_model::extrapolation::Extrapolation;
+use mesh_damper_model::file::{ModelFile, model_error};
 use mesh_damper_model::respond::{
     EnergyBalance, Excitation, LeftOut, Moment, RespondError, Response, Settings, respond,
 };
@@ -14,7 +15,6 @@ use mesh_damper_recording::output::Plan;
 use mesh_damper_recording::table;
 use serde::Serialize;
 
-use super::predict::RANGE_MARGIN;
 use super::respond_sweep::SweepOptions;
 use crate::commands::reading::Reading;
 use crate::commands::{Failure, say, warn};
@@ -108,6 +108,7 @@ struct Summary<'a> {
     /// J
     energy: EnergyBalance,
     beyond_fitted_range: f64,
+    outside_operating_range: Extrapolation,
     left_out: &'a [LeftOut],
 }
 
@@ -184,9 +185,8 @@ impl RespondCommand {
                 2.0 * response.step
             ));
         }
-        let range = file.fitted_range();
-        let beyond = response.range().map_or(0.0, |own| range.exceeded_by(&own));
-        warn_of_range(&self.model, beyond);
+        let outside = response.extrapolation(&file.fitted_range());
+        warn_of_range(&self.model, &outside, "samples");
         let moments = &response.moments;
         let summary = Summary {
             format: "mesh-damper respond",
@@ -207,7 +207,8 @@ impl RespondCommand {
             relative_displacement: Size::of(moments, |m| m.relative_displacement),
             force: Size::of(moments, |m| m.force),
             energy: response.energy,
-            beyond_fitted_range: beyond,
+            beyond_fitted_range: outside.most(),
+            outside_operating_range: outside,
             left_out: &response.left_out,
         };
         outputs.add(&self.out, to_file(&self.out, &input, drive, &response));
@@ -296,23 +297,11 @@ pub fn warn_of_left_out(model: &Path, left_out: &[LeftOut]) {
     }
 }
 
-pub fn warn_of_range(model: &Path, beyond: f64) {
-    if beyond > RANGE_MARGIN {
-        warn(&format!(
-            "the damper moves {:.0} % beyond what {} was fitted on",
-            100.0 * beyond,
-            model.display()
-        ));
+/// Of `samples`, as they are called, beyond the operating range of the model in a file.
+pub fn warn_of_range(model: &Path, outside: &Extrapolation, samples: &str) {
+    if let Some(words) = outside.in_words(samples, &model.display().to_string()) {
+        warn(&words);
     }
-}
-
-/// By how much the sines of a sweep exceed the operating range.
-pub fn beyond(file: &ModelFile, amplitude: f64, speed: f64) -> f64 {
-    let motion = FittedRange {
-        displacement: [-amplitude, amplitude],
-        velocity: [-speed, speed],
-    };
-    file.fitted_range().exceeded_by(&motion)
 }
 
 /// An error about the model's file, or about the option that gave the value.

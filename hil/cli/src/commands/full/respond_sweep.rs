@@ -3,7 +3,8 @@
 use std::path::{Path, PathBuf};
 
 use clap::Args;
-use mesh_damper_model::file::ModelFile;
+use mesh_damper_model::extrapolation::Extrapolation;
+use mesh_damper_model::file::{FittedRange, ModelFile};
 use mesh_damper_model::respond::{Settings, Sweep, SweepPoint, SweepRange, sweep};
 use mesh_damper_recording::output::Plan;
 use mesh_damper_recording::read_limit::ReadLimit;
@@ -11,7 +12,7 @@ use mesh_damper_recording::table;
 use mesh_damper_report::transmissibility::picture;
 use serde::Serialize;
 
-use super::respond::{beyond, refused, warn_of_left_out, warn_of_range};
+use super::respond::{refused, warn_of_left_out, warn_of_range};
 use crate::commands::progress::Progress;
 use crate::commands::{Failure, say, warn};
 
@@ -59,6 +60,8 @@ struct Summary<'a> {
     /// kg
     mass: f64,
     beyond_fitted_range: f64,
+    /// Its samples are the points.
+    outside_operating_range: Extrapolation,
     #[serde(flatten)]
     sweep: &'a Sweep,
 }
@@ -103,10 +106,12 @@ impl SweepOptions {
                 found.points.len()
             ));
         }
-        let worst = (found.points.iter())
-            .map(|point| beyond(&file, point.damper_amplitude, point.damper_speed))
-            .fold(0.0, f64::max);
-        warn_of_range(model, worst);
+        let motions = found.points.iter().map(|point| FittedRange {
+            displacement: [-point.damper_amplitude, point.damper_amplitude],
+            velocity: [-point.damper_speed, point.damper_speed],
+        });
+        let outside = Extrapolation::of_motions(&file.fitted_range(), motions);
+        warn_of_range(model, &outside, "motions");
         outputs.add(out, to_file(out, &found.points));
         if let Some(path) = &self.picture {
             outputs.add(path, picture(&found.points));
@@ -117,7 +122,8 @@ impl SweepOptions {
                 version: 1,
                 model,
                 mass: settings.mass,
-                beyond_fitted_range: worst,
+                beyond_fitted_range: outside.most(),
+                outside_operating_range: outside,
                 sweep: &found,
             };
             outputs.add_json(path, &summary)?;

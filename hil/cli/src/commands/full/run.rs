@@ -5,11 +5,13 @@ use std::path::{Path, PathBuf};
 use clap::Args;
 use mesh_damper::effects::AugmentedLaw;
 use mesh_damper::law::Law;
+use mesh_damper::operating_range::OperatingRange;
 use mesh_damper::rig::TripCause;
 use mesh_damper::sine::Programme;
 use mesh_damper_link::lockstep::run_rig_on;
-use mesh_damper_model::MAX_EFFECTS;
+use mesh_damper_model::extrapolation::{RANGE_MARGIN, percent};
 use mesh_damper_model::file::{ModelFile, model_error};
+use mesh_damper_model::{MAX_EFFECTS, ModelError};
 use mesh_damper_recording::Recording;
 use mesh_damper_recording::error::InputError;
 use mesh_damper_recording::output::Plan;
@@ -26,7 +28,7 @@ use super::law::PublishedLaw;
 use super::programme::{self, MOST_BLOCKS};
 use crate::commands::progress::Progress;
 use crate::commands::reading::Reading;
-use crate::commands::{Failure, say};
+use crate::commands::{Failure, say, warn};
 
 /// Run the rig in the loop with a simulated actuator and specimen
 ///
@@ -112,6 +114,8 @@ struct Summary {
     seed: u64,
     tick_rate: f64,
     ticks: u64,
+    /// Null without a model.
+    outside_operating_range: Option<OutsideTicks>,
     /// The motion that was followed; null of a programme.
     drive: Option<Followed>,
     /// None of a motion.
@@ -119,6 +123,14 @@ struct Summary {
     /// What the monitor named, each cause once.
     events: Vec<EventRow>,
     stopped: Option<Stop>,
+}
+
+/// Ticks beyond the operating range of the model by more than [`RANGE_MARGIN`].
+#[derive(Clone, Copy, Serialize)]
+struct OutsideTicks {
+    ticks: u64,
+    /// Of all ticks, 0…1.
+    part: f64,
 }
 
 /// Why and when the rig stopped before its end.
@@ -195,6 +207,10 @@ impl RunCommand {
             seed: self.seed,
             tick_rate: self.tick_rate,
             ticks: run.ticks,
+            outside_operating_range: run.outside.map(|ticks| OutsideTicks {
+                ticks,
+                part: ticks as f64 / run.ticks as f64,
+            }),
             drive: driven
                 .as_ref()
                 .zip(asked)
@@ -206,6 +222,17 @@ impl RunCommand {
                 fault: in_words(fault).to_owned(),
             }),
         };
+        if let (Some(path), Some(outside)) = (&self.model, summary.outside_operating_range)
+            && outside.ticks > 0
+        {
+            warn(&format!(
+                "{} of the ticks, {} of {}, lie outside the operating range of {}",
+                percent(outside.part),
+                outside.ticks,
+                run.ticks,
+                path.display()
+            ));
+        }
         let recording = self.out.join("recording.csv.gz");
         let recorded = match (
             run.recording(recording.display().to_string()),
@@ -290,7 +317,11 @@ impl RunCommand {
             (Some(driven), _) => driven.amplitude(),
             (None, first) => first.copied().unwrap_or_default(),
         };
-        let (law, block_laws) = self.laws(first, &amplitudes, density)?;
+        let Laws {
+            law,
+            block_laws,
+            operating_range,
+        } = self.laws(first, &amplitudes, density)?;
         let mut setup = match (driven, programme) {
             (Some(driven), _) => RigSetup::driven(specimen, law, driven.motion.clone(), self.seed)
                 .map_err(|error| refused(error.into()))?,
@@ -298,22 +329,31 @@ impl RunCommand {
             (None, None) => return Err(InputError::new("the rig", "no motion", "give --blocks")),
         };
         setup.block_laws = block_laws;
+        setup.operating_range = operating_range;
         Ok(setup)
     }
 
-    /// The law that runs beside the specimen, for the amplitude `first` in mm, and eq 13 for each of `amplitudes`.
-    fn laws(
-        &self,
-        first: f64,
-        amplitudes: &[f64],
-        density: f64,
-    ) -> Result<(AugmentedLaw<f32, MAX_EFFECTS>, Vec<Law<f32>>), InputError> {
+    /// The law for the amplitude `first` in mm, and eq 13 for each of `amplitudes`.
+    fn laws(&self, first: f64, amplitudes: &[f64], density: f64) -> Result<Laws, InputError> {
         let Some(path) = &self.model else {
-            let law = self.law.at(density, SPECIMEN_AMPLITUDE);
-            return Ok((AugmentedLaw::new(law), Vec::new()));
+            return Ok(Laws {
+                law: AugmentedLaw::new(self.law.at(density, SPECIMEN_AMPLITUDE)),
+                block_laws: Vec::new(),
+                operating_range: None,
+            });
         };
-        let model = ModelFile::read_within(path, self.reading.limit)?.model();
+        let file = ModelFile::read_within(path, self.reading.limit)?;
+        let model = file.model();
         let refused = |error| model_error(&path.display().to_string(), &error);
+        let range = file.operating_range();
+        let range = range
+            .and_then(|range| range.widened(RANGE_MARGIN as f32))
+            .map_err(|error| {
+                refused(ModelError::Refused {
+                    place: "fitted_range".into(),
+                    error,
+                })
+            })?;
         let block_laws = amplitudes
             .iter()
             .map(|amplitude| model.law_at::<f32>(*amplitude))
@@ -322,8 +362,21 @@ impl RunCommand {
         let law = model
             .augmented::<f32>(first, 1.0 / self.tick_rate)
             .map_err(refused)?;
-        Ok((law, block_laws))
+        Ok(Laws {
+            law,
+            block_laws,
+            operating_range: Some(range),
+        })
     }
+}
+
+/// What runs beside the specimen.
+struct Laws {
+    law: AugmentedLaw<f32, MAX_EFFECTS>,
+    /// Eq 13 of each block.
+    block_laws: Vec<Law<f32>>,
+    /// That of the model, with [`RANGE_MARGIN`].
+    operating_range: Option<OperatingRange<f32>>,
 }
 
 /// Shows how far a run is, and keeps what it has recorded.
