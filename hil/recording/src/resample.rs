@@ -98,7 +98,7 @@ impl Recording {
     ///
     /// Samples that stand on the ticks are taken as they are, and so are those that the displacement shows to have been
     /// taken on them though their times jitter; where the samples themselves jitter, the channels are interpolated by a
-    /// cubic through each tick's neighbours. Gaps are bridged by straight lines and marked.
+    /// cubic through each tick's neighbours, the temperature by straight lines. Gaps are bridged by straight lines and marked.
     ///
     /// # Errors
     /// The line of the longest gap where the recording is mostly gaps.
@@ -142,7 +142,11 @@ impl Recording {
             displacement: channel(&self.displacement),
             force: channel(&self.force),
             velocity: self.velocity.as_deref().map(channel),
-            temperature: self.temperature.as_deref().map(channel),
+            // A cubic overshoots where an input is switched. By lines it goes only where it was.
+            temperature: self
+                .temperature
+                .as_deref()
+                .map(|values| interpolate(&nodes, values, time.clone(), 0.0)),
             measured,
             interpolated: !clock.on_ticks,
             clock,

@@ -127,9 +127,9 @@ impl Trajectory {
         Ok(trajectory)
     }
 
-    /// Whether a force that is late by `late` s is liker to one that comes with the motion than this one, which was not moved.
+    /// Whether the force, which was not moved, may be late by `late` s, as that of another recording of the rig is.
     pub fn may_be_late_by(&self, late: f64) -> bool {
-        self.late == 0.0 && Shift::is_likelier(self, (late / self.tick).round() as isize)
+        self.late == 0.0 && Shift::may_be(self, (late / self.tick).round() as isize)
     }
 
     /// The same with both channels as they were recorded, for who measures losses and not a law: an average takes as much of

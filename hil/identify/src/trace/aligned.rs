@@ -1,5 +1,5 @@
-//! Recordings of one rig share what is wrong with its channels, which each of them shows only about: a force that is early, and
-//! the zero of the displacement.
+//! Recordings of one rig share what is wrong with its channels, which each of them shows only about: a force that is early or late,
+//! and the zero of the displacement.
 
 use crate::families::delay;
 use crate::policy::policy;
@@ -54,8 +54,8 @@ impl<'r> Aligned<'r> {
             estimate: None,
         };
         aligned.share_zero()?;
-        if let Some(early) = aligned.early() {
-            let (late, tick) = (early.late, early.tick);
+        if let Some(shifted) = aligned.shifted() {
+            let (late, tick) = (shifted.late, shifted.tick);
             aligned.estimate = Some(late);
             aligned.move_from(late, late - policy().aligned.too_far * tick)?;
         }
@@ -68,14 +68,16 @@ impl<'r> Aligned<'r> {
     /// # Errors
     /// As [`Trajectory::of`].
     pub fn follow(&mut self, model: &Model) -> Result<bool, InputError> {
-        let Some(late) = self.early().map(|early| early.late) else {
+        let Some(late) = self.shifted().map(|shifted| shifted.late) else {
             return Ok(false);
         };
         let mut effects = model.effects.iter();
         let delay = effects.find(|effect| effect.family == delay::FORMS[0].family());
         let less = delay.and_then(|effect| Some(late + delay::lag(&effect.parameters)?));
         let estimate = self.estimate.take();
-        let Some(to) = less.map(|less| less.min(0.0)).or(estimate) else {
+        // A model's lag makes no force late that was early.
+        let bounded = |less: f64| if late < 0.0 { less.min(0.0) } else { less };
+        let Some(to) = less.map(bounded).or(estimate) else {
             return Ok(false);
         };
         self.move_from(late, to)?;
@@ -225,9 +227,9 @@ impl<'r> Aligned<'r> {
         Ok(())
     }
 
-    /// The longest of those that are fitted whose force is early, or else of those held out.
-    fn early(&self) -> Option<&Trajectory> {
-        self.longest(|trajectory| trajectory.late < 0.0)
+    /// The longest of those that are fitted whose force was moved, or else of those held out.
+    fn shifted(&self) -> Option<&Trajectory> {
+        self.longest(|trajectory| trajectory.late != 0.0)
     }
 
     fn longest(&self, of: fn(&Trajectory) -> bool) -> Option<&Trajectory> {
@@ -239,11 +241,11 @@ impl<'r> Aligned<'r> {
         })
     }
 
-    /// Moves every force that is late by about `from` s, where it is early, or may be late by `to` s, by the latter.
+    /// Moves every force that was moved by about `from` s, or that may be late by `to` s, by the latter.
     fn move_from(&mut self, from: f64, to: f64) -> Result<(), InputError> {
         self.anew(|trajectory| {
             let differs = (trajectory.late - from).abs() / trajectory.tick;
-            let shares = trajectory.late < 0.0 && differs < policy().aligned.same_shift;
+            let shares = trajectory.late != 0.0 && differs < policy().aligned.same_shift;
             (shares || trajectory.may_be_late_by(to)).then_some(Known {
                 late: Some(to),
                 is_off: Some(trajectory.centre != 0.0),
@@ -345,11 +347,11 @@ mod tests {
 
     const TICK: f64 = 2e-3;
 
-    /// A spring with friction at 1 Hz and then at 5 Hz, whose force is early by 3 ticks.
-    fn early() -> Recording {
-        let at = |index: usize| {
+    /// A spring with friction at one frequency for 6 s and then at another for 4 s, whose force is late by so many ticks.
+    fn recording(name: &str, frequencies: [f64; 2], late: isize) -> Recording {
+        let at = |index: isize| {
             let time = index as f64 * TICK;
-            let frequency = if time < 6.0 { 1.0 } else { 5.0 };
+            let frequency = frequencies[usize::from(time >= 6.0)];
             let (sin, cos) = (TAU * frequency * time).sin_cos();
             let speed = 0.1 * TAU * frequency * cos.abs();
             (
@@ -359,10 +361,10 @@ mod tests {
         };
         let samples = 0..5000;
         Recording::new(
-            "early",
+            name,
             samples.clone().map(|index| index as f64 * TICK).collect(),
             samples.clone().map(|index| at(index).0).collect(),
-            samples.map(|index| at(index + 3).1).collect(),
+            samples.map(|index| at(index - late).1).collect(),
         )
         .unwrap()
     }
@@ -381,7 +383,7 @@ mod tests {
     /// However much it is: what was found to be early at first is what is moved.
     #[test]
     fn what_was_moved_is_moved_by_what_a_model_found() {
-        let early = early();
+        let early = recording("early", [1.0, 5.0], -3);
         let recordings = [&early];
         for ticks in [0.5, 2.0, 9.0] {
             let mut aligned = Aligned::of(&recordings, &[]).unwrap();
@@ -391,5 +393,38 @@ mod tests {
             let expected = (before + ticks * TICK).min(0.0);
             assert_eq!(aligned.trajectories[0][0].late, expected);
         }
+    }
+
+    /// Whichever of them shows it: one of a single frequency shows no time, and one that is slow takes energy though it is late.
+    #[test]
+    fn what_is_held_out_is_moved_as_what_is_fitted() {
+        for (shows, hides, late) in [
+            ([1.0, 5.0], [2.0, 2.0], -8),
+            ([1.0, 5.0], [0.5, 0.5], -8),
+            ([1.0, 5.0], [0.25, 0.5], 40),
+        ] {
+            let shows = recording("shows", shows, late);
+            let hides = recording("hides", hides, late);
+            assert_eq!(Trajectory::of(&hides).unwrap().late, 0.0);
+            for (fitted, held) in [([&shows], [&hides]), ([&hides], [&shows])] {
+                let aligned = Aligned::of(&fitted, &held).unwrap();
+                let [fitted, held] = aligned.trajectories.map(|each| each[0].late / TICK);
+                assert!(
+                    (fitted + 0.5 - late as f64).abs() < 0.5,
+                    "{fitted} of {late}"
+                );
+                assert_eq!(fitted, held, "{late}");
+            }
+        }
+    }
+
+    #[test]
+    fn a_force_that_moved_would_give_energy_is_not_moved() {
+        let early = recording("early", [1.0, 5.0], -20);
+        let in_time = recording("in time", [5.0, 5.0], 0);
+        let (fitted, held) = ([&early], [&in_time]);
+        let aligned = Aligned::of(&fitted, &held).unwrap();
+        assert!(aligned.trajectories[0][0].late < -19.0 * TICK);
+        assert_eq!(aligned.trajectories[1][0].late, 0.0);
     }
 }

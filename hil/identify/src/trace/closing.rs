@@ -138,13 +138,13 @@ impl<'a> Closing<'a> {
                 nameless: Vec::new(),
                 table_rejected_by: None,
                 rejected: None,
+                graded: None,
             }
         };
-        let graded = match is_more_missing {
-            true => self.graded(&left_out, &mut laws)?,
-            false => None,
-        };
-        if graded.as_ref().is_some_and(Confirmed::any) {
+        if is_more_missing {
+            self.grade(&left_out, &mut laws)?;
+        }
+        if laws.graded.as_ref().is_some_and(Confirmed::any) {
             verdict = Verdict::Found;
         }
         let Laws {
@@ -155,6 +155,7 @@ impl<'a> Closing<'a> {
             nameless,
             table_rejected_by,
             rejected,
+            graded,
         } = laws;
         let baseline = alone.model();
         let named = solution.model();

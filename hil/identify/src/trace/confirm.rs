@@ -126,15 +126,11 @@ impl Confirmation {
 type Held = Vec<Option<(RelativeError, Vec<(Family, Interval)>)>>;
 
 impl Closing<'_> {
-    /// What is confirmed of the effects that `laws` end in, beside which more is missing, where there are such. Where that is of fewer of them,
+    /// Says what is confirmed of the effects that `laws` end in, beside which more is missing, where there are such. Where that is of fewer of them,
     /// these are the law that the trace ends in.
-    pub(super) fn graded(
-        &self,
-        left_out: &LeftOut,
-        laws: &mut Laws,
-    ) -> Result<Option<Confirmed>, ModelError> {
-        if laws.solution.is_alone() || !left_out.differ() {
-            return Ok(None);
+    pub(super) fn grade(&self, left_out: &LeftOut, laws: &mut Laws) -> Result<(), ModelError> {
+        if laws.graded.is_some() || laws.solution.is_alone() || !left_out.differ() {
+            return Ok(());
         }
         // A table was fitted beside all of them.
         let may_drop = laws.model.correction.is_none();
@@ -143,7 +139,8 @@ impl Closing<'_> {
             laws.solution = self.fit_there(laws.rows, &confirmed.law);
             laws.model = laws.solution.model();
         }
-        Ok(Some(confirmed))
+        laws.graded = Some(confirmed);
+        Ok(())
     }
 
     /// What is confirmed of `law`, which has effects. Where some `may_drop`, the one that gains least is left out where it gains nothing, and where nothing is

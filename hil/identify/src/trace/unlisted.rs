@@ -5,6 +5,7 @@ use mesh_damper_model::{Model, ModelError};
 
 use super::adopt::gains;
 use super::closing::Closing;
+use super::confirm::Confirmed;
 use super::left_out::{Fit, LeftOut, Picked, RelativeError};
 use super::mend::{clearly_best, mended};
 use super::result::{OnTarget, Rejected};
@@ -15,6 +16,7 @@ use crate::rows::Rows;
 use crate::solution::Solution;
 
 /// The laws that a trace ends in.
+#[derive(Clone)]
 pub(super) struct Laws<'c> {
     /// What `solution` was fitted to.
     pub rows: &'c Rows<'c>,
@@ -30,6 +32,8 @@ pub(super) struct Laws<'c> {
     pub table_rejected_by: Option<Rule>,
     /// What was no better than eq 13 on conditions held out in turn.
     pub rejected: Option<Rejected>,
+    /// What is confirmed of the effects, as far as it is known.
+    pub graded: Option<Confirmed>,
 }
 
 impl Closing<'_> {
@@ -81,6 +85,7 @@ impl Closing<'_> {
             nameless: mended.depends_on,
             table_rejected_by: mended.table_rejected_by,
             rejected: None,
+            graded: None,
             alone: alone.clone(),
         };
         if law.is_alone() && mended.choice.is_none() {
@@ -89,27 +94,28 @@ impl Closing<'_> {
         let choice = mended.choice.as_ref();
         let of_ended = in_turn(of_law, law, choice)?;
         let named = laws.last().filter(|(_, law)| !law.is_alone());
-        // A table that follows how well it fits may say less than names of what it was not fitted to. One in their place has to say much more: its
-        // force is known where no table was fitted, and a name says why.
+        // A table that follows how well it fits may say less than names of what it was not fitted to. One in their place has to say much more than
+        // names that are confirmed: its force is known where no table was fitted, and a name says why.
         if choice.is_some()
-            && let Some(&(named_rows, named)) = named
+            && let Some(&(rows, named)) = named
         {
-            let of_named = in_turn(named_rows, named, None)?;
+            let of_named = in_turn(rows, named, None)?;
             let part = left(&of_ended) / left(&of_named);
-            let is_enough = match law.is_alone() {
-                true => part < policy().mend.needed,
-                false => part <= 1.0 / policy().mend.better,
-            };
-            if gains(of_alone, &of_named) && !is_enough {
-                let (rows, law) = (named_rows, named);
-                let solution = self.fit_there(rows, law);
-                return Ok(Laws {
+            let is_less = part * policy().mend.better > 1.0;
+            let may_be_confirmed = law.is_alone() && part > policy().mend.needed;
+            if gains(of_alone, &of_named) && (is_less || may_be_confirmed) {
+                let solution = self.fit_there(rows, named);
+                let mut laws = Laws {
                     rows,
                     model: solution.model(),
                     solution,
                     table_rejected_by: Some(Rule::TableUnknownElsewhere),
-                    ..kept
-                });
+                    ..kept.clone()
+                };
+                self.grade(left_out, &mut laws)?;
+                if is_less || laws.graded.as_ref().is_some_and(Confirmed::any) {
+                    return Ok(laws);
+                }
             }
         }
         let solution = self.fit_there(of_law, law);

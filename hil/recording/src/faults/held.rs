@@ -1,5 +1,7 @@
 //! A value that was repeated while the motion went on: a stuck channel, or rows of a logger that had nothing new.
 
+use std::f64::consts::PI;
+
 use super::super::noise::noise_deviation;
 use super::super::resample::Uniform;
 use super::{ChannelFault, ChannelFaultKind, quantile, runs, sampled, spread};
@@ -71,6 +73,8 @@ fn held(values: &[f64], present: &[bool]) -> Vec<std::ops::Range<usize>> {
     let often = (repeating - in_stretches + 1) as f64 / (values.len() - in_stretches) as f64;
     let step = smallest_step(values, same);
     let noise = noise_deviation(values);
+    // Where the motion is slow, as at its turns, neighbours are equal as often as those of a standing channel.
+    let often = often.max(often_at_rest(step, noise));
     let (low, high) = least_and_largest(values);
     stretches
         .into_iter()
@@ -85,6 +89,12 @@ fn held(values: &[f64], present: &[bool]) -> Vec<std::ops::Range<usize>> {
             inside && !at_an_end && (unlikely || jumps(values, run, step, noise))
         })
         .collect()
+}
+
+/// How often two neighbours of a channel that stands are equal, where `noise` is rounded to `step`: the density that their difference,
+/// of deviation √2 times that of the noise, has at 0, times the step.
+fn often_at_rest(step: f64, noise: f64) -> f64 {
+    (step / (2.0 * noise * PI.sqrt())).min(1.0)
 }
 
 /// How often neighbours are equal in the samples around `run`: the turn of a rounded signal is slow.
@@ -117,4 +127,70 @@ fn smallest_step(values: &[f64], same: f64) -> f64 {
         .map(|pair| (pair[1] - pair[0]).abs())
         .filter(|&difference| difference > same)
         .fold(f64::INFINITY, f64::min)
+}
+
+#[cfg(test)]
+mod tests {
+    use std::f64::consts::TAU;
+
+    use rand::SeedableRng as _;
+    use rand::rngs::StdRng;
+    use rand_distr::{Distribution as _, StandardNormal};
+
+    use super::held;
+
+    /// A sine over `cycles` periods of `samples` each in steps of 1, `levels` of them from end to end, with `noise` before it is rounded. It
+    /// grows a little, so that no turn but the last is at an end.
+    fn coarse(samples: usize, cycles: usize, levels: f64, noise: f64, seed: u64) -> Vec<f64> {
+        let mut random = StdRng::seed_from_u64(seed);
+        let count = samples * cycles;
+        (0..count)
+            .map(|index| {
+                let growth = 1.0 + 0.05 * index as f64 / count as f64;
+                let normal: f64 = StandardNormal.sample(&mut random);
+                let sine = (TAU * index as f64 / samples as f64).sin();
+                (0.5 * levels * growth * sine + noise * normal).round()
+            })
+            .collect()
+    }
+
+    fn held_of(values: &[f64]) -> Vec<std::ops::Range<usize>> {
+        held(values, &vec![true; values.len()])
+    }
+
+    /// As a converter of 8 to 14 bits has it of a test of 0.1 to 1 Hz: the turns of a slow motion keep one value for some samples.
+    #[test]
+    fn a_coarse_channel_is_not_held_where_the_motion_is_slow() {
+        let mut wrong = Vec::new();
+        let mut seed = 0;
+        for bits in [8, 9, 10, 12, 14] {
+            for samples in [256, 1000, 5000] {
+                for noise in [0.0, 0.2, 0.5, 0.8, 1.0, 2.0] {
+                    for _ in 0..16 {
+                        seed += 1;
+                        let values = coarse(samples, 8, f64::from(1 << bits), noise, seed);
+                        for run in held_of(&values) {
+                            wrong.push(format!("{bits} bits, {samples}, {noise}: {run:?}"));
+                        }
+                    }
+                }
+            }
+        }
+        assert!(wrong.is_empty(), "{}:\n{}", wrong.len(), wrong.join("\n"));
+    }
+
+    /// One that stands while the motion goes on jumps when it is let go, or repeats for longer than its noise would.
+    #[test]
+    fn a_coarse_channel_that_is_held_is_found() {
+        for noise in [0.0, 1.0] {
+            let mut values = coarse(1000, 8, 1024.0, noise, 1);
+            let value = values[2010];
+            values[2010..2060].fill(value);
+            let found = held_of(&values);
+            assert!(
+                found.len() == 1 && found[0].start <= 2010 && found[0].end >= 2060,
+                "{noise}: {found:?}"
+            );
+        }
+    }
 }

@@ -2,7 +2,7 @@
 
 use nalgebra::{SMatrix, SVector};
 
-use super::super::cycles::{FoundBlock, same_amplitude};
+use super::super::cycles::same_amplitude;
 use super::super::trajectory::Trajectory;
 use super::{Channel, ChannelFault, ChannelFaultKind};
 use crate::policy::policy;
@@ -31,14 +31,14 @@ crate::numbers! {
         /// Samples to either side of a kink of the motion that are left out.
         about_kinks: usize = 3, Tuned("the injected channel faults");
         /// Of an amplitude with fewer samples nothing is said.
-        fewest_samples: usize = 50, Derived("five for each of the ten functions");
+        fewest_samples: usize = 60, Derived("five for each of the twelve functions");
     }
 }
 
 /// Exponents of friction. Whatever its exponent, it is about a sum of these two. Convention: a dry one and a wet one.
 const DRY_AND_WET: [f64; 2] = [0.15, 0.5];
 /// Functions of the motion of which a general damper's force is a sum.
-const FUNCTIONS: usize = 10;
+const FUNCTIONS: usize = 12;
 
 /// Time by which the force is late against the displacement.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -51,19 +51,14 @@ impl Shift {
     /// The shift of `trajectory` where it is one that no passive damper has: a force that is early, or late by more than
     /// its loss angle, so that it gives energy. A lag below that is what the trace calls `delay`.
     ///
+    /// Of one frequency a force that is early is one of more loss: that of a dashpot leads by a quarter of a cycle, and its
+    /// harmonics come as its orifices and valves have it. Only several frequencies tell a time from a phase.
+    ///
     /// A force that comes with the motion, its powers, the direction of the motion, its velocity and its acceleration
     /// is regressed on those at every shift; the shift that leaves least is the channels'.
     pub fn find(trajectory: &Trajectory) -> Option<Self> {
-        let steady = |block: &&FoundBlock| block.cycles.len() >= policy().shift.steady;
-        let frequencies = || {
-            trajectory
-                .blocks
-                .iter()
-                .filter(steady)
-                .map(|block| block.frequency)
-        };
-        let highest = frequencies().fold(0.0, f64::max);
-        let lowest = frequencies().fold(f64::INFINITY, f64::min);
+        let [lowest, highest] = frequencies(trajectory);
+        let several = highest > policy().shift.several * lowest;
         let shortest = 1.0 / (highest * trajectory.tick);
         let reach = ((policy().shift.reach * shortest) as usize).min(policy().shift.most_ticks);
         if highest == 0.0 || reach < 2 || trajectory.len() < 8 * reach {
@@ -86,26 +81,27 @@ impl Shift {
         let (before, after) = (left[best - 1], left[best + 1]);
         let vertex = 0.5 * (before - after) / (before - 2.0 * least + after);
         let late = best as f64 - reach as f64 + vertex;
-        let described = if highest > policy().shift.several * lowest {
+        let described = if several {
             policy().shift.described
         } else {
             policy().shift.well_described
         };
         let better = least < policy().shift.better * policy().shift.better * left[reach]
             && least < described * described;
-        let impossible = late < 0.0 || gives_energy(trajectory);
+        let impossible = several && late < 0.0 || gives_energy(trajectory, 0);
         (better && impossible && late.abs() >= policy().shift.least).then_some(Self { late })
     }
 
-    /// Whether a force `late` ticks later leaves less of that damper than the force as it is.
-    pub fn is_likelier(trajectory: &Trajectory, late: isize) -> bool {
+    /// Whether a force `late` ticks later may be that of such a damper as well: as it is the force leaves not clearly less of that,
+    /// and moved it still takes energy. Of one frequency both may be so.
+    pub fn may_be(trajectory: &Trajectory, late: isize) -> bool {
         let reach = late.unsigned_abs();
-        if late == 0 || trajectory.len() < 8 * reach {
+        if late == 0 || trajectory.len() <= 2 * reach || gives_energy(trajectory, late) {
             return false;
         }
         let rows = ShiftRows::of_each_amplitude(trajectory, reach);
         let left = |shift| -> f64 { rows.iter().map(|rows| rows.left(trajectory, shift).0).sum() };
-        left(late) < left(0)
+        left(0) >= policy().shift.better * policy().shift.better * left(late)
     }
 
     /// `force` moved back by this shift, between ticks by a cubic; ends are held.
@@ -136,8 +132,17 @@ impl Shift {
     }
 }
 
-/// Whether the specimen gives energy in the block of highest frequency.
-fn gives_energy(trajectory: &Trajectory) -> bool {
+/// The lowest and the highest frequency of its steady blocks, Hz; ∞ and 0 where it has none.
+fn frequencies(trajectory: &Trajectory) -> [f64; 2] {
+    let blocks = trajectory.blocks.iter();
+    let steady = blocks.filter(|block| block.cycles.len() >= policy().shift.steady);
+    steady.fold([f64::INFINITY, 0.0], |[lowest, highest], block| {
+        [lowest.min(block.frequency), highest.max(block.frequency)]
+    })
+}
+
+/// Whether the specimen gives energy in the block of highest frequency, by the force `late` ticks later.
+fn gives_energy(trajectory: &Trajectory, late: isize) -> bool {
     let fastest = trajectory
         .blocks
         .iter()
@@ -145,7 +150,11 @@ fn gives_energy(trajectory: &Trajectory) -> bool {
     fastest.is_some_and(|block| {
         let whole = block.cycles.first().map_or(0, |cycle| cycle.start)
             ..block.cycles.last().map_or(0, |cycle| cycle.end);
-        let power = |index: usize| trajectory.force[index] * trajectory.motion.velocity[index];
+        let last = trajectory.len() - 1;
+        let power = |index: usize| {
+            let force = trajectory.force[index.saturating_add_signed(late).min(last)];
+            force * trajectory.motion.velocity[index]
+        };
         whole.clone().map(power).sum::<f64>() < 0.0
     })
 }
@@ -218,6 +227,9 @@ impl ShiftRows {
                     v,
                     y.abs() * dry,
                     a,
+                    // An orifice, and a dashpot that depends on the stroke.
+                    v * v.abs(),
+                    y * v,
                 ])
             })
             .collect();
@@ -243,5 +255,80 @@ impl ShiftRows {
             power += force * force;
         }
         (power - right.dot(&(self.gram_inverse * right)), power)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use std::f64::consts::TAU;
+
+    use super::*;
+
+    const TICK: f64 = 1.0 / 256.0;
+    /// mm
+    const AMPLITUDE: f64 = 10.0;
+
+    /// A test of a damper of displacement mm and velocity mm/s, twelve cycles at each of the `frequencies`, with the force late by `late` s.
+    fn test(damper: fn(f64, f64) -> f64, frequencies: &[f64], late: f64) -> Trajectory {
+        let (mut displacement, mut force) = (Vec::new(), Vec::new());
+        for frequency in frequencies {
+            let samples = (12.0 / frequency / TICK) as usize;
+            for index in 0..samples {
+                let time = index as f64 * TICK;
+                let at = |time: f64| (TAU * frequency * time).sin_cos();
+                let noise = f64::from((index * 7_919 % 1_000) as u32) / 1_000.0 - 0.5;
+                displacement.push(AMPLITUDE * at(time).0 + 1e-3 * noise);
+                let (sin, cos) = at(time - late);
+                let speed = AMPLITUDE * TAU * frequency * cos;
+                force.push(damper(AMPLITUDE * sin, speed) + 5e-3 * noise);
+            }
+        }
+        Trajectory::new("test", TICK, &displacement, force, None, None)
+    }
+
+    /// Its orifice makes a force of the square of the speed; 80° before the displacement.
+    fn hydraulic(y: f64, v: f64) -> f64 {
+        0.015 * y + 0.01 * v * v.abs() / TAU
+    }
+
+    /// Its dashpot is stronger on one side of the stroke.
+    fn one_sided(y: f64, v: f64) -> f64 {
+        0.003 * y + 0.02 * v * (1.0 + 0.05 * y)
+    }
+
+    fn spring_with_friction(y: f64, v: f64) -> f64 {
+        0.15 * y + 0.3 * v.abs().powf(0.2) * v.signum()
+    }
+
+    #[test]
+    fn the_force_of_a_dashpot_is_not_early() {
+        for damper in [hydraulic, one_sided] {
+            for frequencies in [
+                &[0.1][..],
+                &[0.25],
+                &[0.5],
+                &[1.0],
+                &[0.25, 0.5],
+                &[0.5, 0.8],
+                &[1.0, 0.5, 0.1],
+            ] {
+                let found = Shift::find(&test(damper, frequencies, 0.0));
+                assert_eq!(found, None, "{frequencies:?} Hz");
+            }
+        }
+    }
+
+    /// Early over several frequencies, or so late that it gives energy over any.
+    #[test]
+    fn what_no_damper_does_is_a_shift() {
+        for (frequencies, ticks) in [(&[1.0, 5.0][..], -4.0), (&[1.0, 5.0], 12.0), (&[5.0], 12.0)] {
+            let found =
+                Shift::find(&test(spring_with_friction, frequencies, ticks * TICK)).unwrap();
+            assert!(
+                (found.late - ticks).abs() < 0.5,
+                "{} of {ticks}",
+                found.late
+            );
+        }
     }
 }

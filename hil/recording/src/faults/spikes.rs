@@ -8,6 +8,7 @@ use super::{
     Channel, ChannelFault, ChannelFaultKind, bridge, mark, median_filtered, quantile, runs,
     sampled, spread,
 };
+use crate::extremes::least_and_largest;
 use crate::policy::policy;
 
 crate::numbers! {
@@ -58,7 +59,8 @@ pub(super) fn find(
     let period = uniform.period;
     let mut examine = |channel, values: &[f64], absent: &[bool]| -> Vec<bool> {
         let usable: Vec<bool> = present.iter().zip(absent).map(|(p, a)| *p && !a).collect();
-        let found = Spikes::of(values, &states, &usable);
+        let may_switch = channel == Channel::Temperature;
+        let found = Spikes::of(values, &states, &usable, may_switch);
         if found.samples > 0 {
             let kind = ChannelFaultKind::Spikes {
                 samples: found.samples,
@@ -112,18 +114,22 @@ struct Spikes {
     marked: Vec<bool>,
     samples: usize,
     largest: f64,
+    /// No sample between these is a spike.
+    switched: Option<[f64; 2]>,
 }
 
 impl Spikes {
-    fn of(values: &[f64], states: &[State], usable: &[bool]) -> Self {
+    /// The spikes of a channel, which `may_switch` where it does not follow from the motion.
+    fn of(values: &[f64], states: &[State], usable: &[bool], may_switch: bool) -> Self {
+        let spread = spread(values);
+        let floor = (policy().spikes.noises * noise_deviation(values))
+            .max(policy().spikes.smallest * spread);
         let mut found = Self {
             marked: vec![false; values.len()],
             samples: 0,
             largest: 0.0,
+            switched: may_switch.then(|| switched(values, floor)).flatten(),
         };
-        let spread = spread(values);
-        let floor = (policy().spikes.noises * noise_deviation(values))
-            .max(policy().spikes.smallest * spread);
         let mut left = values.to_vec();
         let unusable: Vec<bool> = usable.iter().map(|usable| !usable).collect();
         bridge::lines(&mut left, &unusable);
@@ -143,6 +149,12 @@ impl Spikes {
         found
     }
 
+    /// Whether a value lies beyond the levels that the channel switches between, by more than `least`.
+    fn is_beyond_levels(&self, value: f64, least: f64) -> bool {
+        let beyond = |[low, high]: [f64; 2]| value < low - least || value > high + least;
+        self.switched.is_none_or(beyond)
+    }
+
     fn look(&mut self, values: &[f64], states: &[State], usable: &[bool], floor: f64, large: f64) {
         let median = median_filtered(values, policy().spikes.half);
         let apart: Vec<f64> = values.iter().zip(&median).map(|(x, m)| x - m).collect();
@@ -153,6 +165,7 @@ impl Spikes {
             let tier = usize::from(size > large);
             candidates[index] = usable[index]
                 && !self.marked[index]
+                && self.is_beyond_levels(values[index], floor)
                 && size > floor
                 && size > policy().spikes.times_around[tier] * around(&apart, index)
                 && size > policy().spikes.times_usual[tier] * usual.at(index, states[index]);
@@ -184,6 +197,29 @@ impl Spikes {
             }
         }
     }
+}
+
+/// The lowest and the highest level of a channel that switches: it stays at one for longer than a spike lasts, and at the next time
+/// that it stays, it does so apart from the first by more than `least`. A drift goes on where it was before a spike.
+fn switched(values: &[f64], least: f64) -> Option<[f64; 2]> {
+    let mut stays: Vec<[f64; 2]> = Vec::new();
+    let mut start = 0;
+    for end in 1..=values.len() {
+        if end < values.len() && (values[end] - values[end - 1]).abs() <= least {
+            continue;
+        }
+        if end - start > policy().spikes.half {
+            let (low, high) = least_and_largest(&values[start..end]);
+            stays.push([low, high]);
+        }
+        start = end;
+    }
+    let apart =
+        |pair: &&[[f64; 2]]| pair[1][0] - pair[0][1] > least || pair[0][0] - pair[1][1] > least;
+    let levels = stays.windows(2).filter(apart).flatten();
+    levels
+        .copied()
+        .reduce(|a, b| [a[0].min(b[0]), a[1].max(b[1])])
 }
 
 /// Whether all of `run` lies beyond what either side leads to, by more than `least`, in the direction `sign`. A step, the
@@ -255,5 +291,93 @@ impl<'a> Usual<'a> {
             }
         }
         quantile(&mut around, policy().faults.usually)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use std::f64::consts::TAU;
+
+    use rand::rngs::StdRng;
+    use rand::{RngExt as _, SeedableRng as _};
+
+    use super::super::{Channel, ChannelFaultKind, examine};
+    use crate::Recording;
+
+    const SAMPLES: usize = 8000;
+
+    /// Spikes that are found in a temperature of a test at 1 Hz, °C, whose times are off by up to `jitter` of a period.
+    fn spikes(temperature: &[f64], jitter: f64, random: &mut StdRng) -> usize {
+        let off = |random: &mut StdRng| jitter * random.random_range(-1.0..1.0);
+        let time: Vec<f64> = (0..SAMPLES)
+            .map(|index| 2e-3 * (index as f64 + off(random)))
+            .collect();
+        let displacement = time.iter().map(|time| (TAU * time).sin()).collect();
+        let force = time.iter().map(|time| (TAU * time + 0.2).sin()).collect();
+        let recording = Recording::new("test", time, displacement, force).unwrap();
+        let recording = recording.with_temperature(temperature.to_vec()).unwrap();
+        let faults = examine(&mut recording.uniform().unwrap()).into_iter();
+        let found = faults.map(|fault| match fault.kind {
+            ChannelFaultKind::Spikes { samples, .. } if fault.channel == Channel::Temperature => {
+                samples
+            }
+            _ => 0,
+        });
+        found.sum()
+    }
+
+    /// At one of the `levels` for so many samples on average, with so much noise.
+    fn switching(levels: &[f64], stay: f64, noise: f64, random: &mut StdRng) -> Vec<f64> {
+        let mut level = levels[0];
+        let next = (0..SAMPLES).map(|_| {
+            if random.random_bool(1.0 / stay) {
+                level = levels[random.random_range(0..levels.len())];
+            }
+            level + noise * random.random_range(-1.0..1.0)
+        });
+        next.collect()
+    }
+
+    /// Between two levels or three, for long or for a few samples; what is interpolated between uneven times, too.
+    #[test]
+    fn a_channel_that_switches_has_no_spikes() {
+        let mut random = StdRng::seed_from_u64(1);
+        let square = |half: usize| -> Vec<f64> {
+            let level = |index| [20.0, 60.0][index / half % 2];
+            (0..SAMPLES).map(level).collect()
+        };
+        for jitter in [0.0, 0.15, 0.4] {
+            for half in [40, 200, 1000] {
+                let found = spikes(&square(half), jitter, &mut random);
+                assert_eq!(found, 0, "{half}, jitter {jitter}");
+            }
+            for levels in [&[20.0, 60.0][..], &[20.0, 35.0, 60.0]] {
+                for stay in [10.0, 40.0, 200.0] {
+                    for noise in [0.0, 0.4] {
+                        let values = switching(levels, stay, noise, &mut random);
+                        let found = spikes(&values, jitter, &mut random);
+                        assert_eq!(found, 0, "{levels:?}, {stay}, {noise}, jitter {jitter}");
+                    }
+                }
+            }
+        }
+    }
+
+    /// In one that drifts, and beyond the levels of one that switches.
+    #[test]
+    fn spikes_of_a_slow_channel_are_found() {
+        let mut random = StdRng::seed_from_u64(2);
+        let drift = |index| 20.0 + 20.0 * index as f64 / SAMPLES as f64;
+        let drifting: Vec<f64> = (0..SAMPLES).map(drift).collect();
+        let switching = switching(&[20.0, 60.0], 200.0, 0.4, &mut random);
+        for (mut values, size) in [(drifting, 5.0), (switching, 60.0)] {
+            // Not in the same states of the motion: that would be its own.
+            let places = (50..SAMPLES).step_by(103);
+            for place in places.clone() {
+                values[place] += size;
+            }
+            let found = spikes(&values, 0.0, &mut random);
+            assert_eq!(found, places.count(), "of {size} °C");
+        }
     }
 }
