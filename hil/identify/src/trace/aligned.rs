@@ -401,7 +401,7 @@ mod tests {
         for (shows, hides, late) in [
             ([1.0, 5.0], [2.0, 2.0], -8),
             ([1.0, 5.0], [0.5, 0.5], -8),
-            ([1.0, 5.0], [0.25, 0.5], 40),
+            ([1.0, 5.0], [0.25, 0.5], 25),
         ] {
             let shows = recording("shows", shows, late);
             let hides = recording("hides", hides, late);

@@ -259,7 +259,7 @@ mod tests {
     fn keeps_the_names_of_the_contract() {
         let text = r#"{
             "recordings": ["a.csv"], "held_out": ["b.csv"], "noise_floor_nrmse": 0.004,
-            "baseline": {"law": "mixed_damping", "nrmse_fitted": 0.1, "nrmse_held_out": 0.2,
+            "baseline": {"law": "mixed_damping", "known": [], "nrmse_fitted": 0.1, "nrmse_held_out": 0.2,
                 "staged": {"nrmse_fitted": 0.15, "nrmse_held_out": 0.25}},
             "law": [{"amplitude": 0.0,
                 "k1": {"value": 1.0, "low": 0.9, "high": 1.1, "unit": "kN/mm"},
