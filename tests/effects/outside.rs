@@ -28,7 +28,7 @@ fn effect(description: &Description) -> Effect<f64> {
     Effect::from_parameters(description.number, description.typical, TICK).unwrap()
 }
 
-/// The largest difference of both forces over three cycles of a sine that goes to so many `times` the range, at 60 °C.
+/// The largest difference of both forces over three cycles of a sine up to `times` the range, at 60 °C.
 fn peak(law: &AugmentedLaw<f64, 1>, other: &AugmentedLaw<f64, 1>, times: f64) -> f64 {
     let (mut state, mut others) = (law.at_rest(), other.at_rest());
     (0..3 * TICKS)

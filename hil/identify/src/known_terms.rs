@@ -4,7 +4,7 @@ use std::collections::{BTreeMap, BTreeSet};
 
 use mesh_damper_model::{AddedEffect, base_name};
 
-use crate::families::{Entry, Form};
+use crate::families::Form;
 use crate::term::{Term, TermValue};
 
 /// A term that stays in the law, and its shapes as they are known.
@@ -64,14 +64,10 @@ fn shapes_of(form: Form, element: &BTreeMap<&str, f64>) -> Option<Vec<f64>> {
 
 /// Whether an element has all parameters of a term, and no others, and those that do not change with its sizes are the term's.
 fn stands_for(known: &KnownTerm, element: &BTreeMap<&str, f64>) -> bool {
-    let sizes = match known.term.form.entry {
-        Entry::Adds(count) | Entry::Scales(count) => count,
-        Entry::Moves => 0,
-    };
     let with_size = |size: f64| {
         let value = TermValue {
             term: known.term,
-            sizes: vec![size; sizes],
+            sizes: vec![size; known.term.form.sizes()],
             shapes: known.shapes.clone(),
         };
         let (_, parameters) = value.elements().into_iter().next().unwrap_or_default();
@@ -93,10 +89,6 @@ mod tests {
     #[test]
     fn a_model_gives_back_the_terms_that_it_was_made_of() {
         for form in Form::all() {
-            let sizes = match form.entry {
-                Entry::Adds(count) | Entry::Scales(count) => count,
-                Entry::Moves => 0,
-            };
             let term = Term {
                 form,
                 reference: 20.0,
@@ -105,7 +97,7 @@ mod tests {
             let places = 1..=form.shape_names.len();
             let value = TermValue {
                 term,
-                sizes: vec![0.2; sizes],
+                sizes: vec![0.2; form.sizes()],
                 shapes: places.map(|place| 0.3 * place as f64).collect(),
             };
             let added = added_effects(std::slice::from_ref(&value));

@@ -89,12 +89,13 @@ impl<'a> Rows<'a> {
     }
 
     /// Gathers the samples that `included(trajectory, sample)` picks, of which every n-th is taken so that there are at most
-    /// about `most`. `nodes` are the amplitudes in mm at which eq 13 has coefficients of its own; each sample is of the
+    /// about `most`. `nodes` are the amplitudes in mm at which the `law` has coefficients of its own; each sample is of the
     /// nearest.
     ///
     /// Samples that are not [telling](Trajectory::is_telling) are left out: they would bend the fit.
     pub fn gather(
         trajectories: &'a [Trajectory],
+        law: BaseLaw,
         nodes: Vec<f64>,
         most: usize,
         included: impl Fn(usize, usize) -> bool,
@@ -138,15 +139,9 @@ impl<'a> Rows<'a> {
             force,
             weight,
             nodes,
-            law: BaseLaw::default(),
+            law,
             known_forces: Arc::default(),
         }
-    }
-
-    /// The same for another law than eq 13.
-    #[must_use]
-    pub fn under(self, law: BaseLaw) -> Self {
-        Self { law, ..self }
     }
 
     /// The same without the coefficients of amplitudes that no row is near: they would be none, and not those of the nearest.

@@ -2,6 +2,7 @@
 
 mod hidden;
 
+use mesh_damper_identify::base_law::BaseLaw;
 use mesh_damper_identify::families::{Entry, Form};
 use mesh_damper_identify::problem::Problem;
 use mesh_damper_identify::rows::Rows;
@@ -27,7 +28,13 @@ fn the_error_of_a_fit_is_that_of_the_law_that_comes_of_it() {
     });
     let blocks = [block(0.1, 2.0, 4), block(0.2, 5.0, 6)];
     let trajectories = [record_at(warms, &blocks, hidden, 3)];
-    let rows = Rows::gather(&trajectories, vec![0.1, 0.2], usize::MAX, |_, _| true);
+    let rows = Rows::gather(
+        &trajectories,
+        BaseLaw::Mixed,
+        vec![0.1, 0.2],
+        usize::MAX,
+        |_, _| true,
+    );
     let extent = Extent::of(&trajectories).with_tones(vec![41.0]);
     let alone = Problem::new(&rows, &extent, &[]).solve();
     let term = |form| Term {

@@ -5,7 +5,7 @@ use mesh_damper::operating_range::OperatingRange;
 use mesh_damper::real::Real;
 use serde::Serialize;
 
-use crate::file::{FittedRange, ModelFile};
+use crate::file::FittedRange;
 
 /// A motion may exceed the operating range by this part of the range's larger end before it counts as outside: overshoot and noise.
 pub const RANGE_MARGIN: f64 = 0.05;
@@ -123,16 +123,6 @@ impl FittedRange {
             self.displacement.map(R::from_f64),
             self.velocity.map(R::from_f64),
         )
-    }
-}
-
-impl ModelFile {
-    /// The range that the model was fitted on, as a firmware takes it: [`FittedRange::operating_range`].
-    ///
-    /// # Errors
-    /// As there; none of a file that was read.
-    pub fn operating_range<R: Real>(&self) -> Result<OperatingRange<R>, ConfigError> {
-        self.fitted_range().operating_range()
     }
 }
 

@@ -82,19 +82,21 @@ fn scattered(left: &[LeftOfOne]) -> f64 {
         .sum()
 }
 
+/// What is said of a force whose zero lies `change` kN from that of the other recordings.
+pub fn fault(change: f64, mended: bool) -> ChannelFault {
+    ChannelFault {
+        channel: Channel::Force,
+        kind: ChannelFaultKind::Zero { change, mended },
+    }
+}
+
 impl Trajectory {
     /// Moves the force back whose zero lies `change` kN from that of the other recordings.
     pub fn take_zero(&mut self, change: f64) {
         for force in &mut self.force {
             *force -= change;
         }
-        self.faults.push(ChannelFault {
-            channel: Channel::Force,
-            kind: ChannelFaultKind::Zero {
-                change,
-                mended: true,
-            },
-        });
+        self.faults.push(fault(change, true));
     }
 }
 

@@ -2,6 +2,7 @@
 
 use std::collections::BTreeMap;
 
+use mesh_damper_identify::base_law::BaseLaw;
 use mesh_damper_identify::families::Form;
 use mesh_damper_identify::problem::Problem;
 use mesh_damper_identify::rows::Rows;
@@ -187,7 +188,13 @@ fn nodes(case: &Case) -> Vec<f64> {
 /// The intervals of the effect's parameters, fitted beside eq 13 from where the screen would start.
 fn intervals(case: &Case, recording: &Recording) -> Vec<(&'static str, Interval)> {
     let trajectories = [Trajectory::of(recording).unwrap()];
-    let rows = Rows::gather(&trajectories, nodes(case), MOST_ROWS, |_, _| true);
+    let rows = Rows::gather(
+        &trajectories,
+        BaseLaw::Mixed,
+        nodes(case),
+        MOST_ROWS,
+        |_, _| true,
+    );
     let mut extent = Extent::of(&trajectories);
     if let HiddenEffect::Periodic { frequency, .. } = case.effect {
         // A spectrum would show it; the search for the line is not what is tested here.

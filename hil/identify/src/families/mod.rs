@@ -209,6 +209,14 @@ impl Form {
         self != other && self.family == other.family && !self.stands_with_siblings
     }
 
+    /// How many sizes it has.
+    pub(crate) fn sizes(self) -> usize {
+        match self.entry {
+            Entry::Adds(count) | Entry::Scales(count) => count,
+            Entry::Moves => 0,
+        }
+    }
+
     /// How many parameters of it are searched.
     pub(crate) fn searched(self) -> usize {
         self.scales() + self.shape_names.len()
@@ -275,10 +283,6 @@ mod tests {
 
     /// The name of the effect that a model file has where this form was found.
     fn effect_of(form: Form) -> &'static str {
-        let sizes = match form.entry {
-            Entry::Adds(count) | Entry::Scales(count) => count,
-            Entry::Moves => 0,
-        };
         let reference = 20.0;
         let value = TermValue {
             term: Term {
@@ -286,7 +290,7 @@ mod tests {
                 reference,
                 is_known: false,
             },
-            sizes: vec![0.1; sizes],
+            sizes: vec![0.1; form.sizes()],
             shapes: vec![1.0; form.shape_names.len()],
         };
         let added = added_effects(&[value]);

@@ -11,11 +11,10 @@ use mesh_damper_model::{Model, ModelError};
 use mesh_damper_recording::Recording;
 use mesh_damper_recording::cycles::FoundBlock;
 use mesh_damper_recording::error::InputError;
-use mesh_damper_recording::faults::{Channel, ChannelFault, ChannelFaultKind};
 use mesh_damper_recording::pink::pink_deviation;
 use mesh_damper_recording::trajectory::{Known, Trajectory};
 use mesh_damper_recording::zero::zero_step;
-use mesh_damper_recording::zeros::{LeftOfOne, odd_zeros};
+use mesh_damper_recording::zeros::{self, LeftOfOne, odd_zeros};
 
 mesh_damper_recording::numbers! {
     /// What recordings of one rig share.
@@ -134,10 +133,7 @@ impl<'r> Aligned<'r> {
         let [fitted, held] = &mut self.trajectories;
         let mut any = false;
         for (trajectory, forces) in fitted.iter_mut().zip(&closed.forces) {
-            // Of what is held out nothing may be learned.
-            let open: Vec<usize> = (0..trajectory.len())
-                .filter(|&index| trajectory.measured[index] && forces.roles[index] != Role::HeldOut)
-                .collect();
+            let open = open(trajectory, &forces.roles);
             let left = |predicted: &[f64]| -> Vec<f64> {
                 let each = open.iter();
                 each.map(|&index| trajectory.force[index] - predicted[index])
@@ -152,12 +148,9 @@ impl<'r> Aligned<'r> {
                 zero_step(&each).filter(|step| !changes_near(trajectory, &open, step.sample));
             let Some(step) = step else { continue };
             let sample = open[step.sample];
-            // A test that was run on holds what is fitted once more.
-            let again = held
-                .iter_mut()
-                .filter(|held| held.force.starts_with(&trajectory.force));
-            again.for_each(|held| held.take_zero_step(sample, step.change));
-            trajectory.take_zero_step(sample, step.change);
+            take_from(trajectory, held, |one| {
+                one.take_zero_step(sample, step.change);
+            });
             any = true;
         }
         Ok(any)
@@ -169,23 +162,26 @@ impl<'r> Aligned<'r> {
     /// # Errors
     /// A law that the crate refuses.
     pub fn take_zeros(&mut self, closed: &Closed) -> Result<bool, ModelError> {
-        let mut laws = vec![named(closed)];
-        if closed.result.verdict == Verdict::Unlisted {
-            laws.push(closed.baseline.clone());
-        }
+        let named = named(closed);
         let [fitted, held] = &mut self.trajectories;
-        for law in laws {
-            let each = fitted.iter().zip(&closed.forces);
-            let left = each.map(|(trajectory, forces)| left_of(&law, trajectory, &forces.roles));
-            let left: Vec<LeftOfOne> = left.collect::<Result<_, _>>()?;
+        let each = fitted.iter();
+        let with_names = each.map(|trajectory| predict(&named, trajectory));
+        let with_names: Vec<Vec<f64>> = with_names.collect::<Result<_, _>>()?;
+        let mut laws: Vec<Vec<&[f64]>> = vec![with_names.iter().map(Vec::as_slice).collect()];
+        if closed.result.verdict == Verdict::Unlisted {
+            let alone = closed.forces.iter();
+            laws.push(alone.map(|forces| &forces.before[..]).collect());
+        }
+        for predicted in laws {
+            let each = fitted.iter().zip(&closed.forces).zip(predicted);
+            let left: Vec<LeftOfOne> = each
+                .map(|((trajectory, forces), predicted)| {
+                    left_of(trajectory, &open(trajectory, &forces.roles), predicted)
+                })
+                .collect();
             let odd = odd_zeros(&left, noise_of_means(fitted));
             for &(place, change) in &odd {
-                // A test that was run on holds what is fitted once more.
-                let again = held
-                    .iter_mut()
-                    .filter(|held| held.force.starts_with(&fitted[place].force));
-                again.for_each(|held| held.take_zero(change));
-                fitted[place].take_zero(change);
+                take_from(&mut fitted[place], held, |one| one.take_zero(change));
             }
             if !odd.is_empty() {
                 return Ok(true);
@@ -200,26 +196,25 @@ impl<'r> Aligned<'r> {
     /// # Errors
     /// A law that the crate refuses.
     pub fn say_odd_zeros(&self, closed: &mut Closed) -> Result<(), ModelError> {
-        let law = named(closed);
         let [fitted, held] = &self.trajectories;
-        let is_never = [Role::Fit];
-        let left =
-            |trajectory: &Trajectory| left_of(&law, trajectory, &is_never.repeat(trajectory.len()));
-        let of_fitted: Vec<LeftOfOne> = fitted.iter().map(left).collect::<Result<_, _>>()?;
+        if held.is_empty() {
+            return Ok(());
+        }
+        let law = named(closed);
+        let left = |trajectory: &Trajectory| -> Result<LeftOfOne, ModelError> {
+            let measured = (0..trajectory.len()).filter(|&index| trajectory.measured[index]);
+            let measured: Vec<usize> = measured.collect();
+            Ok(left_of(trajectory, &measured, &predict(&law, trajectory)?))
+        };
+        let mut all: Vec<LeftOfOne> = fitted.iter().map(left).collect::<Result<_, _>>()?;
         for trajectory in held {
-            let mut all = of_fitted.clone();
             all.push(left(trajectory)?);
             let odd = odd_zeros(&all, noise_of_means(fitted));
+            all.pop();
             if let [(place, change)] = odd[..]
-                && place == of_fitted.len()
+                && place == fitted.len()
             {
-                let fault = ChannelFault {
-                    channel: Channel::Force,
-                    kind: ChannelFaultKind::Zero {
-                        change,
-                        mended: false,
-                    },
-                };
+                let fault = zeros::fault(change, false);
                 let said = format!("{}: {fault}", trajectory.name);
                 closed.result.warnings.push(said);
             }
@@ -290,24 +285,37 @@ fn named(closed: &Closed) -> Model {
     }
 }
 
-/// What a law leaves of what is not held out of a recording.
-fn left_of(law: &Model, trajectory: &Trajectory, roles: &[Role]) -> Result<LeftOfOne, ModelError> {
-    let predicted = predict(law, trajectory)?;
-    let open = (0..trajectory.len())
-        .filter(|&index| trajectory.measured[index] && roles[index] != Role::HeldOut);
-    let (mut count, mut sum, mut squares) = (0.0, 0.0, 0.0);
-    for index in open {
+/// The measured samples of which something may be learned: none of what is held out.
+fn open(trajectory: &Trajectory, roles: &[Role]) -> Vec<usize> {
+    let all = 0..trajectory.len();
+    all.filter(|&index| trajectory.measured[index] && roles[index] != Role::HeldOut)
+        .collect()
+}
+
+/// Takes something from a recording that is fitted, and from a test that was run on, which holds it once more.
+fn take_from(fitted: &mut Trajectory, held: &mut [Trajectory], take: impl Fn(&mut Trajectory)) {
+    let again = held
+        .iter_mut()
+        .filter(|held| held.force.starts_with(&fitted.force));
+    again.for_each(&take);
+    take(fitted);
+}
+
+/// What a law with this force in kN leaves of some samples of a recording.
+fn left_of(trajectory: &Trajectory, samples: &[usize], predicted: &[f64]) -> LeftOfOne {
+    let count = samples.len() as f64;
+    let (mut sum, mut squares) = (0.0, 0.0);
+    for &index in samples {
         let left = trajectory.force[index] - predicted[index];
-        count += 1.0;
         sum += left;
         squares += left * left;
     }
     let mean = sum / count;
-    Ok(LeftOfOne {
+    LeftOfOne {
         mean,
         variance: squares / count - mean * mean,
         scale: trajectory.force_rms,
-    })
+    }
 }
 
 /// What a mean may err by where noise is slow: no more than a sample, kN.
@@ -347,7 +355,7 @@ mod tests {
 
     const TICK: f64 = 2e-3;
 
-    /// A spring with friction at one frequency for 6 s and then at another for 4 s, whose force is late by so many ticks.
+    /// A spring with friction at one frequency for 6 s and then at another for 4 s, whose force is `late` by that number of ticks.
     fn recording(name: &str, frequencies: [f64; 2], late: isize) -> Recording {
         let at = |index: isize| {
             let time = index as f64 * TICK;

@@ -95,10 +95,13 @@ impl<'a> Closing<'a> {
             rows: nodes
                 .into_iter()
                 .map(|nodes| {
-                    Rows::gather(fitted, nodes, policy().rows.closing, |which, sample| {
-                        roles.is_open(which, sample)
-                    })
-                    .under(sought.law)
+                    Rows::gather(
+                        fitted,
+                        sought.law,
+                        nodes,
+                        policy().rows.closing,
+                        |which, sample| roles.is_open(which, sample),
+                    )
                 })
                 .collect(),
             extent: Extent::of(fitted),
@@ -210,7 +213,8 @@ impl<'a> Closing<'a> {
         let (separating_test, separating_blocks) = match verdict {
             Verdict::Ambiguous => {
                 progress("seeking the test that would tell the rivals apart");
-                let (said, blocks) = separating_test(selection, self.trajectories)?;
+                let (said, blocks) =
+                    separating_test(selection, self.trajectories, self.sought.law)?;
                 (Some(said), blocks)
             }
             Verdict::Found if !unbounded.is_empty() => {
@@ -362,8 +366,9 @@ impl<'a> Closing<'a> {
         picked: Picked,
     ) -> (Rows<'_>, Solution) {
         let nodes = rows.nodes().to_vec();
-        let rows = Rows::gather(self.trajectories, nodes, policy().rows.in_turn, picked);
-        let rows = rows.under(self.sought.law).with_nodes_seen();
+        let most = policy().rows.in_turn;
+        let rows = Rows::gather(self.trajectories, self.sought.law, nodes, most, picked);
+        let rows = rows.with_nodes_seen();
         let problem = Problem::new(&rows, &self.extent, &known.terms());
         let solution = problem.solve_near(known);
         (rows, solution)
@@ -526,10 +531,13 @@ impl<'a> Closing<'a> {
         let moved = self.trajectories.iter().map(Trajectory::as_it_may_be);
         let moved: Vec<Trajectory> = moved.collect();
         let nodes = rows.nodes().to_vec();
-        let rows = Rows::gather(&moved, nodes, policy().rows.closing, |which, sample| {
-            self.roles.is_open(which, sample)
-        })
-        .under(self.sought.law);
+        let rows = Rows::gather(
+            &moved,
+            self.sought.law,
+            nodes,
+            policy().rows.closing,
+            |which, sample| self.roles.is_open(which, sample),
+        );
         self.fit_near(&rows, known)
     }
 

@@ -140,7 +140,7 @@ pub fn trace_for(
         if !aligned.follow(&closed.model)? {
             break;
         }
-        progress("moving a force anew that is early or late");
+        progress("moving a force again that is early or late");
         closed = conclude(&mut aligned, sought, progress)?;
     }
     for _ in 0..mesh_damper_recording::policy::policy().zero.most {

@@ -136,11 +136,11 @@ impl<'a> Search<'a> {
             roles,
             rows: Rows::gather(
                 trajectories,
+                sought.law,
                 nodes,
                 policy().rows.search,
                 |which, sample| roles.of(which, sample) == Role::Fit,
-            )
-            .under(sought.law),
+            ),
             extent: Extent::of(trajectories),
             terms,
             known: sought.known.clone(),
@@ -565,10 +565,12 @@ impl<'a> Search<'a> {
     /// Drops terms without which the judging cycles are predicted as well.
     fn prune(&self, found: Fitted) -> Result<Fitted, ModelError> {
         let mut found = found;
-        // What is known stays; it comes first.
-        let known = self.known.len();
-        let mut index = known;
-        while found.solution.terms.len() > known + 1 && index < found.solution.terms.len() {
+        let mut index = 0;
+        while found.solution.found().count() > 1 && index < found.solution.terms.len() {
+            if found.solution.terms[index].term.is_known {
+                index += 1;
+                continue;
+            }
             let rest = found.solution.without(index);
             let problem = Problem::new(&self.rows, &self.extent, &rest.terms());
             let without = self.judged(problem.solve_near(&rest))?;
@@ -576,7 +578,7 @@ impl<'a> Search<'a> {
                 index += 1;
             } else {
                 found = without;
-                index = known;
+                index = 0;
             }
         }
         Ok(found)
@@ -602,9 +604,8 @@ pub fn error_between(
     roles: &Roles,
     nodes: &[f64],
     left_out: &[f64],
-    found: (&Solution, BaseLaw),
+    (found, law): (&Solution, BaseLaw),
 ) -> Result<f64, ModelError> {
-    let (found, law) = found;
     let extent = Extent::of(trajectories);
     let mut error = 0.0;
     for &amplitude in left_out {
@@ -619,11 +620,11 @@ pub fn error_between(
             .collect();
         let rows = Rows::gather(
             trajectories,
+            law,
             others,
             policy().rows.search,
             |which, sample| roles.is_open(which, sample) && !is_left_out(which, sample),
-        )
-        .under(law);
+        );
         let model = Problem::new(&rows, &extent, &found.terms())
             .solve_near(found)
             .model();

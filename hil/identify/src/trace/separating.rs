@@ -10,6 +10,7 @@ use mesh_damper_reference::protocol::{TestBlock, motion};
 
 use super::select::{Candidate, Selection};
 use super::verdict::rivals;
+use crate::base_law::BaseLaw;
 use crate::policy::policy;
 use crate::problem::Problem;
 use crate::rows::Rows;
@@ -55,6 +56,7 @@ mesh_damper_recording::numbers! {
 pub(super) fn separating_test(
     selection: &Selection,
     trajectories: &[Trajectory],
+    law: BaseLaw,
 ) -> Result<(String, Vec<TestBlock>), ModelError> {
     let rivals = rivals(selection);
     let names: Vec<&str> = rivals.iter().map(|rival| rival.family.name()).collect();
@@ -64,7 +66,7 @@ pub(super) fn separating_test(
         names.join(" and ")
     );
     let solutions: Vec<&Solution> = rivals.iter().map(|rival| &rival.fitted.solution).collect();
-    let (blocks, apart) = Simulation::new(trajectories, &solutions)?.programme()?;
+    let (blocks, apart) = Simulation::new(trajectories, &solutions, law)?.programme()?;
     Ok(if apart < policy().separating.enough {
         let said = format!(
             "{said}, and so they would any other that the rig runs: {apart:.1} times the noise is the most by which the nearest \
@@ -145,6 +147,8 @@ fn written(block: &TestBlock) -> String {
 /// The rivals' forces under every block that is tried.
 struct Simulation<'s> {
     rivals: &'s [&'s Solution],
+    /// What each is fitted beside.
+    law: BaseLaw,
     blocks: Vec<TestBlock>,
     /// First sample of each block, and the end.
     starts: Vec<usize>,
@@ -155,7 +159,11 @@ struct Simulation<'s> {
 }
 
 impl<'s> Simulation<'s> {
-    fn new(trajectories: &[Trajectory], rivals: &'s [&'s Solution]) -> Result<Self, ModelError> {
+    fn new(
+        trajectories: &[Trajectory],
+        rivals: &'s [&'s Solution],
+        law: BaseLaw,
+    ) -> Result<Self, ModelError> {
         let blocks = tried(trajectories);
         let fastest = blocks.iter().fold(0.0_f64, |most, b| most.max(b.frequency));
         let tick = 1.0 / (policy().separating.samples * fastest);
@@ -184,6 +192,7 @@ impl<'s> Simulation<'s> {
         let noise = trajectories.iter().map(|t| goal(noise_of(t)) * t.force_rms);
         Ok(Self {
             rivals,
+            law,
             blocks,
             starts,
             tests,
@@ -248,9 +257,13 @@ impl<'s> Simulation<'s> {
         let mut nodes: Vec<f64> = blocks.iter().map(|&b| self.blocks[b].amplitude).collect();
         nodes.sort_by(f64::total_cmp);
         nodes.dedup();
-        let rows = Rows::gather(recordings, nodes, policy().rows.separating, |_, sample| {
-            is_in(sample)
-        });
+        let rows = Rows::gather(
+            recordings,
+            self.law,
+            nodes,
+            policy().rows.separating,
+            |_, sample| is_in(sample),
+        );
         let extent = Extent::of(recordings);
         let problem = Problem::new(&rows, &extent, &self.rivals[by].terms());
         let fitted = problem.solve_near(self.rivals[by]).model();

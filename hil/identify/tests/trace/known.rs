@@ -1,7 +1,6 @@
 //! What a user knows of a specimen: another law than eq 13, and effects that it has.
 
 use super::*;
-use mesh_damper_identify::base_law::BaseLaw;
 use mesh_damper_identify::known_terms::known_terms;
 use mesh_damper_identify::trace::{Sought, trace_for};
 use mesh_damper_model::{AddedEffect, LawNode, Model};

@@ -9,6 +9,7 @@ mod slow_changes;
 use std::collections::BTreeSet;
 use std::f64::consts::TAU;
 
+use mesh_damper_identify::base_law::BaseLaw;
 use mesh_damper_identify::families::Form;
 use mesh_damper_identify::problem::Problem;
 use mesh_damper_identify::rows::Rows;
@@ -454,7 +455,13 @@ fn intervals_hold_the_truth() {
         let recording = record("fitted", &BLOCKS, 0.01, 100 + seed, slider(0.9, 0.04));
         let trajectories = [Trajectory::of(&recording).unwrap()];
         let extent = Extent::of(&trajectories);
-        let rows = Rows::gather(&trajectories, vec![0.0], usize::MAX, |_, _| true);
+        let rows = Rows::gather(
+            &trajectories,
+            BaseLaw::Mixed,
+            vec![0.0],
+            usize::MAX,
+            |_, _| true,
+        );
         let found = Problem::new(&rows, &extent, &[term]).solve();
         let Uncertainty { terms, .. } = Uncertainty::of(&rows, &extent, &found);
         let value = &found.terms[0];

@@ -326,7 +326,7 @@ mod tests {
         found.sum()
     }
 
-    /// At one of the `levels` for so many samples on average, with so much noise.
+    /// At one of the `levels` for `stay` samples on average, with uniform `noise`.
     fn switching(levels: &[f64], stay: f64, noise: f64, random: &mut StdRng) -> Vec<f64> {
         let mut level = levels[0];
         let next = (0..SAMPLES).map(|_| {

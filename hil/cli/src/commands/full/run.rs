@@ -345,7 +345,7 @@ impl RunCommand {
         let file = ModelFile::read_within(path, self.reading.limit)?;
         let model = file.model();
         let refused = |error| model_error(&path.display().to_string(), &error);
-        let range = file.operating_range();
+        let range = file.fitted_range().operating_range();
         let range = range
             .and_then(|range| range.widened(RANGE_MARGIN as f32))
             .map_err(|error| {
