@@ -7,8 +7,8 @@ use plotters::coord::Shift;
 use plotters::prelude::*;
 use plotters::style::text_anchor::{HPos, Pos, VPos};
 
+use super::Series;
 use super::text;
-use super::{Series, SeriesBlock};
 
 /// Colours that remain distinct to the colour-blind (Okabe and Ito 2008), on white.
 pub const MEASURED: RGBColor = RGBColor(90, 90, 90);
@@ -89,9 +89,9 @@ impl Style {
     }
 }
 
-/// Force over displacement for one cycle: measured, before, after.
-pub fn loop_chart(series: &Series, block: &SeriesBlock, style: &Style) -> String {
-    let samples = thinned(block.cycle.clone(), CURVE_POINTS);
+/// Force over displacement for the samples of one cycle: measured, before, after.
+pub fn loop_chart(series: &Series, cycle: &Range<usize>, style: &Style) -> String {
+    let samples = thinned(cycle.clone(), CURVE_POINTS);
     let points = |force: &[f64]| -> Vec<(f64, f64)> {
         let point = |&i: &usize| Some((*series.displacement.get(i)?, *force.get(i)?));
         samples.iter().filter_map(point).collect()

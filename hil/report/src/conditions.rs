@@ -71,7 +71,7 @@ fn shade(colour: [u8; 3], part: f64) -> String {
 }
 
 /// `press.csv, 5 mm at 3 Hz`, or `ride.csv, 12 s … 24 s`.
-fn held_out(condition: &HeldCondition) -> String {
+pub fn held_out(condition: &HeldCondition) -> String {
     let name = &condition.recording;
     match (condition.amplitude, condition.frequency) {
         (Some(amplitude), Some(frequency)) => format!(

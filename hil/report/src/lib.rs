@@ -47,6 +47,7 @@ mod residual;
 pub mod size;
 pub mod text;
 pub mod transmissibility;
+mod worst;
 
 use std::ops::Range;
 
@@ -109,7 +110,7 @@ pub struct SeriesBlock {
 
 /// The loop of one block, measured and before and after, as an SVG file of its own.
 pub fn loop_picture(series: &Series, block: &SeriesBlock) -> String {
-    charts::loop_chart(series, block, &charts::STANDALONE)
+    charts::loop_chart(series, &block.cycle, &charts::STANDALONE)
 }
 
 #[cfg(test)]

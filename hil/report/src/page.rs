@@ -2,11 +2,14 @@
 
 use maud::{DOCTYPE, Markup, PreEscaped, html};
 use mesh_damper_identify::trace::result::TraceResult;
+use mesh_damper_model::extrapolation::{Beyond, Extrapolation, percent};
+use mesh_damper_model::file::FittedRange;
 use plotters::style::RGBColor;
 
 use super::charts;
 use super::conditions;
 use super::reasoning::{self, Evidence};
+use super::worst;
 use super::{ReportData, Series, SeriesBlock, text};
 
 /// Most loops that are drawn.
@@ -36,6 +39,7 @@ pub fn render(data: &ReportData) -> String {
                 (reasoning::tried(&data.result))
                 (found(&data.result))
                 (conditions::gains(&data.result))
+                (worst::loops(data))
                 (evidence.after(data))
                 (errors(&data.result))
                 (loops(&data.result, &data.series))
@@ -151,7 +155,7 @@ fn loops(result: &TraceResult, series: &[Series]) -> Markup {
                             @if block.held_out { span.tag { "held out" } }
                             @if several { " " span style="font-weight:400" { (file_name(&one.name)) } }
                         }
-                        (PreEscaped(charts::loop_chart(one, block, &charts::SMALL)))
+                        (PreEscaped(charts::loop_chart(one, &block.cycle, &charts::SMALL)))
                     }
                 }
             }
@@ -282,12 +286,20 @@ fn law(data: &ReportData) -> Markup {
 }
 
 fn recordings(data: &ReportData) -> Markup {
+    let is_held = |one: &&Series| data.result.held_out.contains(&one.name);
+    let (held, fitted): (Vec<&Series>, Vec<&Series>) = data.series.iter().partition(is_held);
+    let range = FittedRange::of(
+        fitted.iter().flat_map(|one| &one.displacement),
+        fitted.iter().flat_map(|one| &one.velocity),
+    );
+    let outside = range.filter(|_| !held.is_empty());
     html! {
         div.scroll { table {
             thead { tr {
                 th { "recording" } th.text { "use" } th { "samples" } th { "length, s" }
                 th { "largest displacement, mm" }
                 th { "largest force, kN" }
+                @if outside.is_some() { th.text { "outside the fitted motion" } }
             } }
             tbody {
                 @for one in &data.series {
@@ -298,10 +310,33 @@ fn recordings(data: &ReportData) -> Markup {
                         td { (text::number(length(one))) }
                         td { (text::number(largest(&one.displacement))) }
                         td { (text::number(largest(&one.force))) }
+                        @if let Some(range) = &outside { td.text { (outside_of(range, one)) } }
                     }
                 }
             }
         } }
+    }
+}
+
+/// How much of a recording lies outside the motion that was fitted, and how far: what is held out there is extrapolated.
+fn outside_of(range: &FittedRange, series: &Series) -> String {
+    let found = Extrapolation::of(range, &series.displacement, &series.velocity);
+    let channels = [
+        ("displacement", found.displacement),
+        ("velocity", found.velocity),
+    ];
+    let outside = channels.iter().filter(|(_, beyond)| beyond.part > 0.0);
+    let said = outside.map(|(name, Beyond { part, most })| {
+        let most = text::number(100.0 * most);
+        format!(
+            "{} of the samples by {name}, up to {most} % beyond",
+            percent(*part)
+        )
+    });
+    let said: Vec<String> = said.collect();
+    match said.as_slice() {
+        [] => "nothing".into(),
+        some => some.join("; "),
     }
 }
 

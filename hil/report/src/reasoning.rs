@@ -254,7 +254,11 @@ pub fn concluded(result: &TraceResult) -> Markup {
             }
             Verdict::Found => {}
             Verdict::Ambiguous => {
-                p { "Any one of these explains the recordings; they cannot tell which it is." }
+                p {
+                    @if result.remainder.is_none() { "Any one of these explains the recordings" }
+                    @else { "Any one of these explains as much of the recordings, beside which something is left" }
+                    "; they cannot tell which it is."
+                }
             }
             Verdict::Unlisted => {
                 p {

@@ -320,6 +320,8 @@ fn what_each_effect_gains_on_which_condition_is_a_table() {
         "rgba(178,24,43,0.02)",
         "stick-slip is confirmed",
         "delay is not confirmed: another effect in its place does as well (compliance)",
+        "The worst conditions",
+        "ring-3.csv, 0.200 mm at 5.00 Hz, 2.00 % left",
     ] {
         assert!(page.contains(said), "{said}");
     }
@@ -341,4 +343,19 @@ fn the_law_is_called_what_it_is() {
         sentence.starts_with("Beside the linear law with stick-slip and offset nothing is needed"),
         "{sentence}"
     );
+}
+
+#[test]
+fn what_is_held_out_beyond_the_fitted_motion_is_said() {
+    let mut data = data();
+    let inside = render(&data);
+    assert!(inside.contains("outside the fitted motion"));
+    assert!(!inside.contains("beyond"));
+    // Half as far again as the 0.2 mm that were fitted, at less than their speed.
+    data.series[1] = series("tests/ring-3-held.csv", &[(0.3, 1.0)], true);
+    let page = render(&data);
+    assert!(page.contains("of the samples by displacement, up to 50.0 % beyond"));
+    assert!(!page.contains("by velocity"));
+    data.result.held_out.clear();
+    assert!(!render(&data).contains("outside the fitted motion"));
 }

@@ -193,7 +193,14 @@ fn concluded(result: &TraceResult) -> (String, String) {
         }
         Verdict::Ambiguous => (
             format!("Ambiguous: {}", named.join(" or ")),
-            format!("The recordings cannot tell these apart. {change}"),
+            match &result.remainder {
+                None => format!("The recordings cannot tell these apart. {change}"),
+                Some(left) => format!(
+                    "One of these helps on every condition that was held out in turn, and the recordings cannot tell which. What is \
+                     left is {}. {change}",
+                    remainder(left)
+                ),
+            },
         ),
         Verdict::Unlisted if result.correction.is_some() => (
             "An effect that is not on the list".into(),

@@ -15,7 +15,7 @@ use super::result::{
 };
 use super::rule::Rule;
 use super::select::{self, Selection};
-use super::separating::{bounding_test, separating_test};
+use super::separating::{Rivals, bounding_test, separating_test};
 use super::sought::Sought;
 use super::split::{Role, Roles};
 use super::unlisted::Laws;
@@ -147,7 +147,13 @@ impl<'a> Closing<'a> {
         if is_more_missing {
             self.grade(&left_out, &mut laws)?;
         }
-        if laws.graded.as_ref().is_some_and(Confirmed::any) {
+        let rivals = match verdict {
+            Verdict::Ambiguous => Some(Rivals::of(selection)),
+            _ => laws.graded.as_ref().and_then(Confirmed::rivals),
+        };
+        if rivals.is_some() {
+            verdict = Verdict::Ambiguous;
+        } else if laws.graded.as_ref().is_some_and(Confirmed::any) {
             verdict = Verdict::Found;
         }
         let Laws {
@@ -170,8 +176,9 @@ impl<'a> Closing<'a> {
         };
         let left_by_named = left_by(&named)?;
         let left = left_by(&model)?;
-        let is_confirmed = |family: Family| match &graded {
-            Some(graded) if graded.any() => graded.confirms(family),
+        let is_named = |family: Family| match (&graded, &rivals) {
+            (Some(graded), _) if graded.any() => graded.confirms(family),
+            (Some(_), Some(rivals)) => rivals.laws.iter().any(|(rival, _)| *rival == family),
             _ => true,
         };
         let mut uncertainty = Uncertainty::of(rows, &self.extent, &solution);
@@ -179,7 +186,7 @@ impl<'a> Closing<'a> {
         let mut unbounded: Vec<Family> = terms
             .filter(|(value, uncertainty)| !value.term.is_known && !uncertainty.is_bounded())
             .map(|(value, _)| value.term.form.family())
-            .filter(|&family| is_confirmed(family))
+            .filter(|&family| is_named(family))
             .collect();
         unbounded.dedup();
         let moved = self.fit_moved(rows, &solution);
@@ -189,15 +196,15 @@ impl<'a> Closing<'a> {
         let (_, on_target) = self.evaluate(&model, predict_embedded)?;
         let noise_floor = self.noise_floor;
         let mut effects = self.effects(rows, &solution, &uncertainty, with.nrmse_held_out)?;
-        if verdict == Verdict::Ambiguous {
-            effects.extend(self.rivals(selection)?);
+        if let Some(rivals) = &rivals {
+            effects.extend(self.of_rivals(rows, rivals)?);
         }
         if let Some(graded) = &graded {
             graded.say_of(&mut effects);
         }
         let (effects, unconfirmed) = effects
             .into_iter()
-            .partition(|effect| Family::named(&effect.family).is_none_or(is_confirmed));
+            .partition(|effect| Family::named(&effect.family).is_none_or(is_named));
         let remainder = match is_more_missing && left_by_named > policy().verdict.noise_limited {
             true => Some(Remainder {
                 nrmse: self.evaluate(&named, predict)?.1.nrmse_fitted,
@@ -210,14 +217,13 @@ impl<'a> Closing<'a> {
             false => None,
         };
 
-        let (separating_test, separating_blocks) = match verdict {
-            Verdict::Ambiguous => {
+        let (separating_test, separating_blocks) = match (verdict, &rivals) {
+            (_, Some(rivals)) => {
                 progress("seeking the test that would tell the rivals apart");
-                let (said, blocks) =
-                    separating_test(selection, self.trajectories, self.sought.law)?;
+                let (said, blocks) = separating_test(rivals, self.trajectories, self.sought.law)?;
                 (Some(said), blocks)
             }
-            Verdict::Found if !unbounded.is_empty() => {
+            (Verdict::Found, None) if !unbounded.is_empty() => {
                 verdict = Verdict::Ambiguous;
                 (
                     Some(bounding_test(&unbounded, self.trajectories)),
@@ -551,15 +557,14 @@ impl<'a> Closing<'a> {
         solution
     }
 
-    /// The effects that the data cannot tell from the last one found, each fitted in its place.
-    fn rivals(&self, selection: &Selection) -> Result<Vec<FoundEffect>, ModelError> {
+    /// The effects that the data cannot tell from the one preferred, each fitted in its place.
+    fn of_rivals(&self, rows: &Rows, rivals: &Rivals) -> Result<Vec<FoundEffect>, ModelError> {
         let mut effects = Vec::new();
-        for rival in rivals(selection).into_iter().skip(1) {
-            let rows = &self.rows[0];
-            let solution = self.fit_near(rows, &rival.fitted.solution);
+        for (family, law) in rivals.laws.iter().skip(1) {
+            let solution = self.fit_near(rows, law);
             let uncertainty = Uncertainty::of(rows, &self.extent, &solution);
             let with = self.evaluate(&solution.model(), predict)?.1.nrmse_held_out;
-            let of_family = |effect: &FoundEffect| effect.family == rival.family.name();
+            let of_family = |effect: &FoundEffect| effect.family == family.name();
             effects.extend(
                 self.effects(rows, &solution, &uncertainty, with)?
                     .into_iter()

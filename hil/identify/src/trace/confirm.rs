@@ -11,6 +11,7 @@ use super::left_out::{LeftOut, RelativeError};
 use super::result::{FoundEffect, HeldCondition};
 use super::rule::Rule;
 use super::select::Search;
+use super::separating::Rivals;
 use super::unlisted::Laws;
 use crate::policy::policy;
 use crate::rows::Rows;
@@ -48,6 +49,21 @@ impl Confirmed {
         families.any(|one| one.family == family && one.rejected_by.is_none())
     }
 
+    /// Where none is, the laws that do as well by another effect in the place of the one that gains most of those that only have such rivals.
+    pub fn rivals(&self) -> Option<Rivals> {
+        let is_rivalled = |one: &&Confirmation| one.rejected_by == Some(Rule::Rivalled);
+        let rivalled = self.families.iter().filter(is_rivalled);
+        let by_gain = |a: &&Confirmation, b: &&Confirmation| a.gain().total_cmp(&b.gain());
+        let most = rivalled.max_by(by_gain).filter(|_| !self.any())?;
+        let laws = most.rivals.iter().cloned();
+        Some(Rivals {
+            laws: std::iter::once((most.family, self.law.clone()))
+                .chain(laws)
+                .collect(),
+            beside: self.law.without_family(most.family),
+        })
+    }
+
     /// Adds to `effects` why they are not.
     pub fn say_of(&self, effects: &mut [FoundEffect]) {
         for effect in effects {
@@ -58,7 +74,7 @@ impl Confirmed {
                 effect.rivals = one
                     .rivals
                     .iter()
-                    .map(|rival| rival.name().to_owned())
+                    .map(|(family, _)| family.name().to_owned())
                     .collect();
             }
         }
@@ -99,8 +115,8 @@ pub(super) struct Confirmation {
     pub family: Family,
     /// Why it is not confirmed; none where it is.
     pub rejected_by: Option<Rule>,
-    /// The families that do as well in its place.
-    pub rivals: Vec<Family>,
+    /// The families that do as well in its place, with the law that has them there.
+    pub rivals: Vec<(Family, Solution)>,
     /// What the law leaves of each condition without it, and with it, in the order of [`LeftOut::conditions`].
     pub left: Vec<Option<[RelativeError; 2]>>,
 }
@@ -222,8 +238,9 @@ impl Closing<'_> {
                         true => gains_clearly(&of_law, &of_rival),
                         false => !gains_clearly(&of_rival, &of_law),
                     };
-                    if does_as_well {
-                        rivals.extend(rival.terms.last().map(|last| last.term.form.family()));
+                    let last = rival.terms.last().map(|last| last.term.form.family());
+                    if let Some(family) = last.filter(|_| does_as_well) {
+                        rivals.push((family, rival));
                     }
                 }
                 (!rivals.is_empty()).then_some(Rule::Rivalled)

@@ -8,7 +8,7 @@ use mesh_damper_model::{Family, ModelError};
 use mesh_damper_recording::trajectory::Trajectory;
 use mesh_damper_reference::protocol::{TestBlock, motion};
 
-use super::select::{Candidate, Selection};
+use super::select::Selection;
 use super::verdict::rivals;
 use crate::base_law::BaseLaw;
 use crate::policy::policy;
@@ -48,24 +48,52 @@ mesh_damper_recording::numbers! {
     }
 }
 
-/// What would tell the rivals of an ambiguous search apart, in words with a programme of blocks, and these blocks; none where no
-/// test that the rig runs would.
+/// Laws that predict recordings equally well.
+pub(super) struct Rivals {
+    /// Each with the family by which it differs from the others: the one preferred, then others.
+    pub laws: Vec<(Family, Solution)>,
+    /// What they have without these.
+    pub beside: Solution,
+}
+
+impl Rivals {
+    /// Those that a search ended in.
+    pub fn of(selection: &Selection) -> Self {
+        let rivals = rivals(selection);
+        let step = rivals.first().map_or(0, |rival| rival.step);
+        let mut before = selection.candidates.iter();
+        let before = before.rfind(|candidate| candidate.added && candidate.step < step);
+        let beside = before.map_or(&selection.baseline, |candidate| &candidate.fitted);
+        let laws = rivals.iter();
+        Self {
+            laws: laws
+                .map(|rival| (rival.family, rival.fitted.solution.clone()))
+                .collect(),
+            beside: beside.solution.clone(),
+        }
+    }
+}
+
+/// What would tell rivals apart, in words with a programme of blocks, and these blocks; none where no test that the rig runs would.
 ///
 /// # Errors
 /// A fitted law that the crate refuses.
 pub(super) fn separating_test(
-    selection: &Selection,
+    rivals: &Rivals,
     trajectories: &[Trajectory],
     law: BaseLaw,
 ) -> Result<(String, Vec<TestBlock>), ModelError> {
-    let rivals = rivals(selection);
-    let names: Vec<&str> = rivals.iter().map(|rival| rival.family.name()).collect();
-    let alike = collinearity(&rivals, selection, trajectories)?;
+    let names: Vec<&str> = rivals
+        .laws
+        .iter()
+        .map(|(family, _)| family.name())
+        .collect();
+    let alike = collinearity(rivals, trajectories)?;
     let said = format!(
         "{} predict these recordings equally well (collinearity {alike:.3})",
         names.join(" and ")
     );
-    let solutions: Vec<&Solution> = rivals.iter().map(|rival| &rival.fitted.solution).collect();
+    let solutions: Vec<&Solution> = rivals.laws.iter().map(|(_, law)| law).collect();
     let (blocks, apart) = Simulation::new(trajectories, &solutions, law)?.programme()?;
     Ok(if apart < policy().separating.enough {
         let said = format!(
@@ -103,20 +131,16 @@ pub(super) fn bounding_test(unbounded: &[Family], trajectories: &[Trajectory]) -
     )
 }
 
-/// The least cosine between what two rivals add to what was predicted before the step at which they were tried.
-fn collinearity(
-    rivals: &[&Candidate],
-    selection: &Selection,
-    trajectories: &[Trajectory],
-) -> Result<f64, ModelError> {
-    let before = selection
-        .candidates
-        .iter()
-        .rfind(|candidate| candidate.added && candidate.step < rivals[0].step)
-        .map_or(&selection.baseline, |candidate| &candidate.fitted)
-        .predicted(trajectories)?;
-    let added = |rival: &Candidate| -> Result<Vec<f64>, ModelError> {
-        let with = rival.fitted.predicted(trajectories)?;
+/// The least cosine between what two rivals add to what they have beside.
+fn collinearity(rivals: &Rivals, trajectories: &[Trajectory]) -> Result<f64, ModelError> {
+    let predicted = |law: &Solution| -> Result<Vec<Vec<f64>>, ModelError> {
+        let model = law.model();
+        let each = trajectories.iter();
+        each.map(|trajectory| predict(&model, trajectory)).collect()
+    };
+    let before = predicted(&rivals.beside)?;
+    let added = |law: &Solution| -> Result<Vec<f64>, ModelError> {
+        let with = predicted(law)?;
         let mut added = Vec::new();
         for (which, trajectory) in trajectories.iter().enumerate() {
             let (with, without) = (&with[which], &before[which]);
@@ -126,8 +150,9 @@ fn collinearity(
         Ok(added)
     };
     let added: Vec<Vec<f64>> = rivals
+        .laws
         .iter()
-        .map(|rival| added(rival))
+        .map(|(_, law)| added(law))
         .collect::<Result<_, _>>()?;
     let inner = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| a * b).sum::<f64>();
     let mut least = 1.0_f64;

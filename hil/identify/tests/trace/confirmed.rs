@@ -2,8 +2,9 @@
 
 use mesh_damper_identify::trace::result::Verdict;
 use mesh_damper_identify::trace::rule::Rule;
+use mesh_damper_identify::trace::trace;
 
-use super::{Sample, families, slider, traced};
+use super::{Sample, families, record, slider, traced};
 
 /// A force of nothing listed: friction of which the motion's place and the clock decide the sign.
 fn nameless(size: f64) -> impl Fn(&Sample) -> f64 {
@@ -68,4 +69,40 @@ fn a_dashpot_is_not_confirmed_for_a_drag() {
             "{effect:?}"
         );
     }
+}
+
+/// Of one frequency a dashpot and a Maxwell branch leave the same, beside whatever else there is.
+#[test]
+fn rivals_beside_what_has_no_name_are_told_apart_by_a_test() {
+    let blocks: [(f64, f64, u32); 4] = [0.05, 0.1, 0.15, 0.2].map(|amplitude| (amplitude, 5.0, 10));
+    let effect = || {
+        let nameless = nameless(0.02);
+        move |sample: &Sample| 0.03 * sample.2 + nameless(sample)
+    };
+    let fitted = record("fitted", &blocks, 0.004, 6, effect());
+    let held = record("held", &blocks[1..3], 0.004, 7, effect());
+    let trace = trace(&[fitted], &[held], &|_| ()).unwrap();
+    let result = &trace.result;
+    assert_eq!(result.verdict, Verdict::Ambiguous, "{:?}", result.effects);
+    let named = families(&trace);
+    assert!(named.contains(&"viscous"), "{named:?}");
+    assert!(named.len() > 1, "{named:?}");
+    let preferred = &result.effects[0];
+    assert_eq!(preferred.unconfirmed_by, Some(Rule::Rivalled));
+    for rival in &preferred.rivals {
+        assert!(named.contains(&&rival[..]), "{rival} of {named:?}");
+    }
+    assert!(result.remainder.is_some());
+    let test = result
+        .separating_test
+        .as_ref()
+        .expect("another frequency tells");
+    assert!(test.contains("viscous"), "{test}");
+    let frequencies = result.separating_blocks.iter().map(|block| block.frequency);
+    assert!(
+        frequencies
+            .clone()
+            .any(|hertz| (hertz / 5.0 - 1.0).abs() > 0.2),
+        "{test}"
+    );
 }
