@@ -179,3 +179,43 @@ fn a_tiny_overshoot_of_the_operating_range_is_no_warning() {
         "{out}"
     );
 }
+
+/// A logger that goes on in newtons under a header of kilonewtons: a trace mends that, and a prediction is held to the same force.
+#[test]
+fn a_unit_that_changes_on_the_way_is_mended_as_a_trace_mends_it() {
+    let root = tempfile::tempdir().unwrap();
+    let mut text = String::from("time_s,displacement_mm,force_kN\n");
+    for i in 0..4000 {
+        let time = f64::from(i) * 0.002;
+        let unit = if i < 2600 { 1.0 } else { 1000.0 };
+        let force = unit * (0.5 + 2.0 * displacement(time));
+        text += &format!("{time},{:.9},{force:.9}\n", displacement(time));
+    }
+    fs::write(root.path().join("rec.csv"), text).unwrap();
+    fs::write(root.path().join("model.json"), MODEL).unwrap();
+    let hil = |arguments: &[&str]| {
+        let mut command = Command::new(env!("CARGO_BIN_EXE_hil"));
+        let output = command.args(arguments).current_dir(root.path()).output();
+        let output = output.unwrap();
+        let said = String::from_utf8_lossy(&output.stderr);
+        assert!(output.status.success(), "{said}");
+    };
+    let json = |name: &str| -> serde_json::Value {
+        serde_json::from_str(&fs::read_to_string(root.path().join(name)).unwrap()).unwrap()
+    };
+    hil(&[
+        "predict",
+        "--model",
+        "model.json",
+        "rec.csv",
+        "--out",
+        "pred.csv",
+        "--json",
+        "p.json",
+    ]);
+    let error = json("p.json")["nrmse"].as_f64().unwrap();
+    assert!(error < 1e-3, "{error}");
+    hil(&["trace", "rec.csv", "--out", "traced"]);
+    let warnings = json("traced/trace.json")["warnings"].to_string();
+    assert!(warnings.contains("1000"), "{warnings}");
+}

@@ -24,6 +24,8 @@ crate::numbers! {
         described: f64 = 0.12, Tuned("the injected channel faults and the blind trial");
         /// The same of one frequency only, where a phase may be a loss as well as a time.
         well_described: f64 = 0.05, Tuned("the injected channel faults and the blind trial");
+        /// A force that gives energy gives more than this many deviations of what its noise makes.
+        energy_deviations: f64 = 3.0, Convention("one in a thousand by chance");
         /// A block of this many cycles has a frequency.
         steady: usize = 3, Convention("one cycle more than a start and an end");
         /// Frequencies that differ by more than this factor are several.
@@ -141,7 +143,8 @@ fn frequencies(trajectory: &Trajectory) -> [f64; 2] {
     })
 }
 
-/// Whether the specimen gives energy in the block of highest frequency, by the force `late` ticks later.
+/// Whether the specimen gives energy in the block of highest frequency, by the force `late` ticks later: more than its noise makes, and
+/// than the sample by which cycles are not whole.
 fn gives_energy(trajectory: &Trajectory, late: isize) -> bool {
     let fastest = trajectory
         .blocks
@@ -151,11 +154,15 @@ fn gives_energy(trajectory: &Trajectory, late: isize) -> bool {
         let whole = block.cycles.first().map_or(0, |cycle| cycle.start)
             ..block.cycles.last().map_or(0, |cycle| cycle.end);
         let last = trajectory.len() - 1;
-        let power = |index: usize| {
+        let (mut power, mut variance, mut largest) = (0.0, 0.0, 0.0_f64);
+        for index in whole {
             let force = trajectory.force[index.saturating_add_signed(late).min(last)];
-            force * trajectory.motion.velocity[index]
-        };
-        whole.clone().map(power).sum::<f64>() < 0.0
+            let velocity = trajectory.motion.velocity[index];
+            power += force * velocity;
+            variance += (trajectory.force_noise * velocity).powi(2);
+            largest = largest.max((force * velocity).abs());
+        }
+        power < -largest - policy().shift.energy_deviations * variance.sqrt()
     })
 }
 
@@ -314,6 +321,24 @@ mod tests {
             ] {
                 let found = Shift::find(&test(damper, frequencies, 0.0));
                 assert_eq!(found, None, "{frequencies:?} Hz");
+            }
+        }
+    }
+
+    /// What it takes and gives is then but rounding, noise, and the sample by which a cycle is not whole.
+    #[test]
+    fn a_spring_without_losses_is_in_time() {
+        let spring = |y: f64, _: f64| 0.5 + 0.2 * y;
+        for frequency in [0.7, 2.0, 3.3, 5.0] {
+            for noiseless in [false, true] {
+                let mut test = test(spring, &[frequency], 0.0);
+                if noiseless {
+                    let exact = |y: &f64| spring(*y, 0.0);
+                    let force = test.motion.displacement.iter().map(exact).collect();
+                    let displacement = test.motion.displacement.clone();
+                    test = Trajectory::new("test", TICK, &displacement, force, None, None);
+                }
+                assert_eq!(Shift::find(&test), None, "{frequency} Hz");
             }
         }
     }
