@@ -23,17 +23,22 @@ pub(super) fn gains_clearly(alone: &[RelativeError], with: &[RelativeError]) -> 
 }
 
 fn gains_by(gain: f64, alone: &[RelativeError], with: &[RelativeError]) -> bool {
-    let count = alone.len() as f64;
-    let mean_square = |errors: &[RelativeError]| {
-        let squares = errors.iter().map(|one| one.beyond_noise().powi(2));
-        squares.sum::<f64>() / count
+    let pairs = || {
+        let each = alone.iter().zip(with);
+        each.map(|(alone, with)| [alone.beyond_noise(), with.beyond_noise()])
     };
-    let ratios = alone.iter().zip(with);
-    let ratios = ratios.map(|(alone, with)| (with.beyond_noise() / alone.beyond_noise()).ln());
-    let mean_ratio = (ratios.sum::<f64>() / count).exp();
+    // What both leave the same of, however much it is, says nothing: the coefficients of an amplitude that is in one condition alone may be far off
+    // with both.
+    let same = -policy().adopt.gain.ln();
+    let differ = |[alone, with]: &[f64; 2]| (with / alone).ln().abs() > same;
+    let squares = pairs().filter(differ).fold([0.0; 2], |sum, pair| {
+        [sum[0] + pair[0].powi(2), sum[1] + pair[1].powi(2)]
+    });
+    let logs = pairs().map(|[alone, with]| (with / alone).ln());
+    let mean_ratio = (logs.sum::<f64>() / alone.len() as f64).exp();
     // What is beyond the noise is 0 of what is no number.
     let finite = with.iter().all(|one| one.error.is_finite());
-    finite && (mean_square(with) / mean_square(alone)).sqrt() < gain && mean_ratio < gain
+    finite && squares[1] < gain * gain * squares[0] && mean_ratio < gain
 }
 
 #[cfg(test)]
@@ -62,6 +67,12 @@ mod tests {
             !gains(&alone, &errors(&[0.02, 0.05, 0.9, 0.02])),
             "a loss that outweighs"
         );
+        let far_off = [0.1, 0.2, 0.3, 9.0];
+        assert!(
+            gains(&errors(&far_off), &errors(&[0.05, 0.1, 0.15, 9.05])),
+            "what both know nothing of"
+        );
+        assert!(!gains(&errors(&far_off), &errors(&[0.05, 0.1, 0.15, 9.5])));
         assert!(!gains(&alone, &alone));
         assert!(!gains(&alone, &errors(&[f64::NAN; 4])));
     }

@@ -6,7 +6,7 @@ use mesh_damper_recording::trajectory::Trajectory;
 use rayon::prelude::*;
 
 use super::confirm::Confirmed;
-use super::left_out::{LeftOut, Picked};
+use super::left_out::{LeftInCycles, LeftOut, Picked};
 use super::mend::clearly_best;
 use super::remainder;
 use super::result::{
@@ -19,7 +19,9 @@ use super::separating::{Rivals, bounding_test, separating_test};
 use super::sought::Sought;
 use super::split::{Role, Roles};
 use super::unlisted::Laws;
-use super::verdict::{accounts_for, conclude, depends_on, generalises, rivals, warnings};
+use super::verdict::{
+    OverNoise, accounts_for, conclude, depends_on, generalises, rivals, warnings,
+};
 use crate::base_law::BaseLaw;
 use crate::policy::policy;
 use crate::problem::Problem;
@@ -28,7 +30,7 @@ use crate::shape::Extent;
 use crate::solution::Solution;
 use crate::staged::staged;
 use crate::term::{TermValue, effects_of};
-use crate::tolerance::{held_to, noise_floor};
+use crate::tolerance::noise_floor;
 use crate::uncertainty::{Interval, Uncertainty};
 
 /// A trace but for the trajectories that it was made of, which the caller has.
@@ -147,6 +149,37 @@ impl<'a> Closing<'a> {
         if is_more_missing {
             self.grade(&left_out, &mut laws)?;
         }
+        let mut uncertainty = Uncertainty::of(laws.rows, &self.extent, &laws.solution);
+        let (before, without) = self.evaluate(&laws.alone.model(), predict)?;
+        let (after, with) = self.evaluate(&laws.model, predict)?;
+        let (_, on_target) = self.evaluate(&laws.model, predict_embedded)?;
+        let over_noise = self.over_noise(&after);
+        let terms = laws.solution.terms.iter().zip(&uncertainty.terms);
+        let mut unbounded: Vec<Family> = terms
+            .filter(|(value, uncertainty)| !value.term.is_known && !uncertainty.is_bounded())
+            .map(|(value, _)| value.term.form.family())
+            .collect();
+        // A name that says less of what was held out is one only where conditions confirm it. Nothing but the verdict depends on that.
+        let says_less = verdict == Verdict::Found
+            && unbounded.is_empty()
+            && left_out.differ()
+            && over_noise.says_less();
+        if says_less {
+            let mut graded = self.confirmed(&left_out, laws.rows, &laws.solution, false)?;
+            // What was held out is a condition too.
+            for one in graded
+                .families
+                .iter_mut()
+                .filter(|one| one.rejected_by.is_none())
+            {
+                let without = self.without(laws.rows, &laws.solution, one.family)?;
+                if without <= with.nrmse_held_out {
+                    one.rejected_by = Some(Rule::HelpsNotEverywhere);
+                }
+            }
+            laws.graded = Some(graded);
+            verdict = Verdict::Unlisted;
+        }
         let rivals = match verdict {
             Verdict::Ambiguous => Some(Rivals::of(selection)),
             _ => laws.graded.as_ref().and_then(Confirmed::rivals),
@@ -181,19 +214,10 @@ impl<'a> Closing<'a> {
             (Some(_), Some(rivals)) => rivals.laws.iter().any(|(rival, _)| *rival == family),
             _ => true,
         };
-        let mut uncertainty = Uncertainty::of(rows, &self.extent, &solution);
-        let terms = solution.terms.iter().zip(&uncertainty.terms);
-        let mut unbounded: Vec<Family> = terms
-            .filter(|(value, uncertainty)| !value.term.is_known && !uncertainty.is_bounded())
-            .map(|(value, _)| value.term.form.family())
-            .filter(|&family| is_named(family))
-            .collect();
+        unbounded.retain(|&family| is_named(family));
         unbounded.dedup();
         let moved = self.fit_moved(rows, &solution);
         uncertainty.widen(&solution, &moved);
-        let (before, without) = self.evaluate(&baseline, predict)?;
-        let (after, with) = self.evaluate(&model, predict)?;
-        let (_, on_target) = self.evaluate(&model, predict_embedded)?;
         let noise_floor = self.noise_floor;
         let mut effects = self.effects(rows, &solution, &uncertainty, with.nrmse_held_out)?;
         if let Some(rivals) = &rivals {
@@ -205,16 +229,28 @@ impl<'a> Closing<'a> {
         let (effects, unconfirmed) = effects
             .into_iter()
             .partition(|effect| Family::named(&effect.family).is_none_or(is_named));
-        let remainder = match is_more_missing && left_by_named > policy().verdict.noise_limited {
-            true => Some(Remainder {
-                nrmse: self.evaluate(&named, predict)?.1.nrmse_fitted,
-                times_noise: left_by_named,
+        let remainder = if is_more_missing && left_by_named > policy().verdict.noise_limited {
+            Some((
+                self.evaluate(&named, predict)?.1.nrmse_fitted,
+                left_by_named,
+            ))
+        } else if says_less {
+            over_noise
+                .held_out
+                .map(|times| (with.nrmse_held_out, times))
+        } else {
+            None
+        };
+        let remainder = match remainder {
+            Some((nrmse, times_noise)) => Some(Remainder {
+                nrmse,
+                times_noise,
                 depends_on: remainder::depends_on(&left_out, self.trajectories, &named)?
                     .into_iter()
                     .map(str::to_owned)
                     .collect(),
             }),
-            false => None,
+            None => None,
         };
 
         let (separating_test, separating_blocks) = match (verdict, &rivals) {
@@ -259,7 +295,7 @@ impl<'a> Closing<'a> {
                 .collect(),
             remainder,
             candidates: self.candidates(selection, &found)?,
-            effects_rejected_by,
+            effects_rejected_by: effects_rejected_by.or(says_less.then_some(Rule::SaysLess)),
             table_rejected_by,
             separating_test,
             separating_blocks,
@@ -270,7 +306,7 @@ impl<'a> Closing<'a> {
                 &model,
                 left,
                 (&without, &with),
-                [false, true].map(|held_out| self.held_to(held_out)),
+                &over_noise,
             ),
             augmented: with,
             on_target: OnTarget {
@@ -390,18 +426,21 @@ impl<'a> Closing<'a> {
         &self.extent
     }
 
-    /// The error that a perfect law leaves of what is held out, or of the rest.
-    fn held_to(&self, held_out: bool) -> f64 {
-        let (mut error, mut force) = (0.0, 0.0);
-        for (trajectory, roles) in &self.recordings {
-            let of_part = (0..trajectory.len())
-                .filter(|&i| (roles[i] == Role::HeldOut) == held_out && trajectory.measured[i]);
-            for sample in of_part {
-                error += held_to(trajectory, sample);
-                force += trajectory.force[sample].powi(2);
+    /// What a law that gives each recording these forces, kN, leaves of what was held out and of the rest.
+    fn over_noise(&self, predicted: &[Vec<f64>]) -> OverNoise {
+        let left = |held_out: bool| {
+            let mut left = LeftInCycles::default();
+            for ((trajectory, roles), predicted) in self.recordings.iter().zip(predicted) {
+                left.add(trajectory, predicted, |sample| {
+                    (roles[sample] == Role::HeldOut) == held_out
+                });
             }
+            left.in_most()
+        };
+        OverNoise {
+            fitted: left(false),
+            held_out: left(true),
         }
-        (error / force).sqrt()
     }
 
     /// The model's force on every recording, kN, and its errors.

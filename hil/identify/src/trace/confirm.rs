@@ -161,7 +161,7 @@ impl Closing<'_> {
 
     /// What is confirmed of `law`, which has effects. Where some `may_drop`, the one that gains least is left out where it gains nothing, and where nothing is
     /// confirmed: what stands in for another may be what hides it. So it is as long as the law is no worse for it on conditions held out in turn.
-    fn confirmed(
+    pub(super) fn confirmed(
         &self,
         left_out: &LeftOut,
         rows: &Rows,

@@ -63,18 +63,54 @@ impl Left {
     }
 }
 
-/// What a law leaves of every block's cycles, as far as they may be fitted.
+/// Cycles without the worst of them.
+fn best_of(mut cycles: Vec<Left>) -> Vec<Left> {
+    cycles.retain(|cycle| cycle.count > 0.0);
+    cycles.sort_by(|a, b| a.mean().total_cmp(&b.mean()));
+    let worst = ((1.0 - policy().left_out.most_cycles) * cycles.len() as f64).ceil() as usize;
+    // Of one cycle alone there is no worst.
+    cycles.truncate((cycles.len() - worst).max(1));
+    cycles
+}
+
+/// What a law leaves of every block's cycles, as far as they count.
+#[derive(Default)]
 pub(super) struct LeftInCycles(Vec<Vec<Left>>);
 
 impl LeftInCycles {
+    /// Adds what `predicted`, kN, leaves of those samples of a trajectory that count.
+    pub fn add(
+        &mut self,
+        trajectory: &Trajectory,
+        predicted: &[f64],
+        counts: impl Fn(usize) -> bool,
+    ) {
+        let of_cycle = |cycle: &Range<usize>| {
+            let telling = cycle
+                .clone()
+                .filter(|&i| counts(i) && trajectory.is_telling(i));
+            let errors = telling
+                .map(|i| (predicted[i] - trajectory.force[i]).powi(2) / held_to(trajectory, i));
+            errors.fold(Left::default(), |left, error| Left {
+                squares: left.squares + error,
+                count: left.count + 1.0,
+            })
+        };
+        for block in &trajectory.blocks {
+            self.0.push(block.cycles.iter().map(of_cycle).collect());
+        }
+    }
+
     /// Over the noise: RMS of all but the worst cycles, which may be those of a start or of a change between blocks; none where
-    /// there is not one whole cycle.
+    /// there is not one whole cycle. A block that has some cycles keeps most of its own: one that is wrong as a whole is no start.
     pub fn in_most(&self) -> Option<f64> {
-        let mut left: Vec<Left> = self.0.concat();
-        left.retain(|cycle| cycle.count > 0.0);
-        left.sort_by(|a, b| a.mean().total_cmp(&b.mean()));
-        left.truncate((policy().left_out.most_cycles * left.len() as f64).ceil() as usize);
-        Left::sum(&left).map(|all| all.mean().sqrt())
+        let is_long = |cycles: &&Vec<Left>| cycles.len() >= policy().left_out.some_cycles;
+        let (long, short): (Vec<_>, Vec<_>) = self.0.iter().partition(is_long);
+        let most = long.into_iter().flat_map(|cycles| best_of(cycles.clone()));
+        let most: Vec<Left> = most
+            .chain(best_of(short.into_iter().flatten().copied().collect()))
+            .collect();
+        Left::sum(&most).map(|all| all.mean().sqrt())
     }
 
     /// The same beyond the noise, √(left² − 1), of the cycles but the first of every block that has some, each block counting
@@ -150,25 +186,12 @@ impl<'a> LeftOut<'a> {
 
     /// What `model` leaves of the cycles that may be fitted.
     pub fn left_by(&self, model: &Model) -> Result<LeftInCycles, ModelError> {
-        let mut blocks = Vec::new();
+        let mut left = LeftInCycles::default();
         for (which, trajectory) in self.trajectories.iter().enumerate() {
             let predicted = predict(model, trajectory)?;
-            let of_cycle = |cycle: &Range<usize>| {
-                let telling = cycle
-                    .clone()
-                    .filter(|&i| self.is_open(which, i) && trajectory.is_telling(i));
-                let errors = telling
-                    .map(|i| (predicted[i] - trajectory.force[i]).powi(2) / held_to(trajectory, i));
-                errors.fold(Left::default(), |left, error| Left {
-                    squares: left.squares + error,
-                    count: left.count + 1.0,
-                })
-            };
-            for block in &trajectory.blocks {
-                blocks.push(block.cycles.iter().map(of_cycle).collect());
-            }
+            left.add(trajectory, &predicted, |sample| self.is_open(which, sample));
         }
-        Ok(LeftInCycles(blocks))
+        Ok(left)
     }
 
     /// Whether the mean of what `model` leaves differs from cycle to cycle of one block by more than noise would have it: a

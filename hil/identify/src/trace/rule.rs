@@ -38,6 +38,8 @@ pub enum Rule {
     AccountsForTooLittle,
     /// Of the effects found: blocks that are left out of the fit are hardly better predicted than by the law alone.
     UnknownElsewhere,
+    /// Of the effects found: what was held out is predicted less well than what was fitted, by more than noise makes.
+    SaysLess,
     /// Of an effect beside which something is missing: held out, some condition is not left with less by it, or too few show it.
     HelpsNotEverywhere,
     /// Of such an effect: fits without one condition or the other differ in its parameters by more than these are uncertain.
@@ -81,6 +83,9 @@ impl Rule {
             }
             Self::UnknownElsewhere => {
                 "blocks that were left out of the fit are hardly better predicted than by the law alone"
+            }
+            Self::SaysLess => {
+                "they leave more than the noise of what was held out, which was not fitted"
             }
             Self::HelpsNotEverywhere => {
                 "it does not help on every condition held out in turn, or shows on too few"

@@ -27,9 +27,22 @@ mesh_damper_recording::numbers! {
         most_left: f64 = 0.12, Tuned("the blind trial");
         /// What is left below this many times the noise does not show.
         unseen: f64 = 0.6, Tuned("the blind trial");
-        /// A law that is noise-limited where it was fitted and leaves this many times as much of what was held out, each over the noise,
-        /// knows the one and not the other.
-        elsewhere: f64 = 2.0, Convention("a warning, well above what is noise-limited");
+    }
+}
+
+/// How many times as much as a perfect law a law leaves, but for the worst cycles; none where there is no whole one.
+pub(super) struct OverNoise {
+    /// Of what was not held out.
+    pub fitted: Option<f64>,
+    /// Of what was.
+    pub held_out: Option<f64>,
+}
+
+impl OverNoise {
+    /// Whether the law knows what it was fitted to and not what was held out: more is left of that than a noise-limited law leaves.
+    pub fn says_less(&self) -> bool {
+        let [fitted, held_out] = [self.fitted, self.held_out].map(|left| left.unwrap_or(1.0));
+        held_out > policy().verdict.noise_limited * fitted.max(1.0)
     }
 }
 
@@ -116,13 +129,13 @@ pub(super) fn depends_on(model: &Model, correction: &[&'static str]) -> Vec<Stri
 }
 
 /// What a reader should know before trusting the result: `left` times the noise is what effects leave, `errors` are of the law
-/// alone and with what was added, `held_to` is what a perfect law leaves of what was fitted and of what was held out.
+/// alone and with what was added.
 pub(super) fn warnings<'t>(
     trajectories: impl Iterator<Item = &'t Trajectory>,
     model: &Model,
     left: f64,
     errors: (&Errors, &Errors),
-    held_to: [f64; 2],
+    over_noise: &OverNoise,
 ) -> Vec<String> {
     let mut warnings = Vec::new();
     let (first, last) = (model.law.first(), model.law.last());
@@ -156,14 +169,16 @@ pub(super) fn warnings<'t>(
                 .to_owned(),
         );
     }
-    let there = errors.1.nrmse_fitted / held_to[0];
-    let elsewhere = errors.1.nrmse_held_out / held_to[1];
-    if model.correction.is_none()
+    if let OverNoise {
+        fitted: Some(fitted),
+        held_out: Some(held_out),
+    } = over_noise
+        && model.correction.is_none()
         && left <= policy().verdict.noise_limited
-        && elsewhere > policy().verdict.elsewhere * there.max(1.0)
+        && over_noise.says_less()
     {
         warnings.push(format!(
-            "on what was held out the law leaves {elsewhere:.1} times the noise, and where it was fitted {there:.1} times: fit more \
+            "on what was held out the law leaves {held_out:.1} times the noise, and where it was fitted {fitted:.1} times: fit more \
              amplitudes and frequencies, about those held out"
         ));
     }

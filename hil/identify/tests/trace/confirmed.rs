@@ -106,3 +106,41 @@ fn rivals_beside_what_has_no_name_are_told_apart_by_a_test() {
         "{test}"
     );
 }
+
+/// A mass on a spring of its own is nearly a mass, as long as the motion is slow.
+#[test]
+fn a_name_that_says_less_of_what_was_held_out_is_not_one() {
+    let blocks = [1.0, 2.5, 5.0, 7.5, 10.0].map(|hertz| (0.1, hertz, (4.0 + 2.0 * hertz) as u32));
+    let resonant = |natural: f64| {
+        move |&(_, y, _, a): &Sample| {
+            let omega_squared = if y == 0.0 { 0.0 } else { -a / y };
+            let natural_squared = (std::f64::consts::TAU * natural).powi(2);
+            2.2e-5 * a / (1.0 - omega_squared / natural_squared)
+        }
+    };
+    let traced = |natural: f64| {
+        let fitted = record("fitted", &blocks, 0.004, 8, resonant(natural));
+        let held = record("held", &[(0.1, 16.0, 30)], 0.004, 9, resonant(natural));
+        trace(&[fitted], &[held], &|_| ()).unwrap()
+    };
+    let mass = traced(1e6);
+    assert_eq!(mass.result.verdict, Verdict::Found);
+    assert_eq!(families(&mass), ["inertia"]);
+    assert!(mass.result.remainder.is_none());
+    let on_a_spring = traced(30.0);
+    let result = &on_a_spring.result;
+    assert_eq!(result.verdict, Verdict::Unlisted, "{:?}", result.effects);
+    assert_eq!(result.effects_rejected_by, Some(Rule::SaysLess));
+    assert!(
+        result
+            .effects
+            .iter()
+            .all(|one| one.unconfirmed_by.is_some())
+    );
+    let left = result.remainder.as_ref().expect("of what was held out");
+    assert!(left.times_noise > 1.5, "{left:?}");
+    assert_eq!(left.nrmse, result.augmented.nrmse_held_out);
+    // The law stays as it was fitted: what is held out decides nothing of it.
+    assert!(result.adopted);
+    assert!(!on_a_spring.model.effects.is_empty());
+}
