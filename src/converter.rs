@@ -67,6 +67,16 @@ impl Scale {
         self.step
     }
 
+    /// What the first and the last code stand for, the smaller one first.
+    pub(crate) fn ends(&self) -> [f32; 2] {
+        let [first, last] = [0, u16::MAX].map(|code| self.decode(code).value);
+        if first < last {
+            [first, last]
+        } else {
+            [last, first]
+        }
+    }
+
     /// What a code read from an ADC stands for.
     #[inline(always)]
     pub fn decode(&self, code: u16) -> Sample {
@@ -74,6 +84,20 @@ impl Scale {
         Sample {
             value: count as f32 * self.step - self.zero,
             code,
+        }
+    }
+
+    /// What a code of an ADC of `BITS` bits stands for, 1…16, offset binary over the same range. The sample has the code as a
+    /// converter of 16 bits gives it; the last one is told apart, so that [`Sample::clipped`] sees either end.
+    #[inline(always)]
+    pub fn decode_narrow<const BITS: u32>(&self, code: u16) -> Sample {
+        const { assert!(BITS >= 1 && BITS <= 16, "an ADC has 1 to 16 bits") };
+        let shift = const { 16 - BITS };
+        let last = const { u16::MAX >> (16 - BITS) };
+        let sample = self.decode(code.min(last) << shift);
+        Sample {
+            code: if code >= last { u16::MAX } else { sample.code },
+            ..sample
         }
     }
 

@@ -126,11 +126,11 @@ pub enum Request<'a> {
     PackEnd,
     /// Wires up the rig.
     Setup(Setup),
-    /// [`crate::rig::Rig::start`].
+    /// [`crate::rig::Controller::start`].
     Start,
-    /// [`crate::rig::Rig::stop`].
+    /// [`crate::rig::Controller::stop`].
     Stop,
-    /// [`crate::rig::Rig::clear`].
+    /// [`crate::rig::Controller::clear`].
     Clear,
     /// One tick of the rig.
     Tick(Sensors),
@@ -307,7 +307,7 @@ pub struct Statistics {
 /// What the image answers.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Answer<'a> {
-    /// Done; the word is what a rig's `start` and `clear` say, and true for all else.
+    /// Done; the word is no where there was no room for all knots, and yes otherwise.
     Done(bool),
     /// Not done.
     Refused(Refusal<'a>),

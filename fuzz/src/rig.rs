@@ -10,7 +10,8 @@ use mesh_damper::error::ConfigError;
 use mesh_damper::fast_law::{FastLaw, RunningLaw};
 use mesh_damper::health::HealthSettings;
 use mesh_damper::rig::{
-    DamperEmulation, DamperEmulationSettings, Rig, RigSettings, State, Telemetry,
+    ClearRefused, DamperEmulation, DamperEmulationSettings, Rig, RigSettings, SpiDamperEmulation,
+    SpiRig, StartRefused, State, Telemetry,
 };
 use mesh_damper::sine::{Block, Programme};
 
@@ -24,9 +25,9 @@ const ZERO: u16 = 0x8000;
 
 /// What both roles can be told.
 trait Controller {
-    fn start(&mut self) -> bool;
+    fn start(&mut self) -> Result<(), StartRefused>;
     fn stop(&mut self);
-    fn clear(&mut self) -> bool;
+    fn clear(&mut self) -> Result<(), ClearRefused>;
     fn swap_law(&mut self, law: FastLaw<EFFECTS>);
     fn set_temperature(&mut self, temperature: f32);
     fn state(&self) -> State;
@@ -36,13 +37,13 @@ trait Controller {
 macro_rules! controller {
     ($role:ty) => {
         impl Controller for $role {
-            fn start(&mut self) -> bool {
+            fn start(&mut self) -> Result<(), StartRefused> {
                 self.start()
             }
             fn stop(&mut self) {
                 self.stop();
             }
-            fn clear(&mut self) -> bool {
+            fn clear(&mut self) -> Result<(), ClearRefused> {
                 self.clear()
             }
             fn swap_law(&mut self, law: FastLaw<EFFECTS>) {
@@ -61,8 +62,8 @@ macro_rules! controller {
     };
 }
 
-controller!(Rig<Adc, Dac, Line, BLOCKS, EFFECTS>);
-controller!(DamperEmulation<Adc, Dac, Line, EFFECTS>);
+controller!(SpiRig<Adc, Dac, Line, BLOCKS, EFFECTS>);
+controller!(SpiDamperEmulation<Adc, Dac, Line, RunningLaw<EFFECTS>>);
 
 /// What is promised of every tick, and what has to be remembered to see it kept.
 struct Guard {
@@ -116,6 +117,16 @@ impl Guard {
             assert_eq!(first, second, "the first cause stays");
         }
         self.last = now.command;
+    }
+
+    /// A start was refused after a clear that says `cleared`: something keeps it from running, and the clear knew what.
+    fn see_refusal(&self, state: State, cleared: Result<(), ClearRefused>) {
+        match (state, cleared) {
+            (State::Faulted(now), Err(ClearRefused::Faulted(then))) => assert_eq!(now, then),
+            (State::Faulted(_), Err(ClearRefused::Moving) | Ok(()))
+            | (State::Idle | State::Done, Err(ClearRefused::NoFault)) => {}
+            seen => panic!("{seen:?}"),
+        }
     }
 
     fn see_running(&mut self, before: State, now: &Telemetry) {
@@ -220,6 +231,7 @@ pub fn check(script: &[u8], ticks: u32) -> u64 {
     let adc = Adc {
         wires: wires.clone(),
         selected: 0,
+        registers: [0; 128],
     };
     let dac = Dac {
         wires: wires.clone(),
@@ -315,7 +327,7 @@ fn rig(
     guard.stop_ticks = settings.stop_ticks;
     let line = Line(guard.wires.clone());
     let running = RunningLaw::new(laws[0].clone());
-    let rig = Rig::<_, _, _, BLOCKS, EFFECTS>::new(adc, dac, line, &settings, programme, running)?;
+    let rig = Rig::new(adc, dac, line, &settings, programme, running)?;
     Ok(run(rig, guard, &laws, script, ticks))
 }
 
@@ -366,7 +378,7 @@ fn run(
     let mut plant = Plant::Follows;
     let mut ratio = 1.0;
     let mut ran = 0;
-    controller.start();
+    controller.start().expect("it is at rest");
     for _ in 0..ticks {
         let drawn = random.next();
         if drawn.is_multiple_of(BETWEEN) {
@@ -391,9 +403,11 @@ fn run(
         }
         // Whoever runs the rig tries again and again.
         if drawn >> 32 & 0xf == 0 && controller.state() != State::Running {
-            controller.clear();
-            if controller.start() {
+            let cleared = controller.clear();
+            if controller.start().is_ok() {
                 guard.exceeded = [0; 2];
+            } else {
+                guard.see_refusal(controller.state(), cleared);
             }
         }
         plant.sense(&wires, ratio, &mut random);

@@ -9,9 +9,9 @@ use crate::real::in_range;
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 #[non_exhaustive]
 pub enum TripCause {
-    /// Reading the ADC failed on the bus.
+    /// Reading the sensors failed, as on the ADC's bus.
     AdcBus,
-    /// Writing the DAC failed on the bus.
+    /// The actuator did not take a command, as on the DAC's bus.
     DacBus,
     /// The enable line could not be set.
     EnableLine,
@@ -19,7 +19,7 @@ pub enum TripCause {
     DisplacementClipped,
     /// The force channel is at an end of its range.
     ForceClipped,
-    /// The command lies beyond the DAC's range.
+    /// The command lies beyond the actuator's range.
     CommandClipped,
     /// The measured displacement exceeded its limit.
     DisplacementLimit,
@@ -141,7 +141,7 @@ impl Limits {
 }
 
 /// A channel at an end of its range.
-pub(super) fn clipped(reading: &crate::adc::Reading) -> Option<TripCause> {
+pub(super) fn clipped(reading: &super::io::Reading) -> Option<TripCause> {
     if reading.displacement.clipped() {
         Some(TripCause::DisplacementClipped)
     } else if reading.force.clipped() {

@@ -3,8 +3,6 @@
 use core::mem::MaybeUninit;
 use core::sync::atomic::Ordering::Relaxed;
 
-use mesh_damper::adc::Ads8688;
-use mesh_damper::dac::Ad5761;
 use mesh_damper::fast_law::{FastLaw, RunningLaw};
 use mesh_damper::frame::{Frame, FrameBuffer};
 use mesh_damper::message::{
@@ -12,7 +10,7 @@ use mesh_damper::message::{
     write_outcome, write_refusal, write_statistics,
 };
 use mesh_damper::pack::Upload;
-use mesh_damper::rig::{AnyExciter, Rig, State, Stream, StreamConfig, Telemetry};
+use mesh_damper::rig::{AnyExciter, Rig, State, Stream, StreamConfig, Telemetry, Wiring};
 use mesh_damper::sine::{Programme, SineGenerator};
 
 use super::log;
@@ -25,10 +23,8 @@ type Wired<B> = <B as Board>::Converters;
 
 /// The crate's rig on the board.
 pub type WiredRig<B> = Rig<
-    <Wired<B> as Converters>::Adc,
-    <Wired<B> as Converters>::Dac,
-    <Wired<B> as Converters>::Enable,
-    MAX_BLOCKS,
+    <Wired<B> as Converters>::Sensors,
+    <Wired<B> as Converters>::Actuator,
     EFFECTS,
     AnyExciter<MAX_BLOCKS, &'static Programme<MAX_BLOCKS>>,
     &'static mut RunningLaw<EFFECTS>,
@@ -137,9 +133,12 @@ impl<B: Board> Controller<B> {
             (Request::Setup(setup), ..) => return self.set_up(setup),
             (Request::Start, _, Some(rig)) => {
                 let started = rig.start();
-                defmt::info!("start: {=bool}", started);
                 self.state = rig.state();
-                return Ok(started);
+                match started {
+                    Ok(()) => defmt::info!("started"),
+                    Err(refused) => defmt::warn!("not started: {}", refused),
+                }
+                started?;
             }
             (Request::Stop, _, Some(rig)) => {
                 rig.stop();
@@ -147,8 +146,11 @@ impl<B: Board> Controller<B> {
             }
             (Request::Clear, _, Some(rig)) => {
                 let cleared = rig.clear();
-                defmt::info!("clear: {=bool}", cleared);
-                return Ok(cleared);
+                match cleared {
+                    Ok(()) => defmt::info!("cleared"),
+                    Err(refused) => defmt::warn!("not cleared: {}", refused),
+                }
+                cleared?;
             }
             (Request::Knots(knots), _, Some(rig)) => {
                 let Some(stream) = rig.exciter().stream() else {
@@ -196,17 +198,19 @@ impl<B: Board> Controller<B> {
         let Some(parts) = self.parts.take() else {
             return Err(Refusal::Order);
         };
-        let (adc, dac, enable) = Wired::<B>::open();
-        let adc = Ads8688::new(adc, setup.displacement, setup.force);
-        let dac = Ad5761::new(dac, setup.command);
-        let (Ok(adc), Ok(dac)) = (adc, dac) else {
+        let wiring = Wiring {
+            displacement: setup.displacement,
+            force: setup.force,
+            command: setup.command,
+        };
+        let Some((sensors, actuator)) = Wired::<B>::open(&wiring) else {
             return Err(Refusal::Converter);
         };
         let exciter = match *parts.stream {
             Some(config) => AnyExciter::Stream(Stream::new(config)),
             None => AnyExciter::Programme(SineGenerator::new(&*parts.programme)?),
         };
-        let rig = Rig::with_exciter(adc, dac, enable, &setup.config, exciter, parts.law);
+        let rig = Rig::with_parts(sensors, actuator, &setup.config, exciter, parts.law);
         self.rig = Some(parts.rig.write(rig));
         Ok(true)
     }
