@@ -12,6 +12,9 @@
 //! Displacement is on channel 0, force on channel 1. They are sampled one frame apart, 2 µs at 17 MHz. At 10 Hz that
 //! turns force against displacement by 1.3e-4 rad, which is the error it makes in the loss factor.
 
+#[cfg(feature = "async")]
+mod asynchronous;
+
 use core::fmt;
 
 use embedded_hal::spi::{Mode, SpiDevice};
@@ -119,6 +122,18 @@ impl<S> Ads8688<S> {
     }
 }
 
+/// The frame that brings the result of the channel selected before, and selects the next.
+#[inline(always)]
+fn conversion_frame(select: u8) -> [u8; 4] {
+    [select, 0, 0, 0]
+}
+
+/// What came in a conversion frame.
+#[inline(always)]
+fn result_of([_, _, high, low]: [u8; 4]) -> u16 {
+    u16::from_be_bytes([high, low])
+}
+
 /// The frame that writes `value` into a register, and the one that reads it.
 fn register_frames(address: u8, value: u8) -> [[u8; 3]; 2] {
     [[address << 1 | WRITE, value, 0], [address << 1, 0, 0]]
@@ -175,9 +190,8 @@ impl<S: SpiDevice> Ads8688<S> {
     /// The result of the channel selected before; `select` is the next one's command.
     #[inline]
     fn convert(&mut self, select: u8) -> Result<u16, S::Error> {
-        let mut frame = [select, 0, 0, 0];
+        let mut frame = conversion_frame(select);
         self.spi.transfer_in_place(&mut frame)?;
-        let [_, _, high, low] = frame;
-        Ok(u16::from_be_bytes([high, low]))
+        Ok(result_of(frame))
     }
 }

@@ -8,6 +8,9 @@
 //! The output register is offset binary, as the control register's B2C bit stays 0: 0x0000 is −10 V, 0x8000 is 0 V,
 //! 0xFFFF is one step below +10 V. The output changes where chip select rises (LDAC tied low).
 
+#[cfg(feature = "async")]
+mod asynchronous;
+
 use core::fmt;
 
 use embedded_hal::spi::{Mode, SpiDevice};

@@ -30,6 +30,8 @@
 //!                                           clear
 //! ```
 
+#[cfg(feature = "async")]
+mod asynchronous;
 mod blocking;
 mod comparison;
 mod controller;
@@ -45,6 +47,8 @@ mod spi;
 mod state;
 mod stream;
 
+#[cfg(feature = "async")]
+pub use asynchronous::{AsyncActuator, AsyncSensors, Asynchronous};
 pub use blocking::Blocking;
 pub use controller::Controller;
 pub use emulation::{DamperEmulationSettings, EmulationController};

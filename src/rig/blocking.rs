@@ -1,20 +1,13 @@
 //! A controller with its sensors and its actuator, in calls that wait for them.
 
-use core::borrow::BorrowMut;
 use core::ops::{Deref, DerefMut};
 
+use super::Telemetry;
 use super::controller::Controller;
-use super::emulation::{DamperEmulationSettings, EmulationController};
-use super::exciter::Exciter;
 use super::fault::TripCause;
-use super::io::{Actuator, Sensors, Wiring};
+use super::io::{Actuator, Sensors};
 use super::refusal::{ClearRefused, StartRefused};
-use super::rig_controller::RigController;
 use super::state::State;
-use super::{RigConfig, Telemetry};
-use crate::error::ConfigError;
-use crate::fast_law::RunningLaw;
-use crate::tick_law::TickLaw;
 
 /// The [`Controller`] `C` between the [`Sensors`] `S` and the [`Actuator`] `A`.
 ///
@@ -33,7 +26,7 @@ pub struct Blocking<C, S, A> {
 impl<C: Controller, S: Sensors, A: Actuator> Blocking<C, S, A> {
     /// Idle, enable line low. `controller` is at rest, and made for the scales of `sensors` and `actuator`.
     #[inline]
-    pub(super) fn wire(controller: C, sensors: S, actuator: A) -> Self {
+    pub fn wire(controller: C, sensors: S, actuator: A) -> Self {
         let mut new = Self {
             sensors,
             actuator,
@@ -152,47 +145,5 @@ impl<C, S, A> Deref for Blocking<C, S, A> {
 impl<C, S, A> DerefMut for Blocking<C, S, A> {
     fn deref_mut(&mut self) -> &mut C {
         &mut self.controller
-    }
-}
-
-impl<const N: usize, X, L, S, A> Blocking<RigController<N, X, L>, S, A>
-where
-    S: Sensors,
-    A: Actuator,
-    X: Exciter,
-    L: BorrowMut<RunningLaw<N>>,
-{
-    /// Idle, enable line low, with any sensors, any actuator and any exciter. The actuator's scale is that of the command in mm.
-    /// Ticks run at the exciter's rate, which is to be that of `config`.
-    #[inline]
-    pub fn with_parts(sensors: S, actuator: A, config: &RigConfig, exciter: X, law: L) -> Self {
-        let wiring = wiring(&sensors, &actuator);
-        let controller = RigController::with_exciter(config, &wiring, exciter, law);
-        Self::wire(controller, sensors, actuator)
-    }
-}
-
-impl<L: TickLaw, S: Sensors, A: Actuator> Blocking<EmulationController<L>, S, A> {
-    /// Idle, enable line low, with any sensors and any actuator. The actuator's scale is that of the force in kN.
-    ///
-    /// # Errors
-    /// A setting that is not finite or out of range.
-    pub fn with_parts(
-        sensors: S,
-        actuator: A,
-        settings: &DamperEmulationSettings,
-        law: L,
-    ) -> Result<Self, ConfigError> {
-        let controller = EmulationController::new(settings, &wiring(&sensors, &actuator), law)?;
-        Ok(Self::wire(controller, sensors, actuator))
-    }
-}
-
-fn wiring(sensors: &impl Sensors, actuator: &impl Actuator) -> Wiring {
-    let [displacement, force] = sensors.scales();
-    Wiring {
-        displacement,
-        force,
-        command: actuator.scale(),
     }
 }

@@ -48,9 +48,6 @@ pub trait Sensors {
     /// # Errors
     /// Whatever keeps it from reading. The controller stops with [`super::TripCause::AdcBus`].
     fn read(&mut self) -> Result<Reading, Self::Error>;
-
-    /// Of displacement and force.
-    fn scales(&self) -> [Scale; 2];
 }
 
 /// An actuator that is driven in calls that wait for it.
@@ -69,9 +66,6 @@ pub trait Actuator {
     /// # Errors
     /// Where its level is unknown. The controller stops with [`super::TripCause::EnableLine`].
     fn enable(&mut self, on: bool) -> Result<(), Self::Error>;
-
-    /// Of the command.
-    fn scale(&self) -> Scale;
 }
 
 /// Sensors of displacement and force, with control inputs that somebody else knows: an [`Ads8688`](crate::adc::Ads8688) converts
@@ -93,9 +87,5 @@ impl<S: Sensors> Sensors for WithControls<S> {
             controls: self.controls,
             ..self.sensors.read()?
         })
-    }
-
-    fn scales(&self) -> [Scale; 2] {
-        self.sensors.scales()
     }
 }

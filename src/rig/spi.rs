@@ -7,11 +7,10 @@ use embedded_hal::spi::SpiDevice;
 
 use super::blocking::Blocking;
 use super::emulation::{DamperEmulationSettings, EmulationController};
-use super::io::{Actuator, Reading, Sensors};
+use super::io::{Actuator, Reading, Sensors, Wiring};
 use super::rig_controller::RigController;
 use super::{DamperEmulation, Rig, RigConfig, RigSettings};
 use crate::adc::Ads8688;
-use crate::converter::Scale;
 use crate::dac::Ad5761;
 use crate::error::ConfigError;
 use crate::fast_law::RunningLaw;
@@ -57,10 +56,6 @@ impl<A: SpiDevice> Sensors for Ads8688<A> {
     fn read(&mut self) -> Result<Reading, A::Error> {
         Ads8688::read(self)
     }
-
-    fn scales(&self) -> [Scale; 2] {
-        Ads8688::scales(self)
-    }
 }
 
 impl<D: SpiDevice, E: OutputPin> Actuator for SpiActuator<D, E> {
@@ -79,10 +74,6 @@ impl<D: SpiDevice, E: OutputPin> Actuator for SpiActuator<D, E> {
         self.enable
             .set_state(on.into())
             .map_err(SpiActuatorError::Enable)
-    }
-
-    fn scale(&self) -> Scale {
-        *self.dac.scale()
     }
 }
 
@@ -126,8 +117,9 @@ where
     ) -> Result<Self, ConfigError> {
         // What may fail comes first, so that the rest is built where it will be.
         let generator = SineGenerator::new(programme)?;
-        let actuator = SpiActuator::new(dac, enable);
-        Ok(Self::with_parts(adc, actuator, config, generator, law))
+        let wiring = wiring(&adc, &dac);
+        let controller = RigController::with_exciter(config, &wiring, generator, law);
+        Ok(Self::wire(controller, adc, SpiActuator::new(dac, enable)))
     }
 }
 
@@ -149,6 +141,16 @@ where
         settings: &DamperEmulationSettings,
         law: L,
     ) -> Result<Self, ConfigError> {
-        Self::with_parts(adc, SpiActuator::new(dac, enable), settings, law)
+        let controller = EmulationController::new(settings, &wiring(&adc, &dac), law)?;
+        Ok(Self::wire(controller, adc, SpiActuator::new(dac, enable)))
+    }
+}
+
+fn wiring<A, D>(adc: &Ads8688<A>, dac: &Ad5761<D>) -> Wiring {
+    let [displacement, force] = adc.scales();
+    Wiring {
+        displacement,
+        force,
+        command: *dac.scale(),
     }
 }

@@ -10,7 +10,9 @@ use mesh_damper::message::{
     write_outcome, write_refusal, write_statistics,
 };
 use mesh_damper::pack::Upload;
-use mesh_damper::rig::{AnyExciter, Rig, State, Stream, StreamConfig, Telemetry, Wiring};
+use mesh_damper::rig::{
+    AnyExciter, Rig, RigController, State, Stream, StreamConfig, Telemetry, Wiring,
+};
 use mesh_damper::sine::{Programme, SineGenerator};
 
 use super::log;
@@ -210,7 +212,8 @@ impl<B: Board> Controller<B> {
             Some(config) => AnyExciter::Stream(Stream::new(config)),
             None => AnyExciter::Programme(SineGenerator::new(&*parts.programme)?),
         };
-        let rig = Rig::with_parts(sensors, actuator, &setup.config, exciter, parts.law);
+        let controller = RigController::with_exciter(&setup.config, &wiring, exciter, parts.law);
+        let rig = Rig::wire(controller, sensors, actuator);
         self.rig = Some(parts.rig.write(rig));
         Ok(true)
     }

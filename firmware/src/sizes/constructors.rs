@@ -8,7 +8,10 @@ use mesh_damper::converter::Scale;
 use mesh_damper::fast_law::RunningLaw;
 use mesh_damper::pack::{self, Upload};
 use mesh_damper::power::PowerSeed;
-use mesh_damper::rig::{DamperEmulation, DamperEmulationSettings, Rig, RigSettings, Wiring};
+use mesh_damper::rig::{
+    DamperEmulation, DamperEmulationSettings, EmulationController, Rig, RigController, RigSettings,
+    Wiring,
+};
 use mesh_damper::sine::{Block, Programme, SineGenerator};
 use mesh_damper::static_law::StaticLaw;
 
@@ -71,21 +74,16 @@ pub fn constructors<B: Board>(link: &mut B::Link) -> Option<()> {
     };
     named("Rig::new", &mut || {
         let (sensors, actuator) = B::Converters::open(&wiring)?;
-        let config = RigSettings::default().at(programme.tick_rate()).ok()?;
-        let generator = SineGenerator::new(programme).ok()?;
-        black_box(Rig::with_parts(
-            sensors,
-            actuator,
-            &config,
-            generator,
-            &mut *running,
-        ));
+        let settings = RigSettings::default();
+        let controller = RigController::new(&settings, &wiring, programme, &mut *running).ok()?;
+        black_box(Rig::wire(controller, sensors, actuator));
         Some(())
     })?;
     named("DamperEmulation::new", &mut || {
         let (sensors, actuator) = B::Converters::open(&wiring)?;
         let settings = DamperEmulationSettings::default();
-        black_box(DamperEmulation::with_parts(sensors, actuator, &settings, &mut *fixed).ok()?);
+        let controller = EmulationController::new(&settings, &wiring, &mut *fixed).ok()?;
+        black_box(DamperEmulation::wire(controller, sensors, actuator));
         Some(())
     })
 }

@@ -4,7 +4,7 @@ use core::hint::black_box;
 
 use mesh_damper::amplitude_independent::{self, Effects};
 use mesh_damper::converter::Scale;
-use mesh_damper::rig::{DamperEmulation, DamperEmulationSettings, Wiring};
+use mesh_damper::rig::{DamperEmulation, DamperEmulationSettings, EmulationController, Wiring};
 use mesh_damper::static_law::StaticLaw;
 
 use super::TICKS;
@@ -26,7 +26,8 @@ pub fn damper<B: Board>(_: &mut B::Link) -> Option<()> {
     };
     let (sensors, actuator) = B::Converters::open(&wiring)?;
     let settings = DamperEmulationSettings::default();
-    let mut damper = DamperEmulation::with_parts(sensors, actuator, &settings, law).ok()?;
+    let controller = EmulationController::new(&settings, &wiring, law).ok()?;
+    let mut damper = DamperEmulation::wire(controller, sensors, actuator);
     damper.start().ok()?;
     for _ in 0..TICKS {
         black_box(damper.tick());

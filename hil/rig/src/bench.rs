@@ -13,8 +13,8 @@ use mesh_damper::law::Law;
 use mesh_damper::operating_range::OperatingRange;
 use mesh_damper::pack::PackError;
 use mesh_damper::rig::{
-    AnyExciter, Rig, RigSettings, SpiActuator, SpiRig, StartRefused, State, Stream, StreamConfig,
-    StreamSettings, Telemetry,
+    AnyExciter, Rig, RigController, RigSettings, SpiActuator, SpiRig, StartRefused, State, Stream,
+    StreamConfig, StreamSettings, Telemetry, Wiring,
 };
 use mesh_damper::sine::{Programme, SineGenerator};
 use mesh_damper_recording::error::InputError;
@@ -213,16 +213,22 @@ impl<S: DamperForce + Clone, const B: usize, const N: usize> Bench<S, B, N> {
             Some(_) => AnyExciter::Stream(Stream::new(setup.stream_config()?)),
             None => AnyExciter::Programme(SineGenerator::new(setup.programme)?),
         };
-        let rig = Rig::with_parts(
-            connect_adc(
-                &adc,
-                setup.displacement_sensor.full_scale,
-                setup.force_sensor.full_scale,
-            )?,
-            SpiActuator::new(connect_dac(&dac, setup.command_range)?, enable),
-            &config,
-            exciter,
-            RunningLaw::new(FastLaw::new(setup.law)),
+        let converter = connect_adc(
+            &adc,
+            setup.displacement_sensor.full_scale,
+            setup.force_sensor.full_scale,
+        )?;
+        let [displacement, force] = converter.scales();
+        let wiring = Wiring {
+            displacement,
+            force,
+            command: Scale::new(setup.command_range, 0.0)?,
+        };
+        let law = RunningLaw::new(FastLaw::new(setup.law));
+        let rig = Rig::wire(
+            RigController::with_exciter(&config, &wiring, exciter, law),
+            converter,
+            SpiActuator::new(connect_dac(&dac, wiring.command)?, enable),
         );
         Ok(Self {
             rig,
@@ -313,8 +319,8 @@ pub(super) fn connect_adc(
 
 pub(super) fn connect_dac(
     pins: &Rc<DacPins>,
-    range: f64,
+    scale: Scale,
 ) -> Result<Ad5761<SimulatedAd5761>, SetupError> {
-    Ad5761::new(SimulatedAd5761::new(pins.clone()), Scale::new(range, 0.0)?)
+    Ad5761::new(SimulatedAd5761::new(pins.clone()), scale)
         .map_err(|error| SetupError::Converter(error.to_string()))
 }

@@ -3,6 +3,7 @@
 use std::cell::Cell;
 use std::rc::Rc;
 
+use mesh_damper::converter::Scale;
 use mesh_damper::dac::OUTPUT_RANGE;
 use mesh_damper::effects::AugmentedLaw;
 use mesh_damper::fast_law::{FastLaw, RunningLaw};
@@ -88,7 +89,7 @@ impl<const N: usize> EmulatorBench<N> {
                     setup.displacement_sensor.full_scale,
                     setup.force_range,
                 )?,
-                connect_dac(&dac, setup.force_range)?,
+                connect_dac(&dac, Scale::new(setup.force_range, 0.0)?)?,
                 enable,
                 &setup.settings,
                 RunningLaw::new(FastLaw::new(setup.law)),
