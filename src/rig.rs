@@ -1,22 +1,33 @@
-//! The fixed-tick controller: reads the specimen, drives the actuator, runs the law beside it, protects both.
+//! The fixed-tick controllers: they take what the sensors say of the specimen, say what the actuator is to do, run the law beside
+//! it, and protect both.
 //!
-//! [`Rig`] excites a specimen: an [`Exciter`]'s displacement goes out as the actuator's command, corrected for amplitude
+//! [`RigController`] excites a specimen: an [`Exciter`]'s displacement goes out as the actuator's command, corrected for amplitude
 //! and phase from cycle to cycle, and the law is evaluated beside the measured force. The exciter is the generator of a
-//! [`Programme`] or a [`Stream`] of any motion. [`DamperEmulation`] is the other role: it is the damper, and drives the law's
-//! force for the displacement it measures.
+//! [`Programme`](crate::sine::Programme) or a [`Stream`] of any motion. [`EmulationController`] is the other role: it is the damper,
+//! and drives the law's force for the displacement it measures.
+//!
+//! # Who does the I/O
+//! A [`Controller`] does none: a [`Reading`] goes in, and the [`Telemetry`] that comes out holds the [`Command`].
+//!
+//! | the converters | use |
+//! |---|---|
+//! | an ADS8688 and an AD5761R on SPI | [`Rig::new`], [`DamperEmulation::new`] |
+//! | others, read and written in calls that wait | [`Sensors`], [`Actuator`] and [`Blocking::wire`] |
+//! | awaited | the feature `async`: `AsyncSensors`, `AsyncActuator` and `Asynchronous::wire` |
+//! | DMA, or a link | the [`Controller`] itself, which has an example |
 //!
 //! # Deadline
-//! Call `tick()` once per tick, from a timer at the tick rate; it must return before the next. It clocks 64 bits out of
-//! the ADC and 24 into the DAC, 5.5 µs at 16 MHz, of the 100 µs at 10 kHz. Its computation is a fixed number of
+//! Call `tick()` once per tick, from a timer at the tick rate; it must return before the next. On the two SPI parts it clocks 64
+//! bits out of the ADC and 24 into the DAC, 5.5 µs at 16 MHz, of the 100 µs at 10 kHz. Its computation is a fixed number of
 //! operations without a loop but for the law's effects, and calls nothing of libm; a swap of the law adds a row of its
 //! table to each of some hundred ticks, and the tick that ends a cycle the cycle's results, a dozen divisions and one square
 //! root. Whoever owns the timer counts ticks that came late.
 //!
 //! # Stopping
-//! A limit exceeded, a bus error, a channel at the end of its range, stuck or dropped out, a cycle without response, a number
+//! A limit exceeded, sensors or an actuator that fail, a channel at the end of its range, stuck or dropped out, a cycle without response, a number
 //! that is not finite, a tick that came late or a link that is lost stops it: the enable line drops in that very tick, the
 //! command goes to 0 in a straight line within [`RigSettings::stop_ticks`] and one, and the cause stays as
-//! [`State::Faulted`] until [`Rig::clear`]. What of the rig's states follows on which:
+//! [`State::Faulted`] until [`Controller::clear`]. What of the rig's states follows on which:
 //!
 //! ```text
 //!                  start                 stop, finish                     at rest
