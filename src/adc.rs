@@ -41,6 +41,7 @@ const WRITE: u8 = 1;
 /// Why the part did not answer as it should.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub enum AdcError<E> {
     /// The bus failed.
     Bus(E),

@@ -125,6 +125,8 @@ impl Scale {
 
 /// One channel's reading.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Sample {
     /// In the channel's unit.
     pub value: f32,
@@ -153,6 +155,8 @@ impl Sample {
 
 /// A code for a DAC.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Code {
     /// Offset binary.
     pub code: u16,

@@ -39,6 +39,7 @@ const CONTROL_BITS: u16 = 0x07FF;
 /// Why the part did not answer as it should.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub enum DacError<E> {
     /// The bus failed.
     Bus(E),

@@ -88,6 +88,8 @@ impl Fields for Setup {
 
 /// What the sensors deliver at one tick.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Sensors {
     /// The ADC's code of channel 0.
     pub displacement: u16,
@@ -297,6 +299,8 @@ impl<'a> Request<'a> {
 
 /// What the image took.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Statistics {
     /// Most bytes of stack used since the start.
     pub stack: u32,

@@ -100,6 +100,9 @@ pub type EmulatorSettings = DamperEmulationSettings;
 
 /// What a rig is set to. [`RigController::new`] validates it.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(feature = "serde", serde(default, deny_unknown_fields))]
 pub struct RigSettings {
     /// Largest measured displacement in either direction, mm, 1e-6…1e4.
     pub displacement_limit: f64,
@@ -220,6 +223,8 @@ impl RigSettings {
 
 /// One tick, as the rig saw it.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Telemetry {
     /// Ticks since construction, this one included.
     pub tick: u64,
@@ -263,6 +268,8 @@ impl Telemetry {
 
 /// One cycle's results, from the observed displacement.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct CycleReport {
     /// Block of the programme; 0 from an emulator.
     pub block: usize,

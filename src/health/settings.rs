@@ -7,6 +7,9 @@ use crate::real::in_range;
 
 /// What a monitor is set to.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(feature = "serde", serde(default, deny_unknown_fields))]
 pub struct HealthSettings {
     /// Smallest lasting change of stiffness, energy, mean force (of its amplitude) or residual (of the law's force) that is to
     /// be found, 0.01…0.5.

@@ -9,6 +9,8 @@ use crate::rig::{CycleReport, State, Telemetry, TripCause};
 
 /// What one tick of the rig came to.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Outcome {
     /// The DAC's code.
     pub code: u16,

@@ -19,6 +19,9 @@ use crate::tick_law::TickLaw;
 
 /// What an emulator is set to. [`EmulationController::new`] validates it.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(feature = "serde", serde(default, deny_unknown_fields))]
 pub struct DamperEmulationSettings {
     /// Hz, 1…1e6.
     pub tick_rate: f64,

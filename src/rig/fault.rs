@@ -7,6 +7,7 @@ use crate::real::in_range;
 /// Why a rig stopped.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[non_exhaustive]
 pub enum TripCause {
     /// Reading the sensors failed, as on the ADC's bus.

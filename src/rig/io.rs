@@ -7,6 +7,8 @@ use crate::effects::CONTROLS;
 ///
 /// A value that is not finite counts as a missing measurement, and exceeds every limit.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Reading {
     /// mm.
     pub displacement: Sample,
@@ -19,6 +21,8 @@ pub struct Reading {
 
 /// What the actuator is to do until the next tick.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Command {
     /// mm, or kN of a damper emulation; within the range of [`Wiring::command`].
     pub value: f32,

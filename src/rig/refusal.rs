@@ -8,6 +8,7 @@ use super::state::State;
 /// Why a controller does not start. It goes on as before.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub enum StartRefused {
     /// It is running.
     Running,
@@ -45,6 +46,7 @@ impl core::error::Error for StartRefused {}
 /// Why a controller does not forget its fault.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub enum ClearRefused {
     /// There is no fault.
     NoFault,

@@ -42,6 +42,7 @@ impl<D, E> SpiActuator<D, E> {
 /// What failed of a [`SpiActuator`].
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub enum SpiActuatorError<D, E> {
     /// The DAC's bus.
     Dac(D),

@@ -136,10 +136,7 @@ impl<B: Board> Controller<B> {
             (Request::Start, _, Some(rig)) => {
                 let started = rig.start();
                 self.state = rig.state();
-                match started {
-                    Ok(()) => defmt::info!("started"),
-                    Err(refused) => defmt::warn!("not started: {}", refused),
-                }
+                defmt::info!("start: {=bool}", started.is_ok());
                 started?;
             }
             (Request::Stop, _, Some(rig)) => {
@@ -148,10 +145,7 @@ impl<B: Board> Controller<B> {
             }
             (Request::Clear, _, Some(rig)) => {
                 let cleared = rig.clear();
-                match cleared {
-                    Ok(()) => defmt::info!("cleared"),
-                    Err(refused) => defmt::warn!("not cleared: {}", refused),
-                }
+                defmt::info!("clear: {=bool}", cleared.is_ok());
                 cleared?;
             }
             (Request::Knots(knots), _, Some(rig)) => {
