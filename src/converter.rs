@@ -15,7 +15,6 @@ pub const SCALE_LIMIT: f64 = 1e6;
 /// The unit is the channel's own: mm, kN.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Scale {
-    full_scale: f32,
     zero: f32,
     step: f32,
     inverse_step: f32,
@@ -23,14 +22,14 @@ pub struct Scale {
 
 impl Fields for Scale {
     fn write(&self, writer: &mut Writer<'_>) {
-        let floats = [self.full_scale, self.zero, self.step, self.inverse_step];
+        let floats = [self.full_scale(), self.zero, self.step, self.inverse_step];
         writer.words(floats.map(f32::to_bits));
     }
 
     fn read(reader: &mut Reader<'_>) -> Option<Self> {
-        let [full_scale, zero, step, inverse_step] = reader.words()?.map(f32::from_bits);
+        // The full scale is what the step says.
+        let [_, zero, step, inverse_step] = reader.words()?.map(f32::from_bits);
         Some(Self {
-            full_scale,
             zero,
             step,
             inverse_step,
@@ -50,7 +49,6 @@ impl Scale {
         in_range("full_scale", full_scale.abs(), 1e-6, SCALE_LIMIT)?;
         let zero = in_range("zero", zero, -SCALE_LIMIT, SCALE_LIMIT)?;
         Ok(Self {
-            full_scale: full_scale as f32,
             zero: zero as f32,
             step: (full_scale / f64::from(MIDSCALE)) as f32,
             inverse_step: (f64::from(MIDSCALE) / full_scale) as f32,
@@ -59,7 +57,8 @@ impl Scale {
 
     /// The quantity at the converter's positive full scale.
     pub fn full_scale(&self) -> f32 {
-        self.full_scale
+        // A power of two: nothing is rounded.
+        self.step * f32::from(MIDSCALE)
     }
 
     /// The quantity of one code.

@@ -157,12 +157,13 @@ impl From<PackError> for Refusal<'static> {
 pub fn write_refusal(sequence: u32, refusal: &Refusal<'_>, buffer: &mut FrameBuffer) {
     buffer.write(answer(kind::REFUSED, sequence, 1), |writer| {
         writer.u8(refusal.number());
-        match refusal {
-            Refusal::Field(name) | Refusal::Removed(name) => writer.bytes(name.as_bytes()),
-            Refusal::Start(refused) => writer.u8(state_code(state_of_start(*refused))),
-            Refusal::Clear(refused) => writer.u8(state_code(state_of_clear(*refused))),
-            _ => {}
-        }
+        let state = match refusal {
+            Refusal::Field(name) | Refusal::Removed(name) => return writer.bytes(name.as_bytes()),
+            Refusal::Start(refused) => state_of_start(*refused),
+            Refusal::Clear(refused) => state_of_clear(*refused),
+            _ => return,
+        };
+        writer.u8(state_code(state));
     });
 }
 

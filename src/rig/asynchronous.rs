@@ -60,16 +60,16 @@ pub struct Asynchronous<C, S, A> {
 }
 
 impl<C: Controller, S: AsyncSensors, A: AsyncActuator> Asynchronous<C, S, A> {
-    /// Idle, enable line low. `controller` is at rest, and made for the scales of `sensors` and `actuator`.
-    pub async fn wire(controller: C, sensors: S, actuator: A) -> Self {
-        let mut new = Self {
+    /// Idle, enable line low. `controller` is at rest, and made for the scales of `sensors` and `actuator`. A line that does not
+    /// drop is a fault at the first tick or start.
+    pub async fn wire(controller: C, sensors: S, mut actuator: A) -> Self {
+        let low = actuator.enable(false).await.is_ok();
+        Self {
             controller,
             sensors,
             actuator,
-            low: false,
-        };
-        new.lower().await;
-        new
+            low,
+        }
     }
 
     /// Sets the line low.
@@ -86,6 +86,7 @@ impl<C: Controller, S: AsyncSensors, A: AsyncActuator> Asynchronous<C, S, A> {
     /// # Errors
     /// Those of [`Controller::start`]; an enable line that does not rise.
     pub async fn start(&mut self) -> Result<(), StartRefused> {
+        self.settle().await;
         self.controller.start()?;
         self.low = false;
         if self.actuator.enable(true).await.is_ok() {

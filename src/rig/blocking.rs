@@ -24,17 +24,18 @@ pub struct Blocking<C, S, A> {
 }
 
 impl<C: Controller, S: Sensors, A: Actuator> Blocking<C, S, A> {
-    /// Idle, enable line low. `controller` is at rest, and made for the scales of `sensors` and `actuator`.
-    #[inline]
-    pub fn wire(controller: C, sensors: S, actuator: A) -> Self {
-        let mut new = Self {
+    /// Idle, enable line low. `controller` is at rest, and made for the scales of `sensors` and `actuator`. A line that does not
+    /// drop is a fault at the first tick or start.
+    // Inlined, so that the controller is built where it will be.
+    #[inline(always)]
+    pub fn wire(controller: C, sensors: S, mut actuator: A) -> Self {
+        let low = actuator.enable(false).is_ok();
+        Self {
+            controller,
             sensors,
             actuator,
-            low: false,
-            controller,
-        };
-        new.lower();
-        new
+            low,
+        }
     }
 
     /// Sets the line low.
@@ -51,6 +52,7 @@ impl<C: Controller, S: Sensors, A: Actuator> Blocking<C, S, A> {
     /// # Errors
     /// Those of [`Controller::start`]; an enable line that does not rise.
     pub fn start(&mut self) -> Result<(), StartRefused> {
+        self.settle();
         self.controller.start()?;
         self.low = false;
         if self.actuator.enable(true).is_ok() {

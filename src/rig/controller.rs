@@ -94,3 +94,56 @@ pub trait Controller {
     /// What the actuator drives: mm, or kN of a damper emulation.
     fn driven(&self) -> f32;
 }
+
+/// Borrowed: firmware builds a controller where it stays, and what calls it beside it.
+impl<C: Controller> Controller for &mut C {
+    #[inline(always)]
+    fn start(&mut self) -> Result<(), StartRefused> {
+        C::start(self)
+    }
+
+    #[inline(always)]
+    fn stop(&mut self) {
+        C::stop(self);
+    }
+
+    #[inline(always)]
+    fn clear(&mut self) -> Result<(), ClearRefused> {
+        C::clear(self)
+    }
+
+    #[inline(always)]
+    fn exchange(&mut self) {
+        C::exchange(self);
+    }
+
+    #[inline(always)]
+    fn overrun(&mut self) {
+        C::overrun(self);
+    }
+
+    #[inline(always)]
+    fn tick(&mut self, reading: Option<Reading>) -> Telemetry {
+        C::tick(self, reading)
+    }
+
+    #[inline(always)]
+    fn command_failed(&mut self) {
+        C::command_failed(self);
+    }
+
+    #[inline(always)]
+    fn enable_failed(&mut self) {
+        C::enable_failed(self);
+    }
+
+    #[inline(always)]
+    fn state(&self) -> State {
+        C::state(self)
+    }
+
+    #[inline(always)]
+    fn driven(&self) -> f32 {
+        C::driven(self)
+    }
+}

@@ -83,7 +83,7 @@ where
 {
     /// [`RigController::new`] with any exciter in the place of a programme's generator. Ticks run at the exciter's rate, which is
     /// to be that of `config`.
-    #[inline]
+    #[inline(always)]
     pub fn with_exciter(config: &RigConfig, wiring: &Wiring, exciter: X, law: L) -> Self {
         Self {
             health: HealthMonitor::new(

@@ -44,7 +44,7 @@ impl Converters for SimulatedConverters {
     fn open(wiring: &Wiring) -> Option<(Self::Sensors, Self::Actuator)> {
         let adc = Adc {
             selected: 0,
-            registers: [0; REGISTERS],
+            ranges: [0; 2],
         };
         let dac = Dac {
             control: 0,
@@ -88,14 +88,15 @@ fn one_frame(
     Ok(())
 }
 
-/// Registers of the ADC, as many as it has addresses below 16: the driver needs 5 and 6.
-const REGISTERS: usize = 16;
+/// Address of the first channel's range.
+const FIRST_RANGE: u8 = 0x05;
 
 /// An ADS8688 that delivers codes whatever its ranges are.
 pub struct Adc {
     /// The channel that the next frame converts.
     selected: u8,
-    registers: [u8; REGISTERS],
+    /// Its registers of both channels' ranges; there are no others.
+    ranges: [u8; 2],
 }
 
 impl spi::ErrorType for Adc {
@@ -119,7 +120,8 @@ impl SpiDevice for Adc {
             }
             // A register takes what is written, and comes out in the last byte.
             [address, value, _] => {
-                let Some(register) = self.registers.get_mut(usize::from(address >> 1)) else {
+                let place = usize::from((address >> 1).wrapping_sub(FIRST_RANGE));
+                let Some(register) = self.ranges.get_mut(place) else {
                     return [0; 4];
                 };
                 if address & 1 != 0 {

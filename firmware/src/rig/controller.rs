@@ -11,7 +11,7 @@ use mesh_damper::message::{
 };
 use mesh_damper::pack::Upload;
 use mesh_damper::rig::{
-    AnyExciter, Rig, RigController, State, Stream, StreamConfig, Telemetry, Wiring,
+    AnyExciter, Blocking, RigController, State, Stream, StreamConfig, Telemetry, Wiring,
 };
 use mesh_damper::sine::{Programme, SineGenerator};
 
@@ -23,13 +23,18 @@ pub const EFFECTS: usize = 8;
 
 type Wired<B> = <B as Board>::Converters;
 
-/// The crate's rig on the board.
-pub type WiredRig<B> = Rig<
-    <Wired<B> as Converters>::Sensors,
-    <Wired<B> as Converters>::Actuator,
+/// The crate's controller.
+pub type Excitation = RigController<
     EFFECTS,
     AnyExciter<MAX_BLOCKS, &'static Programme<MAX_BLOCKS>>,
     &'static mut RunningLaw<EFFECTS>,
+>;
+
+/// The crate's rig on the board.
+pub type WiredRig<B> = Blocking<
+    &'static mut Excitation,
+    <Wired<B> as Converters>::Sensors,
+    <Wired<B> as Converters>::Actuator,
 >;
 
 /// What a rig is made of: the image's own until there is one.
@@ -38,8 +43,9 @@ pub struct Parts<B: Board> {
     pub law: &'static mut RunningLaw<EFFECTS>,
     /// What it is to follow in the place of the programme.
     pub stream: &'static mut Option<StreamConfig>,
-    /// Where it will be.
+    /// Where it will be, and its controller.
     pub rig: &'static mut MaybeUninit<WiredRig<B>>,
+    pub controller: &'static mut MaybeUninit<Excitation>,
 }
 
 /// Everything that requests act on.
@@ -206,8 +212,13 @@ impl<B: Board> Controller<B> {
             Some(config) => AnyExciter::Stream(Stream::new(config)),
             None => AnyExciter::Programme(SineGenerator::new(&*parts.programme)?),
         };
-        let controller = RigController::with_exciter(&setup.config, &wiring, exciter, parts.law);
-        let rig = Rig::wire(controller, sensors, actuator);
+        let controller = parts.controller.write(RigController::with_exciter(
+            &setup.config,
+            &wiring,
+            exciter,
+            parts.law,
+        ));
+        let rig = Blocking::wire(controller, sensors, actuator);
         self.rig = Some(parts.rig.write(rig));
         Ok(true)
     }
