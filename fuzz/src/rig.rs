@@ -1,6 +1,7 @@
 //! Rig and damper emulator on converters that deliver anything, with everything failing, stopped, started and swapped at any
 //! moment.
 
+use std::ops::DerefMut as _;
 use std::rc::Rc;
 
 use mesh_damper::adc::Ads8688;
@@ -47,10 +48,10 @@ macro_rules! controller {
                 self.clear()
             }
             fn swap_law(&mut self, law: FastLaw<EFFECTS>) {
-                self.swap_law(law);
+                self.deref_mut().swap_law(law);
             }
             fn set_temperature(&mut self, temperature: f32) {
-                self.set_temperature(temperature);
+                self.deref_mut().set_temperature(temperature);
             }
             fn state(&self) -> State {
                 self.state()
@@ -119,13 +120,12 @@ impl Guard {
         self.last = now.command;
     }
 
-    /// A start was refused after a clear that says `cleared`: something keeps it from running, and the clear knew what.
-    fn see_refusal(&self, state: State, cleared: Result<(), ClearRefused>) {
-        match (state, cleared) {
-            (State::Faulted(now), Err(ClearRefused::Faulted(then))) => assert_eq!(now, then),
-            (State::Faulted(_), Err(ClearRefused::Moving) | Ok(()))
-            | (State::Idle | State::Done, Err(ClearRefused::NoFault)) => {}
-            seen => panic!("{seen:?}"),
+    /// A start was `refused` of one that was not running: the reason is the state that it is in.
+    fn see_refusal(&self, state: State, refused: StartRefused) {
+        match refused {
+            StartRefused::Faulted(cause) => assert_eq!(state, State::Faulted(cause)),
+            StartRefused::Moving => assert!(matches!(state, State::Idle | State::Done)),
+            StartRefused::Running => panic!("it was not running"),
         }
     }
 
@@ -403,11 +403,12 @@ fn run(
         }
         // Whoever runs the rig tries again and again.
         if drawn >> 32 & 0xf == 0 && controller.state() != State::Running {
-            let cleared = controller.clear();
-            if controller.start().is_ok() {
-                guard.exceeded = [0; 2];
-            } else {
-                guard.see_refusal(controller.state(), cleared);
+            if let Err(ClearRefused::Faulted(cause)) = controller.clear() {
+                assert_eq!(controller.state(), State::Faulted(cause));
+            }
+            match controller.start() {
+                Ok(()) => guard.exceeded = [0; 2],
+                Err(refused) => guard.see_refusal(controller.state(), refused),
             }
         }
         plant.sense(&wires, ratio, &mut random);

@@ -119,6 +119,8 @@ impl Guard {
         self.see_rest();
     }
 
+    /// Not inlined: both ways to come to rest end here.
+    #[inline(never)]
     fn see_rest(&mut self) {
         if self.command == 0.0 {
             self.machine = self.machine.after(Happening::AtRest);
@@ -193,30 +195,27 @@ impl Guard {
     #[cold]
     #[inline(never)]
     fn refuse(&mut self, demanded: f32) {
-        if demanded.is_finite() {
-            self.command = if demanded > self.high {
-                self.high
-            } else {
-                self.low
-            };
-            self.trip(TripCause::CommandClipped);
-        } else {
+        if !demanded.is_finite() {
             self.trip(TripCause::NotFinite);
-            self.step_back();
+            return self.step_back();
         }
+        self.command = if demanded > self.high {
+            self.high
+        } else {
+            self.low
+        };
+        self.trip(TripCause::CommandClipped);
     }
 
+    #[inline(never)]
     fn step_back(&mut self) {
-        self.command = if self.command > self.stop_step {
-            self.command - self.stop_step
-        } else if self.command < -self.stop_step {
-            self.command + self.stop_step
+        let left = self.command.abs() - self.stop_step;
+        self.command = if left > 0.0 {
+            left.copysign(self.command)
         } else {
             0.0
         };
-        if !self.machine.resting {
-            self.see_rest();
-        }
+        self.see_rest();
     }
 
     /// The actuator did not take the command of this tick: it goes on with the one before, and the way back begins there.
