@@ -6,15 +6,22 @@
 //!
 //! - Conversion frame, 32 bits: a 16-bit command goes in, then the 16-bit result of the channel that the *previous*
 //!   command selected comes out. It is sampled where chip select falls.
-//! - Register frame, 24 bits: 7 bits of address, 1 for writing, 8 of data; the last 8 bits out echo what was written.
+//! - Register frame, 24 bits: 7 bits of address, 1 for writing or 0 for reading, 8 of data, and 8 in which a read register comes out.
 //! - Results are offset binary: 0x0000 is −10.24 V, 0x8000 is 0 V, 0xFFFF is one step below +10.24 V.
 //!
 //! Displacement is on channel 0, force on channel 1. They are sampled one frame apart, 2 µs at 17 MHz. At 10 Hz that
 //! turns force against displacement by 1.3e-4 rad, which is the error it makes in the loss factor.
 
+#[cfg(feature = "async")]
+mod asynchronous;
+
+use core::fmt;
+
 use embedded_hal::spi::{Mode, SpiDevice};
 
-use crate::converter::{Sample, Scale};
+use crate::converter::Scale;
+use crate::effects::CONTROLS;
+use crate::rig::Reading;
 
 /// What the bus must be set to.
 pub const SPI_MODE: Mode = embedded_hal::spi::MODE_1;
@@ -25,38 +32,53 @@ pub const INPUT_RANGE: f64 = 10.24;
 const RESET: u8 = 0x85;
 const SELECT_DISPLACEMENT: u8 = 0xC0;
 const SELECT_FORCE: u8 = 0xC4;
-const RANGE_REGISTERS: [u8; 2] = [0x05, 0x06];
-/// ±2.5 times the reference.
-const RANGE_BIPOLAR: u8 = 0x00;
+/// Range registers of channels 0 and 1, and what is written into them, in this order. What comes first is what neither a reset
+/// nor a line that is held or echoes leaves there, each bit once 0 and once 1: 0…2.5 and ±0.625 times the reference. Then follows
+/// what they are to be: ±2.5 times the reference.
+const RANGES: [(u8, u8); 4] = [(0x05, 0x05), (0x06, 0x02), (0x05, 0x00), (0x06, 0x00)];
 const WRITE: u8 = 1;
 
 /// Why the part did not answer as it should.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub enum AdcError<E> {
     /// The bus failed.
     Bus(E),
-    /// A register did not echo what was written: no part, or another one.
+    /// A register did not hold what was written: no part, another one, or a line that is held.
     Register {
         /// Its address.
         address: u8,
-        /// What came back.
-        echo: u8,
+        /// What was written.
+        expected: u8,
+        /// What was read.
+        found: u8,
     },
 }
+
+impl<E: fmt::Debug> fmt::Display for AdcError<E> {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Bus(error) => write!(f, "the ADC's bus failed: {error:?}"),
+            Self::Register {
+                address,
+                expected,
+                found,
+            } => write!(
+                f,
+                "register {address:#04x} of the ADC reads {found:#04x} after {expected:#04x} was written: is it an ADS8688, \
+                 powered, on this chip select, and its data line connected?"
+            ),
+        }
+    }
+}
+
+impl<E: fmt::Debug> core::error::Error for AdcError<E> {}
 
 impl<E> From<E> for AdcError<E> {
     fn from(error: E) -> Self {
         Self::Bus(error)
     }
-}
-
-/// Both channels at one tick.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Reading {
-    /// mm.
-    pub displacement: Sample,
-    /// kN.
-    pub force: Sample,
 }
 
 /// The part on its bus.
@@ -69,8 +91,70 @@ pub struct Ads8688<S> {
     in_step: bool,
 }
 
+impl<S> Ads8688<S> {
+    /// Of displacement and force.
+    pub fn scales(&self) -> [Scale; 2] {
+        [self.displacement, self.force]
+    }
+
+    /// The bus, when the part is no longer used.
+    pub fn release(self) -> S {
+        self.spi
+    }
+
+    /// A part that has been checked and set.
+    fn checked(spi: S, displacement: Scale, force: Scale) -> Self {
+        Self {
+            spi,
+            displacement,
+            force,
+            in_step: false,
+        }
+    }
+
+    /// What both channels' codes say.
+    #[inline]
+    fn reading(&self, displacement: u16, force: u16) -> Reading {
+        Reading {
+            displacement: self.displacement.decode(displacement),
+            force: self.force.decode(force),
+            controls: [0.0; CONTROLS],
+        }
+    }
+}
+
+/// The frame that brings the result of the channel selected before, and selects the next.
+#[inline(always)]
+fn conversion_frame(select: u8) -> [u8; 4] {
+    [select, 0, 0, 0]
+}
+
+/// What came in a conversion frame.
+#[inline(always)]
+fn result_of([_, _, high, low]: [u8; 4]) -> u16 {
+    u16::from_be_bytes([high, low])
+}
+
+/// The frame that writes `value` into a register, and the one that reads it.
+fn register_frames(address: u8, value: u8) -> [[u8; 3]; 2] {
+    [[address << 1 | WRITE, value, 0], [address << 1, 0, 0]]
+}
+
+/// Whether the register at `address` holds what it should, by what came in the frame that reads it.
+fn held<E>(address: u8, expected: u8, [_, _, found]: [u8; 3]) -> Result<(), AdcError<E>> {
+    if found == expected {
+        Ok(())
+    } else {
+        Err(AdcError::Register {
+            address,
+            expected,
+            found,
+        })
+    }
+}
+
 impl<S: SpiDevice> Ads8688<S> {
-    /// Resets the part and sets the range of both channels.
+    /// Resets the part, checks that it is there by registers that it is to hold, and sets the range of both channels.
     ///
     /// * `displacement`, `force`: mm and kN at +10.24 V
     ///
@@ -78,20 +162,13 @@ impl<S: SpiDevice> Ads8688<S> {
     /// The bus's, or [`AdcError::Register`].
     pub fn new(mut spi: S, displacement: Scale, force: Scale) -> Result<Self, AdcError<S::Error>> {
         spi.write(&[RESET, 0, 0, 0])?;
-        for address in RANGE_REGISTERS {
-            let mut frame = [address << 1 | WRITE, RANGE_BIPOLAR, 0];
-            spi.transfer_in_place(&mut frame)?;
-            let [_, _, echo] = frame;
-            if echo != RANGE_BIPOLAR {
-                return Err(AdcError::Register { address, echo });
-            }
+        for (address, value) in RANGES {
+            let [write, mut read] = register_frames(address, value);
+            spi.write(&write)?;
+            spi.transfer_in_place(&mut read)?;
+            held(address, value, read)?;
         }
-        Ok(Self {
-            spi,
-            displacement,
-            force,
-            in_step: false,
-        })
+        Ok(Self::checked(spi, displacement, force))
     }
 
     /// Samples displacement, then force: two frames, 64 clocks. The first call, and the first after a bus error, takes
@@ -108,28 +185,14 @@ impl<S: SpiDevice> Ads8688<S> {
         let displacement = self.convert(SELECT_FORCE)?;
         let force = self.convert(SELECT_DISPLACEMENT)?;
         self.in_step = true;
-        Ok(Reading {
-            displacement: self.displacement.decode(displacement),
-            force: self.force.decode(force),
-        })
+        Ok(self.reading(displacement, force))
     }
 
     /// The result of the channel selected before; `select` is the next one's command.
     #[inline]
     fn convert(&mut self, select: u8) -> Result<u16, S::Error> {
-        let mut frame = [select, 0, 0, 0];
+        let mut frame = conversion_frame(select);
         self.spi.transfer_in_place(&mut frame)?;
-        let [_, _, high, low] = frame;
-        Ok(u16::from_be_bytes([high, low]))
-    }
-
-    /// Of displacement and force.
-    pub fn scales(&self) -> (&Scale, &Scale) {
-        (&self.displacement, &self.force)
-    }
-
-    /// The bus, when the part is no longer used.
-    pub fn release(self) -> S {
-        self.spi
+        Ok(result_of(frame))
     }
 }

@@ -15,7 +15,6 @@ pub const SCALE_LIMIT: f64 = 1e6;
 /// The unit is the channel's own: mm, kN.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Scale {
-    full_scale: f32,
     zero: f32,
     step: f32,
     inverse_step: f32,
@@ -23,14 +22,14 @@ pub struct Scale {
 
 impl Fields for Scale {
     fn write(&self, writer: &mut Writer<'_>) {
-        let floats = [self.full_scale, self.zero, self.step, self.inverse_step];
+        let floats = [self.full_scale(), self.zero, self.step, self.inverse_step];
         writer.words(floats.map(f32::to_bits));
     }
 
     fn read(reader: &mut Reader<'_>) -> Option<Self> {
-        let [full_scale, zero, step, inverse_step] = reader.words()?.map(f32::from_bits);
+        // The full scale is what the step says.
+        let [_, zero, step, inverse_step] = reader.words()?.map(f32::from_bits);
         Some(Self {
-            full_scale,
             zero,
             step,
             inverse_step,
@@ -50,7 +49,6 @@ impl Scale {
         in_range("full_scale", full_scale.abs(), 1e-6, SCALE_LIMIT)?;
         let zero = in_range("zero", zero, -SCALE_LIMIT, SCALE_LIMIT)?;
         Ok(Self {
-            full_scale: full_scale as f32,
             zero: zero as f32,
             step: (full_scale / f64::from(MIDSCALE)) as f32,
             inverse_step: (f64::from(MIDSCALE) / full_scale) as f32,
@@ -59,12 +57,23 @@ impl Scale {
 
     /// The quantity at the converter's positive full scale.
     pub fn full_scale(&self) -> f32 {
-        self.full_scale
+        // A power of two: nothing is rounded.
+        self.step * f32::from(MIDSCALE)
     }
 
     /// The quantity of one code.
     pub fn step(&self) -> f32 {
         self.step
+    }
+
+    /// What the first and the last code stand for, the smaller one first.
+    pub(crate) fn ends(&self) -> [f32; 2] {
+        let [first, last] = [0, u16::MAX].map(|code| self.decode(code).value);
+        if first < last {
+            [first, last]
+        } else {
+            [last, first]
+        }
     }
 
     /// What a code read from an ADC stands for.
@@ -74,6 +83,20 @@ impl Scale {
         Sample {
             value: count as f32 * self.step - self.zero,
             code,
+        }
+    }
+
+    /// What a code of an ADC of `BITS` bits stands for, 1…16, offset binary over the same range. The sample has the code as a
+    /// converter of 16 bits gives it; the last one is told apart, so that [`Sample::clipped`] sees either end.
+    #[inline(always)]
+    pub fn decode_narrow<const BITS: u32>(&self, code: u16) -> Sample {
+        const { assert!(BITS >= 1 && BITS <= 16, "an ADC has 1 to 16 bits") };
+        let shift = const { 16 - BITS };
+        let last = const { u16::MAX >> (16 - BITS) };
+        let sample = self.decode(code.min(last) << shift);
+        Sample {
+            code: if code >= last { u16::MAX } else { sample.code },
+            ..sample
         }
     }
 
@@ -101,6 +124,8 @@ impl Scale {
 
 /// One channel's reading.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Sample {
     /// In the channel's unit.
     pub value: f32,
@@ -129,6 +154,8 @@ impl Sample {
 
 /// A code for a DAC.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Code {
     /// Offset binary.
     pub code: u16,

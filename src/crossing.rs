@@ -16,6 +16,8 @@ use crate::sum::{FOLD, Sum};
 
 /// What the detector says of one sample.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Crossing {
     /// Phase, 2³² to the cycle, supposing that the cycle lasts as long as the one before. Where it lasts longer the phase
     /// waits for the crossing just below a whole cycle. 0 until a first cycle has been measured.

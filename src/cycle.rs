@@ -28,6 +28,8 @@ pub const AMPLITUDE_MIN: f32 = 1e-9;
 
 /// What one cycle came to. Every field is finite.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Cycle {
     /// Largest force, kN.
     pub force_max: f32,

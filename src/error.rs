@@ -4,6 +4,8 @@ use core::fmt;
 
 /// A configuration that was refused. Every variant carries the field's name as it stands in the type's documentation.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+#[cfg_attr(feature = "serde", derive(serde::Serialize))]
 #[non_exhaustive]
 pub enum ConfigError {
     /// The field is NaN or infinite.

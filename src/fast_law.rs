@@ -67,6 +67,7 @@ enum Waiting {
 /// that the rig has followed.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Adaptation {
     /// Of k1.
     pub k1: f32,

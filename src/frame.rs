@@ -50,6 +50,8 @@ fn update(crc: u32, part: &[u8]) -> u32 {
 
 /// What a frame says of itself.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Header {
     /// What its payload is, as [`crate::message`] numbers it.
     pub kind: u8,

@@ -42,10 +42,9 @@ pub(crate) use channel::Change;
 pub(crate) use settings::HealthConfig;
 pub use settings::HealthSettings;
 
-use crate::adc::Reading;
 use crate::converter::{Sample, Scale};
 use crate::fast_law::Adaptation;
-use crate::rig::TripCause;
+use crate::rig::{Reading, TripCause};
 use adaptation::Adapter;
 use channel::{Beside, ChannelWatch};
 use places::{late, part_end};

@@ -88,6 +88,8 @@ impl Fields for Setup {
 
 /// What the sensors deliver at one tick.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Sensors {
     /// The ADC's code of channel 0.
     pub displacement: u16,
@@ -126,11 +128,11 @@ pub enum Request<'a> {
     PackEnd,
     /// Wires up the rig.
     Setup(Setup),
-    /// [`crate::rig::Rig::start`].
+    /// [`crate::rig::Controller::start`].
     Start,
-    /// [`crate::rig::Rig::stop`].
+    /// [`crate::rig::Controller::stop`].
     Stop,
-    /// [`crate::rig::Rig::clear`].
+    /// [`crate::rig::Controller::clear`].
     Clear,
     /// One tick of the rig.
     Tick(Sensors),
@@ -297,6 +299,8 @@ impl<'a> Request<'a> {
 
 /// What the image took.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Statistics {
     /// Most bytes of stack used since the start.
     pub stack: u32,
@@ -307,7 +311,7 @@ pub struct Statistics {
 /// What the image answers.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Answer<'a> {
-    /// Done; the word is what a rig's `start` and `clear` say, and true for all else.
+    /// Done; the word is no where there was no room for all knots, and yes otherwise.
     Done(bool),
     /// Not done.
     Refused(Refusal<'a>),

@@ -102,6 +102,8 @@ impl ObserverConfig {
 
 /// What the observer knows at a tick.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Estimate {
     /// mm.
     pub displacement: f32,

@@ -9,7 +9,7 @@
 //! numbers, `(u8, Vec<f32>)`, and an `Option` of the correction: its numbers, and its tables as bytes.
 //!
 //! The host makes a pack with [`encode`]. The rig collects it with an [`Upload`], which gives a law only when every byte is
-//! there and right; [`crate::rig::Rig::swap_law_with`] writes that law beside the one in force and takes it at the end of a
+//! there and right; [`crate::rig::RigController::swap_law_with`] writes that law beside the one in force and takes it at the end of a
 //! cycle. So there are two slots, and an upload that breaks off or arrives damaged never touches the one in force.
 
 use core::fmt;

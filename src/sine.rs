@@ -674,6 +674,8 @@ impl<const N: usize> Programme<N> {
 /// What the generator asks for at one tick. Position, velocity and acceleration are the derivatives of one another,
 /// ramps included.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Excitation {
     /// Position, mm.
     pub displacement: f32,

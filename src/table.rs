@@ -75,6 +75,8 @@ pub static PAPER: Table<5, 5> = Table {
 
 /// Where a value lies with respect to the nodes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub enum Placement {
     /// Below the first node, or NaN: the first node's coefficients are used.
     Below,
@@ -234,6 +236,8 @@ fn between(a: Law<f32>, b: Law<f32>, part: f32) -> Law<f32> {
 
 /// A grid that was refused.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+#[cfg_attr(feature = "serde", derive(serde::Serialize))]
 pub enum TableError {
     /// The nodes: `densities` or `amplitudes`.
     Nodes(ConfigError),

@@ -27,8 +27,14 @@ fn write(sent: &[u8]) -> [Transaction<u8>; 3] {
 fn adc_start() -> Vec<Transaction<u8>> {
     [
         write(&[0x85, 0, 0, 0]),
-        transfer(&[0x0B, 0, 0], &[0, 0, 0]),
-        transfer(&[0x0D, 0, 0], &[0, 0, 0]),
+        write(&[0x0B, 0x05, 0]),
+        transfer(&[0x0A, 0, 0], &[0, 0, 0x05]),
+        write(&[0x0D, 0x02, 0]),
+        transfer(&[0x0C, 0, 0], &[0, 0, 0x02]),
+        write(&[0x0B, 0, 0]),
+        transfer(&[0x0A, 0, 0], &[0, 0, 0]),
+        write(&[0x0D, 0, 0]),
+        transfer(&[0x0C, 0, 0], &[0, 0, 0]),
     ]
     .concat()
 }
@@ -78,20 +84,101 @@ fn adc_reads_displacement_then_force() {
 }
 
 #[test]
-fn adc_that_does_not_echo_its_register_is_refused() {
+fn adc_that_does_not_hold_its_register_is_refused() {
     let expected = [
         write(&[0x85, 0, 0, 0]),
-        transfer(&[0x0B, 0, 0], &[0xFF, 0xFF, 0xFF]),
+        write(&[0x0B, 0x05, 0]),
+        transfer(&[0x0A, 0, 0], &[0xFF, 0xFF, 0xFF]),
     ]
     .concat();
     let mut spi = Mock::new(&expected);
     let refused = Ads8688::new(spi.clone(), millimetres(), kilonewtons()).unwrap_err();
-    let echo = AdcError::Register {
+    let register = AdcError::Register {
         address: 5,
-        echo: 0xFF,
+        expected: 5,
+        found: 0xFF,
     };
-    assert_eq!(refused, echo);
+    assert_eq!(refused, register);
+    assert_eq!(
+        refused.to_string(),
+        "register 0x05 of the ADC reads 0xff after 0x05 was written: is it an ADS8688, powered, on this chip select, and its \
+         data line connected?"
+    );
     spi.done();
+}
+
+/// A bus without a part: what goes in is `sent`, what comes out is what this makes of it.
+struct NoPart<F>(F);
+
+impl<F> ErrorType for NoPart<F> {
+    type Error = ErrorKind;
+}
+
+impl<F: FnMut(&mut [u8])> SpiDevice for NoPart<F> {
+    fn transaction(&mut self, operations: &mut [Operation<'_, u8>]) -> Result<(), ErrorKind> {
+        for operation in operations {
+            match operation {
+                Operation::TransferInPlace(words) => (self.0)(words),
+                Operation::Write(words) => (self.0)(&mut words.to_vec()),
+                _ => unreachable!("no driver asks for this"),
+            }
+        }
+        Ok(())
+    }
+}
+
+/// Neither part is found on a data line that is held low or high, is connected to what is sent, or gives what was sent one
+/// frame before.
+#[test]
+fn a_line_that_is_held_or_echoes_is_no_part() {
+    fn check<F: FnMut(&mut [u8])>(line: impl Fn() -> F, found: u8, read: u16) {
+        let refused = Ads8688::new(NoPart(line()), millimetres(), kilonewtons());
+        let register = AdcError::Register {
+            address: 5,
+            expected: 5,
+            found,
+        };
+        assert_eq!(refused.err(), Some(register));
+        let refused = Ad5761::new(NoPart(line()), millimetres()).err();
+        assert_eq!(refused, Some(DacError::Control { read }));
+    }
+    check(|| |words: &mut [u8]| words.fill(0), 0, 0);
+    check(|| |words: &mut [u8]| words.fill(0xFF), 0xFF, 0x07FF);
+    check(|| |_: &mut [u8]| {}, 0, 0);
+    check(
+        || {
+            let mut before = vec![0; 4];
+            move |words: &mut [u8]| {
+                let now = words.to_vec();
+                words.copy_from_slice(&before[..words.len()]);
+                before[..now.len()].copy_from_slice(&now);
+            }
+        },
+        0,
+        0,
+    );
+}
+
+/// One bit that comes out wrong is found: the three of a range at either level, the others where they are not 0 as they should.
+#[test]
+fn each_bit_of_a_range_is_checked() {
+    for bit in 0..8 {
+        for stuck in [false, true] {
+            let mut registers = [0u8; 64];
+            let part = |words: &mut [u8]| {
+                if let [address, value, out] = words {
+                    let register = &mut registers[usize::from(*address >> 1)];
+                    if *address & 1 != 0 {
+                        *register = *value;
+                    }
+                    let mask = 1 << bit;
+                    *out = *register & !mask | if stuck { mask } else { 0 };
+                }
+            };
+            let refused = Ads8688::new(NoPart(part), millimetres(), kilonewtons()).is_err();
+            assert_eq!(refused, stuck || bit < 3, "bit {bit} stuck at {stuck}");
+        }
+    }
 }
 
 #[test]
@@ -129,12 +216,14 @@ fn dac_with_another_control_register_is_refused() {
     spi.done();
 }
 
-/// Fails from transaction `fails_at` on, for `failures` of them; answers with zeros, counting frames to ADC channels.
+/// Fails from transaction `fails_at` on, for `failures` of them; answers with zeros but for its registers, counting frames to ADC
+/// channels.
 struct Flaky {
     transactions: usize,
     fails_at: usize,
     failures: usize,
     first_bytes: Vec<u8>,
+    registers: [u8; 128],
 }
 
 impl ErrorType for Flaky {
@@ -152,9 +241,18 @@ impl SpiDevice for Flaky {
             match operation {
                 Operation::TransferInPlace(words) => {
                     self.first_bytes.push(words[0]);
+                    let register = self.registers[usize::from(words[0] >> 1)];
                     words.fill(0);
+                    if let [_, _, out] = words {
+                        *out = register;
+                    }
                 }
-                Operation::Write(words) => self.first_bytes.push(words[0]),
+                Operation::Write(words) => {
+                    self.first_bytes.push(words[0]);
+                    if let [address, value, _] = words {
+                        self.registers[usize::from(*address >> 1)] = *value;
+                    }
+                }
                 _ => unreachable!("no driver asks for this"),
             }
         }
@@ -168,13 +266,14 @@ fn flaky(fails_at: usize) -> Flaky {
         fails_at,
         failures: 1,
         first_bytes: Vec::new(),
+        registers: [0; 128],
     }
 }
 
 #[test]
 fn bus_errors_are_values() {
-    // Three transactions to set up the ADC.
-    for fails_at in 0..3 {
+    // Nine transactions to set up the ADC.
+    for fails_at in 0..9 {
         let refused = Ads8688::new(flaky(fails_at), millimetres(), kilonewtons()).err();
         assert_eq!(refused, Some(AdcError::Bus(ErrorKind::Overrun)));
     }
@@ -187,8 +286,8 @@ fn bus_errors_are_values() {
 
 #[test]
 fn a_failed_read_never_exchanges_the_channels() {
-    // Transactions 3–5 are the first reading (with its selection), 6 and 7 the second.
-    for fails_at in [6, 7] {
+    // Transactions 9–11 are the first reading (with its selection), 12 and 13 the second.
+    for fails_at in [12, 13] {
         let mut adc = Ads8688::new(flaky(fails_at), millimetres(), kilonewtons()).unwrap();
         adc.read().unwrap();
         assert_eq!(adc.read(), Err(ErrorKind::Overrun));
@@ -212,6 +311,26 @@ fn scale_refuses_what_it_cannot_hold() {
             }
         ));
     }
+}
+
+/// A converter with fewer bits has the same scale, and shows the ends of its range and no voltage as one with 16 does.
+#[test]
+fn a_narrow_converter_reads_as_one_with_16_bits() {
+    let scale = kilonewtons();
+    for code in 0..4096u16 {
+        let sample = scale.decode_narrow::<12>(code);
+        let whole = scale.decode(code << 4);
+        assert_eq!(sample.value, whole.value);
+        assert_eq!(sample.clipped(), code == 0 || code == 4095);
+        assert_eq!(sample.code == MIDSCALE, code == 2048);
+        assert_eq!(scale.decode_narrow::<16>(code), scale.decode(code));
+    }
+    // Bits that the converter has not got do not count.
+    assert_eq!(
+        scale.decode_narrow::<12>(0xFFFF),
+        scale.decode_narrow::<12>(0x0FFF)
+    );
+    assert!(scale.decode_narrow::<1>(1).clipped());
 }
 
 #[test]

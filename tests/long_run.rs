@@ -151,7 +151,7 @@ fn a_rig_in_closed_loop_ends_as_it_began() {
         stop_ticks: 100,
         ..RigSettings::default()
     };
-    let mut rig = Rig::<_, _, _, 1, 2>::new(
+    let mut rig = Rig::new(
         Ads8688::new(SimulatedAds8688::new(adc.clone()), unit, unit).unwrap(),
         Ad5761::new(SimulatedAd5761::new(dac.clone()), unit).unwrap(),
         enable,
@@ -163,7 +163,7 @@ fn a_rig_in_closed_loop_ends_as_it_began() {
     let settled = 10_000;
     let (mut start, mut end) = (Means::from(settled), Means::from(CYCLES - MEAN_OF));
     let (mut model_start, mut model_end) = (start, end);
-    assert!(rig.start());
+    rig.start().unwrap();
     let before = allocations();
     let (mut ticks, mut last) = (0u64, 0.0);
     while rig.state() == State::Running {

@@ -12,7 +12,9 @@ use mesh_damper::error::ConfigError;
 use mesh_damper::fast_law::{FastLaw, RunningLaw};
 use mesh_damper::health::{Channel, HealthCause};
 use mesh_damper::law::Law;
-use mesh_damper::rig::{Rig, RigSettings, State, Telemetry, TripCause};
+use mesh_damper::rig::{
+    ClearRefused, Rig, RigSettings, SpiRig, StartRefused, State, Telemetry, TripCause,
+};
 use mesh_damper::sine::{Block, Programme};
 use mesh_damper_rig::actuator::{
     AdcPins, DacPins, SensorFault, ServoFault, SimulatedAd5761, SimulatedAds8688,
@@ -49,7 +51,7 @@ fn setup(density: f64, blocks: &[(f64, f64, u32)]) -> Setup {
 
 fn started(setup: Setup) -> Bench<Specimen, 8, 4> {
     let mut bench = Bench::new(setup).unwrap();
-    assert!(bench.rig.start());
+    bench.rig.start().unwrap();
     bench
 }
 
@@ -185,14 +187,18 @@ fn stops(bench: &mut Bench<Specimen, 8, 4>, stop_ticks: usize, fault: TripCause)
     };
     assert_eq!(last.state, State::Faulted(fault));
     assert!(!bench.enabled.get(), "the line drops in the same tick");
-    assert!(!bench.rig.start(), "and cannot be raised");
+    assert_eq!(
+        bench.rig.start(),
+        Err(StartRefused::Faulted(fault)),
+        "and cannot be raised"
+    );
     let mut command: f32 = last.command;
     // The command of the tick before is the most that the way back begins from.
     assert!(command.abs() <= before.abs().max(1.0));
     let step = before.abs().max(command.abs()) / stop_ticks as f32 * 1.001 + 1e-9;
     for tick in 0..stop_ticks + 2 {
         if command != 0.0 {
-            assert!(!bench.rig.clear(), "not before it is at rest");
+            assert_eq!(bench.rig.clear(), Err(ClearRefused::Moving));
         }
         let telemetry = bench.tick();
         assert_eq!(telemetry.state, State::Faulted(fault), "latched");
@@ -288,7 +294,7 @@ fn a_sensor_that_is_lost_again_stops_the_rig_again() {
     let mut bench = Bench::new(setup(3.0, &[(0.2, 1.0, 5)])).unwrap();
     for told in [true, false] {
         bench.plant.force_sensor.fault = SensorFault::None;
-        assert!(bench.rig.start());
+        bench.rig.start().unwrap();
         for _ in 0..12_500 {
             assert_eq!(bench.tick().state, State::Running);
         }
@@ -302,7 +308,7 @@ fn a_sensor_that_is_lost_again_stops_the_rig_again() {
         for _ in 0..5000 {
             bench.tick();
         }
-        assert!(bench.rig.clear());
+        bench.rig.clear().unwrap();
     }
 }
 
@@ -328,7 +334,7 @@ fn an_actuator_dead_from_the_start_is_noticed_after_a_cycle() {
     for amplitude in [0.05, 0.1, 0.25] {
         let mut bench = Bench::new(setup(3.0, &[(amplitude, 2.0, 5)])).unwrap();
         bench.plant.servo.fault = ServoFault::Dead;
-        assert!(bench.rig.start());
+        bench.rig.start().unwrap();
         // A ramp and a cycle of 5000 ticks each; the tick that ends it is the first of the next.
         assert_eq!(stops(&mut bench, 5000, TripCause::NoResponse), 10_001);
     }
@@ -339,7 +345,7 @@ fn a_sensor_dead_from_the_start_is_noticed_in_the_ramp() {
     for amplitude in [0.05, 0.1, 0.25] {
         let mut bench = Bench::new(setup(3.0, &[(amplitude, 2.0, 5)])).unwrap();
         bench.plant.displacement_sensor.fault = SensorFault::DroppedOut;
-        assert!(bench.rig.start());
+        bench.rig.start().unwrap();
         let ticks = stops(&mut bench, 5000, TripCause::DisplacementLost);
         assert!(ticks < 1_250, "{ticks}: a quarter of the ramp");
     }
@@ -389,7 +395,7 @@ fn the_command_is_what_the_dac_drives() {
     bench.dac.bus_failing.set(true);
     for _ in 0..10 {
         assert_eq!(bench.tick().command, written);
-        assert!(!bench.rig.clear());
+        assert_eq!(bench.rig.clear(), Err(ClearRefused::Moving));
     }
     // ±0.15 mm end at 0x0000 below and 0xFFFF above, a step short of it.
     let mut setup = setup(3.0, &[(0.2, 1.0, 5)]);
@@ -431,9 +437,9 @@ fn bus_errors_stop_the_rig_at_once() {
         stops(&mut bench, 5000, fault);
         assert_eq!(bench.dac.volts.get(), 0.0);
         // Cleared, it can be started again and runs to its end.
-        assert!(bench.rig.clear());
+        bench.rig.clear().unwrap();
         assert_eq!(bench.rig.state(), State::Idle);
-        assert!(bench.rig.start());
+        bench.rig.start().unwrap();
         while bench.rig.state() == State::Running {
             bench.tick();
         }
@@ -445,18 +451,19 @@ fn bus_errors_stop_the_rig_at_once() {
 #[test]
 fn it_can_be_stopped_and_runs_again() {
     let mut bench = started(setup(3.0, &[(0.2, 5.0, 5)]));
-    assert!(!bench.rig.start(), "runs already");
-    assert!(!bench.rig.clear(), "there is no fault");
+    assert_eq!(bench.rig.start(), Err(StartRefused::Running));
+    assert_eq!(bench.rig.clear(), Err(ClearRefused::NoFault));
     for _ in 0..3000 {
         assert!(bench.tick().state == State::Running && bench.enabled.get());
     }
     bench.rig.stop();
     assert!(bench.rig.state() == State::Idle && !bench.enabled.get());
-    assert!(!bench.rig.start(), "still on its way to 0");
+    assert_eq!(bench.rig.start(), Err(StartRefused::Moving));
+    assert_eq!(bench.rig.clear(), Err(ClearRefused::NoFault));
     for _ in 0..5001 {
         bench.tick();
     }
-    assert!(bench.rig.start());
+    bench.rig.start().unwrap();
     assert_eq!(bench.tick().cycle, 0);
 }
 
@@ -578,7 +585,7 @@ fn a_law_swapped_before_the_start_runs_from_the_first_tick() {
     let mut bench = Bench::new(setup(3.0, &[(0.2, 10.0, 1)])).unwrap();
     bench.rig.swap_law(zero.clone());
     bench.tick();
-    assert!(bench.rig.start());
+    bench.rig.start().unwrap();
     assert_eq!(*bench.rig.law(), zero);
     while bench.rig.state() == State::Running {
         assert_eq!(bench.tick().model_force, 0.0);
@@ -646,7 +653,7 @@ impl embedded_hal::digital::OutputPin for FailingLine {
     }
 }
 
-type WiredRig = Rig<SimulatedAds8688, SimulatedAd5761, FailingLine, 8, 1>;
+type WiredRig = SpiRig<SimulatedAds8688, SimulatedAd5761, FailingLine, 8, 1>;
 
 /// Both converters' full scales are 1 mm and 1 kN.
 fn wired(
@@ -698,7 +705,7 @@ fn on_an_actuator(gain: f64, delay: usize, frequency: f64, cycles: u32) -> Vec<T
         programme(&[(0.05, frequency, cycles)]),
         elastic(),
     );
-    assert!(rig.start());
+    rig.start().unwrap();
     let mut way = std::collections::VecDeque::from(vec![0.0; delay]);
     let mut run = Vec::new();
     while rig.state() == State::Running {
@@ -786,7 +793,7 @@ fn a_second_run_begins_as_the_first() {
         )
     };
     let (mut first, mut second) = (make(), make());
-    assert!(second.start());
+    second.start().unwrap();
     for tick in 0..3_000 {
         flicker(tick);
         second.tick();
@@ -797,7 +804,8 @@ fn a_second_run_begins_as_the_first() {
         first.tick();
         second.tick();
     }
-    assert!(first.start() && second.start());
+    first.start().unwrap();
+    second.start().unwrap();
     for tick in 0..=5_000 {
         flicker(tick);
         let (a, b) = (first.tick(), second.tick());
@@ -826,7 +834,7 @@ fn a_second_run_counts_its_own_ticks_beyond_a_limit() {
     );
     adc.volts[0].set(0.6 * mesh_damper::adc::INPUT_RANGE);
     for _ in 0..3 {
-        assert!(rig.start());
+        rig.start().unwrap();
         // One less than would trip.
         for _ in 0..9 {
             assert_eq!(rig.tick().state, State::Running);
@@ -843,7 +851,8 @@ fn a_line_that_cannot_be_raised_is_a_fault() {
     let line = FailingLine::default();
     let mut rig = rig_on(line.clone());
     line.fails.set(true);
-    assert!(!rig.start());
+    let refused = StartRefused::Faulted(TripCause::EnableLine);
+    assert_eq!(rig.start(), Err(refused));
     assert_eq!(rig.state(), State::Faulted(TripCause::EnableLine));
     assert_eq!(rig.tick().command, 0.0);
 }
@@ -852,7 +861,7 @@ fn a_line_that_cannot_be_raised_is_a_fault() {
 fn a_line_that_does_not_drop_is_tried_until_it_does() {
     let line = FailingLine::default();
     let mut rig = rig_on(line.clone());
-    assert!(rig.start());
+    rig.start().unwrap();
     rig.tick();
     line.fails.set(true);
     rig.stop();
@@ -918,7 +927,8 @@ fn a_lost_link_and_a_late_tick_stop_the_rig() {
     // A link that is back clears nothing.
     linked.rig.exchange();
     assert_eq!(linked.tick().state, State::Faulted(TripCause::LinkLost));
-    assert!(linked.rig.clear() && linked.rig.start());
+    linked.rig.clear().unwrap();
+    linked.rig.start().unwrap();
     assert_eq!(linked.tick().state, State::Running);
 
     setup.settings.link_ticks = 0;
@@ -929,13 +939,15 @@ fn a_lost_link_and_a_late_tick_stop_the_rig() {
     late.rig.overrun();
     assert!(!late.enabled.get(), "before the next tick");
     for _ in 0..1001 {
-        assert!(!late.rig.clear() && !late.rig.start(), "not at rest");
+        assert_eq!(late.rig.clear(), Err(ClearRefused::Moving));
+        let refused = StartRefused::Faulted(TripCause::TickOverrun);
+        assert_eq!(late.rig.start(), Err(refused));
         let telemetry = late.tick();
         assert_eq!(telemetry.state, State::Faulted(TripCause::TickOverrun));
         assert!(!late.enabled.get());
     }
     assert_eq!(late.tick().command, 0.0);
-    assert!(late.rig.clear());
+    late.rig.clear().unwrap();
     // At rest there is nothing to stop.
     late.rig.overrun();
     assert_eq!(late.rig.state(), State::Idle);

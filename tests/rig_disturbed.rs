@@ -71,7 +71,7 @@ impl Test {
             tick: 0,
             told: Vec::new(),
         };
-        assert!(test.bench.rig.start());
+        test.bench.rig.start().unwrap();
         test
     }
 
@@ -202,7 +202,7 @@ fn a_spike_in_one_run_does_not_blind_the_next() {
         for _ in 0..2 * TICKS {
             test.step();
         }
-        assert!(test.bench.rig.start());
+        test.bench.rig.start().unwrap();
         test.tick = 0;
         test.run_to(BREAK);
         test.keep(0.8);
@@ -280,7 +280,7 @@ fn a_preload_shift_after_another_runs_drift_is_found() {
     for _ in 0..2 * TICKS {
         test.step();
     }
-    assert!(test.bench.rig.start());
+    test.bench.rig.start().unwrap();
     test.tick = 0;
     test.run_to(BREAK);
     let whole = Condition::NEW;

@@ -6,7 +6,7 @@ use mesh_damper::effects::{AugmentedLaw, Drift, Effect};
 use mesh_damper::error::ConfigError;
 use mesh_damper::fast_law::FastLaw;
 use mesh_damper::law::Law;
-use mesh_damper::rig::{DamperEmulationSettings, State, TripCause};
+use mesh_damper::rig::{DamperEmulationSettings, StartRefused, State, TripCause};
 use mesh_damper_reference::law::Coefficients;
 use mesh_damper_rig::actuator::SensorFault;
 use mesh_damper_rig::{EmulatorBench, EmulatorSetup, SetupError};
@@ -27,7 +27,7 @@ fn setup(k1: f32, k3: f32, c: f32, alpha: f32) -> EmulatorSetup<2> {
 
 fn started(setup: EmulatorSetup<2>) -> EmulatorBench<2> {
     let mut bench = EmulatorBench::new(setup).unwrap();
-    assert!(bench.emulator.start());
+    bench.emulator.start().unwrap();
     bench
 }
 
@@ -169,7 +169,7 @@ fn a_law_swapped_before_the_start_runs_from_the_first_tick() {
     bench.tick(0.2);
     let none = FastLaw::new(AugmentedLaw::new(Law::new(0.0, 0.0, 0.0, 0.5).unwrap()));
     bench.emulator.swap_law(none);
-    assert!(bench.emulator.start());
+    bench.emulator.start().unwrap();
     assert_eq!(bench.tick(0.2).telemetry.model_force, 0.0);
 }
 
@@ -201,8 +201,9 @@ fn faults_take_the_force_to_zero() {
             last = force;
         }
         assert_eq!(bench.dac.volts.get(), 0.0);
-        assert!(!bench.emulator.start());
-        assert!(bench.emulator.clear());
+        let refused = StartRefused::Faulted(fault);
+        assert_eq!(bench.emulator.start(), Err(refused));
+        bench.emulator.clear().unwrap();
         assert_eq!(bench.emulator.state(), State::Idle);
     }
     // 0.5 mm, for ten ticks on end.
@@ -249,7 +250,7 @@ fn the_force_comes_in_over_its_ticks() {
     }
     // Twice: the second start begins at 0 as well.
     for _ in 0..2 {
-        assert!(bench.emulator.start());
+        bench.emulator.start().unwrap();
         for tick in 1..=1500 {
             let emulation = bench.tick(0.2);
             let part = f64::from(tick.min(1000)) / 1000.0;
@@ -279,7 +280,7 @@ fn a_late_tick_stops_it() {
 fn stopped_it_drives_nothing() {
     let mut bench = EmulatorBench::new(setup(2.0, 0.0, 0.1, 0.5)).unwrap();
     assert_eq!(bench.tick(0.3).force, 0.0);
-    assert!(bench.emulator.start());
+    bench.emulator.start().unwrap();
     for _ in 0..5_000 {
         bench.tick(0.3);
     }

@@ -294,7 +294,7 @@ fn a_host_that_falls_silent_leaves_the_rig_held_and_then_stopped() {
         "{quick}"
     );
     comes_to_rest(&mut bench, TripCause::LinkLost);
-    assert!(bench.rig.clear());
+    bench.rig.clear().unwrap();
 }
 
 #[test]

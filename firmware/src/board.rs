@@ -1,7 +1,6 @@
 //! What the images need of a board, and nothing more.
 
-use embedded_hal::digital::OutputPin;
-use embedded_hal::spi::SpiDevice;
+use mesh_damper::rig::{Actuator, Sensors, Wiring};
 
 /// A board. Its memories are not here: they stand in the `memory.x` that the linker finds in the working directory.
 pub trait Board: 'static {
@@ -39,24 +38,23 @@ pub trait Log {
     fn send(&mut self, message: &[u8]) -> bool;
 }
 
-/// The rig's converters and its enable line.
+/// The rig's sensors and its actuator: parts on a bus, as [`mesh_damper::adc`] and [`mesh_damper::dac`] drive them, or what a chip
+/// has by itself.
 ///
 /// The harness is the specimen: each request for a tick carries the codes that its sensors deliver, and the answer the code that
 /// its actuator gets.
 pub trait Converters {
-    /// SPI device of the ADC, an ADS8688.
-    type Adc: SpiDevice + 'static;
-    /// SPI device of the DAC, an AD5761R.
-    type Dac: SpiDevice + 'static;
-    /// The line that enables the actuator.
-    type Enable: OutputPin + 'static;
+    /// Displacement and force.
+    type Sensors: Sensors + 'static;
+    /// What drives the actuator, and the line that enables it.
+    type Actuator: Actuator + 'static;
 
-    /// Opens them. The image does so once.
-    fn open() -> (Self::Adc, Self::Dac, Self::Enable);
+    /// Opens them at the scales of `wiring`; none where one of them does not answer. The image does so once.
+    fn open(wiring: &Wiring) -> Option<(Self::Sensors, Self::Actuator)>;
 
-    /// Codes of displacement and force that the ADC is to give at this tick. Converters that are wired to a specimen have their own.
+    /// Codes of displacement and force that the sensors are to give at this tick. Converters that are wired to a specimen have their own.
     fn sense(displacement: u16, force: u16);
 
-    /// Code that the DAC was given, and the level of the enable line.
+    /// Code that the actuator was given, and the level of the enable line.
     fn driven() -> (u16, bool);
 }

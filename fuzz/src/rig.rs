@@ -1,6 +1,7 @@
 //! Rig and damper emulator on converters that deliver anything, with everything failing, stopped, started and swapped at any
 //! moment.
 
+use std::ops::DerefMut as _;
 use std::rc::Rc;
 
 use mesh_damper::adc::Ads8688;
@@ -10,7 +11,8 @@ use mesh_damper::error::ConfigError;
 use mesh_damper::fast_law::{FastLaw, RunningLaw};
 use mesh_damper::health::HealthSettings;
 use mesh_damper::rig::{
-    DamperEmulation, DamperEmulationSettings, Rig, RigSettings, State, Telemetry,
+    ClearRefused, DamperEmulation, DamperEmulationSettings, Rig, RigSettings, SpiDamperEmulation,
+    SpiRig, StartRefused, State, Telemetry,
 };
 use mesh_damper::sine::{Block, Programme};
 
@@ -24,9 +26,9 @@ const ZERO: u16 = 0x8000;
 
 /// What both roles can be told.
 trait Controller {
-    fn start(&mut self) -> bool;
+    fn start(&mut self) -> Result<(), StartRefused>;
     fn stop(&mut self);
-    fn clear(&mut self) -> bool;
+    fn clear(&mut self) -> Result<(), ClearRefused>;
     fn swap_law(&mut self, law: FastLaw<EFFECTS>);
     fn set_temperature(&mut self, temperature: f32);
     fn state(&self) -> State;
@@ -36,20 +38,20 @@ trait Controller {
 macro_rules! controller {
     ($role:ty) => {
         impl Controller for $role {
-            fn start(&mut self) -> bool {
+            fn start(&mut self) -> Result<(), StartRefused> {
                 self.start()
             }
             fn stop(&mut self) {
                 self.stop();
             }
-            fn clear(&mut self) -> bool {
+            fn clear(&mut self) -> Result<(), ClearRefused> {
                 self.clear()
             }
             fn swap_law(&mut self, law: FastLaw<EFFECTS>) {
-                self.swap_law(law);
+                self.deref_mut().swap_law(law);
             }
             fn set_temperature(&mut self, temperature: f32) {
-                self.set_temperature(temperature);
+                self.deref_mut().set_temperature(temperature);
             }
             fn state(&self) -> State {
                 self.state()
@@ -61,8 +63,8 @@ macro_rules! controller {
     };
 }
 
-controller!(Rig<Adc, Dac, Line, BLOCKS, EFFECTS>);
-controller!(DamperEmulation<Adc, Dac, Line, EFFECTS>);
+controller!(SpiRig<Adc, Dac, Line, BLOCKS, EFFECTS>);
+controller!(SpiDamperEmulation<Adc, Dac, Line, RunningLaw<EFFECTS>>);
 
 /// What is promised of every tick, and what has to be remembered to see it kept.
 struct Guard {
@@ -116,6 +118,15 @@ impl Guard {
             assert_eq!(first, second, "the first cause stays");
         }
         self.last = now.command;
+    }
+
+    /// A start was `refused` of one that was not running: the reason is the state that it is in.
+    fn see_refusal(&self, state: State, refused: StartRefused) {
+        match refused {
+            StartRefused::Faulted(cause) => assert_eq!(state, State::Faulted(cause)),
+            StartRefused::Moving => assert!(matches!(state, State::Idle | State::Done)),
+            StartRefused::Running => panic!("it was not running"),
+        }
     }
 
     fn see_running(&mut self, before: State, now: &Telemetry) {
@@ -220,6 +231,7 @@ pub fn check(script: &[u8], ticks: u32) -> u64 {
     let adc = Adc {
         wires: wires.clone(),
         selected: 0,
+        registers: [0; 128],
     };
     let dac = Dac {
         wires: wires.clone(),
@@ -315,7 +327,7 @@ fn rig(
     guard.stop_ticks = settings.stop_ticks;
     let line = Line(guard.wires.clone());
     let running = RunningLaw::new(laws[0].clone());
-    let rig = Rig::<_, _, _, BLOCKS, EFFECTS>::new(adc, dac, line, &settings, programme, running)?;
+    let rig = Rig::new(adc, dac, line, &settings, programme, running)?;
     Ok(run(rig, guard, &laws, script, ticks))
 }
 
@@ -366,7 +378,7 @@ fn run(
     let mut plant = Plant::Follows;
     let mut ratio = 1.0;
     let mut ran = 0;
-    controller.start();
+    controller.start().expect("it is at rest");
     for _ in 0..ticks {
         let drawn = random.next();
         if drawn.is_multiple_of(BETWEEN) {
@@ -391,9 +403,12 @@ fn run(
         }
         // Whoever runs the rig tries again and again.
         if drawn >> 32 & 0xf == 0 && controller.state() != State::Running {
-            controller.clear();
-            if controller.start() {
-                guard.exceeded = [0; 2];
+            if let Err(ClearRefused::Faulted(cause)) = controller.clear() {
+                assert_eq!(controller.state(), State::Faulted(cause));
+            }
+            match controller.start() {
+                Ok(()) => guard.exceeded = [0; 2],
+                Err(refused) => guard.see_refusal(controller.state(), refused),
             }
         }
         plant.sense(&wires, ratio, &mut random);

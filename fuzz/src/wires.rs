@@ -34,6 +34,7 @@ pub struct Adc {
     pub wires: Rc<Wires>,
     /// What the next frame converts.
     pub selected: usize,
+    pub registers: [u8; 128],
 }
 
 impl spi::ErrorType for Adc {
@@ -48,8 +49,12 @@ impl SpiDevice for Adc {
                 [*high, *low] = self.wires.channels[self.selected].get().to_be_bytes();
                 self.selected = usize::from(*command >> 2 & 1);
             }
-            // A register echoes what is written to it.
-            [Operation::TransferInPlace([_, value, echo])] => *echo = *value,
+            [Operation::Write([address, value, _])] if address & 1 != 0 => {
+                self.registers[usize::from(address >> 1)] = *value;
+            }
+            [Operation::TransferInPlace([address, _, value])] => {
+                *value = self.registers[usize::from(*address >> 1)];
+            }
             _ => {}
         }
         Ok(())

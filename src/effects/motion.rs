@@ -9,6 +9,8 @@ pub const CONTROLS: usize = 4;
 
 /// One tick of motion as the effects see it.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Motion<R> {
     /// Displacement, mm.
     pub displacement: R,

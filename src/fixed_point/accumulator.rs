@@ -40,6 +40,8 @@ pub struct RawCycle {
 
 /// What one cycle came to. Every field is finite.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Cycle {
     /// X0, half of the displacement's range, mm.
     pub amplitude: f32,

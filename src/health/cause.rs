@@ -3,6 +3,7 @@
 /// A measured quantity.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub enum Channel {
     /// Displacement.
     Displacement,
@@ -13,6 +14,7 @@ pub enum Channel {
 /// What an event says is the cause.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub enum HealthCause {
     /// Stiffness falls, and energy with it.
     WireBreakage,
@@ -136,6 +138,7 @@ impl HealthCause {
 /// the law says.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub enum Statistic {
     /// Force in phase with displacement, over the law's.
     Stiffness,
@@ -202,6 +205,7 @@ impl Statistic {
 /// Something that moved, with its evidence.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Event {
     /// What it is.
     pub cause: HealthCause,

@@ -7,6 +7,9 @@ use crate::real::in_range;
 
 /// What a monitor is set to.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(feature = "serde", serde(default, deny_unknown_fields))]
 pub struct HealthSettings {
     /// Smallest lasting change of stiffness, energy, mean force (of its amplitude) or residual (of the law's force) that is to
     /// be found, 0.01…0.5.
@@ -21,7 +24,7 @@ pub struct HealthSettings {
     pub temperature_slope: f64,
     /// Most by which the law follows a slow change of k1, k3 and c, part of each, 0…0.5; 0 where it stays as it was given. It
     /// counts from where the law has found the specimen: for as many cycles as the run-in takes, after a start, another law,
-    /// another block or [`crate::rig::Rig::clear_events`], it goes there by up to 0.1 % a cycle and half of each coefficient.
+    /// another block or [`crate::rig::RigController::clear_events`], it goes there by up to 0.1 % a cycle and half of each coefficient.
     /// A slow change of stiffness or energy by up to this is no fault. A law with a gap, a compliance or a delay stays,
     /// and so may any law with fewer than 27 ticks to the cycle.
     pub follow: f64,

@@ -9,6 +9,8 @@ use crate::rig::{CycleReport, State, Telemetry, TripCause};
 
 /// What one tick of the rig came to.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Outcome {
     /// The DAC's code.
     pub code: u16,
@@ -197,7 +199,7 @@ const FAULTS: [TripCause; 16] = [
 /// Number of the first one.
 const FIRST_FAULT: u8 = 16;
 
-fn state_code(state: State) -> u8 {
+pub(super) fn state_code(state: State) -> u8 {
     match state {
         State::Idle => 0,
         State::Running => 1,
@@ -211,7 +213,7 @@ fn state_code(state: State) -> u8 {
     }
 }
 
-fn state_of(code: u8) -> Option<State> {
+pub(super) fn state_of(code: u8) -> Option<State> {
     match code {
         0 => Some(State::Idle),
         1 => Some(State::Running),

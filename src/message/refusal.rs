@@ -4,6 +4,9 @@ use super::{answer, kind};
 use crate::error::ConfigError;
 use crate::frame::{FrameBuffer, Reader};
 use crate::pack::PackError;
+use crate::rig::{ClearRefused, StartRefused, State};
+
+use super::outcome::{state_code, state_of};
 
 /// Why the image did not do what it was asked. A field's value and its range are not told: the harness has them.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -28,6 +31,10 @@ pub enum Refusal<'a> {
     PackChecksum,
     /// [`PackError::Body`].
     PackBody,
+    /// The rig does not start.
+    Start(StartRefused),
+    /// The rig does not forget its fault.
+    Clear(ClearRefused),
 }
 
 /// The refusals that are told by their number alone.
@@ -46,6 +53,46 @@ const PLAIN: [Refusal<'static>; 8] = [
 const FIELD: u8 = u8::MAX;
 /// Number of [`Refusal::Removed`] on the link.
 const REMOVED: u8 = FIELD - 1;
+/// Number of [`Refusal::Start`] on the link.
+const START: u8 = REMOVED - 1;
+/// Number of [`Refusal::Clear`] on the link.
+const CLEAR: u8 = START - 1;
+
+/// Why a rig does not start, as the state that it is in: moving is [`State::Idle`] but not at rest.
+fn state_of_start(refused: StartRefused) -> State {
+    match refused {
+        StartRefused::Moving => State::Idle,
+        StartRefused::Running => State::Running,
+        StartRefused::Faulted(cause) => State::Faulted(cause),
+    }
+}
+
+fn start_of_state(state: State) -> Option<StartRefused> {
+    match state {
+        State::Idle => Some(StartRefused::Moving),
+        State::Running => Some(StartRefused::Running),
+        State::Faulted(cause) => Some(StartRefused::Faulted(cause)),
+        State::Done => None,
+    }
+}
+
+/// Why a rig does not forget its fault, likewise: without a fault it is [`State::Done`].
+fn state_of_clear(refused: ClearRefused) -> State {
+    match refused {
+        ClearRefused::Moving => State::Idle,
+        ClearRefused::NoFault => State::Done,
+        ClearRefused::Faulted(cause) => State::Faulted(cause),
+    }
+}
+
+fn clear_of_state(state: State) -> Option<ClearRefused> {
+    match state {
+        State::Idle => Some(ClearRefused::Moving),
+        State::Done => Some(ClearRefused::NoFault),
+        State::Faulted(cause) => Some(ClearRefused::Faulted(cause)),
+        State::Running => None,
+    }
+}
 
 impl Refusal<'_> {
     /// Its number on the link.
@@ -61,6 +108,8 @@ impl Refusal<'_> {
             Self::PackBody => 7,
             Self::Field(_) => FIELD,
             Self::Removed(_) => REMOVED,
+            Self::Start(_) => START,
+            Self::Clear(_) => CLEAR,
         }
     }
 }
@@ -75,6 +124,18 @@ impl From<ConfigError> for Refusal<'static> {
             | ConfigError::Empty(field) => Self::Field(field),
             ConfigError::Removed(what) => Self::Removed(what),
         }
+    }
+}
+
+impl From<StartRefused> for Refusal<'static> {
+    fn from(refused: StartRefused) -> Self {
+        Self::Start(refused)
+    }
+}
+
+impl From<ClearRefused> for Refusal<'static> {
+    fn from(refused: ClearRefused) -> Self {
+        Self::Clear(refused)
     }
 }
 
@@ -96,18 +157,24 @@ impl From<PackError> for Refusal<'static> {
 pub fn write_refusal(sequence: u32, refusal: &Refusal<'_>, buffer: &mut FrameBuffer) {
     buffer.write(answer(kind::REFUSED, sequence, 1), |writer| {
         writer.u8(refusal.number());
-        if let Refusal::Field(name) | Refusal::Removed(name) = refusal {
-            writer.bytes(name.as_bytes());
-        }
+        let state = match refusal {
+            Refusal::Field(name) | Refusal::Removed(name) => return writer.bytes(name.as_bytes()),
+            Refusal::Start(refused) => state_of_start(*refused),
+            Refusal::Clear(refused) => state_of_clear(*refused),
+            _ => return,
+        };
+        writer.u8(state_code(state));
     });
 }
 
 pub(super) fn read_refusal<'a>(reader: &mut Reader<'a>) -> Option<Refusal<'a>> {
     let number = reader.u8()?;
-    let mut name = || core::str::from_utf8(reader.rest()).ok();
+    let name = |reader: &mut Reader<'a>| core::str::from_utf8(reader.rest()).ok();
     Some(match number {
-        FIELD => Refusal::Field(name()?),
-        REMOVED => Refusal::Removed(name()?),
+        FIELD => Refusal::Field(name(reader)?),
+        REMOVED => Refusal::Removed(name(reader)?),
+        START => Refusal::Start(start_of_state(state_of(reader.u8()?)?)?),
+        CLEAR => Refusal::Clear(clear_of_state(state_of(reader.u8()?)?)?),
         number => PLAIN.into_iter().find(|each| each.number() == number)?,
     })
 }
@@ -119,7 +186,8 @@ mod tests {
     /// An image of one version and a harness of another understand each other as long as these stay.
     #[test]
     fn numbers_on_the_link_are_those_of_the_table() {
-        let refusals: [(&[u8], Refusal<'_>); 10] = [
+        use crate::rig::TripCause::{EnableLine, LinkLost};
+        let refusals: [(&[u8], Refusal<'_>); 16] = [
             (&[0], Refusal::Order),
             (&[1], Refusal::Converter),
             (&[2], Refusal::PackMagic),
@@ -128,12 +196,29 @@ mod tests {
             (&[5], Refusal::PackOrder),
             (&[6], Refusal::PackChecksum),
             (&[7], Refusal::PackBody),
+            (&[252, 0], Refusal::Clear(ClearRefused::Moving)),
+            (&[252, 2], Refusal::Clear(ClearRefused::NoFault)),
+            (
+                &[252, 18],
+                Refusal::Clear(ClearRefused::Faulted(EnableLine)),
+            ),
+            (&[253, 0], Refusal::Start(StartRefused::Moving)),
+            (&[253, 1], Refusal::Start(StartRefused::Running)),
+            (&[253, 29], Refusal::Start(StartRefused::Faulted(LinkLost))),
             (b"\xfeclock", Refusal::Removed("clock")),
             (b"\xffk1", Refusal::Field("k1")),
         ];
         for (bytes, refusal) in refusals {
             assert_eq!(refusal.number(), bytes[0]);
             assert_eq!(read_refusal(&mut Reader(bytes)), Some(refusal));
+            let mut written = FrameBuffer::new();
+            write_refusal(3, &refusal, &mut written);
+            let frame = crate::frame::Frames(written.bytes()).next().unwrap();
+            assert_eq!(frame.payload, bytes);
+        }
+        // A rig that is done starts, and one that runs has nothing to clear.
+        for bytes in [[253, 2], [252, 1], [253, 255]] {
+            assert_eq!(read_refusal(&mut Reader(&bytes)), None);
         }
         assert_eq!(read_refusal(&mut Reader(&[8])), None);
     }

@@ -7,11 +7,12 @@ use crate::real::in_range;
 /// Why a rig stopped.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[non_exhaustive]
 pub enum TripCause {
-    /// Reading the ADC failed on the bus.
+    /// Reading the sensors failed, as on the ADC's bus.
     AdcBus,
-    /// Writing the DAC failed on the bus.
+    /// The actuator did not take a command, as on the DAC's bus.
     DacBus,
     /// The enable line could not be set.
     EnableLine,
@@ -19,7 +20,7 @@ pub enum TripCause {
     DisplacementClipped,
     /// The force channel is at an end of its range.
     ForceClipped,
-    /// The command lies beyond the DAC's range.
+    /// The command lies beyond the actuator's range.
     CommandClipped,
     /// The measured displacement exceeded its limit.
     DisplacementLimit,
@@ -141,7 +142,7 @@ impl Limits {
 }
 
 /// A channel at an end of its range.
-pub(super) fn clipped(reading: &crate::adc::Reading) -> Option<TripCause> {
+pub(super) fn clipped(reading: &super::io::Reading) -> Option<TripCause> {
     if reading.displacement.clipped() {
         Some(TripCause::DisplacementClipped)
     } else if reading.force.clipped() {

@@ -12,6 +12,7 @@ use super::fault::TripCause;
 /// What a rig is doing.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub enum State {
     /// Enable line low, command at 0 or on its way there.
     Idle,

@@ -32,6 +32,8 @@ const HYSTERESIS: f32 = 0.01;
 
 /// Where a streamed motion is at one of its knots.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Knot {
     /// mm
     pub displacement: f32,
@@ -41,6 +43,9 @@ pub struct Knot {
 
 /// What a stream is set to. [`StreamSettings::at`] validates it.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(feature = "serde", serde(default, deny_unknown_fields))]
 pub struct StreamSettings {
     /// Largest displacement of a knot in either direction, mm, 1e-6…1e4.
     pub displacement_limit: f64,

@@ -7,6 +7,10 @@ use core::sync::atomic::{AtomicBool, AtomicU16, Ordering::Relaxed};
 use embedded_hal::digital::{self, OutputPin};
 use embedded_hal::spi::{self, ErrorKind, Operation, SpiDevice};
 
+use mesh_damper::adc::Ads8688;
+use mesh_damper::dac::Ad5761;
+use mesh_damper::rig::{SpiActuator, Wiring};
+
 use crate::board::Converters;
 
 /// What the sensors deliver at this tick, and what the actuator gets.
@@ -33,18 +37,22 @@ static WIRES: Wires = Wires {
 pub struct SimulatedConverters;
 
 impl Converters for SimulatedConverters {
-    type Adc = Adc;
-    type Dac = Dac;
-    type Enable = Enable;
+    type Sensors = Ads8688<Adc>;
+    type Actuator = SpiActuator<Dac, Enable>;
 
     #[inline]
-    fn open() -> (Adc, Dac, Enable) {
-        let adc = Adc { selected: 0 };
+    fn open(wiring: &Wiring) -> Option<(Self::Sensors, Self::Actuator)> {
+        let adc = Adc {
+            selected: 0,
+            ranges: [0; 2],
+        };
         let dac = Dac {
             control: 0,
             answer: 0,
         };
-        (adc, dac, Enable)
+        let adc = Ads8688::new(adc, wiring.displacement, wiring.force).ok()?;
+        let dac = Ad5761::new(dac, wiring.command).ok()?;
+        Some((adc, SpiActuator::new(dac, Enable)))
     }
 
     #[inline]
@@ -80,10 +88,15 @@ fn one_frame(
     Ok(())
 }
 
-/// An ADS8688 whose ranges are those that it is told.
+/// Address of the first channel's range.
+const FIRST_RANGE: u8 = 0x05;
+
+/// An ADS8688 that delivers codes whatever its ranges are.
 pub struct Adc {
     /// The channel that the next frame converts.
     selected: u8,
+    /// Its registers of both channels' ranges; there are no others.
+    ranges: [u8; 2],
 }
 
 impl spi::ErrorType for Adc {
@@ -105,8 +118,17 @@ impl SpiDevice for Adc {
                 let [high, low] = wire.load(Relaxed).to_be_bytes();
                 [0, 0, high, low]
             }
-            // A register echoes what is written to it.
-            [_, value, _] => [0, 0, *value, 0],
+            // A register takes what is written, and comes out in the last byte.
+            [address, value, _] => {
+                let place = usize::from((address >> 1).wrapping_sub(FIRST_RANGE));
+                let Some(register) = self.ranges.get_mut(place) else {
+                    return [0; 4];
+                };
+                if address & 1 != 0 {
+                    *register = *value;
+                }
+                [0, 0, *register, 0]
+            }
             _ => [0; 4],
         })
     }

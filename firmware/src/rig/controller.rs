@@ -3,8 +3,6 @@
 use core::mem::MaybeUninit;
 use core::sync::atomic::Ordering::Relaxed;
 
-use mesh_damper::adc::Ads8688;
-use mesh_damper::dac::Ad5761;
 use mesh_damper::fast_law::{FastLaw, RunningLaw};
 use mesh_damper::frame::{Frame, FrameBuffer};
 use mesh_damper::message::{
@@ -12,7 +10,9 @@ use mesh_damper::message::{
     write_outcome, write_refusal, write_statistics,
 };
 use mesh_damper::pack::Upload;
-use mesh_damper::rig::{AnyExciter, Rig, State, Stream, StreamConfig, Telemetry};
+use mesh_damper::rig::{
+    AnyExciter, Blocking, RigController, State, Stream, StreamConfig, Telemetry, Wiring,
+};
 use mesh_damper::sine::{Programme, SineGenerator};
 
 use super::log;
@@ -23,15 +23,18 @@ pub const EFFECTS: usize = 8;
 
 type Wired<B> = <B as Board>::Converters;
 
-/// The crate's rig on the board.
-pub type WiredRig<B> = Rig<
-    <Wired<B> as Converters>::Adc,
-    <Wired<B> as Converters>::Dac,
-    <Wired<B> as Converters>::Enable,
-    MAX_BLOCKS,
+/// The crate's controller.
+pub type Excitation = RigController<
     EFFECTS,
     AnyExciter<MAX_BLOCKS, &'static Programme<MAX_BLOCKS>>,
     &'static mut RunningLaw<EFFECTS>,
+>;
+
+/// The crate's rig on the board.
+pub type WiredRig<B> = Blocking<
+    &'static mut Excitation,
+    <Wired<B> as Converters>::Sensors,
+    <Wired<B> as Converters>::Actuator,
 >;
 
 /// What a rig is made of: the image's own until there is one.
@@ -40,8 +43,9 @@ pub struct Parts<B: Board> {
     pub law: &'static mut RunningLaw<EFFECTS>,
     /// What it is to follow in the place of the programme.
     pub stream: &'static mut Option<StreamConfig>,
-    /// Where it will be.
+    /// Where it will be, and its controller.
     pub rig: &'static mut MaybeUninit<WiredRig<B>>,
+    pub controller: &'static mut MaybeUninit<Excitation>,
 }
 
 /// Everything that requests act on.
@@ -137,9 +141,9 @@ impl<B: Board> Controller<B> {
             (Request::Setup(setup), ..) => return self.set_up(setup),
             (Request::Start, _, Some(rig)) => {
                 let started = rig.start();
-                defmt::info!("start: {=bool}", started);
                 self.state = rig.state();
-                return Ok(started);
+                defmt::info!("start: {=bool}", started.is_ok());
+                started?;
             }
             (Request::Stop, _, Some(rig)) => {
                 rig.stop();
@@ -147,8 +151,8 @@ impl<B: Board> Controller<B> {
             }
             (Request::Clear, _, Some(rig)) => {
                 let cleared = rig.clear();
-                defmt::info!("clear: {=bool}", cleared);
-                return Ok(cleared);
+                defmt::info!("clear: {=bool}", cleared.is_ok());
+                cleared?;
             }
             (Request::Knots(knots), _, Some(rig)) => {
                 let Some(stream) = rig.exciter().stream() else {
@@ -196,17 +200,25 @@ impl<B: Board> Controller<B> {
         let Some(parts) = self.parts.take() else {
             return Err(Refusal::Order);
         };
-        let (adc, dac, enable) = Wired::<B>::open();
-        let adc = Ads8688::new(adc, setup.displacement, setup.force);
-        let dac = Ad5761::new(dac, setup.command);
-        let (Ok(adc), Ok(dac)) = (adc, dac) else {
+        let wiring = Wiring {
+            displacement: setup.displacement,
+            force: setup.force,
+            command: setup.command,
+        };
+        let Some((sensors, actuator)) = Wired::<B>::open(&wiring) else {
             return Err(Refusal::Converter);
         };
         let exciter = match *parts.stream {
             Some(config) => AnyExciter::Stream(Stream::new(config)),
             None => AnyExciter::Programme(SineGenerator::new(&*parts.programme)?),
         };
-        let rig = Rig::with_exciter(adc, dac, enable, &setup.config, exciter, parts.law);
+        let controller = parts.controller.write(RigController::with_exciter(
+            &setup.config,
+            &wiring,
+            exciter,
+            parts.law,
+        ));
+        let rig = Blocking::wire(controller, sensors, actuator);
         self.rig = Some(parts.rig.write(rig));
         Ok(true)
     }

@@ -1,4 +1,4 @@
-//! The rig controller: the crate's [`mesh_damper::rig::Rig`] on a board, driven tick by tick over its link.
+//! The rig controller: the crate's [`mesh_damper::rig::RigController`] on a board, driven tick by tick over its link.
 
 mod controller;
 #[doc(hidden)]
@@ -19,7 +19,7 @@ use mesh_damper::rig::StreamConfig;
 use mesh_damper::sine::Programme;
 
 use crate::board::{Board, Link as _};
-use controller::{Controller, EFFECTS, Parts, WiredRig};
+use controller::{Controller, EFFECTS, Excitation, Parts, WiredRig};
 
 /// What the controller works on. It belongs into a static: none of it fits on a small stack.
 pub struct Memory<B: Board> {
@@ -27,6 +27,7 @@ pub struct Memory<B: Board> {
     law: RunningLaw<EFFECTS>,
     stream: Option<StreamConfig>,
     rig: MaybeUninit<WiredRig<B>>,
+    controller: MaybeUninit<Excitation>,
     upload: Upload,
     received: [u8; LARGEST],
     again: FrameBuffer,
@@ -41,6 +42,7 @@ impl<B: Board> Memory<B> {
             law: RunningLaw::empty(),
             stream: None,
             rig: MaybeUninit::uninit(),
+            controller: MaybeUninit::uninit(),
             upload: Upload::new(),
             received: [0; LARGEST],
             again: FrameBuffer::new(),
@@ -56,6 +58,7 @@ pub fn run<B: Board>(memory: &'static mut Memory<B>, answer: &'static mut FrameB
         law: &mut memory.law,
         stream: &mut memory.stream,
         rig: &mut memory.rig,
+        controller: &mut memory.controller,
     };
     let mut controller = Controller::new(parts, &mut memory.upload);
     // Number of the next request. The one before is answered again with the same answer: it is not carried out twice.

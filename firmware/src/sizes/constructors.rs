@@ -3,14 +3,15 @@
 use core::hint::black_box;
 
 use cortex_m::singleton;
-use mesh_damper::adc::Ads8688;
 use mesh_damper::amplitude_independent::{self, Effects};
 use mesh_damper::converter::Scale;
-use mesh_damper::dac::Ad5761;
 use mesh_damper::fast_law::RunningLaw;
 use mesh_damper::pack::{self, Upload};
 use mesh_damper::power::PowerSeed;
-use mesh_damper::rig::{DamperEmulation, DamperEmulationSettings, Rig, RigSettings};
+use mesh_damper::rig::{
+    DamperEmulation, DamperEmulationSettings, EmulationController, Rig, RigController, RigSettings,
+    Wiring,
+};
 use mesh_damper::sine::{Block, Programme, SineGenerator};
 use mesh_damper::static_law::StaticLaw;
 
@@ -66,24 +67,23 @@ pub fn constructors<B: Board>(link: &mut B::Link) -> Option<()> {
         Some(())
     })?;
     let scale = Scale::new(black_box(1.0), 0.0).ok()?;
+    let wiring = Wiring {
+        displacement: scale,
+        force: scale,
+        command: scale,
+    };
     named("Rig::new", &mut || {
-        let (adc, dac, enable) = B::Converters::open();
-        let adc = Ads8688::new(adc, scale, scale).ok()?;
-        let dac = Ad5761::new(dac, scale).ok()?;
+        let (sensors, actuator) = B::Converters::open(&wiring)?;
         let settings = RigSettings::default();
-        let rig: Rig<_, _, _, 16, 8, _, _> =
-            Rig::new(adc, dac, enable, &settings, programme, &mut *running).ok()?;
-        black_box(rig);
+        let controller = RigController::new(&settings, &wiring, programme, &mut *running).ok()?;
+        black_box(Rig::wire(controller, sensors, actuator));
         Some(())
     })?;
     named("DamperEmulation::new", &mut || {
-        let (adc, dac, enable) = B::Converters::open();
-        let adc = Ads8688::new(adc, scale, scale).ok()?;
-        let dac = Ad5761::new(dac, scale).ok()?;
+        let (sensors, actuator) = B::Converters::open(&wiring)?;
         let settings = DamperEmulationSettings::default();
-        black_box(
-            DamperEmulation::<_, _, _, 0, _>::new(adc, dac, enable, &settings, &mut *fixed).ok()?,
-        );
+        let controller = EmulationController::new(&settings, &wiring, &mut *fixed).ok()?;
+        black_box(DamperEmulation::wire(controller, sensors, actuator));
         Some(())
     })
 }

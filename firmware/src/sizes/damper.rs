@@ -2,11 +2,9 @@
 
 use core::hint::black_box;
 
-use mesh_damper::adc::Ads8688;
 use mesh_damper::amplitude_independent::{self, Effects};
 use mesh_damper::converter::Scale;
-use mesh_damper::dac::Ad5761;
-use mesh_damper::rig::{DamperEmulation, DamperEmulationSettings};
+use mesh_damper::rig::{DamperEmulation, DamperEmulationSettings, EmulationController, Wiring};
 use mesh_damper::static_law::StaticLaw;
 
 use super::TICKS;
@@ -21,13 +19,16 @@ pub fn damper<B: Board>(_: &mut B::Link) -> Option<()> {
     let (mixed, effects) = amplitude_independent::parts(black_box(3.0)).ok()?;
     law.set(mixed, effects);
     let (travel, force) = (Scale::new(0.5, 0.0).ok()?, Scale::new(5.0, 0.0).ok()?);
-    let (adc, dac, enable) = B::Converters::open();
-    let adc = Ads8688::new(adc, travel, force).ok()?;
-    let dac = Ad5761::new(dac, force).ok()?;
+    let wiring = Wiring {
+        displacement: travel,
+        force,
+        command: force,
+    };
+    let (sensors, actuator) = B::Converters::open(&wiring)?;
     let settings = DamperEmulationSettings::default();
-    let mut damper =
-        DamperEmulation::<_, _, _, 0, _>::new(adc, dac, enable, &settings, law).ok()?;
-    damper.start();
+    let controller = EmulationController::new(&settings, &wiring, law).ok()?;
+    let mut damper = DamperEmulation::wire(controller, sensors, actuator);
+    damper.start().ok()?;
     for _ in 0..TICKS {
         black_box(damper.tick());
     }

@@ -13,7 +13,8 @@ use mesh_damper::law::Law;
 use mesh_damper::operating_range::OperatingRange;
 use mesh_damper::pack::PackError;
 use mesh_damper::rig::{
-    AnyExciter, Rig, RigSettings, State, Stream, StreamConfig, StreamSettings, Telemetry,
+    AnyExciter, Rig, RigController, RigSettings, SpiActuator, SpiRig, StartRefused, State, Stream,
+    StreamConfig, StreamSettings, Telemetry, Wiring,
 };
 use mesh_damper::sine::{Programme, SineGenerator};
 use mesh_damper_recording::error::InputError;
@@ -46,6 +47,9 @@ pub enum SetupError {
     /// Of the law no coefficient pack can be made.
     #[error(transparent)]
     Pack(#[from] PackError),
+    /// The rig does not start.
+    #[error("the rig does not start: {0}")]
+    Start(#[from] StartRefused),
     /// The link to a controller that runs elsewhere.
     #[error(transparent)]
     Link(InputError),
@@ -176,7 +180,7 @@ impl<S: DamperForce + Clone, const B: usize, const N: usize> RigSetup<S, B, N> {
 
 /// The crate's controller on the simulated parts.
 pub type SimulatedRig<const B: usize, const N: usize> =
-    Rig<SimulatedAds8688, SimulatedAd5761, SimulatedEnable, B, N, AnyExciter<B>>;
+    SpiRig<SimulatedAds8688, SimulatedAd5761, SimulatedEnable, B, N, AnyExciter<B>>;
 
 /// A rig wired up, at rest. Everything is public, so that a test can have any of it fail.
 #[derive(Debug)]
@@ -209,17 +213,22 @@ impl<S: DamperForce + Clone, const B: usize, const N: usize> Bench<S, B, N> {
             Some(_) => AnyExciter::Stream(Stream::new(setup.stream_config()?)),
             None => AnyExciter::Programme(SineGenerator::new(setup.programme)?),
         };
-        let rig = Rig::with_exciter(
-            connect_adc(
-                &adc,
-                setup.displacement_sensor.full_scale,
-                setup.force_sensor.full_scale,
-            )?,
-            connect_dac(&dac, setup.command_range)?,
-            enable,
-            &config,
-            exciter,
-            RunningLaw::new(FastLaw::new(setup.law)),
+        let converter = connect_adc(
+            &adc,
+            setup.displacement_sensor.full_scale,
+            setup.force_sensor.full_scale,
+        )?;
+        let [displacement, force] = converter.scales();
+        let wiring = Wiring {
+            displacement,
+            force,
+            command: Scale::new(setup.command_range, 0.0)?,
+        };
+        let law = RunningLaw::new(FastLaw::new(setup.law));
+        let rig = Rig::wire(
+            RigController::with_exciter(&config, &wiring, exciter, law),
+            converter,
+            SpiActuator::new(connect_dac(&dac, wiring.command)?, enable),
         );
         Ok(Self {
             rig,
@@ -276,9 +285,8 @@ impl<S: DamperForce + Clone, const B: usize, const N: usize> Controlled<S> for B
     }
 
     fn start(&mut self) -> Result<(), SetupError> {
-        if self.rig.start()
-            && let Some(feeder) = &mut self.feeder
-        {
+        self.rig.start()?;
+        if let Some(feeder) = &mut self.feeder {
             feeder.restart();
         }
         Ok(())
@@ -306,13 +314,13 @@ pub(super) fn connect_adc(
         Scale::new(displacement, 0.0)?,
         Scale::new(force, 0.0)?,
     )
-    .map_err(|error| SetupError::Converter(format!("{error:?}")))
+    .map_err(|error| SetupError::Converter(error.to_string()))
 }
 
 pub(super) fn connect_dac(
     pins: &Rc<DacPins>,
-    range: f64,
+    scale: Scale,
 ) -> Result<Ad5761<SimulatedAd5761>, SetupError> {
-    Ad5761::new(SimulatedAd5761::new(pins.clone()), Scale::new(range, 0.0)?)
-        .map_err(|error| SetupError::Converter(format!("{error:?}")))
+    Ad5761::new(SimulatedAd5761::new(pins.clone()), scale)
+        .map_err(|error| SetupError::Converter(error.to_string()))
 }

@@ -3,10 +3,11 @@
 use std::cell::Cell;
 use std::rc::Rc;
 
+use mesh_damper::converter::Scale;
 use mesh_damper::dac::OUTPUT_RANGE;
 use mesh_damper::effects::AugmentedLaw;
 use mesh_damper::fast_law::{FastLaw, RunningLaw};
-use mesh_damper::rig::{DamperEmulation, DamperEmulationSettings, Telemetry};
+use mesh_damper::rig::{DamperEmulation, DamperEmulationSettings, SpiDamperEmulation, Telemetry};
 
 use super::bench::{SetupError, connect_adc, connect_dac};
 use crate::actuator::{
@@ -51,7 +52,8 @@ impl<const N: usize> EmulatorSetup<N> {
 #[derive(Debug)]
 pub struct EmulatorBench<const N: usize> {
     /// The crate's emulator.
-    pub emulator: DamperEmulation<SimulatedAds8688, SimulatedAd5761, SimulatedEnable, N>,
+    pub emulator:
+        SpiDamperEmulation<SimulatedAds8688, SimulatedAd5761, SimulatedEnable, RunningLaw<N>>,
     /// The displacement channel.
     pub displacement_sensor: Sensor,
     /// The ADC's analogue side.
@@ -87,7 +89,7 @@ impl<const N: usize> EmulatorBench<N> {
                     setup.displacement_sensor.full_scale,
                     setup.force_range,
                 )?,
-                connect_dac(&dac, setup.force_range)?,
+                connect_dac(&dac, Scale::new(setup.force_range, 0.0)?)?,
                 enable,
                 &setup.settings,
                 RunningLaw::new(FastLaw::new(setup.law)),

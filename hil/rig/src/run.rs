@@ -133,7 +133,7 @@ pub trait Controlled<S> {
     /// Begins the programme, or the motion.
     ///
     /// # Errors
-    /// Those of the link to an image; never in this process.
+    /// Why it does not start, and those of the link to an image.
     fn start(&mut self) -> Result<(), SetupError>;
     /// One tick of the controller and of the plant.
     ///

@@ -54,7 +54,7 @@ fn a_better_law_in_the_middle_of_a_block_is_no_fault() {
         let mut setup = RigSetup::new(specimen.clone(), law_of(&specimen, 1.2), programme, 1);
         setup.settings.health.follow = follow;
         let mut bench = Bench::new(setup).unwrap();
-        bench.rig.start();
+        bench.rig.start().unwrap();
         let (mut named, mut followed) = (Vec::new(), Vec::new());
         while bench.rig.state() == State::Running {
             let telemetry = bench.tick();

@@ -218,7 +218,7 @@ proptest! {
 fn the_emulated_damper_follows_it_where_no_amplitude_is_declared() {
     let law = amplitude_independent::law(3.0).unwrap();
     let mut bench = EmulatorBench::new(EmulatorSetup::new(law.augmented().clone())).unwrap();
-    assert!(bench.emulator.start());
+    bench.emulator.start().unwrap();
     let expected = law.augmented();
     let mut state = expected.at_rest();
     let (mut driven, mut wanted) = (Vec::new(), Vec::new());

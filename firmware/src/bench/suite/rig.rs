@@ -13,7 +13,7 @@ use mesh_damper::dac::Ad5761;
 use mesh_damper::effects::AugmentedLaw;
 use mesh_damper::fast_law::{FastLaw, RunningLaw};
 use mesh_damper::health::HealthSettings;
-use mesh_damper::rig::{Rig, RigSettings, State, Telemetry};
+use mesh_damper::rig::{Rig, RigSettings, SpiRig, State, Telemetry};
 use mesh_damper::sine::{Block, Programme};
 use mesh_damper::table::PAPER;
 
@@ -31,6 +31,8 @@ const CYCLES: u32 = 36;
 struct Wire {
     code: Cell<u16>,
     control: Cell<u16>,
+    /// The last of the ADC's registers that was written.
+    register: Cell<u8>,
 }
 
 struct AdcBus<'a>(&'a Wire);
@@ -49,8 +51,9 @@ impl SpiDevice for AdcBus<'_> {
                 Operation::TransferInPlace([_, _, high, low]) => {
                     [*high, *low] = self.0.code.get().to_be_bytes();
                 }
-                // The register echoes that it was set to 0.
-                Operation::TransferInPlace([_, _, echo]) => *echo = 0,
+                // The driver reads what it wrote last.
+                Operation::Write([_, value, _]) => self.0.register.set(*value),
+                Operation::TransferInPlace([_, _, value]) => *value = self.0.register.get(),
                 _ => {}
             }
         }
@@ -97,7 +100,7 @@ impl OutputPin for Line {
 }
 
 struct Running<'a> {
-    rig: Rig<AdcBus<'a>, DacBus<'a>, Line, 1, 1>,
+    rig: SpiRig<AdcBus<'a>, DacBus<'a>, Line, 1, 1>,
     telemetry: Option<Telemetry>,
 }
 
@@ -142,9 +145,7 @@ pub fn run(meter: &mut impl Meter) -> Result<(), Refused> {
         rig,
         telemetry: None,
     };
-    if !running.rig.start() {
-        return Err(Refused);
-    }
+    running.rig.start().map_err(|_| Refused)?;
     let mut measured = Measured {
         crossing: CrossingAccumulator::new(0.1 * AMPLITUDE as f32)?,
         cycle: None,

@@ -82,11 +82,10 @@ impl<S: DamperForce + Clone, W: Wire, const N: usize> Controlled<S> for ImageBen
     }
 
     fn start(&mut self) -> Result<(), SetupError> {
-        if self.image.start_rig()? {
-            self.state = State::Running;
-            if let Some(feeder) = &mut self.feeder {
-                feeder.restart();
-            }
+        self.image.start_rig()?;
+        self.state = State::Running;
+        if let Some(feeder) = &mut self.feeder {
+            feeder.restart();
         }
         Ok(())
     }

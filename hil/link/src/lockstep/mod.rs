@@ -20,7 +20,7 @@ use mesh_damper::message::{
     Answer, Knots, MAX_BLOCKS, MOTIONS, Motions, Outcome, PART, Refusal, Request, Sensors, Setup,
     Statistics,
 };
-use mesh_damper::rig::{Knot, StreamConfig};
+use mesh_damper::rig::{ClearRefused, Knot, StartRefused, StreamConfig};
 use mesh_damper::sine::Programme;
 use mesh_damper_recording::error::InputError;
 use mesh_damper_rig::SetupError;
@@ -47,6 +47,12 @@ pub enum LinkError {
     /// The image refused what it was asked.
     #[error("the image refused it: {0}")]
     Refused(String),
+    /// The rig on the image does not start.
+    #[error("the image's rig does not start: {0}")]
+    Start(StartRefused),
+    /// The rig on the image does not forget its fault.
+    #[error("the image's rig does not clear its fault: {0}")]
+    Clear(ClearRefused),
     /// The programme has more blocks than the image holds.
     #[error("the image holds {MAX_BLOCKS} blocks, and the programme has {0}")]
     TooManyBlocks(usize),
@@ -59,6 +65,8 @@ impl LinkError {
             Refusal::Removed(what) => {
                 return Self::Refused(format!("there is no {what} any more"));
             }
+            Refusal::Start(refused) => return Self::Start(*refused),
+            Refusal::Clear(refused) => return Self::Clear(*refused),
             Refusal::Order => "it does not come in this order",
             Refusal::Converter => "a converter did not answer its driver",
             Refusal::PackMagic => "these bytes are no coefficient pack",
@@ -84,6 +92,7 @@ impl From<LinkError> for InputError {
     fn from(error: LinkError) -> Self {
         let mend = match error {
             LinkError::TooManyBlocks(_) => "split the programme, or run it on the host",
+            LinkError::Start(_) | LinkError::Clear(_) => "do that on the rig, then ask again",
             _ => "run it again; if it stays, run it on the host and report this",
         };
         Self::new("the image", error.to_string(), mend)
@@ -173,15 +182,15 @@ impl<W: Wire> Image<W> {
         self.done(&Request::Knots(Knots::new(knots, &mut buffer)))
     }
 
-    /// [`mesh_damper::rig::Rig::start`].
+    /// [`mesh_damper::rig::Controller::start`].
     ///
     /// # Errors
-    /// The link's.
-    pub fn start_rig(&mut self) -> Result<bool, LinkError> {
-        self.done(&Request::Start)
+    /// The link's; [`LinkError::Start`].
+    pub fn start_rig(&mut self) -> Result<(), LinkError> {
+        self.done(&Request::Start).map(|_| ())
     }
 
-    /// [`mesh_damper::rig::Rig::stop`].
+    /// [`mesh_damper::rig::Controller::stop`].
     ///
     /// # Errors
     /// The link's.
@@ -189,12 +198,12 @@ impl<W: Wire> Image<W> {
         self.done(&Request::Stop).map(|_| ())
     }
 
-    /// [`mesh_damper::rig::Rig::clear`].
+    /// [`mesh_damper::rig::Controller::clear`].
     ///
     /// # Errors
-    /// The link's.
-    pub fn clear_rig(&mut self) -> Result<bool, LinkError> {
-        self.done(&Request::Clear)
+    /// The link's; [`LinkError::Clear`].
+    pub fn clear_rig(&mut self) -> Result<(), LinkError> {
+        self.done(&Request::Clear).map(|_| ())
     }
 
     /// One tick of the rig.

@@ -55,7 +55,7 @@ pub fn run_healthy(
         (noise, follow),
         seed,
     )?)?;
-    bench.rig.start();
+    bench.rig.start()?;
     let mut healthy = Healthy {
         density,
         amplitude,

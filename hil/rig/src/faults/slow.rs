@@ -187,7 +187,7 @@ impl SlowChange {
         let axes = (self.amplitude, FREQUENCY);
         let settings = (self.noise, follow);
         let mut bench = Bench::new(setup(specimen, axes, cycles, settings, self.seed)?)?;
-        bench.rig.start();
+        bench.rig.start()?;
         let mut watched = Watched {
             reports: Vec::new(),
             named: Vec::new(),

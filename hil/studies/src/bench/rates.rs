@@ -40,7 +40,10 @@ pub fn in_process() -> Result<Rate, InputError> {
     let failed =
         |problem: String| InputError::new("the rig in this process", problem, "report this");
     let mut bench = bench().map_err(|error| failed(error.to_string()))?;
-    bench.rig.start();
+    bench
+        .rig
+        .start()
+        .map_err(|refused| failed(refused.to_string()))?;
     let mut batch = || {
         let start = Instant::now();
         for _ in 0..TICKS {

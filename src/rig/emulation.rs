@@ -1,25 +1,27 @@
-//! The rig as the damper: measured motion in, the law's force out.
+//! The controller that is a damper: measured motion in, the law's force out.
 
-use core::borrow::BorrowMut;
-
-use embedded_hal::digital::OutputPin;
-use embedded_hal::spi::SpiDevice;
+use core::borrow::{Borrow, BorrowMut};
 
 use super::comparison::Comparison;
-use super::fault::{Exceeded, Limits};
-use super::output::{self, Output};
-use super::{CycleReport, State, Telemetry, TripCause};
-use crate::adc::{Ads8688, Reading};
+use super::controller::Controller;
+use super::fault::{Exceeded, Limits, TripCause};
+use super::guard::{self, Guard};
+use super::io::{Reading, Wiring};
+use super::refusal::{ClearRefused, StartRefused};
+use super::state::State;
+use super::{CycleReport, Telemetry};
 use crate::crossing::CrossingDetector;
-use crate::dac::Ad5761;
-use crate::effects::{CONTROLS, Motion};
+use crate::effects::Motion;
 use crate::error::ConfigError;
 use crate::fast_law::{Adaptation, FastLaw, RunningLaw};
 use crate::observer::{Observer, ObserverConfig};
 use crate::tick_law::TickLaw;
 
-/// What an emulator is set to. [`DamperEmulation::new`] validates it.
+/// What an emulator is set to. [`EmulationController::new`] validates it.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(feature = "serde", serde(default, deny_unknown_fields))]
 pub struct DamperEmulationSettings {
     /// Hz, 1…1e6.
     pub tick_rate: f64,
@@ -31,7 +33,7 @@ pub struct DamperEmulationSettings {
     pub trip_ticks: u32,
     /// In how many ticks the force comes in once started, and goes to 0 once stopped, 1…1e7.
     pub stop_ticks: u32,
-    /// After how many ticks without an exchange over the link it stops, see [`DamperEmulation::exchange`], 0…1e7; 0 where nobody is
+    /// After how many ticks without an exchange over the link it stops, see [`Controller::exchange`], 0…1e7; 0 where nobody is
     /// linked.
     pub link_ticks: u32,
     /// Of the observer, Hz, 1e-3 to a tenth of the tick rate. Nothing tells it the motion ahead: it lags by about
@@ -60,12 +62,11 @@ impl Default for DamperEmulationSettings {
     }
 }
 
-/// A damper made of a law and a force actuator: a [`RunningLaw`] of up to `N` effects unless another is named. It owns the law
-/// or borrows it, as firmware does from a static.
+/// The [`Controller`] of a damper made of the law `L` and a force actuator. It owns the law or borrows it, as firmware does from a
+/// static.
 #[derive(Debug)]
-pub struct DamperEmulation<A, D, E, const N: usize = 0, L = RunningLaw<N>> {
-    adc: Ads8688<A>,
-    output: Output<D, E>,
+pub struct EmulationController<L> {
+    guard: Guard,
     limits: Limits,
     observer_config: ObserverConfig,
     law: L,
@@ -78,36 +79,26 @@ pub struct DamperEmulation<A, D, E, const N: usize = 0, L = RunningLaw<N>> {
     part: f32,
     part_step: f32,
     cycle: u32,
-    /// What the law was given last; temperature and controls stay until they are set.
-    motion: Motion<f32>,
+    /// °C.
+    temperature: f32,
     tick: u64,
 }
 
-impl<A, D, E, const N: usize, L> DamperEmulation<A, D, E, N, L>
-where
-    A: SpiDevice,
-    D: SpiDevice,
-    E: OutputPin,
-    L: TickLaw,
-{
-    /// Idle, enable line low. The DAC's scale is that of the force in kN. `law` is what is called so or a reference to it.
+impl<L: TickLaw> EmulationController<L> {
+    /// Idle. `law` is what is called so or a reference to it.
     ///
     /// # Errors
     /// A setting that is not finite or out of range.
     pub fn new(
-        adc: Ads8688<A>,
-        dac: Ad5761<D>,
-        enable: E,
         settings: &DamperEmulationSettings,
+        wiring: &Wiring,
         law: L,
     ) -> Result<Self, ConfigError> {
         Ok(Self {
-            adc,
-            output: Output::new(
-                dac,
-                enable,
-                output::valid_stop_ticks(settings.stop_ticks)?,
-                output::valid_link_ticks(settings.link_ticks)?,
+            guard: Guard::new(
+                &wiring.command,
+                guard::valid_stop_ticks(settings.stop_ticks)?,
+                guard::valid_link_ticks(settings.link_ticks)?,
             ),
             // There is no demanded displacement to be away from.
             limits: Limits::new(
@@ -130,68 +121,50 @@ where
             part: 0.0,
             part_step: (1.0 / f64::from(settings.stop_ticks)) as f32,
             cycle: 0,
-            motion: Motion {
-                temperature: 20.0,
-                ..Motion::default()
-            },
+            temperature: 20.0,
             tick: 0,
         })
     }
 
-    /// Begins to drive the law's force, which comes in over `stop_ticks`. Says no, and does nothing, while running,
-    /// faulted, or on the way to 0.
-    pub fn start(&mut self) -> bool {
-        let started = self.output.start();
-        if started {
-            self.law.boundary();
-            self.exceeded = Exceeded::default();
-            self.crossing.reset();
-            self.part = 0.0;
-        }
-        started
-    }
-
-    /// Stops without a fault.
-    pub fn stop(&mut self) {
-        self.output.stop();
-    }
-
-    /// Whoever is at the other end of the link has been heard: to be called as often as that is so.
-    pub fn exchange(&mut self) {
-        self.output.exchange();
-    }
-
-    /// A tick came late, or not at all, as whoever owns the timer sees: stops with [`TripCause::TickOverrun`].
-    pub fn overrun(&mut self) {
-        self.output.overrun();
-    }
-
-    /// Forgets the fault. Says no, and does nothing, where there is none or the force is not yet back at 0.
-    pub fn clear(&mut self) -> bool {
-        self.output.clear()
-    }
-
     /// Temperature for the law's effects, °C; 20 until set.
     pub fn set_temperature(&mut self, temperature: f32) {
-        self.motion.temperature = temperature;
+        self.temperature = temperature;
+    }
+}
+
+impl<L: TickLaw> Controller for EmulationController<L> {
+    /// Begins to drive the law's force, which comes in over `stop_ticks`.
+    fn start(&mut self) -> Result<(), StartRefused> {
+        self.guard.start()?;
+        self.law.boundary();
+        self.exceeded = Exceeded::default();
+        self.crossing.reset();
+        self.part = 0.0;
+        Ok(())
     }
 
-    /// Control inputs for the law's effects, in the effects' units; 0 until set.
-    pub fn set_controls(&mut self, controls: [f32; CONTROLS]) {
-        self.motion.controls = controls;
+    fn stop(&mut self) {
+        self.guard.stop();
     }
 
-    /// What the emulator is doing.
-    pub fn state(&self) -> State {
-        self.output.state()
+    fn clear(&mut self) -> Result<(), ClearRefused> {
+        self.guard.clear()
     }
 
-    /// One tick: see [`crate::rig`] for its deadline. The law is evaluated whether running or not, so that what its
-    /// effects remember follows the motion.
-    pub fn tick(&mut self) -> Telemetry {
+    fn exchange(&mut self) {
+        self.guard.exchange();
+    }
+
+    fn overrun(&mut self) {
+        self.guard.overrun();
+    }
+
+    /// The law is evaluated whether running or not, so that what its effects remember follows the motion.
+    #[inline]
+    fn tick(&mut self, reading: Option<Reading>) -> Telemetry {
         self.tick = self.tick.wrapping_add(1);
-        self.output.watch_link();
-        self.output.read(&mut self.adc, &mut self.reading);
+        self.guard.watch_link();
+        self.guard.take(reading, &mut self.reading);
         let displacement = self.reading.displacement.value;
         let measured_force = self.reading.force.value;
         let estimate = self
@@ -203,16 +176,17 @@ where
             self.cycle = self.cycle.wrapping_add(1);
             self.law.boundary();
         }
-        self.motion = Motion {
+        let motion = Motion {
             displacement: estimate.displacement,
             velocity: estimate.velocity,
             acceleration: estimate.acceleration,
             cycles: self.cycle as f32 + crossing.phase as f32 * (1.0 / (1u64 << 32) as f32),
-            ..self.motion
+            temperature: self.temperature,
+            controls: self.reading.controls,
         };
-        let model_force = self.law.force(&self.motion);
+        let model_force = self.law.force(&motion);
         if !model_force.is_finite() {
-            self.output.trip(TripCause::NotFinite);
+            self.guard.trip(TripCause::NotFinite);
         }
         let results =
             self.comparison
@@ -224,50 +198,69 @@ where
                         crossing.boundary,
                     )
                 });
-        if self.output.is_running() {
+        if self.guard.is_running() {
             let measured = self
                 .limits
                 .check(&mut self.exceeded, displacement, measured_force, 0.0);
             // What is about to be driven need not be measured first.
             let driven = (model_force.abs() > self.limits.force()).then_some(TripCause::ForceLimit);
             if let Some(fault) = measured.or(driven) {
-                self.output.trip(fault);
+                self.guard.trip(fault);
             }
             self.part = (self.part + self.part_step).min(1.0);
         }
-        self.output.drive(self.part * model_force);
+        self.guard.command(self.part * model_force);
         Telemetry {
             tick: self.tick,
             displacement,
             velocity: estimate.velocity,
             measured_force,
             model_force,
-            command: self.output.command(),
+            command: self.guard.driven(),
             block: 0,
             cycle: self.cycle,
             phase: crossing.phase,
             ramp: false,
-            state: self.output.state(),
+            state: self.guard.state(),
             report: results.map(|results| {
                 CycleReport::new(results, 0, self.cycle, false, Adaptation::default())
             }),
             event: None,
         }
     }
+
+    fn command_failed(&mut self) {
+        self.guard.command_failed();
+    }
+
+    fn enable_failed(&mut self) {
+        self.guard.enable_failed();
+    }
+
+    fn state(&self) -> State {
+        self.guard.state()
+    }
+
+    fn driven(&self) -> f32 {
+        self.guard.driven()
+    }
 }
 
-impl<A, D, E, const N: usize, L> DamperEmulation<A, D, E, N, L>
-where
-    L: BorrowMut<RunningLaw<N>>,
-{
+impl<L> EmulationController<L> {
     /// Another law from the end of this cycle on, or from the start where that comes before. What its effects remember
     /// is kept where they are of the same kinds in the same order as before.
-    pub fn swap_law(&mut self, law: FastLaw<N>) {
+    pub fn swap_law<const N: usize>(&mut self, law: FastLaw<N>)
+    where
+        L: BorrowMut<RunningLaw<N>>,
+    {
         self.law.borrow_mut().swap(law);
     }
 
     /// The law in force.
-    pub fn law(&self) -> &FastLaw<N> {
+    pub fn law<const N: usize>(&self) -> &FastLaw<N>
+    where
+        L: Borrow<RunningLaw<N>>,
+    {
         self.law.borrow().law()
     }
 }

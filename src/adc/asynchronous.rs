@@ -1,0 +1,52 @@
+//! The same frames over an asynchronous bus.
+
+use embedded_hal_async::spi::SpiDevice;
+
+use super::{
+    AdcError, Ads8688, RANGES, RESET, SELECT_DISPLACEMENT, SELECT_FORCE, conversion_frame, held,
+    register_frames, result_of,
+};
+use crate::converter::Scale;
+use crate::rig::Reading;
+
+impl<S: SpiDevice> Ads8688<S> {
+    /// [`Ads8688::new`] over an asynchronous bus.
+    ///
+    /// # Errors
+    /// The bus's, or [`AdcError::Register`].
+    pub async fn new_async(
+        mut spi: S,
+        displacement: Scale,
+        force: Scale,
+    ) -> Result<Self, AdcError<S::Error>> {
+        spi.write(&[RESET, 0, 0, 0]).await?;
+        for (address, value) in RANGES {
+            let [write, mut read] = register_frames(address, value);
+            spi.write(&write).await?;
+            spi.transfer_in_place(&mut read).await?;
+            held(address, value, read)?;
+        }
+        Ok(Self::checked(spi, displacement, force))
+    }
+
+    /// [`Ads8688::read`] over an asynchronous bus. A call that is dropped before it is over is as one that the bus failed.
+    ///
+    /// # Errors
+    /// The bus's.
+    pub async fn read_async(&mut self) -> Result<Reading, S::Error> {
+        if !self.in_step {
+            self.convert_async(SELECT_DISPLACEMENT).await?;
+        }
+        self.in_step = false;
+        let displacement = self.convert_async(SELECT_FORCE).await?;
+        let force = self.convert_async(SELECT_DISPLACEMENT).await?;
+        self.in_step = true;
+        Ok(self.reading(displacement, force))
+    }
+
+    async fn convert_async(&mut self, select: u8) -> Result<u16, S::Error> {
+        let mut frame = conversion_frame(select);
+        self.spi.transfer_in_place(&mut frame).await?;
+        Ok(result_of(frame))
+    }
+}

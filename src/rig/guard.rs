@@ -1,0 +1,302 @@
+//! The guarded command: what the state of [`super::state`] allows to be driven, and the watch over the link.
+
+use super::fault::{TripCause, clipped};
+use super::io::Reading;
+use super::refusal::{ClearRefused, StartRefused};
+use super::state::{Happening, Machine, State};
+use crate::converter::Scale;
+use crate::error::ConfigError;
+use crate::real::in_range;
+
+/// `stop_ticks` as in [`super::RigSettings`], where they are in range.
+pub(super) fn valid_stop_ticks(stop_ticks: u32) -> Result<u32, ConfigError> {
+    in_range("stop_ticks", f64::from(stop_ticks), 1.0, 1e7).map(|_| stop_ticks)
+}
+
+/// `link_ticks` as in [`super::RigSettings`], where they are in range.
+pub(super) fn valid_link_ticks(link_ticks: u32) -> Result<u32, ConfigError> {
+    in_range("link_ticks", f64::from(link_ticks), 0.0, 1e7).map(|_| link_ticks)
+}
+
+#[derive(Debug)]
+pub(super) struct Guard {
+    machine: Machine,
+    command: f32,
+    /// The command of the tick before: what is driven where the actuator does not take the new one.
+    before: f32,
+    /// Ends of the command's range.
+    low: f32,
+    high: f32,
+    /// By how much the command goes back to 0 per tick once stopped.
+    stop_step: f32,
+    stop_ticks: f32,
+    /// Ticks without an exchange that are too many, 0 where nobody is linked, and those since the last one.
+    link_ticks: u32,
+    unlinked: u32,
+}
+
+impl Guard {
+    /// Idle at 0. `stop_ticks` and `link_ticks` as in [`super::RigSettings`].
+    pub(super) fn new(command: &Scale, stop_ticks: u32, link_ticks: u32) -> Self {
+        let [low, high] = command.ends();
+        Self {
+            // The command is at 0.
+            machine: Machine::NEW.after(Happening::AtRest),
+            command: 0.0,
+            before: 0.0,
+            low,
+            high,
+            stop_step: 0.0,
+            stop_ticks: stop_ticks as f32,
+            link_ticks,
+            unlinked: 0,
+        }
+    }
+
+    pub(super) fn state(&self) -> State {
+        self.machine.state
+    }
+
+    pub(super) fn is_running(&self) -> bool {
+        self.machine.state == State::Running
+    }
+
+    /// What is driven.
+    pub(super) fn driven(&self) -> f32 {
+        self.command
+    }
+
+    /// What the table makes of `happening`; says whether the state is another.
+    fn happens(&mut self, happening: Happening) -> bool {
+        let before = self.machine;
+        self.machine = before.after(happening);
+        before.state != self.machine.state
+    }
+
+    /// From [`State::Idle`] or [`State::Done`], once the command is back at 0.
+    pub(super) fn start(&mut self) -> Result<(), StartRefused> {
+        if !self.happens(Happening::Start) {
+            return Err(StartRefused::of(self.machine.state));
+        }
+        self.stop_step = 0.0;
+        self.unlinked = 0;
+        Ok(())
+    }
+
+    /// Stops without a fault.
+    pub(super) fn stop(&mut self) {
+        if self.happens(Happening::Stop) {
+            self.come_down();
+        }
+    }
+
+    /// The programme is over.
+    pub(super) fn finish(&mut self) {
+        if self.happens(Happening::Finish) {
+            self.come_down();
+        }
+    }
+
+    /// Stops for `fault`. The first cause stays.
+    #[cold]
+    #[inline(never)]
+    pub(super) fn trip(&mut self, fault: TripCause) {
+        if self.happens(Happening::Trip(fault)) {
+            self.come_down();
+        }
+    }
+
+    /// Lets the command go to 0 in a straight line. Not inlined: there are many causes.
+    #[inline(never)]
+    fn come_down(&mut self) {
+        // A way back that has begun is not prolonged, and every way ends.
+        let step = self.command.abs() / self.stop_ticks;
+        for least in [step, f32::MIN_POSITIVE] {
+            if least > self.stop_step {
+                self.stop_step = least;
+            }
+        }
+        self.see_rest();
+    }
+
+    /// Not inlined: both ways to come to rest end here.
+    #[inline(never)]
+    fn see_rest(&mut self) {
+        if self.command == 0.0 {
+            self.machine = self.machine.after(Happening::AtRest);
+        }
+    }
+
+    /// Whoever is at the other end of the link has been heard.
+    pub(super) fn exchange(&mut self) {
+        self.unlinked = 0;
+    }
+
+    /// A tick came late.
+    pub(super) fn overrun(&mut self) {
+        if self.is_running() {
+            self.trip(TripCause::TickOverrun);
+        }
+    }
+
+    /// A tick more without an exchange.
+    #[inline]
+    pub(super) fn watch_link(&mut self) {
+        if self.link_ticks > 0 {
+            self.unlinked = self.unlinked.saturating_add(1);
+            if self.unlinked > self.link_ticks && self.is_running() {
+                self.trip(TripCause::LinkLost);
+            }
+        }
+    }
+
+    /// Takes what was `read` as the new `reading`, and stops for sensors that fail or a channel at its end; the last reading
+    /// stays where there is no new one.
+    #[inline]
+    pub(super) fn take(&mut self, read: Option<Reading>, reading: &mut Reading) {
+        match read {
+            Some(new) => {
+                *reading = new;
+                if let Some(fault) = clipped(&new) {
+                    self.trip(fault);
+                }
+            }
+            None => self.trip(TripCause::AdcBus),
+        }
+    }
+
+    /// From [`State::Faulted`] to [`State::Idle`], once the command is back at 0.
+    pub(super) fn clear(&mut self) -> Result<(), ClearRefused> {
+        if self.happens(Happening::Clear) {
+            Ok(())
+        } else {
+            Err(ClearRefused::of(self.machine.state))
+        }
+    }
+
+    /// What is driven next: `demanded` where running, the way back to 0 where not.
+    #[inline]
+    pub(super) fn command(&mut self, demanded: f32) {
+        self.before = self.command;
+        if self.is_running() {
+            // A NaN is in no range.
+            if demanded >= self.low && demanded <= self.high {
+                self.command = demanded;
+            } else {
+                self.refuse(demanded);
+            }
+        } else {
+            self.step_back();
+        }
+    }
+
+    /// Stops for a demand beyond the range, and drives its end; from there the way back begins. One that is not finite is not
+    /// driven at all.
+    #[cold]
+    #[inline(never)]
+    fn refuse(&mut self, demanded: f32) {
+        if !demanded.is_finite() {
+            self.trip(TripCause::NotFinite);
+            return self.step_back();
+        }
+        self.command = if demanded > self.high {
+            self.high
+        } else {
+            self.low
+        };
+        self.trip(TripCause::CommandClipped);
+    }
+
+    #[inline(never)]
+    fn step_back(&mut self) {
+        let left = self.command.abs() - self.stop_step;
+        self.command = if left > 0.0 {
+            left.copysign(self.command)
+        } else {
+            0.0
+        };
+        self.see_rest();
+    }
+
+    /// The actuator did not take the command of this tick: it goes on with the one before, and the way back begins there.
+    #[cold]
+    #[inline(never)]
+    pub(super) fn command_failed(&mut self) {
+        self.command = self.before;
+        if self.command != 0.0 {
+            self.machine.resting = false;
+        }
+        self.trip(TripCause::DacBus);
+    }
+
+    /// The enable line could not be set.
+    #[cold]
+    pub(super) fn enable_failed(&mut self) {
+        self.trip(TripCause::EnableLine);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn started(stop_ticks: u32) -> Guard {
+        let mut guard = Guard::new(&Scale::new(1.0, 0.0).unwrap(), stop_ticks, 0);
+        guard.start().unwrap();
+        guard
+    }
+
+    /// What is driven after `demanded`, and whether it runs.
+    fn driven(guard: &mut Guard, demanded: f32) -> (f32, bool) {
+        guard.command(demanded);
+        (guard.driven(), guard.is_running())
+    }
+
+    /// A command can only be NaN through an error elsewhere; the law and the generator never give one.
+    #[test]
+    fn a_command_that_is_no_number_is_never_driven() {
+        for demanded in [f32::NAN, f32::INFINITY, f32::NEG_INFINITY] {
+            let mut guard = started(2);
+            assert_eq!(driven(&mut guard, 0.5), (0.5, true));
+            // On the way back from it in two ticks.
+            assert_eq!(driven(&mut guard, demanded), (0.25, false));
+            assert_eq!(guard.state(), State::Faulted(TripCause::NotFinite));
+            assert_eq!(driven(&mut guard, demanded), (0.0, false));
+        }
+    }
+
+    #[test]
+    fn a_command_beyond_the_range_is_its_end() {
+        for (full_scale, [low, high]) in [(1.0, [-1.0, 1.0]), (-1.0, [-1.0, 1.0])] {
+            let scale = Scale::new(full_scale, 0.0).unwrap();
+            let step = scale.step().abs();
+            for (demanded, end) in [(1.5, high), (-1.5, low)] {
+                let mut guard = Guard::new(&scale, 2, 0);
+                guard.start().unwrap();
+                let (command, running) = driven(&mut guard, demanded);
+                assert!((command - end).abs() <= step && !running);
+                assert_eq!(guard.state(), State::Faulted(TripCause::CommandClipped));
+                assert!(!scale.encode(command).clipped);
+                assert_eq!(driven(&mut guard, demanded), (0.5 * command, false));
+            }
+        }
+    }
+
+    /// The way back that ended only in the controller's mind has not ended.
+    #[test]
+    fn a_command_that_was_not_taken_does_not_count() {
+        let mut guard = started(4);
+        guard.command(0.5);
+        guard.command(0.25);
+        guard.command_failed();
+        assert_eq!(guard.state(), State::Faulted(TripCause::DacBus));
+        assert_eq!(guard.driven(), 0.5);
+        for value in [0.375, 0.25, 0.125, 0.0] {
+            assert_eq!(driven(&mut guard, 0.0), (value, false));
+        }
+        guard.command_failed();
+        assert_eq!(guard.clear(), Err(ClearRefused::Moving));
+        assert_eq!(driven(&mut guard, 0.0), (0.0, false));
+        assert_eq!(guard.clear(), Ok(()));
+    }
+}

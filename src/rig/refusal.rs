@@ -1,0 +1,114 @@
+//! Why a controller does not start, or does not forget its fault.
+
+use core::fmt;
+
+use super::fault::TripCause;
+use super::state::State;
+
+/// Why a controller does not start. It goes on as before.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub enum StartRefused {
+    /// It is running.
+    Running,
+    /// It has stopped, and the command is not yet back at 0.
+    Moving,
+    /// It has stopped for this cause, which was not cleared; or the enable line did not rise.
+    Faulted(TripCause),
+}
+
+impl StartRefused {
+    /// Of a controller in this state, where a start changed nothing.
+    pub(super) fn of(state: State) -> Self {
+        match state {
+            State::Running => Self::Running,
+            State::Idle | State::Done => Self::Moving,
+            State::Faulted(cause) => Self::Faulted(cause),
+        }
+    }
+}
+
+impl fmt::Display for StartRefused {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Running => f.write_str("it is running: stop it first"),
+            Self::Moving => f.write_str(MOVING),
+            Self::Faulted(cause) => {
+                write!(f, "it is stopped by {cause:?}: mend that, then clear it")
+            }
+        }
+    }
+}
+
+impl core::error::Error for StartRefused {}
+
+/// Why a controller does not forget its fault.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub enum ClearRefused {
+    /// There is no fault.
+    NoFault,
+    /// The command is not yet back at 0.
+    Moving,
+    /// It is cleared, and has stopped again for this cause: the enable line does not drop.
+    Faulted(TripCause),
+}
+
+impl ClearRefused {
+    /// Of a controller in this state, where a clear changed nothing.
+    pub(super) fn of(state: State) -> Self {
+        match state {
+            State::Faulted(_) => Self::Moving,
+            State::Idle | State::Running | State::Done => Self::NoFault,
+        }
+    }
+}
+
+impl fmt::Display for ClearRefused {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::NoFault => f.write_str("there is no fault: start it"),
+            Self::Moving => f.write_str(MOVING),
+            Self::Faulted(cause) => write!(f, "it is stopped again by {cause:?}: mend that first"),
+        }
+    }
+}
+
+impl core::error::Error for ClearRefused {}
+
+const MOVING: &str =
+    "the command is on its way back to 0: go on ticking, and ask again after stop_ticks and one";
+
+#[cfg(test)]
+mod tests {
+    extern crate std;
+
+    use std::string::ToString as _;
+
+    use super::*;
+
+    #[test]
+    fn each_refusal_says_what_to_do() {
+        assert_eq!(
+            StartRefused::Running.to_string(),
+            "it is running: stop it first"
+        );
+        assert_eq!(
+            StartRefused::Faulted(TripCause::ForceLimit).to_string(),
+            "it is stopped by ForceLimit: mend that, then clear it"
+        );
+        assert_eq!(
+            ClearRefused::NoFault.to_string(),
+            "there is no fault: start it"
+        );
+        assert_eq!(
+            ClearRefused::Faulted(TripCause::EnableLine).to_string(),
+            "it is stopped again by EnableLine: mend that first"
+        );
+        let moving = StartRefused::Moving.to_string();
+        assert!(moving.contains("after stop_ticks and one"), "{moving}");
+        assert_eq!(ClearRefused::Moving.to_string(), moving);
+    }
+}

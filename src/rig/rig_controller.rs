@@ -1,0 +1,393 @@
+//! The controller that excites a specimen and runs the law beside it.
+
+use core::borrow::{Borrow, BorrowMut};
+
+use super::comparison::Comparison;
+use super::controller::Controller;
+use super::correction::{Correction, CorrectionConfig};
+use super::exciter::Exciter;
+use super::fault::{Exceeded, Limits, TripCause};
+use super::guard::Guard;
+use super::io::{Reading, Wiring};
+use super::refusal::{ClearRefused, StartRefused};
+use super::state::State;
+use super::{CycleReport, RigConfig, RigSettings, Telemetry};
+use crate::effects::Motion;
+use crate::error::ConfigError;
+use crate::fast_law::{Adaptation, FastLaw, RunningLaw};
+use crate::health::{Change, Channel, Ended, Event, HealthConfig, HealthMonitor, Look, Steady};
+use crate::observer::{Observer, ObserverConfig};
+use crate::sine::{Excitation, Programme, SineGenerator};
+
+/// `cargo hil bench` counts the tick without the monitor too: what that costs is the difference. It has the compiler set
+/// `unmonitored` for an image of its own; no feature does, so that no crate takes the monitor away from another's rig.
+const MONITORED: bool = !cfg!(unmonitored);
+
+/// The [`Controller`] of a rig with up to `N` effects in its law, driven by the [`Exciter`] `X`.
+///
+/// It owns programme and law, or borrows them: with 2 KiB to sixteen blocks and 6 KiB of law they are what does not fit on a
+/// small stack, and firmware keeps them in statics.
+#[derive(Debug)]
+// What every tick needs comes first, within reach of a load's offset: by the compiler's order a tick takes up to 40
+// instructions more or less with the size of any field.
+#[repr(C)]
+pub struct RigController<const N: usize, X, L = RunningLaw<N>> {
+    limits: Limits,
+    reading: Reading,
+    tick: u64,
+    observer_config: ObserverConfig,
+    exceeded: Exceeded,
+    observer: Observer,
+    correction_config: CorrectionConfig,
+    correction: Correction,
+    comparison: Comparison,
+    guard: Guard,
+    excitation: Excitation,
+    temperature: f32,
+    exciter: X,
+    law: L,
+    health: HealthMonitor,
+    health_config: HealthConfig,
+}
+
+impl<const B: usize, const N: usize, P, L> RigController<N, SineGenerator<B, P>, L>
+where
+    P: Borrow<Programme<B>>,
+    L: BorrowMut<RunningLaw<N>>,
+{
+    /// Idle. Ticks run at the programme's rate. `programme` and `law` are either what they are called or references to it.
+    ///
+    /// # Errors
+    /// A setting that is not finite or out of range; a programme without blocks.
+    pub fn new(
+        settings: &RigSettings,
+        wiring: &Wiring,
+        programme: P,
+        law: L,
+    ) -> Result<Self, ConfigError> {
+        let config = settings.at(programme.borrow().tick_rate())?;
+        let generator = SineGenerator::new(programme)?;
+        Ok(Self::with_exciter(&config, wiring, generator, law))
+    }
+
+    /// The programme.
+    pub fn programme(&self) -> &Programme<B> {
+        self.exciter.programme()
+    }
+}
+
+impl<const N: usize, X, L> RigController<N, X, L>
+where
+    X: Exciter,
+    L: BorrowMut<RunningLaw<N>>,
+{
+    /// [`RigController::new`] with any exciter in the place of a programme's generator. Ticks run at the exciter's rate, which is
+    /// to be that of `config`.
+    #[inline(always)]
+    pub fn with_exciter(config: &RigConfig, wiring: &Wiring, exciter: X, law: L) -> Self {
+        Self {
+            health: HealthMonitor::new(
+                &wiring.displacement,
+                &wiring.force,
+                config.limits.allowed(),
+            ),
+            guard: Guard::new(&wiring.command, config.stop_ticks, config.link_ticks),
+            limits: config.limits,
+            observer_config: config.observer,
+            correction_config: config.correction,
+            health_config: config.health,
+            exciter,
+            law,
+            observer: Observer::default(),
+            correction: Correction::new(&config.correction),
+            comparison: Comparison::default(),
+            exceeded: Exceeded::default(),
+            reading: Reading::default(),
+            excitation: Excitation::default(),
+            temperature: 20.0,
+            tick: 0,
+        }
+    }
+
+    /// What drives it, to give a [`super::Stream`] its knots. Changing it otherwise while running may demand a step.
+    pub fn exciter(&mut self) -> &mut X {
+        &mut self.exciter
+    }
+
+    /// The first event of each cause since [`RigController::clear_events`].
+    pub fn events(&self) -> &[Event] {
+        self.health.events()
+    }
+
+    /// Forgets all events; what is now counts as normal.
+    pub fn clear_events(&mut self) {
+        self.health.clear();
+    }
+
+    /// Another law from the end of this cycle on, or from the start where not running; see [`RigController::law`]. What its
+    /// effects remember is kept where they are of the same kinds in the same order as before. The monitor learns what is
+    /// normal beside it anew, and what begins with the swap is normal.
+    pub fn swap_law(&mut self, law: FastLaw<N>) {
+        self.law.borrow_mut().swap(law);
+    }
+
+    /// [`RigController::swap_law`] with a law that `write` writes in place, so that it need not pass through the stack.
+    ///
+    /// # Errors
+    /// That of `write`; no law waits then, and the one in force stays.
+    pub fn swap_law_with<F>(
+        &mut self,
+        write: impl FnOnce(&mut FastLaw<N>) -> Result<(), F>,
+    ) -> Result<(), F> {
+        self.law.borrow_mut().swap_with(write)
+    }
+
+    /// The law in force, as it was given.
+    pub fn law(&self) -> &FastLaw<N> {
+        self.law.borrow().law()
+    }
+
+    /// By how much the law in force differs from that, which slow changes of the specimen have led to.
+    pub fn followed(&self) -> Adaptation {
+        self.law.borrow().followed()
+    }
+
+    /// Temperature for the law's effects, °C; 20 until set.
+    pub fn set_temperature(&mut self, temperature: f32) {
+        self.temperature = temperature;
+    }
+
+    /// A channel did what asks for a look, beside the demand of this tick and the law's force of the one before: stops for a
+    /// sensor that is lost; whatever else is found, the rig goes on.
+    #[cold]
+    #[inline(never)]
+    fn look_at_channels(&mut self, changes: [Change; 2]) -> Option<Event> {
+        let demand = self.excitation.displacement;
+        let law = self.comparison.model_force();
+        let lost = self.health.channels(&self.reading, &changes, demand, law);
+        if let Some(channel) = lost {
+            self.guard.trip(match channel {
+                Channel::Displacement => TripCause::DisplacementLost,
+                Channel::Force => TripCause::ForceLost,
+            });
+        }
+        self.health.take_fresh()
+    }
+
+    /// A close look at this tick. An `event` of its own is told as soon as there is no other.
+    #[cold]
+    #[inline(never)]
+    fn look(&mut self, motion: &Motion<f32>, model_force: f32, event: &mut Option<Event>) {
+        let excitation = &self.excitation;
+        let parts = if self.health_config.follows() {
+            self.law.borrow().parts(motion)
+        } else {
+            [0.0; 3]
+        };
+        let look = Look {
+            displacement: motion.displacement,
+            velocity: motion.velocity,
+            measured: self.reading.displacement.value,
+            demand: (excitation.displacement, excitation.velocity),
+            force: self.reading.force.value,
+            law: model_force,
+            parts,
+            phase: excitation.phase,
+            ramp: excitation.ramp,
+        };
+        if let Some(followed) = self.health.look(&self.health_config, &look) {
+            self.law.borrow_mut().follow(followed);
+        }
+        if event.is_none() && self.health.has_fresh() {
+            *event = self.health.take_fresh();
+        }
+    }
+
+    /// It does not run: what the fault that it `was_running` into says, and what is left to tell.
+    #[cold]
+    #[inline(never)]
+    fn attend(&mut self, was_running: bool, event: &mut Option<Event>) {
+        if was_running && let State::Faulted(fault) = self.guard.state() {
+            self.health.stopped(fault, &self.reading);
+        }
+        if event.is_none() {
+            *event = self.health.take_fresh();
+        }
+    }
+}
+
+impl<const N: usize, X, L> Controller for RigController<N, X, L>
+where
+    X: Exciter,
+    L: BorrowMut<RunningLaw<N>>,
+{
+    /// Begins the programme or the motion from its start, with the corrections as they were.
+    fn start(&mut self) -> Result<(), StartRefused> {
+        self.guard.start()?;
+        self.exciter.restart();
+        let law = self.law.borrow_mut();
+        law.boundary();
+        law.follow_nothing();
+        law.rest();
+        self.comparison = Comparison::default();
+        self.exceeded = Exceeded::default();
+        self.correction.restart();
+        self.health.restart();
+        Ok(())
+    }
+
+    fn stop(&mut self) {
+        self.guard.stop();
+    }
+
+    fn clear(&mut self) -> Result<(), ClearRefused> {
+        self.guard.clear()
+    }
+
+    fn exchange(&mut self) {
+        self.guard.exchange();
+    }
+
+    fn overrun(&mut self) {
+        self.guard.overrun();
+    }
+
+    #[inline]
+    fn tick(&mut self, reading: Option<Reading>) -> Telemetry {
+        self.tick = self.tick.wrapping_add(1);
+        let was_running = self.guard.is_running();
+        self.guard.watch_link();
+        let last = [self.reading.displacement.code, self.reading.force.code];
+        self.guard.take(reading, &mut self.reading);
+        let displacement = self.reading.displacement.value;
+        let measured_force = self.reading.force.value;
+        // The cycle that ends with this tick is of the block before it.
+        let before = self.excitation;
+        let mut event = None;
+        if self.guard.is_running() {
+            self.excitation = self.exciter.tick();
+            if let Some(cause) = self.exciter.refusal() {
+                self.guard.trip(cause);
+            }
+            if MONITORED {
+                let changes = self.health.samples(last, &self.reading);
+                if changes.iter().any(Change::asks) {
+                    event = self.look_at_channels(changes);
+                }
+            }
+        } else {
+            // Standing still, for the observer.
+            self.excitation.acceleration = 0.0;
+            self.excitation.cycle_end = false;
+        }
+        let excitation = self.excitation;
+        let another_law = excitation.cycle_end && self.law.borrow_mut().boundary();
+        let estimate =
+            self.observer
+                .update(&self.observer_config, displacement, excitation.acceleration);
+        let motion = Motion {
+            displacement: estimate.displacement,
+            velocity: estimate.velocity,
+            acceleration: estimate.acceleration,
+            cycles: excitation.cycle as f32 + excitation.phase as f32 * (1.0 / (1u64 << 32) as f32),
+            temperature: self.temperature,
+            controls: self.reading.controls,
+            ..Motion::default()
+        };
+        let model_force = self.law.borrow_mut().force(&motion);
+        if !model_force.is_finite() {
+            self.guard.trip(TripCause::NotFinite);
+        }
+        let mut command = 0.0;
+        let mut report = None;
+        if self.guard.is_running() {
+            let error = displacement - excitation.displacement;
+            if let Some(fault) =
+                self.limits
+                    .check(&mut self.exceeded, displacement, measured_force, error)
+            {
+                self.guard.trip(fault);
+            }
+            if excitation.cycle_end
+                && let Err(fault) = self.correction.boundary(&self.correction_config)
+            {
+                self.guard.trip(fault);
+            }
+            command = self
+                .correction
+                .command(&self.correction_config, &excitation, displacement);
+            report = self.comparison.update(
+                measured_force,
+                model_force,
+                excitation.cycle_end,
+                |accumulator, forces| {
+                    accumulator.update(estimate.displacement, forces, excitation.phase)
+                },
+            );
+            if MONITORED && excitation.cycle_end {
+                self.health.cycle(Ended {
+                    block: before.block,
+                    temperature: self.temperature,
+                    command: self.correction.mean_command(),
+                    another_law,
+                    steady: report.as_ref().filter(|_| !before.ramp).map(
+                        |([measured, model], _)| Steady {
+                            energy: measured.energy,
+                            law_energy: model.energy,
+                            mean: measured.mean_force - model.mean_force,
+                        },
+                    ),
+                });
+            }
+            if MONITORED && self.health.is_due(excitation.phase) {
+                self.look(&motion, model_force, &mut event);
+            }
+            if excitation.done {
+                self.guard.finish();
+            }
+        }
+        if !self.guard.is_running() {
+            self.attend(was_running, &mut event);
+        }
+        self.guard.command(command);
+        Telemetry {
+            tick: self.tick,
+            displacement,
+            velocity: estimate.velocity,
+            measured_force,
+            model_force,
+            command: self.guard.driven(),
+            block: excitation.block,
+            cycle: excitation.cycle,
+            phase: excitation.phase,
+            ramp: excitation.ramp,
+            state: self.guard.state(),
+            report: report.map(|results| {
+                CycleReport::new(
+                    results,
+                    before.block,
+                    excitation.cycle,
+                    before.ramp,
+                    self.health.followed(),
+                )
+            }),
+            event,
+        }
+    }
+
+    fn command_failed(&mut self) {
+        self.guard.command_failed();
+    }
+
+    fn enable_failed(&mut self) {
+        self.guard.enable_failed();
+    }
+
+    fn state(&self) -> State {
+        self.guard.state()
+    }
+
+    fn driven(&self) -> f32 {
+        self.guard.driven()
+    }
+}

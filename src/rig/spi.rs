@@ -1,0 +1,157 @@
+//! A rig and a damper emulation on the two SPI parts of [`crate::adc`] and [`crate::dac`].
+
+use core::borrow::{Borrow, BorrowMut};
+
+use embedded_hal::digital::OutputPin;
+use embedded_hal::spi::SpiDevice;
+
+use super::blocking::Blocking;
+use super::emulation::{DamperEmulationSettings, EmulationController};
+use super::io::{Actuator, Reading, Sensors, Wiring};
+use super::rig_controller::RigController;
+use super::{DamperEmulation, Rig, RigConfig, RigSettings};
+use crate::adc::Ads8688;
+use crate::dac::Ad5761;
+use crate::error::ConfigError;
+use crate::fast_law::RunningLaw;
+use crate::sine::{Programme, SineGenerator};
+use crate::tick_law::TickLaw;
+
+/// A [`Rig`] on an ADS8688, an AD5761R and a pin, with up to `B` blocks in its programme and up to `N` effects in its law.
+pub type SpiRig<A, D, E, const B: usize, const N: usize, X = SineGenerator<B>, L = RunningLaw<N>> =
+    Rig<Ads8688<A>, SpiActuator<D, E>, N, X, L>;
+
+/// A [`DamperEmulation`] on an ADS8688, an AD5761R and a pin.
+pub type SpiDamperEmulation<A, D, E, L> = DamperEmulation<Ads8688<A>, SpiActuator<D, E>, L>;
+
+/// An actuator that an AD5761R drives and a pin enables.
+#[derive(Debug)]
+pub struct SpiActuator<D, E> {
+    pub(super) dac: Ad5761<D>,
+    pub(super) enable: E,
+}
+
+impl<D, E> SpiActuator<D, E> {
+    /// The scale of `dac` is that of the command, in mm, or in kN of a damper emulation. `enable` is high where the actuator may
+    /// move.
+    pub fn new(dac: Ad5761<D>, enable: E) -> Self {
+        Self { dac, enable }
+    }
+}
+
+/// What failed of a [`SpiActuator`].
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub enum SpiActuatorError<D, E> {
+    /// The DAC's bus.
+    Dac(D),
+    /// The pin.
+    Enable(E),
+}
+
+impl<A: SpiDevice> Sensors for Ads8688<A> {
+    type Error = A::Error;
+
+    #[inline]
+    fn read(&mut self) -> Result<Reading, A::Error> {
+        Ads8688::read(self)
+    }
+}
+
+impl<D: SpiDevice, E: OutputPin> Actuator for SpiActuator<D, E> {
+    type Error = SpiActuatorError<D::Error, E::Error>;
+
+    #[inline]
+    fn drive(&mut self, value: f32) -> Result<(), Self::Error> {
+        match self.dac.write(value) {
+            Ok(_) => Ok(()),
+            Err(error) => Err(SpiActuatorError::Dac(error)),
+        }
+    }
+
+    #[inline]
+    fn enable(&mut self, on: bool) -> Result<(), Self::Error> {
+        self.enable
+            .set_state(on.into())
+            .map_err(SpiActuatorError::Enable)
+    }
+}
+
+impl<A, D, E, const B: usize, const N: usize, P, L>
+    Blocking<RigController<N, SineGenerator<B, P>, L>, Ads8688<A>, SpiActuator<D, E>>
+where
+    A: SpiDevice,
+    D: SpiDevice,
+    E: OutputPin,
+    P: Borrow<Programme<B>>,
+    L: BorrowMut<RunningLaw<N>>,
+{
+    /// Idle, enable line low. The DAC's scale is that of the command in mm. Ticks run at the programme's rate. `programme`
+    /// and `law` are either what they are called or references to it.
+    ///
+    /// # Errors
+    /// A setting that is not finite or out of range; a programme without blocks.
+    pub fn new(
+        adc: Ads8688<A>,
+        dac: Ad5761<D>,
+        enable: E,
+        settings: &RigSettings,
+        programme: P,
+        law: L,
+    ) -> Result<Self, ConfigError> {
+        let config = settings.at(programme.borrow().tick_rate())?;
+        Self::with_config(adc, dac, enable, &config, programme, law)
+    }
+
+    /// [`Rig::new`] with settings as they are at the programme's tick rate.
+    ///
+    /// # Errors
+    /// A programme without blocks.
+    pub fn with_config(
+        adc: Ads8688<A>,
+        dac: Ad5761<D>,
+        enable: E,
+        config: &RigConfig,
+        programme: P,
+        law: L,
+    ) -> Result<Self, ConfigError> {
+        // What may fail comes first, so that the rest is built where it will be.
+        let generator = SineGenerator::new(programme)?;
+        let wiring = wiring(&adc, &dac);
+        let controller = RigController::with_exciter(config, &wiring, generator, law);
+        Ok(Self::wire(controller, adc, SpiActuator::new(dac, enable)))
+    }
+}
+
+impl<A, D, E, L> Blocking<EmulationController<L>, Ads8688<A>, SpiActuator<D, E>>
+where
+    A: SpiDevice,
+    D: SpiDevice,
+    E: OutputPin,
+    L: TickLaw,
+{
+    /// Idle, enable line low. The DAC's scale is that of the force in kN. `law` is what is called so or a reference to it.
+    ///
+    /// # Errors
+    /// A setting that is not finite or out of range.
+    pub fn new(
+        adc: Ads8688<A>,
+        dac: Ad5761<D>,
+        enable: E,
+        settings: &DamperEmulationSettings,
+        law: L,
+    ) -> Result<Self, ConfigError> {
+        let controller = EmulationController::new(settings, &wiring(&adc, &dac), law)?;
+        Ok(Self::wire(controller, adc, SpiActuator::new(dac, enable)))
+    }
+}
+
+fn wiring<A, D>(adc: &Ads8688<A>, dac: &Ad5761<D>) -> Wiring {
+    let [displacement, force] = adc.scales();
+    Wiring {
+        displacement,
+        force,
+        command: *dac.scale(),
+    }
+}
