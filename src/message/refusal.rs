@@ -28,10 +28,16 @@ pub enum Refusal<'a> {
     PackChecksum,
     /// [`PackError::Body`].
     PackBody,
+    /// [`PackError::TickRate`].
+    PackTickRate,
+    /// [`PackError::Identity`].
+    PackIdentity,
+    /// [`PackError::Revision`].
+    PackRevision,
 }
 
 /// The refusals that are told by their number alone.
-const PLAIN: [Refusal<'static>; 8] = [
+const PLAIN: [Refusal<'static>; 11] = [
     Refusal::Order,
     Refusal::Converter,
     Refusal::PackMagic,
@@ -40,6 +46,9 @@ const PLAIN: [Refusal<'static>; 8] = [
     Refusal::PackOrder,
     Refusal::PackChecksum,
     Refusal::PackBody,
+    Refusal::PackTickRate,
+    Refusal::PackIdentity,
+    Refusal::PackRevision,
 ];
 
 /// Number of [`Refusal::Field`] on the link.
@@ -59,6 +68,9 @@ impl Refusal<'_> {
             Self::PackOrder => 5,
             Self::PackChecksum => 6,
             Self::PackBody => 7,
+            Self::PackTickRate => 8,
+            Self::PackIdentity => 9,
+            Self::PackRevision => 10,
             Self::Field(_) => FIELD,
             Self::Removed(_) => REMOVED,
         }
@@ -87,6 +99,9 @@ impl From<PackError> for Refusal<'static> {
             PackError::Order { .. } => Self::PackOrder,
             PackError::Checksum => Self::PackChecksum,
             PackError::Body => Self::PackBody,
+            PackError::TickRate { .. } => Self::PackTickRate,
+            PackError::Identity { .. } => Self::PackIdentity,
+            PackError::Revision { .. } => Self::PackRevision,
             PackError::Refused(error) => error.into(),
         }
     }
@@ -119,7 +134,7 @@ mod tests {
     /// An image of one version and a harness of another understand each other as long as these stay.
     #[test]
     fn numbers_on_the_link_are_those_of_the_table() {
-        let refusals: [(&[u8], Refusal<'_>); 10] = [
+        let refusals: [(&[u8], Refusal<'_>); 13] = [
             (&[0], Refusal::Order),
             (&[1], Refusal::Converter),
             (&[2], Refusal::PackMagic),
@@ -128,6 +143,9 @@ mod tests {
             (&[5], Refusal::PackOrder),
             (&[6], Refusal::PackChecksum),
             (&[7], Refusal::PackBody),
+            (&[8], Refusal::PackTickRate),
+            (&[9], Refusal::PackIdentity),
+            (&[10], Refusal::PackRevision),
             (b"\xfeclock", Refusal::Removed("clock")),
             (b"\xffk1", Refusal::Field("k1")),
         ];
@@ -135,6 +153,6 @@ mod tests {
             assert_eq!(refusal.number(), bytes[0]);
             assert_eq!(read_refusal(&mut Reader(bytes)), Some(refusal));
         }
-        assert_eq!(read_refusal(&mut Reader(&[8])), None);
+        assert_eq!(read_refusal(&mut Reader(&[11])), None);
     }
 }

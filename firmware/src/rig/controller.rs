@@ -11,7 +11,7 @@ use mesh_damper::message::{
     MAX_BLOCKS, Refusal, Request, Sensors, Setup, Statistics, write_done, write_forces,
     write_outcome, write_refusal, write_statistics,
 };
-use mesh_damper::pack::Upload;
+use mesh_damper::pack::{Expectation, PackError, Upload};
 use mesh_damper::rig::{AnyExciter, Rig, State, Stream, StreamConfig, Telemetry};
 use mesh_damper::sine::{Programme, SineGenerator};
 
@@ -40,6 +40,8 @@ pub struct Parts<B: Board> {
     pub law: &'static mut RunningLaw<EFFECTS>,
     /// What it is to follow in the place of the programme.
     pub stream: &'static mut Option<StreamConfig>,
+    /// Of the law's pack, Hz; `None` where it did not say.
+    pub law_rate: Option<f32>,
     /// Where it will be.
     pub rig: &'static mut MaybeUninit<WiredRig<B>>,
 }
@@ -49,6 +51,8 @@ pub struct Controller<B: Board> {
     /// Until there is a rig.
     parts: Option<Parts<B>>,
     rig: Option<&'static mut WiredRig<B>>,
+    /// What a pack has to be: for the rig's tick rate once there is a rig.
+    expected: Expectation,
     upload: &'static mut Upload,
     /// Of the last tick, for the log.
     block: Option<usize>,
@@ -60,6 +64,7 @@ impl<B: Board> Controller<B> {
         Self {
             parts: Some(parts),
             rig: None,
+            expected: Expectation::default(),
             upload,
             block: None,
             state: State::Idle,
@@ -168,11 +173,19 @@ impl<B: Board> Controller<B> {
     /// The law of the pack that came: at once where nothing runs, else at the end of the cycle.
     fn take_pack(&mut self) -> Result<bool, Refusal<'static>> {
         let upload = &mut *self.upload;
-        let write = |slot: &mut FastLaw<EFFECTS>| upload.finish(slot);
+        let mut rate = None;
+        let expected = &self.expected;
+        let write = |slot: &mut FastLaw<EFFECTS>| -> Result<(), PackError> {
+            let info = upload.finish(slot, expected)?;
+            rate = info.map(|info| info.tick_rate);
+            Ok(())
+        };
         let taken = match (&mut self.parts, &mut self.rig) {
             (Some(parts), _) => {
                 let taken = parts.law.swap_with(write);
-                parts.law.boundary();
+                if parts.law.boundary() {
+                    parts.law_rate = rate;
+                }
                 taken
             }
             (_, Some(rig)) => rig.swap_law_with(write),
@@ -193,9 +206,19 @@ impl<B: Board> Controller<B> {
 
     #[inline(never)]
     fn set_up(&mut self, setup: &Setup) -> Result<bool, Refusal<'static>> {
+        let Some(parts) = &self.parts else {
+            return Err(Refusal::Order);
+        };
+        let expected = Expectation::at(match &*parts.stream {
+            Some(config) => config.tick_rate(),
+            None => parts.programme.tick_rate() as f32,
+        });
+        // The law came before the rig's rate was known.
+        expected.check_tick_rate(parts.law_rate)?;
         let Some(parts) = self.parts.take() else {
             return Err(Refusal::Order);
         };
+        self.expected = expected;
         let (adc, dac, enable) = Wired::<B>::open();
         let adc = Ads8688::new(adc, setup.displacement, setup.force);
         let dac = Ad5761::new(dac, setup.command);

@@ -8,7 +8,7 @@ use mesh_damper::effects::description::Description;
 use mesh_damper::effects::{AugmentedLaw, DESCRIPTIONS, Effect, Motion};
 use mesh_damper::fast_law::{FastLaw, RunningLaw};
 use mesh_damper::law::Law;
-use mesh_damper::pack::{LARGEST, encode};
+use mesh_damper::pack::{LARGEST, PackInfo, encode};
 use mesh_damper::rig::TripCause;
 use mesh_damper::sine::{Block, Programme};
 use mesh_damper_link::image::{Board, FIRMWARE, sections};
@@ -49,7 +49,9 @@ fn law(effects: &[Effect<f32>]) -> FastLaw<EFFECTS> {
 
 fn pack(law: &FastLaw<EFFECTS>) -> Vec<u8> {
     let mut buffer = [0; LARGEST];
-    encode(law, &mut buffer).unwrap().to_vec()
+    encode(law, &PackInfo::at(1.0 / TICK), &mut buffer)
+        .unwrap()
+        .to_vec()
 }
 
 /// A motion that sweeps in amplitude and frequency, with extremes and numbers that are none strewn in.
