@@ -110,7 +110,7 @@ fn constants(export: &Export, effects: &[Parametrized], text: &mut String) {
     }
     let amplitude = format!("{:?}", info.amplitude);
     constant(
-        "Amplitude that the law was taken at, mm; none where it is the same at all.",
+        "Amplitude that the law was taken at, mm; none where it is the same at every one.",
         "pub const AMPLITUDE: Option<f32>",
         amplitude,
     );
@@ -191,10 +191,15 @@ fn parameters(description: &Description) -> String {
 }
 
 fn composed(effects: &[Parametrized], text: &mut String) {
-    let types: String = effects
+    let types: Vec<String> = effects
         .iter()
-        .map(|(each, _)| format!("{}<f32>,", type_of(each)))
+        .map(|(each, _)| format!("{}<f32>", type_of(each)))
         .collect();
+    // A tuple of one needs a comma.
+    let types = match &types[..] {
+        [one] => format!("{one},"),
+        types => types.join(", "),
+    };
     let built: String = effects
         .iter()
         .map(|(each, _)| {
