@@ -15,7 +15,7 @@
 
 mod info;
 
-pub use info::{DENSITY_MOST, Expectation, Identity, NAME, PackInfo};
+pub use info::{DENSITY_MOST, Expectation, Identity, NAME, PackInfo, Stamp};
 
 use core::fmt;
 
@@ -216,8 +216,8 @@ pub fn encode<'b, const N: usize>(
     Ok(buffer.get(..HEADER + length).unwrap_or_default())
 }
 
-/// Writes the law in a pack over `slot`, which is no law where the pack is refused. Gives what the pack says of itself; `None` of one
-/// of version 6, which says nothing.
+/// Writes the law in a pack over `slot`, which is no law where the pack is refused. Gives the pack's stamp; `None` of one of version 6,
+/// which has none. [`PackInfo::of`] gives all that the pack says of itself.
 ///
 /// # Errors
 /// Whatever is wrong with it; a pack with any one bit changed is refused. One that is not what is `expected`: `slot` is as it was.
@@ -225,14 +225,15 @@ pub fn decode<const N: usize>(
     pack: &[u8],
     slot: &mut FastLaw<N>,
     expected: &Expectation,
-) -> Result<Option<PackInfo>, PackError> {
+) -> Result<Option<Stamp>, PackError> {
     let (version, body) = body(pack)?;
     let mut reader = Reader(body);
-    let info = match version {
-        OLDEST => None,
-        _ => Some(PackInfo::read(&mut reader)?),
-    };
-    expected.check(info.as_ref())?;
+    let mut stamp = None;
+    if version != OLDEST {
+        let (found, _) = info::stamp(&mut reader).ok_or(PackError::Body)?;
+        stamp = Some(found);
+    }
+    expected.check(stamp.as_ref())?;
     let eq13 = reader.words().ok_or(PackError::Body)?;
     let [k1, k3, c, alpha] = eq13.map(f32::from_bits);
     slot.augmented.set_law(Law::new(k1, k3, c, alpha)?);
@@ -252,7 +253,7 @@ pub fn decode<const N: usize>(
         _ => return Err(PackError::Body),
     }
     if reader.rest().is_empty() {
-        Ok(info)
+        Ok(stamp)
     } else {
         Err(PackError::Body)
     }
@@ -373,7 +374,7 @@ impl Upload {
         &mut self,
         slot: &mut FastLaw<N>,
         expected: &Expectation,
-    ) -> Result<Option<PackInfo>, PackError> {
+    ) -> Result<Option<Stamp>, PackError> {
         let received = core::mem::take(&mut self.received);
         let pack = self.bytes.get(..received).unwrap_or_default();
         decode(pack, slot, expected)

@@ -12,7 +12,7 @@ use mesh_damper::fast_law::{FastLaw, RunningLaw};
 use mesh_damper::law::Law;
 use mesh_damper::operating_range::OperatingRange;
 use mesh_damper::pack::{
-    self, Expectation, Identity, LARGEST, NAME, PackError, PackInfo, Upload, VERSION,
+    self, Expectation, Identity, LARGEST, NAME, PackError, PackInfo, Stamp, Upload, VERSION,
 };
 use mesh_damper::rig::{Rig, RigSettings};
 use mesh_damper::sine::{Block, Programme};
@@ -53,8 +53,11 @@ const MODEL: Identity = Identity([0xde, 0xad, 0xbe, 0xef, 0, 1, 2, 3]);
 fn info() -> PackInfo {
     PackInfo {
         operating_range: Some(OperatingRange::new([-0.2, 0.25], [-6.0, 6.5]).unwrap()),
-        revision: 7,
-        identity: MODEL,
+        stamp: Stamp {
+            tick_rate: 1e4,
+            revision: 7,
+            identity: MODEL,
+        },
         ..PackInfo::at(1e4).named("mount 4").unwrap()
     }
 }
@@ -65,8 +68,9 @@ fn packed(info: &PackInfo) -> Vec<u8> {
     pack.unwrap().to_vec()
 }
 
-fn load(pack: &[u8], expected: &Expectation) -> Result<Option<PackInfo>, PackError> {
-    pack::decode(pack, &mut FastLaw::<8>::EMPTY, expected)
+fn load(pack: &[u8], expected: &Expectation) -> Result<Option<Stamp>, PackError> {
+    let mut slot = FastLaw::<8>::EMPTY;
+    pack::decode(pack, &mut slot, expected)
 }
 
 fn identity(identity: Identity) -> Expectation {
@@ -89,13 +93,14 @@ fn what_a_pack_says_of_itself_comes_back() {
     let published = PackInfo {
         density: Some(2.5),
         amplitude: Some(0.15),
-        revision: u32::MAX,
         ..PackInfo::at(1e-3).named("Dämpfer ?? \"1\"").unwrap()
     };
     let empty = PackInfo::at(1e7);
     for info in [info(), nameless, published, empty] {
-        let found = load(&packed(&info), &Expectation::at(info.tick_rate));
-        assert_eq!(found, Ok(Some(info)));
+        let pack = packed(&info);
+        let loaded = load(&pack, &Expectation::at(info.stamp.tick_rate));
+        assert_eq!(loaded, Ok(Some(info.stamp)));
+        assert_eq!(PackInfo::of(&pack), Ok(Some(info)));
     }
 }
 
@@ -105,6 +110,7 @@ fn a_pack_of_version_6_is_read_and_does_not_know_its_rate() {
         let mut slot = FastLaw::EMPTY;
         let info = pack::decode(pack, &mut slot, &Expectation::default());
         assert_eq!((info, slot), (Ok(None), law()));
+        assert_eq!(PackInfo::of(pack), Ok(None));
         let mut slot = FastLaw::<8>::EMPTY;
         let refused = |expected: &Expectation| load(pack, expected).unwrap_err().to_string();
         assert_eq!(
@@ -153,7 +159,7 @@ fn each_refusal_names_the_field_and_both_values() {
         (
             &good[..good.len() - 1],
             Expectation::default(),
-            "the pack has 356 bytes instead of 357",
+            "the pack has 357 bytes instead of 358",
         ),
         (
             &newer,
@@ -168,7 +174,7 @@ fn each_refusal_names_the_field_and_both_values() {
         newer_than: Some(6),
         ..Expectation::at(1e4)
     };
-    assert_eq!(load(&good, &all), Ok(Some(info())));
+    assert_eq!(load(&good, &all), Ok(Some(info().stamp)));
 }
 
 /// Rounded to f32 in two ways a rate is still the same; one that is off by what a crystal may be off is a rate of its own.
@@ -195,9 +201,18 @@ fn what_is_out_of_range_is_neither_written_nor_read() {
         info
     };
     for (info, field) in [
-        (with(|info, rate| info.tick_rate = rate, nan), "tick_rate"),
-        (with(|info, rate| info.tick_rate = rate, 0.0), "tick_rate"),
-        (with(|info, rate| info.tick_rate = rate, 1.1e7), "tick_rate"),
+        (
+            with(|info, rate| info.stamp.tick_rate = rate, nan),
+            "tick_rate",
+        ),
+        (
+            with(|info, rate| info.stamp.tick_rate = rate, 0.0),
+            "tick_rate",
+        ),
+        (
+            with(|info, rate| info.stamp.tick_rate = rate, 1.1e7),
+            "tick_rate",
+        ),
         (with(|info, of| info.density = Some(of), -1.0), "density"),
         (with(|info, of| info.density = Some(of), 26.0), "density"),
         (with(|info, of| info.amplitude = Some(of), nan), "amplitude"),
@@ -254,4 +269,57 @@ fn a_rig_refuses_an_upload_for_another_rate() {
         assert_eq!(*rig.law(), in_force);
         rig.stop();
     }
+}
+
+/// A pack whose checksum is right can still say nonsense of itself. Its law is read, as a load looks at the stamp alone.
+#[test]
+fn nonsense_that_a_pack_says_of_itself_is_refused() {
+    let good = packed(&info());
+    let name = good.len() - law_alone() - 7;
+    assert_eq!(&good[name..name + 7], b"mount 4");
+    let body = "the pack's body cannot be read";
+    // Header, stamp and length are 29 bytes. The last two bytes of a NaN are 0xc0 and 0x7f.
+    for (place, value, said) in [
+        (name, &[0xff][..], body),
+        (name - 1, &[6], body),
+        (name - 1, &[8], body),
+        (29, &[2], body),
+        (29, &[0], body),
+        (32, &[0xc0, 0x7f], "displacement is not a finite number"),
+        (14, &[0xc0, 0x7f], "tick_rate is not a finite number"),
+    ] {
+        let mut bad = good.clone();
+        bad[place..place + value.len()].copy_from_slice(value);
+        seal(&mut bad);
+        let refused = PackInfo::of(&bad).unwrap_err().to_string();
+        assert_eq!(refused, said, "{place}");
+        assert!(load(&bad, &Expectation::default()).is_ok(), "{place}");
+    }
+    // One that ends within the stamp, or before the description does.
+    for length in [12, 20, 28, 40] {
+        let mut cut = good[..length].to_vec();
+        seal(&mut cut);
+        assert_eq!(PackInfo::of(&cut), Err(PackError::Body), "{length}");
+        assert_eq!(load(&cut, &Expectation::default()), Err(PackError::Body));
+    }
+}
+
+/// Bytes of the law in the pack: all that a pack of version 6 has behind its header.
+fn law_alone() -> usize {
+    let [(pack, _), _] = OLD;
+    pack.len() - 12
+}
+
+/// Makes length and checksum right.
+fn seal(pack: &mut [u8]) {
+    let length = (pack.len() - 12) as u16;
+    pack[6..8].copy_from_slice(&length.to_le_bytes());
+    let mut crc = !0u32;
+    for byte in pack[4..8].iter().chain(&pack[12..]) {
+        crc ^= u32::from(*byte);
+        for _ in 0..8 {
+            crc = (crc >> 1) ^ (0xEDB8_8320 & (crc & 1).wrapping_neg());
+        }
+    }
+    pack[8..12].copy_from_slice(&(!crc).to_le_bytes());
 }

@@ -6,7 +6,7 @@ use mesh_damper::effects::ResidualTable;
 use mesh_damper::effects::residual_table::{CELLS, Memory, ResidualTableParts};
 use mesh_damper::fast_law::FastLaw;
 use mesh_damper::operating_range::OperatingRange;
-use mesh_damper::pack::{self, Expectation, Identity, LARGEST, PackInfo, Upload, VERSION};
+use mesh_damper::pack::{self, Expectation, Identity, LARGEST, PackInfo, Stamp, Upload, VERSION};
 
 use crate::edit::edited;
 use crate::feed::{Feed, Random};
@@ -62,8 +62,11 @@ fn info(number: u32) -> PackInfo {
         operating_range: (number % 2 > 0).then_some(range),
         density: (number % 3 > 0).then_some(3.0),
         amplitude: (number % 4 > 0).then_some(0.1),
-        revision: number,
-        identity: Identity([number as u8; 8]),
+        stamp: Stamp {
+            tick_rate: 1e4,
+            revision: number,
+            identity: Identity([number as u8; 8]),
+        },
         ..PackInfo::at(1e4)
             .named(&"é".repeat(number as usize))
             .expect("it fits")
@@ -118,11 +121,18 @@ fn is_a_law(bytes: &[u8]) -> bool {
     let Ok(said) = whole else {
         return false;
     };
-    let info = said.clone().unwrap_or(PackInfo::at(1e4));
+    // A load passes over what is behind the stamp, which may be nonsense.
+    let Ok(described) = PackInfo::of(bytes) else {
+        assert!(said.is_some());
+        return false;
+    };
+    assert_eq!(described.as_ref().map(|info| info.stamp), said);
+    let info = described.unwrap_or(PackInfo::at(1e4));
+    let stamp = info.stamp;
     let mut own = Expectation {
-        identity: Some(info.identity),
-        newer_than: info.revision.checked_sub(1),
-        ..Expectation::at(info.tick_rate)
+        identity: Some(stamp.identity),
+        newer_than: stamp.revision.checked_sub(1),
+        ..Expectation::at(stamp.tick_rate)
     };
     let mut unused = FastLaw::<EFFECTS>::EMPTY;
     // One of version 6 says nothing of what is required.
@@ -130,12 +140,13 @@ fn is_a_law(bytes: &[u8]) -> bool {
         pack::decode(bytes, &mut unused, &own).is_ok(),
         said.is_some()
     );
-    own.newer_than = Some(info.revision);
+    own.newer_than = Some(stamp.revision);
     assert!(pack::decode(bytes, &mut unused, &own).is_err());
     let mut buffer = [0; LARGEST];
     let packed = pack::encode(&slot, &info, &mut buffer).expect("it was one");
     let mut again = FastLaw::EMPTY;
-    assert_eq!(pack::decode(packed, &mut again, &any), Ok(Some(info)));
+    assert_eq!(pack::decode(packed, &mut again, &any), Ok(Some(stamp)));
+    assert_eq!(PackInfo::of(packed), Ok(Some(info)));
     assert_eq!(again, slot);
     assert_eq!(from_parts, slot);
     forces_are_finite(slot.augmented());

@@ -11,8 +11,12 @@ use crate::real::in_range;
 
 /// Most bytes of a name.
 pub const NAME: usize = 32;
-/// Most bytes that a [`PackInfo`] takes in a pack: tick rate, operating range, density, amplitude, revision, identity, name.
-pub(super) const LARGEST_INFO: usize = 4 + (1 + 16) + (1 + 4) + (1 + 4) + 4 + 8 + (1 + NAME);
+/// Bytes of a [`Stamp`] in a pack.
+const STAMP: usize = 4 + 4 + 8;
+/// Most bytes of what is behind it: operating range, density, amplitude, name.
+const LARGEST_DESCRIPTION: usize = (1 + 16) + (1 + 4) + (1 + 4) + (1 + NAME);
+/// Most bytes that a [`PackInfo`] takes in a pack.
+pub(super) const LARGEST_INFO: usize = STAMP + 1 + LARGEST_DESCRIPTION;
 /// Two tick rates are the same where they differ by no more than this part. Derived: above what rounding both to f32 makes of one
 /// rate, 1.2e-7, and far below what changes an effect.
 const SAME_RATE: f32 = 1e-6;
@@ -32,21 +36,59 @@ impl fmt::Display for Identity {
     }
 }
 
-/// What a pack says of itself beside its law.
+/// What a load may require of a pack: the part of a [`PackInfo`] that every load reads.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Stamp {
+    /// Ticks per second that the law was made for, Hz: effects hold numbers that are true for one tick only.
+    pub tick_rate: f32,
+    /// Goes up from pack to pack of one specimen, so that an older one is not loaded over a newer one.
+    pub revision: u32,
+    /// Of the model.
+    pub identity: Identity,
+}
+
+impl Stamp {
+    fn write(&self, writer: &mut Writer<'_>) {
+        writer.f32(self.tick_rate);
+        writer.u32(self.revision);
+        writer.bytes(&self.identity.0);
+    }
+
+    fn read(reader: &mut Reader<'_>) -> Option<Self> {
+        let tick_rate = reader.f32()?;
+        let revision = reader.u32()?;
+        let (identity, rest) = reader.0.split_first_chunk()?;
+        let identity = Identity(*identity);
+        reader.0 = rest;
+        Some(Self {
+            tick_rate,
+            revision,
+            identity,
+        })
+    }
+}
+
+/// The stamp of a pack, and the bytes of the rest that it says of itself.
+pub(super) fn stamp<'p>(reader: &mut Reader<'p>) -> Option<(Stamp, &'p [u8])> {
+    let stamp = Stamp::read(reader)?;
+    let length = usize::from(reader.u8()?);
+    let (description, rest) = reader.0.split_at_checked(length)?;
+    reader.0 = rest;
+    Some((stamp, description))
+}
+
+/// What a pack says of itself beside its law. A load reads no more of it than the [`Stamp`], so that a firmware that asks for no more
+/// links no more.
 #[derive(Clone, Debug, PartialEq)]
 pub struct PackInfo {
-    /// Ticks per second that the law was made for, Hz, 1e-3…1e7: effects hold numbers that are true for one tick only.
-    pub tick_rate: f32,
+    /// What a load may require. Its tick rate is 1e-3…1e7 Hz.
+    pub stamp: Stamp,
     /// The motion that the law was fitted on, without a margin, where it was fitted.
     pub operating_range: Option<OperatingRange<f32>>,
     /// Density of the specimen, g/cm³, 0…25, where it is known.
     pub density: Option<f32>,
     /// Amplitude that the law was taken at, mm, 0…1e4, where its coefficients change with it.
     pub amplitude: Option<f32>,
-    /// Goes up from pack to pack of one specimen, so that an older one is not loaded over a newer one.
-    pub revision: u32,
-    /// Of the model.
-    pub identity: Identity,
     /// Of the model, for people.
     pub name: heapless::String<NAME>,
 }
@@ -55,14 +97,33 @@ impl PackInfo {
     /// Of a law for `tick_rate` Hz, of which nothing else is known.
     pub const fn at(tick_rate: f32) -> Self {
         Self {
-            tick_rate,
+            stamp: Stamp {
+                tick_rate,
+                revision: 0,
+                identity: Identity([0; 8]),
+            },
             operating_range: None,
             density: None,
             amplitude: None,
-            revision: 0,
-            identity: Identity([0; 8]),
             name: heapless::String::new(),
         }
+    }
+
+    /// What `pack` says of itself; `None` of one of version 6, which says nothing. Its law is not looked at.
+    ///
+    /// # Errors
+    /// As [`decode`](super::decode), for header and checksum; a field that is out of range.
+    pub fn of(pack: &[u8]) -> Result<Option<Self>, PackError> {
+        let (version, body) = super::body(pack)?;
+        if version == super::OLDEST {
+            return Ok(None);
+        }
+        let (stamp, description) = stamp(&mut Reader(body)).ok_or(PackError::Body)?;
+        let mut info = Self::at(stamp.tick_rate);
+        info.stamp = stamp;
+        info.read(&mut Reader(description))?;
+        info.check()?;
+        Ok(Some(info))
     }
 
     /// The same with a name.
@@ -81,7 +142,7 @@ impl PackInfo {
     /// The field that is not finite or out of range.
     pub(super) fn check(&self) -> Result<(), ConfigError> {
         let [slowest, fastest] = TICK_RATES;
-        in_range("tick_rate", self.tick_rate, slowest, fastest)?;
+        in_range("tick_rate", self.stamp.tick_rate, slowest, fastest)?;
         if let Some(density) = self.density {
             in_range("density", density, 0.0, DENSITY_MOST)?;
         }
@@ -91,57 +152,53 @@ impl PackInfo {
         Ok(())
     }
 
-    /// Writes all fields.
+    /// Writes all fields, those behind the stamp as postcard's `Vec<u8>`.
     pub(super) fn write(&self, writer: &mut Writer<'_>) {
-        writer.f32(self.tick_rate);
-        writer.u8(u8::from(self.operating_range.is_some()));
+        self.stamp.write(writer);
+        let mut room = [0; LARGEST_DESCRIPTION];
+        let mut description = Writer::new(&mut room);
+        description.u8(u8::from(self.operating_range.is_some()));
         if let Some(range) = &self.operating_range {
             let ends = [range.displacement(), range.velocity()];
             for end in ends.as_flattened() {
-                writer.f32(*end);
+                description.f32(*end);
             }
         }
         for number in [self.density, self.amplitude] {
-            writer.u8(u8::from(number.is_some()));
+            description.u8(u8::from(number.is_some()));
             if let Some(number) = number {
-                writer.f32(number);
+                description.f32(number);
             }
         }
-        writer.u32(self.revision);
-        writer.bytes(&self.identity.0);
         // At most NAME, so that it is one byte.
-        writer.u8(self.name.len() as u8);
-        writer.bytes(self.name.as_bytes());
+        description.u8(self.name.len() as u8);
+        description.bytes(self.name.as_bytes());
+        // There is room for all of it.
+        let length = LARGEST_DESCRIPTION - description.left().unwrap_or_default();
+        writer.u8(length as u8);
+        writer.bytes(room.get(..length).unwrap_or_default());
     }
 
-    /// Reads what [`PackInfo::write`] wrote.
-    ///
-    /// # Errors
-    /// [`PackError::Body`] where it is not all there; the field that is out of range.
-    #[inline(never)]
-    pub(super) fn read(reader: &mut Reader<'_>) -> Result<Self, PackError> {
-        let mut info = Self::at(reader.f32().ok_or(PackError::Body)?);
+    /// Reads what [`PackInfo::write`] wrote behind the stamp.
+    fn read(&mut self, reader: &mut Reader<'_>) -> Result<(), PackError> {
         if is_there(reader)? {
             let ends: [u32; 4] = reader.words().ok_or(PackError::Body)?;
             let [low, high, slowest, fastest] = ends.map(f32::from_bits);
-            info.operating_range = Some(OperatingRange::new([low, high], [slowest, fastest])?);
+            self.operating_range = Some(OperatingRange::new([low, high], [slowest, fastest])?);
         }
-        for number in [&mut info.density, &mut info.amplitude] {
+        for number in [&mut self.density, &mut self.amplitude] {
             if is_there(reader)? {
                 *number = Some(reader.f32().ok_or(PackError::Body)?);
             }
         }
-        info.revision = reader.u32().ok_or(PackError::Body)?;
-        for byte in &mut info.identity.0 {
-            *byte = reader.u8().ok_or(PackError::Body)?;
-        }
         let length = usize::from(reader.u8().ok_or(PackError::Body)?);
-        let (name, rest) = reader.0.split_at_checked(length).ok_or(PackError::Body)?;
-        reader.0 = rest;
+        let name = reader.rest();
+        if name.len() != length {
+            return Err(PackError::Body);
+        }
         let name = core::str::from_utf8(name).map_err(|_| PackError::Body)?;
-        let info = info.named(name)?;
-        info.check()?;
-        Ok(info)
+        self.name = heapless::String::try_from(name).map_err(|_| PackError::Body)?;
+        Ok(())
     }
 }
 
@@ -191,16 +248,16 @@ impl Expectation {
 
     /// # Errors
     /// [`PackError::TickRate`], [`PackError::Identity`] or [`PackError::Revision`].
-    pub(super) fn check(&self, info: Option<&PackInfo>) -> Result<(), PackError> {
-        self.check_tick_rate(info.map(|info| info.tick_rate))?;
+    pub(super) fn check(&self, stamp: Option<&Stamp>) -> Result<(), PackError> {
+        self.check_tick_rate(stamp.map(|stamp| stamp.tick_rate))?;
         if let Some(expected) = self.identity {
-            let found = info.map(|info| info.identity);
+            let found = stamp.map(|stamp| stamp.identity);
             if found != Some(expected) {
                 return Err(PackError::Identity { expected, found });
             }
         }
         if let Some(newer_than) = self.newer_than {
-            let found = info.map(|info| info.revision);
+            let found = stamp.map(|stamp| stamp.revision);
             if !found.is_some_and(|found| found > newer_than) {
                 return Err(PackError::Revision { newer_than, found });
             }

@@ -40,8 +40,6 @@ pub struct Parts<B: Board> {
     pub law: &'static mut RunningLaw<EFFECTS>,
     /// What it is to follow in the place of the programme.
     pub stream: &'static mut Option<StreamConfig>,
-    /// Of the law's pack, Hz; `None` where it did not say.
-    pub law_rate: Option<f32>,
     /// Where it will be.
     pub rig: &'static mut MaybeUninit<WiredRig<B>>,
 }
@@ -51,8 +49,8 @@ pub struct Controller<B: Board> {
     /// Until there is a rig.
     parts: Option<Parts<B>>,
     rig: Option<&'static mut WiredRig<B>>,
-    /// What a pack has to be: for the rig's tick rate once there is a rig.
-    expected: Expectation,
+    /// Of the rig, Hz; until there is one, that of the law's pack, where it said one.
+    rate: Option<f32>,
     upload: &'static mut Upload,
     /// Of the last tick, for the log.
     block: Option<usize>,
@@ -64,7 +62,7 @@ impl<B: Board> Controller<B> {
         Self {
             parts: Some(parts),
             rig: None,
-            expected: Expectation::default(),
+            rate: None,
             upload,
             block: None,
             state: State::Idle,
@@ -174,17 +172,23 @@ impl<B: Board> Controller<B> {
     fn take_pack(&mut self) -> Result<bool, Refusal<'static>> {
         let upload = &mut *self.upload;
         let mut rate = None;
-        let expected = &self.expected;
+        let expected = match &self.rig {
+            Some(_) => Expectation {
+                tick_rate: self.rate,
+                ..Expectation::default()
+            },
+            None => Expectation::default(),
+        };
         let write = |slot: &mut FastLaw<EFFECTS>| -> Result<(), PackError> {
-            let info = upload.finish(slot, expected)?;
-            rate = info.map(|info| info.tick_rate);
+            let stamp = upload.finish(slot, &expected)?;
+            rate = stamp.map(|stamp| stamp.tick_rate);
             Ok(())
         };
         let taken = match (&mut self.parts, &mut self.rig) {
             (Some(parts), _) => {
                 let taken = parts.law.swap_with(write);
                 if parts.law.boundary() {
-                    parts.law_rate = rate;
+                    self.rate = rate;
                 }
                 taken
             }
@@ -209,16 +213,16 @@ impl<B: Board> Controller<B> {
         let Some(parts) = &self.parts else {
             return Err(Refusal::Order);
         };
-        let expected = Expectation::at(match &*parts.stream {
+        let rate = match &*parts.stream {
             Some(config) => config.tick_rate(),
             None => parts.programme.tick_rate() as f32,
-        });
+        };
         // The law came before the rig's rate was known.
-        expected.check_tick_rate(parts.law_rate)?;
+        Expectation::at(rate).check_tick_rate(self.rate)?;
         let Some(parts) = self.parts.take() else {
             return Err(Refusal::Order);
         };
-        self.expected = expected;
+        self.rate = Some(rate);
         let (adc, dac, enable) = Wired::<B>::open();
         let adc = Ads8688::new(adc, setup.displacement, setup.force);
         let dac = Ad5761::new(dac, setup.command);

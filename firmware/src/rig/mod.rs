@@ -55,7 +55,6 @@ pub fn run<B: Board>(memory: &'static mut Memory<B>, answer: &'static mut FrameB
         programme: &mut memory.programme,
         law: &mut memory.law,
         stream: &mut memory.stream,
-        law_rate: None,
         rig: &mut memory.rig,
     };
     let mut controller = Controller::new(parts, &mut memory.upload);

@@ -38,8 +38,8 @@ fn export(directory: &Path, arguments: &[&str]) -> String {
 
 fn decoded(pack: &[u8]) -> (FastLaw<8>, PackInfo) {
     let mut law = FastLaw::EMPTY;
-    let info = decode(pack, &mut law, &Expectation::at(1e4)).unwrap();
-    (law, info.unwrap())
+    decode(pack, &mut law, &Expectation::at(1e4)).unwrap();
+    (law, PackInfo::of(pack).unwrap().unwrap())
 }
 
 #[test]
@@ -66,15 +66,15 @@ fn a_pack_says_its_rate_range_model_and_name() {
     let (law, info) = decoded(&pack);
     assert_eq!(law.augmented().effects().count(), 2);
     assert_eq!(law.augmented().law().k1(), 1.1);
-    assert_eq!((&*info.name, info.revision), ("mount 4", 3));
+    assert_eq!((&*info.name, info.stamp.revision), ("mount 4", 3));
     assert_eq!((info.amplitude, info.density), (Some(0.2), Some(2.5)));
     assert_eq!(info.operating_range.unwrap().velocity(), [-6.3, 6.3]);
-    assert_ne!(info.identity.0, [0; 8]);
+    assert_ne!(info.stamp.identity.0, [0; 8]);
 
     let json = fs::read(root.path().join("export.json")).unwrap();
     let json: serde_json::Value = serde_json::from_slice(&json).unwrap();
     assert_eq!(json["format"], "pack");
-    assert_eq!(json["identity"], info.identity.to_string());
+    assert_eq!(json["identity"], info.stamp.identity.to_string());
     assert_eq!(json["tick_rate"], 10_000.0);
     assert_eq!(json["files"][0]["path"], "mount 4.mdcp");
     assert_eq!(json["files"][0]["bytes"], pack.len());
@@ -82,7 +82,7 @@ fn a_pack_says_its_rate_range_model_and_name() {
         "mount 4.mdcp ({} bytes): model {}, revision 3, for 10000 ticks a second, at an amplitude of 0.2 mm, within -0.2 to 0.2 mm and \
          -6.3 to 6.3 mm/s",
         pack.len(),
-        info.identity
+        info.stamp.identity
     );
     let lines: Vec<&str> = said.lines().collect();
     assert_eq!(lines[0], first);

@@ -2,7 +2,7 @@
 
 use std::fmt::Write as _;
 
-use mesh_damper::pack::PackInfo;
+use mesh_damper::pack::{PackInfo, Stamp};
 
 use super::c_identifier;
 
@@ -21,11 +21,11 @@ pub fn files(info: &PackInfo, pack: &[u8], stem: &str) -> [String; 2] {
 fn header(name: &str, info: &PackInfo, length: usize) -> String {
     let upper = name.to_ascii_uppercase();
     let quoted = quoted(&info.name);
-    let PackInfo {
+    let Stamp {
         tick_rate,
         revision,
         ..
-    } = info;
+    } = info.stamp;
     let mut arrays = String::new();
     let mut array = |what: &str, declaration: String| {
         let _ = write!(arrays, "/* {what} */\nextern const {declaration};\n");
@@ -83,7 +83,7 @@ fn source(name: &str, info: &PackInfo, pack: &[u8], stem: &str) -> String {
     let _ = write!(
         text,
         "}};\nconst uint8_t {name}_identity[8] = {{{}}};\n",
-        bytes(&info.identity.0)
+        bytes(&info.stamp.identity.0)
     );
     for (field, of, values) in numbers(info) {
         let values: Vec<String> = values.iter().map(|value| format!("{value:?}f")).collect();

@@ -19,7 +19,7 @@ pub use identifier::{c_identifier, rust_module};
 
 use mesh_damper::error::ConfigError;
 use mesh_damper::fast_law::FastLaw;
-use mesh_damper::pack::{self, LARGEST, PackInfo};
+use mesh_damper::pack::{self, LARGEST, PackInfo, Stamp};
 use mesh_damper::real::Real as _;
 
 use crate::file::ModelFile;
@@ -105,8 +105,11 @@ impl Export {
             })?),
             density: settings.density.map(f32::from_f64),
             amplitude: amplitude.map(f32::from_f64),
-            revision: settings.revision,
-            identity: file.identity(),
+            stamp: Stamp {
+                tick_rate: tick_rate as f32,
+                revision: settings.revision,
+                identity: file.identity(),
+            },
             ..PackInfo::at(tick_rate as f32)
                 .named(&settings.name)
                 .map_err(ExportError::Setting)?

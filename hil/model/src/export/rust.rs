@@ -67,8 +67,8 @@ fn head(export: &Export, effects: &[Parametrized]) -> String {
          use mesh_damper::operating_range::OperatingRange;\n\
          use mesh_damper::power::PowerSeed;\n\
          use mesh_damper::static_law::StaticLaw;\n\n",
-        identity = export.info.identity,
-        tick_rate = export.info.tick_rate,
+        identity = export.info.stamp.identity,
+        tick_rate = export.info.stamp.tick_rate,
         version = env!("CARGO_PKG_VERSION"),
     )
 }
@@ -82,15 +82,15 @@ fn constants(export: &Export, effects: &[Parametrized], text: &mut String) {
     };
     let name = format!("{:?}", info.name.as_str());
     constant("Name of the model.", "pub const NAME: &str", name);
-    let identity = format!("{:?}", info.identity.0);
+    let identity = format!("{:?}", info.stamp.identity.0);
     constant(
         "Which model it is, as a pack says it.",
         "pub const IDENTITY: [u8; 8]",
         identity,
     );
-    let revision = info.revision.to_string();
+    let revision = info.stamp.revision.to_string();
     constant("Of this export.", "pub const REVISION: u32", revision);
-    let tick_rate = format!("{:?}", info.tick_rate);
+    let tick_rate = format!("{:?}", info.stamp.tick_rate);
     constant(
         "Ticks per second that the law is for, Hz.",
         "pub const TICK_RATE: f32",

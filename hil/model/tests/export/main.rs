@@ -20,7 +20,7 @@ use mesh_damper::effects::DESCRIPTIONS;
 use mesh_damper::effects::description::Description;
 use mesh_damper::effects::residual_table::CELLS;
 use mesh_damper::fast_law::{FastLaw, RunningLaw};
-use mesh_damper::pack::{Expectation, PackInfo, decode};
+use mesh_damper::pack::{Expectation, Identity, PackInfo, Stamp, decode};
 use mesh_damper::tick_law::TickLaw;
 use mesh_damper_model::correction::CorrectionTable;
 use mesh_damper_model::export::{Export, ExportError, ExportSettings};
@@ -137,8 +137,9 @@ fn is_the_packs(name: &str, law: &mut impl TickLaw) {
     let export = export(name);
     let mut slot = FastLaw::<MAX_EFFECTS>::EMPTY;
     let expected = Expectation::at(TICK_RATE as f32);
-    let info = decode(&export.pack().unwrap(), &mut slot, &expected).unwrap();
-    assert_eq!(info.as_ref(), Some(export.info()));
+    let pack = export.pack().unwrap();
+    decode(&pack, &mut slot, &expected).unwrap();
+    assert_eq!(PackInfo::of(&pack), Ok(Some(export.info().clone())));
     let mut packed = RunningLaw::new(slot);
     let trajectory = trajectory();
     let models = models();
@@ -164,8 +165,11 @@ macro_rules! agrees {
             operating_range: Some($module::operating_range().unwrap()),
             density: $module::DENSITY,
             amplitude: $module::AMPLITUDE,
-            revision: $module::REVISION,
-            identity: mesh_damper::pack::Identity($module::IDENTITY),
+            stamp: Stamp {
+                tick_rate: $module::TICK_RATE,
+                revision: $module::REVISION,
+                identity: Identity($module::IDENTITY),
+            },
             ..PackInfo::at($module::TICK_RATE)
                 .named($module::NAME)
                 .unwrap()
@@ -195,7 +199,7 @@ fn an_identity_is_the_models() {
         ..ExportSettings::at(1e4, "another")
     };
     let other = Export::new(&first, &other).unwrap();
-    assert_eq!(other.info().identity, first.identity());
+    assert_eq!(other.info().stamp.identity, first.identity());
     let mut changed = serde_json::to_value(&first).unwrap();
     changed["law"][0]["k1"] = 1.053_900_000_000_1.into();
     let changed = ModelFile::from_bytes("m.json", changed.to_string().as_bytes()).unwrap();

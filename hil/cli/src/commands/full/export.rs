@@ -127,9 +127,9 @@ impl ExportCommand {
                 })
                 .collect(),
             name: &info.name,
-            identity: info.identity.to_string(),
-            revision: info.revision,
-            tick_rate: info.tick_rate,
+            identity: info.stamp.identity.to_string(),
+            revision: info.stamp.revision,
+            tick_rate: info.stamp.tick_rate,
             operating_range: info.operating_range.map(|range| Range {
                 displacement: range.displacement(),
                 velocity: range.velocity(),
