@@ -169,6 +169,7 @@ impl<B: Board> Controller<B> {
     }
 
     /// The law of the pack that came: at once where nothing runs, else at the end of the cycle.
+    #[inline(never)]
     fn take_pack(&mut self) -> Result<bool, Refusal<'static>> {
         let upload = &mut *self.upload;
         let mut rate = None;
@@ -208,8 +209,10 @@ impl<B: Board> Controller<B> {
         }
     }
 
+    /// Whether the law is for the rate of the rig that is to be set up: it came before that was known. Not inlined: what it takes of the
+    /// stack is free again before the rig is made.
     #[inline(never)]
-    fn set_up(&mut self, setup: &Setup) -> Result<bool, Refusal<'static>> {
+    fn check_rate(&mut self) -> Result<(), Refusal<'static>> {
         let Some(parts) = &self.parts else {
             return Err(Refusal::Order);
         };
@@ -217,12 +220,17 @@ impl<B: Board> Controller<B> {
             Some(config) => config.tick_rate(),
             None => parts.programme.tick_rate() as f32,
         };
-        // The law came before the rig's rate was known.
         Expectation::at(rate).check_tick_rate(self.rate)?;
+        self.rate = Some(rate);
+        Ok(())
+    }
+
+    #[inline(never)]
+    fn set_up(&mut self, setup: &Setup) -> Result<bool, Refusal<'static>> {
+        self.check_rate()?;
         let Some(parts) = self.parts.take() else {
             return Err(Refusal::Order);
         };
-        self.rate = Some(rate);
         let (adc, dac, enable) = Wired::<B>::open();
         let adc = Ads8688::new(adc, setup.displacement, setup.force);
         let dac = Ad5761::new(dac, setup.command);
