@@ -59,9 +59,9 @@ pub static GOOD: LazyLock<Vec<Vec<u8>>> = LazyLock::new(|| {
 fn info(number: u32) -> PackInfo {
     let range = OperatingRange::new([-0.2, 0.25], [-6.0, 6.5]).expect("they are in order");
     PackInfo {
-        operating_range: (number % 2 > 0).then_some(range),
-        density: (number % 3 > 0).then_some(3.0),
-        amplitude: (number % 4 > 0).then_some(0.1),
+        operating_range: (!number.is_multiple_of(2)).then_some(range),
+        density: (!number.is_multiple_of(3)).then_some(3.0),
+        amplitude: (!number.is_multiple_of(4)).then_some(0.1),
         stamp: Stamp {
             tick_rate: 1e4,
             revision: number,
@@ -91,7 +91,7 @@ pub fn check(script: &[u8]) -> bool {
     let which = script.first().copied().map_or(0, usize::from);
     let version = GOOD
         .get(which % (GOOD.len() + 1))
-        .map_or(VERSION, version_of);
+        .map_or(VERSION, |pack| version_of(pack));
     let stamp = [version.to_le_bytes(), (body.len() as u16).to_le_bytes()].concat();
     let mut crc = flate2::Crc::new();
     crc.update(&stamp);
@@ -100,7 +100,7 @@ pub fn check(script: &[u8]) -> bool {
     is_a_law(&[b"MDCP", &stamp[..], &sum, &body].concat()) || taken
 }
 
-fn version_of(pack: &Vec<u8>) -> u16 {
+fn version_of(pack: &[u8]) -> u16 {
     u16::from_le_bytes([pack[4], pack[5]])
 }
 
