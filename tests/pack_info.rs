@@ -18,8 +18,11 @@ use mesh_damper::rig::{Rig, RigSettings};
 use mesh_damper::sine::{Block, Programme};
 use mesh_damper_rig::actuator::{SimulatedAd5761, SimulatedAds8688, enable_line};
 
+/// A pack, and the law that is in it.
+type Stored = (&'static [u8], fn() -> FastLaw<8>);
+
 /// Written by the encoder of version 6, before there was a version 7.
-const OLD: [(&[u8], fn() -> FastLaw<8>); 2] = [
+const OLD: [Stored; 2] = [
     (include_bytes!("packs/version-6-effects.mdcp"), with_effects),
     (include_bytes!("packs/version-6-table.mdcp"), with_table),
 ];

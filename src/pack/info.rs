@@ -258,7 +258,7 @@ impl Expectation {
         }
         if let Some(newer_than) = self.newer_than {
             let found = stamp.map(|stamp| stamp.revision);
-            if !found.is_some_and(|found| found > newer_than) {
+            if found.is_none_or(|found| found <= newer_than) {
                 return Err(PackError::Revision { newer_than, found });
             }
         }
