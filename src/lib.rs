@@ -96,10 +96,13 @@ pub mod tick_law;
 #[doc = include_str!("../README.md")]
 struct Readme;
 
-/// So is that of `docs/firmware.md`, the other page with Rust code.
+/// So are those of the other pages with Rust code.
 #[cfg(doctest)]
 #[doc = include_str!("../docs/firmware.md")]
 struct Firmware;
+#[cfg(doctest)]
+#[doc = include_str!("../docs/export.md")]
+struct Export;
 
 /// Former names of what is in [`fast_law`].
 #[deprecated(note = "use fast_law::{FastLaw, RunningLaw, Adaptation}")]

@@ -4,29 +4,45 @@
 //! "MDCP"   u16 version   u16 length of the body   u32 CRC-32 of version, length and body   body
 //! ```
 //! Numbers are little-endian, the CRC is that of Ethernet, the body is laid out as
-//! [postcard](https://postcard.jamesmunns.com) does, by hand, as its code would take 3 KiB of a target's flash: eq 13's
-//! coefficients, the [`crate::power::PowerSeed`] that the host computed in f64, and a `Vec` of each effect's kind and
-//! numbers, `(u8, Vec<f32>)`, and an `Option` of the correction: its numbers, and its tables as bytes.
+//! [postcard](https://postcard.jamesmunns.com) does, by hand, as its code would take 3 KiB of a target's flash: what the pack says of
+//! itself, a [`PackInfo`]; the mixed damping law's coefficients, the [`crate::power::PowerSeed`] that the host computed in f64, and a
+//! `Vec` of each effect's kind and numbers, `(u8, Vec<f32>)`, and an `Option` of the residual table: its numbers, and its tables as
+//! bytes. A pack of version 6 has no [`PackInfo`]; it is read, and nobody knows its tick rate.
 //!
 //! The host makes a pack with [`encode`]. The rig collects it with an [`Upload`], which gives a law only when every byte is
-//! there and right; [`crate::rig::RigController::swap_law_with`] writes that law beside the one in force and takes it at the end of a
+//! there and right, and the pack is what the rig's [`Expectation`] asks for;
+//! [`crate::rig::RigController::swap_law_with`] writes that law beside the one in force and takes it at the end of a
 //! cycle. So there are two slots, and an upload that breaks off or arrives damaged never touches the one in force.
+
+mod info;
+
+pub use info::{DENSITY_MOST, Expectation, Identity, NAME, PackInfo, Stamp};
 
 use core::fmt;
 
+use crate::effects::residual_table::LARGEST_TABLE;
 use crate::effects::{self, Effect, MOST_WORDS};
 use crate::error::ConfigError;
 use crate::fast_law::FastLaw;
 use crate::frame::{Reader, Writer, checksum};
 use crate::law::Law;
+use crate::power::{OCTAVES, SEGMENTS};
+use info::LARGEST_INFO;
 
-/// The version that is written, and the only one read.
-pub const VERSION: u16 = 6;
+/// The version that is written.
+pub const VERSION: u16 = 7;
+/// The oldest version that is read: it has no [`PackInfo`].
+pub const OLDEST: u16 = 6;
 /// Bytes before the body.
 const HEADER: usize = 12;
-/// Most bytes of a pack: header, coefficients and seed are 284, tones take 62, no other effect more than
-/// 50, a correction 647.
-pub const LARGEST: usize = 1388;
+/// Bytes of the mixed damping law and of the damping's seed.
+const LAW: usize = 4 * (4 + 4 * SEGMENTS + OCTAVES);
+/// Most bytes of the effects: their count, one with [`MOST_WORDS`], and seven more with no more than [`OTHER_WORDS`].
+const EFFECTS: usize = 1 + (2 + 4 * MOST_WORDS) + 7 * (2 + 4 * OTHER_WORDS);
+/// Most words of an effect that is not tones; `the_largest_effects_fit_often_enough` in `tests/pack.rs` holds it.
+const OTHER_WORDS: usize = 12;
+/// Most bytes of a pack. Derived: the sum of its parts.
+pub const LARGEST: usize = HEADER + LARGEST_INFO + LAW + EFFECTS + 1 + LARGEST_TABLE;
 
 const MAGIC: [u8; 4] = *b"MDCP";
 
@@ -36,10 +52,31 @@ const MAGIC: [u8; 4] = *b"MDCP";
 pub enum PackError {
     /// It does not begin as a pack does.
     Magic,
-    /// Another version.
+    /// A version that is not read.
     Version {
         /// What it says.
         found: u16,
+    },
+    /// It is for another tick rate than is required.
+    TickRate {
+        /// Hz.
+        expected: f32,
+        /// Hz; `None` where the pack does not say, because it is of version 6.
+        found: Option<f32>,
+    },
+    /// It is of another model than is required.
+    Identity {
+        /// Of which model it should be.
+        expected: Identity,
+        /// Of which it is; `None` where the pack does not say.
+        found: Option<Identity>,
+    },
+    /// It is no newer than is required.
+    Revision {
+        /// Its revision should be above this.
+        newer_than: u32,
+        /// What it is; `None` where the pack does not say.
+        found: Option<u32>,
     },
     /// More or fewer bytes than it says of itself, or than fit.
     Length {
@@ -67,8 +104,39 @@ impl fmt::Display for PackError {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             Self::Magic => write!(f, "these bytes are no coefficient pack"),
-            Self::Version { found } => {
-                write!(f, "the pack is of version {found}, this is {VERSION}")
+            Self::Version { found } => write!(
+                f,
+                "the pack is of version {found}, and versions {OLDEST} to {VERSION} are read: export the model for this one"
+            ),
+            Self::TickRate { expected, found } => {
+                match found {
+                    Some(found) => write!(f, "tick_rate: the pack is for {found} Hz")?,
+                    None => write!(
+                        f,
+                        "tick_rate: the pack is of version {OLDEST} and does not say its rate"
+                    )?,
+                }
+                write!(
+                    f,
+                    ", and {expected} Hz is required: export the model for that rate"
+                )
+            }
+            Self::Identity { expected, found } => {
+                match found {
+                    Some(found) => write!(f, "identity: the pack is of the model {found}")?,
+                    None => write!(
+                        f,
+                        "identity: the pack is of version {OLDEST} and does not say its model"
+                    )?,
+                }
+                write!(f, ", and {expected} is required")
+            }
+            Self::Revision { newer_than, found } => {
+                match found {
+                    Some(found) => write!(f, "revision: the pack has {found}")?,
+                    None => write!(f, "revision: the pack is of version {OLDEST} and has none")?,
+                }
+                write!(f, ", and one above {newer_than} is required")
             }
             Self::Length { expected, found } => {
                 write!(f, "the pack has {found} bytes instead of {expected}")
@@ -94,14 +162,17 @@ impl From<ConfigError> for PackError {
     }
 }
 
-/// Writes the pack of `law` into `buffer` and gives the part of it that was used.
+/// Writes the pack of `law` into `buffer` and gives the part of it that was used. `info` is what it says of itself: the law's effects
+/// have to be made for its tick rate.
 ///
 /// # Errors
-/// [`PackError::Length`] when `buffer` is too short or the pack longer than [`LARGEST`].
+/// [`PackError::Length`] when `buffer` is too short or the pack longer than [`LARGEST`]; a field of `info` that is out of range.
 pub fn encode<'b, const N: usize>(
     law: &FastLaw<N>,
+    info: &PackInfo,
     buffer: &'b mut [u8],
 ) -> Result<&'b [u8], PackError> {
+    info.check()?;
     let capacity = buffer.len().min(LARGEST);
     let too_short = PackError::Length {
         expected: LARGEST,
@@ -113,6 +184,7 @@ pub fn encode<'b, const N: usize>(
         .ok_or(too_short)?;
     let room = rest.len();
     let mut writer = Writer::new(rest);
+    info.write(&mut writer);
     let eq13 = law.augmented().law();
     for value in [eq13.k1(), eq13.k3(), eq13.c(), eq13.alpha()] {
         writer.f32(value);
@@ -145,12 +217,24 @@ pub fn encode<'b, const N: usize>(
     Ok(buffer.get(..HEADER + length).unwrap_or_default())
 }
 
-/// Writes the law in a pack over `slot`, which is no law where the pack is refused.
+/// Writes the law in a pack over `slot`, which is no law where the pack is refused. Gives the pack's stamp; `None` of one of version 6,
+/// which has none. [`PackInfo::of`] gives all that the pack says of itself.
 ///
 /// # Errors
-/// Whatever is wrong with it; a pack with any one bit changed is refused.
-pub fn decode<const N: usize>(pack: &[u8], slot: &mut FastLaw<N>) -> Result<(), PackError> {
-    let mut reader = Reader(body(pack)?);
+/// Whatever is wrong with it; a pack with any one bit changed is refused. One that is not what is `expected`: `slot` is as it was.
+pub fn decode<const N: usize>(
+    pack: &[u8],
+    slot: &mut FastLaw<N>,
+    expected: &Expectation,
+) -> Result<Option<Stamp>, PackError> {
+    let (version, body) = body(pack)?;
+    let mut reader = Reader(body);
+    let mut stamp = None;
+    if version != OLDEST {
+        let (found, _) = info::stamp(&mut reader).ok_or(PackError::Body)?;
+        stamp = Some(found);
+    }
+    expected.check(stamp.as_ref())?;
     let eq13 = reader.words().ok_or(PackError::Body)?;
     let [k1, k3, c, alpha] = eq13.map(f32::from_bits);
     slot.augmented.set_law(Law::new(k1, k3, c, alpha)?);
@@ -170,7 +254,7 @@ pub fn decode<const N: usize>(pack: &[u8], slot: &mut FastLaw<N>) -> Result<(), 
         _ => return Err(PackError::Body),
     }
     if reader.rest().is_empty() {
-        Ok(())
+        Ok(stamp)
     } else {
         Err(PackError::Body)
     }
@@ -200,8 +284,8 @@ fn number(reader: &mut Reader<'_>) -> Result<f32, PackError> {
     reader.f32().ok_or(PackError::Body)
 }
 
-/// What a pack carries, once its header and checksum are found right.
-fn body(pack: &[u8]) -> Result<&[u8], PackError> {
+/// The version of a pack and what it carries, once its header and checksum are found right.
+fn body(pack: &[u8]) -> Result<(u16, &[u8]), PackError> {
     let short = PackError::Length {
         expected: HEADER,
         found: pack.len(),
@@ -214,7 +298,7 @@ fn body(pack: &[u8]) -> Result<&[u8], PackError> {
     }
     let [version_low, version_high, length_low, length_high] = *stamp;
     let version = u16::from_le_bytes([version_low, version_high]);
-    if version != VERSION {
+    if !(OLDEST..=VERSION).contains(&version) {
         return Err(PackError::Version { found: version });
     }
     let length = usize::from(u16::from_le_bytes([length_low, length_high]));
@@ -228,7 +312,7 @@ fn body(pack: &[u8]) -> Result<&[u8], PackError> {
     if found != u32::from_le_bytes(*checksum) {
         return Err(PackError::Checksum);
     }
-    Ok(body)
+    Ok((version, body))
 }
 
 /// A pack that is being received, part by part.
@@ -287,8 +371,13 @@ impl Upload {
     ///
     /// # Errors
     /// As [`decode`].
-    pub fn finish<const N: usize>(&mut self, slot: &mut FastLaw<N>) -> Result<(), PackError> {
+    pub fn finish<const N: usize>(
+        &mut self,
+        slot: &mut FastLaw<N>,
+        expected: &Expectation,
+    ) -> Result<Option<Stamp>, PackError> {
         let received = core::mem::take(&mut self.received);
-        decode(self.bytes.get(..received).unwrap_or_default(), slot)
+        let pack = self.bytes.get(..received).unwrap_or_default();
+        decode(pack, slot, expected)
     }
 }

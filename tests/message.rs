@@ -11,7 +11,7 @@ use mesh_damper::message::{
     Answer, MOTIONS, Motions, Outcome, Refusal, Request, Setup, Statistics, write_again,
     write_forces, write_outcome, write_refusal, write_statistics,
 };
-use mesh_damper::pack::PackError;
+use mesh_damper::pack::{Identity, PackError};
 use mesh_damper::rig::{CycleReport, RigSettings, State, Telemetry, TripCause};
 use mesh_damper::sine::{Block, Programme};
 
@@ -140,6 +140,21 @@ fn every_refusal_passes() {
         ConfigError::Removed("clock").into(),
         PackError::Magic.into(),
         PackError::Version { found: 9 }.into(),
+        PackError::TickRate {
+            expected: 1e4,
+            found: None,
+        }
+        .into(),
+        PackError::Identity {
+            expected: Identity([1; 8]),
+            found: None,
+        }
+        .into(),
+        PackError::Revision {
+            newer_than: 2,
+            found: Some(2),
+        }
+        .into(),
         PackError::Checksum.into(),
         PackError::Body.into(),
         Refusal::PackLength,

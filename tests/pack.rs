@@ -9,11 +9,32 @@ use mesh_damper::effects::{
 use mesh_damper::error::ConfigError;
 use mesh_damper::fast_law::{FastLaw, RunningLaw};
 use mesh_damper::law::Law;
-use mesh_damper::pack::{self, LARGEST, PackError, Upload};
+use mesh_damper::operating_range::OperatingRange;
+use mesh_damper::pack::{self, Expectation, Identity, LARGEST, PackError, PackInfo, Stamp, Upload};
 use mesh_damper::power::PowerSeed;
 use proptest::prelude::*;
 
 const EFFECTS: usize = 8;
+
+/// Everything that a pack may say of itself, its name as long as one may be.
+fn info() -> PackInfo {
+    PackInfo {
+        operating_range: Some(OperatingRange::new([-0.2, 0.25], [-6.0, 6.5]).unwrap()),
+        density: Some(3.0),
+        amplitude: Some(0.1),
+        stamp: Stamp {
+            tick_rate: 1e4,
+            revision: 0x0403_0201,
+            identity: Identity([1, 2, 3, 4, 5, 6, 7, 8]),
+        },
+        ..PackInfo::at(1e4)
+            .named("a name of 32 bytes of a specimen")
+            .unwrap()
+    }
+}
+
+/// Bytes of that in a pack's body, before the law.
+const INFO: usize = 77;
 
 fn law() -> Law<f32> {
     Law::new(1.0539, 10.5, 0.1114, 0.3969).unwrap()
@@ -46,12 +67,12 @@ fn tabulated<const N: usize>(effects: &[Effect<f32>]) -> FastLaw<N> {
 fn pack(effects: &[Effect<f32>]) -> Vec<u8> {
     let mut buffer = [0; LARGEST];
     let law = tabulated::<EFFECTS>(effects);
-    pack::encode(&law, &mut buffer).unwrap().to_vec()
+    pack::encode(&law, &info(), &mut buffer).unwrap().to_vec()
 }
 
 fn decode(bytes: &[u8]) -> Result<FastLaw<EFFECTS>, PackError> {
     let mut law = FastLaw::EMPTY;
-    pack::decode(bytes, &mut law).map(|()| law)
+    pack::decode(bytes, &mut law, &Expectation::default()).map(|_| law)
 }
 
 fn refused(bytes: &[u8]) -> PackError {
@@ -84,7 +105,8 @@ fn the_largest_effects_fit_often_enough() {
     }
     let correction = corrected_pack().len() - pack(&[]).len();
     let most = pack(&[]).len() + largest + (EFFECTS - 1) * next + correction;
-    assert!(most <= LARGEST, "{most}");
+    // It is derived so, and no byte is kept for nothing.
+    assert_eq!(most, LARGEST);
 }
 
 /// What a constructor takes, the rig takes too, though it sees only the numbers that were made of it.
@@ -124,7 +146,13 @@ fn effects_at_the_ends_of_their_ranges_survive() {
 fn the_body_is_postcard() {
     // Numbers of a correction, what it remembers, its numbers, its tables.
     type Table = ([f32; 4], u8, [[u8; 4]; 4], Vec<u8>);
+    // Displacement and velocity.
+    type Range = ([f32; 2], [f32; 2]);
+    // Tick rate, revision, which is fixed as an integer of postcard's is not, identity; and what a load passes over.
+    type Info = (f32, [u8; 4], [u8; 8], Vec<u8>);
+    type Description = (Option<Range>, Option<f32>, Option<f32>, String);
     type Body = (
+        Info,
         [f32; 4],
         [f32; 32],
         [f32; 32],
@@ -133,15 +161,22 @@ fn the_body_is_postcard() {
     );
     let effects = &every_effect()[..EFFECTS];
     let body = |pack: &[u8]| postcard::from_bytes::<Body>(&pack[12..]).unwrap();
-    let (eq13, octave, scale, packed, none) = body(&pack(effects));
+    let (said, eq13, octave, scale, packed, none) = body(&pack(effects));
     assert_eq!(none, None);
+    let range = Some(([-0.2, 0.25], [-6.0, 6.5]));
+    let identity = [1, 2, 3, 4, 5, 6, 7, 8];
+    let name = "a name of 32 bytes of a specimen".to_owned();
+    let (tick_rate, revision, of, description) = said;
+    assert_eq!((tick_rate, revision, of), (1e4, [1, 2, 3, 4], identity));
+    let description: Description = postcard::from_bytes(&description).unwrap();
+    assert_eq!(description, (range, Some(3.0), Some(0.1), name));
     assert_eq!(eq13, [1.0539, 10.5, 0.1114, 0.3969]);
     let law = tabulated::<EFFECTS>(effects);
     assert_eq!(octave, law.damping().octave().as_flattened());
     assert_eq!(scale, *law.damping().scale());
     assert_eq!(packed.len(), EFFECTS);
     assert_eq!(packed[0], (0, vec![0.05]));
-    let (numbers, kind, _, cells) = body(&corrected_pack()).4.unwrap();
+    let (numbers, kind, _, cells) = body(&corrected_pack()).5.unwrap();
     assert_eq!(numbers[2], 1e-5);
     assert_eq!(kind, 4);
     assert_eq!(cells.len(), 2 * CELLS);
@@ -172,12 +207,14 @@ fn corrected_over(memory: Memory<f32>) -> FastLaw<EFFECTS> {
 
 fn corrected_pack() -> Vec<u8> {
     let mut buffer = [0; LARGEST];
-    pack::encode(&corrected(), &mut buffer).unwrap().to_vec()
+    pack::encode(&corrected(), &info(), &mut buffer)
+        .unwrap()
+        .to_vec()
 }
 
-/// Where the kind of a correction stands in a pack's body: after the law's and the damping's 68 numbers, the count of effects, that
+/// Where the kind of a correction stands in a pack's body: after what it says of itself, the law's and the damping's 68 numbers, the count of effects, that
 /// there is one, and four numbers of its own.
-const KIND: usize = 4 * 72 + 2;
+const KIND: usize = INFO + 4 * 72 + 2;
 
 #[test]
 fn a_correction_survives() {
@@ -212,13 +249,13 @@ fn a_correction_survives() {
         (11, over(Memory::Frequency { time: 0.05 })),
     ] {
         let mut buffer = [0; LARGEST];
-        let pack = pack::encode(&law, &mut buffer).unwrap();
+        let pack = pack::encode(&law, &info(), &mut buffer).unwrap();
         assert_eq!(pack[12 + KIND], number, "{memory:?}");
         assert_eq!(decode(pack).unwrap(), law, "{memory:?}");
     }
     // It leaves with the law that had it.
     let mut slot = corrected();
-    pack::decode(&pack(&[]), &mut slot).unwrap();
+    pack::decode(&pack(&[]), &mut slot, &Expectation::default()).unwrap();
     assert_eq!(slot.augmented().residual_table(), None);
 }
 
@@ -257,7 +294,7 @@ fn a_word_that_nothing_uses_is_0() {
 #[test]
 fn a_correction_without_a_unit_is_none() {
     // After the law's and the damping's 68 numbers, the count of effects, that there is one, and two numbers of its own.
-    let unit = 4 * 70 + 2;
+    let unit = INFO + 4 * 70 + 2;
     let mut body = corrected_pack()[12..].to_vec();
     assert_eq!(body[unit..unit + 4], 1e-5f32.to_le_bytes());
     body[unit..unit + 4].fill(0);
@@ -283,7 +320,8 @@ fn each_damage_is_named() {
         bad
     };
     assert_eq!(refused(&changed(0, b'X')), PackError::Magic);
-    assert_eq!(refused(&changed(4, 7)), PackError::Version { found: 7 });
+    assert_eq!(refused(&changed(4, 8)), PackError::Version { found: 8 });
+    assert_eq!(refused(&changed(4, 5)), PackError::Version { found: 5 });
     assert_eq!(refused(&changed(8, !good[8])), PackError::Checksum);
     assert_eq!(refused(&changed(20, !good[20])), PackError::Checksum);
     for length in 0..good.len() {
@@ -322,7 +360,8 @@ fn a_sound_checksum_does_not_make_a_sound_law() {
     assert_eq!(with_header(&body), good);
     let with_float = |index: usize, value: f32| {
         let mut body = body.clone();
-        body[4 * index..4 * index + 4].copy_from_slice(&value.to_le_bytes());
+        let place = INFO + 4 * index;
+        body[place..place + 4].copy_from_slice(&value.to_le_bytes());
         with_header(&body)
     };
     let non_finite = |field| PackError::Refused(ConfigError::NonFinite(field));
@@ -335,14 +374,17 @@ fn a_sound_checksum_does_not_make_a_sound_law() {
         let error = refused(&with_float(index, f32::INFINITY));
         assert!(matches!(error, PackError::Refused(_)), "{index}: {error:?}");
     }
-    assert_eq!(refused(&with_header(&body[..100])), PackError::Body);
+    for length in [0, 3, 20, 40, INFO - 1, INFO, INFO + 24, INFO + 100] {
+        let cut = with_header(&body[..length]);
+        assert_eq!(refused(&cut), PackError::Body, "{length}");
+    }
     let mut longer = body.clone();
     longer.push(0);
     assert_eq!(refused(&with_header(&longer)), PackError::Body);
     // More effects than there is room for.
     let mut buffer = [0; LARGEST];
     let nine = &every_effect()[..EFFECTS + 1];
-    let nine = pack::encode(&tabulated::<9>(nine), &mut buffer).unwrap();
+    let nine = pack::encode(&tabulated::<9>(nine), &info(), &mut buffer).unwrap();
     let full = ConfigError::Full {
         field: "effects",
         capacity: EFFECTS,
@@ -388,9 +430,9 @@ fn load_friction_comes_out_as_it_went_in_and_is_never_below_0() {
 #[test]
 fn a_pack_that_does_not_fit_is_not_made() {
     let mut buffer = [0; LARGEST];
-    for length in [0, 5, 12, 100, 283] {
+    for length in [0, 5, 12, 12 + INFO, 100, 283, 283 + INFO] {
         assert!(matches!(
-            pack::encode(&tabulated::<EFFECTS>(&[]), &mut buffer[..length]),
+            pack::encode(&tabulated::<EFFECTS>(&[]), &info(), &mut buffer[..length]),
             Err(PackError::Length { .. })
         ));
     }
@@ -429,11 +471,12 @@ fn parts_must_follow_one_another() {
     ));
     upload.part(40, &good[40..]).unwrap();
     let mut law = FastLaw::EMPTY;
-    upload.finish(&mut law).unwrap();
+    let any = Expectation::default();
+    assert_eq!(upload.finish(&mut law, &any), Ok(Some(info().stamp)));
     assert_eq!(Ok(law.clone()), decode(&good));
     // It is empty again.
     assert!(matches!(
-        upload.finish::<EFFECTS>(&mut law),
+        upload.finish::<EFFECTS>(&mut law, &any),
         Err(PackError::Length { found: 0, .. })
     ));
     // One that broke off is begun anew.
@@ -441,7 +484,7 @@ fn parts_must_follow_one_another() {
     for (number, part) in good.chunks(40).enumerate() {
         upload.part(40 * number, part).unwrap();
     }
-    assert!(upload.finish::<EFFECTS>(&mut law).is_ok());
+    assert!(upload.finish::<EFFECTS>(&mut law, &any).is_ok());
 }
 
 proptest! {
@@ -495,7 +538,7 @@ proptest! {
         let law = Law::new(k1, k3, c, alpha).unwrap();
         let mut buffer = [0; LARGEST];
         let law = FastLaw::new(AugmentedLaw::new(law));
-        let pack = pack::encode(&law, &mut buffer).unwrap();
+        let pack = pack::encode(&law, &info(), &mut buffer).unwrap();
         prop_assert_eq!(decode(pack).unwrap(), law);
     }
 }

@@ -5,7 +5,8 @@ use std::sync::LazyLock;
 use mesh_damper::effects::ResidualTable;
 use mesh_damper::effects::residual_table::{CELLS, Memory, ResidualTableParts};
 use mesh_damper::fast_law::FastLaw;
-use mesh_damper::pack::{self, LARGEST, Upload, VERSION};
+use mesh_damper::operating_range::OperatingRange;
+use mesh_damper::pack::{self, Expectation, Identity, LARGEST, PackInfo, Stamp, Upload, VERSION};
 
 use crate::edit::edited;
 use crate::feed::{Feed, Random};
@@ -26,7 +27,7 @@ const WORDS: [&str; 8] = [
 /// Bytes before a pack's body.
 const HEADER: usize = 12;
 
-/// Whole packs, the last one with a correction.
+/// Whole packs, the last ones with a residual table and of version 6.
 pub static GOOD: LazyLock<Vec<Vec<u8>>> = LazyLock::new(|| {
     let mut random = Random::of(b"packs");
     let mut laws: Vec<_> = (0..12)
@@ -45,13 +46,32 @@ pub static GOOD: LazyLock<Vec<Vec<u8>>> = LazyLock::new(|| {
     let correction = ResidualTable::new(&parts, 1e-4).expect("all are in range");
     let last = laws.pop().expect("there are twelve");
     laws.push(last.with_residual_table(correction).expect("it has none"));
-    let packed = |law| {
+    let packed = |(number, law)| {
         let mut buffer = [0; LARGEST];
-        let bytes = pack::encode(&FastLaw::<EFFECTS>::new(law), &mut buffer);
+        let bytes = pack::encode(&FastLaw::<EFFECTS>::new(law), &info(number), &mut buffer);
         bytes.expect("it fits").to_vec()
     };
-    laws.into_iter().map(packed).collect()
+    let old = include_bytes!("../../tests/packs/version-6-effects.mdcp").to_vec();
+    (0..).zip(laws).map(packed).chain([old]).collect()
 });
+
+/// What the pack `number` says of itself: more with each.
+fn info(number: u32) -> PackInfo {
+    let range = OperatingRange::new([-0.2, 0.25], [-6.0, 6.5]).expect("they are in order");
+    PackInfo {
+        operating_range: (!number.is_multiple_of(2)).then_some(range),
+        density: (!number.is_multiple_of(3)).then_some(3.0),
+        amplitude: (!number.is_multiple_of(4)).then_some(0.1),
+        stamp: Stamp {
+            tick_rate: 1e4,
+            revision: number,
+            identity: Identity([number as u8; 8]),
+        },
+        ..PackInfo::at(1e4)
+            .named(&"é".repeat(number as usize))
+            .expect("it fits")
+    }
+}
 
 static BODIES: LazyLock<Vec<Vec<u8>>> =
     LazyLock::new(|| GOOD.iter().map(|pack| pack[HEADER..].to_vec()).collect());
@@ -67,7 +87,12 @@ pub fn check(script: &[u8]) -> bool {
     let taken = damaged(script).is_some();
     let mut body = edited(&BODIES, &WORDS, script);
     body.truncate(usize::from(u16::MAX));
-    let stamp = [VERSION.to_le_bytes(), (body.len() as u16).to_le_bytes()].concat();
+    // That of the pack which the script begins with.
+    let which = script.first().copied().map_or(0, usize::from);
+    let version = GOOD
+        .get(which % (GOOD.len() + 1))
+        .map_or(VERSION, |pack| version_of(pack));
+    let stamp = [version.to_le_bytes(), (body.len() as u16).to_le_bytes()].concat();
     let mut crc = flate2::Crc::new();
     crc.update(&stamp);
     crc.update(&body);
@@ -75,26 +100,53 @@ pub fn check(script: &[u8]) -> bool {
     is_a_law(&[b"MDCP", &stamp[..], &sum, &body].concat()) || taken
 }
 
+fn version_of(pack: &[u8]) -> u16 {
+    u16::from_le_bytes([pack[4], pack[5]])
+}
+
 /// Whether `bytes` are taken: the law comes back from its own pack, and gives forces. In parts they are what they are whole.
 fn is_a_law(bytes: &[u8]) -> bool {
     let mut slot = FastLaw::<EFFECTS>::EMPTY;
-    let whole = pack::decode(bytes, &mut slot);
+    let any = Expectation::default();
+    let whole = pack::decode(bytes, &mut slot, &any);
     let mut upload = Upload::new();
     let mut parts = bytes.chunks(100).enumerate();
     let uploaded = parts.try_for_each(|(index, part)| upload.part(100 * index, part));
     let mut from_parts = FastLaw::EMPTY;
     if uploaded.is_ok() {
-        assert_eq!(upload.finish(&mut from_parts), whole);
+        assert_eq!(upload.finish(&mut from_parts, &any), whole);
     } else {
         assert!(bytes.len() > LARGEST && whole.is_err());
     }
-    if whole.is_err() {
+    let Ok(said) = whole else {
         return false;
-    }
+    };
+    // A load passes over what is behind the stamp, which may be nonsense.
+    let Ok(described) = PackInfo::of(bytes) else {
+        assert!(said.is_some());
+        return false;
+    };
+    assert_eq!(described.as_ref().map(|info| info.stamp), said);
+    let info = described.unwrap_or(PackInfo::at(1e4));
+    let stamp = info.stamp;
+    let mut own = Expectation {
+        identity: Some(stamp.identity),
+        newer_than: stamp.revision.checked_sub(1),
+        ..Expectation::at(stamp.tick_rate)
+    };
+    let mut unused = FastLaw::<EFFECTS>::EMPTY;
+    // One of version 6 says nothing of what is required.
+    assert_eq!(
+        pack::decode(bytes, &mut unused, &own).is_ok(),
+        said.is_some()
+    );
+    own.newer_than = Some(stamp.revision);
+    assert!(pack::decode(bytes, &mut unused, &own).is_err());
     let mut buffer = [0; LARGEST];
-    let packed = pack::encode(&slot, &mut buffer).expect("it was one");
+    let packed = pack::encode(&slot, &info, &mut buffer).expect("it was one");
     let mut again = FastLaw::EMPTY;
-    assert_eq!(pack::decode(packed, &mut again), Ok(()));
+    assert_eq!(pack::decode(packed, &mut again, &any), Ok(Some(stamp)));
+    assert_eq!(PackInfo::of(packed), Ok(Some(info)));
     assert_eq!(again, slot);
     assert_eq!(from_parts, slot);
     forces_are_finite(slot.augmented());

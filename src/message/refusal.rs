@@ -31,6 +31,12 @@ pub enum Refusal<'a> {
     PackChecksum,
     /// [`PackError::Body`].
     PackBody,
+    /// [`PackError::TickRate`].
+    PackTickRate,
+    /// [`PackError::Identity`].
+    PackIdentity,
+    /// [`PackError::Revision`].
+    PackRevision,
     /// The rig does not start.
     Start(StartRefused),
     /// The rig does not forget its fault.
@@ -38,7 +44,7 @@ pub enum Refusal<'a> {
 }
 
 /// The refusals that are told by their number alone.
-const PLAIN: [Refusal<'static>; 8] = [
+const PLAIN: [Refusal<'static>; 11] = [
     Refusal::Order,
     Refusal::Converter,
     Refusal::PackMagic,
@@ -47,6 +53,9 @@ const PLAIN: [Refusal<'static>; 8] = [
     Refusal::PackOrder,
     Refusal::PackChecksum,
     Refusal::PackBody,
+    Refusal::PackTickRate,
+    Refusal::PackIdentity,
+    Refusal::PackRevision,
 ];
 
 /// Number of [`Refusal::Field`] on the link.
@@ -106,6 +115,9 @@ impl Refusal<'_> {
             Self::PackOrder => 5,
             Self::PackChecksum => 6,
             Self::PackBody => 7,
+            Self::PackTickRate => 8,
+            Self::PackIdentity => 9,
+            Self::PackRevision => 10,
             Self::Field(_) => FIELD,
             Self::Removed(_) => REMOVED,
             Self::Start(_) => START,
@@ -148,6 +160,9 @@ impl From<PackError> for Refusal<'static> {
             PackError::Order { .. } => Self::PackOrder,
             PackError::Checksum => Self::PackChecksum,
             PackError::Body => Self::PackBody,
+            PackError::TickRate { .. } => Self::PackTickRate,
+            PackError::Identity { .. } => Self::PackIdentity,
+            PackError::Revision { .. } => Self::PackRevision,
             PackError::Refused(error) => error.into(),
         }
     }
@@ -187,7 +202,7 @@ mod tests {
     #[test]
     fn numbers_on_the_link_are_those_of_the_table() {
         use crate::rig::TripCause::{EnableLine, LinkLost};
-        let refusals: [(&[u8], Refusal<'_>); 16] = [
+        let refusals: [(&[u8], Refusal<'_>); 19] = [
             (&[0], Refusal::Order),
             (&[1], Refusal::Converter),
             (&[2], Refusal::PackMagic),
@@ -196,6 +211,9 @@ mod tests {
             (&[5], Refusal::PackOrder),
             (&[6], Refusal::PackChecksum),
             (&[7], Refusal::PackBody),
+            (&[8], Refusal::PackTickRate),
+            (&[9], Refusal::PackIdentity),
+            (&[10], Refusal::PackRevision),
             (&[252, 0], Refusal::Clear(ClearRefused::Moving)),
             (&[252, 2], Refusal::Clear(ClearRefused::NoFault)),
             (
@@ -220,6 +238,6 @@ mod tests {
         for bytes in [[253, 2], [252, 1], [253, 255]] {
             assert_eq!(read_refusal(&mut Reader(&bytes)), None);
         }
-        assert_eq!(read_refusal(&mut Reader(&[8])), None);
+        assert_eq!(read_refusal(&mut Reader(&[11])), None);
     }
 }

@@ -83,6 +83,13 @@ pub struct StreamConfig {
     hold_ticks: u32,
 }
 
+impl StreamConfig {
+    /// Hz.
+    pub fn tick_rate(&self) -> f32 {
+        self.rate
+    }
+}
+
 impl StreamSettings {
     /// At `tick_rate` Hz, 1…1e6.
     ///

@@ -9,7 +9,7 @@ use mesh_damper::message::{
     MAX_BLOCKS, Refusal, Request, Sensors, Setup, Statistics, write_done, write_forces,
     write_outcome, write_refusal, write_statistics,
 };
-use mesh_damper::pack::Upload;
+use mesh_damper::pack::{Expectation, PackError, Upload};
 use mesh_damper::rig::{
     AnyExciter, Blocking, RigController, State, Stream, StreamConfig, Telemetry, Wiring,
 };
@@ -53,6 +53,8 @@ pub struct Controller<B: Board> {
     /// Until there is a rig.
     parts: Option<Parts<B>>,
     rig: Option<&'static mut WiredRig<B>>,
+    /// Of the rig, Hz; until there is one, that of the law's pack, where it said one.
+    rate: Option<f32>,
     upload: &'static mut Upload,
     /// Of the last tick, for the log.
     block: Option<usize>,
@@ -64,6 +66,7 @@ impl<B: Board> Controller<B> {
         Self {
             parts: Some(parts),
             rig: None,
+            rate: None,
             upload,
             block: None,
             state: State::Idle,
@@ -170,13 +173,28 @@ impl<B: Board> Controller<B> {
     }
 
     /// The law of the pack that came: at once where nothing runs, else at the end of the cycle.
+    #[inline(never)]
     fn take_pack(&mut self) -> Result<bool, Refusal<'static>> {
         let upload = &mut *self.upload;
-        let write = |slot: &mut FastLaw<EFFECTS>| upload.finish(slot);
+        let mut rate = None;
+        let expected = match &self.rig {
+            Some(_) => Expectation {
+                tick_rate: self.rate,
+                ..Expectation::default()
+            },
+            None => Expectation::default(),
+        };
+        let write = |slot: &mut FastLaw<EFFECTS>| -> Result<(), PackError> {
+            let stamp = upload.finish(slot, &expected)?;
+            rate = stamp.map(|stamp| stamp.tick_rate);
+            Ok(())
+        };
         let taken = match (&mut self.parts, &mut self.rig) {
             (Some(parts), _) => {
                 let taken = parts.law.swap_with(write);
-                parts.law.boundary();
+                if parts.law.boundary() {
+                    self.rate = rate;
+                }
                 taken
             }
             (_, Some(rig)) => rig.swap_law_with(write),
@@ -195,8 +213,25 @@ impl<B: Board> Controller<B> {
         }
     }
 
+    /// Whether the law is for the rate of the rig that is to be set up: it came before that was known. Not inlined: what it takes of the
+    /// stack is free again before the rig is made.
+    #[inline(never)]
+    fn check_rate(&mut self) -> Result<(), Refusal<'static>> {
+        let Some(parts) = &self.parts else {
+            return Err(Refusal::Order);
+        };
+        let rate = match &*parts.stream {
+            Some(config) => config.tick_rate(),
+            None => parts.programme.tick_rate() as f32,
+        };
+        Expectation::at(rate).check_tick_rate(self.rate)?;
+        self.rate = Some(rate);
+        Ok(())
+    }
+
     #[inline(never)]
     fn set_up(&mut self, setup: &Setup) -> Result<bool, Refusal<'static>> {
+        self.check_rate()?;
         let Some(parts) = self.parts.take() else {
             return Err(Refusal::Order);
         };

@@ -6,7 +6,7 @@ use cortex_m::singleton;
 use mesh_damper::amplitude_independent::{self, Effects};
 use mesh_damper::converter::Scale;
 use mesh_damper::fast_law::RunningLaw;
-use mesh_damper::pack::{self, Upload};
+use mesh_damper::pack::{self, Expectation, Upload};
 use mesh_damper::power::PowerSeed;
 use mesh_damper::rig::{
     DamperEmulation, DamperEmulationSettings, EmulationController, Rig, RigController, RigSettings,
@@ -33,6 +33,7 @@ pub fn constructors<B: Board>(link: &mut B::Link) -> Option<()> {
     };
     let fixed = singleton!(: DamperLaw = DamperLaw::empty())?;
     let running = singleton!(: Running = Running::empty())?;
+    let any = Expectation::default();
     let upload = singleton!(: Upload = Upload::new())?;
     let programme = singleton!(: Option<Blocks> = None)?;
     let (mixed, effects) = amplitude_independent::parts(black_box(3.0)).ok()?;
@@ -49,11 +50,11 @@ pub fn constructors<B: Board>(link: &mut B::Link) -> Option<()> {
         Some(())
     })?;
     named("RunningLaw::swap_with, pack::decode", &mut || {
-        let refused = running.swap_with(|slot| pack::decode(black_box(&[]), slot));
+        let refused = running.swap_with(|slot| pack::decode(black_box(&[]), slot, &any));
         refused.err().map(|_| ())
     })?;
     named("Upload::finish", &mut || {
-        let refused = running.swap_with(|slot| upload.finish(slot));
+        let refused = running.swap_with(|slot| upload.finish(slot, &any));
         refused.err().map(|_| ())
     })?;
     named("Programme::with", &mut || {

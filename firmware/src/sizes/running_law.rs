@@ -3,7 +3,7 @@
 use core::hint::black_box;
 
 use mesh_damper::fast_law::RunningLaw;
-use mesh_damper::pack;
+use mesh_damper::pack::{self, Expectation};
 
 use super::{TICKS, motion};
 use crate::board::Board;
@@ -15,7 +15,7 @@ pub fn running_law<B: Board>(_: &mut B::Link) -> Option<()> {
     // SAFETY: an image calls this once.
     let law = unsafe { (&raw mut LAW).as_mut() }?;
     let refused = law
-        .swap_with(|slot| pack::decode(black_box(&[]), slot))
+        .swap_with(|slot| pack::decode(black_box(&[]), slot, &Expectation::default()))
         .is_err();
     law.boundary();
     for n in 0..TICKS {

@@ -336,3 +336,109 @@ fn a_motion_that_cannot_be_is_refused_in_one_line_and_leaves_nothing() {
         .unwrap();
     driven(root.path(), &["--drive", "large.csv", "--scale", scale]).unwrap();
 }
+
+/// A model that was fitted on `reach` mm and 100 mm/s, of another stiffness than the specimen's where `factor` is not 1.
+fn model_of_stiffness(directory: &Path, factor: f64, reach: f64) {
+    // A specimen of 3 g/cm³ at 0.1 mm.
+    let (k1, k3, c) = (1.0539 * factor, 10.5 * factor, 0.1114 * factor);
+    let text = format!(
+        r#"{{ "format": "mesh-damper-model", "version": 1,
+        "units": {{ "displacement": "mm", "force": "kN", "time": "s", "temperature": "degC" }},
+        "law": [ {{ "amplitude": 0.0, "k1": {k1}, "k3": {k3}, "c": {c}, "alpha": 0.3969 }} ], "effects": [],
+        "fitted_range": {{ "displacement": [-{reach}, {reach}], "velocity": [-100.0, 100.0] }} }}"#
+    );
+    fs::write(directory.join("model.json"), text).unwrap();
+}
+
+/// A law of another specimen ran beside this one with an error of 613 %, and nothing was said.
+#[test]
+fn a_model_of_another_specimen_is_warned_of_first() {
+    let root = tempfile::tempdir().unwrap();
+    let ran = |factor: f64, arguments: &[&str]| {
+        model_of_stiffness(root.path(), factor, 0.3);
+        let with = ["--model", "model.json", "--json", "-"];
+        let output = run(root.path(), &[arguments, &with].concat());
+        let error = String::from_utf8(output.stderr).unwrap();
+        assert!(output.status.success(), "{error}");
+        let json: serde_json::Value = serde_json::from_slice(&output.stdout).unwrap();
+        (json, error)
+    };
+    let blocks = ["--blocks", "0.1:5:6"];
+    // Off by as much as it is too stiff.
+    for (factor, expected) in [(7.13, 6.13), (1.9, 0.9), (0.4, 0.6)] {
+        let (json, error) = ran(factor, &blocks);
+        let first = &json["first_error"];
+        let nrmse = first["nrmse"].as_f64().unwrap();
+        assert!((nrmse / expected - 1.0).abs() < 0.05, "{factor}: {nrmse}");
+        assert_eq!(
+            (&first["cycles"], &first["limit"]),
+            (&3.into(), &0.5.into())
+        );
+        let line = error.lines().next().unwrap();
+        let said = format!(
+            "warning: model.json cannot be meant for this specimen: over the first 3 steady cycles its force is off by {:.0} % of ",
+            100.0 * nrmse
+        );
+        assert!(line.starts_with(&said), "{error}");
+        assert_eq!(
+            format!("warning: {}", json["warnings"][0].as_str().unwrap()),
+            line
+        );
+    }
+    let (json, error) = ran(1.3, &blocks);
+    assert_eq!((&*error, &json["warnings"]), ("", &serde_json::json!([])));
+    let nrmse = json["first_error"]["nrmse"].as_f64().unwrap();
+    assert!((nrmse - 0.3).abs() < 0.05, "{nrmse}");
+    // No cycle of a motion is told apart: all of it counts.
+    let drive = [
+        "--drive",
+        "random:rms=0.08mm,from=0.5Hz,to=12Hz,duration=3s,seed=2",
+    ];
+    let (json, error) = ran(3.0, &drive);
+    assert_eq!(json["first_error"]["cycles"], 0);
+    assert!(
+        error.contains("over what was recorded its force is off by "),
+        "{error}"
+    );
+}
+
+/// Before the run, of what is asked: an amplitude and a speed that the model was never fitted on.
+#[test]
+fn blocks_outside_the_operating_range_are_warned_of_first() {
+    let root = tempfile::tempdir().unwrap();
+    model_of_stiffness(root.path(), 1.0, 0.07);
+    let with = ["--model", "model.json", "--json", "-", "--blocks"];
+    let ran = |blocks: &str| {
+        let output = run(root.path(), &[&with[..], &[blocks]].concat());
+        let error = String::from_utf8(output.stderr).unwrap();
+        let json: serde_json::Value = serde_json::from_slice(&output.stdout).unwrap();
+        (json, error)
+    };
+    let (json, error) = ran("0.05:5:4,0.14:5:4");
+    let line = "50.0 % of the blocks lie outside the operating range of model.json: displacement at 50.0 % by up to 1.00 times the range";
+    assert_eq!(error.lines().next().unwrap(), format!("warning: {line}"));
+    assert_eq!(json["warnings"][0], line);
+    let asked = &json["asked_outside_operating_range"];
+    assert_eq!(
+        (&asked["part"], &asked["velocity"]["part"]),
+        (&0.5.into(), &0.0.into())
+    );
+    // 0.05 mm at 400 Hz are 126 mm/s, at the end of a sweep or at its beginning.
+    for blocks in ["0.05:300-400:40", "0.05:400-300:40"] {
+        let (json, error) = ran(blocks);
+        assert!(
+            error.starts_with("warning: 100.0 % of the blocks lie outside"),
+            "{error}"
+        );
+        let most = json["asked_outside_operating_range"]["velocity"]["most"]
+            .as_f64()
+            .unwrap();
+        assert!((most - 0.2566).abs() < 1e-3, "{most}");
+    }
+    let (json, error) = ran("0.05:5:4");
+    assert_eq!((&*error, &json["warnings"]), ("", &serde_json::json!([])));
+    // Nothing is asked of a law that was not fitted.
+    let output = run(root.path(), &["--blocks", "0.05:5:4", "--json", "-"]);
+    let json: serde_json::Value = serde_json::from_slice(&output.stdout).unwrap();
+    assert!(json["asked_outside_operating_range"].is_null() && json["first_error"].is_null());
+}

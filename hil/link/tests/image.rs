@@ -4,12 +4,14 @@ mod emulated;
 
 use std::sync::{Arc, Mutex};
 
+use mesh_damper::converter::Scale;
 use mesh_damper::effects::description::Description;
 use mesh_damper::effects::{AugmentedLaw, DESCRIPTIONS, Effect, Motion};
 use mesh_damper::fast_law::{FastLaw, RunningLaw};
 use mesh_damper::law::Law;
-use mesh_damper::pack::{LARGEST, encode};
-use mesh_damper::rig::TripCause;
+use mesh_damper::message::Setup;
+use mesh_damper::pack::{LARGEST, PackInfo, encode};
+use mesh_damper::rig::{RigSettings, StreamSettings, TripCause};
 use mesh_damper::sine::{Block, Programme};
 use mesh_damper_link::image::{Board, FIRMWARE, sections};
 use mesh_damper_link::lockstep::run_rig_on;
@@ -49,7 +51,9 @@ fn law(effects: &[Effect<f32>]) -> FastLaw<EFFECTS> {
 
 fn pack(law: &FastLaw<EFFECTS>) -> Vec<u8> {
     let mut buffer = [0; LARGEST];
-    encode(law, &mut buffer).unwrap().to_vec()
+    encode(law, &PackInfo::at(1.0 / TICK), &mut buffer)
+        .unwrap()
+        .to_vec()
 }
 
 /// A motion that sweeps in amplitude and frequency, with extremes and numbers that are none strewn in.
@@ -524,6 +528,55 @@ fn a_damaged_pack_is_refused_and_the_law_in_force_stays() {
     assert_eq!(count(LogLevel::Warn, "coefficient pack refused"), damaged);
 }
 
+/// A pack for another rate than the rig's, of either version: at set-up, where it came before the rig's rate was known, and while the
+/// rig runs. The law in force stays.
+#[test]
+fn a_pack_for_another_rate_is_refused() {
+    const OLD: &[u8] = include_bytes!("../../../tests/packs/version-6-effects.mdcp");
+    const SAID: &str =
+        "the image refused it: tick_rate: the coefficient pack is for another one than the rig's";
+    let programme = Programme::<1>::new(10_000.0, 1)
+        .and_then(|programme| programme.with(Block::sine(0.1, 5.0, 3)?))
+        .unwrap();
+    let scale = || Scale::new(1.0, 0.0).unwrap();
+    let wiring = Setup {
+        displacement: scale(),
+        force: scale(),
+        command: scale(),
+        config: RigSettings::default().at(10_000.0).unwrap(),
+    };
+    let packed = |rate: f32| {
+        let mut buffer = [0; LARGEST];
+        let pack = encode(&law(&[]), &PackInfo::at(rate), &mut buffer);
+        pack.unwrap().to_vec()
+    };
+    let (other, right) = (packed(2e3), packed(1e4));
+    for streamed in [false, true] {
+        let Some(mut image) = image_on(Board::Mps2An386) else {
+            return;
+        };
+        let stream = StreamSettings::default().at(10_000.0).unwrap();
+        let set_up = |image: &mut Image<Emulator>| match streamed {
+            true => image.set_up_stream(stream, &wiring),
+            false => image.set_up(&programme, &wiring),
+        };
+        // Of a law alone nobody knows a rate.
+        for pack in [OLD, &other] {
+            image.send_pack(pack).unwrap();
+            let error = set_up(&mut image).unwrap_err().to_string();
+            assert!(error.starts_with(SAID), "{error}");
+        }
+        image.send_pack(&right).unwrap();
+        set_up(&mut image).unwrap();
+        for pack in [OLD, &other] {
+            let error = image.send_pack(pack).unwrap_err().to_string();
+            assert!(error.starts_with(SAID), "{error}");
+        }
+        image.send_pack(&right).unwrap();
+        image.start_rig().unwrap();
+    }
+}
+
 #[test]
 fn an_emulator_that_dies_is_said() {
     let Some(mut image) = image_on(Board::Mps2An386) else {
@@ -566,13 +619,13 @@ fn the_image_is_small() {
         let sizes = sections(&elf).unwrap();
         // 24 KiB were asked for before there were six effects more, which take 5, a correction, 4, the monitor, 9,
         // a law that follows, 3.5, further Maxwell branches and tones, 1.5, a streamed motion with its messages, 1, friction
-        // that hardens, 1.5, and a dashpot that yields with a low-pass, 1.75.
+        // that hardens, 1.5, a dashpot that yields with a low-pass, 1.75, and the tick rate, model and revision of a pack, 1.25.
         assert!(
-            sizes.flash > 0 && sizes.flash <= 53 * 1024 + 512,
+            sizes.flash > 0 && sizes.flash <= 54 * 1024 + 768,
             "{sizes:?}"
         );
         // 12 KiB likewise; of the rest the correction's table, in two laws and a pack, is 1.8, the monitor 0.75, and what the
-        // law follows by 0.25. A reading's control inputs take 16 bytes.
-        assert!(sizes.ram <= 15 * 1024 + 16, "{sizes:?}");
+        // law follows by 0.25. A reading's control inputs take 16 bytes, and what a pack says of itself, in the upload alone, 64.
+        assert!(sizes.ram <= 15 * 1024 + 16 + 64, "{sizes:?}");
     }
 }

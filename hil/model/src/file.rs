@@ -14,9 +14,11 @@ use std::path::Path;
 
 use mesh_damper::error::ConfigError;
 use mesh_damper::law::Law;
+use mesh_damper::pack::Identity;
 use mesh_damper_recording::error::{InputError, Place};
 use mesh_damper_recording::read_limit::{ReadLimit, read_json};
 use serde::{Deserialize, Serialize};
+use sha2::{Digest as _, Sha256};
 
 use crate::correction::CorrectionTable;
 use crate::{AddedEffect, LawNode, Model, ModelError};
@@ -226,6 +228,25 @@ impl ModelFile {
             effects: self.effects.clone(),
             correction: self.correction.clone(),
         }
+    }
+
+    /// Which model it is: the first bytes of the SHA-256 of what it says of law, effects, residual table and operating range, as JSON
+    /// without spaces. How the file is laid out is no part of it.
+    ///
+    /// # Panics
+    /// Never: numbers and names are JSON.
+    pub fn identity(&self) -> Identity {
+        let meaning = (
+            &self.law,
+            &self.effects,
+            &self.correction,
+            self.fitted_range,
+        );
+        let json = serde_json::to_vec(&meaning).expect("numbers and names are JSON");
+        let hash = Sha256::digest(json);
+        let mut first = [0; 8];
+        first.copy_from_slice(&hash[..8]);
+        Identity(first)
     }
 
     /// The motion that it was fitted on.

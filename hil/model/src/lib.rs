@@ -8,6 +8,7 @@
 //! | the root | the model itself, and the names of its effects |
 //! | [`mod@file`] | `model.json`, read and written |
 //! | [`correction`] | the table of what has no name |
+//! | [`export`] | a model as a pack, a Rust module, or C |
 //! | [`extrapolation`] | what of a motion lies outside the operating range |
 //! | [`mod@predict`] | the force for a recorded motion, and how far it is off |
 //! | [`mod@respond`] | the motion of a mass on the damper |
@@ -43,6 +44,7 @@
 #![forbid(unsafe_code)]
 
 pub mod correction;
+pub mod export;
 pub mod extrapolation;
 mod family;
 pub mod file;

@@ -7,7 +7,7 @@ use mesh_damper::effects::{AugmentedLaw, Effect};
 use mesh_damper::error::ConfigError;
 use mesh_damper::fast_law::FastLaw;
 use mesh_damper::law::Law;
-use mesh_damper::pack::{self, LARGEST, PackError};
+use mesh_damper::pack::{self, LARGEST, PackError, PackInfo};
 use mesh_damper::real::Real;
 use serde::{Deserialize, Serialize};
 
@@ -150,14 +150,16 @@ impl Model {
         Ok(law)
     }
 
-    /// The same as a coefficient pack, for a rig that runs.
+    /// The same as a coefficient pack, for a rig that runs. It says its tick rate and nothing else of itself: see
+    /// [`crate::export`] for one that leaves the host.
     ///
     /// # Errors
     /// As [`Self::augmented`].
     pub fn pack(&self, amplitude: f64, tick: f64) -> Result<Vec<u8>, ModelError> {
         let law = FastLaw::new(self.augmented(amplitude, tick)?);
+        let info = PackInfo::at((1.0 / tick) as f32);
         let mut buffer = [0; LARGEST];
-        pack::encode(&law, &mut buffer)
+        pack::encode(&law, &info, &mut buffer)
             .map(<[u8]>::to_vec)
             .map_err(ModelError::Pack)
     }
@@ -188,6 +190,23 @@ impl AddedEffect {
         tick: f64,
         place: impl Fn() -> String,
     ) -> Result<Effect<R>, ModelError> {
+        let (description, values) = self.values(&place)?;
+        Effect::from_parameters(description.number, &values, tick).map_err(|error| {
+            ModelError::Refused {
+                place: place(),
+                error,
+            }
+        })
+    }
+
+    /// Which effect it is, and its parameters in the order of the description, element by element.
+    ///
+    /// # Errors
+    /// A parameter that is missing, or that is not one of its own.
+    pub(crate) fn values(
+        &self,
+        place: impl Fn() -> String,
+    ) -> Result<(&'static Description, Vec<f64>), ModelError> {
         let description = self.description();
         let refused = |problem| ModelError::Parameters {
             place: place(),
@@ -226,12 +245,7 @@ impl AddedEffect {
         if let Some(name) = unused.first() {
             return Err(refused(format!("parameter {name} is not one of its own")));
         }
-        Effect::from_parameters(description.number, &values, tick).map_err(|error| {
-            ModelError::Refused {
-                place: place(),
-                error,
-            }
-        })
+        Ok((description, values))
     }
 
     /// Which effect of its family the parameters are of: the first that has a parameter of each of their names, or else the first.

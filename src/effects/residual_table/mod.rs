@@ -22,6 +22,7 @@ use crate::real::{Real, in_range};
 use memory::{Beside, MemoryKind, Recall};
 
 pub use memory::{Memory, ResidualTableState};
+pub(crate) use packed::LARGEST_TABLE;
 
 /// Nodes over displacement.
 pub const DISPLACEMENTS: usize = 9;

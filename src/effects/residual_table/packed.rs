@@ -88,6 +88,9 @@ impl ResidualTable<f32> {
 /// In the place of a number of the table over the acceleration, which is no more.
 const UNUSED: i32 = 0;
 
+/// Bytes of a table in a pack: numbers, kind, numbers, length, cells.
+pub(crate) const LARGEST_TABLE: usize = 4 * 4 + 1 + 4 * 4 + LENGTH.len() + 2 * CELLS;
+
 /// How many bytes the cells take, as postcard writes a length of 128…16383.
 const LENGTH: [u8; 2] = {
     let bytes = 2 * CELLS;

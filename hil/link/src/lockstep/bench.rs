@@ -4,7 +4,7 @@ use mesh_damper::converter::Scale;
 use mesh_damper::fast_law::FastLaw;
 use mesh_damper::law::Law;
 use mesh_damper::message::{Sensors, Setup};
-use mesh_damper::pack::{LARGEST, encode};
+use mesh_damper::pack::{LARGEST, PackInfo, encode};
 use mesh_damper::rig::{State, Telemetry};
 use mesh_damper_rig::Controlled;
 use mesh_damper_rig::Plant;
@@ -26,6 +26,8 @@ pub struct ImageBench<'i, S, W, const N: usize> {
     state: State,
     /// What the image was last given.
     law: FastLaw<N>,
+    /// What its packs say of themselves.
+    info: PackInfo,
 }
 
 impl<'i, S: DamperForce + Clone, W: Wire, const N: usize> ImageBench<'i, S, W, N> {
@@ -40,7 +42,8 @@ impl<'i, S: DamperForce + Clone, W: Wire, const N: usize> ImageBench<'i, S, W, N
         let plant = Plant::new(&setup)?;
         let law = FastLaw::new(setup.law.clone());
         let scale = |full_scale| Scale::new(full_scale, 0.0);
-        send(image, &law)?;
+        let info = PackInfo::at(setup.programme.tick_rate() as f32);
+        send(image, &law, &info)?;
         let wiring = Setup {
             displacement: scale(setup.displacement_sensor.full_scale)?,
             force: scale(setup.force_sensor.full_scale)?,
@@ -58,13 +61,18 @@ impl<'i, S: DamperForce + Clone, W: Wire, const N: usize> ImageBench<'i, S, W, N
             feeder: setup.drive.as_ref().map(Feeder::new),
             state: State::Idle,
             law,
+            info,
         })
     }
 }
 
-fn send<W: Wire, const N: usize>(image: &mut Image<W>, law: &FastLaw<N>) -> Result<(), SetupError> {
+fn send<W: Wire, const N: usize>(
+    image: &mut Image<W>,
+    law: &FastLaw<N>,
+    info: &PackInfo,
+) -> Result<(), SetupError> {
     let mut buffer = [0; LARGEST];
-    image.send_pack(encode(law, &mut buffer)?)?;
+    image.send_pack(encode(law, info, &mut buffer)?)?;
     Ok(())
 }
 
@@ -114,6 +122,6 @@ impl<S: DamperForce + Clone, W: Wire, const N: usize> Controlled<S> for ImageBen
 
     fn set_law(&mut self, law: Law<f32>) -> Result<(), SetupError> {
         self.law.set_law(law);
-        send(self.image, &self.law)
+        send(self.image, &self.law, &self.info)
     }
 }

@@ -77,6 +77,14 @@ impl LinkError {
             Refusal::PackOrder => "a part of the coefficient pack does not follow the one before",
             Refusal::PackChecksum => "the coefficient pack's checksum does not match",
             Refusal::PackBody => "the coefficient pack's body cannot be read",
+            Refusal::PackTickRate => {
+                "tick_rate: the coefficient pack is for another one than the rig's, or does not say its own: export the model for the \
+                 rig's rate"
+            }
+            Refusal::PackIdentity => "identity: the coefficient pack is of another model",
+            Refusal::PackRevision => {
+                "revision: the coefficient pack is no newer than the one before"
+            }
         };
         Self::Refused(reason.into())
     }

@@ -10,9 +10,11 @@ mod design;
 mod drive;
 mod effect;
 mod events;
+mod export;
 mod faults;
 mod image;
 mod law;
+mod meant_for;
 mod motions;
 mod orthogonal;
 mod paper;
@@ -35,6 +37,7 @@ use super::Failure;
 pub enum Command {
     Predict(predict::Predict),
     Respond(respond::RespondCommand),
+    Export(export::ExportCommand),
     Run(run::RunCommand),
     Bench(bench::BenchCommand),
     Blind(blind::BlindCommand),
@@ -53,6 +56,7 @@ impl Command {
         match self {
             Self::Predict(command) => command.run(),
             Self::Respond(command) => command.run(),
+            Self::Export(command) => command.run(),
             Self::Run(command) => command.run(),
             Self::Bench(command) => command.run(),
             Self::Blind(command) => command.run(),

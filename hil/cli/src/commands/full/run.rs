@@ -9,8 +9,8 @@ use mesh_damper::operating_range::OperatingRange;
 use mesh_damper::rig::TripCause;
 use mesh_damper::sine::Programme;
 use mesh_damper_link::lockstep::run_rig_on;
-use mesh_damper_model::extrapolation::{RANGE_MARGIN, percent};
-use mesh_damper_model::file::{ModelFile, model_error};
+use mesh_damper_model::extrapolation::{Extrapolation, RANGE_MARGIN, percent};
+use mesh_damper_model::file::{FittedRange, ModelFile, model_error};
 use mesh_damper_model::{MAX_EFFECTS, ModelError};
 use mesh_damper_recording::Recording;
 use mesh_damper_recording::error::InputError;
@@ -25,6 +25,7 @@ use super::effect;
 use super::events::EventRow;
 use super::image::{LogLevel, On, start_image};
 use super::law::PublishedLaw;
+use super::meant_for::{self, FirstError};
 use super::programme::{self, MOST_BLOCKS};
 use crate::commands::progress::Progress;
 use crate::commands::reading::Reading;
@@ -114,8 +115,14 @@ struct Summary {
     seed: u64,
     tick_rate: f64,
     ticks: u64,
+    /// Why the model cannot be meant for the specimen or the motion, in words.
+    warnings: Vec<String>,
+    /// Of the blocks or of the motion's knots, before the run; null without a model.
+    asked_outside_operating_range: Option<Extrapolation>,
     /// Null without a model.
     outside_operating_range: Option<OutsideTicks>,
+    /// How far the model was off at first; null without a model.
+    first_error: Option<FirstError>,
     /// The motion that was followed; null of a programme.
     drive: Option<Followed>,
     /// None of a motion.
@@ -170,13 +177,27 @@ impl RunCommand {
             (None, None) => Some(programme::parse(&self.blocks, self.tick_rate)?),
         };
         let (specimen, density, described) = self.specimen()?;
-        let mut setup = self.setup(specimen, density, programme.as_ref(), driven.as_ref())?;
+        let (mut setup, fitted_range) =
+            self.setup(specimen, density, programme.as_ref(), driven.as_ref())?;
         setup.record_every = self.record_every;
         setup.settings.health.follow = self.follow;
         let asked = match &driven {
             Some(driven) => Some(driven.checked(&setup)?),
             None => None,
         };
+
+        let beyond = fitted_range
+            .map(|range| meant_for::outside(&range, programme.as_ref(), driven.as_ref()));
+        let samples = match driven {
+            Some(_) => "places of the motion",
+            None => "blocks",
+        };
+        let mut warnings = Vec::new();
+        if let (Some(path), Some(beyond)) = (&self.model, &beyond) {
+            warnings.extend(beyond.in_words(samples, &path.display().to_string()));
+        }
+        // Before what may take long.
+        warnings.iter().for_each(|warning| warn(warning));
 
         let image = match self.on {
             On::Host => None,
@@ -201,12 +222,22 @@ impl RunCommand {
         drop(progress);
         let run = run.map_err(|error| broken_off(error, &journal))?;
 
+        let first_error = self.model.as_ref().and_then(|_| FirstError::of(&run));
+        if let (Some(path), Some(error)) = (&self.model, first_error)
+            && let Some(words) = error.in_words(path)
+        {
+            warn(&words);
+            warnings.push(words);
+        }
         let summary = Summary {
             on: self.on,
             specimen: described.clone(),
             seed: self.seed,
             tick_rate: self.tick_rate,
             ticks: run.ticks,
+            warnings,
+            asked_outside_operating_range: beyond,
+            first_error,
             outside_operating_range: run.outside.map(|ticks| OutsideTicks {
                 ticks,
                 part: ticks as f64 / run.ticks as f64,
@@ -303,14 +334,21 @@ impl RunCommand {
         Ok((specimen, self.density, described))
     }
 
-    /// The test of `specimen`, of a density in g/cm³, under either `programme` or the motion that is `driven`.
+    /// The test of `specimen`, of a density in g/cm³, under either `programme` or the motion that is `driven`, and the motion that the
+    /// model was fitted on, where there is one.
     fn setup(
         &self,
         specimen: Specimen,
         density: f64,
         programme: Option<&Programme<MOST_BLOCKS>>,
         driven: Option<&Driven>,
-    ) -> Result<RigSetup<Specimen, MOST_BLOCKS, MAX_EFFECTS>, InputError> {
+    ) -> Result<
+        (
+            RigSetup<Specimen, MOST_BLOCKS, MAX_EFFECTS>,
+            Option<FittedRange>,
+        ),
+        InputError,
+    > {
         let blocks = programme.into_iter().flat_map(Programme::blocks);
         let amplitudes: Vec<f64> = blocks.map(|block| block.amplitude()).collect();
         let first = match (driven, amplitudes.first()) {
@@ -320,6 +358,7 @@ impl RunCommand {
         let Laws {
             law,
             block_laws,
+            fitted_range,
             operating_range,
         } = self.laws(first, &amplitudes, density)?;
         let mut setup = match (driven, programme) {
@@ -330,7 +369,7 @@ impl RunCommand {
         };
         setup.block_laws = block_laws;
         setup.operating_range = operating_range;
-        Ok(setup)
+        Ok((setup, fitted_range))
     }
 
     /// The law for the amplitude `first` in mm, and eq 13 for each of `amplitudes`.
@@ -339,6 +378,7 @@ impl RunCommand {
             return Ok(Laws {
                 law: AugmentedLaw::new(self.law.at(density, SPECIMEN_AMPLITUDE)),
                 block_laws: Vec::new(),
+                fitted_range: None,
                 operating_range: None,
             });
         };
@@ -365,6 +405,7 @@ impl RunCommand {
         Ok(Laws {
             law,
             block_laws,
+            fitted_range: Some(file.fitted_range()),
             operating_range: Some(range),
         })
     }
@@ -375,6 +416,8 @@ struct Laws {
     law: AugmentedLaw<f32, MAX_EFFECTS>,
     /// Eq 13 of each block.
     block_laws: Vec<Law<f32>>,
+    /// Of the model.
+    fitted_range: Option<FittedRange>,
     /// That of the model, with [`RANGE_MARGIN`].
     operating_range: Option<OperatingRange<f32>>,
 }

@@ -1,0 +1,277 @@
+//! What a pack says of itself beside its law, and what a load may require of that.
+
+use core::fmt;
+
+use super::PackError;
+use crate::error::ConfigError;
+use crate::frame::{Reader, Writer};
+use crate::limits;
+use crate::operating_range::OperatingRange;
+use crate::real::in_range;
+
+/// Most bytes of a name.
+pub const NAME: usize = 32;
+/// Bytes of a [`Stamp`] in a pack.
+const STAMP: usize = 4 + 4 + 8;
+/// Most bytes of what is behind it: operating range, density, amplitude, name.
+const LARGEST_DESCRIPTION: usize = (1 + 16) + (1 + 4) + (1 + 4) + (1 + NAME);
+/// Most bytes that a [`PackInfo`] takes in a pack.
+pub(super) const LARGEST_INFO: usize = STAMP + 1 + LARGEST_DESCRIPTION;
+/// Two tick rates are the same where they differ by no more than this part. Derived: above what rounding both to f32 makes of one
+/// rate, 1.2e-7, and far below what changes an effect.
+const SAME_RATE: f32 = 1e-6;
+/// Tick rates for which effects can be made, Hz.
+const TICK_RATES: [f64; 2] = [1e-3, 1e7];
+/// Largest density, g/cm³. Convention: above any metal's.
+pub const DENSITY_MOST: f64 = 25.0;
+
+/// Which model a law is of: the first bytes of a hash that the host computes. All 0 where the law is of no model file.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Identity(pub [u8; 8]);
+
+/// Sixteen hexadecimal digits.
+impl fmt::Display for Identity {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        self.0.iter().try_for_each(|byte| write!(f, "{byte:02x}"))
+    }
+}
+
+/// What a load may require of a pack: the part of a [`PackInfo`] that every load reads.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Stamp {
+    /// Ticks per second that the law was made for, Hz: effects hold numbers that are true for one tick only.
+    pub tick_rate: f32,
+    /// Goes up from pack to pack of one specimen, so that an older one is not loaded over a newer one.
+    pub revision: u32,
+    /// Of the model.
+    pub identity: Identity,
+}
+
+impl Stamp {
+    fn write(&self, writer: &mut Writer<'_>) {
+        writer.f32(self.tick_rate);
+        writer.u32(self.revision);
+        writer.bytes(&self.identity.0);
+    }
+
+    fn read(reader: &mut Reader<'_>) -> Option<Self> {
+        let tick_rate = reader.f32()?;
+        let revision = reader.u32()?;
+        let (identity, rest) = reader.0.split_first_chunk()?;
+        let identity = Identity(*identity);
+        reader.0 = rest;
+        Some(Self {
+            tick_rate,
+            revision,
+            identity,
+        })
+    }
+}
+
+/// The stamp of a pack, and the bytes of the rest that it says of itself.
+pub(super) fn stamp<'p>(reader: &mut Reader<'p>) -> Option<(Stamp, &'p [u8])> {
+    let stamp = Stamp::read(reader)?;
+    let length = usize::from(reader.u8()?);
+    let (description, rest) = reader.0.split_at_checked(length)?;
+    reader.0 = rest;
+    Some((stamp, description))
+}
+
+/// What a pack says of itself beside its law. A load reads no more of it than the [`Stamp`], so that a firmware that asks for no more
+/// links no more.
+#[derive(Clone, Debug, PartialEq)]
+pub struct PackInfo {
+    /// What a load may require. Its tick rate is 1e-3…1e7 Hz.
+    pub stamp: Stamp,
+    /// The motion that the law was fitted on, without a margin, where it was fitted.
+    pub operating_range: Option<OperatingRange<f32>>,
+    /// Density of the specimen, g/cm³, 0…25, where it is known.
+    pub density: Option<f32>,
+    /// Amplitude that the law was taken at, mm, 0…1e4, where its coefficients change with it.
+    pub amplitude: Option<f32>,
+    /// Of the model, for people.
+    pub name: heapless::String<NAME>,
+}
+
+impl PackInfo {
+    /// Of a law for `tick_rate` Hz, of which nothing else is known.
+    pub const fn at(tick_rate: f32) -> Self {
+        Self {
+            stamp: Stamp {
+                tick_rate,
+                revision: 0,
+                identity: Identity([0; 8]),
+            },
+            operating_range: None,
+            density: None,
+            amplitude: None,
+            name: heapless::String::new(),
+        }
+    }
+
+    /// What `pack` says of itself; `None` of one of version 6, which says nothing. Its law is not looked at.
+    ///
+    /// # Errors
+    /// As [`decode`](super::decode), for header and checksum; a field that is out of range.
+    pub fn of(pack: &[u8]) -> Result<Option<Self>, PackError> {
+        let (version, body) = super::body(pack)?;
+        if version == super::OLDEST {
+            return Ok(None);
+        }
+        let (stamp, description) = stamp(&mut Reader(body)).ok_or(PackError::Body)?;
+        let mut info = Self::at(stamp.tick_rate);
+        info.stamp = stamp;
+        info.read(&mut Reader(description))?;
+        info.check()?;
+        Ok(Some(info))
+    }
+
+    /// The same with a name.
+    ///
+    /// # Errors
+    /// [`ConfigError::Full`] for more than [`NAME`] bytes of UTF-8.
+    pub fn named(mut self, name: &str) -> Result<Self, ConfigError> {
+        self.name = heapless::String::try_from(name).map_err(|_| ConfigError::Full {
+            field: "name",
+            capacity: NAME,
+        })?;
+        Ok(self)
+    }
+
+    /// # Errors
+    /// The field that is not finite or out of range.
+    pub(super) fn check(&self) -> Result<(), ConfigError> {
+        let [slowest, fastest] = TICK_RATES;
+        in_range("tick_rate", self.stamp.tick_rate, slowest, fastest)?;
+        if let Some(density) = self.density {
+            in_range("density", density, 0.0, DENSITY_MOST)?;
+        }
+        if let Some(amplitude) = self.amplitude {
+            in_range("amplitude", amplitude, 0.0, limits::DISPLACEMENT)?;
+        }
+        Ok(())
+    }
+
+    /// Writes all fields, those behind the stamp as postcard's `Vec<u8>`.
+    pub(super) fn write(&self, writer: &mut Writer<'_>) {
+        self.stamp.write(writer);
+        let mut room = [0; LARGEST_DESCRIPTION];
+        let mut description = Writer::new(&mut room);
+        description.u8(u8::from(self.operating_range.is_some()));
+        if let Some(range) = &self.operating_range {
+            let ends = [range.displacement(), range.velocity()];
+            for end in ends.as_flattened() {
+                description.f32(*end);
+            }
+        }
+        for number in [self.density, self.amplitude] {
+            description.u8(u8::from(number.is_some()));
+            if let Some(number) = number {
+                description.f32(number);
+            }
+        }
+        // At most NAME, so that it is one byte.
+        description.u8(self.name.len() as u8);
+        description.bytes(self.name.as_bytes());
+        // There is room for all of it.
+        let length = LARGEST_DESCRIPTION - description.left().unwrap_or_default();
+        writer.u8(length as u8);
+        writer.bytes(room.get(..length).unwrap_or_default());
+    }
+
+    /// Reads what [`PackInfo::write`] wrote behind the stamp.
+    fn read(&mut self, reader: &mut Reader<'_>) -> Result<(), PackError> {
+        if is_there(reader)? {
+            let ends: [u32; 4] = reader.words().ok_or(PackError::Body)?;
+            let [low, high, slowest, fastest] = ends.map(f32::from_bits);
+            self.operating_range = Some(OperatingRange::new([low, high], [slowest, fastest])?);
+        }
+        for number in [&mut self.density, &mut self.amplitude] {
+            if is_there(reader)? {
+                *number = Some(reader.f32().ok_or(PackError::Body)?);
+            }
+        }
+        let length = usize::from(reader.u8().ok_or(PackError::Body)?);
+        let name = reader.rest();
+        if name.len() != length {
+            return Err(PackError::Body);
+        }
+        let name = core::str::from_utf8(name).map_err(|_| PackError::Body)?;
+        self.name = heapless::String::try_from(name).map_err(|_| PackError::Body)?;
+        Ok(())
+    }
+}
+
+/// Whether something follows that may be left out.
+fn is_there(reader: &mut Reader<'_>) -> Result<bool, PackError> {
+    match reader.u8() {
+        Some(0) => Ok(false),
+        Some(1) => Ok(true),
+        _ => Err(PackError::Body),
+    }
+}
+
+/// What a load requires of a pack; nothing by default. A pack of version 6 says nothing of itself, so that whatever is required is
+/// missing.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Expectation {
+    /// Hz.
+    pub tick_rate: Option<f32>,
+    /// Of the model.
+    pub identity: Option<Identity>,
+    /// The revision has to be above this.
+    pub newer_than: Option<u32>,
+}
+
+impl Expectation {
+    /// A law for `tick_rate` Hz, whatever it is.
+    pub const fn at(tick_rate: f32) -> Self {
+        Self {
+            tick_rate: Some(tick_rate),
+            identity: None,
+            newer_than: None,
+        }
+    }
+
+    /// Of a pack's rate alone: for a rig that learns its own only after a pack has come.
+    ///
+    /// # Errors
+    /// [`PackError::TickRate`], where `found` Hz are not the rate that is required, or `None`.
+    pub fn check_tick_rate(&self, found: Option<f32>) -> Result<(), PackError> {
+        match self.tick_rate {
+            Some(expected) if !found.is_some_and(|found| is_same_rate(found, expected)) => {
+                Err(PackError::TickRate { expected, found })
+            }
+            _ => Ok(()),
+        }
+    }
+
+    /// # Errors
+    /// [`PackError::TickRate`], [`PackError::Identity`] or [`PackError::Revision`].
+    pub(super) fn check(&self, stamp: Option<&Stamp>) -> Result<(), PackError> {
+        self.check_tick_rate(stamp.map(|stamp| stamp.tick_rate))?;
+        if let Some(expected) = self.identity {
+            let found = stamp.map(|stamp| stamp.identity);
+            if found != Some(expected) {
+                return Err(PackError::Identity { expected, found });
+            }
+        }
+        if let Some(newer_than) = self.newer_than {
+            let found = stamp.map(|stamp| stamp.revision);
+            if found.is_none_or(|found| found <= newer_than) {
+                return Err(PackError::Revision { newer_than, found });
+            }
+        }
+        Ok(())
+    }
+}
+
+/// Whether a law for `found` Hz is right at `expected` Hz.
+fn is_same_rate(found: f32, expected: f32) -> bool {
+    let off = if found > expected {
+        found - expected
+    } else {
+        expected - found
+    };
+    off <= SAME_RATE * expected
+}
