@@ -50,11 +50,12 @@ pub fn constructors<B: Board>(link: &mut B::Link) -> Option<()> {
         Some(())
     })?;
     named("RunningLaw::swap_with, pack::decode", &mut || {
-        let refused = running.swap_with(|slot| pack::decode(black_box(&[]), slot, &any));
+        let refused =
+            running.swap_with(|slot| pack::decode(black_box(&[]), slot, &any).map(|_| ()));
         refused.err().map(|_| ())
     })?;
     named("Upload::finish", &mut || {
-        let refused = running.swap_with(|slot| upload.finish(slot, &any));
+        let refused = running.swap_with(|slot| upload.finish(slot, &any).map(|_| ()));
         refused.err().map(|_| ())
     })?;
     named("Programme::with", &mut || {
