@@ -147,7 +147,7 @@ fn a_line_that_is_held_or_echoes_is_no_part() {
     check(|| |_: &mut [u8]| {}, 0, 0);
     check(
         || {
-            let mut before = vec![0; 4];
+            let mut before = [0; 4];
             move |words: &mut [u8]| {
                 let now = words.to_vec();
                 words.copy_from_slice(&before[..words.len()]);

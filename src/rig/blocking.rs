@@ -107,19 +107,18 @@ impl<C: Controller, S: Sensors, A: Actuator> Blocking<C, S, A> {
 
     /// One tick: see [`super`] for its deadline. A line that did not drop is tried again.
     pub fn tick(&mut self) -> Telemetry {
-        let seen = self.controller.tick(self.sensors.read().ok());
+        let mut seen = self.controller.tick(self.sensors.read().ok());
         let command = seen.to_drive();
         if !command.enabled && !self.low {
             self.lower();
+            seen.state = self.controller.state();
         }
         if self.actuator.drive(command.value).is_err() {
             self.fail();
+            seen.command = self.controller.driven();
+            seen.state = self.controller.state();
         }
-        Telemetry {
-            command: self.controller.driven(),
-            state: self.controller.state(),
-            ..seen
-        }
+        seen
     }
 
     /// The actuator did not take the command.

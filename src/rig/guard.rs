@@ -75,7 +75,11 @@ impl Guard {
 
     /// From [`State::Idle`] or [`State::Done`], once the command is back at 0.
     pub(super) fn start(&mut self) -> Result<(), StartRefused> {
-        if !self.happens(Happening::Start) {
+        if self.is_running() {
+            return Err(StartRefused::Running);
+        }
+        self.machine = self.machine.after(Happening::Start);
+        if !self.is_running() {
             return Err(StartRefused::of(self.machine.state));
         }
         self.stop_step = 0.0;

@@ -292,7 +292,6 @@ where
             cycles: excitation.cycle as f32 + excitation.phase as f32 * (1.0 / (1u64 << 32) as f32),
             temperature: self.temperature,
             controls: self.reading.controls,
-            ..Motion::default()
         };
         let model_force = self.law.borrow_mut().force(&motion);
         if !model_force.is_finite() {
