@@ -620,8 +620,11 @@ fn the_image_is_small() {
         // 24 KiB were asked for before there were six effects more, which take 5, a correction, 4, the monitor, 9,
         // a law that follows, 3.5, further Maxwell branches and tones, 1.5, a streamed motion with its messages, 1, friction
         // that hardens, 1.5, a dashpot that yields with a low-pass, 1.75, the tick rate, model and revision of a pack, 1.25, and the check
-        // of the ADC's registers with the reasons of a refused start or clear, 0.25.
-        assert!(sizes.flash > 0 && sizes.flash <= 55 * 1024, "{sizes:?}");
+        // of the ADC's registers with the reasons of a refused start or clear, 0.25. These two together take 0.75 more: the image is optimized as a whole.
+        assert!(
+            sizes.flash > 0 && sizes.flash <= 55 * 1024 + 768,
+            "{sizes:?}"
+        );
         // 12 KiB likewise; of the rest the correction's table, in two laws and a pack, is 1.8, the monitor 0.75, and what the
         // law follows by 0.25. A reading's control inputs take 16 bytes, and what a pack says of itself, in the upload alone, 64.
         assert!(sizes.ram <= 15 * 1024 + 16 + 64, "{sizes:?}");
