@@ -121,7 +121,8 @@ fn a_measured_damper_is_predicted_twice_as_well_at_a_condition_not_fitted() {
         let others = conditions.iter().filter(|condition| **condition != held);
         let fitted: Vec<Recording> = others.map(|condition| at(condition)).collect();
         let held = at(held);
-        let result = trace(&fitted, &[held], &|_| ()).unwrap().result;
+        let traced = trace(&fitted, &[held], &|_| ()).unwrap();
+        let result = &traced.result;
         let (before, after) = (
             result.baseline.nrmse_held_out,
             result.augmented.nrmse_held_out,
@@ -134,9 +135,13 @@ fn a_measured_damper_is_predicted_twice_as_well_at_a_condition_not_fitted() {
             let mut effects = effects.iter();
             effects.any(|effect| families.contains(&effect.family.as_str()))
         };
-        assert!(has(&result.effects, &["stick_slip", "yielding"]));
-        for effects in [&result.effects, &result.unconfirmed] {
-            assert!(!has(effects, &["compliance", "delay"]), "{effects:?}");
-        }
+        let preferred = &result.effects[..1];
+        assert!(has(preferred, &["stick_slip", "yielding"]), "{preferred:?}");
+        // A spring in series may be said to do as well; the law has none.
+        let series = ["compliance", "delay"];
+        let mut in_law = traced.model.effects.iter();
+        assert!(!in_law.any(|effect| series.contains(&effect.family.name())));
+        assert!(!has(&result.unconfirmed, &series));
+        assert!(!has(&result.effects, &series) || result.verdict == Verdict::Ambiguous);
     }
 }
