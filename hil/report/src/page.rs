@@ -153,7 +153,7 @@ fn loops(result: &TraceResult, series: &[Series]) -> Markup {
                         figcaption {
                             (text::nominal(block.amplitude)) " mm, " (text::nominal(block.frequency)) " Hz "
                             @if block.held_out { span.tag { "held out" } }
-                            @if several { " " span style="font-weight:400" { (file_name(&one.name)) } }
+                            @if several { " " span style="font-weight:400" { (text::file_name(&one.name)) } }
                         }
                         (PreEscaped(charts::loop_chart(one, &block.cycle, &charts::SMALL)))
                     }
@@ -351,8 +351,4 @@ fn largest(values: &[f64]) -> f64 {
     values
         .iter()
         .fold(0.0, |largest, value| largest.max(value.abs()))
-}
-
-fn file_name(path: &str) -> &str {
-    path.rsplit(['/', '\\']).next().unwrap_or(path)
 }

@@ -266,6 +266,11 @@ fn capitalised(text: &str) -> String {
     })
 }
 
+/// A path without its folders.
+pub fn file_name(path: &str) -> &str {
+    path.rsplit(['/', '\\']).next().unwrap_or(path)
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

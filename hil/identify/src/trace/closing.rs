@@ -224,7 +224,7 @@ impl<'a> Closing<'a> {
             effects.extend(self.of_rivals(rows, rivals)?);
         }
         if let Some(graded) = &graded {
-            graded.say_of(&mut effects);
+            graded.say_of(&mut effects, rivals.as_ref());
         }
         let (effects, unconfirmed) = effects
             .into_iter()

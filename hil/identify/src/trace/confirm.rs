@@ -64,18 +64,23 @@ impl Confirmed {
         })
     }
 
-    /// Adds to `effects` why they are not.
-    pub fn say_of(&self, effects: &mut [FoundEffect]) {
+    /// Adds to `effects` why they are not; those of `rivals` are each other's.
+    pub fn say_of(&self, effects: &mut [FoundEffect], rivals: Option<&Rivals>) {
+        let names = |laws: &[(Family, Solution)]| -> Vec<String> {
+            let families = laws.iter().map(|(family, _)| family.name().to_owned());
+            families.collect()
+        };
+        let in_place = rivals.map_or_else(Vec::new, |rivals| names(&rivals.laws));
         for effect in effects {
             let mut families = self.families.iter();
             let of_effect = families.find(|one| one.family.name() == effect.family);
             if let Some(one) = of_effect {
                 effect.unconfirmed_by = one.rejected_by;
-                effect.rivals = one
-                    .rivals
-                    .iter()
-                    .map(|(family, _)| family.name().to_owned())
-                    .collect();
+                effect.rivals = names(&one.rivals);
+            } else if in_place.contains(&effect.family) {
+                effect.unconfirmed_by = Some(Rule::Rivalled);
+                effect.rivals = in_place.clone();
+                effect.rivals.retain(|name| *name != effect.family);
             }
         }
     }

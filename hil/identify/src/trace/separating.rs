@@ -30,7 +30,7 @@ mesh_damper_recording::numbers! {
         /// The lowest and the highest frequency that the rig runs, Hz.
         frequencies: [f64; 2] = [0.1, 10.0], Convention("what the rig runs");
         /// The largest amplitude that the rig runs, mm.
-        largest_amplitude: f64 = 0.3, Convention("what the rig runs");
+        largest_amplitude: f64 = 0.3, Convention("what the rig runs, where nothing larger was recorded");
         /// Most blocks of a programme.
         most_blocks: usize = 4, Convention("a test of a minute");
         /// Effects that differ by this many times the noise need no further block.
@@ -303,7 +303,7 @@ impl<'s> Simulation<'s> {
 }
 
 /// A block about in the middle of what was recorded, then others of its amplitude slower and faster, and of its frequency
-/// smaller and larger, all within what the rig runs.
+/// smaller and larger, all within what the rig runs, or what has been run.
 fn tried(trajectories: &[Trajectory]) -> Vec<TestBlock> {
     let recorded = || trajectories.iter().flat_map(|t| &t.blocks);
     let (slowest, fastest) = recorded().fold((f64::INFINITY, 0.0_f64), |(low, high), block| {
@@ -318,7 +318,7 @@ fn tried(trajectories: &[Trajectory]) -> Vec<TestBlock> {
     };
     // To two digits.
     let amplitude = |value: f64| {
-        let value = value.min(policy().separating.largest_amplitude);
+        let value = value.min(policy().separating.largest_amplitude.max(largest));
         let step = 10f64.powf(value.log10().floor() - 1.0);
         format!("{:.9}", round(value, step))
             .parse()

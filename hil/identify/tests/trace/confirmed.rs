@@ -92,6 +92,10 @@ fn rivals_beside_what_has_no_name_are_told_apart_by_a_test() {
     for rival in &preferred.rivals {
         assert!(named.contains(&&rival[..]), "{rival} of {named:?}");
     }
+    for rival in &result.effects[1..] {
+        assert_eq!(rival.unconfirmed_by, Some(Rule::Rivalled), "{rival:?}");
+        assert!(rival.rivals.contains(&preferred.family), "{rival:?}");
+    }
     assert!(result.remainder.is_some());
     let test = result
         .separating_test
