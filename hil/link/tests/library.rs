@@ -26,5 +26,6 @@ fn the_crate_has_no_build_script_no_binaries_and_no_feature_of_an_image() {
     }
     let features = root["features"].as_object().unwrap();
     let names: Vec<&String> = features.keys().collect();
-    assert_eq!(names, ["default", "defmt", "fixed-point", "std"]);
+    let expected = ["async", "default", "defmt", "fixed-point", "serde", "std"];
+    assert_eq!(names, expected);
 }
