@@ -321,7 +321,7 @@ fn what_each_effect_gains_on_which_condition_is_a_table() {
         "stick-slip is confirmed",
         "delay is not confirmed: another effect in its place does as well (compliance)",
         "The worst conditions",
-        "ring-3.csv, 0.200 mm at 5.00 Hz, 2.00 % left",
+        "ring-3.csv, 0.200 mm at 5.00 Hz, 2.00 % left where it was held out",
     ] {
         assert!(page.contains(said), "{said}");
     }

@@ -33,7 +33,7 @@ pub fn loops(data: &ReportData) -> Markup {
                 @for (condition, series, samples) in &worst {
                     figure {
                         figcaption {
-                            (text::file_name(&held_out(condition))) ", " (text::percent(condition.nrmse_with)) " left"
+                            (text::file_name(&held_out(condition))) ", " (text::percent(condition.nrmse_with)) " left where it was held out"
                         }
                         (PreEscaped(charts::loop_chart(series, samples, &charts::SMALL)))
                     }

@@ -166,11 +166,12 @@ impl<'a> Closing<'a> {
             && over_noise.says_less();
         if says_less {
             let mut graded = self.confirmed(&left_out, laws.rows, &laws.solution, false)?;
-            // What was held out is a condition too.
+            // What was held out is a condition too, of rivals as well.
+            let is_open = |rule: Option<Rule>| matches!(rule, None | Some(Rule::Rivalled));
             for one in graded
                 .families
                 .iter_mut()
-                .filter(|one| one.rejected_by.is_none())
+                .filter(|one| is_open(one.rejected_by))
             {
                 let without = self.without(laws.rows, &laws.solution, one.family)?;
                 if without <= with.nrmse_held_out {

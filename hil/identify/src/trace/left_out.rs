@@ -63,16 +63,6 @@ impl Left {
     }
 }
 
-/// Cycles without the worst of them.
-fn best_of(mut cycles: Vec<Left>) -> Vec<Left> {
-    cycles.retain(|cycle| cycle.count > 0.0);
-    cycles.sort_by(|a, b| a.mean().total_cmp(&b.mean()));
-    let worst = ((1.0 - policy().left_out.most_cycles) * cycles.len() as f64).ceil() as usize;
-    // Of one cycle alone there is no worst.
-    cycles.truncate((cycles.len() - worst).max(1));
-    cycles
-}
-
 /// What a law leaves of every block's cycles, as far as they count.
 #[derive(Default)]
 pub(super) struct LeftInCycles(Vec<Vec<Left>>);
@@ -102,15 +92,13 @@ impl LeftInCycles {
     }
 
     /// Over the noise: RMS of all but the worst cycles, which may be those of a start or of a change between blocks; none where
-    /// there is not one whole cycle. A block that has some cycles keeps most of its own: one that is wrong as a whole is no start.
+    /// there is not one whole cycle.
     pub fn in_most(&self) -> Option<f64> {
-        let is_long = |cycles: &&Vec<Left>| cycles.len() >= policy().left_out.some_cycles;
-        let (long, short): (Vec<_>, Vec<_>) = self.0.iter().partition(is_long);
-        let most = long.into_iter().flat_map(|cycles| best_of(cycles.clone()));
-        let most: Vec<Left> = most
-            .chain(best_of(short.into_iter().flatten().copied().collect()))
-            .collect();
-        Left::sum(&most).map(|all| all.mean().sqrt())
+        let mut left: Vec<Left> = self.0.concat();
+        left.retain(|cycle| cycle.count > 0.0);
+        left.sort_by(|a, b| a.mean().total_cmp(&b.mean()));
+        left.truncate((policy().left_out.most_cycles * left.len() as f64).ceil() as usize);
+        Left::sum(&left).map(|all| all.mean().sqrt())
     }
 
     /// The same beyond the noise, √(left² − 1), of the cycles but the first of every block that has some, each block counting
