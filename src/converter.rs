@@ -87,7 +87,7 @@ impl Scale {
     }
 
     /// What a code of an ADC of `BITS` bits stands for, 1…16, offset binary over the same range. The sample has the code as a
-    /// converter of 16 bits gives it; the last one is told apart, so that [`Sample::clipped`] sees either end.
+    /// converter of 16 bits gives it; the last one is distinct, so that [`Sample::clipped`] sees either end.
     #[inline(always)]
     pub fn decode_narrow<const BITS: u32>(&self, code: u16) -> Sample {
         const { assert!(BITS >= 1 && BITS <= 16, "an ADC has 1 to 16 bits") };

@@ -85,7 +85,7 @@ fn start_of_state(state: State) -> Option<StartRefused> {
     }
 }
 
-/// Why a rig does not forget its fault, likewise: without a fault it is [`State::Done`].
+/// Why a rig does not forget its fault, in the same way: without a fault it is [`State::Done`].
 fn state_of_clear(refused: ClearRefused) -> State {
     match refused {
         ClearRefused::Moving => State::Idle,

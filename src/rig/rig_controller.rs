@@ -126,7 +126,7 @@ where
 
     /// Another law from the end of this cycle on, or from the start where not running; see [`RigController::law`]. What its
     /// effects remember is kept where they are of the same kinds in the same order as before. The monitor learns what is
-    /// normal beside it anew, and what begins with the swap is normal.
+    /// normal beside it once more, and what begins with the swap is normal.
     pub fn swap_law(&mut self, law: FastLaw<N>) {
         self.law.borrow_mut().swap(law);
     }
@@ -174,7 +174,7 @@ where
         self.health.take_fresh()
     }
 
-    /// A close look at this tick. An `event` of its own is told as soon as there is no other.
+    /// A close look at this tick. An `event` of its own is reported as soon as there is no other.
     #[cold]
     #[inline(never)]
     fn look(&mut self, motion: &Motion<f32>, model_force: f32, event: &mut Option<Event>) {

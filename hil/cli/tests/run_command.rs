@@ -389,7 +389,7 @@ fn a_model_of_another_specimen_is_warned_of_first() {
     assert_eq!((&*error, &json["warnings"]), ("", &serde_json::json!([])));
     let nrmse = json["first_error"]["nrmse"].as_f64().unwrap();
     assert!((nrmse - 0.3).abs() < 0.05, "{nrmse}");
-    // No cycle of a motion is told apart: all of it counts.
+    // Cycles of a motion are not distinguished: all of it counts.
     let drive = [
         "--drive",
         "random:rms=0.08mm,from=0.5Hz,to=12Hz,duration=3s,seed=2",

@@ -1,7 +1,7 @@
 //! What a fit found.
 
-use mesh_damper_model::predict::run;
-use mesh_damper_model::{Family, LawNode, Model};
+use mesh_damper_model::predict::{predict, run};
+use mesh_damper_model::{Family, LawNode, Model, ModelError};
 use mesh_damper_recording::trajectory::Trajectory;
 
 use super::term::{Term, TermValue, added_effects};
@@ -27,6 +27,17 @@ impl Solution {
             effects: added_effects(&self.terms),
             correction: None,
         }
+    }
+
+    /// Its force on every one of `trajectories`, kN. It is worked out each time: that of all laws that were tried would take more
+    /// memory than the recordings.
+    ///
+    /// # Errors
+    /// A law that the crate refuses.
+    pub fn predicted(&self, trajectories: &[Trajectory]) -> Result<Vec<Vec<f64>>, ModelError> {
+        let model = self.model();
+        let each = trajectories.iter();
+        each.map(|trajectory| predict(&model, trajectory)).collect()
     }
 
     /// The added terms, whatever their values.

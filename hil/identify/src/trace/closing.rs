@@ -165,20 +165,7 @@ impl<'a> Closing<'a> {
             && left_out.differ()
             && over_noise.says_less();
         if says_less {
-            let mut graded = self.confirmed(&left_out, laws.rows, &laws.solution, false)?;
-            // What was held out is a condition too, of rivals as well.
-            let is_open = |rule: Option<Rule>| matches!(rule, None | Some(Rule::Rivalled));
-            for one in graded
-                .families
-                .iter_mut()
-                .filter(|one| is_open(one.rejected_by))
-            {
-                let without = self.without(laws.rows, &laws.solution, one.family)?;
-                if without <= with.nrmse_held_out {
-                    one.rejected_by = Some(Rule::HelpsNotEverywhere);
-                }
-            }
-            laws.graded = Some(graded);
+            self.grade_elsewhere(&left_out, &mut laws, with.nrmse_held_out)?;
             verdict = Verdict::Unlisted;
         }
         let rivals = match verdict {
@@ -560,7 +547,12 @@ impl<'a> Closing<'a> {
     }
 
     /// The held-out error of a law without the terms of one family.
-    fn without(&self, rows: &Rows, solution: &Solution, family: Family) -> Result<f64, ModelError> {
+    pub(super) fn without(
+        &self,
+        rows: &Rows,
+        solution: &Solution,
+        family: Family,
+    ) -> Result<f64, ModelError> {
         let rest = solution.without_family(family);
         let model = self.fit_near(rows, &rest).model();
         Ok(self.evaluate(&model, predict)?.1.nrmse_held_out)

@@ -164,9 +164,29 @@ impl Closing<'_> {
         Ok(())
     }
 
+    /// Says the same of effects that explain what was fitted and leave `left` of what was held out, RMS over RMS: that is a condition
+    /// too, of those with rivals as well. The law stays as it is.
+    pub(super) fn grade_elsewhere(
+        &self,
+        left_out: &LeftOut,
+        laws: &mut Laws,
+        left: f64,
+    ) -> Result<(), ModelError> {
+        let mut graded = self.confirmed(left_out, laws.rows, &laws.solution, false)?;
+        for one in &mut graded.families {
+            if matches!(one.rejected_by, None | Some(Rule::Rivalled))
+                && self.without(laws.rows, &laws.solution, one.family)? <= left
+            {
+                one.rejected_by = Some(Rule::HelpsNotEverywhere);
+            }
+        }
+        laws.graded = Some(graded);
+        Ok(())
+    }
+
     /// What is confirmed of `law`, which has effects. Where some `may_drop`, the one that gains least is left out where it gains nothing, and where nothing is
     /// confirmed: what stands in for another may be what hides it. So it is as long as the law is no worse for it on conditions held out in turn.
-    pub(super) fn confirmed(
+    fn confirmed(
         &self,
         left_out: &LeftOut,
         rows: &Rows,

@@ -1,8 +1,6 @@
 //! A law as a search has it: fitted, judged, and compared with others by what it is made of.
 
-use mesh_damper_model::predict::predict;
-use mesh_damper_model::{Family, ModelError};
-use mesh_damper_recording::trajectory::Trajectory;
+use mesh_damper_model::Family;
 
 use super::score::Score;
 use super::tones::OfMotion;
@@ -21,17 +19,6 @@ pub struct Fitted {
 }
 
 impl Fitted {
-    /// Its force on every one of `trajectories`, kN. It is worked out each time: that of all laws that were tried would take more
-    /// memory than the recordings.
-    ///
-    /// # Errors
-    /// A law that the crate refuses.
-    pub fn predicted(&self, trajectories: &[Trajectory]) -> Result<Vec<Vec<f64>>, ModelError> {
-        let model = self.solution.model();
-        let each = trajectories.iter();
-        each.map(|trajectory| predict(&model, trajectory)).collect()
-    }
-
     /// The families of its effects in the order of their names, those of several terms once.
     pub fn families(&self) -> Vec<Family> {
         let mut families = self.solution.families();

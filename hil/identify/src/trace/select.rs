@@ -490,15 +490,12 @@ impl<'a> Search<'a> {
         else {
             return Ok(false);
         };
-        let without = law.solution.without(drift).model();
-        let still = self.trajectories.iter();
-        let still = still.map(|trajectory| predict(&without, trajectory));
-        let still = still.collect::<Result<Vec<_>, _>>()?;
         let counts = |which: usize, sample: usize| {
             self.roles.is_open(which, sample) && self.trajectories[which].is_telling(sample)
         };
         let all = self.trajectories;
-        let changing = law.predicted(all)?;
+        let still = law.solution.without(drift).predicted(all)?;
+        let changing = law.solution.predicted(all)?;
         Ok(!is_seen_within_blocks(all, counts, &changing, &still))
     }
 
@@ -506,7 +503,10 @@ impl<'a> Search<'a> {
     fn beside(&self, law: &Fitted, terms: &[Term], most: usize) -> Vec<(Term, Fitted, bool)> {
         let known = law.solution.terms();
         // A law that was judged is none that the crate refuses.
-        let predicted = law.predicted(self.trajectories).unwrap_or_default();
+        let predicted = law
+            .solution
+            .predicted(self.trajectories)
+            .unwrap_or_default();
         let extent = self.extent.with_tones(tones(
             self.trajectories,
             self.roles,

@@ -133,14 +133,9 @@ pub(super) fn bounding_test(unbounded: &[Family], trajectories: &[Trajectory]) -
 
 /// The least cosine between what two rivals add to what they have beside.
 fn collinearity(rivals: &Rivals, trajectories: &[Trajectory]) -> Result<f64, ModelError> {
-    let predicted = |law: &Solution| -> Result<Vec<Vec<f64>>, ModelError> {
-        let model = law.model();
-        let each = trajectories.iter();
-        each.map(|trajectory| predict(&model, trajectory)).collect()
-    };
-    let before = predicted(&rivals.beside)?;
+    let before = rivals.beside.predicted(trajectories)?;
     let added = |law: &Solution| -> Result<Vec<f64>, ModelError> {
-        let with = predicted(law)?;
+        let with = law.predicted(trajectories)?;
         let mut added = Vec::new();
         for (which, trajectory) in trajectories.iter().enumerate() {
             let (with, without) = (&with[which], &before[which]);
