@@ -97,7 +97,8 @@ fn what_trace_leaves_predict_takes_up() {
     }
 }
 
-/// A channel that stands still for a while, and a sign that is turned: both commands leave out the same samples, and mend the same.
+/// A channel that stands still for a while, a sign that is turned, a unit that changes on the way: both commands leave out the same samples,
+/// and mend the same.
 #[test]
 fn both_say_the_same_of_a_recording_with_faults() {
     let root = tempfile::tempdir().unwrap();
@@ -111,7 +112,16 @@ fn both_say_the_same_of_a_recording_with_faults() {
     let mut frozen = whole.force.clone();
     frozen[500..900].fill(whole.force[500]);
     let turned = whole.force.iter().map(|force| -force).collect();
-    for (name, force) in [("frozen.csv", frozen), ("turned.csv", turned)] {
+    let mut newtons = whole.force.clone();
+    newtons[1300..]
+        .iter_mut()
+        .for_each(|force| *force *= 1000.0);
+    let recordings = [
+        ("frozen.csv", frozen),
+        ("turned.csv", turned),
+        ("newtons.csv", newtons),
+    ];
+    for (name, force) in recordings {
         let (time, y) = (whole.time.clone(), whole.displacement.clone());
         let recording = Recording::new(name, time, y, force).unwrap();
         fs::write(at(name), recording.to_file(&at(name))).unwrap();

@@ -29,6 +29,7 @@ pub use crate::trace::separating::SeparatingPolicy;
 pub use crate::trace::split::SplitPolicy;
 pub use crate::trace::tones::TonesPolicy;
 pub use crate::trace::verdict::VerdictPolicy;
+pub use crate::trace::wander::WanderPolicy;
 pub use crate::uncertainty::UncertaintyPolicy;
 
 mesh_damper_recording::policy! {
@@ -58,6 +59,8 @@ mesh_damper_recording::policy! {
     adopt: AdoptPolicy,
     /// When an effect is confirmed though something else is missing too.
     confirm: ConfirmPolicy,
+    /// When a force wanders.
+    wander: WanderPolicy,
     /// What the remainder depends on.
     remainder: RemainderPolicy,
     /// The fit of the law and of effects.

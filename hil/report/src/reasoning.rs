@@ -270,7 +270,11 @@ pub fn concluded(result: &TraceResult) -> Markup {
             }
         }
         @if let Some(rule) = result.effects_rejected_by {
-            p { "The effects found by the search do not explain the recordings: " (rule.says()) "." }
+            p {
+                @if rule == Rule::SaysLess { "The effects found by the search explain what was fitted and no more: " }
+                @else { "The effects found by the search do not explain all of the recordings: " }
+                (rule.says()) "."
+            }
         }
         @if let Some(rule) = result.table_rejected_by {
             p { "No residual table was added: " (rule.says()) "." }

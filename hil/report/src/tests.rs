@@ -301,6 +301,7 @@ fn what_each_effect_gains_on_which_condition_is_a_table() {
     result.remainder = Some(Remainder {
         nrmse: 0.0152,
         times_noise: 3.2,
+        held_out: false,
         depends_on: vec!["frequency".into()],
     });
     let (heading, sentence) = text::verdict(result);
@@ -325,6 +326,38 @@ fn what_each_effect_gains_on_which_condition_is_a_table() {
     ] {
         assert!(page.contains(said), "{said}");
     }
+}
+
+/// Whether something is left beside them or not, and wherever that is.
+#[test]
+fn what_is_left_beside_rivals_is_said() {
+    let mut data = data();
+    let result = &mut data.result;
+    result.verdict = Verdict::Ambiguous;
+    result.effects_rejected_by = Some(Rule::SaysLess);
+    let mut rival = result.effects[0].clone();
+    rival.family = "compliance".into();
+    result.effects.push(rival);
+    let (heading, alone) = text::verdict(result);
+    assert_eq!(heading, "Ambiguous: stick-slip or compliance");
+    assert!(alone.contains("cannot tell these apart"), "{alone}");
+    result.remainder = Some(Remainder {
+        nrmse: 0.0152,
+        times_noise: 3.2,
+        held_out: true,
+        depends_on: vec!["history".into()],
+    });
+    let (heading, beside) = text::verdict(result);
+    assert_eq!(heading, "Ambiguous: stick-slip or compliance");
+    assert!(
+        beside.contains("in its place the others do as well"),
+        "{beside}"
+    );
+    let left = "1.52 % of the force's RMS in what was held out, 3.20 times the noise; it depends on history";
+    assert!(beside.contains(left), "{beside}");
+    let page = render(&data);
+    assert!(page.contains("beside which something is left"));
+    assert!(page.contains("explain what was fitted and no more"));
 }
 
 #[test]

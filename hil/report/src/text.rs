@@ -196,8 +196,8 @@ fn concluded(result: &TraceResult) -> (String, String) {
             match &result.remainder {
                 None => format!("The recordings cannot tell these apart. {change}"),
                 Some(left) => format!(
-                    "One of these helps on every condition that was held out in turn, and the recordings cannot tell which. What is \
-                     left is {}. {change}",
+                    "The first helps on every condition that was held out in turn, and in its place the others do as well: the recordings \
+                     cannot tell which it is. What is left is {}. {change}",
                     remainder(left)
                 ),
             },
@@ -236,8 +236,13 @@ fn correction(named: &[String], depends_on: &[String]) -> String {
 /// How much a law leaves, and what that depends on.
 pub fn remainder(left: &Remainder) -> String {
     format!(
-        "{} of the force's RMS, {} times the noise{}",
+        "{} of the force's RMS{}, {} times the noise{}",
         percent(left.nrmse),
+        if left.held_out {
+            " in what was held out"
+        } else {
+            ""
+        },
         number(left.times_noise),
         over(&left.depends_on)
     )

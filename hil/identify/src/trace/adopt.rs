@@ -1,6 +1,6 @@
 //! Whether a law with more is worth having: on conditions that it was not fitted to.
 
-use super::left_out::RelativeError;
+use super::relative_error::RelativeError;
 use crate::policy::policy;
 
 mesh_damper_recording::numbers! {

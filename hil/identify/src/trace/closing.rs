@@ -1,27 +1,22 @@
 //! The end of a trace: what was found is fitted to all that may be fitted, and its error read where nothing was.
 
 use mesh_damper_model::predict::{predict, predict_embedded};
-use mesh_damper_model::{Family, Model, ModelError, parameter_unit};
+use mesh_damper_model::{Family, Model, ModelError};
 use mesh_damper_recording::trajectory::Trajectory;
 use rayon::prelude::*;
 
 use super::confirm::Confirmed;
-use super::left_out::{LeftInCycles, LeftOut, Picked};
+use super::estimates::law_estimates;
+use super::left_out::{LeftOut, Picked};
 use super::mend::clearly_best;
-use super::remainder;
-use super::result::{
-    Baseline, Candidate, CorrectionSummary, Errors, Estimate, FoundEffect, LawEstimate, OnTarget,
-    Remainder, TraceResult, Verdict,
-};
+use super::result::{Baseline, CorrectionSummary, Errors, OnTarget, TraceResult, Verdict};
 use super::rule::Rule;
 use super::select::{self, Selection};
 use super::separating::{Rivals, bounding_test, separating_test};
 use super::sought::Sought;
 use super::split::{Role, Roles};
 use super::unlisted::Laws;
-use super::verdict::{
-    OverNoise, accounts_for, conclude, depends_on, generalises, rivals, warnings,
-};
+use super::verdict::{accounts_for, conclude, depends_on, generalises, rivals, warnings};
 use crate::base_law::BaseLaw;
 use crate::policy::policy;
 use crate::problem::Problem;
@@ -29,9 +24,9 @@ use crate::rows::Rows;
 use crate::shape::Extent;
 use crate::solution::Solution;
 use crate::staged::staged;
-use crate::term::{TermValue, effects_of};
+use crate::term::TermValue;
 use crate::tolerance::noise_floor;
-use crate::uncertainty::{Interval, Uncertainty};
+use crate::uncertainty::Uncertainty;
 
 /// A trace but for the trajectories that it was made of, which the caller has.
 pub(super) struct Closed {
@@ -55,7 +50,7 @@ pub(super) struct Forces {
 /// The recordings of a trace, with what each sample is for.
 pub(super) struct Closing<'a> {
     /// The recordings fitted, then those held out.
-    recordings: Vec<(&'a Trajectory, Vec<Role>)>,
+    pub(super) recordings: Vec<(&'a Trajectory, Vec<Role>)>,
     /// Those fitted.
     pub(super) trajectories: &'a [Trajectory],
     fitted: usize,
@@ -165,7 +160,7 @@ impl<'a> Closing<'a> {
             && left_out.differ()
             && over_noise.says_less();
         if says_less {
-            self.grade_elsewhere(&left_out, &mut laws, with.nrmse_held_out)?;
+            self.grade_elsewhere(&left_out, &mut laws)?;
             verdict = Verdict::Unlisted;
         }
         let rivals = match verdict {
@@ -217,28 +212,15 @@ impl<'a> Closing<'a> {
         let (effects, unconfirmed) = effects
             .into_iter()
             .partition(|effect| Family::named(&effect.family).is_none_or(is_named));
+        // Of a law that says less of what was held out, what is left of that.
+        let left_there = over_noise.held_out.filter(|_| says_less);
         let remainder = if is_more_missing && left_by_named > policy().verdict.noise_limited {
-            Some((
-                self.evaluate(&named, predict)?.1.nrmse_fitted,
-                left_by_named,
-            ))
-        } else if says_less {
-            over_noise
-                .held_out
-                .map(|times| (with.nrmse_held_out, times))
+            let nrmse = self.evaluate(&named, predict)?.1.nrmse_fitted;
+            Some(self.remainder(&named, false, [nrmse, left_by_named])?)
+        } else if let Some(left) = left_there {
+            Some(self.remainder(&named, true, [with.nrmse_held_out, left])?)
         } else {
             None
-        };
-        let remainder = match remainder {
-            Some((nrmse, times_noise)) => Some(Remainder {
-                nrmse,
-                times_noise,
-                depends_on: remainder::depends_on(&left_out, self.trajectories, &named)?
-                    .into_iter()
-                    .map(str::to_owned)
-                    .collect(),
-            }),
-            None => None,
         };
 
         let (separating_test, separating_blocks) = match (verdict, &rivals) {
@@ -414,68 +396,6 @@ impl<'a> Closing<'a> {
         &self.extent
     }
 
-    /// What a law that gives each recording these forces, kN, leaves of what was held out and of the rest.
-    fn over_noise(&self, predicted: &[Vec<f64>]) -> OverNoise {
-        let left = |held_out: bool| {
-            let mut left = LeftInCycles::default();
-            for ((trajectory, roles), predicted) in self.recordings.iter().zip(predicted) {
-                left.add(trajectory, predicted, |sample| {
-                    (roles[sample] == Role::HeldOut) == held_out
-                });
-            }
-            left.in_most()
-        };
-        OverNoise {
-            fitted: left(false),
-            held_out: left(true),
-        }
-    }
-
-    /// The model's force on every recording, kN, and its errors.
-    pub(super) fn evaluate(
-        &self,
-        model: &Model,
-        predict: impl Fn(&Model, &Trajectory) -> Result<Vec<f64>, ModelError>,
-    ) -> Result<(Vec<Vec<f64>>, Errors), ModelError> {
-        let predicted = self
-            .recordings
-            .iter()
-            .map(|(trajectory, _)| predict(model, trajectory))
-            .collect::<Result<Vec<_>, _>>()?;
-        let errors = Errors {
-            nrmse_fitted: self.nrmse(&predicted, false),
-            nrmse_held_out: self.nrmse(&predicted, true),
-        };
-        Ok((predicted, errors))
-    }
-
-    /// The error of `predicted`, kN for every sample of every recording, on what was held out or on the rest.
-    fn nrmse(&self, predicted: &[Vec<f64>], held_out: bool) -> f64 {
-        let each = self.recordings.iter().zip(predicted);
-        let (error, force) = each.fold(
-            (0.0, 0.0),
-            |(error, force), ((trajectory, roles), predicted)| {
-                let (more_error, more_force) = squares(trajectory, roles, predicted, held_out);
-                (error + more_error, force + more_force)
-            },
-        );
-        (error / force).sqrt()
-    }
-
-    /// The error of `model` on what was held out.
-    fn held_out(&self, model: &Model) -> Result<f64, ModelError> {
-        let (mut error, mut force) = (0.0, 0.0);
-        for (trajectory, roles) in &self.recordings {
-            if roles.contains(&Role::HeldOut) {
-                let predicted = predict(model, trajectory)?;
-                let (more_error, more_force) = squares(trajectory, roles, &predicted, true);
-                error += more_error;
-                force += more_force;
-            }
-        }
-        Ok((error / force).sqrt())
-    }
-
     /// The families of what was known.
     fn known(&self) -> Vec<String> {
         let known = self.sought.known.iter();
@@ -500,62 +420,6 @@ impl<'a> Closing<'a> {
             correction: None,
         };
         Ok(Some(self.evaluate(&model, predict)?.1))
-    }
-
-    /// The effects of `solution` with their intervals, each with the held-out error that is left without it; `with` is what
-    /// all of them leave.
-    fn effects(
-        &self,
-        rows: &Rows,
-        solution: &Solution,
-        uncertainty: &Uncertainty,
-        with: f64,
-    ) -> Result<Vec<FoundEffect>, ModelError> {
-        let estimate = |(name, interval): (&'static str, Interval)| {
-            let unit = parameter_unit(name).unwrap_or_default().to_owned();
-            let Interval { value, low, high } = interval;
-            let estimate = Estimate {
-                value,
-                low,
-                high,
-                unit,
-            };
-            (name, estimate)
-        };
-        let terms = solution.terms.iter().zip(&uncertainty.terms);
-        let terms = terms.filter(|(value, _)| !value.term.is_known);
-        let estimates = terms.flat_map(|(value, uncertainty)| {
-            let elements = uncertainty.elements(value).into_iter();
-            elements.map(|parameters| {
-                let parameters = parameters.into_iter().map(estimate).collect();
-                (value.term.form, parameters)
-            })
-        });
-        effects_of(estimates.collect())
-            .into_iter()
-            .map(|(family, parameters)| {
-                Ok(FoundEffect {
-                    family: family.name().to_owned(),
-                    parameters,
-                    nrmse_without: self.without(rows, solution, family)?,
-                    nrmse_with: with,
-                    unconfirmed_by: None,
-                    rivals: Vec::new(),
-                })
-            })
-            .collect()
-    }
-
-    /// The held-out error of a law without the terms of one family.
-    pub(super) fn without(
-        &self,
-        rows: &Rows,
-        solution: &Solution,
-        family: Family,
-    ) -> Result<f64, ModelError> {
-        let rest = solution.without_family(family);
-        let model = self.fit_near(rows, &rest).model();
-        Ok(self.evaluate(&model, predict)?.1.nrmse_held_out)
     }
 
     /// The terms of `known` fitted to these rows.
@@ -588,73 +452,6 @@ impl<'a> Closing<'a> {
         }
         solution
     }
-
-    /// The effects that the data cannot tell from the one preferred, each fitted in its place.
-    fn of_rivals(&self, rows: &Rows, rivals: &Rivals) -> Result<Vec<FoundEffect>, ModelError> {
-        let mut effects = Vec::new();
-        for (family, law) in rivals.laws.iter().skip(1) {
-            let solution = self.fit_near(rows, law);
-            let uncertainty = Uncertainty::of(rows, &self.extent, &solution);
-            let with = self.evaluate(&solution.model(), predict)?.1.nrmse_held_out;
-            let of_family = |effect: &FoundEffect| effect.family == family.name();
-            effects.extend(
-                self.effects(rows, &solution, &uncertainty, with)?
-                    .into_iter()
-                    .filter(of_family),
-            );
-        }
-        Ok(effects)
-    }
-
-    /// All that was tried; of what was added, `found` is left when fitted to all that may be fitted.
-    fn candidates(
-        &self,
-        selection: &Selection,
-        found: &Solution,
-    ) -> Result<Vec<Candidate>, ModelError> {
-        let left: Vec<Family> = found
-            .terms
-            .iter()
-            .map(|value| value.term.form.family())
-            .collect();
-        selection
-            .candidates
-            .par_iter()
-            .map(|candidate| {
-                let model = candidate.fitted.solution.model();
-                let vanishes = candidate.added && !left.contains(&candidate.family);
-                let rule = candidate.rejected_by;
-                Ok(Candidate {
-                    family: candidate.family.name().to_owned(),
-                    nrmse_held_out: self.held_out(&model)?,
-                    distinguishable: candidate.distinguishable,
-                    step: candidate.step,
-                    added: candidate.added,
-                    admissible: candidate.admissible,
-                    rejected_by: rule.or(vanishes.then_some(Rule::Vanishes)),
-                    nrmse_judged: candidate.fitted.score.nrmse(),
-                })
-            })
-            .collect()
-    }
-}
-
-/// Squares of the error of `predicted` and of the force, kN², on what was held out of a trajectory or on the rest.
-fn squares(
-    trajectory: &Trajectory,
-    roles: &[Role],
-    predicted: &[f64],
-    held_out: bool,
-) -> (f64, f64) {
-    let counts = |&i: &usize| (roles[i] == Role::HeldOut) == held_out && trajectory.measured[i];
-    let of_part = (0..roles.len()).filter(counts);
-    of_part.fold((0.0, 0.0), |(error, force), i| {
-        let measured = trajectory.force[i];
-        (
-            error + (predicted[i] - measured).powi(2),
-            force + measured * measured,
-        )
-    })
 }
 
 /// What is said of a search.
@@ -664,30 +461,6 @@ struct Concluded {
     left: f64,
     /// Why what was found does not explain the recordings, where it does not.
     effects_rejected_by: Option<Rule>,
-}
-
-/// Eq 13's coefficients with their intervals.
-fn law_estimates(model: &Model, uncertainty: &Uncertainty) -> Vec<LawEstimate> {
-    model
-        .law
-        .iter()
-        .zip(&uncertainty.law)
-        .map(|(node, half)| {
-            let estimate = |value: f64, half: f64, unit: &str| Estimate {
-                value,
-                low: value - half,
-                high: value + half,
-                unit: unit.to_owned(),
-            };
-            LawEstimate {
-                amplitude: node.amplitude,
-                k1: estimate(node.k1, half[0], "kN/mm"),
-                k3: estimate(node.k3, half[1], "kN/mm^3"),
-                c: estimate(node.c, half[2], "kN*(s/mm)^alpha"),
-                alpha: estimate(node.alpha, half[3], "1"),
-            }
-        })
-        .collect()
 }
 
 /// Whether a recording that is held out only repeats one that is fitted.

@@ -7,7 +7,8 @@ use mesh_damper_model::{Family, ModelError};
 
 use super::adopt::{gains, gains_clearly};
 use super::closing::Closing;
-use super::left_out::{LeftOut, RelativeError};
+use super::left_out::LeftOut;
+use super::relative_error::RelativeError;
 use super::result::{FoundEffect, HeldCondition};
 use super::rule::Rule;
 use super::select::Search;
@@ -164,21 +165,26 @@ impl Closing<'_> {
         Ok(())
     }
 
-    /// Says the same of effects that explain what was fitted and leave `left` of what was held out, RMS over RMS: that is a condition
-    /// too, of those with rivals as well. The law stays as it is.
+    /// Says the same of effects that explain what was fitted, and less of what was held out: each recording of that is a condition too, of
+    /// their rivals as well. The law stays as it is.
     pub(super) fn grade_elsewhere(
         &self,
         left_out: &LeftOut,
         laws: &mut Laws,
-        left: f64,
     ) -> Result<(), ModelError> {
         let mut graded = self.confirmed(left_out, laws.rows, &laws.solution, false)?;
+        let with = self.left_of_held_out(&laws.model)?;
         for one in &mut graded.families {
-            if matches!(one.rejected_by, None | Some(Rule::Rivalled))
-                && self.without(laws.rows, &laws.solution, one.family)? <= left
-            {
-                one.rejected_by = Some(Rule::HelpsNotEverywhere);
+            if !matches!(one.rejected_by, None | Some(Rule::Rivalled)) {
+                continue;
             }
+            let left_by =
+                |law: &Solution| self.left_of_held_out(&self.fit_near(laws.rows, law).model());
+            let without = left_by(&laws.solution.without_family(one.family))?;
+            let rivals = std::mem::take(&mut one.rivals).into_iter();
+            let rivals = rivals.map(|rival| Ok((left_by(&rival.1)?, rival)));
+            let rivals = rivals.collect::<Result<_, ModelError>>()?;
+            (one.rejected_by, one.rivals) = judged_elsewhere(&without, &with, rivals);
         }
         laws.graded = Some(graded);
         Ok(())
@@ -309,6 +315,22 @@ fn of_family(all: &[(Family, Interval)], family: Family) -> Vec<Interval> {
     own.map(|(_, interval)| *interval).collect()
 }
 
+/// What is said of an effect that conditions confirm, or of which they know rivals only: it and each of these has to leave less than is left
+/// `without` it elsewhere. With it that is `with`, and a rival's is beside it.
+fn judged_elsewhere<R>(
+    without: &[RelativeError],
+    with: &[RelativeError],
+    rivals: Vec<(Vec<RelativeError>, R)>,
+) -> (Option<Rule>, Vec<R>) {
+    if !gains(without, with) {
+        return (Some(Rule::HelpsNotEverywhere), Vec::new());
+    }
+    let does_as_well = |left: &[RelativeError]| gains(without, left) && !gains_clearly(left, with);
+    let rivals = rivals.into_iter().filter(|(left, _)| does_as_well(left));
+    let rivals: Vec<R> = rivals.map(|(_, rival)| rival).collect();
+    ((!rivals.is_empty()).then_some(Rule::Rivalled), rivals)
+}
+
 /// Whether less is left of every condition on which there is something to gain.
 fn helps_everywhere(left: &[Option<[RelativeError; 2]>]) -> bool {
     let noise_limited = policy().verdict.noise_limited.powi(2);
@@ -373,6 +395,29 @@ mod tests {
             !helps_everywhere(&[left(0.012, 0.005); 4]),
             "nothing shows it"
         );
+    }
+
+    #[test]
+    fn elsewhere_an_effect_helps_and_each_of_its_rivals() {
+        let errors = |each: &[f64]| -> Vec<RelativeError> {
+            each.iter()
+                .map(|&error| left(0.0, error).unwrap()[1])
+                .collect()
+        };
+        let without = errors(&[0.1, 0.2]);
+        let with = errors(&[0.05, 0.1]);
+        let as_well = (errors(&[0.051, 0.1]), "as well");
+        let worse = (errors(&[0.08, 0.16]), "worse");
+        let no_help = (errors(&[0.1, 0.21]), "no help");
+        let say = |with: &[RelativeError], rivals| judged_elsewhere(&without, with, rivals);
+        assert_eq!(say(&with, Vec::new()), (None, vec![]));
+        let all = vec![as_well, worse.clone(), no_help.clone()];
+        let rivalled = (Some(Rule::Rivalled), vec!["as well"]);
+        assert_eq!(say(&with, all.clone()), rivalled);
+        // It is confirmed where no rival of it helps as much.
+        assert_eq!(say(&with, vec![worse, no_help]), (None, vec![]));
+        let fails = (Some(Rule::HelpsNotEverywhere), vec![]);
+        assert_eq!(say(&errors(&[0.099, 0.199]), all), fails);
     }
 
     #[test]

@@ -4,8 +4,10 @@ use mesh_damper_model::{Model, ModelError};
 use mesh_damper_recording::trajectory::Trajectory;
 use rayon::prelude::*;
 
-use super::left_out::{Fit, Judged, LeftOut, Picked};
+use super::left_out::{Fit, LeftOut, Picked};
+use super::relative_error::Judged;
 use super::rule::Rule;
+use super::wander::wanders;
 use crate::correction;
 use crate::policy::policy;
 
@@ -79,7 +81,7 @@ pub(super) fn mended(
     let table_rejected_by = choice.is_none().then_some(table_rejected_by);
     let depends_on = match &choice {
         Some(choice) => correction::depends_on(choice, trajectories, &plain[law], open)?,
-        None if left_out.wanders(&model)? => vec!["time"],
+        None if wanders(trajectories, open, &model)? => vec!["time"],
         None => Vec::new(),
     };
     Ok(Mended {

@@ -7,10 +7,15 @@
 pub(crate) mod adopt;
 pub(crate) mod aligned;
 mod closing;
+mod conditions;
 pub(crate) mod confirm;
+mod errors;
+mod estimates;
 mod fitted;
+mod left_in_cycles;
 pub(crate) mod left_out;
 pub(crate) mod mend;
+mod relative_error;
 pub(crate) mod remainder;
 pub mod result;
 pub mod rule;
@@ -23,6 +28,7 @@ pub(crate) mod split;
 pub(crate) mod tones;
 mod unlisted;
 pub(crate) mod verdict;
+pub(crate) mod wander;
 mod within_blocks;
 
 pub use sought::Sought;

@@ -1,11 +1,13 @@
 //! What a law leaves, and what that depends on.
 
+use std::borrow::Borrow;
+
 use mesh_damper_model::predict::predict;
 use mesh_damper_model::{Model, ModelError};
 use mesh_damper_recording::cycles::{FoundBlock, levels, same_amplitude};
 use mesh_damper_recording::trajectory::Trajectory;
 
-use super::left_out::LeftOut;
+use super::wander::wanders;
 use crate::policy::policy;
 use crate::tolerance::held_to;
 
@@ -29,15 +31,15 @@ struct Sample {
     frequency: usize,
 }
 
-/// The variables that what `model` leaves depends on, by the names of `trace.json`: those by which means of it, zone by zone, explain a part of it. Of
+/// The variables that what `model` leaves of samples that `counts` has depends on, by the names of `trace.json`: those by which means of it, zone by zone, explain a part of it. Of
 /// displacement and velocity each alone; of amplitude and frequency what they explain beyond both; what the two do not explain within a block is
 /// the history's, or where it changes from one cycle to the next, the time's.
 pub(super) fn depends_on(
-    left_out: &LeftOut,
-    trajectories: &[Trajectory],
+    trajectories: &[impl Borrow<Trajectory>],
+    counts: impl Fn(usize, usize) -> bool,
     model: &Model,
 ) -> Result<Vec<&'static str>, ModelError> {
-    let (samples, noise) = samples(left_out, trajectories, model)?;
+    let (samples, noise) = samples(trajectories, &counts, model)?;
     let energy: f64 = samples.iter().map(|one| one.left * one.left).sum();
     let beyond = energy - noise;
     let RemainderPolicy { zones, explains } = policy().remainder;
@@ -51,7 +53,7 @@ pub(super) fn depends_on(
     let beside = |level: fn(&Sample) -> usize| {
         explained(&|one| level(one) * zones * zones + state(one)) - of_state
     };
-    let wanders = left_out.wanders(model)?;
+    let wanders = wanders(trajectories, &counts, model)?;
     let parts = [
         ("displacement", explained(&|one| one.displacement)),
         ("velocity", explained(&|one| one.velocity)),
@@ -63,13 +65,13 @@ pub(super) fn depends_on(
     Ok(some.map(|(name, _)| name).collect())
 }
 
-/// Those that may be fitted and are telling, and the energy of their noise.
+/// Those that count and are telling, and the energy of their noise.
 fn samples(
-    left_out: &LeftOut,
-    trajectories: &[Trajectory],
+    trajectories: &[impl Borrow<Trajectory>],
+    counts: impl Fn(usize, usize) -> bool,
     model: &Model,
 ) -> Result<(Vec<Sample>, f64), ModelError> {
-    let blocks = || trajectories.iter().flat_map(|one| &one.blocks);
+    let blocks = || trajectories.iter().flat_map(|one| &one.borrow().blocks);
     let amplitudes = levels(blocks().map(|block| block.amplitude));
     let frequencies = levels(blocks().map(|block| block.frequency));
     let level = |levels: &[f64], value: f64| {
@@ -78,7 +80,7 @@ fn samples(
             .unwrap_or(levels.len())
     };
     let largest = |of: fn(&Trajectory) -> &[f64]| {
-        let each = trajectories.iter().flat_map(of);
+        let each = trajectories.iter().flat_map(|one| of(one.borrow()));
         each.fold(0.0_f64, |most, value| most.max(value.abs()))
     };
     let displacement = largest(|one| &one.motion.displacement);
@@ -90,6 +92,7 @@ fn samples(
     };
     let (mut samples, mut noise, mut number) = (Vec::new(), 0.0, 0);
     for (which, trajectory) in trajectories.iter().enumerate() {
+        let trajectory = trajectory.borrow();
         let predicted = predict(model, trajectory)?;
         let motion = &trajectory.motion;
         for block in &trajectory.blocks {
@@ -99,7 +102,7 @@ fn samples(
                 ..
             } = *block;
             let telling = block.samples.clone();
-            for i in telling.filter(|&i| left_out.is_open(which, i) && trajectory.is_telling(i)) {
+            for i in telling.filter(|&i| counts(which, i) && trajectory.is_telling(i)) {
                 noise += held_to(trajectory, i);
                 samples.push(Sample {
                     left: trajectory.force[i] - predicted[i],

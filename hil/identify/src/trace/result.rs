@@ -169,10 +169,13 @@ pub struct HeldCondition {
 /// What a law leaves.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Remainder {
-    /// On the samples that were fitted.
+    /// Over the RMS of the force.
     pub nrmse: f64,
     /// Over the noise.
     pub times_noise: f64,
+    /// Whether that is of what was held out; else it is of what was fitted.
+    #[serde(default)]
+    pub held_out: bool,
     /// What it depends on, by the names of [`TraceResult::depends_on`].
     pub depends_on: Vec<String>,
 }

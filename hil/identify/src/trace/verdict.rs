@@ -4,7 +4,7 @@ use mesh_damper_model::{Family, LawNode, Model};
 use mesh_damper_recording::cycles::same_amplitude;
 use mesh_damper_recording::trajectory::Trajectory;
 
-use super::left_out::RelativeError;
+use super::relative_error::RelativeError;
 use super::result::{Errors, Verdict};
 use super::rule::Rule;
 use super::select::{Candidate, Selection};

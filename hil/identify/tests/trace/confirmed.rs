@@ -4,7 +4,7 @@ use mesh_damper_identify::trace::result::Verdict;
 use mesh_damper_identify::trace::rule::Rule;
 use mesh_damper_identify::trace::trace;
 
-use super::{Sample, families, record, slider, traced};
+use super::{BLOCKS, OTHERS, Sample, families, record, slider, traced};
 
 /// A force of nothing listed: friction of which the motion's place and the clock decide the sign.
 fn nameless(size: f64) -> impl Fn(&Sample) -> f64 {
@@ -111,6 +111,36 @@ fn rivals_beside_what_has_no_name_are_told_apart_by_a_test() {
     );
 }
 
+/// A specimen whose slider has come off before the test that is held out.
+#[test]
+fn a_name_that_conditions_confirm_and_another_test_does_not_is_none() {
+    let fitted = record("fitted", &BLOCKS, 0.004, 10, slider(0.9, 0.03));
+    let held = record("held", &OTHERS, 0.004, 11, |_| 0.0);
+    let trace = trace(&[fitted], &[held], &|_| ()).unwrap();
+    let result = &trace.result;
+    assert_eq!(result.verdict, Verdict::Unlisted, "{:?}", result.effects);
+    assert_eq!(result.effects_rejected_by, Some(Rule::SaysLess));
+    let slider = result.effects.iter().chain(&result.unconfirmed);
+    let slider = slider
+        .into_iter()
+        .find(|effect| effect.family == "stick_slip")
+        .expect("it is what was fitted");
+    assert_eq!(slider.unconfirmed_by, Some(Rule::HelpsNotEverywhere));
+    assert!(result.conditions.len() >= 3);
+    for condition in &result.conditions {
+        assert!(
+            condition.nrmse_with < condition.nrmse_without["stick_slip"],
+            "each confirms it: {condition:?}"
+        );
+    }
+    let left = result.remainder.as_ref().expect("of what was held out");
+    assert!(left.held_out && left.times_noise > 1.5, "{left:?}");
+    assert!(
+        left.depends_on.contains(&"displacement".to_owned()),
+        "the slider's stiffness is missing there: {left:?}"
+    );
+}
+
 /// A mass on a spring of its own is nearly a mass, as long as the motion is slow.
 #[test]
 fn a_name_that_says_less_of_what_was_held_out_is_not_one() {
@@ -142,7 +172,7 @@ fn a_name_that_says_less_of_what_was_held_out_is_not_one() {
             .all(|one| one.unconfirmed_by.is_some())
     );
     let left = result.remainder.as_ref().expect("of what was held out");
-    assert!(left.times_noise > 1.5, "{left:?}");
+    assert!(left.held_out && left.times_noise > 1.5, "{left:?}");
     assert_eq!(left.nrmse, result.augmented.nrmse_held_out);
     // The law stays as it was fitted: what is held out decides nothing of it.
     assert!(result.adopted);

@@ -1,0 +1,147 @@
+//! What a law leaves of the recordings: of what was held out, and of the rest.
+
+use mesh_damper_model::predict::predict;
+use mesh_damper_model::{Family, Model, ModelError};
+use mesh_damper_recording::trajectory::Trajectory;
+
+use super::closing::Closing;
+use super::left_in_cycles::LeftInCycles;
+use super::relative_error::RelativeError;
+use super::remainder::depends_on;
+use super::result::{Errors, Remainder};
+use super::split::Role;
+use super::verdict::OverNoise;
+use crate::rows::Rows;
+use crate::solution::Solution;
+
+impl Closing<'_> {
+    /// What a law that gives each recording these forces, kN, leaves of what was held out and of the rest.
+    pub(super) fn over_noise(&self, predicted: &[Vec<f64>]) -> OverNoise {
+        let left = |held_out: bool| {
+            let mut left = LeftInCycles::default();
+            for ((trajectory, roles), predicted) in self.recordings.iter().zip(predicted) {
+                left.add(trajectory, predicted, |sample| {
+                    (roles[sample] == Role::HeldOut) == held_out
+                });
+            }
+            left.in_most()
+        };
+        OverNoise {
+            fitted: left(false),
+            held_out: left(true),
+        }
+    }
+
+    /// What a model leaves of what was held out, recording by recording.
+    pub(super) fn left_of_held_out(&self, model: &Model) -> Result<Vec<RelativeError>, ModelError> {
+        let mut errors = Vec::new();
+        for (trajectory, roles) in &self.recordings {
+            let is_fair = |i: usize| roles[i] == Role::HeldOut && trajectory.is_telling(i);
+            if !(0..roles.len()).any(is_fair) {
+                continue;
+            }
+            let predicted = predict(model, trajectory)?;
+            let all = 0..trajectory.len();
+            errors.extend(RelativeError::of(trajectory, &predicted, &all, is_fair));
+        }
+        Ok(errors)
+    }
+
+    /// What a model leaves of what was `held_out`, or of the rest, and what that depends on: that much of the force, RMS over RMS, and so many
+    /// times the noise.
+    pub(super) fn remainder(
+        &self,
+        model: &Model,
+        held_out: bool,
+        [nrmse, times_noise]: [f64; 2],
+    ) -> Result<Remainder, ModelError> {
+        let recordings = self.recordings.iter();
+        let trajectories: Vec<&Trajectory> =
+            recordings.map(|(trajectory, _)| *trajectory).collect();
+        let counts = |which: usize, sample: usize| {
+            (self.recordings[which].1[sample] == Role::HeldOut) == held_out
+        };
+        let depends_on = depends_on(&trajectories, counts, model)?.into_iter();
+        Ok(Remainder {
+            nrmse,
+            times_noise,
+            held_out,
+            depends_on: depends_on.map(str::to_owned).collect(),
+        })
+    }
+
+    /// The model's force on every recording, kN, and its errors.
+    pub(super) fn evaluate(
+        &self,
+        model: &Model,
+        predict: impl Fn(&Model, &Trajectory) -> Result<Vec<f64>, ModelError>,
+    ) -> Result<(Vec<Vec<f64>>, Errors), ModelError> {
+        let predicted = self
+            .recordings
+            .iter()
+            .map(|(trajectory, _)| predict(model, trajectory))
+            .collect::<Result<Vec<_>, _>>()?;
+        let errors = Errors {
+            nrmse_fitted: self.nrmse(&predicted, false),
+            nrmse_held_out: self.nrmse(&predicted, true),
+        };
+        Ok((predicted, errors))
+    }
+
+    /// The error of `predicted`, kN for every sample of every recording, on what was held out or on the rest.
+    fn nrmse(&self, predicted: &[Vec<f64>], held_out: bool) -> f64 {
+        let each = self.recordings.iter().zip(predicted);
+        let (error, force) = each.fold(
+            (0.0, 0.0),
+            |(error, force), ((trajectory, roles), predicted)| {
+                let (more_error, more_force) = squares(trajectory, roles, predicted, held_out);
+                (error + more_error, force + more_force)
+            },
+        );
+        (error / force).sqrt()
+    }
+
+    /// The error of `model` on what was held out.
+    pub(super) fn held_out(&self, model: &Model) -> Result<f64, ModelError> {
+        let (mut error, mut force) = (0.0, 0.0);
+        for (trajectory, roles) in &self.recordings {
+            if roles.contains(&Role::HeldOut) {
+                let predicted = predict(model, trajectory)?;
+                let (more_error, more_force) = squares(trajectory, roles, &predicted, true);
+                error += more_error;
+                force += more_force;
+            }
+        }
+        Ok((error / force).sqrt())
+    }
+
+    /// The held-out error of a law without the terms of one family.
+    pub(super) fn without(
+        &self,
+        rows: &Rows,
+        solution: &Solution,
+        family: Family,
+    ) -> Result<f64, ModelError> {
+        let rest = solution.without_family(family);
+        let model = self.fit_near(rows, &rest).model();
+        Ok(self.evaluate(&model, predict)?.1.nrmse_held_out)
+    }
+}
+
+/// Squares of the error of `predicted` and of the force, kN², on what was held out of a trajectory or on the rest.
+fn squares(
+    trajectory: &Trajectory,
+    roles: &[Role],
+    predicted: &[f64],
+    held_out: bool,
+) -> (f64, f64) {
+    let counts = |&i: &usize| (roles[i] == Role::HeldOut) == held_out && trajectory.measured[i];
+    let of_part = (0..roles.len()).filter(counts);
+    of_part.fold((0.0, 0.0), |(error, force), i| {
+        let measured = trajectory.force[i];
+        (
+            error + (predicted[i] - measured).powi(2),
+            force + measured * measured,
+        )
+    })
+}

@@ -1,0 +1,83 @@
+//! What a law leaves of each cycle, over the noise.
+
+use std::ops::Range;
+
+use mesh_damper_recording::trajectory::Trajectory;
+
+use crate::policy::policy;
+use crate::tolerance::held_to;
+
+/// Squared errors over the noise's variance, and of how many samples.
+#[derive(Clone, Copy, Debug, Default)]
+struct Left {
+    squares: f64,
+    count: f64,
+}
+
+impl Left {
+    fn mean(&self) -> f64 {
+        self.squares / self.count
+    }
+
+    /// None of nothing.
+    fn sum(parts: &[Self]) -> Option<Self> {
+        let sum = |of: fn(&Self) -> f64| parts.iter().map(of).sum();
+        let count = sum(|left| left.count);
+        (count > 0.0).then(|| Self {
+            squares: sum(|left| left.squares),
+            count,
+        })
+    }
+}
+
+/// What a law leaves of every block's cycles, as far as they count.
+#[derive(Default)]
+pub(super) struct LeftInCycles(Vec<Vec<Left>>);
+
+impl LeftInCycles {
+    /// Adds what `predicted`, kN, leaves of those samples of a trajectory that count.
+    pub fn add(
+        &mut self,
+        trajectory: &Trajectory,
+        predicted: &[f64],
+        counts: impl Fn(usize) -> bool,
+    ) {
+        let of_cycle = |cycle: &Range<usize>| {
+            let telling = cycle
+                .clone()
+                .filter(|&i| counts(i) && trajectory.is_telling(i));
+            let errors = telling
+                .map(|i| (predicted[i] - trajectory.force[i]).powi(2) / held_to(trajectory, i));
+            errors.fold(Left::default(), |left, error| Left {
+                squares: left.squares + error,
+                count: left.count + 1.0,
+            })
+        };
+        for block in &trajectory.blocks {
+            self.0.push(block.cycles.iter().map(of_cycle).collect());
+        }
+    }
+
+    /// Over the noise: RMS of all but the worst cycles, which may be those of a start or of a change between blocks; none where
+    /// there is not one whole cycle.
+    pub fn in_most(&self) -> Option<f64> {
+        let mut left: Vec<Left> = self.0.concat();
+        left.retain(|cycle| cycle.count > 0.0);
+        left.sort_by(|a, b| a.mean().total_cmp(&b.mean()));
+        left.truncate((policy().left_out.most_cycles * left.len() as f64).ceil() as usize);
+        Left::sum(&left).map(|all| all.mean().sqrt())
+    }
+
+    /// The same beyond the noise, √(left² − 1), of the cycles but the first of every block that has some, each block counting
+    /// the same; none where there are not two such blocks: others are ramps, and one condition tells no effect from its like.
+    pub fn beyond_noise(&self) -> Option<f64> {
+        let blocks = self.0.iter();
+        let blocks: Vec<f64> = blocks
+            .filter(|cycles| cycles.len() >= policy().left_out.some_cycles)
+            .filter_map(|cycles| Left::sum(&cycles[1..]))
+            .map(|block| block.mean() - 1.0)
+            .collect();
+        let mean = blocks.iter().sum::<f64>() / blocks.len() as f64;
+        (blocks.len() > 1).then(|| mean.max(0.0).sqrt())
+    }
+}

@@ -1,0 +1,76 @@
+//! Errors over the force, with what noise makes of them.
+
+use std::ops::Range;
+
+use mesh_damper_recording::trajectory::Trajectory;
+
+use crate::beyond_noise::beyond_noise;
+use crate::tolerance::{certainty, least};
+
+/// Errors [beyond the noise](RelativeError::beyond_noise).
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Judged {
+    /// In blocks left out of the fit,
+    pub outside: f64,
+    /// and in the fit.
+    pub inside: f64,
+}
+
+impl Judged {
+    /// The geometric mean of both: few blocks are left out, and what they know nothing of shows in the fit.
+    pub fn both(&self) -> f64 {
+        (self.outside * self.inside).sqrt()
+    }
+}
+
+/// Squares over that of the force.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct RelativeError {
+    /// Of what a law leaves,
+    pub error: f64,
+    /// and of what a perfect one would.
+    pub noise: f64,
+}
+
+impl RelativeError {
+    /// In the samples that are `is_fair`; `None` where there is none.
+    pub fn of(
+        trajectory: &Trajectory,
+        predicted: &[f64],
+        samples: &Range<usize>,
+        is_fair: impl Fn(usize) -> bool,
+    ) -> Option<Self> {
+        let (mut error, mut noise, mut force) = (0.0, 0.0, 0.0);
+        for i in samples.clone().filter(|&i| is_fair(i)) {
+            error += certainty(trajectory, i) * (predicted[i] - trajectory.force[i]).powi(2);
+            noise += least(trajectory);
+            force += trajectory.force[i].powi(2);
+        }
+        (force > 0.0).then(|| Self {
+            error: error / force,
+            noise: noise / force,
+        })
+    }
+
+    /// Squares of both times `factor`.
+    pub fn times(self, factor: f64) -> Self {
+        Self {
+            error: factor * self.error,
+            noise: factor * self.noise,
+        }
+    }
+
+    /// The mean of their squares.
+    pub fn mean(errors: &[Self]) -> Self {
+        let mean = |of: fn(&Self) -> f64| errors.iter().map(of).sum::<f64>() / errors.len() as f64;
+        Self {
+            error: mean(|one| one.error),
+            noise: mean(|one| one.noise),
+        }
+    }
+
+    /// RMS of what is left [beyond the noise](beyond_noise()).
+    pub fn beyond_noise(&self) -> f64 {
+        beyond_noise(self.error, self.noise)
+    }
+}
