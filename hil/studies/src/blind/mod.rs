@@ -17,7 +17,9 @@ use rayon::iter::{Either, IntoParallelIterator, ParallelIterator};
 
 pub use described::{DescribedEffect, described, draw_described};
 pub use draw::{Class, GROUP, Hidden, Secret, Sized, Trial, draw, draw_unlisted};
-pub use floors::{FLOORS, FLOORS_OF_A_PART, FLOORS_OF_THE_DESCRIBED, Floors, PART};
+pub use floors::{
+    FLOORS, FLOORS_OF_A_PART, FLOORS_OF_THE_DESCRIBED, FLOORS_OF_THE_UNLISTED, Floors, PART,
+};
 pub use judge::{Mark, Outcome, Said, judge};
 pub use programme::{Programme, TestShape};
 pub use summary::{Rate, Ratios, Summary};
@@ -41,7 +43,8 @@ impl Draw {
     /// What it has to reach.
     pub fn floors(self) -> &'static Floors {
         match self {
-            Self::Specimens | Self::Unlisted => &FLOORS,
+            Self::Specimens => &FLOORS,
+            Self::Unlisted => &FLOORS_OF_THE_UNLISTED,
             Self::Described => &FLOORS_OF_THE_DESCRIBED,
         }
     }

@@ -42,7 +42,7 @@ pub struct BlindCommand {
     #[arg(long, conflicts_with = "described")]
     unlisted: bool,
     /// Over any motion and sensors, in the place of blocks of sines: random, stepped, slow, swept, with pauses
-    #[arg(long, conflicts_with_all = ["described", "unlisted", "check"])]
+    #[arg(long, conflicts_with_all = ["described", "unlisted"])]
     motions: bool,
     /// Fail (exit code 1) where a rate is below the one recorded
     #[arg(long)]
@@ -61,7 +61,8 @@ impl BlindCommand {
             return self.show(seed);
         }
         if self.motions {
-            return motions::run(self.first..self.first + self.seeds, self.json.as_deref());
+            let seeds = self.first..self.first + self.seeds;
+            return motions::run(seeds, self.json.as_deref(), self.check);
         }
         let mut outputs = Plan::new().writes(&self.json).begin()?;
         let progress = Progress::of(self.seeds);

@@ -1,17 +1,18 @@
 //! `hil blind --motions`: the trial over any motion.
 
+use std::ops::Range;
 use std::path::Path;
 use std::sync::atomic::{AtomicU64, Ordering};
 
 use mesh_damper_recording::output::Plan;
-use mesh_damper_studies::blind::motions::{self, Mark, Outcome, Row};
+use mesh_damper_studies::blind::motions::{self, FLOORS, Mark, Outcome, Row, Summary};
 
 use super::blind::{add_recordings, in_words, recordings};
 use crate::commands::progress::Progress;
 use crate::commands::{Failure, say};
 
-/// Runs the trials of `seeds` and prints a table.
-pub fn run(seeds: std::ops::Range<u64>, json: Option<&Path>) -> Result<(), Failure> {
+/// Runs the trials of `seeds` and prints a table; a `check` fails where they reach less than was reached.
+pub fn run(seeds: Range<u64>, json: Option<&Path>, check: bool) -> Result<(), Failure> {
     let mut outputs = Plan::new().writes(json).begin()?;
     let progress = Progress::of(seeds.end - seeds.start);
     progress.step("tracing");
@@ -24,9 +25,17 @@ pub fn run(seeds: std::ops::Range<u64>, json: Option<&Path>) -> Result<(), Failu
         outputs.add_json(json, &summary)?;
     }
     outputs.write()?;
-    if json == Some(Path::new("-")) {
-        return Ok(());
+    if json != Some(Path::new("-")) {
+        print(&summary);
     }
+    let missed = FLOORS.missed(&summary);
+    if check && !missed.is_empty() {
+        return Err(Failure::Check(missed.join("\n")));
+    }
+    Ok(())
+}
+
+fn print(summary: &Summary) {
     say("Seeds that count and were not called what they are:");
     for outcome in summary.outcomes.iter().filter(|o| o.counts()) {
         if outcome.mark != Mark::Right {
@@ -58,7 +67,6 @@ pub fn run(seeds: std::ops::Range<u64>, json: Option<&Path>) -> Result<(), Failu
          intervals: of the law's 90 % intervals, the part that holds. velocity: error of the estimated one over that of cubics alone; covered: \n\
          the part of its samples within their 90 % interval.",
     );
-    Ok(())
 }
 
 /// One seed: what it hides, what is said of it, and its recordings into `out`.

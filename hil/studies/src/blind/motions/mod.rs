@@ -3,6 +3,7 @@
 //! A law is held to what the true one leaves: the specimen itself, driven along the motion as estimated from the measured
 //! displacement.
 
+mod floors;
 mod judge;
 mod path;
 mod sensors;
@@ -22,6 +23,7 @@ use rand::{Rng, RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use rayon::iter::{IntoParallelIterator, ParallelIterator};
 
+pub use floors::{FLOORS, FLOORS_OF_A_PART, Floors};
 pub use judge::{Mark, Outcome, judge};
 pub use path::{Kind, Path};
 pub use sensors::{Flaw, Sensors};
