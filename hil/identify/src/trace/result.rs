@@ -277,7 +277,7 @@ mod tests {
                 "unconfirmed_by": "rivalled", "rivals": ["delay"]}],
             "conditions": [{"recording": "a.csv", "span": [0.0, 2.0], "amplitude": 0.1, "frequency": 2.0, "nrmse_with": 0.005,
                 "nrmse_without": {"stick_slip": 0.1}}],
-            "remainder": {"nrmse": 0.01, "times_noise": 2.5, "depends_on": ["frequency"]},
+            "remainder": {"nrmse": 0.01, "times_noise": 2.5, "held_out": false, "depends_on": ["frequency"]},
             "candidates": [{"family": "stick_slip", "nrmse_held_out": 0.005, "distinguishable": true,
                 "step": 1, "added": true, "admissible": true, "rejected_by": null, "nrmse_judged": 0.005}],
             "effects_rejected_by": null, "table_rejected_by": null,
