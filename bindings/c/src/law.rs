@@ -33,6 +33,7 @@ pub struct Law {
     storage: [u8; MD_LAW_SIZE],
 }
 
+/// cbindgen:ignore
 pub(crate) type Running = RunningLaw<MD_EFFECTS>;
 
 // SAFETY: the assertion below.

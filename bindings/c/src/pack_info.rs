@@ -70,7 +70,7 @@ impl From<&PackInfo> for Info {
 /// # Safety
 /// Each pointer is null or points to what its type says; `pack` points to `length` bytes.
 #[unsafe(no_mangle)]
-pub unsafe extern "C" fn md_pack_info(
+pub unsafe extern "C" fn md_pack_describe(
     pack: *const u8,
     length: usize,
     info: *mut Info,

@@ -27,6 +27,7 @@ pub struct Rig {
     storage: [u8; MD_RIG_SIZE],
 }
 
+/// cbindgen:ignore
 type Inner = rig::Rig<Callbacks, Callbacks, MD_EFFECTS, Generator, SharedLaw>;
 
 // SAFETY: the assertion below.

@@ -23,6 +23,7 @@ pub struct Sine {
     storage: [u8; MD_SINE_SIZE],
 }
 
+/// cbindgen:ignore
 pub(crate) type Generator = SineGenerator<MD_BLOCKS>;
 
 // SAFETY: the assertion below.

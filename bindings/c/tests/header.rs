@@ -30,7 +30,7 @@ const HEADER: &str = "\
  */";
 
 /// Types of the crate and their names in C.
-const NAMES: [(&str, &str); 24] = [
+const NAMES: [(&str, &str); 25] = [
     ("Block", "md_block"),
     ("Crossings", "md_crossings"),
     ("Cycle", "md_cycle"),
@@ -42,7 +42,7 @@ const NAMES: [(&str, &str); 24] = [
     ("Excited", "md_programme"),
     ("Expected", "md_expected"),
     ("HealthEvent", "md_health"),
-    ("Info", "md_pack_info_t"),
+    ("Info", "md_pack_info"),
     ("Law", "md_law"),
     ("Motion", "md_motion"),
     ("Problem", "md_problem"),
@@ -55,6 +55,7 @@ const NAMES: [(&str, &str); 24] = [
     ("Sine", "md_sine"),
     ("State", "md_state"),
     ("Telemetry", "md_telemetry"),
+    ("Wiring", "md_wiring"),
 ];
 
 fn config() -> Config {
