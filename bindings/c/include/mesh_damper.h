@@ -846,16 +846,14 @@ md_error md_emulation_init(struct md_emulation *emulation,
                            struct md_law *law,
                            struct md_problem *problem);
 
-// Begins to drive the law's force, which comes in over `stop_ticks`. It counts as moving until it has seen the command at 0, so that
-// one tick goes before the first start.
+// Begins to drive the law's force, which comes in over `stop_ticks`.
 //
 // Returns MD_ERROR_NONE, MD_ERROR_RUNNING, MD_ERROR_MOVING, MD_ERROR_FAULTED, MD_ERROR_NULL, MD_ERROR_MISALIGNED or
 // MD_ERROR_NOT_INITIALIZED; `problem` may be null.
 //
 // # Safety
 // Each pointer is null or points to what its type says.
-md_error md_emulation_start(struct md_emulation *emulation,
-                            struct md_problem *problem);
+md_error md_emulation_start(struct md_emulation *emulation, struct md_problem *problem);
 
 // Stops without a trip, with effect at the next tick. Returns as `md_emulation_start` where memory is not right.
 //
@@ -939,8 +937,7 @@ md_error md_rig_init(struct md_rig *rig,
                      struct md_law *law,
                      struct md_problem *problem);
 
-// Begins the programme from its start; the enable line rises. It counts as moving until it has seen the command at 0, so that one
-// tick goes before the first start.
+// Begins the programme from its start; the enable line rises.
 //
 // Returns MD_ERROR_NONE, MD_ERROR_RUNNING, MD_ERROR_MOVING, MD_ERROR_FAULTED, MD_ERROR_NULL, MD_ERROR_MISALIGNED or
 // MD_ERROR_NOT_INITIALIZED; `problem` may be null.

@@ -128,8 +128,7 @@ pub unsafe extern "C" fn md_emulation_init(
     }
 }
 
-/// Begins to drive the law's force, which comes in over `stop_ticks`. It counts as moving until it has seen the command at 0, so that
-/// one tick goes before the first start.
+/// Begins to drive the law's force, which comes in over `stop_ticks`.
 ///
 /// Returns MD_ERROR_NONE, MD_ERROR_RUNNING, MD_ERROR_MOVING, MD_ERROR_FAULTED, MD_ERROR_NULL, MD_ERROR_MISALIGNED or
 /// MD_ERROR_NOT_INITIALIZED; `problem` may be null.

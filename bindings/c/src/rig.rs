@@ -263,8 +263,7 @@ pub unsafe extern "C" fn md_rig_init(
     }
 }
 
-/// Begins the programme from its start; the enable line rises. It counts as moving until it has seen the command at 0, so that one
-/// tick goes before the first start.
+/// Begins the programme from its start; the enable line rises.
 ///
 /// Returns MD_ERROR_NONE, MD_ERROR_RUNNING, MD_ERROR_MOVING, MD_ERROR_FAULTED, MD_ERROR_NULL, MD_ERROR_MISALIGNED or
 /// MD_ERROR_NOT_INITIALIZED; `problem` may be null.
