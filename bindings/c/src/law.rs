@@ -198,8 +198,12 @@ pub unsafe extern "C" fn md_law_rest(law: *mut Law) -> Error {
 /// Each pointer is null or points to what its type says.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn md_law_force(law: *mut Law, motion: *const Motion) -> f32 {
-    // SAFETY: as the caller vouches.
-    let (Ok(law), Ok(motion)) = (unsafe { held(law) }, unsafe { storage::read(motion) }) else {
+    // One after the other: a pair of both results takes seven instructions more.
+    // SAFETY: as the caller vouches, of both.
+    let Ok(law) = (unsafe { held(law) }) else {
+        return 0.0;
+    };
+    let Ok(motion) = (unsafe { storage::read(motion) }) else {
         return 0.0;
     };
     law.force(&motion.of_crate())

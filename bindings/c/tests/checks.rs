@@ -6,7 +6,7 @@ use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
-use build::{On, Program, can, here, library, run, source};
+use build::{On, Program, can, declared, library, run, source};
 use mesh_damper_model::export::{Export, ExportSettings};
 use mesh_damper_model::file::{FittedRange, ModelFile};
 use mesh_damper_model::{LawNode, Model};
@@ -103,14 +103,7 @@ fn the_library_defines_what_its_header_declares_and_nothing_else() {
         return;
     }
     let archive = library(On::Emulator);
-    let header = std::fs::read_to_string(here().join("include/mesh_damper.h")).unwrap();
-    let declared: BTreeSet<String> = header
-        .lines()
-        .filter(|line| !line.starts_with([' ', '/', '#']) && line.contains('('))
-        .filter_map(|line| line.split('(').next()?.split([' ', '*']).next_back())
-        .filter(|name| name.starts_with("md_"))
-        .map(str::to_owned)
-        .collect();
+    let declared = declared();
     assert!(declared.len() > 30, "{declared:?}");
     assert_eq!(symbols(&archive, "--defined-only"), declared);
     // Nothing that could panic was linked.

@@ -1,6 +1,7 @@
 //! Builds the library and programs in C with it, for this machine and for the emulated board, and runs them. Shared by the tests.
 #![allow(dead_code, reason = "not every test uses all of it")]
 
+use std::collections::BTreeSet;
 use std::io::Write as _;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output, Stdio};
@@ -218,11 +219,27 @@ impl Program<'_> {
 pub fn emulator(elf: &Path) -> Command {
     let mut command = BOARD.emulator(elf).unwrap();
     command.args(["-icount", "shift=10,sleep=off"]);
-    command.args(["-semihosting-config", "enable=on,target=native"]);
+    command.args(["-chardev", "stdio,id=said"]);
+    command.args([
+        "-semihosting-config",
+        "enable=on,target=native,chardev=said",
+    ]);
     command
 }
 
 /// A source of these tests.
 pub fn source(name: &str) -> PathBuf {
     here().join("tests/c").join(name)
+}
+
+/// Names of the functions that the header declares.
+pub fn declared() -> BTreeSet<String> {
+    let header = std::fs::read_to_string(here().join("include/mesh_damper.h")).unwrap();
+    header
+        .lines()
+        .filter(|line| !line.starts_with([' ', '/', '#']) && line.contains('('))
+        .filter_map(|line| line.split('(').next()?.split([' ', '*']).next_back())
+        .filter(|name| name.starts_with("md_"))
+        .map(str::to_owned)
+        .collect()
 }
