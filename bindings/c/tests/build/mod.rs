@@ -5,7 +5,7 @@ use std::collections::BTreeSet;
 use std::io::Write as _;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output, Stdio};
-use std::sync::Once;
+use std::sync::{Once, OnceLock};
 
 use mesh_damper_link::image::Board;
 
@@ -137,11 +137,13 @@ pub fn library(on: On) -> PathBuf {
         command.arg(goal).arg(format!("TARGET={}", on.target()));
         command
     };
-    // One at a time: two tests that build it would each take the other's archive away.
-    static ONE: std::sync::Mutex<()> = std::sync::Mutex::new(());
-    let _one = ONE.lock().unwrap();
-    run(&mut command("all"));
-    PathBuf::from(run(&mut command("path")).trim())
+    // Once: a test that builds it again would take away the archive that another one links.
+    static BUILT: [OnceLock<PathBuf>; 2] = [const { OnceLock::new() }; 2];
+    let built = BUILT[on as usize].get_or_init(|| {
+        run(&mut command("all"));
+        PathBuf::from(run(&mut command("path")).trim())
+    });
+    built.clone()
 }
 
 /// A program of `sources` and of what `folder` holds: headers, and the packs of `packs` by their stems.
