@@ -279,7 +279,7 @@ impl Segment {
                 increment(frequency.0, tick_rate)
             } else {
                 let step = frequency.0 / tick_rate * (factor / kh);
-                ((step * (1u128 << 127) as f64) as u128) << 1
+                fraction(step)
             },
             growth: (factor * (1u128 << 64) as f64) as i64,
             frequency: frequency.0 as f32,
@@ -366,6 +366,16 @@ fn duration(from: f64, to: f64, cycles: u32) -> f64 {
         libm::log1p(change) / change
     };
     f64::from(cycles) / from * slowing
+}
+
+/// `part` of a cycle, below 1, in units of 2⁻¹²⁸ but for the last one, rounded down. In two digits of 64 bits, each exact: a whole
+/// cast from f64 to u128 is a function that the C libraries of 32-bit targets lack.
+fn fraction(part: f64) -> u128 {
+    const DIGIT: f64 = (1u128 << 64) as f64;
+    let scaled = part * DIGIT;
+    let high = scaled as u64;
+    let low = ((scaled - high as f64) * DIGIT) as u64;
+    (u128::from(high) << 64 | u128::from(low)) & !1
 }
 
 /// frequency/tick_rate · 2¹²⁸, rounded down from the exact quotient of the two floats. Needs frequency < tick_rate/2.
@@ -901,6 +911,23 @@ impl<const N: usize, P: Borrow<Programme<N>>> SineGenerator<N, P> {
                 at.segment = segment;
             }
             None => at.phase = ROUNDING,
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use proptest::prelude::*;
+
+    use super::*;
+
+    proptest! {
+        /// A fraction of a cycle is what a cast of the whole gives, from the smallest step there is to the largest.
+        #[test]
+        fn a_fraction_is_the_cast_of_the_whole(mantissa in 1.0..2.0f64, exponent in -80..-1i32) {
+            let part = mantissa * libm::exp2(f64::from(exponent));
+            let cast = ((part * (1u128 << 127) as f64) as u128) << 1;
+            prop_assert_eq!(fraction(part), cast);
         }
     }
 }

@@ -1,0 +1,172 @@
+//! Codes of an ADC and a DAC, and what a controller is given each tick.
+
+use mesh_damper::converter;
+
+use crate::error::{Error, Problem, answer};
+use crate::law::MD_CONTROLS;
+use crate::storage::{self, Storage, assert_fits, held_const, initialize};
+
+/// Bytes of `md_scale`.
+pub const MD_SCALE_SIZE: usize = 16;
+/// Alignment of `md_scale`, bytes.
+pub const MD_SCALE_ALIGN: usize = 4;
+
+/// Memory of a channel's scale: value = full_scale*(code - 32768)/32768 - zero, of 16 bits offset binary. It may be copied.
+#[repr(C, align(4))]
+#[derive(Clone, Copy)]
+pub struct Scale {
+    storage: [u8; MD_SCALE_SIZE],
+}
+
+// SAFETY: the assertion below.
+unsafe impl Storage for Scale {
+    type Inner = converter::Scale;
+    const TAG: u32 = u32::from_le_bytes(*b"scl1");
+}
+const _: () = assert_fits::<Scale>();
+
+/// One channel's reading.
+#[repr(C)]
+#[derive(Clone, Copy, Debug)]
+pub struct Sample {
+    /// In the channel's unit. What is not finite counts as a missing measurement, and exceeds every limit.
+    pub value: f32,
+    /// Offset binary, 16 bits. At 0 and 0xFFFF the channel counts as clipped, which stops a controller.
+    pub code: u16,
+}
+
+/// What the sensors say at one tick.
+#[repr(C)]
+#[derive(Clone, Copy, Debug)]
+pub struct Reading {
+    /// mm.
+    pub displacement: Sample,
+    /// kN.
+    pub force: Sample,
+    /// Control inputs as in `md_motion`; 0 where there is none.
+    pub controls: [f32; MD_CONTROLS],
+}
+
+/// Scales of the three channels that a controller is wired to.
+#[repr(C)]
+pub struct Wiring {
+    /// Of the displacement, mm.
+    pub displacement: Scale,
+    /// Of the force, kN.
+    pub force: Scale,
+    /// Of the command, mm, or kN of a damper emulation. A command beyond its ends stops the controller.
+    pub command: Scale,
+}
+
+/// Of a converter's channel.
+///
+/// * `full_scale`: the quantity at the positive full scale, 1e-6...1e6 in size; negative where the sensor or the amplifier inverts
+/// * `zero`: what the channel reads when the quantity is 0, -1e6...1e6
+/// * `problem`: may be null
+///
+/// Returns MD_ERROR_NONE, MD_ERROR_NULL, MD_ERROR_MISALIGNED, MD_ERROR_NON_FINITE or MD_ERROR_OUT_OF_RANGE.
+///
+/// # Safety
+/// Each pointer is null or points to what its type says.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn md_scale_init(
+    scale: *mut Scale,
+    full_scale: f64,
+    zero: f64,
+    problem: *mut Problem,
+) -> Error {
+    // SAFETY: as the caller vouches.
+    unsafe {
+        let make = || Ok(converter::Scale::new(full_scale, zero)?);
+        answer(initialize(scale, make), problem)
+    }
+}
+
+/// What a code of an ADC stands for.
+///
+/// * `bits`: of the ADC, 1...16: 16 and 0 are the same, and more than 16 are 16
+/// * `code`: offset binary over the same range. The last code counts as clipped, as 0 does.
+///
+/// Of a scale that is null, misaligned or not initialised the value is NaN, which stops a controller.
+///
+/// # Safety
+/// `scale` is null or points to an `md_scale`.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn md_scale_decode(scale: *const Scale, bits: u32, code: u16) -> Sample {
+    let shift = 16_u32.saturating_sub(bits.max(1)) * u32::from(bits > 0);
+    let last = u16::MAX >> shift;
+    // SAFETY: as the caller vouches.
+    let Ok(scale) = (unsafe { held_const(scale) }) else {
+        return Sample {
+            value: f32::NAN,
+            code: 0,
+        };
+    };
+    let sample = scale.decode(code.min(last) << shift);
+    Sample {
+        value: sample.value,
+        // The last code, so that either end is seen as one.
+        code: if code >= last { u16::MAX } else { sample.code },
+    }
+}
+
+/// The code of 16 bits nearest to `value`, for a DAC: the range's end beyond it, and 0x8000, which is 0 V, for NaN and for a scale that
+/// is null, misaligned or not initialised.
+///
+/// # Safety
+/// `scale` is null or points to an `md_scale`.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn md_scale_encode(scale: *const Scale, value: f32) -> u16 {
+    // SAFETY: as the caller vouches.
+    unsafe { held_const(scale) }.map_or(converter::MIDSCALE, |scale| scale.encode(value).code)
+}
+
+impl Sample {
+    fn of_crate(self) -> converter::Sample {
+        converter::Sample {
+            value: self.value,
+            code: self.code,
+        }
+    }
+}
+
+impl Reading {
+    /// 0 V on both channels: what C does not fill in is no measurement.
+    pub(crate) const NONE: Self = {
+        let missing = Sample {
+            value: f32::NAN,
+            code: converter::MIDSCALE,
+        };
+        Self {
+            displacement: missing,
+            force: missing,
+            controls: [0.0; MD_CONTROLS],
+        }
+    };
+
+    #[inline(always)]
+    pub(crate) fn of_crate(&self) -> mesh_damper::rig::Reading {
+        mesh_damper::rig::Reading {
+            displacement: self.displacement.of_crate(),
+            force: self.force.of_crate(),
+            controls: self.controls,
+        }
+    }
+}
+
+/// The wiring that C points to.
+///
+/// # Safety
+/// `wiring` is null or points to one.
+pub(crate) unsafe fn wiring(wiring: *const Wiring) -> Result<mesh_damper::rig::Wiring, Error> {
+    // SAFETY: as the caller vouches.
+    unsafe {
+        let given = storage::read(wiring)?;
+        let scale = |scale: &Scale| held_const(scale).copied();
+        Ok(mesh_damper::rig::Wiring {
+            displacement: scale(&given.displacement)?,
+            force: scale(&given.force)?,
+            command: scale(&given.command)?,
+        })
+    }
+}

@@ -1,0 +1,289 @@
+//! The law with its effects, read from a coefficient pack.
+
+use core::borrow::{Borrow, BorrowMut};
+use core::ptr::NonNull;
+
+use mesh_damper::fast_law::{Adaptation, RunningLaw};
+use mesh_damper::pack::{self, Expectation, Identity, PackError};
+use mesh_damper::tick_law::TickLaw;
+
+use crate::error::{Error, Problem, answer, code};
+use crate::storage::{self, Storage, assert_fits, held};
+
+/// Most effects of a law.
+pub const MD_EFFECTS: usize = 8;
+/// Control inputs of a damper.
+pub const MD_CONTROLS: usize = 4;
+/// Bytes of an identity.
+pub const MD_IDENTITY: usize = 8;
+
+/// Bytes of `md_law`.
+#[cfg(target_pointer_width = "32")]
+pub const MD_LAW_SIZE: usize = 7808;
+/// Bytes of `md_law`.
+#[cfg(target_pointer_width = "64")]
+pub const MD_LAW_SIZE: usize = 7872;
+/// Alignment of `md_law`, bytes.
+pub const MD_LAW_ALIGN: usize = 8;
+
+/// Memory of a law: the mixed damping law k1*y + k3*y^3 + c*|v|^alpha*sgn v with up to MD_EFFECTS effects, what these remember, and
+/// another law that waits. `md_law_init` fills it. It stays where it is: do not copy it.
+#[repr(C, align(8))]
+pub struct Law {
+    storage: [u8; MD_LAW_SIZE],
+}
+
+/// cbindgen:ignore
+pub(crate) type Running = RunningLaw<MD_EFFECTS>;
+
+// SAFETY: the assertion below.
+unsafe impl Storage for Law {
+    type Inner = Running;
+    const TAG: u32 = u32::from_le_bytes(*b"law1");
+}
+const _: () = assert_fits::<Law>();
+const _: () = assert!(MD_CONTROLS == mesh_damper::effects::CONTROLS);
+const _: () = assert!(MD_IDENTITY == size_of::<Identity>());
+
+/// One tick of motion as the law sees it. What is not known stays 0.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Motion {
+    /// Displacement, mm; limited to -1e4...1e4, and NaN counts as 0.
+    pub displacement: f32,
+    /// Velocity, mm/s; limited to -1e6...1e6, and NaN counts as 0.
+    pub velocity: f32,
+    /// Acceleration, mm/s^2; limited to -1e9...1e9, and NaN counts as 0.
+    pub acceleration: f32,
+    /// Cycles since the test began, the current one's fraction included.
+    pub cycles: f32,
+    /// Temperature of the specimen, degrees Celsius. A constant where nothing measures it.
+    pub temperature: f32,
+    /// Control inputs in the units of the effects that depend on them, such as a current in A; 0 where there is none.
+    pub controls: [f32; MD_CONTROLS],
+}
+
+/// What a load requires of a pack. Nothing where all is 0.
+#[repr(C)]
+pub struct Expected {
+    /// Ticks per second, Hz: the rate at which the law will be called. 0 where any rate is accepted: the effects of a pack are right
+    /// at one rate only.
+    pub tick_rate: f32,
+    /// Which model it is of, MD_IDENTITY bytes; null where any model is accepted.
+    pub identity: *const u8,
+    /// The revision has to be above this; null where any revision is accepted.
+    pub newer_than: *const u32,
+}
+
+/// # Safety
+/// As [`md_law_init`].
+unsafe fn expectation(expected: *const Expected) -> Result<Expectation, Error> {
+    // SAFETY: as the caller vouches, here and below.
+    let asked = unsafe { storage::read(expected) }?;
+    let identity = if asked.identity.is_null() {
+        None
+    } else {
+        let bytes: &[u8; MD_IDENTITY] = unsafe { storage::read(asked.identity.cast()) }?;
+        Some(Identity(*bytes))
+    };
+    let newer_than = if asked.newer_than.is_null() {
+        None
+    } else {
+        Some(*unsafe { storage::read(asked.newer_than) }?)
+    };
+    Ok(Expectation {
+        tick_rate: (asked.tick_rate != 0.0).then_some(asked.tick_rate),
+        identity,
+        newer_than,
+    })
+}
+
+/// # Safety
+/// As [`md_law_init`].
+unsafe fn swap(
+    law: &mut Running,
+    pack: *const u8,
+    length: usize,
+    expected: *const Expected,
+) -> Result<(), Problem> {
+    // SAFETY: as the caller vouches.
+    let (pack, expected) = unsafe { (storage::slice(pack, length)?, expectation(expected)?) };
+    law.swap_with(|slot| pack::decode(pack, slot, &expected).map(|_| ()))
+        .map_err(|error: PackError| error.into())
+}
+
+/// Reads the law of a pack into `law`, its effects at rest. Where the pack is refused the law gives no force.
+///
+/// * `pack`: `length` bytes, as `hil export` writes them
+/// * `expected`: what the pack has to be
+/// * `problem`: gets what exactly is refused; may be null
+///
+/// Returns MD_ERROR_NONE, or MD_ERROR_NULL, MD_ERROR_MISALIGNED, an MD_ERROR_PACK_..., or the code of a field in the pack that is
+/// out of its range.
+///
+/// # Safety
+/// Each pointer is null or points to what its type says; `pack` points to `length` bytes.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn md_law_init(
+    law: *mut Law,
+    pack: *const u8,
+    length: usize,
+    expected: *const Expected,
+    problem: *mut Problem,
+) -> Error {
+    // SAFETY: as the caller vouches.
+    unsafe {
+        let filled = storage::initialize(law, || Ok(Running::empty())).and_then(|()| {
+            let law = held(law)?;
+            swap(law, pack, length, expected)?;
+            law.boundary();
+            Ok(())
+        });
+        answer(filled, problem)
+    }
+}
+
+/// Reads the law of another pack beside the one in force. It takes over with the next `md_law_boundary`, or at the end of a cycle of
+/// the emulation or the rig that has `law`. Where the pack is refused no law waits, and the one in force stays. What the effects
+/// remember is kept where both laws have the same kinds of effects in the same order.
+///
+/// Parameters and returned codes are those of `md_law_init`, and MD_ERROR_NOT_INITIALIZED. Call it between two ticks, not from an
+/// interrupt that may come within one.
+///
+/// # Safety
+/// As `md_law_init`.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn md_law_load(
+    law: *mut Law,
+    pack: *const u8,
+    length: usize,
+    expected: *const Expected,
+    problem: *mut Problem,
+) -> Error {
+    // SAFETY: as the caller vouches.
+    unsafe {
+        let loaded = held(law)
+            .map_err(Problem::from)
+            .and_then(|law| swap(law, pack, length, expected));
+        answer(loaded, problem)
+    }
+}
+
+/// A cycle has ended: the law that waits takes over. Returns whether one did. A law that is null or not initialised has none.
+///
+/// # Safety
+/// `law` is null or points to an `md_law`.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn md_law_boundary(law: *mut Law) -> bool {
+    // SAFETY: as the caller vouches.
+    unsafe { held(law) }.is_ok_and(RunningLaw::boundary)
+}
+
+/// Puts all effects to rest, as before the first tick. Returns MD_ERROR_NONE, MD_ERROR_NULL, MD_ERROR_MISALIGNED or
+/// MD_ERROR_NOT_INITIALIZED.
+///
+/// # Safety
+/// `law` is null or points to an `md_law`.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn md_law_rest(law: *mut Law) -> Error {
+    // SAFETY: as the caller vouches.
+    code(unsafe { held(law) }.map(RunningLaw::rest))
+}
+
+/// The force of this tick, kN: the mixed damping law's and every effect's. Call it once per tick, in order, at the pack's tick rate.
+/// It cannot fail, and is finite for every motion. It is 0 for a pointer that is null or misaligned, and for a law that is not
+/// initialised or whose pack was refused.
+///
+/// # Safety
+/// Each pointer is null or points to what its type says.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn md_law_force(law: *mut Law, motion: *const Motion) -> f32 {
+    // One after the other: a pair of both results takes seven instructions more.
+    // SAFETY: as the caller vouches, of both.
+    let Ok(law) = (unsafe { held(law) }) else {
+        return 0.0;
+    };
+    let Ok(motion) = (unsafe { storage::read(motion) }) else {
+        return 0.0;
+    };
+    law.force(&motion.of_crate())
+}
+
+impl Motion {
+    #[inline(always)]
+    fn of_crate(&self) -> mesh_damper::effects::Motion<f32> {
+        mesh_damper::effects::Motion {
+            displacement: self.displacement,
+            velocity: self.velocity,
+            acceleration: self.acceleration,
+            cycles: self.cycles,
+            temperature: self.temperature,
+            controls: self.controls,
+        }
+    }
+}
+
+/// A law that C owns and a controller calls. C may load another law into it between two ticks, so that no reference to it lives
+/// longer than a call.
+#[derive(Debug)]
+pub(crate) struct SharedLaw(NonNull<Running>);
+
+impl SharedLaw {
+    /// # Safety
+    /// As [`held`]; the memory outlives this.
+    pub(crate) unsafe fn of(law: *mut Law) -> Result<Self, Error> {
+        // SAFETY: as the caller vouches.
+        unsafe { held(law) }.map(|law| Self(NonNull::from(law)))
+    }
+}
+
+impl SharedLaw {
+    #[inline(always)]
+    fn law(&self) -> &Running {
+        // SAFETY: it was initialised, stays where it is, and nothing else uses it within a call.
+        unsafe { self.0.as_ref() }
+    }
+
+    #[inline(always)]
+    fn law_mut(&mut self) -> &mut Running {
+        // SAFETY: as above.
+        unsafe { self.0.as_mut() }
+    }
+}
+
+impl Borrow<Running> for SharedLaw {
+    #[inline(always)]
+    fn borrow(&self) -> &Running {
+        self.law()
+    }
+}
+
+impl BorrowMut<Running> for SharedLaw {
+    #[inline(always)]
+    fn borrow_mut(&mut self) -> &mut Running {
+        self.law_mut()
+    }
+}
+
+impl TickLaw for SharedLaw {
+    #[inline(always)]
+    fn force(&mut self, motion: &mesh_damper::effects::Motion<f32>) -> f32 {
+        self.law_mut().force(motion)
+    }
+    fn rest(&mut self) {
+        self.law_mut().rest();
+    }
+    #[inline(always)]
+    fn boundary(&mut self) -> bool {
+        self.law_mut().boundary()
+    }
+    fn follow(&mut self, followed: Adaptation) {
+        self.law_mut().follow(followed);
+    }
+    fn followed(&self) -> Adaptation {
+        self.law().followed()
+    }
+    fn parts(&self, motion: &mesh_damper::effects::Motion<f32>) -> [f32; 3] {
+        TickLaw::parts(self.law(), motion)
+    }
+}

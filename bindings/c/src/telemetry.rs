@@ -1,0 +1,303 @@
+//! What a rig and a damper emulation say of each tick.
+
+use core::ffi::{CStr, c_char};
+
+use mesh_damper::health::{Channel, HealthCause};
+use mesh_damper::rig;
+
+use crate::cycle::Cycle;
+
+/// What a controller is doing.
+#[repr(i32)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum State {
+    /// Enable line low, command at 0 or on its way there.
+    Idle = 0,
+    /// Enable line high, command as controlled.
+    Running = 1,
+    /// The programme is over; otherwise as MD_STATE_IDLE.
+    Done = 2,
+    /// Stopped by a trip, until it is cleared; otherwise as MD_STATE_IDLE.
+    Faulted = 3,
+}
+
+/// Why a controller is stopped. The numbers stay as they are.
+#[repr(i32)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum TripCause {
+    /// It is not.
+    None = 0,
+    /// Reading the sensors failed.
+    AdcBus = 1,
+    /// The actuator did not take a command.
+    DacBus = 2,
+    /// The enable line could not be set.
+    EnableLine = 3,
+    /// The displacement channel is at an end of its range.
+    DisplacementClipped = 4,
+    /// The force channel is at an end of its range.
+    ForceClipped = 5,
+    /// The command lies beyond the actuator's range.
+    CommandClipped = 6,
+    /// The measured displacement exceeded its limit.
+    DisplacementLimit = 7,
+    /// The measured force exceeded its limit, or the force that an emulation was about to drive.
+    ForceLimit = 8,
+    /// The measured displacement was further from the demanded one than allowed.
+    TrackingLimit = 9,
+    /// Over a cycle outside the ramps the displacement answered with less than a tenth of the demanded amplitude.
+    NoResponse = 10,
+    /// A force or a command was infinite or NaN.
+    NotFinite = 11,
+    /// The displacement channel is stuck or dropped out.
+    DisplacementLost = 12,
+    /// The force channel is stuck or dropped out.
+    ForceLost = 13,
+    /// Nothing was heard over the link for too long.
+    LinkLost = 14,
+    /// A tick came late, or not at all.
+    TickOverrun = 15,
+    /// A motion asked for more than the rig drives.
+    DemandLimit = 16,
+    /// A cause that this library has no number for.
+    Other = 99,
+}
+
+impl From<rig::TripCause> for TripCause {
+    fn from(cause: rig::TripCause) -> Self {
+        match cause {
+            rig::TripCause::AdcBus => Self::AdcBus,
+            rig::TripCause::DacBus => Self::DacBus,
+            rig::TripCause::EnableLine => Self::EnableLine,
+            rig::TripCause::DisplacementClipped => Self::DisplacementClipped,
+            rig::TripCause::ForceClipped => Self::ForceClipped,
+            rig::TripCause::CommandClipped => Self::CommandClipped,
+            rig::TripCause::DisplacementLimit => Self::DisplacementLimit,
+            rig::TripCause::ForceLimit => Self::ForceLimit,
+            rig::TripCause::TrackingLimit => Self::TrackingLimit,
+            rig::TripCause::NoResponse => Self::NoResponse,
+            rig::TripCause::NotFinite => Self::NotFinite,
+            rig::TripCause::DisplacementLost => Self::DisplacementLost,
+            rig::TripCause::ForceLost => Self::ForceLost,
+            rig::TripCause::LinkLost => Self::LinkLost,
+            rig::TripCause::TickOverrun => Self::TickOverrun,
+            rig::TripCause::DemandLimit => Self::DemandLimit,
+            _ => Self::Other,
+        }
+    }
+}
+
+const TRIPS: [(TripCause, &CStr); 18] = [
+    (TripCause::None, c"MD_TRIP_NONE"),
+    (TripCause::AdcBus, c"MD_TRIP_ADC_BUS"),
+    (TripCause::DacBus, c"MD_TRIP_DAC_BUS"),
+    (TripCause::EnableLine, c"MD_TRIP_ENABLE_LINE"),
+    (
+        TripCause::DisplacementClipped,
+        c"MD_TRIP_DISPLACEMENT_CLIPPED",
+    ),
+    (TripCause::ForceClipped, c"MD_TRIP_FORCE_CLIPPED"),
+    (TripCause::CommandClipped, c"MD_TRIP_COMMAND_CLIPPED"),
+    (TripCause::DisplacementLimit, c"MD_TRIP_DISPLACEMENT_LIMIT"),
+    (TripCause::ForceLimit, c"MD_TRIP_FORCE_LIMIT"),
+    (TripCause::TrackingLimit, c"MD_TRIP_TRACKING_LIMIT"),
+    (TripCause::NoResponse, c"MD_TRIP_NO_RESPONSE"),
+    (TripCause::NotFinite, c"MD_TRIP_NOT_FINITE"),
+    (TripCause::DisplacementLost, c"MD_TRIP_DISPLACEMENT_LOST"),
+    (TripCause::ForceLost, c"MD_TRIP_FORCE_LOST"),
+    (TripCause::LinkLost, c"MD_TRIP_LINK_LOST"),
+    (TripCause::TickOverrun, c"MD_TRIP_TICK_OVERRUN"),
+    (TripCause::DemandLimit, c"MD_TRIP_DEMAND_LIMIT"),
+    (TripCause::Other, c"MD_TRIP_OTHER"),
+];
+
+/// The name of a trip's cause as it stands in this header, such as `"MD_TRIP_FORCE_LIMIT"`; `"?"` for any other number. It ends in
+/// NUL and is never null.
+#[unsafe(no_mangle)]
+pub extern "C" fn md_trip_name(trip: i32) -> *const c_char {
+    let named = TRIPS.iter().find(|(cause, _)| *cause as i32 == trip);
+    named.map_or(c"?", |(_, name)| *name).as_ptr()
+}
+
+/// What the monitor of a rig finds. The numbers are those of the link.
+#[repr(i32)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum HealthEvent {
+    /// Stiffness falls, and energy with it.
+    WireBreakage = 0,
+    /// Energy falls, stiffness stays.
+    FrictionWear = 1,
+    /// A gap opens.
+    Loosening = 2,
+    /// The mean force moved at once.
+    PreloadShift = 3,
+    /// Something moved that none of the others explains.
+    Unexplained = 4,
+    /// Settled after the start: normal.
+    RunIn = 5,
+    /// Moved with the temperature: normal.
+    Temperature = 6,
+    /// The displacement channel shows one value while what it measures moves.
+    DisplacementStuck = 7,
+    /// The force channel does.
+    ForceStuck = 8,
+    /// The displacement channel shows 0 V while what it measures moves.
+    DisplacementDroppedOut = 9,
+    /// The force channel does.
+    ForceDroppedOut = 10,
+    /// The displacement channel stays at one extreme value.
+    DisplacementClipped = 11,
+    /// The force channel does.
+    ForceClipped = 12,
+    /// Single samples of the displacement stand out.
+    DisplacementSpiking = 13,
+    /// Single samples of the force do.
+    ForceSpiking = 14,
+    /// What the displacement channel shows at rest moves.
+    DisplacementDrifting = 15,
+    /// What the force channel shows at rest moves.
+    ForceDrifting = 16,
+    /// The actuator does not reach what is demanded.
+    ActuatorSaturated = 17,
+    /// The actuator is late.
+    ActuatorLagging = 18,
+    /// The actuator stands still.
+    ActuatorDead = 19,
+}
+
+impl From<HealthCause> for HealthEvent {
+    fn from(cause: HealthCause) -> Self {
+        use Channel::{Displacement, Force};
+        match cause {
+            HealthCause::WireBreakage => Self::WireBreakage,
+            HealthCause::FrictionWear => Self::FrictionWear,
+            HealthCause::Loosening => Self::Loosening,
+            HealthCause::PreloadShift => Self::PreloadShift,
+            HealthCause::Unexplained => Self::Unexplained,
+            HealthCause::RunIn => Self::RunIn,
+            HealthCause::Temperature => Self::Temperature,
+            HealthCause::SensorStuck(Displacement) => Self::DisplacementStuck,
+            HealthCause::SensorStuck(Force) => Self::ForceStuck,
+            HealthCause::SensorDroppedOut(Displacement) => Self::DisplacementDroppedOut,
+            HealthCause::SensorDroppedOut(Force) => Self::ForceDroppedOut,
+            HealthCause::SensorClipped(Displacement) => Self::DisplacementClipped,
+            HealthCause::SensorClipped(Force) => Self::ForceClipped,
+            HealthCause::SensorSpiking(Displacement) => Self::DisplacementSpiking,
+            HealthCause::SensorSpiking(Force) => Self::ForceSpiking,
+            HealthCause::SensorDrifting(Displacement) => Self::DisplacementDrifting,
+            HealthCause::SensorDrifting(Force) => Self::ForceDrifting,
+            HealthCause::ActuatorSaturated => Self::ActuatorSaturated,
+            HealthCause::ActuatorLagging => Self::ActuatorLagging,
+            HealthCause::ActuatorDead => Self::ActuatorDead,
+        }
+    }
+}
+
+/// One tick, as a controller saw it.
+#[repr(C)]
+#[derive(Clone, Copy, Debug)]
+pub struct Telemetry {
+    /// Ticks since the initialisation, this one included.
+    pub tick: u64,
+    /// Measured displacement, mm. The last one read, where reading failed.
+    pub displacement: f32,
+    /// Observed velocity, mm/s.
+    pub velocity: f32,
+    /// Measured force, kN. The last one read, where reading failed.
+    pub measured_force: f32,
+    /// Force of the law at the observed motion, kN.
+    pub model_force: f32,
+    /// What the actuator is to drive until the next tick: mm, or kN of an emulation.
+    pub command: f32,
+    /// Block of the programme; 0 of an emulation.
+    pub block: u32,
+    /// Cycles completed.
+    pub cycle: u32,
+    /// Phase of the cycle under way, 2^32 to the cycle.
+    pub phase: u32,
+    /// What it is doing after this tick.
+    pub state: State,
+    /// Why it is stopped, with MD_STATE_FAULTED.
+    pub trip: TripCause,
+    /// Level of the enable line.
+    pub enabled: bool,
+    /// In a ramp of the programme.
+    pub ramp: bool,
+    /// Whether a cycle ended with this tick: the next three fields are of it.
+    pub has_cycle: bool,
+    /// The results of that cycle with the measured force.
+    pub measured: Cycle,
+    /// The same with the law's force.
+    pub model: Cycle,
+    /// RMS of the law's error over the RMS of the measured force.
+    pub nrmse: f32,
+    /// Whether the monitor found something at this tick: `event` and its numbers. Never of an emulation.
+    pub has_event: bool,
+    /// What it found.
+    pub event: HealthEvent,
+    /// By how much what is watched moved.
+    pub event_value: f32,
+    /// By how much it may.
+    pub event_limit: f32,
+}
+
+impl From<rig::State> for State {
+    fn from(state: rig::State) -> Self {
+        match state {
+            rig::State::Idle => Self::Idle,
+            rig::State::Running => Self::Running,
+            rig::State::Done => Self::Done,
+            rig::State::Faulted(_) => Self::Faulted,
+        }
+    }
+}
+
+impl From<&rig::Telemetry> for Telemetry {
+    fn from(seen: &rig::Telemetry) -> Self {
+        let report = seen.report.as_ref();
+        let cycle = |of: fn(&rig::CycleReport) -> &mesh_damper::cycle::Cycle| {
+            report
+                .map(|report| Cycle::from(of(report)))
+                .unwrap_or_default()
+        };
+        let event = seen.event.as_ref();
+        Self {
+            tick: seen.tick,
+            displacement: seen.displacement,
+            velocity: seen.velocity,
+            measured_force: seen.measured_force,
+            model_force: seen.model_force,
+            command: seen.command,
+            block: seen.block as u32,
+            cycle: seen.cycle,
+            phase: seen.phase,
+            state: seen.state.into(),
+            trip: match seen.state {
+                rig::State::Faulted(cause) => cause.into(),
+                _ => TripCause::None,
+            },
+            enabled: seen.to_drive().enabled,
+            ramp: seen.ramp,
+            has_cycle: report.is_some(),
+            measured: cycle(|report| &report.measured),
+            model: cycle(|report| &report.model),
+            nrmse: report.map_or(0.0, |report| report.nrmse),
+            has_event: event.is_some(),
+            event: event.map_or(HealthEvent::Unexplained, |event| event.cause.into()),
+            event_value: event.map_or(0.0, |event| event.value),
+            event_limit: event.map_or(0.0, |event| event.limit),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn numbers_of_events_are_those_of_the_link() {
+        for cause in HealthCause::ALL {
+            assert_eq!(HealthEvent::from(cause) as i32, i32::from(cause.number()));
+        }
+    }
+}

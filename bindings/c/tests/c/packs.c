@@ -1,0 +1,146 @@
+/* A pack that is right is loaded; each that is not has its own error, and never touches the law in force. */
+#include "check.h"
+
+static md_law law;
+
+static const md_motion MOTION = {.displacement = 0.1f, .velocity = 2.0f, .temperature = 20.0f};
+
+/* Loading `length` bytes of `pack` is refused with `error`, and the law in force gives the same force as before. */
+static void is_refused(const uint8_t *pack, size_t length, const md_expected *expected, md_error error, md_problem *problem)
+{
+    md_law fresh;
+    CHECK(md_law_init(&fresh, pack, length, expected, NULL) == error);
+    CHECK(md_law_force(&fresh, &MOTION) == 0.0f);
+    const float before = md_law_force(&law, &MOTION);
+    CHECK(before != 0.0f);
+    CHECK(md_law_load(&law, pack, length, expected, problem) == error);
+    CHECK(problem->error == error);
+    CHECK(!md_law_boundary(&law));
+    CHECK(md_law_force(&law, &MOTION) == before);
+    printf("%s: %s\n", md_error_name(error), md_error_help(error));
+}
+
+static void check_refusals(void)
+{
+    const md_expected right = {.tick_rate = LINEAR_TICK_RATE};
+    uint8_t pack[LINEAR_PACK_LENGTH];
+    md_problem problem;
+
+    is_refused(linear_pack, LINEAR_PACK_LENGTH - 1, &right, MD_ERROR_PACK_LENGTH, &problem);
+    CHECK(problem.value == LINEAR_PACK_LENGTH - 1 && problem.low == LINEAR_PACK_LENGTH && problem.high == LINEAR_PACK_LENGTH);
+
+    const md_expected other_rate = {.tick_rate = 2.0f * LINEAR_TICK_RATE};
+    is_refused(linear_pack, LINEAR_PACK_LENGTH, &other_rate, MD_ERROR_PACK_TICK_RATE, &problem);
+    CHECK(problem.value == LINEAR_TICK_RATE && problem.low == 2.0f * LINEAR_TICK_RATE);
+    CHECK(problem.field_length == strlen("tick_rate") && memcmp(problem.field, "tick_rate", problem.field_length) == 0);
+
+    const md_expected other_model = {.identity = mount_identity};
+    is_refused(linear_pack, LINEAR_PACK_LENGTH, &other_model, MD_ERROR_PACK_IDENTITY, &problem);
+
+    const uint32_t in_force = LINEAR_REVISION;
+    const md_expected newer = {.newer_than = &in_force};
+    is_refused(linear_pack, LINEAR_PACK_LENGTH, &newer, MD_ERROR_PACK_REVISION, &problem);
+    CHECK(problem.value == LINEAR_REVISION && problem.low == LINEAR_REVISION + 1.0);
+
+    /* The version stands behind the four bytes "MDCP". */
+    memcpy(pack, linear_pack, sizeof pack);
+    pack[4]++;
+    is_refused(pack, sizeof pack, &right, MD_ERROR_PACK_VERSION, &problem);
+    CHECK(problem.value == linear_pack[4] + 1.0 && problem.high == linear_pack[4]);
+
+    memcpy(pack, linear_pack, sizeof pack);
+    pack[0] = 'X';
+    is_refused(pack, sizeof pack, &right, MD_ERROR_PACK_MAGIC, &problem);
+
+    for (size_t byte = 8; byte < sizeof pack; byte += 7) {
+        md_law other;
+        memcpy(pack, linear_pack, sizeof pack);
+        pack[byte] ^= 4;
+        CHECK(md_law_init(&other, pack, sizeof pack, &right, NULL) == MD_ERROR_PACK_CHECKSUM);
+    }
+    is_refused(pack, sizeof pack, &right, MD_ERROR_PACK_CHECKSUM, &problem);
+}
+
+static void check_memory(void)
+{
+    static md_law never;
+    const md_expected any = {.tick_rate = 0.0f};
+    md_problem problem;
+    /* What was never initialised gives no force, and says so where it can. */
+    CHECK(md_law_force(&never, &MOTION) == 0.0f);
+    CHECK(md_law_rest(&never) == MD_ERROR_NOT_INITIALIZED);
+    CHECK(md_law_load(&never, linear_pack, LINEAR_PACK_LENGTH, &any, &problem) == MD_ERROR_NOT_INITIALIZED);
+    CHECK(!md_law_boundary(&never));
+
+    CHECK(md_law_force(NULL, &MOTION) == 0.0f && md_law_force(&law, NULL) == 0.0f);
+    CHECK(md_law_init(NULL, linear_pack, LINEAR_PACK_LENGTH, &any, NULL) == MD_ERROR_NULL);
+    CHECK(md_law_init(&never, NULL, LINEAR_PACK_LENGTH, &any, NULL) == MD_ERROR_NULL);
+    CHECK(md_law_init(&never, linear_pack, LINEAR_PACK_LENGTH, NULL, &problem) == MD_ERROR_NULL);
+    CHECK(problem.field == NULL && problem.field_length == 0);
+
+    static uint64_t words[MD_LAW_SIZE / 8 + 2];
+    void *odd = (uint8_t *)words + 1;
+    CHECK(md_law_init(odd, linear_pack, LINEAR_PACK_LENGTH, &any, NULL) == MD_ERROR_MISALIGNED);
+    CHECK(md_law_force(odd, &MOTION) == 0.0f);
+}
+
+static void check_info(void)
+{
+    md_pack_info info;
+    CHECK(md_pack_describe(mount_pack, MOUNT_PACK_LENGTH, &info, NULL) == MD_ERROR_NONE);
+    CHECK(info.tick_rate == MOUNT_TICK_RATE && info.revision == MOUNT_REVISION);
+    CHECK(memcmp(info.identity, mount_identity, MD_IDENTITY) == 0);
+    CHECK(strcmp(info.name, MOUNT_NAME) == 0);
+    CHECK(info.has_range && info.displacement[0] == mount_displacement[0] && info.velocity[1] == mount_velocity[1]);
+    CHECK(!info.has_amplitude && info.has_density && info.density == mount_density);
+    CHECK(md_pack_describe(mount_pack, MOUNT_PACK_LENGTH - 1, &info, NULL) == MD_ERROR_PACK_LENGTH);
+    CHECK(md_pack_describe(NULL, 0, &info, NULL) == MD_ERROR_NULL);
+}
+
+static void check_names(void)
+{
+    CHECK(strcmp(md_error_name(MD_ERROR_NONE), "MD_ERROR_NONE") == 0);
+    CHECK(strcmp(md_error_name(MD_ERROR_OTHER), "MD_ERROR_OTHER") == 0);
+    CHECK(strcmp(md_error_name(-1), "?") == 0 && strcmp(md_error_name(1000), "?") == 0);
+    CHECK(strcmp(md_trip_name(MD_TRIP_DEMAND_LIMIT), "MD_TRIP_DEMAND_LIMIT") == 0);
+    CHECK(strcmp(md_trip_name(-1), "?") == 0);
+    /* All that have a number have a name and a help. */
+    int names = 0;
+    for (int code = 0; code < 100; code++) {
+        if (strcmp(md_error_name(code), "?") != 0) {
+            CHECK(strncmp(md_error_name(code), "MD_ERROR_", 9) == 0 && strlen(md_error_help(code)) > 10);
+            names++;
+        }
+    }
+    CHECK(names == 24);
+}
+
+void check_packs(void)
+{
+    const md_expected expected = {.tick_rate = MOUNT_TICK_RATE, .identity = mount_identity};
+    md_problem problem;
+    CHECK(md_law_init(&law, mount_pack, MOUNT_PACK_LENGTH, &expected, &problem) == MD_ERROR_NONE);
+    CHECK(problem.error == MD_ERROR_NONE);
+    print_bits("force", md_law_force(&law, &MOTION));
+    /* Its slider is stretched now: the force is another one on the way back, and the first one again after a rest. */
+    const md_motion back = {.displacement = 0.05f, .velocity = -2.0f, .temperature = 20.0f};
+    const float followed = md_law_force(&law, &back);
+    CHECK(md_law_rest(&law) == MD_ERROR_NONE);
+    const float rested = md_law_force(&law, &back);
+    CHECK(followed != rested);
+    print_bits("followed", followed);
+    print_bits("rested", rested);
+    check_refusals();
+    check_memory();
+    check_info();
+    check_names();
+
+    /* Another law waits for the end of a cycle. */
+    const float in_force = md_law_force(&law, &MOTION);
+    const md_expected any = {.tick_rate = LINEAR_TICK_RATE};
+    CHECK(md_law_load(&law, linear_pack, LINEAR_PACK_LENGTH, &any, &problem) == MD_ERROR_NONE);
+    CHECK(md_law_force(&law, &MOTION) == in_force);
+    CHECK(md_law_boundary(&law) && !md_law_boundary(&law));
+    CHECK(is_near(md_law_force(&law, &MOTION), K1 * 0.1 + C * 2.0, 1e-6));
+    printf("packs hold\n");
+}

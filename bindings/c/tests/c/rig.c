@@ -1,0 +1,179 @@
+/* The rig, through its callbacks: a start, some cycles, a stop, the end of a programme, and a fault of each callback. */
+#include "check.h"
+
+#define AMPLITUDE 0.1
+#define FREQUENCY 5.0
+
+/* An actuator that is where it was told to be, and a specimen of the rig's own law. */
+struct bench {
+    md_law specimen;
+    float position, before;
+    bool enabled, no_reading, no_drive, no_enable;
+    uint32_t reads, drives;
+};
+
+static struct bench bench;
+static md_law law;
+static md_rig rig;
+static md_wiring wiring;
+static md_telemetry seen;
+
+static bool read_sensors(void *context, md_reading *reading)
+{
+    struct bench *of = context;
+    of->reads++;
+    if (of->no_reading)
+        return false;
+    const md_motion motion = {
+        .displacement = of->position,
+        .velocity = (of->position - of->before) * LINEAR_TICK_RATE,
+        .temperature = 20.0f,
+    };
+    of->before = of->position;
+    const float force = md_law_force(&of->specimen, &motion);
+    reading->displacement = md_scale_decode(&wiring.displacement, 16, md_scale_encode(&wiring.displacement, of->position));
+    reading->force = md_scale_decode(&wiring.force, 16, md_scale_encode(&wiring.force, force));
+    return true;
+}
+
+static bool drive(void *context, float command)
+{
+    struct bench *of = context;
+    of->drives++;
+    if (of->no_drive)
+        return false;
+    of->position = command;
+    return true;
+}
+
+static bool enable(void *context, bool on)
+{
+    struct bench *of = context;
+    if (of->no_enable && on)
+        return false;
+    of->enabled = on;
+    return true;
+}
+
+static void tick(void)
+{
+    CHECK(md_rig_tick(&rig, &seen) == MD_ERROR_NONE);
+    CHECK(bench.enabled == seen.enabled);
+}
+
+/* Ticks until the command is back at 0. */
+static void rest(uint32_t stop_ticks)
+{
+    for (uint32_t i = 0; i < stop_ticks + 2; i++) {
+        tick();
+        CHECK(!bench.enabled);
+    }
+    CHECK(bench.position == 0.0f);
+}
+
+void check_rig(void)
+{
+    md_rig_settings settings;
+    md_problem problem;
+    CHECK(md_rig_defaults(&settings) == MD_ERROR_NONE);
+    settings.stop_ticks = 500;
+    const md_block blocks[] = {
+        {.amplitude = AMPLITUDE, .from = FREQUENCY, .to = FREQUENCY, .cycles = 4},
+        {.amplitude = AMPLITUDE / 2.0, .from = FREQUENCY, .to = 2.0 * FREQUENCY, .cycles = 2},
+    };
+    const md_programme programme = {.tick_rate = LINEAR_TICK_RATE, .ramp_cycles = 1, .blocks = blocks, .count = 2};
+    md_rig_io io = {.context = &bench, .read = read_sensors, .drive = drive, .enable = NULL};
+    wire(&wiring, 0.5);
+    load_linear(&law);
+    load_linear(&bench.specimen);
+    CHECK(md_rig_init(&rig, &settings, &programme, &wiring, &io, &law, &problem) == MD_ERROR_NULL);
+    io.enable = enable;
+    CHECK(md_rig_tick(&rig, &seen) == MD_ERROR_NOT_INITIALIZED && bench.reads == 0);
+    settings.force_limit = -1.0;
+    CHECK(md_rig_init(&rig, &settings, &programme, &wiring, &io, &law, &problem) == MD_ERROR_OUT_OF_RANGE);
+    CHECK(problem.field_length == 11 && memcmp(problem.field, "force_limit", 11) == 0 && problem.value == -1.0);
+    settings.force_limit = 9.0;
+    bench.enabled = true;
+    CHECK(md_rig_init(&rig, &settings, &programme, &wiring, &io, &law, &problem) == MD_ERROR_NONE);
+    CHECK(!bench.enabled);
+    CHECK(md_rig_set_temperature(&rig, 20.0f) == MD_ERROR_NONE);
+    tick();
+
+    /* The whole programme. */
+    CHECK(md_rig_start(&rig, &problem) == MD_ERROR_NONE && bench.enabled);
+    uint32_t cycles = 0;
+    while (tick(), seen.state == MD_STATE_RUNNING) {
+        if (seen.has_cycle && !seen.ramp && seen.block == 0 && seen.cycle > 2) {
+            CHECK(is_near(seen.measured.stiffness, linear_stiffness(FREQUENCY), 1e-2));
+            CHECK(is_near(seen.measured.loss_factor, linear_loss_factor(FREQUENCY), 1e-2));
+            CHECK(is_near(seen.model.loss_factor, linear_loss_factor(FREQUENCY), 1e-2));
+            CHECK(seen.nrmse < 0.05f);
+            print_bits("rig's stiffness", seen.measured.stiffness);
+            print_bits("rig's loss factor", seen.measured.loss_factor);
+            cycles++;
+        }
+    }
+    CHECK(cycles >= 2 && seen.state == MD_STATE_DONE && seen.trip == MD_TRIP_NONE);
+    CHECK(bench.drives == bench.reads && bench.drives == seen.tick);
+    rest(settings.stop_ticks);
+    CHECK(md_rig_clear_events(&rig) == MD_ERROR_NONE);
+
+    /* A stop in the middle of it: the line drops within the call. */
+    CHECK(md_rig_start(&rig, &problem) == MD_ERROR_NONE);
+    for (int i = 0; i < 3000; i++)
+        tick();
+    CHECK(seen.state == MD_STATE_RUNNING && bench.position != 0.0f);
+    CHECK(md_rig_stop(&rig) == MD_ERROR_NONE && !bench.enabled);
+    CHECK(md_rig_start(&rig, &problem) == MD_ERROR_MOVING);
+    rest(settings.stop_ticks);
+    CHECK(seen.state == MD_STATE_IDLE);
+
+    /* No reading: it trips in that tick, and runs again once it was cleared. */
+    CHECK(md_rig_start(&rig, &problem) == MD_ERROR_NONE);
+    bench.no_reading = true;
+    tick();
+    CHECK(seen.state == MD_STATE_FAULTED && seen.trip == MD_TRIP_ADC_BUS && !bench.enabled);
+    bench.no_reading = false;
+    rest(settings.stop_ticks);
+    CHECK(md_rig_start(&rig, &problem) == MD_ERROR_FAULTED && problem.trip == MD_TRIP_ADC_BUS);
+    CHECK(md_rig_clear(&rig, &problem) == MD_ERROR_NONE);
+    CHECK(md_rig_clear(&rig, &problem) == MD_ERROR_NO_FAULT);
+
+    /* An actuator that takes no command, and a line that does not rise. */
+    CHECK(md_rig_start(&rig, &problem) == MD_ERROR_NONE);
+    bench.no_drive = true;
+    tick();
+    CHECK(seen.trip == MD_TRIP_DAC_BUS);
+    bench.no_drive = false;
+    rest(settings.stop_ticks);
+    CHECK(md_rig_clear(&rig, &problem) == MD_ERROR_NONE);
+    bench.no_enable = true;
+    CHECK(md_rig_start(&rig, &problem) == MD_ERROR_FAULTED && problem.trip == MD_TRIP_ENABLE_LINE);
+    bench.no_enable = false;
+    rest(settings.stop_ticks);
+    CHECK(md_rig_clear(&rig, &problem) == MD_ERROR_NONE);
+
+    /* A tick that came late. */
+    CHECK(md_rig_start(&rig, &problem) == MD_ERROR_NONE);
+    CHECK(md_rig_overrun(&rig) == MD_ERROR_NONE && !bench.enabled);
+    CHECK(md_rig_tick(&rig, NULL) == MD_ERROR_NONE);
+    tick();
+    CHECK(seen.trip == MD_TRIP_TICK_OVERRUN);
+
+    /* A force channel that shows 0 V while its specimen is moved: the monitor names it, and the rig stops. */
+    rest(settings.stop_ticks);
+    CHECK(md_rig_clear(&rig, &problem) == MD_ERROR_NONE && md_rig_exchange(&rig) == MD_ERROR_NONE);
+    CHECK(md_rig_start(&rig, &problem) == MD_ERROR_NONE);
+    for (int i = 0; i < 3000; i++)
+        tick();
+    md_expected any = {.tick_rate = 0.0f};
+    uint8_t broken[1] = {0};
+    CHECK(md_law_init(&bench.specimen, broken, 1, &any, NULL) == MD_ERROR_PACK_LENGTH);
+    bool named = false;
+    for (int i = 0; i < 3000 && seen.state == MD_STATE_RUNNING; i++) {
+        tick();
+        named = named || (seen.has_event && seen.event == MD_HEALTH_FORCE_DROPPED_OUT);
+    }
+    CHECK(named && seen.trip == MD_TRIP_FORCE_LOST);
+    printf("rig holds: %s\n", md_trip_name(seen.trip));
+}

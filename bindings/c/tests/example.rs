@@ -1,0 +1,129 @@
+//! The example in C: its law is what the model beside it exports, and in the emulator it prints what the crate computes.
+
+mod build;
+
+use std::fmt::Write as _;
+
+use build::{On, Program, can, declared, example, make, run};
+use mesh_damper::cycle::CycleAccumulator;
+use mesh_damper::effects::Motion;
+use mesh_damper::fast_law::{FastLaw, RunningLaw};
+use mesh_damper::pack::{Expectation, decode};
+use mesh_damper::sine::{Block, Programme, SineGenerator};
+use mesh_damper_model::export::{Export, ExportSettings};
+use mesh_damper_model::file::ModelFile;
+
+fn export() -> Export {
+    let model = ModelFile::read(example().join("model.json")).unwrap();
+    Export::new(&model, &ExportSettings::at(10_000.0, "mount")).unwrap()
+}
+
+#[test]
+fn the_law_in_the_tree_is_what_its_model_exports() {
+    for (file, written) in ["mount.h", "mount.c"]
+        .into_iter()
+        .zip(export().c("mount").unwrap())
+    {
+        let there = std::fs::read_to_string(example().join(file)).unwrap();
+        assert!(
+            there == written,
+            "examples/c/{file}: the command in its Makefile writes it again"
+        );
+    }
+}
+
+/// What the example does, by the crate.
+fn expected() -> String {
+    let mut law = FastLaw::<8>::EMPTY;
+    decode(
+        &export().pack().unwrap(),
+        &mut law,
+        &Expectation::at(10_000.0),
+    )
+    .unwrap();
+    let mut law = RunningLaw::new(law);
+    let programme = Programme::<1>::new(10_000.0, 1).unwrap();
+    let programme = programme.with(Block::sine(0.1, 5.0, 3).unwrap()).unwrap();
+    let mut sine = SineGenerator::new(programme).unwrap();
+    let mut cycles = CycleAccumulator::new();
+    let mut said = String::from("mount at 10000 Hz\n");
+    loop {
+        let now = sine.tick();
+        if now.done {
+            break;
+        }
+        let force = law.force(&Motion {
+            displacement: now.displacement,
+            velocity: now.velocity,
+            acceleration: now.acceleration,
+            temperature: 20.0,
+            ..Motion::default()
+        });
+        if let Some([cycle]) = cycles.update(now.displacement, [force], now.phase) {
+            let (stiffness, loss_factor) = (cycle.stiffness, cycle.loss_factor);
+            writeln!(
+                said,
+                "cycle {}: stiffness {stiffness:.4} kN/mm, loss factor {loss_factor:.4}",
+                now.cycle
+            )
+            .unwrap();
+        }
+    }
+    said + "0 ticks late, 0 cycles lost\n"
+}
+
+#[test]
+fn it_prints_in_the_emulator_what_the_crate_computes() {
+    if !can(On::Emulator) {
+        return;
+    }
+    let folder = tempfile::tempdir().unwrap();
+    let said = run(make(&example())
+        .arg("run")
+        .arg(format!("BUILD={}", folder.path().display())));
+    assert_eq!(said, expected());
+    assert!(said.lines().count() >= 5, "{said}");
+}
+
+/// The program of the page, in its first block of C, prints the force that the page says.
+#[test]
+fn the_pages_program_gives_the_force_that_the_page_says() {
+    if !can(On::Host) {
+        return;
+    }
+    let page = std::fs::read_to_string(example().join("../../docs/c.md")).unwrap();
+    let (_, after) = page.split_once("```c\n").unwrap();
+    let (program, _) = after.split_once("```\n").unwrap();
+    let folder = tempfile::tempdir().unwrap();
+    let source = folder.path().join("main.c");
+    std::fs::write(&source, program).unwrap();
+    for file in ["mount.h", "mount.c"] {
+        std::fs::copy(example().join(file), folder.path().join(file)).unwrap();
+    }
+    let said = Program {
+        on: On::Host,
+        folder: folder.path(),
+        sources: &[source],
+        packs: &["mount"],
+        map: None,
+    }
+    .run();
+    assert!(
+        page.contains(&format!("It prints `{}`", said.trim())),
+        "{said}"
+    );
+}
+
+/// The page names every function of the header.
+#[test]
+fn the_page_has_every_function() {
+    let page = std::fs::read_to_string(example().join("../../docs/c.md")).unwrap();
+    let functions = declared();
+    assert!(functions.len() > 30, "{functions:?}");
+    for function in functions {
+        assert!(
+            page.contains(&format!("`{function}`")),
+            "docs/c.md lacks {function}"
+        );
+    }
+}
