@@ -1,89 +1,142 @@
-//! The force of a metal mesh from a timer interrupt of an STM32F405, 10 000 times a second.
+//! A damper in a timer interrupt of an STM32F405: motion in, the law's force out, 10 000 times a second.
 //!
-//! A sine of 0.1 mm at 1 Hz moves a mesh of 3 g/cm³. Its force leaves on the DAC (PA4), stiffness and loss factor of each
-//! cycle on USART2 (PA2, 115 200 baud).
+//! Displacement (PA0) and force (PA1) come in through the chip's ADC. The force of the law goes out through an AD5761R on SPI1, and
+//! PB1 enables the actuator. USART2 (PA2, 115 200 baud) says what each cycle's stiffness and loss factor are.
 #![no_std]
 #![no_main]
 
-mod simulation;
+mod on_chip;
 
 use core::cell::{Cell, RefCell};
 use core::fmt::Write as _;
-use core::sync::atomic::{AtomicU32, Ordering};
 
 use cortex_m::asm::wfi;
 use cortex_m_rt::entry;
 use critical_section::Mutex;
-use mesh_damper::cycle::Cycle;
+use embedded_hal_bus::spi::{ExclusiveDevice, NoDelay};
+use mesh_damper::amplitude_independent::{self, Effects};
+use mesh_damper::converter::Scale;
+use mesh_damper::dac::{Ad5761, SPI_MODE};
+use mesh_damper::rig::{
+    CycleReport, DamperEmulation, DamperEmulationSettings, EmulationController, SpiActuator, State,
+    TripCause, Wiring,
+};
+use mesh_damper::static_law::StaticLaw;
 use panic_halt as _;
-use stm32f4xx_hal::dac::{C1, DacOut, DacPin};
-use stm32f4xx_hal::pac::{NVIC, Peripherals, TIM2, interrupt};
+use stm32f4xx_hal::gpio::{Output, PA4, PB1};
+use stm32f4xx_hal::pac::{NVIC, Peripherals, SPI1, TIM2, interrupt};
 use stm32f4xx_hal::prelude::*;
 use stm32f4xx_hal::rcc::Config;
+use stm32f4xx_hal::spi::Spi;
 use stm32f4xx_hal::timer::{CounterHz, Event, Flag};
 
-use simulation::{Simulation, TICK_RATE};
+use on_chip::OnChip;
 
-/// Force at which the DAC's 12 bits end, kN. 0 kN is at their middle.
-const FULL_SCALE: f32 = 0.25;
+/// Ticks per second.
+const TICK_RATE: u32 = 10_000;
+/// Density of the mesh, g/cm³.
+const DENSITY: f32 = 3.0;
+/// Displacement at either end of the ADC's range, mm.
+const TRAVEL: f64 = 0.5;
+/// Force at either end of the ADC's range and of the DAC's, kN.
+const FORCE: f64 = 5.0;
+
+/// 4 KiB, most of it the table of |v|^α. It stays in a static and is filled there.
+type DamperLaw = StaticLaw<Effects>;
+type Dac = ExclusiveDevice<Spi<SPI1>, PA4<Output>, NoDelay>;
+type Damper = DamperEmulation<OnChip, SpiActuator<Dac, PB1<Output>>, &'static mut DamperLaw>;
 
 /// What the interrupt works with.
 struct Tick {
     timer: CounterHz<TIM2>,
-    dac: C1,
-    simulation: Simulation,
+    damper: Damper,
 }
 
 /// From `main` to the interrupt, which takes it at the first tick and owns it from then on.
 static HANDED_OVER: Mutex<RefCell<Option<Tick>>> = Mutex::new(RefCell::new(None));
-
 /// The last complete cycle, from the interrupt to `main`.
-static COMPLETED: Mutex<Cell<Option<Cycle>>> = Mutex::new(Cell::new(None));
-
-/// Ticks that were not over when the next one was due.
-static OVERRUNS: AtomicU32 = AtomicU32::new(0);
+static COMPLETED: Mutex<Cell<Option<CycleReport>>> = Mutex::new(Cell::new(None));
+/// What stopped the damper, from the interrupt to `main`.
+static TRIPPED: Mutex<Cell<Option<TripCause>>> = Mutex::new(Cell::new(None));
 
 #[entry]
 fn main() -> ! {
+    static mut LAW: DamperLaw = DamperLaw::empty();
+
     let peripherals = Peripherals::take().expect("main runs once");
     // The internal oscillator is on every board, and within 1 %. A crystal of 8 MHz: `Config::hse(8.MHz())`.
     let mut rcc = peripherals.RCC.freeze(Config::hsi().sysclk(168.MHz()));
-    let pins = peripherals.GPIOA.split(&mut rcc);
+    let a = peripherals.GPIOA.split(&mut rcc);
+    let b = peripherals.GPIOB.split(&mut rcc);
     let mut serial = peripherals
         .USART2
-        .tx(pins.pa2, 115_200.bps(), &mut rcc)
+        .tx(a.pa2, 115_200.bps(), &mut rcc)
         .expect("the clock divides to this baud rate");
-    let mut dac = peripherals.DAC.constrain(pins.pa4.into_analog(), &mut rcc);
-    dac.enable();
+
+    let scale = |full_scale| Scale::new(full_scale, 0.0).expect("the full scale is in range");
+    let wiring = Wiring {
+        displacement: scale(TRAVEL),
+        force: scale(FORCE),
+        command: scale(FORCE),
+    };
+    let sensors = OnChip::new(
+        peripherals.ADC1,
+        (a.pa0.into_analog(), wiring.displacement),
+        (a.pa1.into_analog(), wiring.force),
+        &mut rcc,
+    );
+    let pins = (Some(a.pa5), Some(a.pa6), Some(a.pa7));
+    let bus = peripherals.SPI1.spi(pins, SPI_MODE, 21.MHz(), &mut rcc);
+    let Ok(bus) = ExclusiveDevice::new_no_delay(bus, a.pa4.into_push_pull_output());
+    let dac = Ad5761::new(bus, wiring.command).expect("an AD5761R is connected");
+    let actuator = SpiActuator::new(dac, b.pb1.into_push_pull_output());
+
+    let (law, effects) = amplitude_independent::parts(DENSITY).expect("the density is in range");
+    LAW.set(law, effects);
+    let settings = DamperEmulationSettings {
+        tick_rate: TICK_RATE.into(),
+        ..DamperEmulationSettings::default()
+    };
+    let controller = EmulationController::new(&settings, &wiring, LAW);
+    let controller = controller.expect("the settings are in range");
+    let mut damper = Damper::wire(controller, sensors, actuator);
+
     let mut timer = peripherals.TIM2.counter_hz(&mut rcc);
     timer.listen(Event::Update);
     timer
         .start(TICK_RATE.Hz())
         .expect("the timer divides its clock to this rate");
-    let tick = Tick {
-        timer,
-        dac,
-        simulation: Simulation::new().expect("the constants are in range"),
-    };
-    critical_section::with(|section| HANDED_OVER.replace(section, Some(tick)));
+    // Last, so that nothing panics while the actuator is enabled.
+    damper.start().expect("the enable line rises");
+    critical_section::with(|section| {
+        HANDED_OVER.replace(section, Some(Tick { timer, damper }));
+    });
     // SAFETY: no critical section is open that this would break.
     unsafe { NVIC::unmask(interrupt::TIM2) };
+
+    let mut stopped = false;
     loop {
         wfi();
-        let completed = critical_section::with(|section| COMPLETED.borrow(section).take());
-        if let Some(cycle) = completed {
-            let overruns = OVERRUNS.load(Ordering::Relaxed);
-            // A transmitter has no errors to report.
+        // A transmitter has no errors to report.
+        if let Some(report) = critical_section::with(|section| COMPLETED.borrow(section).take()) {
             let _ = writeln!(
                 serial,
-                "{:.4} kN/mm, loss factor {:.4}, {overruns} overruns\r",
-                cycle.stiffness, cycle.loss_factor
+                "cycle {}: {:.4} kN/mm, loss factor {:.4}, {:.4} mm\r",
+                report.cycle,
+                report.model.stiffness,
+                report.model.loss_factor,
+                report.model.amplitude
             );
+        }
+        let tripped = critical_section::with(|section| TRIPPED.borrow(section).get());
+        if let (Some(cause), false) = (tripped, stopped) {
+            stopped = true;
+            let _ = writeln!(serial, "stopped: {cause:?}\r");
         }
     }
 }
 
-/// One tick. Must be over within 100 µs, when the next one is due.
+/// One tick. Must be over within 100 µs, when the next one is due: one that is not stops the damper.
 #[interrupt]
 fn TIM2() {
     static mut TICK: Option<Tick> = None;
@@ -91,20 +144,20 @@ fn TIM2() {
     if TICK.is_none() {
         *TICK = critical_section::with(|section| HANDED_OVER.take(section));
     }
-    let Some(tick) = TICK else { return };
-    tick.timer.clear_flags(Flag::Update);
-    let (force, completed) = tick.simulation.tick();
-    tick.dac.set_value(code(force));
-    if let Some(cycle) = completed {
-        critical_section::with(|section| COMPLETED.borrow(section).set(Some(cycle)));
+    let Some(Tick { timer, damper }) = TICK else {
+        return;
+    };
+    timer.clear_flags(Flag::Update);
+    let seen = damper.tick();
+    critical_section::with(|section| {
+        if seen.report.is_some() {
+            COMPLETED.borrow(section).set(seen.report);
+        }
+        if let State::Faulted(cause) = seen.state {
+            TRIPPED.borrow(section).set(Some(cause));
+        }
+    });
+    if timer.flags().contains(Flag::Update) {
+        damper.overrun();
     }
-    if tick.timer.flags().contains(Flag::Update) {
-        OVERRUNS.fetch_add(1, Ordering::Relaxed);
-    }
-}
-
-/// The DAC's code for a force in kN, at most at either end of its scale.
-fn code(force: f32) -> u16 {
-    // The conversion saturates below at 0.
-    ((2048.0 + force / FULL_SCALE * 2047.0) as u16).min(4095)
 }

@@ -16,7 +16,7 @@ use mesh_damper::sine::{Block, Programme, SineGenerator};
 use mesh_damper::static_law::StaticLaw;
 
 use super::call::stack_of;
-use super::say;
+use super::{PACK, say};
 use crate::board::{Board, Converters as _};
 
 type DamperLaw = StaticLaw<Effects>;
@@ -50,13 +50,15 @@ pub fn constructors<B: Board>(link: &mut B::Link) -> Option<()> {
         Some(())
     })?;
     named("RunningLaw::swap_with, pack::decode", &mut || {
-        let refused =
-            running.swap_with(|slot| pack::decode(black_box(&[]), slot, &any).map(|_| ()));
-        refused.err().map(|_| ())
+        running
+            .swap_with(|slot| pack::decode(black_box(PACK), slot, &any).map(|_| ()))
+            .ok()
     })?;
-    named("Upload::finish", &mut || {
-        let refused = running.swap_with(|slot| upload.finish(slot, &any).map(|_| ()));
-        refused.err().map(|_| ())
+    named("Upload::part, Upload::finish", &mut || {
+        upload.part(0, black_box(PACK)).ok()?;
+        running
+            .swap_with(|slot| upload.finish(slot, &any).map(|_| ()))
+            .ok()
     })?;
     named("Programme::with", &mut || {
         let block = Block::sine(black_box(0.1), 5.0, 2).ok()?;

@@ -6,6 +6,7 @@
 mod call;
 mod constructors;
 mod damper;
+mod one_effect;
 mod running_law;
 mod static_law;
 
@@ -18,11 +19,16 @@ use crate::stack;
 
 pub use constructors::constructors;
 pub use damper::damper;
+pub use one_effect::{one_effect_pack, one_effect_static};
 pub use running_law::running_law;
 pub use static_law::static_law;
 
 /// Ticks of the motion that a use is given.
 const TICKS: u16 = 300;
+
+/// The mixed damping law of 1.2 kN/mm, 30 kN/mm³, 0.1 kN·(s/mm)^0.3 with stick-slip of 1.2 kN/mm and 0.03 mm, for 10 kHz, as
+/// `hil export --format pack` writes it.
+const PACK: &[u8] = include_bytes!("stick_slip.mdcp");
 
 /// The motion of tick `n`: a triangle of 0.1 mm, as the compiler cannot foresee it.
 fn motion(n: u16) -> Motion<f32> {

@@ -58,7 +58,7 @@ const SCALE: [f32; OCTAVES] = [
     0.00078125,
 ];
 
-const SEED: PowerSeed = match PowerSeed::from_parts(OCTAVE, SCALE) {
+pub(super) const SEED: PowerSeed = match PowerSeed::from_parts(OCTAVE, SCALE) {
     Ok(seed) => seed,
     Err(_) => panic!("no seed"),
 };

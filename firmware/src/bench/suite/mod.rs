@@ -6,6 +6,7 @@
 pub mod effects;
 pub mod fixed_point;
 pub mod naive;
+pub mod one_effect;
 pub mod power;
 pub mod rig;
 pub mod tally;
@@ -33,6 +34,7 @@ pub fn cortex_m4f(meter: &mut impl Meter) -> Result<(), Refused> {
     power::run(meter)?;
     tick::run(meter)?;
     effects::run(meter)?;
+    one_effect::run(meter)?;
     rig::run(meter)
 }
 

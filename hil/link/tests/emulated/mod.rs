@@ -1,15 +1,21 @@
 //! Whether this machine can run images. Shared by the tests that do.
 
 use std::io::Write as _;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
+use std::process::Command;
 use std::sync::Once;
 
 use mesh_damper_link::image::{Board, Image, build};
 use mesh_damper_link::lockstep::{Emulator, LogDecoder};
 use mesh_damper_recording::error::InputError;
+use serde_json::Value;
 
 /// `image` built for `board`, or `None` with a line that says what was left out and how to get it. Where `CI` is `true`
 /// nothing may be left out: it fails.
+#[allow(
+    dead_code,
+    reason = "not every test that shares this file runs an image"
+)]
 pub fn image(image: &Image, board: Board) -> Option<PathBuf> {
     match board.check() {
         Ok(()) => Some(build(image, board).unwrap()),
@@ -18,6 +24,39 @@ pub fn image(image: &Image, board: Board) -> Option<PathBuf> {
             None
         }
     }
+}
+
+/// The firmware in `examples/NAME`, which runs on `board`, as [`image`] gives an image. It is built where the gate builds it.
+#[allow(
+    dead_code,
+    reason = "not every test that shares this file runs an example"
+)]
+pub fn example(name: &str, board: Board) -> Option<PathBuf> {
+    if let Err(error) = board.check() {
+        leave_out(&error);
+        return None;
+    }
+    let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("../..");
+    let directory = std::env::var_os("CARGO_TARGET_DIR").unwrap_or_else(|| "target".into());
+    let output = Command::new(env!("CARGO"))
+        // Cargo takes its configuration, and the linker the memory map, from here.
+        .current_dir(root.join("examples").join(name))
+        .args(["build", "--quiet", "--locked", "--release"])
+        .args(["--message-format", "json-render-diagnostics"])
+        .arg("--target-dir")
+        .arg(root.join(directory))
+        // They would take the place of the linker's script.
+        .env_remove("CARGO_ENCODED_RUSTFLAGS")
+        .env_remove("RUSTFLAGS")
+        .output()
+        .unwrap();
+    let said = String::from_utf8_lossy(&output.stderr);
+    assert!(output.status.success(), "examples/{name}: {said}");
+    output
+        .stdout
+        .split(|&byte| byte == b'\n')
+        .filter_map(|line| serde_json::from_slice::<Value>(line).ok())
+        .find_map(|message| Some(PathBuf::from(message.get("executable")?.as_str()?)))
 }
 
 fn leave_out(error: &InputError) {
@@ -35,7 +74,7 @@ fn leave_out(error: &InputError) {
     dead_code,
     reason = "not every test that shares this file runs the firmware"
 )]
-pub fn start(elf: &std::path::Path, board: Board) -> Emulator {
+pub fn start(elf: &Path, board: Board) -> Emulator {
     let bytes = std::fs::read(elf).unwrap();
     let log = LogDecoder::new(&bytes, Box::new(|_| {})).unwrap();
     Emulator::start(elf, board, log).unwrap()

@@ -10,6 +10,8 @@ use super::results::Size;
 pub const STATIC_LAW: &str = "static-law";
 /// A law that is read from a pack.
 const RUNNING_LAW: &str = "running-law";
+/// The law with one effect: its type names it, or it is read from a pack.
+const ONE_EFFECT: [&str; 2] = ["one-effect-static", "one-effect-pack"];
 /// The damper of docs/firmware.md.
 pub const DAMPER: &str = "damper";
 /// What targets call to set all up, one after the other: of this image the stack of each counts alone.
@@ -21,7 +23,15 @@ const CONSTRUCTORS: &str = "constructors";
 /// What the compiler or the emulator says, or an image that says something else.
 pub fn measure(core: Core) -> Result<Vec<Size>, InputError> {
     let mut all = Vec::new();
-    for binary in [STATIC_LAW, RUNNING_LAW, DAMPER, CONSTRUCTORS] {
+    let [of_its_type, from_pack] = ONE_EFFECT;
+    for binary in [
+        STATIC_LAW,
+        RUNNING_LAW,
+        of_its_type,
+        from_pack,
+        DAMPER,
+        CONSTRUCTORS,
+    ] {
         let image = Image {
             binary,
             feature: "sizes",

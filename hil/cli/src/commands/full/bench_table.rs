@@ -35,7 +35,7 @@ fn row(
     }
 }
 
-fn sections() -> [Section; 6] {
+fn sections() -> [Section; 7] {
     [
         Section {
             core: Core::CortexM4f,
@@ -77,6 +77,14 @@ fn sections() -> [Section; 6] {
             core: Core::CortexM4f,
             title: "the law with effects",
             rows: effects(),
+        },
+        Section {
+            core: Core::CortexM4f,
+            title: "the law with stick-slip, 1 element",
+            rows: vec![
+                row("one_effect/static", "call", "whose type names it"),
+                row("one_effect/pack", "call", "read from a pack"),
+            ],
         },
         Section {
             core: Core::CortexM4f,

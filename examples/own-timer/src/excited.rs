@@ -1,0 +1,74 @@
+//! A damper's law moved by a sine: what this firmware does in a tick.
+
+use mesh_damper::cycle::{Cycle, CycleAccumulator};
+use mesh_damper::effects::Motion;
+use mesh_damper::error::ConfigError;
+use mesh_damper::sine::{Block, Programme, SineGenerator};
+use mesh_damper::tick_law::TickLaw as _;
+
+use crate::motion::{CYCLES, RAMP_CYCLES, SINES};
+use crate::mount::{self, DamperLaw};
+
+/// Ticks per second.
+pub const TICK_RATE: u32 = 10_000;
+
+/// A cycle that ended.
+#[derive(Clone, Copy)]
+pub struct Ended {
+    /// Which of the sines.
+    pub sine: usize,
+    pub cycle: Cycle,
+}
+
+/// Motion, law and cycles.
+pub struct Excited {
+    generator: SineGenerator<{ SINES.len() }>,
+    law: &'static mut DamperLaw,
+    accumulator: CycleAccumulator<1>,
+    /// Sine of the tick before; none in a ramp.
+    sine: Option<usize>,
+}
+
+impl Excited {
+    /// At rest. `law` is filled where it is.
+    ///
+    /// # Errors
+    /// The number of the motion or of the law that is out of range.
+    pub fn new(law: &'static mut DamperLaw) -> Result<Self, ConfigError> {
+        // Effects hold numbers that are true at one rate only.
+        const { assert!(mount::TICK_RATE == TICK_RATE as f32) };
+        mount::fill(law)?;
+        let mut programme = Programme::new(TICK_RATE.into(), RAMP_CYCLES)?;
+        for sine in SINES {
+            programme = programme.with(Block::sine(sine.amplitude, sine.frequency, CYCLES)?)?;
+        }
+        Ok(Self {
+            generator: SineGenerator::new(programme)?,
+            law,
+            accumulator: CycleAccumulator::new(),
+            sine: None,
+        })
+    }
+
+    /// One tick: the cycle that ended with it, if one did that was in no ramp; none at all once the motion is over.
+    pub fn tick(&mut self) -> Option<Option<Ended>> {
+        let now = self.generator.tick();
+        let force = self.law.force(&Motion {
+            displacement: now.displacement,
+            velocity: now.velocity,
+            acceleration: now.acceleration,
+            ..Motion::default()
+        });
+        let ended = self
+            .accumulator
+            .update(now.displacement, [force], now.phase);
+        // A cycle ends with the first tick of the next one, which may be in a ramp when the cycle was not.
+        let of_now = (!now.ramp && !now.done).then_some(now.block);
+        let sine = core::mem::replace(&mut self.sine, of_now);
+        if now.done && sine.is_none() {
+            return None;
+        }
+        let ended = ended.zip(sine);
+        Some(ended.map(|([cycle], sine)| Ended { sine, cycle }))
+    }
+}

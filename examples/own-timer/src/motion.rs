@@ -1,0 +1,30 @@
+//! The motion: sines of two amplitudes and two frequencies. The test that runs this firmware reads it too.
+
+/// A run of cycles of one sine.
+pub struct Sine {
+    /// mm.
+    pub amplitude: f64,
+    /// Hz.
+    pub frequency: f64,
+}
+
+/// One after the other, with ramps between them.
+pub const SINES: [Sine; 3] = [
+    Sine {
+        amplitude: 0.1,
+        frequency: 5.0,
+    },
+    Sine {
+        amplitude: 0.2,
+        frequency: 5.0,
+    },
+    Sine {
+        amplitude: 0.1,
+        frequency: 10.0,
+    },
+];
+
+/// Cycles of each sine, and of each ramp.
+pub const CYCLES: u32 = 3;
+/// Cycles of the ramps that lead to a sine and from it.
+pub const RAMP_CYCLES: u32 = 1;

@@ -1,0 +1,159 @@
+//! The firmware of `examples/own-timer` in the emulator: it runs at its timer's rate, and nobody asks it for a tick.
+
+mod emulated;
+#[allow(dead_code, reason = "cycles of a ramp are not looked at")]
+#[path = "../../../examples/own-timer/src/motion.rs"]
+mod motion;
+#[rustfmt::skip]
+#[allow(dead_code, reason = "the law's numbers are all that is read of it here")]
+#[path = "../../../examples/own-timer/src/mount.rs"]
+mod mount;
+
+use std::f64::consts::{FRAC_PI_2, PI, TAU};
+use std::process::Stdio;
+use std::sync::OnceLock;
+
+use libm::tgamma;
+use mesh_damper_link::image::Board;
+use motion::{CYCLES, SINES, Sine};
+
+const TICK_RATE: f64 = 10_000.0;
+
+/// What a line of the firmware says of a cycle.
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct Ended {
+    sine: usize,
+    /// kN/mm
+    stiffness: f64,
+    loss_factor: f64,
+    ticks: f64,
+    /// By SysTick, which knows nothing of the timer that gives the ticks.
+    milliseconds: f64,
+    overruns: f64,
+}
+
+impl Ended {
+    fn of(line: &str) -> Self {
+        let is_number = |word: &&str| word.starts_with(|first: char| first.is_ascii_digit());
+        let words = line.split([' ', ',', ':']).filter(is_number);
+        let numbers: Vec<f64> = words.map(|word| word.parse().unwrap()).collect();
+        let [sine, stiffness, loss_factor, ticks, milliseconds, overruns] = numbers[..] else {
+            panic!("the firmware said: {line}");
+        };
+        Self {
+            sine: sine as usize,
+            stiffness,
+            loss_factor,
+            ticks,
+            milliseconds,
+            overruns,
+        }
+    }
+}
+
+/// What the firmware prints where an instruction takes 2^`shift` ns; none, and said so, where this machine cannot run it. It
+/// hears nothing: its standard input is empty, and no serial line is there. While it waits for the next tick the emulator's time
+/// goes straight to that, whatever the host's clock says.
+fn printed(shift: u32) -> Option<String> {
+    let elf = emulated::example("own-timer", Board::NetduinoPlus2)?;
+    let output = Board::NetduinoPlus2
+        .emulator(&elf)
+        .unwrap()
+        .args(["-icount", &format!("shift={shift},sleep=off")])
+        .args(["-semihosting-config", "enable=on,target=native"])
+        .stdin(Stdio::null())
+        .output()
+        .unwrap();
+    let said = String::from_utf8(output.stderr).unwrap();
+    assert!(output.status.success(), "{}: {said}", output.status);
+    Some(String::from_utf8(output.stdout).unwrap())
+}
+
+/// The cycles of one run that all tests share.
+fn cycles() -> Option<Vec<Ended>> {
+    static PRINTED: OnceLock<Option<String>> = OnceLock::new();
+    let printed = PRINTED.get_or_init(|| printed(2)).as_ref()?;
+    Some(printed.lines().map(Ended::of).collect())
+}
+
+/// Stiffness in kN/mm and loss factor of a steady cycle, from the law's equations.
+///
+/// With y = X·sin φ and v = X·ω·cos φ the mixed damping law takes up
+///
+/// ΔW = c·X·(X·ω)^α·∮|cos φ|^(1+α) dφ, where the integral is 2·√π·Γ(1 + α/2)/Γ(3/2 + α/2),
+///
+/// and stick-slip of stiffness k and slip limit s takes up 4·k·s·(X − s). Its force is k·s while it slips, as it does where the force
+/// is largest. Stiffness is half of the force's range over X, and the loss factor ΔW/(π·K·X²).
+fn closed_form(sine: &Sine) -> (f64, f64) {
+    let [k1, k3, c, alpha] = mount::LAW.map(f64::from);
+    let [stiffness, slip_limit] = mount::STICK_SLIP;
+    let amplitude = sine.amplitude;
+    let damping = c * (amplitude * TAU * sine.frequency).powf(alpha);
+    let integral = 2.0 * PI.sqrt() * tgamma(1.0 + alpha / 2.0) / tgamma(1.5 + alpha / 2.0);
+    let energy =
+        damping * amplitude * integral + 4.0 * stiffness * slip_limit * (amplitude - slip_limit);
+    let force = |phase: f64| {
+        let y = amplitude * phase.sin();
+        k1 * y + k3 * y.powi(3) + damping * phase.cos().powf(alpha) + stiffness * slip_limit
+    };
+    // The force rises from 0 to one maximum in this quarter of the cycle.
+    let phases = (0..100_000).map(|step| FRAC_PI_2 * f64::from(step) / 1e5);
+    let largest = phases.map(force).fold(0.0, f64::max);
+    let dynamic_stiffness = largest / amplitude;
+    (
+        dynamic_stiffness,
+        energy / (PI * dynamic_stiffness * amplitude.powi(2)),
+    )
+}
+
+/// With 1000 ticks to the shortest cycle, trapezoids are within (2π/1000)²/6 = 6.6e-6 of the motion's, and extremes within
+/// (π/1000)²/2 = 4.9e-6. f32 adds some 2e-6.
+const TOLERANCE: f64 = 1.5e-5;
+
+#[test]
+fn stiffness_and_loss_factor_of_each_cycle_are_the_laws_closed_form() {
+    let Some(cycles) = cycles() else { return };
+    let of_each = CYCLES as usize;
+    assert_eq!(cycles.len(), of_each * SINES.len());
+    for (index, ended) in cycles.iter().enumerate() {
+        assert_eq!(ended.sine, index / of_each);
+        let (stiffness, loss_factor) = closed_form(&SINES[ended.sine]);
+        let error = |found: f64, expected: f64| (found / expected - 1.0).abs();
+        assert!(
+            error(ended.stiffness, stiffness) < TOLERANCE
+                && error(ended.loss_factor, loss_factor) < TOLERANCE,
+            "{ended:?}, expected {stiffness} kN/mm and {loss_factor}"
+        );
+    }
+    // The sines differ by far more than the tolerance, so that no cycle passes for another sine's.
+    let [(_, a), (_, b), (_, c)] = [0, 1, 2].map(|sine| closed_form(&SINES[sine]));
+    assert!((a - b).abs() > 0.1 && (b - c).abs() > 0.1 && (c - a).abs() > 0.05);
+}
+
+#[test]
+fn ticks_go_on_at_the_timers_rate_while_the_host_is_silent() {
+    let Some(cycles) = cycles() else { return };
+    for ended in &cycles {
+        // SysTick says how many whole milliseconds are over, and both were started within one.
+        let expected = ended.milliseconds * TICK_RATE / 1e3;
+        let ahead = ended.ticks - expected;
+        assert!((-10.0..20.0).contains(&ahead), "{ended:?}: {ahead} ticks");
+        assert_eq!(ended.overruns, 0.0);
+    }
+    // A cycle takes as many ticks as its frequency says.
+    for of_sine in cycles.chunks(CYCLES as usize) {
+        let per_cycle = TICK_RATE / SINES[of_sine[0].sine].frequency;
+        for two in of_sine.windows(2) {
+            assert_eq!(two[1].ticks - two[0].ticks, per_cycle);
+        }
+    }
+    assert!(cycles.last().is_some_and(|last| last.milliseconds > 2000.0));
+}
+
+#[test]
+fn a_run_repeats_to_the_last_digit_and_a_slower_processor_changes_nothing() {
+    let Some(first) = printed(2) else { return };
+    assert_eq!(printed(2), Some(first.clone()));
+    // 32 ns to the instruction, eight times as long: a tick still ends before the next.
+    assert_eq!(printed(5), Some(first));
+}
