@@ -20,11 +20,31 @@ pub struct Ended {
     pub cycle: Cycle,
 }
 
+/// Of the bits of forces, one after the other (FNV-1a): two rows of forces that differ in a bit have different ones.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Checksum(pub u32);
+
+impl Default for Checksum {
+    fn default() -> Self {
+        Self(0x811c_9dc5)
+    }
+}
+
+impl Checksum {
+    /// Adds a force.
+    pub fn add(&mut self, force: f32) {
+        for byte in force.to_le_bytes() {
+            self.0 = (self.0 ^ u32::from(byte)).wrapping_mul(0x0100_0193);
+        }
+    }
+}
+
 /// Motion, law and cycles.
 pub struct Excited {
     generator: SineGenerator<{ SINES.len() }>,
     law: &'static mut DamperLaw,
     accumulator: CycleAccumulator<1>,
+    forces: Checksum,
     /// Sine of the tick before; none in a ramp.
     sine: Option<usize>,
 }
@@ -46,8 +66,14 @@ impl Excited {
             generator: SineGenerator::new(programme)?,
             law,
             accumulator: CycleAccumulator::new(),
+            forces: Checksum::default(),
             sine: None,
         })
+    }
+
+    /// Of all forces so far.
+    pub fn forces(&self) -> Checksum {
+        self.forces
     }
 
     /// One tick: the cycle that ended with it, if one did that was in no ramp; none at all once the motion is over.
@@ -59,6 +85,7 @@ impl Excited {
             acceleration: now.acceleration,
             ..Motion::default()
         });
+        self.forces.add(force);
         let ended = self
             .accumulator
             .update(now.displacement, [force], now.phase);

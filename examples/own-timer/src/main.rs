@@ -43,6 +43,8 @@ static HANDED_OVER: Mutex<RefCell<Option<Tick>>> = Mutex::new(RefCell::new(None)
 /// The last cycle that ended, with the ticks and milliseconds until then; from the interrupt to `main`.
 static ENDED: Mutex<Cell<Option<(Ended, u32, u32)>>> = Mutex::new(Cell::new(None));
 static OVER: AtomicBool = AtomicBool::new(false);
+/// Of all forces, once the motion is over.
+static FORCES: AtomicU32 = AtomicU32::new(0);
 /// Ticks that were not over when the next one was due.
 static OVERRUNS: AtomicU32 = AtomicU32::new(0);
 static MILLISECONDS: AtomicU32 = AtomicU32::new(0);
@@ -85,6 +87,7 @@ fn main() -> ! {
                 OVERRUNS.load(Ordering::Relaxed)
             );
         } else if OVER.load(Ordering::Relaxed) {
+            hprintln!("forces {:08x}", FORCES.load(Ordering::Relaxed));
             debug::exit(debug::EXIT_SUCCESS);
         }
     }
@@ -111,7 +114,10 @@ fn TIM2() {
             critical_section::with(|section| ENDED.borrow(section).set(ended));
         }
         Some(None) => {}
-        None => OVER.store(true, Ordering::Relaxed),
+        None => {
+            FORCES.store(tick.excited.forces().0, Ordering::Relaxed);
+            OVER.store(true, Ordering::Relaxed);
+        }
     }
     if tick.timer.sr().read().uif().bit_is_set() {
         OVERRUNS.fetch_add(1, Ordering::Relaxed);

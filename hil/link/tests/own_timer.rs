@@ -1,11 +1,13 @@
 //! The firmware of `examples/own-timer` in the emulator: it runs at its timer's rate, and nobody asks it for a tick.
 
 mod emulated;
-#[allow(dead_code, reason = "cycles of a ramp are not looked at")]
+#[allow(dead_code, reason = "what ended is read from the firmware here")]
+#[path = "../../../examples/own-timer/src/excited.rs"]
+mod excited;
 #[path = "../../../examples/own-timer/src/motion.rs"]
 mod motion;
 #[rustfmt::skip]
-#[allow(dead_code, reason = "the law's numbers are all that is read of it here")]
+#[allow(dead_code, reason = "nobody asks here which model it is, nor for its operating range")]
 #[path = "../../../examples/own-timer/src/mount.rs"]
 mod mount;
 
@@ -13,9 +15,17 @@ use std::f64::consts::{FRAC_PI_2, PI, TAU};
 use std::process::Stdio;
 use std::sync::OnceLock;
 
+use excited::{Checksum, Excited};
 use libm::tgamma;
+use mesh_damper::effects::Motion;
+use mesh_damper::fast_law::RunningLaw;
+use mesh_damper::pack::{Expectation, decode};
+use mesh_damper::sine::{Block, Programme, SineGenerator};
 use mesh_damper_link::image::Board;
-use motion::{CYCLES, SINES, Sine};
+use mesh_damper_model::MAX_EFFECTS;
+use mesh_damper_model::export::{Export, ExportSettings};
+use mesh_damper_model::file::ModelFile;
+use motion::{CYCLES, RAMP_CYCLES, SINES, Sine};
 
 const TICK_RATE: f64 = 10_000.0;
 
@@ -73,7 +83,8 @@ fn printed(shift: u32) -> Option<String> {
 fn cycles() -> Option<Vec<Ended>> {
     static PRINTED: OnceLock<Option<String>> = OnceLock::new();
     let printed = PRINTED.get_or_init(|| printed(2)).as_ref()?;
-    Some(printed.lines().map(Ended::of).collect())
+    let cycles = printed.lines().filter(|line| line.starts_with("sine"));
+    Some(cycles.map(Ended::of).collect())
 }
 
 /// Stiffness in kN/mm and loss factor of a steady cycle, from the law's equations.
@@ -128,6 +139,50 @@ fn stiffness_and_loss_factor_of_each_cycle_are_the_laws_closed_form() {
     // The sines differ by far more than the tolerance, so that no cycle passes for another sine's.
     let [(_, a), (_, b), (_, c)] = [0, 1, 2].map(|sine| closed_form(&SINES[sine]));
     assert!((a - b).abs() > 0.1 && (b - c).abs() > 0.1 && (c - a).abs() > 0.05);
+}
+
+/// The module's law in the emulator, the same on this machine, and the law of the same model from a pack: every force has the same bits.
+#[test]
+fn every_force_is_that_of_the_same_model_from_a_pack() {
+    let Some(printed) = printed(2) else { return };
+    let last = printed.lines().last().unwrap();
+    let emulated = last.strip_prefix("forces ").unwrap();
+    let emulated = Checksum(u32::from_str_radix(emulated, 16).unwrap());
+
+    let law = Box::leak(Box::new(mount::DamperLaw::empty()));
+    let mut excited = Excited::new(law).unwrap();
+    while excited.tick().is_some() {}
+    assert_eq!(emulated, excited.forces());
+
+    let model = include_bytes!("../../../examples/own-timer/src/mount.json");
+    let model = ModelFile::from_bytes("mount.json", model).unwrap();
+    let export = Export::new(&model, &ExportSettings::at(TICK_RATE, "mount")).unwrap();
+    let (pack, expected) = (export.pack().unwrap(), Expectation::at(TICK_RATE as f32));
+    let mut from_pack = RunningLaw::<MAX_EFFECTS>::empty();
+    let read = from_pack.swap_with(|slot| decode(&pack, slot, &expected).map(|_| ()));
+    read.unwrap();
+    from_pack.boundary();
+    let mut programme = Programme::<{ SINES.len() }>::new(TICK_RATE, RAMP_CYCLES).unwrap();
+    for sine in SINES {
+        let block = Block::sine(sine.amplitude, sine.frequency, CYCLES).unwrap();
+        programme = programme.with(block).unwrap();
+    }
+    let mut generator = SineGenerator::new(programme).unwrap();
+    let mut forces = Checksum::default();
+    // The first tick after the last sine's ramp is the last of the firmware.
+    loop {
+        let now = generator.tick();
+        forces.add(from_pack.force(&Motion {
+            displacement: now.displacement,
+            velocity: now.velocity,
+            acceleration: now.acceleration,
+            ..Motion::default()
+        }));
+        if now.done {
+            break;
+        }
+    }
+    assert_eq!(emulated, forces);
 }
 
 #[test]
