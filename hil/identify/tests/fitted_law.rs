@@ -11,6 +11,7 @@ use mesh_damper_identify::shape::Extent;
 use mesh_damper_identify::solution::Solution;
 use mesh_damper_identify::term::Term;
 use mesh_damper_model::predict::predict;
+use mesh_damper_recording::trajectory::Trajectory;
 
 use hidden::{block, record_at};
 
@@ -83,4 +84,32 @@ fn the_error_of_a_fit_is_that_of_the_law_that_comes_of_it() {
             );
         }
     }
+}
+
+/// A force that grows with the cube of next to no displacement asks for more than the crate takes: the fit ends at what it takes.
+#[test]
+fn a_coefficient_ends_where_the_crate_does() {
+    let time = (0..4000).map(|index| f64::from(index) / 500.0);
+    let phases: Vec<f64> = time.map(|time| std::f64::consts::TAU * time).collect();
+    let displacement: Vec<f64> = phases.iter().map(|phase| 1e-4 * phase.sin()).collect();
+    let force = phases.iter().map(|phase| phase.sin().powi(3)).collect();
+    let trajectories = [Trajectory::new(
+        "tiny",
+        2e-3,
+        &displacement,
+        force,
+        None,
+        None,
+    )];
+    let rows = Rows::gather(
+        &trajectories,
+        BaseLaw::Mixed,
+        vec![1e-4],
+        usize::MAX,
+        |_, _| true,
+    );
+    let extent = Extent::of(&trajectories);
+    let model = Problem::new(&rows, &extent, &[]).solve().model();
+    assert_eq!(model.law[0].k3, 1e9);
+    assert!(predict(&model, &trajectories[0]).is_ok());
 }

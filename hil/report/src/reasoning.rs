@@ -230,7 +230,10 @@ fn longest_bar(shown: &[&Candidate], reference: Option<f64>) -> f64 {
 
 /// What a step added and the law has no more.
 fn dropped(result: &TraceResult) -> Vec<String> {
-    let kept = |family: &str| result.effects.iter().any(|effect| effect.family == family);
+    let kept = |family: &str| {
+        let mut effects = result.effects.iter().chain(&result.unconfirmed);
+        effects.any(|effect| effect.family == family)
+    };
     let mut names: Vec<String> = result
         .candidates
         .iter()
@@ -253,6 +256,9 @@ pub fn concluded(result: &TraceResult) -> Markup {
                 }
             }
             Verdict::Found => {}
+            Verdict::Ambiguous if result.effects.len() == 1 => {
+                p { "It explains the recordings with any value of a parameter that they leave without bounds." }
+            }
             Verdict::Ambiguous => {
                 p {
                     @if result.remainder.is_none() { "Any one of these explains the recordings" }
@@ -287,7 +293,7 @@ pub fn concluded(result: &TraceResult) -> Markup {
             p { "What the law lacked depends on " strong { (text::listed(&result.depends_on)) } "." }
         }
         @if let Some(test) = &result.separating_test {
-            p.test { strong { "The test that would tell them apart: " } (test) }
+            p.test { strong { "The test that would settle it: " } (test) }
         }
     }
 }

@@ -334,7 +334,9 @@ fn what_is_left_beside_rivals_is_said() {
     let mut data = data();
     let result = &mut data.result;
     result.verdict = Verdict::Ambiguous;
-    result.effects_rejected_by = Some(Rule::SaysLess);
+    let (heading, one) = text::verdict(result);
+    assert_eq!(heading, "Ambiguous: stick-slip");
+    assert!(one.contains("a parameter of it without bounds"), "{one}");
     let mut rival = result.effects[0].clone();
     rival.family = "compliance".into();
     result.effects.push(rival);
@@ -357,7 +359,15 @@ fn what_is_left_beside_rivals_is_said() {
     assert!(beside.contains(left), "{beside}");
     let page = render(&data);
     assert!(page.contains("beside which something is left"));
-    assert!(page.contains("explain what was fitted and no more"));
+    let result = &mut data.result;
+    result.verdict = Verdict::Unlisted;
+    result.effects_rejected_by = Some(Rule::SaysLess);
+    let (_, elsewhere) = text::verdict(result);
+    assert!(
+        elsewhere.contains("explain what was fitted, and not what was held out"),
+        "{elsewhere}"
+    );
+    assert!(render(&data).contains("explain what was fitted and no more"));
 }
 
 #[test]

@@ -1,6 +1,7 @@
 //! Numbers and verdicts in plain words.
 
 use mesh_damper_identify::trace::result::{Baseline, Remainder, TraceResult, Verdict};
+use mesh_damper_identify::trace::rule::Rule;
 use mesh_damper_model::Family;
 
 /// `value` to three significant digits, with an exponent only where it is very large or very small.
@@ -114,9 +115,7 @@ pub fn verdict(result: &TraceResult) -> (String, String) {
     if result.adopted && with > WORSE * alone {
         return (
             format!("{heading}; worse than the law alone on what was held out"),
-            format!(
-                "{sentence} Do not use the model there: what was held out lies outside of what was fitted."
-            ),
+            format!("{sentence} Do not use the model there: it was not fitted to such a test."),
         );
     }
     (heading, sentence)
@@ -191,6 +190,10 @@ fn concluded(result: &TraceResult) -> (String, String) {
                 ),
             }
         }
+        Verdict::Ambiguous if named.len() == 1 => (
+            format!("Ambiguous: {}", named.join(" or ")),
+            format!("The recordings leave a parameter of it without bounds. {change}"),
+        ),
         Verdict::Ambiguous => (
             format!("Ambiguous: {}", named.join(" or ")),
             match &result.remainder {
@@ -212,6 +215,13 @@ fn concluded(result: &TraceResult) -> (String, String) {
         Verdict::Unlisted if result.effects.is_empty() => (
             "An effect that is not on the list".into(),
             "The law lacks something, and none of the effects tried explains any of it. Nothing was added.".into(),
+        ),
+        Verdict::Unlisted if result.effects_rejected_by == Some(Rule::SaysLess) => (
+            "An effect that is not on the list".into(),
+            format!(
+                "The nearest effects, {}, explain what was fitted, and not what was held out. They are in the model. {change}",
+                named.join(" and ")
+            ),
         ),
         Verdict::Unlisted => (
             "An effect that is not on the list".into(),

@@ -54,7 +54,7 @@ pub fn print(result: &TraceResult) {
         ));
     }
     if let Some(test) = &result.separating_test {
-        say(&format!("To tell them apart: {test}"));
+        say(&format!("To settle it: {test}"));
     }
     for warning in &result.warnings {
         say(&format!("Note: {warning}"));

@@ -265,7 +265,8 @@ impl<'a> Closing<'a> {
                 .collect(),
             remainder,
             candidates: self.candidates(selection, &found)?,
-            effects_rejected_by: effects_rejected_by.or(says_less.then_some(Rule::SaysLess)),
+            effects_rejected_by: effects_rejected_by
+                .or((says_less && verdict == Verdict::Unlisted).then_some(Rule::SaysLess)),
             table_rejected_by,
             separating_test,
             separating_blocks,

@@ -323,7 +323,7 @@ fn judged_elsewhere<R>(
     rivals: Vec<(Vec<RelativeError>, R)>,
 ) -> (Option<Rule>, Vec<R>) {
     if !gains(without, with) {
-        return (Some(Rule::HelpsNotEverywhere), Vec::new());
+        return (Some(Rule::GainsNothingElsewhere), Vec::new());
     }
     let does_as_well = |left: &[RelativeError]| gains(without, left) && !gains_clearly(left, with);
     let rivals = rivals.into_iter().filter(|(left, _)| does_as_well(left));
@@ -416,7 +416,7 @@ mod tests {
         assert_eq!(say(&with, all.clone()), rivalled);
         // It is confirmed where no rival of it helps as much.
         assert_eq!(say(&with, vec![worse, no_help]), (None, vec![]));
-        let fails = (Some(Rule::HelpsNotEverywhere), vec![]);
+        let fails = (Some(Rule::GainsNothingElsewhere), vec![]);
         assert_eq!(say(&errors(&[0.099, 0.199]), all), fails);
     }
 

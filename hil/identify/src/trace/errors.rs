@@ -55,12 +55,12 @@ impl Closing<'_> {
         held_out: bool,
         [nrmse, times_noise]: [f64; 2],
     ) -> Result<Remainder, ModelError> {
-        let recordings = self.recordings.iter();
-        let trajectories: Vec<&Trajectory> =
-            recordings.map(|(trajectory, _)| *trajectory).collect();
-        let counts = |which: usize, sample: usize| {
-            (self.recordings[which].1[sample] == Role::HeldOut) == held_out
-        };
+        let counts_as = |role: &Role| (*role == Role::HeldOut) == held_out;
+        let some = self.recordings.iter();
+        let some = some.filter(|(_, roles)| roles.iter().any(counts_as));
+        let (trajectories, roles): (Vec<&Trajectory>, Vec<&Vec<Role>>) =
+            some.map(|(trajectory, roles)| (*trajectory, roles)).unzip();
+        let counts = |which: usize, sample: usize| counts_as(&roles[which][sample]);
         let depends_on = depends_on(&trajectories, counts, model)?.into_iter();
         Ok(Remainder {
             nrmse,
@@ -123,8 +123,7 @@ impl Closing<'_> {
         family: Family,
     ) -> Result<f64, ModelError> {
         let rest = solution.without_family(family);
-        let model = self.fit_near(rows, &rest).model();
-        Ok(self.evaluate(&model, predict)?.1.nrmse_held_out)
+        self.held_out(&self.fit_near(rows, &rest).model())
     }
 }
 

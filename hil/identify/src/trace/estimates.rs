@@ -1,6 +1,5 @@
 //! What `trace.json` says of a law: its coefficients, its effects, and all that was tried.
 
-use mesh_damper_model::predict::predict;
 use mesh_damper_model::{Family, Model, ModelError, parameter_unit};
 use rayon::prelude::*;
 
@@ -69,7 +68,7 @@ impl Closing<'_> {
         for (family, law) in rivals.laws.iter().skip(1) {
             let solution = self.fit_near(rows, law);
             let uncertainty = Uncertainty::of(rows, self.extent(), &solution);
-            let with = self.evaluate(&solution.model(), predict)?.1.nrmse_held_out;
+            let with = self.held_out(&solution.model())?;
             let of_family = |effect: &FoundEffect| effect.family == family.name();
             effects.extend(
                 self.effects(rows, &solution, &uncertainty, with)?

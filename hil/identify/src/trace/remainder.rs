@@ -1,7 +1,5 @@
 //! What a law leaves, and what that depends on.
 
-use std::borrow::Borrow;
-
 use mesh_damper_model::predict::predict;
 use mesh_damper_model::{Model, ModelError};
 use mesh_damper_recording::cycles::{FoundBlock, levels, same_amplitude};
@@ -35,7 +33,7 @@ struct Sample {
 /// displacement and velocity each alone; of amplitude and frequency what they explain beyond both; what the two do not explain within a block is
 /// the history's, or where it changes from one cycle to the next, the time's.
 pub(super) fn depends_on(
-    trajectories: &[impl Borrow<Trajectory>],
+    trajectories: &[&Trajectory],
     counts: impl Fn(usize, usize) -> bool,
     model: &Model,
 ) -> Result<Vec<&'static str>, ModelError> {
@@ -67,11 +65,11 @@ pub(super) fn depends_on(
 
 /// Those that count and are telling, and the energy of their noise.
 fn samples(
-    trajectories: &[impl Borrow<Trajectory>],
-    counts: impl Fn(usize, usize) -> bool,
+    trajectories: &[&Trajectory],
+    counts: &impl Fn(usize, usize) -> bool,
     model: &Model,
 ) -> Result<(Vec<Sample>, f64), ModelError> {
-    let blocks = || trajectories.iter().flat_map(|one| &one.borrow().blocks);
+    let blocks = || trajectories.iter().flat_map(|one| &one.blocks);
     let amplitudes = levels(blocks().map(|block| block.amplitude));
     let frequencies = levels(blocks().map(|block| block.frequency));
     let level = |levels: &[f64], value: f64| {
@@ -80,8 +78,13 @@ fn samples(
             .unwrap_or(levels.len())
     };
     let largest = |of: fn(&Trajectory) -> &[f64]| {
-        let each = trajectories.iter().flat_map(|one| of(one.borrow()));
-        each.fold(0.0_f64, |most, value| most.max(value.abs()))
+        let each = trajectories.iter().enumerate();
+        let counted = each.flat_map(|(which, one)| {
+            let values = of(one).iter().enumerate();
+            let counted = values.filter(move |(sample, _)| counts(which, *sample));
+            counted.map(|(_, value)| value.abs())
+        });
+        counted.fold(0.0_f64, f64::max)
     };
     let displacement = largest(|one| &one.motion.displacement);
     let velocity = largest(|one| &one.motion.velocity);
@@ -92,7 +95,6 @@ fn samples(
     };
     let (mut samples, mut noise, mut number) = (Vec::new(), 0.0, 0);
     for (which, trajectory) in trajectories.iter().enumerate() {
-        let trajectory = trajectory.borrow();
         let predicted = predict(model, trajectory)?;
         let motion = &trajectory.motion;
         for block in &trajectory.blocks {

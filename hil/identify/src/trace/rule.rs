@@ -42,6 +42,8 @@ pub enum Rule {
     SaysLess,
     /// Of an effect beside which something is missing: held out, some condition is not left with less by it, or too few show it.
     HelpsNotEverywhere,
+    /// Of an effect that conditions confirm: what was held out is not left with less by it.
+    GainsNothingElsewhere,
     /// Of such an effect: fits without one condition or the other differ in its parameters by more than these are uncertain.
     Unsteady,
     /// Of such an effect: another in its place predicts the conditions held out as well.
@@ -90,6 +92,7 @@ impl Rule {
             Self::HelpsNotEverywhere => {
                 "it does not help on every condition held out in turn, or shows on too few"
             }
+            Self::GainsNothingElsewhere => "it gains nothing on what was held out",
             Self::Unsteady => {
                 "its parameters differ from one condition held out to the next by more than they are uncertain"
             }

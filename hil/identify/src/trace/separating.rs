@@ -122,12 +122,14 @@ pub(super) fn bounding_test(unbounded: &[Family], trajectories: &[Trajectory]) -
     });
     let least = policy().separating.below[0];
     let most = policy().separating.above[policy().separating.above.len() - 1];
+    let motion = match low.is_finite() {
+        true => format!("motion from {:.2} to {:.1} Hz", least * low, most * high),
+        false => "sines of several frequencies".to_owned(),
+    };
     format!(
-        "these recordings leave a parameter of {} without bounds: record motion from {:.2} to {:.1} Hz at half and at all of the \
-         amplitude, and trace it together with them",
-        names.join(" and of "),
-        least * low,
-        most * high
+        "these recordings leave a parameter of {} without bounds: record {motion} at half and at all of the amplitude, and trace it \
+         together with them",
+        names.join(" and of ")
     )
 }
 

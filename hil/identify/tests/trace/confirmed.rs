@@ -125,7 +125,7 @@ fn a_name_that_conditions_confirm_and_another_test_does_not_is_none() {
         .into_iter()
         .find(|effect| effect.family == "stick_slip")
         .expect("it is what was fitted");
-    assert_eq!(slider.unconfirmed_by, Some(Rule::HelpsNotEverywhere));
+    assert_eq!(slider.unconfirmed_by, Some(Rule::GainsNothingElsewhere));
     assert!(result.conditions.len() >= 3);
     for condition in &result.conditions {
         assert!(

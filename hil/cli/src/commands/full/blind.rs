@@ -44,7 +44,7 @@ pub struct BlindCommand {
     /// Over any motion and sensors, in the place of blocks of sines: random, stepped, slow, swept, with pauses
     #[arg(long, conflicts_with_all = ["described", "unlisted"])]
     motions: bool,
-    /// Fail (exit code 1) where a rate is below the one recorded
+    /// Fail (exit code 1) where a rate or an error is worse than what has been reached
     #[arg(long)]
     check: bool,
     /// Where all results go as JSON; `-` for standard output
