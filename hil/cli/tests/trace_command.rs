@@ -107,13 +107,13 @@ fn both_say_the_same_of_a_recording_with_faults() {
         &at("rec.csv"),
         &[(0.1, 1.0), (0.1, 5.0), (0.2, 1.0), (0.2, 5.0)],
     );
-    record(&at("held.csv"), &[(0.15, 2.0)]);
+    record(&at("held.csv"), &[(0.15, 2.0), (0.15, 2.0)]);
     let whole = Recording::read(at("held.csv")).unwrap();
     let mut frozen = whole.force.clone();
     frozen[500..900].fill(whole.force[500]);
     let turned = whole.force.iter().map(|force| -force).collect();
     let mut newtons = whole.force.clone();
-    newtons[1300..]
+    newtons[2600..]
         .iter_mut()
         .for_each(|force| *force *= 1000.0);
     let recordings = [
