@@ -625,7 +625,7 @@ typedef struct md_programme {
 } md_programme;
 
 // What a rig calls at each tick: in order `read`, `enable` where the line changes, and `drive`. Each returns whether it succeeded;
-// where one did not, the rig stops. None may call a function of the same rig.
+// where one did not, the rig stops. None may call a function of the same rig or of its law.
 typedef struct md_rig_io {
   // Goes to each of them as it is; may be null.
   void *context;
@@ -648,7 +648,8 @@ const char *md_error_name(int32_t error);
 // What to do about an error code, in one sentence. It ends in NUL and is never null.
 const char *md_error_help(int32_t error);
 
-// Reads the law of a pack into `law`, its effects at rest. Where the pack is refused the law gives no force.
+// Reads the law of a pack into `law`, its effects at rest. Where the pack is refused `law` is not initialised: its force is 0, and no
+// emulation and no rig takes it.
 //
 // * `pack`: `length` bytes, as `hil export` writes them
 // * `expected`: what the pack has to be
@@ -855,7 +856,8 @@ md_error md_emulation_init(struct md_emulation *emulation,
 // Each pointer is null or points to what its type says.
 md_error md_emulation_start(struct md_emulation *emulation, struct md_problem *problem);
 
-// Stops without a trip, with effect at the next tick. Returns as `md_emulation_start` where memory is not right.
+// Stops without a trip. Set the enable line low then: otherwise it stays high until the next tick, which says so. Returns as
+// `md_emulation_start` where memory is not right.
 //
 // # Safety
 // `emulation` is null or points to an `md_emulation`.
@@ -879,19 +881,22 @@ md_error md_emulation_clear(struct md_emulation *emulation, struct md_problem *p
 // Each pointer is null or points to what its type says.
 md_error md_emulation_tick(struct md_emulation *emulation, const struct md_reading *reading, struct md_telemetry *telemetry);
 
-// The actuator did not take the command of the last tick: it trips. Returns as `md_emulation_stop`.
+// The actuator did not take the command of the last tick: it trips. Set the enable line low then: otherwise it stays high until the
+// next tick, which says so. Returns as `md_emulation_stop`.
 //
 // # Safety
 // `emulation` is null or points to an `md_emulation`.
 md_error md_emulation_command_failed(struct md_emulation *emulation);
 
-// The enable line could not be set: it trips. Returns as `md_emulation_stop`.
+// The enable line could not be set: it trips. Try to set it low then, and again at the next tick: it may still be high. Returns as
+// `md_emulation_stop`.
 //
 // # Safety
 // `emulation` is null or points to an `md_emulation`.
 md_error md_emulation_enable_failed(struct md_emulation *emulation);
 
-// A tick came late, or not at all: it trips. Returns as `md_emulation_stop`.
+// A tick came late, or not at all: it trips. Set the enable line low then: otherwise it stays high until the next tick, which says so.
+// Returns as `md_emulation_stop`.
 //
 // # Safety
 // `emulation` is null or points to an `md_emulation`.

@@ -33,7 +33,7 @@ const _: () = assert_fits::<Emulation>();
 
 /// What a damper emulation is set to. Begin with `md_emulation_defaults`.
 #[repr(C)]
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub struct EmulationSettings {
     /// Hz, 1...1e6.
     pub tick_rate: f64,
@@ -61,20 +61,25 @@ pub struct EmulationSettings {
 /// `settings` is null or points to writable memory for them.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn md_emulation_defaults(settings: *mut EmulationSettings) -> Error {
-    let default = DamperEmulationSettings::default();
-    let defaults = EmulationSettings {
-        tick_rate: default.tick_rate,
-        displacement_limit: default.displacement_limit,
-        force_limit: default.force_limit,
-        trip_ticks: default.trip_ticks,
-        stop_ticks: default.stop_ticks,
-        link_ticks: default.link_ticks,
-        observer_bandwidth: default.observer_bandwidth,
-        observer_damping: default.observer_damping,
-        hysteresis: default.hysteresis,
-    };
+    let defaults = EmulationSettings::from(&DamperEmulationSettings::default());
     // SAFETY: as the caller vouches.
     code(unsafe { storage::write(settings, defaults) })
+}
+
+impl From<&DamperEmulationSettings> for EmulationSettings {
+    fn from(settings: &DamperEmulationSettings) -> Self {
+        Self {
+            tick_rate: settings.tick_rate,
+            displacement_limit: settings.displacement_limit,
+            force_limit: settings.force_limit,
+            trip_ticks: settings.trip_ticks,
+            stop_ticks: settings.stop_ticks,
+            link_ticks: settings.link_ticks,
+            observer_bandwidth: settings.observer_bandwidth,
+            observer_damping: settings.observer_damping,
+            hysteresis: settings.hysteresis,
+        }
+    }
 }
 
 impl From<&EmulationSettings> for DamperEmulationSettings {
@@ -149,7 +154,8 @@ pub unsafe extern "C" fn md_emulation_start(
     }
 }
 
-/// Stops without a trip, with effect at the next tick. Returns as `md_emulation_start` where memory is not right.
+/// Stops without a trip. Set the enable line low then: otherwise it stays high until the next tick, which says so. Returns as
+/// `md_emulation_start` where memory is not right.
 ///
 /// # Safety
 /// `emulation` is null or points to an `md_emulation`.
@@ -206,7 +212,8 @@ pub unsafe extern "C" fn md_emulation_tick(
     }
 }
 
-/// The actuator did not take the command of the last tick: it trips. Returns as `md_emulation_stop`.
+/// The actuator did not take the command of the last tick: it trips. Set the enable line low then: otherwise it stays high until the
+/// next tick, which says so. Returns as `md_emulation_stop`.
 ///
 /// # Safety
 /// `emulation` is null or points to an `md_emulation`.
@@ -216,7 +223,8 @@ pub unsafe extern "C" fn md_emulation_command_failed(emulation: *mut Emulation) 
     code(unsafe { held(emulation) }.map(|emulation| emulation.command_failed()))
 }
 
-/// The enable line could not be set: it trips. Returns as `md_emulation_stop`.
+/// The enable line could not be set: it trips. Try to set it low then, and again at the next tick: it may still be high. Returns as
+/// `md_emulation_stop`.
 ///
 /// # Safety
 /// `emulation` is null or points to an `md_emulation`.
@@ -226,7 +234,8 @@ pub unsafe extern "C" fn md_emulation_enable_failed(emulation: *mut Emulation) -
     code(unsafe { held(emulation) }.map(|emulation| emulation.enable_failed()))
 }
 
-/// A tick came late, or not at all: it trips. Returns as `md_emulation_stop`.
+/// A tick came late, or not at all: it trips. Set the enable line low then: otherwise it stays high until the next tick, which says so.
+/// Returns as `md_emulation_stop`.
 ///
 /// # Safety
 /// `emulation` is null or points to an `md_emulation`.

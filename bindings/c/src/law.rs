@@ -1,7 +1,6 @@
 //! The law with its effects, read from a coefficient pack.
 
 use core::borrow::{Borrow, BorrowMut};
-use core::ptr::NonNull;
 
 use mesh_damper::fast_law::{Adaptation, RunningLaw};
 use mesh_damper::pack::{self, Expectation, Identity, PackError};
@@ -112,7 +111,8 @@ unsafe fn swap(
         .map_err(|error: PackError| error.into())
 }
 
-/// Reads the law of a pack into `law`, its effects at rest. Where the pack is refused the law gives no force.
+/// Reads the law of a pack into `law`, its effects at rest. Where the pack is refused `law` is not initialised: its force is 0, and no
+/// emulation and no rig takes it.
 ///
 /// * `pack`: `length` bytes, as `hil export` writes them
 /// * `expected`: what the pack has to be
@@ -133,12 +133,16 @@ pub unsafe extern "C" fn md_law_init(
 ) -> Error {
     // SAFETY: as the caller vouches.
     unsafe {
+        // The pack is read where the law stays: a law that waits beside it is more than a stack may hold.
         let filled = storage::initialize(law, || Ok(Running::empty())).and_then(|()| {
             let law = held(law)?;
             swap(law, pack, length, expected)?;
             law.boundary();
             Ok(())
         });
+        if filled.is_err() {
+            storage::forget(law);
+        }
         answer(filled, problem)
     }
 }
@@ -225,29 +229,30 @@ impl Motion {
 
 /// A law that C owns and a controller calls. C may load another law into it between two ticks, so that no reference to it lives
 /// longer than a call.
+///
+/// The place is C's own pointer, and was never a reference: `md_law_load` makes a `&mut` of that pointer, which would end every
+/// pointer that came out of an earlier `&mut`.
 #[derive(Debug)]
-pub(crate) struct SharedLaw(NonNull<Running>);
+pub(crate) struct SharedLaw(*mut Running);
 
 impl SharedLaw {
     /// # Safety
     /// As [`held`]; the memory outlives this.
     pub(crate) unsafe fn of(law: *mut Law) -> Result<Self, Error> {
         // SAFETY: as the caller vouches.
-        unsafe { held(law) }.map(|law| Self(NonNull::from(law)))
+        unsafe { storage::value_place(law) }.map(Self)
     }
-}
 
-impl SharedLaw {
     #[inline(always)]
     fn law(&self) -> &Running {
         // SAFETY: it was initialised, stays where it is, and nothing else uses it within a call.
-        unsafe { self.0.as_ref() }
+        unsafe { &*self.0 }
     }
 
     #[inline(always)]
     fn law_mut(&mut self) -> &mut Running {
         // SAFETY: as above.
-        unsafe { self.0.as_mut() }
+        unsafe { &mut *self.0 }
     }
 }
 

@@ -38,7 +38,7 @@ unsafe impl Storage for Rig {
 const _: () = assert_fits::<Rig>();
 
 /// What a rig calls at each tick: in order `read`, `enable` where the line changes, and `drive`. Each returns whether it succeeded;
-/// where one did not, the rig stops. None may call a function of the same rig.
+/// where one did not, the rig stops. None may call a function of the same rig or of its law.
 #[repr(C)]
 #[derive(Clone, Copy, Debug)]
 pub struct RigIo {
@@ -107,7 +107,7 @@ impl Actuator for Callbacks {
 
 /// What a rig is set to. Begin with `md_rig_defaults`.
 #[repr(C)]
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub struct RigSettings {
     /// Largest measured displacement in either direction, mm, 1e-6...1e4.
     pub displacement_limit: f64,
@@ -153,29 +153,34 @@ pub struct RigSettings {
 /// `settings` is null or points to writable memory for them.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn md_rig_defaults(settings: *mut RigSettings) -> Error {
-    let default = rig::RigSettings::default();
-    let defaults = RigSettings {
-        displacement_limit: default.displacement_limit,
-        force_limit: default.force_limit,
-        tracking_limit: default.tracking_limit,
-        trip_ticks: default.trip_ticks,
-        stop_ticks: default.stop_ticks,
-        link_ticks: default.link_ticks,
-        observer_bandwidth: default.observer_bandwidth,
-        observer_damping: default.observer_damping,
-        correction_gain: default.correction_gain,
-        lead: default.lead,
-        glide: default.glide,
-        feedback: default.feedback,
-        health_size: default.health.size,
-        health_false_alarm_cycles: default.health.false_alarm_cycles,
-        health_learning_cycles: default.health.learning_cycles,
-        health_run_in_cycles: default.health.run_in_cycles,
-        health_temperature_slope: default.health.temperature_slope,
-        health_follow: default.health.follow,
-    };
+    let defaults = RigSettings::from(&rig::RigSettings::default());
     // SAFETY: as the caller vouches.
     code(unsafe { storage::write(settings, defaults) })
+}
+
+impl From<&rig::RigSettings> for RigSettings {
+    fn from(settings: &rig::RigSettings) -> Self {
+        Self {
+            displacement_limit: settings.displacement_limit,
+            force_limit: settings.force_limit,
+            tracking_limit: settings.tracking_limit,
+            trip_ticks: settings.trip_ticks,
+            stop_ticks: settings.stop_ticks,
+            link_ticks: settings.link_ticks,
+            observer_bandwidth: settings.observer_bandwidth,
+            observer_damping: settings.observer_damping,
+            correction_gain: settings.correction_gain,
+            lead: settings.lead,
+            glide: settings.glide,
+            feedback: settings.feedback,
+            health_size: settings.health.size,
+            health_false_alarm_cycles: settings.health.false_alarm_cycles,
+            health_learning_cycles: settings.health.learning_cycles,
+            health_run_in_cycles: settings.health.run_in_cycles,
+            health_temperature_slope: settings.health.temperature_slope,
+            health_follow: settings.health.follow,
+        }
+    }
 }
 
 impl From<&RigSettings> for rig::RigSettings {

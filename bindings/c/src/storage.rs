@@ -67,24 +67,48 @@ pub(crate) unsafe fn initialize<S: Storage>(
     Ok(())
 }
 
-/// What is in the memory.
+/// The memory counts as not initialised from now on. What is in it stays, for a controller that may still call it.
+///
+/// # Safety
+/// As [`initialize`].
+pub(crate) unsafe fn forget<S: Storage>(storage: *mut S) {
+    if let Ok(held) = place(storage) {
+        // SAFETY: it is neither null nor misaligned, and the caller vouches for the rest.
+        unsafe { (&raw mut (*held).tag).write(0) };
+    }
+}
+
+/// Where in the memory the value is. No reference is made on the way: the place may be kept, and is as good as C's own pointer.
 ///
 /// # Errors
 /// [`Error::Null`], [`Error::Misaligned`] or [`Error::NotInitialized`].
 ///
 /// # Safety
-/// `storage` is null, or points to memory of its type's size that nothing else uses as long as the reference lives.
+/// `storage` is null, or points to memory of its type's size that nothing changes within this call.
 #[inline(always)]
-pub(crate) unsafe fn held<'a, S: Storage>(storage: *mut S) -> Result<&'a mut S::Inner, Error> {
+pub(crate) unsafe fn value_place<S: Storage>(storage: *mut S) -> Result<*mut S::Inner, Error> {
     let held = place(storage)?;
-    // SAFETY: it is neither null nor misaligned, and the tag says that the value was written.
+    // SAFETY: it is neither null nor misaligned.
     unsafe {
         if (&raw const (*held).tag).read() == S::TAG {
-            Ok((*held).value.assume_init_mut())
+            Ok((&raw mut (*held).value).cast())
         } else {
             Err(Error::NotInitialized)
         }
     }
+}
+
+/// What is in the memory.
+///
+/// # Errors
+/// As [`value_place`].
+///
+/// # Safety
+/// `storage` is null, or points to memory of its type's size that nothing else uses as long as the reference lives.
+#[inline(always)]
+pub(crate) unsafe fn held<'a, S: Storage>(storage: *mut S) -> Result<&'a mut S::Inner, Error> {
+    // SAFETY: the tag says that the value was written, and the caller vouches for the rest.
+    unsafe { value_place(storage).map(|value| &mut *value) }
 }
 
 /// [`held`] of memory that is only read.
@@ -93,15 +117,8 @@ pub(crate) unsafe fn held<'a, S: Storage>(storage: *mut S) -> Result<&'a mut S::
 /// `storage` is null, or points to memory of its type's size that nothing changes as long as the reference lives.
 #[inline(always)]
 pub(crate) unsafe fn held_const<'a, S: Storage>(storage: *const S) -> Result<&'a S::Inner, Error> {
-    let held = place(storage.cast_mut())?;
-    // SAFETY: it is neither null nor misaligned, and the tag says that the value was written.
-    unsafe {
-        if (&raw const (*held).tag).read() == S::TAG {
-            Ok((*held).value.assume_init_ref())
-        } else {
-            Err(Error::NotInitialized)
-        }
-    }
+    // SAFETY: the tag says that the value was written, and the caller vouches for the rest.
+    unsafe { value_place(storage.cast_mut()).map(|value| &*value) }
 }
 
 /// What C points to, to be read.

@@ -11,7 +11,10 @@ use mesh_damper_model::export::{Export, ExportSettings};
 use mesh_damper_model::file::{FittedRange, ModelFile};
 use mesh_damper_model::{LawNode, Model};
 
-/// Writes the two packs of the checks: a demo's model, and a linear law.
+/// What [`write_packs`] writes.
+const PACKS: [&str; 3] = ["mount", "linear", "silent"];
+
+/// Writes the packs of the checks: a demo's model, a linear law, and a pack of version 6, which says nothing of itself.
 fn write_packs(folder: &Path) {
     let mount = ModelFile::read(build::example().join("model.json")).unwrap();
     let settings = ExportSettings {
@@ -41,6 +44,18 @@ fn write_packs(folder: &Path) {
         &ModelFile::new(linear, range),
         &ExportSettings::at(10_000.0, "linear"),
     );
+    const SILENT: &[u8] = include_bytes!("../../../tests/packs/version-6-effects.mdcp");
+    let header = format!(
+        "#include <stdint.h>\n#define SILENT_PACK_LENGTH {}u\nextern const uint8_t silent_pack[SILENT_PACK_LENGTH];\n",
+        SILENT.len()
+    );
+    let bytes: Vec<String> = SILENT.iter().map(u8::to_string).collect();
+    let source = format!(
+        "#include \"silent.h\"\nconst uint8_t silent_pack[SILENT_PACK_LENGTH] = {{{}}};\n",
+        bytes.join(", ")
+    );
+    std::fs::write(folder.join("silent.h"), header).unwrap();
+    std::fs::write(folder.join("silent.c"), source).unwrap();
 }
 
 fn write(folder: &Path, file: &ModelFile, settings: &ExportSettings) {
@@ -74,7 +89,7 @@ fn every_check_holds_and_prints_the_same_bits_on_both() {
             on,
             folder: folder.path(),
             sources: &sources(),
-            packs: &["mount", "linear"],
+            packs: &PACKS,
             map: None,
         };
         let printed = program.run();
@@ -84,9 +99,9 @@ fn every_check_holds_and_prints_the_same_bits_on_both() {
     assert!(said.windows(2).all(|pair| pair[0] == pair[1]), "{said:#?}");
 }
 
-/// Names in the table of symbols that `nm` prints with `flag`.
-fn symbols(archive: &Path, flag: &str) -> BTreeSet<String> {
-    let listed = run(Command::new("arm-none-eabi-nm")
+/// Names in the table of symbols that `nm` of `on` prints with `flag`.
+fn symbols(on: On, archive: &Path, flag: &str) -> BTreeSet<String> {
+    let listed = run(Command::new(on.tool("nm"))
         .args(["--extern-only", "--format=posix", flag])
         .arg(archive));
     let names = listed.lines().filter_map(|line| line.split(' ').next());
@@ -96,19 +111,18 @@ fn symbols(archive: &Path, flag: &str) -> BTreeSet<String> {
         .collect()
 }
 
-/// What a C program links beside it stays newlib's and libgcc's: none of their names is defined, and none is needed that they lack.
+/// What a C program links beside it stays its C library's and its compiler's: none of their names is defined.
 #[test]
 fn the_library_defines_what_its_header_declares_and_nothing_else() {
-    if !can(On::Emulator) {
-        return;
+    for on in On::BOTH.into_iter().filter(|on| can(*on)) {
+        let archive = library(on);
+        let declared = declared();
+        assert!(declared.len() > 30, "{declared:?}");
+        assert_eq!(symbols(on, &archive, "--defined-only"), declared, "{on:?}");
+        // Nothing that could panic was linked.
+        let all = run(Command::new(on.tool("nm")).arg(&archive));
+        assert!(!all.contains("panic"), "{on:?}: {all}");
     }
-    let archive = library(On::Emulator);
-    let declared = declared();
-    assert!(declared.len() > 30, "{declared:?}");
-    assert_eq!(symbols(&archive, "--defined-only"), declared);
-    // Nothing that could panic was linked.
-    let all = run(Command::new("arm-none-eabi-nm").arg(&archive));
-    assert!(!all.contains("panic"), "{all}");
 }
 
 /// In a linked image, functions that both the library and the program call come out of newlib and libgcc.
@@ -123,7 +137,7 @@ fn a_program_has_its_own_c_librarys_functions() {
         on: On::Emulator,
         folder: folder.path(),
         sources: &sources(),
-        packs: &["mount", "linear"],
+        packs: &PACKS,
         map: Some("checks.map"),
     };
     program.build();

@@ -85,6 +85,36 @@ fn it_prints_in_the_emulator_what_the_crate_computes() {
     assert!(said.lines().count() >= 5, "{said}");
 }
 
+/// The same with a pack for half the rate: the load refuses it, with both rates.
+#[test]
+fn it_refuses_a_law_for_another_tick_rate_than_its_timers() {
+    if !can(On::Emulator) {
+        return;
+    }
+    let folder = tempfile::tempdir().unwrap();
+    let model = ModelFile::read(example().join("model.json")).unwrap();
+    let slow = Export::new(&model, &ExportSettings::at(5_000.0, "mount")).unwrap();
+    for (file, written) in ["mount.h", "mount.c"]
+        .into_iter()
+        .zip(slow.c("mount").unwrap())
+    {
+        std::fs::write(folder.path().join(file), written).unwrap();
+    }
+    let of_folder = |variable: &str| format!("{variable}={}", folder.path().display());
+    let output = make(&example())
+        .arg("run")
+        .args([of_folder("BUILD"), of_folder("MOUNT")])
+        .output()
+        .unwrap();
+    assert!(!output.status.success());
+    let said = String::from_utf8(output.stdout).unwrap();
+    assert!(
+        said.contains("MD_ERROR_PACK_TICK_RATE")
+            && said.contains("tick_rate = 5000 is not within 10000 to 10000"),
+        "{said}"
+    );
+}
+
 /// The program of the page, in its first block of C, prints the force that the page says.
 #[test]
 fn the_pages_program_gives_the_force_that_the_page_says() {

@@ -61,6 +61,8 @@ impl Board {
         config.rcc.apb1_pre = APBPrescaler::DIV4;
         config.rcc.apb2_pre = APBPrescaler::DIV2;
         let p = embassy_stm32::init(config);
+        // First: the actuator stays off while what follows is checked, and where something of it panics.
+        let enable = Output::new(p.PB1, Level::Low, Speed::Low);
 
         let scale = |full_scale| Scale::new(full_scale, 0.0).expect("the full scale is in range");
         let wiring = Wiring {
@@ -91,7 +93,6 @@ impl Board {
             .await
             .expect("an AD5761R is connected to SPI2");
 
-        let enable = Output::new(p.PB1, Level::Low, Speed::Low);
         let serial = UartTx::new(
             p.USART2,
             p.PA2,

@@ -20,7 +20,8 @@ pub struct Ended {
     pub cycle: Cycle,
 }
 
-/// Of the bits of forces, one after the other (FNV-1a): two rows of forces that differ in a bit have different ones.
+/// Of the bits of forces, one after the other (FNV-1a of 32 bits). Where one byte of two rows differs the checksums do; two rows that
+/// differ anyhow have the same one by chance, once in 2^32.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Checksum(pub u32);
 

@@ -22,7 +22,7 @@ mod app {
     use mesh_damper::static_law::StaticLaw;
     use rtic_sync::channel::{Receiver, Sender};
     use rtic_sync::make_channel;
-    use stm32f4xx_hal::gpio::{Output, PA4, PB1, PB12};
+    use stm32f4xx_hal::gpio::{Output, PA4, PB1, PB12, PinState};
     use stm32f4xx_hal::pac::{SPI1, SPI2, TIM2, USART2};
     use stm32f4xx_hal::prelude::*;
     use stm32f4xx_hal::rcc::Config;
@@ -72,6 +72,8 @@ mod app {
         let mut rcc = device.RCC.freeze(Config::hsi().sysclk(168.MHz()));
         let a = device.GPIOA.split(&mut rcc);
         let b = device.GPIOB.split(&mut rcc);
+        // First: the actuator stays off while what follows is checked, and where something of it panics.
+        let enable = b.pb1.into_push_pull_output_in_state(PinState::Low);
         let serial = device
             .USART2
             .tx(a.pa2, 115_200.bps(), &mut rcc)
@@ -97,7 +99,6 @@ mod app {
             tick_rate: TICK_RATE.into(),
             ..DamperEmulationSettings::default()
         };
-        let enable = b.pb1.into_push_pull_output();
         let mut damper = DamperEmulation::new(adc, dac, enable, &settings, law)
             .expect("the settings are in range");
 

@@ -23,7 +23,7 @@ use mesh_damper::rig::{
 };
 use mesh_damper::static_law::StaticLaw;
 use panic_halt as _;
-use stm32f4xx_hal::gpio::{Output, PA4, PB1};
+use stm32f4xx_hal::gpio::{Output, PA4, PB1, PinState};
 use stm32f4xx_hal::pac::{NVIC, Peripherals, SPI1, TIM2, interrupt};
 use stm32f4xx_hal::prelude::*;
 use stm32f4xx_hal::rcc::Config;
@@ -68,6 +68,8 @@ fn main() -> ! {
     let mut rcc = peripherals.RCC.freeze(Config::hsi().sysclk(168.MHz()));
     let a = peripherals.GPIOA.split(&mut rcc);
     let b = peripherals.GPIOB.split(&mut rcc);
+    // First: the actuator stays off while what follows is checked, and where something of it panics.
+    let enable = b.pb1.into_push_pull_output_in_state(PinState::Low);
     let mut serial = peripherals
         .USART2
         .tx(a.pa2, 115_200.bps(), &mut rcc)
@@ -89,7 +91,7 @@ fn main() -> ! {
     let bus = peripherals.SPI1.spi(pins, SPI_MODE, 21.MHz(), &mut rcc);
     let Ok(bus) = ExclusiveDevice::new_no_delay(bus, a.pa4.into_push_pull_output());
     let dac = Ad5761::new(bus, wiring.command).expect("an AD5761R is connected");
-    let actuator = SpiActuator::new(dac, b.pb1.into_push_pull_output());
+    let actuator = SpiActuator::new(dac, enable);
 
     let (law, effects) = amplitude_independent::parts(DENSITY).expect("the density is in range");
     LAW.set(law, effects);

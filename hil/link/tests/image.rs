@@ -16,6 +16,7 @@ use mesh_damper::sine::{Block, Programme};
 use mesh_damper_link::image::{Board, FIRMWARE, sections};
 use mesh_damper_link::lockstep::run_rig_on;
 use mesh_damper_link::lockstep::{Emulator, Image, LinkError, LogLevel, LogLine, Wire};
+use mesh_damper_recording::error::InputError;
 use mesh_damper_rig::drive::{Grid, RandomMotion};
 use mesh_damper_rig::specimen::{HiddenEffect, SlipShape, Specimen};
 use mesh_damper_rig::{RigRun, RigSetup, run_rig};
@@ -223,10 +224,10 @@ fn a_rig_of_sines_takes_no_knots() {
         return;
     };
     let error = image.knots(&[]).unwrap_err();
-    assert!(matches!(error, LinkError::Refused(_)), "{error}");
+    assert!(matches!(error, LinkError::Refused { .. }), "{error}");
     run_rig_on(&mut image, setup(), |_| {}).unwrap();
     let error = image.knots(&[]).unwrap_err();
-    assert!(matches!(error, LinkError::Refused(_)), "{error}");
+    assert!(matches!(error, LinkError::Refused { .. }), "{error}");
 }
 
 #[test]
@@ -501,19 +502,41 @@ fn a_damaged_pack_is_refused_and_the_law_in_force_stays() {
         image.forces(&[motion], &mut forces).unwrap();
         forces[0]
     };
-    let mut refused = |bad: &[u8]| {
+    let mut refused = |bad: &[u8], why: &str, what_to_do: &str| {
         let error = image.send_pack(bad).unwrap_err();
-        assert!(matches!(error, LinkError::Refused(_)), "{error}");
+        assert_eq!(error.to_string(), format!("the image refused it: {why}"));
+        assert_eq!(InputError::from(error).mend, what_to_do);
         assert_eq!(force(&mut image).to_bits(), expected.to_bits());
     };
+    const EXPORT: &str = "send a pack that `hil export` of this version wrote";
+    const AGAIN: &str = "send the pack again";
+    const LENGTH: &str = "the coefficient pack has another length than it says, or than fits";
+    const VERSION: &str = "the coefficient pack is of another version";
+    const CHECKSUM: &str = "the coefficient pack's checksum does not match";
+    let mut damaged = 0;
     for bit in 0..8 * good.len() {
         let mut bad = good.clone();
         bad[bit / 8] ^= 1 << (bit % 8);
-        refused(&bad);
+        // "MDCP", the version, the length of the body, the checksum, the body. Version 6 is read, and its checksum is another one.
+        let (why, what_to_do) = match bit / 8 {
+            0..4 => ("these bytes are no coefficient pack", EXPORT),
+            4..6 if bad[4..6] == [6, 0] => (CHECKSUM, AGAIN),
+            4..6 => (VERSION, EXPORT),
+            6..8 => (LENGTH, AGAIN),
+            _ => (CHECKSUM, AGAIN),
+        };
+        refused(&bad, why, what_to_do);
+        damaged += 1;
     }
     for length in 1..good.len() {
-        refused(&good[..length]);
+        refused(&good[..length], LENGTH, AGAIN);
+        damaged += 1;
     }
+    // The next version, which nobody can check: that is said, and not that its checksum is another one.
+    let mut newer = good.clone();
+    newer[4] += 1;
+    refused(&newer, VERSION, EXPORT);
+    damaged += 1;
     image.send_pack(&good).unwrap();
     let mut host = RunningLaw::new(other);
     assert_eq!(force(&mut image).to_bits(), host.force(&motion).to_bits());
@@ -524,7 +547,6 @@ fn a_damaged_pack_is_refused_and_the_law_in_force_stays() {
         lines.iter().filter(is).count()
     };
     assert_eq!(count(LogLevel::Info, "coefficient pack accepted"), 2);
-    let damaged = 8 * good.len() + good.len() - 1;
     assert_eq!(count(LogLevel::Warn, "coefficient pack refused"), damaged);
 }
 
@@ -533,8 +555,13 @@ fn a_damaged_pack_is_refused_and_the_law_in_force_stays() {
 #[test]
 fn a_pack_for_another_rate_is_refused() {
     const OLD: &[u8] = include_bytes!("../../../tests/packs/version-6-effects.mdcp");
-    const SAID: &str =
-        "the image refused it: tick_rate: the coefficient pack is for another one than the rig's";
+    let is_of_the_rate = |error: LinkError| {
+        const SAID: &str = "the image refused it: tick_rate: ";
+        let said = error.to_string();
+        assert!(said.starts_with(SAID), "{said}");
+        let mend = InputError::from(error).mend;
+        assert_eq!(mend, "export the model with the rig's --tick-rate");
+    };
     let programme = Programme::<1>::new(10_000.0, 1)
         .and_then(|programme| programme.with(Block::sine(0.1, 5.0, 3)?))
         .unwrap();
@@ -563,14 +590,12 @@ fn a_pack_for_another_rate_is_refused() {
         // Of a law alone nobody knows a rate.
         for pack in [OLD, &other] {
             image.send_pack(pack).unwrap();
-            let error = set_up(&mut image).unwrap_err().to_string();
-            assert!(error.starts_with(SAID), "{error}");
+            is_of_the_rate(set_up(&mut image).unwrap_err());
         }
         image.send_pack(&right).unwrap();
         set_up(&mut image).unwrap();
         for pack in [OLD, &other] {
-            let error = image.send_pack(pack).unwrap_err().to_string();
-            assert!(error.starts_with(SAID), "{error}");
+            is_of_the_rate(image.send_pack(pack).unwrap_err());
         }
         image.send_pack(&right).unwrap();
         image.start_rig().unwrap();

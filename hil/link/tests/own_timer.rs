@@ -141,6 +141,13 @@ fn stiffness_and_loss_factor_of_each_cycle_are_the_laws_closed_form() {
     assert!((a - b).abs() > 0.1 && (b - c).abs() > 0.1 && (c - a).abs() > 0.05);
 }
 
+/// Of the model beside the firmware, at its rate.
+fn export() -> Export {
+    let model = include_bytes!("../../../examples/own-timer/src/mount.json");
+    let model = ModelFile::from_bytes("mount.json", model).unwrap();
+    Export::new(&model, &ExportSettings::at(TICK_RATE, "mount")).unwrap()
+}
+
 /// The module's law in the emulator, the same on this machine, and the law of the same model from a pack: every force has the same bits.
 #[test]
 fn every_force_is_that_of_the_same_model_from_a_pack() {
@@ -154,10 +161,7 @@ fn every_force_is_that_of_the_same_model_from_a_pack() {
     while excited.tick().is_some() {}
     assert_eq!(emulated, excited.forces());
 
-    let model = include_bytes!("../../../examples/own-timer/src/mount.json");
-    let model = ModelFile::from_bytes("mount.json", model).unwrap();
-    let export = Export::new(&model, &ExportSettings::at(TICK_RATE, "mount")).unwrap();
-    let (pack, expected) = (export.pack().unwrap(), Expectation::at(TICK_RATE as f32));
+    let (pack, expected) = (export().pack().unwrap(), Expectation::at(TICK_RATE as f32));
     let mut from_pack = RunningLaw::<MAX_EFFECTS>::empty();
     let read = from_pack.swap_with(|slot| decode(&pack, slot, &expected).map(|_| ()));
     read.unwrap();
@@ -183,6 +187,13 @@ fn every_force_is_that_of_the_same_model_from_a_pack() {
         }
     }
     assert_eq!(emulated, forces);
+}
+
+/// The module in the tree is what its model exports.
+#[test]
+fn the_module_in_the_tree_is_what_its_model_exports() {
+    let there = include_str!("../../../examples/own-timer/src/mount.rs");
+    assert_eq!(there, export().rust().unwrap());
 }
 
 #[test]

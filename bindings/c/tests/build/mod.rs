@@ -26,6 +26,14 @@ impl On {
         }
     }
 
+    /// A tool of the compiler's binutils.
+    pub fn tool(self, name: &str) -> String {
+        match self {
+            Self::Host => name.to_owned(),
+            Self::Emulator => format!("arm-none-eabi-{name}"),
+        }
+    }
+
     /// As `bindings/c/Makefile` calls it.
     fn target(self) -> &'static str {
         match self {

@@ -17,6 +17,8 @@ void check_converters(void)
     CHECK(md_scale_decode(&scale, 12, 0x800).value == -0.25f && md_scale_decode(&scale, 12, 0x800).code == 0x8000);
     CHECK(md_scale_decode(&scale, 12, 0).code == 0 && md_scale_decode(&scale, 12, 0xFFF).code == 0xFFFF);
     CHECK(md_scale_decode(&scale, 12, 0xFFE).code == 0xFFE0 && md_scale_decode(&scale, 12, 0x1FFE).code == 0xFFFF);
+    /* What is no number of bits counts as 16. */
+    CHECK(md_scale_decode(&scale, 0, 0x9001).code == 0x9001 && md_scale_decode(&scale, UINT32_MAX, 0x9001).code == 0x9001);
     CHECK(md_scale_encode(&scale, 9.0f) == 0xFFFF && md_scale_encode(&scale, -9.0f) == 0);
     /* Without a scale there is no measurement, and the DAC stays at 0 V. */
     const md_sample none = md_scale_decode(&never, 16, 0x9000);

@@ -28,6 +28,48 @@ static void rest(uint32_t stop_ticks)
     CHECK(seen.command == 0.0f && !seen.enabled);
 }
 
+/* Another law while it runs: the one in force goes on until its cycle ends, and then the other one drives. */
+static void check_load(void)
+{
+    const md_expected expected = {.tick_rate = LINEAR_TICK_RATE};
+    md_emulation_settings settings;
+    md_problem problem;
+    CHECK(md_law_init(&law, mount_pack, MOUNT_PACK_LENGTH, &expected, NULL) == MD_ERROR_NONE);
+    CHECK(md_emulation_defaults(&settings) == MD_ERROR_NONE);
+    CHECK(md_emulation_init(&emulation, &settings, &wiring, &law, NULL) == MD_ERROR_NONE);
+    tick(0.0f, 0.0f);
+    CHECK(md_emulation_start(&emulation, NULL) == MD_ERROR_NONE);
+    const md_block block = {.amplitude = AMPLITUDE, .from = FREQUENCY, .to = FREQUENCY, .cycles = 12};
+    CHECK(md_sine_init(&sine, LINEAR_TICK_RATE, 1, &block, 1, NULL) == MD_ERROR_NONE);
+    uint32_t others = 0, after = 0, linear = 0;
+    float driven = 0.0f;
+    bool loaded = false;
+    for (;;) {
+        md_excitation now;
+        CHECK(md_sine_tick(&sine, &now) == MD_ERROR_NONE);
+        if (now.done)
+            break;
+        tick(now.displacement, driven);
+        driven = seen.command;
+        /* Between two ticks, in the middle of a cycle. A pack that is refused changes nothing. */
+        if (!loaded && others == 2 && now.displacement > 0.05f) {
+            CHECK(md_law_load(&law, linear_pack, LINEAR_PACK_LENGTH - 1, &expected, &problem) == MD_ERROR_PACK_LENGTH);
+            CHECK(md_law_load(&law, linear_pack, LINEAR_PACK_LENGTH, &expected, &problem) == MD_ERROR_NONE);
+            loaded = true;
+        }
+        if (seen.has_cycle && now.cycle > 2 && !now.ramp) {
+            const int is_linear = is_near(seen.model.stiffness, linear_stiffness(FREQUENCY), 2e-3);
+            /* The cycle in which it was loaded is still of the law before. */
+            after += loaded;
+            CHECK(is_linear == (after > 1));
+            others += !is_linear;
+            linear += is_linear;
+        }
+    }
+    CHECK(others >= 3 && linear >= 2);
+    printf("a law loaded while the emulation runs drives %lu cycles\n", (unsigned long)linear);
+}
+
 void check_emulation(void)
 {
     md_emulation_settings settings;
@@ -134,5 +176,6 @@ void check_emulation(void)
     for (uint32_t i = 0; i < 21; i++)
         tick(0.0f, 0.0f);
     CHECK(seen.trip == MD_TRIP_LINK_LOST);
+    check_load();
     printf("emulation holds\n");
 }

@@ -5,12 +5,59 @@ static md_law law;
 
 static const md_motion MOTION = {.displacement = 0.1f, .velocity = 2.0f, .temperature = 20.0f};
 
+static bool no_reading(void *context, md_reading *reading)
+{
+    (void)context, (void)reading;
+    return false;
+}
+
+static bool no_drive(void *context, float command)
+{
+    (void)context, (void)command;
+    return false;
+}
+
+static bool no_enable(void *context, bool on)
+{
+    (void)context, (void)on;
+    return false;
+}
+
+/* Whose initialisation was refused is no law: nothing takes it for one. */
+static void is_no_law(md_law *fresh)
+{
+    static md_emulation emulation;
+    static md_rig rig;
+    md_emulation_settings settings;
+    md_rig_settings rig_settings;
+    md_wiring wiring;
+    md_problem problem;
+    wire(&wiring, 0.5);
+    CHECK(md_law_force(fresh, &MOTION) == 0.0f);
+    CHECK(md_law_rest(fresh) == MD_ERROR_NOT_INITIALIZED && !md_law_boundary(fresh));
+    CHECK(md_emulation_defaults(&settings) == MD_ERROR_NONE && md_rig_defaults(&rig_settings) == MD_ERROR_NONE);
+    CHECK(md_emulation_init(&emulation, &settings, &wiring, fresh, &problem) == MD_ERROR_NOT_INITIALIZED);
+    CHECK(md_emulation_start(&emulation, &problem) == MD_ERROR_NOT_INITIALIZED);
+    const md_block block = {.amplitude = 0.1, .from = 5.0, .to = 5.0, .cycles = 2};
+    const md_programme programme = {.tick_rate = LINEAR_TICK_RATE, .ramp_cycles = 1, .blocks = &block, .count = 1};
+    const md_rig_io io = {.read = no_reading, .drive = no_drive, .enable = no_enable};
+    CHECK(md_rig_init(&rig, &rig_settings, &programme, &wiring, &io, fresh, &problem) == MD_ERROR_NOT_INITIALIZED);
+    /* All else was right. */
+    CHECK(md_emulation_init(&emulation, &settings, &wiring, &law, &problem) == MD_ERROR_NONE);
+    CHECK(md_rig_init(&rig, &rig_settings, &programme, &wiring, &io, &law, &problem) == MD_ERROR_NONE);
+}
+
 /* Loading `length` bytes of `pack` is refused with `error`, and the law in force gives the same force as before. */
 static void is_refused(const uint8_t *pack, size_t length, const md_expected *expected, md_error error, md_problem *problem)
 {
     md_law fresh;
     CHECK(md_law_init(&fresh, pack, length, expected, NULL) == error);
-    CHECK(md_law_force(&fresh, &MOTION) == 0.0f);
+    is_no_law(&fresh);
+    /* Nor is a law that was right before. */
+    load_linear(&fresh);
+    CHECK(md_law_force(&fresh, &MOTION) != 0.0f);
+    CHECK(md_law_init(&fresh, pack, length, expected, NULL) == error);
+    is_no_law(&fresh);
     const float before = md_law_force(&law, &MOTION);
     CHECK(before != 0.0f);
     CHECK(md_law_load(&law, pack, length, expected, problem) == error);
@@ -59,6 +106,22 @@ static void check_refusals(void)
         CHECK(md_law_init(&other, pack, sizeof pack, &right, NULL) == MD_ERROR_PACK_CHECKSUM);
     }
     is_refused(pack, sizeof pack, &right, MD_ERROR_PACK_CHECKSUM, &problem);
+}
+
+/* A pack of version 6 is read, and says nothing of itself. */
+static void check_silent(void)
+{
+    md_pack_info info;
+    md_problem problem;
+    CHECK(md_pack_describe(silent_pack, SILENT_PACK_LENGTH, &info, &problem) == MD_ERROR_PACK_SILENT);
+    CHECK(problem.error == MD_ERROR_PACK_SILENT);
+    const md_expected at_a_rate = {.tick_rate = LINEAR_TICK_RATE};
+    is_refused(silent_pack, SILENT_PACK_LENGTH, &at_a_rate, MD_ERROR_PACK_TICK_RATE, &problem);
+    CHECK(problem.value != problem.value && problem.low == LINEAR_TICK_RATE);
+    static md_law silent;
+    const md_expected any = {.tick_rate = 0.0f};
+    CHECK(md_law_init(&silent, silent_pack, SILENT_PACK_LENGTH, &any, &problem) == MD_ERROR_NONE);
+    CHECK(md_law_force(&silent, &MOTION) != 0.0f);
 }
 
 static void check_memory(void)
@@ -131,6 +194,7 @@ void check_packs(void)
     print_bits("followed", followed);
     print_bits("rested", rested);
     check_refusals();
+    check_silent();
     check_memory();
     check_info();
     check_names();

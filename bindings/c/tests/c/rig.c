@@ -71,6 +71,40 @@ static void rest(uint32_t stop_ticks)
     CHECK(bench.position == 0.0f);
 }
 
+/* Another law while it runs, beside a specimen that stays the linear one: the rig's model is that of `linear.c` from the cycle on
+ * that begins after the load. */
+static void check_load(const md_rig_settings *settings, const md_rig_io *io)
+{
+    const md_expected expected = {.tick_rate = LINEAR_TICK_RATE};
+    const md_block block = {.amplitude = AMPLITUDE, .from = FREQUENCY, .to = FREQUENCY, .cycles = 12};
+    const md_programme programme = {.tick_rate = LINEAR_TICK_RATE, .ramp_cycles = 1, .blocks = &block, .count = 1};
+    md_problem problem;
+    CHECK(md_law_init(&law, mount_pack, MOUNT_PACK_LENGTH, &expected, NULL) == MD_ERROR_NONE);
+    load_linear(&bench.specimen);
+    CHECK(md_rig_init(&rig, settings, &programme, &wiring, io, &law, &problem) == MD_ERROR_NONE);
+    CHECK(md_rig_start(&rig, &problem) == MD_ERROR_NONE);
+    uint32_t others = 0, after = 0, linear = 0;
+    bool loaded = false;
+    while (tick(), seen.state == MD_STATE_RUNNING) {
+        if (!loaded && others == 2 && bench.position > 0.05f) {
+            CHECK(md_law_load(&law, linear_pack, LINEAR_PACK_LENGTH - 1, &expected, &problem) == MD_ERROR_PACK_LENGTH);
+            CHECK(md_law_load(&law, linear_pack, LINEAR_PACK_LENGTH, &expected, &problem) == MD_ERROR_NONE);
+            loaded = true;
+        }
+        if (seen.has_cycle && !seen.ramp && seen.cycle > 2) {
+            const int is_linear = is_near(seen.model.stiffness, linear_stiffness(FREQUENCY), 1e-2);
+            after += loaded;
+            CHECK(is_near(seen.measured.stiffness, linear_stiffness(FREQUENCY), 1e-2));
+            CHECK(is_linear == (after > 1));
+            others += !is_linear;
+            linear += is_linear;
+        }
+    }
+    CHECK(others >= 3 && linear >= 2 && seen.state == MD_STATE_DONE);
+    printf("a law loaded while the rig runs is its model for %lu cycles\n", (unsigned long)linear);
+    rest(settings->stop_ticks);
+}
+
 void check_rig(void)
 {
     md_rig_settings settings;
@@ -175,5 +209,8 @@ void check_rig(void)
         named = named || (seen.has_event && seen.event == MD_HEALTH_FORCE_DROPPED_OUT);
     }
     CHECK(named && seen.trip == MD_TRIP_FORCE_LOST);
-    printf("rig holds: %s\n", md_trip_name(seen.trip));
+    printf("rig: %s\n", md_trip_name(seen.trip));
+    rest(settings.stop_ticks);
+    check_load(&settings, &io);
+    printf("rig holds\n");
 }

@@ -27,6 +27,9 @@ use mesh_damper_rig::SetupError;
 
 use crate::image::{Board, FIRMWARE, build};
 
+/// What to do about what whoever asked cannot mend.
+const REPORT: &str = "run it again; if it stays, run it on the host and report this";
+
 /// What goes wrong on the link to an image.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum LinkError {
@@ -45,8 +48,13 @@ pub enum LinkError {
     #[error("the image answered another question")]
     OtherAnswer,
     /// The image refused what it was asked.
-    #[error("the image refused it: {0}")]
-    Refused(String),
+    #[error("the image refused it: {reason}")]
+    Refused {
+        /// Why.
+        reason: String,
+        /// What to do about it.
+        mend: &'static str,
+    },
     /// The rig on the image does not start.
     #[error("the image's rig does not start: {0}")]
     Start(StartRefused),
@@ -60,33 +68,54 @@ pub enum LinkError {
 
 impl LinkError {
     fn refused(refusal: &Refusal<'_>) -> Self {
-        let reason = match refusal {
-            Refusal::Field(field) => return Self::Refused(format!("{field} cannot be so")),
+        const AGAIN: &str = "send the pack again";
+        const EXPORT: &str = "send a pack that `hil export` of this version wrote";
+        let (reason, mend) = match refusal {
+            Refusal::Field(field) => {
+                return Self::Refused {
+                    reason: format!("{field} cannot be so"),
+                    mend: "set it within the range that its documentation gives",
+                };
+            }
             Refusal::Removed(what) => {
-                return Self::Refused(format!("there is no {what} any more"));
+                return Self::Refused {
+                    reason: format!("there is no {what} any more"),
+                    mend: EXPORT,
+                };
             }
             Refusal::Start(refused) => return Self::Start(*refused),
             Refusal::Clear(refused) => return Self::Clear(*refused),
-            Refusal::Order => "it does not come in this order",
-            Refusal::Converter => "a converter did not answer its driver",
-            Refusal::PackMagic => "these bytes are no coefficient pack",
-            Refusal::PackVersion => "the coefficient pack is of another version",
-            Refusal::PackLength => {
-                "the coefficient pack has another length than it says, or than fits"
-            }
-            Refusal::PackOrder => "a part of the coefficient pack does not follow the one before",
-            Refusal::PackChecksum => "the coefficient pack's checksum does not match",
-            Refusal::PackBody => "the coefficient pack's body cannot be read",
-            Refusal::PackTickRate => {
-                "tick_rate: the coefficient pack is for another one than the rig's, or does not say its own: export the model for the \
-                 rig's rate"
-            }
-            Refusal::PackIdentity => "identity: the coefficient pack is of another model",
-            Refusal::PackRevision => {
-                "revision: the coefficient pack is no newer than the one before"
-            }
+            Refusal::Order => ("it does not come in this order", REPORT),
+            Refusal::Converter => ("a converter did not answer its driver", REPORT),
+            Refusal::PackMagic => ("these bytes are no coefficient pack", EXPORT),
+            Refusal::PackVersion => ("the coefficient pack is of another version", EXPORT),
+            Refusal::PackLength => (
+                "the coefficient pack has another length than it says, or than fits",
+                AGAIN,
+            ),
+            Refusal::PackOrder => (
+                "a part of the coefficient pack does not follow the one before",
+                AGAIN,
+            ),
+            Refusal::PackChecksum => ("the coefficient pack's checksum does not match", AGAIN),
+            Refusal::PackBody => ("the coefficient pack's body cannot be read", EXPORT),
+            Refusal::PackTickRate => (
+                "tick_rate: the coefficient pack is for another one than the rig's, or does not say its own",
+                "export the model with the rig's --tick-rate",
+            ),
+            Refusal::PackIdentity => (
+                "identity: the coefficient pack is of another model",
+                "send the pack of the model that is expected",
+            ),
+            Refusal::PackRevision => (
+                "revision: the coefficient pack is no newer than the one before",
+                "export the model with a higher --revision",
+            ),
         };
-        Self::Refused(reason.into())
+        Self::Refused {
+            reason: reason.into(),
+            mend,
+        }
     }
 }
 
@@ -101,7 +130,8 @@ impl From<LinkError> for InputError {
         let mend = match error {
             LinkError::TooManyBlocks(_) => "split the programme, or run it on the host",
             LinkError::Start(_) | LinkError::Clear(_) => "do that on the rig, then ask again",
-            _ => "run it again; if it stays, run it on the host and report this",
+            LinkError::Refused { mend, .. } => mend,
+            LinkError::Ended { .. } | LinkError::Silent | LinkError::OtherAnswer => REPORT,
         };
         Self::new("the image", error.to_string(), mend)
     }
