@@ -66,7 +66,7 @@ pub const FLOORS_OF_A_PART: Floors = Floors {
     false_discoveries: 0.0,
     pairs: 1.0,
     unlisted: 0.33,
-    unlisted_named: 0.0,
+    unlisted_named: 0.34,
     unlisted_mended: 0.66,
 };
 
