@@ -21,7 +21,7 @@ impl Closing<'_> {
             let mut left = LeftInCycles::default();
             for ((trajectory, roles), predicted) in self.recordings.iter().zip(predicted) {
                 left.add(trajectory, predicted, |sample| {
-                    (roles[sample] == Role::HeldOut) == held_out
+                    counts_as(roles[sample], held_out)
                 });
             }
             left.in_most()
@@ -47,20 +47,19 @@ impl Closing<'_> {
         Ok(errors)
     }
 
-    /// What a model leaves of what was `held_out`, or of the rest, and what that depends on: that much of the force, RMS over RMS, and so many
-    /// times the noise.
+    /// What a model leaves of what was `held_out`, or of the rest, and what that depends on. It leaves `nrmse`, RMS over RMS of the force, and
+    /// `times_noise`.
     pub(super) fn remainder(
         &self,
         model: &Model,
         held_out: bool,
         [nrmse, times_noise]: [f64; 2],
     ) -> Result<Remainder, ModelError> {
-        let counts_as = |role: &Role| (*role == Role::HeldOut) == held_out;
         let some = self.recordings.iter();
-        let some = some.filter(|(_, roles)| roles.iter().any(counts_as));
+        let some = some.filter(|(_, roles)| roles.iter().any(|&role| counts_as(role, held_out)));
         let (trajectories, roles): (Vec<&Trajectory>, Vec<&Vec<Role>>) =
             some.map(|(trajectory, roles)| (*trajectory, roles)).unzip();
-        let counts = |which: usize, sample: usize| counts_as(&roles[which][sample]);
+        let counts = |which: usize, sample: usize| counts_as(roles[which][sample], held_out);
         let depends_on = depends_on(&trajectories, counts, model)?.into_iter();
         Ok(Remainder {
             nrmse,
@@ -127,6 +126,11 @@ impl Closing<'_> {
     }
 }
 
+/// Whether a sample is one of those `held_out`, or one of the rest.
+fn counts_as(role: Role, held_out: bool) -> bool {
+    (role == Role::HeldOut) == held_out
+}
+
 /// Squares of the error of `predicted` and of the force, kN², on what was held out of a trajectory or on the rest.
 fn squares(
     trajectory: &Trajectory,
@@ -134,7 +138,7 @@ fn squares(
     predicted: &[f64],
     held_out: bool,
 ) -> (f64, f64) {
-    let counts = |&i: &usize| (roles[i] == Role::HeldOut) == held_out && trajectory.measured[i];
+    let counts = |&i: &usize| counts_as(roles[i], held_out) && trajectory.measured[i];
     let of_part = (0..roles.len()).filter(counts);
     of_part.fold((0.0, 0.0), |(error, force), i| {
         let measured = trajectory.force[i];

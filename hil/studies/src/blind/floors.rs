@@ -34,7 +34,7 @@ pub const FLOORS: Floors = Floors {
     unlisted_mended: 0.87,
 };
 
-/// Over unlisted seeds 0…429. Nothing else is hidden there.
+/// Over unlisted seeds 0…99. Nothing else is hidden there.
 pub const FLOORS_OF_THE_UNLISTED: Floors = Floors {
     listed: 0.0,
     listed_or_among: 0.0,
@@ -70,20 +70,23 @@ pub const FLOORS_OF_A_PART: Floors = Floors {
     unlisted_mended: 0.66,
 };
 
+/// A line about a bound that does not hold: what was reached in the place of it is `said`.
+pub(super) fn unless(holds: bool, what: &str, said: &str, end: &str, bound: f64) -> Option<String> {
+    (!holds).then(|| format!("{what}: {said}, {end} {bound:.3} has been reached"))
+}
+
 impl Floors {
     /// What `summary` does not reach, each in a line.
     pub fn missed(&self, summary: &Summary) -> Vec<String> {
-        let least = |what: &str, rate: Rate, floor: f64| {
-            (rate.value() < floor).then(|| {
-                let (count, of) = (rate.count, rate.of);
-                format!("{what}: {count} of {of}, at least {floor:.3} has been reached")
-            })
+        // Of none there is no rate to be held to anything.
+        let said = |rate: Rate| format!("{} of {}", rate.count, rate.of);
+        let least = |what: &str, rate: Rate, bound: f64| {
+            let holds = rate.of == 0 || rate.value() >= bound;
+            unless(holds, what, &said(rate), "at least", bound)
         };
         let most = |what: &str, rate: Rate, bound: f64| {
-            (rate.value() > bound).then(|| {
-                let (count, of) = (rate.count, rate.of);
-                format!("{what}: {count} of {of}, at most {bound:.3} has been reached")
-            })
+            let holds = rate.of == 0 || rate.value() <= bound;
+            unless(holds, what, &said(rate), "at most", bound)
         };
         [
             least("listed", summary.listed, self.listed),
@@ -113,5 +116,26 @@ impl Floors {
         .into_iter()
         .flatten()
         .collect()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_is_not_reached_is_said() {
+        let mut summary = Summary::of(Vec::new(), Vec::new());
+        assert!(
+            FLOORS.missed(&summary).is_empty(),
+            "of none there is no rate"
+        );
+        summary.listed = Rate { count: 96, of: 100 };
+        summary.unlisted_named = Rate { count: 1, of: 20 };
+        let said = [
+            "listed: 96 of 100, at least 0.970 has been reached",
+            "unlisted, but named: 1 of 20, at most 0.035 has been reached",
+        ];
+        assert_eq!(FLOORS.missed(&summary), said);
     }
 }

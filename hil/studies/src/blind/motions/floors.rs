@@ -1,5 +1,6 @@
 //! What the trial over any motion has to reach: what it reached when this was last written, less what one more seed may change.
 
+use super::super::floors::unless;
 use super::summary::Summary;
 
 /// Least and largest of what the counted trials come to.
@@ -39,35 +40,51 @@ impl Floors {
     /// What `summary` does not reach, each in a line.
     pub fn missed(&self, summary: &Summary) -> Vec<String> {
         let all = &summary.all;
-        let mut missed = Vec::new();
-        let mut hold = |what: &str, value: f64, bound: f64, is_least: bool| {
-            let holds = if is_least {
-                value >= bound
-            } else {
-                value <= bound
-            };
-            if !holds {
-                let end = if is_least { "at least" } else { "at most" };
-                missed.push(format!(
-                    "{what}: {value:.3}, {end} {bound:.3} has been reached"
-                ));
-            }
+        let least = |what: &str, value: f64, bound: f64| {
+            unless(
+                value >= bound,
+                what,
+                &format!("{value:.3}"),
+                "at least",
+                bound,
+            )
         };
-        hold("right, or among several", all.right(), self.right, true);
-        hold("false or missed", all.wrong(), self.wrong, false);
-        hold(
-            "median error over the true law's",
-            all.median,
-            self.median,
-            false,
-        );
-        hold(
-            "error in nine of ten",
-            all.ninth_decile,
-            self.ninth_decile,
-            false,
-        );
-        hold("intervals that hold", all.intervals, self.intervals, true);
-        missed
+        let most = |what: &str, value: f64, bound: f64| {
+            unless(
+                value <= bound,
+                what,
+                &format!("{value:.3}"),
+                "at most",
+                bound,
+            )
+        };
+        [
+            least("right, or among several", all.right(), self.right),
+            most("false or missed", all.wrong(), self.wrong),
+            most("median error over the true law's", all.median, self.median),
+            most("error in nine of ten", all.ninth_decile, self.ninth_decile),
+            least("intervals that hold", all.intervals, self.intervals),
+        ]
+        .into_iter()
+        .flatten()
+        .collect()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_is_not_reached_is_said() {
+        let mut summary = Summary::of(Vec::new());
+        let all = &mut summary.all;
+        all.count = 100;
+        all.marks = [92, 5, 1, 1, 1, 0];
+        (all.median, all.ninth_decile, all.intervals) = (1.02, 1.2, 0.8);
+        let said = ["error in nine of ten: 1.200, at most 1.100 has been reached"];
+        assert_eq!(FLOORS.missed(&summary), said);
+        // Where nothing counts nothing is reached.
+        assert_eq!(FLOORS.missed(&Summary::of(Vec::new())).len(), 5);
     }
 }
