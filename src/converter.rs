@@ -14,10 +14,46 @@ pub const SCALE_LIMIT: f64 = 1e6;
 ///
 /// The unit is the channel's own: mm, kN.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(feature = "serde", serde(try_from = "Unchecked"))]
 pub struct Scale {
     zero: f32,
     step: f32,
     inverse_step: f32,
+}
+
+/// A [`Scale`] as it is read, before it is validated.
+#[cfg(feature = "serde")]
+#[derive(serde::Deserialize)]
+#[serde(rename = "Scale")]
+struct Unchecked {
+    zero: f32,
+    step: f32,
+    inverse_step: f32,
+}
+
+#[cfg(feature = "serde")]
+impl TryFrom<Unchecked> for Scale {
+    type Error = ConfigError;
+
+    fn try_from(read: Unchecked) -> Result<Self, ConfigError> {
+        let full_scale = f64::from(read.step) * f64::from(MIDSCALE);
+        let scale = Self::new(full_scale, f64::from(read.zero))?;
+        // The full scale was rounded to the step's f32: the two inverses are within three roundings, 1.8e-7, of each other.
+        let inverse = f64::from(scale.inverse_step);
+        let ends = [inverse * (1.0 - 2e-7), inverse * (1.0 + 2e-7)];
+        let [low, high] = if inverse > 0.0 {
+            ends
+        } else {
+            [ends[1], ends[0]]
+        };
+        in_range("inverse_step", f64::from(read.inverse_step), low, high)?;
+        Ok(Self {
+            inverse_step: read.inverse_step,
+            ..scale
+        })
+    }
 }
 
 impl Fields for Scale {
@@ -91,8 +127,17 @@ impl Scale {
     #[inline(always)]
     pub fn decode_narrow<const BITS: u32>(&self, code: u16) -> Sample {
         const { assert!(BITS >= 1 && BITS <= 16, "an ADC has 1 to 16 bits") };
-        let shift = const { 16 - BITS };
-        let last = const { u16::MAX >> (16 - BITS) };
+        self.decode_bits(BITS, code)
+    }
+
+    /// [`Self::decode_narrow`] of an ADC whose bits are known when the firmware runs: 1…16, and any other number counts as 16.
+    #[inline(always)]
+    pub fn decode_bits(&self, bits: u32, code: u16) -> Sample {
+        let shift = match bits {
+            1..=16 => 16 - bits,
+            _ => 0,
+        };
+        let last = u16::MAX >> shift;
         let sample = self.decode(code.min(last) << shift);
         Sample {
             code: if code >= last { u16::MAX } else { sample.code },

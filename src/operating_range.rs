@@ -21,9 +21,36 @@ use crate::real::{Real, in_range};
 
 /// Least and largest displacement and velocity of the motion that a law was fitted on.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(
+    feature = "serde",
+    serde(
+        try_from = "Ends<R>",
+        bound(deserialize = "R: Real + serde::Deserialize<'de>")
+    )
+)]
 pub struct OperatingRange<R> {
     displacement: [R; 2],
     velocity: [R; 2],
+}
+
+/// An [`OperatingRange`] as it is read, before it is validated.
+#[cfg(feature = "serde")]
+#[derive(serde::Deserialize)]
+#[serde(rename = "OperatingRange")]
+struct Ends<R> {
+    displacement: [R; 2],
+    velocity: [R; 2],
+}
+
+#[cfg(feature = "serde")]
+impl<R: Real> TryFrom<Ends<R>> for OperatingRange<R> {
+    type Error = ConfigError;
+
+    fn try_from(ends: Ends<R>) -> Result<Self, ConfigError> {
+        Self::new(ends.displacement, ends.velocity)
+    }
 }
 
 impl<R: Real> OperatingRange<R> {

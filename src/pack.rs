@@ -47,7 +47,11 @@ pub const LARGEST: usize = HEADER + LARGEST_INFO + LAW + EFFECTS + 1 + LARGEST_T
 const MAGIC: [u8; 4] = *b"MDCP";
 
 /// Why a pack was refused. The law in force stays as it was.
+///
+/// A log of defmt takes it as the [`Refusal`](crate::message::Refusal) that it becomes: a format of its own made the firmware's image 0.7
+/// KiB larger, which is optimized as a whole.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize))]
 #[non_exhaustive]
 pub enum PackError {
     /// It does not begin as a pack does.

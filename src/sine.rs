@@ -160,11 +160,34 @@ impl Sector {
 
 /// One block of a programme: whole cycles at one amplitude.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(feature = "serde", serde(try_from = "Unchecked"))]
 pub struct Block {
     amplitude: f64,
     from: f64,
     to: f64,
     cycles: u32,
+}
+
+/// A [`Block`] as it is read, before it is validated.
+#[cfg(feature = "serde")]
+#[derive(serde::Deserialize)]
+#[serde(rename = "Block")]
+struct Unchecked {
+    amplitude: f64,
+    from: f64,
+    to: f64,
+    cycles: u32,
+}
+
+#[cfg(feature = "serde")]
+impl TryFrom<Unchecked> for Block {
+    type Error = ConfigError;
+
+    fn try_from(read: Unchecked) -> Result<Self, ConfigError> {
+        Self::sweep(read.amplitude, read.from, read.to, read.cycles)
+    }
 }
 
 impl Block {
@@ -536,6 +559,22 @@ pub struct Programme<const N: usize> {
     /// After the last block.
     to_rest: Segment,
     duration: f64,
+}
+
+#[cfg(feature = "defmt")]
+impl<const N: usize> defmt::Format for Programme<N> {
+    fn format(&self, f: defmt::Formatter<'_>) {
+        defmt::write!(
+            f,
+            "Programme {{ tick_rate: {=f64}, ramp_cycles: {=u32}, blocks: {=usize} }}",
+            self.tick_rate,
+            self.ramp_cycles,
+            self.planned.len()
+        );
+        for planned in &self.planned {
+            defmt::write!(f, " {}", planned.block);
+        }
+    }
 }
 
 impl<const N: usize> Programme<N> {

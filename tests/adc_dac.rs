@@ -331,6 +331,13 @@ fn a_narrow_converter_reads_as_one_with_16_bits() {
         scale.decode_narrow::<12>(0x0FFF)
     );
     assert!(scale.decode_narrow::<1>(1).clipped());
+    // Bits that are known later, and numbers that are none.
+    for code in [0, 1, 0x7FF, 0x800, 0xFFF, 0x9001] {
+        assert_eq!(scale.decode_bits(12, code), scale.decode_narrow::<12>(code));
+        for bits in [0, 17, u32::MAX] {
+            assert_eq!(scale.decode_bits(bits, code), scale.decode(code));
+        }
+    }
 }
 
 #[test]

@@ -3,20 +3,22 @@
 use core::fmt::Debug;
 
 use mesh_damper::adc::AdcError;
-use mesh_damper::converter::Sample;
+use mesh_damper::converter::{Sample, Scale};
 use mesh_damper::cycle::Cycle;
 use mesh_damper::dac::DacError;
 use mesh_damper::effects::{CONTROLS, Motion};
 use mesh_damper::error::ConfigError;
 use mesh_damper::fast_law::Adaptation;
 use mesh_damper::health::{Channel, Event, HealthCause, HealthSettings, Statistic};
-use mesh_damper::message::{Outcome, Sensors, Statistics};
+use mesh_damper::message::{Outcome, Refusal, Sensors, Statistics};
 use mesh_damper::observer::Estimate;
+use mesh_damper::operating_range::OperatingRange;
+use mesh_damper::pack::{Expectation, Identity, PackError, PackInfo, Stamp};
 use mesh_damper::rig::{
     ClearRefused, Command, CycleReport, DamperEmulationSettings, Knot, Reading, RigSettings,
-    SpiActuatorError, StartRefused, State, StreamSettings, Telemetry, TripCause,
+    SpiActuatorError, StartRefused, State, StreamSettings, Telemetry, TripCause, Wiring,
 };
-use mesh_damper::sine::Excitation;
+use mesh_damper::sine::{Block, Excitation};
 use serde::Serialize;
 use serde::de::DeserializeOwned;
 
@@ -126,6 +128,33 @@ fn what_goes_in_and_comes_out_survives_a_format() {
     survives(HealthSettings::default());
     survives(DamperEmulationSettings::default());
     survives(StreamSettings::default());
+    // A full scale whose step and inverse are rounded apart from each other.
+    for full_scale in [0.1, 0.5, -10.24, 5.0 / 3.0] {
+        let scale = Scale::new(full_scale, 0.07).unwrap();
+        survives(Wiring {
+            displacement: scale,
+            force: scale,
+            command: scale,
+        });
+    }
+    survives(Block::sweep(0.1, 2.0, 20.0, 7).unwrap());
+    let identity = Identity([1, 2, 3, 4, 5, 6, 7, 255]);
+    survives(Expectation {
+        identity: Some(identity),
+        newer_than: Some(3),
+        ..Expectation::at(1e4)
+    });
+    survives(PackInfo {
+        stamp: Stamp {
+            tick_rate: 1e4,
+            revision: 7,
+            identity,
+        },
+        operating_range: Some(OperatingRange::new([-0.2, 0.25], [-6.3, 6.3]).unwrap()),
+        density: Some(3.1),
+        amplitude: None,
+        ..PackInfo::at(1e4).named("Größe 4").unwrap()
+    });
     survives(StartRefused::Faulted(TripCause::LinkLost));
     survives(ClearRefused::Moving);
     survives(AdcError::<u8>::Register {
@@ -161,8 +190,50 @@ fn settings_have_their_names_and_defaults() {
     assert_eq!(field, "force_limit");
 }
 
+/// What a constructor refuses is refused where it is read.
+#[test]
+fn what_cannot_be_is_not_read() {
+    fn refused<T: DeserializeOwned + Debug>(text: &str, what: &str) {
+        let said = serde_json::from_str::<T>(text).unwrap_err().to_string();
+        assert!(said.contains(what), "{said}");
+    }
+    refused::<OperatingRange<f32>>(
+        r#"{"displacement": [0.2, -0.2], "velocity": [-6.3, 6.3]}"#,
+        "displacement",
+    );
+    refused::<Block>(
+        r#"{"amplitude": -0.1, "from": 5, "to": 5, "cycles": 3}"#,
+        "amplitude",
+    );
+    refused::<Scale>(r#"{"zero": 0, "step": 0, "inverse_step": 1}"#, "full_scale");
+    refused::<Scale>(
+        r#"{"zero": 0, "step": 0.5, "inverse_step": 2.00001}"#,
+        "inverse_step",
+    );
+    refused::<Expectation>(r#"{"tick_rates": 1}"#, "unknown field `tick_rates`");
+    let named = |name: &str| {
+        let mut info = serde_json::to_value(PackInfo::at(1e4)).unwrap();
+        info["name"] = name.into();
+        info.to_string()
+    };
+    refused::<PackInfo>(&named(&"x".repeat(33)), "at most 32 bytes");
+    assert!(serde_json::from_str::<PackInfo>(&named(&"x".repeat(32))).is_ok());
+}
+
 #[test]
 fn a_refusal_can_be_written() {
+    let refused = PackError::TickRate {
+        expected: 1e4,
+        found: None,
+    };
+    assert_eq!(
+        serde_json::to_string(&refused).unwrap(),
+        r#"{"TickRate":{"expected":10000.0,"found":null}}"#
+    );
+    assert_eq!(
+        serde_json::to_string(&Refusal::Field("k1")).unwrap(),
+        r#"{"Field":"k1"}"#
+    );
     let refused = ConfigError::Full {
         field: "blocks",
         capacity: 4,

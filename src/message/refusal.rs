@@ -10,6 +10,8 @@ use super::outcome::{state_code, state_of};
 
 /// Why the image did not do what it was asked. A field's value and its range are not told: the harness has them.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+#[cfg_attr(feature = "serde", derive(serde::Serialize))]
 pub enum Refusal<'a> {
     /// It cannot be done in this order: a tick without a rig, or a law for a rig while there is none.
     Order,

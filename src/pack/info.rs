@@ -27,6 +27,8 @@ pub const DENSITY_MOST: f64 = 25.0;
 
 /// Which model a law is of: the first bytes of a hash that the host computes. All 0 where the law is of no model file.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Identity(pub [u8; 8]);
 
 /// Sixteen hexadecimal digits.
@@ -38,6 +40,8 @@ impl fmt::Display for Identity {
 
 /// What a load may require of a pack: the part of a [`PackInfo`] that every load reads.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Stamp {
     /// Ticks per second that the law was made for, Hz: effects hold numbers that are true for one tick only.
     pub tick_rate: f32,
@@ -80,6 +84,8 @@ pub(super) fn stamp<'p>(reader: &mut Reader<'p>) -> Option<(Stamp, &'p [u8])> {
 /// What a pack says of itself beside its law. A load reads no more of it than the [`Stamp`], so that a firmware that asks for no more
 /// links no more.
 #[derive(Clone, Debug, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct PackInfo {
     /// What a load may require. Its tick rate is 1e-3…1e7 Hz.
     pub stamp: Stamp,
@@ -90,6 +96,8 @@ pub struct PackInfo {
     /// Amplitude that the law was taken at, mm, 0…1e4, where its coefficients change with it.
     pub amplitude: Option<f32>,
     /// Of the model, for people.
+    #[cfg_attr(feature = "defmt", defmt(Display2Format))]
+    #[cfg_attr(feature = "serde", serde(with = "name"))]
     pub name: heapless::String<NAME>,
 }
 
@@ -202,6 +210,40 @@ impl PackInfo {
     }
 }
 
+/// A name as a text.
+#[cfg(feature = "serde")]
+mod name {
+    use core::fmt;
+
+    use heapless::String;
+    use serde::de::{Deserializer, Error, Visitor};
+    use serde::ser::Serializer;
+
+    use super::NAME;
+
+    pub(super) fn serialize<S: Serializer>(name: &String<NAME>, to: S) -> Result<S::Ok, S::Error> {
+        to.serialize_str(name)
+    }
+
+    pub(super) fn deserialize<'d, D: Deserializer<'d>>(from: D) -> Result<String<NAME>, D::Error> {
+        struct Name;
+
+        impl Visitor<'_> for Name {
+            type Value = String<NAME>;
+
+            fn expecting(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+                write!(f, "a text of at most {NAME} bytes")
+            }
+
+            fn visit_str<E: Error>(self, text: &str) -> Result<String<NAME>, E> {
+                String::try_from(text).map_err(|_| E::invalid_length(text.len(), &self))
+            }
+        }
+
+        from.deserialize_str(Name)
+    }
+}
+
 /// Whether something follows that may be left out.
 fn is_there(reader: &mut Reader<'_>) -> Result<bool, PackError> {
     match reader.u8() {
@@ -214,6 +256,9 @@ fn is_there(reader: &mut Reader<'_>) -> Result<bool, PackError> {
 /// What a load requires of a pack; nothing by default. A pack of version 6 says nothing of itself, so that whatever is required is
 /// missing.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(feature = "serde", serde(default, deny_unknown_fields))]
 pub struct Expectation {
     /// Hz.
     pub tick_rate: Option<f32>,

@@ -33,6 +33,8 @@ pub struct Command {
 /// Scales of the three channels that a controller is wired to. Of a converter of another width, that of 16 bits over the same
 /// range.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Wiring {
     /// Of the displacement, mm.
     pub displacement: Scale,

@@ -93,8 +93,6 @@ pub unsafe extern "C" fn md_scale_init(
 /// `scale` is null or points to an `md_scale`.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn md_scale_decode(scale: *const Scale, bits: u32, code: u16) -> Sample {
-    let shift = 16_u32.saturating_sub(bits.max(1)) * u32::from(bits > 0);
-    let last = u16::MAX >> shift;
     // SAFETY: as the caller vouches.
     let Ok(scale) = (unsafe { held_const(scale) }) else {
         return Sample {
@@ -102,12 +100,8 @@ pub unsafe extern "C" fn md_scale_decode(scale: *const Scale, bits: u32, code: u
             code: 0,
         };
     };
-    let sample = scale.decode(code.min(last) << shift);
-    Sample {
-        value: sample.value,
-        // The last code, so that either end is seen as one.
-        code: if code >= last { u16::MAX } else { sample.code },
-    }
+    let converter::Sample { value, code } = scale.decode_bits(bits, code);
+    Sample { value, code }
 }
 
 /// The code of 16 bits nearest to `value`, for a DAC: the range's end beyond it, and 0x8000, which is 0 V, for NaN and for a scale that

@@ -2,19 +2,21 @@
 //! its recording to the image.
 
 mod build;
+#[allow(dead_code, reason = "the rate is the trajectory's here")]
+#[path = "../../../hil/model/tests/export/typical.rs"]
+mod typical;
 
 use std::path::Path;
 
 use build::{On, Program, can, source};
-use mesh_damper::effects::description::Description;
 use mesh_damper::effects::{DESCRIPTIONS, Motion};
 use mesh_damper_demo::demo;
 use mesh_damper_model::export::{Export, ExportSettings};
 use mesh_damper_model::file::{FittedRange, ModelFile};
 use mesh_damper_model::predict::{motion_at, predict_embedded};
-use mesh_damper_model::{AddedEffect, Family, LawNode, MAX_EFFECTS, Model};
-use mesh_damper_recording::Recording;
+use mesh_damper_model::{LawNode, MAX_EFFECTS, Model};
 use mesh_damper_recording::trajectory::Trajectory;
+use typical::{two_sines, typical};
 
 /// The forces that a program in C gives for the motion of `trajectory`.
 fn forces_in_c(on: On, file: &ModelFile, trajectory: &Trajectory) -> Vec<f32> {
@@ -96,37 +98,6 @@ fn a_demos_model_in_c_gives_the_force_of_predict_bit_for_bit() {
     for on in On::BOTH.into_iter().filter(|on| can(*on)) {
         are_predicts(on, file, &trajectory);
     }
-}
-
-/// An effect of the crate with its typical parameters, as a model file names them.
-fn typical(description: &Description) -> AddedEffect {
-    let count = description.parameters.len();
-    let parameters = (0..).zip(description.typical).map(|(place, &value)| {
-        let name = description.parameters[place % count].name;
-        let name = match place / count {
-            0 => name.to_owned(),
-            element => format!("{name}_{}", element + 1),
-        };
-        (name, value)
-    });
-    AddedEffect {
-        family: Family::of(description),
-        parameters: parameters.collect(),
-    }
-}
-
-/// Two sines at 2 kHz, beyond the range of any slider.
-fn two_sines() -> Trajectory {
-    use std::f64::consts::TAU;
-    let time: Vec<f64> = (0..4000).map(|i| f64::from(i) / 2000.0).collect();
-    let displacement = |t: &f64| 0.1 * (TAU * 3.0 * t).sin() + 0.05 * (TAU * 11.0 * t).sin();
-    let moved: Vec<f64> = time.iter().map(displacement).collect();
-    let force = moved.iter().map(|y| 2.0 * y).collect();
-    let mut trajectory =
-        Trajectory::of(&Recording::new("two sines", time, moved, force).unwrap()).unwrap();
-    // Its times are rounded: the export is for this rate to the last bit.
-    trajectory.tick = 1.0 / 2000.0;
-    trajectory
 }
 
 #[test]

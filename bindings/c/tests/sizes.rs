@@ -2,8 +2,10 @@
 
 mod build;
 
-use build::{On, Program, can, emulator, example, here, run, source};
+use build::{On, Program, can, emulator, here, run, source};
 use mesh_damper_link::image::sections;
+use mesh_damper_model::export::{Export, ExportSettings};
+use mesh_damper_model::file::ModelFile;
 
 /// The row of `docs/c.md` that begins with `what`, without it.
 fn row(what: &str) -> Vec<u64> {
@@ -22,14 +24,20 @@ fn law_and_one_effect_take_what_the_page_says() {
         return;
     }
     let folder = tempfile::tempdir().unwrap();
-    for file in ["mount.h", "mount.c"] {
-        std::fs::copy(example().join(file), folder.path().join(file)).unwrap();
-    }
+    // The law of the images in Rust, so that the rows can be compared: the very bytes of their pack.
+    let model = here().join("../../examples/own-timer/src/mount.json");
+    let settings = ExportSettings::at(10_000.0, "stick_slip");
+    let export = Export::new(&ModelFile::read(model).unwrap(), &settings).unwrap();
+    let of_rust = include_bytes!("../../../firmware/src/sizes/stick_slip.mdcp");
+    assert_eq!(export.pack().unwrap(), of_rust);
+    let [header, array] = export.c("stick_slip").unwrap();
+    std::fs::write(folder.path().join("stick_slip.h"), header).unwrap();
+    std::fs::write(folder.path().join("stick_slip.c"), array).unwrap();
     let elf = Program {
         on: On::Emulator,
         folder: folder.path(),
         sources: &[source("size.c")],
-        packs: &["mount"],
+        packs: &["stick_slip"],
         map: None,
     }
     .build();

@@ -207,8 +207,9 @@ impl<B: Board> Controller<B> {
                 Ok(true)
             }
             Err(error) => {
-                defmt::warn!("coefficient pack refused");
-                Err(error.into())
+                let refusal = Refusal::from(error);
+                defmt::warn!("coefficient pack refused: {}", refusal);
+                Err(refusal)
             }
         }
     }

@@ -3,7 +3,7 @@
 #include <stddef.h>
 
 #include "mesh_damper.h"
-#include "mount.h"
+#include "stick_slip.h"
 
 extern uint32_t bss_end[], stack_top[];
 
@@ -97,8 +97,8 @@ static md_law law;
 int main(void)
 {
     paint();
-    const md_expected expected = {.tick_rate = MOUNT_TICK_RATE};
-    if (md_law_init(&law, mount_pack, MOUNT_PACK_LENGTH, &expected, NULL) != MD_ERROR_NONE)
+    const md_expected expected = {.tick_rate = STICK_SLIP_TICK_RATE};
+    if (md_law_init(&law, stick_slip_pack, STICK_SLIP_PACK_LENGTH, &expected, NULL) != MD_ERROR_NONE)
         return 1;
     SYST_RVR = PERIOD - 1u;
     SYST_CVR = 0;

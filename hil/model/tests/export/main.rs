@@ -11,13 +11,11 @@ mod first;
 mod second;
 #[rustfmt::skip]
 mod third;
+mod typical;
 
-use std::collections::BTreeMap;
-use std::f64::consts::TAU;
 use std::path::Path;
 
 use mesh_damper::effects::DESCRIPTIONS;
-use mesh_damper::effects::description::Description;
 use mesh_damper::effects::residual_table::CELLS;
 use mesh_damper::fast_law::{FastLaw, RunningLaw};
 use mesh_damper::pack::{Expectation, Identity, PackInfo, Stamp, decode};
@@ -27,30 +25,8 @@ use mesh_damper_model::export::{Export, ExportError, ExportSettings};
 use mesh_damper_model::file::{FittedRange, ModelFile};
 use mesh_damper_model::predict::{motion_at, predict_embedded};
 use mesh_damper_model::{AddedEffect, Family, LawNode, MAX_EFFECTS, Model};
-use mesh_damper_recording::Recording;
-use mesh_damper_recording::trajectory::Trajectory;
 
-const TICK_RATE: f64 = 2000.0;
-
-/// An effect of the crate with its typical parameters, as a model file names them.
-fn typical(description: &Description) -> AddedEffect {
-    let count = description.parameters.len();
-    let name = |place: usize| {
-        let name = description.parameters[place % count].name;
-        match place / count {
-            0 => name.to_owned(),
-            element => format!("{name}_{}", element + 1),
-        }
-    };
-    let parameters: BTreeMap<String, f64> = (0..)
-        .zip(description.typical)
-        .map(|(place, &value)| (name(place), value))
-        .collect();
-    AddedEffect {
-        family: Family::of(description),
-        parameters,
-    }
-}
+use typical::{TICK_RATE, two_sines, typical};
 
 fn node(amplitude: f64, k1: f64) -> LawNode {
     LawNode {
@@ -119,19 +95,6 @@ fn the_modules_in_the_tree_are_what_is_written() {
     }
 }
 
-/// Two sines, sampled at the tick rate.
-fn trajectory() -> Trajectory {
-    let time: Vec<f64> = (0..4000).map(|i| f64::from(i) / TICK_RATE).collect();
-    let displacement = |t: &f64| 0.1 * (TAU * 3.0 * t).sin() + 0.05 * (TAU * 11.0 * t).sin();
-    let moved: Vec<f64> = time.iter().map(displacement).collect();
-    let force = moved.iter().map(|y| 2.0 * y).collect();
-    let recording = Recording::new("two sines", time, moved, force).unwrap();
-    let mut trajectory = Trajectory::of(&recording).unwrap();
-    // Its times are rounded: the export is for this rate to the last bit.
-    trajectory.tick = 1.0 / TICK_RATE;
-    trajectory
-}
-
 /// The force of `law` on every tick of the trajectory is the pack's and that of `hil predict`, to the last bit.
 fn is_the_packs(name: &str, law: &mut impl TickLaw) {
     let export = export(name);
@@ -141,7 +104,7 @@ fn is_the_packs(name: &str, law: &mut impl TickLaw) {
     decode(&pack, &mut slot, &expected).unwrap();
     assert_eq!(PackInfo::of(&pack), Ok(Some(export.info().clone())));
     let mut packed = RunningLaw::new(slot);
-    let trajectory = trajectory();
+    let trajectory = two_sines();
     let models = models();
     let (_, file) = models.iter().find(|(each, _)| *each == name).unwrap();
     let predicted = predict_embedded(&file.model(), &trajectory).unwrap();

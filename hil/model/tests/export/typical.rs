@@ -1,0 +1,41 @@
+//! Effects of the crate and a motion for them. `bindings/c/tests/forces.rs` reads this file too.
+
+use std::f64::consts::TAU;
+
+use mesh_damper::effects::description::Description;
+use mesh_damper_model::{AddedEffect, Family};
+use mesh_damper_recording::Recording;
+use mesh_damper_recording::trajectory::Trajectory;
+
+/// Ticks per second of [`two_sines`], Hz.
+pub const TICK_RATE: f64 = 2000.0;
+
+/// An effect of the crate with its typical parameters, as a model file names them.
+pub fn typical(description: &Description) -> AddedEffect {
+    let count = description.parameters.len();
+    let parameters = (0..).zip(description.typical).map(|(place, &value)| {
+        let name = description.parameters[place % count].name;
+        let name = match place / count {
+            0 => name.to_owned(),
+            element => format!("{name}_{}", element + 1),
+        };
+        (name, value)
+    });
+    AddedEffect {
+        family: Family::of(description),
+        parameters: parameters.collect(),
+    }
+}
+
+/// Two sines at [`TICK_RATE`], beyond the range of any slider.
+pub fn two_sines() -> Trajectory {
+    let time: Vec<f64> = (0..4000).map(|i| f64::from(i) / TICK_RATE).collect();
+    let displacement = |t: &f64| 0.1 * (TAU * 3.0 * t).sin() + 0.05 * (TAU * 11.0 * t).sin();
+    let moved: Vec<f64> = time.iter().map(displacement).collect();
+    let force = moved.iter().map(|y| 2.0 * y).collect();
+    let recording = Recording::new("two sines", time, moved, force).unwrap();
+    let mut trajectory = Trajectory::of(&recording).unwrap();
+    // Its times are rounded: the export is for this rate to the last bit.
+    trajectory.tick = 1.0 / TICK_RATE;
+    trajectory
+}
