@@ -39,7 +39,7 @@ const HEADER: usize = 12;
 const LAW: usize = 4 * (4 + 4 * SEGMENTS + OCTAVES);
 /// Most bytes of the effects: their count, one with [`MOST_WORDS`], and seven more with no more than [`OTHER_WORDS`].
 const EFFECTS: usize = 1 + (2 + 4 * MOST_WORDS) + 7 * (2 + 4 * OTHER_WORDS);
-/// Most words of an effect that is not tones; `the_largest_effects_fit_often_enough` in `tests/pack.rs` holds it.
+/// Most words of an effect that is not tones; `the_largest_effects_fit_often_enough` in `tests/wire/pack.rs` holds it.
 const OTHER_WORDS: usize = 12;
 /// Most bytes of a pack. Derived: the sum of its parts.
 pub const LARGEST: usize = HEADER + LARGEST_INFO + LAW + EFFECTS + 1 + LARGEST_TABLE;

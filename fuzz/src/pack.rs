@@ -51,7 +51,7 @@ pub static GOOD: LazyLock<Vec<Vec<u8>>> = LazyLock::new(|| {
         let bytes = pack::encode(&FastLaw::<EFFECTS>::new(law), &info(number), &mut buffer);
         bytes.expect("it fits").to_vec()
     };
-    let old = include_bytes!("../../tests/packs/version-6-effects.mdcp").to_vec();
+    let old = include_bytes!("../../tests/wire/packs/version-6-effects.mdcp").to_vec();
     (0..).zip(laws).map(packed).chain([old]).collect()
 });
 

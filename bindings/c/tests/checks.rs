@@ -44,7 +44,7 @@ fn write_packs(folder: &Path) {
         &ModelFile::new(linear, range),
         &ExportSettings::at(10_000.0, "linear"),
     );
-    const SILENT: &[u8] = include_bytes!("../../../tests/packs/version-6-effects.mdcp");
+    const SILENT: &[u8] = include_bytes!("../../../tests/wire/packs/version-6-effects.mdcp");
     let header = format!(
         "#include <stdint.h>\n#define SILENT_PACK_LENGTH {}u\nextern const uint8_t silent_pack[SILENT_PACK_LENGTH];\n",
         SILENT.len()

@@ -16,11 +16,11 @@ mesh_damper_recording::numbers! {
     /// Intervals of what was fitted.
     UncertaintyPolicy {
         /// A row that is fitted by itself alone keeps this part of its residual.
-        least_kept: f64 = 0.1, Tuned("hil/studies/tests/intervals.rs");
+        least_kept: f64 = 0.1, Tuned("hil/studies/tests/studies/intervals.rs");
         /// Longest lag, in samples, over which residuals are taken as correlated.
         longest_lag: usize = 200, Convention("a cycle of 5 Hz at 1 kHz");
         /// Residuals are correlated up to the first lag whose correlation is below this.
-        uncorrelated: f64 = 0.02, Tuned("hil/studies/tests/intervals.rs");
+        uncorrelated: f64 = 0.02, Tuned("hil/studies/tests/studies/intervals.rs");
         /// A parameter that is uncertain by more than this factor either way has no bound.
         bounded: f64 = 10.0, Convention("of what is known to a decade either way not even the order of magnitude is known");
     }

@@ -557,7 +557,7 @@ fn a_damaged_pack_is_refused_and_the_law_in_force_stays() {
 /// rig runs. The law in force stays.
 #[test]
 fn a_pack_for_another_rate_is_refused() {
-    const OLD: &[u8] = include_bytes!("../../../tests/packs/version-6-effects.mdcp");
+    const OLD: &[u8] = include_bytes!("../../../tests/wire/packs/version-6-effects.mdcp");
     let is_of_the_rate = |error: LinkError| {
         const SAID: &str = "the image refused it: tick_rate: ";
         let said = error.to_string();

@@ -1,0 +1,487 @@
+//! Bad input through the real command: one line that names the place, exit code 2, no output left.
+
+use std::fs;
+use std::io::Write as _;
+
+use crate::refusal::{hil, refuses};
+
+const MODEL: &str = r#"{ "format": "mesh-damper-model", "version": 1,
+  "units": { "displacement": "mm", "force": "kN", "time": "s", "temperature": "degC" },
+  "law": [ { "amplitude": 0.0, "k1": 1.2, "k3": 30.0, "c": 0.1, "alpha": 0.3 } ],
+  "effects": [ { "family": "offset", "parameters": { "force": 0.01 } } ],
+  "fitted_range": { "displacement": [-0.2, 0.2], "velocity": [-6.3, 6.3] } }"#;
+
+/// A recording of a few cycles in which `change` may spoil the lines, header first.
+fn recording(change: impl FnOnce(&mut Vec<String>)) -> Vec<u8> {
+    let mut lines = vec!["time_s,displacement_mm,force_kN".to_owned()];
+    lines.extend((0..400).map(|i| {
+        let time = f64::from(i) * 0.005;
+        let wave = (std::f64::consts::TAU * 2.0 * time).sin();
+        format!("{time:.4},{:.6},{:.6}", 0.1 * wave, 0.2 * wave)
+    }));
+    change(&mut lines);
+    (lines.join("\n") + "\n").into_bytes()
+}
+
+fn gzipped(bytes: &[u8]) -> Vec<u8> {
+    let mut encoder = flate2::write::GzEncoder::new(Vec::new(), flate2::Compression::fast());
+    encoder.write_all(bytes).unwrap();
+    encoder.finish().unwrap()
+}
+
+/// Every bad recording with what the message about it must say.
+fn bad_recordings() -> Vec<(&'static str, Vec<u8>, &'static [&'static str])> {
+    let whole = recording(|_| ());
+    let truncated = {
+        let mut bytes = gzipped(&whole);
+        bytes.truncate(bytes.len() / 2);
+        bytes
+    };
+    let latin = recording(|lines| lines[0].push_str(",note"))
+        .iter()
+        .chain(b"1,2,3,\xb0C\n")
+        .copied()
+        .collect();
+    let cell = |line: usize, text: &str| {
+        let row = format!("9.0,{text},0.1");
+        recording(move |lines| lines[line - 1] = row)
+    };
+    vec![
+        ("empty.csv", Vec::new(), &["is empty", "write a header"]),
+        ("empty.csv.gz", gzipped(b""), &["is empty"]),
+        (
+            "comments.csv",
+            b"# one\n# two\n".to_vec(),
+            &["comments only"],
+        ),
+        (
+            "no-header.csv",
+            recording(|lines| drop(lines.remove(0))),
+            &["line 1", "no header"],
+        ),
+        (
+            "header-only.csv",
+            recording(|lines| lines.truncate(1)),
+            &["no samples"],
+        ),
+        (
+            "one-sample.csv",
+            recording(|lines| lines.truncate(2)),
+            &["only 1 sample;", "at least"],
+        ),
+        (
+            "few-samples.csv",
+            recording(|lines| lines.truncate(4)),
+            &["only 3 samples;"],
+        ),
+        (
+            "no-force.csv",
+            recording(|lines| lines[0] = "time_s,displacement_mm,load_kN".into()),
+            &[
+                "line 1",
+                "no force column",
+                "\"load_kN\"",
+                "force_kN, force_N",
+            ],
+        ),
+        (
+            "no-time.csv",
+            recording(|lines| lines[0] = "t,displacement_mm,force_kN".into()),
+            &["no time column", "\"t\"", "time_s, time_ms"],
+        ),
+        (
+            "no-unit.csv",
+            recording(|lines| lines[0] = "time_s,displacement,force_kN".into()),
+            &["column displacement:", "no unit", "displacement_mm"],
+        ),
+        (
+            "unknown-unit.csv",
+            recording(|lines| lines[0] = "time_s,displacement_furlong,force_kN".into()),
+            &[
+                "column displacement_furlong",
+                "unknown unit \"furlong\"",
+                "displacement_in",
+            ],
+        ),
+        (
+            "double.csv",
+            recording(|lines| lines[0] = "time_s,force_kN,force_kN".into()),
+            &["column force_kN", "columns 2 and 3"],
+        ),
+        (
+            "two-forces.csv",
+            recording(|lines| lines[0] = "time_s,force_N,force_kN".into()),
+            &["column force_kN", "force_N is a force too"],
+        ),
+        (
+            "nan.csv",
+            recording(|lines| {
+                for line in &mut lines[7..] {
+                    *line = "1.0,0.1,NaN".into();
+                }
+            }),
+            &["line 8, column force_kN", "\"NaN\""],
+        ),
+        (
+            "blank.csv",
+            recording(|lines| lines[7] = ",0.1,0.1".into()),
+            &["line 8, column time_s", "cell is empty"],
+        ),
+        (
+            "word.csv",
+            cell(9, "abc"),
+            &["line 9, column displacement_mm", "\"abc\" is not a number"],
+        ),
+        (
+            "infinite.csv",
+            cell(10, "-inf"),
+            &["line 10", "\"-inf\" is not finite"],
+        ),
+        (
+            "overflow.csv",
+            cell(10, "1e999"),
+            &["line 10", "not finite"],
+        ),
+        (
+            "huge.csv",
+            recording(|lines| {
+                lines[0] = "time_s,displacement_m,force_kN".into();
+                lines[4] = "0.015,1e308,0.1".into();
+            }),
+            &["line 5, column displacement", "not finite"],
+        ),
+        (
+            "ragged.csv",
+            recording(|lines| lines[20] = "0.1,0.2".into()),
+            &["line 21", "2 cells where the header has 3"],
+        ),
+        (
+            "after-comments.csv",
+            recording(|lines| {
+                lines[20] = "0.1,0.2,0.3,0.4".into();
+                lines.insert(5, String::new());
+                lines.insert(0, "# a comment".into());
+            }),
+            &["line 23", "4 cells"],
+        ),
+        (
+            "backwards.csv",
+            recording(|lines| lines.swap(30, 31)),
+            &["line 32", "runs backwards"],
+        ),
+        (
+            "standing.csv",
+            recording(|lines| {
+                let time = lines[30].split(',').next().unwrap().to_owned();
+                lines[31] = format!("{time},0.1,0.2");
+            }),
+            &["line 32", "stands still"],
+        ),
+        (
+            "jump.csv",
+            recording(|lines| lines.push("1e9,0.1,0.2".into())),
+            &["line 402", "time jumps"],
+        ),
+        (
+            "constant.csv",
+            recording(|lines| {
+                for line in &mut lines[1..] {
+                    let time = line.split(',').next().unwrap().to_owned();
+                    *line = format!("{time},0.1,0.2");
+                }
+            }),
+            &["column displacement", "never changes"],
+        ),
+        ("truncated.csv.gz", truncated, &["not valid gzip"]),
+        ("plain.csv.gz", whole, &["not valid gzip"]),
+        ("latin-1.csv", latin, &["line 402", "not UTF-8"]),
+        (
+            "semicolons.csv",
+            b"time_s;displacement_mm;force_kN\n0;0;0\n".to_vec(),
+            &["no time column"],
+        ),
+    ]
+}
+
+#[test]
+fn every_bad_recording_is_refused_by_predict() {
+    let root = tempfile::tempdir().unwrap();
+    fs::write(root.path().join("model.json"), MODEL).unwrap();
+    for (name, bytes, said) in bad_recordings() {
+        fs::write(root.path().join(name), bytes).unwrap();
+        let arguments = [
+            "predict",
+            "--model",
+            "model.json",
+            name,
+            "--out",
+            "new/pred.csv",
+        ];
+        refuses(
+            root.path(),
+            &[&arguments[..], &["--json", "new.json"]].concat(),
+            said,
+        );
+        let error = hil(root.path(), &arguments).stderr;
+        assert!(String::from_utf8(error).unwrap().contains(name));
+    }
+    let predict = |recording: &'static str, said| {
+        let arguments = [
+            "predict",
+            "--model",
+            "model.json",
+            recording,
+            "--out",
+            "p.csv",
+        ];
+        refuses(root.path(), &arguments, said);
+    };
+    predict("nowhere.csv", &["nowhere.csv", "does not exist"]);
+    predict(".", &["is a directory"]);
+}
+
+#[test]
+fn a_bad_model_is_refused() {
+    let root = tempfile::tempdir().unwrap();
+    fs::write(root.path().join("rec.csv"), recording(|_| ())).unwrap();
+    for (from, to, said) in [
+        (
+            "\"version\": 1",
+            "\"version\": 2",
+            "field version: 2 is unknown",
+        ),
+        (
+            "0.3 }",
+            "1.3 }",
+            "field law[0].alpha: alpha = 1.3 is outside 0…1",
+        ),
+        ("\"k1\": 1.2", "\"k1\": 1e300", "field law[0].k1: k1 ="),
+        (
+            "\"offset\"",
+            "\"magic\"",
+            "field effects[0].family: unknown variant `magic`",
+        ),
+        (
+            "\"force\": 0.01",
+            "\"force\": 1e12",
+            "field effects[0] (offset): force",
+        ),
+        (
+            "mesh-damper-model",
+            "other",
+            "field format: \"other\" is another format",
+        ),
+        (
+            "\"effects\"",
+            "\"affects\"",
+            "field affects: unknown field `affects`",
+        ),
+        ("]", "", "not JSON"),
+    ] {
+        assert!(MODEL.contains(from));
+        fs::write(root.path().join("model.json"), MODEL.replacen(from, to, 1)).unwrap();
+        refuses(
+            root.path(),
+            &[
+                "predict",
+                "--model",
+                "model.json",
+                "rec.csv",
+                "--out",
+                "pred.csv",
+            ],
+            &["model.json: ", said],
+        );
+    }
+    for (model, said) in [("none.json", "does not exist"), (".", "directory")] {
+        refuses(
+            root.path(),
+            &["predict", "--model", model, "rec.csv", "--out", "pred.csv"],
+            &[said],
+        );
+    }
+}
+
+#[test]
+fn an_output_that_cannot_be_written_is_refused_before_the_work() {
+    let root = tempfile::tempdir().unwrap();
+    fs::write(root.path().join("model.json"), MODEL).unwrap();
+    fs::write(root.path().join("rec.csv"), recording(|_| ())).unwrap();
+    for (out, said) in [(".", "is a directory"), ("rec.csv/p.csv", "is a file")] {
+        refuses(
+            root.path(),
+            &["predict", "--model", "model.json", "rec.csv", "--out", out],
+            &[said],
+        );
+    }
+}
+
+#[test]
+fn bad_usage_ends_with_2_and_help_shows_an_example() {
+    let root = tempfile::tempdir().unwrap();
+    for arguments in [
+        &[][..],
+        &["predict"],
+        &["no-such-command"],
+        &["predict", "--on", "moon"],
+    ] {
+        assert_eq!(hil(root.path(), arguments).status.code(), Some(2));
+    }
+    for command in [
+        "demo",
+        "trace",
+        "predict",
+        "respond",
+        "run",
+        "characterize",
+        "orthogonal",
+        "design",
+        "paper",
+    ] {
+        let output = hil(root.path(), &[command, "--help"]);
+        assert_eq!(output.status.code(), Some(0));
+        let help = String::from_utf8(output.stdout).unwrap();
+        assert!(help.contains("Example"), "{help}");
+        assert!(help.contains("--json"), "{help}");
+    }
+}
+
+#[test]
+fn every_bad_recording_is_refused_by_trace() {
+    let root = tempfile::tempdir().unwrap();
+    fs::write(root.path().join("good.csv"), recording(|_| ())).unwrap();
+    for (name, bytes, said) in bad_recordings() {
+        fs::write(root.path().join(name), bytes).unwrap();
+        refuses(root.path(), &["trace", name, "--json", "new.json"], said);
+        refuses(
+            root.path(),
+            &["trace", "good.csv", "--held-out", name],
+            said,
+        );
+    }
+}
+
+#[test]
+fn every_bad_recording_is_refused_by_characterize() {
+    let root = tempfile::tempdir().unwrap();
+    for (name, bytes, said) in bad_recordings() {
+        fs::write(root.path().join(name), bytes).unwrap();
+        for kind in ["--static", "--dynamic"] {
+            // A load–unload curve may wait as long as it likes.
+            if (name, kind) == ("jump.csv", "--static") {
+                continue;
+            }
+            refuses(
+                root.path(),
+                &[
+                    "characterize",
+                    name,
+                    kind,
+                    "--out",
+                    "new",
+                    "--json",
+                    "new.json",
+                ],
+                said,
+            );
+        }
+    }
+}
+
+#[test]
+fn recordings_that_contradict_each_other_are_refused() {
+    let root = tempfile::tempdir().unwrap();
+    let changed = |factor: f64, comment: &str| {
+        recording(|lines| {
+            for line in &mut lines[1..] {
+                let (row, force) = line.rsplit_once(',').unwrap();
+                *line = format!("{row},{}", factor * force.parse::<f64>().unwrap());
+            }
+            lines.insert(0, comment.into());
+        })
+    };
+    for (name, bytes) in [
+        ("a.csv", changed(1.0, "# specimen: ring 3")),
+        ("turned.csv", changed(-1.0, "#")),
+        ("newtons.csv", changed(1000.0, "#")),
+        ("ring-4.csv", changed(1.0, "# specimen: ring 4")),
+    ] {
+        fs::write(root.path().join(name), bytes).unwrap();
+    }
+    for (other, said) in [
+        (
+            "turned.csv",
+            "contradicts a.csv: under the same motion its force has the opposite sign",
+        ),
+        (
+            "newtons.csv",
+            "contradicts a.csv: under the same motion its force is 1000.0000 times",
+        ),
+        (
+            "ring-4.csv",
+            "declare the specimen \"ring 4\" where a.csv declares \"ring 3\"",
+        ),
+        ("./a.csv", "is given twice"),
+    ] {
+        refuses(root.path(), &["trace", "a.csv", other], &[other, said]);
+        refuses(
+            root.path(),
+            &["trace", "a.csv", "--held-out", other],
+            &[other, said],
+        );
+    }
+}
+
+#[test]
+fn a_bad_programme_or_specimen_is_refused_by_run() {
+    let root = tempfile::tempdir().unwrap();
+    fs::write(
+        root.path().join("p.json"),
+        r#"{"blocks": [{"amplitude": 0.1, "frequency": 1}]}"#,
+    )
+    .unwrap();
+    let bad = MODEL.replace("\"version\": 1", "\"version\": 7");
+    fs::write(root.path().join("model.json"), bad).unwrap();
+    for (arguments, said) in [
+        (&["--blocks", "0.1:1"][..], "--blocks: field block 1"),
+        (
+            &["--blocks", "0.1:1:6,0.1:5000:6"],
+            "field block 2: frequency = 5000 is outside",
+        ),
+        (
+            &["--programme", "p.json"],
+            "p.json: field blocks[0]: missing field `cycles`",
+        ),
+        (
+            &["--programme", "none.json"],
+            "none.json: cannot read it: does not exist",
+        ),
+        (&["--density", "9"], "--density: 9 g/cm³ is outside"),
+        (&["--tick-rate", "0"], "tick_rate = 0 is outside"),
+        (&["--model", "model.json"], "field version: 7 is unknown"),
+    ] {
+        refuses(root.path(), &[&["run"], arguments].concat(), &[said]);
+    }
+}
+
+/// What `hil trace --law` cannot keep.
+#[test]
+fn what_is_known_is_what_a_fit_has() {
+    let root = tempfile::tempdir().unwrap();
+    fs::write(root.path().join("rec.csv"), recording(|_| ())).unwrap();
+    let friction = r#"{ "family": "stick_slip", "parameters": { "stiffness": 1.0, "stretch_limit": 0.1,
+        "sharpness": 1.0, "hardening": 7.5, "loss": 0.5 } }"#;
+    let offset = r#"{ "family": "offset", "parameters": { "force": 0.01 } }"#;
+    let known = MODEL.replacen(offset, friction, 1);
+    assert_ne!(known, MODEL);
+    fs::write(root.path().join("known.json"), known).unwrap();
+    let refuses = |law: &str, said: &[&str]| {
+        refuses(root.path(), &["trace", "rec.csv", "--law", law], said);
+    };
+    refuses(
+        "known.json",
+        &["known.json: field effects[0]", "leave it out"],
+    );
+    refuses("none.json", &["none.json", "does not exist"]);
+    refuses("rec.csv", &["rec.csv", "not JSON"]);
+}

@@ -1,0 +1,27 @@
+//! The real command.
+
+mod amplitude_free_command;
+mod bad_input;
+mod bad_input_of_studies;
+mod bench_command;
+mod command;
+mod demo_command;
+#[path = "../../../link/tests/emulated/mod.rs"]
+mod emulated;
+mod export_command;
+mod image_command;
+mod interrupted_run;
+mod no_room;
+mod outputs;
+mod paper_command;
+mod policy_option;
+mod predict;
+mod read_limit;
+mod readme;
+mod refusal;
+mod respond_command;
+mod run_command;
+mod separating;
+mod surfaces_command;
+mod trace_command;
+mod trace_memory;

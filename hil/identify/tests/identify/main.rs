@@ -1,0 +1,10 @@
+//! What is found of specimens and channels that are known, and of recordings made elsewhere.
+
+mod any_motion;
+mod channel_faults;
+mod correction;
+mod fitted_law;
+mod hidden;
+mod shared_faults;
+mod shared_recordings;
+mod trace;

@@ -1,0 +1,15 @@
+//! What the studies come to.
+
+mod amplitude_independent;
+mod averaging;
+mod bench;
+mod blind;
+mod bouc_wen;
+mod characterize;
+mod design;
+#[path = "../../../link/tests/emulated/mod.rs"]
+mod emulated;
+mod intervals;
+mod motions;
+mod orthogonal;
+mod surfaces;

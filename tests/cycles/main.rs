@@ -1,0 +1,4 @@
+//! The sine generator and the cycle accumulator.
+
+mod cycle;
+mod sine;

@@ -1,0 +1,13 @@
+//! The law in f32 and in integers against f64.
+
+mod fast_law;
+mod finite;
+#[cfg(feature = "fixed-point")]
+mod fixed;
+mod floats;
+mod largest;
+mod power;
+#[cfg(feature = "fixed-point")]
+mod ranges;
+mod static_law;
+mod table;

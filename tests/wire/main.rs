@@ -1,0 +1,8 @@
+//! Packs, messages, frames and formats.
+
+#[cfg(feature = "serde")]
+mod formats;
+mod frame;
+mod message;
+mod pack;
+mod pack_info;
