@@ -26,13 +26,13 @@ struct Contact<R> {
 
 impl<R: Real> Contact<R> {
     fn check(&self) -> Result<(), ConfigError> {
-        in_range("stiffness", self.stiffness, 1e-9, limits::COEFFICIENT)?;
+        in_range("stiffness", self.stiffness, 0.0, limits::COEFFICIENT)?;
         in_range("gap", self.gap.abs(), 1e-9, limits::DISPLACEMENT).map(|_| ())
     }
 }
 
 impl<R: Real> Stop<R> {
-    /// * `contacts`: 1 or 2 pairs of stiffness, kN/mm, 1e-9…1e9, and gap, mm, 1e-9…1e4 on the side of positive displacement,
+    /// * `contacts`: 1 or 2 pairs of stiffness, kN/mm, 0…1e9, and gap, mm, 1e-9…1e4 on the side of positive displacement,
     ///   −1e4…−1e-9 on the other
     ///
     /// # Errors
@@ -64,7 +64,7 @@ impl<R: Real> Equations<R> for Stop<R> {
         kind: EffectKind::Force,
         cost: Cost::Rare,
         parameters: &[
-            Parameter::new("stiffness", "kN/mm", 1e-9, limits::COEFFICIENT),
+            Parameter::new("stiffness", "kN/mm", 0.0, limits::COEFFICIENT),
             Parameter::new("gap", "mm", -limits::DISPLACEMENT, limits::DISPLACEMENT),
         ],
         most: MAX_CONTACTS,

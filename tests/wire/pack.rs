@@ -120,7 +120,7 @@ fn effects_at_the_ends_of_their_ranges_survive() {
         ("relaxation", &[-1e9, 1.1e-6], 1e3),
         ("stick_slip", &[1e9, 1e4], 1e-4),
         ("stop", &[1e9, 1e4], 1e-4),
-        ("stop", &[1e-9, -1e-9], 1e-4),
+        ("stop", &[0.0, -1e-9], 1e-4),
         ("bouc_wen", &[-1e9, 1e-9, 8.0], 1e-4),
         ("hardening_friction", &[-1e9, 1e-9, 8.0, 100.0, 200.0], 1e-4),
         ("yielding", &[1e9, 0.0, 1e-9, 0.0], 1e-7),

@@ -216,6 +216,22 @@ impl<'r, 'a> Basis<'r, 'a> {
         force
     }
 
+    /// Which of the terms that add to that force add less to each row than `part` of its largest.
+    pub fn adds_nothing(&self, columns: &Columns, linear: &[f64], part: f64) -> Vec<bool> {
+        let largest = |force: &[f64]| force.iter().fold(0.0_f64, |most, f| most.max(f.abs()));
+        let least = part * largest(&self.force(columns, linear));
+        let mut sizes = linear[3 * self.rows.nodes.len()..].iter();
+        let each = self.terms.iter().zip(&columns.added);
+        each.map(|(term, units)| {
+            let added = units.iter().zip(&mut sizes);
+            let adds = |(unit, size): (&Arc<Vec<f64>>, &f64)| size.abs() * largest(unit) >= least;
+            // Every one is asked for: the next term's sizes follow.
+            let adding = added.map(adds).filter(|&adds| adds).count();
+            matches!(term.form.entry, Entry::Adds(_)) && adding == 0
+        })
+        .collect()
+    }
+
     /// Eq 13's part of that force.
     pub fn law_force(&self, columns: &Columns, linear: &[f64]) -> Vec<f64> {
         let rows = columns.law.unit.iter();
@@ -532,5 +548,43 @@ impl Columns {
             .flatten()
             .map(|column| column.as_slice())
             .collect()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::base_law::BaseLaw;
+    use crate::families::{offset, stop};
+
+    /// A preload or a wall that is hardly there; the law's largest force is 0.1 kN.
+    #[test]
+    fn what_adds_nothing_is_known() {
+        let moved = |index| 0.1 * (0.02 * f64::from(index)).sin();
+        let displacement: Vec<f64> = (0..3000).map(moved).collect();
+        let force = displacement.clone();
+        let trajectories = [Trajectory::new(
+            "sine",
+            1e-3,
+            &displacement,
+            force,
+            None,
+            None,
+        )];
+        let rows = Rows::gather(&trajectories, BaseLaw::Mixed, vec![0.1], 1000, |_, _| true);
+        let extent = Extent::of(&trajectories);
+        let terms = [offset::FORMS[0], stop::FORMS[0]].map(|form| Term {
+            form,
+            reference: 0.0,
+            is_known: false,
+        });
+        let basis = Basis::new(&rows, &extent, &terms);
+        let adds_nothing = |preload: f64, stiffness: f64, gap: f64| {
+            let columns = basis.columns(&[0.5, gap.ln()], None);
+            basis.adds_nothing(&columns, &[1.0, 0.0, 0.0, preload, stiffness], 1e-7)
+        };
+        assert_eq!(adds_nothing(1e-3, 1.0, 0.05), [false, false]);
+        assert_eq!(adds_nothing(1e-9, 1e-3, 0.05), [true, false]);
+        assert_eq!(adds_nothing(1e-7, 1e-10, 0.05), [false, true]);
     }
 }

@@ -18,13 +18,13 @@ use super::split::{Role, Roles};
 use super::unlisted::Laws;
 use super::verdict::{accounts_for, conclude, depends_on, generalises, rivals, warnings};
 use crate::base_law::BaseLaw;
+use crate::basis::Basis;
 use crate::policy::policy;
 use crate::problem::Problem;
 use crate::rows::Rows;
 use crate::shape::Extent;
 use crate::solution::Solution;
 use crate::staged::staged;
-use crate::term::TermValue;
 use crate::tolerance::noise_floor;
 use crate::uncertainty::Uncertainty;
 
@@ -447,11 +447,20 @@ impl<'a> Closing<'a> {
     /// The same without those that all of the data hold at 0.
     pub(super) fn fit_there(&self, rows: &Rows, known: &Solution) -> Solution {
         let mut solution = self.fit_near(rows, known);
-        let is_nothing = |value: &TermValue| !value.term.is_known && !value.is_admissible();
-        while let Some(index) = solution.terms.iter().position(is_nothing) {
+        while let Some(index) = self.first_that_is_nothing(rows, &solution) {
             solution = self.fit_near(rows, &solution.without(index));
         }
         solution
+    }
+
+    fn first_that_is_nothing(&self, rows: &Rows, solution: &Solution) -> Option<usize> {
+        let basis = Basis::new(rows, &self.extent, &solution.terms()).around(solution);
+        let columns = basis.columns(&solution.search, None);
+        let nothing = basis.adds_nothing(&columns, &solution.linear(), policy().trace.nothing);
+        let mut terms = solution.terms.iter().zip(nothing);
+        terms.position(|(value, adds_nothing)| {
+            !value.term.is_known && (adds_nothing || !value.is_admissible())
+        })
     }
 }
 

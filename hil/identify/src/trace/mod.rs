@@ -51,6 +51,8 @@ mesh_damper_recording::numbers! {
     TracePolicy {
         /// A force that was found to be early is moved again at most so often.
         most_moves: usize = 2, Convention("the second settles what the first began");
+        /// An effect whose force is nowhere this part of the largest force is not there.
+        nothing: f64 = 1e-7, Convention("a rounding to 32 bits is 6e-8: the crate's force would not show it");
     }
 }
 
