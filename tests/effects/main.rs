@@ -410,7 +410,7 @@ fn constructors_name_the_field_they_refuse() {
     assert_eq!(field(Stop::<f32>::new(&[]).unwrap_err()), "contacts");
     assert_eq!(field(Stop::new(&[(1.0, 0.1); 3]).unwrap_err()), "contacts");
     assert_eq!(
-        field(Stop::new(&[(1.0, 0.1), (0.0, -0.1)]).unwrap_err()),
+        field(Stop::new(&[(1.0, 0.1), (-1.0, -0.1)]).unwrap_err()),
         "stiffness"
     );
     assert_eq!(field(Stop::new(&[(1.0, 0.0)]).unwrap_err()), "gap");
