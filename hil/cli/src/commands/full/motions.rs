@@ -43,7 +43,7 @@ fn print(summary: &Summary) {
         }
     }
     say(&format!(
-        "\n{:26} {:>5} {:>7} {:>6} {:>7} {:>6} {:>7} {:>8}   {:>6} {:>7}  {:>9}  {:>9} {:>9} {:>8}",
+        "\n{:26} {:>5} {:>7} {:>6} {:>7} {:>6} {:>7} {:>8}   {:>6} {:>7} {:>8} {:>10}  {:>9} {:>9} {:>8}",
         "",
         "count",
         "right",
@@ -54,6 +54,7 @@ fn print(summary: &Summary) {
         "refused",
         "median",
         "9 in 10",
+        "seconds",
         "time",
         "intervals",
         "velocity",
@@ -63,7 +64,8 @@ fn print(summary: &Summary) {
         say(&row_of(row));
     }
     say(
-        "\nmedian, 9 in 10: held-out error of the embedded law over what the true law leaves. time: the longest trace over its recordings.\n\
+        "\nmedian, 9 in 10: held-out error of the embedded law over what the true law leaves. seconds: of the median trace,\n\
+         with as many at once as there are processors; time: the longest trace over its recordings.\n\
          intervals: of the law's 90 % intervals, the part that holds. velocity: error of the estimated one over that of cubics alone; covered: \n\
          the part of its samples within their 90 % interval.",
     );
@@ -91,31 +93,38 @@ fn line(outcome: &Outcome) -> String {
         [] => "nothing".to_owned(),
         hidden => hidden.join(" + "),
     };
+    let said = match &outcome.refused {
+        Some(why) => format!("refused: {why}"),
+        None => format!(
+            "called {} {}; error {:.2} times the true law's",
+            outcome
+                .verdict
+                .map_or_else(String::new, |v| format!("{v:?}").to_lowercase()),
+            outcome.named.join(" + "),
+            outcome.error
+        ),
+    };
     format!(
-        "{:>5} {:8} {:?}, sensors {:?}, {} Hz: {hidden} {:.1} was called {} {}; error {:.2} times the true law's",
+        "{:>5} {:8} {:?}, sensors {:?}, {} Hz: {hidden} {:.1} was {said}",
         outcome.seed,
         format!("{:?}", outcome.mark).to_lowercase(),
         outcome.kind,
         outcome.flaw,
         outcome.rate,
         outcome.visible,
-        outcome
-            .verdict
-            .map_or_else(|| "nothing".to_owned(), |v| format!("{v:?}").to_lowercase()),
-        outcome.named.join(" + "),
-        outcome.error
     )
 }
 
 fn row_of(row: &Row) -> String {
     let [right, among, honest, wrong, missed, refused] = row.marks;
     format!(
-        "{:26} {:>5} {:>5.1} % {among:>6} {honest:>7} {wrong:>6} {missed:>7} {refused:>8}   {:>6.2} {:>7.2}  {:>7.2} %  {:>7.1} % {:>9.2} {:>6.1} %",
+        "{:26} {:>5} {:>5.1} % {among:>6} {honest:>7} {wrong:>6} {missed:>7} {refused:>8}   {:>6.2} {:>7.2} {:>8.1} {:>8.2} %  {:>7.1} % {:>9.2} {:>6.1} %",
         row.of,
         row.count,
         100.0 * right as f64 / row.count.max(1) as f64,
         row.median,
         row.ninth_decile,
+        row.seconds,
         100.0 * row.time,
         100.0 * row.intervals,
         row.over_cubics,

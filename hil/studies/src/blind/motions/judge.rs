@@ -56,8 +56,12 @@ pub struct Outcome {
     pub mark: Mark,
     /// Held-out error of the embedded law over what the true law leaves.
     pub error: f64,
-    /// Time of the trace over that of both recordings.
+    /// How long the trace took, s; trials run side by side.
+    pub seconds: f64,
+    /// That over the time of both recordings.
     pub time: f64,
+    /// Why there is no trace.
+    pub refused: Option<String>,
     /// Of the 90 % intervals of the law's coefficients, how many hold the true one, and how many there are: where what is hidden was
     /// found, and one set of coefficients holds for all amplitudes.
     pub intervals: [usize; 2],
@@ -123,6 +127,8 @@ pub fn judge(trial: &Trial) -> Outcome {
         named: Vec::new(),
         mark: Mark::Refused,
         error: f64::NAN,
+        seconds: took,
+        refused: None,
         time: took / (lasts(&trial.training) + lasts(&trial.held_out)),
         hidden,
         intervals: [0, 0],
@@ -131,10 +137,13 @@ pub fn judge(trial: &Trial) -> Outcome {
             covered: f64::NAN,
         }),
     };
-    let Ok(found) = result else {
-        return outcome;
+    let found = match result {
+        Ok(trace) => trace.result,
+        Err(error) => {
+            outcome.refused = Some(error.to_string());
+            return outcome;
+        }
     };
-    let found = found.result;
     let effects = found.effects.iter();
     let mut named: Vec<String> = effects.map(|effect| effect.family.clone()).collect();
     named.sort();

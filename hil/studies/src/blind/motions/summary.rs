@@ -17,6 +17,8 @@ pub struct Row {
     pub median: f64,
     /// and nine in ten.
     pub ninth_decile: f64,
+    /// How long a trace took, s: half of them took less.
+    pub seconds: f64,
     /// The largest time of a trace over that of its recordings.
     pub time: f64,
     /// The part of the 90 % intervals of the law's coefficients that hold.
@@ -30,17 +32,13 @@ pub struct Row {
 impl Row {
     fn of(name: String, outcomes: &[&Outcome]) -> Self {
         let count = |mark: Mark| outcomes.iter().filter(|o| o.mark == mark).count();
-        let mut errors: Vec<f64> = outcomes
-            .iter()
-            .map(|o| o.error)
-            .filter(|e| e.is_finite())
-            .collect();
-        errors.sort_by(f64::total_cmp);
-        let quantile = |part: f64| {
-            let place = (part * errors.len() as f64) as usize;
-            errors
-                .get(place.min(errors.len().saturating_sub(1)))
-                .copied()
+        let quantile = |of: fn(&Outcome) -> f64, part: f64| {
+            let each = outcomes.iter().map(|o| of(o));
+            let mut values: Vec<f64> = each.filter(|value| value.is_finite()).collect();
+            values.sort_by(f64::total_cmp);
+            let place = (part * values.len() as f64) as usize;
+            let place = place.min(values.len().saturating_sub(1));
+            values.get(place).copied().unwrap_or(f64::NAN)
         };
         let mean = |of: &dyn Fn(&Outcome) -> f64| {
             let values = outcomes.iter().map(|o| of(o)).filter(|x| x.is_finite());
@@ -59,8 +57,9 @@ impl Row {
                 Mark::Refused,
             ]
             .map(count),
-            median: quantile(0.5).unwrap_or(f64::NAN),
-            ninth_decile: quantile(0.9).unwrap_or(f64::NAN),
+            median: quantile(|o| o.error, 0.5),
+            ninth_decile: quantile(|o| o.error, 0.9),
+            seconds: quantile(|o| o.seconds, 0.5),
             time: outcomes.iter().map(|o| o.time).fold(0.0, f64::max),
             intervals: {
                 let [held, of] =
