@@ -136,3 +136,26 @@ fn a_dashpot_that_yields_is_named() {
     assert_eq!(trial.secret.families(), ["yielding"]);
     assert_eq!(judge(&trial).mark(), Mark::Right);
 }
+
+/// Friction that fades with speed is on no list. In this test it looks like a dashpot that yields, behind a spring that may have any stiffness.
+#[test]
+fn a_name_with_a_parameter_without_bounds_is_ambiguous() {
+    let trial = draw(1385);
+    assert_eq!(trial.secret.families(), ["velocity_weakening"]);
+    let found = trace(&[trial.training], &[trial.held_out], &|_| ()).unwrap();
+    let result = found.result;
+    assert_eq!(result.verdict, Verdict::Ambiguous);
+    let [effect] = &result.effects[..] else {
+        panic!("one effect is named: {:?}", result.effects);
+    };
+    assert_eq!(effect.family, "yielding");
+    let stiffness = &effect.parameters["stiffness"];
+    assert!(
+        stiffness.low < 0.0 && stiffness.high > 2.0 * stiffness.value,
+        "{stiffness:?}"
+    );
+    let test = result.separating_test.expect("a wider motion bounds it");
+    assert!(test.contains("yielding without bounds"), "{test}");
+    assert!(result.separating_blocks.is_empty());
+    assert!(result.remainder.is_none());
+}
