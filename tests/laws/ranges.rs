@@ -206,7 +206,7 @@ fn numbers() -> Vec<Number> {
             (1.0, 0.1),
             (1.0, x)
         ])),
-        number!("stiffness", 1e-9, 1e9, |x| Stop::new(&[(x, 0.1)])),
+        number!("stiffness", 0.0, 1e9, |x| Stop::new(&[(x, 0.1)])),
         number!("beta", -1.0, 1.0, |x| Temperature::new(x, 20.0)),
         number!("beta_damping", -1.0, 1.0, |x| Temperature::new(0.1, 20.0)
             .and_then(|both| both.with_damping(x))),
