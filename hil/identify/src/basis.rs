@@ -220,14 +220,14 @@ impl<'r, 'a> Basis<'r, 'a> {
     pub fn adds_nothing(&self, columns: &Columns, linear: &[f64], part: f64) -> Vec<bool> {
         let largest = |force: &[f64]| force.iter().fold(0.0_f64, |most, f| most.max(f.abs()));
         let least = part * largest(&self.force(columns, linear));
-        let mut sizes = linear[3 * self.rows.nodes.len()..].iter();
+        let mut sizes = &linear[3 * self.rows.nodes.len()..];
         let each = self.terms.iter().zip(&columns.added);
         each.map(|(term, units)| {
-            let added = units.iter().zip(&mut sizes);
-            let adds = |(unit, size): (&Arc<Vec<f64>>, &f64)| size.abs() * largest(unit) >= least;
-            // Every one is asked for: the next term's sizes follow.
-            let adding = added.map(adds).filter(|&adds| adds).count();
-            matches!(term.form.entry, Entry::Adds(_)) && adding == 0
+            let (own, others) = sizes.split_at(units.len());
+            sizes = others;
+            let mut added = units.iter().zip(own);
+            matches!(term.form.entry, Entry::Adds(_))
+                && added.all(|(unit, size)| size.abs() * largest(unit) < least)
         })
         .collect()
     }
@@ -555,9 +555,9 @@ impl Columns {
 mod tests {
     use super::*;
     use crate::base_law::BaseLaw;
-    use crate::families::{offset, stop};
+    use crate::families::{offset, periodic, stop};
 
-    /// A preload or a wall that is hardly there; the law's largest force is 0.1 kN.
+    /// A preload, a tone, a wall that are hardly there.
     #[test]
     fn what_adds_nothing_is_known() {
         let moved = |index| 0.1 * (0.02 * f64::from(index)).sin();
@@ -573,18 +573,25 @@ mod tests {
         )];
         let rows = Rows::gather(&trajectories, BaseLaw::Mixed, vec![0.1], 1000, |_, _| true);
         let extent = Extent::of(&trajectories);
-        let terms = [offset::FORMS[0], stop::FORMS[0]].map(|form| Term {
+        // The tone has two sizes, of its sine and its cosine.
+        let forms = [offset::FORMS[0], periodic::FORMS[0], stop::FORMS[0]];
+        let terms = forms.map(|form| Term {
             form,
             reference: 0.0,
             is_known: false,
         });
         let basis = Basis::new(&rows, &extent, &terms);
-        let adds_nothing = |preload: f64, stiffness: f64, gap: f64| {
-            let columns = basis.columns(&[0.5, gap.ln()], None);
-            basis.adds_nothing(&columns, &[1.0, 0.0, 0.0, preload, stiffness], 1e-7)
+        let columns = basis.columns(&[0.5, 5.0_f64.ln(), 0.05_f64.ln()], None);
+        // The law's largest force is 0.1 kN, and the wall's deepest contact 0.05 mm.
+        let adds_nothing = |preload: f64, tone: [f64; 2], stiffness: f64| {
+            let sizes = [1.0, 0.0, 0.0, preload, tone[0], tone[1], stiffness];
+            basis.adds_nothing(&columns, &sizes, 1e-7)
         };
-        assert_eq!(adds_nothing(1e-3, 1.0, 0.05), [false, false]);
-        assert_eq!(adds_nothing(1e-9, 1e-3, 0.05), [true, false]);
-        assert_eq!(adds_nothing(1e-7, 1e-10, 0.05), [false, true]);
+        assert_eq!(adds_nothing(1e-3, [0.0; 2], 1.0), [false, true, false]);
+        assert_eq!(
+            adds_nothing(0.9e-8, [0.0, 1e-3], 1.7e-7),
+            [true, false, true]
+        );
+        assert_eq!(adds_nothing(-1.1e-8, [-1e-3, 0.0], 2.3e-7), [false; 3]);
     }
 }

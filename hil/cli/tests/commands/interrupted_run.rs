@@ -54,12 +54,6 @@ fn clear(directory: &Path) {
     }
 }
 
-/// Whether there is a process with this number that has not ended.
-fn lives(id: u32) -> bool {
-    let status = fs::read_to_string(format!("/proc/{id}/status"));
-    status.is_ok_and(|status| !status.contains("State:\tZ"))
-}
-
 fn emulator_of(harness: &Child) -> u32 {
     let children = format!("/proc/{0}/task/{0}/children", harness.id());
     let is_emulator = |id: &u32| {
@@ -215,7 +209,7 @@ fn an_emulator_killed_at_any_moment_ends_the_run_in_one_message() {
             assert!(Recording::read(&journal).unwrap().len() > 100);
         }
         clear(root.path());
-        assert!(!lives(emulator));
+        assert!(!emulated::lives(emulator));
     }
 }
 
@@ -234,13 +228,13 @@ fn a_harness_killed_at_any_moment_leaves_no_emulator() {
             wait_for_bytes(&journal, 5_000 * (moment - 5));
         } else {
             for _ in 0..50 * moment {
-                std::hint::black_box(lives(emulator));
+                std::hint::black_box(emulated::lives(emulator));
             }
         }
         harness.kill().unwrap();
         harness.wait().unwrap();
         wait_for("the emulator outlived the harness", || {
-            (!lives(emulator)).then_some(())
+            (!emulated::lives(emulator)).then_some(())
         });
         if moment >= 6 {
             assert!(Recording::read(&journal).is_ok());

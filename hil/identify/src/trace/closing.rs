@@ -25,6 +25,7 @@ use crate::rows::Rows;
 use crate::shape::Extent;
 use crate::solution::Solution;
 use crate::staged::staged;
+use crate::term::TermValue;
 use crate::tolerance::noise_floor;
 use crate::uncertainty::Uncertainty;
 
@@ -314,7 +315,7 @@ impl<'a> Closing<'a> {
         let judged = selection.found.score.nrmse() / selection.goal;
         let left_by_solution = left_out.left_by(&solution.model())?;
         let left = left_by_solution.in_most().unwrap_or(judged);
-        let (verdict, effects_rejected_by) = conclude(selection, left);
+        let (verdict, effects_rejected_by) = conclude(selection, solution.is_alone(), left);
         let concluded = Concluded {
             verdict,
             left,
@@ -454,13 +455,17 @@ impl<'a> Closing<'a> {
     }
 
     fn first_that_is_nothing(&self, rows: &Rows, solution: &Solution) -> Option<usize> {
+        let is_found = |value: &TermValue| !value.term.is_known;
+        let is_refused = |value: &TermValue| is_found(value) && !value.is_admissible();
+        let refused = solution.terms.iter().position(is_refused);
+        if refused.is_some() || !solution.terms.iter().any(is_found) {
+            return refused;
+        }
         let basis = Basis::new(rows, &self.extent, &solution.terms()).around(solution);
         let columns = basis.columns(&solution.search, None);
         let nothing = basis.adds_nothing(&columns, &solution.linear(), policy().trace.nothing);
         let mut terms = solution.terms.iter().zip(nothing);
-        terms.position(|(value, adds_nothing)| {
-            !value.term.is_known && (adds_nothing || !value.is_admissible())
-        })
+        terms.position(|(value, adds_nothing)| is_found(value) && adds_nothing)
     }
 }
 

@@ -59,8 +59,12 @@ pub(super) fn accounts_for(alone: f64, left: f64) -> bool {
 }
 
 /// The verdict on what a search found, of which so many times the noise is `left`, and the rule by which what was found does not
-/// explain it.
-pub(super) fn conclude(selection: &Selection, left: f64) -> (Verdict, Option<Rule>) {
+/// explain it. What it found may be nothing when it is fitted to all that may be: then the law `is_alone`.
+pub(super) fn conclude(
+    selection: &Selection,
+    is_alone: bool,
+    left: f64,
+) -> (Verdict, Option<Rule>) {
     let few = selection.found.families().len() <= policy().verdict.few;
     let explained = left
         <= if few {
@@ -68,7 +72,7 @@ pub(super) fn conclude(selection: &Selection, left: f64) -> (Verdict, Option<Rul
         } else {
             policy().verdict.noise_limited_by_many
         };
-    if selection.found.solution.is_alone() {
+    if is_alone {
         let verdict = if explained {
             Verdict::None
         } else {

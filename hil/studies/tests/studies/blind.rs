@@ -137,7 +137,8 @@ fn a_dashpot_that_yields_is_named() {
     assert_eq!(judge(&trial).mark(), Mark::Right);
 }
 
-/// Friction that fades with speed is on no list. In this test it looks like a dashpot that yields, behind a spring that may have any stiffness.
+/// Friction that fades with speed is on no list, and a dashpot that yields is not what it is. In this test it looks like one whose
+/// spring may be any.
 #[test]
 fn a_name_with_a_parameter_without_bounds_is_ambiguous() {
     let trial = draw(1385);
@@ -149,11 +150,8 @@ fn a_name_with_a_parameter_without_bounds_is_ambiguous() {
         panic!("one effect is named: {:?}", result.effects);
     };
     assert_eq!(effect.family, "yielding");
-    let stiffness = &effect.parameters["stiffness"];
-    assert!(
-        stiffness.low < 0.0 && stiffness.high > 2.0 * stiffness.value,
-        "{stiffness:?}"
-    );
+    let stretch = &effect.parameters["yield_stretch"];
+    assert!(stretch.high > 10.0 * stretch.value, "{stretch:?}");
     let test = result.separating_test.expect("a wider motion bounds it");
     assert!(test.contains("yielding without bounds"), "{test}");
     assert!(result.separating_blocks.is_empty());
