@@ -5,7 +5,8 @@ use std::io::Write as _;
 
 use crate::refusal::{hil, refuses};
 
-const MODEL: &str = r#"{ "format": "mesh-damper-model", "version": 1,
+/// An offset beside the law.
+pub const MODEL: &str = r#"{ "format": "mesh-damper-model", "version": 1,
   "units": { "displacement": "mm", "force": "kN", "time": "s", "temperature": "degC" },
   "law": [ { "amplitude": 0.0, "k1": 1.2, "k3": 30.0, "c": 0.1, "alpha": 0.3 } ],
   "effects": [ { "family": "offset", "parameters": { "force": 0.01 } } ],

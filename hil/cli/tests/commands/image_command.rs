@@ -43,7 +43,7 @@ fn what_is_missing_is_said_in_one_line_with_how_to_get_it() {
 #[cfg(target_os = "linux")]
 #[test]
 fn the_emulator_ends_with_the_harness_even_when_that_is_killed() {
-    use std::time::{Duration, Instant};
+    use crate::interrupted_run::{emulator_of, wait_for};
 
     if emulated::image(&FIRMWARE, Board::Mps2An386).is_none() {
         return;
@@ -55,25 +55,10 @@ fn the_emulator_ends_with_the_harness_even_when_that_is_killed() {
         .stderr(std::process::Stdio::null())
         .spawn()
         .unwrap();
-    let until = Instant::now() + Duration::from_secs(120);
-    let emulator = loop {
-        let children = format!("/proc/{0}/task/{0}/children", harness.id());
-        let children = std::fs::read_to_string(children).unwrap_or_default();
-        let is_emulator = |id: &u32| {
-            std::fs::read_to_string(format!("/proc/{id}/comm"))
-                .is_ok_and(|name| name.starts_with("qemu-system"))
-        };
-        let ids = children.split_whitespace().filter_map(|id| id.parse().ok());
-        if let Some(id) = ids.into_iter().find(is_emulator) {
-            break id;
-        }
-        assert!(Instant::now() < until, "no emulator was started");
-        std::thread::yield_now();
-    };
+    let emulator = emulator_of(&harness);
     harness.kill().unwrap();
     harness.wait().unwrap();
-    while emulated::lives(emulator) {
-        assert!(Instant::now() < until, "the emulator outlived the harness");
-        std::thread::yield_now();
-    }
+    wait_for("the emulator outlived the harness", || {
+        (!emulated::lives(emulator)).then_some(())
+    });
 }

@@ -27,7 +27,7 @@ fn start(directory: &Path, arguments: &[&str]) -> Child {
 }
 
 /// What `seen` gives, once it gives anything.
-fn wait_for<T>(what: &str, mut seen: impl FnMut() -> Option<T>) -> T {
+pub fn wait_for<T>(what: &str, mut seen: impl FnMut() -> Option<T>) -> T {
     let until = Instant::now() + LONGEST;
     loop {
         if let Some(seen) = seen() {
@@ -54,7 +54,8 @@ fn clear(directory: &Path) {
     }
 }
 
-fn emulator_of(harness: &Child) -> u32 {
+/// The process of the emulator that a `hil run` has started.
+pub fn emulator_of(harness: &Child) -> u32 {
     let children = format!("/proc/{0}/task/{0}/children", harness.id());
     let is_emulator = |id: &u32| {
         fs::read_to_string(format!("/proc/{id}/comm"))

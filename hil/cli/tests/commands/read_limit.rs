@@ -7,15 +7,11 @@ use std::path::Path;
 use std::process::{Command, Output};
 use std::time::Instant;
 
+use crate::bad_input::MODEL;
 use mesh_damper_recording::Recording;
 use mesh_damper_recording::faults::{Channel, ChannelFault, ChannelFaultKind};
 use mesh_damper_studies::orthogonal::Experiment;
 
-const MODEL: &str = r#"{ "format": "mesh-damper-model", "version": 1,
-  "units": { "displacement": "mm", "force": "kN", "time": "s", "temperature": "degC" },
-  "law": [ { "amplitude": 0.0, "k1": 1.2, "k3": 30.0, "c": 0.1, "alpha": 0.3 } ],
-  "effects": [ { "family": "offset", "parameters": { "force": 0.01 } } ],
-  "fitted_range": { "displacement": [-0.2, 0.2], "velocity": [-6.3, 6.3] } }"#;
 const HEADER: &str = "time_s,displacement_mm,force_kN\n";
 /// Address space of the command where nothing but its own is needed, MiB.
 const ALONE: u64 = 200;

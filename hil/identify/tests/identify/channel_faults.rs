@@ -1,9 +1,8 @@
 //! Faults of the channels: found, counted, said, and kept from becoming physics; and never found where there are none.
 
 use std::f64::consts::TAU;
-use std::io::Write as _;
-use std::path::PathBuf;
 
+use crate::shared_recordings::recordings;
 use mesh_damper_identify::trace::result::Verdict;
 use mesh_damper_identify::trace::trace;
 use mesh_damper_recording::Recording;
@@ -203,16 +202,9 @@ fn clean_recordings_have_no_faults() {
 /// faults: a logger that left out a row 179 times, and four lone samples of a load cell that stand 0.06 … 0.2 kN off.
 #[test]
 fn recordings_of_others_have_the_faults_that_are_in_them() {
-    let folder = PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("../../../shared/recordings");
-    if !folder.is_dir() {
-        // Past the test harness, which keeps what passing tests print to itself.
-        writeln!(
-            std::io::stderr(),
-            "left out: no ../shared/recordings beside the repository"
-        )
-        .unwrap();
+    let Some(folder) = recordings() else {
         return;
-    }
+    };
     let (mut found, mut averaged) = (Vec::new(), Vec::new());
     // Those whose makers say what is in them.
     let known = [

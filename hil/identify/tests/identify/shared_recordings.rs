@@ -9,7 +9,7 @@ use mesh_damper_recording::Recording;
 use serde_json::Value;
 
 /// The folder of the recordings, or `None` with a line that says what was left out.
-fn recordings() -> Option<PathBuf> {
+pub fn recordings() -> Option<PathBuf> {
     let folder = PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("../../../shared/recordings");
     if folder.is_dir() {
         return Some(folder);

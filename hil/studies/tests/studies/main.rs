@@ -1,4 +1,4 @@
-//! What the studies come to.
+//! What the studies find.
 
 mod amplitude_independent;
 mod averaging;
