@@ -230,6 +230,7 @@ effects! {
     bouc_wen: BoucWen,
     hardening_friction: HardeningFriction,
     yielding: Yielding,
+    control_input: ControlInput,
     periodic: Periodic,
     delay: Delay,
     force_filter: ForceFilter,

@@ -2,6 +2,7 @@
 
 mod bouc_wen;
 mod compliance;
+mod control_input;
 mod force_filter;
 mod hardening_friction;
 mod load_friction;
@@ -16,9 +17,10 @@ use std::f64::consts::{PI, TAU};
 
 use loops::{TICKS, alone, close, energy, last_cycle, moduli, nothing, sine};
 use mesh_damper::effects::{
-    Asymmetry, AugmentedLaw, BoucWen, Compliance, DESCRIPTIONS, Delay, Drift, Effect, ForceFilter,
-    Gap, Hardening, HardeningFriction, Inertia, LoadFriction, MAX_TONES, Motion, Offset, Periodic,
-    Relaxation, StickSlip, Stop, Temperature, Viscous, Yielding,
+    Asymmetry, AugmentedLaw, BoucWen, CONTROLS, Compliance, ControlInput, DESCRIPTIONS, Delay,
+    Drift, Effect, ForceFilter, Gap, Hardening, HardeningFriction, Inertia, LoadFriction,
+    MAX_TONES, Motion, Offset, Periodic, Relaxation, StickSlip, Stop, Temperature, Viscous,
+    Yielding,
 };
 use mesh_damper::error::ConfigError;
 use mesh_damper::law::Law;
@@ -472,7 +474,7 @@ fn constructors_name_the_field_they_refuse() {
 }
 
 /// Effects that there are.
-const EFFECTS: usize = 19;
+const EFFECTS: usize = 20;
 
 /// One of each, of ordinary size.
 fn one_of_each<R: Real>() -> AugmentedLaw<R, EFFECTS> {
@@ -501,6 +503,16 @@ fn one_of_each<R: Real>() -> AugmentedLaw<R, EFFECTS> {
             HardeningFriction::new(r(0.3), r(0.4), r(1.2), r(2.0), r(5.0)).unwrap(),
         ),
         Effect::Yielding(Yielding::new(r(0.4), r(0.05), r(0.3), r(0.02), r(1e-4)).unwrap()),
+        Effect::ControlInput(
+            ControlInput::new(
+                0,
+                Yielding::new(r(0.4), r(0.05), r(0.3), r(0.0), r(1e-4)).unwrap(),
+                r(0.002),
+            )
+            .and_then(|effect| effect.with_lag(r(0.02), r(1e-4)))
+            .and_then(|effect| effect.with_saturation(r(1.5)))
+            .unwrap(),
+        ),
         Effect::Periodic(
             Periodic::new(&[(r(0.03), 50.0, 0.3), (r(0.01), 150.0, 1.0)], 1e-4).unwrap(),
         ),
@@ -549,15 +561,14 @@ fn any_motion() -> impl Strategy<Value = Motion<f32>> {
             Just(-0.0)
         ]
     };
-    (number(), number(), number(), number(), number()).prop_map(|(y, v, a, cycles, temperature)| {
-        Motion {
-            displacement: y,
-            velocity: v,
-            acceleration: a,
-            cycles,
-            temperature,
-            ..Motion::default()
-        }
+    let all = (number(), number(), number(), number(), number(), number());
+    all.prop_map(|(y, v, a, cycles, temperature, control)| Motion {
+        displacement: y,
+        velocity: v,
+        acceleration: a,
+        cycles,
+        temperature,
+        controls: [control; CONTROLS],
     })
 }
 

@@ -34,6 +34,7 @@ fn write_packs(folder: &Path) {
         law: vec![node],
         effects: Vec::new(),
         correction: None,
+        controls: Vec::new(),
     };
     let range = FittedRange {
         displacement: [-0.2, 0.2],

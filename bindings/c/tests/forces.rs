@@ -114,6 +114,7 @@ fn every_effect_of_the_crate_gives_the_same_bits_in_c() {
             }],
             effects: chunk.iter().map(typical).collect(),
             correction: None,
+            controls: Vec::new(),
         };
         let range = FittedRange {
             displacement: [-0.2, 0.2],

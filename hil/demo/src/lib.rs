@@ -142,6 +142,7 @@ pub fn demo(seed: u64, progress: &(dyn Fn(&str) + Sync)) -> Result<Demo, DemoErr
         }],
         effects: Vec::new(),
         correction: None,
+        controls: Vec::new(),
     };
     progress("running the rig with the published law");
     let first = run(&specimen, &published, &PROTOCOL, seed)?;

@@ -28,7 +28,7 @@ pub fn known_terms(effect: &AddedEffect) -> Option<Vec<KnownTerm>> {
     }
     let of_family = Form::all().filter(|form| form.family() == effect.family);
     let of_family: Vec<Form> = of_family.collect();
-    let several = of_family.iter().find(|form| form.elements_may_miss);
+    let several = of_family.iter().find(|form| form.is_several());
     if let (2.., Some(&form)) = (elements.len(), several) {
         // Of even parts of the largest shape.
         let largest = elements.values().filter_map(|one| shapes_of(form, one));
@@ -36,7 +36,7 @@ pub fn known_terms(effect: &AddedEffect) -> Option<Vec<KnownTerm>> {
         return Some(vec![known(form, 0.0, largest)]);
     }
     let term = |element: &BTreeMap<&str, f64>| {
-        let mut forms = of_family.iter().filter(|form| !form.elements_may_miss);
+        let mut forms = of_family.iter().filter(|form| !form.is_several());
         forms.find_map(|&form| {
             let shapes = shapes_of(form, element)?;
             let reference = element.get("reference").copied().unwrap_or_default();

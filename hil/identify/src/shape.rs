@@ -1,6 +1,7 @@
 //! The ranges within which shapes are searched, and where a search starts: spread over what the data can show.
 
 use crate::policy::policy;
+use mesh_damper::effects::CONTROLS;
 use mesh_damper_recording::trajectory::Trajectory;
 mesh_damper_recording::numbers! {
     /// Within what ranges the parameters of effects are sought, and from how many starts.
@@ -86,6 +87,16 @@ mesh_damper_recording::numbers! {
         yield_time: [f64; 2] = [1e-4, 3.0], Derived("at the first it adds less to the force than the shortest stretch, at the second the dashpot hardly moves");
         /// Starts of that time.
         yield_time_starts: usize = 1, Convention("the stretch and the rate say where the dashpot yields");
+        /// The lag of a control input is at least this part of a tick.
+        shortest_lag: f64 = 0.5, Derived("shorter, and it is all there at the next");
+        /// That lag is at most this part of a recording.
+        longest_lag: f64 = 0.2, Convention("a fifth: what is later has hardly been seen twice");
+        /// Starts of that lag.
+        lag_starts: usize = 4, Convention("some seven times the one before: a fit goes on from there");
+        /// The strength of a control input saturates at least and at most at this many times the largest input.
+        saturation: [f64; 2] = [0.1, 10.0], Derived("at the first the largest does 10/11 of all that there is, at the last a tenth less than a line");
+        /// Starts of that saturation.
+        saturation_starts: usize = 2, Convention("below and above the largest input");
         /// With ω·time below this at the highest frequency a branch is a dashpot.
         dashpot: f64 = 0.2, Tuned("the blind trial; a branch then differs from its dashpot by ωτ/√(1 + ω²τ²), a fifth");
         /// With ω·time above this at the lowest frequency a branch is a spring.
@@ -154,6 +165,8 @@ pub struct Extent {
     pub(crate) velocity: f64,
     /// Largest force over largest displacement, kN/mm.
     pub(crate) stiffness: f64,
+    /// Largest control input either way, by places, in its own unit.
+    pub(crate) inputs: [f64; CONTROLS],
     /// Tones that stand out of what eq 13 leaves, Hz.
     pub(crate) tones: Vec<f64>,
 }
@@ -196,6 +209,10 @@ impl Extent {
                     .flat_map(|t| t.motion.velocity.iter().map(|velocity| velocity.abs())),
             ),
             stiffness: force / above.max(below),
+            inputs: std::array::from_fn(|place| {
+                let channels = trajectories.iter().filter_map(|t| t.controls.get(place));
+                largest(channels.flat_map(|channel| channel.values.iter().map(|u| u.abs())))
+            }),
             tones: Vec::new(),
         }
     }

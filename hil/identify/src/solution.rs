@@ -26,6 +26,7 @@ impl Solution {
             law: self.law.clone(),
             effects: added_effects(&self.terms),
             correction: None,
+            controls: Vec::new(),
         }
     }
 

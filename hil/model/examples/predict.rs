@@ -14,7 +14,9 @@ fn main() -> Result<(), Box<dyn Error>> {
         return Err("name a model and a recording".into());
     };
     let model = ModelFile::read(model)?.model();
-    let trajectory = Trajectory::of(&Recording::read(recording)?)?;
+    let mut recording = Recording::read(recording)?;
+    model.arrange_controls(&mut recording)?;
+    let trajectory = Trajectory::of(&recording)?;
     let fitted = predict(&model, &trajectory)?;
     let embedded = predict_embedded(&model, &trajectory)?;
     for (name, force) in [("f64", fitted), ("as the firmware", embedded)] {

@@ -3,7 +3,7 @@
 use std::fmt;
 
 use mesh_damper::effects::DESCRIPTIONS;
-use mesh_damper::effects::description::Description;
+use mesh_damper::effects::description::{Dependence, Description};
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
 
 /// A family of effects: most have one effect.
@@ -62,6 +62,12 @@ impl Family {
             }
         }
         names.into_iter()
+    }
+
+    /// Whether its force depends on a control input.
+    pub fn depends_on_control(self) -> bool {
+        let mut effects = self.effects();
+        effects.any(|effect| effect.depends_on.contains(&Dependence::Control))
     }
 
     /// Whether its force changes with the temperature.

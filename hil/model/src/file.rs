@@ -7,11 +7,13 @@
 //!   "effects": [ { "family": "stick_slip", "parameters": { "stiffness": 1.2, "slip_limit": 0.03 } } ],
 //!   "fitted_range": { "displacement": [-0.2, 0.2], "velocity": [-6.3, 6.3] } }
 //! ```
-//! `law` holds eq 13's coefficients at increasing amplitudes; parameters are in the units of
+//! A law under control inputs names them, `"controls": [ { "name": "current_A", "range": [0.0, 1.0] } ]`: by its place there an effect
+//! says which of them it sees. `law` holds eq 13's coefficients at increasing amplitudes; parameters are in the units of
 //! [`crate::parameter_unit`].
 
 use std::path::Path;
 
+use mesh_damper::effects::CONTROLS;
 use mesh_damper::error::ConfigError;
 use mesh_damper::law::Law;
 use mesh_damper::pack::Identity;
@@ -21,7 +23,7 @@ use serde::{Deserialize, Serialize};
 use sha2::{Digest as _, Sha256};
 
 use crate::correction::CorrectionTable;
-use crate::{AddedEffect, LawNode, Model, ModelError};
+use crate::{AddedEffect, Control, LawNode, Model, ModelError};
 
 /// The word by which a model file is known.
 const FORMAT: &str = "mesh-damper-model";
@@ -41,6 +43,8 @@ pub struct ModelFile {
     effects: Vec<AddedEffect>,
     #[serde(default, skip_serializing_if = "Option::is_none")]
     correction: Option<CorrectionTable>,
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    controls: Vec<Control>,
     fitted_range: FittedRange,
 }
 
@@ -133,6 +137,7 @@ impl ModelFile {
             law: model.law,
             effects: model.effects,
             correction: model.correction,
+            controls: model.controls,
             fitted_range,
         }
     }
@@ -227,6 +232,7 @@ impl ModelFile {
             law: self.law.clone(),
             effects: self.effects.clone(),
             correction: self.correction.clone(),
+            controls: self.controls.clone(),
         }
     }
 
@@ -242,7 +248,11 @@ impl ModelFile {
             &self.correction,
             self.fitted_range,
         );
-        let json = serde_json::to_vec(&meaning).expect("numbers and names are JSON");
+        let mut json = serde_json::to_vec(&meaning).expect("numbers and names are JSON");
+        // A model of no control is the one that it was before models could have any.
+        if !self.controls.is_empty() {
+            json.extend(serde_json::to_vec(&self.controls).expect("numbers and names are JSON"));
+        }
         let hash = Sha256::digest(json);
         let mut first = [0; 8];
         first.copy_from_slice(&hash[..8]);
@@ -292,6 +302,32 @@ impl ModelFile {
                     format!("{low} to {high} is no finite range"),
                 );
             }
+        }
+        for (index, control) in self.controls.iter().enumerate() {
+            let [low, high] = control.range;
+            if !(low.is_finite() && high.is_finite() && low <= high) {
+                return refused(
+                    format!("controls[{index}].range"),
+                    format!("{low} to {high} is no finite range"),
+                );
+            }
+        }
+        if self.controls.len() > CONTROLS {
+            return refused(
+                "controls".into(),
+                format!("{} are more than {CONTROLS}", self.controls.len()),
+            );
+        }
+        let unnamed = |effect: &AddedEffect| {
+            let place = effect.parameters.get("input").copied();
+            let is_controlled = effect.family.depends_on_control();
+            is_controlled && place.unwrap_or_default() >= self.controls.len() as f64
+        };
+        if let Some(index) = self.effects.iter().position(unnamed) {
+            return refused(
+                format!("effects[{index}]"),
+                "depends on a control input that `controls` does not name".into(),
+            );
         }
         let amplitude = self.law.first().map_or(0.0, |node| node.amplitude);
         let model = self.model();
@@ -416,6 +452,10 @@ mod tests {
                     effect("temperature", &[("beta", 0.004), ("reference", 20.0)]),
                 ],
                 correction: Some(correction()),
+                controls: vec![Control {
+                    name: "current_A".into(),
+                    range: [0.0, 1.5],
+                }],
             },
             FittedRange {
                 displacement: [-0.2, 0.2],

@@ -35,6 +35,7 @@
 //!     law: vec![LawNode { amplitude: 0.1, k1: 8.0, k3: 0.0, c: 0.1, alpha: 0.5 }],
 //!     effects: Vec::new(),
 //!     correction: None,
+//!     controls: Vec::new(),
 //! };
 //! let trajectory = Trajectory::of(&recording)?;
 //! let predicted = predict(&model, &trajectory)?;
@@ -53,4 +54,4 @@ pub mod predict;
 pub mod respond;
 
 pub use family::{Family, base_name, parameter_unit};
-pub use model::{AddedEffect, LawNode, MAX_EFFECTS, Model, ModelError};
+pub use model::{AddedEffect, Control, LawNode, MAX_EFFECTS, Model, ModelError};

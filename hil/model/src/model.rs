@@ -9,6 +9,8 @@ use mesh_damper::fast_law::FastLaw;
 use mesh_damper::law::Law;
 use mesh_damper::pack::{self, LARGEST, PackError, PackInfo};
 use mesh_damper::real::Real;
+use mesh_damper_recording::Recording;
+use mesh_damper_recording::error::InputError;
 use serde::{Deserialize, Serialize};
 
 use crate::correction::{CorrectionTable, Remembered};
@@ -79,6 +81,18 @@ pub struct Model {
     pub effects: Vec<AddedEffect>,
     /// What is added beside them without a name.
     pub correction: Option<CorrectionTable>,
+    /// The control inputs that its effects see, by their places.
+    pub controls: Vec<Control>,
+}
+
+/// A control input that effects of a model see.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Control {
+    /// Name of its column in a recording, with the unit: `current_A`.
+    pub name: String,
+    /// Least and largest value that the model was fitted on, in that unit.
+    pub range: [f64; 2],
 }
 
 impl Model {
@@ -162,6 +176,21 @@ impl Model {
         pack::encode(&law, &info, &mut buffer)
             .map(<[u8]>::to_vec)
             .map_err(ModelError::Pack)
+    }
+
+    /// Puts the control inputs of a recording to the places at which the effects see them.
+    ///
+    /// # Errors
+    /// The recording lacks one.
+    pub fn arrange_controls(&self, recording: &mut Recording) -> Result<(), InputError> {
+        let names = self.controls.iter().map(|control| control.name.as_str());
+        recording.arrange_controls(names)
+    }
+
+    /// Whether its force depends on a control input.
+    pub fn depends_on_control(&self) -> bool {
+        let mut effects = self.effects.iter();
+        effects.any(|effect| effect.family.depends_on_control())
     }
 
     /// Whether its force changes with the temperature.

@@ -127,7 +127,7 @@ pub fn predict_embedded(model: &Model, trajectory: &Trajectory) -> Result<Vec<f6
     Ok(trajectory.shown(force))
 }
 
-/// What the law sees at one sample. A recording has no channel of a control: an effect of one would see 0 only.
+/// What the law sees at one sample, its control inputs in the order of the trajectory.
 #[inline]
 pub fn motion_at<R: Real>(trajectory: &Trajectory, index: usize) -> Motion<R> {
     Motion {
@@ -136,8 +136,18 @@ pub fn motion_at<R: Real>(trajectory: &Trajectory, index: usize) -> Motion<R> {
         acceleration: R::from_f64(trajectory.motion.acceleration[index]),
         cycles: R::from_f64(trajectory.cycles[index]),
         temperature: R::from_f64(trajectory.temperature_at(index)),
-        controls: [R::ZERO; CONTROLS],
+        controls: controls_at(trajectory, index),
     }
+}
+
+/// The first of the control inputs; 0 in the place of one that there is none of.
+#[inline]
+fn controls_at<R: Real>(trajectory: &Trajectory, index: usize) -> [R; CONTROLS] {
+    let mut controls = [R::ZERO; CONTROLS];
+    for (control, channel) in controls.iter_mut().zip(trajectory.controls.iter()) {
+        *control = R::from_f64(channel.values[index]);
+    }
+    controls
 }
 
 /// RMS of the error over the RMS of the measured force, over the samples that `included` picks.

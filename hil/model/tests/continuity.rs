@@ -108,6 +108,7 @@ fn check(truth: &Truth, seed: u64) -> Result<(), TestCaseError> {
         law: vec![LAW],
         effects: Vec::new(),
         correction: None,
+        controls: Vec::new(),
     };
     // Nor is a kink found in it.
     prop_assert_eq!(&trajectory.motion.kinks, &Vec::<usize>::new());

@@ -2,11 +2,11 @@
 
 use std::path::Path;
 
-use super::Recording;
 use super::channel::Channel;
 use super::faults::listed;
 use super::noise::noise_beside_tones;
 use super::read::Kept;
+use super::{ControlChannel, Recording};
 use crate::csv_text::CsvText;
 use crate::error::{InputError, Place};
 use crate::read_limit::ReadLimit;
@@ -24,6 +24,8 @@ pub struct InputSignal {
     pub values: Vec<f64>,
     /// °C, one per sample, where the file has it.
     pub temperature: Option<Vec<f64>>,
+    /// Control inputs, where the file has them.
+    pub controls: Vec<ControlChannel>,
     /// What is wrong with the file's times, in words; none where nothing is.
     pub warning: Option<String>,
 }
@@ -78,6 +80,7 @@ impl InputSignal {
             tick: uniform.period,
             values: uniform.displacement,
             temperature: uniform.temperature,
+            controls: uniform.controls,
             warning: (!faults.is_empty()).then(|| listed(&faults)),
             name: recording.name,
         })

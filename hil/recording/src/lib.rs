@@ -2,7 +2,8 @@
 //!
 //! Files are CSV or CSV.gz: `#` comment lines, a header whose names carry their unit, then samples. `time_s`, a
 //! displacement and a force are required; `velocity_mm_s` (or `velocity_mm/s`) and `temperature_degC` are used when
-//! there; any other column is kept and ignored. See [`units`] for the units known. Every row ends with a line end: a last one
+//! there; a column of another quantity with a unit, such as `current_A`, is a [control input](ControlChannel); any other is kept
+//! and ignored. See [`units`] for the units known. Every row ends with a line end: a last one
 //! without it may have been cut within its last number, and is left out.
 //!
 //! | module | for |
@@ -35,6 +36,7 @@ pub mod averaging;
 mod channel;
 mod clock;
 mod consistency;
+mod control;
 pub mod csv_text;
 pub mod cycles;
 pub mod error;
@@ -64,6 +66,7 @@ pub mod zero;
 pub mod zeros;
 
 pub use consistency::check_consistency;
+pub use control::ControlChannel;
 pub use resample::Uniform;
 pub use units::{Unit, Units};
 pub use write::{decimal, table};
@@ -95,6 +98,8 @@ pub struct Recording {
     pub velocity: Option<Vec<f64>>,
     /// °C, where it was measured.
     pub temperature: Option<Vec<f64>>,
+    /// What the specimen was controlled by, in the order of the file's columns.
+    pub controls: Vec<ControlChannel>,
     /// The comment lines without their `#` and the blanks around the text.
     pub comments: Vec<String>,
     /// The units that the file has or shall have.
@@ -130,6 +135,7 @@ impl Recording {
             force,
             velocity: None,
             temperature: None,
+            controls: Vec::new(),
             comments: Vec::new(),
             units: Units::default(),
             source: None,
@@ -158,6 +164,44 @@ impl Recording {
         self.temperature = Some(temperature);
         self.check()?;
         Ok(self)
+    }
+
+    /// The recording with one more control input. `name` is the column's, with the unit, such as `current_A`.
+    ///
+    /// # Errors
+    /// As many samples as `time` has are needed, all finite.
+    pub fn with_control(
+        mut self,
+        name: impl Into<String>,
+        values: Vec<f64>,
+    ) -> Result<Self, InputError> {
+        let name = name.into();
+        self.controls.push(ControlChannel { name, values });
+        self.check()?;
+        Ok(self)
+    }
+
+    /// Keeps the control inputs of these names, in this order.
+    ///
+    /// # Errors
+    /// The first name that the recording lacks, and what it has; nothing is changed then.
+    pub fn arrange_controls<'n>(
+        &mut self,
+        names: impl IntoIterator<Item = &'n str>,
+    ) -> Result<(), InputError> {
+        let named = |name: &str| {
+            let known = self.controls.iter().find(|control| control.name == name);
+            known.cloned().ok_or_else(|| {
+                InputError::new(
+                    &self.name,
+                    format!("there is no column {name}, on which the force depends"),
+                    format!("add a column {name}; one value in all rows will do"),
+                )
+            })
+        };
+        let arranged = names.into_iter().map(named);
+        self.controls = arranged.collect::<Result<_, InputError>>()?;
+        Ok(())
     }
 
     /// The recording with one more comment line, written after a `#`.
@@ -220,10 +264,12 @@ impl Recording {
             ("velocity", self.velocity.as_ref()),
             ("temperature", self.temperature.as_ref()),
         ];
-        for (name, channel) in channels
+        let channels = channels
             .into_iter()
-            .filter_map(|(name, channel)| Some((name, channel?)))
-        {
+            .filter_map(|(name, channel)| Some((name, channel?)));
+        let controls = self.controls.iter();
+        let controls = controls.map(|control| (control.name.as_str(), &control.values));
+        for (name, channel) in channels.chain(controls) {
             if channel.len() != self.len() {
                 return Err(InputError::new(
                     &self.name,

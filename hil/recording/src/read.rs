@@ -3,11 +3,12 @@
 use std::path::Path;
 
 use super::channel::Channel;
+use super::control::{ControlChannel, is_control};
 use super::faults::{ChannelFault, ChannelFaultKind};
 use super::rows::{RowLines, TextRows};
 use super::units::{Unit, Units};
 use super::{Recording, Source};
-use crate::csv_text::{CsvText, broken_csv, doubled, is_blank, is_cut, number};
+use crate::csv_text::{CsvText, broken_csv, doubled, is_blank as is_blank_cell, is_cut, number};
 use crate::error::{InputError, Place, quoted};
 use crate::read_limit::ReadLimit;
 
@@ -108,6 +109,7 @@ impl Recording {
         let columns = Columns::find(&name, &header, &needed)?;
 
         let mut channels = vec![Vec::new(); columns.used.len()];
+        let mut controls: Vec<Vec<f64>> = vec![Vec::new(); columns.controls.len()];
         let mut cells = (kept == Kept::Cells).then(TextRows::default);
         let mut lines = RowLines::default();
         let (mut blank, mut first_blank) = (0, None);
@@ -137,12 +139,27 @@ impl Recording {
                     })
                 })
             };
-            let is_blank = |column: &&Column| column.may_be_blank() && is_blank(cell(column));
+            let is_blank = |column: &&Column| column.may_be_blank() && is_blank_cell(cell(column));
             if let Some(column) = columns.used.iter().find(is_blank) {
                 blank += 1;
                 first_blank = first_blank.or_else(|| value(column).err());
                 continue;
             }
+            // A logger that has nothing new to say of an input: it is as it was.
+            let held = |(&index, before): (&usize, &Vec<f64>)| {
+                let cell = row.get(index).unwrap_or_default();
+                if is_blank_cell(cell) {
+                    return Ok(before.last().copied().unwrap_or(f64::NAN));
+                }
+                number(cell).map_err(|(problem, mend)| {
+                    InputError::new(&name, problem, mend).at(Place::Cell {
+                        line,
+                        column: header.get(index).unwrap_or_default().into(),
+                    })
+                })
+            };
+            let inputs = columns.controls.iter().zip(&controls).map(held);
+            let inputs: Vec<f64> = inputs.collect::<Result<_, InputError>>()?;
             let scaled = |column: &Column| Ok(value(column)? * column.unit.scale);
             let values: Vec<f64> = columns
                 .used
@@ -159,6 +176,10 @@ impl Recording {
                 grow(channel);
                 channel.push(value);
             }
+            for (control, value) in controls.iter_mut().zip(inputs) {
+                grow(control);
+                control.push(value);
+            }
             if let Some(cells) = &mut cells {
                 cells.push(&row);
             }
@@ -171,6 +192,17 @@ impl Recording {
         }
 
         let mut units = Units::default();
+        let controls = columns.controls.iter().zip(controls);
+        // Before it was first written it was as it was then; of one that never was, nothing is known.
+        let controls = controls.filter_map(|(&index, mut values)| {
+            let first = values.iter().position(|value| !value.is_nan())?;
+            let (before, since) = values.split_at_mut(first);
+            before.fill(since[0]);
+            Some(ControlChannel {
+                name: header.get(index).unwrap_or_default().to_owned(),
+                values,
+            })
+        });
         let mut recording = Self {
             name,
             time: Vec::new(),
@@ -178,6 +210,7 @@ impl Recording {
             force: Vec::new(),
             velocity: None,
             temperature: None,
+            controls: controls.collect(),
             comments: reader.into_inner().comments(),
             units,
             source: cells.map(|rows| Source { header, rows }),
@@ -247,9 +280,12 @@ impl Column {
     }
 }
 
-/// The columns that are used, at most one of each quantity.
+/// The columns that are used.
 struct Columns {
+    /// At most one of each quantity.
     used: Vec<Column>,
+    /// Where control inputs stand.
+    controls: Vec<usize>,
 }
 
 impl Columns {
@@ -334,7 +370,12 @@ impl Columns {
                 )));
             }
         }
-        Ok(Self { used })
+        let controls = header.iter().enumerate();
+        let controls = controls.filter(|(_, name)| is_control(name));
+        Ok(Self {
+            used,
+            controls: controls.map(|(index, _)| index).collect(),
+        })
     }
 }
 

@@ -2,7 +2,7 @@
 
 use super::clock::Clock;
 use super::faults::ChannelFault;
-use super::{Recording, units::Unit};
+use super::{ControlChannel, Recording, units::Unit};
 use crate::error::{InputError, Place};
 use crate::policy::policy;
 
@@ -33,6 +33,8 @@ pub struct Uniform {
     pub velocity: Option<Vec<f64>>,
     /// °C, one per tick, where the recording has it.
     pub temperature: Option<Vec<f64>>,
+    /// Control inputs, one value per tick.
+    pub controls: Vec<ControlChannel>,
     /// Whether samples stand about this tick; false inside a gap, where the channels are straight lines.
     pub measured: Vec<bool>,
     /// Whether the recording's own samples were off the ticks, so that the channels are interpolated.
@@ -98,7 +100,7 @@ impl Recording {
     ///
     /// Samples that stand on the ticks are taken as they are, and so are those that the displacement shows to have been
     /// taken on them though their times jitter; where the samples themselves jitter, the channels are interpolated by a
-    /// cubic through each tick's neighbours, the temperature by straight lines. Gaps are bridged by straight lines and marked.
+    /// cubic through each tick's neighbours, temperature and control inputs by straight lines. Gaps are bridged by straight lines and marked.
     ///
     /// # Errors
     /// The line of the longest gap where the recording is mostly gaps.
@@ -131,6 +133,8 @@ impl Recording {
             policy().resample.longest
         } * period;
         let channel = |values: &[f64]| interpolate(&nodes, values, time.clone(), longest);
+        // A cubic overshoots where an input is switched. By lines it goes only where it was.
+        let by_lines = |values: &[f64]| interpolate(&nodes, values, time.clone(), 0.0);
         let mut measured = vec![true; ticks];
         for (before, _) in clock.gaps() {
             let (first, end) = (tick_of(before) + 1, tick_of(before + 1));
@@ -142,11 +146,15 @@ impl Recording {
             displacement: channel(&self.displacement),
             force: channel(&self.force),
             velocity: self.velocity.as_deref().map(channel),
-            // A cubic overshoots where an input is switched. By lines it goes only where it was.
-            temperature: self
-                .temperature
-                .as_deref()
-                .map(|values| interpolate(&nodes, values, time.clone(), 0.0)),
+            temperature: self.temperature.as_deref().map(by_lines),
+            controls: {
+                let each = self.controls.iter();
+                each.map(|control| ControlChannel {
+                    name: control.name.clone(),
+                    values: by_lines(&control.values),
+                })
+                .collect()
+            },
             measured,
             interpolated: !clock.on_ticks,
             clock,

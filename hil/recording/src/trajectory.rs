@@ -5,7 +5,6 @@ use std::sync::Arc;
 
 use nalgebra::{SMatrix, SVector};
 
-use super::Recording;
 use super::averaging::MovingAverage;
 use super::cycles::{Cycles, FoundBlock};
 use super::faults::{self, Channel, ChannelFault, ChannelFaultKind, Shift};
@@ -13,6 +12,7 @@ use super::motion::MotionEstimate;
 use super::motion_error::MotionError;
 use super::noise::{noise_beside_tones, noise_deviation, noise_of_runs};
 use super::smoother::Band;
+use super::{ControlChannel, Recording};
 use crate::error::InputError;
 use crate::extremes::least_and_largest;
 use crate::policy::policy;
@@ -63,6 +63,8 @@ pub struct Trajectory {
     pub force: Vec<f64>,
     /// Measured temperature, °C.
     pub temperature: Option<Vec<f64>>,
+    /// Control inputs. Shared as those are.
+    pub controls: Arc<Vec<ControlChannel>>,
     /// Blocks of like cycles; they cover the recording.
     pub blocks: Vec<FoundBlock>,
     /// Cycles since the first sample, fraction included. Shared by all that a fit [moves](Self::motion_alone), as the next is.
@@ -184,6 +186,7 @@ impl Trajectory {
             uniform.temperature,
         );
         trajectory.measured = uniform.measured;
+        trajectory.controls = Arc::new(uniform.controls);
         trajectory.faults = found;
         let (low, high) = least_and_largest(&trajectory.motion.displacement);
         if trajectory.motion.noise > policy().trajectory.largest_noise * (high - low) {
@@ -292,6 +295,7 @@ impl Trajectory {
             carried: Vec::new(),
             force,
             temperature,
+            controls: Arc::default(),
             measured: vec![true; count],
             average: None,
             noise_beside: 1.0,
@@ -457,6 +461,7 @@ impl Trajectory {
             carried: Vec::new(),
             force: Vec::new(),
             temperature: self.temperature.clone(),
+            controls: self.controls.clone(),
             measured: Vec::new(),
             faults: Vec::new(),
             blocks: Vec::new(),

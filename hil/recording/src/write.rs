@@ -76,7 +76,7 @@ impl Recording {
     /// Each channel's column name, its unit in the code's, and its samples.
     fn channels(&self) -> Vec<(String, f64, &[f64])> {
         let units = &self.units;
-        [
+        let channels = [
             ("time", units.time, Some(&self.time)),
             ("displacement", units.displacement, Some(&self.displacement)),
             ("force", units.force, Some(&self.force)),
@@ -87,8 +87,10 @@ impl Recording {
         .filter_map(|(name, unit, channel)| {
             let name = format!("{name}_{}", unit.symbol);
             Some((name, unit.scale, channel?.as_slice()))
-        })
-        .collect()
+        });
+        let controls = self.controls.iter();
+        let controls = controls.map(|each| (each.name.clone(), 1.0, each.values.as_slice()));
+        channels.chain(controls).collect()
     }
 }
 

@@ -78,7 +78,7 @@ impl TraceCommand {
         };
         let known = match &self.law {
             Some(path) => known_effects(path, self.reading.limit)?,
-            None => Vec::new(),
+            None => Sought::default(),
         };
         let recordings = read(&self.recordings)?;
         let held_out = read(&self.held_out)?;
@@ -87,7 +87,7 @@ impl TraceCommand {
             families: self.families,
             exclude: self.exclude,
             law: self.baseline,
-            known,
+            ..known
         };
         let found = trace_for(&sought, &recordings, &held_out, &|what| progress.step(what))?;
         let declared = declarations(&recordings);
@@ -143,8 +143,8 @@ fn base_law(word: &str) -> Result<BaseLaw, String> {
     })
 }
 
-/// The effects of a model as a fit has them.
-fn known_effects(path: &Path, limit: ReadLimit) -> Result<Vec<KnownTerm>, InputError> {
+/// The effects of a model as a fit has them, with the control inputs that they see.
+fn known_effects(path: &Path, limit: ReadLimit) -> Result<Sought, InputError> {
     let model = ModelFile::read_within(path, limit)?.model();
     let refused = |field: &str, problem: &str, remedy: &str| {
         let place = Place::Field(field.to_owned());
@@ -167,7 +167,12 @@ fn known_effects(path: &Path, limit: ReadLimit) -> Result<Vec<KnownTerm>, InputE
         })
     });
     let effects: Vec<Vec<KnownTerm>> = effects.collect::<Result<_, _>>()?;
-    Ok(effects.concat())
+    let controls = model.controls.into_iter().map(|control| control.name);
+    Ok(Sought {
+        known: effects.concat(),
+        controls: controls.collect(),
+        ..Sought::default()
+    })
 }
 
 /// A file given twice would be held out and fitted, or counted twice.

@@ -218,6 +218,7 @@ fn corrected(model: &Model, solved: &Solved, choice: &Choice) -> Model {
     Model {
         law: solved.coefficients.nodes(model),
         effects: model.effects.clone(),
+        controls: model.controls.clone(),
         correction: Some(CorrectionTable {
             reach: choice.reach.displacement,
             speed: choice.reach.speed,

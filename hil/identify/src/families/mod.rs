@@ -11,6 +11,7 @@ use mesh_damper::effects::{Equations, LawForce};
 use mesh_damper::error::ConfigError;
 use mesh_damper_model::Family;
 use mesh_damper_model::predict::motion_at;
+use mesh_damper_recording::ControlChannel;
 use mesh_damper_recording::trajectory::Trajectory;
 
 use crate::shape::{Extent, Shape};
@@ -39,12 +40,22 @@ families! {
     stick_slip,
     relaxation,
     yielding,
+    control_input,
     drift,
     temperature,
     delay,
     gap,
     compliance,
     periodic,
+}
+
+/// The control input that a form sees.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Input {
+    /// Its place among those of a recording.
+    pub place: usize,
+    /// Whether it acts late, of which only one that changes within a recording says anything.
+    pub is_late: bool,
 }
 
 /// How the force depends on a form's parameters.
@@ -128,6 +139,8 @@ pub struct FormSpec {
     pub(crate) moves: Moving,
     /// What it shows of all forces; such a form leaves the motion as it is.
     pub(crate) shows: Option<Showing>,
+    /// The control input that it sees.
+    pub input: Option<Input>,
     /// Its forces follow the clock, and not the motion.
     pub follows_clock: bool,
     /// Its motion depends on the force behind it.
@@ -162,6 +175,7 @@ impl FormSpec {
         gains: |_, _, _| [0.0; 2],
         moves: |_, _, _| None,
         shows: None,
+        input: None,
         follows_clock: false,
         gives_way: false,
         step: Step::Part(1e-4),
@@ -207,6 +221,22 @@ impl Form {
     /// Whether both may not stand in one model.
     pub fn excludes(self, other: Self) -> bool {
         self != other && self.family == other.family && !self.stands_with_siblings
+    }
+
+    /// Whether each of its sizes is of an element of its own.
+    pub(crate) fn is_several(self) -> bool {
+        self.sizes() > 1 && !self.effect.is_empty()
+    }
+
+    /// Whether `trajectories` have what it depends on.
+    pub fn is_seen_in(self, trajectories: &[Trajectory]) -> bool {
+        let has_temperature = trajectories.iter().any(|t| t.temperature.is_some());
+        let has_input = self.input.is_none_or(|input| {
+            let channels = trajectories.iter().map(|t| t.controls.get(input.place));
+            let all: Option<Vec<&ControlChannel>> = channels.collect();
+            all.is_some_and(|all| !input.is_late || all.iter().any(|each| each.changes()))
+        });
+        has_input && (has_temperature || !self.family().depends_on_temperature())
     }
 
     /// How many sizes it has.

@@ -281,6 +281,7 @@ impl<'r> Aligned<'r> {
 fn named(closed: &Closed) -> Model {
     Model {
         correction: None,
+        controls: Vec::new(),
         ..closed.model.clone()
     }
 }
@@ -385,6 +386,7 @@ mod tests {
                 parameters: BTreeMap::from([("time".to_owned(), time)]),
             }],
             correction: None,
+            controls: Vec::new(),
         }
     }
 

@@ -420,6 +420,7 @@ impl<'a> Closing<'a> {
             law,
             effects: Vec::new(),
             correction: None,
+            controls: Vec::new(),
         };
         Ok(Some(self.evaluate(&model, predict)?.1))
     }

@@ -226,6 +226,7 @@ mod tests {
                 }],
                 effects: Vec::new(),
                 correction: None,
+                controls: Vec::new(),
             };
             left_out.in_turn(&|_| Ok(no_force())).unwrap().len()
         };

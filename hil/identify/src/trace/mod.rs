@@ -9,6 +9,7 @@ pub(crate) mod aligned;
 mod closing;
 mod conditions;
 pub(crate) mod confirm;
+mod controlled;
 mod errors;
 mod estimates;
 mod fitted;
@@ -43,6 +44,7 @@ use crate::base_law::BaseLaw;
 use crate::policy::policy;
 use aligned::Aligned;
 use closing::{Closed, Closing, brings_nothing_new};
+use controlled::Controlled;
 use result::{TraceResult, Verdict};
 use select::{Search, Selection, amplitude_nodes, error_between};
 
@@ -119,6 +121,11 @@ pub fn trace_for(
     let mended = |recordings| <[Recording]>::iter(recordings).map(Recording::mended);
     let (recordings, held_out): (Vec<_>, Vec<_>) =
         (mended(recordings).collect(), mended(held_out).collect());
+    let controlled = Controlled::of(&recordings, &held_out, &sought.controls);
+    let [recordings, held_out] = [recordings, held_out].map(|mended| {
+        let arranged = mended.into_iter().map(|each| controlled.arranged(each));
+        arranged.collect::<Vec<_>>()
+    });
     let [recordings, held_out] = [&recordings, &held_out].map(|mended| {
         mended
             .iter()
@@ -167,6 +174,10 @@ pub fn trace_for(
         closed = conclude(&mut aligned, sought, progress)?;
     }
     aligned.say_odd_zeros(&mut closed)?;
+    closed.result.warnings.extend(controlled.warnings);
+    if closed.model.depends_on_control() {
+        closed.model.controls = controlled.ranges;
+    }
     let trajectories = aligned.trajectories.into_iter().flatten();
     Ok(Trace {
         result: closed.result,

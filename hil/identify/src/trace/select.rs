@@ -123,7 +123,7 @@ impl<'a> Search<'a> {
             .find_map(|t| t.temperature.as_ref()?.first().copied());
         let terms = Form::all()
             .filter(|&form| sought.has(form.family()))
-            .filter(|&form| !form.family().depends_on_temperature() || temperature.is_some())
+            .filter(|form| form.is_seen_in(trajectories))
             .map(|form| Term {
                 form,
                 reference: temperature.unwrap_or_default(),

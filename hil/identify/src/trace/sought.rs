@@ -14,6 +14,8 @@ pub struct Sought {
     pub exclude: Vec<Family>,
     /// What the law is without effects.
     pub law: BaseLaw,
+    /// The control inputs that the known effects see, by their places.
+    pub controls: Vec<String>,
     /// Effects that are known: they stay in the law, and their parameters are fitted with its own.
     pub known: Vec<KnownTerm>,
 }

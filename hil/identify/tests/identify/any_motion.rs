@@ -248,6 +248,7 @@ fn the_band_holds_the_force_along_the_true_motion() {
         law: vec![node],
         effects: Vec::new(),
         correction: None,
+        controls: Vec::new(),
     };
     for of_displacement in [2e-5, 1e-4, 5e-4] {
         let recording = recorded(random(11), 1e-3, of_displacement, 11);

@@ -124,5 +124,6 @@ pub fn start() -> Model {
         law: [0.05, 0.1, 0.15, 0.2].map(node).to_vec(),
         effects: Vec::new(),
         correction: None,
+        controls: Vec::new(),
     }
 }

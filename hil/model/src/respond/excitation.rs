@@ -3,15 +3,18 @@
 use super::RespondError;
 use super::oscillator::Input;
 use super::signal::refined;
+use mesh_damper::effects::CONTROLS;
 use mesh_damper_recording::policy::policy;
 
-/// A force on the mass or a motion of the base, and the temperature.
+/// A force on the mass or a motion of the base, with temperature and control inputs.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Excitation {
     tick: f64,
     drive: Drive,
     /// °C, one per sample, where it is known.
     temperature: Option<Vec<f64>>,
+    /// Control inputs by their places, each with a value per sample.
+    controls: Vec<Vec<f64>>,
 }
 
 #[derive(Clone, Debug, PartialEq)]
@@ -38,6 +41,7 @@ impl Excitation {
             tick,
             drive,
             temperature: None,
+            controls: Vec::new(),
         }
     }
 
@@ -45,6 +49,14 @@ impl Excitation {
     #[must_use]
     pub fn with_temperature(mut self, temperature: Option<Vec<f64>>) -> Self {
         self.temperature = temperature;
+        self
+    }
+
+    /// The same with control inputs of the damper, a value at every sample of each, by the places that the model has them at. Without,
+    /// they are 0.
+    #[must_use]
+    pub fn with_controls(mut self, controls: Vec<Vec<f64>>) -> Self {
+        self.controls = controls;
         self
     }
 
@@ -134,18 +146,23 @@ impl Refined<'_> {
             None => None,
         };
         let temperature = temperature.unwrap_or(policy().trajectory.room);
+        let mut controls = [0.0; CONTROLS];
+        for (control, samples) in controls.iter_mut().zip(&self.excitation.controls) {
+            *control = samples
+                .get(index / self.substeps)
+                .copied()
+                .unwrap_or_default();
+        }
         let value = self.values[index];
-        match self.excitation.drive {
-            Drive::Force(_) => Input {
-                force: value,
-                temperature,
-                ..Input::default()
-            },
-            Drive::Base(_) => Input {
-                base: value,
-                temperature,
-                ..Input::default()
-            },
+        let (force, base) = match self.excitation.drive {
+            Drive::Force(_) => (value, 0.0),
+            Drive::Base(_) => (0.0, value),
+        };
+        Input {
+            force,
+            base,
+            temperature,
+            controls,
         }
     }
 }

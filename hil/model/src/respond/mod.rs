@@ -12,6 +12,7 @@
 //! | `compliance` | a spring without mass between the mass and the damper: x is the outer end |
 //! | `inertia` | a part of the moving mass, with the mass's own acceleration, solved for exactly |
 //! | `temperature` | of the excitation's `temperature_degC`, or of a room |
+//! | `control_input` | of the excitation's columns, or a value for all of it |
 //! | `drift` | with the cycles that the damper has run so far |
 //! | `offset` | left out unless asked for: a preload that a static load balances, or a load cell's zero |
 //! | `delay`, `periodic` | left out: a late channel and a tone of the test rig are of the measurement |
@@ -28,6 +29,8 @@ mod running;
 mod signal;
 mod specimen;
 mod sweep;
+
+use mesh_damper::effects::CONTROLS;
 
 use crate::extrapolation::Extrapolation;
 use crate::file::FittedRange;
@@ -110,6 +113,8 @@ pub struct Settings {
     pub tolerance: f64,
     /// Displacement from the base in mm and velocity in mm/s at the start.
     pub start: [f64; 2],
+    /// Control inputs of a sweep, by the places that the model has them at.
+    pub controls: [f64; CONTROLS],
 }
 
 impl Settings {
@@ -123,6 +128,7 @@ impl Settings {
             offset: false,
             tolerance: Self::TOLERANCE,
             start: [0.0; 2],
+            controls: [0.0; CONTROLS],
         }
     }
 }

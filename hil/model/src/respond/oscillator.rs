@@ -41,6 +41,8 @@ pub(super) struct Input {
     pub base: f64,
     /// Temperature, °C.
     pub temperature: f64,
+    /// Control inputs.
+    pub controls: [f64; CONTROLS],
 }
 
 /// Where the mass is at the end of a step.
@@ -242,7 +244,7 @@ impl<'s> Oscillator<'s> {
             acceleration: 0.0,
             cycles: self.running.cycles(),
             temperature: input.temperature,
-            controls: [0.0; CONTROLS],
+            controls: input.controls,
         }
     }
 

@@ -187,6 +187,7 @@ fn run(
             force: 0.0,
             base: amplitude * (TAU * part).sin(),
             temperature: policy().trajectory.room,
+            controls: settings.controls,
         }
     };
     let step = 1.0 / (frequency * steps as f64);

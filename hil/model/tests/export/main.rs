@@ -43,6 +43,7 @@ fn file(law: Vec<LawNode>, effects: Vec<AddedEffect>) -> ModelFile {
         law,
         effects,
         correction: None,
+        controls: Vec::new(),
     };
     let range = FittedRange {
         displacement: [-0.2, 0.25],
@@ -255,6 +256,7 @@ fn a_residual_table_goes_into_a_pack_alone() {
         law: vec![node(0.0, 1.0)],
         effects: Vec::new(),
         correction: Some(table),
+        controls: Vec::new(),
     };
     let range = FittedRange {
         displacement: [-0.2, 0.2],

@@ -85,6 +85,7 @@ fn coefficients_are_those_of_the_last_half_cycle() {
         law: vec![node(0.1, 1.0), node(0.2, 2.0)],
         effects: Vec::new(),
         correction: None,
+        controls: Vec::new(),
     };
     let (mass, tick) = (10.0, 1e-4);
     let settings = Settings {

@@ -28,6 +28,7 @@ fn law(k1: f64, k3: f64, c: f64, alpha: f64) -> Model {
         law: vec![node],
         effects: Vec::new(),
         correction: None,
+        controls: Vec::new(),
     }
 }
 

@@ -276,6 +276,7 @@ impl FittedLaw {
             }],
             effects,
             correction: None,
+            controls: Vec::new(),
         }
     }
 }

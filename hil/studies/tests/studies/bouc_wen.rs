@@ -37,6 +37,7 @@ fn spring_and_mass() -> Model {
             effect("inertia", &[("mass", 2.0)]),
         ],
         correction: None,
+        controls: Vec::new(),
     }
 }
 

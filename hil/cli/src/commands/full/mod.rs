@@ -5,6 +5,7 @@ mod bench;
 mod bench_table;
 mod blind;
 mod characterize;
+mod controls;
 mod cycles;
 mod design;
 mod drive;

@@ -12,6 +12,7 @@ use mesh_damper_recording::output::Plan;
 use mesh_damper_recording::trajectory::Trajectory;
 use serde::Serialize;
 
+use super::controls::Controls;
 use super::image::{LogLevel, start_image};
 use super::respond::warn_of_range;
 use crate::commands::reading::Reading;
@@ -45,6 +46,8 @@ pub struct Predict {
     /// Where the error and what it was computed from go as JSON; `-` for standard output
     #[arg(long, value_name = "FILE")]
     json: Option<PathBuf>,
+    #[command(flatten)]
+    controls: Controls,
     #[command(flatten)]
     reading: Reading,
 }
@@ -86,10 +89,15 @@ impl Predict {
         let file = ModelFile::read_within(&self.model, self.reading.limit)?;
         let recording = Recording::read_within(&self.recording, self.reading.limit)?;
         // As a trace has it: the same faults are mended, and the same samples count.
-        let mended = recording.mended();
+        let mut mended = recording.mended();
+        let model = file.model();
+        let known = (recording.name.as_str(), mended.controls.as_slice());
+        let controls = self.controls.of(&model, known, mended.len())?;
+        if controls != mended.controls {
+            mended.to_mut().controls = controls;
+        }
         let uniform = mended.uniform()?;
         let trajectory = Trajectory::of(&mended)?;
-        let model = file.model();
         let force = match self.on {
             On::F64 => predict(&model, &trajectory).map_err(ImageError::Model),
             On::F32 => predict_embedded(&model, &trajectory).map_err(ImageError::Model),

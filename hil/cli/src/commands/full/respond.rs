@@ -15,6 +15,7 @@ use mesh_damper_recording::output::Plan;
 use mesh_damper_recording::table;
 use serde::Serialize;
 
+use super::controls::Controls;
 use super::respond_sweep::SweepOptions;
 use crate::commands::reading::Reading;
 use crate::commands::{Failure, say, warn};
@@ -64,6 +65,8 @@ pub struct RespondCommand {
     /// Where peaks, RMS values, energies and steps go as JSON, or the sweep; `-` for standard output
     #[arg(long, value_name = "FILE")]
     json: Option<PathBuf>,
+    #[command(flatten)]
+    controls: Controls,
     #[command(flatten)]
     reading: Reading,
 }
@@ -144,7 +147,7 @@ impl RespondCommand {
             _ => {
                 return self.range.run(
                     (&self.model, self.reading.limit),
-                    &settings,
+                    (&settings, &self.controls),
                     (&self.out, self.json.as_deref()),
                 );
             }
@@ -166,6 +169,10 @@ impl RespondCommand {
         }
         .with_temperature(input.temperature.clone());
         let model = file.model();
+        let known = (input.name.as_str(), input.controls.as_slice());
+        let controls = self.controls.of(&model, known, input.values.len())?;
+        let excitation =
+            excitation.with_controls(controls.into_iter().map(|each| each.values).collect());
         let response = respond(&model, &excitation, &settings)
             .map_err(|error| refused(&self.model, &error))?;
 

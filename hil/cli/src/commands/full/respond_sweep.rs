@@ -12,6 +12,7 @@ use mesh_damper_recording::table;
 use mesh_damper_report::transmissibility::picture;
 use serde::Serialize;
 
+use super::controls::Controls;
 use super::respond::{refused, warn_of_left_out, warn_of_range};
 use crate::commands::progress::Progress;
 use crate::commands::{Failure, say, warn};
@@ -71,7 +72,7 @@ impl SweepOptions {
     pub fn run(
         &self,
         (model, limit): (&Path, ReadLimit),
-        settings: &Settings,
+        (settings, controls): (&Settings, &Controls),
         (out, json): (&Path, Option<&Path>),
     ) -> Result<(), Failure> {
         let mut outputs = Plan::new()
@@ -87,10 +88,15 @@ impl SweepOptions {
             to: self.to.unwrap_or_default(),
             points: self.points,
         };
+        let mut settings = *settings;
+        let held = controls.of(&file.model(), (&model.display().to_string(), &[]), 1)?;
+        for (place, control) in settings.controls.iter_mut().zip(held) {
+            *place = control.values[0];
+        }
         let progress = Progress::of((self.points * self.amplitudes.len()) as u64);
         let found = sweep(
             &file.model(),
-            settings,
+            &settings,
             &self.amplitudes,
             range,
             &mut |done| progress.done(done as u64),

@@ -1,0 +1,71 @@
+//! The option for a control input that holds throughout.
+
+use clap::Args;
+use mesh_damper_model::Model;
+use mesh_damper_recording::ControlChannel;
+use mesh_damper_recording::error::InputError;
+
+/// Control inputs of a damper.
+#[derive(Args, Debug)]
+pub struct Controls {
+    /// A control input that holds throughout, by the name of its column, such as current_A=0.5; it takes the place of the column
+    #[arg(long = "control", value_name = "NAME=VALUE", value_parser = named, allow_hyphen_values = true)]
+    given: Vec<(String, f64)>,
+}
+
+fn named(text: &str) -> Result<(String, f64), String> {
+    let parts = text.split_once('=');
+    let parsed = parts.and_then(|(name, value)| Some((name.to_owned(), value.parse().ok()?)));
+    let is_finite = |(_, value): &(String, f64)| value.is_finite();
+    parsed
+        .filter(is_finite)
+        .ok_or_else(|| "give a column's name and a number, such as current_A=0.5".to_owned())
+}
+
+impl Controls {
+    /// The control inputs of `model` in their order, `count` samples of each: as given here, or of the columns `known` of `file`.
+    ///
+    /// # Errors
+    /// One that the model does not have, or one that it has and nobody gives.
+    pub fn of(
+        &self,
+        model: &Model,
+        (file, known): (&str, &[ControlChannel]),
+        count: usize,
+    ) -> Result<Vec<ControlChannel>, InputError> {
+        let names: Vec<&str> = model.controls.iter().map(|c| c.name.as_str()).collect();
+        if let Some((name, _)) = self
+            .given
+            .iter()
+            .find(|(name, _)| !names.contains(&&**name))
+        {
+            let has = match names.as_slice() {
+                [] => "none".to_owned(),
+                names => names.join(", "),
+            };
+            return Err(InputError::new(
+                format!("--control {name}"),
+                format!("is no control input of the model, which has {has}"),
+                "mend the name, or leave it out",
+            ));
+        }
+        let channel = |name: &&str| {
+            let mut given = self.given.iter();
+            if let Some((_, value)) = given.find(|(given, _)| given == name) {
+                return Ok(ControlChannel {
+                    name: (*name).to_owned(),
+                    values: vec![*value; count],
+                });
+            }
+            let known = known.iter().find(|control| control.name == *name);
+            known.cloned().ok_or_else(|| {
+                InputError::new(
+                    file,
+                    format!("there is no column {name}, on which the force depends"),
+                    format!("add that column, or give --control {name}=VALUE"),
+                )
+            })
+        };
+        names.iter().map(channel).collect()
+    }
+}

@@ -1,0 +1,165 @@
+//! A yielding branch and a dashpot that a control input makes as strong as it is, for each input that a recording may have.
+
+use mesh_damper::effects::{CONTROLS, ControlInput, Yielding};
+use mesh_damper::error::ConfigError;
+use mesh_damper_recording::trajectory::Trajectory;
+
+use super::{Element, Entry, Form, FormSpec, Input, run};
+use crate::policy::policy;
+use crate::shape::{Extent, Shape};
+use crate::term::TermValue;
+
+/// Of each input: at once and in proportion to it, late, with a strength that saturates, and both.
+pub const FORMS: [Form; 4 * CONTROLS] = {
+    const AT_ONCE: [Form; CONTROLS] = each::<false, false>();
+    const LATE: [Form; CONTROLS] = each::<true, false>();
+    const BENT: [Form; CONTROLS] = each::<false, true>();
+    const BOTH: [Form; CONTROLS] = each::<true, true>();
+    let mut all = [AT_ONCE[0]; 4 * CONTROLS];
+    let mut place = 0;
+    while place < CONTROLS {
+        all[4 * place] = AT_ONCE[place];
+        all[4 * place + 1] = LATE[place];
+        all[4 * place + 2] = BENT[place];
+        all[4 * place + 3] = BOTH[place];
+        place += 1;
+    }
+    all
+};
+
+const fn each<const LATE: bool, const BENT: bool>() -> [Form; CONTROLS] {
+    [
+        Form(&Controlled::<0, LATE, BENT>::FORM),
+        Form(&Controlled::<1, LATE, BENT>::FORM),
+        Form(&Controlled::<2, LATE, BENT>::FORM),
+        Form(&Controlled::<3, LATE, BENT>::FORM),
+    ]
+}
+
+/// By the input at `PLACE`; it may be late, and the strength bent.
+struct Controlled<const PLACE: usize, const LATE: bool, const BENT: bool>;
+
+impl<const PLACE: usize, const LATE: bool, const BENT: bool> Controlled<PLACE, LATE, BENT> {
+    const FORM: FormSpec = FormSpec {
+        name: NAMES[2 * LATE as usize + BENT as usize][PLACE],
+        family: "control_input",
+        entry: Entry::Adds(2),
+        shape_names: match (LATE, BENT) {
+            (false, false) => &["yield_stretch", "rate"],
+            (true, false) => &["yield_stretch", "rate", "lag"],
+            (false, true) => &["yield_stretch", "rate", "saturation"],
+            (true, true) => &["yield_stretch", "rate", "lag", "saturation"],
+        },
+        size_is_positive: true,
+        elements_may_miss: true,
+        refines: LATE || BENT,
+        special_cases: if LATE || BENT {
+            &["control_input"]
+        } else {
+            &[]
+        },
+        rank: if LATE || BENT { 2 } else { 0 },
+        input: Some(Input {
+            place: PLACE,
+            is_late: LATE,
+        }),
+        shapes: Self::shapes,
+        unit_forces: Self::unit_forces,
+        elements: Self::elements,
+        ..FormSpec::PLAIN
+    };
+
+    fn shapes(extent: &Extent) -> Vec<Shape> {
+        let policy = &policy().shape;
+        let [slowest, fastest] = policy.yield_rate;
+        let mut shapes = vec![
+            Shape::spread(
+                policy.shortest_yield * extent.amplitude,
+                policy.longest * extent.amplitude,
+                policy.yield_starts,
+            ),
+            Shape::spread(
+                slowest * extent.velocity,
+                fastest * extent.velocity,
+                policy.yield_rate_starts,
+            ),
+        ];
+        if LATE {
+            shapes.push(Shape::spread(
+                policy.shortest_lag * extent.tick,
+                policy.longest_lag * extent.duration,
+                policy.lag_starts,
+            ));
+        }
+        if BENT {
+            let largest = extent.inputs[PLACE];
+            let [least, most] = policy.saturation;
+            shapes.push(Shape::spread(
+                least * largest,
+                most * largest,
+                policy.saturation_starts,
+            ));
+        }
+        shapes
+    }
+
+    /// Lag and saturation of `shapes`, where there are.
+    fn further(shapes: &[f64]) -> [Option<f64>; 2] {
+        let lag = LATE.then(|| shapes[2]);
+        let saturation = BENT.then(|| shapes[2 + usize::from(LATE)]);
+        [lag, saturation]
+    }
+
+    fn unit_forces(shapes: &[f64], motion: &Trajectory) -> Result<Vec<Vec<f64>>, ConfigError> {
+        let [lag, saturation] = Self::further(shapes);
+        let of = |stiffness: f64, viscosity: f64| {
+            let branch = Yielding::new(stiffness, shapes[0], shapes[1], 0.0, motion.tick)?;
+            let mut effect = ControlInput::new(PLACE, branch, viscosity)?;
+            if let Some(lag) = lag {
+                effect = effect.with_lag(lag, motion.tick)?;
+            }
+            if let Some(saturation) = saturation {
+                effect = effect.with_saturation(saturation)?;
+            }
+            Ok(run(&effect, motion))
+        };
+        Ok(vec![of(1.0, 0.0)?, of(0.0, 1.0)?])
+    }
+
+    fn elements(value: &TermValue) -> Vec<Element> {
+        let [lag, saturation] = Self::further(&value.shapes);
+        let mut parameters = vec![
+            ("stiffness", value.size(0)),
+            ("yield_stretch", value.shape(0)),
+            ("rate", value.shape(1)),
+            ("viscosity", value.size(1)),
+        ];
+        parameters.extend(lag.map(|lag| ("lag", lag)));
+        parameters.extend(saturation.map(|saturation| ("saturation", saturation)));
+        parameters.push(("input", PLACE as f64));
+        super::one(parameters)
+    }
+}
+
+/// In the order of late and bent, and then of the places.
+const NAMES: [[&str; CONTROLS]; 4] = [
+    [
+        "control_input",
+        "control_input_2",
+        "control_input_3",
+        "control_input_4",
+    ],
+    [
+        "saturating_input",
+        "saturating_input_2",
+        "saturating_input_3",
+        "saturating_input_4",
+    ],
+    ["late_input", "late_input_2", "late_input_3", "late_input_4"],
+    [
+        "late_saturating_input",
+        "late_saturating_input_2",
+        "late_saturating_input_3",
+        "late_saturating_input_4",
+    ],
+];

@@ -1,0 +1,252 @@
+//! A yielding branch and a dashpot whose strength a control input sets: the coil of a magneto-rheological damper, the pressure on a
+//! friction pad, the tension of a band.
+
+use super::description::{Absent, Cost, Dependence, Description, EffectKind, Growth, Parameter};
+use super::motion::CONTROLS;
+use super::{ClampedMotion, Equations, LawForce, Packed, Yielding};
+use crate::error::ConfigError;
+use crate::limits;
+use crate::real::{Real, coefficient, in_range};
+
+/// Longest lag, s: that of a branch of [`Relaxation`](super::Relaxation).
+const LAG: f64 = 1e6;
+/// Range of the saturation, in the unit of the input. At the last the strength of the largest input is within 1e-6 of a line.
+const SATURATION: [f64; 2] = [1e-9, 1e12];
+
+/// F = f·(k·e + c·v), f = w/(1 + w/s), T·dw/dt = |u| − w, with the stretch e of a [`Yielding`] branch of stiffness 1.
+///
+/// u is the control input, w what of it has arrived at the specimen after the lag T, and f the strength: w as long as that is far below the
+/// saturation s, and never more than s. At a steady strength and velocity the force is f·(k·x·tanh(v/v₀) + c·v). The sign of the
+/// input is of no matter.
+///
+/// Under a steady input it is passive for k ≥ 0 and c ≥ 0. An input that rises while the branch is stretched stiffens its spring, and what the spring then
+/// has more is the input's work.
+///
+/// # Step
+/// The input is held from one tick to the next, so that the lag is exact: w ← w + (1 − e^(−Δt/T))·(|u| − w). Before the first tick
+/// the input was what it is there.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ControlInput<R> {
+    /// The branch at a strength of 1.
+    branch: Yielding<R>,
+    /// c.
+    viscosity: R,
+    /// 1 − e^(−Δt/T), above 0.
+    arriving: R,
+    /// 1/s.
+    bend: R,
+    /// Its place among the controls.
+    input: usize,
+}
+
+/// What a [`ControlInput`] remembers.
+#[derive(Clone, Copy, Debug)]
+pub struct ControlInputState<R: Real> {
+    /// w.
+    arrived: R,
+    /// What rounding has kept from it: a tick's change is smaller than an f32 can add where the lag is long.
+    carry: R,
+    stretch: <Yielding<R> as Equations<R>>::State,
+}
+
+impl<R: Real> ControlInput<R> {
+    /// Without a lag, and in proportion to the input.
+    ///
+    /// * `input`: place among [`Motion::controls`](super::Motion::controls), 0…3
+    /// * `branch`: what an input of 1 makes of the branch
+    /// * `viscosity`: c, what it makes of the dashpot, kN·s/mm, −1e9…1e9
+    ///
+    /// # Errors
+    /// The field that is not finite or out of range.
+    pub fn new(input: usize, branch: Yielding<R>, viscosity: R) -> Result<Self, ConfigError> {
+        let new = Self {
+            branch,
+            viscosity,
+            arriving: R::ONE,
+            bend: R::from_f64(1.0 / SATURATION[1]),
+            input,
+        };
+        new.check()?;
+        Ok(new)
+    }
+
+    /// The same, late.
+    ///
+    /// * `lag`: T, s, 0…1e6
+    /// * `tick`: Δt, s, 1e-7…1e3
+    ///
+    /// # Errors
+    /// The field that is not finite or out of range.
+    pub fn with_lag(self, lag: R, tick: R) -> Result<Self, ConfigError> {
+        let lag = in_range("lag", lag, 0.0, LAG)?.to_f64();
+        let tick = in_range("tick", tick, 1e-7, 1e3)?.to_f64();
+        // 1 without a lag.
+        let arriving = R::from_f64(-libm::expm1(-tick / lag));
+        Ok(Self { arriving, ..self })
+    }
+
+    /// The same with a strength that comes near to `saturation`.
+    ///
+    /// * `saturation`: s, in the unit of the input, 1e-9…1e12
+    ///
+    /// # Errors
+    /// It is not finite or out of range.
+    pub fn with_saturation(self, saturation: R) -> Result<Self, ConfigError> {
+        let saturation = in_range("saturation", saturation, SATURATION[0], SATURATION[1])?;
+        Ok(Self {
+            bend: R::ONE / saturation,
+            ..self
+        })
+    }
+
+    /// f, after a tick with this input.
+    #[inline(always)]
+    fn strength(&self, state: &mut Option<ControlInputState<R>>, input: R) -> R {
+        let input = input.abs();
+        let state = state.get_or_insert(ControlInputState {
+            arrived: input,
+            carry: R::ZERO,
+            stretch: Yielding::<R>::AT_REST,
+        });
+        let change = self.arriving * (input - state.arrived) + state.carry;
+        let arrived = state.arrived + change;
+        state.carry = change - (arrived - state.arrived);
+        state.arrived = arrived;
+        arrived / (R::ONE + arrived * self.bend)
+    }
+}
+
+impl<R: Real> Equations<R> for ControlInput<R> {
+    const DESCRIPTION: Description = Description {
+        name: "control_input",
+        family: "control_input",
+        number: 19,
+        kind: EffectKind::Force,
+        cost: Cost::Rare,
+        parameters: &[
+            Parameter::new(
+                "stiffness",
+                "kN/mm",
+                -limits::COEFFICIENT,
+                limits::COEFFICIENT,
+            ),
+            Parameter::new("yield_stretch", "mm", 0.0, limits::DISPLACEMENT),
+            Parameter::new("rate", "mm/s", 1e-9, limits::VELOCITY),
+            Parameter::new(
+                "viscosity",
+                "kN*s/mm",
+                -limits::COEFFICIENT,
+                limits::COEFFICIENT,
+            )
+            .or(Absent::Is(0.0)),
+            Parameter::new("lag", "s", 0.0, LAG).or(Absent::Is(0.0)),
+            Parameter::new("saturation", "1", SATURATION[0], SATURATION[1])
+                .or(Absent::Is(SATURATION[1])),
+            Parameter::new("input", "1", 0.0, (CONTROLS - 1) as f64).or(Absent::Is(0.0)),
+        ],
+        most: 1,
+        typical: &[2.0, 0.04, 0.3, 0.01, 0.02, 1.5, 0.0],
+        depends_on: &[
+            Dependence::Control,
+            Dependence::Displacement,
+            Dependence::Velocity,
+            Dependence::History,
+        ],
+        outside: Growth::AtMostLinear,
+        may_supply_energy: true,
+        scales_law: false,
+        sentence: "A spring and a dashpot that yields, and a dashpot beside them, all as strong as a control input makes them, late if need be.",
+    };
+    const NONE: Self = Self {
+        branch: Yielding::<R>::NONE,
+        viscosity: R::ZERO,
+        arriving: R::ZERO,
+        bend: R::ZERO,
+        input: 0,
+    };
+
+    type State = Option<ControlInputState<R>>;
+    const AT_REST: Self::State = None;
+
+    fn from_parameters(parameters: &[f64], tick: f64) -> Result<Self, ConfigError> {
+        let given = super::exactly::<7>(parameters)?;
+        let [
+            stiffness,
+            yield_stretch,
+            rate,
+            viscosity,
+            lag,
+            saturation,
+            _,
+        ] = given.map(R::from_f64);
+        let [.., input] = given;
+        let tick = R::from_f64(tick);
+        let branch = Yielding::new(stiffness, yield_stretch, rate, R::ZERO, tick)?;
+        Self::new(place("input", input)?, branch, viscosity)?
+            .with_lag(lag, tick)?
+            .with_saturation(saturation)
+    }
+
+    fn check(&self) -> Result<(), ConfigError> {
+        self.branch.check()?;
+        coefficient("viscosity", self.viscosity)?;
+        in_range("arriving", self.arriving, 0.0, 1.0)?;
+        let bend = [0.999 / SATURATION[1], 1.001 / SATURATION[0]];
+        in_range("bend", self.bend, bend[0], bend[1])?;
+        place("input", self.input as f64).map(|_| ())
+    }
+
+    // On a target not inlined: a tick without it need not save the registers that it takes.
+    #[cfg_attr(not(feature = "std"), inline(never))]
+    fn force(&self, state: &mut Self::State, motion: &ClampedMotion<R>, law: LawForce<R>) -> R {
+        let strength = self.strength(state, motion.control(self.input));
+        let Some(state) = state else {
+            return R::ZERO;
+        };
+        let branch = self.branch.force(&mut state.stretch, motion, law);
+        strength * (branch + self.viscosity * motion.velocity())
+    }
+}
+
+/// `value` as a place among the controls.
+///
+/// # Errors
+/// It is none.
+fn place(field: &'static str, value: f64) -> Result<usize, ConfigError> {
+    let known = (0..CONTROLS).find(|&place| place as f64 == value);
+    known.ok_or(ConfigError::OutOfRange {
+        field,
+        value,
+        low: 0.0,
+        high: (CONTROLS - 1) as f64,
+    })
+}
+
+impl Packed for ControlInput<f32> {
+    fn pack(&self, put: &mut impl FnMut(f32)) {
+        self.branch.pack(put);
+        [
+            self.viscosity,
+            self.arriving,
+            self.bend,
+            // Below four.
+            self.input as f32,
+        ]
+        .into_iter()
+        .for_each(put);
+    }
+
+    fn unpack(words: &[f32]) -> Option<Self> {
+        let (branch, rest) = words.split_at_checked(5)?;
+        let &[viscosity, arriving, bend, input] = rest else {
+            return None;
+        };
+        Some(Self {
+            branch: Yielding::unpack(branch)?,
+            viscosity,
+            arriving,
+            bend,
+            input: place("input", input.into()).ok()?,
+        })
+    }
+}
