@@ -2,6 +2,7 @@
 
 mod any_motion;
 mod channel_faults;
+mod control_input;
 mod correction;
 mod fitted_law;
 mod hidden;

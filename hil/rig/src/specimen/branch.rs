@@ -26,6 +26,8 @@ pub(super) struct Step {
     pub frequency: Option<f64>,
     /// Force of eq 13, kN.
     pub law: f64,
+    /// Its damping, kN.
+    pub damping: f64,
 }
 
 /// An effect and what it remembers.
@@ -77,6 +79,18 @@ enum Memory {
         force: f64,
         displacement: f64,
     },
+    Controlled {
+        /// What of the input has arrived; none before the first call.
+        arrived: Option<f64>,
+        force: f64,
+        displacement: f64,
+    },
+    Slack {
+        /// Where the spring's free end is pushed or pulled, from the middle of the play, mm.
+        place: f64,
+        displacement: f64,
+    },
+    Largest(f64),
     Cycles(CycleCount),
     Heat {
         temperature: f64,
@@ -102,6 +116,16 @@ impl Hidden {
                 force: 0.0,
                 displacement: 0.0,
             },
+            HiddenEffect::ControlInput { .. } => Memory::Controlled {
+                arrived: None,
+                force: 0.0,
+                displacement: 0.0,
+            },
+            HiddenEffect::Backlash { .. } => Memory::Slack {
+                place: 0.0,
+                displacement: 0.0,
+            },
+            HiddenEffect::Degradation { .. } => Memory::Largest(0.0),
             HiddenEffect::Drift { .. } => Memory::Cycles(CycleCount::default()),
             HiddenEffect::Temperature { .. } => Memory::Heat {
                 temperature: REFERENCE_TEMPERATURE,
@@ -171,21 +195,64 @@ impl Hidden {
             ) => {
                 let moved = y - *displacement;
                 *displacement = y;
-                let substeps = (step.dt / YIELDING_SUBSTEP).ceil().max(1.0);
-                let dt = step.dt / substeps;
-                for _ in 0..substeps as usize {
-                    // What the spring would have if the dashpot stood, less what it loses to that within the substep.
-                    let held = *force + stiffness * moved / substeps;
-                    let dashpot = |w: f64| yields * (w / rate).tanh() + c * w;
-                    let slope = |w: f64| {
-                        let tanh = (w / rate).tanh();
-                        yields / rate * (1.0 - tanh * tanh) + c + stiffness * dt
-                    };
-                    let excess = |w: f64| dashpot(w) + stiffness * dt * w - held.abs();
-                    let w = root(excess, slope, held.abs() / (c + stiffness * dt));
-                    *force = held - stiffness * dt * w.copysign(held);
-                }
+                yielded(force, moved, step.dt, [stiffness, yields, rate, c]);
                 *force
+            }
+            (
+                HiddenEffect::ControlInput {
+                    stiffness,
+                    force: yields,
+                    rate,
+                    c,
+                    lag,
+                    schedule,
+                },
+                Memory::Controlled {
+                    arrived,
+                    force,
+                    displacement,
+                },
+            ) => {
+                let input = schedule.at(step.time);
+                let before = arrived.unwrap_or(input);
+                let now = input + (before - input) * (-step.dt / lag.max(f64::MIN_POSITIVE)).exp();
+                *arrived = Some(now);
+                let moved = y - *displacement;
+                *displacement = y;
+                if stiffness == 0.0 {
+                    return 0.0;
+                }
+                // Its branch is that of an input of 1, and carries its viscosity beside it.
+                yielded(force, moved, step.dt, [stiffness, yields, rate, 0.0]);
+                now * (*force + c * step.velocity)
+            }
+            (HiddenEffect::Directional { difference }, _) => difference * step.damping.abs(),
+            (
+                HiddenEffect::Backlash {
+                    stiffness,
+                    slip_limit,
+                    slack,
+                },
+                Memory::Slack {
+                    place,
+                    displacement,
+                },
+            ) => {
+                let reach = 0.5 * slack + slip_limit;
+                *place = (*place + y - *displacement).clamp(-reach, reach);
+                *displacement = y;
+                let stretch = (place.abs() - 0.5 * slack).max(0.0);
+                stiffness * stretch.copysign(*place)
+            }
+            (
+                HiddenEffect::Degradation {
+                    stiffness,
+                    softening,
+                },
+                Memory::Largest(largest),
+            ) => {
+                *largest = largest.max(y.abs());
+                stiffness * y * softening / (softening + *largest)
             }
             (HiddenEffect::Drift { stiffness, cycles }, Memory::Cycles(count)) => {
                 let run = match step.frequency {
@@ -216,6 +283,24 @@ impl Hidden {
             }
             _ => unreachable!("at_rest() gives every effect its own memory"),
         }
+    }
+}
+
+/// Moves a spring with a dashpot that yields behind it by `moved` mm within `dt` s; `force` is what both have, kN.
+fn yielded(force: &mut f64, moved: f64, dt: f64, [stiffness, yields, rate, c]: [f64; 4]) {
+    let substeps = (dt / YIELDING_SUBSTEP).ceil().max(1.0);
+    let dt = dt / substeps;
+    for _ in 0..substeps as usize {
+        // What the spring would have if the dashpot stood, less what it loses to that within the substep.
+        let held = *force + stiffness * moved / substeps;
+        let dashpot = |w: f64| yields * (w / rate).tanh() + c * w;
+        let slope = |w: f64| {
+            let tanh = (w / rate).tanh();
+            yields / rate * (1.0 - tanh * tanh) + c + stiffness * dt
+        };
+        let excess = |w: f64| dashpot(w) + stiffness * dt * w - held.abs();
+        let w = root(excess, slope, held.abs() / (c + stiffness * dt));
+        *force = held - stiffness * dt * w.copysign(held);
     }
 }
 

@@ -109,8 +109,72 @@ pub enum HiddenEffect {
         /// rad.
         phase: f64,
     },
+    /// The branch of [`HiddenEffect::Yielding`] without its c, and F = c·v beside it, both w times as strong, where an input u sets w:
+    /// lag·dw/dt = u − w.
+    ControlInput {
+        /// Of the spring at an input of 1, kN/mm.
+        stiffness: f64,
+        /// At which the dashpot yields at an input of 1, kN.
+        force: f64,
+        /// At which it has yielded, mm/s.
+        rate: f64,
+        /// At an input of 1, kN·s/mm.
+        c: f64,
+        /// s.
+        lag: f64,
+        /// u over time.
+        schedule: Schedule,
+    },
+    /// F = difference·|damping force of eq 13|: it is larger in one direction than in the other.
+    Directional {
+        /// −1…1.
+        difference: f64,
+    },
+    /// A friction joint behind a spring, with play between the two that travels along with the joint.
+    Backlash {
+        /// kN/mm.
+        stiffness: f64,
+        /// Stretch of the spring at which the joint slips, mm.
+        slip_limit: f64,
+        /// The whole play, mm.
+        slack: f64,
+    },
+    /// F = stiffness·y/(1 + m/softening), m the largest displacement so far: contacts that a larger motion has opened.
+    Degradation {
+        /// kN/mm.
+        stiffness: f64,
+        /// mm.
+        softening: f64,
+    },
     /// An effect that no tracer has a name for.
     Unlisted(Unlisted),
+}
+
+/// An input that somebody sets now and then, to one of five levels from 0 on.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Schedule {
+    /// The highest level.
+    pub most: f64,
+    /// How long each is held, s.
+    pub hold: f64,
+    /// Which levels follow each other.
+    pub seed: u64,
+}
+
+impl Schedule {
+    const LEVELS: u64 = 5;
+
+    /// The input at a time in s.
+    pub fn at(&self, time: f64) -> f64 {
+        // The mixing of splitmix64 (Steele, Lea and Flood 2014).
+        let step = (time / self.hold).max(0.0) as u64;
+        let mut mixed = (self.seed ^ step).wrapping_add(0x9e37_79b9_7f4a_7c15);
+        mixed = (mixed ^ mixed >> 30).wrapping_mul(0xbf58_476d_1ce4_e5b9);
+        mixed = (mixed ^ mixed >> 27).wrapping_mul(0x94d0_49bb_1331_11eb);
+        let level = (mixed ^ mixed >> 31) % Self::LEVELS;
+        self.most * level as f64 / (Self::LEVELS - 1) as f64
+    }
 }
 
 /// How the friction joints of [`HiddenEffect::StickSlip`] turn from sticking to slipping.
@@ -150,14 +214,26 @@ impl HiddenEffect {
             Self::Delay { .. } => "delay",
             Self::Compliance { .. } => "compliance",
             Self::Periodic { .. } => "periodic",
+            Self::ControlInput { .. } => "control_input",
+            Self::Directional { .. } => "directional",
+            Self::Backlash { .. } => "backlash",
+            Self::Degradation { .. } => "degradation",
             Self::Unlisted(effect) => effect.kind(),
+        }
+    }
+
+    /// The control input that it sees at a time in s.
+    pub fn control_at(&self, time: f64) -> Option<f64> {
+        match self {
+            Self::ControlInput { schedule, .. } => Some(schedule.at(time)),
+            _ => None,
         }
     }
 
     /// The same effect with `factor` times the force; of a gap, a delay or a compliance, as many times as wide, late or
     /// soft.
     pub fn scaled(mut self, factor: f64) -> Self {
-        if let Self::Yielding { force, c, .. } = &mut self {
+        if let Self::Yielding { force, c, .. } | Self::ControlInput { force, c, .. } = &mut self {
             *force *= factor;
             *c *= factor;
         }
@@ -167,7 +243,12 @@ impl HiddenEffect {
             Self::Hardening { k5 } => k5,
             Self::StickSlip { stiffness, .. } => stiffness,
             Self::Viscous { c } => c,
-            Self::Relaxation { stiffness, .. } | Self::Yielding { stiffness, .. } => stiffness,
+            Self::Relaxation { stiffness, .. }
+            | Self::Yielding { stiffness, .. }
+            | Self::ControlInput { stiffness, .. }
+            | Self::Backlash { stiffness, .. }
+            | Self::Degradation { stiffness, .. } => stiffness,
+            Self::Directional { difference } => difference,
             Self::Inertia { mass } => mass,
             Self::Drift { stiffness, .. } => stiffness,
             Self::Temperature { beta, .. } => beta,
@@ -237,6 +318,39 @@ impl HiddenEffect {
                 ("frequency", frequency, "Hz"),
                 ("phase", phase, "rad"),
             ],
+            Self::ControlInput {
+                stiffness,
+                force,
+                rate,
+                c,
+                lag,
+                schedule,
+            } => vec![
+                ("stiffness", stiffness, "kN/mm"),
+                ("force", force, "kN"),
+                ("rate", rate, "mm/s"),
+                ("c", c, "kN*s/mm"),
+                ("lag", lag, "s"),
+                ("most", schedule.most, "A"),
+                ("hold", schedule.hold, "s"),
+            ],
+            Self::Directional { difference } => vec![("difference", difference, "1")],
+            Self::Backlash {
+                stiffness,
+                slip_limit,
+                slack,
+            } => vec![
+                ("stiffness", stiffness, "kN/mm"),
+                ("slip_limit", slip_limit, "mm"),
+                ("slack", slack, "mm"),
+            ],
+            Self::Degradation {
+                stiffness,
+                softening,
+            } => vec![
+                ("stiffness", stiffness, "kN/mm"),
+                ("softening", softening, "mm"),
+            ],
             Self::Unlisted(effect) => effect.parameters(),
         }
     }
@@ -267,6 +381,24 @@ impl HiddenEffect {
                     rate,
                     c,
                 } => stiffness > 0.0 && force >= 0.0 && rate > 0.0 && c >= 0.0,
+                // Of a strength of 0 it is an input that nothing depends on.
+                Self::ControlInput {
+                    stiffness,
+                    force,
+                    rate,
+                    c,
+                    lag,
+                    schedule,
+                } => {
+                    [stiffness, force, c, lag].iter().all(|size| *size >= 0.0)
+                        && rate > 0.0
+                        && schedule.hold > 0.0
+                }
+                Self::Directional { difference } => difference.abs() <= 1.0,
+                Self::Backlash {
+                    slip_limit, slack, ..
+                } => slip_limit > 0.0 && slack >= 0.0,
+                Self::Degradation { softening, .. } => softening > 0.0,
                 Self::Drift { cycles, .. } => cycles > 0.0,
                 Self::Gap { half_width, .. } => half_width >= 0.0,
                 Self::Delay { time } => time >= 0.0,

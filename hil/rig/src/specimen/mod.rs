@@ -8,7 +8,7 @@ mod series;
 mod unlisted;
 
 pub use draw::{DrawnEffect, LARGEST_SHARE, SMALLEST_SHARE, draw, force_share};
-pub use hidden::{HiddenEffect, SlipShape};
+pub use hidden::{HiddenEffect, Schedule, SlipShape};
 pub use unlisted::Unlisted;
 
 use branch::{Hidden, Step};
@@ -167,6 +167,11 @@ impl Specimen {
         self.effects.iter().copied()
     }
 
+    /// The control input that it is under at a time in s, where it is under one.
+    pub fn control_at(&self, time: f64) -> Option<f64> {
+        self.effects().find_map(|effect| effect.control_at(time))
+    }
+
     /// The same specimen as new: nothing remembered, at the reference temperature.
     pub fn at_rest(&self) -> Self {
         let new = Self {
@@ -204,6 +209,7 @@ impl Specimen {
                     velocity,
                     dt,
                     law: self.coefficients.force(felt, velocity),
+                    damping: self.coefficients.damping_force(velocity),
                     ..*step
                 }
             };
@@ -250,6 +256,7 @@ impl DamperForce for Specimen {
             dt,
             frequency: self.frequency,
             law: 0.0,
+            damping: 0.0,
         };
         let mut total = match self.spring.take() {
             Some(spring) => {
@@ -263,6 +270,7 @@ impl DamperForce for Specimen {
                     displacement,
                     velocity,
                     law: self.coefficients.force(displacement, velocity),
+                    damping: self.coefficients.damping_force(velocity),
                     ..step
                 };
                 felt.law + beside(&mut self.inside, &felt)

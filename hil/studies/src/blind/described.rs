@@ -5,7 +5,7 @@
 //! crate is drawn here without a line more.
 
 use mesh_damper::effects::description::{Dependence, Description};
-use mesh_damper::effects::{AugmentedLaw, DESCRIPTIONS, Effect, Motion};
+use mesh_damper::effects::{AugmentedLaw, CONTROLS, DESCRIPTIONS, Effect, Motion};
 use mesh_damper::law::Law;
 use mesh_damper_reference::protocol::TestBlock;
 use mesh_damper_reference::tables;
@@ -17,7 +17,7 @@ use serde::Serialize;
 
 use super::absorbed::left_by_eq13;
 use super::draw::{Class, Hidden, Secret, Sized, Tests, Trial, rms};
-use super::families::log_uniform;
+use super::families::{idle, log_uniform, schedule};
 use super::programme::{self, TestShape};
 use super::test_rig::{Sensors, Truth, answer, record};
 
@@ -111,8 +111,10 @@ fn drawn(seed: u64, description: &Description, within: f64, rng: &mut impl Rng) 
         rise: rng.random_range(5.0..30.0),
         time: rng.random_range(5.0..30.0),
     };
+    // Nor does a current.
+    let current = idle(schedule(rng));
     let answered = |blocks: &[TestBlock]| {
-        let motion = answer(density, &[chamber], blocks, TICK_RATE, TICK_RATE);
+        let motion = answer(density, &[chamber, current], blocks, TICK_RATE, TICK_RATE);
         let force = force_of(density, &effect, blocks, &motion)?;
         Some(every(&motion, &force, (TICK_RATE / rate) as usize))
     };
@@ -149,6 +151,7 @@ fn drawn(seed: u64, description: &Description, within: f64, rng: &mut impl Rng) 
         rate,
         noise,
         warms: true,
+        is_set: true,
     }))
 }
 
@@ -169,12 +172,9 @@ fn force_of(
         .ok()?;
     let mut state = augmented.at_rest();
     let (mut block, mut cycles) = (0, 0.0);
-    let each = truth
-        .motion
-        .iter()
-        .zip(&truth.temperature)
-        .zip(&truth.block);
-    each.map(|((motion, temperature), now)| {
+    let each = truth.motion.iter().enumerate();
+    each.map(|(index, motion)| {
+        let now = &truth.block[index];
         if *now != block {
             block = *now;
             augmented.set_law(law(&blocks[block])?);
@@ -185,7 +185,8 @@ fn force_of(
             velocity: motion.velocity,
             acceleration: motion.acceleration,
             cycles,
-            temperature: *temperature,
+            temperature: truth.temperature[index],
+            controls: [truth.control.get(index).copied().unwrap_or_default(); CONTROLS],
             ..Motion::default()
         };
         Some(augmented.force(&mut state, &motion))
@@ -202,6 +203,7 @@ fn every(truth: &Truth, force: &[f64], step: usize) -> Truth {
         motion: of(&truth.motion, step),
         force: of(force, step),
         temperature: of(&truth.temperature, step),
+        control: of(&truth.control, step),
         block: of(&truth.block, step),
     }
 }

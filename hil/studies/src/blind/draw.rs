@@ -11,8 +11,8 @@ use serde::Serialize;
 use super::absorbed::left_by_eq13;
 use super::described::DescribedEffect;
 use super::families::{
-    FIRST_WITH_YIELDING, LISTED, UNLISTED, Unsized, YIELDING, effect, largest_amplitude,
-    log_uniform,
+    FIRST_WITH_CONTROL, LATER, LISTED, UNLISTED, Unsized, effect, idle, largest_amplitude,
+    log_uniform, schedule,
 };
 use super::programme::{self, Programme, TestShape};
 use super::test_rig::{Sensors, Truth, answer, record};
@@ -111,6 +111,8 @@ pub struct Secret {
     pub noise: f64,
     /// Whether the chamber warms though nothing depends on it.
     pub warms: bool,
+    /// Whether somebody sets a current though nothing depends on it.
+    pub is_set: bool,
 }
 
 impl Secret {
@@ -205,6 +207,7 @@ fn secret(
             log_uniform(0.002, 0.03, rng)
         },
         warms: rng.random_bool(0.1),
+        is_set: seed >= FIRST_WITH_CONTROL && rng.random_bool(0.1),
         programme,
     };
     let mut drawn = Vec::new();
@@ -243,8 +246,12 @@ fn hidden(
         TestShape::Long,
         TestShape::Single,
     ];
-    let listed = LISTED + usize::from(seed >= FIRST_WITH_YIELDING);
-    let of_listed = |which: usize| if which < LISTED { which } else { YIELDING };
+    let later = LATER.iter().filter(|(_, first)| seed >= *first);
+    let listed = LISTED + later.count();
+    let of_listed = |which: usize| match which.checked_sub(LISTED) {
+        None => which,
+        Some(later) => LATER[later].0,
+    };
     let effects = match class {
         Class::None => return Some((ALL[number % ALL.len()], Vec::new())),
         Class::Listed => vec![of_listed(number % listed)],
@@ -323,13 +330,21 @@ fn trial(secret: Secret, mut effects: Vec<HiddenEffect>, rng: &mut impl Rng) -> 
             time: rng.random_range(5.0..30.0),
         });
     }
+    let is_controlled = effects
+        .iter()
+        .any(|effect| effect.control_at(0.0).is_some());
+    if secret.is_set && !is_controlled {
+        effects.push(idle(schedule(rng)));
+    }
     let (seed, density, rate) = (secret.seed, secret.density, secret.rate);
     let tests = Tests::of(&secret.programme, rate, |which, blocks| {
         if which == Which::HeldOut {
             for effect in &mut effects {
-                if let HiddenEffect::Unlisted(Unlisted::RandomWalk { seed, .. }) = effect {
-                    // Another day, another walk.
-                    *seed ^= 1;
+                // Another day, another walk, and other currents.
+                match effect {
+                    HiddenEffect::Unlisted(Unlisted::RandomWalk { seed, .. }) => *seed ^= 1,
+                    HiddenEffect::ControlInput { schedule, .. } => schedule.seed ^= 1,
+                    _ => (),
                 }
             }
         }
@@ -425,6 +440,9 @@ fn beginning(whole: &Recording, name: String, samples: usize) -> Recording {
         Some(temperature) => recording.and_then(|r| r.with_temperature(cut(temperature))),
         None => recording,
     };
+    let recording = whole.controls.iter().fold(recording, |recording, control| {
+        recording.and_then(|r| r.with_control(control.name.clone(), cut(&control.values)))
+    });
     recording.expect("the beginning of a recording is one")
 }
 

@@ -3,7 +3,7 @@
 use std::f64::consts::TAU;
 
 use mesh_damper_reference::protocol::TestBlock;
-use mesh_damper_rig::specimen::{HiddenEffect, SlipShape, Unlisted};
+use mesh_damper_rig::specimen::{HiddenEffect, Schedule, SlipShape, Unlisted};
 use rand::{Rng, RngExt};
 
 use super::programme::TestShape;
@@ -12,10 +12,20 @@ use super::programme::TestShape;
 pub const LISTED: usize = 18;
 /// Unlisted ones.
 pub const UNLISTED: usize = 14;
-/// Number of a dashpot that yields, which is listed too. It came later: what seeds below [`FIRST_WITH_YIELDING`] draw is as it was.
-pub const YIELDING: usize = LISTED + UNLISTED;
-/// The first seed of the trial that may draw it: those below are the 500 whose figures are published.
-pub const FIRST_WITH_YIELDING: u64 = 500;
+/// Numbers of listed effects that came later, each with the first seed of the trial that may draw it: what seeds below draw is as it was
+/// when their figures were published. A dashpot that yields; what a control input sets, damping that differs between the directions, play
+/// that travels, stiffness that is lost.
+pub const LATER: [(usize, u64); 5] = [
+    (LISTED + UNLISTED, 500),
+    (CONTROL_INPUT, FIRST_WITH_CONTROL),
+    (LISTED + UNLISTED + 2, FIRST_WITH_CONTROL),
+    (LISTED + UNLISTED + 3, FIRST_WITH_CONTROL),
+    (LISTED + UNLISTED + 4, FIRST_WITH_CONTROL),
+];
+/// Number of what a control input sets.
+const CONTROL_INPUT: usize = LISTED + UNLISTED + 1;
+/// The first seed of any trial that may draw it, and a test with an input on which nothing depends.
+pub const FIRST_WITH_CONTROL: u64 = 1000;
 
 /// Sliders of an Iwan element.
 const SLIDERS: usize = 12;
@@ -52,14 +62,84 @@ const WITH_LONG: &[TestShape] = &[
     TestShape::Long,
 ];
 
-/// Effect number `which`, the [`LISTED`] before the [`UNLISTED`] before [`YIELDING`], for a test whose largest amplitude is `largest` mm.
+/// Effect number `which`, the [`LISTED`] before the [`UNLISTED`] before the [`LATER`], for a test whose largest amplitude is `largest` mm.
 pub fn effect(which: usize, largest: f64, rng: &mut impl Rng) -> Unsized {
-    if which < LISTED {
-        listed(which, largest, rng)
-    } else if which == YIELDING {
-        yielding(largest, rng)
-    } else {
-        unlisted(which - LISTED, largest, rng)
+    match which.checked_sub(LISTED + UNLISTED) {
+        None if which < LISTED => listed(which, largest, rng),
+        None => unlisted(which - LISTED, largest, rng),
+        Some(0) => yielding(largest, rng),
+        Some(later) => measured(later, largest, rng),
+    }
+}
+
+/// What real dampers have.
+fn measured(which: usize, largest: f64, rng: &mut impl Rng) -> Unsized {
+    let any_size = (1e-6, 1e6);
+    let (effect, factors, shapes) = match which {
+        1 => (control_input(largest, rng), any_size, WITH_LONG),
+        2 => {
+            let sign = if rng.random::<bool>() { 1.0 } else { -1.0 };
+            let difference = 0.1 * sign;
+            (HiddenEffect::Directional { difference }, (1e-3, 8.0), ANY)
+        }
+        3 => (
+            HiddenEffect::Backlash {
+                stiffness: 1.0,
+                slip_limit: largest * rng.random_range(0.05..0.2),
+                slack: largest * rng.random_range(0.2..0.6),
+            },
+            any_size,
+            AMPLITUDES,
+        ),
+        _ => (
+            HiddenEffect::Degradation {
+                stiffness: 1.0,
+                softening: largest * rng.random_range(0.2..1.0),
+            },
+            any_size,
+            AMPLITUDES,
+        ),
+    };
+    Unsized {
+        effect,
+        factors,
+        shapes,
+    }
+}
+
+/// A current of up to an ampere that somebody sets now and then. At one ampere the branch has a stiffness of 1 and yields as
+/// [`yielding`] does.
+fn control_input(largest: f64, rng: &mut impl Rng) -> HiddenEffect {
+    let force = largest * rng.random_range(0.1..0.4);
+    let rate = largest * log_uniform(3.0, 20.0, rng);
+    HiddenEffect::ControlInput {
+        stiffness: 1.0,
+        force,
+        rate,
+        c: force / rate * log_uniform(0.02, 0.3, rng),
+        lag: log_uniform(0.02, 0.2, rng),
+        schedule: schedule(rng),
+    }
+}
+
+/// An input on which no force depends.
+pub fn idle(schedule: Schedule) -> HiddenEffect {
+    HiddenEffect::ControlInput {
+        stiffness: 0.0,
+        force: 0.0,
+        rate: 1.0,
+        c: 0.0,
+        lag: 0.0,
+        schedule,
+    }
+}
+
+/// A current of up to an ampere, each level held for some cycles.
+pub fn schedule(rng: &mut impl Rng) -> Schedule {
+    Schedule {
+        most: 1.0,
+        hold: log_uniform(0.7, 3.0, rng),
+        seed: rng.random(),
     }
 }
 

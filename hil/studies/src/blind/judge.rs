@@ -146,10 +146,13 @@ impl Outcome {
     }
 }
 
-/// The name under which a tracer knows what is hidden: a spring-pot is Maxwell branches of all times.
+/// The name under which a tracer knows what is hidden: a spring-pot is Maxwell branches of all times, damping that is there one way only
+/// differs between the directions, and rubber that a larger stretch has softened has lost stiffness.
 fn learnt_as(hidden: &str) -> &str {
     match hidden {
         "fractional" => "relaxation",
+        "one_way_damping" => "directional",
+        "mullins" => "degradation",
         family => family,
     }
 }

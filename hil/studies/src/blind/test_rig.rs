@@ -18,6 +18,9 @@ const STEPS: f64 = 65536.0;
 const TEMPERATURE_NOISE: f64 = 0.02;
 const TEMPERATURE_STEP: f64 = 0.01;
 
+/// The column of the control input of a simulated test.
+pub const CURRENT: &str = "current_A";
+
 /// The true motion and force.
 pub struct Truth {
     /// At each sample.
@@ -26,6 +29,8 @@ pub struct Truth {
     pub force: Vec<f64>,
     /// °C, likewise.
     pub temperature: Vec<f64>,
+    /// The control input, likewise; none of a specimen that is under none.
+    pub control: Vec<f64>,
     /// Index of the block of `blocks`, likewise.
     pub block: Vec<usize>,
 }
@@ -55,6 +60,7 @@ pub fn answer(
         motion: Vec::new(),
         force: Vec::new(),
         temperature: Vec::new(),
+        control: Vec::new(),
         block: Vec::new(),
     };
     let mut end = 0.0;
@@ -77,6 +83,7 @@ pub fn answer(
             truth.motion.push(m);
             truth.force.push(force);
             truth.temperature.push(specimen.temperature());
+            truth.control.extend(specimen.control_at(m.time));
             truth.block.push(next - 1);
         }
     }
@@ -138,6 +145,11 @@ pub fn record(name: String, truth: &Truth, sensors: &Sensors) -> Recording {
         recording.and_then(|recording| recording.with_temperature(channel(2)))
     } else {
         recording
+    };
+    let recording = match truth.control.as_slice() {
+        [] => recording,
+        // What was set is known as it is.
+        control => recording.and_then(|r| r.with_control(CURRENT, control.to_vec())),
     };
     recording.expect("a simulated test moves")
 }

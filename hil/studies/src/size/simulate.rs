@@ -122,6 +122,7 @@ fn random(rows: usize) -> Truth {
         motion: Vec::with_capacity(rows),
         force: Vec::with_capacity(rows),
         temperature: Vec::with_capacity(rows),
+        control: Vec::new(),
         block: vec![0; rows],
     };
     for row in 0..rows {

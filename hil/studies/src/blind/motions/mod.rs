@@ -31,7 +31,8 @@ pub use summary::{Row, Summary};
 
 use super::absorbed::least_squares;
 use super::draw::rms;
-use super::families::{YIELDING, effect, log_uniform};
+use super::families::{FIRST_WITH_CONTROL, LATER, effect, log_uniform};
+use super::test_rig::CURRENT;
 
 /// Amplitude of the tables whose coefficients a specimen has at every amplitude, mm.
 const AMPLITUDE: f64 = 0.1;
@@ -47,9 +48,9 @@ const LARGEST_SHARE: f64 = 1.0;
 /// Samples, about, that tell how much of an effect eq 13 absorbs.
 const SIZED_BY: usize = 4000;
 /// Numbers in `families` of the effects that any motion shows: drift and temperature need a long test.
-const SHOWN: [usize; 15] = [0, 1, 2, 3, 6, 7, 8, 9, 10, 11, 12, 13, 14, 17, YIELDING];
-/// The first seed that may draw the last of them: those below are the 112 whose figures are published.
-const FIRST_WITH_ALL: u64 = 112;
+const SHOWN: [usize; 14] = [0, 1, 2, 3, 6, 7, 8, 9, 10, 11, 12, 13, 14, 17];
+/// The first seed that may draw the first of [`LATER`] too: those below are the 112 whose figures were published without it.
+const FIRST_WITH_YIELDING: u64 = 112;
 
 /// What a seed hides and how it is tested.
 #[derive(Clone, Debug)]
@@ -107,7 +108,13 @@ fn drawn(seed: u64, rng: &mut impl Rng) -> Option<Trial> {
     let sensors = Sensors::draw(flaw, rms(&law.1), rng);
     let mut hidden: Vec<HiddenEffect> = Vec::new();
     for _ in 0..effects {
-        let shown = &SHOWN[..SHOWN.len() - usize::from(seed < FIRST_WITH_ALL)];
+        let later = match seed {
+            ..FIRST_WITH_YIELDING => 0,
+            ..FIRST_WITH_CONTROL => 1,
+            _ => LATER.len(),
+        };
+        let later = LATER[..later].iter().map(|(which, _)| *which);
+        let shown: Vec<usize> = SHOWN.into_iter().chain(later).collect();
         let example = effect(*shown.choose(rng)?, largest, rng);
         let family = example.effect.family();
         if hidden.iter().any(|other| other.family() == family) {
@@ -135,12 +142,18 @@ fn drawn(seed: u64, rng: &mut impl Rng) -> Option<Trial> {
     let truths = tests.each_ref().map(|test| test.answer(&specimen));
     let mut recorded = |which: usize, name: &str| {
         let (motion, force) = &truths[which];
-        sensors.record(
+        let recording = sensors.record(
             format!("{name} of motion seed {seed}"),
             motion,
             force,
             rng.random(),
-        )
+        );
+        let control = |time: f64| specimen.control_at(time);
+        match recording.time.iter().map(|&time| control(time)).collect() {
+            Some(current) => recording.with_control(CURRENT, current),
+            None => Ok(recording),
+        }
+        .expect("one value a sample")
     };
     let (training, held_out) = (recorded(0, "training test"), recorded(1, "held-out test"));
     let reference = [
