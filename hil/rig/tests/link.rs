@@ -166,7 +166,7 @@ fn a_control_input_is_recorded_from_the_start_once_there_is_one() {
     for place in 0..=CONTROLS {
         assert!(without.control(place).is_empty());
     }
-    // A sample every ten ticks. At once, after the sample 99, and before the one that follows it.
+    // A sample every ten ticks. At once, just after the sample 99, and with the next one.
     for (left, zeros) in [(0, 0), (991, 100), (1000, 100)] {
         let plan = Plan::of(&setup(1));
         let bench = Bench::new(setup(1)).unwrap();
