@@ -410,7 +410,7 @@ fn run(
     for _ in 0..ticks {
         let drawn = random.next();
         if drawn.is_multiple_of(BETWEEN) {
-            match drawn / BETWEEN % 16 {
+            match drawn / BETWEEN % 17 {
                 0 => plant = Plant::Stuck,
                 1 => plant = Plant::Runs,
                 2 => plant = Plant::Anything,
