@@ -319,6 +319,10 @@ pub struct Statistics {
 
 /// What the image answers.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[allow(
+    clippy::large_enum_variant,
+    reason = "the outcome is most of the answers, and there is no heap; only where pointers are short is it so much larger"
+)]
 pub enum Answer<'a> {
     /// Done; the word is no where there was no room for all knots, and yes otherwise.
     Done(bool),
