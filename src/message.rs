@@ -12,7 +12,7 @@ pub use outcome::{Outcome, write_outcome};
 pub use refusal::{Refusal, write_refusal};
 
 use crate::converter::Scale;
-use crate::effects::Motion;
+use crate::effects::{CONTROLS, Motion};
 use crate::frame::{Fields, Frame, FrameBuffer, Header, PAYLOAD, Reader, Writer};
 use crate::rig::{Knot, RigConfig, StreamConfig};
 use crate::sine::{PlannedBlock, ProgrammeHead};
@@ -21,9 +21,8 @@ use refusal::read_refusal;
 
 /// Most blocks of a programme in the image.
 pub const MAX_BLOCKS: usize = 16;
-/// Bytes of a motion: all of it but [`Motion::controls`], on which no effect depends. One that did would be compared on the image
-/// with controls of 0 only.
-const MOTION: usize = 20;
+/// Bytes of a motion: five numbers and its controls.
+const MOTION: usize = 4 * (5 + CONTROLS);
 /// Most motions of one frame.
 pub const MOTIONS: usize = PAYLOAD / MOTION;
 /// Bytes of a knot.
@@ -97,6 +96,8 @@ pub struct Sensors {
     pub force: u16,
     /// °C.
     pub temperature: f32,
+    /// Control inputs, as those of [`crate::rig::Reading`].
+    pub controls: [f32; CONTROLS],
 }
 
 impl Sensors {
@@ -111,6 +112,7 @@ impl Sensors {
             displacement: reader.u16()?,
             force: reader.u16()?,
             temperature: reader.f32()?,
+            controls: reader.words()?.map(f32::from_bits),
         })
     }
 }
@@ -194,11 +196,15 @@ impl<'a> Motions<'a> {
         let mut used = 0;
         for (motion, place) in motions.iter().zip(buffer.chunks_exact_mut(MOTION)) {
             let mut writer = Writer::new(place);
-            writer.f32(motion.displacement);
-            writer.f32(motion.velocity);
-            writer.f32(motion.acceleration);
-            writer.f32(motion.cycles);
-            writer.f32(motion.temperature);
+            let numbers = [
+                motion.displacement,
+                motion.velocity,
+                motion.acceleration,
+                motion.cycles,
+                motion.temperature,
+            ];
+            writer.words(numbers.map(f32::to_bits));
+            writer.words(motion.controls.map(f32::to_bits));
             used += MOTION;
         }
         Self(buffer.get(..used).unwrap_or_default())
@@ -215,16 +221,18 @@ impl Iterator for Motions<'_> {
     #[inline]
     fn next(&mut self) -> Option<Motion<f32>> {
         let mut reader = Reader(self.0);
-        let motion = Motion {
-            displacement: reader.f32()?,
-            velocity: reader.f32()?,
-            acceleration: reader.f32()?,
-            cycles: reader.f32()?,
-            temperature: reader.f32()?,
-            ..Motion::default()
-        };
+        let [displacement, velocity, acceleration, cycles, temperature] =
+            reader.words()?.map(f32::from_bits);
+        let controls = reader.words()?.map(f32::from_bits);
         self.0 = reader.rest();
-        Some(motion)
+        Some(Motion {
+            displacement,
+            velocity,
+            acceleration,
+            cycles,
+            temperature,
+            controls,
+        })
     }
 }
 
@@ -288,6 +296,7 @@ impl<'a> Request<'a> {
                 writer.u16(sensors.displacement);
                 writer.u16(sensors.force);
                 writer.f32(sensors.temperature);
+                writer.words(sensors.controls.map(f32::to_bits));
             }
             Self::Motions(motions) => writer.bytes(motions.0),
             Self::Stream(config) => config.write(writer),
@@ -310,6 +319,10 @@ pub struct Statistics {
 
 /// What the image answers.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[allow(
+    clippy::large_enum_variant,
+    reason = "the outcome is most of the answers, and there is no heap; only where pointers are short is it so much larger"
+)]
 pub enum Answer<'a> {
     /// Done; the word is no where there was no room for all knots, and yes otherwise.
     Done(bool),

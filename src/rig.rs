@@ -73,6 +73,7 @@ pub use state::State;
 pub use stream::{Knot, STREAM_QUEUE, Stream, StreamConfig, StreamSettings};
 
 use crate::cycle::Cycle;
+use crate::effects::CONTROLS;
 use crate::error::ConfigError;
 use crate::fast_law::{Adaptation, RunningLaw};
 use crate::frame::{Fields, Reader, Writer};
@@ -234,6 +235,9 @@ pub struct Telemetry {
     pub velocity: f32,
     /// Measured force, kN. The last one read, where reading failed.
     pub measured_force: f32,
+    /// Control inputs as the law was given them, in the units of its effects; 0 where there is none. The last ones read, where
+    /// reading failed.
+    pub controls: [f32; CONTROLS],
     /// Force of the law at the observed motion, kN.
     pub model_force: f32,
     /// What the actuator drives: mm, or kN from an emulator. The last one that it took, where it fails.

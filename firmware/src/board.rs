@@ -1,5 +1,6 @@
 //! What the images need of a board, and nothing more.
 
+use mesh_damper::effects::CONTROLS;
 use mesh_damper::rig::{Actuator, Sensors, Wiring};
 
 /// A board. Its memories are not here: they stand in the `memory.x` that the linker finds in the working directory.
@@ -41,10 +42,10 @@ pub trait Log {
 /// The rig's sensors and its actuator: parts on a bus, as [`mesh_damper::adc`] and [`mesh_damper::dac`] drive them, or what a chip
 /// has by itself.
 ///
-/// The harness is the specimen: each request for a tick carries the codes that its sensors deliver, and the answer the code that
-/// its actuator gets.
+/// The harness is the specimen: each request for a tick carries the codes that its sensors deliver and its control inputs, and the
+/// answer the code that its actuator gets.
 pub trait Converters {
-    /// Displacement and force.
+    /// Displacement and force, and what controls the specimen.
     type Sensors: Sensors + 'static;
     /// What drives the actuator, and the line that enables it.
     type Actuator: Actuator + 'static;
@@ -54,6 +55,11 @@ pub trait Converters {
 
     /// Codes of displacement and force that the sensors are to give at this tick. Converters that are wired to a specimen have their own.
     fn sense(displacement: u16, force: u16);
+
+    /// Control inputs that `sensors` are to give at this tick, in the units of the law's effects. Converters that measure them, or
+    /// whose specimen has none, have nothing to do.
+    #[inline]
+    fn control(_sensors: &mut Self::Sensors, _controls: [f32; CONTROLS]) {}
 
     /// Code that the actuator was given, and the level of the enable line.
     fn driven() -> (u16, bool);

@@ -17,11 +17,11 @@ use crate::edit::edited;
 /// Parts of a frame, as its bytes.
 const WORDS: [&str; 6] = [
     "MD",
-    "MD\u{1}",
+    "MD\u{4}",
     "\0\0\0\0",
     "\u{1}",
     "\0",
-    "MD\u{1}\t\0\0\0\0\u{1}\0\u{8}\0",
+    "MD\u{4}\t\0\0\0\0\u{1}\0\u{18}\0",
 ];
 
 /// One frame of every kind.
@@ -37,6 +37,7 @@ pub static GOOD: LazyLock<Vec<Vec<u8>>> = LazyLock::new(|| {
     let motion = Motion {
         displacement: 0.1,
         velocity: -2.0,
+        controls: [0.5, -1.5, 0.0, 9.0],
         ..Motion::default()
     };
     let mut buffer = [0; PAYLOAD];
@@ -55,6 +56,7 @@ pub static GOOD: LazyLock<Vec<Vec<u8>>> = LazyLock::new(|| {
             displacement: 0x8123,
             force: 0x7fed,
             temperature: 21.5,
+            controls: [0.5, -1.5, 0.0, 9.0],
         }),
         Request::Stop,
         Request::Clear,

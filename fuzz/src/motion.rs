@@ -2,7 +2,7 @@
 
 use mesh_damper::crossing::CrossingAccumulator;
 use mesh_damper::cycle::{Cycle, CycleAccumulator};
-use mesh_damper::effects::{AugmentedLaw, Motion};
+use mesh_damper::effects::{AugmentedLaw, CONTROLS, Motion};
 use mesh_damper::fast_law::{FastLaw, RunningLaw};
 use mesh_damper::observer::{Observer, ObserverConfig};
 
@@ -16,7 +16,7 @@ fn motion(random: &mut Random) -> Motion<f32> {
         acceleration: random.float(),
         cycles: random.float(),
         temperature: random.float(),
-        ..Motion::default()
+        controls: [(); CONTROLS].map(|()| random.float()),
     }
 }
 

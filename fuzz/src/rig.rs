@@ -7,14 +7,15 @@ use std::rc::Rc;
 use mesh_damper::adc::Ads8688;
 use mesh_damper::converter::Scale;
 use mesh_damper::dac::Ad5761;
+use mesh_damper::effects::CONTROLS;
 use mesh_damper::error::ConfigError;
 use mesh_damper::fast_law::{FastLaw, RunningLaw};
 use mesh_damper::health::HealthSettings;
 use mesh_damper::rig::{
-    ClearRefused, DamperEmulation, DamperEmulationSettings, Rig, RigSettings, SpiDamperEmulation,
-    SpiRig, StartRefused, State, Telemetry,
+    ClearRefused, DamperEmulation, DamperEmulationSettings, EmulationController, Rig,
+    RigController, RigSettings, SpiActuator, StartRefused, State, Telemetry, Wiring, WithControls,
 };
-use mesh_damper::sine::{Block, Programme};
+use mesh_damper::sine::{Block, Programme, SineGenerator};
 
 use crate::feed::{Feed, Random};
 use crate::law::{EFFECTS, law};
@@ -31,6 +32,7 @@ trait Controller {
     fn clear(&mut self) -> Result<(), ClearRefused>;
     fn swap_law(&mut self, law: FastLaw<EFFECTS>);
     fn set_temperature(&mut self, temperature: f32);
+    fn set_controls(&mut self, controls: [f32; CONTROLS]);
     fn state(&self) -> State;
     fn tick(&mut self) -> Telemetry;
 }
@@ -53,6 +55,9 @@ macro_rules! controller {
             fn set_temperature(&mut self, temperature: f32) {
                 self.deref_mut().set_temperature(temperature);
             }
+            fn set_controls(&mut self, controls: [f32; CONTROLS]) {
+                self.sensors().controls = controls;
+            }
             fn state(&self) -> State {
                 self.state()
             }
@@ -63,8 +68,27 @@ macro_rules! controller {
     };
 }
 
-controller!(SpiRig<Adc, Dac, Line, BLOCKS, EFFECTS>);
-controller!(SpiDamperEmulation<Adc, Dac, Line, RunningLaw<EFFECTS>>);
+type Channels = WithControls<Ads8688<Adc>>;
+type Driver = SpiActuator<Dac, Line>;
+
+controller!(Rig<Channels, Driver, EFFECTS, SineGenerator<BLOCKS>>);
+controller!(DamperEmulation<Channels, Driver, RunningLaw<EFFECTS>>);
+
+/// What the converters are wired to, with no control input, and their scales.
+fn wired(adc: Ads8688<Adc>, dac: Ad5761<Dac>, guard: &Guard) -> (Wiring, Channels, Driver) {
+    let [displacement, force] = adc.scales();
+    let wiring = Wiring {
+        displacement,
+        force,
+        command: guard.command,
+    };
+    let sensors = WithControls {
+        sensors: adc,
+        controls: [0.0; CONTROLS],
+    };
+    let line = Line(guard.wires.clone());
+    (wiring, sensors, SpiActuator::new(dac, line))
+}
 
 /// What is promised of every tick, and what has to be remembered to see it kept.
 struct Guard {
@@ -212,9 +236,9 @@ impl Plant {
 
 /// A rig or an emulator of any settings for `ticks` ticks.
 ///
-/// Every number that it tells is finite, the DAC drives what it says and never beyond its range, a limit exceeded for as many
-/// ticks as it may be stops it, and stopped it has the enable line low and goes to 0 in its time, whatever comes. Says on how
-/// many ticks it was running.
+/// Every number that it tells is finite but the control inputs, which are those of the last reading, the DAC drives what it says
+/// and never beyond its range, a limit exceeded for as many ticks as it may be stops it, and stopped it has the enable line low
+/// and goes to 0 in its time, whatever comes. Says on how many ticks it was running.
 pub fn check(script: &[u8], ticks: u32) -> u64 {
     let feed = &mut Feed(script);
     let wires = Rc::new(Wires::default());
@@ -325,9 +349,10 @@ fn rig(
     guard.force_limit = settings.force_limit as f32;
     guard.trip_ticks = settings.trip_ticks;
     guard.stop_ticks = settings.stop_ticks;
-    let line = Line(guard.wires.clone());
+    let (wiring, sensors, actuator) = wired(adc, dac, &guard);
     let running = RunningLaw::new(laws[0].clone());
-    let rig = Rig::new(adc, dac, line, &settings, programme, running)?;
+    let controller = RigController::new(&settings, &wiring, programme, running)?;
+    let rig = Rig::wire(controller, sensors, actuator);
     Ok(run(rig, guard, &laws, script, ticks))
 }
 
@@ -357,9 +382,10 @@ fn emulator(
     guard.most = guard.most.min(guard.force_limit);
     guard.trip_ticks = settings.trip_ticks;
     guard.stop_ticks = settings.stop_ticks;
-    let line = Line(guard.wires.clone());
-    let emulator =
-        DamperEmulation::new(adc, dac, line, &settings, RunningLaw::new(laws[0].clone()))?;
+    let (wiring, sensors, actuator) = wired(adc, dac, &guard);
+    let running = RunningLaw::new(laws[0].clone());
+    let controller = EmulationController::new(&settings, &wiring, running)?;
+    let emulator = DamperEmulation::wire(controller, sensors, actuator);
     Ok(run(emulator, guard, &laws, script, ticks))
 }
 
@@ -378,11 +404,13 @@ fn run(
     let mut plant = Plant::Follows;
     let mut ratio = 1.0;
     let mut ran = 0;
+    // Of the sensors, and of the last reading that did not fail.
+    let (mut given, mut read) = ([0.0; CONTROLS], [0.0; CONTROLS]);
     controller.start().expect("it is at rest");
     for _ in 0..ticks {
         let drawn = random.next();
         if drawn.is_multiple_of(BETWEEN) {
-            match drawn / BETWEEN % 16 {
+            match drawn / BETWEEN % 17 {
                 0 => plant = Plant::Stuck,
                 1 => plant = Plant::Runs,
                 2 => plant = Plant::Anything,
@@ -393,6 +421,10 @@ fn run(
                 7 => controller.stop(),
                 8 => controller.set_temperature(random.float()),
                 9 | 10 => controller.swap_law(laws[(drawn >> 40) as usize % 2].clone()),
+                11 => {
+                    given = given.map(|_| random.float());
+                    controller.set_controls(given);
+                }
                 _ => {
                     plant = Plant::Follows;
                     wires.adc_fails.set(false);
@@ -415,6 +447,15 @@ fn run(
         let before = controller.state();
         let telemetry = controller.tick();
         guard.see(before, &telemetry);
+        if !wires.adc_fails.get() {
+            read = given;
+        }
+        // As they came, odd ones included: the law clamps them.
+        assert_eq!(
+            telemetry.controls.map(f32::to_bits),
+            read.map(f32::to_bits),
+            "{telemetry:?}"
+        );
         ran += u64::from(telemetry.state == State::Running);
     }
     ran

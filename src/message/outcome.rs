@@ -58,6 +58,7 @@ pub fn write_outcome(
             telemetry.cycle,
             telemetry.phase,
         ]);
+        writer.words(telemetry.controls.map(f32::to_bits));
         if let Some(report) = report {
             write_report(writer, report);
         }
@@ -82,6 +83,7 @@ pub(super) fn read_outcome(reader: &mut Reader<'_>) -> Option<Outcome> {
         block: reader.u32()? as usize,
         cycle: reader.u32()?,
         phase: reader.u32()?,
+        controls: reader.words()?.map(f32::from_bits),
         ramp: flags & RAMP != 0,
         state,
         report: if flags & REPORT != 0 {

@@ -215,6 +215,7 @@ impl<L: TickLaw> Controller for EmulationController<L> {
             displacement,
             velocity: estimate.velocity,
             measured_force,
+            controls: self.reading.controls,
             model_force,
             command: self.guard.driven(),
             block: 0,

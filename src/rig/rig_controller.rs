@@ -354,6 +354,7 @@ where
             displacement,
             velocity: estimate.velocity,
             measured_force,
+            controls: self.reading.controls,
             model_force,
             command: self.guard.driven(),
             block: excitation.block,

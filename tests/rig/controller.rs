@@ -387,7 +387,7 @@ impl TickLaw for Controlled {
 }
 
 #[test]
-fn control_inputs_reach_the_law() {
+fn control_inputs_reach_the_law_and_the_telemetry() {
     let settings = DamperEmulationSettings::default();
     let mut damper = EmulationController::new(&settings, &units(), Controlled).unwrap();
     let at = |controls| Reading {
@@ -395,13 +395,15 @@ fn control_inputs_reach_the_law() {
         force: Sample::default(),
         controls,
     };
+    let said = |seen: Telemetry| (seen.model_force, seen.controls);
     // 0xA000 is 0.25 mm.
-    let force = damper.tick(Some(at([1.0, 0.0, 0.5, 0.0]))).model_force;
-    assert_eq!(force, 0.375);
+    let given = [1.0, 0.0, 0.5, 0.0];
+    assert_eq!(said(damper.tick(Some(at(given)))), (0.375, given));
     // Where reading fails, the last ones stay.
-    assert_eq!(damper.tick(None).model_force, 0.375);
+    assert_eq!(said(damper.tick(None)), (0.375, given));
     assert_eq!(damper.state(), State::Faulted(TripCause::AdcBus));
-    assert_eq!(damper.tick(Some(at([0.0; CONTROLS]))).model_force, 0.0);
+    let none = [0.0; CONTROLS];
+    assert_eq!(said(damper.tick(Some(at(none)))), (0.0, none));
 
     // Beside sensors that have none.
     let timer = Timer::default();
@@ -415,11 +417,43 @@ fn control_inputs_reach_the_law() {
     };
     let damper = EmulationController::new(&settings, &units(), Controlled).unwrap();
     let mut damper: DamperEmulation<_, _, _> = Blocking::wire(damper, sensors, timer.clone());
-    assert_eq!(damper.tick().model_force, 0.5);
+    assert_eq!(said(damper.tick()), (0.5, [0.0, 2.0, 0.0, 0.0]));
     damper.sensors().controls[1] = 4.0;
     // At rest it has driven 0.
     timer.0.borrow_mut().value = 0.25;
-    assert_eq!(damper.tick().model_force, 1.0);
+    assert_eq!(said(damper.tick()), (1.0, [0.0, 4.0, 0.0, 0.0]));
+}
+
+/// At rest, while it runs, and where reading fails, which stops it.
+#[test]
+fn a_rig_tells_its_control_inputs_whatever_it_does() {
+    let config = RigSettings::default().at(TICK_RATE).unwrap();
+    let generator = SineGenerator::new(programme(2)).unwrap();
+    let law = RunningLaw::new(FastLaw::new(elastic()));
+    let mut rig = RigController::with_exciter(&config, &units(), generator, law);
+    let read = |number: u16| Reading {
+        displacement: unit().decode(0x8000),
+        force: unit().decode(0x8000),
+        controls: [0.0, 1.0, 2.0, 3.0].map(|place| place + f32::from(number)),
+    };
+    let at_rest = rig.tick(Some(read(1)));
+    assert_eq!(
+        (at_rest.state, at_rest.controls),
+        (State::Idle, [1.0, 2.0, 3.0, 4.0])
+    );
+    rig.start().unwrap();
+    for number in 2..10 {
+        let seen = rig.tick(Some(read(number)));
+        assert_eq!(
+            (seen.state, seen.controls),
+            (State::Running, read(number).controls)
+        );
+    }
+    let failed = rig.tick(None);
+    assert_eq!(
+        (failed.state, failed.controls),
+        (State::Faulted(TripCause::AdcBus), read(9).controls)
+    );
 }
 
 /// An exciter that is chosen when the rig is set up makes no difference to the sines.

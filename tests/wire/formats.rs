@@ -49,6 +49,7 @@ fn telemetry() -> Telemetry {
         displacement: 0.1,
         velocity: -0.7,
         measured_force: f32::MIN_POSITIVE,
+        controls: [0.1, -0.3, f32::MIN_POSITIVE, f32::MAX],
         model_force: f32::MAX,
         command: 0.2,
         block: 3,
@@ -109,6 +110,7 @@ fn what_goes_in_and_comes_out_survives_a_format() {
         displacement: 1,
         force: 2,
         temperature: 20.0,
+        controls: [0.1; CONTROLS],
     });
     survives(Statistics {
         stack: 1,

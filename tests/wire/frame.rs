@@ -35,6 +35,7 @@ fn requests_and_answers_are_what_they_were() {
         displacement: 0x1234,
         force: 0xFEDC,
         temperature: -0.0,
+        controls: [1.5, -0.0, f32::MIN_POSITIVE, f32::INFINITY],
     });
     for request in [
         request,

@@ -8,7 +8,7 @@ use mesh_damper::fast_law::Adaptation;
 use mesh_damper::frame::{Frame, FrameBuffer, Frames, PAYLOAD};
 use mesh_damper::health::{Event, HealthCause, HealthSettings, Statistic};
 use mesh_damper::message::{
-    Answer, MOTIONS, Motions, Outcome, Refusal, Request, Setup, Statistics, write_again,
+    Answer, MOTIONS, Motions, Outcome, Refusal, Request, Sensors, Setup, Statistics, write_again,
     write_forces, write_outcome, write_refusal, write_statistics,
 };
 use mesh_damper::pack::{Identity, PackError};
@@ -88,6 +88,23 @@ fn a_programme_passes() {
     assert_eq!(again, programme);
 }
 
+/// Each input has a value of its own, so that none stands in for another.
+#[test]
+fn what_the_sensors_deliver_passes() {
+    let sensors = Sensors {
+        displacement: 0x1234,
+        force: 0xfedc,
+        temperature: 21.5,
+        controls: [0.5, -1.5, 2.5, -3.5],
+    };
+    passes(Request::Tick(sensors));
+    let mut buffer = FrameBuffer::new();
+    Request::Tick(sensors).write(5, &mut buffer);
+    assert_eq!(Sensors::read(&frame(&buffer)), Some(sensors));
+    Request::Start.write(5, &mut buffer);
+    assert_eq!(Sensors::read(&frame(&buffer)), None);
+}
+
 fn motion(number: usize) -> Motion<f32> {
     let number = number as f32;
     Motion {
@@ -96,7 +113,7 @@ fn motion(number: usize) -> Motion<f32> {
         acceleration: 100.0 * number,
         cycles: number / 4.0,
         temperature: 20.0 + number,
-        ..Motion::default()
+        controls: [0.1, 0.2, 0.3, 0.4].map(|part| part * number),
     }
 }
 
@@ -116,7 +133,8 @@ fn as_many_motions_pass_as_fit_and_a_force_for_each() {
         assert!(motions.eq(taken.iter().copied()));
 
         let mut answer = FrameBuffer::new();
-        write_forces(6, motions, |motion| 3.0 * motion.cycles, &mut answer);
+        let law = |motion: &Motion<f32>| 3.0 * motion.cycles + motion.controls[3];
+        write_forces(6, motions, law, &mut answer);
         let answered = frame(&answer);
         let header = answered.header;
         assert_eq!(
@@ -126,7 +144,7 @@ fn as_many_motions_pass_as_fit_and_a_force_for_each() {
         let Some(Answer::Forces(forces)) = Answer::read(&answered) else {
             panic!("no forces in {answered:?}");
         };
-        assert!(forces.eq(taken.iter().map(|motion| 3.0 * motion.cycles)));
+        assert!(forces.eq(taken.iter().map(law)));
     }
 }
 
@@ -216,6 +234,7 @@ fn telemetry() -> Telemetry {
         displacement: 0.25,
         velocity: -3.5,
         measured_force: 1.25,
+        controls: [0.5, -1.5, 2.5, -3.5],
         model_force: 1.125,
         command: 0.375,
         block: 3,

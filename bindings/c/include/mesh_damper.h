@@ -531,6 +531,8 @@ typedef struct md_telemetry {
   float velocity;
   // Measured force, kN. The last one read, where reading failed.
   float measured_force;
+  // Control inputs as the law was given them. The last ones read, where reading failed.
+  float controls[MD_CONTROLS];
   // Force of the law at the observed motion, kN.
   float model_force;
   // What the actuator is to drive until the next tick: mm, or kN of an emulation.

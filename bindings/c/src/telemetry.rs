@@ -6,6 +6,7 @@ use mesh_damper::health::{Channel, HealthCause};
 use mesh_damper::rig;
 
 use crate::cycle::Cycle;
+use crate::law::MD_CONTROLS;
 
 /// What a controller is doing.
 #[repr(i32)]
@@ -205,6 +206,8 @@ pub struct Telemetry {
     pub velocity: f32,
     /// Measured force, kN. The last one read, where reading failed.
     pub measured_force: f32,
+    /// Control inputs as the law was given them. The last ones read, where reading failed.
+    pub controls: [f32; MD_CONTROLS],
     /// Force of the law at the observed motion, kN.
     pub model_force: f32,
     /// What the actuator is to drive until the next tick: mm, or kN of an emulation.
@@ -266,6 +269,7 @@ impl From<&rig::Telemetry> for Telemetry {
             displacement: seen.displacement,
             velocity: seen.velocity,
             measured_force: seen.measured_force,
+            controls: seen.controls,
             model_force: seen.model_force,
             command: seen.command,
             block: seen.block as u32,

@@ -9,7 +9,8 @@ use embedded_hal::spi::{self, ErrorKind, Operation, SpiDevice};
 
 use mesh_damper::adc::Ads8688;
 use mesh_damper::dac::Ad5761;
-use mesh_damper::rig::{SpiActuator, Wiring};
+use mesh_damper::effects::CONTROLS;
+use mesh_damper::rig::{SpiActuator, Wiring, WithControls};
 
 use crate::board::Converters;
 
@@ -37,7 +38,7 @@ static WIRES: Wires = Wires {
 pub struct SimulatedConverters;
 
 impl Converters for SimulatedConverters {
-    type Sensors = Ads8688<Adc>;
+    type Sensors = WithControls<Ads8688<Adc>>;
     type Actuator = SpiActuator<Dac, Enable>;
 
     #[inline]
@@ -52,13 +53,22 @@ impl Converters for SimulatedConverters {
         };
         let adc = Ads8688::new(adc, wiring.displacement, wiring.force).ok()?;
         let dac = Ad5761::new(dac, wiring.command).ok()?;
-        Some((adc, SpiActuator::new(dac, Enable)))
+        let sensors = WithControls {
+            sensors: adc,
+            controls: [0.0; CONTROLS],
+        };
+        Some((sensors, SpiActuator::new(dac, Enable)))
     }
 
     #[inline]
     fn sense(displacement: u16, force: u16) {
         WIRES.displacement.store(displacement, Relaxed);
         WIRES.force.store(force, Relaxed);
+    }
+
+    #[inline]
+    fn control(sensors: &mut Self::Sensors, controls: [f32; CONTROLS]) {
+        sensors.controls = controls;
     }
 
     #[inline]

@@ -93,6 +93,7 @@ impl<B: Board> Controller<B> {
             return;
         };
         Wired::<B>::sense(sensors.displacement, sensors.force);
+        Wired::<B>::control(rig.sensors(), sensors.controls);
         rig.exchange();
         rig.set_temperature(sensors.temperature);
         let telemetry = rig.tick();

@@ -6,7 +6,7 @@ use std::sync::{Arc, Mutex};
 
 use mesh_damper::converter::Scale;
 use mesh_damper::effects::description::Description;
-use mesh_damper::effects::{AugmentedLaw, DESCRIPTIONS, Effect, Motion};
+use mesh_damper::effects::{AugmentedLaw, CONTROLS, DESCRIPTIONS, Effect, Motion};
 use mesh_damper::fast_law::{FastLaw, RunningLaw};
 use mesh_damper::law::Law;
 use mesh_damper::message::Setup;
@@ -15,11 +15,11 @@ use mesh_damper::rig::{RigSettings, StreamSettings, TripCause};
 use mesh_damper::sine::{Block, Programme};
 use mesh_damper_link::image::{Board, FIRMWARE, sections};
 use mesh_damper_link::lockstep::run_rig_on;
-use mesh_damper_link::lockstep::{Emulator, Image, LinkError, LogLevel, LogLine, Wire};
+use mesh_damper_link::lockstep::{Emulator, Image, ImageBench, LinkError, LogLevel, LogLine, Wire};
 use mesh_damper_recording::error::InputError;
 use mesh_damper_rig::drive::{Grid, RandomMotion};
 use mesh_damper_rig::specimen::{HiddenEffect, SlipShape, Specimen};
-use mesh_damper_rig::{RigRun, RigSetup, run_rig};
+use mesh_damper_rig::{Bench, Controlled, RigRun, RigSetup, run_rig};
 use rand::{RngExt as _, SeedableRng as _};
 use rand_chacha::ChaCha8Rng;
 
@@ -82,15 +82,16 @@ fn motions(count: usize, random: &mut ChaCha8Rng) -> Vec<Motion<f32>> {
             acceleration: (-amplitude * speed * speed * phase.sin()) as f32,
             cycles: (phase / std::f64::consts::TAU) as f32,
             temperature: 20.0 + 1e-4 * index as f32,
-            ..Motion::default()
+            controls: [0.5, 1.0, 2.0, 4.0].map(|most| (most * phase.cos()) as f32),
         };
         if random.random_range(0..50) == 0 {
             let strange = STRANGE[random.random_range(0..STRANGE.len())];
-            match random.random_range(0..5) {
+            match random.random_range(0..6) {
                 0 => motion.displacement = strange,
                 1 => motion.velocity = strange,
                 2 => motion.acceleration = strange,
                 3 => motion.cycles = strange,
+                4 => motion.controls[random.random_range(0..CONTROLS)] = strange,
                 _ => motion.temperature = strange,
             }
         }
@@ -167,6 +168,33 @@ fn a_run_on_every_board_is_the_hosts_to_the_last_bit_of_each_sample_and_cycle() 
             "{statistics:?}"
         );
         assert_eq!(statistics.log_lost, 0);
+    }
+}
+
+/// Each input goes its own way, one of them never, and all of them back to 0.
+#[test]
+fn control_inputs_that_change_every_tick_come_out_on_every_board_as_on_the_host() {
+    const TICKS: u32 = 3000;
+    let at = |tick: u32| {
+        let time = tick as f32 * TICK;
+        let on = if tick < TICKS / 2 { 1.0 } else { 0.0 };
+        [on * time, -3.0 * on, 1e30 * (20.0 * time).sin(), 0.0]
+    };
+    for board in boards_with_rig() {
+        let Some(mut image) = image_on(board) else {
+            return;
+        };
+        let mut host = Bench::new(setup()).unwrap();
+        let mut bench = ImageBench::new(setup(), &mut image).unwrap();
+        Controlled::start(&mut host).unwrap();
+        bench.start().unwrap();
+        for tick in 0..TICKS {
+            host.plant.controls = at(tick);
+            bench.plant_mut().controls = at(tick);
+            let seen = bench.tick().unwrap();
+            assert_eq!(seen, host.tick(), "{board:?}, tick {tick}");
+            assert_eq!(seen.controls, at(tick), "{board:?}, tick {tick}");
+        }
     }
 }
 

@@ -6,15 +6,15 @@ use std::rc::Rc;
 use mesh_damper::adc::Ads8688;
 use mesh_damper::converter::Scale;
 use mesh_damper::dac::Ad5761;
-use mesh_damper::effects::AugmentedLaw;
+use mesh_damper::effects::{AugmentedLaw, CONTROLS};
 use mesh_damper::error::ConfigError;
 use mesh_damper::fast_law::{FastLaw, RunningLaw};
 use mesh_damper::law::Law;
 use mesh_damper::operating_range::OperatingRange;
 use mesh_damper::pack::PackError;
 use mesh_damper::rig::{
-    AnyExciter, Rig, RigController, RigSettings, SpiActuator, SpiRig, StartRefused, State, Stream,
-    StreamConfig, StreamSettings, Telemetry, Wiring,
+    AnyExciter, Rig, RigController, RigSettings, SpiActuator, StartRefused, State, Stream,
+    StreamConfig, StreamSettings, Telemetry, Wiring, WithControls,
 };
 use mesh_damper::sine::{Programme, SineGenerator};
 use mesh_damper_recording::error::InputError;
@@ -179,8 +179,12 @@ impl<S: DamperForce + Clone, const B: usize, const N: usize> RigSetup<S, B, N> {
 }
 
 /// The crate's controller on the simulated parts.
-pub type SimulatedRig<const B: usize, const N: usize> =
-    SpiRig<SimulatedAds8688, SimulatedAd5761, SimulatedEnable, B, N, AnyExciter<B>>;
+pub type SimulatedRig<const B: usize, const N: usize> = Rig<
+    WithControls<Ads8688<SimulatedAds8688>>,
+    SpiActuator<SimulatedAd5761, SimulatedEnable>,
+    N,
+    AnyExciter<B>,
+>;
 
 /// A rig wired up, at rest. Everything is public, so that a test can have any of it fail.
 #[derive(Debug)]
@@ -225,9 +229,13 @@ impl<S: DamperForce + Clone, const B: usize, const N: usize> Bench<S, B, N> {
             command: Scale::new(setup.command_range, 0.0)?,
         };
         let law = RunningLaw::new(FastLaw::new(setup.law));
+        let sensors = WithControls {
+            sensors: converter,
+            controls: [0.0; CONTROLS],
+        };
         let rig = Rig::wire(
             RigController::with_exciter(&config, &wiring, exciter, law),
-            converter,
+            sensors,
             SpiActuator::new(connect_dac(&dac, wiring.command)?, enable),
         );
         Ok(Self {
@@ -240,12 +248,13 @@ impl<S: DamperForce + Clone, const B: usize, const N: usize> Bench<S, B, N> {
         })
     }
 
-    /// One tick: the sensors' voltages, the crate's tick, and the actuator's way until the next.
+    /// One tick: the sensors' voltages and the control inputs, the crate's tick, and the actuator's way until the next.
     pub fn tick(&mut self) -> Telemetry {
         self.feed();
         let (displacement, force) = self.plant.sense();
         self.adc.volts[0].set(displacement);
         self.adc.volts[1].set(force);
+        self.rig.sensors().controls = self.plant.controls;
         self.rig.set_temperature(self.plant.temperature() as f32);
         let telemetry = self.rig.tick();
         self.plant.advance(self.dac.volts.get(), self.enabled.get());

@@ -1,6 +1,7 @@
 //! What a controller works on: sensors, actuator and specimen.
 
 use mesh_damper::dac::OUTPUT_RANGE;
+use mesh_damper::effects::CONTROLS;
 
 use super::bench::{RigSetup, SetupError};
 use crate::actuator::{Sensor, Servo};
@@ -15,6 +16,9 @@ pub struct Plant<S> {
     pub displacement_sensor: Sensor,
     /// The force channel.
     pub force_sensor: Sensor,
+    /// Control inputs that the specimen is under, as the controller is given them at each tick, in the units of the law's effects; 0
+    /// unless set.
+    pub controls: [f32; CONTROLS],
     millimetres_per_volt: f64,
 }
 
@@ -32,6 +36,7 @@ impl<S: DamperForce + Clone> Plant<S> {
             servo: Servo::new(setup.servo, step, setup.specimen.clone())?,
             displacement_sensor: sensor(setup.displacement_sensor, 0)?,
             force_sensor: sensor(setup.force_sensor, 1)?,
+            controls: [0.0; CONTROLS],
             millimetres_per_volt: setup.command_range / OUTPUT_RANGE,
         })
     }

@@ -1,5 +1,6 @@
 //! A whole programme on the bench, recorded.
 
+use mesh_damper::effects::CONTROLS;
 use mesh_damper::health::Event;
 use mesh_damper::law::Law;
 use mesh_damper::operating_range::{OperatingRange, RangeCounter};
@@ -38,10 +39,13 @@ pub struct Samples {
     pub cycle: Vec<u32>,
     /// In a ramp; always so of a motion.
     pub ramp: Vec<bool>,
+    /// Of each control input: nothing until it is other than 0, which is what most of them stay.
+    controls: [Vec<f64>; CONTROLS],
 }
 
 impl Samples {
     fn push(&mut self, telemetry: &Telemetry, time: f64, temperature: f64) {
+        let before = self.len();
         self.time.push(time);
         self.displacement.push(telemetry.displacement.into());
         self.force.push(telemetry.measured_force.into());
@@ -52,6 +56,18 @@ impl Samples {
         self.block.push(telemetry.block);
         self.cycle.push(telemetry.cycle);
         self.ramp.push(telemetry.ramp);
+        for (column, control) in self.controls.iter_mut().zip(telemetry.controls) {
+            if control != 0.0 || !column.is_empty() {
+                column.resize(before, 0.0);
+                column.push(control.into());
+            }
+        }
+    }
+
+    /// The control input at `place` of [`CONTROLS`], as the controller was given it, in the units of the law's effects: one element
+    /// per sample, and none where it was 0 at all of them.
+    pub fn control(&self, place: usize) -> &[f64] {
+        self.controls.get(place).map_or(&[], Vec::as_slice)
     }
 
     /// Number of samples.

@@ -1,11 +1,13 @@
 //! Whole programmes on the bench.
 
-use mesh_damper::effects::AugmentedLaw;
+use mesh_damper::effects::{AugmentedLaw, CONTROLS};
 use mesh_damper::law::Law;
-use mesh_damper::rig::TripCause;
+use mesh_damper::rig::{Telemetry, TripCause};
 use mesh_damper::sine::{Block, Programme};
 use mesh_damper_rig::specimen::{HiddenEffect, Specimen};
-use mesh_damper_rig::{RigRun, RigSetup, run_rig};
+use mesh_damper_rig::{
+    Bench, Controlled, Plan, Plant, RigRun, RigSetup, SetupError, run_controlled, run_rig,
+};
 
 fn law(k1: f32, k3: f32, c: f32, alpha: f32) -> Law<f32> {
     Law::new(k1, k3, c, alpha).unwrap()
@@ -124,5 +126,63 @@ fn the_load_cell_is_chosen_for_the_specimen() {
         let peak = setup.force_sensor.full_scale / 2.0;
         let noise = setup.force_sensor.noise / 0.004;
         assert!(noise > 0.5 * peak && noise < peak);
+    }
+}
+
+/// A bench whose specimen comes under a control input of 2.5 in the second place after so many ticks.
+struct Switched {
+    bench: Bench<Specimen, 4, 4>,
+    left: u32,
+}
+
+impl Controlled<Specimen> for Switched {
+    fn plant(&self) -> &Plant<Specimen> {
+        self.bench.plant()
+    }
+    fn plant_mut(&mut self) -> &mut Plant<Specimen> {
+        self.bench.plant_mut()
+    }
+    fn start(&mut self) -> Result<(), SetupError> {
+        self.bench.start()
+    }
+    fn tick(&mut self) -> Result<Telemetry, SetupError> {
+        if self.left == 0 {
+            self.bench.plant.controls[1] = 2.5;
+        }
+        self.left = self.left.saturating_sub(1);
+        Controlled::tick(&mut self.bench)
+    }
+    fn is_enabled(&self) -> bool {
+        self.bench.is_enabled()
+    }
+    fn set_law(&mut self, law: Law<f32>) -> Result<(), SetupError> {
+        self.bench.set_law(law)
+    }
+}
+
+#[test]
+fn a_control_input_is_recorded_from_the_start_once_there_is_one() {
+    let without = run(setup(1)).samples;
+    for place in 0..=CONTROLS {
+        assert!(without.control(place).is_empty());
+    }
+    // A sample every ten ticks. At once, just after the sample 99, and with the next one.
+    for (left, zeros) in [(0, 0), (991, 100), (1000, 100)] {
+        let plan = Plan::of(&setup(1));
+        let bench = Bench::new(setup(1)).unwrap();
+        let mut switched = Switched { bench, left };
+        let samples = run_controlled(&mut switched, &plan, |_| {})
+            .unwrap()
+            .samples;
+        let control = samples.control(1);
+        assert_eq!(control.len(), samples.len());
+        assert!(control[..zeros].iter().all(|value| *value == 0.0));
+        assert!(control[zeros..].iter().all(|value| *value == 2.5));
+        for place in [0, 2, 3, CONTROLS] {
+            assert!(samples.control(place).is_empty());
+        }
+        // Neither the law nor this specimen depends on it.
+        assert_eq!(samples.force, without.force);
+        assert_ne!(samples, without);
     }
 }

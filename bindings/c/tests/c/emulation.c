@@ -10,6 +10,9 @@ static md_emulation emulation;
 static md_wiring wiring;
 static md_telemetry seen;
 
+/* What each reading says of them. */
+static float controls[MD_CONTROLS];
+
 /* One tick at `displacement` mm and `force` kN. */
 static void tick(float displacement, float force)
 {
@@ -17,7 +20,9 @@ static void tick(float displacement, float force)
         .displacement = md_scale_decode(&wiring.displacement, 16, md_scale_encode(&wiring.displacement, displacement)),
         .force = md_scale_decode(&wiring.force, 16, md_scale_encode(&wiring.force, force)),
     };
+    memcpy(reading.controls, controls, sizeof controls);
     CHECK(md_emulation_tick(&emulation, &reading, &seen) == MD_ERROR_NONE);
+    CHECK(memcmp(seen.controls, controls, sizeof controls) == 0);
 }
 
 /* At rest until the command is back at 0. */
@@ -88,6 +93,8 @@ void check_emulation(void)
     settings.trip_ticks = 10;
     CHECK(md_emulation_init(&emulation, &settings, &wiring, &law, &problem) == MD_ERROR_NONE);
     CHECK(md_emulation_set_temperature(&emulation, 25.0f) == MD_ERROR_NONE);
+    for (int i = 0; i < MD_CONTROLS; i++)
+        controls[i] = 0.5f + (float)i;
 
     CHECK(md_emulation_start(&emulation, &problem) == MD_ERROR_NONE);
     CHECK(md_emulation_start(&emulation, &problem) == MD_ERROR_RUNNING);

@@ -8,6 +8,7 @@
 struct bench {
     md_law specimen;
     float position, before;
+    float controls[MD_CONTROLS];
     bool enabled, no_reading, no_drive, no_enable;
     uint32_t reads, drives;
 };
@@ -33,6 +34,7 @@ static bool read_sensors(void *context, md_reading *reading)
     const float force = md_law_force(&of->specimen, &motion);
     reading->displacement = md_scale_decode(&wiring.displacement, 16, md_scale_encode(&wiring.displacement, of->position));
     reading->force = md_scale_decode(&wiring.force, 16, md_scale_encode(&wiring.force, force));
+    memcpy(reading->controls, of->controls, sizeof of->controls);
     return true;
 }
 
@@ -59,6 +61,25 @@ static void tick(void)
 {
     CHECK(md_rig_tick(&rig, &seen) == MD_ERROR_NONE);
     CHECK(bench.enabled == seen.enabled);
+}
+
+/* Control inputs that the callback fills in come out in the telemetry; where it fails, the last ones stay. */
+static void check_controls(void)
+{
+    const float none[MD_CONTROLS] = {0.0f}, given[MD_CONTROLS] = {0.5f, -1.5f, 2.5f, -3.5f};
+    tick();
+    CHECK(memcmp(seen.controls, none, sizeof none) == 0);
+    memcpy(bench.controls, given, sizeof given);
+    tick();
+    CHECK(memcmp(seen.controls, given, sizeof given) == 0);
+    memcpy(bench.controls, none, sizeof none);
+    bench.no_reading = true;
+    tick();
+    CHECK(seen.trip == MD_TRIP_ADC_BUS && memcmp(seen.controls, given, sizeof given) == 0);
+    bench.no_reading = false;
+    tick();
+    CHECK(memcmp(seen.controls, none, sizeof none) == 0);
+    CHECK(md_rig_clear(&rig, NULL) == MD_ERROR_NONE);
 }
 
 /* Ticks until the command is back at 0. */
@@ -131,7 +152,7 @@ void check_rig(void)
     CHECK(md_rig_init(&rig, &settings, &programme, &wiring, &io, &law, &problem) == MD_ERROR_NONE);
     CHECK(!bench.enabled);
     CHECK(md_rig_set_temperature(&rig, 20.0f) == MD_ERROR_NONE);
-    tick();
+    check_controls();
 
     /* The whole programme. */
     CHECK(md_rig_start(&rig, &problem) == MD_ERROR_NONE && bench.enabled);

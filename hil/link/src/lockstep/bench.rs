@@ -113,6 +113,7 @@ impl<S: DamperForce + Clone, W: Wire, const N: usize> Controlled<S> for ImageBen
             displacement: adc_code(displacement),
             force: adc_code(force),
             temperature: self.plant.temperature() as f32,
+            controls: self.plant.controls,
         })?;
         self.enabled = outcome.enabled;
         self.state = outcome.telemetry.state;
