@@ -11,12 +11,15 @@ use mesh_damper_recording::error::InputError;
 use mesh_damper_recording::{UNFINISHED, decimal};
 
 use super::run::Samples;
+use super::specimen::CURRENT;
 
 /// A file that grows with a run, next to where its recording will be.
 #[derive(Debug)]
 pub struct Journal {
     path: PathBuf,
     comments: Vec<String>,
+    /// Whether the specimen is under a control input.
+    is_controlled: bool,
     /// There is none before the first sample, so that a run that does not begin leaves nothing.
     file: Option<File>,
     written: usize,
@@ -28,8 +31,18 @@ impl Journal {
         Self {
             path: Self::path_in(directory),
             comments,
+            is_controlled: false,
             file: None,
             written: 0,
+        }
+    }
+
+    /// The same with a column for the specimen's control input, if it is under one.
+    #[must_use]
+    pub fn of_controlled(self, is_controlled: bool) -> Self {
+        Self {
+            is_controlled,
+            ..self
         }
     }
 
@@ -60,7 +73,11 @@ impl Journal {
                 text += &format!("# {}\n", comment.replace(['\n', '\r'], " "));
             }
             text += &format!("# {UNFINISHED}: the run was under way\n");
-            text += "time_s,displacement_mm,force_kN,temperature_degC\n";
+            text += "time_s,displacement_mm,force_kN,temperature_degC";
+            if self.is_controlled {
+                text += &format!(",{CURRENT}");
+            }
+            text.push('\n');
         }
         for index in self.written..samples.len() {
             let cells = [
@@ -70,6 +87,11 @@ impl Journal {
                 &samples.temperature,
             ];
             text += &cells.map(|channel| decimal(channel[index])).join(",");
+            if self.is_controlled {
+                // It stays empty as long as it is 0.
+                let current = samples.control(0).get(index).copied();
+                text += &format!(",{}", decimal(current.unwrap_or_default()));
+            }
             text.push('\n');
         }
         if let Some(file) = &mut self.file {

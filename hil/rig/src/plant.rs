@@ -41,8 +41,11 @@ impl<S: DamperForce + Clone> Plant<S> {
         })
     }
 
-    /// What the sensors of displacement and force put out, V.
+    /// What the sensors of displacement and force put out, V. A control input that the specimen is under by itself is the first.
     pub fn sense(&mut self) -> (f64, f64) {
+        if let Some(control) = self.servo.specimen().control() {
+            self.controls[0] = control as f32;
+        }
         let displacement = self.displacement_sensor.sample(self.servo.displacement());
         let force = self.force_sensor.sample(self.servo.force());
         (displacement, force)

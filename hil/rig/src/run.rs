@@ -10,7 +10,7 @@ use mesh_damper_recording::error::InputError;
 
 use super::bench::{Bench, RigSetup, SetupError};
 use super::plant::Plant;
-use crate::specimen::DamperForce;
+use crate::specimen::{CURRENT, DamperForce};
 
 /// What was recorded, one element per sample.
 ///
@@ -107,7 +107,7 @@ impl RigRun {
             .filter(move |cycle| cycle.block == block && !cycle.ramp)
     }
 
-    /// Motion, force and temperature, as any other recording. The crate's velocity is not among them: it is an estimate
+    /// Motion, force, temperature and, where there was one, the current that controlled the specimen, as any other recording. The crate's velocity is not among them: it is an estimate
     /// made without knowing what comes next, and whoever has the whole recording makes a better one.
     ///
     /// # Errors
@@ -121,6 +121,10 @@ impl RigRun {
             samples.force.clone(),
         )?
         .with_temperature(samples.temperature.clone())
+        .and_then(|recording| match samples.control(0) {
+            [] => Ok(recording),
+            current => recording.with_control(CURRENT, current.to_vec()),
+        })
     }
 }
 

@@ -7,7 +7,7 @@ use mesh_damper_recording::Recording;
 use mesh_damper_recording::trajectory::Trajectory;
 use mesh_damper_reference::protocol::{TestBlock, motion};
 use mesh_damper_reference::tables;
-use mesh_damper_rig::specimen::{DamperForce, HiddenEffect, Schedule, Specimen};
+use mesh_damper_rig::specimen::{CURRENT, DamperForce, HiddenEffect, Schedule, Specimen};
 use rand::SeedableRng;
 use rand::rngs::StdRng;
 use rand_distr::{Distribution, Normal};
@@ -18,7 +18,6 @@ const RATE: f64 = 500.0;
 const CALLS: usize = 8;
 /// Of the force, over its RMS.
 const NOISE: f64 = 4e-3;
-const CURRENT: &str = "current_A";
 
 /// At an ampere.
 const STIFFNESS: f64 = 0.8;

@@ -34,7 +34,15 @@ pub trait DamperForce {
 
     /// Temperature, °C, after the last call.
     fn temperature(&self) -> f64;
+
+    /// The control input that it was under at the last call, where it is under one.
+    fn control(&self) -> Option<f64> {
+        None
+    }
 }
+
+/// The column of a control input in a recording: the current of a coil.
+pub const CURRENT: &str = "current_A";
 
 /// Temperature at which the coefficients hold, and of a specimen that nothing warms, °C.
 pub const REFERENCE_TEMPERATURE: f64 = 20.0;
@@ -59,6 +67,8 @@ pub struct Specimen {
     /// Hz of the block that runs, where it is known.
     frequency: Option<f64>,
     temperature: f64,
+    /// Of the last call, s.
+    time: f64,
 }
 
 /// The spring in series, and where its ends were.
@@ -86,6 +96,7 @@ impl Clone for Specimen {
             late: self.late.clone(),
             frequency: self.frequency,
             temperature: self.temperature,
+            time: self.time,
         }
     }
 
@@ -101,6 +112,7 @@ impl Clone for Specimen {
         self.late.clone_from(&source.late);
         self.frequency = source.frequency;
         self.temperature = source.temperature;
+        self.time = source.time;
     }
 }
 
@@ -117,6 +129,7 @@ impl Specimen {
             late: None,
             frequency: None,
             temperature: REFERENCE_TEMPERATURE,
+            time: 0.0,
         }
     }
 
@@ -248,6 +261,7 @@ impl DamperForce for Specimen {
         acceleration: f64,
         dt: f64,
     ) -> f64 {
+        self.time = time;
         let step = Step {
             time,
             displacement,
@@ -288,5 +302,9 @@ impl DamperForce for Specimen {
 
     fn temperature(&self) -> f64 {
         self.temperature
+    }
+
+    fn control(&self) -> Option<f64> {
+        self.control_at(self.time)
     }
 }

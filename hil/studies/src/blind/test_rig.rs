@@ -3,7 +3,7 @@
 use mesh_damper_recording::Recording;
 use mesh_damper_reference::protocol::{MotionSample, TestBlock, motion};
 use mesh_damper_reference::tables;
-use mesh_damper_rig::specimen::{DamperForce, HiddenEffect, Specimen};
+use mesh_damper_rig::specimen::{CURRENT, DamperForce, HiddenEffect, Specimen};
 use rand::{Rng, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, StandardNormal};
@@ -17,9 +17,6 @@ const STEPS: f64 = 65536.0;
 /// RMS of the thermometer's noise, and its step, °C.
 const TEMPERATURE_NOISE: f64 = 0.02;
 const TEMPERATURE_STEP: f64 = 0.01;
-
-/// The column of the control input of a simulated test.
-pub const CURRENT: &str = "current_A";
 
 /// The true motion and force.
 pub struct Truth {

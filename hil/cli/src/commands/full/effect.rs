@@ -11,6 +11,7 @@ const FORM: &str =
 
 /// The effect that `text` says; what the numbers mean stands at [`HiddenEffect`].
 ///
+/// A control input is set to one of five levels from 0 to `most` A for `hold` s each, in an order by `seed`.
 /// Stick-slip is Bouc–Wen with an `exponent`, Iwan with so many `sliders`, and else one Jenkins element.
 ///
 /// # Errors
@@ -39,6 +40,14 @@ pub fn parse(text: &str) -> Result<HiddenEffect, InputError> {
         };
         fields.insert("shape".to_owned(), shape);
     }
+    if family == "control_input" {
+        let known = ["most", "hold", "seed"];
+        let schedule: Map<String, Value> = known
+            .iter()
+            .filter_map(|&name| Some((name.to_owned(), fields.remove(name)?)))
+            .collect();
+        fields.insert("schedule".to_owned(), schedule.into());
+    }
     fields.insert("family".to_owned(), family.into());
     let effect: HiddenEffect = serde_json::from_value(Value::Object(fields))
         .map_err(|error| refused(format!("{}: {error}", quoted(text))))?;
@@ -55,7 +64,7 @@ pub fn parse(text: &str) -> Result<HiddenEffect, InputError> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use mesh_damper_rig::specimen::{SlipShape, Unlisted};
+    use mesh_damper_rig::specimen::{Schedule, SlipShape, Unlisted};
 
     #[test]
     fn an_effect_is_read_as_it_is_written() {
@@ -74,6 +83,21 @@ mod tests {
             loose: true,
         };
         assert_eq!(loose, gap);
+        let text =
+            "control_input:stiffness=1,force=0.03,rate=0.6,c=0.004,lag=0.05,most=1,hold=2,seed=3";
+        let controlled = HiddenEffect::ControlInput {
+            stiffness: 1.0,
+            force: 0.03,
+            rate: 0.6,
+            c: 0.004,
+            lag: 0.05,
+            schedule: Schedule {
+                most: 1.0,
+                hold: 2.0,
+                seed: 3,
+            },
+        };
+        assert_eq!(parse(text).unwrap(), controlled);
         let drag = parse("unlisted:kind=quadratic_drag,c=0.001").unwrap();
         let expected = HiddenEffect::Unlisted(Unlisted::QuadraticDrag { c: 0.001 });
         assert_eq!(drag, expected);

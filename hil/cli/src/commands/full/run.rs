@@ -15,7 +15,7 @@ use mesh_damper_model::{MAX_EFFECTS, ModelError};
 use mesh_damper_recording::Recording;
 use mesh_damper_recording::error::InputError;
 use mesh_damper_recording::output::Plan;
-use mesh_damper_rig::specimen::{Specimen, draw};
+use mesh_damper_rig::specimen::{DamperForce as _, Specimen, draw};
 use mesh_damper_rig::{Journal, RigSetup, Samples, SetupError, TICK_RATE, Watch, run_rig};
 use serde::Serialize;
 
@@ -177,6 +177,7 @@ impl RunCommand {
             (None, None) => Some(programme::parse(&self.blocks, self.tick_rate)?),
         };
         let (specimen, density, described) = self.specimen()?;
+        let is_controlled = specimen.control().is_some();
         let (mut setup, fitted_range) =
             self.setup(specimen, density, programme.as_ref(), driven.as_ref())?;
         setup.record_every = self.record_every;
@@ -212,7 +213,7 @@ impl RunCommand {
         comments.extend(driven.as_ref().map(Driven::comment));
         let mut watched = Watched {
             progress,
-            journal: Journal::new(&self.out, comments.clone()),
+            journal: Journal::new(&self.out, comments.clone()).of_controlled(is_controlled),
         };
         let run = match image {
             None => run_rig(setup, &mut watched),

@@ -17,7 +17,7 @@ use mesh_damper_recording::trajectory::Trajectory;
 use mesh_damper_reference::law::Coefficients;
 use mesh_damper_reference::protocol::MotionSample;
 use mesh_damper_reference::tables;
-use mesh_damper_rig::specimen::{DamperForce, HiddenEffect, Specimen};
+use mesh_damper_rig::specimen::{CURRENT, DamperForce, HiddenEffect, Specimen};
 use rand::seq::IndexedRandom;
 use rand::{Rng, RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
@@ -32,7 +32,6 @@ pub use summary::{Row, Summary};
 use super::absorbed::least_squares;
 use super::draw::rms;
 use super::families::{FIRST_WITH_CONTROL, LATER, effect, log_uniform};
-use super::test_rig::CURRENT;
 
 /// Amplitude of the tables whose coefficients a specimen has at every amplitude, mm.
 const AMPLITUDE: f64 = 0.1;
