@@ -18,10 +18,10 @@ pub const MD_IDENTITY: usize = 8;
 
 /// Bytes of `md_law`.
 #[cfg(target_pointer_width = "32")]
-pub const MD_LAW_SIZE: usize = 7808;
+pub const MD_LAW_SIZE: usize = 8192;
 /// Bytes of `md_law`.
 #[cfg(target_pointer_width = "64")]
-pub const MD_LAW_SIZE: usize = 7872;
+pub const MD_LAW_SIZE: usize = 8256;
 /// Alignment of `md_law`, bytes.
 pub const MD_LAW_ALIGN: usize = 8;
 

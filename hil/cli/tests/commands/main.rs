@@ -5,6 +5,7 @@ mod bad_input;
 mod bad_input_of_studies;
 mod bench_command;
 mod command;
+mod controlled;
 mod demo_command;
 #[path = "../../../link/tests/emulated/mod.rs"]
 mod emulated;
