@@ -13,7 +13,8 @@ use crate::real::{Real, in_range};
 ///
 /// F eq 13, c1 that of [`super::Viscous`], E the other effects' force. All effects see x and ẋ; the acceleration stays y's.
 /// E is that of the tick before, 0 at the first: where the other effects together are stiffer than spring and law, and
-/// nothing damps, the force swings from tick to tick.
+/// nothing damps, the force swings from tick to tick. So it does where what [`super::LoadFriction`] and [`super::Directional`] add to the
+/// law's damping is more than all of it.
 ///
 /// # Step
 /// The spring's deflection d = y − x follows from its last two by the second backward difference, which damps a stiff spring

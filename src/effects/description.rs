@@ -88,6 +88,8 @@ pub enum Growth {
     FifthPower,
     /// As the displacement times |v|^α.
     LinearTimesDamping,
+    /// As |v|^α.
+    OfDamping,
     /// As the forces of the mixed damping law.
     OfLaw,
     /// As the force of all that lies between it and the specimen.
@@ -108,6 +110,7 @@ impl Growth {
             Self::Cubic => "cubic",
             Self::FifthPower => "exponent 5",
             Self::LinearTimesDamping => "exponent 1 + α",
+            Self::OfDamping => "exponent α",
             Self::OfLaw => "as the law",
             Self::OfForceBehind => "as the force behind it",
         }

@@ -1,8 +1,11 @@
 //! Every added effect against a closed form of another kind than its own recurrence.
 
+mod backlash;
 mod bouc_wen;
 mod compliance;
 mod control_input;
+mod degradation;
+mod directional;
 mod force_filter;
 mod hardening_friction;
 mod load_friction;
@@ -11,16 +14,17 @@ mod outside;
 mod residual_table;
 mod stages;
 mod stop_and_tone;
+mod weakening;
 mod yielding;
 
 use std::f64::consts::{PI, TAU};
 
 use loops::{TICKS, alone, close, energy, last_cycle, moduli, nothing, sine};
 use mesh_damper::effects::{
-    Asymmetry, AugmentedLaw, BoucWen, CONTROLS, Compliance, ControlInput, DESCRIPTIONS, Delay,
-    Drift, Effect, ForceFilter, Gap, Hardening, HardeningFriction, Inertia, LoadFriction,
-    MAX_TONES, Motion, Offset, Periodic, Relaxation, StickSlip, Stop, Temperature, Viscous,
-    Yielding,
+    Asymmetry, AugmentedLaw, Backlash, BoucWen, CONTROLS, Compliance, ControlInput, DESCRIPTIONS,
+    Degradation, Delay, Directional, Drift, Effect, ForceFilter, Gap, Hardening, HardeningFriction,
+    Inertia, LoadFriction, MAX_TONES, Motion, Offset, Periodic, Relaxation, StickSlip, Stop,
+    Temperature, Viscous, Weakening, Yielding,
 };
 use mesh_damper::error::ConfigError;
 use mesh_damper::law::Law;
@@ -364,6 +368,12 @@ fn constructors_name_the_field_they_refuse() {
     assert_eq!(field(Inertia::new(2e6).unwrap_err()), "mass");
     assert_eq!(field(LoadFriction::new(-1e-3).unwrap_err()), "load");
     assert_eq!(field(LoadFriction::new(f32::INFINITY).unwrap_err()), "load");
+    for difference in [-1.001, 1.001, f64::NAN] {
+        assert_eq!(
+            field(Directional::new(difference).unwrap_err()),
+            "difference"
+        );
+    }
     assert_eq!(field(StickSlip::<f32>::new(&[]).unwrap_err()), "elements");
     assert_eq!(
         field(StickSlip::new(&[(1.0, 0.1); 7]).unwrap_err()),
@@ -445,6 +455,40 @@ fn constructors_name_the_field_they_refuse() {
     assert_eq!(yielding(0.1, 0.0, 0.0, 1e-3), "rate");
     assert_eq!(yielding(0.1, 1.0, -1e-3, 1e-3), "time");
     assert_eq!(yielding(0.1, 1.0, 0.0, 0.0), "tick");
+    assert_eq!(
+        field(Backlash::new(2e9, 0.1, 0.1).unwrap_err()),
+        "stiffness"
+    );
+    assert_eq!(
+        field(Backlash::new(1.0, 0.0, 0.1).unwrap_err()),
+        "slip_limit"
+    );
+    assert_eq!(field(Backlash::new(1.0, 0.1, -1e-3).unwrap_err()), "slack");
+    assert_eq!(
+        field(Backlash::new(1.0, 0.1, f32::NAN).unwrap_err()),
+        "slack"
+    );
+    assert_eq!(
+        field(Degradation::new(f32::NAN, 0.1, 0.0).unwrap_err()),
+        "stiffness"
+    );
+    assert_eq!(
+        field(Degradation::new(1.0, 0.0, 0.0).unwrap_err()),
+        "softening"
+    );
+    for pinching in [-1e-3, 1.001, f64::INFINITY] {
+        let refused = Degradation::new(1.0, 0.1, pinching).unwrap_err();
+        assert_eq!(field(refused), "pinching");
+    }
+    let weakening = |stiffness, slip_limit, loss, energy| {
+        field(Weakening::new(stiffness, slip_limit, loss, energy).unwrap_err())
+    };
+    assert_eq!(weakening(f64::INFINITY, 0.1, 0.5, 1.0), "stiffness");
+    assert_eq!(weakening(1.0, 0.0, 0.5, 1.0), "slip_limit");
+    assert_eq!(weakening(1.0, 0.1, 1.001, 1.0), "loss");
+    assert_eq!(weakening(1.0, 0.1, -1e-3, 1.0), "loss");
+    assert_eq!(weakening(1.0, 0.1, 0.5, 0.0), "energy");
+    assert_eq!(weakening(1.0, 0.1, 0.5, f64::NAN), "energy");
     let periodic = |amplitude, frequency, phase, tick| {
         field(Periodic::new(&[(amplitude, frequency, phase)], tick).unwrap_err())
     };
@@ -474,7 +518,7 @@ fn constructors_name_the_field_they_refuse() {
 }
 
 /// Effects that there are.
-const EFFECTS: usize = 20;
+const EFFECTS: usize = 24;
 
 /// One of each, of ordinary size.
 fn one_of_each<R: Real>() -> AugmentedLaw<R, EFFECTS> {
@@ -491,6 +535,7 @@ fn one_of_each<R: Real>() -> AugmentedLaw<R, EFFECTS> {
         ),
         Effect::Inertia(Inertia::new(r(120.0)).unwrap()),
         Effect::LoadFriction(LoadFriction::new(r(4.0)).unwrap()),
+        Effect::Directional(Directional::new(r(0.1)).unwrap()),
         Effect::Drift(
             Drift::new(r(-0.5), r(25.0))
                 .and_then(|drift| drift.with_forces(r(-0.2), r(0.5)))
@@ -513,6 +558,9 @@ fn one_of_each<R: Real>() -> AugmentedLaw<R, EFFECTS> {
             .and_then(|effect| effect.with_saturation(r(1.5)))
             .unwrap(),
         ),
+        Effect::Backlash(Backlash::new(r(0.7), r(0.02), r(0.05)).unwrap()),
+        Effect::Degradation(Degradation::new(r(0.6), r(0.08), r(0.3)).unwrap()),
+        Effect::Weakening(Weakening::new(r(0.9), r(0.03), r(0.6), r(0.1)).unwrap()),
         Effect::Periodic(
             Periodic::new(&[(r(0.03), 50.0, 0.3), (r(0.01), 150.0, 1.0)], 1e-4).unwrap(),
         ),

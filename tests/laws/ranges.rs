@@ -5,9 +5,10 @@ use mesh_damper::converter::Scale;
 use mesh_damper::crossing::{CrossingAccumulator, CrossingDetector};
 use mesh_damper::effects::residual_table::{CELLS, Memory, ResidualTableParts};
 use mesh_damper::effects::{
-    Asymmetry, AugmentedLaw, BoucWen, Compliance, DESCRIPTIONS, Delay, Drift, Effect, ForceFilter,
-    Gap, Hardening, HardeningFriction, Inertia, LoadFriction, Offset, Periodic, Relaxation,
-    ResidualTable, StickSlip, Stop, Temperature, Viscous, Yielding,
+    Asymmetry, AugmentedLaw, Backlash, BoucWen, Compliance, DESCRIPTIONS, Degradation, Delay,
+    Directional, Drift, Effect, ForceFilter, Gap, Hardening, HardeningFriction, Inertia,
+    LoadFriction, Offset, Periodic, Relaxation, ResidualTable, StickSlip, Stop, Temperature,
+    Viscous, Weakening, Yielding,
 };
 use mesh_damper::error::ConfigError;
 use mesh_damper::fixed_point::{Scales, Sine, SineGenerator};
@@ -137,6 +138,7 @@ fn numbers() -> Vec<Number> {
         number!("c1", -1e9, 1e9, |x| Viscous::new(x)),
         number!("mass", -1e6, 1e6, |x| Inertia::new(x)),
         number!("load", 0.0, 1e6, |x| LoadFriction::new(x)),
+        number!("difference", -1.0, 1.0, |x| Directional::new(x)),
         number!("stiffness", -1e9, 1e9, |x| BoucWen::new(x, 0.1, 2.0)),
         number!("slip_limit", 1e-9, 1e4, |x| BoucWen::new(1.0, x, 2.0)),
         number!("sharpness", 0.5, 8.0, |x| BoucWen::new(1.0, 0.1, x)),
@@ -164,6 +166,18 @@ fn numbers() -> Vec<Number> {
         number!("rate", 1e-9, 1e6, |x| Yielding::new(1.0, 0.1, x, 0.1, 1e-3)),
         number!("time", 0.0, 1e6, |x| Yielding::new(1.0, 0.1, 1.0, x, 1e-3)),
         number!("tick", 1e-7, 1e3, |x| Yielding::new(1.0, 0.1, 1.0, 0.1, x)),
+        number!("stiffness", -1e9, 1e9, |x| Backlash::new(x, 0.1, 0.1)),
+        number!("slip_limit", 1e-9, 1e4, |x| Backlash::new(1.0, x, 0.1)),
+        number!("slack", 0.0, 1e4, |x| Backlash::new(1.0, 0.1, x)),
+        number!("stiffness", -1e9, 1e9, |x| Degradation::new(x, 0.1, 0.5)),
+        number!("softening", 1e-9, 1e7, |x| Degradation::new(1.0, x, 0.5)),
+        number!("pinching", 0.0, 1.0, |x| Degradation::new(1.0, 0.1, x)),
+        number!("stiffness", -1e9, 1e9, |x| Weakening::new(x, 0.1, 0.5, 1.0)),
+        number!("slip_limit", 1e-9, 1e4, |x| Weakening::new(
+            1.0, x, 0.5, 1.0
+        )),
+        number!("loss", 0.0, 1.0, |x| Weakening::new(1.0, 0.1, x, 1.0)),
+        number!("energy", 1e-9, 1e9, |x| Weakening::new(1.0, 0.1, 0.5, x)),
         number!("stiffness", 1e-3, 1e9, |x| Compliance::new(x, 1e-4)),
         number!("tick", 1e-7, 1e3, |x| Compliance::new(1.0, x)),
         number!("time", 0.0, 255.0, |x| Delay::new(x, 1.0)),

@@ -438,6 +438,7 @@ impl<'r, 'a> Basis<'r, 'a> {
                         .fold([1.0; 2], |[elastic, damping], (term, sizes, shapes)| {
                             let moment = Moment {
                                 displacement: y,
+                                direction: motion.direction[index],
                                 cycles: motion.cycles[index],
                                 temperature: motion.temperature[index],
                                 reference: term.reference,

@@ -56,10 +56,10 @@ fn known(form: Form, reference: f64, shapes: Vec<f64>) -> KnownTerm {
     KnownTerm { term, shapes }
 }
 
-/// The shapes that an element has; they are positive where a parameter may have either sign.
+/// The shapes that an element has.
 fn shapes_of(form: Form, element: &BTreeMap<&str, f64>) -> Option<Vec<f64>> {
     let names = form.shape_names.iter();
-    names.map(|name| Some(element.get(name)?.abs())).collect()
+    names.map(|name| (form.shape_of)(element, name)).collect()
 }
 
 /// Whether an element has all parameters of a term, and no others, and those that do not change with its sizes are the term's.

@@ -102,6 +102,7 @@ impl<'s, 'r, 'a> Screen<'s, 'r, 'a> {
             let [y, y3, damping, _] = self.tangent.local[index];
             let moment = Moment {
                 displacement: motion.displacement[index],
+                direction: motion.direction[index],
                 cycles: motion.cycles[index],
                 temperature: motion.temperature[index],
                 reference: term.reference,

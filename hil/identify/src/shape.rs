@@ -97,6 +97,28 @@ mesh_damper_recording::numbers! {
         saturation: [f64; 2] = [0.1, 10.0], Derived("at the first the largest does 10/11 of all that there is, at the last a tenth less than a line");
         /// Starts of that saturation.
         saturation_starts: usize = 2, Convention("below and above the largest input");
+        /// Starts of the slip limit behind a play.
+        backlash_starts: usize = 4, Convention("three times the one before: a fit goes on from there");
+        /// Starts of the play.
+        slack_starts: usize = 3, Convention("four times the one before: a fit goes on from there");
+        /// A spring that degrades has lost half of its stiffness after at least and at most this many amplitudes.
+        softening: [f64; 2] = [0.03, 10.0], Derived("at the first it has as good as the same force at every largest displacement, at the second it loses an eleventh");
+        /// Starts of that displacement.
+        softening_starts: usize = 4, Convention("three times the one before: a fit goes on from there");
+        /// Range of its pinching.
+        pinching: [f64; 2] = [0.02, 1.0], Convention("less is a spring that does not pinch, and there is no more than all of it");
+        /// Starts of its pinching.
+        pinching_starts: usize = 2, Convention("the softening is known by then");
+        /// Starts of the slip limit of a slider that weakens.
+        weakening_starts: usize = 4, Convention("three times the one before: a fit goes on from there");
+        /// Range of the part of its strength that it loses.
+        strength_loss: [f64; 2] = [0.05, 1.0], Convention("less is a slider that does not weaken, and there is no more than all of it");
+        /// Starts of that part.
+        strength_loss_starts: [f64; 2] = [0.3, 0.7], Convention("a third and two thirds");
+        /// It has lost half of that after at least this energy of the first cycles, and at most this many times that of all.
+        loss_energy: [f64; 2] = [0.1, 10.0], Convention("within a cycle, and later than any that is recorded");
+        /// Starts of that energy.
+        loss_energy_starts: usize = 3, Convention("as few as tell soon from late");
         /// With ω·time below this at the highest frequency a branch is a dashpot.
         dashpot: f64 = 0.2, Tuned("the blind trial; a branch then differs from its dashpot by ωτ/√(1 + ω²τ²), a fifth");
         /// With ω·time above this at the lowest frequency a branch is a spring.

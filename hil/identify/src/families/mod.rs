@@ -3,6 +3,7 @@
 //! What an effect is stands in the crate. Here stands only what identification needs: what is linear in it, what is searched, and
 //! where the search starts.
 
+use std::collections::BTreeMap;
 use std::fmt;
 use std::hash::{Hash, Hasher};
 use std::sync::LazyLock;
@@ -34,6 +35,7 @@ families! {
     asymmetry,
     hardening,
     load_friction,
+    directional,
     viscous,
     inertia,
     stop,
@@ -41,6 +43,8 @@ families! {
     relaxation,
     yielding,
     control_input,
+    backlash,
+    degradation,
     drift,
     temperature,
     delay,
@@ -74,6 +78,8 @@ pub enum Entry {
 pub struct Moment {
     /// mm.
     pub displacement: f64,
+    /// Sign of the velocity; 0 at rest.
+    pub direction: f64,
     /// Since the test began.
     pub cycles: f64,
     /// °C.
@@ -149,6 +155,8 @@ pub struct FormSpec {
     pub step: Step,
     /// The parameters of its elements by the names of [`mesh_damper_model::parameter_unit`], each with the size it has.
     pub elements: fn(&TermValue) -> Vec<Element>,
+    /// The shape with this name of the parameters of an element: [`FormSpec::elements`] read the other way round.
+    pub shape_of: fn(&BTreeMap<&str, f64>, &str) -> Option<f64>,
 }
 
 /// Parameters by name, and the size that stands for them.
@@ -180,6 +188,8 @@ impl FormSpec {
         gives_way: false,
         step: Step::Part(1e-4),
         elements: |_| Vec::new(),
+        // It is positive where a parameter may have either sign.
+        shape_of: |element, name| Some(element.get(name)?.abs()),
     };
 }
 

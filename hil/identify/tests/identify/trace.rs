@@ -3,6 +3,7 @@
 mod confirmed;
 mod elements;
 mod known;
+mod play_and_wear;
 mod rules;
 mod slow_changes;
 

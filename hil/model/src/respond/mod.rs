@@ -7,7 +7,7 @@
 //!
 //! | effect | here |
 //! |---|---|
-//! | mixed damping law, `asymmetry`, `hardening`, `viscous`, `load_friction`, `stick_slip`, `relaxation`, `stop` | as in a prediction |
+//! | mixed damping law, `asymmetry`, `hardening`, `viscous`, `load_friction`, `directional`, `stick_slip`, `relaxation`, `yielding`, `backlash`, `degradation`, `stop` | as in a prediction |
 //! | `gap` | as in a prediction: within the play the mass feels nothing, or only what damps inside |
 //! | `compliance` | a spring without mass between the mass and the damper: x is the outer end |
 //! | `inertia` | a part of the moving mass, with the mass's own acceleration, solved for exactly |

@@ -137,7 +137,14 @@ impl Specimen {
 
     /// Stiffness of the effects beside the law where nothing slides yet and every stop touches, kN/mm.
     fn stiffness_of_effects(&self) -> f64 {
-        let beside = ["stick_slip", "relaxation", "stop", "drift"];
+        let beside = [
+            "stick_slip",
+            "relaxation",
+            "stop",
+            "drift",
+            "backlash",
+            "degradation",
+        ];
         let effects = beside.into_iter().filter_map(|family| self.effect(family));
         effects
             .map(|effect| sum_of(effect, "stiffness").max(0.0))

@@ -1,0 +1,129 @@
+//! What loses stiffness or strength as the damper is worked: a spring with the largest displacement so far, a slider with the energy
+//! that it has dissipated.
+
+use mesh_damper::effects::{Degradation, Weakening};
+
+use super::{Form, FormSpec, one, run};
+use crate::policy::policy;
+use crate::shape::{Extent, Shape};
+
+/// A spring; one that pinches; a slider. The size of each is the stiffness.
+pub const FORMS: [Form; 3] = [
+    Form(&FormSpec {
+        name: "degradation",
+        shape_names: &["softening"],
+        shapes: |extent| spring_shapes(extent)[..1].to_vec(),
+        elements: |value| {
+            one(vec![
+                ("stiffness", value.size(0)),
+                ("softening", value.shape(0)),
+            ])
+        },
+        ..SPRING
+    }),
+    Form(&FormSpec {
+        name: "pinched_degradation",
+        shape_names: &["softening", "pinching"],
+        rank: 2,
+        special_cases: &["degradation"],
+        refines: true,
+        shapes: spring_shapes,
+        ..SPRING
+    }),
+    Form(&FormSpec {
+        name: "weakening",
+        shape_names: &["slip_limit", "loss", "energy"],
+        rank: 1,
+        special_cases: &["stick_slip"],
+        refines: true,
+        shapes: slider_shapes,
+        unit_forces: |shapes, motion| {
+            let slider = Weakening::new(1.0, shapes[0], shapes[1], shapes[2])?;
+            Ok(vec![run(&slider, motion)])
+        },
+        // A slider of so many times the stiffness dissipates so many times the energy: what is searched is that of a stiffness of 1.
+        elements: |value| {
+            one(vec![
+                ("stiffness", value.size(0)),
+                ("slip_limit", value.shape(0)),
+                ("loss", value.shape(1)),
+                ("energy", value.size(0) * value.shape(2)),
+            ])
+        },
+        shape_of: |element, name| {
+            let parameter = element.get(name)?.abs();
+            match name {
+                "energy" => Some(parameter / element.get("stiffness")?.abs()),
+                _ => Some(parameter),
+            }
+        },
+        ..DEGRADATION
+    }),
+];
+
+const DEGRADATION: FormSpec = FormSpec {
+    family: "degradation",
+    size_is_positive: true,
+    ..FormSpec::PLAIN
+};
+
+const SPRING: FormSpec = FormSpec {
+    rank: 1,
+    unit_forces: |shapes, motion| {
+        let pinching = shapes.get(1).copied().unwrap_or_default();
+        let spring = Degradation::new(1.0, shapes[0], pinching)?;
+        Ok(vec![run(&spring, motion)])
+    },
+    elements: |value| {
+        one(vec![
+            ("stiffness", value.size(0)),
+            ("softening", value.shape(0)),
+            ("pinching", value.shape(1)),
+        ])
+    },
+    ..DEGRADATION
+};
+
+fn spring_shapes(extent: &Extent) -> Vec<Shape> {
+    let policy = &policy().shape;
+    let [least, most] = policy.softening;
+    let [slightest, whole] = policy.pinching;
+    vec![
+        Shape::spread(
+            least * extent.amplitude,
+            most * extent.amplitude,
+            policy.softening_starts,
+        ),
+        Shape {
+            // All of it is no simpler spring.
+            simple_above: f64::INFINITY,
+            ..Shape::spread(slightest, whole, policy.pinching_starts)
+        },
+    ]
+}
+
+fn slider_shapes(extent: &Extent) -> Vec<Shape> {
+    let policy = &policy().shape;
+    let [slightest, whole] = policy.strength_loss;
+    let [soonest, latest] = policy.loss_energy;
+    // A cycle of a slider of stiffness 1 dissipates no more.
+    let cycle = extent.amplitude.powi(2);
+    vec![
+        Shape::spread(
+            extent.shortest(),
+            policy.longest * extent.amplitude,
+            policy.weakening_starts,
+        ),
+        Shape {
+            starts: policy.strength_loss_starts.to_vec(),
+            // To lose all strength is no simpler slider.
+            simple_above: f64::INFINITY,
+            ..Shape::spread(slightest, whole, 1)
+        },
+        Shape::spread(
+            soonest * cycle,
+            latest * extent.cycles.max(1.0) * cycle,
+            policy.loss_energy_starts,
+        ),
+    ]
+}

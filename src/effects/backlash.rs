@@ -1,0 +1,127 @@
+//! Friction that is felt through a play: after each reversal the damper moves for a way before the friction holds it again.
+//!
+//! Pins in worn holes, wires that lie loosely against what they rub on: the part that slides is pushed from one side, and on the way
+//! back it stays where it is until it is met from the other.
+
+use super::description::{Cost, Dependence, Description, EffectKind, Growth, Parameter};
+use super::stretch::Stretch;
+use super::{ClampedMotion, Equations, LawForce, Packed};
+use crate::error::ConfigError;
+use crate::limits;
+use crate::real::{Real, coefficient, in_range};
+
+/// F = k·(p − p clipped to ±s/2), p ← p + Δy clamped to ±(s/2 + x).
+///
+/// p is where the damper stands in a play of the width s that travels with a Coulomb slider, the spring that is stretched beyond the
+/// play included. The slider holds until the spring is stretched by x. After a reversal the force falls to nothing over x, the
+/// motion goes over s without one, and the force rises over x to where it slides again. It begins in the middle of the play.
+///
+/// Under a steady sine of amplitude X it dissipates 4·k·x·(X − x − s/2) J a cycle when X > x + s/2, nothing otherwise. With s = 0 it is
+/// a Jenkins element of [`StickSlip`](super::StickSlip).
+///
+/// It is passive for k ≥ 0: k·(F/k)²/2 is stored, and a slider takes the rest.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Backlash<R> {
+    stiffness: R,
+    slip_limit: R,
+    /// s/2, mm.
+    half_slack: R,
+}
+
+impl<R: Real> Backlash<R> {
+    /// * `stiffness`: k, kN/mm, −1e9…1e9
+    /// * `slip_limit`: x, mm, 1e-9…1e4
+    /// * `slack`: s, the whole play, mm, 0…1e4
+    ///
+    /// # Errors
+    /// The field that is not finite or out of range.
+    pub fn new(stiffness: R, slip_limit: R, slack: R) -> Result<Self, ConfigError> {
+        let slack = in_range("slack", slack, 0.0, limits::DISPLACEMENT)?;
+        let new = Self {
+            stiffness,
+            slip_limit,
+            half_slack: R::from_f64(0.5) * slack,
+        };
+        new.check()?;
+        Ok(new)
+    }
+}
+
+impl<R: Real> Equations<R> for Backlash<R> {
+    const DESCRIPTION: Description = Description {
+        name: "backlash",
+        family: "backlash",
+        number: 21,
+        kind: EffectKind::Force,
+        cost: Cost::Rare,
+        parameters: &[
+            Parameter::new(
+                "stiffness",
+                "kN/mm",
+                -limits::COEFFICIENT,
+                limits::COEFFICIENT,
+            ),
+            Parameter::new("slip_limit", "mm", 1e-9, limits::DISPLACEMENT),
+            Parameter::new("slack", "mm", 0.0, limits::DISPLACEMENT),
+        ],
+        most: 1,
+        typical: &[2.0, 0.02, 0.04],
+        depends_on: &[Dependence::Displacement, Dependence::History],
+        outside: Growth::Saturates,
+        may_supply_energy: false,
+        scales_law: false,
+        sentence: "Friction with elastic pre-sliding that is felt through a play: after a reversal the motion is free for a way.",
+    };
+    const NONE: Self = Self {
+        stiffness: R::ZERO,
+        slip_limit: R::ZERO,
+        half_slack: R::ZERO,
+    };
+
+    type State = Option<Stretch<R>>;
+    const AT_REST: Self::State = None;
+
+    fn from_parameters(parameters: &[f64], _: f64) -> Result<Self, ConfigError> {
+        let [stiffness, slip_limit, slack] = super::exactly(parameters)?.map(R::from_f64);
+        Self::new(stiffness, slip_limit, slack)
+    }
+
+    fn check(&self) -> Result<(), ConfigError> {
+        coefficient("stiffness", self.stiffness)?;
+        in_range("slip_limit", self.slip_limit, 1e-9, limits::DISPLACEMENT)?;
+        in_range("slack", self.half_slack, 0.0, 0.5 * limits::DISPLACEMENT).map(|_| ())
+    }
+
+    // On a target not inlined: a tick without it need not save the registers that it takes.
+    #[cfg_attr(not(feature = "std"), inline(never))]
+    fn force(&self, state: &mut Self::State, motion: &ClampedMotion<R>, _: LawForce<R>) -> R {
+        let reach = self.half_slack + self.slip_limit;
+        let place = Stretch::after(state, motion, |place, way| (place + way).clipped(reach));
+        let beyond = place.abs() - self.half_slack;
+        if beyond <= R::ZERO {
+            return R::ZERO;
+        }
+        // Beside a wide play the sum that is its reach is rounded.
+        let force = self.stiffness * beyond.clipped(self.slip_limit);
+        if place < R::ZERO { -force } else { force }
+    }
+}
+
+impl Packed for Backlash<f32> {
+    fn pack(&self, put: &mut impl FnMut(f32)) {
+        [self.stiffness, self.slip_limit, self.half_slack]
+            .into_iter()
+            .for_each(put);
+    }
+
+    fn unpack(words: &[f32]) -> Option<Self> {
+        let &[stiffness, slip_limit, half_slack] = words else {
+            return None;
+        };
+        Some(Self {
+            stiffness,
+            slip_limit,
+            half_slack,
+        })
+    }
+}

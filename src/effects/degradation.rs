@@ -1,0 +1,129 @@
+//! A spring that loses stiffness with the largest displacement so far, and may pinch: the first form of degradation.
+//!
+//! Rubber on its first strokes (Mullins), joints and wires that are bent loose: a motion within what has been meets a softer damper than
+//! the first one did.
+
+use super::description::{Absent, Cost, Dependence, Description, EffectKind, Growth, Parameter};
+use super::{ClampedMotion, Equations, LawForce, Packed};
+use crate::error::ConfigError;
+use crate::limits;
+use crate::real::{Real, coefficient, in_range};
+
+/// Range of the softening, mm: at the second no displacement takes more than a thousandth.
+const SOFTENING: [f64; 2] = [1e-9, 1e3 * limits::DISPLACEMENT];
+
+/// F = k·y·(1 − p + p·|y|/m)/(1 + m/m₀), m the largest |y| so far.
+///
+/// At y = ±m the spring has k/(1 + m/m₀), of which nothing comes back. In between it is that of a straight line for p = 0; with
+/// pinching it is softer about 0, by the part p. A first stroke goes along k·y/(1 + |y|/m₀), and |F| stays below k·m₀ whatever the
+/// displacement.
+///
+/// It is passive for k ≥ 0: at one m it is elastic, and what is stored at some y,
+/// k·y²·((1 − p)/2 + p·|y|/(3·m))/(1 + m/m₀), falls where m grows.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Degradation<R> {
+    stiffness: R,
+    softening: R,
+    pinching: R,
+}
+
+impl<R: Real> Degradation<R> {
+    /// * `stiffness`: k, kN/mm, −1e9…1e9
+    /// * `softening`: m₀, the largest displacement after which half of the stiffness is left, mm, 1e-9…1e7
+    /// * `pinching`: p, 0…1
+    ///
+    /// # Errors
+    /// The field that is not finite or out of range.
+    pub fn new(stiffness: R, softening: R, pinching: R) -> Result<Self, ConfigError> {
+        let new = Self {
+            stiffness,
+            softening,
+            pinching,
+        };
+        new.check()?;
+        Ok(new)
+    }
+}
+
+impl<R: Real> Equations<R> for Degradation<R> {
+    const DESCRIPTION: Description = Description {
+        name: "degradation",
+        family: "degradation",
+        number: 22,
+        kind: EffectKind::Force,
+        cost: Cost::Rare,
+        parameters: &[
+            Parameter::new(
+                "stiffness",
+                "kN/mm",
+                -limits::COEFFICIENT,
+                limits::COEFFICIENT,
+            ),
+            Parameter::new("softening", "mm", SOFTENING[0], SOFTENING[1]),
+            Parameter::new("pinching", "1", 0.0, 1.0).or(Absent::Is(0.0)),
+        ],
+        most: 1,
+        typical: &[1.5, 0.08, 0.3],
+        depends_on: &[Dependence::Displacement, Dependence::History],
+        outside: Growth::Saturates,
+        may_supply_energy: false,
+        scales_law: false,
+        sentence: "A spring that loses stiffness with the largest displacement so far, and may be softer about 0.",
+    };
+    const NONE: Self = Self {
+        stiffness: R::ZERO,
+        softening: R::ZERO,
+        pinching: R::ZERO,
+    };
+
+    /// m, mm.
+    type State = R;
+    const AT_REST: R = R::ZERO;
+
+    fn from_parameters(parameters: &[f64], _: f64) -> Result<Self, ConfigError> {
+        let [stiffness, softening, pinching] = super::exactly(parameters)?.map(R::from_f64);
+        Self::new(stiffness, softening, pinching)
+    }
+
+    fn check(&self) -> Result<(), ConfigError> {
+        coefficient("stiffness", self.stiffness)?;
+        in_range("softening", self.softening, SOFTENING[0], SOFTENING[1])?;
+        in_range("pinching", self.pinching, 0.0, 1.0).map(|_| ())
+    }
+
+    // On a target not inlined: a tick without it need not save the registers that it takes.
+    #[cfg_attr(not(feature = "std"), inline(never))]
+    fn force(&self, largest: &mut R, motion: &ClampedMotion<R>, _: LawForce<R>) -> R {
+        let y = motion.displacement();
+        let size = y.abs();
+        if size > *largest {
+            *largest = size;
+        }
+        let largest = *largest;
+        if largest == R::ZERO {
+            return R::ZERO;
+        }
+        let shape = R::ONE - self.pinching + self.pinching * (size / largest);
+        let left = self.softening / (self.softening + largest);
+        self.stiffness * y * shape * left
+    }
+}
+
+impl Packed for Degradation<f32> {
+    fn pack(&self, put: &mut impl FnMut(f32)) {
+        [self.stiffness, self.softening, self.pinching]
+            .into_iter()
+            .for_each(put);
+    }
+
+    fn unpack(words: &[f32]) -> Option<Self> {
+        let &[stiffness, softening, pinching] = words else {
+            return None;
+        };
+        Some(Self {
+            stiffness,
+            softening,
+            pinching,
+        })
+    }
+}

@@ -1,0 +1,83 @@
+//! Damping that differs between the directions: valves that are wider one way, wires that lie as they were drawn.
+
+use super::description::{Cost, Dependence, Description, EffectKind, Growth, Parameter};
+use super::{ClampedMotion, Equations, LawForce, Packed};
+use crate::error::ConfigError;
+use crate::real::{Real, in_range};
+
+/// F = d·c·|v|^α: the law's own damping, by the part d more where the displacement rises, and by d less where it falls.
+///
+/// It remembers nothing. With |d| ≤ 1 the law's damping and this are (1 + d·sgn v)·c·|v|^α·sgn v together, which never drives the
+/// motion. Of a cycle that goes both ways alike it takes nothing: it moves the loop by d times the damping, and a rig may
+/// take that for a preload.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Directional<R> {
+    difference: R,
+}
+
+impl<R: Real> Directional<R> {
+    /// * `difference`: d, by which part of itself the damping is larger where the displacement rises, −1…1
+    ///
+    /// # Errors
+    /// `difference` not finite or out of range.
+    pub fn new(difference: R) -> Result<Self, ConfigError> {
+        let new = Self { difference };
+        new.check()?;
+        Ok(new)
+    }
+}
+
+impl<R: Real> Equations<R> for Directional<R> {
+    const DESCRIPTION: Description = Description {
+        name: "directional",
+        family: "directional",
+        number: 20,
+        kind: EffectKind::Modulator,
+        cost: Cost::Light,
+        parameters: &[Parameter::new("difference", "1", -1.0, 1.0)],
+        most: 1,
+        typical: &[0.3],
+        depends_on: &[Dependence::Velocity],
+        outside: Growth::OfDamping,
+        may_supply_energy: false,
+        scales_law: true,
+        sentence: "Damping that is stronger one way than the other.",
+    };
+    const NONE: Self = Self {
+        difference: R::ZERO,
+    };
+
+    type State = ();
+    const AT_REST: () = ();
+
+    fn from_parameters(parameters: &[f64], _: f64) -> Result<Self, ConfigError> {
+        let [difference] = super::exactly(parameters)?;
+        Self::new(R::from_f64(difference))
+    }
+
+    fn check(&self) -> Result<(), ConfigError> {
+        in_range("difference", self.difference, -1.0, 1.0).map(|_| ())
+    }
+
+    /// At rest the law has no damping, and so this has none.
+    #[inline(always)]
+    fn force_of_law(&self, motion: &ClampedMotion<R>, law: LawForce<R>) -> R {
+        let rising = self.difference * law.damping;
+        if motion.velocity() < R::ZERO {
+            -rising
+        } else {
+            rising
+        }
+    }
+}
+
+impl Packed for Directional<f32> {
+    fn pack(&self, put: &mut impl FnMut(f32)) {
+        put(self.difference);
+    }
+
+    fn unpack(words: &[f32]) -> Option<Self> {
+        let &[difference] = words else { return None };
+        Some(Self { difference })
+    }
+}

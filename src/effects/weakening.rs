@@ -1,0 +1,183 @@
+//! A slider that loses strength with the energy that it has dissipated: the second form of degradation.
+//!
+//! Contacts that are polished, asperities that are worn off: friction with elastic pre-sliding that fades as the damper works.
+
+use super::description::{Cost, Dependence, Description, EffectKind, Growth, Parameter};
+use super::{ClampedMotion, Equations, LawForce, Packed};
+use crate::error::ConfigError;
+use crate::limits;
+use crate::real::{Real, coefficient, in_range};
+
+/// Range of the energy, J.
+const ENERGY: [f64; 2] = [1e-9, 1e9];
+/// The energy beyond which it is no longer added up, J: of the loss all but a billionth is done.
+const MOST_ENERGY: f64 = 1e18;
+
+/// F = k·z·(1 − d·E/(E + E₀)), z ← z + Δy clamped to ±x.
+///
+/// E is the energy in J that the slider has dissipated so far: |F| times the way that it slid, kN·mm. After E₀ half of the loss is
+/// done, and 1 − d of the friction is left in the end. A steady loop of amplitude X > x dissipates 4·k·x·(X − x)·(1 − d·E/(E + E₀)) J at
+/// an E that hardly changes within it: dE/dn, n the number of cycles. With d = 0 it is a Jenkins element of
+/// [`StickSlip`](super::StickSlip).
+///
+/// It is passive for k ≥ 0: k·z²·(1 − d·E/(E + E₀))/2 is stored, which falls where E grows.
+///
+/// # Step
+/// Within a tick E grows by the mean of the strengths before and after (Heun): of the second order, and a tick that dissipates many
+/// times E₀ dissipates too much of it and not too little. The sum is compensated (Kahan 1965): in `f32` too it goes on growing by what is
+/// a billionth of it.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Weakening<R> {
+    stiffness: R,
+    slip_limit: R,
+    loss: R,
+    energy: R,
+}
+
+/// What a [`Weakening`] remembers.
+#[derive(Clone, Copy, Debug)]
+pub struct WeakeningState<R> {
+    /// z, mm.
+    stretch: R,
+    /// Displacement of the tick before, mm.
+    previous: R,
+    /// E, J.
+    dissipated: R,
+    /// By how much the rounding of E has made it too large, J.
+    rounded_up: R,
+}
+
+impl<R: Real> Weakening<R> {
+    /// * `stiffness`: k, kN/mm, −1e9…1e9
+    /// * `slip_limit`: x, mm, 1e-9…1e4
+    /// * `loss`: d, the part of the friction that is lost in the end, 0…1
+    /// * `energy`: E₀, after which half of that is lost, J, 1e-9…1e9
+    ///
+    /// # Errors
+    /// The field that is not finite or out of range.
+    pub fn new(stiffness: R, slip_limit: R, loss: R, energy: R) -> Result<Self, ConfigError> {
+        let new = Self {
+            stiffness,
+            slip_limit,
+            loss,
+            energy,
+        };
+        new.check()?;
+        Ok(new)
+    }
+
+    /// 1 − d·E/(E + E₀) at E = `dissipated`.
+    #[inline(always)]
+    fn left(&self, dissipated: R) -> R {
+        R::ONE - self.loss * (dissipated / (dissipated + self.energy))
+    }
+
+    /// What `way` mm at the slip limit dissipate, J. Not inlined: no tick without sliding has it.
+    #[inline(never)]
+    fn slide(&self, state: &mut WeakeningState<R>, way: R) {
+        let whole = self.stiffness.abs() * self.slip_limit * way;
+        let before = self.left(state.dissipated);
+        let after = self.left(state.dissipated + whole * before);
+        let added = whole * R::from_f64(0.5) * (before + after) - state.rounded_up;
+        let sum = state.dissipated + added;
+        state.rounded_up = (sum - state.dissipated) - added;
+        state.dissipated = sum;
+        let most = R::from_f64(MOST_ENERGY);
+        if sum > most {
+            state.dissipated = most;
+            state.rounded_up = R::ZERO;
+        }
+    }
+}
+
+impl<R: Real> Equations<R> for Weakening<R> {
+    const DESCRIPTION: Description = Description {
+        name: "weakening",
+        family: "degradation",
+        number: 23,
+        kind: EffectKind::Force,
+        cost: Cost::Rare,
+        parameters: &[
+            Parameter::new(
+                "stiffness",
+                "kN/mm",
+                -limits::COEFFICIENT,
+                limits::COEFFICIENT,
+            ),
+            Parameter::new("slip_limit", "mm", 1e-9, limits::DISPLACEMENT),
+            Parameter::new("loss", "1", 0.0, 1.0),
+            Parameter::new("energy", "J", ENERGY[0], ENERGY[1]),
+        ],
+        most: 1,
+        typical: &[2.0, 0.03, 0.6, 0.2],
+        depends_on: &[Dependence::Displacement, Dependence::History],
+        outside: Growth::Saturates,
+        may_supply_energy: false,
+        scales_law: false,
+        sentence: "Friction with elastic pre-sliding that fades with the energy that it has dissipated.",
+    };
+    const NONE: Self = Self {
+        stiffness: R::ZERO,
+        slip_limit: R::ZERO,
+        loss: R::ZERO,
+        energy: R::ZERO,
+    };
+
+    type State = Option<WeakeningState<R>>;
+    const AT_REST: Self::State = None;
+
+    fn from_parameters(parameters: &[f64], _: f64) -> Result<Self, ConfigError> {
+        let [stiffness, slip_limit, loss, energy] = super::exactly(parameters)?.map(R::from_f64);
+        Self::new(stiffness, slip_limit, loss, energy)
+    }
+
+    fn check(&self) -> Result<(), ConfigError> {
+        coefficient("stiffness", self.stiffness)?;
+        in_range("slip_limit", self.slip_limit, 1e-9, limits::DISPLACEMENT)?;
+        in_range("loss", self.loss, 0.0, 1.0)?;
+        in_range("energy", self.energy, ENERGY[0], ENERGY[1]).map(|_| ())
+    }
+
+    // On a target not inlined: a tick without it need not save the registers that it takes.
+    #[cfg_attr(not(feature = "std"), inline(never))]
+    fn force(&self, state: &mut Self::State, motion: &ClampedMotion<R>, _: LawForce<R>) -> R {
+        let y = motion.displacement();
+        let state = state.get_or_insert(WeakeningState {
+            stretch: R::ZERO,
+            previous: y,
+            dissipated: R::ZERO,
+            rounded_up: R::ZERO,
+        });
+        let step = y - state.previous;
+        state.previous = y;
+        let tried = state.stretch + step;
+        let stretch = tried.clipped(self.slip_limit);
+        if stretch != tried {
+            // By its differences: the rounding of a sum beside the limit would be taken for a way at every tick.
+            let way = (step - (stretch - state.stretch)).abs();
+            self.slide(state, way);
+        }
+        state.stretch = stretch;
+        self.stiffness * stretch * self.left(state.dissipated)
+    }
+}
+
+impl Packed for Weakening<f32> {
+    fn pack(&self, put: &mut impl FnMut(f32)) {
+        [self.stiffness, self.slip_limit, self.loss, self.energy]
+            .into_iter()
+            .for_each(put);
+    }
+
+    fn unpack(words: &[f32]) -> Option<Self> {
+        let &[stiffness, slip_limit, loss, energy] = words else {
+            return None;
+        };
+        Some(Self {
+            stiffness,
+            slip_limit,
+            loss,
+            energy,
+        })
+    }
+}
