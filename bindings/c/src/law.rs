@@ -18,10 +18,10 @@ pub const MD_IDENTITY: usize = 8;
 
 /// Bytes of `md_law`.
 #[cfg(target_pointer_width = "32")]
-pub const MD_LAW_SIZE: usize = 8192;
+pub const MD_LAW_SIZE: usize = 8016;
 /// Bytes of `md_law`.
 #[cfg(target_pointer_width = "64")]
-pub const MD_LAW_SIZE: usize = 8256;
+pub const MD_LAW_SIZE: usize = 8088;
 /// Alignment of `md_law`, bytes.
 pub const MD_LAW_ALIGN: usize = 8;
 

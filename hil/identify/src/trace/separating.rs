@@ -4,7 +4,8 @@
 //! coefficients free. Blocks are added that make the nearest two differ most (Atkinson and Fedorov 1975).
 
 use mesh_damper_model::predict::predict;
-use mesh_damper_model::{Family, ModelError};
+use mesh_damper_model::{Control, Family, ModelError};
+use mesh_damper_recording::ControlChannel;
 use mesh_damper_recording::trajectory::Trajectory;
 use mesh_damper_reference::protocol::{TestBlock, motion};
 
@@ -93,6 +94,12 @@ pub(super) fn separating_test(
         "{} predict these recordings equally well (collinearity {alike:.3})",
         names.join(" and ")
     );
+    let depends = |(family, _): &(Family, Solution)| family.depends_on_control();
+    let controlled = rivals.laws.iter().filter(|law| depends(law));
+    let mut controlled = controlled.filter_map(|(_, law)| control_of(law, trajectories));
+    if let Some(control) = controlled.next() {
+        return Ok((format!("{said}: {}", at_two_inputs(&control)), Vec::new()));
+    }
     let solutions: Vec<&Solution> = rivals.laws.iter().map(|(_, law)| law).collect();
     let (blocks, apart) = Simulation::new(trajectories, &solutions, law)?.programme()?;
     Ok(if apart < policy().separating.enough {
@@ -109,6 +116,34 @@ pub(super) fn separating_test(
         );
         (said, blocks)
     })
+}
+
+/// The control input that a law depends on, with its range in `trajectories`.
+fn control_of(law: &Solution, trajectories: &[Trajectory]) -> Option<Control> {
+    let place = law
+        .terms
+        .iter()
+        .find_map(|value| value.term.form.input)?
+        .place;
+    let channels = trajectories.iter().filter_map(|t| t.controls.get(place));
+    let channels: Vec<&ControlChannel> = channels.collect();
+    let name = channels.first()?.name.clone();
+    let values = channels.iter().flat_map(|channel| &channel.values);
+    let range = values.fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], &value| {
+        [low.min(value), high.max(value)]
+    });
+    Some(Control { name, range })
+}
+
+/// What tells a force that an input sets from one that the motion makes: one motion under two inputs.
+fn at_two_inputs(control: &Control) -> String {
+    let Control {
+        name,
+        range: [low, high],
+    } = control;
+    format!(
+        "record one motion twice, at a steady {name} of {low} and of {high}, and trace both together"
+    )
 }
 
 /// The test that would bound what `trajectories` leave unbounded of effects of these families.
@@ -352,4 +387,56 @@ fn tried(trajectories: &[Trajectory]) -> Vec<TestBlock> {
         }
     }
     blocks
+}
+
+#[cfg(test)]
+mod tests {
+    use std::sync::Arc;
+
+    use super::*;
+    use crate::families::Form;
+    use crate::term::{Term, TermValue};
+
+    /// Two laws of one recording that explain it alike, one of them by the second of its inputs.
+    #[test]
+    fn an_input_is_told_from_a_motion_by_one_motion_under_two_of_it() {
+        let path: Vec<f64> = (0..200).map(|n| 0.1 * (0.1 * f64::from(n)).sin()).collect();
+        let mut trajectory = Trajectory::new("test", 0.01, &path, path.clone(), None, None);
+        let channel = |name: &str, from: f64| ControlChannel {
+            name: name.to_owned(),
+            values: (0..200).map(|n| from + 0.005 * f64::from(n)).collect(),
+        };
+        trajectory.controls = Arc::new(vec![
+            channel("pressure_bar", 2.0),
+            channel("current_A", 0.5),
+        ]);
+        let law = |name: &str| {
+            let form = Form::named(name).unwrap();
+            let term = Term {
+                form,
+                reference: 0.0,
+                is_known: false,
+            };
+            let value = TermValue {
+                term,
+                sizes: vec![1.0; 2],
+                shapes: vec![0.1, 1.0],
+            };
+            let solution = Solution {
+                law: Vec::new(),
+                terms: vec![value],
+                search: Vec::new(),
+                squares: 0.0,
+            };
+            (form.family(), solution)
+        };
+        let by_second = law("control_input_2");
+        let found = control_of(&by_second.1, std::slice::from_ref(&trajectory)).unwrap();
+        let said = at_two_inputs(&found);
+        assert!(
+            said.contains("a steady current_A of 0.5 and of 1.495"),
+            "{said}"
+        );
+        assert!(control_of(&law("yielding").1, &[trajectory]).is_none());
+    }
 }
