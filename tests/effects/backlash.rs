@@ -38,15 +38,15 @@ fn after_a_reversal_it_goes_through_the_play() {
     let (k, x, s, amplitude) = (1.2, 0.03, 0.05, 0.2);
     let force = last_cycle::<f64>(effect(k, x, s), amplitude, 1.0, 2);
     let mut in_the_play = 0;
-    for n in TICKS / 4..3 * TICKS / 4 {
+    let ticks = force.iter().enumerate();
+    for (n, force) in ticks.take(3 * TICKS / 4).skip(TICKS / 4) {
         let way = amplitude * (1.0 - (TAU * n as f64 / TICKS as f64).sin());
         let expected = k * (x - way).max(0.0) - k * (way - x - s).clamp(0.0, x);
         assert!(
-            (force[n] - expected).abs() < 1e-12,
-            "{way}: {} is not {expected}",
-            force[n]
+            (force - expected).abs() < 1e-12,
+            "{way}: {force} is not {expected}"
         );
-        in_the_play += usize::from(force[n] == 0.0);
+        in_the_play += usize::from(*force == 0.0);
     }
     assert!(in_the_play > 500, "{in_the_play}");
 }
