@@ -99,6 +99,8 @@ mesh_damper_recording::numbers! {
         saturation_starts: usize = 2, Convention("below and above the largest input");
         /// Starts of the slip limit behind a play.
         backlash_starts: usize = 4, Convention("three times the one before: a fit goes on from there");
+        /// Half a play is at least this part of the amplitude.
+        shortest_slack: f64 = 0.02, Tuned("the blind trial: a shorter one rounds the corner of a slider as a tick does that falls into it");
         /// Starts of the play.
         slack_starts: usize = 3, Convention("four times the one before: a fit goes on from there");
         /// A spring that degrades has lost half of its stiffness after at least and at most this many amplitudes.

@@ -39,7 +39,9 @@ fn shapes(extent: &Extent) -> Vec<Shape> {
         ),
         // Half of it to either side of where it began.
         Shape::spread(
-            2.0 * extent.shortest(),
+            2.0 * extent
+                .shortest()
+                .max(policy.shortest_slack * extent.amplitude),
             2.0 * policy.longest * extent.amplitude,
             policy.slack_starts,
         ),

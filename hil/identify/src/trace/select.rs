@@ -427,7 +427,8 @@ impl<'a> Search<'a> {
         !self.refined(law).score.beats(&rest.score)
     }
 
-    /// The law with its last effect in a finer form, where that is clearly better; else as it is.
+    /// The law with its last effect in a finer form, where that is clearly better and no simpler one as far as the data show; else as
+    /// it is.
     fn refined(&self, law: &Fitted) -> Fitted {
         let Some(last) = law.solution.terms.last().map(|value| value.term.form) else {
             return law.clone();
@@ -440,8 +441,11 @@ impl<'a> Search<'a> {
         }
         let refined = self.beside(law, &refining, refining.len()).into_iter();
         let refined = refined.map(|(_, refined, _)| refined);
-        let better =
-            refined.filter(|refined| refined.is_admissible() && refined.score.beats(&law.score));
+        let better = refined.filter(|refined| {
+            refined.is_admissible()
+                && !refined.is_degenerate(&self.extent)
+                && refined.score.beats(&law.score)
+        });
         better
             .min_by(|a, b| a.score.nrmse().total_cmp(&b.score.nrmse()))
             .unwrap_or_else(|| law.clone())

@@ -108,6 +108,11 @@ pub(super) fn rivals(selection: &Selection) -> Vec<&Candidate> {
         .iter()
         .filter(|candidate| candidate.step == last)
         .filter(|candidate| candidate.added || !(candidate.distinguishable || candidate.degenerate))
+        // What replaced others at a later step, or was refined, may be better than all of that step.
+        .filter(|candidate| {
+            candidate.fitted.families() == families
+                || !found.score.beats(&candidate.fitted.score)
+        })
         .filter(|candidate| {
             let families = candidate.fitted.families();
             let is_new = !known.contains(&families);
