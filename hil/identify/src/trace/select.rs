@@ -209,7 +209,7 @@ impl<'a> Search<'a> {
                 *first = found.clone();
             }
         }
-        found = self.prune(found)?;
+        found = self.prune(self.unrefined(found)?)?;
         ruled_out::in_the_end(&mut candidates, &found);
         Ok(Selection {
             baseline,
@@ -564,6 +564,36 @@ impl<'a> Search<'a> {
                 Some((term, self.judged(solution).ok()?, is_fitted))
             })
             .collect()
+    }
+
+    /// The law with simpler forms in the place of those that refine one, where they do as well: a form that was refined while something
+    /// else was still missing may have stood for that.
+    fn unrefined(&self, found: Fitted) -> Result<Fitted, ModelError> {
+        let mut found = found;
+        let mut index = 0;
+        while let Some(term) = found.solution.terms.get(index).map(|value| value.term) {
+            index += 1;
+            if term.is_known || !term.form.refines {
+                continue;
+            }
+            let is_simpler = |other: &&Term| {
+                !other.form.refines && term.form.special_cases.contains(&other.form.family)
+            };
+            let simpler: Vec<Term> = self.terms.iter().filter(is_simpler).copied().collect();
+            let rest = self.judged(found.solution.without(index - 1))?;
+            let others = self.beside(&rest, &simpler, simpler.len()).into_iter();
+            let others = others.map(|(_, other, _)| other);
+            let best = others
+                .filter(Fitted::is_admissible)
+                .min_by(|a, b| a.score.nrmse().total_cmp(&b.score.nrmse()));
+            if let Some(best) = best
+                && !found.score.beats(&best.score)
+            {
+                found = best;
+                index = 0;
+            }
+        }
+        Ok(found)
     }
 
     /// Drops terms without which the judging cycles are predicted as well.

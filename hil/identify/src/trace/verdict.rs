@@ -110,8 +110,7 @@ pub(super) fn rivals(selection: &Selection) -> Vec<&Candidate> {
         .filter(|candidate| candidate.added || !(candidate.distinguishable || candidate.degenerate))
         // What replaced others at a later step, or was refined, may be better than all of that step.
         .filter(|candidate| {
-            candidate.fitted.families() == families
-                || !found.score.beats(&candidate.fitted.score)
+            candidate.fitted.families() == families || !found.score.beats(&candidate.fitted.score)
         })
         .filter(|candidate| {
             let families = candidate.fitted.families();

@@ -5,20 +5,21 @@ use std::fmt::Write as _;
 use mesh_damper::pack::{PackInfo, Stamp};
 
 use super::c_identifier;
+use crate::Control;
 
 /// Bytes of the pack on a line.
 const ON_A_LINE: usize = 16;
 
-/// Header and source of `pack`, which says `info` of itself.
-pub fn files(info: &PackInfo, pack: &[u8], stem: &str) -> [String; 2] {
+/// Header and source of `pack`, which says `info` of itself; its law sees these control inputs.
+pub fn files(info: &PackInfo, controls: &[Control], pack: &[u8], stem: &str) -> [String; 2] {
     let name = c_identifier(&info.name);
     [
-        header(&name, info, pack.len()),
+        header(&name, info, controls, pack.len()),
         source(&name, info, pack, stem),
     ]
 }
 
-fn header(name: &str, info: &PackInfo, length: usize) -> String {
+fn header(name: &str, info: &PackInfo, controls: &[Control], length: usize) -> String {
     let upper = name.to_ascii_uppercase();
     let quoted = quoted(&info.name);
     let Stamp {
@@ -48,6 +49,14 @@ fn header(name: &str, info: &PackInfo, length: usize) -> String {
         };
         array(&what, format!("float {name}_{field}{count}"));
     }
+    let mut inputs = String::new();
+    for (place, control) in controls.iter().enumerate() {
+        let _ = writeln!(
+            inputs,
+            "/* What stands at place {place} of the controls of a motion, with its unit. */\n#define {upper}_CONTROL_{place} {}",
+            self::quoted(&control.name)
+        );
+    }
     format!(
         "/* Written by `hil export` of mesh-damper {version}. Export the model again instead of changing this. */\n\
          #ifndef MESH_DAMPER_PACK_{upper}_H\n\
@@ -60,7 +69,8 @@ fn header(name: &str, info: &PackInfo, length: usize) -> String {
          /* Ticks per second that the law is for, Hz. */\n\
          #define {upper}_TICK_RATE {tick_rate:?}f\n\
          /* Bytes of the pack. */\n\
-         #define {upper}_PACK_LENGTH {length}u\n\n\
+         #define {upper}_PACK_LENGTH {length}u\n\
+         {inputs}\n\
          #ifdef __cplusplus\nextern \"C\" {{\n#endif\n\n\
          {arrays}\n\
          #ifdef __cplusplus\n}}\n#endif\n\n\

@@ -151,7 +151,12 @@ impl Export {
     /// # Errors
     /// As [`Export::pack`].
     pub fn c(&self, stem: &str) -> Result<[String; 2], ExportError> {
-        Ok(c::files(&self.info, &self.pack()?, stem))
+        Ok(c::files(
+            &self.info,
+            &self.model.controls,
+            &self.pack()?,
+            stem,
+        ))
     }
 }
 

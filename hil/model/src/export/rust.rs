@@ -120,6 +120,19 @@ fn constants(export: &Export, effects: &[Parametrized], text: &mut String) {
         "pub const DENSITY: Option<f32>",
         density,
     );
+    let controls: Vec<&str> = export
+        .model
+        .controls
+        .iter()
+        .map(|c| c.name.as_str())
+        .collect();
+    if !controls.is_empty() {
+        constant(
+            "What stands at which place of `Motion::controls`, with its unit.",
+            &format!("pub const CONTROLS: [&str; {}]", controls.len()),
+            format!("{controls:?}"),
+        );
+    }
     constant(
         "k1 in kN/mm, k3 in kN/mm³, c in kN·(s/mm)^α, and α.",
         "pub const LAW: [f32; 4]",

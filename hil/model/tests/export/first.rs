@@ -1,9 +1,9 @@
-//! The model c67275f539d506fa as a law for 2000 ticks a second.
+//! The model 8a84ddc1ee81254f as a law for 2000 ticks a second.
 //!
 //! Written by `hil export` of mesh-damper 0.1.0: export the model again instead of changing this. It needs the crate
 //! `mesh-damper` and nothing else. Keep a [`DamperLaw`] in a static and [`fill`] it before the first tick.
 
-use mesh_damper::effects::{Equations as _, Offset, Asymmetry, Hardening, Viscous, Inertia, LoadFriction, Temperature, Drift};
+use mesh_damper::effects::{Equations as _, Offset, Asymmetry, Hardening, Viscous, Inertia, LoadFriction, Directional, Temperature};
 use mesh_damper::error::ConfigError;
 use mesh_damper::law::Law;
 use mesh_damper::operating_range::OperatingRange;
@@ -13,7 +13,7 @@ use mesh_damper::static_law::StaticLaw;
 /// Name of the model.
 pub const NAME: &str = "first";
 /// Which model it is, as a pack says it.
-pub const IDENTITY: [u8; 8] = [198, 114, 117, 245, 57, 213, 6, 250];
+pub const IDENTITY: [u8; 8] = [138, 132, 221, 193, 238, 129, 37, 79];
 /// Of this export.
 pub const REVISION: u32 = 4;
 /// Ticks per second that the law is for, Hz.
@@ -40,10 +40,10 @@ pub const VISCOUS: [f64; 1] = [0.02];
 pub const INERTIA: [f64; 1] = [50.0];
 /// Of the effect load_friction: load in 1/mm.
 pub const LOAD_FRICTION: [f64; 1] = [4.0];
+/// Of the effect directional: difference.
+pub const DIRECTIONAL: [f64; 1] = [0.3];
 /// Of the effect temperature: beta in 1/degC, reference in degC, beta_damping in 1/degC.
 pub const TEMPERATURE: [f64; 3] = [0.005, 20.0, -0.002];
-/// Of the effect drift: cycles, stiffness in kN/mm, elastic_change, damping_change.
-pub const DRIFT: [f64; 4] = [30.0, 0.2, 0.1, -0.3];
 /// One tick, s.
 const TICK: f64 = 0.0005;
 /// What c·|v|^α is tabulated from, computed in f64 on the host.
@@ -70,7 +70,7 @@ const SCALE: [f32; 32] = [
 ];
 
 /// The law with the effects that it has, and no others.
-pub type DamperLaw = StaticLaw<(Offset<f32>, Asymmetry<f32>, Hardening<f32>, Viscous<f32>, Inertia<f32>, LoadFriction<f32>, Temperature<f32>, Drift<f32>)>;
+pub type DamperLaw = StaticLaw<(Offset<f32>, Asymmetry<f32>, Hardening<f32>, Viscous<f32>, Inertia<f32>, LoadFriction<f32>, Directional<f32>, Temperature<f32>)>;
 
 /// Fills `law` where it is, at rest.
 ///
@@ -91,8 +91,8 @@ pub fn fill(law: &mut DamperLaw) -> Result<(), ConfigError> {
         Viscous::<f32>::from_parameters(&VISCOUS, TICK)?,
         Inertia::<f32>::from_parameters(&INERTIA, TICK)?,
         LoadFriction::<f32>::from_parameters(&LOAD_FRICTION, TICK)?,
+        Directional::<f32>::from_parameters(&DIRECTIONAL, TICK)?,
         Temperature::<f32>::from_parameters(&TEMPERATURE, TICK)?,
-        Drift::<f32>::from_parameters(&DRIFT, TICK)?,
     );
     law.set_with_seed(Law::new(k1, k3, c, alpha)?, &seed, effects);
     Ok(())

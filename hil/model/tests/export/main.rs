@@ -24,9 +24,9 @@ use mesh_damper_model::correction::CorrectionTable;
 use mesh_damper_model::export::{Export, ExportError, ExportSettings};
 use mesh_damper_model::file::{FittedRange, ModelFile};
 use mesh_damper_model::predict::{motion_at, predict_embedded};
-use mesh_damper_model::{AddedEffect, Family, LawNode, MAX_EFFECTS, Model};
+use mesh_damper_model::{AddedEffect, Control, Family, LawNode, MAX_EFFECTS, Model};
 
-use typical::{TICK_RATE, two_sines, typical};
+use typical::{CURRENT, TICK_RATE, two_sines, typical};
 
 fn node(amplitude: f64, k1: f64) -> LawNode {
     LawNode {
@@ -39,11 +39,16 @@ fn node(amplitude: f64, k1: f64) -> LawNode {
 }
 
 fn file(law: Vec<LawNode>, effects: Vec<AddedEffect>) -> ModelFile {
+    let is_controlled = effects.iter().any(|each| each.family.depends_on_control());
+    let control = Control {
+        name: CURRENT.into(),
+        range: [0.0, 2.0],
+    };
     let model = Model {
         law,
         effects,
         correction: None,
-        controls: Vec::new(),
+        controls: is_controlled.then_some(control).into_iter().collect(),
     };
     let range = FittedRange {
         displacement: [-0.2, 0.25],
@@ -148,6 +153,17 @@ fn a_module_gives_the_force_of_the_pack_bit_for_bit_and_says_the_same() {
     agrees!(first);
     agrees!(second);
     agrees!(third);
+}
+
+/// A firmware is told which input stands at which place, in Rust and in C.
+#[test]
+fn an_export_names_its_control_inputs() {
+    assert_eq!(second::CONTROLS, [CURRENT]);
+    let [header, _] = export("second").c("second").unwrap();
+    let line = "#define SECOND_CONTROL_0 \"current_A\"";
+    assert!(header.lines().any(|each| each == line), "{header}");
+    let [header, _] = export("first").c("first").unwrap();
+    assert!(!header.contains("CONTROL"), "{header}");
 }
 
 /// The identity is that of what the model says, whatever the file's layout, rate, name or revision.

@@ -1,9 +1,9 @@
-//! The model 6e44f926f9ad9961 as a law for 2000 ticks a second.
+//! The model 2e1f6769ea42fc48 as a law for 2000 ticks a second.
 //!
 //! Written by `hil export` of mesh-damper 0.1.0: export the model again instead of changing this. It needs the crate
 //! `mesh-damper` and nothing else. Keep a [`DamperLaw`] in a static and [`fill`] it before the first tick.
 
-use mesh_damper::effects::{Equations as _, StickSlip, Relaxation, Stop, BoucWen, HardeningFriction, Yielding, Periodic, Delay};
+use mesh_damper::effects::{Equations as _, Drift, StickSlip, Relaxation, Stop, BoucWen, HardeningFriction, Yielding, ControlInput};
 use mesh_damper::error::ConfigError;
 use mesh_damper::law::Law;
 use mesh_damper::operating_range::OperatingRange;
@@ -13,7 +13,7 @@ use mesh_damper::static_law::StaticLaw;
 /// Name of the model.
 pub const NAME: &str = "second";
 /// Which model it is, as a pack says it.
-pub const IDENTITY: [u8; 8] = [110, 68, 249, 38, 249, 173, 153, 97];
+pub const IDENTITY: [u8; 8] = [46, 31, 103, 105, 234, 66, 252, 72];
 /// Of this export.
 pub const REVISION: u32 = 4;
 /// Ticks per second that the law is for, Hz.
@@ -26,8 +26,12 @@ pub const VELOCITY: [f32; 2] = [-6.3, 6.5];
 pub const AMPLITUDE: Option<f32> = Some(0.1);
 /// Density of the specimen, g/cm³; none where it is not known.
 pub const DENSITY: Option<f32> = Some(3.0);
+/// What stands at which place of `Motion::controls`, with its unit.
+pub const CONTROLS: [&str; 1] = ["current_A"];
 /// k1 in kN/mm, k3 in kN/mm³, c in kN·(s/mm)^α, and α.
 pub const LAW: [f32; 4] = [1.2, 10.5, 0.1114, 0.3969];
+/// Of the effect drift: cycles, stiffness in kN/mm, elastic_change, damping_change.
+pub const DRIFT: [f64; 4] = [30.0, 0.2, 0.1, -0.3];
 /// Of the effect stick_slip: stiffness in kN/mm, slip_limit in mm, of each element.
 pub const STICK_SLIP: [f64; 12] = [0.9, 0.01, 0.8, 0.02, 0.7, 0.03, 0.6, 0.045, 0.5, 0.06, 0.4, 0.09];
 /// Of the effect relaxation: stiffness in kN/mm, time in s, of each element.
@@ -40,10 +44,8 @@ pub const BOUC_WEN: [f64; 3] = [0.9, 0.02, 1.5];
 pub const HARDENING_FRICTION: [f64; 5] = [0.9, 0.4, 1.0, 2.0, 10.0];
 /// Of the effect yielding: stiffness in kN/mm, yield_stretch in mm, rate in mm/s, time in s.
 pub const YIELDING: [f64; 4] = [2.0, 0.04, 0.3, 0.02];
-/// Of the effect periodic: amplitude in kN, frequency in Hz, phase in rad, of each element.
-pub const PERIODIC: [f64; 3] = [0.02, 50.0, 0.3];
-/// Of the effect delay: time in s.
-pub const DELAY: [f64; 1] = [0.0012];
+/// Of the effect control_input: stiffness in kN/mm, yield_stretch in mm, rate in mm/s, viscosity in kN*s/mm, lag in s, saturation, input.
+pub const CONTROL_INPUT: [f64; 7] = [2.0, 0.04, 0.3, 0.01, 0.02, 1.5, 0.0];
 /// One tick, s.
 const TICK: f64 = 0.0005;
 /// What c·|v|^α is tabulated from, computed in f64 on the host.
@@ -70,7 +72,7 @@ const SCALE: [f32; 32] = [
 ];
 
 /// The law with the effects that it has, and no others.
-pub type DamperLaw = StaticLaw<(StickSlip<f32>, Relaxation<f32>, Stop<f32>, BoucWen<f32>, HardeningFriction<f32>, Yielding<f32>, Periodic<f32>, Delay<f32>)>;
+pub type DamperLaw = StaticLaw<(Drift<f32>, StickSlip<f32>, Relaxation<f32>, Stop<f32>, BoucWen<f32>, HardeningFriction<f32>, Yielding<f32>, ControlInput<f32>)>;
 
 /// Fills `law` where it is, at rest.
 ///
@@ -85,14 +87,14 @@ pub fn fill(law: &mut DamperLaw) -> Result<(), ConfigError> {
         }
     };
     let effects = (
+        Drift::<f32>::from_parameters(&DRIFT, TICK)?,
         StickSlip::<f32>::from_parameters(&STICK_SLIP, TICK)?,
         Relaxation::<f32>::from_parameters(&RELAXATION, TICK)?,
         Stop::<f32>::from_parameters(&STOP, TICK)?,
         BoucWen::<f32>::from_parameters(&BOUC_WEN, TICK)?,
         HardeningFriction::<f32>::from_parameters(&HARDENING_FRICTION, TICK)?,
         Yielding::<f32>::from_parameters(&YIELDING, TICK)?,
-        Periodic::<f32>::from_parameters(&PERIODIC, TICK)?,
-        Delay::<f32>::from_parameters(&DELAY, TICK)?,
+        ControlInput::<f32>::from_parameters(&CONTROL_INPUT, TICK)?,
     );
     law.set_with_seed(Law::new(k1, k3, c, alpha)?, &seed, effects);
     Ok(())

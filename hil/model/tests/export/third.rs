@@ -1,9 +1,9 @@
-//! The model 83a7df368f33b389 as a law for 2000 ticks a second.
+//! The model ca3e81ccfa2f033d as a law for 2000 ticks a second.
 //!
 //! Written by `hil export` of mesh-damper 0.1.0: export the model again instead of changing this. It needs the crate
 //! `mesh-damper` and nothing else. Keep a [`DamperLaw`] in a static and [`fill`] it before the first tick.
 
-use mesh_damper::effects::{Equations as _, ForceFilter, Gap, Compliance};
+use mesh_damper::effects::{Equations as _, Backlash, Degradation, Weakening, Periodic, Delay, ForceFilter, Gap, Compliance};
 use mesh_damper::error::ConfigError;
 use mesh_damper::law::Law;
 use mesh_damper::operating_range::OperatingRange;
@@ -13,7 +13,7 @@ use mesh_damper::static_law::StaticLaw;
 /// Name of the model.
 pub const NAME: &str = "third";
 /// Which model it is, as a pack says it.
-pub const IDENTITY: [u8; 8] = [131, 167, 223, 54, 143, 51, 179, 137];
+pub const IDENTITY: [u8; 8] = [202, 62, 129, 204, 250, 47, 3, 61];
 /// Of this export.
 pub const REVISION: u32 = 4;
 /// Ticks per second that the law is for, Hz.
@@ -28,6 +28,16 @@ pub const AMPLITUDE: Option<f32> = None;
 pub const DENSITY: Option<f32> = Some(3.0);
 /// k1 in kN/mm, k3 in kN/mm³, c in kN·(s/mm)^α, and α.
 pub const LAW: [f32; 4] = [1.0539, 10.5, 0.1114, 0.3969];
+/// Of the effect backlash: stiffness in kN/mm, slip_limit in mm, slack in mm.
+pub const BACKLASH: [f64; 3] = [2.0, 0.02, 0.04];
+/// Of the effect degradation: stiffness in kN/mm, softening in mm, pinching.
+pub const DEGRADATION: [f64; 3] = [1.5, 0.08, 0.3];
+/// Of the effect weakening: stiffness in kN/mm, slip_limit in mm, loss, energy in J.
+pub const WEAKENING: [f64; 4] = [2.0, 0.03, 0.6, 0.2];
+/// Of the effect periodic: amplitude in kN, frequency in Hz, phase in rad, of each element.
+pub const PERIODIC: [f64; 3] = [0.02, 50.0, 0.3];
+/// Of the effect delay: time in s.
+pub const DELAY: [f64; 1] = [0.0012];
 /// Of the effect force_filter: corner in Hz.
 pub const FORCE_FILTER: [f64; 1] = [200.0];
 /// Of the effect gap: half_width in mm, damps_inside.
@@ -60,7 +70,7 @@ const SCALE: [f32; 32] = [
 ];
 
 /// The law with the effects that it has, and no others.
-pub type DamperLaw = StaticLaw<(ForceFilter<f32>, Gap<f32>, Compliance<f32>)>;
+pub type DamperLaw = StaticLaw<(Backlash<f32>, Degradation<f32>, Weakening<f32>, Periodic<f32>, Delay<f32>, ForceFilter<f32>, Gap<f32>, Compliance<f32>)>;
 
 /// Fills `law` where it is, at rest.
 ///
@@ -75,6 +85,11 @@ pub fn fill(law: &mut DamperLaw) -> Result<(), ConfigError> {
         }
     };
     let effects = (
+        Backlash::<f32>::from_parameters(&BACKLASH, TICK)?,
+        Degradation::<f32>::from_parameters(&DEGRADATION, TICK)?,
+        Weakening::<f32>::from_parameters(&WEAKENING, TICK)?,
+        Periodic::<f32>::from_parameters(&PERIODIC, TICK)?,
+        Delay::<f32>::from_parameters(&DELAY, TICK)?,
         ForceFilter::<f32>::from_parameters(&FORCE_FILTER, TICK)?,
         Gap::<f32>::from_parameters(&GAP, TICK)?,
         Compliance::<f32>::from_parameters(&COMPLIANCE, TICK)?,

@@ -1,14 +1,18 @@
 //! Effects of the crate and a motion for them. `bindings/c/tests/forces.rs` reads this file too.
 
 use std::f64::consts::TAU;
+use std::sync::Arc;
 
 use mesh_damper::effects::description::Description;
 use mesh_damper_model::{AddedEffect, Family};
-use mesh_damper_recording::Recording;
 use mesh_damper_recording::trajectory::Trajectory;
+use mesh_damper_recording::{ControlChannel, Recording};
 
 /// Ticks per second of [`two_sines`], Hz.
 pub const TICK_RATE: f64 = 2000.0;
+
+/// The control input of [`two_sines`].
+pub const CURRENT: &str = "current_A";
 
 /// An effect of the crate with its typical parameters, as a model file names them.
 pub fn typical(description: &Description) -> AddedEffect {
@@ -27,7 +31,7 @@ pub fn typical(description: &Description) -> AddedEffect {
     }
 }
 
-/// Two sines at [`TICK_RATE`], beyond the range of any slider.
+/// Two sines at [`TICK_RATE`], beyond the range of any slider, under a current in steps.
 pub fn two_sines() -> Trajectory {
     let time: Vec<f64> = (0..4000).map(|i| f64::from(i) / TICK_RATE).collect();
     let displacement = |t: &f64| 0.1 * (TAU * 3.0 * t).sin() + 0.05 * (TAU * 11.0 * t).sin();
@@ -37,5 +41,10 @@ pub fn two_sines() -> Trajectory {
     let mut trajectory = Trajectory::of(&recording).unwrap();
     // Its times are rounded: the export is for this rate to the last bit.
     trajectory.tick = 1.0 / TICK_RATE;
+    let current = (0..trajectory.len()).map(|i| (i / 500 % 3) as f64);
+    trajectory.controls = Arc::new(vec![ControlChannel {
+        name: CURRENT.into(),
+        values: current.collect(),
+    }]);
     trajectory
 }
