@@ -40,8 +40,11 @@ pub struct ControlInput<R> {
 }
 
 /// What a [`ControlInput`] remembers.
+// No option of all of it: that of the stretch would lend it a niche, and nothing would not be zeros.
 #[derive(Clone, Copy, Debug)]
 pub struct ControlInputState<R: Real> {
+    /// Whether there was a tick.
+    has_begun: bool,
     /// w.
     arrived: R,
     /// What rounding has kept from it: a tick's change is smaller than an f32 can add where the lag is long.
@@ -101,13 +104,12 @@ impl<R: Real> ControlInput<R> {
 
     /// f, after a tick with this input.
     #[inline(always)]
-    fn strength(&self, state: &mut Option<ControlInputState<R>>, input: R) -> R {
+    fn strength(&self, state: &mut ControlInputState<R>, input: R) -> R {
         let input = input.abs();
-        let state = state.get_or_insert(ControlInputState {
-            arrived: input,
-            carry: R::ZERO,
-            stretch: Yielding::<R>::AT_REST,
-        });
+        if !state.has_begun {
+            state.has_begun = true;
+            state.arrived = input;
+        }
         let change = self.arriving * (input - state.arrived) + state.carry;
         let arrived = state.arrived + change;
         state.carry = change - (arrived - state.arrived);
@@ -165,8 +167,13 @@ impl<R: Real> Equations<R> for ControlInput<R> {
         input: 0,
     };
 
-    type State = Option<ControlInputState<R>>;
-    const AT_REST: Self::State = None;
+    type State = ControlInputState<R>;
+    const AT_REST: Self::State = ControlInputState {
+        has_begun: false,
+        arrived: R::ZERO,
+        carry: R::ZERO,
+        stretch: Yielding::<R>::AT_REST,
+    };
 
     fn from_parameters(parameters: &[f64], tick: f64) -> Result<Self, ConfigError> {
         let given = super::exactly::<7>(parameters)?;
@@ -200,9 +207,6 @@ impl<R: Real> Equations<R> for ControlInput<R> {
     #[cfg_attr(not(feature = "std"), inline(never))]
     fn force(&self, state: &mut Self::State, motion: &ClampedMotion<R>, law: LawForce<R>) -> R {
         let strength = self.strength(state, motion.control(self.input));
-        let Some(state) = state else {
-            return R::ZERO;
-        };
         let branch = self.branch.force(&mut state.stretch, motion, law);
         strength * (branch + self.viscosity * motion.velocity())
     }

@@ -33,7 +33,7 @@ impl<R: Real> Equations<R> for Directional<R> {
         family: "directional",
         number: 20,
         kind: EffectKind::Modulator,
-        cost: Cost::Light,
+        cost: Cost::Rare,
         parameters: &[Parameter::new("difference", "1", -1.0, 1.0)],
         most: 1,
         typical: &[0.3],

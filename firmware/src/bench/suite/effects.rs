@@ -5,7 +5,9 @@ use core::fmt;
 
 use mesh_damper::effects::description::{Cost, Description};
 use mesh_damper::effects::residual_table::{CELLS, Memory, ResidualTableParts};
-use mesh_damper::effects::{AugmentedLaw, DESCRIPTIONS, Effect, Motion, ResidualTable, StickSlip};
+use mesh_damper::effects::{
+    AugmentedLaw, CONTROLS, DESCRIPTIONS, Effect, Motion, ResidualTable, StickSlip,
+};
 use mesh_damper::error::ConfigError;
 use mesh_damper::fast_law::{FastLaw, RunningLaw};
 use mesh_damper::sine::{Block, Programme, SineGenerator};
@@ -73,7 +75,7 @@ fn count(
             acceleration: now.acceleration,
             cycles: now.cycle as f32 + now.phase as f32 * (1.0 / (1u64 << 32) as f32),
             temperature: 20.0 + 30.0 * now.displacement,
-            ..Motion::default()
+            controls: [1.0 + now.displacement; CONTROLS],
         };
         let result = meter.call(force, &mut beside, 0.0, 0.0);
         if now.cycle > 0 {

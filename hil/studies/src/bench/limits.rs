@@ -93,7 +93,7 @@ const RELATIVE: &str = "relative";
 const RATIO: &str = "ratio";
 
 /// Limits that are not reached, and why. What is reached after all has to leave this list.
-const NOT_REACHED: [(&str, &str); 27] = [
+const NOT_REACHED: [(&str, &str); 32] = [
     (
         "longest steady tick over the mean",
         "a tick in 64 ends a sector of the cycle and does a step of its results in 95 to 131; the first of a block takes 179",
@@ -137,6 +137,26 @@ const NOT_REACHED: [(&str, &str); 27] = [
     (
         "force-filter",
         "about 40 for the longer way of a tick through stages, and a rotation of two numbers by four coefficients",
+    ),
+    (
+        "control-input",
+        "a yielding branch, and two quotients for how strong the input makes it",
+    ),
+    (
+        "directional",
+        "eleven to tell which of the rare effects there are; among the light ones it would be a part of every law that has one of them",
+    ),
+    (
+        "backlash",
+        "eleven to tell which of the rare effects there are, a call, two limits of either sign and the step since the tick before",
+    ),
+    (
+        "degradation",
+        "eleven to tell which of the rare effects there are, a call and two quotients of 14",
+    ),
+    (
+        "weakening",
+        "on a tick that slides three quotients of 14 and a compensated sum; else that of a slider",
     ),
     (
         "periodic",

@@ -6,6 +6,7 @@ mod bench;
 mod blind;
 mod bouc_wen;
 mod characterize;
+mod cost_of_effects;
 mod design;
 #[path = "../../../link/tests/emulated/mod.rs"]
 mod emulated;
