@@ -112,13 +112,13 @@ mesh_damper_recording::numbers! {
         /// Starts of its pinching.
         pinching_starts: usize = 2, Convention("the softening is known by then");
         /// Starts of the slip limit of a slider that weakens.
-        weakening_starts: usize = 4, Convention("three times the one before: a fit goes on from there");
+        weakening_starts: usize = 6, Convention("two to three times the one before: a fit goes on from there");
         /// Range of the part of its strength that it loses.
         strength_loss: [f64; 2] = [0.05, 1.0], Convention("less is a slider that does not weaken, and there is no more than all of it");
         /// Starts of that part.
         strength_loss_starts: [f64; 2] = [0.3, 0.7], Convention("a third and two thirds");
         /// It has lost half of that after at least this energy of the first cycles, and at most this many times that of all.
-        loss_energy: [f64; 2] = [0.1, 10.0], Convention("within a cycle, and later than any that is recorded");
+        loss_energy: [f64; 2] = [0.1, 3.0], Convention("within a cycle, and later than any that is recorded");
         /// Starts of that energy.
         loss_energy_starts: usize = 3, Convention("as few as tell soon from late");
         /// With ω·time below this at the highest frequency a branch is a dashpot.
