@@ -38,12 +38,12 @@
 
 #if defined(MD_POINTERS_OF_32_BITS)
 // Bytes of `md_law`.
-#define MD_LAW_SIZE 7808
+#define MD_LAW_SIZE 8024
 #endif
 
 #if defined(MD_POINTERS_OF_64_BITS)
 // Bytes of `md_law`.
-#define MD_LAW_SIZE 7872
+#define MD_LAW_SIZE 8088
 #endif
 
 // Alignment of `md_law`, bytes.

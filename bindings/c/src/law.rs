@@ -18,7 +18,7 @@ pub const MD_IDENTITY: usize = 8;
 
 /// Bytes of `md_law`.
 #[cfg(target_pointer_width = "32")]
-pub const MD_LAW_SIZE: usize = 8016;
+pub const MD_LAW_SIZE: usize = 8024;
 /// Bytes of `md_law`.
 #[cfg(target_pointer_width = "64")]
 pub const MD_LAW_SIZE: usize = 8088;
