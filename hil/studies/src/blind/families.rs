@@ -25,7 +25,7 @@ pub const LATER: [(usize, u64); 5] = [
 /// Number of what a control input sets.
 const CONTROL_INPUT: usize = LISTED + UNLISTED + 1;
 /// The first seed of any trial that may draw it, and a test with an input on which nothing depends.
-pub const FIRST_WITH_CONTROL: u64 = 1000;
+pub const FIRST_WITH_CONTROL: u64 = 2000;
 
 /// Sliders of an Iwan element.
 const SLIDERS: usize = 12;
