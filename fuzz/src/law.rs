@@ -36,6 +36,7 @@ fn effect(feed: &mut Feed<'_>, tick: f64) -> Result<Effect<f32>, ConfigError> {
             let [low, high] = parameter.range;
             let least = 1e-9 * high;
             parameters.push(match parameter.unit {
+                _ if parameter.name == "input" => f64::from(feed.byte() % 4),
                 // A tone has to be slower than half of the ticks.
                 "Hz" => feed.between(low, 0.499 / tick),
                 _ if low < 0.0 => feed.either(least, high).max(low),

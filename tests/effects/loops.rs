@@ -2,7 +2,7 @@
 
 use std::f64::consts::TAU;
 
-use mesh_damper::effects::{AugmentedLaw, CONTROLS, Effect, Motion};
+use mesh_damper::effects::{AugmentedLaw, Effect, Motion};
 use mesh_damper::law::Law;
 use mesh_damper::real::Real;
 
@@ -28,7 +28,7 @@ pub fn sine<R: Real>(amplitude: f64, frequency: f64, n: usize) -> Motion<R> {
         acceleration: R::from_f64(-amplitude * omega * omega * sin),
         cycles: R::from_f64(n as f64 / TICKS as f64),
         temperature: R::from_f64(20.0),
-        controls: [R::ONE; CONTROLS],
+        controls: [1.0, 0.4, -0.7, 2.0].map(R::from_f64),
     }
 }
 

@@ -21,7 +21,7 @@ use std::f64::consts::{PI, TAU};
 
 use loops::{TICKS, alone, close, energy, last_cycle, moduli, nothing, sine};
 use mesh_damper::effects::{
-    Asymmetry, AugmentedLaw, Backlash, BoucWen, CONTROLS, Compliance, ControlInput, DESCRIPTIONS,
+    Asymmetry, AugmentedLaw, Backlash, BoucWen, Compliance, ControlInput, DESCRIPTIONS,
     Degradation, Delay, Directional, Drift, Effect, ForceFilter, Gap, Hardening, HardeningFriction,
     Inertia, LoadFriction, MAX_TONES, Motion, Offset, Periodic, Relaxation, StickSlip, Stop,
     Temperature, Viscous, Weakening, Yielding,
@@ -609,14 +609,15 @@ fn any_motion() -> impl Strategy<Value = Motion<f32>> {
             Just(-0.0)
         ]
     };
-    let all = (number(), number(), number(), number(), number(), number());
-    all.prop_map(|(y, v, a, cycles, temperature, control)| Motion {
+    let controls = [number(), number(), number(), number()];
+    let all = (number(), number(), number(), number(), number(), controls);
+    all.prop_map(|(y, v, a, cycles, temperature, controls)| Motion {
         displacement: y,
         velocity: v,
         acceleration: a,
         cycles,
         temperature,
-        controls: [control; CONTROLS],
+        controls,
     })
 }
 

@@ -5,10 +5,10 @@ use mesh_damper::converter::Scale;
 use mesh_damper::crossing::{CrossingAccumulator, CrossingDetector};
 use mesh_damper::effects::residual_table::{CELLS, Memory, ResidualTableParts};
 use mesh_damper::effects::{
-    Asymmetry, AugmentedLaw, Backlash, BoucWen, Compliance, DESCRIPTIONS, Degradation, Delay,
-    Directional, Drift, Effect, ForceFilter, Gap, Hardening, HardeningFriction, Inertia,
-    LoadFriction, Offset, Periodic, Relaxation, ResidualTable, StickSlip, Stop, Temperature,
-    Viscous, Weakening, Yielding,
+    Asymmetry, AugmentedLaw, Backlash, BoucWen, Compliance, ControlInput, DESCRIPTIONS,
+    Degradation, Delay, Directional, Drift, Effect, ForceFilter, Gap, Hardening, HardeningFriction,
+    Inertia, LoadFriction, Offset, Periodic, Relaxation, ResidualTable, StickSlip, Stop,
+    Temperature, Viscous, Weakening, Yielding,
 };
 use mesh_damper::error::ConfigError;
 use mesh_damper::fixed_point::{Scales, Sine, SineGenerator};
@@ -39,6 +39,11 @@ macro_rules! number {
             give: |$x| $constructed.map(|_| ()),
         }
     };
+}
+
+fn controlled(viscosity: f64) -> Result<ControlInput<f64>, ConfigError> {
+    let branch = Yielding::new(1.0, 0.1, 1.0, 0.0, 1e-3)?;
+    ControlInput::new(3, branch, viscosity)
 }
 
 /// The field is set to `x`.
@@ -166,6 +171,13 @@ fn numbers() -> Vec<Number> {
         number!("rate", 1e-9, 1e6, |x| Yielding::new(1.0, 0.1, x, 0.1, 1e-3)),
         number!("time", 0.0, 1e6, |x| Yielding::new(1.0, 0.1, 1.0, x, 1e-3)),
         number!("tick", 1e-7, 1e3, |x| Yielding::new(1.0, 0.1, 1.0, 0.1, x)),
+        number!("viscosity", -1e9, 1e9, |x| controlled(x)),
+        number!("lag", 0.0, 1e6, |x| controlled(0.1)
+            .and_then(|effect| effect.with_lag(x, 1e-3))),
+        number!("tick", 1e-7, 1e3, |x| controlled(0.1)
+            .and_then(|effect| effect.with_lag(1.0, x))),
+        number!("saturation", 1e-9, 1e12, |x| controlled(0.1)
+            .and_then(|effect| effect.with_saturation(x))),
         number!("stiffness", -1e9, 1e9, |x| Backlash::new(x, 0.1, 0.1)),
         number!("slip_limit", 1e-9, 1e4, |x| Backlash::new(1.0, x, 0.1)),
         number!("slack", 0.0, 1e4, |x| Backlash::new(1.0, 0.1, x)),

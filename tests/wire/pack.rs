@@ -112,7 +112,7 @@ fn the_largest_effects_fit_often_enough() {
 /// What a constructor takes, the rig takes too, though it sees only the numbers that were made of it.
 #[test]
 fn effects_at_the_ends_of_their_ranges_survive() {
-    let ends: [(&str, &[f64], f64); 25] = [
+    let ends: [(&str, &[f64], f64); 27] = [
         ("offset", &[1e9], 1e-4),
         ("drift", &[1e9, -1e9, 1e3, -1.0], 1e-4),
         ("drift", &[0.1, 1e9, -1.0, 1e3], 1e-4),
@@ -126,6 +126,12 @@ fn effects_at_the_ends_of_their_ranges_survive() {
         ("yielding", &[1e9, 0.0, 1e-9, 0.0], 1e-7),
         ("yielding", &[-1e9, 1e4, 1e6, 1e6], 1e3),
         ("yielding", &[1.0, 1e4, 1e-9, 0.0], 1e-7),
+        ("control_input", &[1e9, 1e4, 1e6, 1e9, 1e6, 1e-9, 3.0], 1e-7),
+        (
+            "control_input",
+            &[-1e9, 0.0, 1e-9, -1e9, 0.0, 1e12, 0.0],
+            1e3,
+        ),
         ("directional", &[-1.0], 1e-4),
         ("backlash", &[1e9, 1e-9, 1e4], 1e-4),
         ("backlash", &[-1e9, 1e4, 0.0], 1e-4),

@@ -304,6 +304,13 @@ impl ModelFile {
             }
         }
         for (index, control) in self.controls.iter().enumerate() {
+            let others = &self.controls[..index];
+            if control.name.is_empty() || others.iter().any(|each| each.name == control.name) {
+                return refused(
+                    format!("controls[{index}].name"),
+                    format!("{:?} is no name of its own", control.name),
+                );
+            }
             let [low, high] = control.range;
             if !(low.is_finite() && high.is_finite() && low <= high) {
                 return refused(

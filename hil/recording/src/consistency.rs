@@ -1,6 +1,6 @@
 //! Recordings that cannot all be of one specimen.
 
-use super::{ControlChannel, Recording};
+use super::Recording;
 use crate::error::InputError;
 use crate::policy::policy;
 
@@ -18,7 +18,7 @@ crate::numbers! {
         contradiction_between_temperatures: f64 = 0.9, Convention("a force that is mostly another one");
         /// Mean temperatures that differ by more are other temperatures, °C.
         same_temperature: f64 = 2.0, Convention("a laboratory keeps its temperature to that");
-        /// Means of a control input that differ by less than this part of the larger are one input.
+        /// Control inputs that differ by less than this part of the larger, on average over the samples, are one input.
         same_control: f64 = 0.05, Convention("a source keeps its current to that");
         /// The shortest common stretch that is compared, samples.
         shortest: usize = 50, Convention("fewer are a quarter of a cycle");
@@ -197,14 +197,14 @@ fn check_forces(earlier: &Recording, later: &Recording) -> Result<(), InputError
 
 /// Whether a control input that both have is another one.
 fn are_controlled_otherwise(earlier: &Recording, later: &Recording) -> bool {
-    let mean =
-        |control: &ControlChannel| control.values.iter().sum::<f64>() / control.values.len() as f64;
     earlier.controls.iter().any(|before| {
         let mut controls = later.controls.iter();
         let after = controls.find(|each| each.name == before.name);
         after.is_some_and(|after| {
-            let (a, b) = (mean(before), mean(after));
-            (a - b).abs() > policy().consistency.same_control * a.abs().max(b.abs())
+            let pairs = || before.values.iter().zip(&after.values);
+            let apart: f64 = pairs().map(|(a, b)| (a - b).abs()).sum();
+            let size: f64 = pairs().map(|(a, b)| a.abs().max(b.abs())).sum();
+            apart > policy().consistency.same_control * size
         })
     })
 }

@@ -18,6 +18,11 @@ pub struct ControlChannel {
 }
 
 impl ControlChannel {
+    /// Its mean over the samples.
+    pub fn mean(&self) -> f64 {
+        self.values.iter().sum::<f64>() / self.values.len() as f64
+    }
+
     /// Whether it is not the same all the time.
     pub fn changes(&self) -> bool {
         self.values.windows(2).any(|pair| pair[0] != pair[1])

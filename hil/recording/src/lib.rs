@@ -184,7 +184,7 @@ impl Recording {
     /// Keeps the control inputs of these names, in this order.
     ///
     /// # Errors
-    /// The first name that the recording lacks, and what it has; nothing is changed then.
+    /// The first name that the recording lacks; nothing is changed then.
     pub fn arrange_controls<'n>(
         &mut self,
         names: impl IntoIterator<Item = &'n str>,

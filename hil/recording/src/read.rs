@@ -109,7 +109,11 @@ impl Recording {
         let columns = Columns::find(&name, &header, &needed)?;
 
         let mut channels = vec![Vec::new(); columns.used.len()];
-        let mut controls: Vec<Vec<f64>> = vec![Vec::new(); columns.controls.len()];
+        let mut inputs: Vec<InputColumn> = columns
+            .controls
+            .iter()
+            .map(|&index| InputColumn::at(index))
+            .collect();
         let mut cells = (kept == Kept::Cells).then(TextRows::default);
         let mut lines = RowLines::default();
         let (mut blank, mut first_blank) = (0, None);
@@ -139,27 +143,14 @@ impl Recording {
                     })
                 })
             };
+            // A logger that has nothing new to say of an input: it is as it was, be the row itself left out or not.
+            inputs.iter_mut().for_each(|input| input.see(&row));
             let is_blank = |column: &&Column| column.may_be_blank() && is_blank_cell(cell(column));
             if let Some(column) = columns.used.iter().find(is_blank) {
                 blank += 1;
                 first_blank = first_blank.or_else(|| value(column).err());
                 continue;
             }
-            // A logger that has nothing new to say of an input: it is as it was.
-            let held = |(&index, before): (&usize, &Vec<f64>)| {
-                let cell = row.get(index).unwrap_or_default();
-                if is_blank_cell(cell) {
-                    return Ok(before.last().copied().unwrap_or(f64::NAN));
-                }
-                number(cell).map_err(|(problem, mend)| {
-                    InputError::new(&name, problem, mend).at(Place::Cell {
-                        line,
-                        column: header.get(index).unwrap_or_default().into(),
-                    })
-                })
-            };
-            let inputs = columns.controls.iter().zip(&controls).map(held);
-            let inputs: Vec<f64> = inputs.collect::<Result<_, InputError>>()?;
             let scaled = |column: &Column| Ok(value(column)? * column.unit.scale);
             let values: Vec<f64> = columns
                 .used
@@ -176,10 +167,7 @@ impl Recording {
                 grow(channel);
                 channel.push(value);
             }
-            for (control, value) in controls.iter_mut().zip(inputs) {
-                grow(control);
-                control.push(value);
-            }
+            inputs.iter_mut().for_each(InputColumn::keep);
             if let Some(cells) = &mut cells {
                 cells.push(&row);
             }
@@ -192,17 +180,9 @@ impl Recording {
         }
 
         let mut units = Units::default();
-        let controls = columns.controls.iter().zip(controls);
-        // Before it was first written it was as it was then; of one that never was, nothing is known.
-        let controls = controls.filter_map(|(&index, mut values)| {
-            let first = values.iter().position(|value| !value.is_nan())?;
-            let (before, since) = values.split_at_mut(first);
-            before.fill(since[0]);
-            Some(ControlChannel {
-                name: header.get(index).unwrap_or_default().to_owned(),
-                values,
-            })
-        });
+        let controls = inputs
+            .into_iter()
+            .filter_map(|input| input.channel(&header));
         let mut recording = Self {
             name,
             time: Vec::new(),
@@ -246,6 +226,55 @@ impl Recording {
         }
         recording.units = units;
         Ok(recording)
+    }
+}
+
+/// A column of a control input while it is read.
+struct InputColumn {
+    index: usize,
+    /// What it was last; NaN before it was first written.
+    now: f64,
+    values: Vec<f64>,
+    /// Every cell was a number or blank: else it is a column of another kind, which is not looked at.
+    is_number: bool,
+}
+
+impl InputColumn {
+    fn at(index: usize) -> Self {
+        Self {
+            index,
+            now: f64::NAN,
+            values: Vec::new(),
+            is_number: true,
+        }
+    }
+
+    fn see(&mut self, row: &csv::StringRecord) {
+        let cell = row.get(self.index).unwrap_or_default();
+        if is_blank_cell(cell) {
+            return;
+        }
+        match number(cell) {
+            Ok(value) => self.now = value,
+            Err(_) => self.is_number = false,
+        }
+    }
+
+    fn keep(&mut self) {
+        grow(&mut self.values);
+        self.values.push(self.now);
+    }
+
+    /// Before it was first written it was as it was then; of one that never was, nothing is known.
+    fn channel(mut self, header: &csv::StringRecord) -> Option<ControlChannel> {
+        let first = self.values.iter().position(|value| !value.is_nan())?;
+        let (before, since) = self.values.split_at_mut(first);
+        before.fill(since[0]);
+        let name = header.get(self.index).unwrap_or_default().to_owned();
+        self.is_number.then_some(ControlChannel {
+            name,
+            values: self.values,
+        })
     }
 }
 

@@ -63,7 +63,7 @@ pub struct Trajectory {
     pub force: Vec<f64>,
     /// Measured temperature, °C.
     pub temperature: Option<Vec<f64>>,
-    /// Control inputs. Shared as those are.
+    /// Control inputs. Shared as the cycles are.
     pub controls: Arc<Vec<ControlChannel>>,
     /// Blocks of like cycles; they cover the recording.
     pub blocks: Vec<FoundBlock>,

@@ -88,7 +88,7 @@ impl Journal {
             ];
             text += &cells.map(|channel| decimal(channel[index])).join(",");
             if self.is_controlled {
-                // It stays empty as long as it is 0.
+                // The samples keep none until it is other than 0.
                 let current = samples.control(0).get(index).copied();
                 text += &format!(",{}", decimal(current.unwrap_or_default()));
             }

@@ -92,6 +92,8 @@ pub struct RigRun {
     pub faults: Vec<(f64, TripCause)>,
     /// When the monitor named what, s.
     pub events: Vec<(f64, Event)>,
+    /// Whether the specimen was under a control input.
+    pub is_controlled: bool,
     /// Ticks run.
     pub ticks: u64,
     /// Ticks of these with a measured displacement or an observed velocity outside the law's operating range; `None` where the
@@ -121,9 +123,13 @@ impl RigRun {
             samples.force.clone(),
         )?
         .with_temperature(samples.temperature.clone())
-        .and_then(|recording| match samples.control(0) {
-            [] => Ok(recording),
-            current => recording.with_control(CURRENT, current.to_vec()),
+        .and_then(|recording| {
+            if !self.is_controlled {
+                return Ok(recording);
+            }
+            let mut current = samples.control(0).to_vec();
+            current.resize(samples.len(), 0.0);
+            recording.with_control(CURRENT, current)
         })
     }
 }
@@ -226,6 +232,7 @@ pub fn run_controlled<S: DamperForce + Clone>(
         cycles: Vec::new(),
         faults: Vec::new(),
         events: Vec::new(),
+        is_controlled: rig.plant().servo.specimen().control().is_some(),
         ticks: 0,
         outside: None,
     };

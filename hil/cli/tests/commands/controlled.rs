@@ -157,6 +157,90 @@ fn a_response_depends_on_the_input() {
     }
 }
 
+/// The mass follows the column of its excitation, and a value in its place; nothing of either is refused.
+#[test]
+fn a_response_takes_the_column_of_its_excitation() {
+    let root = tempfile::tempdir().unwrap();
+    fs::write(root.path().join("model.json"), MODEL).unwrap();
+    recording(
+        &root.path().join("one.csv"),
+        ",current_A,pressure_bar",
+        ",1,2",
+    );
+    recording(&root.path().join("none.csv"), "", "");
+    let respond = |base: &'static str, more: &[&'static str]| {
+        let model = [
+            "respond",
+            "--model",
+            "model.json",
+            "--mass",
+            "50",
+            "--out",
+            "r.csv",
+        ];
+        [&model[..], &["--base", base], more].concat()
+    };
+    let response = |arguments: &[&str]| {
+        let output = hil(root.path(), arguments);
+        let error = String::from_utf8(output.stderr).unwrap();
+        assert!(output.status.success(), "{error}");
+        (
+            fs::read_to_string(root.path().join("r.csv")).unwrap(),
+            error,
+        )
+    };
+    let (by_column, _) = response(&respond("one.csv", &[]));
+    let both = ["--control", "current_A=1", "--control", "pressure_bar=2"];
+    let (by_value, _) = response(&respond("none.csv", &both));
+    assert_eq!(by_column, by_value);
+    let less = ["--control", "current_A=0", "--control", "pressure_bar=2"];
+    assert_ne!(response(&respond("none.csv", &less)).0, by_value);
+    let more = ["--control", "current_A=3", "--control", "pressure_bar=2"];
+    let (_, said) = response(&respond("none.csv", &more));
+    assert!(
+        said.contains("current_A goes from 3 to 3, and 0 to 1 was fitted"),
+        "{said}"
+    );
+    fs::remove_file(root.path().join("r.csv")).unwrap();
+    refuses(
+        root.path(),
+        &respond("none.csv", &[]),
+        &["none.csv", "no column pressure_bar"],
+    );
+}
+
+/// A law under a pressure beside a specimen that is under none, or under a current.
+#[test]
+fn a_rig_refuses_a_model_whose_input_it_does_not_have() {
+    let root = tempfile::tempdir().unwrap();
+    fs::write(root.path().join("model.json"), MODEL).unwrap();
+    let effect =
+        "control_input:stiffness=0.8,force=0.03,rate=0.6,c=0.004,lag=0.05,most=1,hold=0.5,seed=3";
+    let run = |more: &[&'static str]| {
+        let run = [
+            "run",
+            "--model",
+            "model.json",
+            "--blocks",
+            "0.1:2:6",
+            "--out",
+            "run-out",
+        ];
+        [&run[..], more].concat()
+    };
+    refuses(root.path(), &run(&[]), &["model.json", "pressure_bar"]);
+    refuses(
+        root.path(),
+        &run(&["--effect", effect]),
+        &["model.json", "pressure_bar"],
+    );
+    refuses(
+        root.path(),
+        &run(&["--effect", effect, "--effect", effect]),
+        &["--effect", "second control input"],
+    );
+}
+
 #[test]
 fn a_specimen_under_a_current_is_recorded_with_it() {
     let root = tempfile::tempdir().unwrap();

@@ -281,7 +281,6 @@ impl<'r> Aligned<'r> {
 fn named(closed: &Closed) -> Model {
     Model {
         correction: None,
-        controls: Vec::new(),
         ..closed.model.clone()
     }
 }

@@ -3,88 +3,82 @@
 use std::borrow::Cow;
 
 use mesh_damper::effects::CONTROLS;
-use mesh_damper_model::Control;
+use mesh_damper_model::{Control, Model};
 use mesh_damper_recording::Recording;
+use mesh_damper_recording::error::InputError;
 use mesh_damper_recording::extremes::least_and_largest;
 
+use super::result::{FoundEffect, TraceResult};
+
 /// The control inputs of recordings that may say something of the force: those that all of them have, and that are not the same in all
-/// that are fitted.
+/// that are fitted. Each has its range there.
 pub(super) struct Controlled {
-    names: Vec<String>,
-    /// Of the recordings that are fitted, by the places of the names.
-    pub ranges: Vec<Control>,
-    /// Those that are not looked at though they might say something, in words.
+    controls: Vec<Control>,
+    /// Why others are not looked at though they might say something, in words.
     pub warnings: Vec<String>,
 }
 
 impl Controlled {
-    /// Of `fitted` recordings and of others that are `held` out; the `first` stand at the first places, and stay.
+    /// Of `fitted` recordings and of others that are `held` out; the `first`, which known effects see, stand at the first places.
+    ///
+    /// # Errors
+    /// A recording lacks one of the first.
     pub fn of(
         fitted: &[Cow<'_, Recording>],
         held: &[Cow<'_, Recording>],
         first: &[String],
-    ) -> Self {
-        let mut warnings = Vec::new();
-        let mut ranges: Vec<Control> = Vec::new();
+    ) -> Result<Self, InputError> {
+        let mut found = Self {
+            controls: Vec::new(),
+            warnings: Vec::new(),
+        };
         let all = || fitted.iter().chain(held);
-        let mut known: Vec<&str> = Vec::new();
         let columns = all().flat_map(|recording| &recording.controls);
-        let columns = columns.map(|control| control.name.as_str());
-        for name in first.iter().map(String::as_str).chain(columns) {
-            if known.contains(&name) {
+        let columns = columns.map(|control| &control.name);
+        let mut known: Vec<&str> = Vec::new();
+        for name in first.iter().chain(columns) {
+            if known.contains(&name.as_str()) {
                 continue;
             }
             known.push(name);
-            let values = |recording: &Recording| {
-                let control = recording.controls.iter().find(|each| each.name == name);
-                control.map(|control| least_and_largest(&control.values))
-            };
-            if let Some(without) = all().find(|recording| values(recording).is_none()) {
-                warnings.push(format!(
+            let is_first = first.contains(name);
+            if let Some(without) = all().find(|recording| range_of(recording, name).is_none()) {
+                if is_first {
+                    return Err(InputError::new(
+                        &without.name,
+                        format!("there is no column {name}, on which a known effect depends"),
+                        format!("add a column {name}; one value in all rows will do"),
+                    ));
+                }
+                found.warnings.push(format!(
                     "{name} is not looked at: {} has no such column",
                     without.name
                 ));
                 continue;
             }
-            let each = fitted.iter().filter_map(|recording| values(recording));
-            let (low, high) = each
-                .fold((f64::INFINITY, f64::NEG_INFINITY), |range, (low, high)| {
-                    (low.min(range.0), high.max(range.1))
-                });
-            if low == high && !first.iter().any(|each| each == name) {
-                continue;
-            }
-            if ranges.len() == CONTROLS {
-                warnings.push(format!(
+            let range = range_of_all(fitted, name);
+            if range[0] == range[1] && !is_first {
+                if range_of_all(held, name)
+                    .iter()
+                    .any(|end| end.is_finite() && *end != range[0])
+                {
+                    found.warnings.push(format!(
+                        "{name} is not looked at: it is {} in all that is fitted, and another where it is held out",
+                        range[0]
+                    ));
+                }
+            } else if found.controls.len() == CONTROLS {
+                found.warnings.push(format!(
                     "{name} is not looked at: a damper has at most {CONTROLS} control inputs"
                 ));
-                continue;
+            } else {
+                found.controls.push(Control {
+                    name: name.clone(),
+                    range,
+                });
             }
-            ranges.push(Control {
-                name: name.to_owned(),
-                range: [low, high],
-            });
         }
-        for control in &ranges {
-            let [low, high] = control.range;
-            let beyond = held.iter().filter_map(|recording| {
-                let mut channels = recording.controls.iter();
-                let channel = channels.find(|each| each.name == control.name)?;
-                let (least, largest) = least_and_largest(&channel.values);
-                (least < low || largest > high).then_some((recording, least, largest))
-            });
-            warnings.extend(beyond.map(|(recording, least, largest)| {
-                format!(
-                    "{}: {} goes from {least} to {largest}, and {low} to {high} was fitted: the force is extrapolated",
-                    recording.name, control.name
-                )
-            }));
-        }
-        Self {
-            names: ranges.iter().map(|control| control.name.clone()).collect(),
-            ranges,
-            warnings,
-        }
+        Ok(found)
     }
 
     /// A recording with these alone, in the order of their places.
@@ -92,16 +86,81 @@ impl Controlled {
     /// # Panics
     /// Never for one of the recordings that it is of.
     pub fn arranged<'r>(&self, mut recording: Cow<'r, Recording>) -> Cow<'r, Recording> {
-        let names = || self.names.iter().map(String::as_str);
-        if !recording
+        let names = || self.controls.iter().map(|control| control.name.as_str());
+        let is_arranged = recording
             .controls
             .iter()
             .map(|c| c.name.as_str())
-            .eq(names())
-        {
+            .eq(names());
+        if !is_arranged {
             let arranged = recording.to_mut().arrange_controls(names());
             arranged.expect("all recordings have it");
         }
         recording
     }
+
+    /// Names in `model` the inputs that its effects see, and gives them the first places there and in what `result` says; says where
+    /// recordings that are `held` out go beyond what was fitted of them.
+    pub fn name_in(self, model: &mut Model, result: &mut TraceResult, held: &[Cow<'_, Recording>]) {
+        let seen = |place: &usize| {
+            let mut effects = model.effects.iter();
+            effects.any(|effect| effect.parameters.get("input") == Some(&(*place as f64)))
+        };
+        let seen: Vec<usize> = (0..self.controls.len()).filter(seen).collect();
+        let renumber = |input: &mut f64| {
+            if let Some(place) = seen.iter().position(|place| *place as f64 == *input) {
+                *input = place as f64;
+            }
+        };
+        let parameters = model
+            .effects
+            .iter_mut()
+            .map(|effect| &mut effect.parameters);
+        parameters
+            .filter_map(|parameters| parameters.get_mut("input"))
+            .for_each(renumber);
+        let said = |effect: &mut FoundEffect| {
+            if let Some(input) = effect.parameters.get_mut("input") {
+                [&mut input.value, &mut input.low, &mut input.high]
+                    .into_iter()
+                    .for_each(renumber);
+            }
+        };
+        result.effects.iter_mut().for_each(said);
+        result.unconfirmed.iter_mut().for_each(said);
+        model.controls = seen
+            .iter()
+            .map(|&place| self.controls[place].clone())
+            .collect();
+        for control in &model.controls {
+            let [low, high] = control.range;
+            for recording in held {
+                if let Some([least, largest]) = range_of(recording, &control.name)
+                    && (least < low || largest > high)
+                {
+                    result.warnings.push(format!(
+                        "{}: {} goes from {least} to {largest}, and {low} to {high} was fitted: the force is extrapolated",
+                        recording.name, control.name
+                    ));
+                }
+            }
+        }
+    }
+}
+
+/// Least and largest value of an input; `None` where a recording lacks it.
+fn range_of(recording: &Recording, name: &str) -> Option<[f64; 2]> {
+    let mut controls = recording.controls.iter();
+    let (low, high) = least_and_largest(&controls.find(|each| each.name == name)?.values);
+    Some([low, high])
+}
+
+/// The same of several.
+fn range_of_all(recordings: &[Cow<'_, Recording>], name: &str) -> [f64; 2] {
+    let ranges = recordings
+        .iter()
+        .filter_map(|recording| range_of(recording, name));
+    ranges.fold([f64::INFINITY, f64::NEG_INFINITY], |range, [low, high]| {
+        [range[0].min(low), range[1].max(high)]
+    })
 }

@@ -121,20 +121,25 @@ pub fn trace_for(
     let mended = |recordings| <[Recording]>::iter(recordings).map(Recording::mended);
     let (recordings, held_out): (Vec<_>, Vec<_>) =
         (mended(recordings).collect(), mended(held_out).collect());
-    let controlled = Controlled::of(&recordings, &held_out, &sought.controls);
-    let [recordings, held_out] = [recordings, held_out].map(|mended| {
+    // With all that they were controlled by: one motion under two currents has two forces.
+    let all: Vec<&Recording> = recordings
+        .iter()
+        .chain(&held_out)
+        .map(AsRef::as_ref)
+        .collect();
+    check_consistency(&all)?;
+    let controlled = Controlled::of(&recordings, &held_out, &sought.controls)?;
+    let [fitted, held] = [recordings, held_out].map(|mended| {
         let arranged = mended.into_iter().map(|each| controlled.arranged(each));
         arranged.collect::<Vec<_>>()
     });
-    let [recordings, held_out] = [&recordings, &held_out].map(|mended| {
+    let [recordings, held_out] = [&fitted, &held].map(|mended| {
         mended
             .iter()
             .map(AsRef::as_ref)
             .collect::<Vec<&Recording>>()
     });
-    let all = [recordings.as_slice(), &held_out].concat();
-    check_consistency(&all)?;
-    for recording in &all {
+    for recording in recordings.iter().chain(&held_out) {
         if recording
             .force
             .iter()
@@ -174,10 +179,11 @@ pub fn trace_for(
         closed = conclude(&mut aligned, sought, progress)?;
     }
     aligned.say_odd_zeros(&mut closed)?;
-    closed.result.warnings.extend(controlled.warnings);
-    if closed.model.depends_on_control() {
-        closed.model.controls = controlled.ranges;
-    }
+    closed
+        .result
+        .warnings
+        .extend_from_slice(&controlled.warnings);
+    controlled.name_in(&mut closed.model, &mut closed.result, &held);
     let trajectories = aligned.trajectories.into_iter().flatten();
     Ok(Trace {
         result: closed.result,

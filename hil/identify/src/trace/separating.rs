@@ -3,6 +3,8 @@
 //! Each rival's force is simulated under blocks that a rig can run, and every other rival is fitted to it with all of its
 //! coefficients free. Blocks are added that make the nearest two differ most (Atkinson and Fedorov 1975).
 
+use std::sync::Arc;
+
 use mesh_damper_model::predict::predict;
 use mesh_damper_model::{Control, Family, ModelError};
 use mesh_damper_recording::ControlChannel;
@@ -235,7 +237,14 @@ impl<'s> Simulation<'s> {
             starts.push(((end / tick) as usize).min(displacement.len()));
         }
         let count = displacement.len();
-        let still = Trajectory::new("test", tick, &displacement, vec![0.0; count], None, None);
+        let mut still = Trajectory::new("test", tick, &displacement, vec![0.0; count], None, None);
+        // Inputs that the rivals have in common are held where the first recording had them on average.
+        let held = trajectories.iter().take(1).flat_map(|t| t.controls.iter());
+        let held = held.map(|control| ControlChannel {
+            name: control.name.clone(),
+            values: vec![control.mean(); count],
+        });
+        still.controls = Arc::new(held.collect());
         let tests = rivals
             .iter()
             .map(|rival| {
@@ -391,8 +400,6 @@ fn tried(trajectories: &[Trajectory]) -> Vec<TestBlock> {
 
 #[cfg(test)]
 mod tests {
-    use std::sync::Arc;
-
     use super::*;
     use crate::families::Form;
     use crate::term::{Term, TermValue};

@@ -1,7 +1,8 @@
 //! Forces that a current sets: late and in steps, steady from one recording to the next, and not at all.
 
+use mesh_damper_identify::known_terms::known_terms;
 use mesh_damper_identify::trace::result::{TraceResult, Verdict};
-use mesh_damper_identify::trace::{Trace, trace};
+use mesh_damper_identify::trace::{Sought, Trace, trace, trace_for};
 use mesh_damper_model::predict::{nrmse, predict_embedded};
 use mesh_damper_recording::Recording;
 use mesh_damper_recording::trajectory::Trajectory;
@@ -190,6 +191,56 @@ fn a_column_is_known_by_its_name() {
     again.controls.retain(|control| control.name != CURRENT);
     let refused = found.model.arrange_controls(&mut again).unwrap_err();
     assert!(refused.to_string().contains("current_A"), "{refused}");
+}
+
+/// An input that is known stands where the model has it, whatever the columns' order, and no recording may lack it.
+#[test]
+fn a_known_input_stays_and_must_be_there() {
+    let test = |seed| recorded(controlled(1.0, steps(seed)), &blocks(), seed);
+    let model = traced(&[test(1)], &[test(2)]).model;
+    let known = Sought {
+        known: known_terms(&model.effects[0]).unwrap(),
+        controls: vec![CURRENT.to_owned()],
+        ..Sought::default()
+    };
+    let mut other = test(3);
+    let supply = (0..other.len()).map(|row| 24.0 + 1e-3 * ((row * 7919) % 100) as f64);
+    other = other.with_control("supply_V", supply.collect()).unwrap();
+    other.controls.reverse();
+    let found = trace_for(&known, &[other], &[], &|_| ()).unwrap();
+    assert_eq!(
+        found.result.verdict,
+        Verdict::None,
+        "{:?}",
+        families(&found.result)
+    );
+    assert_eq!(found.result.baseline.known, ["control_input"]);
+    let names = found
+        .model
+        .controls
+        .iter()
+        .map(|control| control.name.as_str());
+    assert!(names.eq([CURRENT]));
+    assert_eq!(found.model.effects[0].parameters["input"], 0.0);
+
+    let mut without = test(4);
+    without.controls.clear();
+    let refused = trace_for(&known, &[without], &[], &|_| ()).unwrap_err();
+    assert!(
+        refused.to_string().contains("no column current_A"),
+        "{refused}"
+    );
+}
+
+/// What is the same in all that is fitted says nothing of what another value does.
+#[test]
+fn a_current_that_was_never_another_is_said_to_be_another() {
+    let at = |current: f64, seed| recorded(controlled(1.0, held(current)), &blocks(), seed);
+    let result = traced(&[at(0.5, 1)], &[at(1.0, 2)]).result;
+    assert!(!families(&result).contains(&"control_input"));
+    let mut warnings = result.warnings.iter();
+    let said = warnings.any(|each| each.contains("current_A is not looked at: it is 0.5"));
+    assert!(said, "{:?}", result.warnings);
 }
 
 /// What one of the recordings lacks cannot be looked at, and that is said.

@@ -231,7 +231,6 @@ fn friction_at_one_place_is_told_from_an_elastic_force_there() {
         // Of what is left without it.
         let without = Model {
             correction: None,
-            controls: Vec::new(),
             ..model
         };
         let mut of = depends_on(&choice, &recordings, &without, |_, _| true).unwrap();
@@ -305,7 +304,6 @@ fn the_correction_is_bounded_outside_the_data() {
     let far = record(&[block(2.0, 20.0, 5)], Box::new(|_| 0.0), 3);
     let law = Model {
         correction: None,
-        controls: Vec::new(),
         ..model.clone()
     };
     let forces = predict(&model, &far).unwrap();

@@ -3,6 +3,7 @@
 use super::RespondError;
 use super::oscillator::Input;
 use super::signal::refined;
+use crate::Model;
 use mesh_damper::effects::CONTROLS;
 use mesh_damper_recording::policy::policy;
 
@@ -78,8 +79,8 @@ impl Excitation {
     }
 
     /// # Errors
-    /// Fewer than two samples, a tick that no effect takes, a sample that is not finite.
-    pub(super) fn check(&self) -> Result<(), RespondError> {
+    /// Fewer than two samples, a tick that no effect takes, a sample that is not finite, too few control inputs for the model.
+    pub(super) fn check(&self, model: &Model) -> Result<(), RespondError> {
         let (Drive::Force(samples) | Drive::Base(samples)) = &self.drive;
         let wrong = |field, value, problem: &str, remedy| {
             Err(RespondError::Value {
@@ -101,7 +102,33 @@ impl Excitation {
                 "give the time between samples in s",
             );
         }
-        match samples.iter().find(|value| !value.is_finite()) {
+        if self.controls.len() < model.controls.len() {
+            return wrong(
+                "control",
+                self.controls.len() as f64,
+                "inputs are fewer than the model depends on",
+                "give a value of each at every sample",
+            );
+        }
+        if let Some(short) = self
+            .controls
+            .iter()
+            .find(|each| each.len() != samples.len())
+        {
+            let count = short.len() as f64;
+            return wrong(
+                "control",
+                count,
+                "samples are not as many as those of the excitation",
+                "give each control input as many",
+            );
+        }
+        let channels = self.controls.iter().flatten();
+        match samples
+            .iter()
+            .chain(channels)
+            .find(|value| !value.is_finite())
+        {
             Some(&value) => wrong("sample", value, "is not finite", "mend the sample"),
             None => Ok(()),
         }

@@ -179,7 +179,7 @@ pub fn respond(
     settings: &Settings,
 ) -> Result<Response, RespondError> {
     settings.check()?;
-    excitation.check()?;
+    excitation.check(model)?;
     let specimen = Specimen::new(model, settings.mass, settings.offset)?;
     let tick = excitation.tick();
     let most = (MOST_STEPS / excitation.len().max(1)).min((tick / SHORTEST_STEP) as usize);
@@ -219,7 +219,7 @@ pub fn respond_in_steps(
     substeps: usize,
 ) -> Result<(Vec<Moment>, EnergyBalance), RespondError> {
     settings.check()?;
-    excitation.check()?;
+    excitation.check(model)?;
     let specimen = Specimen::new(model, settings.mass, settings.offset)?;
     integrate(&specimen, excitation, settings, substeps.max(1))
 }

@@ -140,15 +140,29 @@ impl Specimen {
         let beside = [
             "stick_slip",
             "relaxation",
+            "yielding",
             "stop",
             "drift",
             "backlash",
             "degradation",
         ];
         let effects = beside.into_iter().filter_map(|family| self.effect(family));
-        effects
+        let passive: f64 = effects
             .map(|effect| sum_of(effect, "stiffness").max(0.0))
-            .sum()
+            .sum();
+        passive + self.stiffness_of_controlled()
+    }
+
+    /// The most that a control input makes of its branch within the range that was fitted, kN/mm.
+    fn stiffness_of_controlled(&self) -> f64 {
+        let Some(effect) = self.effect("control_input") else {
+            return 0.0;
+        };
+        let ends = self.model.controls.iter().flat_map(|each| each.range);
+        let largest = ends.fold(0.0, |most: f64, end| most.max(end.abs()));
+        let saturation = effect.parameters.get("saturation").copied();
+        let strength = largest / (1.0 + largest / saturation.unwrap_or(f64::INFINITY));
+        strength * sum_of(effect, "stiffness").max(0.0)
     }
 
     /// About the largest angular frequency of the mass on the damper at a displacement of 0, rad/s.

@@ -82,7 +82,7 @@ impl Outcome {
     }
 
     /// How well the answer fits. A listed effect has to be the only one named, of a pair both have to be; an unlisted one has
-    /// to be called so, or by its name where a tracer has learnt it.
+    /// to be called so, or by its name where a tracer has learnt it and the law is mended with it.
     pub fn mark(&self) -> Mark {
         let Ok(said) = &self.said else {
             return Mark::Wrong;
@@ -98,7 +98,8 @@ impl Outcome {
             }
             Class::Pair => said.verdict == Verdict::Found && all_named,
             Class::Unlisted => {
-                said.verdict == Verdict::Unlisted || (said.verdict == Verdict::Found && all_named)
+                said.verdict == Verdict::Unlisted
+                    || (said.verdict == Verdict::Found && all_named && self.mended())
             }
         };
         if right {

@@ -11,11 +11,11 @@ use mesh_damper::sine::Programme;
 use mesh_damper_link::lockstep::run_rig_on;
 use mesh_damper_model::extrapolation::{Extrapolation, RANGE_MARGIN, percent};
 use mesh_damper_model::file::{FittedRange, ModelFile, model_error};
-use mesh_damper_model::{MAX_EFFECTS, ModelError};
+use mesh_damper_model::{Control, MAX_EFFECTS, ModelError};
 use mesh_damper_recording::Recording;
 use mesh_damper_recording::error::InputError;
 use mesh_damper_recording::output::Plan;
-use mesh_damper_rig::specimen::{DamperForce as _, Specimen, draw};
+use mesh_damper_rig::specimen::{CURRENT, DamperForce as _, Specimen, draw};
 use mesh_damper_rig::{Journal, RigSetup, Samples, SetupError, TICK_RATE, Watch, run_rig};
 use serde::Serialize;
 
@@ -329,7 +329,15 @@ impl RunCommand {
         let mut described = format!("simulated MMD, density_g_cm3 = {}", self.density);
         let mut specimen = Specimen::of_density(self.density, SPECIMEN_AMPLITUDE);
         for text in &self.effect {
-            specimen = specimen.with(effect::parse(text)?);
+            let effect = effect::parse(text)?;
+            if specimen.control().is_some() && effect.control_at(0.0).is_some() {
+                return Err(InputError::new(
+                    "--effect",
+                    "gives a second control input",
+                    "give one: a simulated specimen is under one current",
+                ));
+            }
+            specimen = specimen.with(effect);
             described = format!("{described}, {text}");
         }
         Ok((specimen, self.density, described))
@@ -361,7 +369,7 @@ impl RunCommand {
             block_laws,
             fitted_range,
             operating_range,
-        } = self.laws(first, &amplitudes, density)?;
+        } = self.laws(first, &amplitudes, density, specimen.control().is_some())?;
         let mut setup = match (driven, programme) {
             (Some(driven), _) => RigSetup::driven(specimen, law, driven.motion.clone(), self.seed)
                 .map_err(|error| refused(error.into()))?,
@@ -374,7 +382,14 @@ impl RunCommand {
     }
 
     /// The law for the amplitude `first` in mm, and eq 13 for each of `amplitudes`.
-    fn laws(&self, first: f64, amplitudes: &[f64], density: f64) -> Result<Laws, InputError> {
+    /// `is_controlled` says whether the specimen is under a current.
+    fn laws(
+        &self,
+        first: f64,
+        amplitudes: &[f64],
+        density: f64,
+        is_controlled: bool,
+    ) -> Result<Laws, InputError> {
         let Some(path) = &self.model else {
             return Ok(Laws {
                 law: AugmentedLaw::new(self.law.at(density, SPECIMEN_AMPLITUDE)),
@@ -385,6 +400,19 @@ impl RunCommand {
         };
         let file = ModelFile::read_within(path, self.reading.limit)?;
         let model = file.model();
+        let unknown = |control: &&Control| !is_controlled || control.name != CURRENT;
+        if let Some(control) = model.controls.iter().find(unknown) {
+            return Err(InputError::new(
+                path.display().to_string(),
+                format!(
+                    "its force depends on {}, which this specimen is not under",
+                    control.name
+                ),
+                format!(
+                    "test a specimen under {CURRENT}, by --effect control_input, or give another model"
+                ),
+            ));
+        }
         let refused = |error| model_error(&path.display().to_string(), &error);
         let range = file.fitted_range().operating_range();
         let range = range
