@@ -187,7 +187,6 @@ fn force_of(
             cycles,
             temperature: truth.temperature[index],
             controls: [truth.control.get(index).copied().unwrap_or_default(); CONTROLS],
-            ..Motion::default()
         };
         Some(augmented.force(&mut state, &motion))
     })

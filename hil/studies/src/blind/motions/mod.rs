@@ -109,7 +109,7 @@ fn drawn(seed: u64, rng: &mut impl Rng) -> Option<Trial> {
     for _ in 0..effects {
         let later = match seed {
             ..FIRST_WITH_YIELDING => 0,
-            ..FIRST_WITH_CONTROL => 1,
+            FIRST_WITH_YIELDING..FIRST_WITH_CONTROL => 1,
             _ => LATER.len(),
         };
         let later = LATER[..later].iter().map(|(which, _)| *which);
