@@ -4,6 +4,7 @@ use mesh_damper::effects::{CONTROLS, ControlInput, Yielding};
 use mesh_damper::error::ConfigError;
 use mesh_damper_recording::trajectory::Trajectory;
 
+use super::yielding::stretch_and_rate;
 use super::{Element, Entry, Form, FormSpec, Input, run};
 use crate::policy::policy;
 use crate::shape::{Extent, Shape};
@@ -71,19 +72,7 @@ impl<const PLACE: usize, const LATE: bool, const BENT: bool> Controlled<PLACE, L
 
     fn shapes(extent: &Extent) -> Vec<Shape> {
         let policy = &policy().shape;
-        let [slowest, fastest] = policy.yield_rate;
-        let mut shapes = vec![
-            Shape::spread(
-                policy.shortest_yield * extent.amplitude,
-                policy.longest * extent.amplitude,
-                policy.yield_starts,
-            ),
-            Shape::spread(
-                slowest * extent.velocity,
-                fastest * extent.velocity,
-                policy.yield_rate_starts,
-            ),
-        ];
+        let mut shapes = stretch_and_rate(extent).to_vec();
         if LATE {
             shapes.push(Shape::spread(
                 policy.shortest_lag * extent.tick,

@@ -48,11 +48,17 @@ const BRANCH: FormSpec = FormSpec {
 
 fn shapes(extent: &Extent) -> Vec<Shape> {
     let policy = &policy().shape;
-    let [slowest, fastest] = policy.yield_rate;
     let swing = extent.amplitude / extent.velocity;
     let [briefest, longest] = policy.yield_time;
     let time = Shape::spread(briefest * swing, longest * swing, policy.yield_time_starts);
-    vec![
+    stretch_and_rate(extent).into_iter().chain([time]).collect()
+}
+
+/// The stretch at which a dashpot yields and its rate, of whatever branch it is in.
+pub(super) fn stretch_and_rate(extent: &Extent) -> [Shape; 2] {
+    let policy = &policy().shape;
+    let [slowest, fastest] = policy.yield_rate;
+    [
         Shape::spread(
             policy.shortest_yield * extent.amplitude,
             policy.longest * extent.amplitude,
@@ -63,6 +69,5 @@ fn shapes(extent: &Extent) -> Vec<Shape> {
             fastest * extent.velocity,
             policy.yield_rate_starts,
         ),
-        time,
     ]
 }
