@@ -7,7 +7,7 @@ use mesh_damper::fast_law::FastLaw;
 use mesh_damper::pack;
 use mesh_damper_model::correction::{CorrectionTable, MemoryAxis, Remembered};
 use mesh_damper_model::file::{FittedRange, ModelFile};
-use mesh_damper_model::{AddedEffect, Family, LawNode, Model};
+use mesh_damper_model::{AddedEffect, Control, Family, LawNode, Model};
 
 use crate::edit::edited;
 use crate::law::EFFECTS;
@@ -68,6 +68,10 @@ static GOOD: LazyLock<Vec<Vec<u8>>> = LazyLock::new(|| {
             law: vec![node(0.05), node(0.1 + 0.2)],
             effects: effects.collect(),
             correction,
+            controls: vec![Control {
+                name: "current_A".into(),
+                range: [0.0, 1.5],
+            }],
         };
         let range = FittedRange {
             displacement: [-0.2, 0.2],
@@ -122,6 +126,17 @@ static GOOD: LazyLock<Vec<Vec<u8>>> = LazyLock::new(|| {
                     &[("stiffness", 1.2), ("slip_limit", 0.03), ("sharpness", 1.5)],
                 ),
                 ("gap", &[("half_width", 0.01), ("damps_inside", 1.0)]),
+                (
+                    "control_input",
+                    &[
+                        ("stiffness", 0.8),
+                        ("yield_stretch", 0.04),
+                        ("rate", 0.6),
+                        ("viscosity", 0.004),
+                        ("lag", 0.05),
+                        ("saturation", 2.0),
+                    ],
+                ),
                 ("delay", &[("time", 0.0012)]),
                 ("compliance", &[("stiffness", 25.0)]),
                 (
