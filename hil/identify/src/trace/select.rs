@@ -320,9 +320,14 @@ impl<'a> Search<'a> {
     /// All forms beside each law of `beam`, the best first, those that are not admissible last; at most `most` of each law's are
     /// fitted.
     fn step(&self, beam: &[Fitted], step: usize, most: usize) -> Vec<Candidate> {
+        // A finer form of another family's effect is no step of its own: see `refined`.
+        let is_step = |term: &&Term| {
+            !term.form.refines || term.form.special_cases.contains(&term.form.family)
+        };
+        let steps: Vec<Term> = self.terms.iter().filter(is_step).copied().collect();
         let mut tried: Vec<Candidate> = beam
             .par_iter()
-            .flat_map(|law| self.beside(law, &self.terms, most))
+            .flat_map(|law| self.beside(law, &steps, most))
             .map(|(term, fitted, was_fitted)| {
                 let rejected_by = if !fitted.is_admissible() {
                     Some(Rule::NotPassive)
