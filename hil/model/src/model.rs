@@ -11,6 +11,7 @@ use mesh_damper::pack::{self, LARGEST, PackError, PackInfo};
 use mesh_damper::real::Real;
 use mesh_damper_recording::Recording;
 use mesh_damper_recording::error::InputError;
+use mesh_damper_recording::extremes::least_and_largest;
 use serde::{Deserialize, Serialize};
 
 use crate::correction::{CorrectionTable, Remembered};
@@ -93,6 +94,19 @@ pub struct Control {
     pub name: String,
     /// Least and largest value that the model was fitted on, in that unit.
     pub range: [f64; 2],
+}
+
+impl Control {
+    /// In words, that an input with these `values` goes beyond what was fitted; `None` where it does not.
+    pub fn beyond(&self, values: &[f64]) -> Option<String> {
+        let ([low, high], (least, largest)) = (self.range, least_and_largest(values));
+        (least < low || largest > high).then(|| {
+            format!(
+                "{} goes from {least} to {largest}, and {low} to {high} was fitted: the force is extrapolated",
+                self.name
+            )
+        })
+    }
 }
 
 impl Model {

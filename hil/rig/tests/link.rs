@@ -129,7 +129,7 @@ fn the_load_cell_is_chosen_for_the_specimen() {
     }
 }
 
-/// A bench whose specimen comes under a control input of 2.5 in the second place after so many ticks.
+/// A bench whose specimen comes under a control input of 2.5 in the second place from a given tick on.
 struct Switched {
     bench: Bench<Specimen, 4, 4>,
     left: u32,

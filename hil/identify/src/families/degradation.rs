@@ -41,7 +41,7 @@ pub const FORMS: [Form; 3] = [
             let slider = Weakening::new(1.0, shapes[0], shapes[1], shapes[2])?;
             Ok(vec![run(&slider, motion)])
         },
-        // A slider of so many times the stiffness dissipates so many times the energy: what is searched is that of a stiffness of 1.
+        // The energy is in proportion to the stiffness: what is searched is that of a stiffness of 1.
         elements: |value| {
             one(vec![
                 ("stiffness", value.size(0)),

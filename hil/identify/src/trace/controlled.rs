@@ -133,16 +133,12 @@ impl Controlled {
             .map(|&place| self.controls[place].clone())
             .collect();
         for control in &model.controls {
-            let [low, high] = control.range;
             for recording in held {
-                if let Some([least, largest]) = range_of(recording, &control.name)
-                    && (least < low || largest > high)
-                {
-                    result.warnings.push(format!(
-                        "{}: {} goes from {least} to {largest}, and {low} to {high} was fitted: the force is extrapolated",
-                        recording.name, control.name
-                    ));
-                }
+                let mut channels = recording.controls.iter();
+                let channel = channels.find(|each| each.name == control.name);
+                let said = channel.and_then(|channel| control.beyond(&channel.values));
+                let said = said.map(|said| format!("{}: {said}", recording.name));
+                result.warnings.extend(said);
             }
         }
     }

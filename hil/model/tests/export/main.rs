@@ -155,7 +155,7 @@ fn a_module_gives_the_force_of_the_pack_bit_for_bit_and_says_the_same() {
     agrees!(third);
 }
 
-/// A firmware is told which input stands at which place, in Rust and in C.
+/// An export says which input stands at which place, in Rust and in C.
 #[test]
 fn an_export_names_its_control_inputs() {
     assert_eq!(second::CONTROLS, [CURRENT]);

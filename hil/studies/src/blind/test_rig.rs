@@ -26,7 +26,7 @@ pub struct Truth {
     pub force: Vec<f64>,
     /// °C, likewise.
     pub temperature: Vec<f64>,
-    /// The control input, likewise; none of a specimen that is under none.
+    /// The control input at each sample; none of a specimen that is under none.
     pub control: Vec<f64>,
     /// Index of the block of `blocks`, likewise.
     pub block: Vec<usize>,

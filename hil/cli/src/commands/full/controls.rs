@@ -4,7 +4,6 @@ use clap::Args;
 use mesh_damper_model::Model;
 use mesh_damper_recording::ControlChannel;
 use mesh_damper_recording::error::InputError;
-use mesh_damper_recording::extremes::least_and_largest;
 
 use crate::commands::warn;
 
@@ -71,13 +70,8 @@ impl Controls {
         };
         let channels: Vec<ControlChannel> = names.iter().map(channel).collect::<Result<_, _>>()?;
         for (channel, control) in channels.iter().zip(&model.controls) {
-            let ([low, high], (least, largest)) =
-                (control.range, least_and_largest(&channel.values));
-            if least < low || largest > high {
-                warn(&format!(
-                    "{} goes from {least} to {largest}, and {low} to {high} was fitted: the force is extrapolated",
-                    channel.name
-                ));
+            if let Some(said) = control.beyond(&channel.values) {
+                warn(&said);
             }
         }
         Ok(channels)
