@@ -324,6 +324,7 @@ impl HealthMonitor {
         *blurred |= cause.hides(Channel::Displacement);
         self.latch(Event {
             cause,
+            or: None,
             statistic: Statistic::Sample,
             value: sample.value,
             limit,
@@ -353,6 +354,7 @@ impl HealthMonitor {
             {
                 self.latch(Event {
                     cause: HealthCause::ActuatorDead,
+                    or: None,
                     statistic: Statistic::Response,
                     value: 1.0,
                     limit: response::LIMIT,
@@ -451,6 +453,7 @@ impl HealthMonitor {
         if !known {
             self.latch(Event {
                 cause,
+                or: None,
                 statistic: Statistic::Response,
                 value: distance,
                 limit: response::LIMIT,
@@ -647,6 +650,12 @@ mod tests {
                 | HealthCause::Loosening
                 | HealthCause::PreloadShift
                 | HealthCause::Unexplained
+                | HealthCause::FrictionRise
+                | HealthCause::Stiffening
+                | HealthCause::SensorGain(_)
+                | HealthCause::SpecimenAbsent
+                | HealthCause::SensorReversed(_)
+                | HealthCause::LawMismatch
                 | HealthCause::SensorDrifting(_) => (true, false),
                 _ => (true, true),
             };

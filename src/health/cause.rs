@@ -46,11 +46,27 @@ pub enum HealthCause {
     ActuatorLagging,
     /// The actuator stands still.
     ActuatorDead,
+    /// Energy rises, stiffness stays: the specimen galls or seizes.
+    FrictionRise,
+    /// Stiffness rises, and energy with it or not.
+    Stiffening,
+    /// The channel shows more or less than before for the same quantity.
+    SensorGain(Channel),
+    /// The channel has more noise or hum on it than was learned.
+    SensorNoisy(Channel),
+    /// The force does not follow the motion at all: there is no specimen.
+    SpecimenAbsent,
+    /// The channel shows the other sign.
+    SensorReversed(Channel),
+    /// From the start on the specimen is far from the law.
+    LawMismatch,
+    /// The temperature that is measured cannot be: not finite, out of range, or faster than a specimen warms.
+    TemperatureImplausible,
 }
 
 impl HealthCause {
     /// Every cause.
-    pub const ALL: [Self; 20] = [
+    pub const ALL: [Self; 31] = [
         Self::WireBreakage,
         Self::FrictionWear,
         Self::Loosening,
@@ -71,6 +87,17 @@ impl HealthCause {
         Self::ActuatorSaturated,
         Self::ActuatorLagging,
         Self::ActuatorDead,
+        Self::FrictionRise,
+        Self::Stiffening,
+        Self::SensorGain(Channel::Displacement),
+        Self::SensorGain(Channel::Force),
+        Self::SensorNoisy(Channel::Displacement),
+        Self::SensorNoisy(Channel::Force),
+        Self::SpecimenAbsent,
+        Self::SensorReversed(Channel::Displacement),
+        Self::SensorReversed(Channel::Force),
+        Self::LawMismatch,
+        Self::TemperatureImplausible,
     ];
 
     /// Its number on the link. It is below 32: the monitor keeps a bit for each.
@@ -96,6 +123,17 @@ impl HealthCause {
             Self::ActuatorSaturated => 17,
             Self::ActuatorLagging => 18,
             Self::ActuatorDead => 19,
+            Self::FrictionRise => 20,
+            Self::Stiffening => 21,
+            Self::SensorGain(Channel::Displacement) => 22,
+            Self::SensorGain(Channel::Force) => 23,
+            Self::SensorNoisy(Channel::Displacement) => 24,
+            Self::SensorNoisy(Channel::Force) => 25,
+            Self::SpecimenAbsent => 26,
+            Self::SensorReversed(Channel::Displacement) => 27,
+            Self::SensorReversed(Channel::Force) => 28,
+            Self::LawMismatch => 29,
+            Self::TemperatureImplausible => 30,
         }
     }
 
@@ -104,7 +142,7 @@ impl HealthCause {
         Self::ALL.into_iter().find(|each| each.number() == number)
     }
 
-    /// Seen in the samples while it lasts, of a sensor or of the actuator. The other faults are found from cycle to cycle and
+    /// Seen while it lasts, of a sensor or of the actuator. The other faults are found from cycle to cycle and
     /// stay until they are cleared.
     pub(super) const fn is_passing(self) -> bool {
         matches!(
@@ -116,6 +154,8 @@ impl HealthCause {
                 | Self::ActuatorSaturated
                 | Self::ActuatorLagging
                 | Self::ActuatorDead
+                | Self::SensorNoisy(_)
+                | Self::TemperatureImplausible
         )
     }
 
@@ -134,8 +174,7 @@ impl HealthCause {
     }
 }
 
-/// What an event's value is of. All but [`Statistic::Sample`] and [`Statistic::Response`] are of whole cycles, parts of what
-/// the law says.
+/// What an event's value is of. The first [`Statistic::OF_CYCLES`] are of whole cycles, parts of what the law says.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
@@ -156,11 +195,15 @@ pub enum Statistic {
     Sample,
     /// Distance of the response to the demanded motion from where it was.
     Response,
+    /// RMS of what is no motion and no force of a specimen, over the amplitude.
+    Noise,
+    /// Part of the force's variance that goes with the motion, 0…1.
+    Explained,
 }
 
 impl Statistic {
     /// Every statistic. The first [`Statistic::OF_CYCLES`] are those of whole cycles.
-    pub const ALL: [Self; 8] = [
+    pub const ALL: [Self; 10] = [
         Self::Stiffness,
         Self::Energy,
         Self::MeanForce,
@@ -169,6 +212,8 @@ impl Statistic {
         Self::MeanCommand,
         Self::Sample,
         Self::Response,
+        Self::Noise,
+        Self::Explained,
     ];
     /// How many are of whole cycles.
     pub const OF_CYCLES: usize = 6;
@@ -193,6 +238,8 @@ impl Statistic {
             Self::MeanCommand => 5,
             Self::Sample => 6,
             Self::Response => 7,
+            Self::Noise => 8,
+            Self::Explained => 9,
         }
     }
 
@@ -209,6 +256,8 @@ impl Statistic {
 pub struct Event {
     /// What it is.
     pub cause: HealthCause,
+    /// What it may be as well, where what the rig measures cannot tell the two apart.
+    pub or: Option<HealthCause>,
     /// What moved.
     pub statistic: Statistic,
     /// By how much it moved; a sample as it was.
@@ -315,6 +364,17 @@ mod tests {
             (17, HealthCause::ActuatorSaturated),
             (18, HealthCause::ActuatorLagging),
             (19, HealthCause::ActuatorDead),
+            (20, HealthCause::FrictionRise),
+            (21, HealthCause::Stiffening),
+            (22, HealthCause::SensorGain(Channel::Displacement)),
+            (23, HealthCause::SensorGain(Channel::Force)),
+            (24, HealthCause::SensorNoisy(Channel::Displacement)),
+            (25, HealthCause::SensorNoisy(Channel::Force)),
+            (26, HealthCause::SpecimenAbsent),
+            (27, HealthCause::SensorReversed(Channel::Displacement)),
+            (28, HealthCause::SensorReversed(Channel::Force)),
+            (29, HealthCause::LawMismatch),
+            (30, HealthCause::TemperatureImplausible),
         ];
         let statistics = [
             (0, Statistic::Stiffness),
@@ -325,6 +385,8 @@ mod tests {
             (5, Statistic::MeanCommand),
             (6, Statistic::Sample),
             (7, Statistic::Response),
+            (8, Statistic::Noise),
+            (9, Statistic::Explained),
         ];
         for (number, cause) in causes {
             assert_eq!(cause.number(), number);
@@ -336,8 +398,8 @@ mod tests {
         }
         assert_eq!(HealthCause::ALL.len(), causes.len());
         assert_eq!(Statistic::ALL.len(), statistics.len());
-        assert_eq!(HealthCause::of_number(20), None);
-        assert_eq!(Statistic::of_number(8), None);
+        assert_eq!(HealthCause::of_number(31), None);
+        assert_eq!(Statistic::of_number(10), None);
     }
 
     #[test]

@@ -397,6 +397,7 @@ impl SpecimenWatch {
         let index = usize::from(statistic.place());
         Event {
             cause,
+            or: None,
             statistic,
             value: shift.get(index).copied().unwrap_or_default(),
             limit,

@@ -118,10 +118,15 @@ fn write_report(writer: &mut Writer<'_>, report: &CycleReport) {
     write_cycle(writer, &report.model);
 }
 
+/// In the place of a second cause where there is none.
+const NO_CAUSE: u8 = u8::MAX;
+
 #[inline(never)]
 fn write_event(writer: &mut Writer<'_>, event: &Event) {
     writer.words([
-        u32::from(event.cause.number()) | u32::from(event.statistic.number()) << 8,
+        u32::from(event.cause.number())
+            | u32::from(event.statistic.number()) << 8
+            | u32::from(event.or.map_or(NO_CAUSE, HealthCause::number)) << 16,
         event.value.to_bits(),
         event.limit.to_bits(),
         event.cycle,
@@ -129,9 +134,13 @@ fn write_event(writer: &mut Writer<'_>, event: &Event) {
 }
 
 fn read_event(reader: &mut Reader<'_>) -> Option<Event> {
-    let [cause, statistic, _, _] = reader.u32()?.to_le_bytes();
+    let [cause, statistic, or, _] = reader.u32()?.to_le_bytes();
     Some(Event {
         cause: HealthCause::of_number(cause)?,
+        or: match or {
+            NO_CAUSE => None,
+            number => Some(HealthCause::of_number(number)?),
+        },
         statistic: Statistic::of_number(statistic)?,
         value: reader.f32()?,
         limit: reader.f32()?,
@@ -180,7 +189,7 @@ fn read_report(reader: &mut Reader<'_>, ramp: bool) -> Option<CycleReport> {
 }
 
 /// The faults by the number that they have on the link.
-const FAULTS: [TripCause; 16] = [
+const FAULTS: [TripCause; 18] = [
     TripCause::AdcBus,
     TripCause::DacBus,
     TripCause::EnableLine,
@@ -197,6 +206,8 @@ const FAULTS: [TripCause; 16] = [
     TripCause::LinkLost,
     TripCause::TickOverrun,
     TripCause::DemandLimit,
+    TripCause::External,
+    TripCause::CorrectionLimit,
 ];
 /// Number of the first one.
 const FIRST_FAULT: u8 = 16;

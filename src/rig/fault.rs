@@ -43,6 +43,11 @@ pub enum TripCause {
     TickOverrun,
     /// A streamed motion asked for more than the rig drives: displacement, velocity, or a way too long from knot to knot.
     DemandLimit,
+    /// An input outside of this controller says stop: an emergency stop, a guard, a second controller.
+    External,
+    /// Amplitude's correction asks for more command than [`super::RigSettings::correction_limit`] allows: the displacement channel shows
+    /// too little, or the actuator has become weak.
+    CorrectionLimit,
 }
 
 /// What is allowed, validated.

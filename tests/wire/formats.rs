@@ -72,6 +72,7 @@ fn telemetry() -> Telemetry {
         }),
         event: Some(Event {
             cause: HealthCause::SensorClipped(Channel::Force),
+            or: None,
             statistic: Statistic::Response,
             value: 1.5,
             limit: 1.0,

@@ -288,6 +288,7 @@ fn an_outcome_passes() {
     };
     let event = Event {
         cause: HealthCause::WireBreakage,
+        or: None,
         statistic: Statistic::Stiffness,
         value: -0.07,
         limit: 0.05,
@@ -332,6 +333,7 @@ fn an_outcome_passes() {
                 Telemetry {
                     event: Some(Event {
                         cause,
+                        or: (cause != HealthCause::Loosening).then_some(HealthCause::Loosening),
                         statistic,
                         ..event
                     }),
@@ -361,6 +363,8 @@ fn every_state_passes() {
         TripCause::LinkLost,
         TripCause::TickOverrun,
         TripCause::DemandLimit,
+        TripCause::External,
+        TripCause::CorrectionLimit,
     ]
     .map(State::Faulted);
     for state in [State::Idle, State::Running, State::Done]

@@ -10,10 +10,10 @@ use crate::telemetry::Telemetry;
 
 /// Bytes of `md_emulation`.
 #[cfg(target_pointer_width = "32")]
-pub const MD_EMULATION_SIZE: usize = 464;
+pub const MD_EMULATION_SIZE: usize = 640;
 /// Bytes of `md_emulation`.
 #[cfg(target_pointer_width = "64")]
-pub const MD_EMULATION_SIZE: usize = 472;
+pub const MD_EMULATION_SIZE: usize = 640;
 /// Alignment of `md_emulation`, bytes.
 pub const MD_EMULATION_ALIGN: usize = 8;
 

@@ -60,6 +60,10 @@ pub enum TripCause {
     TickOverrun = 15,
     /// A motion asked for more than the rig drives.
     DemandLimit = 16,
+    /// An input outside of the controller says stop.
+    External = 17,
+    /// Amplitude's correction asks for more command than is allowed.
+    CorrectionLimit = 18,
     /// A cause that this library has no number for.
     Other = 99,
 }
@@ -83,12 +87,14 @@ impl From<rig::TripCause> for TripCause {
             rig::TripCause::LinkLost => Self::LinkLost,
             rig::TripCause::TickOverrun => Self::TickOverrun,
             rig::TripCause::DemandLimit => Self::DemandLimit,
+            rig::TripCause::External => Self::External,
+            rig::TripCause::CorrectionLimit => Self::CorrectionLimit,
             _ => Self::Other,
         }
     }
 }
 
-const TRIPS: [(TripCause, &CStr); 18] = [
+const TRIPS: [(TripCause, &CStr); 20] = [
     (TripCause::None, c"MD_TRIP_NONE"),
     (TripCause::AdcBus, c"MD_TRIP_ADC_BUS"),
     (TripCause::DacBus, c"MD_TRIP_DAC_BUS"),
@@ -109,6 +115,8 @@ const TRIPS: [(TripCause, &CStr); 18] = [
     (TripCause::LinkLost, c"MD_TRIP_LINK_LOST"),
     (TripCause::TickOverrun, c"MD_TRIP_TICK_OVERRUN"),
     (TripCause::DemandLimit, c"MD_TRIP_DEMAND_LIMIT"),
+    (TripCause::External, c"MD_TRIP_EXTERNAL"),
+    (TripCause::CorrectionLimit, c"MD_TRIP_CORRECTION_LIMIT"),
     (TripCause::Other, c"MD_TRIP_OTHER"),
 ];
 
@@ -164,6 +172,28 @@ pub enum HealthEvent {
     ActuatorLagging = 18,
     /// The actuator stands still.
     ActuatorDead = 19,
+    /// Energy rises, stiffness stays.
+    FrictionRise = 20,
+    /// Stiffness rises.
+    Stiffening = 21,
+    /// The displacement channel shows more or less than before for the same quantity.
+    DisplacementGain = 22,
+    /// The force channel does.
+    ForceGain = 23,
+    /// The displacement channel has more noise or hum on it than was learned.
+    DisplacementNoisy = 24,
+    /// The force channel has.
+    ForceNoisy = 25,
+    /// The force does not follow the motion at all.
+    SpecimenAbsent = 26,
+    /// The displacement channel shows the other sign.
+    DisplacementReversed = 27,
+    /// The force channel does.
+    ForceReversed = 28,
+    /// From the start on the specimen is far from the law.
+    LawMismatch = 29,
+    /// The temperature that is measured cannot be.
+    TemperatureImplausible = 30,
 }
 
 impl From<HealthCause> for HealthEvent {
@@ -190,6 +220,17 @@ impl From<HealthCause> for HealthEvent {
             HealthCause::ActuatorSaturated => Self::ActuatorSaturated,
             HealthCause::ActuatorLagging => Self::ActuatorLagging,
             HealthCause::ActuatorDead => Self::ActuatorDead,
+            HealthCause::FrictionRise => Self::FrictionRise,
+            HealthCause::Stiffening => Self::Stiffening,
+            HealthCause::SensorGain(Displacement) => Self::DisplacementGain,
+            HealthCause::SensorGain(Force) => Self::ForceGain,
+            HealthCause::SensorNoisy(Displacement) => Self::DisplacementNoisy,
+            HealthCause::SensorNoisy(Force) => Self::ForceNoisy,
+            HealthCause::SpecimenAbsent => Self::SpecimenAbsent,
+            HealthCause::SensorReversed(Displacement) => Self::DisplacementReversed,
+            HealthCause::SensorReversed(Force) => Self::ForceReversed,
+            HealthCause::LawMismatch => Self::LawMismatch,
+            HealthCause::TemperatureImplausible => Self::TemperatureImplausible,
         }
     }
 }
@@ -238,6 +279,10 @@ pub struct Telemetry {
     pub has_event: bool,
     /// What it found.
     pub event: HealthEvent,
+    /// Whether it may be something else as well, which what is measured cannot tell apart: `event_or`.
+    pub has_event_or: bool,
+    /// What that is.
+    pub event_or: HealthEvent,
     /// By how much what is watched moved.
     pub event_value: f32,
     /// By how much it may.
@@ -288,6 +333,10 @@ impl From<&rig::Telemetry> for Telemetry {
             nrmse: report.map_or(0.0, |report| report.nrmse),
             has_event: event.is_some(),
             event: event.map_or(HealthEvent::Unexplained, |event| event.cause.into()),
+            has_event_or: event.is_some_and(|event| event.or.is_some()),
+            event_or: event
+                .and_then(|event| event.or)
+                .map_or(HealthEvent::Unexplained, HealthEvent::from),
             event_value: event.map_or(0.0, |event| event.value),
             event_limit: event.map_or(0.0, |event| event.limit),
         }

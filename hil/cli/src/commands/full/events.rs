@@ -12,6 +12,8 @@ pub(super) struct EventRow {
     cycle: u32,
     /// By the crate's names, as `hil faults` has them.
     cause: String,
+    /// What it may be as well, where what is measured cannot tell the two apart.
+    or: Option<String>,
     /// Something is wrong; not so of a run-in or of the temperature.
     fault: bool,
     /// What moved, by the crate's names.
@@ -30,6 +32,7 @@ impl EventRow {
             time,
             cycle: event.cycle,
             cause: format!("{:?}", event.cause),
+            or: event.or.map(|or| format!("{or:?}")),
             fault: event.cause.is_fault(),
             statistic: format!("{:?}", event.statistic),
             value: event.value,
@@ -40,7 +43,7 @@ impl EventRow {
 
     /// In one line.
     pub(super) fn in_words(&self) -> String {
-        let Event { cause, .. } = self.event;
+        let Event { cause, or, .. } = self.event;
         let kind = if self.fault { "TripCause" } else { "Normal" };
         let (value, limit) = (self.value, self.limit);
         let percent = |what: &str| {
@@ -58,6 +61,19 @@ impl EventRow {
             Statistic::ThirdHarmonic => percent("its third harmonic"),
             Statistic::MeanCommand => percent("the mean command"),
             Statistic::Response => percent("the response to the demanded motion"),
+            Statistic::Noise => format!(
+                "{:.2} % of the amplitude is no motion of it, limit {:.2} %",
+                100.0 * value,
+                100.0 * limit
+            ),
+            Statistic::Explained => format!(
+                "{:.0} % of the force goes with the motion, limit {:.0} %",
+                100.0 * value,
+                100.0 * limit
+            ),
+            Statistic::Sample if cause == HealthCause::TemperatureImplausible => {
+                format!("it showed {value:.1} °C")
+            }
             Statistic::Sample => match channel_of(cause) {
                 Some(Channel::Displacement) => format!("it showed {value:.4} mm"),
                 Some(Channel::Force) => format!("it showed {value:.4} kN"),
@@ -65,10 +81,11 @@ impl EventRow {
             },
         };
         format!(
-            "{kind} found {:.3} s after the start, in cycle {}: {}; {evidence}",
+            "{kind} found {:.3} s after the start, in cycle {}: {}{}; {evidence}",
             self.time,
             self.cycle,
-            named(cause)
+            named(cause),
+            or.map_or_else(String::new, |or| format!(" or {}", named(or)))
         )
     }
 }
@@ -79,7 +96,10 @@ fn channel_of(cause: HealthCause) -> Option<Channel> {
         | HealthCause::SensorDroppedOut(channel)
         | HealthCause::SensorClipped(channel)
         | HealthCause::SensorSpiking(channel)
-        | HealthCause::SensorDrifting(channel) => Some(channel),
+        | HealthCause::SensorDrifting(channel)
+        | HealthCause::SensorGain(channel)
+        | HealthCause::SensorNoisy(channel)
+        | HealthCause::SensorReversed(channel) => Some(channel),
         _ => None,
     }
 }
@@ -108,5 +128,13 @@ fn named(cause: HealthCause) -> String {
         HealthCause::ActuatorSaturated => "the actuator is saturated".into(),
         HealthCause::ActuatorLagging => "the actuator lags".into(),
         HealthCause::ActuatorDead => "the actuator is dead".into(),
+        HealthCause::FrictionRise => "friction rises".into(),
+        HealthCause::Stiffening => "the specimen stiffens".into(),
+        HealthCause::SensorGain(_) => sensor("has another gain"),
+        HealthCause::SensorNoisy(_) => sensor("has noise or hum on it"),
+        HealthCause::SpecimenAbsent => "there is no specimen".into(),
+        HealthCause::SensorReversed(_) => sensor("is reversed"),
+        HealthCause::LawMismatch => "the specimen is far from the law".into(),
+        HealthCause::TemperatureImplausible => "the temperature cannot be".into(),
     }
 }

@@ -507,6 +507,10 @@ pub(super) fn in_words(fault: TripCause) -> &'static str {
         TripCause::LinkLost => "the link was silent for too long",
         TripCause::TickOverrun => "a tick came late",
         TripCause::DemandLimit => "the streamed motion asked for more than the rig drives",
+        TripCause::External => "an input from outside said stop",
+        TripCause::CorrectionLimit => {
+            "amplitude's correction asked for more command than is allowed"
+        }
         _ => "a fault without a name",
     }
 }
