@@ -65,6 +65,12 @@ impl Fields for Scale {
     fn read(reader: &mut Reader<'_>) -> Option<Self> {
         // The full scale is what the step says.
         let [_, zero, step, inverse_step] = reader.words()?.map(f32::from_bits);
+        let midscale = f64::from(MIDSCALE);
+        let most = SCALE_LIMIT / midscale;
+        in_range("full_scale", step.abs(), 1e-6 / midscale, most).ok()?;
+        in_range("zero", zero, -SCALE_LIMIT, SCALE_LIMIT).ok()?;
+        // Of two numbers that were rounded, and their product.
+        in_range("inverse_step", step * inverse_step, 1.0 - 3e-7, 1.0 + 3e-7).ok()?;
         Some(Self {
             zero,
             step,

@@ -8,6 +8,8 @@
 //! | stiffness and energy fall | two-sided CUSUM | [`HealthCause::WireBreakage`] |
 //! | energy falls, stiffness stays | | [`HealthCause::FrictionWear`] |
 //! | stiffness falls, the residual's third harmonic with it | | [`HealthCause::Loosening`] |
+//! | energy rises, stiffness stays | | [`HealthCause::FrictionRise`] |
+//! | stiffness rises | | [`HealthCause::Stiffening`] |
 //! | the mean force, at once | | [`HealthCause::PreloadShift`] |
 //! | the mean force, bit by bit | | [`HealthCause::SensorDrifting`] of the force |
 //! | the mean force, and the command's mean with it | | [`HealthCause::SensorDrifting`] of the displacement |
@@ -17,6 +19,9 @@
 //! | slowly, by what the law may follow | | none |
 //! | a channel that repeats one value | what it measures moves beside it | [`HealthCause::SensorStuck`], [`HealthCause::SensorDroppedOut`], [`HealthCause::SensorClipped`] |
 //! | a sample that stands out | jumps there and back | [`HealthCause::SensorSpiking`] |
+//! | a channel's error from look to look | count of second differences beyond what was learned | [`HealthCause::SensorNoisy`] |
+//! | the force, none of the motion | part that least squares explain | [`HealthCause::SpecimenAbsent`] or [`HealthCause::SensorDroppedOut`] |
+//! | stiffness and energy, from the start far from the law's | a factor | [`HealthCause::LawMismatch`], [`HealthCause::SensorReversed`] |
 //! | the response to the demanded motion | limit on its distance from where it was | [`HealthCause::ActuatorDead`], [`HealthCause::ActuatorLagging`], [`HealthCause::ActuatorSaturated`] |
 //!
 //! A cycle in which a channel or the actuator was at fault says nothing of the specimen and is left out; what has broken
@@ -31,8 +36,10 @@ mod baseline;
 mod cause;
 mod channel;
 mod cusum;
+mod force;
 mod places;
 mod response;
+mod roughness;
 mod settings;
 mod specimen;
 mod sums;
@@ -47,8 +54,10 @@ use crate::fast_law::Adaptation;
 use crate::rig::{Reading, TripCause};
 use adaptation::Adapter;
 use channel::{Beside, ChannelWatch};
+use force::ForceWatch;
 use places::{late, part_end};
 use response::ResponseWatch;
+use roughness::Roughness;
 use specimen::{CycleNumbers, SpecimenWatch};
 use sums::CycleSums;
 
@@ -61,6 +70,9 @@ pub const EVENTS: usize = 8;
 
 /// Amplitudes of displacement and force are taken as at least these parts of what is allowed.
 const LEAST_AMPLITUDES: [f32; 2] = [0.05, 0.02];
+
+/// Part by which the amplitude of the same motion may differ, as close looks show it.
+const SAME_AMPLITUDE: f32 = 0.01;
 
 /// Cycles in a row that are left out for a fault, before what is there is taken for normal.
 const LEFT_OUT: u32 = 16;
@@ -97,6 +109,8 @@ pub(crate) struct Ended {
     pub(crate) command: f32,
     /// Another law has taken over with its end.
     pub(crate) another_law: bool,
+    /// Ticks of it.
+    pub(crate) ticks: u32,
     /// A whole cycle of a block, not of a ramp.
     pub(crate) steady: Option<Steady>,
 }
@@ -117,6 +131,11 @@ pub(crate) struct HealthMonitor {
     displacement: ChannelWatch,
     force: ChannelWatch,
     response: ResponseWatch,
+    following: ForceWatch,
+    /// Of displacement and of force.
+    roughness: [Roughness; 2],
+    /// A channel shows nothing of what it measures.
+    lost: Option<Channel>,
     specimen: SpecimenWatch,
     adaptation: Adapter,
     sums: CycleSums,
@@ -129,6 +148,8 @@ pub(crate) struct HealthMonitor {
     largest: [f32; 2],
     least_amplitudes: [f32; 2],
     block: usize,
+    /// Amplitude of the demand in mm and ticks to the cycle, of the motion that the specimen is watched in.
+    motion: (f32, u32),
     cycle: u32,
     /// Spikes have been learned.
     spikes: bool,
@@ -176,6 +197,9 @@ impl HealthMonitor {
             displacement: ChannelWatch::new(Channel::Displacement, displacement),
             force: ChannelWatch::new(Channel::Force, force),
             response: ResponseWatch::default(),
+            following: ForceWatch::default(),
+            roughness: [Roughness::default(); 2],
+            lost: None,
             specimen: SpecimenWatch::new(),
             adaptation: Adapter::new(),
             sums: CycleSums::default(),
@@ -185,6 +209,7 @@ impl HealthMonitor {
             largest: [0.0; 2],
             least_amplitudes,
             block: 0,
+            motion: (0.0, 0),
             cycle: 0,
             spikes: false,
             events: heapless::Vec::new(),
@@ -201,6 +226,9 @@ impl HealthMonitor {
     /// The rig starts: learns anew. Events stay.
     pub(crate) fn restart(&mut self) {
         self.response = ResponseWatch::default();
+        self.following = ForceWatch::default();
+        self.roughness = [Roughness::default(); 2];
+        self.lost = None;
         self.specimen = SpecimenWatch::new();
         self.adaptation = Adapter::new();
         self.sums = CycleSums::default();
@@ -209,6 +237,7 @@ impl HealthMonitor {
         self.amplitudes = self.least_amplitudes;
         self.largest = [0.0; 2];
         self.block = 0;
+        self.motion = (0.0, 0);
         self.cycle = 0;
         self.spikes = false;
         self.disturbed = [false; 2];
@@ -229,10 +258,18 @@ impl HealthMonitor {
         self.events.clear();
         self.told = 0;
         self.latched = 0;
-        self.specimen.relearn();
-        self.adaptation.find_anew();
+        self.relearn();
         self.response = ResponseWatch::default();
         self.off = [false; 2];
+    }
+
+    /// What is now shall be normal.
+    fn relearn(&mut self) {
+        self.specimen.relearn();
+        self.adaptation.find_anew();
+        for roughness in &mut self.roughness {
+            roughness.relearn();
+        }
     }
 
     /// Every tick: what a `reading` after one of the codes `last` is to displacement and force. Where one asks,
@@ -332,10 +369,11 @@ impl HealthMonitor {
         });
     }
 
-    /// The rig has stopped for `fault` with a `reading`: what that says of a channel or of the actuator.
+    /// The rig has stopped for `fault` with a `reading`: what that says of a channel or of the actuator. `growth` is that of the command
+    /// which amplitude's correction asked for, less 1.
     #[cold]
     #[inline(never)]
-    pub(crate) fn stopped(&mut self, fault: TripCause, reading: &Reading) {
+    pub(crate) fn stopped(&mut self, fault: TripCause, reading: &Reading, growth: f32) {
         match fault {
             TripCause::DisplacementClipped => self.sample_event(
                 HealthCause::SensorClipped(Channel::Displacement),
@@ -349,6 +387,25 @@ impl HealthMonitor {
                 self.force.limit(),
                 &reading.force,
             ),
+            TripCause::CorrectionLimit => self.latch(Event {
+                cause: HealthCause::SensorGain(Channel::Displacement),
+                or: Some(HealthCause::ActuatorLagging),
+                statistic: Statistic::Response,
+                value: growth,
+                limit: response::LIMIT,
+                cycle: self.cycle,
+            }),
+            TripCause::NoResponse if self.response.is_reversed() => {
+                let (force, displacement) = cause::reversed();
+                self.latch(Event {
+                    cause: displacement,
+                    or: Some(force),
+                    statistic: Statistic::Response,
+                    value: 2.0,
+                    limit: response::LIMIT,
+                    cycle: self.cycle,
+                });
+            }
             TripCause::TrackingLimit | TripCause::NoResponse
                 if !self.is_response_known() && self.response.is_dead() =>
             {
@@ -432,18 +489,28 @@ impl HealthMonitor {
         }
         if look.ramp {
             self.response.restart();
-        } else if let Some((cause, distance)) =
-            self.response.update(look.measured, d, v, look.phase)
-        {
-            self.response_event(cause, distance);
+        } else if let Some(off) = self.response.update(look.measured, d, v, look.phase) {
+            self.response_event(off);
         }
+        self.watch_force(look);
+        self.watch_noise(config, look);
         followed
     }
 
     /// What the actuator's response says, unless a displacement that is lost shows it, or it has been told and is still off.
     #[cold]
     #[inline(never)]
-    fn response_event(&mut self, cause: HealthCause, distance: f32) {
+    fn response_event(&mut self, (mut cause, mut or, distance): response::Off) {
+        // Hum has another shape too.
+        if cause == HealthCause::ActuatorSaturated && self.roughness[0].count() >= roughness::SOME {
+            or = Some(HealthCause::SensorNoisy(Channel::Displacement));
+        }
+        // A specimen that is not moved gives no force that varies.
+        if cause == HealthCause::ActuatorDead && self.following.varies() {
+            let stuck = HealthCause::SensorStuck(Channel::Displacement);
+            (cause, or) = (stuck, None);
+            self.lost = Some(Channel::Displacement);
+        }
         let known = self.is_response_known();
         let [off, before] = &mut self.off;
         // Where it is told it goes on; where the displacement is lost it is not told.
@@ -453,13 +520,120 @@ impl HealthMonitor {
         if !known {
             self.latch(Event {
                 cause,
-                or: None,
+                or,
                 statistic: Statistic::Response,
                 value: distance,
                 limit: response::LIMIT,
                 cycle: self.cycle,
             });
         }
+    }
+
+    /// A close look at any motion, whose cycles are not told apart: whether the force goes with it.
+    #[inline]
+    pub(crate) fn look_at_any(&mut self, look: &Look) {
+        self.due = part_end(look.phase, self.cycle);
+        let [least, _] = self.least_amplitudes;
+        let (y, v, f) = (look.displacement, look.velocity, look.force);
+        if let Some(explained) = self.following.update_any(y, v, f, 0.5 * least) {
+            self.force_is_lost(explained);
+        }
+    }
+
+    /// Whether the force goes with the motion, unless the displacement shows none.
+    fn watch_force(&mut self, look: &Look) {
+        let [least, _] = self.least_amplitudes;
+        let (y, v, f) = (look.displacement, look.velocity, look.force);
+        if let Some(explained) = self.following.update(y, v, f, look.phase, 0.5 * least)
+            && !self.is_response_known()
+        {
+            self.force_is_lost(explained);
+        }
+    }
+
+    /// That it does not is the channel's fault or that of a specimen that is not there: nothing tells them apart. Where it never did, a
+    /// missing specimen is more likely.
+    #[cold]
+    #[inline(never)]
+    fn force_is_lost(&mut self, explained: f32) {
+        self.lost = Some(Channel::Force);
+        let both = [
+            HealthCause::SpecimenAbsent,
+            HealthCause::SensorDroppedOut(Channel::Force),
+        ];
+        let [absent, dropped] = both;
+        let (cause, or) = if self.following.has_followed() {
+            (dropped, absent)
+        } else {
+            (absent, dropped)
+        };
+        self.latch(Event {
+            cause,
+            or: Some(or),
+            statistic: Statistic::Explained,
+            value: explained,
+            limit: force::LEAST_EXPLAINED,
+            cycle: self.cycle,
+        });
+    }
+
+    /// Noise and hum on either channel, unless the actuator moves in another way. Hum on the displacement is on the law's force too, and what the law leaves says nothing then.
+    fn watch_noise(&mut self, config: &HealthConfig, look: &Look) {
+        let known = self.is_response_known();
+        let (_, ticks) = self.motion;
+        let [displacement, force] = &mut self.roughness;
+        if look.ramp || known || ticks < roughness::LEAST_TICKS {
+            displacement.interrupt();
+            force.interrupt();
+            return;
+        }
+        let learns = !self.specimen.is_watching(config);
+        let [amplitude, force_amplitude] = self.amplitudes;
+        let (demand, v) = look.demand;
+        let noisy = displacement.update(look.measured - demand, v, amplitude, learns);
+        let loud = force.update(look.force - look.law, v, force_amplitude, learns);
+        if let Some(level) = noisy {
+            self.noise_event(Channel::Displacement, level);
+        } else if let Some(level) = loud
+            && self.roughness[0].count() < roughness::SOME
+        {
+            self.noise_event(Channel::Force, level);
+        }
+    }
+
+    #[cold]
+    #[inline(never)]
+    fn noise_event(&mut self, channel: Channel, level: f32) {
+        let [disturbed, _] = &mut self.disturbed;
+        *disturbed = true;
+        self.latch(Event {
+            cause: HealthCause::SensorNoisy(channel),
+            or: None,
+            statistic: Statistic::Noise,
+            value: roughness::FACTOR * level,
+            limit: level,
+            cycle: self.cycle,
+        });
+    }
+
+    /// The channel that is lost, as close looks have found.
+    #[inline(always)]
+    pub(crate) fn lost(&self) -> Option<Channel> {
+        self.lost
+    }
+
+    /// A temperature that cannot be was `shown`, while `taken` was taken for it, °C.
+    #[cold]
+    #[inline(never)]
+    pub(crate) fn implausible_temperature(&mut self, shown: f32, taken: f32) {
+        self.latch(Event {
+            cause: HealthCause::TemperatureImplausible,
+            or: None,
+            statistic: Statistic::Sample,
+            value: shown,
+            limit: taken,
+            cycle: self.cycle,
+        });
     }
 
     /// Whether a response that is off says nothing new: the displacement was lost in this cycle or in the one before, or the
@@ -497,7 +671,7 @@ impl HealthMonitor {
             }
         }
         if ended.another_law {
-            self.specimen.relearn();
+            self.relearn();
             self.adaptation = Adapter::new();
             return;
         }
@@ -513,11 +687,19 @@ impl HealthMonitor {
         let Some(steady) = steady else {
             return;
         };
-        if ended.block != self.block || lasting != lasted {
-            self.block = ended.block;
-            self.specimen.relearn();
-            self.adaptation.find_anew();
+        if lasting != lasted {
+            self.relearn();
         }
+        if ended.block != self.block {
+            self.block = ended.block;
+            if self.is_same_motion(ended.ticks) {
+                self.specimen.resume();
+            } else {
+                self.relearn();
+            }
+        }
+        let [amplitude, _] = self.amplitudes;
+        self.motion = (amplitude, ended.ticks);
         self.specimen.cycle(
             sums,
             CycleNumbers {
@@ -537,6 +719,12 @@ impl HealthMonitor {
                 self.force.learn(begins);
             }
         }
+    }
+
+    /// Whether the cycle that has ended had the motion of the one that was last steady: what is normal in one block is so in the next.
+    fn is_same_motion(&self, ticks: u32) -> bool {
+        let ([amplitude, _], (before, ticks_before)) = (self.amplitudes, self.motion);
+        (amplitude - before).abs() <= SAME_AMPLITUDE * before && ticks.abs_diff(ticks_before) <= 1
     }
 
     #[inline(never)]
@@ -592,6 +780,7 @@ mod tests {
                     block: 0,
                     temperature: 20.0,
                     command: 0.0,
+                    ticks,
                     another_law: false,
                     steady: Some(Steady {
                         energy: part(cycle - 1) * energy,

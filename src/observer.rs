@@ -50,17 +50,35 @@ impl Fields for ObserverConfig {
             velocity_gain,
             acceleration_gain,
         ] = reader.words()?.map(f32::from_bits);
-        Some(Self {
+        let read = Self {
             tick,
             half_tick_squared,
             displacement_gain,
             velocity_gain,
             acceleration_gain,
-        })
+        };
+        read.is_stable().then_some(read)
     }
 }
 
 impl ObserverConfig {
+    /// Whether its error dies away, by the criterion of Jury for z³ − (3−α−β−γ/2)z² + (3−2α−β+γ/2)z − (1−α), with α, β and γ as in
+    /// [`ObserverConfig::new`]: γ > 0, 0 < α < 2, 4α + 2β < 8 and 0 < αβ + αγ/2 − γ < 2α(2 − α). A number that is none fails.
+    fn is_stable(&self) -> bool {
+        let h = self.tick;
+        let (alpha, beta) = (self.displacement_gain, self.velocity_gain * h);
+        let gamma = self.acceleration_gain * h * h;
+        let last = alpha * beta + 0.5 * alpha * gamma - gamma;
+        (1e-6..=1.0).contains(&h)
+            && (self.half_tick_squared - 0.5 * h * h).abs() <= 1e-6 * h * h
+            && gamma > 0.0
+            && alpha > 0.0
+            && alpha < 2.0
+            && 4.0 * alpha + 2.0 * beta < 8.0
+            && last > 0.0
+            && last < 2.0 * alpha * (2.0 - alpha)
+    }
+
     /// * `tick_rate`: Hz, 1…1e6
     /// * `bandwidth`: Hz, 1e-3 to a tenth of the tick rate
     /// * `damping`: ζ of the pair of poles, 0.3…3

@@ -41,6 +41,7 @@
 //!                                           clear
 //! ```
 
+mod approach;
 #[cfg(feature = "async")]
 mod asynchronous;
 mod blocking;
@@ -55,8 +56,10 @@ mod io;
 mod refusal;
 mod rig_controller;
 mod spi;
+mod standstill;
 mod state;
 mod stream;
+mod temperature;
 
 #[cfg(feature = "async")]
 pub use asynchronous::{AsyncActuator, AsyncSensors, Asynchronous};
@@ -81,6 +84,7 @@ use crate::health::{Event, HealthConfig, HealthSettings};
 use crate::observer::ObserverConfig;
 use correction::CorrectionConfig;
 use fault::Limits;
+use temperature::TemperatureConfig;
 
 /// A [`RigController`] with its sensors and its actuator. [`SpiRig`] has the two parts of [`crate::adc`] and [`crate::dac`].
 pub type Rig<S, A, const N: usize, X, L = RunningLaw<N>> = Blocking<RigController<N, X, L>, S, A>;
@@ -98,6 +102,11 @@ pub type Emulator<A, D, E, const N: usize> = SpiDamperEmulation<A, D, E, Running
 /// Former name of [`DamperEmulationSettings`].
 #[deprecated(note = "use DamperEmulationSettings")]
 pub type EmulatorSettings = DamperEmulationSettings;
+
+/// Temperatures that a specimen in its chamber may have, °C.
+const TEMPERATURES: [f64; 2] = [-60.0, 200.0];
+/// °C/s: a kilogram of steel takes 1 kW for that.
+const TEMPERATURE_RATE: f64 = 2.0;
 
 /// What a rig is set to. [`RigController::new`] validates it.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -124,12 +133,19 @@ pub struct RigSettings {
     pub observer_damping: f64,
     /// Part of the error of amplitude and phase that is corrected at the end of each cycle, 0…1.
     pub correction_gain: f64,
+    /// Most by which amplitude's correction may have the command grow within a block, once it has settled, part of it, 0.01…10; twice that
+    /// before. More stops the rig: what asks for it is a displacement channel that shows too little, or an actuator that becomes weak.
+    pub correction_limit: f64,
     /// Lead to begin with, s, 0…0.1: what the actuator is known to lag.
     pub lead: f64,
     /// Time constant with which a correction takes effect, s, one tick to 10.
     pub glide: f64,
     /// Integral feedback of the displacement, 1/s, 0 to a hundredth of the tick rate.
     pub feedback: f64,
+    /// Coldest and hottest that a measured temperature can be, °C, −273…2000. What is beyond is no temperature of the specimen.
+    pub temperature_range: [f64; 2],
+    /// Fastest that it can change, °C/s, 1e-3…1e3: the law is given no faster change while running.
+    pub temperature_rate: f64,
     /// Of what watches it.
     pub health: HealthSettings,
 }
@@ -147,9 +163,12 @@ impl Default for RigSettings {
             observer_bandwidth: 20.0,
             observer_damping: 0.7,
             correction_gain: 0.8,
+            correction_limit: 0.25,
             lead: 0.0,
             glide: 5e-3,
             feedback: 5.0,
+            temperature_range: TEMPERATURES,
+            temperature_rate: TEMPERATURE_RATE,
             health: HealthSettings::default(),
         }
     }
@@ -162,6 +181,7 @@ pub struct RigConfig {
     limits: Limits,
     observer: ObserverConfig,
     correction: CorrectionConfig,
+    temperature: TemperatureConfig,
     health: HealthConfig,
     stop_ticks: u32,
     link_ticks: u32,
@@ -172,6 +192,7 @@ impl Fields for RigConfig {
         self.limits.write(writer);
         self.observer.write(writer);
         self.correction.write(writer);
+        self.temperature.write(writer);
         self.health.write(writer);
         writer.words([self.stop_ticks, self.link_ticks]);
     }
@@ -181,9 +202,10 @@ impl Fields for RigConfig {
             limits: Limits::read(reader)?,
             observer: ObserverConfig::read(reader)?,
             correction: CorrectionConfig::read(reader)?,
+            temperature: TemperatureConfig::read(reader)?,
             health: HealthConfig::read(reader)?,
-            stop_ticks: reader.u32()?,
-            link_ticks: reader.u32()?,
+            stop_ticks: guard::valid_stop_ticks(reader.u32()?).ok()?,
+            link_ticks: guard::valid_link_ticks(reader.u32()?).ok()?,
         })
     }
 }
@@ -213,7 +235,13 @@ impl RigSettings {
                 self.lead,
                 self.glide,
                 self.feedback,
+                self.correction_limit,
                 limits.displacement(),
+            )?,
+            temperature: TemperatureConfig::new(
+                tick_rate,
+                self.temperature_range,
+                self.temperature_rate,
             )?,
             health: self.health.config()?,
             stop_ticks: guard::valid_stop_ticks(self.stop_ticks)?,
@@ -254,8 +282,8 @@ pub struct Telemetry {
     pub state: State,
     /// The cycle that ended with this tick; never of a stream.
     pub report: Option<CycleReport>,
-    /// What was found wrong at this tick, or beside something else shortly before, the first time since it was cleared; never by
-    /// an emulator.
+    /// What was found wrong at this tick, or beside something else shortly before, the first time since it was cleared; by an
+    /// emulator of the temperature alone.
     pub event: Option<Event>,
 }
 

@@ -483,6 +483,9 @@ impl Fields for Segment {
             inverse_length,
             angular,
         ] = floats;
+        if !floats.iter().all(|value| value.is_finite()) {
+            return None;
+        }
         Some(Self {
             cycles,
             increment: u128::from(whole([a, b])) | u128::from(whole([c, d])) << 64,

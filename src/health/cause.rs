@@ -302,9 +302,20 @@ const FRICTION_ALONE: f32 = 0.35;
 /// elsewhere: the rig holds the mean that the sensor shows.
 const MOVED_MEAN: f32 = 0.3;
 
+/// Stiffness and energy below which, as parts of what they were, the force has another sign: by noise and warmth no specimen gets there.
+const REVERSED: f32 = -1.2;
+/// By how much less stiffness and energy may differ, part of the larger, where all of the force changes alike.
+const ALIKE: f32 = 0.4;
+
+/// A cause, what it may be as well, and what is the evidence.
+pub(super) type Verdict = (HealthCause, Option<HealthCause>, Statistic);
+
 /// The cause whose pattern `shift` has, and what of it is the evidence. `law_third` is the third harmonic over the first of
 /// the law's force in phase with displacement.
-pub(super) fn cause(shift: &Shift, law_third: f32, course: Course) -> (HealthCause, Statistic) {
+///
+/// Where stiffness and energy change alike the force channel may have another gain as well: nothing that is measured tells that from a
+/// specimen that breaks or hardens.
+pub(super) fn cause(shift: &Shift, law_third: f32, course: Course) -> Verdict {
     let &[stiffness, energy, mean, residual, third, command] = shift;
     let largest = |a: f32, b: f32| if a.abs() > b.abs() { a.abs() } else { b.abs() };
     if mean.abs() > largest(stiffness, energy) {
@@ -314,17 +325,31 @@ pub(super) fn cause(shift: &Shift, law_third: f32, course: Course) -> (HealthCau
             (false, Course::Slow) => HealthCause::SensorDrifting(Channel::Force),
             (false, Course::Step) => HealthCause::PreloadShift,
         };
-        return (cause, Statistic::MeanForce);
+        return (cause, None, Statistic::MeanForce);
     }
-    if energy < 0.0 && stiffness.abs() < FRICTION_ALONE * -energy {
-        return (HealthCause::FrictionWear, Statistic::Energy);
+    if stiffness < REVERSED && energy < REVERSED {
+        let (cause, or) = reversed();
+        return (cause, Some(or), Statistic::Stiffness);
     }
+    if stiffness.abs() < FRICTION_ALONE * energy.abs() {
+        let cause = if energy < 0.0 {
+            HealthCause::FrictionWear
+        } else {
+            HealthCause::FrictionRise
+        };
+        return (cause, None, Statistic::Energy);
+    }
+    let gain = ((stiffness - energy).abs() < ALIKE * largest(stiffness, energy))
+        .then_some(HealthCause::SensorGain(Channel::Force));
     let flat = third < (law_third + 0.5 * gap_harmonic(law_third)) * stiffness;
     if stiffness < 0.0 && (flat || energy > GAP_ENERGY * stiffness) {
-        return (HealthCause::Loosening, Statistic::Stiffness);
+        return (HealthCause::Loosening, None, Statistic::Stiffness);
     }
     if stiffness < 0.0 && energy < 0.0 {
-        return (HealthCause::WireBreakage, Statistic::Stiffness);
+        return (HealthCause::WireBreakage, gain, Statistic::Stiffness);
+    }
+    if stiffness > 0.0 && stiffness > FRICTION_ALONE * residual.abs() {
+        return (HealthCause::Stiffening, gain, Statistic::Stiffness);
     }
     let statistic = if residual.abs() > largest(stiffness, energy) {
         Statistic::Residual
@@ -333,7 +358,15 @@ pub(super) fn cause(shift: &Shift, law_third: f32, course: Course) -> (HealthCau
     } else {
         Statistic::Energy
     };
-    (HealthCause::Unexplained, statistic)
+    (HealthCause::Unexplained, None, statistic)
+}
+
+/// The force has another sign beside the displacement: which of the two channels is reversed, nothing tells.
+pub(super) const fn reversed() -> (HealthCause, HealthCause) {
+    (
+        HealthCause::SensorReversed(Channel::Force),
+        HealthCause::SensorReversed(Channel::Displacement),
+    )
 }
 
 #[cfg(test)]
@@ -447,8 +480,39 @@ mod tests {
                 }
             }
         }
-        let stiffer = [0.1, 0.08, 0.0, 0.05, 0.0, 0.0];
-        let unexplained = (HealthCause::Unexplained, Statistic::Stiffness);
-        assert_eq!(cause(&stiffer, 0.0, Course::Step), unexplained);
+        let gain = Some(HealthCause::SensorGain(Channel::Force));
+        let told = |shift: Shift| {
+            let (cause, or, _) = cause(&shift, 0.0, Course::Step);
+            (cause, or)
+        };
+        assert_eq!(
+            told([0.1, 0.1, 0.0, 0.1, 0.0, 0.0]),
+            (HealthCause::Stiffening, gain)
+        );
+        assert_eq!(
+            told([0.2, 0.02, 0.0, 0.1, 0.0, 0.0]),
+            (HealthCause::Stiffening, None)
+        );
+        assert_eq!(
+            told([-0.1, -0.1, 0.0, 0.1, 0.0, 0.0]),
+            (HealthCause::WireBreakage, gain)
+        );
+        assert_eq!(
+            told([-0.02, 0.2, 0.0, 0.1, 0.0, 0.0]),
+            (HealthCause::FrictionRise, None)
+        );
+        let reversed = HealthCause::SensorReversed(Channel::Force);
+        let (cause, or) = told([-2.0, -2.0, 0.0, 2.0, 0.0, 0.0]);
+        assert_eq!(
+            (cause, or),
+            (
+                reversed,
+                Some(HealthCause::SensorReversed(Channel::Displacement))
+            )
+        );
+        assert_eq!(
+            told([0.001, 0.0, 0.0, 0.2, 0.0, 0.0]),
+            (HealthCause::Unexplained, None)
+        );
     }
 }

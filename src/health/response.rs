@@ -11,7 +11,7 @@
 //! that hardly moves is dead, one that moves in the shape demanded lags, and one that moves in another is saturated. Another
 //! shape may show an eighth sooner.
 
-use super::cause::HealthCause;
+use super::cause::{Channel, HealthCause};
 use crate::real::square_root;
 
 /// Distance of Y from where it was.
@@ -21,6 +21,8 @@ const DEAD: f32 = 0.02;
 /// Unexplained part of y², from which the shape is another. A triangle, the motion at one speed, has 0.0145, and noise of 1 % of the
 /// amplitude 0.0002.
 const OTHER_SHAPE: f32 = 0.003;
+/// Square of the correlation from which what is shown is the opposite: within 30° of it.
+const REVERSED: f32 = 0.75;
 /// Part by which the response that is normal follows, each eighth.
 const FOLLOW: f32 = 1.0 / 32.0;
 /// Eighths of half a cycle.
@@ -103,6 +105,9 @@ pub(super) struct ResponseWatch {
     waiting: u8,
 }
 
+/// What is wrong with the response: the cause, what it may be as well, and how far the response is from where it was.
+pub(super) type Off = (HealthCause, Option<HealthCause>, f32);
+
 /// Eighths begin half of one after a cycle's end, where there is enough to do.
 fn eighth(phase: u32) -> u32 {
     phase.wrapping_add(1 << 28) >> 29
@@ -130,13 +135,7 @@ impl ResponseWatch {
 
     /// One sample at `phase`; at the end of an eighth what is wrong, and how far the response is from where it was.
     #[inline]
-    pub(super) fn update(
-        &mut self,
-        y: f32,
-        d: f32,
-        v: f32,
-        phase: u32,
-    ) -> Option<(HealthCause, f32)> {
+    pub(super) fn update(&mut self, y: f32, d: f32, v: f32, phase: u32) -> Option<Off> {
         let found = if self.turns(phase) {
             self.eighth = eighth(phase);
             self.turn()
@@ -157,6 +156,14 @@ impl ResponseWatch {
         found
     }
 
+    /// Whether what is shown is the opposite of what is demanded, as far as this eighth and the one before tell.
+    pub(super) fn is_reversed(&self) -> bool {
+        let [.., before] = &self.before;
+        let half = self.now.plus(before);
+        let opposite = half.yd * half.yd > REVERSED * half.yy * half.dd;
+        half.yd < 0.0 && opposite && !half.is_dead()
+    }
+
     /// Whether the actuator stands still, as far as this eighth and the one before tell.
     pub(super) fn is_dead(&self) -> bool {
         let [.., before] = &self.before;
@@ -165,7 +172,7 @@ impl ResponseWatch {
 
     /// An eighth has ended.
     #[inline(never)]
-    fn turn(&mut self) -> Option<(HealthCause, f32)> {
+    fn turn(&mut self) -> Option<Off> {
         let error = self.sum.0 + self.now.y - self.now.d;
         let samples = self.sum.1 + self.now.samples;
         self.sum = if self.eighth == 0 {
@@ -210,7 +217,11 @@ impl ResponseWatch {
             }
             _ => return None,
         };
-        (square > LIMIT * LIMIT).then(|| (cause, square_root(square)))
+        // What is smaller or larger, and no later, may be shown so by a channel of another gain.
+        let lags = db * db * half.vv > da * da * half.dd;
+        let or = (cause == HealthCause::ActuatorLagging && !lags)
+            .then_some(HealthCause::SensorGain(Channel::Displacement));
+        (square > LIMIT * LIMIT).then(|| (cause, or, square_root(square)))
     }
 }
 
@@ -228,8 +239,10 @@ mod tests {
             let phase = (4 * part + 1 + 2 * (cycle % 2)) << 25;
             let turns = cycle as f32 + phase as f32 / (1u64 << 32) as f32;
             let (d, v) = (libm::sinf(TAU * turns), libm::cosf(TAU * turns));
-            if let Some((cause, distance)) = watch.update(motion(turns), d, v, phase) {
+            if let Some((cause, or, distance)) = watch.update(motion(turns), d, v, phase) {
                 assert!(distance > LIMIT);
+                let gain = HealthCause::SensorGain(Channel::Displacement);
+                assert!(or.is_none_or(|or| or == gain));
                 return Some((cause, turns));
             }
         }
@@ -310,7 +323,7 @@ mod tests {
                     let y = if look < bad { d } else { sine(turns - lag) };
                     let spike = if look == bad { 2.0 } else { 0.0 };
                     let found = watch.update(y + spike, d, v, look << 27);
-                    name = name.or(found.map(|(cause, _)| cause));
+                    name = name.or(found.map(|(cause, ..)| cause));
                     if look == bad {
                         watch.skip_last();
                     }

@@ -22,6 +22,9 @@ pub struct HealthSettings {
     pub run_in_cycles: u32,
     /// Most by which temperature changes a specimen's force, part of it per °C, 0…0.1, beyond what the law says of it.
     pub temperature_slope: f64,
+    /// Most by which stiffness or energy may change in the run-in, part of them, 0.01…1, beside what the temperature does. More is a fault:
+    /// a mesh beds in by some 10 %, and what goes on losing force is breaking.
+    pub run_in_size: f64,
     /// Most by which the law follows a slow change of k1, k3 and c, part of each, 0…0.5; 0 where it stays as it was given. It
     /// counts from where the law has found the specimen: for as many cycles as the run-in takes, after a start, another law,
     /// another block or [`crate::rig::RigController::clear_events`], it goes there by up to 0.1 % a cycle and half of each coefficient.
@@ -31,7 +34,8 @@ pub struct HealthSettings {
 }
 
 impl Default for HealthSettings {
-    /// 5 %, one false alarm in a million cycles, a mesh that loses up to 0.4 % of its force per °C, and a law that stays.
+    /// 5 %, one false alarm in a million cycles, a mesh that loses up to 0.4 % of its force per °C and 15 % in its run-in, and a law
+    /// that stays.
     fn default() -> Self {
         Self {
             size: 0.05,
@@ -39,6 +43,7 @@ impl Default for HealthSettings {
             learning_cycles: 16,
             run_in_cycles: 200,
             temperature_slope: 0.004,
+            run_in_size: 0.15,
             follow: 0.0,
         }
     }
@@ -53,6 +58,7 @@ pub(crate) struct HealthConfig {
     pub(super) learning_cycles: u32,
     pub(super) run_in_cycles: u32,
     pub(super) temperature_slope: f32,
+    pub(super) run_in_size: f32,
     pub(super) follow: f32,
 }
 
@@ -80,6 +86,7 @@ impl HealthSettings {
             run_in_cycles: self.run_in_cycles,
             temperature_slope: in_range("temperature_slope", self.temperature_slope, 0.0, 0.1)?
                 as f32,
+            run_in_size: in_range("run_in_size", self.run_in_size, 0.01, 1.0)? as f32,
             follow: in_range("follow", self.follow, 0.0, 0.5)? as f32,
         })
     }
@@ -93,6 +100,7 @@ impl Fields for HealthConfig {
             self.learning_cycles,
             self.run_in_cycles,
             self.temperature_slope.to_bits(),
+            self.run_in_size.to_bits(),
             self.follow.to_bits(),
         ]);
     }
@@ -104,15 +112,22 @@ impl Fields for HealthConfig {
             learning_cycles,
             run_in_cycles,
             temperature_slope,
+            run_in_size,
             follow,
         ] = reader.words()?;
+        let within = |bits, low, high| in_range("health", f32::from_bits(bits), low, high).ok();
         Some(Self {
-            size: f32::from_bits(size),
-            run_length: f32::from_bits(run_length),
-            learning_cycles,
-            run_in_cycles,
-            temperature_slope: f32::from_bits(temperature_slope),
-            follow: f32::from_bits(follow),
+            size: within(size, 0.01, 0.5)?,
+            run_length: within(run_length, 1e2, 1e10)?,
+            learning_cycles: (8..=1000)
+                .contains(&learning_cycles)
+                .then_some(learning_cycles)?,
+            run_in_cycles: (0..=1_000_000)
+                .contains(&run_in_cycles)
+                .then_some(run_in_cycles)?,
+            temperature_slope: within(temperature_slope, 0.0, 0.1)?,
+            run_in_size: within(run_in_size, 0.01, 1.0)?,
+            follow: within(follow, 0.0, 0.5)?,
         })
     }
 }

@@ -18,7 +18,7 @@
 
 use super::HealthConfig;
 use super::baseline::Baseline;
-use super::cause::{Course, Event, HealthCause, Shift, Statistic, cause};
+use super::cause::{Course, Event, HealthCause, Shift, Statistic, Verdict, cause, reversed};
 use super::cusum::{Cusum, threshold};
 use super::sums::CycleSums;
 
@@ -38,6 +38,12 @@ const DRIFTING: f32 = 0.6;
 const EXPLAINED: u8 = 16;
 /// The first statistics, which a mean does not move.
 const UNMOVED: usize = 2;
+/// Sizes by which a statistic must have moved for it to be told while it is still learned, when the line through its first cycles is young.
+const EARLY: f32 = 3.0;
+/// Cycles that a line needs at least for that.
+const EARLY_CYCLES: u32 = 3;
+/// Part of the law's stiffness or energy that the specimen must have at the start, and one over what it may have.
+const LEAST_OF_LAW: f32 = 0.6;
 /// Of the temperature's level.
 const TEMPERATURE_GAIN: f32 = 0.25;
 
@@ -92,8 +98,10 @@ pub(super) struct SpecimenWatch {
     /// Third harmonic over the first of the law's force in phase with displacement, of the one before and of this cycle.
     law_thirds: [f32; 2],
     watches: [Watch; Statistic::OF_CYCLES],
-    /// Cycles of this block.
+    /// Cycles of this motion.
     cycles: u32,
+    /// Of those, to be left out since the motion went on after another one.
+    left_out: u32,
     /// Cycles since the start that were not left out.
     since_start: u32,
     suspicion: Option<Suspicion>,
@@ -103,6 +111,8 @@ pub(super) struct SpecimenWatch {
     frozen: bool,
     temperature: f32,
     reference_temperature: f32,
+    /// When it had been learned, °C.
+    learned_temperature: f32,
 }
 
 /// Pieces: the statistics, a sum each, the conclusion, a baseline each.
@@ -123,12 +133,14 @@ impl SpecimenWatch {
             law_thirds: [0.0; 2],
             watches: [Watch::default(); Statistic::OF_CYCLES],
             cycles: 0,
+            left_out: 0,
             since_start: 0,
             suspicion: None,
             explained: 0,
             frozen: false,
             temperature: 0.0,
             reference_temperature: 0.0,
+            learned_temperature: 0.0,
         }
     }
 
@@ -138,6 +150,13 @@ impl SpecimenWatch {
             since_start: self.since_start,
             ..Self::new()
         };
+    }
+
+    /// The same motion goes on after another one or a ramp.
+    pub(super) fn resume(&mut self) {
+        self.left_out = SETTLING;
+        self.suspicion = None;
+        self.clear_sums();
     }
 
     /// Whether this cycle is the first that is learned.
@@ -159,6 +178,10 @@ impl SpecimenWatch {
     /// cycle than that takes.
     pub(super) fn cycle(&mut self, sums: CycleSums, numbers: CycleNumbers) {
         if self.has_work() {
+            return;
+        }
+        if self.left_out > 0 && self.cycles > SETTLING {
+            self.left_out -= 1;
             return;
         }
         self.cycles = self.cycles.saturating_add(1);
@@ -184,7 +207,7 @@ impl SpecimenWatch {
         self.piece += 1;
         if piece == 0 {
             self.take_values();
-            None
+            self.compare_with_law()
         } else if piece < CONCLUSION {
             self.sum(config, piece - FIRST_SUM);
             None
@@ -226,6 +249,47 @@ impl SpecimenWatch {
         }
     }
 
+    /// In the first cycle since the start: whether the specimen is anything like the law.
+    fn compare_with_law(&self) -> Option<Event> {
+        if self.since_start != 1 || !self.has_work() {
+            return None;
+        }
+        let [stiffness, energy, ..] = self.values;
+        let limit = 1.0 - LEAST_OF_LAW;
+        let is_far =
+            |moved: f32| !(1.0 + moved >= LEAST_OF_LAW && LEAST_OF_LAW * (1.0 + moved) <= 1.0);
+        let (cause, or) = if stiffness < -1.0 && energy < -1.0 {
+            reversed()
+        } else if is_far(stiffness) || is_far(energy) {
+            let gain = HealthCause::SensorGain(super::Channel::Force);
+            (HealthCause::LawMismatch, gain)
+        } else {
+            return None;
+        };
+        let statistic = if is_far(stiffness) {
+            Statistic::Stiffness
+        } else {
+            Statistic::Energy
+        };
+        Some(self.evidence((cause, Some(or), statistic), &self.values, limit))
+    }
+
+    /// While it learns: a shift so large that no run-in makes it, in this cycle and in the one before, neither of which the line has followed.
+    fn see_early(&mut self, config: &HealthConfig) -> Option<Event> {
+        if self.cycles < SETTLING + EARLY_CYCLES + 2 {
+            return None;
+        }
+        let limit = EARLY * config.size + self.warmth(config, self.temperature);
+        let (now, before) = (self.beyond(self.values), self.beyond(self.before));
+        let pairs = now.iter().zip(&before).take(Statistic::WATCHED);
+        let mut moved = pairs.filter(|(now, before)| *now * *before > limit * limit);
+        moved.next()?;
+        let shift = self.beyond(self.mean_values());
+        let event = self.event(&shift, Course::Step, limit);
+        self.relearn();
+        Some(event)
+    }
+
     /// What temperature may have moved in a statistic since it was `then` °C.
     fn warmth(&self, config: &HealthConfig, then: f32) -> f32 {
         config.temperature_slope * (self.numbers.temperature - then).abs()
@@ -255,7 +319,7 @@ impl SpecimenWatch {
 
     fn conclude(&mut self, config: &HealthConfig) -> Option<Event> {
         if self.cycles <= SETTLING + config.learning_cycles {
-            return None;
+            return self.see_early(config);
         }
         if let Some(suspicion) = self.suspicion {
             self.frozen = true;
@@ -383,21 +447,15 @@ impl SpecimenWatch {
 
     #[inline(never)]
     fn event(&self, shift: &Shift, course: Course, limit: f32) -> Event {
-        let (cause, statistic) = cause(shift, self.law_third(), course);
-        self.evidence(cause, statistic, shift, limit)
+        let verdict = cause(shift, self.law_third(), course);
+        self.evidence(verdict, shift, limit)
     }
 
-    fn evidence(
-        &self,
-        cause: HealthCause,
-        statistic: Statistic,
-        shift: &Shift,
-        limit: f32,
-    ) -> Event {
+    fn evidence(&self, (cause, or, statistic): Verdict, shift: &Shift, limit: f32) -> Event {
         let index = usize::from(statistic.place());
         Event {
             cause,
-            or: None,
+            or,
             statistic,
             value: shift.get(index).copied().unwrap_or_default(),
             limit,
@@ -432,6 +490,7 @@ impl SpecimenWatch {
             self.reference_temperature = self.numbers.temperature;
         }
         if first {
+            self.learned_temperature = self.numbers.temperature;
             return None;
         }
         let [_, _, mean, ..] = shift;
@@ -452,9 +511,10 @@ impl SpecimenWatch {
         if moved <= limit {
             None
         } else if ends {
-            Some(self.evidence(HealthCause::RunIn, most, &shift, limit))
+            Some(self.evidence((HealthCause::RunIn, None, most), &shift, limit))
         } else if !settled {
-            None
+            let allowed = config.run_in_size + self.warmth(config, self.learned_temperature);
+            (moved > allowed).then(|| self.slow(&shift, most, allowed))
         } else {
             let warmth = self.warmth(config, self.reference_temperature);
             // What the law may follow is no fault.
@@ -465,15 +525,19 @@ impl SpecimenWatch {
             };
             let allowed = followed + warmth;
             if moved > allowed {
-                // The evidence is what went too far, which another may name.
-                let (cause, _) = cause(&shift, self.law_third(), Course::Slow);
-                Some(self.evidence(cause, most, &shift, allowed))
+                Some(self.slow(&shift, most, allowed))
             } else if moved > limit + warmth {
                 None
             } else {
-                Some(self.evidence(HealthCause::Temperature, most, &shift, limit))
+                Some(self.evidence((HealthCause::Temperature, None, most), &shift, limit))
             }
         }
+    }
+
+    /// What went further than is `allowed`, slowly. The evidence is that, which another statistic may name.
+    fn slow(&self, shift: &Shift, most: Statistic, allowed: f32) -> Event {
+        let (cause, or, _) = cause(shift, self.law_third(), Course::Slow);
+        self.evidence((cause, or, most), shift, allowed)
     }
 
     fn follow(&mut self, index: usize) {

@@ -13,18 +13,29 @@
 //! new values, so that the command has no step. Ramps are left out: there y lags in amplitude too.
 //!
 //! i ← i + feedback·h·(d − y) holds the mean, where friction, leakage and sensors would let it drift.
+//!
+//! A displacement channel that shows too little has C grow, and the true amplitude with it. |C|² = p² + ω²·q² may grow within a block by
+//! [`super::RigSettings::correction_limit`] beyond what it was after its first cycles, and there beyond 1 by twice that; more is a fault.
 
 use super::fault::TripCause;
 use crate::error::ConfigError;
 use crate::frame::{Fields, Reader, Writer};
-use crate::real::{Real, in_range};
+use crate::real::{Real, in_range, square_root};
 use crate::sine::Excitation;
 use crate::sum::{FOLD, Sum};
 
 /// p stays in `1/GAIN_LIMIT..=GAIN_LIMIT`.
 const GAIN_LIMIT: f32 = 5.0;
+/// Most of [`super::RigSettings::correction_limit`], and what that makes of the squares.
+const MOST_LIMIT: f64 = 10.0;
+const MOST_GROWTH: f64 = (1.0 + MOST_LIMIT) * (1.0 + MOST_LIMIT);
+const MOST_FIRST: f64 = (1.0 + 2.0 * MOST_LIMIT) * (1.0 + 2.0 * MOST_LIMIT);
 /// q stays within ± this, s.
 const LEAD_LIMIT: f32 = 0.1;
+/// Steady cycles after which a block's correction has settled: with a gain of 0.8 a 125th of the error is left.
+const SETTLING: u8 = 3;
+/// cos² of 30°.
+const OPPOSITE: f32 = 0.75;
 /// A response smaller than this part of the demand is no basis for a correction: a sensor or an actuator is dead.
 const RESPONSE_MIN: f32 = 0.1;
 
@@ -35,6 +46,9 @@ pub(super) struct CorrectionConfig {
     glide: f32,
     feedback_step: f32,
     feedback_limit: f32,
+    /// Squares of by how much |C| may grow once it has settled, and of what it may be before.
+    growth_square: f32,
+    first_square: f32,
     /// Smallest mean square of the demand that is demodulated, mm².
     demand_min: f32,
 }
@@ -47,21 +61,34 @@ impl Fields for CorrectionConfig {
             self.glide,
             self.feedback_step,
             self.feedback_limit,
+            self.growth_square,
+            self.first_square,
             self.demand_min,
         ];
         writer.words(floats.map(f32::to_bits));
     }
 
     fn read(reader: &mut Reader<'_>) -> Option<Self> {
-        let [gain, lead, glide, feedback_step, feedback_limit, demand_min] =
-            reader.words()?.map(f32::from_bits);
-        Some(Self {
+        let [
             gain,
             lead,
             glide,
             feedback_step,
             feedback_limit,
+            growth_square,
+            first_square,
             demand_min,
+        ] = reader.words()?.map(f32::from_bits);
+        let within = |value, low, high| in_range("correction", value, low, high).ok();
+        Some(Self {
+            gain: within(gain, 0.0, 1.0)?,
+            lead: within(lead, 0.0, f64::from(LEAD_LIMIT))?,
+            glide: within(glide, 1e-7, 1.0)?,
+            feedback_step: within(feedback_step, 0.0, 0.01)?,
+            feedback_limit: within(feedback_limit, 1e-6, 1e4)?,
+            growth_square: within(growth_square, 1.0, MOST_GROWTH)?,
+            first_square: within(first_square, 1.0, MOST_FIRST)?,
+            demand_min: within(demand_min, 0.0, 1e2)?,
         })
     }
 }
@@ -74,9 +101,12 @@ impl CorrectionConfig {
         lead: f64,
         glide: f64,
         feedback: f64,
+        limit: f64,
         displacement_limit: f32,
     ) -> Result<Self, ConfigError> {
         in_range("glide", glide, 1.0 / tick_rate, 10.0)?;
+        in_range("correction_limit", limit, 0.01, MOST_LIMIT)?;
+        let (grown, first) = (1.0 + limit, 1.0 + 2.0 * limit);
         Ok(Self {
             gain: in_range("correction_gain", gain, 0.0, 1.0)? as f32,
             lead: in_range("lead", lead, 0.0, f64::from(LEAD_LIMIT))? as f32,
@@ -84,6 +114,8 @@ impl CorrectionConfig {
             feedback_step: (in_range("feedback", feedback, 0.0, 0.01 * tick_rate)? / tick_rate)
                 as f32,
             feedback_limit: displacement_limit,
+            growth_square: (grown * grown) as f32,
+            first_square: (first * first) as f32,
             demand_min: (1e-3 * displacement_limit) * (1e-3 * displacement_limit),
         })
     }
@@ -104,6 +136,11 @@ pub(super) struct Correction {
     ticks: u32,
     /// The cycle under way has been steady from its beginning.
     steady: bool,
+    /// Steady cycles of this block, up to [`SETTLING`], and |C|² after that many.
+    cycles: u8,
+    settled_square: f32,
+    /// |C|² that the last cycle asked for, over that.
+    growth: f32,
 }
 
 impl Correction {
@@ -131,11 +168,12 @@ impl Correction {
     /// A cycle has ended: the correction that it asks for.
     ///
     /// # Errors
-    /// [`TripCause::NoResponse`].
+    /// [`TripCause::NoResponse`], [`TripCause::CorrectionLimit`]; the correction stays as it was.
     pub(super) fn boundary(&mut self, config: &CorrectionConfig) -> Result<(), TripCause> {
         let outcome = if self.steady {
             self.correct(config)
         } else {
+            self.cycles = 0;
             Ok(())
         };
         self.demand_square = Sum::default();
@@ -175,6 +213,17 @@ impl Correction {
         self.in_phase * d + self.lead * v + self.integral
     }
 
+    /// Ticks of the cycle under way.
+    #[inline(always)]
+    pub(super) fn ticks(&self) -> u32 {
+        self.ticks
+    }
+
+    /// |C| that the last cycle asked for over what it was once settled, less 1.
+    pub(super) fn growth(&self) -> f32 {
+        square_root(self.growth) - 1.0
+    }
+
     /// What the feedback adds to the command, mm: at the same phase of each cycle, the mean that the command has beyond
     /// the demand's.
     pub(super) fn mean_command(&self) -> f32 {
@@ -190,7 +239,9 @@ impl Correction {
         let b = self.response_rate.total() / vv;
         let square = vv / dd;
         let magnitude = a * a + square * b * b;
-        if magnitude < RESPONSE_MIN * RESPONSE_MIN {
+        // Within 30° of the opposite: no actuator is as late as that, but a channel may be reversed.
+        let reversed = a < 0.0 && a * a > OPPOSITE * magnitude;
+        if magnitude < RESPONSE_MIN * RESPONSE_MIN || reversed {
             return Err(TripCause::NoResponse);
         }
         // gain·(1 − Y)/Y = gain·(Y* − |Y|²)/|Y|², Y* = a − jω·b.
@@ -199,9 +250,25 @@ impl Correction {
         let (p, q) = (self.in_phase_target, self.lead_target);
         // Clamped to 1/GAIN_LIMIT..=GAIN_LIMIT, about the middle of the two.
         const MIDDLE: f32 = 0.5 * (GAIN_LIMIT + 1.0 / GAIN_LIMIT);
-        self.in_phase_target =
+        let in_phase =
             MIDDLE + (p + p * re - square * q * im - MIDDLE).clamped(GAIN_LIMIT - MIDDLE);
-        self.lead_target = (q + p * im + q * re).clamped(LEAD_LIMIT);
+        let lead = (q + p * im + q * re).clamped(LEAD_LIMIT);
+        let now = in_phase * in_phase + square * lead * lead;
+        let most = if self.cycles < SETTLING {
+            config.first_square
+        } else {
+            config.growth_square * self.settled_square
+        };
+        self.growth = now / self.settled_square;
+        if now > most {
+            return Err(TripCause::CorrectionLimit);
+        }
+        if self.cycles < SETTLING {
+            self.cycles += 1;
+            self.settled_square = now;
+        }
+        self.in_phase_target = in_phase;
+        self.lead_target = lead;
         Ok(())
     }
 }

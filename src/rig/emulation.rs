@@ -8,12 +8,15 @@ use super::fault::{Exceeded, Limits, TripCause};
 use super::guard::{self, Guard};
 use super::io::{Reading, Wiring};
 use super::refusal::{ClearRefused, StartRefused};
+use super::standstill::{Standstill, StandstillConfig};
 use super::state::State;
+use super::temperature::{Temperature, TemperatureConfig};
 use super::{CycleReport, Telemetry};
 use crate::crossing::CrossingDetector;
 use crate::effects::Motion;
 use crate::error::ConfigError;
 use crate::fast_law::{Adaptation, FastLaw, RunningLaw};
+use crate::health::{Event, HealthCause, Statistic};
 use crate::observer::{Observer, ObserverConfig};
 use crate::tick_law::TickLaw;
 
@@ -41,6 +44,16 @@ pub struct DamperEmulationSettings {
     pub observer_bandwidth: f64,
     /// Damping ratio of the observer, 0.3…3.
     pub observer_damping: f64,
+    /// Half width of the band in which a displacement is at rest that has stayed there for 0.05 s, mm, 0…1e4: a few times the noise of its
+    /// channel. Its velocity is taken as 0 then, so that the damping does not chatter with the noise; 0 where nothing is rest.
+    pub rest_band: f64,
+    /// After how many ticks of the very same code the displacement channel is stuck, 0…1e9; 0 where it has no noise at all, as in a
+    /// simulation.
+    pub stuck_ticks: u32,
+    /// Coldest and hottest that a measured temperature can be, °C, −273…2000.
+    pub temperature_range: [f64; 2],
+    /// Fastest that it can change, °C/s, 1e-3…1e3.
+    pub temperature_rate: f64,
     /// How far the displacement must go from its mean for a cycle to count, mm, 1e-9…1e4.
     pub hysteresis: f64,
 }
@@ -57,6 +70,10 @@ impl Default for DamperEmulationSettings {
             link_ticks: 0,
             observer_bandwidth: 100.0,
             observer_damping: 0.7,
+            rest_band: 5e-4,
+            stuck_ticks: 10_000,
+            temperature_range: super::TEMPERATURES,
+            temperature_rate: super::TEMPERATURE_RATE,
             hysteresis: 0.01,
         }
     }
@@ -79,8 +96,15 @@ pub struct EmulationController<L> {
     part: f32,
     part_step: f32,
     cycle: u32,
-    /// °C.
-    temperature: f32,
+    /// What is left of the step that a swap of the law would have been, kN, and by how much it falls in a tick; of the last force.
+    step: f32,
+    step_fall: f32,
+    last: f32,
+    rested: bool,
+    standstill: Standstill,
+    standstill_config: StandstillConfig,
+    temperature: Temperature,
+    temperature_config: TemperatureConfig,
     tick: u64,
 }
 
@@ -121,14 +145,41 @@ impl<L: TickLaw> EmulationController<L> {
             part: 0.0,
             part_step: (1.0 / f64::from(settings.stop_ticks)) as f32,
             cycle: 0,
-            temperature: 20.0,
+            step: 0.0,
+            step_fall: 0.0,
+            last: 0.0,
+            rested: false,
+            standstill: Standstill::default(),
+            standstill_config: StandstillConfig::new(
+                settings.tick_rate,
+                settings.rest_band,
+                settings.stuck_ticks,
+                settings.force_limit as f32,
+            )?,
+            temperature: Temperature::default(),
+            temperature_config: TemperatureConfig::new(
+                settings.tick_rate,
+                settings.temperature_range,
+                settings.temperature_rate,
+            )?,
             tick: 0,
         })
     }
 
-    /// Temperature for the law's effects, °C; 20 until set.
+    /// Temperature for the law's effects, °C; 20 until set. One that cannot be, by the settings, is not taken, and is an event.
     pub fn set_temperature(&mut self, temperature: f32) {
-        self.temperature = temperature;
+        let moving = self.guard.is_running();
+        self.temperature
+            .show(&self.temperature_config, temperature, moving);
+    }
+
+    /// The law that took over with this tick, or the rest that begins with it, has `force`: what the force would step by comes in over
+    /// `stop_ticks`.
+    #[cold]
+    #[inline(never)]
+    fn blend(&mut self, force: f32) {
+        self.step += self.last - force;
+        self.step_fall = self.step.abs() * self.part_step;
     }
 }
 
@@ -140,6 +191,8 @@ impl<L: TickLaw> Controller for EmulationController<L> {
         self.exceeded = Exceeded::default();
         self.crossing.reset();
         self.part = 0.0;
+        self.step = 0.0;
+        self.standstill.restart();
         Ok(())
     }
 
@@ -172,16 +225,18 @@ impl<L: TickLaw> Controller for EmulationController<L> {
             .update(&self.observer_config, displacement, 0.0);
         let crossing = self.crossing.update(estimate.displacement);
         let ended = crossing.boundary.is_some();
+        let mut another_law = false;
         if ended {
             self.cycle = self.cycle.wrapping_add(1);
-            self.law.boundary();
+            another_law = self.law.boundary();
         }
+        let rests = self.standstill.rests(&self.standstill_config, displacement);
         let motion = Motion {
             displacement: estimate.displacement,
-            velocity: estimate.velocity,
+            velocity: if rests { 0.0 } else { estimate.velocity },
             acceleration: estimate.acceleration,
             cycles: self.cycle as f32 + crossing.phase as f32 * (1.0 / (1u64 << 32) as f32),
-            temperature: self.temperature,
+            temperature: self.temperature.tick(&self.temperature_config),
             controls: self.reading.controls,
         };
         let model_force = self.law.force(&motion);
@@ -204,12 +259,27 @@ impl<L: TickLaw> Controller for EmulationController<L> {
                 .check(&mut self.exceeded, displacement, measured_force, 0.0);
             // What is about to be driven need not be measured first.
             let driven = (model_force.abs() > self.limits.force()).then_some(TripCause::ForceLimit);
-            if let Some(fault) = measured.or(driven) {
+            let command = self.guard.driven();
+            let implausible =
+                self.standstill
+                    .check(&self.standstill_config, &self.reading, command);
+            if let Some(fault) = measured.or(driven).or(implausible) {
                 self.guard.trip(fault);
             }
             self.part = (self.part + self.part_step).min(1.0);
         }
-        self.guard.command(self.part * model_force);
+        if another_law || (rests && !self.rested) {
+            self.blend(model_force);
+        }
+        self.rested = rests;
+        self.last = model_force;
+        let left = self.step.abs() - self.step_fall;
+        self.step = if left > 0.0 {
+            left.copysign(self.step)
+        } else {
+            0.0
+        };
+        self.guard.command(self.part * (model_force + self.step));
         Telemetry {
             tick: self.tick,
             displacement,
@@ -226,7 +296,14 @@ impl<L: TickLaw> Controller for EmulationController<L> {
             report: results.map(|results| {
                 CycleReport::new(results, 0, self.cycle, false, Adaptation::default())
             }),
-            event: None,
+            event: self.temperature.take_implausible().map(|shown| Event {
+                cause: HealthCause::TemperatureImplausible,
+                or: None,
+                statistic: Statistic::Sample,
+                value: shown,
+                limit: self.temperature.taken(),
+                cycle: self.cycle,
+            }),
         }
     }
 
@@ -249,7 +326,7 @@ impl<L: TickLaw> Controller for EmulationController<L> {
 
 impl<L> EmulationController<L> {
     /// Another law from the end of this cycle on, or from the start where that comes before. What its effects remember
-    /// is kept where they are of the same kinds in the same order as before.
+    /// is kept where they are of the same kinds in the same order as before. The force goes over to it within `stop_ticks`.
     pub fn swap_law<const N: usize>(&mut self, law: FastLaw<N>)
     where
         L: BorrowMut<RunningLaw<N>>,

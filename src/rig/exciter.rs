@@ -15,6 +15,18 @@ pub trait Exciter {
     /// acceleration are finite, and the first is at rest at 0.
     fn tick(&mut self) -> Excitation;
 
+    /// Whether it waits, not ticked, until the rig is at its start. A stream does not: its knots come when they are due.
+    #[inline(always)]
+    fn waits(&self) -> bool {
+        true
+    }
+
+    /// Whether the phase of its excitation tells where a cycle is.
+    #[inline(always)]
+    fn has_phase(&self) -> bool {
+        true
+    }
+
     /// Why the rig is to stop at the last tick, where it is to.
     #[inline(always)]
     fn refusal(&self) -> Option<TripCause> {
@@ -67,6 +79,16 @@ impl<const B: usize, P: Borrow<Programme<B>>> Exciter for AnyExciter<B, P> {
             Self::Programme(generator) => generator.tick(),
             Self::Stream(stream) => stream.tick(),
         }
+    }
+
+    #[inline(always)]
+    fn waits(&self) -> bool {
+        matches!(self, Self::Programme(_))
+    }
+
+    #[inline(always)]
+    fn has_phase(&self) -> bool {
+        matches!(self, Self::Programme(_))
     }
 
     #[inline(always)]

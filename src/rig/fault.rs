@@ -2,7 +2,7 @@
 
 use crate::error::ConfigError;
 use crate::frame::{Fields, Reader, Writer};
-use crate::real::in_range;
+use crate::real::{Real, in_range};
 
 /// Why a rig stopped.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -59,7 +59,11 @@ pub(super) struct Limits {
     trip_ticks: u32,
 }
 
-/// For how many ticks on end each limit has been exceeded.
+/// What a tick beyond a limit adds to its count, and a tick within takes off: 1. So a limit that is exceeded for more than a ninth of the
+/// time stops the rig, whatever is shown meanwhile: a bad contact, ringing, a channel that drops out.
+const BEYOND: u32 = 8;
+
+/// How long each limit has been exceeded: [`BEYOND`] to the tick, less the ticks within it since.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Exceeded {
     displacement: u32,
@@ -76,28 +80,24 @@ impl Fields for Limits {
 
     fn read(reader: &mut Reader<'_>) -> Option<Self> {
         let [displacement, force, tracking] = reader.words()?.map(f32::from_bits);
-        Some(Self {
-            displacement,
-            force,
-            tracking,
-            trip_ticks: reader.u32()?,
-        })
+        let trip_ticks = reader.u32()?;
+        Self::new(displacement, force, tracking, trip_ticks).ok()
     }
 }
 
 impl Limits {
     /// Fields as in [`super::RigSettings`].
-    pub(super) fn new(
-        displacement: f64,
-        force: f64,
-        tracking: f64,
+    pub(super) fn new<R: Real>(
+        displacement: R,
+        force: R,
+        tracking: R,
         trip_ticks: u32,
     ) -> Result<Self, ConfigError> {
         in_range("trip_ticks", f64::from(trip_ticks), 1.0, 1e6)?;
         Ok(Self {
-            displacement: in_range("displacement_limit", displacement, 1e-6, 1e4)? as f32,
-            force: in_range("force_limit", force, 1e-6, 1e9)? as f32,
-            tracking: in_range("tracking_limit", tracking, 1e-6, 1e4)? as f32,
+            displacement: in_range("displacement_limit", displacement, 1e-6, 1e4)?.to_f64() as f32,
+            force: in_range("force_limit", force, 1e-6, 1e9)?.to_f64() as f32,
+            tracking: in_range("tracking_limit", tracking, 1e-6, 1e4)?.to_f64() as f32,
             trip_ticks,
         })
     }
@@ -117,7 +117,8 @@ impl Limits {
         self.force
     }
 
-    /// The fault, once a limit has been exceeded for `trip_ticks` ticks on end. NaN exceeds every limit.
+    /// The fault, once a limit has been exceeded for `trip_ticks` ticks on end, or for more of them where one in nine or fewer was within
+    /// it. NaN exceeds every limit.
     #[inline]
     pub(super) fn check(
         &self,
@@ -128,8 +129,12 @@ impl Limits {
     ) -> Option<TripCause> {
         let count = |counter: &mut u32, value: f32, limit: f32| {
             let within = value.abs() <= limit;
-            *counter = if within { 0 } else { counter.saturating_add(1) };
-            *counter >= self.trip_ticks
+            *counter = if within {
+                counter.saturating_sub(1)
+            } else {
+                counter.saturating_add(BEYOND)
+            };
+            *counter >= BEYOND * self.trip_ticks
         };
         let displacement = count(&mut exceeded.displacement, displacement, self.displacement);
         let force = count(&mut exceeded.force, force, self.force);

@@ -87,6 +87,17 @@ impl Guard {
         Ok(())
     }
 
+    /// Ticks of the way back to 0.
+    pub(super) fn stop_ticks(&self) -> f32 {
+        self.stop_ticks
+    }
+
+    /// It has started, and `command` is to be driven from now on; as in [`Guard::command`].
+    pub(super) fn begin_at(&mut self, command: f32) {
+        self.command(command);
+        self.before = self.command;
+    }
+
     /// Stops without a fault.
     pub(super) fn stop(&mut self) {
         if self.happens(Happening::Stop) {

@@ -2,6 +2,7 @@
 
 use core::borrow::{Borrow, BorrowMut};
 
+use super::approach::Approach;
 use super::comparison::Comparison;
 use super::controller::Controller;
 use super::correction::{Correction, CorrectionConfig};
@@ -11,6 +12,7 @@ use super::guard::Guard;
 use super::io::{Reading, Wiring};
 use super::refusal::{ClearRefused, StartRefused};
 use super::state::State;
+use super::temperature::{Temperature, TemperatureConfig};
 use super::{CycleReport, RigConfig, RigSettings, Telemetry};
 use crate::effects::Motion;
 use crate::error::ConfigError;
@@ -22,6 +24,17 @@ use crate::sine::{Excitation, Programme, SineGenerator};
 /// `cargo hil bench` counts the tick without the monitor too: what that costs is the difference. It has the compiler set
 /// `unmonitored` for an image of its own; no feature does, so that no crate takes the monitor away from another's rig.
 const MONITORED: bool = !cfg!(unmonitored);
+
+/// Part of the displacement's limit within which the piston is at the exciter's start.
+const APPROACHED: f32 = 0.02;
+
+/// What stops the rig where a channel is lost.
+fn trip_of(channel: Channel) -> TripCause {
+    match channel {
+        Channel::Displacement => TripCause::DisplacementLost,
+        Channel::Force => TripCause::ForceLost,
+    }
+}
 
 /// The [`Controller`] of a rig with up to `N` effects in its law, driven by the [`Exciter`] `X`.
 ///
@@ -43,7 +56,11 @@ pub struct RigController<const N: usize, X, L = RunningLaw<N>> {
     comparison: Comparison,
     guard: Guard,
     excitation: Excitation,
-    temperature: f32,
+    temperature: Temperature,
+    temperature_config: TemperatureConfig,
+    approach: Approach,
+    /// The next start keeps what the correction has learned.
+    keeps: bool,
     exciter: X,
     law: L,
     health: HealthMonitor,
@@ -104,7 +121,10 @@ where
             exceeded: Exceeded::default(),
             reading: Reading::default(),
             excitation: Excitation::default(),
-            temperature: 20.0,
+            temperature: Temperature::default(),
+            temperature_config: config.temperature,
+            approach: Approach::default(),
+            keeps: false,
             tick: 0,
         }
     }
@@ -152,9 +172,18 @@ where
         self.law.borrow().followed()
     }
 
-    /// Temperature for the law's effects, °C; 20 until set.
+    /// Temperature for the law's effects, °C; 20 until set. One that cannot be, by [`RigSettings::temperature_range`] and
+    /// [`RigSettings::temperature_rate`], is not taken, and is an event of its own.
     pub fn set_temperature(&mut self, temperature: f32) {
-        self.temperature = temperature;
+        let moving = self.guard.is_running();
+        self.temperature
+            .show(&self.temperature_config, temperature, moving);
+    }
+
+    /// The next start begins with what amplitude's correction has learned so far. Without it every start begins as the first one: what was
+    /// learned beside a bad sensor would have the repaired rig go too far.
+    pub fn keep_correction(&mut self) {
+        self.keeps = true;
     }
 
     /// A channel did what asks for a look, beside the demand of this tick and the law's force of the one before: stops for a
@@ -166,10 +195,7 @@ where
         let law = self.comparison.model_force();
         let lost = self.health.channels(&self.reading, &changes, demand, law);
         if let Some(channel) = lost {
-            self.guard.trip(match channel {
-                Channel::Displacement => TripCause::DisplacementLost,
-                Channel::Force => TripCause::ForceLost,
-            });
+            self.guard.trip(trip_of(channel));
         }
         self.health.take_fresh()
     }
@@ -177,7 +203,13 @@ where
     /// A close look at this tick. An `event` of its own is reported as soon as there is no other.
     #[cold]
     #[inline(never)]
-    fn look(&mut self, motion: &Motion<f32>, model_force: f32, event: &mut Option<Event>) {
+    fn look(
+        &mut self,
+        motion: &Motion<f32>,
+        model_force: f32,
+        phase: u32,
+        event: &mut Option<Event>,
+    ) {
         let excitation = &self.excitation;
         let parts = if self.health_config.follows() {
             self.law.borrow().parts(motion)
@@ -192,14 +224,55 @@ where
             force: self.reading.force.value,
             law: model_force,
             parts,
-            phase: excitation.phase,
+            phase,
             ramp: excitation.ramp,
         };
-        if let Some(followed) = self.health.look(&self.health_config, &look) {
+        if !self.exciter.has_phase() {
+            self.health.look_at_any(&look);
+        } else if let Some(followed) = self.health.look(&self.health_config, &look) {
             self.law.borrow_mut().follow(followed);
+        }
+        if let Some(shown) = self.temperature.take_implausible() {
+            let taken = self.temperature.taken();
+            self.health.implausible_temperature(shown, taken);
+        }
+        if let Some(channel) = self.health.lost() {
+            self.guard.trip(trip_of(channel));
         }
         if event.is_none() && self.health.has_fresh() {
             *event = self.health.take_fresh();
+        }
+    }
+
+    /// Where the piston is as it starts: from there it goes to the exciter's start first.
+    #[cold]
+    #[inline(never)]
+    fn begin(&mut self) {
+        let displacement = self.reading.displacement.value;
+        let tolerance = APPROACHED * self.limits.displacement();
+        self.approach
+            .begin(displacement, tolerance, self.guard.stop_ticks());
+    }
+
+    /// A tick on the way to the exciter's start.
+    #[cold]
+    #[inline(never)]
+    fn approach(&mut self) -> Excitation {
+        let left = self.approach.tick();
+        if self.exciter.waits() {
+            if left == 0.0 {
+                self.comparison = Comparison::default();
+            }
+            return Excitation {
+                displacement: left,
+                ramp: true,
+                ..Excitation::default()
+            };
+        }
+        let excitation = self.exciter.tick();
+        Excitation {
+            displacement: excitation.displacement + left,
+            ..excitation
         }
     }
 
@@ -208,7 +281,8 @@ where
     #[inline(never)]
     fn attend(&mut self, was_running: bool, event: &mut Option<Event>) {
         if was_running && let State::Faulted(fault) = self.guard.state() {
-            self.health.stopped(fault, &self.reading);
+            let growth = self.correction.growth();
+            self.health.stopped(fault, &self.reading, growth);
         }
         if event.is_none() {
             *event = self.health.take_fresh();
@@ -221,7 +295,9 @@ where
     X: Exciter,
     L: BorrowMut<RunningLaw<N>>,
 {
-    /// Begins the programme or the motion from its start, with the corrections as they were.
+    /// Begins the programme or the motion from its start, once the piston is there: it goes there from where it is within
+    /// [`RigSettings::stop_ticks`], while a stream does not wait for it. The correction begins as the first time, unless
+    /// [`RigController::keep_correction`] was called.
     fn start(&mut self) -> Result<(), StartRefused> {
         self.guard.start()?;
         self.exciter.restart();
@@ -231,8 +307,18 @@ where
         law.rest();
         self.comparison = Comparison::default();
         self.exceeded = Exceeded::default();
-        self.correction.restart();
+        if core::mem::take(&mut self.keeps) {
+            self.correction.restart();
+        } else {
+            self.correction = Correction::new(&self.correction_config);
+        }
         self.health.restart();
+        self.approach = Approach::DUE;
+        if self.tick > 0 {
+            // What is driven before the first tick is where the piston is.
+            self.begin();
+            self.guard.begin_at(self.approach.left());
+        }
         Ok(())
     }
 
@@ -265,7 +351,14 @@ where
         let before = self.excitation;
         let mut event = None;
         if self.guard.is_running() {
-            self.excitation = self.exciter.tick();
+            if self.approach.is_due() {
+                self.begin();
+            }
+            self.excitation = if self.approach.is_under_way() {
+                self.approach()
+            } else {
+                self.exciter.tick()
+            };
             if let Some(cause) = self.exciter.refusal() {
                 self.guard.trip(cause);
             }
@@ -290,7 +383,7 @@ where
             velocity: estimate.velocity,
             acceleration: estimate.acceleration,
             cycles: excitation.cycle as f32 + excitation.phase as f32 * (1.0 / (1u64 << 32) as f32),
-            temperature: self.temperature,
+            temperature: self.temperature.tick(&self.temperature_config),
             controls: self.reading.controls,
         };
         let model_force = self.law.borrow_mut().force(&motion);
@@ -307,6 +400,7 @@ where
             {
                 self.guard.trip(fault);
             }
+            let ticks = self.correction.ticks();
             if excitation.cycle_end
                 && let Err(fault) = self.correction.boundary(&self.correction_config)
             {
@@ -326,7 +420,8 @@ where
             if MONITORED && excitation.cycle_end {
                 self.health.cycle(Ended {
                     block: before.block,
-                    temperature: self.temperature,
+                    temperature: self.temperature.taken(),
+                    ticks,
                     command: self.correction.mean_command(),
                     another_law,
                     steady: report.as_ref().filter(|_| !before.ramp).map(
@@ -338,8 +433,14 @@ where
                     ),
                 });
             }
-            if MONITORED && self.health.is_due(excitation.phase) {
-                self.look(&motion, model_force, &mut event);
+            // A motion without cycles is looked at as often as one of 1024 ticks to the cycle.
+            let phase = if self.exciter.has_phase() {
+                excitation.phase
+            } else {
+                (self.tick as u32) << 22
+            };
+            if MONITORED && self.health.is_due(phase) {
+                self.look(&motion, model_force, phase, &mut event);
             }
             if excitation.done {
                 self.guard.finish();

@@ -129,14 +129,18 @@ impl Fields for StreamConfig {
     fn read(reader: &mut Reader<'_>) -> Option<Self> {
         let [rate, tick, displacement_limit, velocity_limit, way_limit] =
             reader.words()?.map(f32::from_bits);
+        let [knot_ticks, hold_ticks] = reader.words()?;
+        let within = |value, low, high| in_range("stream", value, low, high).ok();
         Some(Self {
-            rate,
-            tick,
-            displacement_limit,
-            velocity_limit,
-            way_limit,
-            knot_ticks: reader.u32()?,
-            hold_ticks: reader.u32()?,
+            rate: within(rate, 1.0, TICK_RATE_MAX)?,
+            tick: within(tick, 1.0 / TICK_RATE_MAX, 1.0)?,
+            displacement_limit: within(displacement_limit, 1e-6, 1e4)?,
+            velocity_limit: within(velocity_limit, 1e-6, 1e6)?,
+            way_limit: within(way_limit, 1e-12, 1e10)?,
+            knot_ticks: (1..=10_000).contains(&knot_ticks).then_some(knot_ticks)?,
+            hold_ticks: (1..=1_000_000)
+                .contains(&hold_ticks)
+                .then_some(hold_ticks)?,
         })
     }
 }

@@ -234,14 +234,19 @@ fn limits_stop_the_rig_within_their_ticks() {
             |t: &Telemetry| t.measured_force.abs() > 0.2,
         ),
     ] {
-        // The same run without stopping tells when the limit was first exceeded for so long.
+        // The same run without stopping tells when the limit had been exceeded for so long: a tick within it takes back an eighth of one
+        // beyond.
         let mut free = setup.clone();
         free.settings.trip_ticks = 1_000_000;
         let mut free = started(free);
-        let mut on_end = 0;
+        let mut beyond = 0u32;
         let mut expected = 0;
-        while on_end < trip {
-            on_end = if over(&free.tick()) { on_end + 1 } else { 0 };
+        while beyond < 8 * trip {
+            beyond = if over(&free.tick()) {
+                beyond + 8
+            } else {
+                beyond.saturating_sub(1)
+            };
             expected += 1;
         }
         assert!(expected > 100);
@@ -695,6 +700,7 @@ fn on_an_actuator(gain: f64, delay: usize, frequency: f64, cycles: u32) -> Vec<T
     let (adc, dac) = (Rc::<AdcPins>::default(), Rc::<DacPins>::default());
     let settings = RigSettings {
         correction_gain: 0.5,
+        correction_limit: 10.0,
         feedback: 0.0,
         ..RigSettings::default()
     };

@@ -65,6 +65,8 @@ impl Test {
         }
         let mut setup = RigSetup::new(specimen, AugmentedLaw::new(law), programme, seed);
         setup.settings.health.follow = follow;
+        // It goes on with an actuator that needs much correction.
+        setup.settings.correction_limit = 2.0;
         let mut test = Self {
             bench: Bench::new(setup).unwrap(),
             condition,

@@ -104,7 +104,7 @@ fn what_comes_at_once_is_named_with_its_size_three_cycles_on() {
         (1.0, 0.8, 0.0, friction, -0.2),
         (1.0, 1.0, 0.1, HealthCause::PreloadShift, 0.1),
         (1.0, 1.0, -0.1, HealthCause::PreloadShift, -0.1),
-        (1.1, 1.1, 0.0, HealthCause::Unexplained, 0.1),
+        (1.1, 1.1, 0.0, HealthCause::Stiffening, 0.1),
     ] {
         let changed = Specimen {
             elastic,

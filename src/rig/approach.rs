@@ -1,0 +1,86 @@
+//! The way from where the piston is, as a rig starts, to where its motion begins.
+//!
+//! A servo that finds itself at another place than its command goes there as fast as it can. So the command begins where the piston is,
+//! and goes to the start in a straight line in as many ticks as the way back of a rig that stops.
+
+/// The way that is left.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct Approach {
+    /// It has started, and nobody has looked where the piston is.
+    due: bool,
+    /// mm.
+    left: f32,
+    step: f32,
+}
+
+impl Approach {
+    /// It is not yet known how far it is.
+    pub(super) const DUE: Self = Self {
+        due: true,
+        left: 0.0,
+        step: 0.0,
+    };
+
+    /// The piston is at `displacement` mm; within `tolerance` of 0 it is there. The way takes `ticks`.
+    pub(super) fn begin(&mut self, displacement: f32, tolerance: f32, ticks: f32) {
+        self.due = false;
+        // A number that is none is no way; the limits stop it.
+        let is_away = displacement.is_finite() && displacement.abs() > tolerance;
+        self.left = if is_away { displacement } else { 0.0 };
+        self.step = self.left.abs() / ticks;
+    }
+
+    #[inline(always)]
+    pub(super) fn is_due(&self) -> bool {
+        self.due
+    }
+
+    #[inline(always)]
+    pub(super) fn is_under_way(&self) -> bool {
+        self.left != 0.0
+    }
+
+    /// mm.
+    pub(super) fn left(&self) -> f32 {
+        self.left
+    }
+
+    /// A tick more; what is left after it, mm.
+    pub(super) fn tick(&mut self) -> f32 {
+        let left = self.left.abs() - self.step;
+        self.left = if left > 0.0 {
+            left.copysign(self.left)
+        } else {
+            0.0
+        };
+        self.left
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn it_is_a_straight_line_to_the_start() {
+        let mut approach = Approach::DUE;
+        assert!(approach.is_due());
+        approach.begin(-0.2, 0.01, 4.0);
+        assert!(approach.is_under_way() && !approach.is_due());
+        for left in [-0.15f32, -0.1, -0.05, 0.0] {
+            assert!((approach.tick() - left).abs() < 1e-7);
+        }
+        // What rounding leaves.
+        assert_eq!(approach.tick(), 0.0);
+        assert!(!approach.is_under_way());
+    }
+
+    #[test]
+    fn who_is_there_need_not_go() {
+        for displacement in [0.0, 0.01, -0.01, f32::NAN, f32::INFINITY] {
+            let mut approach = Approach::DUE;
+            approach.begin(displacement, 0.01, 4.0);
+            assert!(!approach.is_under_way());
+        }
+    }
+}

@@ -1,0 +1,178 @@
+//! The temperature that the law is given: as measured, as far as a specimen can have it.
+//!
+//! T ← T + clamp(shown − T, ±rate·h) a tick. What is shown and is no number, or beyond what the specimen and its chamber can have, moves
+//! it not at all: an open thermocouple shows the end of its range, and a specimen warms slowly. At rest T is what is shown.
+
+use crate::error::ConfigError;
+use crate::frame::{Fields, Reader, Writer};
+use crate::real::{Real as _, in_range};
+
+/// Until one is set, °C.
+const USUAL: f32 = 20.0;
+/// Of the settings, °C.
+const COLDEST: f64 = -273.0;
+const HOTTEST: f64 = 2000.0;
+/// Distance from what is shown at which that came faster than a specimen warms, °C.
+const FAR: f32 = 5.0;
+
+/// What a temperature may be and how fast it may change, validated.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct TemperatureConfig {
+    /// °C.
+    coldest: f32,
+    hottest: f32,
+    /// °C a tick.
+    step: f32,
+}
+
+impl TemperatureConfig {
+    /// * `range`: coldest and hottest, °C
+    /// * `rate`: °C/s
+    pub(super) fn new(tick_rate: f64, range: [f64; 2], rate: f64) -> Result<Self, ConfigError> {
+        let [coldest, hottest] = range;
+        in_range("temperature_range", coldest, COLDEST, HOTTEST)?;
+        in_range("temperature_range", hottest, coldest, HOTTEST)?;
+        Ok(Self {
+            coldest: coldest as f32,
+            hottest: hottest as f32,
+            step: (in_range("temperature_rate", rate, 1e-3, 1e3)? / tick_rate) as f32,
+        })
+    }
+}
+
+impl Fields for TemperatureConfig {
+    fn write(&self, writer: &mut Writer<'_>) {
+        writer.words([self.coldest, self.hottest, self.step].map(f32::to_bits));
+    }
+
+    fn read(reader: &mut Reader<'_>) -> Option<Self> {
+        let [coldest, hottest, step] = reader.words()?.map(f32::from_bits);
+        in_range("temperature_range", coldest, COLDEST, HOTTEST).ok()?;
+        in_range("temperature_range", hottest, f64::from(coldest), HOTTEST).ok()?;
+        in_range("temperature_rate", step, 1e-9, 1e3).ok()?;
+        Some(Self {
+            coldest,
+            hottest,
+            step,
+        })
+    }
+}
+
+/// A temperature at work.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Temperature {
+    /// Last shown that can be, and T.
+    shown: f32,
+    taken: f32,
+    /// What was shown that cannot be, until it is told.
+    implausible: Option<f32>,
+    /// It has been told, and what is shown has not been all right since.
+    told: bool,
+}
+
+impl Default for Temperature {
+    fn default() -> Self {
+        Self {
+            shown: USUAL,
+            taken: USUAL,
+            implausible: None,
+            told: false,
+        }
+    }
+}
+
+impl Temperature {
+    /// What is measured, °C. `moving` where it may not jump.
+    pub(super) fn show(&mut self, config: &TemperatureConfig, shown: f32, moving: bool) {
+        // A NaN is in no range.
+        let can_be = shown >= config.coldest && shown <= config.hottest;
+        if can_be {
+            self.shown = shown;
+        }
+        if can_be && !moving {
+            self.taken = shown;
+        }
+        let implausible = !can_be || (shown - self.taken).abs() > FAR;
+        if implausible && !self.told {
+            self.implausible = Some(shown);
+        }
+        self.told = implausible;
+    }
+
+    /// A tick.
+    #[inline(always)]
+    pub(super) fn tick(&mut self, config: &TemperatureConfig) -> f32 {
+        self.taken += (self.shown - self.taken).clipped(config.step);
+        self.taken
+    }
+
+    /// T, °C.
+    pub(super) fn taken(&self) -> f32 {
+        self.taken
+    }
+
+    /// What was shown and cannot be, once.
+    #[inline(always)]
+    pub(super) fn take_implausible(&mut self) -> Option<f32> {
+        self.implausible.take()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn config() -> TemperatureConfig {
+        TemperatureConfig::new(100.0, [-40.0, 120.0], 2.0).unwrap()
+    }
+
+    fn after(temperature: &mut Temperature, shown: f32, ticks: u32) -> f32 {
+        for _ in 0..ticks {
+            temperature.show(&config(), shown, true);
+            temperature.tick(&config());
+        }
+        temperature.taken()
+    }
+
+    /// 1372 °C is where a thermocouple of type K ends.
+    #[test]
+    fn what_cannot_be_moves_nothing_and_is_told_once() {
+        for shown in [f32::NAN, f32::INFINITY, f32::NEG_INFINITY, 1372.0, -80.0] {
+            let mut temperature = Temperature::default();
+            temperature.show(&config(), 30.0, false);
+            assert_eq!(after(&mut temperature, shown, 10_000), 30.0);
+            let told = temperature.take_implausible().unwrap();
+            assert_eq!(told.to_bits(), shown.to_bits());
+            after(&mut temperature, shown, 10);
+            assert!(temperature.take_implausible().is_none());
+            // Mended, and broken once more.
+            assert_eq!(after(&mut temperature, 30.0, 1), 30.0);
+            after(&mut temperature, shown, 1);
+            assert!(temperature.take_implausible().is_some());
+        }
+    }
+
+    #[test]
+    fn a_jump_is_followed_at_the_rate_of_a_specimen_and_told() {
+        let mut temperature = Temperature::default();
+        assert!((after(&mut temperature, 50.0, 250) - 25.0).abs() < 1e-3);
+        assert_eq!(temperature.take_implausible(), Some(50.0));
+        assert!((after(&mut temperature, 50.0, 1250) - 50.0).abs() < 1e-3);
+        assert!(temperature.take_implausible().is_none());
+        // As fast as it may.
+        let mut temperature = Temperature::default();
+        for tick in 0..3000u16 {
+            let shown = 20.0 + 0.02 * f32::from(tick);
+            assert!((after(&mut temperature, shown, 1) - shown).abs() < 0.03);
+        }
+        assert!(temperature.take_implausible().is_none());
+    }
+
+    #[test]
+    fn at_rest_it_is_what_is_shown() {
+        let mut temperature = Temperature::default();
+        temperature.show(&config(), 80.0, false);
+        assert_eq!(temperature.taken(), 80.0);
+        assert!(temperature.take_implausible().is_none());
+    }
+}
