@@ -298,6 +298,9 @@ fn gap_harmonic(law_third: f32) -> f32 {
 const GAP_ENERGY: f32 = 0.6;
 /// Stiffness over energy below which only friction is gone.
 const FRICTION_ALONE: f32 = 0.35;
+/// Energy over residual from which friction rises and nothing else: friction that rises by a part leaves that part of its own RMS, which is
+/// less than the force's.
+const FRICTION_OF_RESIDUAL: f32 = 0.5;
 /// Mean of the command over mean of the force, both as parts of their amplitudes, from which the specimen really stands
 /// elsewhere: the rig holds the mean that the sensor shows.
 const MOVED_MEAN: f32 = 0.3;
@@ -314,7 +317,7 @@ pub(super) type Verdict = (HealthCause, Option<HealthCause>, Statistic);
 /// the law's force in phase with displacement.
 ///
 /// Where stiffness and energy change alike the force channel may have another gain as well: nothing that is measured tells that from a
-/// specimen that breaks or hardens.
+/// specimen that breaks or hardens. Where they do not, the displacement channel may: the specimen moves further than it shows, or less.
 pub(super) fn cause(shift: &Shift, law_third: f32, course: Course) -> Verdict {
     let &[stiffness, energy, mean, residual, third, command] = shift;
     let largest = |a: f32, b: f32| if a.abs() > b.abs() { a.abs() } else { b.abs() };
@@ -331,16 +334,24 @@ pub(super) fn cause(shift: &Shift, law_third: f32, course: Course) -> Verdict {
         let (cause, or) = reversed();
         return (cause, Some(or), Statistic::Stiffness);
     }
-    if stiffness.abs() < FRICTION_ALONE * energy.abs() {
-        let cause = if energy < 0.0 {
-            HealthCause::FrictionWear
-        } else {
-            HealthCause::FrictionRise
-        };
-        return (cause, None, Statistic::Energy);
+    // No specimen supplies energy.
+    if energy < REVERSED {
+        return (HealthCause::Unexplained, None, Statistic::Energy);
     }
-    let gain = ((stiffness - energy).abs() < ALIKE * largest(stiffness, energy))
-        .then_some(HealthCause::SensorGain(Channel::Force));
+    if stiffness.abs() < FRICTION_ALONE * energy.abs() {
+        if energy < 0.0 {
+            return (HealthCause::FrictionWear, None, Statistic::Energy);
+        }
+        if energy > FRICTION_OF_RESIDUAL * residual.abs() {
+            return (HealthCause::FrictionRise, None, Statistic::Energy);
+        }
+    }
+    let alike = (stiffness - energy).abs() < ALIKE * largest(stiffness, energy);
+    let gain = Some(HealthCause::SensorGain(if alike {
+        Channel::Force
+    } else {
+        Channel::Displacement
+    }));
     let flat = third < (law_third + 0.5 * gap_harmonic(law_third)) * stiffness;
     if stiffness < 0.0 && (flat || energy > GAP_ENERGY * stiffness) {
         return (HealthCause::Loosening, None, Statistic::Stiffness);
@@ -489,10 +500,14 @@ mod tests {
             told([0.1, 0.1, 0.0, 0.1, 0.0, 0.0]),
             (HealthCause::Stiffening, gain)
         );
+        let far = Some(HealthCause::SensorGain(Channel::Displacement));
         assert_eq!(
             told([0.2, 0.02, 0.0, 0.1, 0.0, 0.0]),
-            (HealthCause::Stiffening, None)
+            (HealthCause::Stiffening, far)
         );
+        let unexplained = (HealthCause::Unexplained, None);
+        assert_eq!(told([0.0, -1.8, 0.0, 1.5, 0.0, 0.0]), unexplained);
+        assert_eq!(told([0.001, 0.003, 0.0, 0.1, 0.0, 0.0]), unexplained);
         assert_eq!(
             told([-0.1, -0.1, 0.0, 0.1, 0.0, 0.0]),
             (HealthCause::WireBreakage, gain)

@@ -175,10 +175,17 @@ impl ChannelWatch {
         None
     }
 
+    /// It was held, and shows another value now. One that jumped to where it was held and jumps back has dropped out for as long: a contact
+    /// that is bad, and no sample is where it belongs.
     fn let_go(&mut self) -> Option<HealthCause> {
         let clipped = self.moved;
         self.held = 0;
         self.moved = false;
+        let (there, back) = (i32::from(self.jump), i32::from(self.step));
+        let smaller = there.abs().min(back.abs());
+        if there * back < 0 && -smaller * smaller < self.lowest {
+            return Some(HealthCause::SensorSpiking(self.channel));
+        }
         clipped.then_some(HealthCause::SensorClipped(self.channel))
     }
 
@@ -293,7 +300,8 @@ mod tests {
             spikes(&mut watch, &[40_000, 40_041, 40_082, 32_768, 32_768]),
             0
         );
-        assert_eq!(spikes(&mut watch, &[32_768, 40_164, 40_205]), 0);
+        // It comes back two samples later.
+        assert_eq!(spikes(&mut watch, &[32_768, 40_164, 40_205]), 1);
         assert_eq!(
             spikes(&mut watch, &[40_205, 40_246, 32_768, 40_287, 40_328]),
             1

@@ -3,6 +3,7 @@
 mod adc_dac;
 #[cfg(feature = "async")]
 mod asynchronous;
+mod attacks;
 mod closed_loop;
 mod controller;
 mod disturbed;

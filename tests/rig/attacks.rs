@@ -1,0 +1,474 @@
+//! Faults that nobody injects by name: they act on the signals and on the specimen, over twelve seeds of noise each.
+
+use std::cell::Cell;
+use std::f64::consts::TAU;
+use std::rc::Rc;
+
+use mesh_damper::effects::AugmentedLaw;
+use mesh_damper::health::{Channel, Event, HealthCause};
+use mesh_damper::law::Law;
+use mesh_damper::rig::{RigSettings, State, Telemetry, TripCause};
+use mesh_damper::sine::{Block, Programme};
+use mesh_damper_rig::faults::{Condition, Damaged};
+use mesh_damper_rig::{Bench, RigSetup, TICK_RATE};
+
+const SEEDS: u64 = 12;
+const AMPLITUDE: f64 = 0.1;
+const FREQUENCY: f64 = 2.0;
+/// V at a channel's full scale.
+const FULL: f64 = 10.24;
+/// Cycles after the start at which attacks begin, the ramp included.
+const BEGINS: f64 = 31.0;
+
+/// What an attack may touch at a tick.
+struct Attacked<'a> {
+    /// Cycles since the start.
+    cycle: f64,
+    tick: u64,
+    /// V of displacement and force, and what the amplitude of each is.
+    volts: [&'a mut f64; 2],
+    amplitudes: [f64; 2],
+    temperature: &'a mut f64,
+    condition: &'a mut Condition,
+}
+
+impl Attacked<'_> {
+    fn is_on(&self) -> bool {
+        self.cycle >= BEGINS
+    }
+}
+
+struct Rig {
+    bench: Bench<Damaged, 16, 1>,
+    condition: Rc<Cell<Condition>>,
+    amplitudes: [f64; 2],
+    tick: u64,
+}
+
+/// How a run went.
+struct Run {
+    events: Vec<(f64, Event)>,
+    state: State,
+    /// Cycles until it stopped or was over.
+    cycles: f64,
+    /// Largest true displacement over what is demanded.
+    furthest: f64,
+    /// Most ticks on end with a force beyond 1.01 times its limit.
+    beyond: u32,
+}
+
+impl Run {
+    fn causes(&self) -> Vec<HealthCause> {
+        self.events.iter().map(|(_, event)| event.cause).collect()
+    }
+
+    /// The first event from where attacks begin, and its cycle.
+    fn first(&self) -> (f64, Event) {
+        let mut events = self.events.iter().filter(|(cycle, _)| *cycle >= BEGINS);
+        *events.next().expect("an event")
+    }
+}
+
+impl Rig {
+    fn new(blocks: u32, cycles: u32, seed: u64, change: impl Fn(&mut RigSettings)) -> Self {
+        let (specimen, condition) = Damaged::new(3.0, AMPLITUDE);
+        let c = specimen.coefficients();
+        let law = Law::new(c.k1 as f32, c.k3 as f32, c.c as f32, c.alpha as f32).unwrap();
+        let mut programme = Programme::new(TICK_RATE, 1).unwrap();
+        for _ in 0..blocks {
+            let block = Block::sine(AMPLITUDE, FREQUENCY, cycles).unwrap();
+            programme = programme.with(block).unwrap();
+        }
+        let w = TAU * FREQUENCY;
+        let force = (0..100)
+            .map(|step| (TAU * f64::from(step) / 100.0).sin_cos())
+            .map(|(sin, cos)| c.force(AMPLITUDE * sin, AMPLITUDE * w * cos).abs())
+            .fold(0.0, f64::max);
+        let mut setup = RigSetup::new(specimen, AugmentedLaw::new(law), programme, seed);
+        change(&mut setup.settings);
+        let amplitudes = [
+            AMPLITUDE / setup.displacement_sensor.full_scale * FULL,
+            force / setup.force_sensor.full_scale * FULL,
+        ];
+        let mut bench = Bench::new(setup).unwrap();
+        bench.rig.start().unwrap();
+        Self {
+            bench,
+            condition,
+            amplitudes,
+            tick: 0,
+        }
+    }
+
+    fn tick(&mut self, mut attack: impl FnMut(&mut Attacked<'_>)) -> (f64, Telemetry) {
+        let bench = &mut self.bench;
+        let cycle = self.tick as f64 * FREQUENCY / TICK_RATE;
+        let (mut displacement, mut force) = bench.plant.sense();
+        let mut condition = self.condition.get();
+        let mut temperature = condition.temperature;
+        attack(&mut Attacked {
+            cycle,
+            tick: self.tick,
+            volts: [&mut displacement, &mut force],
+            amplitudes: self.amplitudes,
+            temperature: &mut temperature,
+            condition: &mut condition,
+        });
+        self.condition.set(condition);
+        bench.adc.volts[0].set(displacement);
+        bench.adc.volts[1].set(force);
+        bench.rig.set_temperature(temperature as f32);
+        let seen = bench.rig.tick(bench.plant.clock);
+        bench.plant.advance(bench.dac.volts.get(), bench.enabled.get());
+        self.tick += 1;
+        (cycle, seen)
+    }
+
+    fn run(&mut self, mut attack: impl FnMut(&mut Attacked<'_>)) -> Run {
+        let limit = self.bench_force_limit();
+        let mut run = Run {
+            events: Vec::new(),
+            state: State::Running,
+            cycles: 0.0,
+            furthest: 0.0,
+            beyond: 0,
+        };
+        let mut beyond = 0;
+        while run.state == State::Running {
+            let (cycle, seen) = self.tick(&mut attack);
+            run.events.extend(seen.event.map(|event| (cycle, event)));
+            run.state = seen.state;
+            run.cycles = cycle;
+            let servo = &self.bench.plant.servo;
+            run.furthest = run.furthest.max(servo.displacement().abs() / AMPLITUDE);
+            beyond = if servo.force().abs() > 1.01 * limit { beyond + 1 } else { 0 };
+            run.beyond = run.beyond.max(beyond);
+        }
+        run
+    }
+
+    /// kN: 0.95 of the channel's range, which is twice the amplitude of the force.
+    fn bench_force_limit(&self) -> f64 {
+        let volts = self.amplitudes[1];
+        let force = self.condition_free_force();
+        0.95 * force * FULL / volts
+    }
+
+    fn condition_free_force(&self) -> f64 {
+        let c = mesh_damper_reference::tables::interpolate(3.0, AMPLITUDE);
+        let w = TAU * FREQUENCY;
+        (0..100)
+            .map(|step| (TAU * f64::from(step) / 100.0).sin_cos())
+            .map(|(sin, cos)| c.force(AMPLITUDE * sin, AMPLITUDE * w * cos).abs())
+            .fold(0.0, f64::max)
+    }
+}
+
+/// A run of 45 cycles under `attack`.
+fn run(seed: u64, attack: impl FnMut(&mut Attacked<'_>)) -> Run {
+    Rig::new(1, 45, seed, |_| {}).run(attack)
+}
+
+/// Noise of −0.5 to 0.5, other at each tick.
+fn noise(tick: u64) -> f64 {
+    let mut x = tick.wrapping_mul(0x9E37_79B9_7F4A_7C15);
+    x ^= x >> 29;
+    x = x.wrapping_mul(0xBF58_476D_1CE4_E5B9);
+    x ^= x >> 32;
+    (x >> 11) as f64 / (1u64 << 53) as f64 - 0.5
+}
+
+#[test]
+fn a_force_channel_that_shows_no_force_stops_the_rig_within_a_cycle() {
+    for seed in 0..SEEDS {
+        let mut frozen = None;
+        let runs = [
+            run(seed, |a| {
+                if a.is_on() {
+                    *a.volts[1] = 0.05 * noise(a.tick);
+                }
+            }),
+            run(seed, |a| {
+                if a.is_on() {
+                    let at = *frozen.get_or_insert(*a.volts[1]);
+                    *a.volts[1] = at + 3.0 * noise(a.tick) * 2.0 * FULL / 65_536.0;
+                }
+            }),
+            run(seed, |a| {
+                if a.is_on() {
+                    a.condition.stiffness = 0.0;
+                    a.condition.friction = 0.0;
+                }
+            }),
+        ];
+        for run in runs {
+            assert_eq!(run.state, State::Faulted(TripCause::ForceLost));
+            assert!(run.cycles - BEGINS < 1.0, "{}", run.cycles);
+            let lost = [
+                HealthCause::SensorDroppedOut(Channel::Force),
+                HealthCause::SpecimenAbsent,
+            ];
+            let (_, event) = *run.events.last().unwrap();
+            assert_eq!([Some(event.cause), event.or], lost.map(Some));
+        }
+    }
+}
+
+#[test]
+fn a_force_that_never_was_stops_the_rig_in_its_ramp() {
+    for seed in 0..SEEDS {
+        let mut at = 0.0;
+        let mut attack = |a: &mut Attacked<'_>| {
+            *a.volts[1] = 0.05 * noise(a.tick);
+            at = a.cycle;
+        };
+        let run = run(seed, &mut attack);
+        assert_eq!(run.state, State::Faulted(TripCause::ForceLost));
+        assert!(run.cycles < 2.0, "{}", run.cycles);
+        let (_, event) = run.events[0];
+        assert_eq!(event.cause, HealthCause::SpecimenAbsent);
+        assert_eq!(event.or, Some(HealthCause::SensorDroppedOut(Channel::Force)));
+    }
+}
+
+/// Three times the force, and a channel that shows nothing, or less than the limit, in one tick of ten.
+#[test]
+fn one_good_sample_in_ten_does_not_hold_a_limit_off() {
+    for seed in 0..SEEDS {
+        for good in [0.0, 0.8] {
+            let limit = 1.5;
+            let mut rig = Rig::new(1, 45, seed, |_| {});
+            let run = rig.run(|a| {
+                if a.is_on() {
+                    a.condition.stiffness = 2.5;
+                    a.condition.friction = 2.5;
+                    // The range is twice the amplitude, and clips beyond that.
+                    let most = limit * a.amplitudes[1];
+                    let shown = if a.tick.is_multiple_of(10) { good * most } else { 1.25 * most };
+                    *a.volts[1] = a.volts[1].clamp(-shown, shown);
+                }
+            });
+            assert!(matches!(run.state, State::Faulted(_)), "{:?}", run.state);
+            assert!(run.beyond <= 12, "{}", run.beyond);
+        }
+    }
+}
+
+#[test]
+fn a_displacement_that_fades_stops_the_rig_before_it_goes_a_third_too_far() {
+    for seed in 0..SEEDS {
+        // In the run-in, over 100 cycles; and at once.
+        for over in [100.0, 0.0] {
+            let run = Rig::new(1, 150, seed, |_| {}).run(|a| {
+                let part = if over > 0.0 {
+                    ((a.cycle - BEGINS) / over).clamp(0.0, 1.0)
+                } else {
+                    f64::from(u8::from(a.is_on()))
+                };
+                *a.volts[0] *= 1.0 - 0.4 * part;
+            });
+            assert_eq!(run.state, State::Faulted(TripCause::CorrectionLimit));
+            assert!(run.furthest < 1.34, "{}", run.furthest);
+            let (_, event) = *run.events.last().unwrap();
+            assert_eq!(event.cause, HealthCause::SensorGain(Channel::Displacement));
+        }
+    }
+}
+
+/// What was learned beside a bad channel is not driven beside the mended one.
+#[test]
+fn a_repaired_rig_starts_from_neutral() {
+    for gain in [0.85, 0.6] {
+        let mut rig = Rig::new(1, 20, 1, |_| {});
+        rig.run(|a| *a.volts[0] *= if a.cycle > 5.0 { gain } else { 1.0 });
+        rig.bench.rig.stop();
+        for _ in 0..6000 {
+            rig.tick(|_| {});
+        }
+        let _ = rig.bench.rig.clear();
+        rig.bench.rig.clear_events();
+        rig.bench.rig.start().unwrap();
+        rig.tick = 0;
+        let run = rig.run(|_| {});
+        assert_eq!(run.state, State::Done);
+        assert!(run.furthest < 1.03, "{gain}: {}", run.furthest);
+    }
+}
+
+/// The largest speed is that of the way to the start, 0.25 mm in half a second.
+#[test]
+fn a_start_where_the_piston_is_not_goes_there_slowly() {
+    let mut rig = Rig::new(1, 3, 1, |_| {});
+    // A stop at the crest leaves the piston where it is.
+    rig.run_until_crest();
+    rig.bench.rig.stop();
+    for _ in 0..6000 {
+        rig.tick(|_| {});
+    }
+    let left = rig.bench.plant.servo.displacement();
+    assert!(left.abs() > 0.05, "{left}");
+    rig.bench.rig.start().unwrap();
+    let mut fastest = 0.0f64;
+    for _ in 0..4500 {
+        let (_, seen) = rig.tick(|_| {});
+        assert_eq!(seen.state, State::Running);
+        fastest = fastest.max(rig.bench.plant.servo.velocity().abs());
+    }
+    // Stick and slip of the piston make up to three times the speed of the way.
+    let way = left.abs() / 0.5;
+    assert!(fastest < 3.0 * way, "{fastest} mm/s of {way}");
+    rig.tick = 0;
+    assert_eq!(rig.run(|_| {}).state, State::Done);
+}
+
+impl Rig {
+    fn run_until_crest(&mut self) {
+        // A ramp, and a cycle and a quarter.
+        for _ in 0..(2.25 * TICK_RATE / FREQUENCY) as u32 {
+            self.tick(|_| {});
+        }
+    }
+}
+
+#[test]
+fn no_temperature_hides_a_break() {
+    let shown: [fn(f64) -> f64; 5] = [
+        // For one tick, and for good.
+        |cycle| if (25.5..25.501).contains(&cycle) { f64::NAN } else { 20.0 },
+        |cycle| if cycle > 25.0 { f64::NAN } else { 20.0 },
+        |cycle| if cycle > 25.0 { 1372.0 } else { 20.0 },
+        |cycle| if cycle > BEGINS { f64::INFINITY } else { 20.0 },
+        |cycle| if cycle > BEGINS { 50.0 } else { 20.0 },
+    ];
+    for seed in 0..SEEDS {
+        for shown in shown {
+            let run = run(seed, |a| {
+                *a.temperature = shown(a.cycle);
+                if a.is_on() {
+                    a.condition.stiffness = 0.8;
+                    a.condition.friction = 0.8;
+                }
+            });
+            let causes = run.causes();
+            let expected = [
+                HealthCause::TemperatureImplausible,
+                HealthCause::WireBreakage,
+            ];
+            assert_eq!(causes, expected, "{seed}");
+            let (cycle, _) = *run.events.last().unwrap();
+            assert!(cycle - BEGINS < 5.0, "{cycle}");
+        }
+    }
+}
+
+#[test]
+fn what_rises_is_called_what_it_is() {
+    for seed in 0..SEEDS {
+        for (stiffness, friction, cause) in [
+            (1.0, 1.2, HealthCause::FrictionRise),
+            (1.0, 1.5, HealthCause::FrictionRise),
+            (1.2, 1.0, HealthCause::Stiffening),
+        ] {
+            let run = run(seed, |a| {
+                if a.is_on() {
+                    a.condition.stiffness = stiffness;
+                    a.condition.friction = friction;
+                }
+            });
+            let (cycle, event) = run.first();
+            assert_eq!(event.cause, cause, "{seed}");
+            assert!(cycle - BEGINS < 5.0);
+        }
+    }
+}
+
+/// 50 Hz on either channel.
+#[test]
+fn hum_is_no_damage() {
+    for seed in 0..SEEDS {
+        for (channel, name, part) in [
+            (0, Channel::Displacement, 0.02),
+            (0, Channel::Displacement, 0.1),
+            (1, Channel::Force, 0.05),
+            (1, Channel::Force, 0.2),
+        ] {
+            let run = run(seed, |a| {
+                if a.is_on() {
+                    let hum = (TAU * 50.0 * a.tick as f64 / TICK_RATE).sin();
+                    *a.volts[channel] += part * a.amplitudes[channel] * hum;
+                }
+            });
+            assert_eq!(run.causes(), [HealthCause::SensorNoisy(name)], "{part}, {seed}");
+        }
+    }
+}
+
+#[test]
+fn a_break_while_it_learns_is_a_loss() {
+    for seed in 0..SEEDS {
+        let run = run(seed, |a| {
+            if a.cycle > 11.0 {
+                a.condition.stiffness = 0.8;
+                a.condition.friction = 0.8;
+            }
+        });
+        let (cycle, event) = run.events[0];
+        assert_eq!(event.cause, HealthCause::WireBreakage);
+        assert!((event.value + 0.2).abs() < 0.03 && cycle < 15.0, "{event:?} in {cycle}");
+    }
+}
+
+#[test]
+fn short_blocks_of_one_motion_are_watched_as_one() {
+    for seed in 0..SEEDS {
+        let run = Rig::new(12, 12, seed, |_| {}).run(|a| {
+            if a.cycle > 60.0 {
+                a.condition.stiffness = 0.7;
+                a.condition.friction = 0.7;
+            }
+        });
+        assert_eq!(run.state, State::Done);
+        assert_eq!(run.causes(), [HealthCause::WireBreakage]);
+        assert!(run.first().0 < 66.0);
+        let healthy = Rig::new(12, 12, seed, |_| {}).run(|_| {});
+        assert_eq!(healthy.causes(), []);
+    }
+}
+
+#[test]
+fn a_run_in_hides_no_more_than_a_run_in() {
+    for seed in 0..2 {
+        let run = Rig::new(1, 200, seed, |_| {}).run(|a| {
+            let part = 1.0 - 0.4 * ((a.cycle - 21.0) / 170.0).clamp(0.0, 1.0);
+            a.condition.stiffness = part;
+            a.condition.friction = part;
+        });
+        let (cycle, event) = run.events[0];
+        assert_eq!(event.cause, HealthCause::WireBreakage);
+        // 15 % of it, of which a third is gone when it has learned.
+        assert!(cycle < 110.0, "{cycle}");
+    }
+}
+
+#[test]
+fn what_is_wrong_from_the_start_is_told_in_the_first_cycles() {
+    for seed in 0..SEEDS {
+        let reversed = run(seed, |a| *a.volts[1] = -*a.volts[1]);
+        let (cycle, event) = reversed.events[0];
+        assert_eq!(event.cause, HealthCause::SensorReversed(Channel::Force));
+        assert!(cycle < 5.0, "{cycle}");
+        let halved = run(seed, |a| *a.volts[1] *= 0.5);
+        let (cycle, event) = halved.events[0];
+        assert_eq!(event.cause, HealthCause::LawMismatch);
+        assert_eq!(event.or, Some(HealthCause::SensorGain(Channel::Force)));
+        assert!(cycle < 5.0, "{cycle}");
+        // The channels are swapped, or the displacement is reversed: a limit stops it.
+        let mut swapped = run(seed, |a| {
+            let [displacement, force] = &mut a.volts;
+            std::mem::swap(*displacement, *force);
+        });
+        assert!(matches!(swapped.state, State::Faulted(_)) && swapped.cycles < 3.0);
+        swapped = run(seed, |a| *a.volts[0] = -*a.volts[0]);
+        assert!(matches!(swapped.state, State::Faulted(_)) && swapped.cycles < 3.0);
+    }
+}
