@@ -102,8 +102,8 @@ impl<S> Ads8688<S> {
         self.spi
     }
 
-    /// A part that has been checked and set.
-    fn checked(spi: S, displacement: Scale, force: Scale) -> Self {
+    /// A part that is yet to be checked and set.
+    fn unset(spi: S, displacement: Scale, force: Scale) -> Self {
         Self {
             spi,
             displacement,
@@ -160,15 +160,26 @@ impl<S: SpiDevice> Ads8688<S> {
     ///
     /// # Errors
     /// The bus's, or [`AdcError::Register`].
-    pub fn new(mut spi: S, displacement: Scale, force: Scale) -> Result<Self, AdcError<S::Error>> {
-        spi.write(&[RESET, 0, 0, 0])?;
+    pub fn new(spi: S, displacement: Scale, force: Scale) -> Result<Self, AdcError<S::Error>> {
+        let mut part = Self::unset(spi, displacement, force);
+        part.restore()?;
+        Ok(part)
+    }
+
+    /// Sets the part up again as [`Ads8688::new`] does: after it lost its supply.
+    ///
+    /// # Errors
+    /// The bus's, or [`AdcError::Register`].
+    pub fn restore(&mut self) -> Result<(), AdcError<S::Error>> {
+        self.in_step = false;
+        self.spi.write(&[RESET, 0, 0, 0])?;
         for (address, value) in RANGES {
             let [write, mut read] = register_frames(address, value);
-            spi.write(&write)?;
-            spi.transfer_in_place(&mut read)?;
+            self.spi.write(&write)?;
+            self.spi.transfer_in_place(&mut read)?;
             held(address, value, read)?;
         }
-        Ok(Self::checked(spi, displacement, force))
+        Ok(())
     }
 
     /// Samples displacement, then force: two frames, 64 clocks. The first call, and the first after a bus error, takes

@@ -8,7 +8,7 @@
 //! is written in one piece, so that one that a read did not bring whole is lost, and asked for again like any other.
 
 /// The version that is written, and the only one read.
-pub const VERSION: u8 = 4;
+pub const VERSION: u8 = 5;
 /// Most bytes of a payload.
 pub const PAYLOAD: usize = 488;
 /// Most bytes of a frame.

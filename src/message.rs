@@ -98,6 +98,10 @@ pub struct Sensors {
     pub temperature: f32,
     /// Control inputs, as those of [`crate::rig::Reading`].
     pub controls: [f32; CONTROLS],
+    /// What the harness's clock reads, as [`crate::rig::Controller::tick`] takes it.
+    pub clock: u32,
+    /// The input that says stop is active, at this tick and until the next.
+    pub tripped: bool,
 }
 
 impl Sensors {
@@ -113,6 +117,8 @@ impl Sensors {
             force: reader.u16()?,
             temperature: reader.f32()?,
             controls: reader.words()?.map(f32::from_bits),
+            clock: reader.u32()?,
+            tripped: reader.u8()? != 0,
         })
     }
 }
@@ -297,6 +303,8 @@ impl<'a> Request<'a> {
                 writer.u16(sensors.force);
                 writer.f32(sensors.temperature);
                 writer.words(sensors.controls.map(f32::to_bits));
+                writer.u32(sensors.clock);
+                writer.u8(sensors.tripped.into());
             }
             Self::Motions(motions) => writer.bytes(motions.0),
             Self::Stream(config) => config.write(writer),

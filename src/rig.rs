@@ -53,6 +53,8 @@ mod exciter;
 mod fault;
 mod guard;
 mod io;
+mod pace;
+mod pins;
 mod refusal;
 mod rig_controller;
 mod spi;
@@ -63,12 +65,13 @@ mod temperature;
 
 #[cfg(feature = "async")]
 pub use asynchronous::{AsyncActuator, AsyncSensors, Asynchronous};
-pub use blocking::Blocking;
+pub use blocking::{Blocking, VERIFY_TICKS};
 pub use controller::Controller;
 pub use emulation::{DamperEmulationSettings, EmulationController};
 pub use exciter::{AnyExciter, Exciter};
 pub use fault::TripCause;
 pub use io::{Actuator, Command, Reading, Sensors, Wiring, WithControls};
+pub use pins::{PinError, WithAlive, WithReadBack, WithTrip};
 pub use refusal::{ClearRefused, StartRefused};
 pub use rig_controller::RigController;
 pub use spi::{SpiActuator, SpiActuatorError, SpiDamperEmulation, SpiRig};
@@ -84,6 +87,7 @@ use crate::health::{Event, HealthConfig, HealthSettings};
 use crate::observer::ObserverConfig;
 use correction::CorrectionConfig;
 use fault::Limits;
+use pace::PaceConfig;
 use temperature::TemperatureConfig;
 
 /// A [`RigController`] with its sensors and its actuator. [`SpiRig`] has the two parts of [`crate::adc`] and [`crate::dac`].
@@ -127,6 +131,10 @@ pub struct RigSettings {
     /// After how many ticks without an exchange over the link it stops, see [`Controller::exchange`], 0…1e7; 0 where nobody is
     /// linked.
     pub link_ticks: u32,
+    /// Rate of the counter whose reading each tick is given, Hz: 0, or the tick rate to 4e9 and to 2e9 times the tick rate. At 0 it
+    /// counts the ticks of the timer, one each. A clock that is independent of the timer, such as the processor's cycles, also
+    /// finds a timer at a wrong rate; give it at least 10 counts to the tick. See [`Controller::tick`].
+    pub clock_rate: f64,
     /// Of the observer, Hz, 1e-3 to a tenth of the tick rate.
     pub observer_bandwidth: f64,
     /// Damping ratio of the observer, 0.3…3.
@@ -160,6 +168,7 @@ impl Default for RigSettings {
             trip_ticks: 10,
             stop_ticks: 5_000,
             link_ticks: 0,
+            clock_rate: 0.0,
             observer_bandwidth: 20.0,
             observer_damping: 0.7,
             correction_gain: 0.8,
@@ -185,6 +194,7 @@ pub struct RigConfig {
     health: HealthConfig,
     stop_ticks: u32,
     link_ticks: u32,
+    pace: PaceConfig,
 }
 
 impl Fields for RigConfig {
@@ -195,6 +205,7 @@ impl Fields for RigConfig {
         self.temperature.write(writer);
         self.health.write(writer);
         writer.words([self.stop_ticks, self.link_ticks]);
+        self.pace.write(writer);
     }
 
     fn read(reader: &mut Reader<'_>) -> Option<Self> {
@@ -206,6 +217,7 @@ impl Fields for RigConfig {
             health: HealthConfig::read(reader)?,
             stop_ticks: guard::valid_stop_ticks(reader.u32()?).ok()?,
             link_ticks: guard::valid_link_ticks(reader.u32()?).ok()?,
+            pace: PaceConfig::read(reader)?,
         })
     }
 }
@@ -246,6 +258,7 @@ impl RigSettings {
             health: self.health.config()?,
             stop_ticks: guard::valid_stop_ticks(self.stop_ticks)?,
             link_ticks: guard::valid_link_ticks(self.link_ticks)?,
+            pace: PaceConfig::new(tick_rate, self.clock_rate)?,
         })
     }
 }

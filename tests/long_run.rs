@@ -172,7 +172,7 @@ fn a_rig_in_closed_loop_ends_as_it_began() {
         last = displacement;
         adc.volts[0].set(displacement * INPUT_RANGE);
         adc.volts[1].set(force * INPUT_RANGE);
-        let telemetry = rig.tick();
+        let telemetry = rig.tick(ticks as u32);
         ticks += 1;
         if let Some(CycleReport {
             cycle,

@@ -61,6 +61,10 @@ pub trait Converters {
     #[inline]
     fn control(_sensors: &mut Self::Sensors, _controls: [f32; CONTROLS]) {}
 
+    /// Level of the input that says stop, from now until the next tick. Converters that are wired to one have their own.
+    #[inline]
+    fn trip(_tripped: bool) {}
+
     /// Code that the actuator was given, and the level of the enable line.
     fn driven() -> (u16, bool);
 }

@@ -34,7 +34,7 @@ trait Controller {
     fn set_temperature(&mut self, temperature: f32);
     fn set_controls(&mut self, controls: [f32; CONTROLS]);
     fn state(&self) -> State;
-    fn tick(&mut self) -> Telemetry;
+    fn tick(&mut self, clock: u32) -> Telemetry;
 }
 
 macro_rules! controller {
@@ -61,8 +61,8 @@ macro_rules! controller {
             fn state(&self) -> State {
                 self.state()
             }
-            fn tick(&mut self) -> Telemetry {
-                self.tick()
+            fn tick(&mut self, clock: u32) -> Telemetry {
+                self.tick(clock)
             }
         }
     };
@@ -260,6 +260,7 @@ pub fn check(script: &[u8], ticks: u32) -> u64 {
     let dac = Dac {
         wires: wires.clone(),
         control: 0,
+        answer: 0,
     };
     let adc = Ads8688::new(adc, travel, force).expect("its bus is sound");
     let dac = Ad5761::new(dac, command).expect("its bus is sound");
@@ -321,6 +322,7 @@ fn rig(
             glide: feed.between(1.0 / tick_rate, 10.0),
             feedback: 0.01 * tick_rate * feed.part(),
             link_ticks: 0,
+            clock_rate: tick_rate * feed.between(1.0, 1e4),
             health: HealthSettings {
                 size: feed.between(0.01, 0.5),
                 false_alarm_cycles: feed.between(1e2, 1e9),
@@ -372,6 +374,7 @@ fn emulator(
         trip_ticks: feed.between(1.0, 1e3) as u32,
         stop_ticks: feed.between(1.0, 1e4) as u32,
         link_ticks: 0,
+        clock_rate: 0.0,
         observer_bandwidth: feed.between(1e-3, 1.0) * 0.1 * tick_rate,
         observer_damping: feed.between(0.3, 3.0),
         hysteresis: feed.between(1e-9, 1e4),

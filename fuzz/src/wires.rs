@@ -66,6 +66,8 @@ impl SpiDevice for Adc {
 pub struct Dac {
     pub wires: Rc<Wires>,
     pub control: u16,
+    /// What the next frame clocks out.
+    pub answer: u16,
 }
 
 impl spi::ErrorType for Dac {
@@ -82,8 +84,12 @@ impl SpiDevice for Dac {
             [Operation::Write([0x4, high, low])] => {
                 self.control = u16::from_be_bytes([*high, *low]);
             }
-            [Operation::TransferInPlace([_, high, low])] => {
-                [*high, *low] = self.control.to_be_bytes();
+            [Operation::Write([0xC, ..])] => self.answer = self.control,
+            [Operation::TransferInPlace([command, high, low])] => {
+                [*high, *low] = self.answer.to_be_bytes();
+                if *command == 0xB {
+                    self.answer = self.wires.driven.get();
+                }
             }
             _ => {}
         }

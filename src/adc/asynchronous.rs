@@ -15,18 +15,29 @@ impl<S: SpiDevice> Ads8688<S> {
     /// # Errors
     /// The bus's, or [`AdcError::Register`].
     pub async fn new_async(
-        mut spi: S,
+        spi: S,
         displacement: Scale,
         force: Scale,
     ) -> Result<Self, AdcError<S::Error>> {
-        spi.write(&[RESET, 0, 0, 0]).await?;
+        let mut part = Self::unset(spi, displacement, force);
+        part.restore_async().await?;
+        Ok(part)
+    }
+
+    /// [`Ads8688::restore`] over an asynchronous bus.
+    ///
+    /// # Errors
+    /// The bus's, or [`AdcError::Register`].
+    pub async fn restore_async(&mut self) -> Result<(), AdcError<S::Error>> {
+        self.in_step = false;
+        self.spi.write(&[RESET, 0, 0, 0]).await?;
         for (address, value) in RANGES {
             let [write, mut read] = register_frames(address, value);
-            spi.write(&write).await?;
-            spi.transfer_in_place(&mut read).await?;
+            self.spi.write(&write).await?;
+            self.spi.transfer_in_place(&mut read).await?;
             held(address, value, read)?;
         }
-        Ok(Self::checked(spi, displacement, force))
+        Ok(())
     }
 
     /// [`Ads8688::read`] over an asynchronous bus. A call that is dropped before it is over is as one that the bus failed.

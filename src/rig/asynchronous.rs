@@ -1,18 +1,21 @@
 //! A controller with sensors and an actuator that are awaited.
 
+use core::future::ready;
 use core::ops::{Deref, DerefMut};
 
 use embedded_hal::digital::OutputPin;
 use embedded_hal_async::spi::SpiDevice;
 
 use super::Telemetry;
+use super::blocking::VERIFY_TICKS;
 use super::controller::Controller;
 use super::fault::TripCause;
 use super::io::{Reading, WithControls};
 use super::refusal::{ClearRefused, StartRefused};
 use super::spi::{SpiActuator, SpiActuatorError};
 use super::state::State;
-use crate::adc::Ads8688;
+use crate::adc::{AdcError, Ads8688};
+use crate::dac::DacError;
 
 /// [`super::Sensors`] whose reading is awaited.
 pub trait AsyncSensors {
@@ -24,6 +27,22 @@ pub trait AsyncSensors {
     /// # Errors
     /// Whatever keeps it from reading. The controller stops with [`TripCause::AdcBus`].
     fn read(&mut self) -> impl Future<Output = Result<Reading, Self::Error>>;
+
+    /// As [`super::Sensors::is_tripped`].
+    ///
+    /// # Errors
+    /// Where the input cannot be read, which counts as a stop.
+    fn is_tripped(&mut self) -> impl Future<Output = Result<bool, Self::Error>> {
+        ready(Ok(false))
+    }
+
+    /// As [`super::Sensors::restore`].
+    ///
+    /// # Errors
+    /// What keeps the parts from working: the clear is refused then, with [`TripCause::AdcBus`].
+    fn restore(&mut self) -> impl Future<Output = Result<(), Self::Error>> {
+        ready(Ok(()))
+    }
 }
 
 /// An [`super::Actuator`] that is awaited.
@@ -42,6 +61,38 @@ pub trait AsyncActuator {
     /// # Errors
     /// Where its level is unknown. The controller stops with [`TripCause::EnableLine`].
     fn enable(&mut self, on: bool) -> impl Future<Output = Result<(), Self::Error>>;
+
+    /// As [`super::Actuator::verify_drive`].
+    ///
+    /// # Errors
+    /// Where it is not so, or cannot be read back. The controller stops with [`TripCause::DacBus`].
+    fn verify_drive(&mut self) -> impl Future<Output = Result<(), Self::Error>> {
+        ready(Ok(()))
+    }
+
+    /// As [`super::Actuator::verify_enable`].
+    ///
+    /// # Errors
+    /// Where it is not so, or cannot be read back. The controller stops with [`TripCause::EnableLine`].
+    fn verify_enable(&mut self, _on: bool) -> impl Future<Output = Result<(), Self::Error>> {
+        ready(Ok(()))
+    }
+
+    /// As [`super::Actuator::alive`].
+    ///
+    /// # Errors
+    /// Where it could not. Nothing follows from that: the watchdog sees it.
+    fn alive(&mut self) -> impl Future<Output = Result<(), Self::Error>> {
+        ready(Ok(()))
+    }
+
+    /// As [`super::Actuator::restore`].
+    ///
+    /// # Errors
+    /// What keeps the parts from working: the clear is refused then, with [`TripCause::DacBus`].
+    fn restore(&mut self) -> impl Future<Output = Result<(), Self::Error>> {
+        ready(Ok(()))
+    }
 }
 
 /// [`super::Blocking`] with sensors and an actuator that are awaited; the same telemetry, to the last bit.
@@ -57,39 +108,59 @@ pub struct Asynchronous<C, S, A> {
     actuator: A,
     /// The line took the last level that it was given, and that was low.
     low: bool,
+    /// What was read back last was as it should be.
+    verified: bool,
+    /// Ticks since then.
+    since_verified: u32,
 }
 
 impl<C: Controller, S: AsyncSensors, A: AsyncActuator> Asynchronous<C, S, A> {
     /// Idle, enable line low. `controller` is at rest, and made for the scales of `sensors` and `actuator`. A line that does not
     /// drop is a fault at the first tick or start.
-    pub async fn wire(controller: C, sensors: S, mut actuator: A) -> Self {
-        let low = actuator.enable(false).await.is_ok();
-        Self {
+    pub async fn wire(controller: C, sensors: S, actuator: A) -> Self {
+        let mut wired = Self {
             controller,
             sensors,
             actuator,
-            low,
-        }
+            low: false,
+            verified: true,
+            since_verified: 0,
+        };
+        wired.low = wired.set_line(false).await;
+        wired
+    }
+
+    /// Whether the line took this level.
+    async fn set_line(&mut self, on: bool) -> bool {
+        self.actuator.enable(on).await.is_ok() && self.actuator.verify_enable(on).await.is_ok()
     }
 
     /// Sets the line low.
     async fn lower(&mut self) {
         self.low = false;
-        self.low = self.actuator.enable(false).await.is_ok();
+        self.low = self.set_line(false).await;
         if !self.low {
             self.controller.enable_failed();
         }
     }
 
+    /// Whether the input that says stop is active, or cannot be read.
+    async fn is_tripped(&mut self) -> bool {
+        !matches!(self.sensors.is_tripped().await, Ok(false))
+    }
+
     /// [`Controller::start`]; the enable line rises.
     ///
     /// # Errors
-    /// Those of [`Controller::start`]; an enable line that does not rise.
+    /// Those of [`Controller::start`]; an external trip that is active; an enable line that does not rise.
     pub async fn start(&mut self) -> Result<(), StartRefused> {
+        if self.is_tripped().await {
+            self.controller.external_trip();
+        }
         self.settle().await;
         self.controller.start()?;
         self.low = false;
-        if self.actuator.enable(true).await.is_ok() {
+        if self.set_line(true).await {
             return Ok(());
         }
         self.controller.enable_failed();
@@ -109,6 +180,12 @@ impl<C: Controller, S: AsyncSensors, A: AsyncActuator> Asynchronous<C, S, A> {
         self.settle().await;
     }
 
+    /// [`Controller::external_trip`]; the enable line drops.
+    pub async fn external_trip(&mut self) {
+        self.controller.external_trip();
+        self.settle().await;
+    }
+
     /// A line that is to be low is.
     async fn settle(&mut self) {
         if self.controller.state() != State::Running && !self.low {
@@ -116,17 +193,29 @@ impl<C: Controller, S: AsyncSensors, A: AsyncActuator> Asynchronous<C, S, A> {
         }
     }
 
-    /// [`Controller::clear`].
+    /// [`Controller::clear`], after sensors and actuator were set up again.
     ///
     /// # Errors
-    /// Those of [`Controller::clear`]; an enable line that does not drop.
+    /// Those of [`Controller::clear`]; an external trip that is active; an enable line that does not drop; a part that cannot be set
+    /// up, or does not drive what it should then. The cause that it stopped for stays.
     pub async fn clear(&mut self) -> Result<(), ClearRefused> {
-        self.controller.clear()?;
-        self.lower().await;
-        match self.controller.state() {
-            State::Faulted(cause) => Err(ClearRefused::Faulted(cause)),
-            _ => Ok(()),
+        self.controller.may_clear()?;
+        if self.is_tripped().await {
+            return Err(ClearRefused::Faulted(TripCause::External));
         }
+        self.lower().await;
+        if !self.low {
+            return Err(ClearRefused::Faulted(TripCause::EnableLine));
+        }
+        if self.sensors.restore().await.is_err() {
+            return Err(ClearRefused::Faulted(TripCause::AdcBus));
+        }
+        self.verified =
+            self.actuator.restore().await.is_ok() && self.actuator.verify_drive().await.is_ok();
+        if !self.verified {
+            return Err(ClearRefused::Faulted(TripCause::DacBus));
+        }
+        self.controller.clear()
     }
 
     /// [`Controller::exchange`].
@@ -139,23 +228,69 @@ impl<C: Controller, S: AsyncSensors, A: AsyncActuator> Asynchronous<C, S, A> {
         self.controller.state()
     }
 
-    /// One tick: see [`super`] for its deadline. A line that did not drop is tried again.
-    pub async fn tick(&mut self) -> Telemetry {
+    /// [`Controller::late_ticks`].
+    pub fn late_ticks(&self) -> u32 {
+        self.controller.late_ticks()
+    }
+
+    /// One tick, at which the counter of [`Controller::tick`] reads `clock`: see [`super`] for its deadline. A line that did not
+    /// drop is tried again.
+    pub async fn tick(&mut self, clock: u32) -> Telemetry {
+        if self.is_tripped().await {
+            self.controller.external_trip();
+        }
+        let late = self.controller.late_ticks();
         let reading = self.sensors.read().await.ok();
-        let seen = self.controller.tick(reading);
+        let read = reading.is_some();
+        let mut seen = self.controller.tick(reading, clock);
+        let in_time = self.controller.late_ticks() == late;
         let command = seen.to_drive();
         if !command.enabled && !self.low {
             self.lower().await;
+            seen.state = self.controller.state();
         }
-        if self.actuator.drive(command.value).await.is_err() {
-            self.controller.command_failed();
+        let driven = self.actuator.drive(command.value).await.is_ok();
+        if !driven {
+            self.fail().await;
+        }
+        self.since_verified = self.since_verified.wrapping_add(1);
+        let due = self.since_verified >= VERIFY_TICKS;
+        if due {
+            self.verify().await;
+        }
+        if due || !driven {
+            seen.command = self.controller.driven();
+            seen.state = self.controller.state();
+        }
+        let line = self.low || seen.state == State::Running;
+        if read && in_time && driven && line && self.verified {
+            // A watchdog that is not told acts by itself.
+            let _ = self.actuator.alive().await;
+        }
+        seen
+    }
+
+    /// The actuator did not take the command.
+    async fn fail(&mut self) {
+        self.controller.command_failed();
+        self.settle().await;
+    }
+
+    /// Reads back what is driven, and the level of the line where it took the last one.
+    async fn verify(&mut self) {
+        self.since_verified = 0;
+        let driven = self.actuator.verify_drive().await.is_ok();
+        if !driven {
+            self.fail().await;
+        }
+        let on = self.controller.state() == State::Running;
+        let line = !on && !self.low || self.actuator.verify_enable(on).await.is_ok();
+        if !line {
+            self.low = false;
+            self.controller.enable_failed();
             self.settle().await;
         }
-        Telemetry {
-            command: self.controller.driven(),
-            state: self.controller.state(),
-            ..seen
-        }
+        self.verified = driven && line;
     }
 
     /// The sensors.
@@ -179,10 +314,14 @@ impl<C, S, A> DerefMut for Asynchronous<C, S, A> {
 }
 
 impl<A: SpiDevice> AsyncSensors for Ads8688<A> {
-    type Error = A::Error;
+    type Error = AdcError<A::Error>;
 
-    async fn read(&mut self) -> Result<Reading, A::Error> {
-        self.read_async().await
+    async fn read(&mut self) -> Result<Reading, Self::Error> {
+        Ok(self.read_async().await?)
+    }
+
+    async fn restore(&mut self) -> Result<(), Self::Error> {
+        self.restore_async().await
     }
 }
 
@@ -196,14 +335,34 @@ impl<S: AsyncSensors> AsyncSensors for WithControls<S> {
             ..reading
         })
     }
+
+    async fn is_tripped(&mut self) -> Result<bool, S::Error> {
+        self.sensors.is_tripped().await
+    }
+
+    async fn restore(&mut self) -> Result<(), S::Error> {
+        self.sensors.restore().await
+    }
 }
 
 impl<D: SpiDevice, E: OutputPin> AsyncActuator for SpiActuator<D, E> {
-    type Error = SpiActuatorError<D::Error, E::Error>;
+    type Error = SpiActuatorError<DacError<D::Error>, E::Error>;
 
     async fn drive(&mut self, value: f32) -> Result<(), Self::Error> {
-        let written = self.dac.write_async(value).await;
-        written.map(|_| ()).map_err(SpiActuatorError::Dac)
+        match self.dac.write_async(value).await {
+            Ok(_) => Ok(()),
+            Err(error) => Err(SpiActuatorError::Dac(error.into())),
+        }
+    }
+
+    async fn verify_drive(&mut self) -> Result<(), Self::Error> {
+        let verified = self.dac.verify_async().await;
+        verified.map_err(SpiActuatorError::Dac)
+    }
+
+    async fn restore(&mut self) -> Result<(), Self::Error> {
+        let restored = self.dac.restore_async().await;
+        restored.map_err(SpiActuatorError::Dac)
     }
 
     async fn enable(&mut self, on: bool) -> Result<(), Self::Error> {

@@ -9,6 +9,11 @@ use super::io::{Actuator, Sensors};
 use super::refusal::{ClearRefused, StartRefused};
 use super::state::State;
 
+/// Every how many ticks the command and the enable line are read back, where the parts can: 1.6 ms at 10 kHz. An actuator whose DAC
+/// fell to 0 V has moved little by then, because it lags by several milliseconds itself, and the 72 clocks that the DAC's read-back
+/// takes are five a tick on average.
+pub const VERIFY_TICKS: u32 = 16;
+
 /// The [`Controller`] `C` between the [`Sensors`] `S` and the [`Actuator`] `A`.
 ///
 /// The enable line drops within the call that stops it. It dereferences to its controller, for all that does no I/O.
@@ -21,6 +26,10 @@ pub struct Blocking<C, S, A> {
     actuator: A,
     /// The line took the last level that it was given, and that was low.
     low: bool,
+    /// What was read back last was as it should be.
+    verified: bool,
+    /// Ticks since then.
+    since_verified: u32,
 }
 
 impl<C: Controller, S: Sensors, A: Actuator> Blocking<C, S, A> {
@@ -28,34 +37,51 @@ impl<C: Controller, S: Sensors, A: Actuator> Blocking<C, S, A> {
     /// drop is a fault at the first tick or start.
     // Inlined, so that the controller is built where it will be.
     #[inline(always)]
-    pub fn wire(controller: C, sensors: S, mut actuator: A) -> Self {
-        let low = actuator.enable(false).is_ok();
-        Self {
+    pub fn wire(controller: C, sensors: S, actuator: A) -> Self {
+        let mut wired = Self {
             controller,
             sensors,
             actuator,
-            low,
-        }
+            low: false,
+            verified: true,
+            since_verified: 0,
+        };
+        wired.low = wired.set_line(false);
+        wired
+    }
+
+    /// Whether the line took this level.
+    fn set_line(&mut self, on: bool) -> bool {
+        self.actuator.enable(on).is_ok() && self.actuator.verify_enable(on).is_ok()
     }
 
     /// Sets the line low.
     #[inline(never)]
     fn lower(&mut self) {
-        self.low = self.actuator.enable(false).is_ok();
+        self.low = self.set_line(false);
         if !self.low {
             self.controller.enable_failed();
         }
     }
 
+    /// Whether the input that says stop is active, or cannot be read.
+    #[inline]
+    fn is_tripped(&mut self) -> bool {
+        !matches!(self.sensors.is_tripped(), Ok(false))
+    }
+
     /// [`Controller::start`]; the enable line rises.
     ///
     /// # Errors
-    /// Those of [`Controller::start`]; an enable line that does not rise.
+    /// Those of [`Controller::start`]; an external trip that is active; an enable line that does not rise.
     pub fn start(&mut self) -> Result<(), StartRefused> {
+        if self.is_tripped() {
+            self.controller.external_trip();
+        }
         self.settle();
         self.controller.start()?;
         self.low = false;
-        if self.actuator.enable(true).is_ok() {
+        if self.set_line(true) {
             return Ok(());
         }
         self.controller.enable_failed();
@@ -75,6 +101,12 @@ impl<C: Controller, S: Sensors, A: Actuator> Blocking<C, S, A> {
         self.settle();
     }
 
+    /// [`Controller::external_trip`]; the enable line drops.
+    pub fn external_trip(&mut self) {
+        self.controller.external_trip();
+        self.settle();
+    }
+
     /// A line that is to be low is.
     fn settle(&mut self) {
         if self.controller.state() != State::Running && !self.low {
@@ -82,17 +114,28 @@ impl<C: Controller, S: Sensors, A: Actuator> Blocking<C, S, A> {
         }
     }
 
-    /// [`Controller::clear`].
+    /// [`Controller::clear`], after sensors and actuator were set up again.
     ///
     /// # Errors
-    /// Those of [`Controller::clear`]; an enable line that does not drop.
+    /// Those of [`Controller::clear`]; an external trip that is active; an enable line that does not drop; a part that cannot be set
+    /// up, or does not drive what it should then. The cause that it stopped for stays.
     pub fn clear(&mut self) -> Result<(), ClearRefused> {
-        self.controller.clear()?;
-        self.lower();
-        match self.controller.state() {
-            State::Faulted(cause) => Err(ClearRefused::Faulted(cause)),
-            _ => Ok(()),
+        self.controller.may_clear()?;
+        if self.is_tripped() {
+            return Err(ClearRefused::Faulted(TripCause::External));
         }
+        self.lower();
+        if !self.low {
+            return Err(ClearRefused::Faulted(TripCause::EnableLine));
+        }
+        if self.sensors.restore().is_err() {
+            return Err(ClearRefused::Faulted(TripCause::AdcBus));
+        }
+        self.verified = self.actuator.restore().is_ok() && self.actuator.verify_drive().is_ok();
+        if !self.verified {
+            return Err(ClearRefused::Faulted(TripCause::DacBus));
+        }
+        self.controller.clear()
     }
 
     /// [`Controller::exchange`].
@@ -105,18 +148,44 @@ impl<C: Controller, S: Sensors, A: Actuator> Blocking<C, S, A> {
         self.controller.state()
     }
 
-    /// One tick: see [`super`] for its deadline. A line that did not drop is tried again.
-    pub fn tick(&mut self) -> Telemetry {
-        let mut seen = self.controller.tick(self.sensors.read().ok());
+    /// [`Controller::late_ticks`].
+    pub fn late_ticks(&self) -> u32 {
+        self.controller.late_ticks()
+    }
+
+    /// One tick, at which the counter of [`Controller::tick`] reads `clock`: see [`super`] for its deadline. A line that did not
+    /// drop is tried again.
+    pub fn tick(&mut self, clock: u32) -> Telemetry {
+        if self.is_tripped() {
+            self.controller.external_trip();
+        }
+        let late = self.controller.late_ticks();
+        let reading = self.sensors.read().ok();
+        let read = reading.is_some();
+        let mut seen = self.controller.tick(reading, clock);
+        let in_time = self.controller.late_ticks() == late;
         let command = seen.to_drive();
         if !command.enabled && !self.low {
             self.lower();
             seen.state = self.controller.state();
         }
-        if self.actuator.drive(command.value).is_err() {
+        let driven = self.actuator.drive(command.value).is_ok();
+        if !driven {
             self.fail();
+        }
+        self.since_verified = self.since_verified.wrapping_add(1);
+        let due = self.since_verified >= VERIFY_TICKS;
+        if due {
+            self.verify();
+        }
+        if due || !driven {
             seen.command = self.controller.driven();
             seen.state = self.controller.state();
+        }
+        let line = self.low || seen.state == State::Running;
+        if read && in_time && driven && line && self.verified {
+            // A watchdog that is not told acts by itself.
+            let _ = self.actuator.alive();
         }
         seen
     }
@@ -127,6 +196,24 @@ impl<C: Controller, S: Sensors, A: Actuator> Blocking<C, S, A> {
     fn fail(&mut self) {
         self.controller.command_failed();
         self.settle();
+    }
+
+    /// Reads back what is driven, and the level of the line where it took the last one.
+    #[inline(never)]
+    fn verify(&mut self) {
+        self.since_verified = 0;
+        let driven = self.actuator.verify_drive().is_ok();
+        if !driven {
+            self.fail();
+        }
+        let on = self.controller.state() == State::Running;
+        let line = !on && !self.low || self.actuator.verify_enable(on).is_ok();
+        if !line {
+            self.low = false;
+            self.controller.enable_failed();
+            self.settle();
+        }
+        self.verified = driven && line;
     }
 
     /// The sensors.

@@ -13,10 +13,14 @@ use super::state::State;
 /// 1. [`Controller::tick`] with the tick's reading, and [`Telemetry::to_drive`] of what it returns;
 /// 2. the enable line to [`Command::enabled`](super::Command::enabled), then the actuator to
 ///    [`Command::value`](super::Command::value);
-/// 3. [`Controller::enable_failed`] or [`Controller::command_failed`] where that failed, and the enable line low.
+/// 3. [`Controller::enable_failed`] or [`Controller::command_failed`] where that failed, and the enable line low;
+/// 4. the same where what is driven or the line's level, read back every [`super::VERIFY_TICKS`] ticks, is not as it should be;
+/// 5. an external watchdog's signal, where all of this was done without a failure and [`Controller::late_ticks`] is as it was before
+///    the tick.
 ///
-/// [`Controller::start`] has effect with the next tick. So have [`Controller::stop`] and [`Controller::overrun`]: who cannot wait
-/// for it sets the line low.
+/// [`Controller::start`] has effect with the next tick. So have [`Controller::stop`], [`Controller::overrun`] and
+/// [`Controller::external_trip`]: who cannot wait for it sets the line low. An input that says stop is asked before each tick, start
+/// and clear.
 ///
 /// # Example
 /// An ADC with 12 bits writes its two channels into a buffer by DMA, whose interrupt is the tick. Another DMA takes what the
@@ -26,19 +30,20 @@ use super::state::State;
 /// use mesh_damper::converter::Scale;
 /// use mesh_damper::effects::CONTROLS;
 /// use mesh_damper::error::ConfigError;
-/// use mesh_damper::rig::{Controller, EmulationController, Reading, Wiring};
+/// use mesh_damper::rig::{Controller, DamperEmulationSettings, EmulationController, Reading, Wiring};
 /// # use mesh_damper::amplitude_independent;
 /// # use mesh_damper::fast_law::RunningLaw;
-/// # use mesh_damper::rig::DamperEmulationSettings;
 ///
-/// /// The interrupt: what the ADC wrote goes in, and what the modulator and the enable pin are to have comes out.
-/// fn on_samples(damper: &mut impl Controller, wiring: &Wiring, samples: [u16; 2]) -> (u16, bool) {
+/// /// The interrupt: what the ADC wrote goes in, and what the modulator and the enable pin are to have comes out. `clock` is the
+/// /// count of a timer that runs freely.
+/// fn on_samples(damper: &mut impl Controller, wiring: &Wiring, samples: [u16; 2], clock: u32) -> (u16, bool) {
 ///     let [displacement, force] = samples;
-///     let seen = damper.tick(Some(Reading {
+///     let reading = Reading {
 ///         displacement: wiring.displacement.decode_narrow::<12>(displacement),
 ///         force: wiring.force.decode_narrow::<12>(force),
 ///         controls: [0.0; CONTROLS],
-///     }));
+///     };
+///     let seen = damper.tick(Some(reading), clock);
 ///     let command = seen.to_drive();
 ///     (wiring.command.encode(command.value).code, command.enabled)
 /// }
@@ -46,13 +51,15 @@ use super::state::State;
 /// let force = Scale::new(5.0, 0.0)?;
 /// let wiring = Wiring { displacement: Scale::new(0.5, 0.0)?, force, command: force };
 /// # let law = RunningLaw::new(amplitude_independent::law(3.0)?);
-/// # let settings = DamperEmulationSettings::default();
+/// // 1 MHz: 100 counts to each tick of 10 kHz.
+/// let settings = DamperEmulationSettings { clock_rate: 1e6, ..Default::default() };
 /// let mut damper = EmulationController::new(&settings, &wiring, law)?;
 /// damper.start().expect("it is at rest");
 /// // 0x800 is 0 mm and 0 kN, and 0x8000 drives no force.
-/// assert_eq!(on_samples(&mut damper, &wiring, [0x800, 0x800]), (0x8000, true));
-/// // A channel at its end stops it in that very tick.
-/// assert_eq!(on_samples(&mut damper, &wiring, [0xFFF, 0x800]), (0x8000, false));
+/// assert_eq!(on_samples(&mut damper, &wiring, [0x800, 0x800], 17), (0x8000, true));
+/// assert_eq!(on_samples(&mut damper, &wiring, [0x800, 0x800], 117), (0x8000, true));
+/// // A channel at its end stops it in that very tick, as a tick that comes late does.
+/// assert_eq!(on_samples(&mut damper, &wiring, [0xFFF, 0x800], 217), (0x8000, false));
 /// # Ok::<(), ConfigError>(())
 /// ```
 pub trait Controller {
@@ -64,6 +71,12 @@ pub trait Controller {
 
     /// Stops without a fault.
     fn stop(&mut self);
+
+    /// Whether [`Controller::clear`] would be done now: who has something to do before the fault is forgotten asks.
+    ///
+    /// # Errors
+    /// Why it would not.
+    fn may_clear(&self) -> Result<(), ClearRefused>;
 
     /// Forgets the fault.
     ///
@@ -77,15 +90,29 @@ pub trait Controller {
     /// A tick came late, or not at all, as whoever owns the timer sees: stops with [`super::TripCause::TickOverrun`].
     fn overrun(&mut self);
 
+    /// An input outside of this controller says stop: stops with [`super::TripCause::External`], in any state without a fault, also
+    /// at rest.
+    fn external_trip(&mut self);
+
+    /// Ticks since construction that did not come in time, as [`Controller::tick`] finds them; wraps. They are counted in every
+    /// state, and a clear leaves them.
+    fn late_ticks(&self) -> u32;
+
     /// One tick: see [`super`] for its deadline. `reading` is none where the sensors failed: it stops then, and goes on with the
     /// last reading.
-    fn tick(&mut self, reading: Option<Reading>) -> Telemetry;
+    ///
+    /// `clock` is what a counter reads at this tick that runs freely and wraps at 2³², at
+    /// [`clock_rate`](super::RigSettings::clock_rate): cycles of the processor, say, or the ticks that the timer has given. Where
+    /// less than half a tick or more than one and a half has passed since the tick before, a controller that runs stops with
+    /// [`super::TripCause::TickOverrun`]: after a stall, a tick that is missing or called twice, and, by a clock of its own, with a
+    /// timer at a wrong rate. The first tick after construction is not judged. Ticks go on at rest too.
+    fn tick(&mut self, reading: Option<Reading>, clock: u32) -> Telemetry;
 
-    /// The actuator did not take the command of the last tick: stops with [`super::TripCause::DacBus`], and takes the command
+    /// The actuator did not take the command of the last tick, or does not drive it as it reads back: stops with [`super::TripCause::DacBus`], and takes the command
     /// before as what is driven.
     fn command_failed(&mut self);
 
-    /// The enable line could not be set: stops with [`super::TripCause::EnableLine`].
+    /// The enable line could not be set, or is at another level as it reads back: stops with [`super::TripCause::EnableLine`].
     fn enable_failed(&mut self);
 
     /// What it is doing.
@@ -108,6 +135,11 @@ impl<C: Controller> Controller for &mut C {
     }
 
     #[inline(always)]
+    fn may_clear(&self) -> Result<(), ClearRefused> {
+        C::may_clear(self)
+    }
+
+    #[inline(always)]
     fn clear(&mut self) -> Result<(), ClearRefused> {
         C::clear(self)
     }
@@ -123,8 +155,18 @@ impl<C: Controller> Controller for &mut C {
     }
 
     #[inline(always)]
-    fn tick(&mut self, reading: Option<Reading>) -> Telemetry {
-        C::tick(self, reading)
+    fn external_trip(&mut self) {
+        C::external_trip(self);
+    }
+
+    #[inline(always)]
+    fn late_ticks(&self) -> u32 {
+        C::late_ticks(self)
+    }
+
+    #[inline(always)]
+    fn tick(&mut self, reading: Option<Reading>, clock: u32) -> Telemetry {
+        C::tick(self, reading, clock)
     }
 
     #[inline(always)]

@@ -7,6 +7,7 @@ use super::controller::Controller;
 use super::fault::{Exceeded, Limits, TripCause};
 use super::guard::{self, Guard};
 use super::io::{Reading, Wiring};
+use super::pace::PaceConfig;
 use super::refusal::{ClearRefused, StartRefused};
 use super::standstill::{Standstill, StandstillConfig};
 use super::state::State;
@@ -39,6 +40,8 @@ pub struct DamperEmulationSettings {
     /// After how many ticks without an exchange over the link it stops, see [`Controller::exchange`], 0…1e7; 0 where nobody is
     /// linked.
     pub link_ticks: u32,
+    /// As [`super::RigSettings::clock_rate`].
+    pub clock_rate: f64,
     /// Of the observer, Hz, 1e-3 to a tenth of the tick rate. Nothing tells it the motion ahead: it lags by about
     /// (1 + 2ζ)·(f/bandwidth)² of the velocity at frequency f.
     pub observer_bandwidth: f64,
@@ -68,6 +71,7 @@ impl Default for DamperEmulationSettings {
             trip_ticks: 10,
             stop_ticks: 5_000,
             link_ticks: 0,
+            clock_rate: 0.0,
             observer_bandwidth: 100.0,
             observer_damping: 0.7,
             rest_band: 5e-4,
@@ -123,6 +127,7 @@ impl<L: TickLaw> EmulationController<L> {
                 &wiring.command,
                 guard::valid_stop_ticks(settings.stop_ticks)?,
                 guard::valid_link_ticks(settings.link_ticks)?,
+                PaceConfig::new(settings.tick_rate, settings.clock_rate)?,
             ),
             // There is no demanded displacement to be away from.
             limits: Limits::new(
@@ -200,6 +205,10 @@ impl<L: TickLaw> Controller for EmulationController<L> {
         self.guard.stop();
     }
 
+    fn may_clear(&self) -> Result<(), ClearRefused> {
+        self.guard.may_clear()
+    }
+
     fn clear(&mut self) -> Result<(), ClearRefused> {
         self.guard.clear()
     }
@@ -212,10 +221,19 @@ impl<L: TickLaw> Controller for EmulationController<L> {
         self.guard.overrun();
     }
 
+    fn external_trip(&mut self) {
+        self.guard.external_trip();
+    }
+
+    fn late_ticks(&self) -> u32 {
+        self.guard.late_ticks()
+    }
+
     /// The law is evaluated whether running or not, so that what its effects remember follows the motion.
     #[inline]
-    fn tick(&mut self, reading: Option<Reading>) -> Telemetry {
+    fn tick(&mut self, reading: Option<Reading>, clock: u32) -> Telemetry {
         self.tick = self.tick.wrapping_add(1);
+        self.guard.pace(clock);
         self.guard.watch_link();
         self.guard.take(reading, &mut self.reading);
         let displacement = self.reading.displacement.value;

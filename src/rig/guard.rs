@@ -1,7 +1,8 @@
-//! The guarded command: what the state of [`super::state`] allows to be driven, and the watch over the link.
+//! The guarded command: what the state of [`super::state`] allows to be driven, and the watch over the link and the ticks.
 
 use super::fault::{TripCause, clipped};
 use super::io::Reading;
+use super::pace::{Pace, PaceConfig};
 use super::refusal::{ClearRefused, StartRefused};
 use super::state::{Happening, Machine, State};
 use crate::converter::Scale;
@@ -33,11 +34,18 @@ pub(super) struct Guard {
     /// Ticks without an exchange that are too many, 0 where nobody is linked, and those since the last one.
     link_ticks: u32,
     unlinked: u32,
+    pace_config: PaceConfig,
+    pace: Pace,
 }
 
 impl Guard {
     /// Idle at 0. `stop_ticks` and `link_ticks` as in [`super::RigSettings`].
-    pub(super) fn new(command: &Scale, stop_ticks: u32, link_ticks: u32) -> Self {
+    pub(super) fn new(
+        command: &Scale,
+        stop_ticks: u32,
+        link_ticks: u32,
+        pace_config: PaceConfig,
+    ) -> Self {
         let [low, high] = command.ends();
         Self {
             // The command is at 0.
@@ -50,6 +58,8 @@ impl Guard {
             stop_ticks: stop_ticks as f32,
             link_ticks,
             unlinked: 0,
+            pace_config,
+            pace: Pace::default(),
         }
     }
 
@@ -148,10 +158,29 @@ impl Guard {
     }
 
     /// A tick came late.
+    #[cold]
     pub(super) fn overrun(&mut self) {
         if self.is_running() {
             self.trip(TripCause::TickOverrun);
         }
+    }
+
+    /// A tick, at which the caller's counter reads `clock`: one that did not come in time stops it.
+    #[inline]
+    pub(super) fn pace(&mut self, clock: u32) {
+        if !self.pace.tick(&self.pace_config, clock) {
+            self.overrun();
+        }
+    }
+
+    /// Ticks that did not come in time; wraps.
+    pub(super) fn late_ticks(&self) -> u32 {
+        self.pace.late()
+    }
+
+    /// An input outside of this controller says stop.
+    pub(super) fn external_trip(&mut self) {
+        self.trip(TripCause::External);
     }
 
     /// A tick more without an exchange.
@@ -180,13 +209,21 @@ impl Guard {
         }
     }
 
+    /// Whether [`Guard::clear`] would be done.
+    pub(super) fn may_clear(&self) -> Result<(), ClearRefused> {
+        let cleared = self.machine.after(Happening::Clear);
+        if cleared == self.machine {
+            Err(ClearRefused::of(self.machine.state))
+        } else {
+            Ok(())
+        }
+    }
+
     /// From [`State::Faulted`] to [`State::Idle`], once the command is back at 0.
     pub(super) fn clear(&mut self) -> Result<(), ClearRefused> {
-        if self.happens(Happening::Clear) {
-            Ok(())
-        } else {
-            Err(ClearRefused::of(self.machine.state))
-        }
+        self.may_clear()?;
+        self.happens(Happening::Clear);
+        Ok(())
     }
 
     /// What is driven next: `demanded` where running, the way back to 0 where not.
@@ -255,8 +292,12 @@ impl Guard {
 mod tests {
     use super::*;
 
+    fn paced() -> PaceConfig {
+        PaceConfig::new(1000.0, 0.0).unwrap()
+    }
+
     fn started(stop_ticks: u32) -> Guard {
-        let mut guard = Guard::new(&Scale::new(1.0, 0.0).unwrap(), stop_ticks, 0);
+        let mut guard = Guard::new(&Scale::new(1.0, 0.0).unwrap(), stop_ticks, 0, paced());
         guard.start().unwrap();
         guard
     }
@@ -286,7 +327,7 @@ mod tests {
             let scale = Scale::new(full_scale, 0.0).unwrap();
             let step = scale.step().abs();
             for (demanded, end) in [(1.5, high), (-1.5, low)] {
-                let mut guard = Guard::new(&scale, 2, 0);
+                let mut guard = Guard::new(&scale, 2, 0, paced());
                 guard.start().unwrap();
                 let (command, running) = driven(&mut guard, demanded);
                 assert!((command - end).abs() <= step && !running);
@@ -312,6 +353,58 @@ mod tests {
         guard.command_failed();
         assert_eq!(guard.clear(), Err(ClearRefused::Moving));
         assert_eq!(driven(&mut guard, 0.0), (0.0, false));
+        assert_eq!(guard.clear(), Ok(()));
+    }
+
+    /// A late tick stops what runs, and is counted always.
+    #[test]
+    fn a_late_tick_stops_what_runs() {
+        let mut guard = Guard::new(&Scale::new(1.0, 0.0).unwrap(), 2, 0, paced());
+        for clock in [7, 8, 10] {
+            guard.pace(clock);
+        }
+        assert_eq!((guard.state(), guard.late_ticks()), (State::Idle, 1));
+        guard.start().unwrap();
+        guard.pace(11);
+        assert_eq!((guard.state(), guard.late_ticks()), (State::Running, 1));
+        guard.pace(11);
+        let late = State::Faulted(TripCause::TickOverrun);
+        assert_eq!((guard.state(), guard.late_ticks()), (late, 2));
+        guard.clear().unwrap();
+        guard.pace(11);
+        assert_eq!((guard.state(), guard.late_ticks()), (State::Idle, 3));
+    }
+
+    #[test]
+    fn an_external_trip_holds_in_any_state_without_a_fault() {
+        let external = State::Faulted(TripCause::External);
+        let mut idle = Guard::new(&Scale::new(1.0, 0.0).unwrap(), 2, 0, paced());
+        idle.external_trip();
+        let mut running = started(2);
+        running.external_trip();
+        let mut done = started(2);
+        done.finish();
+        done.external_trip();
+        for guard in [idle, running, done] {
+            assert_eq!(guard.state(), external);
+        }
+        let mut faulted = started(2);
+        faulted.trip(TripCause::ForceLimit);
+        faulted.external_trip();
+        assert_eq!(faulted.state(), State::Faulted(TripCause::ForceLimit));
+    }
+
+    #[test]
+    fn it_says_beforehand_whether_it_would_forget_its_fault() {
+        let mut guard = started(2);
+        assert_eq!(guard.may_clear(), Err(ClearRefused::NoFault));
+        guard.command(0.5);
+        guard.trip(TripCause::ForceLimit);
+        assert_eq!(guard.may_clear(), Err(ClearRefused::Moving));
+        guard.command(0.0);
+        guard.command(0.0);
+        assert_eq!(guard.may_clear(), Ok(()));
+        assert_eq!(guard.state(), State::Faulted(TripCause::ForceLimit));
         assert_eq!(guard.clear(), Ok(()));
     }
 }

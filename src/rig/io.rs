@@ -54,6 +54,26 @@ pub trait Sensors {
     /// # Errors
     /// Whatever keeps it from reading. The controller stops with [`super::TripCause::AdcBus`].
     fn read(&mut self) -> Result<Reading, Self::Error>;
+
+    /// Whether an input from outside says stop: an emergency stop, a guard, a second controller. It is asked at each tick, at a start
+    /// and at a clear, and neither of these is done while it says so. The controller stops with [`super::TripCause::External`],
+    /// which stays when the input is over. By default there is none.
+    ///
+    /// # Errors
+    /// Where the input cannot be read, which counts as a stop.
+    #[inline]
+    fn is_tripped(&mut self) -> Result<bool, Self::Error> {
+        Ok(false)
+    }
+
+    /// Sets the parts up again, which may have lost their supply: called by a clear, at rest. By default there is nothing to do.
+    ///
+    /// # Errors
+    /// What keeps them from working: the clear is refused then, with [`super::TripCause::AdcBus`].
+    #[inline]
+    fn restore(&mut self) -> Result<(), Self::Error> {
+        Ok(())
+    }
 }
 
 /// An actuator that is driven in calls that wait for it.
@@ -72,6 +92,45 @@ pub trait Actuator {
     /// # Errors
     /// Where its level is unknown. The controller stops with [`super::TripCause::EnableLine`].
     fn enable(&mut self, on: bool) -> Result<(), Self::Error>;
+
+    /// Reads back that what was driven last is driven, without a change of it: called every [`super::VERIFY_TICKS`] ticks, after
+    /// the tick's command. By default it is taken for so.
+    ///
+    /// # Errors
+    /// Where it is not so, or cannot be read back. The controller stops with [`super::TripCause::DacBus`].
+    #[inline]
+    fn verify_drive(&mut self) -> Result<(), Self::Error> {
+        Ok(())
+    }
+
+    /// Reads back that the enable line is at this level: called every [`super::VERIFY_TICKS`] ticks, and right after each
+    /// [`Actuator::enable`]. By default it is taken for so.
+    ///
+    /// # Errors
+    /// Where it is not so, or cannot be read back. The controller stops with [`super::TripCause::EnableLine`].
+    #[inline]
+    fn verify_enable(&mut self, _on: bool) -> Result<(), Self::Error> {
+        Ok(())
+    }
+
+    /// Tells an external watchdog that a tick did all it had to: called at the end of each that did. By default there is none.
+    ///
+    /// # Errors
+    /// Where it could not. Nothing follows from that: the watchdog sees it.
+    #[inline]
+    fn alive(&mut self) -> Result<(), Self::Error> {
+        Ok(())
+    }
+
+    /// Sets the parts up again, which may have lost their supply, and drives 0: called by a clear, at rest, with the enable line
+    /// low. By default there is nothing to do.
+    ///
+    /// # Errors
+    /// What keeps them from working: the clear is refused then, with [`super::TripCause::DacBus`].
+    #[inline]
+    fn restore(&mut self) -> Result<(), Self::Error> {
+        Ok(())
+    }
 }
 
 /// Sensors of displacement and force, with control inputs that somebody else knows: an [`Ads8688`](crate::adc::Ads8688) converts
@@ -93,5 +152,14 @@ impl<S: Sensors> Sensors for WithControls<S> {
             controls: self.controls,
             ..self.sensors.read()?
         })
+    }
+
+    #[inline]
+    fn is_tripped(&mut self) -> Result<bool, S::Error> {
+        self.sensors.is_tripped()
+    }
+
+    fn restore(&mut self) -> Result<(), S::Error> {
+        self.sensors.restore()
     }
 }

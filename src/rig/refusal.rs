@@ -52,7 +52,8 @@ pub enum ClearRefused {
     NoFault,
     /// The command is not yet back at 0.
     Moving,
-    /// It is cleared, and has stopped again for this cause: the enable line does not drop.
+    /// It stays stopped, because this is in the way: the external trip is active, the enable line does not drop, or a part cannot
+    /// be set up again. The cause that it stopped for stays.
     Faulted(TripCause),
 }
 
@@ -71,7 +72,7 @@ impl fmt::Display for ClearRefused {
         match self {
             Self::NoFault => f.write_str("there is no fault: start it"),
             Self::Moving => f.write_str(MOVING),
-            Self::Faulted(cause) => write!(f, "it is stopped again by {cause:?}: mend that first"),
+            Self::Faulted(cause) => write!(f, "it stays stopped by {cause:?}: mend that first"),
         }
     }
 }
@@ -105,7 +106,7 @@ mod tests {
         );
         assert_eq!(
             ClearRefused::Faulted(TripCause::EnableLine).to_string(),
-            "it is stopped again by EnableLine: mend that first"
+            "it stays stopped by EnableLine: mend that first"
         );
         let moving = StartRefused::Moving.to_string();
         assert!(moving.contains("after stop_ticks and one"), "{moving}");

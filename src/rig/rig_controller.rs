@@ -108,7 +108,12 @@ where
                 &wiring.force,
                 config.limits.allowed(),
             ),
-            guard: Guard::new(&wiring.command, config.stop_ticks, config.link_ticks),
+            guard: Guard::new(
+                &wiring.command,
+                config.stop_ticks,
+                config.link_ticks,
+                config.pace,
+            ),
             limits: config.limits,
             observer_config: config.observer,
             correction_config: config.correction,
@@ -326,6 +331,10 @@ where
         self.guard.stop();
     }
 
+    fn may_clear(&self) -> Result<(), ClearRefused> {
+        self.guard.may_clear()
+    }
+
     fn clear(&mut self) -> Result<(), ClearRefused> {
         self.guard.clear()
     }
@@ -338,10 +347,19 @@ where
         self.guard.overrun();
     }
 
+    fn external_trip(&mut self) {
+        self.guard.external_trip();
+    }
+
+    fn late_ticks(&self) -> u32 {
+        self.guard.late_ticks()
+    }
+
     #[inline]
-    fn tick(&mut self, reading: Option<Reading>) -> Telemetry {
+    fn tick(&mut self, reading: Option<Reading>, clock: u32) -> Telemetry {
         self.tick = self.tick.wrapping_add(1);
         let was_running = self.guard.is_running();
+        self.guard.pace(clock);
         self.guard.watch_link();
         let last = [self.reading.displacement.code, self.reading.force.code];
         self.guard.take(reading, &mut self.reading);

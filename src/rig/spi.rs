@@ -10,8 +10,8 @@ use super::emulation::{DamperEmulationSettings, EmulationController};
 use super::io::{Actuator, Reading, Sensors, Wiring};
 use super::rig_controller::RigController;
 use super::{DamperEmulation, Rig, RigConfig, RigSettings};
-use crate::adc::Ads8688;
-use crate::dac::Ad5761;
+use crate::adc::{AdcError, Ads8688};
+use crate::dac::{Ad5761, DacError};
 use crate::error::ConfigError;
 use crate::fast_law::RunningLaw;
 use crate::sine::{Programme, SineGenerator};
@@ -44,29 +44,33 @@ impl<D, E> SpiActuator<D, E> {
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub enum SpiActuatorError<D, E> {
-    /// The DAC's bus.
+    /// The DAC or its bus.
     Dac(D),
     /// The pin.
     Enable(E),
 }
 
 impl<A: SpiDevice> Sensors for Ads8688<A> {
-    type Error = A::Error;
+    type Error = AdcError<A::Error>;
 
     #[inline]
-    fn read(&mut self) -> Result<Reading, A::Error> {
-        Ads8688::read(self)
+    fn read(&mut self) -> Result<Reading, Self::Error> {
+        Ok(Ads8688::read(self)?)
+    }
+
+    fn restore(&mut self) -> Result<(), Self::Error> {
+        Ads8688::restore(self)
     }
 }
 
 impl<D: SpiDevice, E: OutputPin> Actuator for SpiActuator<D, E> {
-    type Error = SpiActuatorError<D::Error, E::Error>;
+    type Error = SpiActuatorError<DacError<D::Error>, E::Error>;
 
     #[inline]
     fn drive(&mut self, value: f32) -> Result<(), Self::Error> {
         match self.dac.write(value) {
             Ok(_) => Ok(()),
-            Err(error) => Err(SpiActuatorError::Dac(error)),
+            Err(error) => Err(SpiActuatorError::Dac(error.into())),
         }
     }
 
@@ -75,6 +79,14 @@ impl<D: SpiDevice, E: OutputPin> Actuator for SpiActuator<D, E> {
         self.enable
             .set_state(on.into())
             .map_err(SpiActuatorError::Enable)
+    }
+
+    fn verify_drive(&mut self) -> Result<(), Self::Error> {
+        self.dac.verify().map_err(SpiActuatorError::Dac)
+    }
+
+    fn restore(&mut self) -> Result<(), Self::Error> {
+        self.dac.restore().map_err(SpiActuatorError::Dac)
     }
 }
 

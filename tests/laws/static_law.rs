@@ -175,7 +175,7 @@ fn an_emulator_runs_either_law() {
     for tick in 0..2000 {
         measured(&pins, tick);
         measured(&others, tick);
-        let (one, two) = (damper.tick(), other.tick());
+        let (one, two) = (damper.tick(tick), other.tick(tick));
         assert_eq!(one, two, "tick {tick}");
         cycles += u32::from(one.report.is_some());
     }

@@ -20,6 +20,8 @@ use mesh_damper::rig::{
 use mesh_damper::sine::{Block, Programme};
 use mesh_damper_rig::actuator::{AdcPins, DacPins, SimulatedAd5761, SimulatedAds8688, enable_line};
 
+use crate::Ticks;
+
 /// Polls until it is ready; most polls may be in vain.
 fn run<F: Future>(future: F) -> F::Output {
     let mut future = pin!(future);
@@ -134,6 +136,7 @@ fn awaited_it_gives_the_bits_of_the_blocking_rig() {
     assert_eq!(run(awaited.clear()), Err(ClearRefused::NoFault));
 
     // Whole, stopped halfway, late, and with either bus failing for a while.
+    let mut ticks = Ticks::default();
     let mut reports = 0;
     for (case, fails_at) in [None, Some(333), Some(334), Some(500), Some(720)]
         .into_iter()
@@ -160,7 +163,8 @@ fn awaited_it_gives_the_bits_of_the_blocking_rig() {
                 run(awaited.stop());
                 assert!(!level.get() && !other_level.get());
             }
-            let (one, two) = (blocking.tick(), run(awaited.tick()));
+            let clock = ticks.next();
+            let (one, two) = (blocking.tick(clock), run(awaited.tick(clock)));
             assert_eq!(one, two, "case {case}, tick {tick}");
             reports += u32::from(one.report.is_some());
             assert_eq!(pins.dac.volts.get(), others.dac.volts.get());

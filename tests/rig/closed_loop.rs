@@ -23,6 +23,8 @@ use mesh_damper_rig::specimen::Specimen;
 use mesh_damper_rig::{Bench, RigSetup};
 use proptest::prelude::*;
 
+use crate::Ticks;
+
 const TICK_RATE: f64 = 10_000.0;
 
 type Setup = RigSetup<Specimen, 8, 4>;
@@ -424,7 +426,9 @@ fn bus_errors_stop_the_rig_at_once() {
         for _ in 0..12_345 {
             bench.tick();
         }
-        let moved = bench.rig.tick().displacement;
+        // A tick over which the plant stands still.
+        let moved = bench.rig.tick(bench.plant.clock).displacement;
+        bench.plant.clock += 1;
         let (flag, fault) = if adc {
             (&bench.adc.bus_failing, TripCause::AdcBus)
         } else {
@@ -623,6 +627,8 @@ fn settings_are_refused_by_name() {
     assert_eq!(refused(|s| s.lead = 0.2), "lead");
     assert_eq!(refused(|s| s.glide = 0.0), "glide");
     assert_eq!(refused(|s| s.feedback = 1e3), "feedback");
+    assert_eq!(refused(|s| s.clock_rate = 5e3), "clock_rate");
+    assert_eq!(refused(|s| s.clock_rate = f64::NAN), "clock_rate");
     let mut empty = setup(3.0, &[(0.1, 1.0, 1)]);
     empty.programme = Programme::new(TICK_RATE, 1).unwrap();
     assert!(Bench::new(empty).is_err());
@@ -714,13 +720,14 @@ fn on_an_actuator(gain: f64, delay: usize, frequency: f64, cycles: u32) -> Vec<T
     rig.start().unwrap();
     let mut way = std::collections::VecDeque::from(vec![0.0; delay]);
     let mut run = Vec::new();
+    let mut ticks = Ticks::default();
     while rig.state() == State::Running {
         way.push_back(gain * dac.volts.get() / OUTPUT_RANGE);
         let volts = way.pop_front().unwrap() * mesh_damper::adc::INPUT_RANGE;
         // A force in proportion.
         adc.volts[0].set(volts);
         adc.volts[1].set(volts);
-        run.push(rig.tick());
+        run.push(rig.tick(ticks.next()));
     }
     assert_eq!(rig.state(), State::Done);
     run
@@ -799,22 +806,23 @@ fn a_second_run_begins_as_the_first() {
         )
     };
     let (mut first, mut second) = (make(), make());
+    let (mut firsts, mut seconds) = (Ticks::default(), Ticks::default());
     second.start().unwrap();
     for tick in 0..3_000 {
         flicker(tick);
-        second.tick();
+        second.tick(seconds.next());
     }
     second.stop();
     for tick in 0..10_000 {
         flicker(tick);
-        first.tick();
-        second.tick();
+        first.tick(firsts.next());
+        second.tick(seconds.next());
     }
     first.start().unwrap();
     second.start().unwrap();
     for tick in 0..=5_000 {
         flicker(tick);
-        let (a, b) = (first.tick(), second.tick());
+        let (a, b) = (first.tick(firsts.next()), second.tick(seconds.next()));
         assert_eq!((a.command, a.cycle, a.phase), (b.command, b.cycle, b.phase));
         // The observer's memory of the first run is e⁻⁵⁰ and less.
         let difference = (a.model_force - b.model_force).abs();
@@ -839,15 +847,16 @@ fn a_second_run_counts_its_own_ticks_beyond_a_limit() {
         elastic(),
     );
     adc.volts[0].set(0.6 * mesh_damper::adc::INPUT_RANGE);
+    let mut ticks = Ticks::default();
     for _ in 0..3 {
         rig.start().unwrap();
         // One less than would trip.
         for _ in 0..9 {
-            assert_eq!(rig.tick().state, State::Running);
+            assert_eq!(rig.tick(ticks.next()).state, State::Running);
         }
         rig.stop();
         for _ in 0..5_002 {
-            rig.tick();
+            rig.tick(ticks.next());
         }
     }
 }
@@ -860,7 +869,7 @@ fn a_line_that_cannot_be_raised_is_a_fault() {
     let refused = StartRefused::Faulted(TripCause::EnableLine);
     assert_eq!(rig.start(), Err(refused));
     assert_eq!(rig.state(), State::Faulted(TripCause::EnableLine));
-    assert_eq!(rig.tick().command, 0.0);
+    assert_eq!(rig.tick(0).command, 0.0);
 }
 
 #[test]
@@ -868,15 +877,17 @@ fn a_line_that_does_not_drop_is_tried_until_it_does() {
     let line = FailingLine::default();
     let mut rig = rig_on(line.clone());
     rig.start().unwrap();
-    rig.tick();
+    let mut ticks = Ticks::default();
+    rig.tick(ticks.next());
     line.fails.set(true);
     rig.stop();
     for _ in 0..3 {
-        assert_eq!(rig.tick().state, State::Faulted(TripCause::EnableLine));
+        let state = rig.tick(ticks.next()).state;
+        assert_eq!(state, State::Faulted(TripCause::EnableLine));
         assert!(line.high.get());
     }
     line.fails.set(false);
-    rig.tick();
+    rig.tick(ticks.next());
     assert!(!line.high.get());
 }
 

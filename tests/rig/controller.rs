@@ -19,6 +19,8 @@ use mesh_damper_rig::actuator::{SensorFault, adc_code, dac_volts};
 use mesh_damper_rig::specimen::Specimen;
 use mesh_damper_rig::{Bench, EmulatorBench, EmulatorSetup, RigSetup};
 
+use crate::Ticks;
+
 const TICK_RATE: f64 = 10_000.0;
 
 fn unit() -> Scale {
@@ -136,7 +138,7 @@ fn called_directly_it_is_the_rig_on_its_converters() {
             let one = bench.tick();
             let volts = [bench.adc.volts[0].get(), bench.adc.volts[1].get()];
             let read = (!bench.adc.bus_failing.get()).then(|| reading(&wiring, volts));
-            let seen = direct.tick(read);
+            let seen = direct.tick(read, tick);
             let command = seen.to_drive();
             let mut enabled = command.enabled;
             if bench.dac.bus_failing.get() {
@@ -183,7 +185,7 @@ fn a_damper_called_directly_is_the_one_on_its_converters() {
         let displacement = 0.2 * (1e-3 * std::f64::consts::TAU * f64::from(tick)).sin();
         let one = bench.tick(displacement).telemetry;
         let volts = [bench.adc.volts[0].get(), bench.adc.volts[1].get()];
-        let two = direct.tick(Some(reading(&wiring, volts)));
+        let two = direct.tick(Some(reading(&wiring, volts)), tick);
         assert_eq!(one, two, "tick {tick}");
         let driven = dac_volts(wiring.command.encode(two.to_drive().value).code);
         assert_eq!(driven, bench.dac.volts.get());
@@ -281,10 +283,11 @@ fn on_chip(cycles: u32) -> (Timer, Rig<OnChip, Timer, 1, SineGenerator<2>>) {
 #[test]
 fn an_adc_on_the_chip_runs_a_rig() {
     let (timer, mut rig) = on_chip(5);
+    let mut ticks = Ticks::default();
     rig.start().unwrap();
     let mut cycles = Vec::new();
     while rig.state() == State::Running {
-        cycles.extend(rig.tick().report);
+        cycles.extend(rig.tick(ticks.next()).report);
     }
     assert_eq!(rig.state(), State::Done);
     let whole: Vec<_> = cycles.iter().filter(|cycle| !cycle.ramp).collect();
@@ -307,15 +310,16 @@ fn an_adc_on_the_chip_runs_a_rig() {
 #[test]
 fn an_actuator_that_fails_is_disabled_in_that_tick() {
     let (timer, mut rig) = on_chip(5);
+    let mut ticks = Ticks::default();
     rig.start().unwrap();
     let mut before = 0.0;
     for _ in 0..1500 {
-        before = rig.tick().command;
+        before = rig.tick(ticks.next()).command;
     }
     assert!(before != 0.0);
     timer.calls();
     timer.0.borrow_mut().drive_fails = true;
-    let seen = rig.tick();
+    let seen = rig.tick(ticks.next());
     assert_eq!(seen.state, State::Faulted(TripCause::DacBus));
     assert_eq!(seen.command, before, "the command before is what it drives");
     let [Call::Drive(tried), Call::Enable(false)] = timer.calls()[..] else {
@@ -325,7 +329,7 @@ fn an_actuator_that_fails_is_disabled_in_that_tick() {
     // From there it goes back to 0 as soon as it is driven again, in four ticks and one.
     timer.0.borrow_mut().drive_fails = false;
     for part in [0.75, 0.5, 0.25, 0.0] {
-        assert_eq!(rig.tick().command, part * before);
+        assert_eq!(rig.tick(ticks.next()).command, part * before);
     }
     assert_eq!(
         rig.start(),
@@ -338,28 +342,30 @@ fn an_actuator_that_fails_is_disabled_in_that_tick() {
 #[test]
 fn a_trip_disables_before_the_next_command_is_driven() {
     let (timer, mut rig) = on_chip(5);
+    let mut ticks = Ticks::default();
     rig.start().unwrap();
     for _ in 0..1500 {
-        rig.tick();
+        rig.tick(ticks.next());
     }
     rig.overrun();
     assert_eq!(timer.calls().last(), Some(&Call::Enable(false)));
-    rig.tick();
+    rig.tick(ticks.next());
     let [Call::Drive(_)] = timer.calls()[..] else {
         panic!("it is disabled already");
     };
     // A line that does not drop is tried at each tick, before the command.
     let (timer, mut rig) = on_chip(5);
+    let mut ticks = Ticks::default();
     rig.start().unwrap();
     for _ in 0..1500 {
-        rig.tick();
+        rig.tick(ticks.next());
     }
     timer.0.borrow_mut().enable_fails = true;
     rig.stop();
     assert_eq!(rig.state(), State::Faulted(TripCause::EnableLine));
     timer.calls();
     for _ in 0..3 {
-        rig.tick();
+        rig.tick(ticks.next());
         let [Call::Enable(false), Call::Drive(_)] = timer.calls()[..] else {
             panic!("tried again, then driven");
         };
@@ -398,12 +404,12 @@ fn control_inputs_reach_the_law_and_the_telemetry() {
     let said = |seen: Telemetry| (seen.model_force, seen.controls);
     // 0xA000 is 0.25 mm.
     let given = [1.0, 0.0, 0.5, 0.0];
-    assert_eq!(said(damper.tick(Some(at(given)))), (0.375, given));
+    assert_eq!(said(damper.tick(Some(at(given)), 0)), (0.375, given));
     // Where reading fails, the last ones stay.
-    assert_eq!(said(damper.tick(None)), (0.375, given));
+    assert_eq!(said(damper.tick(None, 1)), (0.375, given));
     assert_eq!(damper.state(), State::Faulted(TripCause::AdcBus));
     let none = [0.0; CONTROLS];
-    assert_eq!(said(damper.tick(Some(at(none)))), (0.0, none));
+    assert_eq!(said(damper.tick(Some(at(none)), 2)), (0.0, none));
 
     // Beside sensors that have none.
     let timer = Timer::default();
@@ -417,11 +423,11 @@ fn control_inputs_reach_the_law_and_the_telemetry() {
     };
     let damper = EmulationController::new(&settings, &units(), Controlled).unwrap();
     let mut damper: DamperEmulation<_, _, _> = Blocking::wire(damper, sensors, timer.clone());
-    assert_eq!(said(damper.tick()), (0.5, [0.0, 2.0, 0.0, 0.0]));
+    assert_eq!(said(damper.tick(0)), (0.5, [0.0, 2.0, 0.0, 0.0]));
     damper.sensors().controls[1] = 4.0;
     // At rest it has driven 0.
     timer.0.borrow_mut().value = 0.25;
-    assert_eq!(said(damper.tick()), (1.0, [0.0, 4.0, 0.0, 0.0]));
+    assert_eq!(said(damper.tick(1)), (1.0, [0.0, 4.0, 0.0, 0.0]));
 }
 
 /// At rest, while it runs, and where reading fails, which stops it.
@@ -436,20 +442,20 @@ fn a_rig_tells_its_control_inputs_whatever_it_does() {
         force: unit().decode(0x8000),
         controls: [0.0, 1.0, 2.0, 3.0].map(|place| place + f32::from(number)),
     };
-    let at_rest = rig.tick(Some(read(1)));
+    let at_rest = rig.tick(Some(read(1)), 1);
     assert_eq!(
         (at_rest.state, at_rest.controls),
         (State::Idle, [1.0, 2.0, 3.0, 4.0])
     );
     rig.start().unwrap();
     for number in 2..10 {
-        let seen = rig.tick(Some(read(number)));
+        let seen = rig.tick(Some(read(number)), number.into());
         assert_eq!(
             (seen.state, seen.controls),
             (State::Running, read(number).controls)
         );
     }
-    let failed = rig.tick(None);
+    let failed = rig.tick(None, 10);
     assert_eq!(
         (failed.state, failed.controls),
         (State::Faulted(TripCause::AdcBus), read(9).controls)
@@ -467,6 +473,7 @@ fn a_chosen_exciter_is_the_same_controller() {
     let mut two = RigController::with_exciter(&config, &units(), chosen, law());
     one.start().unwrap();
     two.start().unwrap();
+    let mut ticks = Ticks::default();
     let mut displacement = unit().decode(0x8000);
     while one.state() == State::Running {
         let read = Reading {
@@ -474,8 +481,9 @@ fn a_chosen_exciter_is_the_same_controller() {
             force: displacement,
             controls: [0.0; CONTROLS],
         };
-        let seen = one.tick(Some(read));
-        assert_eq!(seen, two.tick(Some(read)));
+        let clock = ticks.next();
+        let seen = one.tick(Some(read), clock);
+        assert_eq!(seen, two.tick(Some(read), clock));
         displacement = unit().decode(unit().encode(seen.command).code);
     }
     assert_eq!(one.state(), State::Done);

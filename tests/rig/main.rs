@@ -11,3 +11,16 @@ mod emulator;
 mod observer;
 mod simulation;
 mod stream;
+mod supervision;
+
+/// A timer that loses no tick, and counts them.
+#[derive(Default)]
+struct Ticks(u32);
+
+impl Ticks {
+    /// What its counter reads at the tick that comes.
+    fn next(&mut self) -> u32 {
+        self.0 = self.0.wrapping_add(1);
+        self.0
+    }
+}

@@ -112,6 +112,8 @@ fn what_goes_in_and_comes_out_survives_a_format() {
         force: 2,
         temperature: 20.0,
         controls: [0.1; CONTROLS],
+        clock: 3,
+        tripped: true,
     });
     survives(Statistics {
         stack: 1,

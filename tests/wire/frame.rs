@@ -36,6 +36,8 @@ fn requests_and_answers_are_what_they_were() {
         force: 0xFEDC,
         temperature: -0.0,
         controls: [1.5, -0.0, f32::MIN_POSITIVE, f32::INFINITY],
+        clock: u32::MAX - 1,
+        tripped: true,
     });
     for request in [
         request,

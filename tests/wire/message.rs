@@ -41,6 +41,7 @@ fn a_setup_passes() {
         trip_ticks: 11,
         stop_ticks: 6_000,
         link_ticks: 70_000,
+        clock_rate: 48e6,
         observer_bandwidth: 30.0,
         observer_damping: 0.9,
         correction_gain: 0.6,
@@ -100,8 +101,14 @@ fn what_the_sensors_deliver_passes() {
         force: 0xfedc,
         temperature: 21.5,
         controls: [0.5, -1.5, 2.5, -3.5],
+        clock: 0x89ab_cdef,
+        tripped: false,
     };
     passes(Request::Tick(sensors));
+    passes(Request::Tick(Sensors {
+        tripped: true,
+        ..sensors
+    }));
     let mut buffer = FrameBuffer::new();
     Request::Tick(sensors).write(5, &mut buffer);
     assert_eq!(Sensors::read(&frame(&buffer)), Some(sensors));

@@ -252,7 +252,7 @@ fn a_rig_refuses_an_upload_for_another_rate() {
     let settings = RigSettings::default();
     let mut rig = Rig::new(adc, dac, enable_line().0, &settings, programme, law).unwrap();
     let mut upload = Upload::new();
-    for (rate, taken) in [(2e3, false), (1e4, true)] {
+    for (clock, (rate, taken)) in (0..).zip([(2e3, false), (1e4, true)]) {
         let pack = packed(&PackInfo::at(rate));
         upload.part(0, &pack).unwrap();
         let swapped = rig.swap_law_with(|slot| upload.finish(slot, &expected).map(|_| ()));
@@ -263,7 +263,7 @@ fn a_rig_refuses_an_upload_for_another_rate() {
         assert_eq!(swapped, if taken { Ok(()) } else { Err(refused) });
         // What waits is taken at the start.
         rig.start().unwrap();
-        rig.tick();
+        rig.tick(clock);
         let in_force = if taken {
             with_effects()
         } else {

@@ -4,13 +4,13 @@
 use core::convert::Infallible;
 use core::sync::atomic::{AtomicBool, AtomicU16, Ordering::Relaxed};
 
-use embedded_hal::digital::{self, OutputPin};
+use embedded_hal::digital::{self, InputPin, OutputPin};
 use embedded_hal::spi::{self, ErrorKind, Operation, SpiDevice};
 
 use mesh_damper::adc::Ads8688;
 use mesh_damper::dac::Ad5761;
 use mesh_damper::effects::CONTROLS;
-use mesh_damper::rig::{SpiActuator, Wiring, WithControls};
+use mesh_damper::rig::{SpiActuator, Wiring, WithControls, WithTrip};
 
 use crate::board::Converters;
 
@@ -24,6 +24,8 @@ struct Wires {
     command: AtomicU16,
     /// Level of the enable line.
     enabled: AtomicBool,
+    /// The input that says stop is active, and low.
+    tripped: AtomicBool,
 }
 
 /// The board's wires.
@@ -32,13 +34,14 @@ static WIRES: Wires = Wires {
     force: AtomicU16::new(0),
     command: AtomicU16::new(0),
     enabled: AtomicBool::new(false),
+    tripped: AtomicBool::new(false),
 };
 
 /// All three of a rig.
 pub struct SimulatedConverters;
 
 impl Converters for SimulatedConverters {
-    type Sensors = WithControls<Ads8688<Adc>>;
+    type Sensors = WithTrip<WithControls<Ads8688<Adc>>, Trip>;
     type Actuator = SpiActuator<Dac, Enable>;
 
     #[inline]
@@ -57,7 +60,7 @@ impl Converters for SimulatedConverters {
             sensors: adc,
             controls: [0.0; CONTROLS],
         };
-        Some((sensors, SpiActuator::new(dac, Enable)))
+        Some((WithTrip::new(sensors, Trip), SpiActuator::new(dac, Enable)))
     }
 
     #[inline]
@@ -68,7 +71,12 @@ impl Converters for SimulatedConverters {
 
     #[inline]
     fn control(sensors: &mut Self::Sensors, controls: [f32; CONTROLS]) {
-        sensors.controls = controls;
+        sensors.sensors.controls = controls;
+    }
+
+    #[inline]
+    fn trip(tripped: bool) {
+        WIRES.tripped.store(tripped, Relaxed);
     }
 
     #[inline]
@@ -168,6 +176,7 @@ impl SpiDevice for Dac {
             match command & 0xF {
                 0x3 => WIRES.command.store(data, Relaxed),
                 0x4 => self.control = data,
+                0xB => self.answer = WIRES.command.load(Relaxed),
                 0xC => self.answer = self.control,
                 _ => {}
             }
@@ -193,5 +202,23 @@ impl OutputPin for Enable {
     fn set_high(&mut self) -> Result<(), Infallible> {
         WIRES.enabled.store(true, Relaxed);
         Ok(())
+    }
+}
+
+/// The line of an emergency stop, high while all is well.
+pub struct Trip;
+
+impl digital::ErrorType for Trip {
+    type Error = Infallible;
+}
+
+impl InputPin for Trip {
+    #[inline]
+    fn is_high(&mut self) -> Result<bool, Infallible> {
+        Ok(!WIRES.tripped.load(Relaxed))
+    }
+    #[inline]
+    fn is_low(&mut self) -> Result<bool, Infallible> {
+        Ok(WIRES.tripped.load(Relaxed))
     }
 }

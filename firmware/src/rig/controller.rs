@@ -94,9 +94,10 @@ impl<B: Board> Controller<B> {
         };
         Wired::<B>::sense(sensors.displacement, sensors.force);
         Wired::<B>::control(rig.sensors(), sensors.controls);
+        Wired::<B>::trip(sensors.tripped);
         rig.exchange();
         rig.set_temperature(sensors.temperature);
-        let telemetry = rig.tick();
+        let telemetry = rig.tick(sensors.clock);
         self.log(&telemetry);
         let (code, enabled) = Wired::<B>::driven();
         write_outcome(sequence, code, enabled, &telemetry, answer);

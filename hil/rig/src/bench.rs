@@ -14,7 +14,8 @@ use mesh_damper::operating_range::OperatingRange;
 use mesh_damper::pack::PackError;
 use mesh_damper::rig::{
     AnyExciter, Rig, RigController, RigSettings, SpiActuator, StartRefused, State, Stream,
-    StreamConfig, StreamSettings, Telemetry, Wiring, WithControls,
+    StreamConfig, StreamSettings, Telemetry, Wiring, WithAlive, WithControls, WithReadBack,
+    WithTrip,
 };
 use mesh_damper::sine::{Programme, SineGenerator};
 use mesh_damper_recording::error::InputError;
@@ -25,7 +26,7 @@ use super::plant::Plant;
 use super::run::Controlled;
 use crate::actuator::{
     AdcPins, DacPins, InvalidField, SensorConfig, ServoConfig, SimulatedAd5761, SimulatedAds8688,
-    SimulatedEnable, enable_line,
+    SimulatedEnable, SimulatedInput, enable_line,
 };
 use crate::specimen::DamperForce;
 
@@ -178,13 +179,18 @@ impl<S: DamperForce + Clone, const B: usize, const N: usize> RigSetup<S, B, N> {
     }
 }
 
-/// The crate's controller on the simulated parts.
-pub type SimulatedRig<const B: usize, const N: usize> = Rig<
-    WithControls<Ads8688<SimulatedAds8688>>,
-    SpiActuator<SimulatedAd5761, SimulatedEnable>,
-    N,
-    AnyExciter<B>,
+/// The sensors of a [`SimulatedRig`], with an input that says stop at low level.
+pub type SimulatedSensors = WithTrip<WithControls<Ads8688<SimulatedAds8688>>, SimulatedInput>;
+
+/// The actuator of a [`SimulatedRig`], with an enable line that is read back and an alive signal.
+pub type SimulatedActuator = WithAlive<
+    WithReadBack<SpiActuator<SimulatedAd5761, SimulatedEnable>, SimulatedInput>,
+    SimulatedEnable,
 >;
+
+/// The crate's controller on the simulated parts.
+pub type SimulatedRig<const B: usize, const N: usize> =
+    Rig<SimulatedSensors, SimulatedActuator, N, AnyExciter<B>>;
 
 /// A rig wired up, at rest. Everything is public, so that a test can have any of it fail.
 #[derive(Debug)]
@@ -197,8 +203,14 @@ pub struct Bench<S, const B: usize, const N: usize> {
     pub adc: Rc<AdcPins>,
     /// The DAC's analogue side.
     pub dac: Rc<DacPins>,
-    /// Level of the enable line.
+    /// Level of the enable line, which the rig reads back.
     pub enabled: Rc<Cell<bool>>,
+    /// While set, the enable line stays at the level that it has.
+    pub stuck: Rc<Cell<bool>>,
+    /// Level of the alive signal, which an external watchdog looks at.
+    pub alive: Rc<Cell<bool>>,
+    /// Level of the input that says stop where it is low.
+    well: Rc<Cell<bool>>,
     /// What gives the rig a motion; to be taken away for a host that falls silent.
     pub feeder: Option<Feeder>,
 }
@@ -212,6 +224,9 @@ impl<S: DamperForce + Clone, const B: usize, const N: usize> Bench<S, B, N> {
         let plant = Plant::new(&setup)?;
         let (adc, dac) = (Rc::<AdcPins>::default(), Rc::<DacPins>::default());
         let (enable, enabled) = enable_line();
+        let stuck = enable.stuck();
+        let (signal, alive) = enable_line();
+        let well = Rc::new(Cell::new(true));
         let config = setup.settings.at(setup.programme.tick_rate())?;
         let exciter = match &setup.drive {
             Some(_) => AnyExciter::Stream(Stream::new(setup.stream_config()?)),
@@ -233,10 +248,12 @@ impl<S: DamperForce + Clone, const B: usize, const N: usize> Bench<S, B, N> {
             sensors: converter,
             controls: [0.0; CONTROLS],
         };
+        let actuator = SpiActuator::new(connect_dac(&dac, wiring.command)?, enable);
+        let actuator = WithReadBack::new(actuator, SimulatedInput(enabled.clone()));
         let rig = Rig::wire(
             RigController::with_exciter(&config, &wiring, exciter, law),
-            sensors,
-            SpiActuator::new(connect_dac(&dac, wiring.command)?, enable),
+            WithTrip::new(sensors, SimulatedInput(well.clone())),
+            WithAlive::new(actuator, signal),
         );
         Ok(Self {
             rig,
@@ -244,6 +261,9 @@ impl<S: DamperForce + Clone, const B: usize, const N: usize> Bench<S, B, N> {
             adc,
             dac,
             enabled,
+            stuck,
+            alive,
+            well,
             feeder: setup.drive.as_ref().map(Feeder::new),
         })
     }
@@ -254,11 +274,17 @@ impl<S: DamperForce + Clone, const B: usize, const N: usize> Bench<S, B, N> {
         let (displacement, force) = self.plant.sense();
         self.adc.volts[0].set(displacement);
         self.adc.volts[1].set(force);
-        self.rig.sensors().controls = self.plant.controls;
+        self.wire_trip();
+        self.rig.sensors().sensors.controls = self.plant.controls;
         self.rig.set_temperature(self.plant.temperature() as f32);
-        let telemetry = self.rig.tick();
+        let telemetry = self.rig.tick(self.plant.clock);
         self.plant.advance(self.dac.volts.get(), self.enabled.get());
         telemetry
+    }
+
+    /// The emergency stop's level, as the plant has it.
+    fn wire_trip(&self) {
+        self.well.set(!self.plant.tripped);
     }
 
     /// The knots that the tick to come needs. A rig that has stopped takes none out of its queue.
@@ -294,6 +320,7 @@ impl<S: DamperForce + Clone, const B: usize, const N: usize> Controlled<S> for B
     }
 
     fn start(&mut self) -> Result<(), SetupError> {
+        self.wire_trip();
         self.rig.start()?;
         if let Some(feeder) = &mut self.feeder {
             feeder.restart();

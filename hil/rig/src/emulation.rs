@@ -62,6 +62,8 @@ pub struct EmulatorBench<const N: usize> {
     pub dac: Rc<DacPins>,
     /// Level of the enable line.
     pub enabled: Rc<Cell<bool>>,
+    /// What a clock says that nobody on the rig can stop, in ticks; wraps.
+    pub clock: u32,
     force_range: f64,
 }
 
@@ -103,6 +105,7 @@ impl<const N: usize> EmulatorBench<N> {
             adc,
             dac,
             enabled,
+            clock: 0,
             force_range: setup.force_range,
         })
     }
@@ -113,7 +116,8 @@ impl<const N: usize> EmulatorBench<N> {
         let [displacement_volts, force_volts, ..] = &self.adc.volts;
         displacement_volts.set(self.displacement_sensor.sample(displacement));
         force_volts.set(part * mesh_damper::adc::INPUT_RANGE);
-        let telemetry = self.emulator.tick();
+        let telemetry = self.emulator.tick(self.clock);
+        self.clock = self.clock.wrapping_add(1);
         Emulation {
             telemetry,
             force: self.dac.volts.get() / OUTPUT_RANGE * self.force_range,

@@ -19,6 +19,10 @@ pub struct Plant<S> {
     /// Control inputs that the specimen is under, as the controller is given them at each tick, in the units of the law's effects; 0
     /// unless set.
     pub controls: [f32; CONTROLS],
+    /// What a clock says that nobody on the rig can stop, in ticks; wraps. A tick that takes longer has more than one.
+    pub clock: u32,
+    /// The emergency stop beside the rig is pressed.
+    pub tripped: bool,
     millimetres_per_volt: f64,
 }
 
@@ -37,6 +41,8 @@ impl<S: DamperForce + Clone> Plant<S> {
             displacement_sensor: sensor(setup.displacement_sensor, 0)?,
             force_sensor: sensor(setup.force_sensor, 1)?,
             controls: [0.0; CONTROLS],
+            clock: 0,
+            tripped: false,
             millimetres_per_volt: setup.command_range / OUTPUT_RANGE,
         })
     }
@@ -56,8 +62,9 @@ impl<S: DamperForce + Clone> Plant<S> {
         self.servo.specimen().temperature()
     }
 
-    /// The actuator's way until the next tick, at `volts` of command and this level of the enable line.
+    /// The actuator's way over one tick, at `volts` of command and this level of the enable line.
     pub fn advance(&mut self, volts: f64, enabled: bool) {
+        self.clock = self.clock.wrapping_add(1);
         self.servo
             .advance(volts * self.millimetres_per_volt, enabled);
     }

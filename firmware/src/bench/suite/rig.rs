@@ -31,6 +31,8 @@ const CYCLES: u32 = 36;
 struct Wire {
     code: Cell<u16>,
     control: Cell<u16>,
+    /// What the DAC's next frame clocks out.
+    answer: Cell<u16>,
     /// The last of the ADC's registers that was written.
     register: Cell<u8>,
 }
@@ -76,8 +78,12 @@ impl SpiDevice for DacBus<'_> {
                 Operation::Write([0x4, high, low]) => {
                     self.0.control.set(u16::from_be_bytes([*high, *low]));
                 }
-                Operation::TransferInPlace([_, high, low]) => {
-                    [*high, *low] = self.0.control.get().to_be_bytes();
+                Operation::Write([0xC, ..]) => self.0.answer.set(self.0.control.get()),
+                Operation::TransferInPlace([command, high, low]) => {
+                    [*high, *low] = self.0.answer.get().to_be_bytes();
+                    if *command == 0xB {
+                        self.0.answer.set(self.0.code.get());
+                    }
                 }
                 _ => {}
             }
@@ -101,11 +107,14 @@ impl OutputPin for Line {
 
 struct Running<'a> {
     rig: SpiRig<AdcBus<'a>, DacBus<'a>, Line, 1, 1>,
+    /// Ticks of a timer that none is lost of.
+    clock: u32,
     telemetry: Option<Telemetry>,
 }
 
 extern "C" fn tick(running: &mut Running, _: f32, _: f32) -> f32 {
-    let telemetry = running.rig.tick();
+    let telemetry = running.rig.tick(running.clock);
+    running.clock = running.clock.wrapping_add(1);
     let force = telemetry.model_force;
     running.telemetry = Some(telemetry);
     force
@@ -143,6 +152,7 @@ pub fn run(meter: &mut impl Meter) -> Result<(), Refused> {
     let rig = Rig::new(adc, dac, Line, &settings, programme, law)?;
     let mut running = Running {
         rig,
+        clock: 0,
         telemetry: None,
     };
     running.rig.start().map_err(|_| Refused)?;

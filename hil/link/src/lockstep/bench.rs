@@ -114,6 +114,8 @@ impl<S: DamperForce + Clone, W: Wire, const N: usize> Controlled<S> for ImageBen
             force: adc_code(force),
             temperature: self.plant.temperature() as f32,
             controls: self.plant.controls,
+            clock: self.plant.clock,
+            tripped: self.plant.tripped,
         })?;
         self.enabled = outcome.enabled;
         self.state = outcome.telemetry.state;

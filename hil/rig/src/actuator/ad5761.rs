@@ -16,6 +16,9 @@ pub struct DacPins {
     pub volts: Cell<f64>,
     /// While set, every transaction fails as an overrun.
     pub bus_failing: Cell<bool>,
+    /// While set, the part has no supply: from its next frame on it drives 0 V, answers with a data line at low level, and has lost
+    /// its registers.
+    pub unpowered: Cell<bool>,
 }
 
 /// The part's digital side.
@@ -54,6 +57,13 @@ impl SimulatedAd5761 {
         }
     }
 
+    fn reset(&mut self) {
+        self.control = None;
+        self.input = 0;
+        self.output = 0;
+        self.answer = 0;
+    }
+
     #[inline]
     fn drive(&self) {
         let Some(control) = self.control else {
@@ -79,6 +89,11 @@ impl SimulatedAd5761 {
     #[inline]
     fn frame(&mut self, sent: Words, length: usize) -> Words {
         let [command, high, low, _] = sent;
+        if self.pins.unpowered.get() {
+            self.reset();
+            self.drive();
+            return Words::default();
+        }
         if length != 3 {
             return Words::default();
         }
@@ -103,11 +118,7 @@ impl SimulatedAd5761 {
             }
             0xB => self.answer = self.output,
             0xC => self.answer = self.control.unwrap_or(0),
-            0xF => {
-                self.control = None;
-                self.input = 0;
-                self.output = 0;
-            }
+            0xF => self.reset(),
             _ => {}
         }
         self.drive();

@@ -15,6 +15,9 @@ pub struct AdcPins {
     pub volts: [Cell<f64>; CHANNELS],
     /// While set, every transaction fails as an overrun.
     pub bus_failing: Cell<bool>,
+    /// While set, the part has no supply: it answers with a data line at low level, and from its next frame on has lost its
+    /// registers.
+    pub unpowered: Cell<bool>,
 }
 
 /// The part's digital side.
@@ -66,20 +69,26 @@ impl SimulatedAds8688 {
         code(self.pins.volts[channel].get(), gain, zero)
     }
 
+    fn reset(&mut self) {
+        self.registers.fill(0);
+        self.selected = None;
+    }
+
     /// What comes out while `sent` goes in, `length` bytes between the edges of chip select.
     #[inline]
     fn frame(&mut self, sent: Words, length: usize) -> Words {
         let [first, second, ..] = sent;
+        if self.pins.unpowered.get() {
+            self.reset();
+            return [0; FRAME];
+        }
         if length < 2 {
             return [0; FRAME];
         }
         let result = self.selected.map_or(0, |channel| self.convert(channel));
         if first & 0x80 != 0 || first == 0 {
             match first {
-                0x85 => {
-                    self.registers.fill(0);
-                    self.selected = None;
-                }
+                0x85 => self.reset(),
                 0xC0..=0xDC if first & 0x3 == 0 => {
                     self.selected = Some(usize::from(first >> 2 & 0x7));
                 }

@@ -1,19 +1,39 @@
-//! The line that connects the valve to the servo amplifier.
+//! Lines of one bit: the one that connects the valve to the servo amplifier, and those that supervise it.
 
 use std::cell::Cell;
 use std::convert::Infallible;
 use std::rc::Rc;
 
-use embedded_hal::digital::{ErrorType, OutputPin};
+use embedded_hal::digital::{ErrorType, InputPin, OutputPin};
 
-/// The crate's end of the line.
+/// The crate's end of a line that it sets.
 #[derive(Debug)]
-pub struct SimulatedEnable(Rc<Cell<bool>>);
+pub struct SimulatedEnable {
+    level: Rc<Cell<bool>>,
+    stuck: Rc<Cell<bool>>,
+}
 
 /// A line at low level: the crate's end, and the level for the actuator's.
 pub fn enable_line() -> (SimulatedEnable, Rc<Cell<bool>>) {
     let level = Rc::new(Cell::new(false));
-    (SimulatedEnable(level.clone()), level)
+    let line = SimulatedEnable {
+        level: level.clone(),
+        stuck: Rc::default(),
+    };
+    (line, level)
+}
+
+impl SimulatedEnable {
+    /// While this is set, the line stays at the level that it has, and nothing says so.
+    pub fn stuck(&self) -> Rc<Cell<bool>> {
+        self.stuck.clone()
+    }
+
+    fn set(&self, high: bool) {
+        if !self.stuck.get() {
+            self.level.set(high);
+        }
+    }
 }
 
 impl ErrorType for SimulatedEnable {
@@ -22,11 +42,30 @@ impl ErrorType for SimulatedEnable {
 
 impl OutputPin for SimulatedEnable {
     fn set_low(&mut self) -> Result<(), Infallible> {
-        self.0.set(false);
+        self.set(false);
         Ok(())
     }
     fn set_high(&mut self) -> Result<(), Infallible> {
-        self.0.set(true);
+        self.set(true);
         Ok(())
+    }
+}
+
+/// The crate's end of a line that it reads, high where the cell is set.
+#[derive(Debug)]
+pub struct SimulatedInput(pub Rc<Cell<bool>>);
+
+impl ErrorType for SimulatedInput {
+    type Error = Infallible;
+}
+
+impl InputPin for SimulatedInput {
+    #[inline]
+    fn is_high(&mut self) -> Result<bool, Infallible> {
+        Ok(self.0.get())
+    }
+    #[inline]
+    fn is_low(&mut self) -> Result<bool, Infallible> {
+        Ok(!self.0.get())
     }
 }

@@ -9,7 +9,7 @@ mod servo;
 
 pub use ad5761::{DacPins, SimulatedAd5761, dac_volts};
 pub use ads8688::{AdcPins, SimulatedAds8688, adc_code};
-pub use enable::{SimulatedEnable, enable_line};
+pub use enable::{SimulatedEnable, SimulatedInput, enable_line};
 pub use sensor::{Sensor, SensorConfig, SensorFault};
 pub use servo::{Servo, ServoConfig, ServoFault};
 

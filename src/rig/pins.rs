@@ -1,0 +1,214 @@
+//! Pins that supervise a rig, each beside any sensors or any actuator: an external trip, a read-back of the enable line, and an
+//! alive signal.
+
+#[cfg(feature = "async")]
+mod asynchronous;
+
+use embedded_hal::digital::{InputPin, OutputPin, PinState};
+
+use super::io::{Actuator, Reading, Sensors};
+
+/// What failed of a part with a pin beside it.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub enum PinError<T, P> {
+    /// The sensors or the actuator.
+    Part(T),
+    /// The pin.
+    Pin(P),
+    /// The pin is at the other level.
+    Level,
+}
+
+/// Sensors with an input that says stop: see [`Sensors::is_tripped`].
+///
+/// The pin is sampled once a tick. What is shorter than a tick may go unseen: the source holds its level, as a relay of an emergency
+/// stop does.
+#[derive(Clone, Debug)]
+pub struct WithTrip<S, P> {
+    /// The sensors.
+    pub sensors: S,
+    /// The input.
+    pub pin: P,
+    /// Its level that says stop.
+    pub active: PinState,
+}
+
+impl<S, P> WithTrip<S, P> {
+    /// Low says stop: a source that holds the line high while all is well, and a pull-down at the pin, make a broken wire a stop.
+    pub fn new(sensors: S, pin: P) -> Self {
+        Self {
+            sensors,
+            pin,
+            active: PinState::Low,
+        }
+    }
+}
+
+impl<S, P: InputPin> WithTrip<S, P> {
+    #[inline]
+    fn is_active<T>(&mut self) -> Result<bool, PinError<T, P::Error>> {
+        is_at(&mut self.pin, self.active)
+    }
+}
+
+/// Whether `pin` is at `level`.
+#[inline]
+fn is_at<T, P: InputPin>(pin: &mut P, level: PinState) -> Result<bool, PinError<T, P::Error>> {
+    let high = pin.is_high().map_err(PinError::Pin)?;
+    Ok(high == (level == PinState::High))
+}
+
+impl<S: Sensors, P: InputPin> Sensors for WithTrip<S, P> {
+    type Error = PinError<S::Error, P::Error>;
+
+    #[inline]
+    fn read(&mut self) -> Result<Reading, Self::Error> {
+        self.sensors.read().map_err(PinError::Part)
+    }
+
+    #[inline]
+    fn is_tripped(&mut self) -> Result<bool, Self::Error> {
+        Ok(self.is_active()? || self.sensors.is_tripped().map_err(PinError::Part)?)
+    }
+
+    fn restore(&mut self) -> Result<(), Self::Error> {
+        self.sensors.restore().map_err(PinError::Part)
+    }
+}
+
+/// An actuator whose enable line is read back: see [`Actuator::verify_enable`].
+///
+/// The pin senses the line as near to the actuator as it can be, so that the driver and the wire are within what is seen. It must
+/// follow the line within the time between two calls, about 1 µs: a relay's contact does not.
+#[derive(Clone, Debug)]
+pub struct WithReadBack<A, P> {
+    /// The actuator.
+    pub actuator: A,
+    /// The input at the line.
+    pub pin: P,
+    /// Its level where the actuator is enabled.
+    pub enabled: PinState,
+}
+
+impl<A, P> WithReadBack<A, P> {
+    /// High where the actuator is enabled. What inverts, as an optocoupler does, has [`WithReadBack::enabled`] low.
+    pub fn new(actuator: A, pin: P) -> Self {
+        Self {
+            actuator,
+            pin,
+            enabled: PinState::High,
+        }
+    }
+}
+
+impl<A, P: InputPin> WithReadBack<A, P> {
+    #[inline]
+    fn verify_level<T>(&mut self, on: bool) -> Result<(), PinError<T, P::Error>> {
+        if is_at(&mut self.pin, self.enabled)? == on {
+            Ok(())
+        } else {
+            Err(PinError::Level)
+        }
+    }
+}
+
+impl<A: Actuator, P: InputPin> Actuator for WithReadBack<A, P> {
+    type Error = PinError<A::Error, P::Error>;
+
+    #[inline]
+    fn drive(&mut self, value: f32) -> Result<(), Self::Error> {
+        self.actuator.drive(value).map_err(PinError::Part)
+    }
+
+    #[inline]
+    fn enable(&mut self, on: bool) -> Result<(), Self::Error> {
+        self.actuator.enable(on).map_err(PinError::Part)
+    }
+
+    fn verify_drive(&mut self) -> Result<(), Self::Error> {
+        self.actuator.verify_drive().map_err(PinError::Part)
+    }
+
+    fn verify_enable(&mut self, on: bool) -> Result<(), Self::Error> {
+        self.actuator.verify_enable(on).map_err(PinError::Part)?;
+        self.verify_level(on)
+    }
+
+    #[inline]
+    fn alive(&mut self) -> Result<(), Self::Error> {
+        self.actuator.alive().map_err(PinError::Part)
+    }
+
+    fn restore(&mut self) -> Result<(), Self::Error> {
+        self.actuator.restore().map_err(PinError::Part)
+    }
+}
+
+/// An actuator with an alive signal: its pin changes its level at the end of each tick that did all it had to. See
+/// [`Actuator::alive`].
+///
+/// An external watchdog takes the actuator's power away where the level has not changed for some ticks. It should wait for at least
+/// three, because one late tick changes nothing, and should ask for edges, because a stuck level is no life.
+#[derive(Clone, Debug)]
+pub struct WithAlive<A, P> {
+    /// The actuator.
+    pub actuator: A,
+    /// The output to the watchdog.
+    pub pin: P,
+    level: bool,
+}
+
+impl<A, P> WithAlive<A, P> {
+    /// The first whole tick sets `pin` high.
+    pub fn new(actuator: A, pin: P) -> Self {
+        Self {
+            actuator,
+            pin,
+            level: false,
+        }
+    }
+}
+
+impl<A, P: OutputPin> WithAlive<A, P> {
+    #[inline]
+    fn toggle<T>(&mut self) -> Result<(), PinError<T, P::Error>> {
+        let level = !self.level;
+        self.pin.set_state(level.into()).map_err(PinError::Pin)?;
+        self.level = level;
+        Ok(())
+    }
+}
+
+impl<A: Actuator, P: OutputPin> Actuator for WithAlive<A, P> {
+    type Error = PinError<A::Error, P::Error>;
+
+    #[inline]
+    fn drive(&mut self, value: f32) -> Result<(), Self::Error> {
+        self.actuator.drive(value).map_err(PinError::Part)
+    }
+
+    #[inline]
+    fn enable(&mut self, on: bool) -> Result<(), Self::Error> {
+        self.actuator.enable(on).map_err(PinError::Part)
+    }
+
+    fn verify_drive(&mut self) -> Result<(), Self::Error> {
+        self.actuator.verify_drive().map_err(PinError::Part)
+    }
+
+    fn verify_enable(&mut self, on: bool) -> Result<(), Self::Error> {
+        self.actuator.verify_enable(on).map_err(PinError::Part)
+    }
+
+    #[inline]
+    fn alive(&mut self) -> Result<(), Self::Error> {
+        self.actuator.alive().map_err(PinError::Part)?;
+        self.toggle()
+    }
+
+    fn restore(&mut self) -> Result<(), Self::Error> {
+        self.actuator.restore().map_err(PinError::Part)
+    }
+}
