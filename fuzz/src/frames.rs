@@ -57,6 +57,8 @@ pub static GOOD: LazyLock<Vec<Vec<u8>>> = LazyLock::new(|| {
             force: 0x7fed,
             temperature: 21.5,
             controls: [0.5, -1.5, 0.0, 9.0],
+            clock: 0x1234_5678,
+            tripped: false,
         }),
         Request::Stop,
         Request::Clear,

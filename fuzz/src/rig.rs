@@ -105,6 +105,10 @@ struct Guard {
     /// Ticks since it stopped on which the DAC took the command.
     stopped: u64,
     last: f32,
+    /// Of the clock to a tick.
+    counts: u32,
+    /// A tick that came in no time, or in that of two.
+    late: bool,
 }
 
 impl Guard {
@@ -155,6 +159,7 @@ impl Guard {
 
     fn see_running(&mut self, before: State, now: &Telemetry) {
         assert_eq!(before, State::Running, "only a start makes it run");
+        assert!(!self.late, "a late tick stops it");
         assert!(self.wires.enabled.get());
         let beyond = [
             now.displacement.abs() > self.displacement_limit,
@@ -275,6 +280,8 @@ pub fn check(script: &[u8], ticks: u32) -> u64 {
         exceeded: [0; 2],
         stopped: u64::MAX / 2,
         last: 0.0,
+        counts: feed.one_of(&[1, 1, 10, 1001]),
+        late: false,
     };
     let is_emulator = feed.byte() % 4 == 0;
     let ran = if is_emulator {
@@ -322,7 +329,7 @@ fn rig(
             glide: feed.between(1.0 / tick_rate, 10.0),
             feedback: 0.01 * tick_rate * feed.part(),
             link_ticks: 0,
-            clock_rate: tick_rate * feed.between(1.0, 1e4),
+            clock_rate: f64::from(guard.counts) * tick_rate,
             health: HealthSettings {
                 size: feed.between(0.01, 0.5),
                 false_alarm_cycles: feed.between(1e2, 1e9),
@@ -374,7 +381,7 @@ fn emulator(
         trip_ticks: feed.between(1.0, 1e3) as u32,
         stop_ticks: feed.between(1.0, 1e4) as u32,
         link_ticks: 0,
-        clock_rate: 0.0,
+        clock_rate: f64::from(guard.counts) * tick_rate,
         observer_bandwidth: feed.between(1e-3, 1.0) * 0.1 * tick_rate,
         observer_damping: feed.between(0.3, 3.0),
         hysteresis: feed.between(1e-9, 1e4),
@@ -407,13 +414,15 @@ fn run(
     let mut plant = Plant::Follows;
     let mut ratio = 1.0;
     let mut ran = 0;
+    // The first tick is not judged.
+    let (mut clock, mut begun) = (u32::MAX - ticks, false);
     // Of the sensors, and of the last reading that did not fail.
     let (mut given, mut read) = ([0.0; CONTROLS], [0.0; CONTROLS]);
     controller.start().expect("it is at rest");
     for _ in 0..ticks {
         let drawn = random.next();
         if drawn.is_multiple_of(BETWEEN) {
-            match drawn / BETWEEN % 17 {
+            match drawn / BETWEEN % 18 {
                 0 => plant = Plant::Stuck,
                 1 => plant = Plant::Runs,
                 2 => plant = Plant::Anything,
@@ -428,6 +437,7 @@ fn run(
                     given = given.map(|_| random.float());
                     controller.set_controls(given);
                 }
+                12 => guard.late = true,
                 _ => {
                     plant = Plant::Follows;
                     wires.adc_fails.set(false);
@@ -438,8 +448,9 @@ fn run(
         }
         // Whoever runs the rig tries again and again.
         if drawn >> 32 & 0xf == 0 && controller.state() != State::Running {
-            if let Err(ClearRefused::Faulted(cause)) = controller.clear() {
-                assert_eq!(controller.state(), State::Faulted(cause));
+            let before = controller.state();
+            if controller.clear().is_err() {
+                assert_eq!(controller.state(), before, "the cause stays");
             }
             match controller.start() {
                 Ok(()) => guard.exceeded = [0; 2],
@@ -448,8 +459,15 @@ fn run(
         }
         plant.sense(&wires, ratio, &mut random);
         let before = controller.state();
-        let telemetry = controller.tick();
+        let elapsed = match guard.late {
+            false => guard.counts,
+            true => guard.counts * 2 * (drawn >> 50 & 1) as u32,
+        };
+        clock = clock.wrapping_add(elapsed);
+        let telemetry = controller.tick(clock);
+        guard.late &= begun;
         guard.see(before, &telemetry);
+        (guard.late, begun) = (false, true);
         if !wires.adc_fails.get() {
             read = given;
         }

@@ -23,7 +23,7 @@ use mesh_damper_rig::actuator::{AdcPins, DacPins, SimulatedAd5761, SimulatedAds8
 use crate::Ticks;
 
 /// Polls until it is ready; most polls may be in vain.
-fn run<F: Future>(future: F) -> F::Output {
+pub fn run<F: Future>(future: F) -> F::Output {
     let mut future = pin!(future);
     let mut context = Context::from_waker(Waker::noop());
     for _ in 0..1000 {
@@ -35,7 +35,7 @@ fn run<F: Future>(future: F) -> F::Output {
 }
 
 /// The part at the end of a bus that is busy now and then, for up to three polls.
-struct Busy<S> {
+pub struct Busy<S> {
     part: S,
     turn: u32,
     /// Polls that found it busy.
@@ -43,7 +43,7 @@ struct Busy<S> {
 }
 
 impl<S> Busy<S> {
-    fn new(part: S, waited: &Rc<Cell<u32>>) -> Self {
+    pub fn new(part: S, waited: &Rc<Cell<u32>>) -> Self {
         Self {
             part,
             turn: 0,

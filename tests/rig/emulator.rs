@@ -6,7 +6,7 @@ use mesh_damper::effects::{AugmentedLaw, Drift, Effect};
 use mesh_damper::error::ConfigError;
 use mesh_damper::fast_law::FastLaw;
 use mesh_damper::law::Law;
-use mesh_damper::rig::{DamperEmulationSettings, StartRefused, State, TripCause};
+use mesh_damper::rig::{ClearRefused, DamperEmulationSettings, StartRefused, State, TripCause};
 use mesh_damper_reference::law::Coefficients;
 use mesh_damper_rig::actuator::SensorFault;
 use mesh_damper_rig::{EmulatorBench, EmulatorSetup, SetupError};
@@ -203,6 +203,12 @@ fn faults_take_the_force_to_zero() {
         assert_eq!(bench.dac.volts.get(), 0.0);
         let refused = StartRefused::Faulted(fault);
         assert_eq!(bench.emulator.start(), Err(refused));
+        if what == 0 {
+            let refused = ClearRefused::Faulted(TripCause::AdcBus);
+            assert_eq!(bench.emulator.clear(), Err(refused), "its bus still fails");
+            assert_eq!(bench.emulator.state(), State::Faulted(fault));
+            bench.adc.bus_failing.set(false);
+        }
         bench.emulator.clear().unwrap();
         assert_eq!(bench.emulator.state(), State::Idle);
     }

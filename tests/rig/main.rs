@@ -11,6 +11,7 @@ mod emulator;
 mod observer;
 mod simulation;
 mod stream;
+#[cfg(feature = "async")]
 mod supervision;
 
 /// A timer that loses no tick, and counts them.
