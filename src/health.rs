@@ -534,7 +534,8 @@ impl HealthMonitor {
     pub(crate) fn look_at_any(&mut self, look: &Look) {
         self.due = part_end(look.phase, self.cycle);
         let [least, _] = self.least_amplitudes;
-        let (y, v, f) = (look.displacement, look.velocity, look.force);
+        // The observed velocity may still be on its way, as from what a broken wire showed.
+        let (y, (_, v), f) = (look.measured, look.demand, look.force);
         if let Some(explained) = self.following.update_any(y, v, f, 0.5 * least) {
             self.force_is_lost(explained);
         }
@@ -543,7 +544,7 @@ impl HealthMonitor {
     /// Whether the force goes with the motion, unless the displacement shows none.
     fn watch_force(&mut self, look: &Look) {
         let [least, _] = self.least_amplitudes;
-        let (y, v, f) = (look.displacement, look.velocity, look.force);
+        let (y, (_, v), f) = (look.measured, look.demand, look.force);
         if let Some(explained) = self.following.update(y, v, f, look.phase, 0.5 * least)
             && !self.is_response_known()
         {

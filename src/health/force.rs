@@ -1,7 +1,7 @@
 //! Whether the force goes with the motion at all.
 //!
 //! Over a cycle, and once more each quarter of it, or in any motion over as long as it takes to move enough: the part of the force's
-//! variance that a·y + b·v + const explains by least squares, y and v the observed displacement and velocity. Of a specimen's force it is
+//! variance that a·y + b·v + const explains by least squares, y the measured displacement and v the demanded velocity. Of a specimen's force it is
 //! most, whatever law it has: of pure friction under a sine 8/π² = 0.81. Of a wire that picks up noise, or of a channel that is frozen
 //! with its last bit at play, it is 2 in the number of samples.
 //!

@@ -160,6 +160,12 @@ impl<C: Controller, S: AsyncSensors, A: AsyncActuator> Asynchronous<C, S, A> {
         self.settle().await;
         self.controller.start()?;
         self.low = false;
+        // What is driven when the line rises is where the piston is.
+        if self.actuator.drive(self.controller.driven()).await.is_err() {
+            self.controller.command_failed();
+            self.lower().await;
+            return Err(StartRefused::Faulted(TripCause::DacBus));
+        }
         if self.set_line(true).await {
             return Ok(());
         }

@@ -81,6 +81,12 @@ impl<C: Controller, S: Sensors, A: Actuator> Blocking<C, S, A> {
         self.settle();
         self.controller.start()?;
         self.low = false;
+        // What is driven when the line rises is where the piston is.
+        if self.actuator.drive(self.controller.driven()).is_err() {
+            self.controller.command_failed();
+            self.lower();
+            return Err(StartRefused::Faulted(TripCause::DacBus));
+        }
         if self.set_line(true) {
             return Ok(());
         }

@@ -7,7 +7,7 @@ use super::comparison::Comparison;
 use super::controller::Controller;
 use super::correction::{Correction, CorrectionConfig};
 use super::exciter::Exciter;
-use super::fault::{Exceeded, Limits, TripCause};
+use super::fault::{Exceeded, Limits, TripCause, clipped};
 use super::guard::Guard;
 use super::io::{Reading, Wiring};
 use super::refusal::{ClearRefused, StartRefused};
@@ -59,6 +59,8 @@ pub struct RigController<const N: usize, X, L = RunningLaw<N>> {
     temperature: Temperature,
     temperature_config: TemperatureConfig,
     approach: Approach,
+    /// The last tick had a reading.
+    is_seen: bool,
     /// The next start keeps what the correction has learned.
     keeps: bool,
     exciter: X,
@@ -129,6 +131,7 @@ where
             temperature: Temperature::default(),
             temperature_config: config.temperature,
             approach: Approach::default(),
+            is_seen: false,
             keeps: false,
             tick: 0,
         }
@@ -319,7 +322,7 @@ where
         }
         self.health.restart();
         self.approach = Approach::DUE;
-        if self.tick > 0 {
+        if self.is_seen && clipped(&self.reading).is_none() {
             // What is driven before the first tick is where the piston is.
             self.begin();
             self.guard.begin_at(self.approach.left());
@@ -362,6 +365,7 @@ where
         self.guard.pace(clock);
         self.guard.watch_link();
         let last = [self.reading.displacement.code, self.reading.force.code];
+        self.is_seen = reading.is_some();
         self.guard.take(reading, &mut self.reading);
         let displacement = self.reading.displacement.value;
         let measured_force = self.reading.force.value;

@@ -7,7 +7,7 @@ use std::rc::Rc;
 use mesh_damper::effects::AugmentedLaw;
 use mesh_damper::health::{Channel, Event, HealthCause};
 use mesh_damper::law::Law;
-use mesh_damper::rig::{RigSettings, State, Telemetry, TripCause};
+use mesh_damper::rig::{State, Telemetry, TripCause};
 use mesh_damper::sine::{Block, Programme};
 use mesh_damper_rig::faults::{Condition, Damaged};
 use mesh_damper_rig::{Bench, RigSetup, TICK_RATE};
@@ -42,6 +42,8 @@ struct Rig {
     bench: Bench<Damaged, 16, 1>,
     condition: Rc<Cell<Condition>>,
     amplitudes: [f64; 2],
+    /// kN.
+    force_limit: f64,
     tick: u64,
 }
 
@@ -70,7 +72,12 @@ impl Run {
 }
 
 impl Rig {
-    fn new(blocks: u32, cycles: u32, seed: u64, change: impl Fn(&mut RigSettings)) -> Self {
+    fn new(blocks: u32, cycles: u32, seed: u64) -> Self {
+        Self::limited(blocks, cycles, seed, 1.9)
+    }
+
+    /// With a limit of the force of so many times its amplitude.
+    fn limited(blocks: u32, cycles: u32, seed: u64, limit: f64) -> Self {
         let (specimen, condition) = Damaged::new(3.0, AMPLITUDE);
         let c = specimen.coefficients();
         let law = Law::new(c.k1 as f32, c.k3 as f32, c.c as f32, c.alpha as f32).unwrap();
@@ -85,7 +92,7 @@ impl Rig {
             .map(|(sin, cos)| c.force(AMPLITUDE * sin, AMPLITUDE * w * cos).abs())
             .fold(0.0, f64::max);
         let mut setup = RigSetup::new(specimen, AugmentedLaw::new(law), programme, seed);
-        change(&mut setup.settings);
+        setup.settings.force_limit = limit * force;
         let amplitudes = [
             AMPLITUDE / setup.displacement_sensor.full_scale * FULL,
             force / setup.force_sensor.full_scale * FULL,
@@ -96,6 +103,7 @@ impl Rig {
             bench,
             condition,
             amplitudes,
+            force_limit: limit * force,
             tick: 0,
         }
     }
@@ -119,13 +127,15 @@ impl Rig {
         bench.adc.volts[1].set(force);
         bench.rig.set_temperature(temperature as f32);
         let seen = bench.rig.tick(bench.plant.clock);
-        bench.plant.advance(bench.dac.volts.get(), bench.enabled.get());
+        bench
+            .plant
+            .advance(bench.dac.volts.get(), bench.enabled.get());
         self.tick += 1;
         (cycle, seen)
     }
 
     fn run(&mut self, mut attack: impl FnMut(&mut Attacked<'_>)) -> Run {
-        let limit = self.bench_force_limit();
+        let limit = self.force_limit;
         let mut run = Run {
             events: Vec::new(),
             state: State::Running,
@@ -141,32 +151,20 @@ impl Rig {
             run.cycles = cycle;
             let servo = &self.bench.plant.servo;
             run.furthest = run.furthest.max(servo.displacement().abs() / AMPLITUDE);
-            beyond = if servo.force().abs() > 1.01 * limit { beyond + 1 } else { 0 };
+            beyond = if servo.force().abs() > 1.01 * limit {
+                beyond + 1
+            } else {
+                0
+            };
             run.beyond = run.beyond.max(beyond);
         }
         run
-    }
-
-    /// kN: 0.95 of the channel's range, which is twice the amplitude of the force.
-    fn bench_force_limit(&self) -> f64 {
-        let volts = self.amplitudes[1];
-        let force = self.condition_free_force();
-        0.95 * force * FULL / volts
-    }
-
-    fn condition_free_force(&self) -> f64 {
-        let c = mesh_damper_reference::tables::interpolate(3.0, AMPLITUDE);
-        let w = TAU * FREQUENCY;
-        (0..100)
-            .map(|step| (TAU * f64::from(step) / 100.0).sin_cos())
-            .map(|(sin, cos)| c.force(AMPLITUDE * sin, AMPLITUDE * w * cos).abs())
-            .fold(0.0, f64::max)
     }
 }
 
 /// A run of 45 cycles under `attack`.
 fn run(seed: u64, attack: impl FnMut(&mut Attacked<'_>)) -> Run {
-    Rig::new(1, 45, seed, |_| {}).run(attack)
+    Rig::new(1, 45, seed).run(attack)
 }
 
 /// Noise of −0.5 to 0.5, other at each tick.
@@ -227,7 +225,10 @@ fn a_force_that_never_was_stops_the_rig_in_its_ramp() {
         assert!(run.cycles < 2.0, "{}", run.cycles);
         let (_, event) = run.events[0];
         assert_eq!(event.cause, HealthCause::SpecimenAbsent);
-        assert_eq!(event.or, Some(HealthCause::SensorDroppedOut(Channel::Force)));
+        assert_eq!(
+            event.or,
+            Some(HealthCause::SensorDroppedOut(Channel::Force))
+        );
     }
 }
 
@@ -237,19 +238,24 @@ fn one_good_sample_in_ten_does_not_hold_a_limit_off() {
     for seed in 0..SEEDS {
         for good in [0.0, 0.8] {
             let limit = 1.5;
-            let mut rig = Rig::new(1, 45, seed, |_| {});
+            let mut rig = Rig::limited(1, 45, seed, limit);
             let run = rig.run(|a| {
                 if a.is_on() {
                     a.condition.stiffness = 2.5;
                     a.condition.friction = 2.5;
                     // The range is twice the amplitude, and clips beyond that.
                     let most = limit * a.amplitudes[1];
-                    let shown = if a.tick.is_multiple_of(10) { good * most } else { 1.25 * most };
+                    let shown = if a.tick.is_multiple_of(10) {
+                        good * most
+                    } else {
+                        1.25 * most
+                    };
                     *a.volts[1] = a.volts[1].clamp(-shown, shown);
                 }
             });
             assert!(matches!(run.state, State::Faulted(_)), "{:?}", run.state);
-            assert!(run.beyond <= 12, "{}", run.beyond);
+            // Ten ticks, one of ten that takes back an eighth of one, and the lag of the channel.
+            assert!(run.beyond <= 20, "{}", run.beyond);
         }
     }
 }
@@ -259,7 +265,7 @@ fn a_displacement_that_fades_stops_the_rig_before_it_goes_a_third_too_far() {
     for seed in 0..SEEDS {
         // In the run-in, over 100 cycles; and at once.
         for over in [100.0, 0.0] {
-            let run = Rig::new(1, 150, seed, |_| {}).run(|a| {
+            let run = Rig::new(1, 150, seed).run(|a| {
                 let part = if over > 0.0 {
                     ((a.cycle - BEGINS) / over).clamp(0.0, 1.0)
                 } else {
@@ -279,7 +285,7 @@ fn a_displacement_that_fades_stops_the_rig_before_it_goes_a_third_too_far() {
 #[test]
 fn a_repaired_rig_starts_from_neutral() {
     for gain in [0.85, 0.6] {
-        let mut rig = Rig::new(1, 20, 1, |_| {});
+        let mut rig = Rig::new(1, 20, 1);
         rig.run(|a| *a.volts[0] *= if a.cycle > 5.0 { gain } else { 1.0 });
         rig.bench.rig.stop();
         for _ in 0..6000 {
@@ -298,7 +304,7 @@ fn a_repaired_rig_starts_from_neutral() {
 /// The largest speed is that of the way to the start, 0.25 mm in half a second.
 #[test]
 fn a_start_where_the_piston_is_not_goes_there_slowly() {
-    let mut rig = Rig::new(1, 3, 1, |_| {});
+    let mut rig = Rig::new(1, 3, 1);
     // A stop at the crest leaves the piston where it is.
     rig.run_until_crest();
     rig.bench.rig.stop();
@@ -308,15 +314,19 @@ fn a_start_where_the_piston_is_not_goes_there_slowly() {
     let left = rig.bench.plant.servo.displacement();
     assert!(left.abs() > 0.05, "{left}");
     rig.bench.rig.start().unwrap();
+    // For its dead time of a millisecond the servo sees the command of before: what that moves it by.
+    for _ in 0..200 {
+        rig.tick(|_| {});
+    }
+    assert!((rig.bench.plant.servo.displacement() - left).abs() < 0.015);
     let mut fastest = 0.0f64;
-    for _ in 0..4500 {
+    for _ in 0..4000 {
         let (_, seen) = rig.tick(|_| {});
         assert_eq!(seen.state, State::Running);
         fastest = fastest.max(rig.bench.plant.servo.velocity().abs());
     }
-    // Stick and slip of the piston make up to three times the speed of the way.
     let way = left.abs() / 0.5;
-    assert!(fastest < 3.0 * way, "{fastest} mm/s of {way}");
+    assert!(fastest < 1.1 * way, "{fastest} mm/s of {way}");
     rig.tick = 0;
     assert_eq!(rig.run(|_| {}).state, State::Done);
 }
@@ -334,7 +344,13 @@ impl Rig {
 fn no_temperature_hides_a_break() {
     let shown: [fn(f64) -> f64; 5] = [
         // For one tick, and for good.
-        |cycle| if (25.5..25.501).contains(&cycle) { f64::NAN } else { 20.0 },
+        |cycle| {
+            if (25.5..25.501).contains(&cycle) {
+                f64::NAN
+            } else {
+                20.0
+            }
+        },
         |cycle| if cycle > 25.0 { f64::NAN } else { 20.0 },
         |cycle| if cycle > 25.0 { 1372.0 } else { 20.0 },
         |cycle| if cycle > BEGINS { f64::INFINITY } else { 20.0 },
@@ -398,7 +414,11 @@ fn hum_is_no_damage() {
                     *a.volts[channel] += part * a.amplitudes[channel] * hum;
                 }
             });
-            assert_eq!(run.causes(), [HealthCause::SensorNoisy(name)], "{part}, {seed}");
+            assert_eq!(
+                run.causes(),
+                [HealthCause::SensorNoisy(name)],
+                "{part}, {seed}"
+            );
         }
     }
 }
@@ -414,14 +434,17 @@ fn a_break_while_it_learns_is_a_loss() {
         });
         let (cycle, event) = run.events[0];
         assert_eq!(event.cause, HealthCause::WireBreakage);
-        assert!((event.value + 0.2).abs() < 0.03 && cycle < 15.0, "{event:?} in {cycle}");
+        assert!(
+            (event.value + 0.2).abs() < 0.03 && cycle < 15.0,
+            "{event:?} in {cycle}"
+        );
     }
 }
 
 #[test]
 fn short_blocks_of_one_motion_are_watched_as_one() {
     for seed in 0..SEEDS {
-        let run = Rig::new(12, 12, seed, |_| {}).run(|a| {
+        let run = Rig::new(12, 12, seed).run(|a| {
             if a.cycle > 60.0 {
                 a.condition.stiffness = 0.7;
                 a.condition.friction = 0.7;
@@ -430,7 +453,7 @@ fn short_blocks_of_one_motion_are_watched_as_one() {
         assert_eq!(run.state, State::Done);
         assert_eq!(run.causes(), [HealthCause::WireBreakage]);
         assert!(run.first().0 < 66.0);
-        let healthy = Rig::new(12, 12, seed, |_| {}).run(|_| {});
+        let healthy = Rig::new(12, 12, seed).run(|_| {});
         assert_eq!(healthy.causes(), []);
     }
 }
@@ -438,7 +461,7 @@ fn short_blocks_of_one_motion_are_watched_as_one() {
 #[test]
 fn a_run_in_hides_no_more_than_a_run_in() {
     for seed in 0..2 {
-        let run = Rig::new(1, 200, seed, |_| {}).run(|a| {
+        let run = Rig::new(1, 200, seed).run(|a| {
             let part = 1.0 - 0.4 * ((a.cycle - 21.0) / 170.0).clamp(0.0, 1.0);
             a.condition.stiffness = part;
             a.condition.friction = part;

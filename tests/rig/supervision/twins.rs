@@ -15,7 +15,7 @@ use mesh_damper::rig::{
     StartRefused, State, Telemetry, Wiring, WithAlive, WithReadBack, WithTrip,
 };
 use mesh_damper::sine::{Block, Programme, SineGenerator};
-use mesh_damper_rig::actuator::{AdcPins, DacPins, SimulatedAd5761, SimulatedAds8688};
+use mesh_damper_rig::actuator::{AdcPins, DacPins, SimulatedAd5761, SimulatedAds8688, dac_volts};
 
 use crate::asynchronous::{Busy, run};
 
@@ -200,6 +200,8 @@ pub struct Fixture<R> {
     pub clock: u32,
     counts: u32,
     ticks: u32,
+    /// V of the DAC at a command of 0.
+    zero: f64,
     pins: Pins,
 }
 
@@ -249,6 +251,7 @@ impl<R: Supervised> Fixture<R> {
             clock: 0,
             counts: (settings.clock_rate / TICK_RATE).max(1.0) as u32,
             ticks: 0,
+            zero: dac_volts(command.encode(0.0).code),
             pins,
         }
     }
@@ -272,7 +275,7 @@ impl<R: Supervised> Fixture<R> {
         let step = INPUT_RANGE / 32_768.0;
         let off = step * f64::from(20 + self.ticks % 2);
         self.ticks += 1;
-        let volts = self.dac.volts.get() / OUTPUT_RANGE * INPUT_RANGE + off;
+        let volts = (self.dac.volts.get() - self.zero) / OUTPUT_RANGE * INPUT_RANGE + off;
         self.adc.volts[0].set(volts);
         self.adc.volts[1].set(0.9 * volts);
         self.rig.tick(self.clock)
