@@ -65,8 +65,8 @@ use sums::CycleSums;
 #[deprecated(note = "use HealthCause")]
 pub type Cause = HealthCause;
 
-/// Events of different causes that are told and kept with their evidence until they are cleared; there are seldom more than two.
-pub const EVENTS: usize = 8;
+/// Events that are told and kept with their evidence until they are cleared: one of each cause, so that none keeps another out.
+pub const EVENTS: usize = HealthCause::ALL.len();
 
 /// Amplitudes of displacement and force are taken as at least these parts of what is allowed.
 const LEAST_AMPLITUDES: [f32; 2] = [0.05, 0.02];
@@ -541,13 +541,11 @@ impl HealthMonitor {
         }
     }
 
-    /// Whether the force goes with the motion, unless the displacement shows none.
+    /// Whether the force goes with the motion. An actuator that lags is no excuse: what it does is measured.
     fn watch_force(&mut self, look: &Look) {
         let [least, _] = self.least_amplitudes;
         let (y, (_, v), f) = (look.measured, look.demand, look.force);
-        if let Some(explained) = self.following.update(y, v, f, look.phase, 0.5 * least)
-            && !self.is_response_known()
-        {
+        if let Some(explained) = self.following.update(y, v, f, look.phase, 0.5 * least) {
             self.force_is_lost(explained);
         }
     }
@@ -580,7 +578,7 @@ impl HealthMonitor {
 
     /// Noise and hum on either channel, unless the actuator moves in another way. Hum on the displacement is on the law's force too, and what the law leaves says nothing then.
     fn watch_noise(&mut self, config: &HealthConfig, look: &Look) {
-        let known = self.is_response_known();
+        let known = self.is_response_known() && !self.is_lasting();
         let (_, ticks) = self.motion;
         let [displacement, force] = &mut self.roughness;
         if look.ramp || known || ticks < roughness::LEAST_TICKS {
@@ -758,7 +756,7 @@ impl HealthMonitor {
         let bit = 1 << event.cause.number();
         if self.latched & bit == 0 {
             self.latched |= bit;
-            // One that finds no room is neither kept nor told.
+            // There is room for one of each.
             let _ = self.events.push(event);
         }
     }

@@ -91,23 +91,27 @@ impl ObserverConfig {
         in_range("damping", damping, 0.3, 3.0)?;
         let h = 1.0 / tick_rate;
         let w = core::f64::consts::TAU * bandwidth * h;
-        let single = libm::exp(-w);
-        // Sum and product of the pair e^(w(−ζ ± √(ζ²−1))).
+        // Of each pole z its distance u = 1 − z from 1, where a slow observer has all of them: a difference from 1 would leave no digit.
+        let single = -libm::expm1(-w);
+        // The pair is e^(w(−ζ ± √(ζ²−1))).
         let spread = libm::sqrt((damping * damping - 1.0).abs()) * w;
-        let pair_sum = 2.0
-            * libm::exp(-damping * w)
-            * if damping < 1.0 {
-                libm::cos(spread)
-            } else {
-                libm::cosh(spread)
-            };
-        let pair_product = libm::exp(-2.0 * damping * w);
-        // The error's polynomial is z³ − (3−α−β−γ/2)z² + (3−2α−β+γ/2)z − (1−α).
-        let sum = single + pair_sum;
-        let products = single * pair_sum + pair_product;
-        let alpha = 1.0 - single * pair_product;
-        let beta = (6.0 - sum - products - 3.0 * alpha) / 2.0;
-        let gamma = 2.0 * (3.0 - sum - alpha - beta);
+        let (pair_sum, pair_product) = if damping < 1.0 {
+            let decay = libm::exp(-damping * w);
+            let half = libm::sin(0.5 * spread);
+            let real = -libm::expm1(-damping * w) + 2.0 * decay * half * half;
+            let imaginary = decay * libm::sin(spread);
+            (2.0 * real, real * real + imaginary * imaginary)
+        } else {
+            let slow = -libm::expm1(-damping * w + spread);
+            let fast = -libm::expm1(-damping * w - spread);
+            (slow + fast, slow * fast)
+        };
+        // The error's polynomial is z³ − (3−α−β−γ/2)z² + (3−2α−β+γ/2)z − (1−α). With Σu, Σuu′ and Πu of the poles
+        // γ = Πu, β = Σuu′ − 3/2·Πu and α = Σu − Σuu′ + Πu.
+        let gamma = single * pair_product;
+        let pairs = single * pair_sum + pair_product;
+        let beta = pairs - 1.5 * gamma;
+        let alpha = single + pair_sum - pairs + gamma;
         Ok(Self {
             tick: h as f32,
             half_tick_squared: (h * h / 2.0) as f32,
@@ -185,6 +189,35 @@ impl Observer {
             displacement: self.displacement,
             velocity: self.velocity,
             acceleration: (self.feed_forward + self.excess).clamped(limits::ACCELERATION as f32),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// With three poles of u = 1 − z the gains are 3u − 3u² + u³, 3u² − 3/2·u³ and u³, however slow they are.
+    #[test]
+    fn the_slowest_observer_has_all_its_digits() {
+        for (tick_rate, bandwidth) in [(1e6, 1e-3), (1e6, 1.0), (1e4, 20.0), (1e3, 100.0)] {
+            let config = ObserverConfig::new(tick_rate, bandwidth, 1.0).unwrap();
+            let u = -libm::expm1(-core::f64::consts::TAU * bandwidth / tick_rate);
+            for (gain, expected) in [
+                (config.displacement_gain, 3.0 * u - 3.0 * u * u + u * u * u),
+                (
+                    config.velocity_gain,
+                    (3.0 * u * u - 1.5 * u * u * u) * tick_rate,
+                ),
+                (config.acceleration_gain, u * u * u * tick_rate * tick_rate),
+            ] {
+                let part = f64::from(gain) / expected;
+                assert!(
+                    (part - 1.0).abs() < 1e-6,
+                    "{tick_rate}, {bandwidth}: {part}"
+                );
+            }
+            assert!(config.is_stable());
         }
     }
 }

@@ -248,7 +248,9 @@ impl<L: TickLaw> Controller for EmulationController<L> {
             self.cycle = self.cycle.wrapping_add(1);
             another_law = self.law.boundary();
         }
-        let rests = self.standstill.rests(&self.standstill_config, displacement);
+        let rests = self
+            .standstill
+            .rests(&self.standstill_config, estimate.displacement);
         let motion = Motion {
             displacement: estimate.displacement,
             velocity: if rests { 0.0 } else { estimate.velocity },

@@ -1,7 +1,8 @@
 //! Standstill and plausibility of a damper emulation.
 //!
 //! - **Rest.** c·|v|^α·sgn v makes of a channel's noise at standstill a force of c·(its velocity)^α that changes sign at each sample. A
-//!   displacement that has stayed within a band for a while is at rest, and its velocity is taken as 0 until it leaves the band.
+//!   displacement that has stayed within a band for a while is at rest, and its velocity is taken as 0 until it leaves the band. The band
+//!   follows it, with a time constant of [`REST`].
 //! - **A channel that is frozen.** Every live channel has noise in its last bit. One that shows the very same code for too long is stuck.
 //! - **An actuator that is dead.** The measured force is held against the command of the tick before: a tick whose difference is more than
 //!   [`MISSED`] of the command and [`LEAST_MISSED`] of the limit adds 1 to a count, and another takes 1 off.
@@ -26,6 +27,9 @@ pub(super) struct StandstillConfig {
     /// Half width, mm; 0 where nothing is rest.
     band: f32,
     rest_ticks: u32,
+    /// Part of the way by which the band's middle follows in a tick: a displacement that comes to rest near its edge shall not leave it by
+    /// its noise.
+    follow: f32,
     /// 0 where nothing is stuck.
     stuck_ticks: u32,
     dead_ticks: u32,
@@ -44,6 +48,7 @@ impl StandstillConfig {
         Ok(Self {
             band: in_range("rest_band", rest_band, 0.0, 1e4)? as f32,
             rest_ticks: ticks(REST),
+            follow: (1.0 / (1.0 + REST * tick_rate)) as f32,
             stuck_ticks,
             dead_ticks: ticks(DEAD),
             least_missed: LEAST_MISSED * force_limit,
@@ -63,10 +68,12 @@ pub(super) struct Standstill {
 }
 
 impl Standstill {
-    /// Whether the displacement, mm, is at rest.
+    /// Whether the observed displacement, mm, is at rest.
     #[inline]
     pub(super) fn rests(&mut self, config: &StandstillConfig, displacement: f32) -> bool {
-        if (displacement - self.middle).abs() < config.band {
+        let away = displacement - self.middle;
+        if away.abs() < config.band {
+            self.middle += config.follow * away;
             self.still = self.still.saturating_add(1);
         } else {
             self.middle = displacement;

@@ -4,6 +4,7 @@ mod adc_dac;
 #[cfg(feature = "async")]
 mod asynchronous;
 mod attacks;
+mod attacks_on_emulation;
 mod closed_loop;
 mod controller;
 mod disturbed;

@@ -5,14 +5,14 @@ use mesh_damper::cycle::Cycle;
 use mesh_damper::effects::Motion;
 use mesh_damper::error::ConfigError;
 use mesh_damper::fast_law::Adaptation;
-use mesh_damper::frame::{Frame, FrameBuffer, Frames, PAYLOAD};
+use mesh_damper::frame::{Fields, Frame, FrameBuffer, Frames, PAYLOAD, Reader, Writer};
 use mesh_damper::health::{Event, HealthCause, HealthSettings, Statistic};
 use mesh_damper::message::{
     Answer, MOTIONS, Motions, Outcome, Refusal, Request, Sensors, Setup, Statistics, write_again,
     write_forces, write_outcome, write_refusal, write_statistics,
 };
 use mesh_damper::pack::{Identity, PackError};
-use mesh_damper::rig::{CycleReport, RigSettings, State, Telemetry, TripCause};
+use mesh_damper::rig::{CycleReport, RigSettings, State, StreamSettings, Telemetry, TripCause};
 use mesh_damper::sine::{Block, Programme};
 
 fn frame(buffer: &FrameBuffer) -> Frame<'_> {
@@ -391,4 +391,67 @@ fn every_state_passes() {
             },
         );
     }
+}
+
+/// Every number of a setting that goes over the link, replaced by one that no setting comes to, has it refused.
+#[test]
+fn settings_that_nobody_may_set_are_refused() {
+    fn refused<F: Fields + std::fmt::Debug>(good: &F) {
+        let mut buffer = [0; 512];
+        let mut writer = Writer::new(&mut buffer);
+        good.write(&mut writer);
+        let length = 512 - writer.left().unwrap();
+        let bytes = &buffer[..length];
+        assert!(F::read(&mut Reader(bytes)).is_some());
+        for place in 0..length / 4 {
+            for poison in [
+                f32::NAN,
+                f32::INFINITY,
+                f32::NEG_INFINITY,
+                f32::MAX,
+                -f32::MAX,
+            ] {
+                let mut forged = bytes.to_vec();
+                forged[4 * place..4 * place + 4].copy_from_slice(&poison.to_le_bytes());
+                let read = F::read(&mut Reader(&forged));
+                // The scale's full scale is what its step says.
+                let is_spare = std::any::type_name::<F>().ends_with("Scale") && place == 0;
+                assert!(
+                    read.is_none() || is_spare,
+                    "{poison} as word {place}: {read:?}"
+                );
+            }
+        }
+    }
+    let clock_rate = 168e6;
+    for settings in [
+        RigSettings::default(),
+        RigSettings {
+            clock_rate,
+            link_ticks: 50,
+            ..RigSettings::default()
+        },
+    ] {
+        refused(&settings.at(10_000.0).unwrap());
+    }
+    // The slowest observer at the fastest tick and the fastest at the slowest are none of them.
+    for (tick_rate, observer_bandwidth, observer_damping) in [
+        (1e6, 1e-3, 0.3),
+        (1e6, 1e-3, 3.0),
+        (1.0, 0.1, 3.0),
+        (1e4, 1e3, 0.3),
+        (1e4, 20.0, 0.7),
+    ] {
+        let settings = RigSettings {
+            observer_bandwidth,
+            observer_damping,
+            feedback: 0.0,
+            glide: 1.0,
+            ..RigSettings::default()
+        };
+        refused(&settings.at(tick_rate).unwrap());
+    }
+    refused(&Scale::new(-1.5, 0.125).unwrap());
+    refused(&Scale::new(1e6, 0.0).unwrap());
+    refused(&StreamSettings::default().at(1e4).unwrap());
 }
