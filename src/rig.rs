@@ -21,7 +21,12 @@
 //! bits out of the ADC and 24 into the DAC, 5.5 µs at 16 MHz, of the 100 µs at 10 kHz. Its computation is a fixed number of
 //! operations without a loop but for the law's effects, and calls nothing of libm; a swap of the law adds a row of its
 //! table to each of some hundred ticks, and the tick that ends a cycle the cycle's results, a dozen divisions and one square
-//! root. Whoever owns the timer counts ticks that came late.
+//! root. Every [`VERIFY_TICKS`] ticks 72 bits more read the DAC back.
+//!
+//! # Supervision
+//! Each tick is given the reading of a clock: one that comes late, not at all or twice stops what runs, see [`Controller::tick`].
+//! [`WithTrip`] adds an input from outside that says stop, [`WithReadBack`] a look at the enable line's level, and [`WithAlive`] a
+//! signal for a watchdog outside. The DAC is read back, and a clear sets both converters up again.
 //!
 //! # Stopping
 //! A limit exceeded, sensors or an actuator that fail, a channel at the end of its range, stuck or dropped out, a cycle without response, a number

@@ -287,7 +287,8 @@ impl<C: Controller, S: AsyncSensors, A: AsyncActuator> Asynchronous<C, S, A> {
         self.since_verified = 0;
         let driven = self.actuator.verify_drive().await.is_ok();
         if !driven {
-            self.fail().await;
+            self.controller.command_unverified();
+            self.settle().await;
         }
         let on = self.controller.state() == State::Running;
         let line = !on && !self.low || self.actuator.verify_enable(on).await.is_ok();

@@ -210,7 +210,8 @@ impl<C: Controller, S: Sensors, A: Actuator> Blocking<C, S, A> {
         self.since_verified = 0;
         let driven = self.actuator.verify_drive().is_ok();
         if !driven {
-            self.fail();
+            self.controller.command_unverified();
+            self.settle();
         }
         let on = self.controller.state() == State::Running;
         let line = !on && !self.low || self.actuator.verify_enable(on).is_ok();

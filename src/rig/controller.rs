@@ -14,7 +14,8 @@ use super::state::State;
 /// 2. the enable line to [`Command::enabled`](super::Command::enabled), then the actuator to
 ///    [`Command::value`](super::Command::value);
 /// 3. [`Controller::enable_failed`] or [`Controller::command_failed`] where that failed, and the enable line low;
-/// 4. the same where what is driven or the line's level, read back every [`super::VERIFY_TICKS`] ticks, is not as it should be;
+/// 4. [`Controller::enable_failed`] or [`Controller::command_unverified`] where the line's level or what is driven, read back every
+///    [`super::VERIFY_TICKS`] ticks, is not as it should be, and the enable line low;
 /// 5. an external watchdog's signal, where all of this was done without a failure and [`Controller::late_ticks`] is as it was before
 ///    the tick.
 ///
@@ -108,9 +109,13 @@ pub trait Controller {
     /// timer at a wrong rate. The first tick after construction is not judged. Ticks go on at rest too.
     fn tick(&mut self, reading: Option<Reading>, clock: u32) -> Telemetry;
 
-    /// The actuator did not take the command of the last tick, or does not drive it as it reads back: stops with [`super::TripCause::DacBus`], and takes the command
+    /// The actuator did not take the command of the last tick: stops with [`super::TripCause::DacBus`], and takes the command
     /// before as what is driven.
     fn command_failed(&mut self);
+
+    /// What the actuator drives, as it is read back, is not the command: stops with [`super::TripCause::DacBus`]. Where the command
+    /// is on its way back to 0, it goes on.
+    fn command_unverified(&mut self);
 
     /// The enable line could not be set, or is at another level as it reads back: stops with [`super::TripCause::EnableLine`].
     fn enable_failed(&mut self);
@@ -172,6 +177,11 @@ impl<C: Controller> Controller for &mut C {
     #[inline(always)]
     fn command_failed(&mut self) {
         C::command_failed(self);
+    }
+
+    #[inline(always)]
+    fn command_unverified(&mut self) {
+        C::command_unverified(self);
     }
 
     #[inline(always)]

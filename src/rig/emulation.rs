@@ -331,6 +331,10 @@ impl<L: TickLaw> Controller for EmulationController<L> {
         self.guard.command_failed();
     }
 
+    fn command_unverified(&mut self) {
+        self.guard.command_unverified();
+    }
+
     fn enable_failed(&mut self) {
         self.guard.enable_failed();
     }

@@ -281,6 +281,12 @@ impl Guard {
         self.trip(TripCause::DacBus);
     }
 
+    /// What is driven, as it is read back, is not the command. The way back does not wait for it.
+    #[cold]
+    pub(super) fn command_unverified(&mut self) {
+        self.trip(TripCause::DacBus);
+    }
+
     /// The enable line could not be set.
     #[cold]
     pub(super) fn enable_failed(&mut self) {

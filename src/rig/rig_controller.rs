@@ -502,6 +502,10 @@ where
         self.guard.command_failed();
     }
 
+    fn command_unverified(&mut self) {
+        self.guard.command_unverified();
+    }
+
     fn enable_failed(&mut self) {
         self.guard.enable_failed();
     }

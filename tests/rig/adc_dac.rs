@@ -4,7 +4,7 @@ use embedded_hal::spi::{ErrorKind, ErrorType, Operation, SpiDevice};
 use embedded_hal_mock::eh1::spi::{Mock, Transaction};
 use mesh_damper::adc::{AdcError, Ads8688};
 use mesh_damper::converter::{MIDSCALE, Scale};
-use mesh_damper::dac::{Ad5761, DacError};
+use mesh_damper::dac::{Ad5761, CONTROL, DacError};
 use mesh_damper::error::ConfigError;
 use proptest::prelude::*;
 
@@ -214,6 +214,130 @@ fn dac_with_another_control_register_is_refused() {
     let refused = Ad5761::new(spi.clone(), millimetres()).unwrap_err();
     assert_eq!(refused, DacError::Control { read: 0 });
     spi.done();
+}
+
+/// What the DAC is asked, and what it says of its control register and of its output.
+fn dac_verified(control: u16, output: u16) -> Vec<Transaction<u8>> {
+    let [c, o] = [control, output].map(u16::to_be_bytes);
+    [
+        write(&[0x0C, 0, 0]),
+        transfer(&[0x0B, 0, 0], &[0x0C, c[0], c[1]]),
+        transfer(&[0, 0, 0], &[0x0B, o[0], o[1]]),
+    ]
+    .concat()
+}
+
+#[test]
+fn dac_starts_at_the_commands_zero() {
+    // 0 mm is 0.25 of the full scale above midscale.
+    let zero = Scale::new(1.0, 0.25).unwrap();
+    let mut expected = dac_start();
+    let last = expected.len() - 3;
+    expected.splice(last.., write(&[0x03, 0xA0, 0x00]));
+    expected.extend(dac_verified(CONTROL, 0xA000));
+    let mut dac = Ad5761::new(Mock::new(&expected), zero).unwrap();
+    assert_eq!(dac.verify(), Ok(()));
+    dac.release().done();
+}
+
+#[test]
+fn dac_is_read_back() {
+    let driven = 0xC000;
+    let status = |read| Err(DacError::Status { read });
+    for (control, output, said) in [
+        (CONTROL, driven, Ok(())),
+        // Bits without a meaning.
+        (CONTROL | 0xE000, driven, Ok(())),
+        (CONTROL | 0x1000, driven, status(0x1000)),
+        (CONTROL | 0x0800, driven, status(0x0800)),
+        // After it lost its supply; another range; another output.
+        (0, 0, Err(DacError::Control { read: 0 })),
+        (
+            CONTROL | 1,
+            driven,
+            Err(DacError::Control { read: CONTROL | 1 }),
+        ),
+        (
+            CONTROL,
+            0x8000,
+            Err(DacError::Output {
+                expected: driven,
+                read: 0x8000,
+            }),
+        ),
+    ] {
+        let mut expected = [dac_start(), write(&[0x03, 0xC0, 0x00]).to_vec()].concat();
+        expected.extend(dac_verified(control, output));
+        let mut dac = Ad5761::new(Mock::new(&expected), millimetres()).unwrap();
+        dac.write(0.5).unwrap();
+        assert_eq!(dac.verify(), said);
+        dac.release().done();
+    }
+}
+
+/// A part that holds what it should stays as it is; another one is set up, and is at 0 then.
+#[test]
+fn dac_is_restored_where_it_has_to_be() {
+    let healthy = dac_verified(CONTROL, 0x8000);
+    let lost = [dac_verified(0, 0), dac_start(), healthy.clone()].concat();
+    let browned = [
+        dac_verified(CONTROL | 0x0800, 0x8000),
+        dac_start(),
+        healthy.clone(),
+    ]
+    .concat();
+    for expected in [[healthy.clone(), healthy].concat(), lost, browned] {
+        let mut dac =
+            Ad5761::new(Mock::new(&[dac_start(), expected].concat()), millimetres()).unwrap();
+        dac.restore().unwrap();
+        assert_eq!(dac.verify(), Ok(()));
+        dac.release().done();
+    }
+    let dead = [
+        dac_start(),
+        dac_verified(0, 0),
+        write(&[0x0F, 0, 0]).to_vec(),
+        write(&[0x04, 0x02, 0x68]).to_vec(),
+        write(&[0x0C, 0, 0]).to_vec(),
+        transfer(&[0, 0, 0], &[0, 0, 0]).to_vec(),
+    ]
+    .concat();
+    let mut dac = Ad5761::new(Mock::new(&dead), millimetres()).unwrap();
+    assert_eq!(dac.restore(), Err(DacError::Control { read: 0 }));
+    dac.release().done();
+}
+
+#[test]
+fn adc_is_restored_and_in_step_again() {
+    let one = [
+        transfer(&[0xC0, 0, 0, 0], &[0, 0, 0x12, 0x34]),
+        transfer(&[0xC4, 0, 0, 0], &[0, 0, 0xC0, 0x00]),
+        transfer(&[0xC0, 0, 0, 0], &[0, 0, 0x40, 0x00]),
+    ]
+    .concat();
+    let expected = [adc_start(), one.clone(), adc_start(), one].concat();
+    let mut adc = Ads8688::new(Mock::new(&expected), millimetres(), kilonewtons()).unwrap();
+    let before = adc.read().unwrap();
+    adc.restore().unwrap();
+    assert_eq!(adc.read().unwrap(), before);
+    adc.release().done();
+}
+
+#[test]
+fn what_a_dac_says_of_itself_is_said_in_words() {
+    let said = |error: DacError<ErrorKind>| error.to_string();
+    assert_eq!(
+        said(DacError::Status { read: 0x0800 }),
+        "the DAC reports 0x0800, a short circuit (0x1000) or a brown-out (0x0800): check its output and its supply, then set it up \
+         again"
+    );
+    assert_eq!(
+        said(DacError::Output {
+            expected: 0xC000,
+            read: 0
+        }),
+        "the output register of the DAC reads 0x0000 after 0xc000 was written: did it lose its supply?"
+    );
 }
 
 /// Fails from transaction `fails_at` on, for `failures` of them; answers with zeros but for its registers, counting frames to ADC

@@ -281,6 +281,24 @@ both! {
         rig.rig.clear().unwrap();
     }
 
+    /// What is read back does not prolong the way back to 0.
+    fn a_dac_that_stays_dead_does_not_hold_the_way_back<R>(fixture) {
+        let mut rig = fixture(|_| {});
+        rig.runs(1050);
+        rig.dac.unpowered.set(true);
+        while rig.tick().state == State::Running {}
+        assert_eq!(rig.rig.state(), faulted(TripCause::DacBus));
+        let mut last = rig.rig.driven();
+        assert!(last.abs() > 0.05, "{last}");
+        for _ in 0..51 {
+            rig.tick();
+            let now = rig.rig.driven();
+            assert!(now.abs() < last.abs() || now == 0.0);
+            last = now;
+        }
+        assert_eq!(last, 0.0, "within stop_ticks and one");
+    }
+
     /// 0 V at both inputs is within the range; a line at low level is its end.
     fn an_adc_that_lost_its_supply_is_seen_and_set_up_again<R>(fixture) {
         let mut rig = fixture(|_| {});

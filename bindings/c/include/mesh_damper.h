@@ -88,12 +88,12 @@
 
 #if defined(MD_POINTERS_OF_32_BITS)
 // Bytes of `md_emulation`.
-#define MD_EMULATION_SIZE 464
+#define MD_EMULATION_SIZE 488
 #endif
 
 #if defined(MD_POINTERS_OF_64_BITS)
 // Bytes of `md_emulation`.
-#define MD_EMULATION_SIZE 472
+#define MD_EMULATION_SIZE 488
 #endif
 
 // Alignment of `md_emulation`, bytes.
@@ -101,12 +101,12 @@
 
 #if defined(MD_POINTERS_OF_32_BITS)
 // Bytes of `md_rig`.
-#define MD_RIG_SIZE 3152
+#define MD_RIG_SIZE 3248
 #endif
 
 #if defined(MD_POINTERS_OF_64_BITS)
 // Bytes of `md_rig`.
-#define MD_RIG_SIZE 3280
+#define MD_RIG_SIZE 3408
 #endif
 
 // Alignment of `md_rig`, bytes.
@@ -215,6 +215,10 @@ enum md_trip
   MD_TRIP_TICK_OVERRUN = 15,
   // A motion asked for more than the rig drives.
   MD_TRIP_DEMAND_LIMIT = 16,
+  // An input outside of the controller says stop.
+  MD_TRIP_EXTERNAL = 17,
+  // Amplitude's correction asks for more command than is allowed.
+  MD_TRIP_CORRECTION_LIMIT = 18,
   // A cause that this library has no number for.
   MD_TRIP_OTHER = 99,
 };
@@ -295,6 +299,28 @@ enum md_health
   MD_HEALTH_ACTUATOR_LAGGING = 18,
   // The actuator stands still.
   MD_HEALTH_ACTUATOR_DEAD = 19,
+  // Energy rises, stiffness stays.
+  MD_HEALTH_FRICTION_RISE = 20,
+  // Stiffness rises.
+  MD_HEALTH_STIFFENING = 21,
+  // The displacement channel shows more or less than before for the same quantity.
+  MD_HEALTH_DISPLACEMENT_GAIN = 22,
+  // The force channel does.
+  MD_HEALTH_FORCE_GAIN = 23,
+  // The displacement channel has more noise or hum on it than was learned.
+  MD_HEALTH_DISPLACEMENT_NOISY = 24,
+  // The force channel has.
+  MD_HEALTH_FORCE_NOISY = 25,
+  // The force does not follow the motion at all.
+  MD_HEALTH_SPECIMEN_ABSENT = 26,
+  // The displacement channel shows the other sign.
+  MD_HEALTH_DISPLACEMENT_REVERSED = 27,
+  // The force channel does.
+  MD_HEALTH_FORCE_REVERSED = 28,
+  // From the start on the specimen is far from the law.
+  MD_HEALTH_LAW_MISMATCH = 29,
+  // The temperature that is measured cannot be.
+  MD_HEALTH_TEMPERATURE_IMPLAUSIBLE = 30,
 };
 #ifndef __cplusplus
 #if __STDC_VERSION__ >= 202311L
@@ -487,6 +513,9 @@ typedef struct md_emulation_settings {
   uint32_t stop_ticks;
   // After how many ticks without `md_emulation_exchange` it stops, 0...1e7; 0 where nobody is linked.
   uint32_t link_ticks;
+  // Rate of the counter whose reading each tick is given, Hz: 0, or the tick rate to 4e9 and to 2e9 times the tick rate. At 0 it
+  // counts the ticks of the timer, one each. A clock that is independent of the timer also finds a timer at a wrong rate.
+  double clock_rate;
   // Bandwidth of the observer that estimates the velocity, Hz, 1e-3 to a tenth of the tick rate.
   double observer_bandwidth;
   // Damping ratio of the observer, 0.3...3.
@@ -563,6 +592,10 @@ typedef struct md_telemetry {
   bool has_event;
   // What it found.
   md_health event;
+  // Whether it may be something else as well, which what is measured cannot tell apart: `event_or`.
+  bool has_event_or;
+  // What that is.
+  md_health event_or;
   // By how much what is watched moved.
   float event_value;
   // By how much it may.
@@ -583,6 +616,9 @@ typedef struct md_rig_settings {
   uint32_t stop_ticks;
   // After how many ticks without `md_rig_exchange` it stops, 0...1e7; 0 where nobody is linked.
   uint32_t link_ticks;
+  // Rate of the counter whose reading each tick is given, Hz: 0, or the tick rate to 4e9 and to 2e9 times the tick rate. At 0 it
+  // counts the ticks of the timer, one each. A clock that is independent of the timer also finds a timer at a wrong rate.
+  double clock_rate;
   // Bandwidth of the observer that estimates the velocity, Hz, 1e-3 to a tenth of the tick rate.
   double observer_bandwidth;
   // Damping ratio of the observer, 0.3...3.
@@ -626,8 +662,9 @@ typedef struct md_programme {
   size_t count;
 } md_programme;
 
-// What a rig calls at each tick: in order `read`, `enable` where the line changes, and `drive`. Each returns whether it succeeded;
-// where one did not, the rig stops. None may call a function of the same rig or of its law.
+// What a rig calls at each tick: in order `tripped`, `read`, `enable` where the line changes, `drive`, the two read-backs, and `alive`.
+// Each but `tripped` returns whether it succeeded; where one other than `alive` did not, the rig stops. None may call a function of
+// the same rig or of its law.
 typedef struct md_rig_io {
   // Goes to each of them as it is; may be null.
   void *context;
@@ -637,6 +674,18 @@ typedef struct md_rig_io {
   bool (*drive)(void *context, float command);
   // Sets the enable line; low stops the actuator.
   bool (*enable)(void *context, bool on);
+  // May be null. Returns true while an input from outside says stop, and where it cannot be read: asked at each tick, start and
+  // clear. It trips, and refuses a start and a clear.
+  bool (*tripped)(void *context);
+  // May be null. Reads back that the last command is driven, every 16 ticks.
+  bool (*verify_drive)(void *context);
+  // May be null. Reads back that the enable line is at this level, every 16 ticks and after each `enable`.
+  bool (*verify_enable)(void *context, bool on);
+  // May be null. Sets the parts up again, which may have lost their supply, and drives 0: at a clear, which is refused where it
+  // does not succeed.
+  bool (*restore)(void *context);
+  // May be null. Tells an external watchdog that a tick did all it had to, at the end of each that did.
+  bool (*alive)(void *context);
 } md_rig_io;
 
 #ifdef __cplusplus
@@ -875,13 +924,18 @@ md_error md_emulation_clear(struct md_emulation *emulation, struct md_problem *p
 // One tick, at the tick rate. Set the enable line to `telemetry->enabled` and drive `telemetry->command` (kN) then.
 //
 // * `reading`: null where the sensors failed, which stops it
+// * `clock`: what a counter reads that runs freely at `clock_rate` and wraps. Less than half a tick or more than one and a half since
+//   the tick before trips: a stall, a tick that is missing or called twice.
 // * `telemetry`: gets what it saw
 //
 // Returns MD_ERROR_NONE, MD_ERROR_NULL, MD_ERROR_MISALIGNED or MD_ERROR_NOT_INITIALIZED: set the line low then.
 //
 // # Safety
 // Each pointer is null or points to what its type says.
-md_error md_emulation_tick(struct md_emulation *emulation, const struct md_reading *reading, struct md_telemetry *telemetry);
+md_error md_emulation_tick(struct md_emulation *emulation,
+                           const struct md_reading *reading,
+                           uint32_t clock,
+                           struct md_telemetry *telemetry);
 
 // The actuator did not take the command of the last tick: it trips. Set the enable line low then: otherwise it stays high until the
 // next tick, which says so. Returns as `md_emulation_stop`.
@@ -889,6 +943,13 @@ md_error md_emulation_tick(struct md_emulation *emulation, const struct md_readi
 // # Safety
 // `emulation` is null or points to an `md_emulation`.
 md_error md_emulation_command_failed(struct md_emulation *emulation);
+
+// What the actuator drives, as it is read back, is not the command: it trips. Set the enable line low then: otherwise it stays high
+// until the next tick, which says so. Returns as `md_emulation_stop`.
+//
+// # Safety
+// `emulation` is null or points to an `md_emulation`.
+md_error md_emulation_command_unverified(struct md_emulation *emulation);
 
 // The enable line could not be set: it trips. Try to set it low then, and again at the next tick: it may still be high. Returns as
 // `md_emulation_stop`.
@@ -903,6 +964,13 @@ md_error md_emulation_enable_failed(struct md_emulation *emulation);
 // # Safety
 // `emulation` is null or points to an `md_emulation`.
 md_error md_emulation_overrun(struct md_emulation *emulation);
+
+// An input outside of the emulation says stop: it trips in any state without a trip. Set the enable line low then: otherwise it stays
+// high until the next tick, which says so. Ask the input before each start and clear too. Returns as `md_emulation_stop`.
+//
+// # Safety
+// `emulation` is null or points to an `md_emulation`.
+md_error md_emulation_external_trip(struct md_emulation *emulation);
 
 // Whoever is at the other end of a link was heard: call it as often as that is so. Returns as `md_emulation_stop`.
 //
@@ -926,7 +994,7 @@ md_error md_rig_defaults(struct md_rig_settings *settings);
 //
 // * `programme`: what it excites the specimen by; it is copied
 // * `wiring`: scales of displacement, force and command (mm), each initialised
-// * `io`: what it calls; it is copied, and no function may be null
+// * `io`: what it calls; it is copied, and `read`, `drive` and `enable` may not be null
 // * `law`: initialised; it stays where it is as long as `rig` is used. `md_law_load` between two ticks gives another law, which takes
 //   over at the end of a cycle.
 // * `problem`: may be null
@@ -967,18 +1035,29 @@ md_error md_rig_stop(struct md_rig *rig);
 // Each pointer is null or points to what its type says.
 md_error md_rig_clear(struct md_rig *rig, struct md_problem *problem);
 
-// One tick, at the programme's tick rate: reads, drives, and sets the enable line. `telemetry` gets what it saw, and may be null.
-// Returns as `md_rig_stop`.
+// One tick, at the programme's tick rate: reads, drives, and sets the enable line. Returns as `md_rig_stop`.
+//
+// * `clock`: what a counter reads that runs freely at `clock_rate` and wraps. Less than half a tick or more than one and a half since
+//   the tick before trips: a stall, a tick that is missing or called twice.
+// * `telemetry`: gets what it saw, and may be null
 //
 // # Safety
 // Each pointer is null or points to what its type says.
-md_error md_rig_tick(struct md_rig *rig, struct md_telemetry *telemetry);
+md_error md_rig_tick(struct md_rig *rig,
+                     uint32_t clock,
+                     struct md_telemetry *telemetry);
 
 // A tick came late, or not at all: it trips, and the enable line drops. Returns as `md_rig_stop`.
 //
 // # Safety
 // `rig` is null or points to an `md_rig`.
 md_error md_rig_overrun(struct md_rig *rig);
+
+// An input outside of the rig says stop: it trips in any state without a trip, and the enable line drops. Returns as `md_rig_stop`.
+//
+// # Safety
+// `rig` is null or points to an `md_rig`.
+md_error md_rig_external_trip(struct md_rig *rig);
 
 // Whoever is at the other end of a link was heard: call it as often as that is so. Returns as `md_rig_stop`.
 //

@@ -10,10 +10,10 @@ use crate::telemetry::Telemetry;
 
 /// Bytes of `md_emulation`.
 #[cfg(target_pointer_width = "32")]
-pub const MD_EMULATION_SIZE: usize = 640;
+pub const MD_EMULATION_SIZE: usize = 488;
 /// Bytes of `md_emulation`.
 #[cfg(target_pointer_width = "64")]
-pub const MD_EMULATION_SIZE: usize = 640;
+pub const MD_EMULATION_SIZE: usize = 488;
 /// Alignment of `md_emulation`, bytes.
 pub const MD_EMULATION_ALIGN: usize = 8;
 
@@ -47,6 +47,9 @@ pub struct EmulationSettings {
     pub stop_ticks: u32,
     /// After how many ticks without `md_emulation_exchange` it stops, 0...1e7; 0 where nobody is linked.
     pub link_ticks: u32,
+    /// Rate of the counter whose reading each tick is given, Hz: 0, or the tick rate to 4e9 and to 2e9 times the tick rate. At 0 it
+    /// counts the ticks of the timer, one each. A clock that is independent of the timer also finds a timer at a wrong rate.
+    pub clock_rate: f64,
     /// Bandwidth of the observer that estimates the velocity, Hz, 1e-3 to a tenth of the tick rate.
     pub observer_bandwidth: f64,
     /// Damping ratio of the observer, 0.3...3.
@@ -75,6 +78,7 @@ impl From<&DamperEmulationSettings> for EmulationSettings {
             trip_ticks: settings.trip_ticks,
             stop_ticks: settings.stop_ticks,
             link_ticks: settings.link_ticks,
+            clock_rate: settings.clock_rate,
             observer_bandwidth: settings.observer_bandwidth,
             observer_damping: settings.observer_damping,
             hysteresis: settings.hysteresis,
@@ -91,6 +95,7 @@ impl From<&EmulationSettings> for DamperEmulationSettings {
             trip_ticks: settings.trip_ticks,
             stop_ticks: settings.stop_ticks,
             link_ticks: settings.link_ticks,
+            clock_rate: settings.clock_rate,
             observer_bandwidth: settings.observer_bandwidth,
             observer_damping: settings.observer_damping,
             hysteresis: settings.hysteresis,
@@ -187,6 +192,8 @@ pub unsafe extern "C" fn md_emulation_clear(
 /// One tick, at the tick rate. Set the enable line to `telemetry->enabled` and drive `telemetry->command` (kN) then.
 ///
 /// * `reading`: null where the sensors failed, which stops it
+/// * `clock`: what a counter reads that runs freely at `clock_rate` and wraps. Less than half a tick or more than one and a half since
+///   the tick before trips: a stall, a tick that is missing or called twice.
 /// * `telemetry`: gets what it saw
 ///
 /// Returns MD_ERROR_NONE, MD_ERROR_NULL, MD_ERROR_MISALIGNED or MD_ERROR_NOT_INITIALIZED: set the line low then.
@@ -197,6 +204,7 @@ pub unsafe extern "C" fn md_emulation_clear(
 pub unsafe extern "C" fn md_emulation_tick(
     emulation: *mut Emulation,
     reading: *const Reading,
+    clock: u32,
     telemetry: *mut Telemetry,
 ) -> Error {
     // SAFETY: as the caller vouches.
@@ -207,7 +215,7 @@ pub unsafe extern "C" fn md_emulation_tick(
             } else {
                 Some(storage::read(reading)?.of_crate())
             };
-            storage::write(telemetry, Telemetry::from(&emulation.tick(reading)))
+            storage::write(telemetry, Telemetry::from(&emulation.tick(reading, clock)))
         }))
     }
 }
@@ -221,6 +229,17 @@ pub unsafe extern "C" fn md_emulation_tick(
 pub unsafe extern "C" fn md_emulation_command_failed(emulation: *mut Emulation) -> Error {
     // SAFETY: as the caller vouches.
     code(unsafe { held(emulation) }.map(|emulation| emulation.command_failed()))
+}
+
+/// What the actuator drives, as it is read back, is not the command: it trips. Set the enable line low then: otherwise it stays high
+/// until the next tick, which says so. Returns as `md_emulation_stop`.
+///
+/// # Safety
+/// `emulation` is null or points to an `md_emulation`.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn md_emulation_command_unverified(emulation: *mut Emulation) -> Error {
+    // SAFETY: as the caller vouches.
+    code(unsafe { held(emulation) }.map(|emulation| emulation.command_unverified()))
 }
 
 /// The enable line could not be set: it trips. Try to set it low then, and again at the next tick: it may still be high. Returns as
@@ -243,6 +262,17 @@ pub unsafe extern "C" fn md_emulation_enable_failed(emulation: *mut Emulation) -
 pub unsafe extern "C" fn md_emulation_overrun(emulation: *mut Emulation) -> Error {
     // SAFETY: as the caller vouches.
     code(unsafe { held(emulation) }.map(|emulation| emulation.overrun()))
+}
+
+/// An input outside of the emulation says stop: it trips in any state without a trip. Set the enable line low then: otherwise it stays
+/// high until the next tick, which says so. Ask the input before each start and clear too. Returns as `md_emulation_stop`.
+///
+/// # Safety
+/// `emulation` is null or points to an `md_emulation`.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn md_emulation_external_trip(emulation: *mut Emulation) -> Error {
+    // SAFETY: as the caller vouches.
+    code(unsafe { held(emulation) }.map(|emulation| emulation.external_trip()))
 }
 
 /// Whoever is at the other end of a link was heard: call it as often as that is so. Returns as `md_emulation_stop`.

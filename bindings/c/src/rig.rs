@@ -14,10 +14,10 @@ use crate::telemetry::Telemetry;
 
 /// Bytes of `md_rig`.
 #[cfg(target_pointer_width = "32")]
-pub const MD_RIG_SIZE: usize = 4608;
+pub const MD_RIG_SIZE: usize = 3248;
 /// Bytes of `md_rig`.
 #[cfg(target_pointer_width = "64")]
-pub const MD_RIG_SIZE: usize = 4608;
+pub const MD_RIG_SIZE: usize = 3408;
 /// Alignment of `md_rig`, bytes.
 pub const MD_RIG_ALIGN: usize = 16;
 
@@ -37,8 +37,9 @@ unsafe impl Storage for Rig {
 }
 const _: () = assert_fits::<Rig>();
 
-/// What a rig calls at each tick: in order `read`, `enable` where the line changes, and `drive`. Each returns whether it succeeded;
-/// where one did not, the rig stops. None may call a function of the same rig or of its law.
+/// What a rig calls at each tick: in order `tripped`, `read`, `enable` where the line changes, `drive`, the two read-backs, and `alive`.
+/// Each but `tripped` returns whether it succeeded; where one other than `alive` did not, the rig stops. None may call a function of
+/// the same rig or of its law.
 #[repr(C)]
 #[derive(Clone, Copy, Debug)]
 pub struct RigIo {
@@ -50,15 +51,32 @@ pub struct RigIo {
     pub drive: Option<unsafe extern "C" fn(context: *mut c_void, command: f32) -> bool>,
     /// Sets the enable line; low stops the actuator.
     pub enable: Option<unsafe extern "C" fn(context: *mut c_void, on: bool) -> bool>,
+    /// May be null. Returns true while an input from outside says stop, and where it cannot be read: asked at each tick, start and
+    /// clear. It trips, and refuses a start and a clear.
+    pub tripped: Option<unsafe extern "C" fn(context: *mut c_void) -> bool>,
+    /// May be null. Reads back that the last command is driven, every 16 ticks.
+    pub verify_drive: Option<unsafe extern "C" fn(context: *mut c_void) -> bool>,
+    /// May be null. Reads back that the enable line is at this level, every 16 ticks and after each `enable`.
+    pub verify_enable: Option<unsafe extern "C" fn(context: *mut c_void, on: bool) -> bool>,
+    /// May be null. Sets the parts up again, which may have lost their supply, and drives 0: at a clear, which is refused where it
+    /// does not succeed.
+    pub restore: Option<unsafe extern "C" fn(context: *mut c_void) -> bool>,
+    /// May be null. Tells an external watchdog that a tick did all it had to, at the end of each that did.
+    pub alive: Option<unsafe extern "C" fn(context: *mut c_void) -> bool>,
 }
 
-/// [`RigIo`] without a function that is null.
+/// [`RigIo`] without a function that is null and may not be.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Callbacks {
     context: *mut c_void,
     read: unsafe extern "C" fn(*mut c_void, *mut Reading) -> bool,
     drive: unsafe extern "C" fn(*mut c_void, f32) -> bool,
     enable: unsafe extern "C" fn(*mut c_void, bool) -> bool,
+    tripped: Option<unsafe extern "C" fn(*mut c_void) -> bool>,
+    verify_drive: Option<unsafe extern "C" fn(*mut c_void) -> bool>,
+    verify_enable: Option<unsafe extern "C" fn(*mut c_void, bool) -> bool>,
+    restore: Option<unsafe extern "C" fn(*mut c_void) -> bool>,
+    alive: Option<unsafe extern "C" fn(*mut c_void) -> bool>,
 }
 
 impl Callbacks {
@@ -68,7 +86,23 @@ impl Callbacks {
             read: io.read.ok_or(Error::Null)?,
             drive: io.drive.ok_or(Error::Null)?,
             enable: io.enable.ok_or(Error::Null)?,
+            tripped: io.tripped,
+            verify_drive: io.verify_drive,
+            verify_enable: io.verify_enable,
+            restore: io.restore,
+            alive: io.alive,
         })
+    }
+}
+
+impl Callbacks {
+    /// What an optional function says; that it succeeded where there is none.
+    fn call(
+        &self,
+        function: Option<unsafe extern "C" fn(*mut c_void) -> bool>,
+    ) -> Result<(), Failed> {
+        // SAFETY: as whoever gave the callbacks vouches.
+        succeeded(function.is_none_or(|function| unsafe { function(self.context) }))
     }
 }
 
@@ -89,6 +123,13 @@ impl Sensors for Callbacks {
         succeeded(unsafe { (self.read)(self.context, &raw mut reading) })?;
         Ok(reading.of_crate())
     }
+
+    fn is_tripped(&mut self) -> Result<bool, Failed> {
+        // SAFETY: as above.
+        Ok(self
+            .tripped
+            .is_some_and(|tripped| unsafe { tripped(self.context) }))
+    }
 }
 
 impl Actuator for Callbacks {
@@ -102,6 +143,26 @@ impl Actuator for Callbacks {
     fn enable(&mut self, on: bool) -> Result<(), Failed> {
         // SAFETY: as above.
         succeeded(unsafe { (self.enable)(self.context, on) })
+    }
+
+    fn verify_drive(&mut self) -> Result<(), Failed> {
+        self.call(self.verify_drive)
+    }
+
+    fn verify_enable(&mut self, on: bool) -> Result<(), Failed> {
+        // SAFETY: as above.
+        succeeded(
+            self.verify_enable
+                .is_none_or(|verify| unsafe { verify(self.context, on) }),
+        )
+    }
+
+    fn alive(&mut self) -> Result<(), Failed> {
+        self.call(self.alive)
+    }
+
+    fn restore(&mut self) -> Result<(), Failed> {
+        self.call(self.restore)
     }
 }
 
@@ -121,6 +182,9 @@ pub struct RigSettings {
     pub stop_ticks: u32,
     /// After how many ticks without `md_rig_exchange` it stops, 0...1e7; 0 where nobody is linked.
     pub link_ticks: u32,
+    /// Rate of the counter whose reading each tick is given, Hz: 0, or the tick rate to 4e9 and to 2e9 times the tick rate. At 0 it
+    /// counts the ticks of the timer, one each. A clock that is independent of the timer also finds a timer at a wrong rate.
+    pub clock_rate: f64,
     /// Bandwidth of the observer that estimates the velocity, Hz, 1e-3 to a tenth of the tick rate.
     pub observer_bandwidth: f64,
     /// Damping ratio of the observer, 0.3...3.
@@ -167,6 +231,7 @@ impl From<&rig::RigSettings> for RigSettings {
             trip_ticks: settings.trip_ticks,
             stop_ticks: settings.stop_ticks,
             link_ticks: settings.link_ticks,
+            clock_rate: settings.clock_rate,
             observer_bandwidth: settings.observer_bandwidth,
             observer_damping: settings.observer_damping,
             correction_gain: settings.correction_gain,
@@ -192,6 +257,7 @@ impl From<&RigSettings> for rig::RigSettings {
             trip_ticks: settings.trip_ticks,
             stop_ticks: settings.stop_ticks,
             link_ticks: settings.link_ticks,
+            clock_rate: settings.clock_rate,
             observer_bandwidth: settings.observer_bandwidth,
             observer_damping: settings.observer_damping,
             correction_gain: settings.correction_gain,
@@ -227,7 +293,7 @@ pub struct Excited {
 ///
 /// * `programme`: what it excites the specimen by; it is copied
 /// * `wiring`: scales of displacement, force and command (mm), each initialised
-/// * `io`: what it calls; it is copied, and no function may be null
+/// * `io`: what it calls; it is copied, and `read`, `drive` and `enable` may not be null
 /// * `law`: initialised; it stays where it is as long as `rig` is used. `md_law_load` between two ticks gives another law, which takes
 ///   over at the end of a cycle.
 /// * `problem`: may be null
@@ -313,17 +379,24 @@ pub unsafe extern "C" fn md_rig_clear(rig: *mut Rig, problem: *mut Problem) -> E
     }
 }
 
-/// One tick, at the programme's tick rate: reads, drives, and sets the enable line. `telemetry` gets what it saw, and may be null.
-/// Returns as `md_rig_stop`.
+/// One tick, at the programme's tick rate: reads, drives, and sets the enable line. Returns as `md_rig_stop`.
+///
+/// * `clock`: what a counter reads that runs freely at `clock_rate` and wraps. Less than half a tick or more than one and a half since
+///   the tick before trips: a stall, a tick that is missing or called twice.
+/// * `telemetry`: gets what it saw, and may be null
 ///
 /// # Safety
 /// Each pointer is null or points to what its type says.
 #[unsafe(no_mangle)]
-pub unsafe extern "C" fn md_rig_tick(rig: *mut Rig, telemetry: *mut Telemetry) -> Error {
+pub unsafe extern "C" fn md_rig_tick(
+    rig: *mut Rig,
+    clock: u32,
+    telemetry: *mut Telemetry,
+) -> Error {
     // SAFETY: as the caller vouches.
     unsafe {
         code(held(rig).and_then(|rig| {
-            let seen = rig.tick();
+            let seen = rig.tick(clock);
             if telemetry.is_null() {
                 return Ok(());
             }
@@ -340,6 +413,16 @@ pub unsafe extern "C" fn md_rig_tick(rig: *mut Rig, telemetry: *mut Telemetry) -
 pub unsafe extern "C" fn md_rig_overrun(rig: *mut Rig) -> Error {
     // SAFETY: as the caller vouches.
     code(unsafe { held(rig) }.map(|rig| rig.overrun()))
+}
+
+/// An input outside of the rig says stop: it trips in any state without a trip, and the enable line drops. Returns as `md_rig_stop`.
+///
+/// # Safety
+/// `rig` is null or points to an `md_rig`.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn md_rig_external_trip(rig: *mut Rig) -> Error {
+    // SAFETY: as the caller vouches.
+    code(unsafe { held(rig) }.map(|rig| rig.external_trip()))
 }
 
 /// Whoever is at the other end of a link was heard: call it as often as that is so. Returns as `md_rig_stop`.

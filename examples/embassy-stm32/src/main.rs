@@ -14,7 +14,7 @@ use embassy_stm32::interrupt;
 use embassy_stm32::interrupt::{InterruptExt as _, Priority};
 use embassy_sync::blocking_mutex::raw::CriticalSectionRawMutex;
 use embassy_sync::channel::Channel;
-use embassy_time::{Duration, Instant, Ticker};
+use embassy_time::{Duration, Instant, TICK_HZ, Ticker};
 use mesh_damper::amplitude_independent;
 use mesh_damper::error::ConfigError;
 use mesh_damper::fast_law::RunningLaw;
@@ -101,10 +101,16 @@ fn controller(wiring: &Wiring, law: &'static mut Law) -> Result<Controller, Conf
     for frequency in FREQUENCIES {
         programme = programme.with(Block::sine(AMPLITUDE, frequency, CYCLES)?)?;
     }
-    RigController::new(&RigSettings::default(), wiring, programme, law)
+    // Embassy's clock, TIM2, goes on while the executors sleep; the processor's cycle counter does not.
+    let settings = RigSettings {
+        clock_rate: TICK_HZ as f64,
+        ..RigSettings::default()
+    };
+    RigController::new(&settings, wiring, programme, law)
 }
 
-/// The rig, tick by tick. A tick must be over within 100 µs, when the next one is due: one that is not stops the rig.
+/// The rig, tick by tick. A tick must be over within 100 µs, when the next one is due: one that is not stops the rig. So does one that
+/// comes late, or not at all.
 #[embassy_executor::task]
 async fn tick(mut rig: Rig) {
     const PERIOD: Duration = Duration::from_hz(TICK_RATE);
@@ -117,7 +123,8 @@ async fn tick(mut rig: Rig) {
     loop {
         ticker.next().await;
         due += PERIOD;
-        let seen = rig.tick().await;
+        // It wraps, as the rig takes it.
+        let seen = rig.tick(Instant::now().as_ticks() as u32).await;
         if let Some(report) = seen.report {
             let _ = SAID.try_send(Said::Cycle(report));
         }

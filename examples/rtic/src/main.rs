@@ -23,15 +23,17 @@ mod app {
     use rtic_sync::channel::{Receiver, Sender};
     use rtic_sync::make_channel;
     use stm32f4xx_hal::gpio::{Output, PA4, PB1, PB12, PinState};
-    use stm32f4xx_hal::pac::{SPI1, SPI2, TIM2, USART2};
+    use stm32f4xx_hal::pac::{SPI1, SPI2, TIM2, TIM5, USART2};
     use stm32f4xx_hal::prelude::*;
     use stm32f4xx_hal::rcc::Config;
     use stm32f4xx_hal::serial::Tx;
     use stm32f4xx_hal::spi::Spi;
-    use stm32f4xx_hal::timer::{CounterHz, Event, Flag};
+    use stm32f4xx_hal::timer::{CounterHz, CounterUs, Event, Flag};
 
     /// Ticks per second.
     const TICK_RATE: u32 = 10_000;
+    /// What the clock counts, Hz.
+    const CLOCK_RATE: u32 = 1_000_000;
     /// Density of the mesh, g/cm³.
     const DENSITY: f32 = 3.0;
     /// Displacement at 10.24 V, mm.
@@ -60,6 +62,9 @@ mod app {
     #[local]
     struct Local {
         timer: CounterHz<TIM2>,
+        /// Counts all the time, and knows nothing of the timer that gives the ticks. The processor's cycle counter would not do: it
+        /// stands still while nothing is to do.
+        clock: CounterUs<TIM5>,
         damper: Damper,
         said: Sender<'static, Said, QUEUE>,
         serial: Tx<USART2>,
@@ -97,6 +102,7 @@ mod app {
         law.set(eq13, effects);
         let settings = DamperEmulationSettings {
             tick_rate: TICK_RATE.into(),
+            clock_rate: CLOCK_RATE.into(),
             ..DamperEmulationSettings::default()
         };
         let mut damper = DamperEmulation::new(adc, dac, enable, &settings, law)
@@ -104,6 +110,10 @@ mod app {
 
         let (said, to_report) = make_channel!(Said, QUEUE);
         report::spawn(to_report).expect("it is spawned once");
+        let mut clock = device.TIM5.counter_us(&mut rcc);
+        clock
+            .start(u32::MAX.micros())
+            .expect("the clock has 32 bits");
         let mut timer = device.TIM2.counter_hz(&mut rcc);
         timer.listen(Event::Update);
         timer
@@ -115,6 +125,7 @@ mod app {
             Shared {},
             Local {
                 timer,
+                clock,
                 damper,
                 said,
                 serial,
@@ -122,18 +133,20 @@ mod app {
         )
     }
 
-    /// One tick. Must be over within 100 µs, when the next one is due: one that is not stops the damper.
-    #[task(binds = TIM2, priority = 2, local = [timer, damper, said, stopped: bool = false])]
+    /// One tick. Must be over within 100 µs, when the next one is due: one that is not stops the damper. So does one that comes late,
+    /// or not at all.
+    #[task(binds = TIM2, priority = 2, local = [timer, clock, damper, said, stopped: bool = false])]
     fn tick(context: tick::Context) {
         let tick::LocalResources {
             timer,
+            clock,
             damper,
             said,
             stopped,
             ..
         } = context.local;
         timer.clear_flags(Flag::Update);
-        let seen = damper.tick();
+        let seen = damper.tick(clock.now().ticks());
         if let Some(report) = seen.report {
             let _ = said.try_send(Said::Cycle(report));
         }

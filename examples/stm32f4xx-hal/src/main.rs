@@ -24,16 +24,18 @@ use mesh_damper::rig::{
 use mesh_damper::static_law::StaticLaw;
 use panic_halt as _;
 use stm32f4xx_hal::gpio::{Output, PA4, PB1, PinState};
-use stm32f4xx_hal::pac::{NVIC, Peripherals, SPI1, TIM2, interrupt};
+use stm32f4xx_hal::pac::{NVIC, Peripherals, SPI1, TIM2, TIM5, interrupt};
 use stm32f4xx_hal::prelude::*;
 use stm32f4xx_hal::rcc::Config;
 use stm32f4xx_hal::spi::Spi;
-use stm32f4xx_hal::timer::{CounterHz, Event, Flag};
+use stm32f4xx_hal::timer::{CounterHz, CounterUs, Event, Flag};
 
 use on_chip::OnChip;
 
 /// Ticks per second.
 const TICK_RATE: u32 = 10_000;
+/// What the clock counts, Hz.
+const CLOCK_RATE: u32 = 1_000_000;
 /// Density of the mesh, g/cm³.
 const DENSITY: f32 = 3.0;
 /// Displacement at either end of the ADC's range, mm.
@@ -49,6 +51,9 @@ type Damper = DamperEmulation<OnChip, SpiActuator<Dac, PB1<Output>>, &'static mu
 /// What the interrupt works with.
 struct Tick {
     timer: CounterHz<TIM2>,
+    /// Counts all the time, and knows nothing of the timer that gives the ticks. The processor's cycle counter would not do: it
+    /// stands still while `main` sleeps.
+    clock: CounterUs<TIM5>,
     damper: Damper,
 }
 
@@ -97,12 +102,17 @@ fn main() -> ! {
     LAW.set(law, effects);
     let settings = DamperEmulationSettings {
         tick_rate: TICK_RATE.into(),
+        clock_rate: CLOCK_RATE.into(),
         ..DamperEmulationSettings::default()
     };
     let controller = EmulationController::new(&settings, &wiring, LAW);
     let controller = controller.expect("the settings are in range");
     let mut damper = Damper::wire(controller, sensors, actuator);
 
+    let mut clock = peripherals.TIM5.counter_us(&mut rcc);
+    clock
+        .start(u32::MAX.micros())
+        .expect("the clock has 32 bits");
     let mut timer = peripherals.TIM2.counter_hz(&mut rcc);
     timer.listen(Event::Update);
     timer
@@ -111,7 +121,12 @@ fn main() -> ! {
     // Last, so that nothing panics while the actuator is enabled.
     damper.start().expect("the enable line rises");
     critical_section::with(|section| {
-        HANDED_OVER.replace(section, Some(Tick { timer, damper }));
+        let tick = Tick {
+            timer,
+            clock,
+            damper,
+        };
+        HANDED_OVER.replace(section, Some(tick));
     });
     // SAFETY: no critical section is open that this would break.
     unsafe { NVIC::unmask(interrupt::TIM2) };
@@ -138,7 +153,8 @@ fn main() -> ! {
     }
 }
 
-/// One tick. Must be over within 100 µs, when the next one is due: one that is not stops the damper.
+/// One tick. Must be over within 100 µs, when the next one is due: one that is not stops the damper. So does one that comes late, or
+/// not at all.
 #[interrupt]
 fn TIM2() {
     static mut TICK: Option<Tick> = None;
@@ -146,11 +162,16 @@ fn TIM2() {
     if TICK.is_none() {
         *TICK = critical_section::with(|section| HANDED_OVER.take(section));
     }
-    let Some(Tick { timer, damper }) = TICK else {
+    let Some(Tick {
+        timer,
+        clock,
+        damper,
+    }) = TICK
+    else {
         return;
     };
     timer.clear_flags(Flag::Update);
-    let seen = damper.tick();
+    let seen = damper.tick(clock.now().ticks());
     critical_section::with(|section| {
         if seen.report.is_some() {
             COMPLETED.borrow(section).set(seen.report);

@@ -13,6 +13,9 @@ static md_telemetry seen;
 /* What each reading says of them. */
 static float controls[MD_CONTROLS];
 
+/* Ticks so far, which are the clock. */
+static uint32_t ticks;
+
 /* One tick at `displacement` mm and `force` kN. */
 static void tick(float displacement, float force)
 {
@@ -21,7 +24,7 @@ static void tick(float displacement, float force)
         .force = md_scale_decode(&wiring.force, 16, md_scale_encode(&wiring.force, force)),
     };
     memcpy(reading.controls, controls, sizeof controls);
-    CHECK(md_emulation_tick(&emulation, &reading, &seen) == MD_ERROR_NONE);
+    CHECK(md_emulation_tick(&emulation, &reading, ticks++, &seen) == MD_ERROR_NONE);
     CHECK(memcmp(seen.controls, controls, sizeof controls) == 0);
 }
 
@@ -89,7 +92,7 @@ void check_emulation(void)
     settings.trip_ticks = 0;
     CHECK(md_emulation_init(&emulation, &settings, &wiring, &law, &problem) == MD_ERROR_OUT_OF_RANGE);
     CHECK(problem.field_length == 10 && memcmp(problem.field, "trip_ticks", 10) == 0 && problem.low == 1.0);
-    CHECK(md_emulation_tick(&emulation, NULL, &seen) == MD_ERROR_NOT_INITIALIZED);
+    CHECK(md_emulation_tick(&emulation, NULL, ticks, &seen) == MD_ERROR_NOT_INITIALIZED);
     settings.trip_ticks = 10;
     CHECK(md_emulation_init(&emulation, &settings, &wiring, &law, &problem) == MD_ERROR_NONE);
     CHECK(md_emulation_set_temperature(&emulation, 25.0f) == MD_ERROR_NONE);
@@ -132,7 +135,7 @@ void check_emulation(void)
 
     /* No reading stops it in that tick; nothing but a clear at rest leads out. */
     CHECK(md_emulation_start(&emulation, NULL) == MD_ERROR_NONE);
-    CHECK(md_emulation_tick(&emulation, NULL, &seen) == MD_ERROR_NONE);
+    CHECK(md_emulation_tick(&emulation, NULL, ticks++, &seen) == MD_ERROR_NONE);
     CHECK(seen.state == MD_STATE_FAULTED && seen.trip == MD_TRIP_ADC_BUS && !seen.enabled);
     rest(settings.stop_ticks);
     CHECK(md_emulation_start(&emulation, &problem) == MD_ERROR_FAULTED && problem.trip == MD_TRIP_ADC_BUS);
@@ -157,8 +160,10 @@ void check_emulation(void)
         md_trip trip;
     } failures[] = {
         {md_emulation_command_failed, MD_TRIP_DAC_BUS},
+        {md_emulation_command_unverified, MD_TRIP_DAC_BUS},
         {md_emulation_enable_failed, MD_TRIP_ENABLE_LINE},
         {md_emulation_overrun, MD_TRIP_TICK_OVERRUN},
+        {md_emulation_external_trip, MD_TRIP_EXTERNAL},
     };
     for (size_t i = 0; i < sizeof failures / sizeof failures[0]; i++) {
         rest(settings.stop_ticks);
@@ -169,6 +174,22 @@ void check_emulation(void)
         tick(0.0f, 0.0f);
         CHECK(seen.trip == failures[i].trip);
     }
+
+    /* A tick that is missing, and one that comes twice. */
+    for (uint32_t missing = 0; missing < 2; missing++) {
+        rest(settings.stop_ticks);
+        CHECK(md_emulation_clear(&emulation, NULL) == MD_ERROR_NONE);
+        CHECK(md_emulation_start(&emulation, NULL) == MD_ERROR_NONE);
+        tick(0.0f, 0.0f);
+        CHECK(seen.state == MD_STATE_RUNNING);
+        ticks = missing ? ticks + 1 : ticks - 1;
+        tick(0.0f, 0.0f);
+        CHECK(seen.trip == MD_TRIP_TICK_OVERRUN && !seen.enabled);
+    }
+    settings.clock_rate = 0.5 * LINEAR_TICK_RATE;
+    CHECK(md_emulation_init(&emulation, &settings, &wiring, &law, &problem) == MD_ERROR_OUT_OF_RANGE);
+    CHECK(problem.field_length == 10 && memcmp(problem.field, "clock_rate", 10) == 0 && problem.low == LINEAR_TICK_RATE);
+    settings.clock_rate = 0.0;
 
     /* A link that is not heard. */
     settings.link_ticks = 20;

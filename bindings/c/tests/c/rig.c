@@ -10,6 +10,8 @@ struct bench {
     float position, before;
     float controls[MD_CONTROLS];
     bool enabled, no_reading, no_drive, no_enable;
+    bool tripped, not_driven, other_level, no_part;
+    uint32_t alive;
     uint32_t reads, drives;
 };
 
@@ -57,9 +59,40 @@ static bool enable(void *context, bool on)
     return true;
 }
 
+static bool is_tripped(void *context)
+{
+    return ((struct bench *)context)->tripped;
+}
+
+static bool verify_drive(void *context)
+{
+    return !((struct bench *)context)->not_driven;
+}
+
+static bool verify_enable(void *context, bool on)
+{
+    const struct bench *of = context;
+    return on == of->enabled && !of->other_level;
+}
+
+static bool restore(void *context)
+{
+    const struct bench *of = context;
+    return !of->enabled && !of->no_part;
+}
+
+static bool alive(void *context)
+{
+    ((struct bench *)context)->alive++;
+    return true;
+}
+
+/* Ticks so far, which are the clock. */
+static uint32_t ticks;
+
 static void tick(void)
 {
-    CHECK(md_rig_tick(&rig, &seen) == MD_ERROR_NONE);
+    CHECK(md_rig_tick(&rig, ticks++, &seen) == MD_ERROR_NONE);
     CHECK(bench.enabled == seen.enabled);
 }
 
@@ -126,6 +159,70 @@ static void check_load(const md_rig_settings *settings, const md_rig_io *io)
     rest(settings->stop_ticks);
 }
 
+/* Up to 16 ticks until it trips for this cause. */
+static void trips(md_trip trip)
+{
+    for (int i = 0; i < 16 && seen.state == MD_STATE_RUNNING; i++)
+        tick();
+    CHECK(seen.trip == trip && !bench.enabled);
+}
+
+static void clear_and_start(const md_rig_settings *settings)
+{
+    md_problem problem;
+    rest(settings->stop_ticks);
+    CHECK(md_rig_clear(&rig, &problem) == MD_ERROR_NONE);
+    CHECK(md_rig_start(&rig, &problem) == MD_ERROR_NONE);
+    tick();
+    CHECK(seen.state == MD_STATE_RUNNING);
+}
+
+/* The optional callbacks: each trips, and is in the way of a clear. */
+static void check_supervision(const md_rig_settings *settings, const md_programme *programme, const md_rig_io *plain)
+{
+    md_problem problem;
+    md_rig_io io = *plain;
+    io.tripped = is_tripped;
+    io.verify_drive = verify_drive;
+    io.verify_enable = verify_enable;
+    io.restore = restore;
+    io.alive = alive;
+    load_linear(&law);
+    load_linear(&bench.specimen);
+    CHECK(md_rig_init(&rig, settings, programme, &wiring, &io, &law, &problem) == MD_ERROR_NONE);
+    bench.position = bench.before = 0.0f;
+    tick();
+    CHECK(md_rig_start(&rig, &problem) == MD_ERROR_NONE);
+    bench.alive = 0;
+    for (int i = 0; i < 100; i++)
+        tick();
+    CHECK(seen.state == MD_STATE_RUNNING && bench.alive == 100);
+
+    bench.tripped = true;
+    trips(MD_TRIP_EXTERNAL);
+    rest(settings->stop_ticks);
+    CHECK(md_rig_clear(&rig, &problem) == MD_ERROR_FAULTED && problem.trip == MD_TRIP_EXTERNAL);
+    bench.tripped = false;
+    clear_and_start(settings);
+
+    bench.not_driven = true;
+    trips(MD_TRIP_DAC_BUS);
+    bench.alive = 0;
+    rest(settings->stop_ticks);
+    CHECK(bench.alive == 0);
+    bench.not_driven = false;
+    bench.no_part = true;
+    CHECK(md_rig_clear(&rig, &problem) == MD_ERROR_FAULTED && problem.trip == MD_TRIP_DAC_BUS);
+    bench.no_part = false;
+    clear_and_start(settings);
+
+    bench.other_level = true;
+    trips(MD_TRIP_ENABLE_LINE);
+    bench.other_level = false;
+    clear_and_start(settings);
+    CHECK(md_rig_stop(&rig) == MD_ERROR_NONE);
+}
+
 void check_rig(void)
 {
     md_rig_settings settings;
@@ -143,7 +240,7 @@ void check_rig(void)
     load_linear(&bench.specimen);
     CHECK(md_rig_init(&rig, &settings, &programme, &wiring, &io, &law, &problem) == MD_ERROR_NULL);
     io.enable = enable;
-    CHECK(md_rig_tick(&rig, &seen) == MD_ERROR_NOT_INITIALIZED && bench.reads == 0);
+    CHECK(md_rig_tick(&rig, ticks, &seen) == MD_ERROR_NOT_INITIALIZED && bench.reads == 0);
     settings.force_limit = -1.0;
     CHECK(md_rig_init(&rig, &settings, &programme, &wiring, &io, &law, &problem) == MD_ERROR_OUT_OF_RANGE);
     CHECK(problem.field_length == 11 && memcmp(problem.field, "force_limit", 11) == 0 && problem.value == -1.0);
@@ -211,9 +308,23 @@ void check_rig(void)
     /* A tick that came late. */
     CHECK(md_rig_start(&rig, &problem) == MD_ERROR_NONE);
     CHECK(md_rig_overrun(&rig) == MD_ERROR_NONE && !bench.enabled);
-    CHECK(md_rig_tick(&rig, NULL) == MD_ERROR_NONE);
+    CHECK(md_rig_tick(&rig, ticks++, NULL) == MD_ERROR_NONE);
     tick();
     CHECK(seen.trip == MD_TRIP_TICK_OVERRUN);
+
+    /* A tick that is missing, and an input from outside. */
+    rest(settings.stop_ticks);
+    CHECK(md_rig_clear(&rig, &problem) == MD_ERROR_NONE && md_rig_start(&rig, &problem) == MD_ERROR_NONE);
+    tick();
+    CHECK(seen.state == MD_STATE_RUNNING);
+    ticks++;
+    tick();
+    CHECK(seen.trip == MD_TRIP_TICK_OVERRUN && !bench.enabled);
+    rest(settings.stop_ticks);
+    CHECK(md_rig_clear(&rig, &problem) == MD_ERROR_NONE && md_rig_start(&rig, &problem) == MD_ERROR_NONE);
+    CHECK(md_rig_external_trip(&rig) == MD_ERROR_NONE && !bench.enabled);
+    tick();
+    CHECK(seen.trip == MD_TRIP_EXTERNAL);
 
     /* A force channel that shows 0 V while its specimen is moved: the monitor names it, and the rig stops. */
     rest(settings.stop_ticks);
@@ -233,5 +344,6 @@ void check_rig(void)
     printf("rig: %s\n", md_trip_name(seen.trip));
     rest(settings.stop_ticks);
     check_load(&settings, &io);
+    check_supervision(&settings, &programme, &io);
     printf("rig holds\n");
 }
