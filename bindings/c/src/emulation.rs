@@ -10,10 +10,10 @@ use crate::telemetry::Telemetry;
 
 /// Bytes of `md_emulation`.
 #[cfg(target_pointer_width = "32")]
-pub const MD_EMULATION_SIZE: usize = 488;
+pub const MD_EMULATION_SIZE: usize = 584;
 /// Bytes of `md_emulation`.
 #[cfg(target_pointer_width = "64")]
-pub const MD_EMULATION_SIZE: usize = 488;
+pub const MD_EMULATION_SIZE: usize = 584;
 /// Alignment of `md_emulation`, bytes.
 pub const MD_EMULATION_ALIGN: usize = 8;
 
@@ -54,6 +54,16 @@ pub struct EmulationSettings {
     pub observer_bandwidth: f64,
     /// Damping ratio of the observer, 0.3...3.
     pub observer_damping: f64,
+    /// Half width of the band in which a displacement is at rest that has stayed there for 0.05 s, mm, 0...1e4; 0 where nothing is rest.
+    pub rest_band: f64,
+    /// After how many ticks of the very same code the displacement channel is stuck, 0...1e9; 0 where it has no noise at all.
+    pub stuck_ticks: u32,
+    /// Coldest that a measured temperature can be, degrees Celsius, -273...2000.
+    pub temperature_coldest: f64,
+    /// Hottest that it can be.
+    pub temperature_hottest: f64,
+    /// Fastest that it can change, degrees a second, 1e-3...1e3.
+    pub temperature_rate: f64,
     /// How far the displacement must go from its mean for a cycle to count, mm, 1e-9...1e4.
     pub hysteresis: f64,
 }
@@ -71,6 +81,7 @@ pub unsafe extern "C" fn md_emulation_defaults(settings: *mut EmulationSettings)
 
 impl From<&DamperEmulationSettings> for EmulationSettings {
     fn from(settings: &DamperEmulationSettings) -> Self {
+        let [temperature_coldest, temperature_hottest] = settings.temperature_range;
         Self {
             tick_rate: settings.tick_rate,
             displacement_limit: settings.displacement_limit,
@@ -81,6 +92,11 @@ impl From<&DamperEmulationSettings> for EmulationSettings {
             clock_rate: settings.clock_rate,
             observer_bandwidth: settings.observer_bandwidth,
             observer_damping: settings.observer_damping,
+            rest_band: settings.rest_band,
+            stuck_ticks: settings.stuck_ticks,
+            temperature_coldest,
+            temperature_hottest,
+            temperature_rate: settings.temperature_rate,
             hysteresis: settings.hysteresis,
         }
     }
@@ -98,6 +114,10 @@ impl From<&EmulationSettings> for DamperEmulationSettings {
             clock_rate: settings.clock_rate,
             observer_bandwidth: settings.observer_bandwidth,
             observer_damping: settings.observer_damping,
+            rest_band: settings.rest_band,
+            stuck_ticks: settings.stuck_ticks,
+            temperature_range: [settings.temperature_coldest, settings.temperature_hottest],
+            temperature_rate: settings.temperature_rate,
             hysteresis: settings.hysteresis,
         }
     }

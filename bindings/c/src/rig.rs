@@ -14,10 +14,10 @@ use crate::telemetry::Telemetry;
 
 /// Bytes of `md_rig`.
 #[cfg(target_pointer_width = "32")]
-pub const MD_RIG_SIZE: usize = 3248;
+pub const MD_RIG_SIZE: usize = 4048;
 /// Bytes of `md_rig`.
 #[cfg(target_pointer_width = "64")]
-pub const MD_RIG_SIZE: usize = 3408;
+pub const MD_RIG_SIZE: usize = 4208;
 /// Alignment of `md_rig`, bytes.
 pub const MD_RIG_ALIGN: usize = 16;
 
@@ -191,12 +191,20 @@ pub struct RigSettings {
     pub observer_damping: f64,
     /// Part of the error of amplitude and phase that is corrected at the end of each cycle, 0...1.
     pub correction_gain: f64,
+    /// Most by which amplitude's correction may have the command grow within a block, part of it, 0.01...10; twice that in its first cycles.
+    pub correction_limit: f64,
     /// Lead to begin with, s, 0...0.1: what the actuator is known to lag.
     pub lead: f64,
     /// Time constant with which a correction takes effect, s, one tick to 10.
     pub glide: f64,
     /// Integral feedback of the displacement, 1/s, 0 to a hundredth of the tick rate.
     pub feedback: f64,
+    /// Coldest that a measured temperature can be, degrees Celsius, -273...2000.
+    pub temperature_coldest: f64,
+    /// Hottest that it can be.
+    pub temperature_hottest: f64,
+    /// Fastest that it can change, degrees a second, 1e-3...1e3.
+    pub temperature_rate: f64,
     /// Smallest lasting change that the monitor is to find, part of it, 0.01...0.5.
     pub health_size: f64,
     /// Cycles between false alarms of Gaussian noise, 1e2...1e9.
@@ -207,6 +215,8 @@ pub struct RigSettings {
     pub health_run_in_cycles: u32,
     /// Most by which temperature changes a specimen's force, part of it per degree, 0...0.1.
     pub health_temperature_slope: f64,
+    /// Most by which stiffness or energy may change in the run-in, part of them, 0.01...1.
+    pub health_run_in_size: f64,
     /// Most by which the law follows a slow change of its coefficients, part of each, 0...0.5.
     pub health_follow: f64,
 }
@@ -224,6 +234,7 @@ pub unsafe extern "C" fn md_rig_defaults(settings: *mut RigSettings) -> Error {
 
 impl From<&rig::RigSettings> for RigSettings {
     fn from(settings: &rig::RigSettings) -> Self {
+        let [temperature_coldest, temperature_hottest] = settings.temperature_range;
         Self {
             displacement_limit: settings.displacement_limit,
             force_limit: settings.force_limit,
@@ -235,14 +246,19 @@ impl From<&rig::RigSettings> for RigSettings {
             observer_bandwidth: settings.observer_bandwidth,
             observer_damping: settings.observer_damping,
             correction_gain: settings.correction_gain,
+            correction_limit: settings.correction_limit,
             lead: settings.lead,
             glide: settings.glide,
             feedback: settings.feedback,
+            temperature_coldest,
+            temperature_hottest,
+            temperature_rate: settings.temperature_rate,
             health_size: settings.health.size,
             health_false_alarm_cycles: settings.health.false_alarm_cycles,
             health_learning_cycles: settings.health.learning_cycles,
             health_run_in_cycles: settings.health.run_in_cycles,
             health_temperature_slope: settings.health.temperature_slope,
+            health_run_in_size: settings.health.run_in_size,
             health_follow: settings.health.follow,
         }
     }
@@ -261,15 +277,19 @@ impl From<&RigSettings> for rig::RigSettings {
             observer_bandwidth: settings.observer_bandwidth,
             observer_damping: settings.observer_damping,
             correction_gain: settings.correction_gain,
+            correction_limit: settings.correction_limit,
             lead: settings.lead,
             glide: settings.glide,
             feedback: settings.feedback,
+            temperature_range: [settings.temperature_coldest, settings.temperature_hottest],
+            temperature_rate: settings.temperature_rate,
             health: HealthSettings {
                 size: settings.health_size,
                 false_alarm_cycles: settings.health_false_alarm_cycles,
                 learning_cycles: settings.health_learning_cycles,
                 run_in_cycles: settings.health_run_in_cycles,
                 temperature_slope: settings.health_temperature_slope,
+                run_in_size: settings.health_run_in_size,
                 follow: settings.health_follow,
             },
         }
