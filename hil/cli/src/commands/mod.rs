@@ -11,6 +11,7 @@ mod trace;
 
 use std::io::Write as _;
 use std::process::ExitCode;
+use std::sync::OnceLock;
 
 use clap::{Parser, Subcommand};
 use mesh_damper_identify::trace::TraceError;
@@ -51,6 +52,13 @@ impl Cli {
             Command::Trace(command) => command.run(),
             #[cfg(feature = "full")]
             Command::Full(command) => command.run(),
+        }?;
+        match UNSAID.get() {
+            Some(error) => {
+                let name = std::path::Path::new("standard output");
+                Err(InputError::io(name, "write", error).into())
+            }
+            None => Ok(()),
         }
     }
 }
@@ -79,9 +87,20 @@ impl Failure {
     }
 }
 
-/// Prints results to standard output; who has closed it wants no more.
+/// Why standard output did not take what was said, the first time.
+static UNSAID: OnceLock<std::io::Error> = OnceLock::new();
+
+/// Prints results to standard output; who reads no more has read enough. [`Cli::run`] fails for anything else that keeps it from being
+/// written.
 fn say(text: &str) {
-    let _ = writeln!(std::io::stdout(), "{text}");
+    let mut output = std::io::stdout();
+    match writeln!(output, "{text}").and_then(|()| output.flush()) {
+        Err(error) if error.kind() != std::io::ErrorKind::BrokenPipe => {
+            // The first one counts.
+            let _ = UNSAID.set(error);
+        }
+        _ => {}
+    }
 }
 
 #[cfg(feature = "full")]

@@ -134,3 +134,29 @@ fn a_full_device_is_said() {
         assert!(root.path().join("out/recording.csv.gz").is_file());
     }
 }
+
+/// What a command says is lost as its files would be.
+#[test]
+fn standard_output_that_takes_nothing_is_said() {
+    let root = tempfile::tempdir().unwrap();
+    for command in [
+        "characterize --density 3 --amplitude 0.1",
+        "design --stiffness 4 --loss-factor 0.3",
+    ] {
+        let output = shell(root.path(), &format!("\"$HIL\" {command} > /dev/full"));
+        said_once(&output, "no space left on the device");
+    }
+    // Who closes it wants nothing said, and who wants the JSON there shall hear that it cannot be.
+    let output = shell(root.path(), &format!("{RUN} --json - >&-"));
+    said_once(&output, "standard output is closed");
+    let output = shell(root.path(), &format!("{RUN} --out said >&-"));
+    assert_eq!(output.status.code(), Some(0));
+    // Who reads a line has read enough.
+    let output = shell(root.path(), &format!("{RUN} --out piped | head -n 1"));
+    assert_eq!(output.status.code(), Some(0));
+    assert!(
+        output.stderr.is_empty(),
+        "{:?}",
+        String::from_utf8_lossy(&output.stderr)
+    );
+}

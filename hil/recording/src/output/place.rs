@@ -31,9 +31,16 @@ impl Target {
     /// What the output `name` is.
     ///
     /// # Errors
-    /// A directory where a file shall be, or a file where a directory shall be.
+    /// A directory where a file shall be, or a file where a directory shall be; standard output that is closed.
     pub fn of(name: PathBuf) -> Result<Self, InputError> {
         let place = place_of(&name)?;
+        if place == Place::StandardOutput && is_closed() {
+            return Err(InputError::new(
+                name.display().to_string(),
+                "standard output is closed",
+                "leave it open, or name a file",
+            ));
+        }
         let file = match &place {
             Place::StandardOutput => identity_of_standard_output(),
             Place::Device(path) | Place::File(path) => FileIdentity::of(path),
@@ -147,6 +154,24 @@ impl FileIdentity {
             .is_file()
             .then(|| Self((metadata.dev(), metadata.ino())))
     }
+}
+
+/// Whether standard output was closed when the command began. Rust's runtime opens /dev/null in its place, for reading and writing; a shell
+/// that sends it there opens it for writing alone.
+#[cfg(target_os = "linux")]
+fn is_closed() -> bool {
+    use std::os::unix::fs::MetadataExt as _;
+    let output = std::io::stdout();
+    let is_null = Path::new("/dev/null").metadata().is_ok_and(|null| {
+        rustix::fs::fstat(&output).is_ok_and(|output| output.st_rdev == null.rdev())
+    });
+    let flags = rustix::fs::fcntl_getfl(&output);
+    is_null && flags.is_ok_and(|flags| flags.contains(rustix::fs::OFlags::RDWR))
+}
+
+#[cfg(not(target_os = "linux"))]
+fn is_closed() -> bool {
+    false
 }
 
 /// The file that the shell sends standard output to.
