@@ -29,8 +29,8 @@ pub fn damper<B: Board>(_: &mut B::Link) -> Option<()> {
     let controller = EmulationController::new(&settings, &wiring, law).ok()?;
     let mut damper = DamperEmulation::wire(controller, sensors, actuator);
     damper.start().ok()?;
-    for _ in 0..TICKS {
-        black_box(damper.tick());
+    for clock in 0..TICKS {
+        black_box(damper.tick(clock.into()));
     }
     Some(())
 }

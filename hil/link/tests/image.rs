@@ -11,7 +11,7 @@ use mesh_damper::fast_law::{FastLaw, RunningLaw};
 use mesh_damper::law::Law;
 use mesh_damper::message::Setup;
 use mesh_damper::pack::{LARGEST, PackInfo, encode};
-use mesh_damper::rig::{RigSettings, StreamSettings, TripCause};
+use mesh_damper::rig::{RigSettings, StartRefused, State, StreamSettings, TripCause};
 use mesh_damper::sine::{Block, Programme};
 use mesh_damper_link::image::{Board, FIRMWARE, sections};
 use mesh_damper_link::lockstep::run_rig_on;
@@ -19,7 +19,7 @@ use mesh_damper_link::lockstep::{Emulator, Image, ImageBench, LinkError, LogLeve
 use mesh_damper_recording::error::InputError;
 use mesh_damper_rig::drive::{Grid, RandomMotion};
 use mesh_damper_rig::specimen::{HiddenEffect, SlipShape, Specimen};
-use mesh_damper_rig::{Bench, Controlled, RigRun, RigSetup, run_rig};
+use mesh_damper_rig::{Bench, Controlled, Plant, RigRun, RigSetup, run_rig};
 use rand::{RngExt as _, SeedableRng as _};
 use rand_chacha::ChaCha8Rng;
 
@@ -199,6 +199,49 @@ fn control_inputs_that_change_every_tick_come_out_on_every_board_as_on_the_host(
 }
 
 /// The same rig, following a motion of up to 12 Hz.
+/// The clock and the emergency stop of the plant go over the link: a plant that moves on by two ticks in one, and one that is stopped.
+#[test]
+fn a_late_tick_and_an_emergency_stop_are_the_hosts_on_every_board() {
+    let disturbances: [(fn(&mut Plant<Specimen>), _); 2] = [
+        (|plant| plant.clock += 1, TripCause::TickOverrun),
+        (|plant| plant.tripped = true, TripCause::External),
+    ];
+    for (board, (disturb, cause)) in
+        boards_with_rig().flat_map(|board| disturbances.map(|each| (board, each)))
+    {
+        let Some(mut image) = image_on(board) else {
+            return;
+        };
+        let mut host = Bench::new(setup()).unwrap();
+        let mut bench = ImageBench::new(setup(), &mut image).unwrap();
+        Controlled::start(&mut host).unwrap();
+        bench.start().unwrap();
+        for tick in 0..3000 {
+            if tick == 1000 {
+                disturb(&mut host.plant);
+                disturb(bench.plant_mut());
+            }
+            let seen = bench.tick().unwrap();
+            assert_eq!(seen, host.tick(), "{board:?}, tick {tick}");
+            let state = if tick < 1000 {
+                State::Running
+            } else {
+                State::Faulted(cause)
+            };
+            assert_eq!(seen.state, state, "{board:?}, tick {tick}");
+            assert_eq!(bench.is_enabled(), tick < 1000);
+        }
+        let state = State::Faulted(cause);
+        assert_eq!(host.rig.state(), state);
+        // As long as it is pressed, neither a start nor a clear does anything.
+        if bench.plant().tripped {
+            let refused = image.start_rig();
+            let told = matches!(refused, Err(LinkError::Start(StartRefused::Faulted(which))) if which == cause);
+            assert!(told, "{refused:?}");
+        }
+    }
+}
+
 fn driven() -> RigSetup<Specimen, 4, EFFECTS> {
     let random = RandomMotion {
         rms: 0.06,
