@@ -139,8 +139,10 @@ fn a_full_device_is_said() {
 #[test]
 fn standard_output_that_takes_nothing_is_said() {
     let root = tempfile::tempdir().unwrap();
+    let made = shell(root.path(), &format!("{RUN} --out made"));
+    assert_eq!(made.status.code(), Some(0));
     for command in [
-        "characterize --density 3 --amplitude 0.1",
+        "characterize made/recording.csv.gz --dynamic",
         "design --stiffness 4 --loss-factor 0.3",
     ] {
         let output = shell(root.path(), &format!("\"$HIL\" {command} > /dev/full"));
