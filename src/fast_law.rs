@@ -237,6 +237,19 @@ impl<const N: usize> RunningLaw<N> {
         &mut self,
         write: impl FnOnce(&mut FastLaw<N>) -> Result<(), E>,
     ) -> Result<(), E> {
+        self.swap_in_slices(|slot| write(slot).map(Some))
+            .map(|_| ())
+    }
+
+    /// [`RunningLaw::swap_with`] of a law that is written slice by slice, between ticks that go on with the law in force. `write` is called
+    /// with the same slot each time, as long as it gives none; the law waits once it gives something.
+    ///
+    /// # Errors
+    /// That of `write`; no law waits then.
+    pub fn swap_in_slices<T, E>(
+        &mut self,
+        write: impl FnOnce(&mut FastLaw<N>) -> Result<Option<T>, E>,
+    ) -> Result<Option<T>, E> {
         self.waiting = Waiting::No;
         let [first, second] = &mut self.laws;
         let (law, slot) = if self.second {
@@ -244,13 +257,16 @@ impl<const N: usize> RunningLaw<N> {
         } else {
             (first, second)
         };
-        write(slot)?;
+        let written = write(slot)?;
+        if written.is_none() {
+            return Ok(None);
+        }
         self.waiting = if slot.augmented.has_kinds_of(&law.augmented) {
             Waiting::SameEffects
         } else {
             Waiting::OtherEffects
         };
-        Ok(())
+        Ok(written)
     }
 
     /// A cycle has ended: the waiting law takes over, where there is one, and says so. What the effects remember stays where

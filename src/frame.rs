@@ -35,14 +35,19 @@ const CRC_OF_NIBBLE: [u32; 16] = {
     table
 };
 
+/// [`checksum_with`] of nothing.
+pub(crate) const CHECKSUM: u32 = u32::MAX;
+
 /// Ethernet's CRC-32 of `parts` as if they were one.
 pub(crate) fn checksum(parts: &[&[u8]]) -> u32 {
-    !parts.iter().fold(u32::MAX, |crc, part| update(crc, part))
+    !parts
+        .iter()
+        .fold(CHECKSUM, |crc, part| checksum_with(crc, part))
 }
 
-/// Not inlined: there is more than one part.
+/// Ethernet's CRC-32 before its last complement, of what has come to `crc` and a `part` more. Not inlined: there is more than one part.
 #[inline(never)]
-fn update(crc: u32, part: &[u8]) -> u32 {
+pub(crate) fn checksum_with(crc: u32, part: &[u8]) -> u32 {
     let shifted = |crc: u32| (crc >> 4) ^ CRC_OF_NIBBLE[(crc % 16) as usize];
     let next = |crc: u32, byte: &u8| shifted(shifted(crc ^ u32::from(*byte)));
     part.iter().fold(crc, next)

@@ -14,6 +14,7 @@
 //! [`crate::rig::RigController::swap_law_with`] writes that law beside the one in force and takes it at the end of a
 //! cycle. So there are two slots, and an upload that breaks off or arrives damaged never touches the one in force.
 
+mod check;
 mod info;
 
 pub use info::{DENSITY_MOST, Expectation, Identity, NAME, PackInfo, Stamp};
@@ -25,8 +26,8 @@ use crate::effects::{self, Effect, MOST_WORDS};
 use crate::error::ConfigError;
 use crate::fast_law::FastLaw;
 use crate::frame::{Reader, Writer, checksum};
-use crate::law::Law;
 use crate::power::{OCTAVES, SEGMENTS};
+use check::Check;
 use info::LARGEST_INFO;
 
 /// The version that is written.
@@ -231,36 +232,11 @@ pub fn decode<const N: usize>(
     slot: &mut FastLaw<N>,
     expected: &Expectation,
 ) -> Result<Option<Stamp>, PackError> {
-    let (version, body) = body(pack)?;
-    let mut reader = Reader(body);
-    let mut stamp = None;
-    if version != OLDEST {
-        let (found, _) = info::stamp(&mut reader).ok_or(PackError::Body)?;
-        stamp = Some(found);
-    }
-    expected.check(stamp.as_ref())?;
-    let eq13 = reader.words().ok_or(PackError::Body)?;
-    let [k1, k3, c, alpha] = eq13.map(f32::from_bits);
-    slot.augmented.set_law(Law::new(k1, k3, c, alpha)?);
-    slot.damping.read(|| number(&mut reader))?;
-    slot.augmented.clear();
-    for _ in 0..reader.u8().ok_or(PackError::Body)? {
-        let effect = effect(&mut reader)?;
-        effect.check()?;
-        slot.augmented.push(effect)?;
-    }
-    match reader.u8() {
-        Some(0) => {}
-        Some(1) => slot.augmented.correct_with(|correction| {
-            correction.unpack(&mut reader).ok_or(PackError::Body)??;
-            Ok::<_, PackError>(correction.check()?)
-        })?,
-        _ => return Err(PackError::Body),
-    }
-    if reader.rest().is_empty() {
-        Ok(stamp)
-    } else {
-        Err(PackError::Body)
+    let mut check = Check::START;
+    loop {
+        if let Some(stamp) = check.step(pack, slot, expected)? {
+            return Ok(stamp);
+        }
     }
 }
 
@@ -288,8 +264,16 @@ fn number(reader: &mut Reader<'_>) -> Result<f32, PackError> {
     reader.f32().ok_or(PackError::Body)
 }
 
-/// The version of a pack and what it carries, once its header and checksum are found right.
-fn body(pack: &[u8]) -> Result<(u16, &[u8]), PackError> {
+/// What the bytes before a pack's body say.
+struct Header {
+    version: u16,
+    /// Version and length, which the checksum is of as well.
+    stamp: [u8; 4],
+    checksum: u32,
+}
+
+/// Header and body of a pack that begins as a pack does, and is as long as it says.
+fn header(pack: &[u8]) -> Result<(Header, &[u8]), PackError> {
     let short = PackError::Length {
         expected: HEADER,
         found: pack.len(),
@@ -312,18 +296,29 @@ fn body(pack: &[u8]) -> Result<(u16, &[u8]), PackError> {
             found: pack.len(),
         });
     }
-    let found = self::checksum(&[stamp, body]);
-    if found != u32::from_le_bytes(*checksum) {
-        return Err(PackError::Checksum);
-    }
-    Ok((version, body))
+    let header = Header {
+        version,
+        stamp: *stamp,
+        checksum: u32::from_le_bytes(*checksum),
+    };
+    Ok((header, body))
 }
 
-/// A pack that is being received, part by part.
+/// The version of a pack and what it carries, once its header and checksum are found right.
+fn body(pack: &[u8]) -> Result<(u16, &[u8]), PackError> {
+    let (header, body) = header(pack)?;
+    if checksum(&[&header.stamp, body]) != header.checksum {
+        return Err(PackError::Checksum);
+    }
+    Ok((header.version, body))
+}
+
+/// A pack that is being received, part by part, and checked, slice by slice.
 #[derive(Clone, Debug)]
 pub struct Upload {
     bytes: [u8; LARGEST],
     received: usize,
+    check: Check,
 }
 
 impl Default for Upload {
@@ -338,15 +333,18 @@ impl Upload {
         Self {
             bytes: [0; LARGEST],
             received: 0,
+            check: Check::START,
         }
     }
 
-    /// The next part, whose first byte is byte `offset` of the pack. Offset 0 begins anew, whatever comes of it.
+    /// The next part, whose first byte is byte `offset` of the pack. Offset 0 begins anew, whatever comes of it; any part has the check
+    /// begin from the first byte.
     ///
     /// # Errors
     /// [`PackError::Order`] for a part that does not follow, [`PackError::Length`] for more bytes than [`LARGEST`]. What
     /// came before stays, for the part that does follow.
     pub fn part(&mut self, offset: usize, bytes: &[u8]) -> Result<(), PackError> {
+        self.check = Check::START;
         if offset == 0 {
             self.received = 0;
         }
@@ -370,6 +368,27 @@ impl Upload {
         Ok(())
     }
 
+    /// A slice of what [`Upload::finish`] does, once every part is there: some hundred instructions, for a rig that goes on ticking between
+    /// one slice and the next. None as long as there is more to do: `slot` is to be the same one each time, and is no law until then; see
+    /// [`RunningLaw::swap_in_slices`](crate::fast_law::RunningLaw::swap_in_slices). Whatever comes of the last one, the upload is empty
+    /// after it.
+    ///
+    /// # Errors
+    /// As [`decode`].
+    pub fn finish_slice<const N: usize>(
+        &mut self,
+        slot: &mut FastLaw<N>,
+        expected: &Expectation,
+    ) -> Result<Option<Option<Stamp>>, PackError> {
+        let pack = self.bytes.get(..self.received).unwrap_or_default();
+        let step = self.check.step(pack, slot, expected);
+        if !matches!(step, Ok(None)) {
+            self.received = 0;
+            self.check = Check::START;
+        }
+        step
+    }
+
     /// Writes the law over `slot`, as [`decode`] does, once every part is there. The upload is empty then, whatever came of
     /// it.
     ///
@@ -380,8 +399,10 @@ impl Upload {
         slot: &mut FastLaw<N>,
         expected: &Expectation,
     ) -> Result<Option<Stamp>, PackError> {
-        let received = core::mem::take(&mut self.received);
-        let pack = self.bytes.get(..received).unwrap_or_default();
-        decode(pack, slot, expected)
+        loop {
+            if let Some(stamp) = self.finish_slice(slot, expected)? {
+                return Ok(stamp);
+            }
+        }
     }
 }

@@ -173,22 +173,30 @@ impl PowerSeed {
         Ok(new)
     }
 
-    /// What [`PowerSeed::octave`] and then [`PowerSeed::scale`] gave, number by number, from `next`.
+    /// What [`PowerSeed::octave`] and then [`PowerSeed::scale`] gave, from number `from` to before number `to`, by `next`. Whether that was
+    /// the last of them.
     ///
     /// # Errors
     /// That of `next`; a number that is not finite, or beyond what any c and α in their ranges give.
     #[inline(never)]
-    pub(crate) fn read<E: From<ConfigError>>(
+    pub(crate) fn read_part<E: From<ConfigError>>(
         &mut self,
+        from: usize,
+        to: usize,
         mut next: impl FnMut() -> Result<f32, E>,
-    ) -> Result<(), E> {
-        for value in self.octave.as_flattened_mut() {
-            *value = in_range("octave", next()?, (-OCTAVE_MOST).into(), OCTAVE_MOST.into())?;
+    ) -> Result<bool, E> {
+        let octave = self.octave.as_flattened_mut();
+        let numbers = octave.len() + self.scale.len();
+        let (most, part): (f64, usize) = (OCTAVE_MOST.into(), to.saturating_sub(from));
+        let segments = octave
+            .iter_mut()
+            .map(|value| ("octave", value, -most, most));
+        let scales = self.scale.iter_mut();
+        let scales = scales.map(|value| ("scale", value, 0.0, SCALE_MOST.into()));
+        for (field, value, low, high) in segments.chain(scales).skip(from).take(part) {
+            *value = in_range(field, next()?, low, high)?;
         }
-        for value in &mut self.scale {
-            *value = in_range("scale", next()?, 0.0, SCALE_MOST.into())?;
-        }
-        Ok(())
+        Ok(to >= numbers)
     }
 
     /// The segments of |v|^α over |v| = 1…2.

@@ -250,6 +250,24 @@ pub struct AugmentedLaw<R, const N: usize> {
     correction: ResidualTable<R>,
 }
 
+impl<const N: usize> AugmentedLaw<f32, N> {
+    /// Cells of the residual table whose head was read, from number `from` to before number `to`; whether that were the last of them. `None`
+    /// where they are not all there.
+    pub(crate) fn read_cells(
+        &mut self,
+        reader: &mut crate::frame::Reader<'_>,
+        from: usize,
+        to: usize,
+    ) -> Option<bool> {
+        let is_last = self.correction.unpack_cells(reader, from, to)?;
+        // What a table without a force would remember is no matter of the law's.
+        if is_last && self.effects.present & CORRECTION == 0 {
+            self.correction = ResidualTable::NONE;
+        }
+        Some(is_last)
+    }
+}
+
 impl<R: Real, const N: usize> AugmentedLaw<R, N> {
     /// The law alone.
     pub const fn new(law: Law<R>) -> Self {

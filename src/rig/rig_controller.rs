@@ -170,6 +170,17 @@ where
         self.law.borrow_mut().swap_with(write)
     }
 
+    /// [`RunningLaw::swap_in_slices`]: [`RigController::swap_law`] with a law that is written slice by slice, between ticks.
+    ///
+    /// # Errors
+    /// That of `write`; no law waits then, and the one in force stays.
+    pub fn swap_law_in_slices<T, F>(
+        &mut self,
+        write: impl FnOnce(&mut FastLaw<N>) -> Result<Option<T>, F>,
+    ) -> Result<Option<T>, F> {
+        self.law.borrow_mut().swap_in_slices(write)
+    }
+
     /// The law in force, as it was given.
     pub fn law(&self) -> &FastLaw<N> {
         self.law.borrow().law()

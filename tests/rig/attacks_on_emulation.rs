@@ -108,13 +108,11 @@ fn at_rest_it_does_not_chatter() {
                 bench.tick(motion(tick));
             }
             let at = motion(21_250);
-            let (mut square, mut changes, mut last) = (0.0, 0, 0.0);
+            let mut square = 0.0;
             for tick in 0..30_000 {
                 let command = f64::from(bench.tick(at).telemetry.command) - at;
                 if tick >= 10_000 {
                     square += command * command;
-                    changes += u32::from(command * last < 0.0);
-                    last = command;
                 }
             }
             // What is left is the spring's force of the noise: 1e-4 kN.

@@ -31,11 +31,14 @@ impl ResidualTable<f32> {
         }
     }
 
-    /// Reads what [`Self::pack`] wrote into `self`; `None` where it is no correction. Its numbers are still to be checked.
+    /// Reads what [`Self::pack`] wrote before the cells into `self`; `None` where it is no correction. Its numbers are still to be checked.
     ///
     /// # Errors
     /// [`ConfigError::Removed`]
-    pub(crate) fn unpack(&mut self, reader: &mut Reader<'_>) -> Option<Result<(), ConfigError>> {
+    pub(crate) fn unpack_head(
+        &mut self,
+        reader: &mut Reader<'_>,
+    ) -> Option<Result<(), ConfigError>> {
         let recall = &mut self.recall;
         for number in [
             &mut self.per_displacement,
@@ -66,10 +69,21 @@ impl ResidualTable<f32> {
                 return None;
             }
         }
-        for cell in &mut self.cells {
+        Some(Ok(()))
+    }
+
+    /// Reads the cells from number `from` to before number `to`; whether that were the last of them. `None` where they are not all there.
+    pub(crate) fn unpack_cells(
+        &mut self,
+        reader: &mut Reader<'_>,
+        from: usize,
+        to: usize,
+    ) -> Option<bool> {
+        let cells = self.cells.len();
+        for cell in self.cells.get_mut(from..to.min(cells))? {
             *cell = reader.u16()? as i16;
         }
-        Some(Ok(()))
+        Some(to >= cells)
     }
 
     /// Whether its numbers are finite and within what [`ResidualTable::new`] can give, for one that was read.

@@ -1,0 +1,159 @@
+//! The check of a pack, and the law that it writes, in slices: a tick that does one of them beside its own work stays in time.
+
+use super::info;
+use super::{Expectation, HEADER, OLDEST, PackError, Stamp, effect, number};
+use crate::fast_law::FastLaw;
+use crate::frame::{CHECKSUM, Reader, checksum_with};
+use crate::law::Law;
+
+/// Bytes of the checksum, numbers of the damping and cells of the table in a slice: some 350 instructions of a Cortex-M4F each.
+const BYTES: usize = 32;
+const NUMBERS: usize = 16;
+const CELLS: usize = 16;
+
+/// What is to be done next.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Stage {
+    Header,
+    Checksum,
+    Info,
+    Law,
+    /// From this number of its seed on.
+    Damping(usize),
+    Effects,
+    /// So many are left.
+    Effect(u8),
+    Table,
+    /// From this cell on.
+    Cells(usize),
+    End,
+}
+
+/// The check of a pack, as far as it has come.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Check {
+    stage: Stage,
+    /// Bytes of the pack that are read, or whose checksum is taken.
+    at: usize,
+    /// So far, and as it is to be.
+    checksum: u32,
+    expected: u32,
+    version: u16,
+    stamp: Option<Stamp>,
+}
+
+impl Check {
+    /// Of a pack from its first byte on.
+    pub(super) const START: Self = Self {
+        stage: Stage::Header,
+        at: 0,
+        checksum: CHECKSUM,
+        expected: 0,
+        version: 0,
+        stamp: None,
+    };
+
+    /// One slice. Its stamp once the whole pack has been found right and its law written over `slot`, which is no law until then.
+    #[inline(never)]
+    pub(super) fn step<const N: usize>(
+        &mut self,
+        pack: &[u8],
+        slot: &mut FastLaw<N>,
+        expected: &Expectation,
+    ) -> Result<Option<Option<Stamp>>, PackError> {
+        let mut reader = Reader(pack.get(self.at..).unwrap_or_default());
+        self.stage = match self.stage {
+            Stage::Header => return self.header(pack).map(|()| None),
+            Stage::Checksum => return self.sum(pack).map(|()| None),
+            Stage::Info => {
+                if self.version != OLDEST {
+                    let (found, _) = info::stamp(&mut reader).ok_or(PackError::Body)?;
+                    self.stamp = Some(found);
+                }
+                expected.check(self.stamp.as_ref())?;
+                Stage::Law
+            }
+            Stage::Law => {
+                let eq13 = reader.words().ok_or(PackError::Body)?;
+                let [k1, k3, c, alpha] = eq13.map(f32::from_bits);
+                slot.augmented.clear();
+                slot.augmented.set_law(Law::new(k1, k3, c, alpha)?);
+                Stage::Damping(0)
+            }
+            Stage::Damping(from) => {
+                let to = from + NUMBERS;
+                if slot.damping.read_part(from, to, || number(&mut reader))? {
+                    Stage::Effects
+                } else {
+                    Stage::Damping(to)
+                }
+            }
+            Stage::Effects => Stage::Effect(reader.u8().ok_or(PackError::Body)?),
+            Stage::Effect(0) => Stage::Table,
+            Stage::Effect(left) => {
+                let effect = effect(&mut reader)?;
+                effect.check()?;
+                slot.augmented.push(effect)?;
+                Stage::Effect(left - 1)
+            }
+            Stage::Table => match reader.u8() {
+                Some(0) => Stage::End,
+                Some(1) => {
+                    slot.augmented.correct_with(|correction| {
+                        correction
+                            .unpack_head(&mut reader)
+                            .ok_or(PackError::Body)??;
+                        Ok::<_, PackError>(correction.check()?)
+                    })?;
+                    Stage::Cells(0)
+                }
+                _ => return Err(PackError::Body),
+            },
+            Stage::Cells(from) => {
+                let to = from + CELLS;
+                let read = slot.augmented.read_cells(&mut reader, from, to);
+                if read.ok_or(PackError::Body)? {
+                    Stage::End
+                } else {
+                    Stage::Cells(to)
+                }
+            }
+            Stage::End => {
+                return if reader.rest().is_empty() {
+                    Ok(Some(self.stamp))
+                } else {
+                    Err(PackError::Body)
+                };
+            }
+        };
+        self.at = pack.len() - reader.rest().len();
+        Ok(None)
+    }
+
+    /// Whether it begins as a pack does, and is as long as it says.
+    fn header(&mut self, pack: &[u8]) -> Result<(), PackError> {
+        let (header, _) = super::header(pack)?;
+        self.version = header.version;
+        self.expected = header.checksum;
+        self.checksum = checksum_with(CHECKSUM, &header.stamp);
+        self.at = HEADER;
+        self.stage = Stage::Checksum;
+        Ok(())
+    }
+
+    /// More of the checksum.
+    fn sum(&mut self, pack: &[u8]) -> Result<(), PackError> {
+        let to = pack.len().min(self.at + BYTES);
+        let part = pack.get(self.at..to).unwrap_or_default();
+        self.checksum = checksum_with(self.checksum, part);
+        self.at = to;
+        if to == pack.len() {
+            if !self.checksum != self.expected {
+                return Err(PackError::Checksum);
+            }
+            self.at = HEADER;
+            self.stage = Stage::Info;
+        }
+        Ok(())
+    }
+}
