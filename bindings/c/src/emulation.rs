@@ -10,7 +10,7 @@ use crate::telemetry::Telemetry;
 
 /// Bytes of `md_emulation`.
 #[cfg(target_pointer_width = "32")]
-pub const MD_EMULATION_SIZE: usize = 488;
+pub const MD_EMULATION_SIZE: usize = 480;
 /// Bytes of `md_emulation`.
 #[cfg(target_pointer_width = "64")]
 pub const MD_EMULATION_SIZE: usize = 488;
