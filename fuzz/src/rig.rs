@@ -29,6 +29,7 @@ const ZERO: u16 = 0x8000;
 trait Controller {
     fn start(&mut self) -> Result<(), StartRefused>;
     fn stop(&mut self);
+    fn external_trip(&mut self);
     fn clear(&mut self) -> Result<(), ClearRefused>;
     fn swap_law(&mut self, law: FastLaw<EFFECTS>);
     fn set_temperature(&mut self, temperature: f32);
@@ -45,6 +46,9 @@ macro_rules! controller {
             }
             fn stop(&mut self) {
                 self.stop();
+            }
+            fn external_trip(&mut self) {
+                self.external_trip();
             }
             fn clear(&mut self) -> Result<(), ClearRefused> {
                 self.clear()
@@ -422,7 +426,7 @@ fn run(
     for _ in 0..ticks {
         let drawn = random.next();
         if drawn.is_multiple_of(BETWEEN) {
-            match drawn / BETWEEN % 18 {
+            match drawn / BETWEEN % 19 {
                 0 => plant = Plant::Stuck,
                 1 => plant = Plant::Runs,
                 2 => plant = Plant::Anything,
@@ -438,6 +442,10 @@ fn run(
                     controller.set_controls(given);
                 }
                 12 => guard.late = true,
+                13 => {
+                    controller.external_trip();
+                    assert!(matches!(controller.state(), State::Faulted(_)));
+                }
                 _ => {
                     plant = Plant::Follows;
                     wires.adc_fails.set(false);

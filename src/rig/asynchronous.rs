@@ -110,8 +110,6 @@ pub struct Asynchronous<C, S, A> {
     low: bool,
     /// What was read back last was as it should be.
     verified: bool,
-    /// Ticks since then.
-    since_verified: u32,
 }
 
 impl<C: Controller, S: AsyncSensors, A: AsyncActuator> Asynchronous<C, S, A> {
@@ -124,7 +122,6 @@ impl<C: Controller, S: AsyncSensors, A: AsyncActuator> Asynchronous<C, S, A> {
             actuator,
             low: false,
             verified: true,
-            since_verified: 0,
         };
         wired.low = wired.set_line(false).await;
         wired
@@ -259,8 +256,7 @@ impl<C: Controller, S: AsyncSensors, A: AsyncActuator> Asynchronous<C, S, A> {
         if !driven {
             self.fail().await;
         }
-        self.since_verified = self.since_verified.wrapping_add(1);
-        let due = self.since_verified >= VERIFY_TICKS;
+        let due = (seen.tick as u32).is_multiple_of(VERIFY_TICKS);
         if due {
             self.verify().await;
         }
@@ -284,7 +280,6 @@ impl<C: Controller, S: AsyncSensors, A: AsyncActuator> Asynchronous<C, S, A> {
 
     /// Reads back what is driven, and the level of the line where it took the last one.
     async fn verify(&mut self) {
-        self.since_verified = 0;
         let driven = self.actuator.verify_drive().await.is_ok();
         if !driven {
             self.controller.command_unverified();

@@ -28,8 +28,6 @@ pub struct Blocking<C, S, A> {
     low: bool,
     /// What was read back last was as it should be.
     verified: bool,
-    /// Ticks since then.
-    since_verified: u32,
 }
 
 impl<C: Controller, S: Sensors, A: Actuator> Blocking<C, S, A> {
@@ -44,7 +42,6 @@ impl<C: Controller, S: Sensors, A: Actuator> Blocking<C, S, A> {
             actuator,
             low: false,
             verified: true,
-            since_verified: 0,
         };
         wired.low = wired.set_line(false);
         wired
@@ -179,8 +176,7 @@ impl<C: Controller, S: Sensors, A: Actuator> Blocking<C, S, A> {
         if !driven {
             self.fail();
         }
-        self.since_verified = self.since_verified.wrapping_add(1);
-        let due = self.since_verified >= VERIFY_TICKS;
+        let due = (seen.tick as u32).is_multiple_of(VERIFY_TICKS);
         if due {
             self.verify();
         }
@@ -207,7 +203,6 @@ impl<C: Controller, S: Sensors, A: Actuator> Blocking<C, S, A> {
     /// Reads back what is driven, and the level of the line where it took the last one.
     #[inline(never)]
     fn verify(&mut self) {
-        self.since_verified = 0;
         let driven = self.actuator.verify_drive().is_ok();
         if !driven {
             self.controller.command_unverified();

@@ -233,7 +233,7 @@ impl<L: TickLaw> Controller for EmulationController<L> {
     #[inline]
     fn tick(&mut self, reading: Option<Reading>, clock: u32) -> Telemetry {
         self.tick = self.tick.wrapping_add(1);
-        self.guard.pace(clock);
+        self.guard.pace(clock, self.tick);
         self.guard.watch_link();
         self.guard.take(reading, &mut self.reading);
         let displacement = self.reading.displacement.value;

@@ -165,10 +165,10 @@ impl Guard {
         }
     }
 
-    /// A tick, at which the caller's counter reads `clock`: one that did not come in time stops it.
+    /// The tick number `tick`, from 1, at which the caller's counter reads `clock`: one that did not come in time stops it.
     #[inline]
-    pub(super) fn pace(&mut self, clock: u32) {
-        if !self.pace.tick(&self.pace_config, clock) {
+    pub(super) fn pace(&mut self, clock: u32, tick: u64) {
+        if !self.pace.tick(&self.pace_config, clock, tick == 1) {
             self.overrun();
         }
     }
@@ -366,18 +366,18 @@ mod tests {
     #[test]
     fn a_late_tick_stops_what_runs() {
         let mut guard = Guard::new(&Scale::new(1.0, 0.0).unwrap(), 2, 0, paced());
-        for clock in [7, 8, 10] {
-            guard.pace(clock);
+        for (tick, clock) in (1..).zip([7, 8, 10]) {
+            guard.pace(clock, tick);
         }
         assert_eq!((guard.state(), guard.late_ticks()), (State::Idle, 1));
         guard.start().unwrap();
-        guard.pace(11);
+        guard.pace(11, 4);
         assert_eq!((guard.state(), guard.late_ticks()), (State::Running, 1));
-        guard.pace(11);
+        guard.pace(11, 4);
         let late = State::Faulted(TripCause::TickOverrun);
         assert_eq!((guard.state(), guard.late_ticks()), (late, 2));
         guard.clear().unwrap();
-        guard.pace(11);
+        guard.pace(11, 4);
         assert_eq!((guard.state(), guard.late_ticks()), (State::Idle, 3));
     }
 

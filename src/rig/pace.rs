@@ -13,7 +13,8 @@ const MOST_COUNTS: f64 = 2e9;
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) struct PaceConfig {
     least: u32,
-    most: u32,
+    /// The most less the least: one comparison serves for both.
+    span: u32,
 }
 
 impl PaceConfig {
@@ -29,33 +30,30 @@ impl PaceConfig {
         // The casts cut off: the half is rounded up, as one and a half are rounded down.
         let below = (0.5 * counts) as u32;
         let half = f64::from(below);
+        let rounded = half < 0.5 * counts;
+        let least = below + u32::from(rounded);
         Ok(Self {
-            least: if half < 0.5 * counts {
-                below + 1
-            } else {
-                below
-            },
-            most: (1.5 * counts) as u32,
+            least,
+            span: (1.5 * counts) as u32 - least,
         })
     }
 
     /// Whether there is a number p of counts to the tick, at least 1, that these are the limits of: with 2·(least − 1) < p ≤ 2·least
     /// follows 3·(least − 1) ≤ most ≤ 3·least.
     fn is_sound(self) -> bool {
-        let least = u64::from(self.least);
-        let most = u64::from(self.most);
-        least >= 1 && most >= least && most + 3 >= 3 * least && most <= 3 * least
+        let (least, span) = (u64::from(self.least), u64::from(self.span));
+        least >= 1 && span + 3 >= 2 * least && span <= 2 * least
     }
 }
 
 impl Fields for PaceConfig {
     fn write(&self, writer: &mut Writer<'_>) {
-        writer.words([self.least, self.most]);
+        writer.words([self.least, self.span]);
     }
 
     fn read(reader: &mut Reader<'_>) -> Option<Self> {
-        let [least, most] = reader.words()?;
-        Some(Self { least, most }).filter(|config| config.is_sound())
+        let [least, span] = reader.words()?;
+        Some(Self { least, span }).filter(|config| config.is_sound())
     }
 }
 
@@ -63,19 +61,17 @@ impl Fields for PaceConfig {
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Pace {
     last: u32,
-    /// There was a tick.
-    begun: bool,
     late: u32,
 }
 
 impl Pace {
-    /// A tick, at which the counter reads `clock`: whether it came in time. The first one does.
+    /// A tick, at which the counter reads `clock`: whether it came in time. The `first` one does, whatever the counter reads.
     #[inline]
-    pub(super) fn tick(&mut self, config: &PaceConfig, clock: u32) -> bool {
+    pub(super) fn tick(&mut self, config: &PaceConfig, clock: u32, first: bool) -> bool {
         let elapsed = clock.wrapping_sub(self.last);
         self.last = clock;
-        let judged = core::mem::replace(&mut self.begun, true);
-        if (config.least..=config.most).contains(&elapsed) || !judged {
+        // What is less than the least wraps.
+        if elapsed.wrapping_sub(config.least) <= config.span || first {
             return true;
         }
         self.late = self.late.wrapping_add(1);
@@ -95,7 +91,7 @@ mod tests {
     fn limits(tick_rate: f64, clock_rate: f64) -> [u32; 2] {
         let config = PaceConfig::new(tick_rate, clock_rate).unwrap();
         assert!(config.is_sound(), "{config:?}");
-        [config.least, config.most]
+        [config.least, config.least + config.span]
     }
 
     #[test]
@@ -142,7 +138,7 @@ mod tests {
         for start in [0, 10, 12_345, u32::MAX] {
             let mut pace = Pace::default();
             let mut clock = start;
-            assert!(pace.tick(&config, clock));
+            assert!(pace.tick(&config, clock, true));
             for (counts, in_time) in [
                 (10, true),
                 (5, true),
@@ -154,7 +150,11 @@ mod tests {
                 (10, true),
             ] {
                 clock = clock.wrapping_add(counts);
-                assert_eq!(pace.tick(&config, clock), in_time, "{counts} from {start}");
+                assert_eq!(
+                    pace.tick(&config, clock, false),
+                    in_time,
+                    "{counts} from {start}"
+                );
             }
             assert_eq!(pace.late(), 4);
         }
@@ -169,10 +169,10 @@ mod tests {
         for words in [
             [0, 0],
             [0, 1],
-            [2, 1],
-            [1, 4],
-            [8_400, 25_201],
-            [8_400, 25_196],
+            [3, 2],
+            [1, 3],
+            [8_400, 16_801],
+            [8_400, 16_796],
             [1, u32::MAX],
             [u32::MAX, u32::MAX],
         ] {

@@ -373,7 +373,7 @@ where
     fn tick(&mut self, reading: Option<Reading>, clock: u32) -> Telemetry {
         self.tick = self.tick.wrapping_add(1);
         let was_running = self.guard.is_running();
-        self.guard.pace(clock);
+        self.guard.pace(clock, self.tick);
         self.guard.watch_link();
         let last = [self.reading.displacement.code, self.reading.force.code];
         self.is_seen = reading.is_some();

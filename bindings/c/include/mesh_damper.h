@@ -88,7 +88,7 @@
 
 #if defined(MD_POINTERS_OF_32_BITS)
 // Bytes of `md_emulation`.
-#define MD_EMULATION_SIZE 488
+#define MD_EMULATION_SIZE 480
 #endif
 
 #if defined(MD_POINTERS_OF_64_BITS)

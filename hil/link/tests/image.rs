@@ -202,7 +202,8 @@ fn control_inputs_that_change_every_tick_come_out_on_every_board_as_on_the_host(
 /// The clock and the emergency stop of the plant go over the link: a plant that moves on by two ticks in one, and one that is stopped.
 #[test]
 fn a_late_tick_and_an_emergency_stop_are_the_hosts_on_every_board() {
-    let disturbances: [(fn(&mut Plant<Specimen>), _); 2] = [
+    type Disturb = fn(&mut Plant<Specimen>);
+    let disturbances: [(Disturb, TripCause); 2] = [
         (|plant| plant.clock += 1, TripCause::TickOverrun),
         (|plant| plant.tripped = true, TripCause::External),
     ];
