@@ -71,6 +71,9 @@ pub const EVENTS: usize = HealthCause::ALL.len();
 /// Amplitudes of displacement and force are taken as at least these parts of what is allowed.
 const LEAST_AMPLITUDES: [f32; 2] = [0.05, 0.02];
 
+/// Ticks to the cycle, below which not every one of the 32 looks has a tick of its own.
+const FEW_TICKS: u32 = 64;
+
 /// Part by which the amplitude of the same motion may differ, as close looks show it.
 const SAME_AMPLITUDE: f32 = 0.01;
 
@@ -464,10 +467,16 @@ impl HealthMonitor {
             followed = Some(self.adaptation.follow());
         } else if !look.ramp && self.response.turns(look.phase) {
             // That is enough for one tick.
-        } else if self.specimen.has_work() {
-            self.work_on_specimen(config);
-        } else if self.adaptation.has_work() {
-            self.work_on_adaptation(config);
+        } else {
+            let turns = self.following.turns(look.phase);
+            if turns {
+                self.watch_force(look.phase);
+            }
+            // A cycle of few ticks has as few looks, and has to do both.
+            let (_, ticks) = self.motion;
+            if !turns || ticks < FEW_TICKS {
+                self.work(config);
+            }
         }
         let (d, v) = look.demand;
         for (largest, value) in self.largest.iter_mut().zip([d, look.law]) {
@@ -492,7 +501,8 @@ impl HealthMonitor {
         } else if let Some(off) = self.response.update(look.measured, d, v, look.phase) {
             self.response_event(off);
         }
-        self.watch_force(look);
+        // The observed velocity may still be on its way, as from what a broken wire showed.
+        self.following.add(look.measured, v, look.force);
         self.watch_noise(config, look);
         followed
     }
@@ -542,10 +552,10 @@ impl HealthMonitor {
     }
 
     /// Whether the force goes with the motion. An actuator that lags is no excuse: what it does is measured.
-    fn watch_force(&mut self, look: &Look) {
+    #[inline(never)]
+    fn watch_force(&mut self, phase: u32) {
         let [least, _] = self.least_amplitudes;
-        let (y, (_, v), f) = (look.measured, look.demand, look.force);
-        if let Some(explained) = self.following.update(y, v, f, look.phase, 0.5 * least) {
+        if let Some(explained) = self.following.turn(phase, 0.5 * least) {
             self.force_is_lost(explained);
         }
     }
@@ -724,6 +734,15 @@ impl HealthMonitor {
     fn is_same_motion(&self, ticks: u32) -> bool {
         let ([amplitude, _], (before, ticks_before)) = (self.amplitudes, self.motion);
         (amplitude - before).abs() <= SAME_AMPLITUDE * before && ticks.abs_diff(ticks_before) <= 1
+    }
+
+    /// A piece of what the last cycle's end has left.
+    fn work(&mut self, config: &HealthConfig) {
+        if self.specimen.has_work() {
+            self.work_on_specimen(config);
+        } else if self.adaptation.has_work() {
+            self.work_on_adaptation(config);
+        }
     }
 
     #[inline(never)]

@@ -99,7 +99,8 @@ impl ObserverConfig {
             let decay = libm::exp(-damping * w);
             let half = libm::sin(0.5 * spread);
             let real = -libm::expm1(-damping * w) + 2.0 * decay * half * half;
-            let imaginary = decay * libm::sin(spread);
+            // sin 2x = 2·sin x·cos x, of an angle below a quarter turn.
+            let imaginary = decay * 2.0 * half * libm::sqrt(1.0 - half * half);
             (2.0 * real, real * real + imaginary * imaginary)
         } else {
             let slow = -libm::expm1(-damping * w + spread);

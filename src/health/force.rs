@@ -99,6 +99,11 @@ impl Sums {
     }
 }
 
+/// Quarters begin a 32nd of a cycle after its end, where there is enough to do.
+fn quarter(phase: u32) -> u32 {
+    phase.wrapping_add(7 << 27) >> 30
+}
+
 /// What the force did beside the motion in the last four quarters.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct ForceWatch {
@@ -140,20 +145,16 @@ impl ForceWatch {
         self.low >= needed
     }
 
-    /// One sample at `phase`, 2³² to the cycle. At the end of a quarter in which y moved by more than `least` mm from its mean: the part of
-    /// the force that goes with the motion, where that is too little.
+    /// Whether a sample at `phase`, 2³² to the cycle, is the first of a quarter: [`ForceWatch::turn`] is due before it is added.
     #[inline]
-    pub(super) fn update(&mut self, y: f32, v: f32, f: f32, phase: u32, least: f32) -> Option<f32> {
-        // Quarters begin an eighth of one after a cycle's end, where there is enough to do.
-        let quarter = phase.wrapping_add(7 << 27) >> 30;
-        let lost = if quarter == self.quarter {
-            None
-        } else {
-            self.quarter = quarter;
-            self.turn(least)
-        };
+    pub(super) fn turns(&self, phase: u32) -> bool {
+        quarter(phase) != self.quarter
+    }
+
+    /// One sample.
+    #[inline]
+    pub(super) fn add(&mut self, y: f32, v: f32, f: f32) {
         self.now.add(y, v, f);
-        lost
     }
 
     /// One sample of any motion: a window ends where y has moved enough.
@@ -168,8 +169,11 @@ impl ForceWatch {
         self.judge(explained, LOW_OF_ANY).then_some(explained)
     }
 
+    /// A quarter has ended before the sample at `phase`. Where y moved by more than `least` mm from its mean: the part of the force that goes
+    /// with the motion, if that is too little.
     #[inline(never)]
-    fn turn(&mut self, least: f32) -> Option<f32> {
+    pub(super) fn turn(&mut self, phase: u32, least: f32) -> Option<f32> {
+        self.quarter = quarter(phase);
         let [first, second, third] = &mut self.before;
         let half = third.plus(&self.now);
         let all = first.plus(second).plus(&half);
@@ -230,7 +234,9 @@ mod tests {
             } else {
                 faulty(look)
             };
-            if watch.update(y, v, f, phase, 0.1).is_some() {
+            let lost = watch.turns(phase) && watch.turn(phase, 0.1).is_some();
+            watch.add(y, v, f);
+            if lost {
                 assert!(turns >= begins, "{turns}");
                 return Some(turns - begins);
             }

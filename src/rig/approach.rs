@@ -6,9 +6,7 @@
 /// The way that is left.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Approach {
-    /// It has started, and nobody has looked where the piston is.
-    due: bool,
-    /// mm.
+    /// mm; −∞ where nobody has looked since the start.
     left: f32,
     step: f32,
 }
@@ -16,25 +14,24 @@ pub(super) struct Approach {
 impl Approach {
     /// It is not yet known how far it is.
     pub(super) const DUE: Self = Self {
-        due: true,
-        left: 0.0,
+        left: f32::NEG_INFINITY,
         step: 0.0,
     };
 
     /// The piston is at `displacement` mm; within `tolerance` of 0 it is there. The way takes `ticks`.
     pub(super) fn begin(&mut self, displacement: f32, tolerance: f32, ticks: f32) {
-        self.due = false;
         // A number that is none is no way; the limits stop it.
         let is_away = displacement.is_finite() && displacement.abs() > tolerance;
         self.left = if is_away { displacement } else { 0.0 };
         self.step = self.left.abs() / ticks;
     }
 
-    #[inline(always)]
+    /// It is not known yet how far it is.
     pub(super) fn is_due(&self) -> bool {
-        self.due
+        self.left == f32::NEG_INFINITY
     }
 
+    /// There is a way left, or that is not known.
     #[inline(always)]
     pub(super) fn is_under_way(&self) -> bool {
         self.left != 0.0

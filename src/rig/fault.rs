@@ -66,10 +66,18 @@ const BEYOND: u32 = 8;
 /// How long each limit has been exceeded: [`BEYOND`] to the tick, less the ticks within it since.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Exceeded {
-    displacement: u32,
-    force: u32,
-    tracking: u32,
+    /// Of displacement, force and tracking.
+    counts: [u32; 3],
+    /// One of them is above 0.
+    any: bool,
 }
+
+/// What each count stops the rig for, the first one first.
+const LIMITS: [TripCause; 3] = [
+    TripCause::DisplacementLimit,
+    TripCause::ForceLimit,
+    TripCause::TrackingLimit,
+];
 
 impl Fields for Limits {
     fn write(&self, writer: &mut Writer<'_>) {
@@ -127,27 +135,35 @@ impl Limits {
         force: f32,
         tracking_error: f32,
     ) -> Option<TripCause> {
-        let count = |counter: &mut u32, value: f32, limit: f32| {
-            let within = value.abs() <= limit;
-            *counter = if within {
-                counter.saturating_sub(1)
-            } else {
-                counter.saturating_add(BEYOND)
-            };
-            *counter >= BEYOND * self.trip_ticks
-        };
-        let displacement = count(&mut exceeded.displacement, displacement, self.displacement);
-        let force = count(&mut exceeded.force, force, self.force);
-        let tracking = count(&mut exceeded.tracking, tracking_error, self.tracking);
-        if displacement {
-            Some(TripCause::DisplacementLimit)
-        } else if force {
-            Some(TripCause::ForceLimit)
-        } else if tracking {
-            Some(TripCause::TrackingLimit)
+        let beyond = |value: f32, limit: f32| !(value.abs() <= limit);
+        let displacement = beyond(displacement, self.displacement);
+        let force = beyond(force, self.force);
+        let tracking = beyond(tracking_error, self.tracking);
+        if displacement | force | tracking | exceeded.any {
+            self.count(exceeded, [displacement, force, tracking])
         } else {
             None
         }
+    }
+
+    /// What a tick makes of the counts in which one of them is not 0, or will not be.
+    #[cold]
+    #[inline(never)]
+    fn count(&self, exceeded: &mut Exceeded, beyond: [bool; 3]) -> Option<TripCause> {
+        exceeded.any = false;
+        let mut cause = None;
+        for ((count, beyond), limit) in exceeded.counts.iter_mut().zip(beyond).zip(LIMITS) {
+            *count = if beyond {
+                count.saturating_add(BEYOND)
+            } else {
+                count.saturating_sub(1)
+            };
+            exceeded.any |= *count > 0;
+            if cause.is_none() && *count >= BEYOND * self.trip_ticks {
+                cause = Some(limit);
+            }
+        }
+        cause
     }
 }
 

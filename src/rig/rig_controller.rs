@@ -277,6 +277,12 @@ where
     #[cold]
     #[inline(never)]
     fn approach(&mut self) -> Excitation {
+        if self.approach.is_due() {
+            self.begin();
+            if !self.approach.is_under_way() {
+                return self.exciter.tick();
+            }
+        }
         let left = self.approach.tick();
         if self.exciter.waits() {
             if left == 0.0 {
@@ -384,9 +390,6 @@ where
         let before = self.excitation;
         let mut event = None;
         if self.guard.is_running() {
-            if self.approach.is_due() {
-                self.begin();
-            }
             self.excitation = if self.approach.is_under_way() {
                 self.approach()
             } else {

@@ -102,8 +102,15 @@ impl Temperature {
     /// A tick.
     #[inline(always)]
     pub(super) fn tick(&mut self, config: &TemperatureConfig) -> f32 {
-        self.taken += (self.shown - self.taken).clipped(config.step);
+        if self.shown != self.taken {
+            self.go(config);
+        }
         self.taken
+    }
+
+    #[inline(never)]
+    fn go(&mut self, config: &TemperatureConfig) {
+        self.taken += (self.shown - self.taken).clamped(config.step);
     }
 
     /// T, °C.
