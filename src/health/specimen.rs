@@ -105,6 +105,8 @@ pub(super) struct SpecimenWatch {
     /// Cycles since the start that were not left out.
     since_start: u32,
     suspicion: Option<Suspicion>,
+    /// A statistic has moved far while it is learned, in this cycle and in the one before, neither of which its line has followed.
+    early: bool,
     /// Cycles for which a drift still explains what the mean does.
     explained: u8,
     /// A sum is above 0.
@@ -136,6 +138,7 @@ impl SpecimenWatch {
             left_out: 0,
             since_start: 0,
             suspicion: None,
+            early: false,
             explained: 0,
             frozen: false,
             temperature: 0.0,
@@ -224,6 +227,7 @@ impl SpecimenWatch {
         let numbers = &self.numbers;
         // The learning is over with the cycle before.
         self.frozen = false;
+        self.early = false;
         match self.sums.in_phase() {
             Some(in_phase) if numbers.law_energy > f32::MIN_POSITIVE => {
                 self.before = self.values;
@@ -274,20 +278,15 @@ impl SpecimenWatch {
         Some(self.evidence((cause, Some(or), statistic), &self.values, limit))
     }
 
-    /// While it learns: a shift so large that no run-in makes it, in this cycle and in the one before, neither of which the line has followed.
-    fn see_early(&mut self, config: &HealthConfig) -> Option<Event> {
-        if self.cycles < SETTLING + EARLY_CYCLES + 2 {
-            return None;
-        }
+    /// While it learns: a shift so large that no run-in makes it.
+    #[cold]
+    #[inline(never)]
+    fn tell_early(&mut self, config: &HealthConfig) -> Event {
         let limit = EARLY * config.size + self.warmth(config, self.temperature);
-        let (now, before) = (self.beyond(self.values), self.beyond(self.before));
-        let pairs = now.iter().zip(&before).take(Statistic::WATCHED);
-        let mut moved = pairs.filter(|(now, before)| *now * *before > limit * limit);
-        moved.next()?;
         let shift = self.beyond(self.mean_values());
         let event = self.event(&shift, Course::Step, limit);
         self.relearn();
-        Some(event)
+        event
     }
 
     /// What temperature may have moved in a statistic since it was `then` °C.
@@ -314,12 +313,18 @@ impl SpecimenWatch {
             let sigma = if deviation > least { deviation } else { least };
             watch.threshold = threshold(sigma, slack, config.run_length);
             watch.learned = watch.baseline.level();
+        } else if self.cycles >= SETTLING + EARLY_CYCLES + 2 {
+            let limit = allowed - slack + EARLY * config.size;
+            let expected = watch.baseline.expected();
+            let before = self.before.get(index).copied().unwrap_or_default();
+            let (now, before) = (value - expected, before - expected);
+            self.early |= now * before > limit * limit;
         }
     }
 
     fn conclude(&mut self, config: &HealthConfig) -> Option<Event> {
         if self.cycles <= SETTLING + config.learning_cycles {
-            return self.see_early(config);
+            return self.early.then(|| self.tell_early(config));
         }
         if let Some(suspicion) = self.suspicion {
             self.frozen = true;
