@@ -1,6 +1,8 @@
-//! What the fault campaign came to, as SVG: how soon faults were found, and how well slow changes were followed.
+//! What the fault campaign came to, as SVG: how soon faults and attacks were found, and how well slow changes were followed.
 
-use mesh_damper_rig::faults::{Changing, Outcome, SlowOutcome, Summary};
+use mesh_damper_rig::faults::{
+    AttackOutcome, AttackSummary, Behind, Changing, Naming, Outcome, SlowOutcome, Summary,
+};
 use plotters::prelude::*;
 use plotters::style::text_anchor::{HPos, Pos, VPos};
 
@@ -11,7 +13,7 @@ type Row = (String, Vec<(usize, f64)>);
 
 /// Cycles from a fault to its name, one row to a kind and size, one mark to a trial.
 pub fn found(summary: &Summary) -> String {
-    let mark = |one: &Outcome| Some((usize::from(!one.right), one.cycles?));
+    let mark = |one: &Outcome| Some((usize::from(!(one.right || one.both)), one.cycles?));
     let rows = summary.kinds.iter().map(|kind| {
         let these = summary
             .outcomes
@@ -26,6 +28,55 @@ pub fn found(summary: &Summary) -> String {
         &rows.collect::<Vec<Row>>(),
         &["named for what it is", "named otherwise"],
         "cycles from the fault to its name",
+    )
+}
+
+/// Cycles from an attack to its name, one row to a kind and size, one mark to a trial. A trial that led to a hazardous state has its
+/// mark where the rig found it, or at the end of the row.
+pub fn attacked(attacks: &AttackSummary) -> String {
+    /// Where what was found later, or not at all, is marked.
+    const LATE: f64 = 10.0;
+    let mark = |one: &AttackOutcome| {
+        let mut behind = one.hazards.iter().map(|hazard| hazard.behind);
+        let is_hazardous =
+            behind.any(|behind| matches!(behind, Behind::DriftingGain | Behind::Other));
+        let at = one.cycles.map_or(LATE, |cycles| cycles.min(LATE));
+        match one.naming {
+            _ if is_hazardous => Some((2, at)),
+            Naming::Nothing => None,
+            Naming::Right | Naming::Both => Some((0, at)),
+            Naming::Wrong => Some((1, at)),
+        }
+    };
+    let of_kind = |(kind, size): (_, f64)| {
+        let these = attacks.outcomes.singles.iter().filter(move |one| {
+            let attack = &one.trial.attacks[0];
+            attack.kind == kind && attack.size == size
+        });
+        let mut marks: Vec<_> = these.filter_map(mark).collect();
+        marks.sort_by_key(|(of, _)| *of);
+        (format!("{kind:?} {size}"), marks)
+    };
+    let seen = attacks.kinds.iter().filter(|kind| kind.hidden.is_none());
+    let mut rows: Vec<Row> = seen.map(|kind| of_kind((kind.kind, kind.size))).collect();
+    for (name, outcomes) in [
+        ("pairs", &attacks.outcomes.pairs),
+        ("the adversary's", &attacks.outcomes.adversary),
+    ] {
+        let mut marks: Vec<_> = outcomes.iter().filter_map(mark).collect();
+        marks.sort_by_key(|(of, _)| *of);
+        if !marks.is_empty() {
+            rows.push((name.into(), marks));
+        }
+    }
+    picture(
+        &rows,
+        &[
+            "named for what it is or may be",
+            "named otherwise",
+            "a hazardous state",
+        ],
+        "cycles from the attack to its name, 10 where it is later or none",
     )
 }
 
