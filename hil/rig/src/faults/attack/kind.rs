@@ -294,10 +294,12 @@ impl AttackKind {
         }
     }
 
-    /// Cycles from its beginning until it counts as there.
-    pub fn lead(self, size: f64) -> f64 {
+    /// Cycles from its beginning until it counts as there, beside a law that may `follow` slow changes by this part.
+    pub fn lead(self, size: f64, follow: f64) -> f64 {
         match self {
-            Self::GainDrift(_) | Self::WiresOneByOne | Self::Backlash => SIZE / size.abs(),
+            Self::GainDrift(_) | Self::WiresOneByOne | Self::Backlash => {
+                SIZE.max(follow) / size.abs()
+            }
             Self::GainDriftInRunIn(_) | Self::WiresInRunIn => RUN_IN / size.abs(),
             // A gap of a tenth of the amplitude takes about as much of the force as what breaks.
             Self::BacklashInRunIn => 0.5 * RUN_IN / size,

@@ -66,13 +66,19 @@ impl AttackKind {
 }
 
 impl AttackTrial {
-    /// A trial of `attacks` on the specimen of this density in g/cm³ and amplitude in mm.
-    fn of(attacks: Vec<Attack>, (density, amplitude): (f64, f64), seed: u64) -> Self {
+    /// A trial of `attacks` on the specimen of this density in g/cm³ and amplitude in mm, with `noise` and `follow` as in
+    /// [`AttackTrial`].
+    fn of(
+        attacks: Vec<Attack>,
+        (density, amplitude): (f64, f64),
+        (noise, follow): (f64, f64),
+        seed: u64,
+    ) -> Self {
         let in_short_blocks = |attack: &Attack| attack.kind.begins() == Begins::InShortBlock;
         let blocks = if attacks.iter().any(in_short_blocks) {
             vec![SHORT; BLOCKS]
         } else {
-            let there = |attack: &Attack| attack.begins + attack.kind.lead(attack.size);
+            let there = |attack: &Attack| attack.begins + attack.kind.lead(attack.size, follow);
             let last = attacks.iter().map(there).fold(0.0, f64::max);
             vec![(last + WATCHED).ceil() as u32]
         };
@@ -87,8 +93,8 @@ impl AttackTrial {
             density,
             amplitude,
             frequency: FREQUENCY,
-            noise: 0.0,
-            follow: 0.0,
+            noise,
+            follow,
             blocks,
             run_in,
             headroom: Headroom::of_all(HEADROOM),
@@ -118,11 +124,9 @@ pub fn singles(campaign: &Campaign) -> Vec<AttackTrial> {
                         let follows = (place + loudness + part) % 2 == 1;
                         let attack = kind.attack(size, moment, 0.0);
                         let seed = all.len() as u64;
-                        all.push(AttackTrial {
-                            noise,
-                            follow: if follows { FOLLOW } else { 0.0 },
-                            ..AttackTrial::of(vec![attack], (density, amplitude), seed)
-                        });
+                        let settings = (noise, if follows { FOLLOW } else { 0.0 });
+                        let specimen = (density, amplitude);
+                        all.push(AttackTrial::of(vec![attack], specimen, settings, seed));
                     }
                 }
             }
@@ -130,3 +134,6 @@ pub fn singles(campaign: &Campaign) -> Vec<AttackTrial> {
     }
     all
 }
+
+#[cfg(test)]
+mod tests;

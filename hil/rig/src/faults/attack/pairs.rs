@@ -83,11 +83,13 @@ pub fn scenarios(campaign: &Campaign) -> Vec<AttackTrial> {
                 let attacks = pair.map(|(kind, size, later)| kind.attack(size, moment, later));
                 let seed = all.len() as u64;
                 let follow = if all.len() % 2 == 1 { FOLLOW } else { 0.0 };
-                all.push(AttackTrial {
-                    noise,
-                    follow,
-                    ..AttackTrial::of(attacks.into(), (density, amplitude), seed)
-                });
+                let specimen = (density, amplitude);
+                all.push(AttackTrial::of(
+                    attacks.into(),
+                    specimen,
+                    (noise, follow),
+                    seed,
+                ));
             }
         }
     }
@@ -109,11 +111,11 @@ pub fn drawn_pairs(campaign: &Campaign, count: u32) -> Vec<AttackTrial> {
             kind.attack(one_of(random, kind.sizes()), moment, later)
         });
         let (density, amplitude, _) = one_of(random, &campaign.specimens);
+        let noise = one_of(random, &campaign.noises);
+        let follow = one_of(random, &[0.0, FOLLOW]);
         AttackTrial {
-            noise: one_of(random, &campaign.noises),
-            follow: one_of(random, &[0.0, FOLLOW]),
             headroom: close(random),
-            ..AttackTrial::of(attacks.into(), (density, amplitude), seed)
+            ..AttackTrial::of(attacks.into(), (density, amplitude), (noise, follow), seed)
         }
     };
     (0..u64::from(count)).map(draw).collect()

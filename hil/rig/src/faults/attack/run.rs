@@ -127,7 +127,7 @@ fn judge(trial: &AttackTrial, said: &[(u64, Said)]) -> AttackOutcome {
         .filter(|one| one.kind.hidden().is_none());
     let due = observable
         .map(|attack| {
-            let there = attack.begins.max(-1.0) + attack.kind.lead(attack.size);
+            let there = attack.begins.max(-1.0) + attack.kind.lead(attack.size, trial.follow);
             (there, there + attack.kind.within())
         })
         .min_by(|a, b| a.1.total_cmp(&b.1));
@@ -188,5 +188,92 @@ fn words(said: Said) -> String {
         Said::Event(cause, Some(or)) => format!("{cause:?} or {or:?}"),
         Said::Trip(cause) => format!("stop: {cause:?}"),
         Said::Refused => "start refused".into(),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use mesh_damper::health::Channel;
+
+    use super::super::AttackKind;
+    use super::super::trial::Attack;
+    use super::*;
+    use crate::faults::{Campaign, singles};
+
+    /// The first single trial of a kind, and what is made of what was said so many cycles after it counts as there.
+    fn judged(kind: AttackKind, said: &[(f64, Said)]) -> AttackOutcome {
+        let trials = singles(&Campaign::whole());
+        let of_kind = |trial: &&AttackTrial| trial.attacks[0].kind == kind;
+        let trial = trials.iter().find(of_kind).unwrap();
+        let Attack { begins, size, .. } = trial.attacks[0];
+        let there = begins + kind.lead(size, trial.follow);
+        let said: Vec<(u64, Said)> = said
+            .iter()
+            .map(|(cycles, said)| (trial.tick(there + cycles), *said))
+            .collect();
+        judge(trial, &said)
+    }
+
+    const WIRES: HealthCause = HealthCause::WireBreakage;
+    const GAIN: HealthCause = HealthCause::SensorGain(Channel::Force);
+    const LOOSE: HealthCause = HealthCause::Loosening;
+
+    #[test]
+    fn what_is_named_first_counts_and_two_causes_may_be_said() {
+        let naming = |said: &[(f64, Said)]| judged(AttackKind::Break, said).naming;
+        assert_eq!(naming(&[]), Naming::Nothing);
+        assert_eq!(naming(&[(2.0, Said::Event(WIRES, None))]), Naming::Right);
+        // No signal tells a channel that shows less from a specimen that has broken.
+        assert_eq!(naming(&[(2.0, Said::Event(GAIN, None))]), Naming::Right);
+        assert_eq!(
+            naming(&[(2.0, Said::Event(LOOSE, Some(WIRES)))]),
+            Naming::Both
+        );
+        assert_eq!(
+            naming(&[
+                (2.0, Said::Event(LOOSE, None)),
+                (3.0, Said::Event(WIRES, None))
+            ]),
+            Naming::Wrong
+        );
+        assert_eq!(
+            naming(&[(2.0, Said::Trip(TripCause::ForceLimit))]),
+            Naming::Wrong
+        );
+    }
+
+    /// A limit takes ten ticks to stop the rig.
+    #[test]
+    fn a_stop_and_what_is_said_of_it_belong_together() {
+        let kind = AttackKind::Open(Channel::Displacement);
+        let spike = HealthCause::SensorSpiking(Channel::Displacement);
+        let trip = Said::Trip(TripCause::TrackingLimit);
+        let naming =
+            |later: f64| judged(kind, &[(0.001, Said::Event(spike, None)), (later, trip)]).naming;
+        assert_eq!(naming(0.01), Naming::Right);
+        assert_eq!(naming(0.1), Naming::Wrong);
+    }
+
+    #[test]
+    fn time_counts_from_when_an_attack_is_there() {
+        let kind = AttackKind::GainDrift(Channel::Force);
+        let said = |cycles| judged(kind, &[(cycles, Said::Event(GAIN, None))]);
+        let soon = said(4.5);
+        assert!(soon.found && soon.in_time && !soon.false_alarm);
+        assert!((soon.cycles.unwrap() - 4.501).abs() < 1e-9);
+        let late = said(5.5);
+        assert!(late.found && !late.in_time);
+        // It had begun, and was not as large as it has to be.
+        assert_eq!(said(-2.0).cycles, Some(0.0));
+        let alarm = said(-20.0);
+        assert!(alarm.false_alarm && !alarm.found && !alarm.in_time);
+    }
+
+    #[test]
+    fn a_start_that_is_refused_is_a_stop() {
+        let kind = AttackKind::NeverConnected(Channel::Force);
+        let outcome = judged(kind, &[(-2.0, Said::Refused)]);
+        assert_eq!(outcome.stopped.as_deref(), Some("StartRefused"));
+        assert!(outcome.found && outcome.in_time);
     }
 }
