@@ -3,7 +3,7 @@
 use mesh_damper::health::Channel;
 use mesh_damper_rig::faults::{
     Attack, AttackKind, AttackSummary, AttackTrial, Behind, Campaign, Headroom, Outcomes, Quantity,
-    Summary, adversary, forgeries, missed, run_attack,
+    adversary, forgeries, missed, run_attack,
 };
 
 /// `cargo hil faults --check` is the whole.

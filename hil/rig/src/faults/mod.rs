@@ -90,7 +90,7 @@ impl Campaign {
             specimens: vec![(2.0, 0.05, 10.0), (3.0, 0.1, 10.0), (4.0, 0.25, 10.0)],
             noises: vec![0.01],
             moments: vec![0.356, 0.919],
-            healthy_cycles: 12_000,
+            healthy_cycles: 18_000,
             // Of six trials to a kind and size, each time another.
             attacks: Attacks {
                 one_in: 5,
@@ -264,7 +264,7 @@ impl Campaign {
         Ok(Summary::of(outcomes, slow, healthy, attacks))
     }
 
-    /// Every specimen with a law that stays and with one that follows, in all surroundings; half of the cycles in those of
+    /// Every specimen with a law that stays and with one that follows, in all surroundings; two thirds of the cycles in those of
     /// [`Surroundings::Settling`], which take longest.
     fn healthy_runs(&self) -> Vec<HealthyRun> {
         if self.healthy_cycles == 0 {
@@ -276,15 +276,15 @@ impl Campaign {
         for &(density, amplitude, _) in &self.specimens {
             for follow in [0.0, FOLLOW] {
                 for surroundings in Surroundings::ALL {
-                    let shared_by = match surroundings {
-                        Surroundings::Settling => 2 * specimens,
-                        _ => 2 * specimens * others,
+                    let (share, shared_by) = match surroundings {
+                        Surroundings::Settling => (2, 3 * specimens),
+                        _ => (1, 3 * specimens * others),
                     };
                     runs.push(HealthyRun {
                         specimen: (density, amplitude),
                         follow,
                         surroundings,
-                        cycles: self.healthy_cycles.div_ceil(shared_by),
+                        cycles: (share * self.healthy_cycles).div_ceil(shared_by),
                     });
                 }
             }
