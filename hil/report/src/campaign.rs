@@ -26,7 +26,7 @@ pub fn found(summary: &Summary) -> String {
     });
     picture(
         &rows.collect::<Vec<Row>>(),
-        &["named for what it is", "named otherwise"],
+        &[(0, "named for what it is"), (1, "named otherwise")],
         "cycles from the fault to its name",
     )
 }
@@ -42,7 +42,7 @@ pub fn attacked(attacks: &AttackSummary) -> String {
             behind.any(|behind| matches!(behind, Behind::DriftingGain | Behind::Other));
         let at = one.cycles.map_or(LATE, |cycles| cycles.min(LATE));
         match one.naming {
-            _ if is_hazardous => Some((2, at)),
+            _ if is_hazardous => Some((3, at)),
             Naming::Nothing => None,
             Naming::Right | Naming::Both => Some((0, at)),
             Naming::Wrong => Some((1, at)),
@@ -72,9 +72,9 @@ pub fn attacked(attacks: &AttackSummary) -> String {
     picture(
         &rows,
         &[
-            "named for what it is or may be",
-            "named otherwise",
-            "a hazardous state",
+            (0, "named for what it is or may be"),
+            (1, "named otherwise"),
+            (3, "a hazardous state"),
         ],
         "cycles from the attack to its name, 10 where it is later or none",
     )
@@ -107,27 +107,33 @@ pub fn followed(slow: &[SlowOutcome]) -> String {
     picture(
         &rows.collect::<Vec<Row>>(),
         &[
-            "after it, a law that follows",
-            "a law that stays",
-            "before the change",
+            (0, "after it, a law that follows"),
+            (1, "a law that stays"),
+            (2, "before the change"),
         ],
         "RMS of the law's error, % of that of the measured force",
     )
 }
 
-fn picture(rows: &[Row], legend: &[&str], x_desc: &str) -> String {
+fn picture(rows: &[Row], legend: &[(usize, &str)], x_desc: &str) -> String {
     let most = rows
         .iter()
         .flat_map(|(_, marks)| marks)
         .fold(1.0, |most, (_, x)| f64::max(most, *x));
-    charts::draw(&charts::TALL, |area| {
-        let font = FINE * charts::TALL.font();
+    let style = charts::tall(rows.len());
+    // A letter is about three fifths as wide as the font is high.
+    let longest = rows.iter().map(|(name, _)| name.chars().count()).max();
+    let names = longest
+        .map_or(0, |letters| 3 * letters as u32 / 5 + 1)
+        .max(17);
+    charts::draw(&style, |area| {
+        let font = FINE * style.font();
         let text = || (FONT, font).into_font().color(&INK);
         let mut chart = ChartBuilder::on(area)
             .margin(font)
             .margin_top(3 * font)
             .x_label_area_size(3 * font)
-            .y_label_area_size(17 * font)
+            .y_label_area_size(names * font)
             .build_cartesian_2d(-0.1..1.05 * most, -(rows.len() as f64)..0.0)?;
         chart
             .configure_mesh()
@@ -139,12 +145,12 @@ fn picture(rows: &[Row], legend: &[&str], x_desc: &str) -> String {
             .draw()?;
         let (left, top) = chart.plotting_area().map_coordinate(&(0.0, 0.0));
         let line = top - font as i32;
-        let wide = ((charts::TALL.size.0 * FINE - font) as i32 - left) / legend.len() as i32;
-        for (of, what) in legend.iter().enumerate() {
-            let at = left + of as i32 * wide;
+        let wide = ((style.size.0 * FINE - font) as i32 - left) / legend.len() as i32;
+        for (place, &(of, what)) in legend.iter().enumerate() {
+            let at = left + place as i32 * wide;
             mark(area, of, (at, line))?;
             let beside = text().pos(Pos::new(HPos::Left, VPos::Center));
-            area.draw(&Text::new(*what, (at + font as i32, line), beside))?;
+            area.draw(&Text::new(what, (at + font as i32, line), beside))?;
         }
         for (row, (name, marks)) in rows.iter().enumerate() {
             let place = |x: f64| {
@@ -155,20 +161,21 @@ fn picture(rows: &[Row], legend: &[&str], x_desc: &str) -> String {
                 mark(area, of, place(x))?;
             }
             let right = text().pos(Pos::new(HPos::Right, VPos::Center));
-            let name = Text::new(name.as_str(), (17 * font as i32, place(0.0).1), right);
+            let name = Text::new(name.as_str(), ((names * font) as i32, place(0.0).1), right);
             area.draw(&name)?;
         }
         Ok(())
     })
 }
 
-/// The first of a legend, the second, and the third.
+/// The first of a legend, the second, the third, and what must not be overlooked.
 fn mark(area: &Area<'_>, of: usize, at: (i32, i32)) -> Drawn {
     let size = 3 * FINE as i32;
     match of {
         0 => area.draw(&Circle::new(at, size, AFTER.mix(0.4).filled())),
         1 => area.draw(&Cross::new(at, size, BEFORE.stroke_width(2 * FINE))),
-        _ => area.draw(&Circle::new(at, size, MEASURED.stroke_width(FINE))),
+        2 => area.draw(&Circle::new(at, size, MEASURED.stroke_width(FINE))),
+        _ => area.draw(&TriangleMarker::new(at, 2 * size, INK.filled())),
     }?;
     Ok(())
 }

@@ -82,9 +82,11 @@ fn a_hazard_behind_a_constant_gain_is_seen_and_told_apart() {
 
 #[test]
 fn a_healthy_rig_is_in_no_hazardous_state_within_the_closest_limits() {
-    for frequency in [5.0, 8.0, 10.0] {
+    for (frequency, density, amplitude) in [(5.0, 3.0, 0.1), (8.0, 2.0, 0.25), (8.0, 4.0, 0.05)] {
         let quiet = AttackTrial {
             frequency,
+            density,
+            amplitude,
             headroom: Headroom::of_all(1.2),
             ..trial(Vec::new())
         };

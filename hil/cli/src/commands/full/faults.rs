@@ -72,27 +72,25 @@ fn at_once<T: Sync, R: Send>(
 ) -> Result<Vec<R>, InputError> {
     let workers = std::thread::available_parallelism().map_or(1, usize::from);
     let next = AtomicUsize::new(0);
-    let work = || {
+    let work = || -> Result<Vec<(usize, R)>, InputError> {
         let mut done = Vec::new();
-        while let Some((index, one)) = {
+        loop {
             let index = next.fetch_add(1, Ordering::Relaxed);
-            all.get(index).map(|one| (index, one))
-        } {
+            let Some(one) = all.get(index) else {
+                return Ok(done);
+            };
             done.push((index, run(one)?));
         }
-        Ok(done)
     };
-    let mut results = Vec::new();
-    std::thread::scope(|scope| {
+    let ended = std::thread::scope(|scope| {
         let started: Vec<_> = (0..workers).map(|_| scope.spawn(work)).collect();
-        for worker in started {
-            match worker.join() {
-                Ok(done) => results.extend(done?),
-                Err(panic) => std::panic::resume_unwind(panic),
-            }
-        }
-        Ok(())
+        let ended = started.into_iter().map(|worker| match worker.join() {
+            Ok(done) => done,
+            Err(panic) => std::panic::resume_unwind(panic),
+        });
+        ended.collect::<Result<Vec<_>, InputError>>()
     })?;
+    let mut results: Vec<_> = ended.into_iter().flatten().collect();
     results.sort_by_key(|(index, _)| *index);
     Ok(results.into_iter().map(|(_, result)| result).collect())
 }

@@ -99,19 +99,20 @@ fn row(name: &str, counts: &Counts) -> String {
     let cycles = |cycles: Option<f64>| cycles.map_or_else(|| "-".into(), |c| format!("{c:.2}"));
     let hazards = &counts.hazards;
     format!(
-        "{name:>36} {:>7} {:>6} {:>8} {:>6} {:>6} {:>7} {:>7} {:>6}",
+        "{name:>36} {:>7} {:>6} {:>8} {:>6} {:>6} {:>6} {:>7} {:>7} {:>10}",
         counts.trials,
         counts.found,
         counts.in_time,
         counts.right,
         counts.both,
+        counts.all_named,
         cycles(counts.median_cycles),
         cycles(counts.worst_cycles),
         hazards.drifting_gain + hazards.others,
     )
 }
 
-const HEAD: &str = "                              attack  trials  found  in time  right   both  median    most  hazardous";
+const HEAD: &str = "                              attack  trials  found  in time  right   both    all  median    most  hazardous";
 
 fn print_kinds(attacks: &AttackSummary) {
     let seen = || attacks.kinds.iter().filter(|kind| kind.hidden.is_none());

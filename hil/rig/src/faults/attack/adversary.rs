@@ -5,7 +5,7 @@ use rand::{RngExt as _, SeedableRng as _};
 use rand_chacha::ChaCha8Rng;
 
 use super::kind::{AttackKind, Begins};
-use super::pairs::{close, one_of};
+use super::pairs::{FASTEST, close, one_of};
 use super::trial::{Attack, AttackTrial, BLOCKS};
 use super::{NO_RUN_IN, RUN_IN};
 use crate::faults::FOLLOW;
@@ -15,8 +15,8 @@ const MOST: usize = 4;
 /// g/cm³, mm.
 const DENSITIES: [f64; 4] = [2.0, 2.5, 3.0, 4.0];
 const AMPLITUDES: [f64; 4] = [0.05, 0.1, 0.2, 0.25];
-/// Hz: with more the rig's own corrections take the piston beyond close limits in the first cycles.
-const FREQUENCIES: [f64; 3] = [5.0, 8.0, 10.0];
+/// Hz.
+const FREQUENCIES: [f64; 2] = [5.0, FASTEST];
 const NOISES: [f64; 3] = [0.002, 0.005, 0.01];
 /// Cycles of one block, and of each of several short ones.
 const LONG: (u32, u32) = (24, 40);

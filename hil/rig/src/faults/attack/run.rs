@@ -7,7 +7,7 @@ use mesh_damper::sine::SineGenerator;
 use super::apply::damage;
 use super::hazard::HazardMeter;
 use super::names::Name;
-use super::trial::{AttackOutcome, AttackTrial, BLOCKS, IDLE, Loss, Naming, Prepared};
+use super::trial::{Attack, AttackOutcome, AttackTrial, BLOCKS, IDLE, Loss, Naming, Prepared};
 use crate::faults::damage::Damaged;
 use crate::{Bench, Controlled, RigSetup, SetupError};
 
@@ -20,6 +20,19 @@ enum Said {
     Trip(TripCause),
     /// It refused to start.
     Refused,
+}
+
+impl Said {
+    /// How it stands to an attack with these names.
+    fn of(self, names: &[Name]) -> Naming {
+        let is_one = |cause| names.contains(&Name::Health(cause));
+        match self {
+            Self::Event(cause, _) if is_one(cause) => Naming::Right,
+            Self::Event(_, Some(or)) if is_one(or) => Naming::Both,
+            Self::Trip(cause) if names.contains(&Name::Trip(cause)) => Naming::Right,
+            Self::Event(..) | Self::Trip(_) | Self::Refused => Naming::Wrong,
+        }
+    }
 }
 
 /// Ticks within which what its monitor names and a stop for it belong together: a limit stops the rig ten ticks after it was exceeded.
@@ -113,7 +126,7 @@ fn fault(event: Option<Event>) -> Option<Said> {
 
 /// What the rig `said`, beside what was done to it.
 fn judge(trial: &AttackTrial, said: &[(u64, Said)]) -> AttackOutcome {
-    let begun = |attack: &super::trial::Attack| trial.tick(attack.begins);
+    let begun = |attack: &Attack| trial.tick(attack.begins);
     let first_attack = trial.attacks.iter().map(begun).min().unwrap_or(0);
     let first = said.iter().find(|(tick, _)| *tick >= first_attack);
     let together = |since: u64| {
@@ -138,23 +151,22 @@ fn judge(trial: &AttackTrial, said: &[(u64, Said)]) -> AttackOutcome {
         let names: Vec<Name> = there
             .flat_map(|attack| attack.kind.names(attack.size))
             .collect();
-        let is_right = |said: &Said| match said {
-            Said::Event(cause, _) => names.contains(&Name::Health(*cause)),
-            Said::Trip(cause) => names.contains(&Name::Trip(*cause)),
-            Said::Refused => false,
-        };
-        let is_second = |said: &Said| match said {
-            Said::Event(_, Some(or)) => names.contains(&Name::Health(*or)),
-            _ => false,
-        };
-        if together(since).any(|(_, said)| is_right(said)) {
-            Naming::Right
-        } else if together(since).any(|(_, said)| is_second(said)) {
-            Naming::Both
-        } else {
-            Naming::Wrong
-        }
+        let of = together(since).map(|(_, said)| said.of(&names));
+        of.max().unwrap_or(Naming::Nothing)
     });
+    // Each of them by itself, up to the stop that leaves no time for it.
+    let is_named = |attack: &Attack| {
+        let names = attack.kind.names(attack.size);
+        let there = attack.begins.max(-1.0) + attack.kind.lead(attack.size, trial.follow);
+        let until = trial.tick(there + attack.kind.within());
+        said.iter().any(|(tick, said)| {
+            let is_stop = matches!(said, Said::Trip(_) | Said::Refused);
+            let is_of_it = *tick >= begun(attack) && said.of(&names) > Naming::Wrong;
+            is_of_it || (is_stop && *tick <= until)
+        })
+    };
+    let observable = |one: &&Attack| one.kind.hidden().is_none();
+    let all_named = trial.attacks.iter().filter(observable).all(is_named);
     let stop = said.iter().find_map(|(_, said)| match said {
         Said::Trip(cause) => Some(format!("{cause:?}")),
         Said::Refused => Some("StartRefused".into()),
@@ -174,6 +186,7 @@ fn judge(trial: &AttackTrial, said: &[(u64, Said)]) -> AttackOutcome {
             .zip(due)
             .is_some_and(|(at, (_, until))| at <= until),
         naming,
+        all_named,
         false_alarm: said.iter().any(|(tick, _)| *tick < first_attack),
         stopped: stop,
         hazards: Vec::new(),
@@ -196,7 +209,6 @@ mod tests {
     use mesh_damper::health::Channel;
 
     use super::super::AttackKind;
-    use super::super::trial::Attack;
     use super::*;
     use crate::faults::{Campaign, singles};
 
@@ -267,6 +279,26 @@ mod tests {
         assert_eq!(said(-2.0).cycles, Some(0.0));
         let alarm = said(-20.0);
         assert!(alarm.false_alarm && !alarm.found && !alarm.in_time);
+    }
+
+    /// What latches must not silence another.
+    #[test]
+    fn each_of_two_attacks_has_to_be_named_but_after_a_stop() {
+        let spike = AttackKind::Spike(Channel::Force);
+        let attacks = [(spike, 0.5, 0.0), (AttackKind::Break, 0.2, 4.0)];
+        let attacks = attacks.map(|(kind, size, later)| kind.attack(size, 0.25, later));
+        let trial = AttackTrial::of(attacks.into(), (3.0, 0.1), (0.004, 0.0), 1);
+        let all_named = |said: &[(f64, Said)]| {
+            let ticks = said.iter().map(|(cycle, said)| (trial.tick(*cycle), *said));
+            judge(&trial, &ticks.collect::<Vec<_>>()).all_named
+        };
+        let spike = Said::Event(HealthCause::SensorSpiking(Channel::Force), None);
+        let wires = Said::Event(LOOSE, Some(WIRES));
+        assert!(!all_named(&[(24.3, spike)]));
+        assert!(all_named(&[(24.3, spike), (31.0, wires)]));
+        assert!(!all_named(&[(31.0, wires)]));
+        let stop = Said::Trip(TripCause::ForceLost);
+        assert!(all_named(&[(24.3, spike), (24.4, stop)]));
     }
 
     #[test]

@@ -61,6 +61,8 @@ pub struct Counts {
     pub right: usize,
     /// The first event says two causes, and the second is such a one.
     pub both: usize,
+    /// Each attack of the trial was named at some time, or the rig stopped before it had to be.
+    pub all_named: usize,
     /// Causes named before there was an attack, of all trials.
     pub early: usize,
     /// Trials with a hazardous state, of all of them.
@@ -87,6 +89,7 @@ impl Counts {
             in_time: count(&|one| one.in_time),
             right: count(&|one| one.naming == Naming::Right),
             both: count(&|one| one.naming == Naming::Both),
+            all_named: count(&|one| one.all_named),
             early: outcomes.clone().filter(|one| one.false_alarm).count(),
             hazards: Hazards::of(outcomes.clone()),
             hidden: outcomes.clone().filter(|one| one.hidden.is_some()).count(),

@@ -82,18 +82,18 @@ pub struct AttackTrial {
     pub seed: u64,
 }
 
-/// How the first cause that was named stands to the attack.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+/// How a cause that was named stands to the attack, in the order of how good that is.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Naming {
     /// No cause was named.
     Nothing,
-    /// It is one of those that cannot be told from the attack.
-    Right,
+    /// It is none of those that cannot be told from the attack.
+    Wrong,
     /// The event says two causes, and the second is one of those.
     Both,
-    /// Another.
-    Wrong,
+    /// It is one of those.
+    Right,
 }
 
 /// A channel that a limit depends on was lost.
@@ -118,8 +118,10 @@ pub struct AttackOutcome {
     pub cycles: Option<f64>,
     /// Whether that was as soon as it has to be.
     pub in_time: bool,
-    /// Whether the name was right.
+    /// How the first cause stands to the attacks.
     pub naming: Naming,
+    /// Each attack that can be observed was named rightly or both at some time, or the rig stopped before it had to be.
+    pub all_named: bool,
     /// Something was named before there was an attack.
     pub false_alarm: bool,
     /// Why the rig stopped, where it did.
