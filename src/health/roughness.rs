@@ -77,8 +77,12 @@ impl Roughness {
         }
         let difference = (error - first + 3.0 * (second - third)).abs();
         if learns {
-            self.learn(difference, amplitude);
+            self.sum += difference;
+            self.learned += 1.0;
             return None;
+        }
+        if self.learned > 0.0 {
+            self.take_learned(amplitude);
         }
         let is_rough = difference > FACTOR * self.usual;
         // The oldest look goes out as the new one comes in.
@@ -87,12 +91,13 @@ impl Roughness {
         (self.count >= ROUGH).then(|| self.usual / amplitude)
     }
 
+    #[cold]
     #[inline(never)]
-    fn learn(&mut self, difference: f32, amplitude: f32) {
-        self.sum += difference;
-        self.learned += 1.0;
+    fn take_learned(&mut self, amplitude: f32) {
         let (mean, least) = (self.sum / self.learned, LEAST * amplitude);
         self.usual = if mean > least { mean } else { least };
+        self.sum = 0.0;
+        self.learned = 0.0;
     }
 }
 

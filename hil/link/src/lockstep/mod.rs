@@ -12,7 +12,7 @@ pub use bench::ImageBench;
 pub use emulator::{Emulator, Wire};
 pub use exchange::Exchange;
 pub use log::{LogDecoder, LogLevel, LogLine, LogSink};
-pub use run::{run_rig_on, run_trial_on};
+pub use run::{run_attack_on, run_rig_on, run_trial_on};
 
 use mesh_damper::effects::Motion;
 use mesh_damper::frame::PAYLOAD;
