@@ -26,6 +26,8 @@ use crate::error::ConfigError;
 use crate::fast_law::FastLaw;
 use crate::frame::{Reader, Writer, checksum};
 use crate::law::Law;
+use crate::operating_range::OperatingRange;
+use crate::passivity::{Active, Passivity};
 use crate::power::{OCTAVES, SEGMENTS};
 use info::LARGEST_INFO;
 
@@ -43,6 +45,9 @@ const EFFECTS: usize = 1 + (2 + 4 * MOST_WORDS) + 7 * (2 + 4 * OTHER_WORDS);
 const OTHER_WORDS: usize = 12;
 /// Most bytes of a pack. Derived: the sum of its parts.
 pub const LARGEST: usize = HEADER + LARGEST_INFO + LAW + EFFECTS + 1 + LARGEST_TABLE;
+
+/// Hz, for which the effects of a pack are taken to be made that does not say it: that of the paper's rig in this crate's tests.
+const SILENT_RATE: f32 = 1e4;
 
 const MAGIC: [u8; 4] = *b"MDCP";
 
@@ -100,6 +105,13 @@ pub enum PackError {
     Checksum,
     /// The body cannot be read, though its checksum matches.
     Body,
+    /// Its law gives more energy than it takes, and [`Expectation::allow_active`] is not set: see [`crate::passivity`].
+    Active {
+        /// Of the motion in which it does, mm.
+        amplitude: f32,
+        /// Of that motion, Hz.
+        frequency: f32,
+    },
     /// A coefficient or parameter that its constructor refuses.
     Refused(ConfigError),
 }
@@ -153,12 +165,29 @@ impl fmt::Display for PackError {
             }
             Self::Checksum => write!(f, "the pack's checksum does not match"),
             Self::Body => write!(f, "the pack's body cannot be read"),
+            Self::Active {
+                amplitude,
+                frequency,
+            } => write!(
+                f,
+                "law: it gives more energy than it takes in a cycle of {amplitude} mm at {frequency} Hz, and a passive one is required: \
+                 see to its damping and to stiffnesses of friction below 0, or allow an active law"
+            ),
             Self::Refused(error) => error.fmt(f),
         }
     }
 }
 
 impl core::error::Error for PackError {}
+
+impl From<Active> for PackError {
+    fn from(active: Active) -> Self {
+        Self::Active {
+            amplitude: active.amplitude,
+            frequency: active.frequency,
+        }
+    }
+}
 
 impl From<ConfigError> for PackError {
     fn from(error: ConfigError) -> Self {
@@ -224,43 +253,116 @@ pub fn encode<'b, const N: usize>(
 /// Writes the law in a pack over `slot`, which is no law where the pack is refused. Gives the pack's stamp; `None` of one of version 6,
 /// which has none. [`PackInfo::of`] gives all that the pack says of itself.
 ///
+/// It is [`read`], and a [`Passivity`] of [`Contents::passivity`] unless [`Expectation::allow_active`] is set: several hundred forces of the
+/// law, far more than a tick has time for.
+///
 /// # Errors
 /// Whatever is wrong with it; a pack with any one bit changed is refused. One that is not what is `expected`: `slot` is as it was.
+/// [`PackError::Active`]: `slot` has the law, which must not be used.
 pub fn decode<const N: usize>(
     pack: &[u8],
     slot: &mut FastLaw<N>,
     expected: &Expectation,
 ) -> Result<Option<Stamp>, PackError> {
+    let contents = read(pack, slot, expected)?;
+    if !expected.allow_active {
+        check_passivity(&contents, slot)?;
+    }
+    Ok(contents.stamp)
+}
+
+/// Not inlined: what it takes of the stack is free again once it is done, and a load that allows an active law takes none of it.
+#[inline(never)]
+fn check_passivity<const N: usize>(contents: &Contents, law: &FastLaw<N>) -> Result<(), Active> {
+    contents.passivity().check(law)
+}
+
+/// What [`read`] found in a pack beside its law.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Contents {
+    /// `None` of a pack of version 6.
+    pub stamp: Option<Stamp>,
+    /// The motion that the law was fitted on, where the pack says it.
+    pub operating_range: Option<OperatingRange<f32>>,
+}
+
+impl Contents {
+    /// The check of the law over its operating range and at its tick rate; at 10 kHz where the pack does not say its rate.
+    pub fn passivity<const N: usize>(&self) -> Passivity<N> {
+        let tick_rate = self.stamp.map_or(SILENT_RATE, |stamp| stamp.tick_rate);
+        Passivity::new(self.operating_range.as_ref(), tick_rate)
+    }
+}
+
+/// [`decode`] without the check of passivity, whatever `expected` says of that: for a load that takes [`Passivity::step`] by step.
+///
+/// # Errors
+/// As [`decode`], but for [`PackError::Active`].
+pub fn read<const N: usize>(
+    pack: &[u8],
+    slot: &mut FastLaw<N>,
+    expected: &Expectation,
+) -> Result<Contents, PackError> {
     let (version, body) = body(pack)?;
     let mut reader = Reader(body);
-    let mut stamp = None;
+    let mut contents = Contents {
+        stamp: None,
+        operating_range: None,
+    };
     if version != OLDEST {
-        let (found, _) = info::stamp(&mut reader).ok_or(PackError::Body)?;
-        stamp = Some(found);
+        let (stamp, description) = info::stamp(&mut reader).ok_or(PackError::Body)?;
+        contents.stamp = Some(stamp);
+        expected.check(contents.stamp.as_ref())?;
+        contents.operating_range = info::operating_range(&mut Reader(description))?;
+    } else {
+        expected.check(None)?;
     }
-    expected.check(stamp.as_ref())?;
+    read_law(&mut reader, slot)?;
+    read_effects(&mut reader, slot)?;
+    read_residual_table(&mut reader, slot)?;
+    if reader.rest().is_empty() {
+        Ok(contents)
+    } else {
+        Err(PackError::Body)
+    }
+}
+
+/// Eq 13 and the seed of its damping.
+fn read_law<const N: usize>(
+    reader: &mut Reader<'_>,
+    slot: &mut FastLaw<N>,
+) -> Result<(), PackError> {
     let eq13 = reader.words().ok_or(PackError::Body)?;
     let [k1, k3, c, alpha] = eq13.map(f32::from_bits);
     slot.augmented.set_law(Law::new(k1, k3, c, alpha)?);
-    slot.damping.read(|| number(&mut reader))?;
+    slot.damping.read(|| number(reader))
+}
+
+/// All effects but the residual table.
+fn read_effects<const N: usize>(
+    reader: &mut Reader<'_>,
+    slot: &mut FastLaw<N>,
+) -> Result<(), PackError> {
     slot.augmented.clear();
     for _ in 0..reader.u8().ok_or(PackError::Body)? {
-        let effect = effect(&mut reader)?;
+        let effect = effect(reader)?;
         effect.check()?;
         slot.augmented.push(effect)?;
     }
+    Ok(())
+}
+
+fn read_residual_table<const N: usize>(
+    reader: &mut Reader<'_>,
+    slot: &mut FastLaw<N>,
+) -> Result<(), PackError> {
     match reader.u8() {
-        Some(0) => {}
+        Some(0) => Ok(()),
         Some(1) => slot.augmented.correct_with(|correction| {
-            correction.unpack(&mut reader).ok_or(PackError::Body)??;
-            Ok::<_, PackError>(correction.check()?)
-        })?,
-        _ => return Err(PackError::Body),
-    }
-    if reader.rest().is_empty() {
-        Ok(stamp)
-    } else {
-        Err(PackError::Body)
+            correction.unpack(reader).ok_or(PackError::Body)??;
+            Ok(correction.check()?)
+        }),
+        _ => Err(PackError::Body),
     }
 }
 
