@@ -111,6 +111,10 @@ impl LinkError {
                 "revision: the coefficient pack is no newer than the one before",
                 "export the model with a higher --revision",
             ),
+            Refusal::PackActive => (
+                "law: that of the coefficient pack gives more energy than it takes in a cycle, and a passive one is required",
+                "send a law whose damping and whose stiffnesses of friction are not below 0",
+            ),
         };
         Self::Refused {
             reason: reason.into(),
