@@ -132,7 +132,9 @@ pub enum Request<'a> {
     Block(PlannedBlock),
     /// A part of a coefficient pack, to be put at this byte.
     PackPart(u16, &'a [u8]),
-    /// The pack is complete: its law is taken at the next end of a cycle, or at once where no rig is running.
+    /// The pack is complete. Where there is no rig yet it is checked and its law taken at once. Beside a rig each of these does a slice of the
+    /// check, some hundred instructions, and is answered no as long as there is more of it: ask again, with ticks in between as they are
+    /// due. The answer is yes once the law waits for the next end of a cycle, or a refusal. A new first part ends a check that has begun.
     PackEnd,
     /// Wires up the rig.
     Setup(Setup),
@@ -332,7 +334,7 @@ pub struct Statistics {
     reason = "the outcome is most of the answers, and there is no heap; only where pointers are short is it so much larger"
 )]
 pub enum Answer<'a> {
-    /// Done; the word is no where there was no room for all knots, and yes otherwise.
+    /// Done; the word is no where there was no room for all knots, or a pack's check goes on, and yes otherwise.
     Done(bool),
     /// Not done.
     Refused(Refusal<'a>),

@@ -401,8 +401,9 @@ impl Upload {
     }
 
     /// A slice of what [`Upload::finish`] does, once every part is there: some hundred instructions, for a rig that goes on ticking between
-    /// one slice and the next. None as long as there is more to do: `slot` is to be the same one each time, and is no law until then; see
-    /// [`RunningLaw::swap_in_slices`](crate::fast_law::RunningLaw::swap_in_slices). Whatever comes of the last one, the upload is empty
+    /// one slice and the next. None as long as there is more to do: `slot` is no law until then; see
+    /// [`RunningLaw::swap_in_slices`](crate::fast_law::RunningLaw::swap_in_slices). A slot that another law was written over in between is begun
+    /// anew. Whatever comes of the last one, the upload is empty
     /// after it.
     ///
     /// # Errors

@@ -115,6 +115,9 @@ macro_rules! effects {
 
         /// The bit of the correction, which counts among the effects as none.
         const CORRECTION: u32 = Bit::ResidualTable.mask();
+        /// The bit of a law that is being written, which is that of no effect.
+        const UNFINISHED: u32 = 1 << 31;
+        const _: () = assert!(CORRECTION < UNFINISHED);
         const LIGHT: u32 = $(if is_cost(&<$name<f32> as Equations<f32>>::DESCRIPTION, Cost::Light) { Bit::$name.mask() } else { 0 })|+;
         const RARE: u32 = $(if is_cost(&<$name<f32> as Equations<f32>>::DESCRIPTION, Cost::Rare) { Bit::$name.mask() } else { 0 })|+;
         const SCALING: u32 = $(if <$name<f32> as Equations<f32>>::DESCRIPTION.scales_law { Bit::$name.mask() } else { 0 })|+;
@@ -169,7 +172,7 @@ macro_rules! effects {
 
             /// The bits of the effects.
             fn kinds(&self) -> u32 {
-                self.present & !CORRECTION
+                self.present & !(CORRECTION | UNFINISHED)
             }
 
             #[inline(always)]

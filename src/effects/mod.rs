@@ -268,6 +268,24 @@ pub struct AugmentedLaw<R, const N: usize> {
 }
 
 impl<const N: usize> AugmentedLaw<f32, N> {
+    /// `law` alone, of which [`AugmentedLaw::is_unfinished`] says so until [`AugmentedLaw::finish`].
+    pub(crate) fn begin(&mut self, law: Law<f32>) {
+        self.law = law;
+        self.effects = Effects::NONE;
+        self.effects.present = UNFINISHED;
+        self.correction = ResidualTable::NONE;
+    }
+
+    /// Whether it is still being written, and by nobody else: no law in force is.
+    pub(crate) fn is_unfinished(&self) -> bool {
+        self.effects.has(UNFINISHED)
+    }
+
+    /// All of it is written.
+    pub(crate) fn finish(&mut self) {
+        self.effects.present &= !UNFINISHED;
+    }
+
     /// Cells of the residual table whose head was read, from number `from` to before number `to`; whether that were the last of them. `None`
     /// where they are not all there.
     pub(crate) fn read_cells(
@@ -359,12 +377,6 @@ impl<R: Real, const N: usize> AugmentedLaw<R, N> {
             self.correction = ResidualTable::NONE;
         }
         written
-    }
-
-    /// Takes all effects out, and the correction.
-    pub(crate) fn clear(&mut self) {
-        self.effects = Effects::NONE;
-        self.correction = ResidualTable::NONE;
     }
 
     /// [`AugmentedLaw::with`] in place.

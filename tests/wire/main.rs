@@ -6,3 +6,4 @@ mod frame;
 mod message;
 mod pack;
 mod pack_info;
+mod pack_slices;

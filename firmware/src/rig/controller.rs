@@ -174,7 +174,8 @@ impl<B: Board> Controller<B> {
         Ok(true)
     }
 
-    /// The law of the pack that came: at once where nothing runs, else at the end of the cycle.
+    /// The law of the pack that came: at once where there is no rig. Beside one a request does a slice of the check, and answers no as long as
+    /// there is more of it: a tick may be due between one and the next. The law is taken at the end of the cycle then.
     #[inline(never)]
     fn take_pack(&mut self) -> Result<bool, Refusal<'static>> {
         let upload = &mut *self.upload;
@@ -186,27 +187,31 @@ impl<B: Board> Controller<B> {
             },
             None => Expectation::default(),
         };
-        let write = |slot: &mut FastLaw<EFFECTS>| -> Result<(), PackError> {
-            let stamp = upload.finish(slot, &expected)?;
-            rate = stamp.map(|stamp| stamp.tick_rate);
-            Ok(())
-        };
         let taken = match (&mut self.parts, &mut self.rig) {
             (Some(parts), _) => {
+                let write = |slot: &mut FastLaw<EFFECTS>| -> Result<(), PackError> {
+                    let stamp = upload.finish(slot, &expected)?;
+                    rate = stamp.map(|stamp| stamp.tick_rate);
+                    Ok(())
+                };
                 let taken = parts.law.swap_with(write);
                 if parts.law.boundary() {
                     self.rate = rate;
                 }
-                taken
+                taken.map(|()| true)
             }
-            (_, Some(rig)) => rig.swap_law_with(write),
+            (_, Some(rig)) => rig
+                .swap_law_in_slices(|slot| upload.finish_slice(slot, &expected))
+                .map(|stamp| stamp.is_some()),
             // A rig that could not be made.
             _ => return Err(Refusal::Order),
         };
         match taken {
-            Ok(()) => {
-                defmt::info!("coefficient pack accepted");
-                Ok(true)
+            Ok(done) => {
+                if done {
+                    defmt::info!("coefficient pack accepted");
+                }
+                Ok(done)
             }
             Err(error) => {
                 let refusal = Refusal::from(error);

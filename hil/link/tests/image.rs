@@ -677,6 +677,68 @@ fn a_pack_for_another_rate_is_refused() {
     }
 }
 
+/// A pack is checked in slices, a tick of the rig after each: every tick is that of a host whose law is swapped with the last slice. A check
+/// that is broken off, and a pack that is refused at its end, change nothing.
+#[test]
+fn a_pack_is_checked_between_ticks() {
+    let mut setup = setup();
+    setup.block_laws.clear();
+    let mut other = FastLaw::<EFFECTS>::new(setup.law.clone());
+    other.set_law(Law::new(1.2, 9.0, 0.15, 0.4).unwrap());
+    let good = pack(&other);
+    let mut bad = good.clone();
+    *bad.last_mut().unwrap() ^= 1;
+    for board in boards_with_rig() {
+        let Some(mut image) = image_on(board) else {
+            return;
+        };
+        let mut host = Bench::new(setup.clone()).unwrap();
+        let mut bench = ImageBench::new(setup.clone(), &mut image).unwrap();
+        Controlled::start(&mut host).unwrap();
+        bench.start().unwrap();
+        let mut forces = Vec::new();
+        let mut tick = |host: &mut Bench<_, 4, EFFECTS>,
+                        bench: &mut ImageBench<'_, _, _, EFFECTS>| {
+            let seen = bench.tick().unwrap();
+            assert_eq!(seen, host.tick(), "{board:?}");
+            forces.push(seen.model_force);
+        };
+        for _ in 0..100 {
+            tick(&mut host, &mut bench);
+        }
+        bench.image().send_parts(&good).unwrap();
+        for _ in 0..20 {
+            assert!(!bench.image().check_pack().unwrap());
+            tick(&mut host, &mut bench);
+        }
+        bench.image().send_parts(&bad).unwrap();
+        let refused = loop {
+            match bench.image().check_pack() {
+                Ok(done) => assert!(!done),
+                Err(error) => break error.to_string(),
+            }
+            tick(&mut host, &mut bench);
+        };
+        assert!(refused.ends_with("checksum does not match"), "{refused}");
+        bench.image().send_parts(&good).unwrap();
+        let mut slices = 1;
+        while !bench.image().check_pack().unwrap() {
+            slices += 1;
+            tick(&mut host, &mut bench);
+        }
+        // The checksum alone takes one for every 32 bytes.
+        assert!(slices > good.len() / 32, "{slices}");
+        host.rig.swap_law(other.clone());
+        // Over the end of the ramp's cycle, which the law waits for.
+        for _ in 0..4000 {
+            tick(&mut host, &mut bench);
+        }
+        // The host's law is the other one by now, and so was every force of the image's.
+        assert_eq!(*host.rig.law(), other);
+        assert!(forces.iter().any(|force| *force != 0.0));
+    }
+}
+
 #[test]
 fn an_emulator_that_dies_is_said() {
     let Some(mut image) = image_on(Board::Mps2An386) else {

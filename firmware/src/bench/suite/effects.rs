@@ -39,11 +39,17 @@ extern "C" fn force(beside: &mut Beside, _: f32, _: f32) -> f32 {
 
 type Augmented = AugmentedLaw<f32, EFFECTS>;
 
-fn eq13() -> Augmented {
+fn eq13<const N: usize>() -> AugmentedLaw<f32, N> {
     AugmentedLaw::new(PAPER.lookup(3.0, AMPLITUDE).law)
 }
 
-fn law(effects: impl IntoIterator<Item = Effect<f32>>) -> Result<Augmented, ConfigError> {
+/// The mixed damping law of the paper with `effects`.
+///
+/// # Errors
+/// More than `N`, or two of a kind.
+pub fn law<const N: usize>(
+    effects: impl IntoIterator<Item = Effect<f32>>,
+) -> Result<AugmentedLaw<f32, N>, ConfigError> {
     let mut law = eq13();
     for effect in effects {
         law = law.with(effect)?;
@@ -105,7 +111,7 @@ pub fn each() -> Result<[(&'static Description, Effect<f32>); EFFECTS], ConfigEr
 }
 
 /// What a correction remembers, and the z of its first and of its last node.
-type Remembered = (Memory<f32>, [f32; 2]);
+pub type Remembered = (Memory<f32>, [f32; 2]);
 
 /// Everything that a correction may be over beside the motion, with the name that it is counted under. Half of the range of
 /// each is reached in the cycles that are counted.
@@ -152,7 +158,10 @@ fn memories() -> [(&'static str, Option<Remembered>); 10] {
 }
 
 /// Of a table that reaches as far as the motion and has no two cells alike side by side.
-fn correction(memory: Option<Remembered>) -> Result<ResidualTable<f32>, ConfigError> {
+///
+/// # Errors
+/// None: every value is in its range.
+pub fn correction(memory: Option<Remembered>) -> Result<ResidualTable<f32>, ConfigError> {
     let uneven = |cell: usize| (cell * 7919 % 2003) as i16 - 1001;
     let cells: [i16; CELLS] = core::array::from_fn(uneven);
     let parts = ResidualTableParts {

@@ -7,6 +7,7 @@ pub mod effects;
 pub mod fixed_point;
 pub mod naive;
 pub mod one_effect;
+pub mod pack;
 pub mod power;
 pub mod rig;
 pub mod tally;
@@ -35,6 +36,7 @@ pub fn cortex_m4f(meter: &mut impl Meter) -> Result<(), Refused> {
     tick::run(meter)?;
     effects::run(meter)?;
     one_effect::run(meter)?;
+    pack::run(meter)?;
     rig::run(meter)
 }
 

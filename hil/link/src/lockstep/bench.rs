@@ -66,6 +66,13 @@ impl<'i, S: DamperForce + Clone, W: Wire, const N: usize> ImageBench<'i, S, W, N
     }
 }
 
+impl<S, W, const N: usize> ImageBench<'_, S, W, N> {
+    /// The image, to be asked what is no tick.
+    pub fn image(&mut self) -> &mut Image<W> {
+        self.image
+    }
+}
+
 fn send<W: Wire, const N: usize>(
     image: &mut Image<W>,
     law: &FastLaw<N>,

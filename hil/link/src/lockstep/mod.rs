@@ -176,15 +176,33 @@ impl<W: Wire> Image<W> {
         })
     }
 
-    /// Sends a coefficient pack, whose law is taken at the next end of a cycle, or at once where no rig runs.
+    /// Sends a coefficient pack, whose law is taken at the next end of a cycle, or at once where there is no rig. No tick comes in between.
     ///
     /// # Errors
     /// A pack that the image refuses: the law in force stays then.
     pub fn send_pack(&mut self, pack: &[u8]) -> Result<(), LinkError> {
+        self.send_parts(pack)?;
+        while !self.check_pack()? {}
+        Ok(())
+    }
+
+    /// Sends the parts of a coefficient pack, which is still to be checked.
+    ///
+    /// # Errors
+    /// The link's; a pack that is too long.
+    pub fn send_parts(&mut self, pack: &[u8]) -> Result<(), LinkError> {
         for (index, part) in pack.chunks(PART).enumerate() {
             self.done(&Request::PackPart((index * PART) as u16, part))?;
         }
-        self.done(&Request::PackEnd).map(|_| ())
+        Ok(())
+    }
+
+    /// A slice of the check of the pack whose parts were sent, or all of it where there is no rig. Says yes once its law waits.
+    ///
+    /// # Errors
+    /// As [`Image::send_pack`].
+    pub fn check_pack(&mut self) -> Result<bool, LinkError> {
+        self.done(&Request::PackEnd)
     }
 
     /// Wires up a rig that is to run `programme`.

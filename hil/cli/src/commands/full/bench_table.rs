@@ -111,6 +111,7 @@ fn sections() -> [Section; 7] {
                 row("rig/unmonitored", "steady", "  without its monitor"),
                 row("crossing/update", "steady", "cycle of a measured motion"),
                 row("crossing/update", "cycle-end", "  at its end"),
+                row("pack/slice", "call", "slice of a pack's check"),
             ],
         },
         Section {

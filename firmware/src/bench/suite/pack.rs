@@ -1,0 +1,69 @@
+//! A slice of a pack's check: what a rig that goes on ticking does beside its tick.
+
+use mesh_damper::effects::residual_table::Memory;
+use mesh_damper::fast_law::FastLaw;
+use mesh_damper::pack::{Expectation, LARGEST, PackError, PackInfo, Upload, encode};
+
+use super::Refused;
+use super::effects::{correction, each, law};
+use super::tally::{Meter, Tally};
+use super::tick::TICK_RATE;
+
+/// Most effects of the law.
+const EFFECTS: usize = 8;
+
+impl From<PackError> for Refused {
+    fn from(_: PackError) -> Self {
+        Self
+    }
+}
+
+/// A pack that has come, and where its law goes.
+struct Waiting {
+    upload: Upload,
+    slot: FastLaw<EFFECTS>,
+    expected: Expectation,
+    /// The last slice was.
+    done: Option<Result<(), PackError>>,
+}
+
+extern "C" fn slice(waiting: &mut Waiting, _: f32, _: f32) -> f32 {
+    let slice = waiting
+        .upload
+        .finish_slice(&mut waiting.slot, &waiting.expected);
+    waiting.done = slice.map(|stamp| stamp.map(|_| ())).transpose();
+    f32::from(u8::from(waiting.done.is_some()))
+}
+
+/// Of packs that hold every effect between them, eight in each, beside a residual table.
+///
+/// # Errors
+/// None: the packs are right.
+pub fn run(meter: &mut impl Meter) -> Result<(), Refused> {
+    let mut tally = Tally::default();
+    let each = each()?;
+    let most = each.len().div_ceil(EFFECTS);
+    for first in 0..most {
+        let effects = each.iter().skip(first * EFFECTS).take(EFFECTS);
+        let law = law::<EFFECTS>(effects.map(|(_, effect)| *effect))?;
+        let table = correction(Some((Memory::Lag { time: 0.05 }, [-0.2, 0.2])))?;
+        let law = FastLaw::new(law.with_residual_table(table)?);
+        let mut buffer = [0; LARGEST];
+        let pack = encode(&law, &PackInfo::at(TICK_RATE as f32), &mut buffer)?;
+        let mut waiting = Waiting {
+            upload: Upload::new(),
+            slot: FastLaw::EMPTY,
+            expected: Expectation::at(TICK_RATE as f32),
+            done: None,
+        };
+        waiting.upload.part(0, pack)?;
+        while waiting.done.is_none() {
+            tally.add(meter.call(slice, &mut waiting, 0.0, 0.0));
+        }
+        if waiting.done != Some(Ok(())) || waiting.slot != law {
+            return Err(Refused);
+        }
+    }
+    meter.report("pack/slice", "call", &tally);
+    Ok(())
+}
