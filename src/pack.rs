@@ -253,8 +253,8 @@ pub fn encode<'b, const N: usize>(
 /// Writes the law in a pack over `slot`, which is no law where the pack is refused. Gives the pack's stamp; `None` of one of version 6,
 /// which has none. [`PackInfo::of`] gives all that the pack says of itself.
 ///
-/// It is [`read`], and a [`Passivity`] of [`Contents::passivity`] unless [`Expectation::allow_active`] is set: several hundred forces of the
-/// law, far more than a tick has time for.
+/// Unless [`Expectation::allow_active`] is set it takes a [`Passivity`] on the stack, and several hundred forces of the law, far more than a
+/// tick has time for: [`Upload::finish_slice`] is for that.
 ///
 /// # Errors
 /// Whatever is wrong with it; a pack with any one bit changed is refused. One that is not what is `expected`: `slot` is as it was.
@@ -266,7 +266,10 @@ pub fn decode<const N: usize>(
 ) -> Result<Option<Stamp>, PackError> {
     let mut check = Check::START;
     loop {
-        if let Some(stamp) = check.step(pack, slot, expected)? {
+        if let Some(stamp) = check.step(pack, slot, expected, None)? {
+            if !expected.allow_active {
+                check.check_passivity(slot)?;
+            }
             return Ok(stamp);
         }
     }
@@ -401,7 +404,7 @@ impl Upload {
     }
 
     /// A slice of what [`Upload::finish`] does, once every part is there: some hundred instructions, for a rig that goes on ticking between
-    /// one slice and the next. None as long as there is more to do: `slot` is no law until then; see
+    /// one slice and the next. `passivity` is what looks whether the law is passive, the same each time. None as long as there is more to do: `slot` is no law until then; see
     /// [`RunningLaw::swap_in_slices`](crate::fast_law::RunningLaw::swap_in_slices). A slot that another law was written over in between is begun
     /// anew. Whatever comes of the last one, the upload is empty
     /// after it.
@@ -412,9 +415,10 @@ impl Upload {
         &mut self,
         slot: &mut FastLaw<N>,
         expected: &Expectation,
+        passivity: &mut Passivity<N>,
     ) -> Result<Option<Option<Stamp>>, PackError> {
         let pack = self.bytes.get(..self.received).unwrap_or_default();
-        let step = self.check.step(pack, slot, expected);
+        let step = self.check.step(pack, slot, expected, Some(passivity));
         if !matches!(step, Ok(None)) {
             self.received = 0;
             self.check = Check::START;
@@ -432,10 +436,9 @@ impl Upload {
         slot: &mut FastLaw<N>,
         expected: &Expectation,
     ) -> Result<Option<Stamp>, PackError> {
-        loop {
-            if let Some(stamp) = self.finish_slice(slot, expected)? {
-                return Ok(stamp);
-            }
-        }
+        let received = core::mem::take(&mut self.received);
+        self.check = Check::START;
+        let pack = self.bytes.get(..received).unwrap_or_default();
+        decode(pack, slot, expected)
     }
 }

@@ -131,14 +131,15 @@ impl<const N: usize> Passivity<N> {
         new
     }
 
-    /// One whose range is still to be given by [`Passivity::begin`]: that of the paper, at 10 kHz.
+    /// One whose range is still to be given by [`Passivity::begin`]; without that it is the paper's, at 10 kHz. All bits are 0, so that it takes
+    /// no flash in a static.
     pub const EMPTY: Self = Self {
         law: AugmentedLaw::new(Law::from_valid(0.0, 0.0, 0.0, 0.0)),
         state: AugmentedState::AT_REST,
         middle: 0.0,
-        largest: PAPER[0],
-        fastest: PAPER[1],
-        tick_rate: 1e4,
+        largest: 0.0,
+        fastest: 0.0,
+        tick_rate: 0.0,
         place: 0,
         cycle: None,
         verdict: None,
@@ -181,6 +182,9 @@ impl<const N: usize> Passivity<N> {
     pub fn step(&mut self, law: &FastLaw<N>) -> Option<Result<(), Active>> {
         if self.verdict.is_some() {
             return self.verdict;
+        }
+        if self.tick_rate == 0.0 {
+            self.begin(None, 1e4);
         }
         match self.cycle.take() {
             None => self.begin_cycle(law.augmented()),

@@ -1,10 +1,12 @@
 //! The check of a pack, and the law that it writes, in slices: a tick that does one of them beside its own work stays in time.
 
 use super::info;
-use super::{Expectation, HEADER, OLDEST, PackError, Stamp, effect, number};
+use super::{Expectation, HEADER, OLDEST, PackError, SILENT_RATE, Stamp, effect, number};
 use crate::fast_law::FastLaw;
 use crate::frame::{CHECKSUM, Reader, checksum_with};
 use crate::law::Law;
+use crate::operating_range::OperatingRange;
+use crate::passivity::{Active, Passivity};
 
 /// Bytes of the checksum, numbers of the damping and cells of the table in a slice: some 350 instructions of a Cortex-M4F each.
 const BYTES: usize = 32;
@@ -27,6 +29,8 @@ enum Stage {
     /// From this cell on.
     Cells(usize),
     End,
+    /// The law is there, and is to be passive.
+    Passivity,
 }
 
 /// The check of a pack, as far as it has come.
@@ -40,6 +44,7 @@ pub(super) struct Check {
     expected: u32,
     version: u16,
     stamp: Option<Stamp>,
+    range: Option<OperatingRange<f32>>,
 }
 
 impl Check {
@@ -51,15 +56,18 @@ impl Check {
         expected: 0,
         version: 0,
         stamp: None,
+        range: None,
     };
 
-    /// One slice. Its stamp once the whole pack has been found right and its law written over `slot`, which is no law until then.
+    /// One slice. The stamp once the whole pack has been found right and its law written over `slot`, which is no law until then. `passivity` is
+    /// what looks whether that is passive, unless an active one is allowed: the same each time; without one, whoever calls looks.
     #[inline(never)]
     pub(super) fn step<const N: usize>(
         &mut self,
         pack: &[u8],
         slot: &mut FastLaw<N>,
         expected: &Expectation,
+        passivity: Option<&mut Passivity<N>>,
     ) -> Result<Option<Option<Stamp>>, PackError> {
         let is_before_the_law = matches!(
             self.stage,
@@ -76,10 +84,13 @@ impl Check {
             Stage::Checksum => return self.sum(pack).map(|()| None),
             Stage::Info => {
                 if self.version != OLDEST {
-                    let (found, _) = info::stamp(&mut reader).ok_or(PackError::Body)?;
+                    let (found, description) = info::stamp(&mut reader).ok_or(PackError::Body)?;
                     self.stamp = Some(found);
+                    expected.check(self.stamp.as_ref())?;
+                    self.range = info::operating_range(&mut Reader(description))?;
+                } else {
+                    expected.check(None)?;
                 }
-                expected.check(self.stamp.as_ref())?;
                 Stage::Law
             }
             Stage::Law => {
@@ -130,12 +141,45 @@ impl Check {
                 if !reader.rest().is_empty() {
                     return Err(PackError::Body);
                 }
-                slot.augmented.finish();
-                return Ok(Some(self.stamp));
+                match passivity {
+                    Some(passivity) if !expected.allow_active => {
+                        passivity.begin(self.range.as_ref(), self.tick_rate());
+                        Stage::Passivity
+                    }
+                    _ => return Ok(Some(self.end(slot))),
+                }
             }
+            Stage::Passivity => match passivity.and_then(|passivity| passivity.step(slot)) {
+                Some(verdict) => {
+                    verdict?;
+                    return Ok(Some(self.end(slot)));
+                }
+                None => return Ok(None),
+            },
         };
         self.at = pack.len() - reader.rest().len();
         Ok(None)
+    }
+
+    /// The law is all there.
+    fn end<const N: usize>(&self, slot: &mut FastLaw<N>) -> Option<Stamp> {
+        slot.augmented.finish();
+        self.stamp
+    }
+
+    /// Whether the law that was read is passive, all at once. Not inlined: what it takes of the stack is free again once it is done, and a
+    /// load that allows an active law takes none of it.
+    ///
+    /// # Errors
+    /// The motion in which it is not.
+    #[inline(never)]
+    pub(super) fn check_passivity<const N: usize>(&self, law: &FastLaw<N>) -> Result<(), Active> {
+        Passivity::new(self.range.as_ref(), self.tick_rate()).check(law)
+    }
+
+    /// For which the effects are made, Hz: 10 kHz where the pack does not say it.
+    fn tick_rate(&self) -> f32 {
+        self.stamp.map_or(SILENT_RATE, |stamp| stamp.tick_rate)
     }
 
     /// Whether it begins as a pack does, and is as long as it says.

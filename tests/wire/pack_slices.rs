@@ -5,6 +5,7 @@ use mesh_damper::effects::{AugmentedLaw, DESCRIPTIONS, Effect, Motion, ResidualT
 use mesh_damper::fast_law::{FastLaw, RunningLaw};
 use mesh_damper::law::Law;
 use mesh_damper::pack::{self, Expectation, LARGEST, PackError, PackInfo, Stamp, Upload};
+use mesh_damper::passivity::Passivity;
 use proptest::prelude::*;
 
 const EFFECTS: usize = 8;
@@ -47,9 +48,10 @@ fn upload(pack: &[u8]) -> Upload {
 fn slice(
     running: &mut RunningLaw<EFFECTS>,
     upload: &mut Upload,
+    passivity: &mut Passivity<EFFECTS>,
 ) -> Result<Option<Option<Stamp>>, PackError> {
     let expected = Expectation::at(RATE);
-    running.swap_in_slices(|slot| upload.finish_slice(slot, &expected))
+    running.swap_in_slices(|slot| upload.finish_slice(slot, &expected, passivity))
 }
 
 fn motion(tick: usize) -> Motion<f32> {
@@ -68,9 +70,13 @@ fn no_law_waits_before_it_is_complete() {
     let (old, new) = (law(1.0, 0), law(2.0, 5));
     let mut running = RunningLaw::new(old.clone());
     let mut alone = RunningLaw::new(old);
+    let mut passivity = Passivity::EMPTY;
     let mut upload = upload(&packed(&new));
     let mut slices = 1;
-    while slice(&mut running, &mut upload).unwrap().is_none() {
+    while slice(&mut running, &mut upload, &mut passivity)
+        .unwrap()
+        .is_none()
+    {
         assert!(!running.boundary(), "after slice {slices}");
         assert_eq!(
             running.force(&motion(slices)),
@@ -83,7 +89,7 @@ fn no_law_waits_before_it_is_complete() {
     assert!(running.boundary());
     assert_eq!(*running.law(), new);
     // The upload is empty.
-    let again = slice(&mut running, &mut upload);
+    let again = slice(&mut running, &mut upload, &mut passivity);
     assert!(
         matches!(again, Err(PackError::Length { found: 0, .. })),
         "{again:?}"
@@ -96,8 +102,9 @@ fn a_check_that_begins_drops_the_law_that_waited() {
     let (old, new) = (law(1.0, 0), law(2.0, 5));
     let mut running = RunningLaw::new(old.clone());
     running.swap(law(3.0, 9));
+    let mut passivity = Passivity::EMPTY;
     let mut upload = upload(&packed(&new));
-    assert_eq!(slice(&mut running, &mut upload), Ok(None));
+    assert_eq!(slice(&mut running, &mut upload, &mut passivity), Ok(None));
     assert!(!running.boundary());
     assert_eq!(*running.law(), old);
 }
@@ -110,14 +117,15 @@ fn a_check_that_is_broken_off_leaves_the_law_in_force() {
     let mut bad = good.clone();
     *bad.last_mut().unwrap() ^= 1;
     let mut running = RunningLaw::new(old.clone());
+    let mut passivity = Passivity::EMPTY;
     let mut upload = upload(&good);
     for done in [10, 60] {
         for _ in 0..done {
-            assert_eq!(slice(&mut running, &mut upload), Ok(None));
+            assert_eq!(slice(&mut running, &mut upload, &mut passivity), Ok(None));
         }
         upload.part(0, &bad).unwrap();
         let refused = loop {
-            match slice(&mut running, &mut upload) {
+            match slice(&mut running, &mut upload, &mut passivity) {
                 Ok(none) => assert_eq!(none, None),
                 Err(refused) => break refused,
             }
@@ -137,6 +145,7 @@ proptest! {
         let (whole, sent) = ([law(1.0, 0), law(3.0, 9)], law(2.0, 5));
         let good = packed(&sent);
         let mut running = RunningLaw::new(whole[0].clone());
+        let mut passivity = Passivity::EMPTY;
         let mut upload = upload(&good);
         for step in steps {
             match step {
@@ -146,7 +155,7 @@ proptest! {
                 }
                 3 => upload.part(0, &good).unwrap(),
                 _ => {
-                    let slice = slice(&mut running, &mut upload);
+                    let slice = slice(&mut running, &mut upload, &mut passivity);
                     let is_empty = matches!(slice, Err(PackError::Length { found: 0, .. }));
                     prop_assert!(slice.is_ok() || is_empty, "{slice:?}");
                 }

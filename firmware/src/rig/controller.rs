@@ -3,13 +3,14 @@
 use core::mem::MaybeUninit;
 use core::sync::atomic::Ordering::Relaxed;
 
-use mesh_damper::fast_law::{FastLaw, RunningLaw};
+use mesh_damper::fast_law::RunningLaw;
 use mesh_damper::frame::{Frame, FrameBuffer};
 use mesh_damper::message::{
     MAX_BLOCKS, Refusal, Request, Sensors, Setup, Statistics, write_done, write_forces,
     write_outcome, write_refusal, write_statistics,
 };
-use mesh_damper::pack::{Expectation, PackError, Upload};
+use mesh_damper::pack::{Expectation, Upload};
+use mesh_damper::passivity::Passivity;
 use mesh_damper::rig::{
     AnyExciter, Blocking, RigController, State, Stream, StreamConfig, Telemetry, Wiring,
 };
@@ -56,18 +57,24 @@ pub struct Controller<B: Board> {
     /// Of the rig, Hz; until there is one, that of the law's pack, where it said one.
     rate: Option<f32>,
     upload: &'static mut Upload,
+    passivity: &'static mut Passivity<EFFECTS>,
     /// Of the last tick, for the log.
     block: Option<usize>,
     state: State,
 }
 
 impl<B: Board> Controller<B> {
-    pub fn new(parts: Parts<B>, upload: &'static mut Upload) -> Self {
+    pub fn new(
+        parts: Parts<B>,
+        upload: &'static mut Upload,
+        passivity: &'static mut Passivity<EFFECTS>,
+    ) -> Self {
         Self {
             parts: Some(parts),
             rig: None,
             rate: None,
             upload,
+            passivity,
             block: None,
             state: State::Idle,
         }
@@ -178,8 +185,7 @@ impl<B: Board> Controller<B> {
     /// there is more of it: a tick may be due between one and the next. The law is taken at the end of the cycle then.
     #[inline(never)]
     fn take_pack(&mut self) -> Result<bool, Refusal<'static>> {
-        let upload = &mut *self.upload;
-        let mut rate = None;
+        let (upload, passivity) = (&mut *self.upload, &mut *self.passivity);
         let expected = match &self.rig {
             Some(_) => Expectation {
                 tick_rate: self.rate,
@@ -188,20 +194,21 @@ impl<B: Board> Controller<B> {
             None => Expectation::default(),
         };
         let taken = match (&mut self.parts, &mut self.rig) {
-            (Some(parts), _) => {
-                let write = |slot: &mut FastLaw<EFFECTS>| -> Result<(), PackError> {
-                    let stamp = upload.finish(slot, &expected)?;
-                    rate = stamp.map(|stamp| stamp.tick_rate);
-                    Ok(())
-                };
-                let taken = parts.law.swap_with(write);
-                if parts.law.boundary() {
-                    self.rate = rate;
+            (Some(parts), _) => loop {
+                let slice = |slot: &mut _| upload.finish_slice(slot, &expected, passivity);
+                match parts.law.swap_in_slices(slice) {
+                    Ok(None) => {}
+                    Ok(Some(stamp)) => {
+                        if parts.law.boundary() {
+                            self.rate = stamp.map(|stamp| stamp.tick_rate);
+                        }
+                        break Ok(true);
+                    }
+                    Err(error) => break Err(error),
                 }
-                taken.map(|()| true)
-            }
+            },
             (_, Some(rig)) => rig
-                .swap_law_in_slices(|slot| upload.finish_slice(slot, &expected))
+                .swap_law_in_slices(|slot| upload.finish_slice(slot, &expected, passivity))
                 .map(|stamp| stamp.is_some()),
             // A rig that could not be made.
             _ => return Err(Refusal::Order),

@@ -15,6 +15,7 @@ use mesh_damper::fast_law::RunningLaw;
 use mesh_damper::frame::{Frames, LARGEST};
 use mesh_damper::message::{MAX_BLOCKS, write_again};
 use mesh_damper::pack::Upload;
+use mesh_damper::passivity::Passivity;
 use mesh_damper::rig::StreamConfig;
 use mesh_damper::sine::Programme;
 
@@ -29,6 +30,7 @@ pub struct Memory<B: Board> {
     rig: MaybeUninit<WiredRig<B>>,
     controller: MaybeUninit<Excitation>,
     upload: Upload,
+    passivity: Passivity<EFFECTS>,
     received: [u8; LARGEST],
     again: FrameBuffer,
 }
@@ -44,6 +46,7 @@ impl<B: Board> Memory<B> {
             rig: MaybeUninit::uninit(),
             controller: MaybeUninit::uninit(),
             upload: Upload::new(),
+            passivity: Passivity::EMPTY,
             received: [0; LARGEST],
             again: FrameBuffer::new(),
         }
@@ -60,7 +63,7 @@ pub fn run<B: Board>(memory: &'static mut Memory<B>, answer: &'static mut FrameB
         rig: &mut memory.rig,
         controller: &mut memory.controller,
     };
-    let mut controller = Controller::new(parts, &mut memory.upload);
+    let mut controller = Controller::new(parts, &mut memory.upload, &mut memory.passivity);
     // Number of the next request. The one before is answered again with the same answer: it is not carried out twice.
     let mut next: u32 = 0;
     loop {

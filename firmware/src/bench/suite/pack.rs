@@ -3,6 +3,7 @@
 use mesh_damper::effects::residual_table::Memory;
 use mesh_damper::fast_law::FastLaw;
 use mesh_damper::pack::{Expectation, LARGEST, PackError, PackInfo, Upload, encode};
+use mesh_damper::passivity::Passivity;
 
 use super::Refused;
 use super::effects::{correction, each, law};
@@ -22,15 +23,17 @@ impl From<PackError> for Refused {
 struct Waiting {
     upload: Upload,
     slot: FastLaw<EFFECTS>,
+    passivity: Passivity<EFFECTS>,
     expected: Expectation,
     /// The last slice was.
     done: Option<Result<(), PackError>>,
 }
 
 extern "C" fn slice(waiting: &mut Waiting, _: f32, _: f32) -> f32 {
-    let slice = waiting
-        .upload
-        .finish_slice(&mut waiting.slot, &waiting.expected);
+    let slice =
+        waiting
+            .upload
+            .finish_slice(&mut waiting.slot, &waiting.expected, &mut waiting.passivity);
     waiting.done = slice.map(|stamp| stamp.map(|_| ())).transpose();
     f32::from(u8::from(waiting.done.is_some()))
 }
@@ -53,6 +56,7 @@ pub fn run(meter: &mut impl Meter) -> Result<(), Refused> {
         let mut waiting = Waiting {
             upload: Upload::new(),
             slot: FastLaw::EMPTY,
+            passivity: Passivity::EMPTY,
             expected: Expectation::at(TICK_RATE as f32),
             done: None,
         };
