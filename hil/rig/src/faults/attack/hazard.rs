@@ -387,7 +387,7 @@ mod tests {
         // No gain at all, another sign, one sample in ten missing, a little of something else.
         assert_eq!(behind(|_, _| 0.3), Behind::Other);
         assert_eq!(behind(|_, volts| -0.5 * volts), Behind::Other);
-        let one_in_ten = |tick: u64, volts: f64| f64::from(tick % 10 != 0) * 0.5 * volts;
+        let one_in_ten = |tick: u64, volts: f64| f64::from(!tick.is_multiple_of(10)) * 0.5 * volts;
         assert_eq!(behind(one_in_ten), Behind::Other);
         let hum = |tick: u64, volts: f64| 0.5 * volts + 0.1 * (tick as f64).sin();
         assert_eq!(behind(hum), Behind::Other);

@@ -356,20 +356,20 @@ impl AttackKind {
     /// Whether it can lead to a hazardous state or blind what protects from one: not a specimen that becomes weaker, nor an
     /// actuator that is cut off.
     pub fn is_dangerous(self) -> bool {
-        match self {
+        !matches!(
+            self,
             Self::Break
-            | Self::WiresOneByOne
-            | Self::WiresInRunIn
-            | Self::BreakWhileLearning
-            | Self::BreakInShortBlocks
-            | Self::Wear
-            | Self::Backlash
-            | Self::BacklashInRunIn
-            | Self::Removed
-            | Self::AbsentFromStart
-            | Self::EnableStuckLow => false,
-            _ => true,
-        }
+                | Self::WiresOneByOne
+                | Self::WiresInRunIn
+                | Self::BreakWhileLearning
+                | Self::BreakInShortBlocks
+                | Self::Wear
+                | Self::Backlash
+                | Self::BacklashInRunIn
+                | Self::Removed
+                | Self::AbsentFromStart
+                | Self::EnableStuckLow
+        )
     }
 
     /// The channel that a limit depends on and that shows nothing more of its quantity.
