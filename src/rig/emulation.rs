@@ -33,7 +33,7 @@ pub struct DamperEmulationSettings {
     pub displacement_limit: f64,
     /// Largest force in either direction, kN, 1e-6…1e9: of the law, at once, and as measured.
     pub force_limit: f64,
-    /// For how many ticks on end a measured quantity must exceed its limit to stop, 1…1e6.
+    /// For how many ticks on end a measured quantity must exceed its limit to stop, 1…1e6; for half as many by more than a tenth.
     pub trip_ticks: u32,
     /// In how many ticks the force comes in once started, and goes to 0 once stopped, 1…1e7.
     pub stop_ticks: u32,

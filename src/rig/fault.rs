@@ -62,6 +62,9 @@ pub(super) struct Limits {
 /// What a tick beyond a limit adds to its count, and a tick within takes off: 1. So a limit that is exceeded for more than a ninth of the
 /// time stops the rig, whatever is shown meanwhile: a bad contact, ringing, a channel that drops out.
 const BEYOND: u32 = 8;
+/// Part of a limit from which a tick beyond it counts twice: noise does not get there, and what does has to stop before the channels' lag has
+/// made the trip time longer.
+const CLEARLY: f32 = 1.1;
 
 /// How long each limit has been exceeded: [`BEYOND`] to the tick, less the ticks within it since.
 #[derive(Clone, Copy, Debug, Default)]
@@ -125,8 +128,8 @@ impl Limits {
         self.force
     }
 
-    /// The fault, once a limit has been exceeded for `trip_ticks` ticks on end, or for more of them where one in nine or fewer was within
-    /// it. NaN exceeds every limit.
+    /// The fault, once a limit has been exceeded for `trip_ticks` ticks on end, for half as many by more than a tenth of it, or for more of
+    /// them where one in nine or fewer was within it. NaN exceeds every limit clearly.
     #[inline]
     pub(super) fn check(
         &self,
@@ -135,32 +138,36 @@ impl Limits {
         force: f32,
         tracking_error: f32,
     ) -> Option<TripCause> {
-        let beyond = |value: f32, limit: f32| !(value.abs() <= limit);
-        let displacement = beyond(displacement, self.displacement);
-        let force = beyond(force, self.force);
-        let tracking = beyond(tracking_error, self.tracking);
-        if displacement | force | tracking | exceeded.any {
-            self.count(exceeded, [displacement, force, tracking])
-        } else {
-            None
+        // A NaN is within none.
+        let within = displacement.abs() <= self.displacement
+            && force.abs() <= self.force
+            && tracking_error.abs() <= self.tracking;
+        if within && !exceeded.any {
+            return None;
         }
+        self.count(exceeded, [displacement, force, tracking_error])
     }
 
     /// What a tick makes of the counts in which one of them is not 0, or will not be.
     #[cold]
     #[inline(never)]
-    fn count(&self, exceeded: &mut Exceeded, beyond: [bool; 3]) -> Option<TripCause> {
+    fn count(&self, exceeded: &mut Exceeded, values: [f32; 3]) -> Option<TripCause> {
         exceeded.any = false;
         let mut cause = None;
-        for ((count, beyond), limit) in exceeded.counts.iter_mut().zip(beyond).zip(LIMITS) {
-            *count = if beyond {
+        let limits = [self.displacement, self.force, self.tracking];
+        let counts = exceeded.counts.iter_mut().zip(values);
+        for ((count, value), (limit, tripped)) in counts.zip(limits.into_iter().zip(LIMITS)) {
+            let value = value.abs();
+            *count = if value <= limit {
+                count.saturating_sub(1)
+            } else if value <= CLEARLY * limit {
                 count.saturating_add(BEYOND)
             } else {
-                count.saturating_sub(1)
+                count.saturating_add(2 * BEYOND)
             };
             exceeded.any |= *count > 0;
             if cause.is_none() && *count >= BEYOND * self.trip_ticks {
-                cause = Some(limit);
+                cause = Some(tripped);
             }
         }
         cause

@@ -846,7 +846,7 @@ fn a_second_run_counts_its_own_ticks_beyond_a_limit() {
         programme(&[(0.1, 2.0, 1)]),
         elastic(),
     );
-    adc.volts[0].set(0.6 * mesh_damper::adc::INPUT_RANGE);
+    adc.volts[0].set(0.53 * mesh_damper::adc::INPUT_RANGE);
     let mut ticks = Ticks::default();
     for _ in 0..3 {
         rig.start().unwrap();

@@ -212,14 +212,16 @@ fn faults_take_the_force_to_zero() {
         bench.emulator.clear().unwrap();
         assert_eq!(bench.emulator.state(), State::Idle);
     }
-    // 0.5 mm, for ten ticks on end.
-    let mut bench = started(setup(0.1, 0.0, 0.0, 0.5));
-    for tick in 1..=10 {
-        let state = bench.tick(0.6).telemetry.state;
-        assert_eq!(state == State::Running, tick < 10);
+    // 0.5 mm, for ten ticks on end; for half as many by more than a tenth.
+    for (displacement, ticks) in [(0.53, 10), (0.6, 5)] {
+        let mut bench = started(setup(0.1, 0.0, 0.0, 0.5));
+        for tick in 1..=ticks {
+            let state = bench.tick(displacement).telemetry.state;
+            assert_eq!(state == State::Running, tick < ticks);
+        }
+        let fault = TripCause::DisplacementLimit;
+        assert_eq!(bench.emulator.state(), State::Faulted(fault));
     }
-    let fault = TripCause::DisplacementLimit;
-    assert_eq!(bench.emulator.state(), State::Faulted(fault));
 }
 
 #[test]
