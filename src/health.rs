@@ -468,7 +468,7 @@ impl HealthMonitor {
         } else if !look.ramp && self.response.turns(look.phase) {
             // That is enough for one tick.
         } else {
-            let turns = self.following.turns(look.phase) || self.following.has_window();
+            let turns = self.following.turns(look.phase);
             if turns {
                 self.watch_force(look.phase);
             }
@@ -555,13 +555,7 @@ impl HealthMonitor {
     #[inline(never)]
     fn watch_force(&mut self, phase: u32) {
         let [least, _] = self.least_amplitudes;
-        let least = 0.5 * least;
-        let lost = if self.following.turns(phase) {
-            self.following.turn(phase, least)
-        } else {
-            self.following.close(least)
-        };
-        if let Some(explained) = lost {
+        if let Some(explained) = self.following.turn(phase, 0.5 * least) {
             self.force_is_lost(explained);
         }
     }

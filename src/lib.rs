@@ -18,6 +18,7 @@
 //! | the law under an excitation, without a specimen, at the least cost a tick | [`simulation`] |
 //! | velocity and acceleration from a measured displacement | [`observer`] |
 //! | a law as bytes, loadable while running | [`pack`] |
+//! | whether a law gives no more energy than it takes | [`passivity`] |
 //! | whether a motion is one that a law was fitted on | [`operating_range`] |
 //! | the fixed-tick controller of a rig, or of an emulated damper | [`rig`] |
 //! | what has gone wrong with specimen, sensors and actuator of that rig | [`health`] |
@@ -81,6 +82,7 @@ pub mod message;
 pub mod observer;
 pub mod operating_range;
 pub mod pack;
+pub mod passivity;
 pub mod power;
 pub mod real;
 pub mod rig;

@@ -26,6 +26,7 @@ use crate::effects::residual_table::LARGEST_TABLE;
 use crate::error::ConfigError;
 use crate::fast_law::FastLaw;
 use crate::frame::{Writer, checksum};
+use crate::passivity::{Active, Passivity};
 use crate::power::{OCTAVES, SEGMENTS};
 use check::Check;
 use info::LARGEST_INFO;
@@ -44,6 +45,9 @@ const EFFECTS: usize = 1 + (2 + 4 * MOST_WORDS) + 7 * (2 + 4 * OTHER_WORDS);
 const OTHER_WORDS: usize = 12;
 /// Most bytes of a pack. Derived: the sum of its parts.
 pub const LARGEST: usize = HEADER + LARGEST_INFO + LAW + EFFECTS + 1 + LARGEST_TABLE;
+
+/// Hz, for which the effects of a pack are taken to be made that does not say it: that of the paper's rig in this crate's tests.
+const SILENT_RATE: f32 = 1e4;
 
 const MAGIC: [u8; 4] = *b"MDCP";
 
@@ -101,6 +105,13 @@ pub enum PackError {
     Checksum,
     /// The body cannot be read, though its checksum matches.
     Body,
+    /// Its law gives more energy than it takes, and [`Expectation::allow_active`] is not set: see [`crate::passivity`].
+    Active {
+        /// Of the motion in which it does, mm.
+        amplitude: f32,
+        /// Of that motion, Hz.
+        frequency: f32,
+    },
     /// A coefficient or parameter that its constructor refuses.
     Refused(ConfigError),
 }
@@ -154,12 +165,29 @@ impl fmt::Display for PackError {
             }
             Self::Checksum => write!(f, "the pack's checksum does not match"),
             Self::Body => write!(f, "the pack's body cannot be read"),
+            Self::Active {
+                amplitude,
+                frequency,
+            } => write!(
+                f,
+                "law: it gives more energy than it takes in a cycle of {amplitude} mm at {frequency} Hz, and a passive one is required: \
+                 see to its damping and to stiffnesses of friction below 0, or allow an active law"
+            ),
             Self::Refused(error) => error.fmt(f),
         }
     }
 }
 
 impl core::error::Error for PackError {}
+
+impl From<Active> for PackError {
+    fn from(active: Active) -> Self {
+        Self::Active {
+            amplitude: active.amplitude,
+            frequency: active.frequency,
+        }
+    }
+}
 
 impl From<ConfigError> for PackError {
     fn from(error: ConfigError) -> Self {
@@ -225,8 +253,12 @@ pub fn encode<'b, const N: usize>(
 /// Writes the law in a pack over `slot`, which is no law where the pack is refused. Gives the pack's stamp; `None` of one of version 6,
 /// which has none. [`PackInfo::of`] gives all that the pack says of itself.
 ///
+/// It is [`read`], and a [`Passivity`] of [`Contents::passivity`] unless [`Expectation::allow_active`] is set: several hundred forces of the
+/// law, far more than a tick has time for.
+///
 /// # Errors
 /// Whatever is wrong with it; a pack with any one bit changed is refused. One that is not what is `expected`: `slot` is as it was.
+/// [`PackError::Active`]: `slot` has the law, which must not be used.
 pub fn decode<const N: usize>(
     pack: &[u8],
     slot: &mut FastLaw<N>,

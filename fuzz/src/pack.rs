@@ -9,6 +9,7 @@ use mesh_damper::operating_range::OperatingRange;
 use mesh_damper::pack::{
     self, Expectation, Identity, LARGEST, PackError, PackInfo, Stamp, Upload, VERSION,
 };
+use mesh_damper::passivity::Passivity;
 
 use crate::edit::edited;
 use crate::feed::{Feed, Random};
@@ -132,7 +133,11 @@ fn in_slices(mut upload: Upload, whole: &Result<Option<Stamp>, PackError>, law: 
 /// Whether `bytes` are taken: the law comes back from its own pack, and gives forces. In parts they are what they are whole.
 fn is_a_law(bytes: &[u8]) -> bool {
     let mut slot = FastLaw::<EFFECTS>::EMPTY;
-    let any = Expectation::default();
+    // An active law comes back from its own pack too.
+    let any = Expectation {
+        allow_active: true,
+        ..Expectation::default()
+    };
     let whole = pack::decode(bytes, &mut slot, &any);
     let mut upload = Upload::new();
     let mut parts = bytes.chunks(100).enumerate();
@@ -158,9 +163,15 @@ fn is_a_law(bytes: &[u8]) -> bool {
     let mut own = Expectation {
         identity: Some(stamp.identity),
         newer_than: stamp.revision.checked_sub(1),
+        allow_active: true,
         ..Expectation::at(stamp.tick_rate)
     };
     let mut unused = FastLaw::<EFFECTS>::EMPTY;
+    // Without that the verdict is that of a check of the law alone.
+    let passive = pack::decode(bytes, &mut unused, &Expectation::default());
+    let range = info.operating_range.as_ref();
+    let checked = Passivity::new(range, stamp.tick_rate).check(&slot);
+    assert_eq!(passive, checked.map(|()| said).map_err(PackError::from));
     // One of version 6 says nothing of what is required.
     assert_eq!(
         pack::decode(bytes, &mut unused, &own).is_ok(),

@@ -42,7 +42,7 @@ impl<R: Real> Equations<R> for Asymmetry<R> {
         typical: &[2.0],
         depends_on: &[Dependence::Displacement],
         outside: Growth::Quadratic,
-        may_supply_energy: false,
+        supplies_energy: false,
         scales_law: false,
         sentence: "Even stiffness: a damper that is stiffer one way than the other.",
     };

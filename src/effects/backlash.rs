@@ -68,7 +68,7 @@ impl<R: Real> Equations<R> for Backlash<R> {
         typical: &[2.0, 0.02, 0.04],
         depends_on: &[Dependence::Displacement, Dependence::History],
         outside: Growth::Saturates,
-        may_supply_energy: false,
+        supplies_energy: false,
         scales_law: false,
         sentence: "Friction with elastic pre-sliding that is felt through a play: after a reversal the motion is free for a way.",
     };

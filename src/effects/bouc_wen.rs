@@ -95,7 +95,7 @@ impl<R: Real> Equations<R> for BoucWen<R> {
         typical: &[0.9, 0.02, 1.5],
         depends_on: &[Dependence::Displacement, Dependence::History],
         outside: Growth::Saturates,
-        may_supply_energy: false,
+        supplies_energy: false,
         scales_law: false,
         sentence: "Rate-independent friction that gives way smoothly.",
     };

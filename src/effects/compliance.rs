@@ -103,7 +103,7 @@ impl<R: Real> Equations<R> for Compliance<R> {
             Dependence::Amplitude,
         ],
         outside: Growth::AtMostLinear,
-        may_supply_energy: false,
+        supplies_energy: false,
         scales_law: false,
         sentence: "A spring in series with the specimen: the fixture gives way.",
     };

@@ -155,7 +155,7 @@ impl<R: Real> Equations<R> for ControlInput<R> {
             Dependence::History,
         ],
         outside: Growth::AtMostLinear,
-        may_supply_energy: true,
+        supplies_energy: false,
         scales_law: false,
         sentence: "A spring and a dashpot that yields, and a dashpot beside them, all as strong as a control input makes them, late if need be.",
     };
@@ -201,6 +201,14 @@ impl<R: Real> Equations<R> for ControlInput<R> {
         let bend = [0.999 / SATURATION[1], 1.001 / SATURATION[0]];
         in_range("bend", self.bend, bend[0], bend[1])?;
         place("input", self.input as f64).map(|_| ())
+    }
+
+    /// Its lag stays: a steady input has arrived before the first tick.
+    fn coarsened(&self, doublings: u32) -> Self {
+        Self {
+            branch: self.branch.coarsened(doublings),
+            ..*self
+        }
     }
 
     // On a target not inlined: a tick without it need not save the registers that it takes.

@@ -66,7 +66,7 @@ impl<R: Real> Equations<R> for Degradation<R> {
         typical: &[1.5, 0.08, 0.3],
         depends_on: &[Dependence::Displacement, Dependence::History],
         outside: Growth::Saturates,
-        may_supply_energy: false,
+        supplies_energy: false,
         scales_law: false,
         sentence: "A spring that loses stiffness with the largest displacement so far, and may be softer about 0.",
     };

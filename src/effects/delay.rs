@@ -84,7 +84,7 @@ impl<R: Real> Equations<R> for Delay<R> {
         typical: &[0.0012],
         depends_on: &[Dependence::Velocity, Dependence::Frequency],
         outside: Growth::OfForceBehind,
-        may_supply_energy: true,
+        supplies_energy: true,
         scales_law: false,
         sentence: "A force channel that is late.",
     };

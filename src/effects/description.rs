@@ -182,8 +182,10 @@ pub struct Description {
     pub depends_on: &'static [Dependence],
     /// How its force grows outside the operating range.
     pub outside: Growth,
-    /// Whether it may give more energy in a closed cycle than it takes.
-    pub may_supply_energy: bool,
+    /// Whether it gives more energy than it takes in closed cycles by what it is, whatever its parameters: a tone drives by itself, and
+    /// a force that is late returns more than was stored. [`Passivity`](crate::passivity::Passivity) leaves it out. What supplies energy
+    /// at some of its parameters only, such as a dashpot below 0, does not say so here.
+    pub supplies_energy: bool,
     /// Whether all of its force, or a part, is a part of the mixed damping law's: what slow changes of the law change too.
     pub scales_law: bool,
     /// What it is, in one sentence.

@@ -39,7 +39,7 @@ impl<R: Real> Equations<R> for Directional<R> {
         typical: &[0.3],
         depends_on: &[Dependence::Velocity],
         outside: Growth::OfDamping,
-        may_supply_energy: false,
+        supplies_energy: false,
         scales_law: true,
         sentence: "Damping that is stronger one way than the other.",
     };

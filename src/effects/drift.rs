@@ -89,7 +89,7 @@ impl<R: Real> Equations<R> for Drift<R> {
         typical: &[30.0, 0.2, 0.1, -0.3],
         depends_on: &[Dependence::Displacement, Dependence::Cycle],
         outside: Growth::OfLaw,
-        may_supply_energy: false,
+        supplies_energy: false,
         scales_law: true,
         sentence: "A force that settles with the cycles: run-in, friction that wears, or wires that break one after another.",
     };

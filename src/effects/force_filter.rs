@@ -79,7 +79,7 @@ impl<R: Real> Equations<R> for ForceFilter<R> {
         typical: &[200.0],
         depends_on: &[Dependence::Velocity, Dependence::Frequency],
         outside: Growth::OfForceBehind,
-        may_supply_energy: true,
+        supplies_energy: true,
         scales_law: false,
         sentence: "A force channel behind a second-order low-pass.",
     };

@@ -63,7 +63,7 @@ impl<R: Real> Equations<R> for Gap<R> {
         typical: &[0.01, 0.0],
         depends_on: &[Dependence::Displacement],
         outside: Growth::OfForceBehind,
-        may_supply_energy: false,
+        supplies_energy: false,
         scales_law: false,
         sentence: "Free play of the mounting: the first part of a displacement is not felt.",
     };

@@ -41,7 +41,7 @@ impl<R: Real> Equations<R> for Hardening<R> {
         typical: &[90.0],
         depends_on: &[Dependence::Displacement],
         outside: Growth::FifthPower,
-        may_supply_energy: false,
+        supplies_energy: false,
         scales_law: false,
         sentence: "Odd stiffness above the cubic: wires that come to lie against each other.",
     };

@@ -166,7 +166,7 @@ impl<R: Real> Equations<R> for HardeningFriction<R> {
         typical: &[0.9, 0.4, 1.0, 2.0, 10.0],
         depends_on: &[Dependence::Displacement, Dependence::History],
         outside: Growth::Saturates,
-        may_supply_energy: false,
+        supplies_energy: false,
         scales_law: false,
         sentence: "Rate-independent friction whose branches grow steeper, and fall off faster than they rose.",
     };

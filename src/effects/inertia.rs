@@ -47,7 +47,7 @@ impl<R: Real> Equations<R> for Inertia<R> {
         typical: &[50.0],
         depends_on: &[Dependence::Displacement, Dependence::Frequency],
         outside: Growth::Linear,
-        may_supply_energy: false,
+        supplies_energy: false,
         scales_law: false,
         sentence: "A mass that moves between the load cell and the specimen.",
     };

@@ -113,6 +113,9 @@ macro_rules! effects {
         const LIGHT: u32 = $(if is_cost(&<$name<f32> as Equations<f32>>::DESCRIPTION, Cost::Light) { Bit::$name.mask() } else { 0 })|+;
         const RARE: u32 = $(if is_cost(&<$name<f32> as Equations<f32>>::DESCRIPTION, Cost::Rare) { Bit::$name.mask() } else { 0 })|+;
         const SCALING: u32 = $(if <$name<f32> as Equations<f32>>::DESCRIPTION.scales_law { Bit::$name.mask() } else { 0 })|+;
+        const HELD: u32 = $(if depends_on(&<$name<f32> as Equations<f32>>::DESCRIPTION, Dependence::Control)
+            || depends_on(&<$name<f32> as Equations<f32>>::DESCRIPTION, Dependence::Cycle) { Bit::$name.mask() } else { 0 })|+;
+        const SUPPLYING: u32 = $(if <$name<f32> as Equations<f32>>::DESCRIPTION.supplies_energy { Bit::$name.mask() } else { 0 })|+;
         const STAGES: u32 = $(if is_kind(&<$name<f32> as Equations<f32>>::DESCRIPTION, EffectKind::Stage) { Bit::$name.mask() } else { 0 })|+;
 
         /// Up to one effect of each kind.
@@ -176,6 +179,14 @@ macro_rules! effects {
             #[inline(always)]
             fn has(&self, bit: u32) -> bool {
                 self.present & bit != 0
+            }
+
+            /// See [`AugmentedLaw::coarsened`].
+            fn coarsened(&self, doublings: u32) -> Self {
+                Self {
+                    present: self.present & !(SUPPLYING | Bit::Compliance.mask()),
+                    $($module: self.$module.coarsened(doublings),)+
+                }
             }
 
             fn iter(&self) -> impl Iterator<Item = Effect<R>> {

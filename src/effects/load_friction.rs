@@ -39,7 +39,7 @@ impl<R: Real> Equations<R> for LoadFriction<R> {
         typical: &[4.0],
         depends_on: &[Dependence::Displacement, Dependence::Velocity],
         outside: Growth::LinearTimesDamping,
-        may_supply_energy: false,
+        supplies_energy: false,
         scales_law: true,
         sentence: "Friction that grows with the displacement, which presses the wires together.",
     };

@@ -31,7 +31,7 @@ use crate::error::ConfigError;
 use crate::frame::Writer;
 use crate::law::Law;
 use crate::real::Real;
-use description::{Cost, Description, EffectKind};
+use description::{Cost, Dependence, Description, EffectKind};
 use residual_table::ResidualTableState;
 
 /// Former name of [`ResidualTable`].
@@ -89,6 +89,12 @@ pub trait Equations<R: Real>: Copy {
     #[inline(always)]
     fn viscous(&self) -> R {
         R::ZERO
+    }
+
+    /// The same for ticks that are 2^`doublings` times as long; of what knows no tick the same.
+    #[must_use]
+    fn coarsened(&self, _doublings: u32) -> Self {
+        *self
     }
 
     /// Of a stage: the motion that the specimen feels where what is before the stage moves by `motion`.
@@ -209,6 +215,17 @@ fn some<'t, T>(field: &'static str, all: &'t [T], used: usize) -> Result<&'t [T]
 
 const fn is_cost(description: &Description, cost: Cost) -> bool {
     description.cost as u8 == cost as u8
+}
+
+const fn depends_on(description: &Description, what: Dependence) -> bool {
+    let mut place = 0;
+    while place < description.depends_on.len() {
+        if description.depends_on[place] as u8 == what as u8 {
+            return true;
+        }
+        place += 1;
+    }
+    false
 }
 
 const fn is_kind(description: &Description, kind: EffectKind) -> bool {
@@ -422,6 +439,29 @@ impl<R: Real, const N: usize> AugmentedLaw<R, N> {
         }
         let law = LawForce::of(&self.law, &motion, damping);
         self.with_effects(state, &motion, law)
+    }
+
+    /// What a check of [`crate::passivity`] looks at, for ticks that are 2^`doublings` times as long: without the effects that supply
+    /// energy by their description, and without a spring in series. That one gives back what it takes; only, what it sees of the other effects
+    /// is a tick old, which is nothing at the tick that it is made for, and much at one of a thirtieth of a cycle.
+    pub(crate) fn coarsened(&self, doublings: u32) -> Self {
+        Self {
+            law: self.law,
+            effects: self.effects.coarsened(doublings),
+            correction: self.correction.coarsened(doublings),
+        }
+    }
+
+    /// Whether an effect depends on a control input or on the cycles: what a check of [`crate::passivity`] holds constant, and looks at in
+    /// two states.
+    pub(crate) fn has_parameters_of_state(&self) -> bool {
+        self.effects.present & HELD != 0
+    }
+
+    /// Whether the frequency is taken from the cycles.
+    pub(crate) fn is_over_frequency(&self) -> bool {
+        self.residual_table()
+            .is_some_and(ResidualTable::is_over_frequency)
     }
 
     /// A stage is among the effects.

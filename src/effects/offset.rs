@@ -41,7 +41,7 @@ impl<R: Real> Equations<R> for Offset<R> {
         typical: &[0.05],
         depends_on: &[],
         outside: Growth::Constant,
-        may_supply_energy: false,
+        supplies_energy: false,
         scales_law: false,
         sentence: "A constant force: a preload, or a load cell that was not zeroed.",
     };

@@ -103,7 +103,7 @@ impl<R: Real> Equations<R> for Periodic<R> {
         typical: &[0.02, 50.0, 0.3],
         depends_on: &[Dependence::Time],
         outside: Growth::Constant,
-        may_supply_energy: true,
+        supplies_energy: true,
         scales_law: false,
         sentence: "Tones: forces of their own frequencies, whatever the motion.",
     };

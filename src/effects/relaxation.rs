@@ -130,7 +130,7 @@ impl<R: Real> Equations<R> for Relaxation<R> {
             Dependence::Frequency,
         ],
         outside: Growth::Linear,
-        may_supply_energy: false,
+        supplies_energy: false,
         scales_law: false,
         sentence: "Springs and dashpots in series: a force that fades when the motion stops.",
     };
@@ -153,6 +153,19 @@ impl<R: Real> Equations<R> for Relaxation<R> {
     fn check(&self) -> Result<(), ConfigError> {
         let used = some("branches", &self.branches, self.used)?;
         used.iter().try_for_each(Branch::check)
+    }
+
+    /// Of two ticks: loss ← 1 − (1 − loss)² = loss·(2 − loss), and gain, in proportion to loss/Δt, ← gain·(2 − loss)/2.
+    fn coarsened(&self, doublings: u32) -> Self {
+        let mut new = *self;
+        for branch in &mut new.branches {
+            for _ in 0..doublings {
+                let two = R::from_i32(2) - branch.loss;
+                branch.gain = R::from_f64(0.5) * branch.gain * two;
+                branch.loss = branch.loss * two;
+            }
+        }
+        new
     }
 
     #[inline(always)]

@@ -90,7 +90,7 @@ impl<R: Real> Equations<R> for StickSlip<R> {
         ],
         depends_on: &[Dependence::Displacement, Dependence::History],
         outside: Growth::Saturates,
-        may_supply_energy: false,
+        supplies_energy: false,
         scales_law: false,
         sentence: "Rate-independent friction with elastic pre-sliding: springs behind Coulomb sliders.",
     };

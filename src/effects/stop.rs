@@ -71,7 +71,7 @@ impl<R: Real> Equations<R> for Stop<R> {
         typical: &[2.0, 0.06, 3.0, -0.08],
         depends_on: &[Dependence::Displacement],
         outside: Growth::LinearBeyondGap,
-        may_supply_energy: false,
+        supplies_energy: false,
         scales_law: false,
         sentence: "One-sided contact: a stop that the specimen or its fixture meets beyond a gap.",
     };

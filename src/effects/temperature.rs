@@ -66,7 +66,7 @@ impl<R: Real> Equations<R> for Temperature<R> {
         typical: &[0.005, 20.0, -0.002],
         depends_on: &[Dependence::Temperature],
         outside: Growth::OfLaw,
-        may_supply_energy: false,
+        supplies_energy: false,
         scales_law: true,
         sentence: "A force that scales with the temperature, as the modulus and the friction of wire do.",
     };

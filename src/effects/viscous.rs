@@ -41,7 +41,7 @@ impl<R: Real> Equations<R> for Viscous<R> {
         typical: &[0.02],
         depends_on: &[Dependence::Velocity],
         outside: Growth::Linear,
-        may_supply_energy: true,
+        supplies_energy: false,
         scales_law: false,
         sentence: "A linear dashpot: a fluid, or the film between wires.",
     };

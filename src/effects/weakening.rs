@@ -112,7 +112,7 @@ impl<R: Real> Equations<R> for Weakening<R> {
         typical: &[2.0, 0.03, 0.6, 0.2],
         depends_on: &[Dependence::Displacement, Dependence::History],
         outside: Growth::Saturates,
-        may_supply_energy: false,
+        supplies_energy: false,
         scales_law: false,
         sentence: "Friction with elastic pre-sliding that fades with the energy that it has dissipated.",
     };

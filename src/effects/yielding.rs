@@ -194,7 +194,7 @@ impl<R: Real> Equations<R> for Yielding<R> {
             Dependence::Frequency,
         ],
         outside: Growth::AtMostLinear,
-        may_supply_energy: false,
+        supplies_energy: false,
         scales_law: false,
         sentence: "A spring and a dashpot that yields, in series: a force that fades when the motion stops, and rises ever more slowly with its speed.",
     };
@@ -231,6 +231,18 @@ impl<R: Real> Equations<R> for Yielding<R> {
         let most = R::from_f64(1.001) * most;
         let range = [self.yield_stretch, most].map(R::to_f64);
         in_range("reach", self.reach, range[0], range[1]).map(|_| ())
+    }
+
+    fn coarsened(&self, doublings: u32) -> Self {
+        let mut new = *self;
+        for _ in 0..doublings {
+            new.slip = new.slip + new.slip;
+        }
+        // One that is not there has nothing to reach.
+        if new.slip > R::ZERO {
+            new.reach = new.reached();
+        }
+        new
     }
 
     // On a target not inlined: a tick without it need not save the registers that it takes.

@@ -109,8 +109,6 @@ fn quarter(phase: u32) -> u32 {
 pub(super) struct ForceWatch {
     now: Sums,
     before: [Sums; 3],
-    /// Of four quarters, to be judged.
-    window: Option<Sums>,
     quarter: u32,
     /// Least variances of y and f over the half cycles of this cycle, of the last one, and of the one before that.
     least: [[f32; 2]; 3],
@@ -171,8 +169,8 @@ impl ForceWatch {
         self.judge(explained, LOW_OF_ANY).then_some(explained)
     }
 
-    /// A quarter has ended before the sample at `phase`. Where y moved by more than `least` mm from its mean in the last half cycle, and the
-    /// force does not vary any more: the part of it that goes with the motion. The window is left to [`ForceWatch::close`].
+    /// A quarter has ended before the sample at `phase`. Where y moved by more than `least` mm from its mean: the part of the force that went
+    /// with the motion of the last four, if that is too little, or the force does not vary any more.
     #[inline(never)]
     pub(super) fn turn(&mut self, phase: u32, least: f32) -> Option<f32> {
         self.quarter = quarter(phase);
@@ -203,27 +201,13 @@ impl ForceWatch {
             && moved > least_square
             && moved > AS_LARGE * usually_moved
             && varied < STOPPED * usually_varied;
-        self.window = Some(all);
-        stopped.then(|| half.explained())
-    }
-
-    /// Whether [`ForceWatch::close`] is due.
-    #[inline]
-    pub(super) fn has_window(&self) -> bool {
-        self.window.is_some()
-    }
-
-    /// What the window of the last four quarters shows, where y moved by more than `least` mm from its mean: as [`ForceWatch::turn`].
-    #[inline(never)]
-    pub(super) fn close(&mut self, least: f32) -> Option<f32> {
-        let window = self.window.take()?;
-        let [moved, _] = window.variances();
-        if moved <= 0.5 * least * least {
+        let [all_moved, _] = all.variances();
+        if all_moved <= least_square {
             self.low = 0;
             return None;
         }
-        let explained = window.explained();
-        self.judge(explained, LOW).then_some(explained)
+        let explained = all.explained();
+        (self.judge(explained, LOW) || stopped).then_some(explained)
     }
 }
 
@@ -249,11 +233,7 @@ mod tests {
             } else {
                 faulty(look)
             };
-            let lost = if watch.turns(phase) {
-                watch.turn(phase, 0.1).is_some()
-            } else {
-                watch.close(0.1).is_some()
-            };
+            let lost = watch.turns(phase) && watch.turn(phase, 0.1).is_some();
             watch.add(y, v, f);
             if lost {
                 assert!(turns >= begins, "{turns}");

@@ -25,11 +25,14 @@ pub(super) struct Roughness {
     errors: [f32; 3],
     looks: u8,
     positive: bool,
-    /// Sum of the third differences that are learned, and how many.
+    /// Sum of the third differences that are learned, how many, and their mean, or the least that is learned.
     sum: f32,
     learned: f32,
+    usual: f32,
     /// A bit for each of the last looks that counted.
     rough: u32,
+    /// How many of them are set.
+    count: u32,
 }
 
 impl Roughness {
@@ -42,11 +45,12 @@ impl Roughness {
     pub(super) fn interrupt(&mut self) {
         self.looks = 0;
         self.rough = 0;
+        self.count = 0;
     }
 
     /// How many of the last looks were rough.
     pub(super) fn count(&self) -> u32 {
-        self.rough.count_ones()
+        self.count
     }
 
     /// One look at an `error` of a channel with this `amplitude`, while `velocity`. Where it does not learn, the mean third difference that
@@ -77,11 +81,23 @@ impl Roughness {
             self.learned += 1.0;
             return None;
         }
-        let (mean, least) = (self.sum, LEAST * amplitude * self.learned);
-        let usual = FACTOR * if mean > least { mean } else { least };
-        let is_rough = difference * self.learned > usual;
+        if self.learned > 0.0 {
+            self.take_learned(amplitude);
+        }
+        let is_rough = difference > FACTOR * self.usual;
+        // The oldest look goes out as the new one comes in.
+        self.count = self.count + u32::from(is_rough) - (self.rough >> 31);
         self.rough = self.rough << 1 | u32::from(is_rough);
-        (self.count() >= ROUGH).then(|| self.sum / (self.learned * amplitude))
+        (self.count >= ROUGH).then(|| self.usual / amplitude)
+    }
+
+    #[cold]
+    #[inline(never)]
+    fn take_learned(&mut self, amplitude: f32) {
+        let (mean, least) = (self.sum / self.learned, LEAST * amplitude);
+        self.usual = if mean > least { mean } else { least };
+        self.sum = 0.0;
+        self.learned = 0.0;
     }
 }
 

@@ -210,7 +210,7 @@ impl SpecimenWatch {
         self.piece += 1;
         if piece == 0 {
             self.take_values();
-            self.compare_with_law()
+            None
         } else if piece < CONCLUSION {
             self.sum(config, piece - FIRST_SUM);
             None
@@ -255,7 +255,7 @@ impl SpecimenWatch {
 
     /// In the first cycle since the start: whether the specimen is anything like the law.
     fn compare_with_law(&self) -> Option<Event> {
-        if self.since_start != 1 || !self.has_work() {
+        if self.since_start != 1 {
             return None;
         }
         let [stiffness, energy, ..] = self.values;
@@ -324,7 +324,10 @@ impl SpecimenWatch {
 
     fn conclude(&mut self, config: &HealthConfig) -> Option<Event> {
         if self.cycles <= SETTLING + config.learning_cycles {
-            return self.early.then(|| self.tell_early(config));
+            if self.early {
+                return Some(self.tell_early(config));
+            }
+            return self.compare_with_law();
         }
         if let Some(suspicion) = self.suspicion {
             self.frozen = true;

@@ -39,6 +39,8 @@ pub enum Refusal<'a> {
     PackIdentity,
     /// [`PackError::Revision`].
     PackRevision,
+    /// [`PackError::Active`].
+    PackActive,
     /// The rig does not start.
     Start(StartRefused),
     /// The rig does not forget its fault.
@@ -46,7 +48,7 @@ pub enum Refusal<'a> {
 }
 
 /// The refusals that are told by their number alone.
-const PLAIN: [Refusal<'static>; 11] = [
+const PLAIN: [Refusal<'static>; 12] = [
     Refusal::Order,
     Refusal::Converter,
     Refusal::PackMagic,
@@ -58,6 +60,7 @@ const PLAIN: [Refusal<'static>; 11] = [
     Refusal::PackTickRate,
     Refusal::PackIdentity,
     Refusal::PackRevision,
+    Refusal::PackActive,
 ];
 
 /// Number of [`Refusal::Field`] on the link.
@@ -120,6 +123,7 @@ impl Refusal<'_> {
             Self::PackTickRate => 8,
             Self::PackIdentity => 9,
             Self::PackRevision => 10,
+            Self::PackActive => 11,
             Self::Field(_) => FIELD,
             Self::Removed(_) => REMOVED,
             Self::Start(_) => START,
@@ -165,6 +169,7 @@ impl From<PackError> for Refusal<'static> {
             PackError::TickRate { .. } => Self::PackTickRate,
             PackError::Identity { .. } => Self::PackIdentity,
             PackError::Revision { .. } => Self::PackRevision,
+            PackError::Active { .. } => Self::PackActive,
             PackError::Refused(error) => error.into(),
         }
     }
@@ -204,7 +209,7 @@ mod tests {
     #[test]
     fn numbers_on_the_link_are_those_of_the_table() {
         use crate::rig::TripCause::{EnableLine, LinkLost};
-        let refusals: [(&[u8], Refusal<'_>); 19] = [
+        let refusals: [(&[u8], Refusal<'_>); 20] = [
             (&[0], Refusal::Order),
             (&[1], Refusal::Converter),
             (&[2], Refusal::PackMagic),
@@ -216,6 +221,7 @@ mod tests {
             (&[8], Refusal::PackTickRate),
             (&[9], Refusal::PackIdentity),
             (&[10], Refusal::PackRevision),
+            (&[11], Refusal::PackActive),
             (&[252, 0], Refusal::Clear(ClearRefused::Moving)),
             (&[252, 2], Refusal::Clear(ClearRefused::NoFault)),
             (
@@ -240,6 +246,6 @@ mod tests {
         for bytes in [[253, 2], [252, 1], [253, 255]] {
             assert_eq!(read_refusal(&mut Reader(&bytes)), None);
         }
-        assert_eq!(read_refusal(&mut Reader(&[11])), None);
+        assert_eq!(read_refusal(&mut Reader(&[12])), None);
     }
 }

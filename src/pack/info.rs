@@ -81,7 +81,20 @@ pub(super) fn stamp<'p>(reader: &mut Reader<'p>) -> Option<(Stamp, &'p [u8])> {
     Some((stamp, description))
 }
 
-/// What a pack says of itself beside its law. A load reads no more of it than the [`Stamp`], so that a firmware that asks for no more
+/// The first field behind the stamp.
+pub(super) fn operating_range(
+    reader: &mut Reader<'_>,
+) -> Result<Option<OperatingRange<f32>>, PackError> {
+    if !is_there(reader)? {
+        return Ok(None);
+    }
+    let ends: [u32; 4] = reader.words().ok_or(PackError::Body)?;
+    let [low, high, slowest, fastest] = ends.map(f32::from_bits);
+    let range = OperatingRange::new([low, high], [slowest, fastest])?;
+    Ok(Some(range))
+}
+
+/// What a pack says of itself beside its law. A load reads no more of it than the [`Stamp`] and the operating range, so that a firmware that asks for no more
 /// links no more.
 #[derive(Clone, Debug, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
@@ -189,11 +202,7 @@ impl PackInfo {
 
     /// Reads what [`PackInfo::write`] wrote behind the stamp.
     fn read(&mut self, reader: &mut Reader<'_>) -> Result<(), PackError> {
-        if is_there(reader)? {
-            let ends: [u32; 4] = reader.words().ok_or(PackError::Body)?;
-            let [low, high, slowest, fastest] = ends.map(f32::from_bits);
-            self.operating_range = Some(OperatingRange::new([low, high], [slowest, fastest])?);
-        }
+        self.operating_range = operating_range(reader)?;
         for number in [&mut self.density, &mut self.amplitude] {
             if is_there(reader)? {
                 *number = Some(reader.f32().ok_or(PackError::Body)?);
@@ -253,7 +262,7 @@ fn is_there(reader: &mut Reader<'_>) -> Result<bool, PackError> {
     }
 }
 
-/// What a load requires of a pack; nothing by default. A pack of version 6 says nothing of itself, so that whatever is required is
+/// What a load requires of a pack; by default nothing but a passive law. A pack of version 6 says nothing of itself, so that whatever is required is
 /// missing.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
@@ -266,6 +275,9 @@ pub struct Expectation {
     pub identity: Option<Identity>,
     /// The revision has to be above this.
     pub newer_than: Option<u32>,
+    /// Takes a law that gives more energy than it takes as well, such as one with damping below 0: what it drives may swing up until a
+    /// limit stops it.
+    pub allow_active: bool,
 }
 
 impl Expectation {
@@ -275,6 +287,7 @@ impl Expectation {
             tick_rate: Some(tick_rate),
             identity: None,
             newer_than: None,
+            allow_active: false,
         }
     }
 

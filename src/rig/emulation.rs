@@ -351,6 +351,9 @@ impl<L: TickLaw> Controller for EmulationController<L> {
 impl<L> EmulationController<L> {
     /// Another law from the end of this cycle on, or from the start where that comes before. What its effects remember
     /// is kept where they are of the same kinds in the same order as before. The force goes over to it within `stop_ticks`.
+    ///
+    /// It is taken as it is. A pack that is loaded is checked to be passive; a law that comes from elsewhere is by
+    /// [`Passivity::check`](crate::passivity::Passivity::check), beforehand.
     pub fn swap_law<const N: usize>(&mut self, law: FastLaw<N>)
     where
         L: BorrowMut<RunningLaw<N>>,

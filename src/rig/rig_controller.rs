@@ -155,6 +155,9 @@ where
     /// Another law from the end of this cycle on, or from the start where not running; see [`RigController::law`]. What its
     /// effects remember is kept where they are of the same kinds in the same order as before. The monitor learns what is
     /// normal beside it once more, and what begins with the swap is normal.
+    ///
+    /// It is taken as it is. A pack that is loaded is checked to be passive; a law that comes from elsewhere is by
+    /// [`Passivity::check`](crate::passivity::Passivity::check), beforehand.
     pub fn swap_law(&mut self, law: FastLaw<N>) {
         self.law.borrow_mut().swap(law);
     }

@@ -6,6 +6,7 @@ mod finite;
 mod fixed;
 mod floats;
 mod largest;
+mod passivity;
 mod power;
 #[cfg(feature = "fixed-point")]
 mod ranges;

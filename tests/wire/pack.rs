@@ -147,7 +147,13 @@ fn effects_at_the_ends_of_their_ranges_survive() {
     ];
     for (name, parameters, tick) in ends {
         let effect = effect(name, parameters, tick);
-        let decoded = decode(&pack(&[effect])).unwrap();
+        // Springs of friction below 0 are active.
+        let expected = Expectation {
+            allow_active: true,
+            ..Expectation::default()
+        };
+        let mut decoded = FastLaw::<EFFECTS>::EMPTY;
+        pack::decode(&pack(&[effect]), &mut decoded, &expected).unwrap();
         assert!(decoded.augmented().effects().eq([effect]));
     }
 }
@@ -552,4 +558,37 @@ proptest! {
         let pack = pack::encode(&law, &info(), &mut buffer).unwrap();
         prop_assert_eq!(decode(pack).unwrap(), law);
     }
+}
+
+/// Negative damping, as the issue has it.
+#[test]
+fn an_active_law_is_refused_unless_it_is_allowed() {
+    let active = pack(&[Effect::Viscous(
+        mesh_damper::effects::Viscous::new(-0.5).unwrap(),
+    )]);
+    let error = refused(&active);
+    assert!(matches!(error, PackError::Active { amplitude, .. } if amplitude > 0.0));
+    let said = error.to_string();
+    assert!(
+        said.starts_with("law: it gives more energy than it takes in a cycle of "),
+        "{said}"
+    );
+    assert!(said.ends_with("or allow an active law"), "{said}");
+    let mut upload = Upload::new();
+    let mut law = FastLaw::<EFFECTS>::EMPTY;
+    for allow_active in [false, true] {
+        for (index, part) in active.chunks(100).enumerate() {
+            upload.part(100 * index, part).unwrap();
+        }
+        let expected = Expectation {
+            allow_active,
+            ..Expectation::default()
+        };
+        assert_eq!(upload.finish(&mut law, &expected).is_ok(), allow_active);
+    }
+    // In slices the verdict is the same.
+    let contents = pack::read(&active, &mut law, &Expectation::default()).unwrap();
+    let mut check = contents.passivity();
+    let verdict = core::iter::from_fn(|| Some(check.step(&law))).find_map(|verdict| verdict);
+    assert_eq!(verdict.unwrap().map_err(PackError::from), Err(error));
 }

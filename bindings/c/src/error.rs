@@ -40,6 +40,8 @@ pub enum Error {
     PackBody = 17,
     /// The pack is of version 6, which says nothing of itself.
     PackSilent = 18,
+    /// The law of the pack gives more energy than it takes.
+    PackActive = 19,
     /// A field is NaN or infinite.
     NonFinite = 30,
     /// A field lies outside its range.
@@ -175,6 +177,10 @@ impl From<PackError> for Problem {
             ),
             PackError::Checksum => Error::PackChecksum.into(),
             PackError::Body => Error::PackBody.into(),
+            PackError::Active { amplitude, .. } => Self {
+                value: amplitude.into(),
+                ..Self::of(Error::PackActive, "law")
+            },
             PackError::Refused(error) => error.into(),
             _ => Error::Other.into(),
         }
@@ -219,7 +225,7 @@ pub(crate) fn code(result: Result<(), Error>) -> Error {
 }
 
 /// Each code, its name in C, and what to do about it.
-const CODES: [(Error, &CStr, &CStr); 25] = [
+const CODES: [(Error, &CStr, &CStr); 26] = [
     (Error::None, c"MD_ERROR_NONE", c"nothing is wrong"),
     (
         Error::Null,
@@ -280,6 +286,11 @@ const CODES: [(Error, &CStr, &CStr); 25] = [
         Error::PackSilent,
         c"MD_ERROR_PACK_SILENT",
         c"a pack of version 6 says nothing of itself: export the model again",
+    ),
+    (
+        Error::PackActive,
+        c"MD_ERROR_PACK_ACTIVE",
+        c"the law gives more energy than it takes in a cycle of md_problem's value in mm: see to its damping and to stiffnesses of friction below 0, or set allow_active",
     ),
     (
         Error::NonFinite,

@@ -62,7 +62,7 @@ pub struct Motion {
     pub controls: [f32; MD_CONTROLS],
 }
 
-/// What a load requires of a pack. Nothing where all is 0.
+/// What a load requires of a pack. Nothing but a passive law where all is 0.
 #[repr(C)]
 pub struct Expected {
     /// Ticks per second, Hz: the rate at which the law will be called. 0 where any rate is accepted: the effects of a pack are right
@@ -72,6 +72,8 @@ pub struct Expected {
     pub identity: *const u8,
     /// The revision has to be above this; null where any revision is accepted.
     pub newer_than: *const u32,
+    /// Takes a law that gives more energy than it takes as well, such as one with damping below 0. What it drives may swing up.
+    pub allow_active: bool,
 }
 
 /// # Safety
@@ -94,6 +96,7 @@ unsafe fn expectation(expected: *const Expected) -> Result<Expectation, Error> {
         tick_rate: (asked.tick_rate != 0.0).then_some(asked.tick_rate),
         identity,
         newer_than,
+        allow_active: asked.allow_active,
     })
 }
 

@@ -3,12 +3,14 @@
 mod emulated;
 
 use mesh_damper::effects::AugmentedLaw;
+use mesh_damper::health::Channel;
 use mesh_damper::law::Law;
 use mesh_damper::sine::{Block, Programme};
 use mesh_damper_link::image::{Board, FIRMWARE};
-use mesh_damper_link::lockstep::{Image, run_rig_on, run_trial_on};
+use mesh_damper_link::lockstep::{Image, run_attack_on, run_rig_on, run_trial_on};
 use mesh_damper_rig::faults::{
-    Campaign, Condition, Damaged, FOLLOW, InjectedFault, Trial, run_trial,
+    AttackKind, AttackTrial, Campaign, Condition, Damaged, FOLLOW, InjectedFault, Trial, adversary,
+    run_attack, run_trial,
 };
 use mesh_damper_rig::{RigSetup, TICK_RATE, run_rig};
 
@@ -31,6 +33,32 @@ fn faults_come_out_on_the_image_as_in_this_process() {
         let outcome = run_trial_on(&mut image, trial).unwrap();
         assert_eq!(outcome, run_trial(trial).unwrap());
         assert!(outcome.right && outcome.in_time(), "{outcome:?}");
+    }
+}
+
+/// What acts on the channels, on temperature, output and clock acts on the image's rig as on the one in this process, and so does
+/// what an adversary draws.
+#[test]
+fn attacks_come_out_on_the_image_as_in_this_process() {
+    if emulated::image(&FIRMWARE, Board::Mps2An386).is_none() {
+        return;
+    }
+    let alone = Campaign::on_image().attack_trials().over_a_link().singles;
+    let mut trials = vec![adversary(3)];
+    for kind in [
+        AttackKind::StuckBit(Channel::Force),
+        AttackKind::TemperatureNoise,
+        AttackKind::DacGain,
+        AttackKind::Stall,
+    ] {
+        let of_this = |trial: &&AttackTrial| trial.attacks[0].kind == kind;
+        trials.extend(alone.iter().find(of_this).cloned());
+    }
+    assert_eq!(trials.len(), 5);
+    for trial in &trials {
+        let mut image = Image::start(Board::Mps2An386, Box::new(|_| {})).unwrap();
+        let outcome = run_attack_on(&mut image, trial).unwrap();
+        assert_eq!(outcome, run_attack(trial).unwrap());
     }
 }
 

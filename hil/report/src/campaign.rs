@@ -1,6 +1,8 @@
-//! What the fault campaign came to, as SVG: how soon faults were found, and how well slow changes were followed.
+//! What the fault campaign came to, as SVG: how soon faults and attacks were found, and how well slow changes were followed.
 
-use mesh_damper_rig::faults::{Changing, Outcome, SlowOutcome, Summary};
+use mesh_damper_rig::faults::{
+    AttackOutcome, AttackSummary, Behind, Changing, Naming, Outcome, SlowOutcome, Summary,
+};
 use plotters::prelude::*;
 use plotters::style::text_anchor::{HPos, Pos, VPos};
 
@@ -11,7 +13,7 @@ type Row = (String, Vec<(usize, f64)>);
 
 /// Cycles from a fault to its name, one row to a kind and size, one mark to a trial.
 pub fn found(summary: &Summary) -> String {
-    let mark = |one: &Outcome| Some((usize::from(!one.right), one.cycles?));
+    let mark = |one: &Outcome| Some((usize::from(!(one.right || one.both)), one.cycles?));
     let rows = summary.kinds.iter().map(|kind| {
         let these = summary
             .outcomes
@@ -24,8 +26,57 @@ pub fn found(summary: &Summary) -> String {
     });
     picture(
         &rows.collect::<Vec<Row>>(),
-        &["named for what it is", "named otherwise"],
+        &[(0, "named for what it is"), (1, "named otherwise")],
         "cycles from the fault to its name",
+    )
+}
+
+/// Cycles from an attack to its name, one row to a kind and size, one mark to a trial. A trial that led to a hazardous state has its
+/// mark where the rig found it, or at the end of the row.
+pub fn attacked(attacks: &AttackSummary) -> String {
+    /// Where what was found later, or not at all, is marked.
+    const LATE: f64 = 10.0;
+    let mark = |one: &AttackOutcome| {
+        let mut behind = one.hazards.iter().map(|hazard| hazard.behind);
+        let is_hazardous =
+            behind.any(|behind| matches!(behind, Behind::DriftingGain | Behind::Other));
+        let at = one.cycles.map_or(LATE, |cycles| cycles.min(LATE));
+        match one.naming {
+            _ if is_hazardous => Some((3, at)),
+            Naming::Nothing => None,
+            Naming::Right | Naming::Both => Some((0, at)),
+            Naming::Wrong => Some((1, at)),
+        }
+    };
+    let of_kind = |(kind, size): (_, f64)| {
+        let these = attacks.outcomes.singles.iter().filter(move |one| {
+            let attack = &one.trial.attacks[0];
+            attack.kind == kind && attack.size == size
+        });
+        let mut marks: Vec<_> = these.filter_map(mark).collect();
+        marks.sort_by_key(|(of, _)| *of);
+        (format!("{kind:?} {size}"), marks)
+    };
+    let seen = attacks.kinds.iter().filter(|kind| kind.hidden.is_none());
+    let mut rows: Vec<Row> = seen.map(|kind| of_kind((kind.kind, kind.size))).collect();
+    for (name, outcomes) in [
+        ("pairs", &attacks.outcomes.pairs),
+        ("the adversary's", &attacks.outcomes.adversary),
+    ] {
+        let mut marks: Vec<_> = outcomes.iter().filter_map(mark).collect();
+        marks.sort_by_key(|(of, _)| *of);
+        if !marks.is_empty() {
+            rows.push((name.into(), marks));
+        }
+    }
+    picture(
+        &rows,
+        &[
+            (0, "named for what it is or may be"),
+            (1, "named otherwise"),
+            (3, "a hazardous state"),
+        ],
+        "cycles from the attack to its name, 10 where it is later or none",
     )
 }
 
@@ -56,27 +107,33 @@ pub fn followed(slow: &[SlowOutcome]) -> String {
     picture(
         &rows.collect::<Vec<Row>>(),
         &[
-            "after it, a law that follows",
-            "a law that stays",
-            "before the change",
+            (0, "after it, a law that follows"),
+            (1, "a law that stays"),
+            (2, "before the change"),
         ],
         "RMS of the law's error, % of that of the measured force",
     )
 }
 
-fn picture(rows: &[Row], legend: &[&str], x_desc: &str) -> String {
+fn picture(rows: &[Row], legend: &[(usize, &str)], x_desc: &str) -> String {
     let most = rows
         .iter()
         .flat_map(|(_, marks)| marks)
         .fold(1.0, |most, (_, x)| f64::max(most, *x));
-    charts::draw(&charts::TALL, |area| {
-        let font = FINE * charts::TALL.font();
+    let style = charts::tall(rows.len());
+    // A letter is about three fifths as wide as the font is high.
+    let longest = rows.iter().map(|(name, _)| name.chars().count()).max();
+    let names = longest
+        .map_or(0, |letters| 3 * letters as u32 / 5 + 1)
+        .max(17);
+    charts::draw(&style, |area| {
+        let font = FINE * style.font();
         let text = || (FONT, font).into_font().color(&INK);
         let mut chart = ChartBuilder::on(area)
             .margin(font)
             .margin_top(3 * font)
             .x_label_area_size(3 * font)
-            .y_label_area_size(17 * font)
+            .y_label_area_size(names * font)
             .build_cartesian_2d(-0.1..1.05 * most, -(rows.len() as f64)..0.0)?;
         chart
             .configure_mesh()
@@ -88,12 +145,12 @@ fn picture(rows: &[Row], legend: &[&str], x_desc: &str) -> String {
             .draw()?;
         let (left, top) = chart.plotting_area().map_coordinate(&(0.0, 0.0));
         let line = top - font as i32;
-        let wide = ((charts::TALL.size.0 * FINE - font) as i32 - left) / legend.len() as i32;
-        for (of, what) in legend.iter().enumerate() {
-            let at = left + of as i32 * wide;
+        let wide = ((style.size.0 * FINE - font) as i32 - left) / legend.len() as i32;
+        for (place, &(of, what)) in legend.iter().enumerate() {
+            let at = left + place as i32 * wide;
             mark(area, of, (at, line))?;
             let beside = text().pos(Pos::new(HPos::Left, VPos::Center));
-            area.draw(&Text::new(*what, (at + font as i32, line), beside))?;
+            area.draw(&Text::new(what, (at + font as i32, line), beside))?;
         }
         for (row, (name, marks)) in rows.iter().enumerate() {
             let place = |x: f64| {
@@ -104,20 +161,21 @@ fn picture(rows: &[Row], legend: &[&str], x_desc: &str) -> String {
                 mark(area, of, place(x))?;
             }
             let right = text().pos(Pos::new(HPos::Right, VPos::Center));
-            let name = Text::new(name.as_str(), (17 * font as i32, place(0.0).1), right);
+            let name = Text::new(name.as_str(), ((names * font) as i32, place(0.0).1), right);
             area.draw(&name)?;
         }
         Ok(())
     })
 }
 
-/// The first of a legend, the second, and the third.
+/// The first of a legend, the second, the third, and what must not be overlooked.
 fn mark(area: &Area<'_>, of: usize, at: (i32, i32)) -> Drawn {
     let size = 3 * FINE as i32;
     match of {
         0 => area.draw(&Circle::new(at, size, AFTER.mix(0.4).filled())),
         1 => area.draw(&Cross::new(at, size, BEFORE.stroke_width(2 * FINE))),
-        _ => area.draw(&Circle::new(at, size, MEASURED.stroke_width(FINE))),
+        2 => area.draw(&Circle::new(at, size, MEASURED.stroke_width(FINE))),
+        _ => area.draw(&TriangleMarker::new(at, 2 * size, INK.filled())),
     }?;
     Ok(())
 }

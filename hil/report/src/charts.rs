@@ -54,12 +54,18 @@ pub const HALF: Style = Style {
     font: 13,
     legend: false,
 };
-/// A row to each of many.
-pub(super) const TALL: Style = Style {
-    size: (900, 1000),
-    font: 14,
-    legend: false,
-};
+/// A row to each of many, high enough for `rows`.
+pub(super) const fn tall(rows: usize) -> Style {
+    /// Of what stands beside the rows, and of each, px.
+    const BESIDE: u32 = 126;
+    const ROW: u32 = 23;
+    let height = BESIDE + ROW * rows as u32;
+    Style {
+        size: (900, if height > 1000 { height } else { 1000 }),
+        font: 14,
+        legend: false,
+    }
+}
 /// The page's whole width.
 pub const WIDE: Style = Style {
     size: (1150, 300),

@@ -1,7 +1,7 @@
 //! The pictures of the fault campaign.
 
 use mesh_damper_report::campaign;
-use mesh_damper_rig::faults::{Campaign, InjectedFault};
+use mesh_damper_rig::faults::{AttackOutcome, Behind, Campaign, InjectedFault, Naming};
 
 #[test]
 fn every_trial_and_every_slow_change_has_its_marks() {
@@ -22,4 +22,24 @@ fn every_trial_and_every_slow_change_has_its_marks() {
         followed.matches("<circle").count(),
         2 * (summary.slow.len() + 1)
     );
+    // What is named rightly, of attacks alone and in one row each of pairs and of the adversary's; a triangle to each hazardous state.
+    let attacked = campaign::attacked(&summary.attacks);
+    let outcomes = &summary.attacks.outcomes;
+    let all = || {
+        let both = outcomes.singles.iter().chain(&outcomes.pairs);
+        both.chain(&outcomes.adversary)
+    };
+    let is_hazardous = |one: &&AttackOutcome| {
+        let mut behind = one.hazards.iter().map(|hazard| hazard.behind);
+        behind.any(|behind| matches!(behind, Behind::DriftingGain | Behind::Other))
+    };
+    let alone_hidden = |one: &&AttackOutcome| one.trial.attacks.len() > 1 || one.hidden.is_none();
+    let marked = || all().filter(alone_hidden);
+    let right = marked()
+        .filter(|one| !is_hazardous(one) && matches!(one.naming, Naming::Right | Naming::Both))
+        .count();
+    assert!(right > 0);
+    assert_eq!(attacked.matches("<circle").count(), right + 1);
+    let hazardous = marked().filter(is_hazardous).count();
+    assert_eq!(attacked.matches("<polygon").count(), hazardous + 1);
 }

@@ -275,10 +275,11 @@ impl<S: DamperForce + Clone, const B: usize, const N: usize> Bench<S, B, N> {
         self.adc.volts[0].set(displacement);
         self.adc.volts[1].set(force);
         self.wire_trip();
-        self.rig.sensors().sensors.controls = self.plant.controls;
-        self.rig.set_temperature(self.plant.temperature() as f32);
+        self.rig.sensors().sensors.controls = self.plant.shown_controls();
+        let temperature = self.plant.shown_temperature();
+        self.rig.set_temperature(temperature);
         let telemetry = self.rig.tick(self.plant.clock);
-        self.plant.advance(self.dac.volts.get(), self.enabled.get());
+        self.plant.drive(self.dac.volts.get(), self.enabled.get());
         telemetry
     }
 
@@ -326,6 +327,10 @@ impl<S: DamperForce + Clone, const B: usize, const N: usize> Controlled<S> for B
             feeder.restart();
         }
         Ok(())
+    }
+
+    fn exchange(&mut self) {
+        self.rig.exchange();
     }
 
     fn tick(&mut self) -> Result<Telemetry, SetupError> {

@@ -11,6 +11,7 @@
 //! | [`specimen`] | what is tested: eq 13, and effects that the law does not know |
 //! | [`drive`] | any motion for the rig to follow, and what it asks of the rig |
 //! | [`actuator`] | actuator, sensors, converters and enable line |
+//! | [`signals`] | what can happen to the signals between all of it and the controller |
 //! | [`faults`] | faults put into all of it, and what the rig's monitor finds of them |
 //!
 //! A controller that runs elsewhere takes part as a [`Controlled`].
@@ -41,12 +42,13 @@ pub mod faults;
 mod journal;
 mod plant;
 mod run;
+pub mod signals;
 pub mod specimen;
 
 pub use bench::{Bench, RigSetup, SetupError};
 pub use emulation::{Emulation, EmulatorBench, EmulatorSetup};
 pub use journal::Journal;
-pub use plant::Plant;
+pub use plant::{Passed, Plant};
 pub use run::{Controlled, Plan, RigRun, Samples, Watch, run_controlled, run_rig};
 
 /// Tick rate of the crate unless told otherwise, Hz.

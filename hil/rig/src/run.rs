@@ -161,6 +161,8 @@ pub trait Controlled<S> {
     /// # Errors
     /// Why it does not start, and those of the link to an image.
     fn start(&mut self) -> Result<(), SetupError>;
+    /// Whoever is linked to the controller is heard. Nothing to be done where each tick is asked for over the link.
+    fn exchange(&mut self) {}
     /// One tick of the controller and of the plant.
     ///
     /// # Errors

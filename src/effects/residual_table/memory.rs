@@ -310,6 +310,24 @@ impl<R: Real> Recall<R> {
         in_range("gain", self.gain, 0, most)
     }
 
+    /// For ticks that are twice as long: an average loses s·(2 − s) of itself where it lost s, at most half of it.
+    pub fn coarsen(&mut self) {
+        match self.kind {
+            MemoryKind::Lag | MemoryKind::Travel | MemoryKind::Frequency => {
+                let loss = i64::from(self.step);
+                let of_two = 2 * loss - ((loss * loss) >> 32);
+                self.step = of_two.clamp(0, i64::from(i32::MAX)) as i32;
+            }
+            _ => {}
+        }
+        // In ticks: the age, and cycles per second.
+        match self.kind {
+            MemoryKind::Age => self.rate = self.rate + self.rate,
+            MemoryKind::Frequency => self.rate = R::from_f64(0.5) * self.rate,
+            _ => {}
+        }
+    }
+
     /// Whether a state of `other`, over places as long as these, is one of this: its nodes may stand elsewhere.
     pub fn is_like(&self, other: &Self) -> bool {
         let [own, others] = [self, other].map(|recall| Self {

@@ -145,6 +145,20 @@ impl<R: Real> ResidualTable<R> {
         self.unit > R::ZERO
     }
 
+    /// The same for ticks that are 2^`doublings` times as long.
+    pub(super) fn coarsened(&self, doublings: u32) -> Self {
+        let mut new = *self;
+        for _ in 0..doublings {
+            new.recall.coarsen();
+        }
+        new
+    }
+
+    /// Whether it is over the frequency, which it takes from the cycles.
+    pub(super) fn is_over_frequency(&self) -> bool {
+        self.recall.kind == MemoryKind::Frequency
+    }
+
     /// Whether `other` remembers the same.
     pub(super) fn remembers_as(&self, other: &Self) -> bool {
         self.per_displacement == other.per_displacement && self.recall.is_like(&other.recall)

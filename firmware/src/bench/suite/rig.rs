@@ -26,10 +26,16 @@ const AMPLITUDE: f64 = 0.1;
 /// Cycles at full amplitude: those over which the monitor settles and learns, and as many over which it watches.
 const CYCLES: u32 = 36;
 
-/// Both converters: whatever code the DAC is given, the ADC reads on both channels.
+/// Selects the ADC's second channel.
+const SECOND: u8 = 0xC4;
+
+/// Both converters: whatever code the DAC is given, the ADC reads as the displacement, and beside it what a specimen's force is.
 #[derive(Default)]
 struct Wire {
     code: Cell<u16>,
+    force: Cell<u16>,
+    /// The ADC's last frame has selected the force.
+    second: Cell<bool>,
     control: Cell<u16>,
     /// What the DAC's next frame clocks out.
     answer: Cell<u16>,
@@ -50,8 +56,10 @@ impl SpiDevice for AdcBus<'_> {
     fn transaction(&mut self, operations: &mut [Operation<'_, u8>]) -> Result<(), Infallible> {
         for operation in operations {
             match operation {
-                Operation::TransferInPlace([_, _, high, low]) => {
-                    [*high, *low] = self.0.code.get().to_be_bytes();
+                Operation::TransferInPlace([select, _, high, low]) => {
+                    let second = self.0.second.replace(*select == SECOND);
+                    let channel = if second { &self.0.force } else { &self.0.code };
+                    [*high, *low] = channel.get().to_be_bytes();
                 }
                 // The driver reads what it wrote last.
                 Operation::Write([_, value, _]) => self.0.register.set(*value),
@@ -135,7 +143,8 @@ struct Measured {
 pub fn run(meter: &mut impl Meter) -> Result<(), Refused> {
     let wire = Wire::default();
     wire.code.set(MIDSCALE);
-    let (travel, force) = (Scale::new(0.512, 0.0)?, Scale::new(5.12, 0.0)?);
+    wire.force.set(MIDSCALE);
+    let (travel, force) = (Scale::new(0.512, 0.0)?, Scale::new(0.512, 0.0)?);
     let adc = Ads8688::new(AdcBus(&wire), travel, force).map_err(|_| Refused)?;
     let dac = Ad5761::new(DacBus(&wire), Scale::new(0.5, 0.0)?).map_err(|_| Refused)?;
     let block = Block::sine(AMPLITUDE, FREQUENCY, CYCLES)?;
@@ -168,6 +177,8 @@ pub fn run(meter: &mut impl Meter) -> Result<(), Refused> {
         let Some(now) = running.telemetry else {
             return Err(Refused);
         };
+        // The specimen is what the law says that it is.
+        wire.force.set(force.encode(now.model_force).code);
         match now.state {
             State::Running => {}
             State::Done => break,

@@ -7,7 +7,7 @@ use std::process::Command;
 use crate::command;
 use crate::refusal::{self, refuses};
 use mesh_damper::fast_law::FastLaw;
-use mesh_damper::pack::{Expectation, PackInfo, decode};
+use mesh_damper::pack::{Expectation, PackError, PackInfo, decode};
 
 /// A model with `more` after its effects, one of which is a delay of 20 ms.
 fn model(more: &str) -> String {
@@ -76,9 +76,10 @@ fn a_pack_says_its_rate_range_model_and_name() {
     assert_eq!(json["tick_rate"], 10_000.0);
     assert_eq!(json["files"][0]["path"], "mount 4.mdcp");
     assert_eq!(json["files"][0]["bytes"], pack.len());
+    assert_eq!(json["passive"], true);
     let first = format!(
         "mount 4.mdcp ({} bytes): model {}, revision 3, for 10000 ticks a second, at an amplitude of 0.2 mm, within -0.2 to 0.2 mm and \
-         -6.3 to 6.3 mm/s",
+         -6.3 to 6.3 mm/s, passive",
         pack.len(),
         info.stamp.identity
     );
@@ -104,6 +105,63 @@ fn a_pack_says_its_rate_range_model_and_name() {
         (law.augmented().law().k1(), info.amplitude),
         (1.2, Some(0.1))
     );
+}
+
+/// A dashpot below 0 beside the friction.
+#[test]
+fn an_active_law_is_refused_unless_it_is_allowed() {
+    let root = tempfile::tempdir().unwrap();
+    let dashpot = r#"[ { "family": "viscous", "parameters": { "c1": -0.5 } },"#;
+    fs::write(
+        root.path().join("model.json"),
+        model("").replace(r#""effects": ["#, &format!(r#""effects": {dashpot}"#)),
+    )
+    .unwrap();
+    let arguments = [
+        "--format",
+        "pack",
+        "--tick-rate",
+        "10000",
+        "--out",
+        "mount.mdcp",
+        "--amplitude",
+        "0.2",
+    ];
+    let refused = refusal::hil(root.path(), &[&MODEL[..], &arguments].concat());
+    assert_eq!(refused.status.code(), Some(2));
+    let said = String::from_utf8(refused.stderr).unwrap();
+    for part in [
+        "law",
+        "it gives more energy than it takes in a cycle of 0.2 mm at 5",
+        "--allow-active",
+    ] {
+        assert!(said.contains(part), "{said}");
+    }
+    assert!(!root.path().join("mount.mdcp").exists());
+
+    let more = ["--allow-active", "--json", "export.json"];
+    let allowed = refusal::hil(root.path(), &[&MODEL[..], &arguments, &more].concat());
+    assert!(allowed.status.success());
+    let said = String::from_utf8(allowed.stderr).unwrap();
+    assert!(
+        said.starts_with("warning: the law is active: it gives more energy"),
+        "{said}"
+    );
+    let json = fs::read(root.path().join("export.json")).unwrap();
+    let json: serde_json::Value = serde_json::from_slice(&json).unwrap();
+    assert_eq!(json["passive"], false);
+    let pack = fs::read(root.path().join("mount.mdcp")).unwrap();
+    let mut law = FastLaw::<8>::EMPTY;
+    let expected = Expectation::at(1e4);
+    assert!(matches!(
+        decode(&pack, &mut law, &expected),
+        Err(PackError::Active { amplitude: 0.2, .. })
+    ));
+    let expected = Expectation {
+        allow_active: true,
+        ..expected
+    };
+    decode(&pack, &mut law, &expected).unwrap();
 }
 
 /// The amplitude that nobody asked for is said.

@@ -13,7 +13,7 @@ use mesh_damper_rig::drive::Feeder;
 use mesh_damper_rig::specimen::DamperForce;
 use mesh_damper_rig::{RigSetup, SetupError};
 
-use super::{Image, Wire};
+use super::{Image, LinkError, Wire};
 
 /// A rig wired up, at rest.
 #[derive(Debug)]
@@ -97,7 +97,10 @@ impl<S: DamperForce + Clone, W: Wire, const N: usize> Controlled<S> for ImageBen
     }
 
     fn start(&mut self) -> Result<(), SetupError> {
-        self.image.start_rig()?;
+        match self.image.start_rig() {
+            Err(LinkError::Start(refused)) => return Err(refused.into()),
+            started => started?,
+        }
         self.state = State::Running;
         if let Some(feeder) = &mut self.feeder {
             feeder.restart();
@@ -119,14 +122,14 @@ impl<S: DamperForce + Clone, W: Wire, const N: usize> Controlled<S> for ImageBen
         let outcome = self.image.tick(Sensors {
             displacement: adc_code(displacement),
             force: adc_code(force),
-            temperature: self.plant.temperature() as f32,
-            controls: self.plant.controls,
+            temperature: self.plant.shown_temperature(),
+            controls: self.plant.shown_controls(),
             clock: self.plant.clock,
             tripped: self.plant.tripped,
         })?;
         self.enabled = outcome.enabled;
         self.state = outcome.telemetry.state;
-        self.plant.advance(dac_volts(outcome.code), outcome.enabled);
+        self.plant.drive(dac_volts(outcome.code), outcome.enabled);
         Ok(outcome.telemetry)
     }
 

@@ -12,7 +12,7 @@ pub use bench::ImageBench;
 pub use emulator::{Emulator, Wire};
 pub use exchange::Exchange;
 pub use log::{LogDecoder, LogLevel, LogLine, LogSink};
-pub use run::{run_rig_on, run_trial_on};
+pub use run::{run_attack_on, run_rig_on, run_trial_on};
 
 use mesh_damper::effects::Motion;
 use mesh_damper::frame::PAYLOAD;
@@ -110,6 +110,10 @@ impl LinkError {
             Refusal::PackRevision => (
                 "revision: the coefficient pack is no newer than the one before",
                 "export the model with a higher --revision",
+            ),
+            Refusal::PackActive => (
+                "law: that of the coefficient pack gives more energy than it takes in a cycle, and a passive one is required",
+                "send a law whose damping and whose stiffnesses of friction are not below 0",
             ),
         };
         Self::Refused {

@@ -1,6 +1,8 @@
 //! Programmes and trials of faults with an image as the controller.
 
-use mesh_damper_rig::faults::{Outcome, Trial, run_trial_with};
+use mesh_damper_rig::faults::{
+    AttackOutcome, AttackTrial, Outcome, Trial, run_attack_with, run_trial_with,
+};
 use mesh_damper_rig::specimen::DamperForce;
 use mesh_damper_rig::{Plan, RigRun, RigSetup, SetupError, Watch, run_controlled};
 
@@ -25,4 +27,15 @@ pub fn run_rig_on<S: DamperForce + Clone, W: Wire, const B: usize, const N: usiz
 /// As there, and those of the link to the image.
 pub fn run_trial_on<W: Wire>(image: &mut Image<W>, trial: &Trial) -> Result<Outcome, SetupError> {
     run_trial_with(trial, |setup| ImageBench::new(setup, image))
+}
+
+/// [`mesh_damper_rig::faults::run_attack`] with an image as the controller, which has had no rig before.
+///
+/// # Errors
+/// As there, and those of the link to the image.
+pub fn run_attack_on<W: Wire>(
+    image: &mut Image<W>,
+    trial: &AttackTrial,
+) -> Result<AttackOutcome, SetupError> {
+    run_attack_with(trial, |setup| ImageBench::new(setup, image))
 }

@@ -20,6 +20,7 @@ pub use identifier::{c_identifier, rust_module};
 use mesh_damper::error::ConfigError;
 use mesh_damper::fast_law::FastLaw;
 use mesh_damper::pack::{self, LARGEST, PackInfo, Stamp};
+use mesh_damper::passivity::{Active, Passivity};
 use mesh_damper::real::Real as _;
 
 use crate::file::ModelFile;
@@ -41,6 +42,8 @@ pub struct ExportSettings {
     pub revision: u32,
     /// For people, at most [`pack::NAME`] bytes.
     pub name: String,
+    /// Exports a law that gives more energy than it takes as well.
+    pub allow_active: bool,
 }
 
 impl ExportSettings {
@@ -52,6 +55,7 @@ impl ExportSettings {
             density: None,
             revision: 0,
             name: name.into(),
+            allow_active: false,
         }
     }
 }
@@ -71,6 +75,9 @@ pub enum ExportError {
     /// A law whose type names its effects carries no residual table.
     #[error("correction: a law that is composed statically carries no residual table")]
     ResidualTable,
+    /// The law gives more energy than it takes, and [`ExportSettings::allow_active`] is not set.
+    #[error("law: {0}")]
+    Active(Active),
 }
 
 /// A model at one tick rate and one amplitude.
@@ -80,13 +87,14 @@ pub struct Export {
     tick: f64,
     law: FastLaw<MAX_EFFECTS>,
     info: PackInfo,
+    passivity: Result<(), Active>,
 }
 
 impl Export {
     /// The model of `file` as `settings` ask for it.
     ///
     /// # Errors
-    /// A setting that is out of range, or a model that cannot run at the tick rate.
+    /// A setting that is out of range, a model that cannot run at the tick rate, or a law that is active and not allowed to be.
     pub fn new(file: &ModelFile, settings: &ExportSettings) -> Result<Self, ExportError> {
         let [slowest, fastest] = TICK_RATES;
         let tick_rate = within("tick_rate", settings.tick_rate, slowest, fastest)?;
@@ -114,12 +122,23 @@ impl Export {
                 .named(&settings.name)
                 .map_err(ExportError::Setting)?
         };
+        let passivity =
+            Passivity::new(info.operating_range.as_ref(), info.stamp.tick_rate).check(&law);
+        if let (Err(active), false) = (passivity, settings.allow_active) {
+            return Err(ExportError::Active(active));
+        }
         Ok(Self {
             model,
             tick,
             law,
             info,
+            passivity,
         })
+    }
+
+    /// The motion within the fitted range in which the law gives more energy than it takes; `None` of a passive one.
+    pub fn active(&self) -> Option<Active> {
+        self.passivity.err()
     }
 
     /// What the export says of itself, whatever its format.

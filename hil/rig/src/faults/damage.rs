@@ -15,10 +15,15 @@ pub struct Condition {
     pub stiffness: f64,
     /// Part of the friction that is there.
     pub friction: f64,
-    /// Half width of the gap that has opened, mm. In it there is no friction either.
+    /// Half width of the gap that has opened, mm. In it there is no friction either, where it is wider than a fiftieth of the
+    /// amplitude.
     pub gap: f64,
     /// kN.
     pub preload: f64,
+    /// Of what has seized beside it, kN/mm.
+    pub added_stiffness: f64,
+    /// Of what damps beside it, or drives where it is negative, kN·s/mm.
+    pub added_damping: f64,
     /// °C.
     pub temperature: f64,
     /// Part of the force that it loses for each degree beyond 20 °C, 1/°C.
@@ -32,6 +37,8 @@ impl Condition {
         friction: 1.0,
         gap: 0.0,
         preload: 0.0,
+        added_stiffness: 0.0,
+        added_damping: 0.0,
         temperature: REFERENCE_TEMPERATURE,
         warm_loss: 0.0,
     };
@@ -41,8 +48,13 @@ impl Condition {
 #[derive(Clone, Debug)]
 pub struct Damaged {
     coefficients: Coefficients,
+    /// Half width up to which a gap takes no friction, mm.
+    narrow: f64,
     condition: Rc<Cell<Condition>>,
 }
+
+/// Part of the amplitude up to which a gap is narrow: its wires do not all let go at one place, so that there is still friction.
+const NARROW: f64 = 0.02;
 
 impl Damaged {
     /// A specimen with the paper's coefficients at `density` g/cm³ and `amplitude` mm, and its condition.
@@ -50,6 +62,7 @@ impl Damaged {
         let condition = Rc::new(Cell::new(Condition::NEW));
         let specimen = Self {
             coefficients: tables::interpolate(density, amplitude),
+            narrow: NARROW * amplitude,
             condition: condition.clone(),
         };
         (specimen, condition)
@@ -65,11 +78,16 @@ impl DamperForce for Damaged {
     fn force(&mut self, _: f64, y: f64, v: f64, _: f64, _: f64) -> f64 {
         let now = self.condition.get();
         let felt = y - y.clamp(-now.gap, now.gap);
-        let moving = if now.gap > 0.0 && felt == 0.0 { 0.0 } else { v };
+        let moving = if now.gap > self.narrow && felt == 0.0 {
+            0.0
+        } else {
+            v
+        };
         let elastic = self.coefficients.force(felt, 0.0);
         let friction = self.coefficients.force(felt, moving) - elastic;
         let warm = 1.0 - now.warm_loss * (now.temperature - REFERENCE_TEMPERATURE);
-        warm * (now.stiffness * elastic + now.friction * friction) + now.preload
+        let beside = now.preload + now.added_stiffness * y + now.added_damping * v;
+        warm * (now.stiffness * elastic + now.friction * friction) + beside
     }
 
     fn temperature(&self) -> f64 {

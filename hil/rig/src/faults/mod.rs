@@ -1,6 +1,7 @@
 //! The fault campaign: what the rig's monitor finds of faults that are put into specimen, sensors and actuator at a moment
 //! that it does not know, what it calls them, and how often it cries wolf.
 
+mod attack;
 mod damage;
 mod healthy;
 mod kind;
@@ -9,10 +10,19 @@ mod slow;
 mod summary;
 mod trial;
 
-use rayon::iter::{IndexedParallelIterator as _, IntoParallelIterator as _, ParallelIterator as _};
+use rayon::iter::{
+    IndexedParallelIterator as _, IntoParallelIterator as _, IntoParallelRefIterator as _,
+    ParallelIterator as _,
+};
 
+pub use attack::{
+    Allowed, Attack, AttackKind, AttackKindSummary, AttackOutcome, AttackSummary, AttackTrial,
+    BLOCKS, Begins, Behind, Counts, Coverage, Element, Forgery, Hazard, HazardMeter, Hazards,
+    Headroom, Loss, LossSummary, Name, Naming, Outcomes, Quantity, TRACKING, WorstHazard,
+    adversary, drawn_pairs, forgeries, run_attack, run_attack_with, scenarios, singles,
+};
 pub use damage::{Condition, Damaged};
-pub use healthy::{Healthy, run_healthy};
+pub use healthy::{Healthy, Surroundings, run_healthy};
 pub use kind::{Group, InjectedFault};
 pub use requirement::missed;
 pub use slow::{CHANGING, Changing, FOLLOW, Left, SlowChange, SlowOutcome};
@@ -34,10 +44,26 @@ pub struct Campaign {
     pub moments: Vec<f64>,
     /// Healthy cycles, spread over the specimens.
     pub healthy_cycles: u32,
+    /// Attacks.
+    pub attacks: Attacks,
+}
+
+/// How many attacks a campaign has.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Attacks {
+    /// One in so many of the attacks alone and of the pairs that are known to be hard; 0 for none.
+    pub one_in: usize,
+    /// Pairs that are drawn.
+    pub pairs: u32,
+    /// Trials that the adversary draws, and the number of the first.
+    pub adversary: u32,
+    /// That number.
+    pub first: u64,
 }
 
 impl Campaign {
-    /// All of it: every kind in every size on four specimens at three levels of noise, and 1e5 healthy cycles.
+    /// All of it: every kind in every size on four specimens at three levels of noise, every attack likewise, 1000 pairs of attacks
+    /// beside those that are known to be hard, and 1e5 healthy cycles.
     pub fn whole() -> Self {
         Self {
             kinds: InjectedFault::ALL.into(),
@@ -50,6 +76,11 @@ impl Campaign {
             noises: vec![0.002, 0.005, 0.01],
             moments: vec![0.075, 0.356, 0.6375, 0.919],
             healthy_cycles: 100_000,
+            attacks: Attacks {
+                one_in: 1,
+                pairs: 1000,
+                ..Attacks::default()
+            },
         }
     }
 
@@ -59,19 +90,46 @@ impl Campaign {
             specimens: vec![(2.0, 0.05, 10.0), (3.0, 0.1, 10.0), (4.0, 0.25, 10.0)],
             noises: vec![0.01],
             moments: vec![0.356, 0.919],
-            healthy_cycles: 12_000,
+            healthy_cycles: 18_000,
+            // Of six trials to a kind and size, each time another.
+            attacks: Attacks {
+                one_in: 5,
+                pairs: 12,
+                adversary: 12,
+                first: 0,
+            },
             ..Self::whole()
         }
     }
 
+    /// `count` trials that the adversary draws, from number `first` on, and nothing else.
+    pub fn adversary(count: u32, first: u64) -> Self {
+        Self {
+            kinds: Vec::new(),
+            specimens: Vec::new(),
+            noises: Vec::new(),
+            moments: Vec::new(),
+            healthy_cycles: 0,
+            attacks: Attacks {
+                adversary: count,
+                first,
+                ..Attacks::default()
+            },
+        }
+    }
+
     /// What is tried on an image: every kind in every size at two moments, in the second with a law that follows, on
-    /// one specimen at the largest noise.
+    /// one specimen at the largest noise, and a third of such attacks.
     pub fn on_image() -> Self {
         Self {
             specimens: vec![(3.0, 0.1, 10.0)],
             noises: vec![0.01],
             moments: vec![0.356, 0.919],
             healthy_cycles: 0,
+            attacks: Attacks {
+                one_in: 3,
+                ..Attacks::default()
+            },
             ..Self::whole()
         }
     }
@@ -105,6 +163,28 @@ impl Campaign {
             }
         }
         all
+    }
+
+    /// Every attack of it.
+    pub fn attack_trials(&self) -> AttackTrials {
+        let some = |trials: Vec<AttackTrial>| match self.attacks.one_in {
+            0 => Vec::new(),
+            one_in => trials.into_iter().step_by(one_in).collect(),
+        };
+        let mut pairs = some(scenarios(self));
+        pairs.extend(drawn_pairs(self, self.attacks.pairs));
+        let Attacks {
+            adversary: count,
+            first,
+            ..
+        } = self.attacks;
+        AttackTrials {
+            singles: some(singles(self)),
+            pairs,
+            adversary: (0..u64::from(count))
+                .map(|index| adversary(first + index))
+                .collect(),
+        }
     }
 
     /// Every slow change of it, at the largest noise.
@@ -144,6 +224,15 @@ impl Campaign {
                 outcome
             })
             .collect::<Result<_, _>>()?;
+        let attacks = self.attack_trials().run(|trial| {
+            let outcome = run_attack(trial);
+            done();
+            outcome
+        })?;
+        let forgeries = match self.attacks.one_in {
+            0 => Vec::new(),
+            _ => forgeries()?,
+        };
         let slow = self
             .slow_changes()
             .into_par_iter()
@@ -153,34 +242,118 @@ impl Campaign {
                 followed
             })
             .collect::<Result<_, _>>()?;
-        let runs = self.healthy_runs();
-        let cycles = self.healthy_cycles.div_ceil(runs.len().max(1) as u32);
-        let healthy: Vec<Healthy> = runs
+        let healthy: Vec<Healthy> = self
+            .healthy_runs()
             .into_par_iter()
             .enumerate()
-            .map(|(seed, (specimen, follow))| {
-                let (noise, seed) = (self.loudest(), seed as u64);
-                let healthy = run_healthy(specimen, (noise, follow), cycles, seed);
+            .map(|(seed, run)| {
+                let settings = (self.loudest(), run.follow);
+                let cycles = run.cycles;
+                let healthy = run_healthy(
+                    run.specimen,
+                    settings,
+                    run.surroundings,
+                    cycles,
+                    seed as u64,
+                );
                 done();
                 healthy
             })
             .collect::<Result<_, _>>()?;
-        Ok(Summary::of(outcomes, slow, healthy))
+        let attacks = AttackSummary::of(attacks, forgeries);
+        Ok(Summary::of(outcomes, slow, healthy, attacks))
     }
 
-    /// Density and amplitude, and by how much the law follows.
-    fn healthy_runs(&self) -> Vec<((f64, f64), f64)> {
-        let specimens = self.specimens.iter();
-        specimens
-            .flat_map(|&(density, amplitude, _)| {
-                [0.0, FOLLOW].map(|follow| ((density, amplitude), follow))
-            })
-            .collect()
+    /// Every specimen with a law that stays and with one that follows, in all surroundings; two thirds of the cycles in those of
+    /// [`Surroundings::Settling`], which take longest.
+    fn healthy_runs(&self) -> Vec<HealthyRun> {
+        if self.healthy_cycles == 0 {
+            return Vec::new();
+        }
+        let specimens = 2 * self.specimens.len().max(1) as u32;
+        let others = Surroundings::ALL.len() as u32 - 1;
+        let mut runs = Vec::new();
+        for &(density, amplitude, _) in &self.specimens {
+            for follow in [0.0, FOLLOW] {
+                for surroundings in Surroundings::ALL {
+                    let (share, shared_by) = match surroundings {
+                        Surroundings::Settling => (2, 3 * specimens),
+                        _ => (1, 3 * specimens * others),
+                    };
+                    runs.push(HealthyRun {
+                        specimen: (density, amplitude),
+                        follow,
+                        surroundings,
+                        cycles: (share * self.healthy_cycles).div_ceil(shared_by),
+                    });
+                }
+            }
+        }
+        runs
     }
 
     /// How often [`Campaign::run`] calls `done`.
     pub fn steps(&self) -> u64 {
-        let all = self.trials().len() + self.slow_changes().len() + self.healthy_runs().len();
-        all as u64
+        let faults = self.trials().len() + self.slow_changes().len() + self.healthy_runs().len();
+        (faults + self.attack_trials().len()) as u64
+    }
+}
+
+/// A healthy run to come.
+struct HealthyRun {
+    specimen: (f64, f64),
+    follow: f64,
+    surroundings: Surroundings,
+    cycles: u32,
+}
+
+/// The attacks of a campaign.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct AttackTrials {
+    /// One attack each.
+    pub singles: Vec<AttackTrial>,
+    /// Two attacks each.
+    pub pairs: Vec<AttackTrial>,
+    /// Up to four, drawn.
+    pub adversary: Vec<AttackTrial>,
+}
+
+impl AttackTrials {
+    /// How many there are.
+    pub fn len(&self) -> usize {
+        self.singles.len() + self.pairs.len() + self.adversary.len()
+    }
+
+    /// Whether there is none.
+    pub fn is_empty(&self) -> bool {
+        self.len() == 0
+    }
+
+    /// Those whose attack also acts on a controller that is asked for each tick over a link: it never finds that link silent.
+    pub fn over_a_link(mut self) -> Self {
+        let is_heard = |trial: &AttackTrial| {
+            let mut kinds = trial.attacks.iter().map(|attack| attack.kind);
+            !kinds.any(|kind| kind == AttackKind::LinkSilent)
+        };
+        for trials in [&mut self.singles, &mut self.pairs, &mut self.adversary] {
+            trials.retain(is_heard);
+        }
+        self
+    }
+
+    /// Has `run` run each of them, several at once.
+    ///
+    /// # Errors
+    /// What `run` refuses.
+    fn run(
+        &self,
+        run: impl Fn(&AttackTrial) -> Result<AttackOutcome, SetupError> + Sync,
+    ) -> Result<Outcomes, SetupError> {
+        let all = |trials: &[AttackTrial]| trials.par_iter().map(&run).collect::<Result<_, _>>();
+        Ok(Outcomes {
+            singles: all(&self.singles)?,
+            pairs: all(&self.pairs)?,
+            adversary: all(&self.adversary)?,
+        })
     }
 }

@@ -184,9 +184,10 @@ impl SlowChange {
     fn watch(&self, follow: f64) -> Result<Watched, SetupError> {
         let (specimen, condition) = Damaged::new(self.density, self.amplitude);
         let cycles = STEADY + CHANGING + AFTER + BROKEN;
-        let axes = (self.amplitude, FREQUENCY);
+        let block = [(self.amplitude, cycles)];
         let settings = (self.noise, follow);
-        let mut bench = Bench::new(setup(specimen, axes, cycles, settings, self.seed)?)?;
+        let setup = setup::<1>(specimen, &block, FREQUENCY, settings, self.seed)?;
+        let mut bench = Bench::new(setup)?;
         bench.rig.start()?;
         let mut watched = Watched {
             reports: Vec::new(),

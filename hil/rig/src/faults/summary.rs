@@ -2,6 +2,7 @@
 
 use serde::Serialize;
 
+use super::attack::{AttackSummary, Coverage, coverage};
 use super::healthy::Healthy;
 use super::kind::{Group, InjectedFault};
 use super::slow::SlowOutcome;
@@ -24,6 +25,8 @@ pub struct KindSummary {
     pub in_time: usize,
     /// Called what they are.
     pub right: usize,
+    /// Called by two causes, of which the second is what they are.
+    pub both: usize,
     /// Cycles until a cause was named, of those that were found.
     pub median_cycles: Option<f64>,
     /// The most.
@@ -43,6 +46,8 @@ pub struct Summary {
     pub in_time: usize,
     /// Called what they are.
     pub right: usize,
+    /// Called by two causes, of which the second is what they are.
+    pub both: usize,
     /// Causes that were named before there was a fault.
     pub early: usize,
     /// Largest true displacement over its limit, in any trial.
@@ -65,11 +70,20 @@ pub struct Summary {
     pub slow: Vec<SlowOutcome>,
     /// Trial by trial.
     pub outcomes: Vec<Outcome>,
+    /// Attacks.
+    pub attacks: AttackSummary,
+    /// Diagnostic coverage by the element that fails.
+    pub coverage: Vec<Coverage>,
 }
 
 impl Summary {
-    /// Of these trials, slow changes and healthy runs.
-    pub fn of(outcomes: Vec<Outcome>, slow: Vec<SlowOutcome>, healthy: Vec<Healthy>) -> Self {
+    /// Of these trials, slow changes, healthy runs and attacks.
+    pub fn of(
+        outcomes: Vec<Outcome>,
+        slow: Vec<SlowOutcome>,
+        healthy: Vec<Healthy>,
+        attacks: AttackSummary,
+    ) -> Self {
         let count =
             |holds: &dyn Fn(&Outcome) -> bool| outcomes.iter().filter(|one| holds(one)).count();
         let largest = |of: &dyn Fn(&Outcome) -> f64| outcomes.iter().map(of).fold(0.0, f64::max);
@@ -83,12 +97,13 @@ impl Summary {
                 }
             }
         }
-        Self {
+        let mut summary = Self {
             kinds,
             trials: outcomes.len(),
             found: count(&|one| one.cycles.is_some()),
             in_time: count(&Outcome::in_time),
             right: count(&|one| one.right),
+            both: count(&|one| one.both),
             early: count(&|one| one.false_alarm),
             displacement: largest(&|one| one.displacement),
             force: largest(&|one| one.force),
@@ -104,7 +119,11 @@ impl Summary {
             healthy,
             slow,
             outcomes,
-        }
+            attacks,
+            coverage: Vec::new(),
+        };
+        summary.coverage = coverage(&summary);
+        summary
     }
 }
 
@@ -122,6 +141,7 @@ impl KindSummary {
             found: cycles.len(),
             in_time: count(&|one| one.in_time()),
             right: count(&|one| one.right),
+            both: count(&|one| one.both),
             median_cycles: cycles.get(cycles.len() / 2).copied(),
             worst_cycles: cycles.last().copied(),
         }

@@ -49,6 +49,8 @@ pub struct Outcome {
     pub cycles: Option<f64>,
     /// The first cause is that of the fault.
     pub right: bool,
+    /// The first event says two causes, and the second is that of the fault.
+    pub both: bool,
     /// A cause was named before there was a fault.
     pub false_alarm: bool,
     /// Why the rig stopped, where it did.
@@ -79,21 +81,24 @@ const WATCHED: u32 = 8;
 /// Part of a limit from which it is exceeded beyond doubt: three times the noise of 1 % of a force's RMS, which is a third of its
 /// limit here.
 const BEYOND: f64 = 1.01;
-/// Noise of the force channel as [`RigSetup::new`] sets it.
-const USUAL_NOISE: f64 = 0.004;
+/// Noise of the force channel as [`RigSetup::new`] sets it, over the RMS of the force.
+pub(super) const USUAL_NOISE: f64 = 0.004;
 
-/// The rig that tests `specimen` at `amplitude` mm and `frequency` Hz for `cycles`, with `noise` and `follow` as in [`Trial`].
-pub(super) fn setup(
+/// The rig that tests `specimen` at `frequency` Hz in blocks of these amplitudes in mm and cycles, with `noise` and `follow` as in
+/// [`Trial`].
+pub(super) fn setup<const B: usize>(
     specimen: Damaged,
-    (amplitude, frequency): (f64, f64),
-    cycles: u32,
+    blocks: &[(f64, u32)],
+    frequency: f64,
     (noise, follow): (f64, f64),
     seed: u64,
-) -> Result<RigSetup<Damaged, 1, 1>, SetupError> {
+) -> Result<RigSetup<Damaged, B, 1>, SetupError> {
     let c = specimen.coefficients();
     let law = Law::new(c.k1 as f32, c.k3 as f32, c.c as f32, c.alpha as f32)?;
-    let block = Block::sine(amplitude, frequency, cycles)?;
-    let programme = Programme::new(TICK_RATE, 1)?.with(block)?;
+    let mut programme = Programme::new(TICK_RATE, 1)?;
+    for &(amplitude, cycles) in blocks {
+        programme = programme.with(Block::sine(amplitude, frequency, cycles)?)?;
+    }
     let mut setup = RigSetup::new(specimen, AugmentedLaw::new(law), programme, seed);
     setup.force_sensor.noise *= noise / USUAL_NOISE;
     setup.settings.health.follow = follow;
@@ -101,7 +106,7 @@ pub(super) fn setup(
 }
 
 /// Largest force of a sine, kN.
-fn peak(specimen: &Damaged, amplitude: f64, frequency: f64) -> f64 {
+pub(super) fn peak(specimen: &Damaged, amplitude: f64, frequency: f64) -> f64 {
     let w = TAU * frequency;
     (0..1000)
         .map(|step| {
@@ -155,9 +160,9 @@ impl<'t> Test<'t> {
         };
         let lead = trial.kind.lead(trial.size);
         let cycles = HEALTHY + WATCHED + lead.ceil() as u32;
-        let axes = (trial.amplitude, trial.frequency);
+        let block = [(trial.amplitude, cycles)];
         let settings = (trial.noise, trial.follow);
-        let setup = setup(specimen, axes, cycles, settings, trial.seed)?;
+        let setup = setup(specimen, &block, trial.frequency, settings, trial.seed)?;
         let test = Self {
             trial,
             condition,
@@ -182,6 +187,7 @@ impl<'t> Test<'t> {
             named: Vec::new(),
             cycles: None,
             right: false,
+            both: false,
             false_alarm: false,
             stopped: None,
             displacement: 0.0,
@@ -227,15 +233,17 @@ impl<'t> Test<'t> {
         }
         outcome.stopped = stopped.map(|(_, fault)| format!("{fault:?}"));
         let faults = events.iter().filter(|(_, event)| event.cause.is_fault());
-        let faults: Vec<(u64, HealthCause)> =
-            faults.map(|(tick, event)| (*tick, event.cause)).collect();
+        let faults: Vec<(u64, HealthCause, Option<HealthCause>)> = faults
+            .map(|(tick, event)| (*tick, event.cause, event.or))
+            .collect();
         outcome.named = faults
             .iter()
-            .map(|(_, cause)| format!("{cause:?}"))
+            .map(|(_, cause, _)| format!("{cause:?}"))
             .collect();
-        if let Some(&(tick, cause)) = faults.first() {
+        if let Some(&(tick, cause, or)) = faults.first() {
             outcome.false_alarm = tick < begins;
             outcome.right = cause == trial.kind.cause();
+            outcome.both = !outcome.right && or == Some(trial.kind.cause());
             // The tick that finds it is over as well.
             let since = (tick + 1) as f64 - begins as f64;
             let lead = trial.kind.lead(trial.size);

@@ -49,6 +49,9 @@ pub struct ExportCommand {
     /// Density of the specimen, g/cm³, to be said with the law
     #[arg(long, value_name = "G_PER_CM3", allow_negative_numbers = true)]
     density: Option<f64>,
+    /// Exports a law that gives more energy than it takes as well: a firmware that loads it has to allow that too
+    #[arg(long)]
+    allow_active: bool,
     /// Where what was written goes as JSON as well; `-` for standard output
     #[arg(long, value_name = "FILE")]
     json: Option<PathBuf>,
@@ -82,6 +85,8 @@ struct Summary<'a> {
     amplitude: Option<f32>,
     /// g/cm³
     density: Option<f32>,
+    /// Whether the law gives no more energy than it takes, within the operating range
+    passive: bool,
 }
 
 #[derive(Serialize)]
@@ -111,6 +116,7 @@ impl ExportCommand {
             density: self.density,
             revision: self.revision,
             name: self.name()?,
+            allow_active: self.allow_active,
         };
         let export = Export::new(&file, &settings).map_err(|error| self.refused(&error))?;
         let texts = self.texts(&export).map_err(|error| self.refused(&error))?;
@@ -136,6 +142,7 @@ impl ExportCommand {
             }),
             amplitude: info.amplitude,
             density: info.density,
+            passive: export.active().is_none(),
         };
         if let Some(json) = &self.json {
             outputs.add_json(json, &summary)?;
@@ -150,6 +157,11 @@ impl ExportCommand {
         {
             warn(&format!(
                 "the law changes with the amplitude, and is that of {amplitude} mm: --amplitude takes another"
+            ));
+        }
+        if let Some(active) = export.active() {
+            warn(&format!(
+                "the law is active: {active}, and a load refuses it unless it allows that"
             ));
         }
         let dash = Path::new("-");
@@ -258,6 +270,9 @@ impl ExportCommand {
         {
             said += &format!(", within {low} to {high} mm and {slowest} to {fastest} mm/s");
         }
+        if summary.passive {
+            said += ", passive";
+        }
         let used = match self.format {
             Format::Pack => format!(
                 "Load it with pack::decode or Upload::finish and Expectation::at({:?})",
@@ -306,6 +321,12 @@ impl ExportCommand {
                 ..model_error(&model, error)
             },
             ExportError::Model(error) => model_error(&model, error),
+            ExportError::Active(active) => InputError::new(
+                model,
+                format!("the law is active: {active}"),
+                "see to its damping and to stiffnesses of friction below 0, or give --allow-active",
+            )
+            .at(Place::Field("law".into())),
             ExportError::ResidualTable => InputError::new(
                 model,
                 "a law that Rust composes statically carries no residual table",

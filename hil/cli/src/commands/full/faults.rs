@@ -1,39 +1,52 @@
 //! `hil faults`: the fault campaign.
 
 use std::path::{Path, PathBuf};
-use std::sync::atomic::{AtomicU64, Ordering};
+use std::sync::atomic::{AtomicU64, AtomicUsize, Ordering};
 
 use clap::Args;
 use mesh_damper_link::image::Board;
 use mesh_damper_link::lockstep::Image;
-use mesh_damper_link::lockstep::run_trial_on;
+use mesh_damper_link::lockstep::{run_attack_on, run_trial_on};
 use mesh_damper_recording::error::InputError;
 use mesh_damper_recording::output::Plan;
 use mesh_damper_report::campaign;
 use mesh_damper_rig::SetupError;
-use mesh_damper_rig::faults::{CHANGING, Campaign, FOLLOW, Summary, missed};
+use mesh_damper_rig::faults::{
+    AttackSummary, AttackTrial, CHANGING, Campaign, FOLLOW, Outcomes, Summary, Surroundings, missed,
+};
 
+use super::faults_attacks;
 use super::image::On;
 use crate::commands::progress::Progress;
 use crate::commands::{Failure, say};
 
-/// Put faults into specimen, sensors and actuator of the simulated rig, and count what its monitor finds
+/// Put faults into specimen, sensors and actuator of the simulated rig, attack its signals, and count what its monitor finds
 ///
-/// Prints, for each kind and size of fault, how many were found, how soon, and whether they were called what they are; then
-/// false alarms over healthy cycles that include run-in and a change of temperature, and how well slow changes are followed.
+/// Prints, for each kind and size of fault, how many were found, how soon, and whether they were called what they are; the same of
+/// attacks and pairs of them, with the hazardous states that they led to and the diagnostic coverage of each element; then false
+/// alarms over healthy cycles that include run-in, changes of temperature, hum, bursts and pauses, and how well slow changes are
+/// followed.
 #[derive(Args, Debug)]
-#[command(after_help = "Examples:\n  hil faults --out faults-out\n  hil faults --part --check")]
+#[command(
+    after_help = "Examples:\n  hil faults --out faults-out\n  hil faults --part --check\n  hil faults --adversary 5000 --check\n  hil faults --on image --adversary 200 --first 5000 --check"
+)]
 pub struct FaultsCommand {
-    /// Where the crate runs; on the image there are one specimen's faults only
+    /// Where the crate runs; on the image there are one specimen's faults and attacks only
     #[arg(long, value_enum, default_value_t = On::Host)]
     on: On,
-    /// Only a part: three specimens at 1 % noise, 12 000 healthy cycles
+    /// Only a part: three specimens at 1 % noise, some of the attacks, 18 000 healthy cycles
     #[arg(long, conflicts_with = "on")]
     part: bool,
     /// Healthy cycles in all
     #[arg(long, value_name = "N", conflicts_with = "on", value_parser = clap::value_parser!(u32).range(0..=100_000_000))]
     healthy: Option<u32>,
-    /// Where the pictures go: faults.svg, and of slow changes following.svg
+    /// Only N trials of one to four attacks each that an adversary draws
+    #[arg(long, value_name = "N", conflicts_with_all = ["part", "healthy"], value_parser = clap::value_parser!(u32).range(1..=10_000_000))]
+    adversary: Option<u32>,
+    /// Number of the adversary's first trial; the same number is the same trial
+    #[arg(long, value_name = "SEED", default_value_t = 0, requires = "adversary")]
+    first: u64,
+    /// Where the pictures go: faults.svg, of attacks attacks.svg, and of slow changes following.svg
     #[arg(long, value_name = "DIR")]
     out: Option<PathBuf>,
     /// Fail (exit code 1) where the requirement is not met
@@ -52,30 +65,79 @@ fn refused(error: SetupError) -> InputError {
     }
 }
 
-/// The faults of [`Campaign::on_image`], each on an image that has just started.
-fn on_image() -> Result<Summary, InputError> {
-    let trials = Campaign::on_image().trials();
-    let progress = Progress::of(trials.len() as u64);
+/// What `run` makes of each of `all`, by as many at once as the machine has cores for.
+fn at_once<T: Sync, R: Send>(
+    all: &[T],
+    run: impl Fn(&T) -> Result<R, InputError> + Sync,
+) -> Result<Vec<R>, InputError> {
+    let workers = std::thread::available_parallelism().map_or(1, usize::from);
+    let next = AtomicUsize::new(0);
+    let work = || -> Result<Vec<(usize, R)>, InputError> {
+        let mut done = Vec::new();
+        loop {
+            let index = next.fetch_add(1, Ordering::Relaxed);
+            let Some(one) = all.get(index) else {
+                return Ok(done);
+            };
+            done.push((index, run(one)?));
+        }
+    };
+    let ended = std::thread::scope(|scope| {
+        let started: Vec<_> = (0..workers).map(|_| scope.spawn(work)).collect();
+        let ended = started.into_iter().map(|worker| match worker.join() {
+            Ok(done) => done,
+            Err(panic) => std::panic::resume_unwind(panic),
+        });
+        ended.collect::<Result<Vec<_>, InputError>>()
+    })?;
+    let mut results: Vec<_> = ended.into_iter().flatten().collect();
+    results.sort_by_key(|(index, _)| *index);
+    Ok(results.into_iter().map(|(_, result)| result).collect())
+}
+
+/// The faults and attacks of `chosen`, each on an image that has just started.
+fn on_image(chosen: &Campaign) -> Result<Summary, InputError> {
+    let trials = chosen.trials();
+    let attacks = chosen.attack_trials().over_a_link();
+    let progress = Progress::of((trials.len() + attacks.len()) as u64);
     progress.step("testing the image");
-    let mut outcomes = Vec::new();
-    for trial in &trials {
-        let mut image = Image::start(Board::Mps2An386, Box::new(|_| {}))?;
-        outcomes.push(run_trial_on(&mut image, trial).map_err(refused)?);
-        progress.done(outcomes.len() as u64);
-    }
-    Ok(Summary::of(outcomes, Vec::new(), Vec::new()))
+    let finished = AtomicU64::new(0);
+    let done = || progress.done(finished.fetch_add(1, Ordering::Relaxed) + 1);
+    let start = || Image::start(Board::Mps2An386, Box::new(|_| {}));
+    let outcomes = at_once(&trials, |trial| {
+        let outcome = run_trial_on(&mut start()?, trial).map_err(refused);
+        done();
+        outcome
+    })?;
+    let run = |trials: &[AttackTrial]| {
+        at_once(trials, |trial| {
+            let outcome = run_attack_on(&mut start()?, trial).map_err(refused);
+            done();
+            outcome
+        })
+    };
+    let attacks = AttackSummary::of(
+        Outcomes {
+            singles: run(&attacks.singles)?,
+            pairs: run(&attacks.pairs)?,
+            adversary: run(&attacks.adversary)?,
+        },
+        Vec::new(),
+    );
+    Ok(Summary::of(outcomes, Vec::new(), Vec::new(), attacks))
 }
 
 impl FaultsCommand {
     fn summary(&self) -> Result<Summary, InputError> {
-        if self.on == On::Image {
-            return on_image();
-        }
-        let mut chosen = if self.part {
-            Campaign::part()
-        } else {
-            Campaign::whole()
+        let mut chosen = match (self.adversary, self.on) {
+            (Some(count), _) => Campaign::adversary(count, self.first),
+            (None, On::Image) => Campaign::on_image(),
+            (None, On::Host) if self.part => Campaign::part(),
+            (None, On::Host) => Campaign::whole(),
         };
+        if self.on == On::Image {
+            return on_image(&chosen);
+        }
         chosen.healthy_cycles = self.healthy.unwrap_or(chosen.healthy_cycles);
         let progress = Progress::of(chosen.steps());
         progress.step("testing");
@@ -87,13 +149,20 @@ impl FaultsCommand {
     pub fn run(self) -> Result<(), Failure> {
         let picture = |name: &str| self.out.as_ref().map(|out| out.join(name));
         let (found, followed) = (picture("faults.svg"), picture("following.svg"));
+        let attacked = picture("attacks.svg");
         let mut outputs = Plan::new()
-            .fills(self.out.as_deref(), ["faults.svg", "following.svg"])
+            .fills(
+                self.out.as_deref(),
+                ["faults.svg", "attacks.svg", "following.svg"],
+            )
             .writes(&self.json)
             .begin()?;
         let summary = self.summary()?;
-        if let Some(found) = found {
+        if let Some(found) = found.filter(|_| !summary.outcomes.is_empty()) {
             outputs.add(found, campaign::found(&summary));
+        }
+        if let Some(attacked) = attacked.filter(|_| summary.attacks.trials() > 0) {
+            outputs.add(attacked, campaign::attacked(&summary.attacks));
         }
         if let Some(followed) = followed.filter(|_| !summary.slow.is_empty()) {
             outputs.add(followed, campaign::followed(&summary.slow));
@@ -104,6 +173,7 @@ impl FaultsCommand {
         outputs.write()?;
         if self.json.as_deref() != Some(Path::new("-")) {
             print(&summary);
+            faults_attacks::print(&summary);
         }
         let missed = missed(&summary);
         if self.check && !missed.is_empty() {
@@ -114,10 +184,13 @@ impl FaultsCommand {
 }
 
 fn print(summary: &Summary) {
+    if summary.outcomes.is_empty() {
+        return;
+    }
     let wrong = summary
         .outcomes
         .iter()
-        .filter(|one| !one.right || !one.in_time());
+        .filter(|one| !(one.right || one.both) || !one.in_time());
     for one in wrong {
         let trial = &one.trial;
         say(&format!(
@@ -134,35 +207,36 @@ fn print(summary: &Summary) {
                 .map_or_else(|| "-".into(), |cycles| format!("{cycles:.2}")),
         ));
     }
-    say("\n                   fault   size  trials  found  in time  right  cycles: median   most");
+    say(
+        "\n                   fault   size  trials  found  in time  right   both  cycles: median   most",
+    );
     for kind in &summary.kinds {
         let cycles = |cycles: Option<f64>| cycles.map_or_else(|| "-".into(), |c| format!("{c:.2}"));
         say(&format!(
-            "{:>24} {:>6} {:>7} {:>6} {:>8} {:>6} {:>15} {:>6}",
+            "{:>24} {:>6} {:>7} {:>6} {:>8} {:>6} {:>6} {:>15} {:>6}",
             format!("{:?}", kind.kind),
             kind.size,
             kind.trials,
             kind.found,
             kind.in_time,
             kind.right,
+            kind.both,
             cycles(kind.median_cycles),
             cycles(kind.worst_cycles)
         ));
     }
     let percent = |part: usize| 100.0 * part as f64 / summary.trials.max(1) as f64;
     say(&format!(
-        "\n{} trials: {:.1} % found, {:.1} % in time, {:.1} % called what they are; {} alarms before the fault",
+        "\n{} trials: {:.1} % found, {:.1} % in time, {:.1} % called what they are, {:.1} % by two causes of which one is; {} alarms before the fault",
         summary.trials,
         percent(summary.found),
         percent(summary.in_time),
         percent(summary.right),
+        percent(summary.both),
         summary.early
     ));
     if !summary.healthy.is_empty() {
-        say(&format!(
-            "{} healthy cycles with run-in and temperature: {} false alarms",
-            summary.healthy_cycles, summary.false_alarms
-        ));
+        print_healthy(summary);
     }
     if !summary.slow.is_empty() {
         print_slow(summary);
@@ -175,6 +249,33 @@ fn print(summary: &Summary) {
         summary.stopped,
         summary.stopped_in_time
     ));
+}
+
+fn print_healthy(summary: &Summary) {
+    say(&format!(
+        "{} healthy cycles with run-in and temperature: {} false alarms",
+        summary.healthy_cycles, summary.false_alarms
+    ));
+    for surroundings in Surroundings::ALL {
+        let these = || {
+            let all = summary.healthy.iter();
+            all.filter(move |one| one.surroundings == surroundings)
+        };
+        say(&format!(
+            "{:>24} {:>7} cycles, {} false alarms",
+            format!("{surroundings:?}"),
+            these().map(|one| u64::from(one.cycles)).sum::<u64>(),
+            these().map(|one| one.false_alarms.len()).sum::<usize>(),
+        ));
+    }
+    for one in &summary.healthy {
+        for (cycle, cause) in &one.false_alarms {
+            say(&format!(
+                "{:?}, {} g/cm3, {} mm, cycle {cycle}: {cause}",
+                one.surroundings, one.density, one.amplitude
+            ));
+        }
+    }
 }
 
 fn print_slow(summary: &Summary) {

@@ -13,6 +13,7 @@ mod effect;
 mod events;
 mod export;
 mod faults;
+mod faults_attacks;
 mod image;
 mod law;
 mod meant_for;

@@ -1,0 +1,121 @@
+//! An adversary that draws combinations of attacks by seed.
+
+use mesh_damper::health::Channel::{Displacement, Force};
+use rand::{RngExt as _, SeedableRng as _};
+use rand_chacha::ChaCha8Rng;
+
+use super::kind::{AttackKind, Begins};
+use super::pairs::{FASTEST, close, one_of};
+use super::trial::{Attack, AttackTrial, BLOCKS};
+use super::{NO_RUN_IN, RUN_IN};
+use crate::faults::FOLLOW;
+
+/// Most attacks in one trial.
+const MOST: usize = 4;
+/// g/cm³, mm.
+const DENSITIES: [f64; 4] = [2.0, 2.5, 3.0, 4.0];
+const AMPLITUDES: [f64; 4] = [0.05, 0.1, 0.2, 0.25];
+/// Hz.
+const FREQUENCIES: [f64; 2] = [5.0, FASTEST];
+const NOISES: [f64; 3] = [0.002, 0.005, 0.01];
+/// Cycles of one block, and of each of several short ones.
+const LONG: (u32, u32) = (24, 40);
+const SHORT: (u32, u32) = (4, 12);
+/// The force channel's full scale over its limit.
+const RANGE: (f64, f64) = (1.2, 3.0);
+/// How often an attack is there from the start, and how often it passes again, within so many cycles.
+const FROM_START: f64 = 0.2;
+const PASSES: f64 = 0.4;
+const SHORTEST: f64 = 0.02;
+const LONGEST: f64 = 10.0;
+/// How often a kind is one of [`HARD`].
+const HARD_ONES: f64 = 0.5;
+/// Sizes are those of a kind times this or by this.
+const VARIED: f64 = 2.0;
+
+/// What drives a quantity beyond its limit, and what hides that it is.
+const HARD: [AttackKind; 14] = {
+    use AttackKind as A;
+    [
+        A::Stiffened,
+        A::Seized,
+        A::Preload,
+        A::GainDrift(Displacement),
+        A::GainStep(Displacement),
+        A::GainStep(Force),
+        A::DropOuts(Force),
+        A::Open(Force),
+        A::Frozen(Force),
+        A::ZeroOneInTen(Displacement),
+        A::ZeroOneInTen(Force),
+        A::GoodOneInTen(Force),
+        A::Ringing(Displacement),
+        A::Ringing(Force),
+    ]
+};
+
+impl AttackKind {
+    /// One of its sizes, larger or smaller where that makes sense.
+    fn drawn_size(self, random: &mut ChaCha8Rng) -> f64 {
+        let size = one_of(random, self.sizes());
+        let by = VARIED.powf(random.random_range(-1.0..=1.0));
+        match self {
+            // A number of a bit, of samples, of ticks; nothing to size.
+            Self::StuckBit(_) => random.random_range(6..=15_u32).into(),
+            Self::ZeroOneInTen(_) | Self::GoodOneInTen(_) | Self::Ringing(_) => {
+                random.random_range(2..=20_u32).into()
+            }
+            Self::LostTicks => random.random_range(1..=20_u32).into(),
+            // No gain beyond its sign, no more than all of a specimen.
+            _ => (size * by).max(-0.9),
+        }
+    }
+}
+
+/// The adversary's trial with this number. 1 to 4 attacks of any kinds, some of which pass again, on any specimen, with limits
+/// close to what it asks for.
+pub fn adversary(seed: u64) -> AttackTrial {
+    let mut random = ChaCha8Rng::seed_from_u64(seed);
+    let random = &mut random;
+    let blocks: Vec<u32> = if random.random::<bool>() {
+        vec![random.random_range(LONG.0..=LONG.1)]
+    } else {
+        let count = random.random_range(2..=BLOCKS);
+        let mut cycles = || random.random_range(SHORT.0..=SHORT.1);
+        (0..count).map(|_| cycles()).collect()
+    };
+    let cycles: u32 = blocks.iter().sum();
+    let kinds = AttackKind::all();
+    let count = random.random_range(1..=MOST);
+    let mut attack = || {
+        let pool = if random.random::<f64>() < HARD_ONES {
+            &HARD[..]
+        } else {
+            &kinds
+        };
+        let kind = one_of(random, pool);
+        let at_start = kind.begins() == Begins::AtStart || random.random::<f64>() < FROM_START;
+        let begins = random.random_range(-1.0..f64::from(cycles));
+        let lasts = SHORTEST * (LONGEST / SHORTEST).powf(random.random());
+        Attack {
+            kind,
+            size: kind.drawn_size(random),
+            begins: if at_start { -2.0 } else { begins },
+            lasts: (random.random::<f64>() < PASSES).then_some(lasts),
+        }
+    };
+    let attacks = (0..count).map(|_| attack()).collect();
+    AttackTrial {
+        attacks,
+        density: one_of(random, &DENSITIES),
+        amplitude: one_of(random, &AMPLITUDES),
+        frequency: one_of(random, &FREQUENCIES),
+        noise: one_of(random, &NOISES),
+        follow: one_of(random, &[0.0, FOLLOW]),
+        blocks,
+        run_in: one_of(random, &[NO_RUN_IN, RUN_IN]),
+        headroom: close(random),
+        range: random.random_range(RANGE.0..RANGE.1),
+        seed,
+    }
+}

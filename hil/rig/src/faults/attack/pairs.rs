@@ -1,0 +1,126 @@
+//! Two attacks in one trial.
+
+use mesh_damper::health::Channel;
+use rand::{RngExt as _, SeedableRng as _};
+use rand_chacha::ChaCha8Rng;
+
+use super::is_single;
+use super::kind::AttackKind;
+use super::trial::{AttackTrial, Headroom};
+use crate::faults::{Campaign, FOLLOW};
+
+use Channel::{Displacement, Force};
+
+/// Two attacks with their sizes, and by how many cycles the second is later: each hides the other, or makes it worse.
+const SCENARIOS: [[(AttackKind, f64, f64); 2]; 17] = {
+    use AttackKind as A;
+    [
+        // A limit that is held off.
+        [
+            (A::Stiffened, 2.0, 0.0),
+            (A::ZeroOneInTen(Force), 10.0, 0.0),
+        ],
+        [
+            (A::Stiffened, 2.0, 0.0),
+            (A::GoodOneInTen(Force), 10.0, 0.0),
+        ],
+        [(A::Stiffened, 2.0, 0.0), (A::Ringing(Force), 10.0, 0.0)],
+        [
+            (A::GainDrift(Displacement), -0.02, 0.0),
+            (A::ZeroOneInTen(Displacement), 10.0, 0.0),
+        ],
+        // A channel that is lost, and then needed.
+        [(A::Open(Force), 0.005, 0.0), (A::Stiffened, 4.0, 6.0)],
+        [(A::Frozen(Force), 1.0, 0.0), (A::Stiffened, 4.0, 6.0)],
+        [
+            (A::NeverConnected(Force), 0.005, 0.0),
+            (A::Seized, 20.0, 0.0),
+        ],
+        // One that latches before one that is to be found.
+        [(A::Spike(Displacement), 0.5, 0.0), (A::Break, 0.2, 4.0)],
+        [(A::Spike(Force), 0.5, 0.0), (A::Break, 0.3, 4.0)],
+        [
+            (A::TemperatureNanAtCycleEnd, 1.0, 0.0),
+            (A::Break, 0.2, 4.0),
+        ],
+        // A temperature that explains it away.
+        [(A::TemperatureNan, 1.0, 0.0), (A::Break, 0.3, 4.0)],
+        [(A::TemperatureOpen, 1372.0, 0.0), (A::Break, 0.2, 0.0)],
+        [(A::TemperatureJump, 30.0, 0.0), (A::Break, 0.1, 0.0)],
+        [(A::TemperatureNoise, 15.0, -8.0), (A::Break, 0.1, 0.0)],
+        // Two at once.
+        [(A::Break, 0.1, 0.0), (A::GainStep(Force), 0.11, 0.0)],
+        [(A::Preload, 0.1, 0.0), (A::Wear, 0.2, 0.0)],
+        [(A::EnableStuckHigh, 1.0, 0.0), (A::Stiffened, 4.0, 2.0)],
+    ]
+};
+
+/// Limits over what the healthy rig does: the least and the most.
+pub(super) const CLOSE: (f64, f64) = (1.2, 2.0);
+/// Hz up to which limits can be as close as that: at 10 Hz the first cycles, before amplitude and phase are corrected, go 17 % beyond
+/// the force of the others.
+pub(super) const FASTEST: f64 = 8.0;
+
+/// Drawn from [`CLOSE`].
+pub(super) fn close(random: &mut ChaCha8Rng) -> Headroom {
+    let mut draw = || random.random_range(CLOSE.0..=CLOSE.1);
+    Headroom {
+        displacement: draw(),
+        force: draw(),
+        tracking: draw(),
+    }
+}
+
+/// One of `all`.
+pub(super) fn one_of<T: Copy>(random: &mut ChaCha8Rng, all: &[T]) -> T {
+    all[random.random_range(0..all.len())]
+}
+
+/// The pairs that are known to be hard, on each specimen and at each noise of `campaign`.
+pub fn scenarios(campaign: &Campaign) -> Vec<AttackTrial> {
+    let mut all = Vec::new();
+    for pair in SCENARIOS {
+        for &(density, amplitude, _) in &campaign.specimens {
+            for &noise in &campaign.noises {
+                let moment = campaign.moments[all.len() % campaign.moments.len()];
+                let attacks = pair.map(|(kind, size, later)| kind.attack(size, moment, later));
+                let seed = all.len() as u64;
+                let follow = if all.len() % 2 == 1 { FOLLOW } else { 0.0 };
+                let specimen = (density, amplitude);
+                all.push(AttackTrial::of(
+                    attacks.into(),
+                    specimen,
+                    (noise, follow),
+                    seed,
+                ));
+            }
+        }
+    }
+    all
+}
+
+/// `count` pairs of kinds, sizes, specimens, noises, moments and limits, each drawn by its number.
+pub fn drawn_pairs(campaign: &Campaign, count: u32) -> Vec<AttackTrial> {
+    let kinds: Vec<AttackKind> = AttackKind::all()
+        .into_iter()
+        .filter(|kind| is_single(*kind))
+        .collect();
+    let draw = |seed: u64| {
+        let mut random = ChaCha8Rng::seed_from_u64(seed);
+        let random = &mut random;
+        let attacks = [0.0, random.random_range(0.0..8.0_f64).floor()].map(|later| {
+            let kind = one_of(random, &kinds);
+            let moment = one_of(random, &campaign.moments);
+            kind.attack(one_of(random, kind.sizes()), moment, later)
+        });
+        let (density, amplitude, _) = one_of(random, &campaign.specimens);
+        let noise = one_of(random, &campaign.noises);
+        let follow = one_of(random, &[0.0, FOLLOW]);
+        AttackTrial {
+            headroom: close(random),
+            frequency: FASTEST,
+            ..AttackTrial::of(attacks.into(), (density, amplitude), (noise, follow), seed)
+        }
+    };
+    (0..u64::from(count)).map(draw).collect()
+}

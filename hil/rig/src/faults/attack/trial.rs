@@ -1,0 +1,251 @@
+//! A trial: a test on the rig, and one attack or several on it.
+
+use std::cell::Cell;
+use std::rc::Rc;
+
+use mesh_damper::effects::AugmentedLaw;
+use mesh_damper::health::Channel;
+use mesh_damper::law::Law;
+use mesh_damper::sine::{Block, Programme};
+use serde::Serialize;
+
+use super::apply::{FULL_SCALE, Healthy, Running};
+use super::hazard::{Allowed, Hazard};
+use super::kind::AttackKind;
+use crate::faults::damage::{Condition, Damaged};
+use crate::faults::kind::HealthyMotion;
+use crate::faults::trial::{USUAL_NOISE, peak};
+use crate::{RigSetup, SetupError, TICK_RATE};
+
+/// Most blocks of a trial's programme.
+pub const BLOCKS: usize = 4;
+
+/// An attack, and when it is there.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct Attack {
+    /// What it is.
+    pub kind: AttackKind,
+    /// As at [`AttackKind::sizes`].
+    pub size: f64,
+    /// When it begins: cycles from the end of the first ramp on; what is before the start begins with the trial.
+    pub begins: f64,
+    /// After how many cycles it is over; none where it stays.
+    pub lasts: Option<f64>,
+}
+
+/// Limits over what the healthy rig does.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct Headroom {
+    /// Over the amplitude.
+    pub displacement: f64,
+    /// Over the largest force.
+    pub force: f64,
+    /// Over [`TRACKING`] of the amplitude.
+    pub tracking: f64,
+}
+
+impl Headroom {
+    /// The same of each.
+    pub fn of_all(part: f64) -> Self {
+        Self {
+            displacement: part,
+            force: part,
+            tracking: part,
+        }
+    }
+}
+
+/// A test with attacks on it.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct AttackTrial {
+    /// In no particular order.
+    pub attacks: Vec<Attack>,
+    /// g/cm³.
+    pub density: f64,
+    /// mm.
+    pub amplitude: f64,
+    /// Hz.
+    pub frequency: f64,
+    /// RMS of the force channel's noise over that of the force.
+    pub noise: f64,
+    /// Most by which the law follows slow changes, part of its coefficients; 0 where it stays.
+    pub follow: f64,
+    /// Cycles of each block, at most [`BLOCKS`] of them.
+    pub blocks: Vec<u32>,
+    /// Cycles within which a slow change is the run-in.
+    pub run_in: u32,
+    /// Of the limits.
+    pub headroom: Headroom,
+    /// Full scale of the force channel over the force's limit.
+    pub range: f64,
+    /// Of the sensors' noise and of what is random in the attacks.
+    pub seed: u64,
+}
+
+/// How a cause that was named stands to the attack, in the order of how good that is.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Naming {
+    /// No cause was named.
+    Nothing,
+    /// It is none of those that cannot be told from the attack.
+    Wrong,
+    /// The event says two causes, and the second is one of those.
+    Both,
+    /// It is one of those.
+    Right,
+}
+
+/// A channel that a limit depends on was lost.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct Loss {
+    /// Which.
+    pub channel: Channel,
+    /// Cycles until the rig had stopped, where it did.
+    pub stopped_after: Option<f64>,
+}
+
+/// What came of a trial.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct AttackOutcome {
+    /// What was tried.
+    pub trial: AttackTrial,
+    /// Causes that were named and that for which it stopped, in order, each with its cycle as [`Attack::begins`] counts.
+    pub named: Vec<(f64, String)>,
+    /// Something was named, or it stopped, from the first attack on.
+    pub found: bool,
+    /// Cycles to that from when the attack that has to be found first counts as there; 0 where it was before.
+    pub cycles: Option<f64>,
+    /// Whether that was as soon as it has to be.
+    pub in_time: bool,
+    /// How the first cause stands to the attacks.
+    pub naming: Naming,
+    /// Each attack that can be observed was named rightly or both at some time, or the rig stopped before it had to be.
+    pub all_named: bool,
+    /// Something was named before there was an attack.
+    pub false_alarm: bool,
+    /// Why the rig stopped, where it did.
+    pub stopped: Option<String>,
+    /// Hazardous states.
+    pub hazards: Vec<Hazard>,
+    /// A channel that was lost.
+    pub lost: Option<Loss>,
+    /// Why it cannot be observed, where no attack of it can.
+    pub hidden: Option<&'static str>,
+}
+
+/// Tracking's limit at a headroom of 1, part of the amplitude: twice what the first cycles take at 10 Hz, before amplitude and phase
+/// are corrected.
+pub const TRACKING: f64 = 0.25;
+/// Ticks before the rig is started.
+pub(super) const IDLE: u64 = 20;
+/// Cycles of the ramps.
+pub(super) const RAMP: u32 = 1;
+/// In how many ticks the command goes to 0 once stopped.
+const STOP_TICKS: u32 = 500;
+/// Ticks after which a silent link stops the rig.
+const LINK_TICKS: u32 = 200;
+
+/// A trial's rig, and what has to be known of it.
+pub(super) struct Prepared {
+    pub(super) setup: RigSetup<Damaged, BLOCKS, 1>,
+    pub(super) condition: Rc<Cell<Condition>>,
+    pub(super) healthy: Healthy,
+    pub(super) allowed: Allowed,
+    pub(super) attacks: Vec<Running>,
+}
+
+impl AttackTrial {
+    /// Tick of a cycle as [`Attack::begins`] counts.
+    pub(super) fn tick(&self, cycle: f64) -> u64 {
+        let ticks = (cycle + f64::from(RAMP)) * self.cycle_ticks();
+        // One that is before the start begins with the trial.
+        if ticks < 0.0 {
+            0
+        } else {
+            IDLE + ticks.round() as u64
+        }
+    }
+
+    /// The cycle of a tick, likewise.
+    pub(super) fn cycle(&self, tick: u64) -> f64 {
+        (tick as f64 - IDLE as f64) / self.cycle_ticks() - f64::from(RAMP)
+    }
+
+    pub(super) fn cycle_ticks(&self) -> f64 {
+        TICK_RATE / self.frequency
+    }
+
+    /// Why none of its attacks can be observed.
+    pub(super) fn hidden(&self) -> Option<&'static str> {
+        let mut reasons = self.attacks.iter().map(|attack| attack.kind.hidden());
+        let first = reasons.next().flatten()?;
+        reasons.all(|reason| reason.is_some()).then_some(first)
+    }
+
+    pub(super) fn prepare(&self) -> Result<Prepared, SetupError> {
+        let (specimen, condition) = Damaged::new(self.density, self.amplitude);
+        let motion = HealthyMotion {
+            amplitude: self.amplitude,
+            frequency: self.frequency,
+            force: peak(&specimen, self.amplitude, self.frequency),
+            tick: 1.0 / TICK_RATE,
+        };
+        let wrong = |attack: &&Attack| attack.kind == AttackKind::LawWrong;
+        let scale: f64 = self
+            .attacks
+            .iter()
+            .filter(wrong)
+            .map(|one| one.size)
+            .product();
+        let c = specimen.coefficients();
+        let [k1, k3, friction] = [c.k1, c.k3, c.c].map(|value| (scale * value) as f32);
+        let law = Law::new(k1, k3, friction, c.alpha as f32)?;
+        let mut programme = Programme::new(TICK_RATE, RAMP)?;
+        for &cycles in &self.blocks {
+            programme = programme.with(Block::sine(self.amplitude, self.frequency, cycles)?)?;
+        }
+        let mut setup = RigSetup::new(specimen, AugmentedLaw::new(law), programme, self.seed);
+        setup.force_sensor.noise *= self.noise / USUAL_NOISE;
+        let settings = &mut setup.settings;
+        settings.health.follow = self.follow;
+        settings.health.run_in_cycles = self.run_in;
+        settings.displacement_limit = self.headroom.displacement * self.amplitude;
+        settings.force_limit = self.headroom.force * motion.force;
+        settings.tracking_limit = self.headroom.tracking * TRACKING * self.amplitude;
+        settings.stop_ticks = STOP_TICKS;
+        settings.link_ticks = LINK_TICKS;
+        setup.force_sensor.full_scale = self.range * settings.force_limit;
+        let limits = [
+            settings.displacement_limit,
+            settings.force_limit,
+            settings.tracking_limit,
+        ];
+        let trip_ticks = settings.trip_ticks;
+        let units = [
+            setup.displacement_sensor.full_scale / FULL_SCALE,
+            setup.force_sensor.full_scale / FULL_SCALE,
+        ];
+        let attacks = self.attacks.iter().map(|&attack| {
+            let from = self.tick(attack.begins);
+            let over = attack.lasts.map(|lasts| lasts * self.cycle_ticks());
+            Running::new(attack, from, over.map(|ticks| from + ticks.ceil() as u64))
+        });
+        Ok(Prepared {
+            attacks: attacks.collect(),
+            setup,
+            condition,
+            healthy: Healthy {
+                motion,
+                volts: [motion.amplitude / units[0], motion.force / units[1]],
+                limits: [limits[0] / units[0], limits[1] / units[1]],
+            },
+            allowed: Allowed {
+                limits,
+                trip_ticks,
+                cycle_ticks: self.cycle_ticks().round() as usize,
+                units,
+            },
+        })
+    }
+}

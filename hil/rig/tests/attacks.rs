@@ -1,0 +1,106 @@
+//! Attacks on the rig, a part of the campaign's: what it must not let happen, and what its monitor is asked for.
+
+use mesh_damper::health::Channel;
+use mesh_damper_rig::faults::{
+    Attack, AttackKind, AttackSummary, AttackTrial, Behind, Campaign, Headroom, Outcomes, Quantity,
+    adversary, forgeries, missed, run_attack,
+};
+
+/// `cargo hil faults --check` is the whole.
+#[test]
+fn a_part_of_the_attacks_meets_the_requirement() {
+    let campaign = Campaign {
+        kinds: Vec::new(),
+        healthy_cycles: 0,
+        ..Campaign::part()
+    };
+    let summary = campaign.run(&|| ()).unwrap();
+    assert!(summary.attacks.trials() > 100);
+    let missed = missed(&summary);
+    assert!(missed.is_empty(), "{}", missed.join("\n"));
+}
+
+#[test]
+fn the_adversary_does_the_same_twice() {
+    let run = |seed| run_attack(&adversary(seed)).unwrap();
+    let once: Vec<_> = (0..6).map(run).collect();
+    let twice: Vec<_> = (0..6).map(run).collect();
+    assert_eq!(once, twice);
+    let summary = AttackSummary::of(
+        Outcomes {
+            adversary: once,
+            ..Outcomes::default()
+        },
+        Vec::new(),
+    );
+    assert_eq!(summary.trials(), 6);
+    assert_eq!(summary.adversary.trials + summary.adversary.hidden, 6);
+}
+
+fn attack(kind: AttackKind, size: f64, begins: f64) -> Attack {
+    Attack {
+        kind,
+        size,
+        begins,
+        lasts: None,
+    }
+}
+
+fn trial(attacks: Vec<Attack>) -> AttackTrial {
+    AttackTrial {
+        attacks,
+        density: 3.0,
+        amplitude: 0.1,
+        frequency: 10.0,
+        noise: 0.004,
+        follow: 0.0,
+        blocks: vec![12],
+        run_in: 200,
+        headroom: Headroom::of_all(1.5),
+        range: 2.0,
+        seed: 1,
+    }
+}
+
+/// Behind a force channel of two fifths of its gain a specimen gives three times its force: 2 of the limit, of which 0.8 is shown.
+#[test]
+fn a_hazard_behind_a_constant_gain_is_seen_and_told_apart() {
+    let less = attack(AttackKind::GainFromStart(Channel::Force), -0.6, -2.0);
+    let stiff = attack(AttackKind::Stiffened, 2.0, 6.3);
+    let outcome = run_attack(&trial(vec![less, stiff])).unwrap();
+    let force = |behind| {
+        let hazards = outcome.hazards.iter();
+        hazards
+            .filter(move |one| one.quantity == Quantity::Force && one.behind == behind)
+            .map(|one| one.factor)
+            .next_back()
+    };
+    let factor = force(Behind::ConstantGain).unwrap();
+    assert!((1.8..2.1).contains(&factor), "{outcome:?}");
+    assert_eq!(force(Behind::Other), None, "{outcome:?}");
+}
+
+#[test]
+fn a_healthy_rig_is_in_no_hazardous_state_within_the_closest_limits() {
+    for (frequency, density, amplitude) in [(5.0, 3.0, 0.1), (8.0, 2.0, 0.25), (8.0, 4.0, 0.05)] {
+        let quiet = AttackTrial {
+            frequency,
+            density,
+            amplitude,
+            headroom: Headroom::of_all(1.2),
+            ..trial(Vec::new())
+        };
+        let outcome = run_attack(&quiet).unwrap();
+        assert!(!outcome.found && outcome.hazards.is_empty(), "{outcome:?}");
+        assert_eq!(outcome.stopped, None);
+    }
+}
+
+/// Four to a word.
+#[test]
+fn every_word_of_the_settings_is_forged() {
+    let all = forgeries().unwrap();
+    let words = all.iter().map(|one| one.word).max().unwrap() + 1;
+    assert_eq!(all.len(), 4 * words);
+    assert!(words > 20, "{words}");
+}

@@ -1,0 +1,345 @@
+//! Whether a law gives more energy in a closed cycle than it takes: no passive specimen does, and a rig that a law drives does not
+//! stay where it should.
+//!
+//! A [`Passivity`] moves the law through sines over the operating range, and sums ∮F dy by trapezoids:
+//!
+//! Σ (Fₙ + Fₙ₊₁)/2·(yₙ₊₁ − yₙ) over the second of two cycles, the first of which leads to a loop that closes.
+//!
+//! Effects that supply energy by their description ([`Description::supplies_energy`](crate::effects::description::Description)) are left
+//! out: a tone, a delay, a force channel's low-pass. So is a spring in series, which gives back what it takes.
+//!
+//! Time passes as the motion says: an effect that remembers time is asked for longer ticks, 2ⁿ of those that it was made for, 16 to 30 of
+//! which make a cycle. What is no memory of the motion stays: a temperature of 20 °C, the cycles, and the control inputs. A law that depends
+//! on the latter two is looked at twice, at cycle 0 with inputs of 1, and at the end of all cycles without inputs.
+//!
+//! It is as good as its grid: an energy below 0 that is found only between the amplitudes and frequencies is not found.
+//!
+//! ```
+//! use mesh_damper::effects::{AugmentedLaw, Effect, Viscous};
+//! use mesh_damper::fast_law::FastLaw;
+//! use mesh_damper::law::Law;
+//! use mesh_damper::passivity::Passivity;
+//!
+//! // A dashpot below 0 beside friction: passive where the motion is slow.
+//! let law = AugmentedLaw::<f32, 1>::new(Law::new(1.6, 0.0, 0.1, 0.3)?);
+//! let law = FastLaw::new(law.with(Effect::Viscous(Viscous::new(-0.5)?))?);
+//! let active = Passivity::new(None, 1e4).check(&law).unwrap_err();
+//! assert_eq!(active.amplitude, 0.3);
+//! assert!((active.frequency - 20.0).abs() < 1.0);
+//! # Ok::<(), mesh_damper::error::ConfigError>(())
+//! ```
+
+use core::fmt;
+
+use crate::effects::{AugmentedLaw, AugmentedState, CONTROLS, Motion};
+use crate::fast_law::FastLaw;
+use crate::law::Law;
+use crate::limits;
+use crate::operating_range::OperatingRange;
+use crate::real::Real;
+use crate::sine::FREQUENCY_MIN;
+
+/// Amplitude in mm and frequency in Hz of the range that is taken where none is known, at its upper end: the paper's specimens were tested
+/// at 0.02 to 0.3 mm and 0.5 to 20 Hz.
+const PAPER: [f32; 2] = [0.3, 20.0];
+/// Parts of the largest amplitude: down to the paper's least.
+const AMPLITUDES: [f32; 3] = [1.0, 0.25, 0.0625];
+/// Parts of the highest frequency: down to the paper's lowest, about.
+const FREQUENCIES: [f32; 3] = [1.0, 0.158, 0.025];
+/// Least points of a cycle, and as many as it may have before the ticks are doubled instead. Their number is even, so that what is elastic
+/// comes back over the points that it went by.
+const POINTS: [u32; 2] = [16, 32];
+/// A loop whose energy is below 0 is looked at again by four times the points, up to so many: by then the trapezoids of a loop without an
+/// area are right within [`TOLERANCE`].
+const FINEST: u32 = 2000;
+/// Tick rates that are taken, Hz.
+const TICK_RATES: [f32; 2] = [1e-3, 1e7];
+/// °C.
+const TEMPERATURE: f32 = 20.0;
+/// Energy below 0 that is taken for rounding, as a part of Σ|F dy|, the law's own forces counted beside all of it. Derived: 2⁻²⁴ for each rounding of a term, times what tests of all laws
+/// that are passive by construction leave (`tests/laws/passivity.rs`).
+const TOLERANCE: f32 = 1e-4;
+
+/// A motion in which a law gives more energy than it takes.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub struct Active {
+    /// mm
+    pub amplitude: f32,
+    /// Hz
+    pub frequency: f32,
+}
+
+impl fmt::Display for Active {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(
+            f,
+            "it gives more energy than it takes in a cycle of {} mm at {} Hz",
+            self.amplitude, self.frequency
+        )
+    }
+}
+
+impl core::error::Error for Active {}
+
+/// A check of a [`FastLaw`] that may be taken in slices.
+#[derive(Clone, Debug)]
+pub struct Passivity<const N: usize> {
+    /// The effects, for the ticks of this loop.
+    law: AugmentedLaw<f32, N>,
+    state: AugmentedState<f32>,
+    /// Middle of the range, and its largest amplitude, mm.
+    middle: f32,
+    largest: f32,
+    /// Of all amplitudes the highest frequency, Hz.
+    fastest: f32,
+    tick_rate: f32,
+    /// Which loop of the grid.
+    place: usize,
+    cycle: Option<Cycle>,
+    /// What came of it, once it has ended.
+    verdict: Option<Result<(), Active>>,
+}
+
+/// A loop that is being gone through.
+#[derive(Clone, Copy, Debug)]
+struct Cycle {
+    amplitude: f32,
+    /// Hz
+    frequency: f32,
+    points: u32,
+    doublings: u32,
+    /// The next point, of two cycles and one.
+    point: u32,
+    /// The last displacement and force.
+    before: [f32; 2],
+    /// ΣF dy, and Σ|F dy| with that of the law's own forces beside it, J.
+    energy: f32,
+    moved: f32,
+}
+
+impl<const N: usize> Passivity<N> {
+    /// * `range`: the motion that the law was fitted on. `None`, or one without a motion: up to 0.3 mm and 20 Hz, those of the
+    ///   paper's tests
+    /// * `tick_rate`: for which the law's effects are made, Hz, 1e-3…1e7; what is beyond is taken as there
+    ///
+    /// A 16th of the largest amplitude and a 40th of the highest frequency are the least ones.
+    pub fn new(range: Option<&OperatingRange<f32>>, tick_rate: f32) -> Self {
+        let mut new = Self::EMPTY;
+        new.begin(range, tick_rate);
+        new
+    }
+
+    /// One whose range is still to be given by [`Passivity::begin`]: that of the paper, at 10 kHz.
+    pub const EMPTY: Self = Self {
+        law: AugmentedLaw::new(Law::from_valid(0.0, 0.0, 0.0, 0.0)),
+        state: AugmentedState::AT_REST,
+        middle: 0.0,
+        largest: PAPER[0],
+        fastest: PAPER[1],
+        tick_rate: 1e4,
+        place: 0,
+        cycle: None,
+        verdict: None,
+    };
+
+    /// [`Passivity::new`] in place.
+    pub fn begin(&mut self, range: Option<&OperatingRange<f32>>, tick_rate: f32) {
+        let [slowest, fastest] = TICK_RATES;
+        self.tick_rate = if tick_rate > slowest {
+            if tick_rate < fastest {
+                tick_rate
+            } else {
+                fastest
+            }
+        } else {
+            slowest
+        };
+        [self.middle, self.largest, self.fastest] = range
+            .and_then(of_range)
+            .unwrap_or([0.0, PAPER[0], PAPER[1]]);
+        self.place = 0;
+        self.cycle = None;
+        self.verdict = None;
+    }
+
+    /// All of it: several hundred forces of `law`, not for one tick.
+    ///
+    /// # Errors
+    /// The motion in which the law is active.
+    pub fn check(&mut self, law: &FastLaw<N>) -> Result<(), Active> {
+        loop {
+            if let Some(verdict) = self.step(law) {
+                return verdict;
+            }
+        }
+    }
+
+    /// The next slice: one force of `law`, or a copy of its effects. `law` has to be the same from the first slice to the last. Gives the
+    /// verdict once there is one, and that again from there on.
+    pub fn step(&mut self, law: &FastLaw<N>) -> Option<Result<(), Active>> {
+        if self.verdict.is_some() {
+            return self.verdict;
+        }
+        match self.cycle.take() {
+            None => self.begin_cycle(law.augmented()),
+            Some(cycle) if cycle.point <= 2 * cycle.points => {
+                self.cycle = Some(self.moved(cycle, law));
+            }
+            Some(cycle) => self.judge(law.augmented(), cycle),
+        }
+        self.verdict
+    }
+
+    /// The first or the next loop, or the end of all.
+    fn begin_cycle(&mut self, law: &AugmentedLaw<f32, N>) {
+        let of_state = AMPLITUDES.len() * FREQUENCIES.len();
+        let states = if law.has_parameters_of_state() { 2 } else { 1 };
+        if self.place >= states * of_state {
+            self.verdict = Some(Ok(()));
+            return;
+        }
+        let place = self.place % of_state;
+        let part = |of: &[f32; 3], place: usize| of.get(place).copied().unwrap_or(1.0);
+        let amplitude = part(&AMPLITUDES, place % AMPLITUDES.len()) * self.largest;
+        let frequency = part(&FREQUENCIES, place / AMPLITUDES.len()) * self.fastest;
+        // As many ticks as come to a cycle, by ever longer ones.
+        let mut ticks = self.tick_rate / frequency;
+        let mut doublings = 0;
+        let [least, most] = POINTS.map(|points| points as f32);
+        while ticks >= most {
+            ticks *= 0.5;
+            doublings += 1;
+        }
+        let ticks = if ticks > least { ticks } else { least };
+        self.start(
+            law,
+            amplitude,
+            frequency,
+            2 * (0.5 * ticks + 0.5) as u32,
+            doublings,
+        );
+    }
+
+    /// From rest in the middle, where the motion is fastest: near to what the loop will be.
+    fn start(
+        &mut self,
+        law: &AugmentedLaw<f32, N>,
+        amplitude: f32,
+        frequency: f32,
+        points: u32,
+        doublings: u32,
+    ) {
+        self.law = law.coarsened(doublings);
+        self.state = AugmentedState::AT_REST;
+        self.cycle = Some(Cycle {
+            amplitude,
+            frequency,
+            points,
+            doublings,
+            point: 0,
+            before: [0.0; 2],
+            energy: 0.0,
+            moved: 0.0,
+        });
+    }
+
+    fn moved(&mut self, cycle: Cycle, law: &FastLaw<N>) -> Cycle {
+        let motion = self.motion(&cycle);
+        let force = self.force(law, &motion);
+        let y = motion.displacement;
+        let [y_before, force_before] = cycle.before;
+        let mut next = Cycle {
+            point: cycle.point + 1,
+            before: [y, force],
+            ..cycle
+        };
+        if cycle.point > cycle.points {
+            let work = 0.5 * (force + force_before) * (y - y_before);
+            next.energy += work;
+            // Of all that may cancel: effects take away from the law's own forces.
+            let own = self.law.law().elastic_force(y).abs()
+                + law
+                    .damping()
+                    .damping_force(motion.velocity.clamped(limits::VELOCITY as f32))
+                    .abs();
+            next.moved += work.abs() + own * (y - y_before).abs();
+        }
+        next
+    }
+
+    /// y = A·sin θ about the middle, at the point's part of a cycle.
+    fn motion(&self, cycle: &Cycle) -> Motion<f32> {
+        let point = u64::from(cycle.point % cycle.points);
+        let phase = (u64::MAX / u64::from(cycle.points)) * point;
+        let sine = f32::sine(phase);
+        let cosine = f32::sine(phase.wrapping_add(1 << 62));
+        let omega = core::f32::consts::TAU * cycle.frequency;
+        let of_state = AMPLITUDES.len() * FREQUENCIES.len();
+        let (control, held) = if self.place < of_state {
+            (1.0, 0.0)
+        } else {
+            (0.0, limits::CYCLES as f32)
+        };
+        // Only what takes the frequency from them may see them pass.
+        let cycles = if self.law.is_over_frequency() {
+            point as f32 / cycle.points as f32
+        } else {
+            held
+        };
+        Motion {
+            displacement: self.middle + cycle.amplitude * sine,
+            velocity: cycle.amplitude * omega * cosine,
+            acceleration: -cycle.amplitude * omega * omega * sine,
+            cycles,
+            temperature: TEMPERATURE,
+            controls: [control; CONTROLS],
+        }
+    }
+
+    /// Not inlined: its registers are no matter of other slices.
+    #[inline(never)]
+    fn force(&mut self, law: &FastLaw<N>, motion: &Motion<f32>) -> f32 {
+        let motion = motion.clamped();
+        let damping = |v| law.damping().damping_force(v);
+        self.law
+            .force_through_stages(&mut self.state, &motion, self.law.law(), damping)
+    }
+
+    fn judge(&mut self, law: &AugmentedLaw<f32, N>, cycle: Cycle) {
+        let Cycle {
+            amplitude,
+            frequency,
+            points,
+            doublings,
+            ..
+        } = cycle;
+        // What is not a number is not passive.
+        if cycle.energy >= -TOLERANCE * cycle.moved {
+            self.place += 1;
+        } else if doublings >= 2 && points < FINEST / 4 {
+            self.start(law, amplitude, frequency, 4 * points, doublings - 2);
+        } else {
+            self.verdict = Some(Err(Active {
+                amplitude,
+                frequency,
+            }));
+        }
+    }
+}
+
+/// Middle and amplitude in mm of what `range` allows, and the frequency in Hz at which that amplitude is as fast; `None` without a motion.
+fn of_range(range: &OperatingRange<f32>) -> Option<[f32; 3]> {
+    let most = limits::DISPLACEMENT as f32;
+    let [low, high] = range.displacement().map(|end| end.clamped(most));
+    let [slowest, fastest] = range.velocity().map(|end| end.abs());
+    let amplitude = 0.5 * (high - low);
+    let speed = if fastest > slowest { fastest } else { slowest };
+    let frequency = speed.clamped(limits::VELOCITY as f32) / (core::f32::consts::TAU * amplitude);
+    (amplitude > 0.0 && frequency >= FREQUENCY_MIN as f32 && frequency.is_finite()).then_some([
+        0.5 * (low + high),
+        amplitude,
+        frequency,
+    ])
+}
