@@ -21,11 +21,11 @@ pub use info::{DENSITY_MOST, Expectation, Identity, NAME, PackInfo, Stamp};
 
 use core::fmt;
 
+use crate::effects::MOST_WORDS;
 use crate::effects::residual_table::LARGEST_TABLE;
-use crate::effects::{self, Effect, MOST_WORDS};
 use crate::error::ConfigError;
 use crate::fast_law::FastLaw;
-use crate::frame::{Reader, Writer, checksum};
+use crate::frame::{Writer, checksum};
 use crate::passivity::{Active, Passivity};
 use crate::power::{OCTAVES, SEGMENTS};
 use check::Check;
@@ -275,30 +275,6 @@ pub fn decode<const N: usize>(
     }
 }
 
-/// Number, length and words of an effect, still to be checked.
-fn effect(reader: &mut Reader<'_>) -> Result<Effect<f32>, PackError> {
-    let number = reader.u8().ok_or(PackError::Body)?;
-    let count = usize::from(reader.u8().ok_or(PackError::Body)?);
-    let mut words = [0.0; MOST_WORDS];
-    let words = words.get_mut(..count).ok_or(PackError::Body)?;
-    for word in &mut *words {
-        *word = self::number(reader)?;
-    }
-    Effect::unpack(number, words).ok_or_else(|| {
-        if Effect::is_known(number) {
-            PackError::Body
-        } else {
-            PackError::Refused(effects::unknown(number))
-        }
-    })
-}
-
-/// Not inlined: there are many, and they are not read every tick.
-#[inline(never)]
-fn number(reader: &mut Reader<'_>) -> Result<f32, PackError> {
-    reader.f32().ok_or(PackError::Body)
-}
-
 /// What the bytes before a pack's body say.
 struct Header {
     version: u16,
@@ -403,7 +379,7 @@ impl Upload {
         Ok(())
     }
 
-    /// A slice of what [`Upload::finish`] does, once every part is there: some hundred instructions, for a rig that goes on ticking between
+    /// A slice of what [`Upload::finish`] does, once every part is there: at most 600 instructions, for a rig that goes on ticking between
     /// one slice and the next. `passivity` is what looks whether the law is passive, the same each time. None as long as there is more to do: `slot` is no law until then; see
     /// [`RunningLaw::swap_in_slices`](crate::fast_law::RunningLaw::swap_in_slices). A slot that another law was written over in between is begun
     /// anew. Whatever comes of the last one, the upload is empty

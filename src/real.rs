@@ -96,17 +96,25 @@ pub(crate) fn coefficient<R: Real>(field: &'static str, value: R) -> Result<R, C
 // Not inlined: there are many, and none is called every tick.
 #[inline(never)]
 fn compare<R: Real>(field: &'static str, value: R, low: R, high: R) -> Result<R, ConfigError> {
-    if !value.is_finite() {
-        Err(ConfigError::NonFinite(field))
-    } else if value < low || value > high {
-        Err(ConfigError::OutOfRange {
-            field,
-            value: value.to_f64(),
-            low: low.to_f64(),
-            high: high.to_f64(),
-        })
-    } else {
+    if value >= low && value <= high && value.is_finite() {
         Ok(value)
+    } else {
+        Err(out_of_range(field, value, low, high))
+    }
+}
+
+// Apart: what it saves on the stack is no matter of what is in range.
+#[cold]
+#[inline(never)]
+fn out_of_range<R: Real>(field: &'static str, value: R, low: R, high: R) -> ConfigError {
+    if !value.is_finite() {
+        return ConfigError::NonFinite(field);
+    }
+    ConfigError::OutOfRange {
+        field,
+        value: value.to_f64(),
+        low: low.to_f64(),
+        high: high.to_f64(),
     }
 }
 

@@ -4,7 +4,7 @@ use std::sync::LazyLock;
 
 use mesh_damper::effects::ResidualTable;
 use mesh_damper::effects::residual_table::{CELLS, Memory, ResidualTableParts};
-use mesh_damper::fast_law::FastLaw;
+use mesh_damper::fast_law::{FastLaw, RunningLaw};
 use mesh_damper::operating_range::OperatingRange;
 use mesh_damper::pack::{
     self, Expectation, Identity, LARGEST, PackError, PackInfo, Stamp, Upload, VERSION,
@@ -107,6 +107,29 @@ fn version_of(pack: &[u8]) -> u16 {
     u16::from_le_bytes([pack[4], pack[5]])
 }
 
+/// Slice by slice beside a law in force an upload is what it is at once, and no law waits before the last slice.
+fn in_slices(mut upload: Upload, whole: &Result<Option<Stamp>, PackError>, law: &FastLaw<EFFECTS>) {
+    let mut running = RunningLaw::<EFFECTS>::empty();
+    let any = Expectation::default();
+    // More than the slices of the longest pack.
+    for _ in 0..LARGEST {
+        match running.swap_in_slices(|slot| upload.finish_slice(slot, &any)) {
+            Ok(None) => assert!(!running.boundary()),
+            Ok(Some(stamp)) => {
+                assert_eq!(Ok(stamp), *whole);
+                assert!(running.boundary() && running.law() == law);
+                return;
+            }
+            Err(error) => {
+                assert_eq!(Err(error), *whole);
+                assert!(!running.boundary());
+                return;
+            }
+        }
+    }
+    panic!("the check has no end");
+}
+
 /// Whether `bytes` are taken: the law comes back from its own pack, and gives forces. In parts they are what they are whole.
 fn is_a_law(bytes: &[u8]) -> bool {
     let mut slot = FastLaw::<EFFECTS>::EMPTY;
@@ -121,6 +144,7 @@ fn is_a_law(bytes: &[u8]) -> bool {
     let uploaded = parts.try_for_each(|(index, part)| upload.part(100 * index, part));
     let mut from_parts = FastLaw::EMPTY;
     if uploaded.is_ok() {
+        in_slices(upload.clone(), &whole, &slot);
         assert_eq!(upload.finish(&mut from_parts, &any), whole);
     } else {
         assert!(bytes.len() > LARGEST && whole.is_err());

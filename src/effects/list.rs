@@ -48,14 +48,6 @@ macro_rules! effects {
                 }
             }
 
-            /// [`Equations::check`].
-            #[inline(never)]
-            pub(crate) fn check(&self) -> Result<(), ConfigError> {
-                match self {
-                    $(Self::$name(effect) => effect.check(),)+
-                }
-            }
-
             /// Its bit, and the field that holds it.
             fn place(&self) -> (u32, &'static str) {
                 match self {
@@ -167,6 +159,15 @@ macro_rules! effects {
                 match effect {
                     $(Effect::$name(effect) => self.$module = effect,)+
                 }
+                Ok(())
+            }
+
+            /// [`Equations::check`] of the effect of this number.
+            #[inline(never)]
+            fn check(&self, number: u8) -> Result<(), ConfigError> {
+                $(if number == <$name<R> as Equations<R>>::DESCRIPTION.number {
+                    return self.$module.check();
+                })+
                 Ok(())
             }
 

@@ -268,12 +268,24 @@ pub struct AugmentedLaw<R, const N: usize> {
 }
 
 impl<const N: usize> AugmentedLaw<f32, N> {
-    /// `law` alone, of which [`AugmentedLaw::is_unfinished`] says so until [`AugmentedLaw::finish`].
+    /// `law` without an effect, of which [`AugmentedLaw::is_unfinished`] says so until [`AugmentedLaw::finish`].
     pub(crate) fn begin(&mut self, law: Law<f32>) {
         self.law = law;
         self.effects = Effects::NONE;
         self.effects.present = UNFINISHED;
+    }
+
+    /// No table, which is a matter of its own: it is as long as all effects.
+    pub(crate) fn begin_table(&mut self) {
         self.correction = ResidualTable::NONE;
+    }
+
+    /// Whether the effect of this number is in its ranges, for one that was read.
+    ///
+    /// # Errors
+    /// The field that is not.
+    pub(crate) fn check_effect(&self, number: u8) -> Result<(), ConfigError> {
+        self.effects.check(number)
     }
 
     /// Whether it is still being written, and by nobody else: no law in force is.

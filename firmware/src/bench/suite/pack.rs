@@ -25,8 +25,8 @@ struct Waiting {
     slot: FastLaw<EFFECTS>,
     passivity: Passivity<EFFECTS>,
     expected: Expectation,
-    /// The last slice was.
-    done: Option<Result<(), PackError>>,
+    /// What came of the last slice, once it has been. No more of an error than that: to copy it would be counted.
+    done: Option<bool>,
 }
 
 extern "C" fn slice(waiting: &mut Waiting, _: f32, _: f32) -> f32 {
@@ -34,7 +34,11 @@ extern "C" fn slice(waiting: &mut Waiting, _: f32, _: f32) -> f32 {
         waiting
             .upload
             .finish_slice(&mut waiting.slot, &waiting.expected, &mut waiting.passivity);
-    waiting.done = slice.map(|stamp| stamp.map(|_| ())).transpose();
+    waiting.done = match slice {
+        Ok(None) => None,
+        Ok(Some(_)) => Some(true),
+        Err(_) => Some(false),
+    };
     f32::from(u8::from(waiting.done.is_some()))
 }
 
@@ -64,7 +68,7 @@ pub fn run(meter: &mut impl Meter) -> Result<(), Refused> {
         while waiting.done.is_none() {
             tally.add(meter.call(slice, &mut waiting, 0.0, 0.0));
         }
-        if waiting.done != Some(Ok(())) || waiting.slot != law {
+        if waiting.done != Some(true) || waiting.slot != law {
             return Err(Refused);
         }
     }
