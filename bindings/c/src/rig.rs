@@ -14,10 +14,10 @@ use crate::telemetry::Telemetry;
 
 /// Bytes of `md_rig`.
 #[cfg(target_pointer_width = "32")]
-pub const MD_RIG_SIZE: usize = 4048;
+pub const MD_RIG_SIZE: usize = 4064;
 /// Bytes of `md_rig`.
 #[cfg(target_pointer_width = "64")]
-pub const MD_RIG_SIZE: usize = 4208;
+pub const MD_RIG_SIZE: usize = 4224;
 /// Alignment of `md_rig`, bytes.
 pub const MD_RIG_ALIGN: usize = 16;
 
