@@ -98,8 +98,9 @@ pub struct Passivity<const N: usize> {
     /// Which loop of the grid.
     place: usize,
     cycle: Option<Cycle>,
-    /// What came of it, once it has ended.
-    verdict: Option<Result<(), Active>>,
+    /// It has ended; and where it was not passive. In one all bits of none would not be 0.
+    ended: bool,
+    active: Option<Active>,
 }
 
 /// A loop that is being gone through.
@@ -142,7 +143,8 @@ impl<const N: usize> Passivity<N> {
         tick_rate: 0.0,
         place: 0,
         cycle: None,
-        verdict: None,
+        ended: false,
+        active: None,
     };
 
     /// [`Passivity::new`] in place.
@@ -162,7 +164,8 @@ impl<const N: usize> Passivity<N> {
             .unwrap_or([0.0, PAPER[0], PAPER[1]]);
         self.place = 0;
         self.cycle = None;
-        self.verdict = None;
+        self.ended = false;
+        self.active = None;
     }
 
     /// All of it: several hundred forces of `law`, not for one tick.
@@ -180,8 +183,8 @@ impl<const N: usize> Passivity<N> {
     /// The next slice: one force of `law`, or a copy of its effects. `law` has to be the same from the first slice to the last. Gives the
     /// verdict once there is one, and that again from there on.
     pub fn step(&mut self, law: &FastLaw<N>) -> Option<Result<(), Active>> {
-        if self.verdict.is_some() {
-            return self.verdict;
+        if self.ended {
+            return self.verdict();
         }
         if self.tick_rate == 0.0 {
             self.begin(None, 1e4);
@@ -193,7 +196,11 @@ impl<const N: usize> Passivity<N> {
             }
             Some(cycle) => self.judge(law.augmented(), cycle),
         }
-        self.verdict
+        self.verdict()
+    }
+
+    fn verdict(&self) -> Option<Result<(), Active>> {
+        self.ended.then(|| self.active.map_or(Ok(()), Err))
     }
 
     /// The first or the next loop, or the end of all.
@@ -201,7 +208,7 @@ impl<const N: usize> Passivity<N> {
         let of_state = AMPLITUDES.len() * FREQUENCIES.len();
         let states = if law.has_parameters_of_state() { 2 } else { 1 };
         if self.place >= states * of_state {
-            self.verdict = Some(Ok(()));
+            self.ended = true;
             return;
         }
         let place = self.place % of_state;
@@ -327,10 +334,11 @@ impl<const N: usize> Passivity<N> {
         } else if doublings >= 2 && points < FINEST / 4 {
             self.start(law, amplitude, frequency, 4 * points, doublings - 2);
         } else {
-            self.verdict = Some(Err(Active {
+            self.ended = true;
+            self.active = Some(Active {
                 amplitude,
                 frequency,
-            }));
+            });
         }
     }
 }
