@@ -189,6 +189,8 @@ const LASTING: u32 = {
 
 impl HealthMonitor {
     /// With the scales of both channels, and what is allowed of them in mm and kN.
+    // Inlined, so that it is built where it will be.
+    #[inline(always)]
     pub(crate) fn new(displacement: &Scale, force: &Scale, limits: [f32; 2]) -> Self {
         let [displacement_part, force_part] = LEAST_AMPLITUDES;
         let [displacement_limit, force_limit] = limits;

@@ -242,7 +242,7 @@ impl<const N: usize> Passivity<N> {
         points: u32,
         doublings: u32,
     ) {
-        self.law = law.coarsened(doublings);
+        self.law.coarsen_from(law, doublings);
         self.state = AugmentedState::AT_REST;
         self.cycle = Some(Cycle {
             amplitude,

@@ -181,12 +181,10 @@ macro_rules! effects {
                 self.present & bit != 0
             }
 
-            /// See [`AugmentedLaw::coarsened`].
-            fn coarsened(&self, doublings: u32) -> Self {
-                Self {
-                    present: self.present & !(SUPPLYING | Bit::Compliance.mask()),
-                    $($module: self.$module.coarsened(doublings),)+
-                }
+            /// See [`AugmentedLaw::coarsen_from`].
+            fn coarsen_from(&mut self, other: &Self, doublings: u32) {
+                self.present = other.present & !(SUPPLYING | Bit::Compliance.mask());
+                $(self.$module = other.$module.coarsened(doublings);)+
             }
 
             fn iter(&self) -> impl Iterator<Item = Effect<R>> {

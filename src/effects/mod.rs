@@ -441,15 +441,15 @@ impl<R: Real, const N: usize> AugmentedLaw<R, N> {
         self.with_effects(state, &motion, law)
     }
 
-    /// What a check of [`crate::passivity`] looks at, for ticks that are 2^`doublings` times as long: without the effects that supply
+    /// It becomes what a check of [`crate::passivity`] looks at of `other`, for ticks that are 2^`doublings` times as long: without the effects that supply
     /// energy by their description, and without a spring in series. That one gives back what it takes; only, what it sees of the other effects
     /// is a tick old, which is nothing at the tick that it is made for, and much at one of a thirtieth of a cycle.
-    pub(crate) fn coarsened(&self, doublings: u32) -> Self {
-        Self {
-            law: self.law,
-            effects: self.effects.coarsened(doublings),
-            correction: self.correction.coarsened(doublings),
-        }
+    /// In place, as it is too long for a small stack.
+    #[inline(never)]
+    pub(crate) fn coarsen_from(&mut self, other: &Self, doublings: u32) {
+        self.law = other.law;
+        self.effects.coarsen_from(&other.effects, doublings);
+        self.correction.coarsen_from(&other.correction, doublings);
     }
 
     /// Whether an effect depends on a control input or on the cycles: what a check of [`crate::passivity`] holds constant, and looks at in

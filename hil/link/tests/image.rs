@@ -163,8 +163,9 @@ fn a_run_on_every_board_is_the_hosts_to_the_last_bit_of_each_sample_and_cycle() 
         assert!(run == host, "{board:?}");
         let statistics = image.statistics().unwrap();
         assert!(
-            // 1 KiB was held before there was a monitor; what follows the specimen passes through it as well.
-            statistics.stack > 0 && statistics.stack <= 1216,
+            // 1 KiB was held before there was a monitor; what follows the specimen passes through it as well, and what a rig's clock,
+            // correction and temperature may be.
+            statistics.stack > 0 && statistics.stack <= 1248,
             "{statistics:?}"
         );
         assert_eq!(statistics.log_lost, 0);
@@ -785,13 +786,16 @@ fn the_image_is_small() {
         // of the ADC's registers with the reasons of a refused start or clear, 0.25. These two together take 0.75 more: the image is optimized as a whole.
         // What a control input sets, damping that differs between the directions, play and what degrades take 3.5.
         // Ticks that are judged by a clock, an external trip, the DAC's read-back, and converters that are set up again take 2.75.
-        assert!(sizes.flash > 0 && sizes.flash <= 62 * 1024, "{sizes:?}");
+        // That a law is passive takes 9.5: it is evaluated and made for longer ticks once more. The slices of a pack's check take 2.5, settings
+        // that are checked as they are read 2, and what the monitor and the limits find of attacks 6.
+        assert!(sizes.flash > 0 && sizes.flash <= 83 * 1024, "{sizes:?}");
         // 12 KiB likewise; of the rest the correction's table, in two laws and a pack, is 1.8, the monitor 0.75, and what the
         // law follows by 0.25. A reading's control inputs take 16 bytes and again as much in the telemetry, what a pack says of itself, in
         // the upload alone, 64, and the five effects that came last 72 in each of two laws, and 84 to remember. The clock and what
-        // the rig is supervised by take 24.
+        // the rig is supervised by take 24. A law and what it remembers, to see whether it is passive, take 1.9 KiB, an event of each cause
+        // 0.5, the slices of a check 0.1, and what the monitor sees of the force and of noise 0.4.
         assert!(
-            sizes.ram <= 15 * 1024 + 16 + 64 + 16 + 228 + 24,
+            sizes.ram <= 15 * 1024 + 16 + 64 + 16 + 228 + 24 + 3312,
             "{sizes:?}"
         );
     }

@@ -145,13 +145,12 @@ impl<R: Real> ResidualTable<R> {
         self.unit > R::ZERO
     }
 
-    /// The same for ticks that are 2^`doublings` times as long.
-    pub(super) fn coarsened(&self, doublings: u32) -> Self {
-        let mut new = *self;
+    /// It becomes `other` for ticks that are 2^`doublings` times as long.
+    pub(super) fn coarsen_from(&mut self, other: &Self, doublings: u32) {
+        self.clone_from(other);
         for _ in 0..doublings {
-            new.recall.coarsen();
+            self.recall.coarsen();
         }
-        new
     }
 
     /// Whether it is over the frequency, which it takes from the cycles.

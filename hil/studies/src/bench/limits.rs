@@ -210,11 +210,12 @@ const NOT_REACHED: [(&str, &str); 32] = [
         "firmware: flash",
         "nine effects more take 8.5 KiB: 2 KiB the way through stages, 1.5 KiB to read and check them, the rest their own code; \
          the correction without a name 4 KiB; the monitor of specimen, sensors and actuator 9 KiB; what follows the specimen 3.5 KiB; \
-         a streamed motion with its messages 1 KiB",
+         a streamed motion with its messages 1 KiB; that a law is passive 9.5 KiB; the clock, read-back and an external trip 2.75 KiB; \
+         settings and packs checked in slices 4.5 KiB; what the monitor finds of attacks 6 KiB",
     ),
     (
         "firmware: RAM, tables included",
-        "a delay's ring takes 1 KiB, the correction's table 0.6 KiB in each of two laws and in the upload, the monitor 1 KiB",
+        "a delay's ring takes 1 KiB, the correction's table 0.6 KiB in each of two laws and in the upload, the monitor 2 KiB, and a law to see whether it is passive 1.9 KiB",
     ),
     (
         "firmware: stack",
