@@ -314,8 +314,10 @@ impl<const N: usize> Passivity<N> {
 
     /// y = A·sin θ about the middle, at the point's part of a cycle.
     fn motion(&self, cycle: &Cycle) -> Motion<f32> {
-        let point = u64::from(cycle.point % cycle.points);
-        let phase = (u64::MAX / u64::from(cycle.points)) * point;
+        // There are points; a division by none would be code for a panic.
+        let point = u64::from(cycle.point.checked_rem(cycle.points).unwrap_or_default());
+        let each = u64::MAX.checked_div(cycle.points.into());
+        let phase = each.unwrap_or_default().wrapping_mul(point);
         let sine = f32::sine(phase);
         let cosine = f32::sine(phase.wrapping_add(1 << 62));
         let omega = core::f32::consts::TAU * cycle.frequency;

@@ -118,6 +118,11 @@ impl Limits {
         self.displacement
     }
 
+    /// mm.
+    pub(super) fn tracking(&self) -> f32 {
+        self.tracking
+    }
+
     /// Of displacement and force, mm and kN.
     pub(super) fn allowed(&self) -> [f32; 2] {
         [self.displacement, self.force]

@@ -270,7 +270,13 @@ where
     #[cold]
     #[inline(never)]
     fn begin(&mut self) {
+        // A channel that lies has it jump by as much as it says: no further than the limit of tracking, which stops it else.
         let displacement = self.reading.displacement.value;
+        let displacement = if displacement.abs() > self.limits.tracking() {
+            0.0
+        } else {
+            displacement
+        };
         let tolerance = APPROACHED * self.limits.displacement();
         self.approach
             .begin(displacement, tolerance, self.guard.stop_ticks());
@@ -324,9 +330,13 @@ where
     L: BorrowMut<RunningLaw<N>>,
 {
     /// Begins the programme or the motion from its start, once the piston is there: it goes there from where it is within
-    /// [`RigSettings::stop_ticks`], while a stream does not wait for it. The correction begins as the first time, unless
+    /// [`RigSettings::stop_ticks`], while a stream does not wait for it. A piston that is further away than [`RigSettings::tracking_limit`] is
+    /// [`TripCause::TrackingLimit`]: it is to be brought nearer by hand. The correction begins as the first time, unless
     /// [`RigController::keep_correction`] was called.
     fn start(&mut self) -> Result<(), StartRefused> {
+        if self.is_seen && self.reading.displacement.value.abs() > self.limits.tracking() {
+            self.guard.trip(TripCause::TrackingLimit);
+        }
         self.guard.start()?;
         self.exciter.restart();
         let law = self.law.borrow_mut();

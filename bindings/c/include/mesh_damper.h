@@ -88,12 +88,12 @@
 
 #if defined(MD_POINTERS_OF_32_BITS)
 // Bytes of `md_emulation`.
-#define MD_EMULATION_SIZE 480
+#define MD_EMULATION_SIZE 584
 #endif
 
 #if defined(MD_POINTERS_OF_64_BITS)
 // Bytes of `md_emulation`.
-#define MD_EMULATION_SIZE 488
+#define MD_EMULATION_SIZE 584
 #endif
 
 // Alignment of `md_emulation`, bytes.
@@ -101,12 +101,12 @@
 
 #if defined(MD_POINTERS_OF_32_BITS)
 // Bytes of `md_rig`.
-#define MD_RIG_SIZE 3248
+#define MD_RIG_SIZE 4064
 #endif
 
 #if defined(MD_POINTERS_OF_64_BITS)
 // Bytes of `md_rig`.
-#define MD_RIG_SIZE 3408
+#define MD_RIG_SIZE 4224
 #endif
 
 // Alignment of `md_rig`, bytes.
@@ -144,6 +144,8 @@ enum md_error
   MD_ERROR_PACK_BODY = 17,
   // The pack is of version 6, which says nothing of itself.
   MD_ERROR_PACK_SILENT = 18,
+  // The law of the pack gives more energy than it takes.
+  MD_ERROR_PACK_ACTIVE = 19,
   // A field is NaN or infinite.
   MD_ERROR_NON_FINITE = 30,
   // A field lies outside its range.
@@ -336,7 +338,7 @@ typedef struct MD_ALIGNED(8) md_law {
   uint8_t storage[MD_LAW_SIZE];
 } md_law;
 
-// What a load requires of a pack. Nothing where all is 0.
+// What a load requires of a pack. Nothing but a passive law where all is 0.
 typedef struct md_expected {
   // Ticks per second, Hz: the rate at which the law will be called. 0 where any rate is accepted: the effects of a pack are right
   // at one rate only.
@@ -345,6 +347,8 @@ typedef struct md_expected {
   const uint8_t *identity;
   // The revision has to be above this; null where any revision is accepted.
   const uint32_t *newer_than;
+  // Takes a law that gives more energy than it takes as well, such as one with damping below 0. What it drives may swing up.
+  bool allow_active;
 } md_expected;
 
 // What exactly was refused. What does not apply is 0 or null.
@@ -520,6 +524,16 @@ typedef struct md_emulation_settings {
   double observer_bandwidth;
   // Damping ratio of the observer, 0.3...3.
   double observer_damping;
+  // Half width of the band in which a displacement is at rest that has stayed there for 0.05 s, mm, 0...1e4; 0 where nothing is rest.
+  double rest_band;
+  // After how many ticks of the very same code the displacement channel is stuck, 0...1e9; 0 where it has no noise at all.
+  uint32_t stuck_ticks;
+  // Coldest that a measured temperature can be, degrees Celsius, -273...2000.
+  double temperature_coldest;
+  // Hottest that it can be.
+  double temperature_hottest;
+  // Fastest that it can change, degrees a second, 1e-3...1e3.
+  double temperature_rate;
   // How far the displacement must go from its mean for a cycle to count, mm, 1e-9...1e4.
   double hysteresis;
 } md_emulation_settings;
@@ -625,12 +639,20 @@ typedef struct md_rig_settings {
   double observer_damping;
   // Part of the error of amplitude and phase that is corrected at the end of each cycle, 0...1.
   double correction_gain;
+  // Most by which amplitude's correction may have the command grow within a block, part of it, 0.01...10; twice that in its first cycles.
+  double correction_limit;
   // Lead to begin with, s, 0...0.1: what the actuator is known to lag.
   double lead;
   // Time constant with which a correction takes effect, s, one tick to 10.
   double glide;
   // Integral feedback of the displacement, 1/s, 0 to a hundredth of the tick rate.
   double feedback;
+  // Coldest that a measured temperature can be, degrees Celsius, -273...2000.
+  double temperature_coldest;
+  // Hottest that it can be.
+  double temperature_hottest;
+  // Fastest that it can change, degrees a second, 1e-3...1e3.
+  double temperature_rate;
   // Smallest lasting change that the monitor is to find, part of it, 0.01...0.5.
   double health_size;
   // Cycles between false alarms of Gaussian noise, 1e2...1e9.
@@ -641,6 +663,8 @@ typedef struct md_rig_settings {
   uint32_t health_run_in_cycles;
   // Most by which temperature changes a specimen's force, part of it per degree, 0...0.1.
   double health_temperature_slope;
+  // Most by which stiffness or energy may change in the run-in, part of them, 0.01...1.
+  double health_run_in_size;
   // Most by which the law follows a slow change of its coefficients, part of each, 0...0.5.
   double health_follow;
 } md_rig_settings;

@@ -20,6 +20,11 @@ fn each_setting_of_an_emulation_reaches_its_field() {
         clock_rate: 10.5,
         observer_bandwidth: 7.0,
         observer_damping: 8.0,
+        rest_band: 11.0,
+        stuck_ticks: 12,
+        temperature_coldest: 13.0,
+        temperature_hottest: 14.0,
+        temperature_rate: 15.0,
         hysteresis: 9.0,
     };
     let in_crate = DamperEmulationSettings {
@@ -32,6 +37,10 @@ fn each_setting_of_an_emulation_reaches_its_field() {
         clock_rate: 10.5,
         observer_bandwidth: 7.0,
         observer_damping: 8.0,
+        rest_band: 11.0,
+        stuck_ticks: 12,
+        temperature_range: [13.0, 14.0],
+        temperature_rate: 15.0,
         hysteresis: 9.0,
     };
     assert_eq!(DamperEmulationSettings::from(&in_c), in_crate);
@@ -51,14 +60,19 @@ fn each_setting_of_a_rig_reaches_its_field() {
         observer_bandwidth: 7.0,
         observer_damping: 8.0,
         correction_gain: 9.0,
+        correction_limit: 9.5,
         lead: 10.0,
         glide: 11.0,
         feedback: 12.0,
+        temperature_coldest: 12.1,
+        temperature_hottest: 12.2,
+        temperature_rate: 12.3,
         health_size: 13.0,
         health_false_alarm_cycles: 14.0,
         health_learning_cycles: 15,
         health_run_in_cycles: 16,
         health_temperature_slope: 17.0,
+        health_run_in_size: 17.5,
         health_follow: 18.0,
     };
     let in_crate = mesh_damper::rig::RigSettings {
@@ -72,15 +86,19 @@ fn each_setting_of_a_rig_reaches_its_field() {
         observer_bandwidth: 7.0,
         observer_damping: 8.0,
         correction_gain: 9.0,
+        correction_limit: 9.5,
         lead: 10.0,
         glide: 11.0,
         feedback: 12.0,
+        temperature_range: [12.1, 12.2],
+        temperature_rate: 12.3,
         health: HealthSettings {
             size: 13.0,
             false_alarm_cycles: 14.0,
             learning_cycles: 15,
             run_in_cycles: 16,
             temperature_slope: 17.0,
+            run_in_size: 17.5,
             follow: 18.0,
         },
     };

@@ -62,6 +62,8 @@ pub fn run_attack_with<R: Controlled<Damaged>>(
         mut attacks,
     } = trial.prepare()?;
     let mut demand = SineGenerator::<BLOCKS, _>::new(setup.programme.clone())?;
+    // Its first tick is at rest.
+    demand.tick();
     let stop_ticks = u64::from(setup.settings.stop_ticks);
     let mut rig = wire_up(setup)?;
     let mut meter = HazardMeter::new(allowed);
@@ -87,7 +89,15 @@ pub fn run_attack_with<R: Controlled<Damaged>>(
             rig.exchange();
         }
         let telemetry = rig.tick()?;
-        let demanded = running.then(|| f64::from(demand.tick().displacement));
+        // The programme waits until the piston is at its start, and begins there with phase 0.
+        let moves = telemetry.phase > 0 || telemetry.cycle > 0;
+        let demanded = running.then(|| {
+            if moves {
+                f64::from(demand.tick().displacement)
+            } else {
+                0.0
+            }
+        });
         running = telemetry.state == State::Running;
         let plant = rig.plant();
         let demanded = demanded.filter(|_| running);
