@@ -118,11 +118,10 @@ struct Cycle {
     /// Hz
     frequency: f32,
     points: u32,
-    /// Of the ticks' length: all, and those that are still to be made.
+    /// Of the ticks' length.
     doublings: u32,
+    /// Slices before the first point: one puts the effects to rest, and each of the others doubles the ticks.
     left: u32,
-    /// The effects are at rest.
-    rested: bool,
     /// The next point, of two cycles and one.
     point: u32,
     /// The last displacement and force.
@@ -192,6 +191,8 @@ impl<const N: usize> Passivity<N> {
 
     /// The next slice: one force of `law`, a copy of its effects, or these for ticks twice as long. `law` has to be the same from the first slice to the last. Gives the
     /// verdict once there is one, and that again from there on.
+    // Not inlined: what it takes of the stack is no matter of other slices of a load.
+    #[inline(never)]
     pub fn step(&mut self, law: &FastLaw<N>) -> Option<Result<(), Active>> {
         if self.verdict.is_some() {
             return self.verdict;
@@ -201,15 +202,12 @@ impl<const N: usize> Passivity<N> {
         }
         match self.cycle.take() {
             None => self.begin_cycle(law.augmented()),
-            Some(cycle) if !cycle.rested => {
-                self.state = AugmentedState::AT_REST;
-                self.cycle = Some(Cycle {
-                    rested: true,
-                    ..cycle
-                });
-            }
             Some(cycle) if cycle.left > 0 => {
-                self.law.halve_rate();
+                if cycle.left > cycle.doublings {
+                    self.state = AugmentedState::AT_REST;
+                } else {
+                    self.law.halve_rate();
+                }
                 self.cycle = Some(Cycle {
                     left: cycle.left - 1,
                     ..cycle
@@ -273,14 +271,13 @@ impl<const N: usize> Passivity<N> {
         points: u32,
         doublings: u32,
     ) {
-        self.law = law.judged();
+        law.write_judged(&mut self.law);
         self.cycle = Some(Cycle {
             amplitude,
             frequency,
             points,
             doublings,
-            left: doublings,
-            rested: false,
+            left: doublings + 1,
             point: 0,
             before: [0.0; 2],
             energy: 0.0,

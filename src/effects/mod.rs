@@ -444,10 +444,12 @@ impl<R: Real, const N: usize> AugmentedLaw<R, N> {
     /// What a check of [`crate::passivity`] looks at: without the effects that supply energy by their description, and without a spring in
     /// series. That one gives back what it takes; only, what it sees of the other effects is a tick old, which is nothing at the tick that it
     /// is made for, and much at one of a thirtieth of a cycle.
-    pub(crate) fn judged(&self) -> Self {
-        let mut new = self.clone();
-        new.effects.present &= !(SUPPLYING | Bit::Compliance.mask());
-        new
+    /// Written into `judged`, as it is no matter of the stack's.
+    pub(crate) fn write_judged(&self, judged: &mut Self) {
+        judged.law = self.law;
+        judged.effects.clone_from(&self.effects);
+        judged.effects.present &= !(SUPPLYING | Bit::Compliance.mask());
+        judged.correction = self.correction;
     }
 
     /// The same for ticks that are twice as long.
