@@ -107,8 +107,9 @@ pub struct Passivity<const N: usize> {
     /// Which loop of the grid.
     place: usize,
     cycle: Option<Cycle>,
-    /// What came of it, once it has ended.
-    verdict: Option<Result<(), Active>>,
+    /// It has ended; and where it was not passive. In one all bits of none would not be 0.
+    ended: bool,
+    active: Option<Active>,
 }
 
 /// A loop that is being gone through.
@@ -154,7 +155,8 @@ impl<const N: usize> Passivity<N> {
         tick_rate: 0.0,
         place: 0,
         cycle: None,
-        verdict: None,
+        ended: false,
+        active: None,
     };
 
     /// [`Passivity::new`] in place.
@@ -174,7 +176,8 @@ impl<const N: usize> Passivity<N> {
             .unwrap_or([0.0, PAPER[0], PAPER[1]]);
         self.place = 0;
         self.cycle = None;
-        self.verdict = None;
+        self.ended = false;
+        self.active = None;
     }
 
     /// All of it: several hundred forces of `law`, not for one tick.
@@ -189,13 +192,13 @@ impl<const N: usize> Passivity<N> {
         }
     }
 
-    /// The next slice: one force of `law`, a copy of its effects, or these for ticks twice as long. `law` has to be the same from the first slice to the last. Gives the
-    /// verdict once there is one, and that again from there on.
+    /// The next slice: one force of `law`, a copy of its effects, or these for ticks twice as long. `law` has to be the same from the first
+    /// slice to the last. Gives the verdict once there is one, and that again from there on.
     // Not inlined: what it takes of the stack is no matter of other slices of a load.
     #[inline(never)]
     pub fn step(&mut self, law: &FastLaw<N>) -> Option<Result<(), Active>> {
-        if self.verdict.is_some() {
-            return self.verdict;
+        if self.ended {
+            return self.verdict();
         }
         if self.tick_rate == 0.0 {
             self.begin(None, 1e4);
@@ -218,7 +221,11 @@ impl<const N: usize> Passivity<N> {
             }
             Some(cycle) => self.judge(law.augmented(), cycle),
         }
-        self.verdict
+        self.verdict()
+    }
+
+    fn verdict(&self) -> Option<Result<(), Active>> {
+        self.ended.then(|| self.active.map_or(Ok(()), Err))
     }
 
     /// The first or the next loop, or the end of all.
@@ -232,7 +239,7 @@ impl<const N: usize> Passivity<N> {
             self.place += OF_STATE;
         }
         if self.place >= 2 * OF_STATE * temperatures {
-            self.verdict = Some(Ok(()));
+            self.ended = true;
             return;
         }
         let place = self.place % OF_STATE;
@@ -362,10 +369,11 @@ impl<const N: usize> Passivity<N> {
         } else if doublings >= 2 && points < FINEST / 4 {
             self.start(law, amplitude, frequency, 4 * points, doublings - 2);
         } else {
-            self.verdict = Some(Err(Active {
+            self.ended = true;
+            self.active = Some(Active {
                 amplitude,
                 frequency,
-            }));
+            });
         }
     }
 }
