@@ -133,7 +133,7 @@ pub enum Request<'a> {
     /// A part of a coefficient pack, to be put at this byte.
     PackPart(u16, &'a [u8]),
     /// The pack is complete. Where there is no rig yet it is checked and its law taken at once. Beside a rig each of these does a slice of the
-    /// check, at most 600 instructions, and is answered no as long as there is more of it: ask again, with ticks in between as they are
+    /// check, at most some 600 instructions or one force of the law, and is answered no as long as there is more of it: ask again, with ticks in between as they are
     /// due. The answer is yes once the law waits for the next end of a cycle, or a refusal. A new first part ends a check that has begun.
     PackEnd,
     /// Wires up the rig.

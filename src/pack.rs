@@ -379,7 +379,7 @@ impl Upload {
         Ok(())
     }
 
-    /// A slice of what [`Upload::finish`] does, once every part is there: at most 600 instructions, for a rig that goes on ticking between
+    /// A slice of what [`Upload::finish`] does, once every part is there: at most some 600 instructions or one force of the law, for a rig that goes on ticking between
     /// one slice and the next. `passivity` is what looks whether the law is passive, the same each time. None as long as there is more to do: `slot` is no law until then; see
     /// [`RunningLaw::swap_in_slices`](crate::fast_law::RunningLaw::swap_in_slices). A slot that another law was written over in between is begun
     /// anew. Whatever comes of the last one, the upload is empty

@@ -9,8 +9,10 @@
 //! out: a tone, a delay, a force channel's low-pass. So is a spring in series, which gives back what it takes.
 //!
 //! Time passes as the motion says: an effect that remembers time is asked for longer ticks, 2ⁿ of those that it was made for, 16 to 30 of
-//! which make a cycle. What is no memory of the motion stays: a temperature of 20 °C, the cycles, and the control inputs. A law that depends
-//! on the latter two is looked at twice, at cycle 0 with inputs of 1, and at the end of all cycles without inputs.
+//! which make a cycle. What is no memory of the motion stays: the temperature, the cycles, and the control inputs. A law that depends
+//! on the latter two is looked at twice, at cycle 0 with inputs of 1, and at the end of all cycles without inputs; one that depends on the
+//! temperature at 20 °C, and at the coldest and the hottest that a [`rig`](crate::rig::RigSettings::temperature_range) believes unless it is told
+//! otherwise: between them a law that is linear in the temperature is no worse.
 //!
 //! It is as good as its grid: an energy below 0 that is found only between the amplitudes and frequencies is not found.
 //!
@@ -37,6 +39,7 @@ use crate::law::Law;
 use crate::limits;
 use crate::operating_range::OperatingRange;
 use crate::real::Real;
+use crate::rig;
 use crate::sine::FREQUENCY_MIN;
 
 /// Amplitude in mm and frequency in Hz of the range that is taken where none is known, at its upper end: the paper's specimens were tested
@@ -46,6 +49,8 @@ const PAPER: [f32; 2] = [0.3, 20.0];
 const AMPLITUDES: [f32; 3] = [1.0, 0.25, 0.0625];
 /// Parts of the highest frequency: down to the paper's lowest, about.
 const FREQUENCIES: [f32; 3] = [1.0, 0.158, 0.025];
+/// Loops at one state of what is held.
+const OF_STATE: usize = AMPLITUDES.len() * FREQUENCIES.len();
 /// Least points of a cycle, and as many as it may have before the ticks are doubled instead. Their number is even, so that what is elastic
 /// comes back over the points that it went by.
 const POINTS: [u32; 2] = [16, 32];
@@ -54,8 +59,12 @@ const POINTS: [u32; 2] = [16, 32];
 const FINEST: u32 = 2000;
 /// Tick rates that are taken, Hz.
 const TICK_RATES: [f32; 2] = [1e-3, 1e7];
-/// °C.
-const TEMPERATURE: f32 = 20.0;
+/// The usual one, the coldest and the hottest, °C.
+const TEMPERATURES: [f32; 3] = [
+    20.0,
+    rig::TEMPERATURES[0] as f32,
+    rig::TEMPERATURES[1] as f32,
+];
 /// Energy below 0 that is taken for rounding, as a part of Σ|F dy|, the law's own forces counted beside all of it. Derived: 2⁻²⁴ for each rounding of a term, times what tests of all laws
 /// that are passive by construction leave (`tests/laws/passivity.rs`).
 const TOLERANCE: f32 = 1e-4;
@@ -110,7 +119,10 @@ struct Cycle {
     /// Hz
     frequency: f32,
     points: u32,
+    /// Of the ticks' length.
     doublings: u32,
+    /// Slices before the first point: one puts the effects to rest, and each of the others doubles the ticks.
+    left: u32,
     /// The next point, of two cycles and one.
     point: u32,
     /// The last displacement and force.
@@ -180,8 +192,10 @@ impl<const N: usize> Passivity<N> {
         }
     }
 
-    /// The next slice: one force of `law`, or a copy of its effects. `law` has to be the same from the first slice to the last. Gives the
-    /// verdict once there is one, and that again from there on.
+    /// The next slice: one force of `law`, a copy of its effects, or these for ticks twice as long. `law` has to be the same from the first
+    /// slice to the last. Gives the verdict once there is one, and that again from there on.
+    // Not inlined: what it takes of the stack is no matter of other slices of a load.
+    #[inline(never)]
     pub fn step(&mut self, law: &FastLaw<N>) -> Option<Result<(), Active>> {
         if self.ended {
             return self.verdict();
@@ -191,6 +205,17 @@ impl<const N: usize> Passivity<N> {
         }
         match self.cycle.take() {
             None => self.begin_cycle(law.augmented()),
+            Some(cycle) if cycle.left > 0 => {
+                if cycle.left > cycle.doublings {
+                    self.state = AugmentedState::AT_REST;
+                } else {
+                    self.law.halve_rate();
+                }
+                self.cycle = Some(Cycle {
+                    left: cycle.left - 1,
+                    ..cycle
+                });
+            }
             Some(cycle) if cycle.point <= 2 * cycle.points => {
                 self.cycle = Some(self.moved(cycle, law));
             }
@@ -205,13 +230,19 @@ impl<const N: usize> Passivity<N> {
 
     /// The first or the next loop, or the end of all.
     fn begin_cycle(&mut self, law: &AugmentedLaw<f32, N>) {
-        let of_state = AMPLITUDES.len() * FREQUENCIES.len();
-        let states = if law.has_parameters_of_state() { 2 } else { 1 };
-        if self.place >= states * of_state {
+        let temperatures = match law.depends_on_temperature() {
+            true => TEMPERATURES.len(),
+            false => 1,
+        };
+        // The second state is passed over where nothing depends on it.
+        if !law.has_parameters_of_state() && self.state() == 1 {
+            self.place += OF_STATE;
+        }
+        if self.place >= 2 * OF_STATE * temperatures {
             self.ended = true;
             return;
         }
-        let place = self.place % of_state;
+        let place = self.place % OF_STATE;
         let part = |of: &[f32; 3], place: usize| of.get(place).copied().unwrap_or(1.0);
         let amplitude = part(&AMPLITUDES, place % AMPLITUDES.len()) * self.largest;
         let frequency = part(&FREQUENCIES, place / AMPLITUDES.len()) * self.fastest;
@@ -233,6 +264,11 @@ impl<const N: usize> Passivity<N> {
         );
     }
 
+    /// Which state of cycles and control inputs: 0 or 1.
+    fn state(&self) -> usize {
+        self.place / OF_STATE % 2
+    }
+
     /// From rest in the middle, where the motion is fastest: near to what the loop will be.
     fn start(
         &mut self,
@@ -242,13 +278,13 @@ impl<const N: usize> Passivity<N> {
         points: u32,
         doublings: u32,
     ) {
-        self.law.coarsen_from(law, doublings);
-        self.state = AugmentedState::AT_REST;
+        law.write_judged(&mut self.law);
         self.cycle = Some(Cycle {
             amplitude,
             frequency,
             points,
             doublings,
+            left: doublings + 1,
             point: 0,
             before: [0.0; 2],
             energy: 0.0,
@@ -289,12 +325,11 @@ impl<const N: usize> Passivity<N> {
         let sine = f32::sine(phase);
         let cosine = f32::sine(phase.wrapping_add(1 << 62));
         let omega = core::f32::consts::TAU * cycle.frequency;
-        let of_state = AMPLITUDES.len() * FREQUENCIES.len();
-        let (control, held) = if self.place < of_state {
-            (1.0, 0.0)
-        } else {
-            (0.0, limits::CYCLES as f32)
+        let (control, held) = match self.state() {
+            0 => (1.0, 0.0),
+            _ => (0.0, limits::CYCLES as f32),
         };
+        let temperature = TEMPERATURES.get(self.place / (2 * OF_STATE));
         // Only what takes the frequency from them may see them pass.
         let cycles = if self.law.is_over_frequency() {
             point as f32 / cycle.points as f32
@@ -306,7 +341,7 @@ impl<const N: usize> Passivity<N> {
             velocity: cycle.amplitude * omega * cosine,
             acceleration: -cycle.amplitude * omega * omega * sine,
             cycles,
-            temperature: TEMPERATURE,
+            temperature: temperature.copied().unwrap_or_default(),
             controls: [control; CONTROLS],
         }
     }

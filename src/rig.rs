@@ -113,7 +113,7 @@ pub type Emulator<A, D, E, const N: usize> = SpiDamperEmulation<A, D, E, Running
 pub type EmulatorSettings = DamperEmulationSettings;
 
 /// Temperatures that a specimen in its chamber may have, °C.
-const TEMPERATURES: [f64; 2] = [-60.0, 200.0];
+pub(crate) const TEMPERATURES: [f64; 2] = [-60.0, 200.0];
 /// °C/s: a kilogram of steel takes 1 kW for that.
 const TEMPERATURE_RATE: f64 = 2.0;
 

@@ -329,9 +329,12 @@ fn rig(
             observer_bandwidth: feed.between(1e-3, 0.1 * tick_rate),
             observer_damping: feed.between(0.3, 3.0),
             correction_gain: feed.part(),
+            correction_limit: feed.between(0.01, 10.0),
             lead: 0.1 * feed.part(),
             glide: feed.between(1.0 / tick_rate, 10.0),
             feedback: 0.01 * tick_rate * feed.part(),
+            temperature_range: [-273.0 * feed.part(), 2000.0 * feed.part()],
+            temperature_rate: feed.between(1e-3, 1e3),
             link_ticks: 0,
             clock_rate: f64::from(guard.counts) * tick_rate,
             health: HealthSettings {
@@ -340,6 +343,7 @@ fn rig(
                 learning_cycles: feed.between(8.0, 1e3) as u32,
                 run_in_cycles: feed.between(1.0, 1e6) as u32,
                 temperature_slope: 0.1 * feed.part(),
+                run_in_size: feed.between(0.01, 1.0),
                 follow: 0.5 * feed.part(),
             },
         }
@@ -388,6 +392,10 @@ fn emulator(
         clock_rate: f64::from(guard.counts) * tick_rate,
         observer_bandwidth: feed.between(1e-3, 1.0) * 0.1 * tick_rate,
         observer_damping: feed.between(0.3, 3.0),
+        rest_band: feed.part(),
+        stuck_ticks: feed.between(1.0, 1e6) as u32,
+        temperature_range: [-273.0 * feed.part(), 2000.0 * feed.part()],
+        temperature_rate: feed.between(1e-3, 1e3),
         hysteresis: feed.between(1e-9, 1e4),
     };
     let laws = [law(feed, 1.0 / tick_rate), law(feed, 1.0 / tick_rate)].map(FastLaw::new);

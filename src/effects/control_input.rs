@@ -204,9 +204,11 @@ impl<R: Real> Equations<R> for ControlInput<R> {
     }
 
     /// Its lag stays: a steady input has arrived before the first tick.
-    fn coarsened(&self, doublings: u32) -> Self {
+    /// Of the lag 1 − e^(−2Δt/T) = a·(2 − a), a = 1 − e^(−Δt/T).
+    fn at_half_rate(&self) -> Self {
         Self {
-            branch: self.branch.coarsened(doublings),
+            branch: self.branch.at_half_rate(),
+            arriving: self.arriving * (R::from_f64(2.0) - self.arriving),
             ..*self
         }
     }

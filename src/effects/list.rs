@@ -115,6 +115,7 @@ macro_rules! effects {
         const SCALING: u32 = $(if <$name<f32> as Equations<f32>>::DESCRIPTION.scales_law { Bit::$name.mask() } else { 0 })|+;
         const HELD: u32 = $(if depends_on(&<$name<f32> as Equations<f32>>::DESCRIPTION, Dependence::Control)
             || depends_on(&<$name<f32> as Equations<f32>>::DESCRIPTION, Dependence::Cycle) { Bit::$name.mask() } else { 0 })|+;
+        const WARMED: u32 = $(if depends_on(&<$name<f32> as Equations<f32>>::DESCRIPTION, Dependence::Temperature) { Bit::$name.mask() } else { 0 })|+;
         const SUPPLYING: u32 = $(if <$name<f32> as Equations<f32>>::DESCRIPTION.supplies_energy { Bit::$name.mask() } else { 0 })|+;
         const STAGES: u32 = $(if is_kind(&<$name<f32> as Equations<f32>>::DESCRIPTION, EffectKind::Stage) { Bit::$name.mask() } else { 0 })|+;
 
@@ -181,10 +182,12 @@ macro_rules! effects {
                 self.present & bit != 0
             }
 
-            /// See [`AugmentedLaw::coarsen_from`].
-            fn coarsen_from(&mut self, other: &Self, doublings: u32) {
-                self.present = other.present & !(SUPPLYING | Bit::Compliance.mask());
-                $(self.$module = other.$module.coarsened(doublings);)+
+            /// [`Equations::at_half_rate`] of each that is there.
+            #[inline(never)]
+            fn halve_rate(&mut self) {
+                $(if self.has(Bit::$name.mask()) {
+                    self.$module = self.$module.at_half_rate();
+                })+
             }
 
             fn iter(&self) -> impl Iterator<Item = Effect<R>> {

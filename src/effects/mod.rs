@@ -91,9 +91,9 @@ pub trait Equations<R: Real>: Copy {
         R::ZERO
     }
 
-    /// The same for ticks that are 2^`doublings` times as long; of what knows no tick the same.
+    /// The same for ticks that are twice as long, in a few hundred instructions at most; of what knows no tick the same.
     #[must_use]
-    fn coarsened(&self, _doublings: u32) -> Self {
+    fn at_half_rate(&self) -> Self {
         *self
     }
 
@@ -441,21 +441,33 @@ impl<R: Real, const N: usize> AugmentedLaw<R, N> {
         self.with_effects(state, &motion, law)
     }
 
-    /// It becomes what a check of [`crate::passivity`] looks at of `other`, for ticks that are 2^`doublings` times as long: without the effects that supply
-    /// energy by their description, and without a spring in series. That one gives back what it takes; only, what it sees of the other effects
-    /// is a tick old, which is nothing at the tick that it is made for, and much at one of a thirtieth of a cycle.
-    /// In place, as it is too long for a small stack.
-    #[inline(never)]
-    pub(crate) fn coarsen_from(&mut self, other: &Self, doublings: u32) {
-        self.law = other.law;
-        self.effects.coarsen_from(&other.effects, doublings);
-        self.correction.coarsen_from(&other.correction, doublings);
+    /// What a check of [`crate::passivity`] looks at: without the effects that supply energy by their description, and without a spring in
+    /// series. That one gives back what it takes; only, what it sees of the other effects is a tick old, which is nothing at the tick that it
+    /// is made for, and much at one of a thirtieth of a cycle.
+    /// Written into `judged`, as it is no matter of the stack's.
+    pub(crate) fn write_judged(&self, judged: &mut Self) {
+        judged.law = self.law;
+        judged.effects.clone_from(&self.effects);
+        judged.effects.present &= !(SUPPLYING | Bit::Compliance.mask());
+        judged.correction = self.correction;
+    }
+
+    /// The same for ticks that are twice as long.
+    pub(crate) fn halve_rate(&mut self) {
+        self.effects.halve_rate();
+        self.correction.halve_rate();
     }
 
     /// Whether an effect depends on a control input or on the cycles: what a check of [`crate::passivity`] holds constant, and looks at in
     /// two states.
     pub(crate) fn has_parameters_of_state(&self) -> bool {
         self.effects.present & HELD != 0
+    }
+
+    /// Whether it depends on the temperature.
+    pub(crate) fn depends_on_temperature(&self) -> bool {
+        let of_table = |table: &ResidualTable<R>| table.is_over_temperature();
+        self.effects.present & WARMED != 0 || self.residual_table().is_some_and(of_table)
     }
 
     /// Whether the frequency is taken from the cycles.

@@ -156,14 +156,13 @@ impl<R: Real> Equations<R> for Relaxation<R> {
     }
 
     /// Of two ticks: loss ← 1 − (1 − loss)² = loss·(2 − loss), and gain, in proportion to loss/Δt, ← gain·(2 − loss)/2.
-    fn coarsened(&self, doublings: u32) -> Self {
+    /// With q = 1 − e^(−Δt/τ), 1 − e^(−2Δt/τ) = q·(2 − q), and the gain k·q·τ/Δt becomes k·q·(2 − q)·τ/2Δt.
+    fn at_half_rate(&self) -> Self {
         let mut new = *self;
         for branch in &mut new.branches {
-            for _ in 0..doublings {
-                let two = R::from_i32(2) - branch.loss;
-                branch.gain = R::from_f64(0.5) * branch.gain * two;
-                branch.loss = branch.loss * two;
-            }
+            let two = R::from_f64(2.0) - branch.loss;
+            branch.gain = R::from_f64(0.5) * branch.gain * two;
+            branch.loss = branch.loss * two;
         }
         new
     }

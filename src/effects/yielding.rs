@@ -84,10 +84,27 @@ impl<R: Real> Yielding<R> {
         let least = self.yield_stretch + self.drag + self.slip;
         let start = self.yield_stretch / least;
         // A step adds about 1 where C is a small part of x, and at 20 tanh is 1 in f64 too.
-        let root = self.risen::<24>(start, self.yield_stretch);
+        self.reach_of(self.risen::<24>(start, self.yield_stretch))
+    }
+
+    /// x/tanh u at the root u for b = x.
+    fn reach_of(&self, root: R) -> R {
+        let least = self.yield_stretch + self.drag + self.slip;
         let reach = self.yield_stretch / tanh(root);
         // Where the root is as good as 0, it is C.
         if reach > least { reach } else { least }
+    }
+
+    /// Not above the root for b = x of the branch with twice the γ·Δt, and at most ½·ln 2 and what the logarithm misses below it.
+    ///
+    /// With u the root for C and δ = ½·ln 2, that for at most 2·C is at least u/2, and at least u − δ: C = x·(1 − tanh u)/u =: g(u) falls,
+    /// g(u/2) ≥ 2·g(u), and g(u − δ) ≥ 2·g(u) where u ≤ δ·(2 + e²ᵘ), which is so for every u.
+    fn root_at_half_rate(&self) -> R {
+        let part = (self.yield_stretch / self.reach).clipped(R::from_f64(1.0 - 6e-8));
+        let root = artanh(part);
+        let half = root * R::from_f64(0.5);
+        let less = root - R::from_f64(0.5 * core::f64::consts::LN_2);
+        if less > half { less } else { half }
     }
 
     /// The root for `force` = b ≥ 0 after a number of Halley's steps from `start` ≥ 0, which is not above it.
@@ -116,10 +133,9 @@ impl<R: Real> Yielding<R> {
         } else {
             (x, force - x)
         };
-        // Up to x, u is convex in b and tanh u at least that part of what it is at x. The logarithm of artanh is by straight lines, from below.
+        // Up to x, u is convex in b and tanh u at least that part of what it is at x.
         let part = (bent / self.reach).clipped(R::from_f64(1.0 - 6e-8));
-        let octaves = ((R::ONE + part) / (R::ONE - part)).half_octaves();
-        let artanh = R::from_i32(octaves) * R::from_f64(0.5 * core::f64::consts::LN_2 / 8192.0);
+        let artanh = artanh(part);
         // Beyond it is above its tangent at x, and above the line that it tends to.
         let drag = self.drag + self.slip;
         let tangent = artanh + beyond / (drag + x * (R::ONE - part * part));
@@ -149,6 +165,13 @@ impl<R: Real> Yielding<R> {
         };
         if force < R::ZERO { -stretch } else { stretch }
     }
+}
+
+/// artanh of a `part` of 0 to less than 1, and not above it: its logarithm is by straight lines, from below.
+#[inline(always)]
+fn artanh<R: Real>(part: R) -> R {
+    let octaves = ((R::ONE + part) / (R::ONE - part)).half_octaves();
+    R::from_i32(octaves) * R::from_f64(0.5 * core::f64::consts::LN_2 / 8192.0)
 }
 
 /// tanh of an `u` of at least 0. Below ½ by a continued fraction, within 1e-10 of itself: the difference of exponentials has few digits
@@ -233,15 +256,14 @@ impl<R: Real> Equations<R> for Yielding<R> {
         in_range("reach", self.reach, range[0], range[1]).map(|_| ())
     }
 
-    fn coarsened(&self, doublings: u32) -> Self {
-        let mut new = *self;
-        for _ in 0..doublings {
-            new.slip = new.slip + new.slip;
-        }
-        // One that is not there has nothing to reach.
-        if new.slip > R::ZERO {
-            new.reach = new.reached();
-        }
+    /// Where a search starts is found from where it started.
+    fn at_half_rate(&self) -> Self {
+        let mut new = Self {
+            slip: self.slip + self.slip,
+            ..*self
+        };
+        let root = new.risen::<3>(self.root_at_half_rate(), self.yield_stretch);
+        new.reach = new.reach_of(root);
         new
     }
 

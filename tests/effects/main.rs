@@ -7,6 +7,7 @@ mod control_input;
 mod degradation;
 mod directional;
 mod force_filter;
+mod half_rate;
 mod hardening_friction;
 mod load_friction;
 mod loops;

@@ -83,9 +83,9 @@ fn effect(description: &Description, parts: &[f64], wide: bool, tick: f64) -> Op
         })
         .collect();
     match description.name {
-        // Less than half of either force is lost at 20 °C.
+        // Less than half of either force is lost from −60 °C to 200 °C.
         "temperature" => {
-            let away = (values[1] - 20.0).abs().max(1.0);
+            let away = (values[1] + 60.0).abs().max((values[1] - 200.0).abs());
             values[0] = (values[0] / away).clamp(-0.4 / away, 0.4 / away);
             values[2] = (values[2] / away).clamp(-0.4 / away, 0.4 / away);
         }
@@ -258,10 +258,17 @@ fn memory_passes_as_the_motion_says() {
     );
 }
 
-/// 1 + (T0 − T)·β_damping of the law's damping is left at T = 20 °C.
+/// 1 + (T0 − T)·β_damping of the law's damping is left: with T0 = 120 °C none at T = 20 °C for −0.01, at the coldest of −60 °C for −1/180, and
+/// at the hottest of 200 °C for 1/80.
 #[test]
 fn damping_that_temperature_turns_round_is_refused() {
-    for (beta_damping, passes) in [(0.02, true), (-0.009, true), (-0.02, false)] {
+    for (beta_damping, passes) in [
+        (0.012, true),
+        (0.013, false),
+        (-0.0055, true),
+        (-0.0056, false),
+        (-0.02, false),
+    ] {
         let temperature =
             Temperature::new(0.0, 120.0).and_then(|both| both.with_damping(beta_damping));
         let effects = [

@@ -311,7 +311,7 @@ impl<R: Real> Recall<R> {
     }
 
     /// For ticks that are twice as long: an average loses s·(2 − s) of itself where it lost s, at most half of it.
-    pub fn coarsen(&mut self) {
+    pub fn halve_rate(&mut self) {
         match self.kind {
             MemoryKind::Lag | MemoryKind::Travel | MemoryKind::Frequency => {
                 let loss = i64::from(self.step);

@@ -145,12 +145,14 @@ impl<R: Real> ResidualTable<R> {
         self.unit > R::ZERO
     }
 
-    /// It becomes `other` for ticks that are 2^`doublings` times as long.
-    pub(super) fn coarsen_from(&mut self, other: &Self, doublings: u32) {
-        self.clone_from(other);
-        for _ in 0..doublings {
-            self.recall.coarsen();
-        }
+    /// The same for ticks that are twice as long.
+    pub(super) fn halve_rate(&mut self) {
+        self.recall.halve_rate();
+    }
+
+    /// Whether it is over the temperature.
+    pub(super) fn is_over_temperature(&self) -> bool {
+        self.recall.kind == MemoryKind::Temperature
     }
 
     /// Whether it is over the frequency, which it takes from the cycles.
