@@ -182,6 +182,13 @@ macro_rules! effects {
                 self.present & bit != 0
             }
 
+            /// It becomes `other`, one by one: a copy of all of them is too long for a small stack.
+            #[inline(never)]
+            fn copy_from(&mut self, other: &Self) {
+                self.present = other.present;
+                $(self.$module = other.$module;)+
+            }
+
             /// [`Equations::at_half_rate`] of each that is there.
             #[inline(never)]
             fn halve_rate(&mut self) {

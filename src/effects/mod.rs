@@ -447,7 +447,7 @@ impl<R: Real, const N: usize> AugmentedLaw<R, N> {
     /// Written into `judged`, as it is no matter of the stack's.
     pub(crate) fn write_judged(&self, judged: &mut Self) {
         judged.law = self.law;
-        judged.effects.clone_from(&self.effects);
+        judged.effects.copy_from(&self.effects);
         judged.effects.present &= !(SUPPLYING | Bit::Compliance.mask());
         judged.correction = self.correction;
     }
