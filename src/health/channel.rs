@@ -3,8 +3,8 @@
 //! - A channel that repeats one value is held. While what it measures comes in from where that began, it is stuck, or dropped
 //!   out where the value is that of no voltage. One that was held while what it measures was further out, and lets go when
 //!   that comes back, is clipped.
-//! - A sample stands out when it jumps one way and the next jumps back: the smaller of two differences in a row of opposite
-//!   sign. Noise does that too, and by how much is learned. Physics does not: what it does at once stays.
+//! - A sample stands out when it jumps one way and the next jumps back, more than half of it: the smaller of two differences in a row of
+//!   opposite sign. Noise does that too, and by how much is learned. Physics does not: what it does at once stays.
 
 use super::cause::{Channel, HealthCause};
 use crate::converter::{MIDSCALE, Sample, Scale};
@@ -162,7 +162,12 @@ impl ChannelWatch {
         if far && from_no_voltage(sample).abs() <= NO_VOLTAGE {
             return None;
         }
-        let smaller = i32::from(before.unsigned_abs().min(self.step.unsigned_abs()));
+        // What moves and then steps the other way, and stays there, has not come back: another gain has a channel do that.
+        let (there, back) = (i32::from(before), i32::from(self.step));
+        if 2 * (there + back).abs() > there.abs().max(back.abs()) {
+            return None;
+        }
+        let smaller = there.abs().min(back.abs());
         let square = -smaller * smaller;
         if square < self.lowest {
             // Where it stays there, it is back and has not jumped.
@@ -339,6 +344,21 @@ mod tests {
                 1
             );
         }
+    }
+
+    /// A channel whose gain falls at once, while what it measures moves the other way by 60 steps a sample.
+    #[test]
+    fn a_step_against_the_motion_is_no_spike() {
+        let mut watch = watch();
+        watch.learn(true);
+        watch.learn(false);
+        let stepped = [40_000, 40_060, 40_120, 39_800, 39_860, 39_920];
+        assert_eq!(spikes(&mut watch, &stepped), 0);
+        // There and back it is one, whatever moves.
+        assert_eq!(
+            spikes(&mut watch, &[39_920, 39_980, 39_500, 40_100, 40_160]),
+            1
+        );
     }
 
     /// At rest a spike comes back to no voltage, and nothing is lost.

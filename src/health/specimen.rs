@@ -117,6 +117,12 @@ pub(super) struct SpecimenWatch {
     learned_temperature: f32,
 }
 
+/// How many times the law a specimen is, at least 1, whose stiffness or energy is by `level` beyond the law's: a part of it is as much more of
+/// the law.
+fn of_law(level: f32) -> f32 {
+    if level > 0.0 { 1.0 + level } else { 1.0 }
+}
+
 /// Pieces: the statistics, a sum each, the conclusion, a baseline each.
 const FIRST_SUM: usize = 1;
 const CONCLUSION: usize = FIRST_SUM + Statistic::WATCHED;
@@ -289,7 +295,7 @@ impl SpecimenWatch {
         event
     }
 
-    /// What temperature may have moved in a statistic since it was `then` °C.
+    /// What temperature may have moved in a statistic of a specimen like the law since it was `then` °C.
     fn warmth(&self, config: &HealthConfig, then: f32) -> f32 {
         config.temperature_slope * (self.numbers.temperature - then).abs()
     }
@@ -298,11 +304,13 @@ impl SpecimenWatch {
         let learned = self.cycles > SETTLING + config.learning_cycles;
         let last = self.cycles == SETTLING + config.learning_cycles;
         let slack = 0.5 * config.size;
-        let allowed = slack + self.warmth(config, self.temperature);
+        let warmth = self.warmth(config, self.temperature);
         let value = self.values.get(index).copied().unwrap_or_default();
         let Some(watch) = self.watches.get_mut(index) else {
             return;
         };
+        let warmth = warmth * of_law(watch.baseline.level());
+        let allowed = slack + warmth;
         if learned {
             let error = value - watch.baseline.expected();
             watch.cusum.update(error, allowed);
@@ -314,7 +322,7 @@ impl SpecimenWatch {
             watch.threshold = threshold(sigma, slack, config.run_length);
             watch.learned = watch.baseline.level();
         } else if self.cycles >= SETTLING + EARLY_CYCLES + 2 {
-            let limit = allowed - slack + EARLY * config.size;
+            let limit = warmth + EARLY * config.size;
             let expected = watch.baseline.expected();
             let before = self.before.get(index).copied().unwrap_or_default();
             let (now, before) = (value - expected, before - expected);
@@ -521,10 +529,12 @@ impl SpecimenWatch {
         } else if ends {
             Some(self.evidence((HealthCause::RunIn, None, most), &shift, limit))
         } else if !settled {
-            let allowed = config.run_in_size + self.warmth(config, self.learned_temperature);
+            let warmth = self.warmth(config, self.learned_temperature);
+            let allowed = config.run_in_size + self.of_specimen(most, warmth);
             (moved > allowed).then(|| self.slow(&shift, most, allowed))
         } else {
             let warmth = self.warmth(config, self.reference_temperature);
+            let warmth = self.of_specimen(most, warmth);
             // What the law may follow is no fault.
             let followed = if config.follow > limit {
                 config.follow
@@ -540,6 +550,12 @@ impl SpecimenWatch {
                 Some(self.evidence((HealthCause::Temperature, None, most), &shift, limit))
             }
         }
+    }
+
+    /// What `warmth` of a specimen like the law is of this one, in `statistic`.
+    fn of_specimen(&self, statistic: Statistic, warmth: f32) -> f32 {
+        let watch = self.watches.get(usize::from(statistic.place()));
+        warmth * watch.map_or(1.0, |watch| of_law(watch.baseline.level()))
     }
 
     /// What went further than is `allowed`, slowly. The evidence is that, which another statistic may name.

@@ -334,7 +334,8 @@ where
     /// [`TripCause::TrackingLimit`]: it is to be brought nearer by hand. The correction begins as the first time, unless
     /// [`RigController::keep_correction`] was called.
     fn start(&mut self) -> Result<(), StartRefused> {
-        if self.is_seen && self.reading.displacement.value.abs() > self.limits.tracking() {
+        let shows = self.is_seen && clipped(&self.reading).is_none();
+        if shows && self.reading.displacement.value.abs() > self.limits.tracking() {
             self.guard.trip(TripCause::TrackingLimit);
         }
         self.guard.start()?;
@@ -352,7 +353,7 @@ where
         }
         self.health.restart();
         self.approach = Approach::DUE;
-        if self.is_seen && clipped(&self.reading).is_none() {
+        if shows {
             // What is driven before the first tick is where the piston is.
             self.begin();
             self.guard.begin_at(self.approach.left());
