@@ -149,7 +149,7 @@ void check_emulation(void)
     CHECK(md_emulation_start(&emulation, NULL) == MD_ERROR_NONE);
     for (uint32_t i = 0; i < settings.trip_ticks; i++) {
         CHECK(seen.state != MD_STATE_FAULTED);
-        tick(0.06f, 0.0f);
+        tick(0.054f, 0.0f);
     }
     CHECK(seen.state == MD_STATE_FAULTED && seen.trip == MD_TRIP_DISPLACEMENT_LIMIT);
     printf("emulation: %s\n", md_trip_name(seen.trip));
