@@ -200,7 +200,9 @@ impl ForceWatch {
         let stopped = self.sound == SOUND
             && moved > least_square
             && moved > AS_LARGE * usually_moved
-            && varied < STOPPED * usually_varied;
+            && varied < STOPPED * usually_varied
+            // What goes with a motion of another amplitude goes on.
+            && half.explained() < EXPLAINED;
         let [all_moved, _] = all.variances();
         if all_moved <= least_square {
             self.low = 0;
@@ -295,6 +297,29 @@ mod tests {
                     part * specimen(libm::sinf(TAU * phase), libm::cosf(TAU * phase))
                 };
                 assert_eq!(seen_after(specimen, changed, 8.0), None);
+            }
+        }
+    }
+
+    /// A cycle in which the amplitude falls to 0.45 of it, as in a ramp to another block, beside a force with k3 and friction.
+    #[test]
+    fn a_ramp_to_another_amplitude_is_no_loss() {
+        for begins in 0..8u8 {
+            let mut watch = ForceWatch::default();
+            for look in 0..32 * 14u32 {
+                let (cycle, part) = (look / 32, look % 32);
+                let phase = (4 * part + 1 + 2 * (cycle % 2)) << 25;
+                let turns = cycle as f32 + phase as f32 / (1u64 << 32) as f32;
+                let since = (turns - 8.0 - f32::from(begins) / 8.0).clamp(0.0, 1.0);
+                let amplitude = 1.0 - 0.55 * since;
+                let (y, v) = (
+                    amplitude * libm::sinf(TAU * turns),
+                    amplitude * libm::cosf(TAU * turns),
+                );
+                let f = 0.2 * y + 3.0 * y * y * y + 0.05 * v;
+                let lost = watch.turns(phase) && watch.turn(phase, 0.1).is_some();
+                watch.add(y, v, f);
+                assert!(!lost, "{turns}");
             }
         }
     }
