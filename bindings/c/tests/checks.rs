@@ -9,12 +9,13 @@ use std::process::Command;
 use build::{On, Program, can, declared, library, run, source};
 use mesh_damper_model::export::{Export, ExportSettings};
 use mesh_damper_model::file::{FittedRange, ModelFile};
-use mesh_damper_model::{LawNode, Model};
+use mesh_damper_model::{AddedEffect, Family, LawNode, Model};
 
 /// What [`write_packs`] writes.
-const PACKS: [&str; 3] = ["mount", "linear", "silent"];
+const PACKS: [&str; 4] = ["mount", "linear", "active", "silent"];
 
-/// Writes the packs of the checks: a demo's model, a linear law, and a pack of version 6, which says nothing of itself.
+/// Writes the packs of the checks: a demo's model, a linear law, the same with a dashpot below 0, and a pack of version 6, which says
+/// nothing of itself.
 fn write_packs(folder: &Path) {
     let mount = ModelFile::read(build::example().join("model.json")).unwrap();
     let settings = ExportSettings {
@@ -42,9 +43,22 @@ fn write_packs(folder: &Path) {
     };
     write(
         folder,
-        &ModelFile::new(linear, range),
+        &ModelFile::new(linear.clone(), range),
         &ExportSettings::at(10_000.0, "linear"),
     );
+    let dashpot = AddedEffect {
+        family: Family::named("viscous").unwrap(),
+        parameters: [("c1".to_owned(), -0.5)].into(),
+    };
+    let active = Model {
+        effects: vec![dashpot],
+        ..linear
+    };
+    let allowed = ExportSettings {
+        allow_active: true,
+        ..ExportSettings::at(10_000.0, "active")
+    };
+    write(folder, &ModelFile::new(active, range), &allowed);
     const SILENT: &[u8] = include_bytes!("../../../tests/wire/packs/version-6-effects.mdcp");
     let header = format!(
         "#include <stdint.h>\n#define SILENT_PACK_LENGTH {}u\nextern const uint8_t silent_pack[SILENT_PACK_LENGTH];\n",

@@ -9,6 +9,7 @@
 #include "linear.h"
 #include "mesh_damper.h"
 #include "mount.h"
+#include "active.h"
 #include "silent.h"
 
 #define CHECK(what) \

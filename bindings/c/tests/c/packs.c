@@ -124,6 +124,20 @@ static void check_silent(void)
     CHECK(md_law_force(&silent, &MOTION) != 0.0f);
 }
 
+/* A law with a dashpot below 0 gives more energy than it takes. */
+static void check_active(void)
+{
+    md_problem problem;
+    const md_expected passive = {.tick_rate = ACTIVE_TICK_RATE};
+    is_refused(active_pack, ACTIVE_PACK_LENGTH, &passive, MD_ERROR_PACK_ACTIVE, &problem);
+    CHECK(problem.value > 0.0 && problem.value <= 0.2f);
+    CHECK(problem.field_length == 3 && memcmp(problem.field, "law", 3) == 0);
+    static md_law active;
+    const md_expected any = {.tick_rate = ACTIVE_TICK_RATE, .allow_active = true};
+    CHECK(md_law_init(&active, active_pack, ACTIVE_PACK_LENGTH, &any, &problem) == MD_ERROR_NONE);
+    CHECK(md_law_force(&active, &MOTION) != 0.0f);
+}
+
 static void check_memory(void)
 {
     static md_law never;
@@ -195,6 +209,7 @@ void check_packs(void)
     print_bits("rested", rested);
     check_refusals();
     check_silent();
+    check_active();
     check_memory();
     check_info();
     check_names();
