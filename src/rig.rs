@@ -114,8 +114,8 @@ pub type EmulatorSettings = DamperEmulationSettings;
 
 /// Temperatures that a specimen in its chamber may have, °C.
 pub(crate) const TEMPERATURES: [f64; 2] = [-60.0, 200.0];
-/// °C/s: a kilogram of steel takes 1 kW for that.
-const TEMPERATURE_RATE: f64 = 2.0;
+/// °C/s: a mesh of 50 g takes 250 W for that.
+const TEMPERATURE_RATE: f64 = 10.0;
 
 /// What a rig is set to. [`RigController::new`] validates it.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -40,8 +40,8 @@ const EXPLAINED: u8 = 16;
 const UNMOVED: usize = 2;
 /// Sizes by which a statistic must have moved for it to be told while it is still learned, when the line through its first cycles is young.
 const EARLY: f32 = 3.0;
-/// Cycles that a line needs at least for that.
-const EARLY_CYCLES: u32 = 3;
+/// Cycles that a line needs at least for that: the first ones are still those of amplitude's correction.
+const EARLY_CYCLES: u32 = 5;
 /// Part of the law's stiffness or energy that the specimen must have at the start, and one over what it may have.
 const LEAST_OF_LAW: f32 = 0.6;
 /// Of the temperature's level.
@@ -323,7 +323,8 @@ impl SpecimenWatch {
             watch.learned = watch.baseline.level();
         } else if self.cycles >= SETTLING + EARLY_CYCLES + 2 {
             let limit = warmth + EARLY * config.size;
-            let expected = watch.baseline.expected();
+            // Not where its slope leads: of so few cycles that is the noise's.
+            let expected = watch.baseline.level();
             let before = self.before.get(index).copied().unwrap_or_default();
             let (now, before) = (value - expected, before - expected);
             self.early |= now * before > limit * limit;

@@ -165,7 +165,7 @@ fn a_run_on_every_board_is_the_hosts_to_the_last_bit_of_each_sample_and_cycle() 
         assert!(
             // 1 KiB was held before there was a monitor; what follows the specimen passes through it as well, and what a rig's clock,
             // correction and temperature may be.
-            statistics.stack > 0 && statistics.stack <= 1248,
+            statistics.stack > 0 && statistics.stack <= 1360,
             "{statistics:?}"
         );
         assert_eq!(statistics.log_lost, 0);
@@ -272,7 +272,8 @@ fn a_streamed_motion_on_every_board_is_the_hosts_to_the_last_bit_of_each_sample(
         let run = run_rig_on(&mut image, driven(), |_| {}).unwrap();
         assert!(run == host, "{board:?}");
         let statistics = image.statistics().unwrap();
-        assert!(statistics.stack <= 1216, "{statistics:?}");
+        // As that of a programme, above.
+        assert!(statistics.stack <= 1360, "{statistics:?}");
     }
 }
 
@@ -788,7 +789,7 @@ fn the_image_is_small() {
         // Ticks that are judged by a clock, an external trip, the DAC's read-back, and converters that are set up again take 2.75.
         // That a law is passive takes 7.5: it is evaluated and made for longer ticks once more. The slices of a pack's check take 2.5, settings
         // that are checked as they are read 2, and what the monitor and the limits find of attacks 6.
-        assert!(sizes.flash > 0 && sizes.flash <= 80 * 1024, "{sizes:?}");
+        assert!(sizes.flash > 0 && sizes.flash <= 81 * 1024, "{sizes:?}");
         // 12 KiB likewise; of the rest the correction's table, in two laws and a pack, is 1.8, the monitor 0.75, and what the
         // law follows by 0.25. A reading's control inputs take 16 bytes and again as much in the telemetry, what a pack says of itself, in
         // the upload alone, 64, and the five effects that came last 72 in each of two laws, and 84 to remember. The clock and what

@@ -15,10 +15,11 @@ fn run(directory: &Path, arguments: &[&str]) -> Output {
         .unwrap()
 }
 
-/// A specimen that softens for longer than a run-in lasts, and in the run-in by no more than one may: 13 %.
+/// A specimen that softens for longer than a run-in lasts, and in the run-in by no more than one may: 15 %
+/// of k1 from where it was learned.
 const SOFTENING: [&str; 4] = [
     "--effect",
-    "drift:stiffness=-0.3,cycles=300",
+    "drift:stiffness=-0.5,cycles=500",
     "--blocks",
     "0.1:10:400",
 ];
@@ -74,8 +75,8 @@ fn a_law_that_follows_errs_less_and_says_by_how_much_it_went() {
     assert!(last(&stays, "nrmse") > 0.1);
     assert!(last(&follows, "nrmse") < 0.02);
     assert_eq!(last(&stays, "followed_k1"), 0.0);
-    // −0.3·(1 − e^(−400/300)) is −0.221.
-    assert!(last(&follows, "followed_k1") < -0.2);
+    // −0.5·(1 − e^(−400/500)) is −0.275.
+    assert!(last(&follows, "followed_k1") < -0.25);
     assert!(last(&follows, "followed_c").abs() < 0.01);
     let faults = |summary: &serde_json::Value| {
         let events = summary["events"].as_array().unwrap();
