@@ -271,6 +271,11 @@ impl HealthMonitor {
     /// What is now shall be normal.
     fn relearn(&mut self) {
         self.specimen.relearn();
+        self.relearn_beside();
+    }
+
+    /// Likewise, but for the specimen.
+    fn relearn_beside(&mut self) {
         self.adaptation.find_anew();
         for roughness in &mut self.roughness {
             roughness.relearn();
@@ -699,7 +704,8 @@ impl HealthMonitor {
             return;
         };
         if lasting != lasted {
-            self.relearn();
+            self.specimen.relearn_beside(config);
+            self.relearn_beside();
         }
         if ended.block != self.block {
             self.block = ended.block;

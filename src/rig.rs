@@ -49,6 +49,7 @@
 mod approach;
 #[cfg(feature = "async")]
 mod asynchronous;
+mod blend;
 mod blocking;
 mod comparison;
 mod controller;
@@ -129,7 +130,7 @@ pub struct RigSettings {
     pub force_limit: f64,
     /// Largest distance of the measured displacement from the demanded one, mm, 1e-6…1e4.
     pub tracking_limit: f64,
-    /// For how many ticks on end one of these must be exceeded to stop the rig, 1…1e6; for half as many by more than a tenth.
+    /// For how many ticks on end one of these must be exceeded to stop the rig, 1…1e6; for a quarter as many by more than a tenth.
     pub trip_ticks: u32,
     /// In how many ticks the command goes to 0 once stopped, 1…1e7.
     pub stop_ticks: u32,

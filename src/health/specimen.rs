@@ -107,6 +107,8 @@ pub(super) struct SpecimenWatch {
     suspicion: Option<Suspicion>,
     /// A statistic has moved far while it is learned, in this cycle and in the one before, neither of which its line has followed.
     early: bool,
+    /// What was normal before a passing fault came to be normal, or went.
+    known: Option<Shift>,
     /// Cycles for which a drift still explains what the mean does.
     explained: u8,
     /// A sum is above 0.
@@ -145,6 +147,7 @@ impl SpecimenWatch {
             since_start: 0,
             suspicion: None,
             early: false,
+            known: None,
             explained: 0,
             frozen: false,
             temperature: 0.0,
@@ -159,6 +162,16 @@ impl SpecimenWatch {
             since_start: self.since_start,
             ..Self::new()
         };
+    }
+
+    /// Learns anew beside a passing fault that has come to be normal, or has gone. What has broken meanwhile is told then.
+    pub(super) fn relearn_beside(&mut self, config: &HealthConfig) {
+        if self.is_watching(config) {
+            self.known = Some(self.watches.map(|watch| watch.baseline.expected()));
+        }
+        let known = self.known;
+        self.relearn();
+        self.known = known;
     }
 
     /// The same motion goes on after another one or a ramp.
@@ -284,6 +297,22 @@ impl SpecimenWatch {
         Some(self.evidence((cause, Some(or), statistic), &self.values, limit))
     }
 
+    /// As it has learned: whether the specimen is what it was before.
+    fn compare_with_known(&mut self, config: &HealthConfig) -> Option<Event> {
+        if self.cycles < SETTLING + config.learning_cycles {
+            return None;
+        }
+        let known = self.known.take()?;
+        let limit = EARLY * config.size + self.warmth(config, self.temperature);
+        let mut shift = known;
+        for (moved, watch) in shift.iter_mut().zip(&self.watches) {
+            *moved = watch.baseline.level() - *moved;
+        }
+        let [stiffness, energy, ..] = shift;
+        let is_far = stiffness.abs() > limit || energy.abs() > limit;
+        is_far.then(|| self.event(&shift, Course::Step, limit))
+    }
+
     /// While it learns: a shift so large that no run-in makes it.
     #[cold]
     #[inline(never)]
@@ -336,7 +365,9 @@ impl SpecimenWatch {
             if self.early {
                 return Some(self.tell_early(config));
             }
-            return self.compare_with_law();
+            return self
+                .compare_with_law()
+                .or_else(|| self.compare_with_known(config));
         }
         if let Some(suspicion) = self.suspicion {
             self.frozen = true;

@@ -155,7 +155,10 @@ impl<C: Controller, S: AsyncSensors, A: AsyncActuator> Asynchronous<C, S, A> {
             self.controller.external_trip();
         }
         self.settle().await;
-        self.controller.start()?;
+        let started = self.controller.start();
+        // A start that is refused may have stopped it.
+        self.settle().await;
+        started?;
         self.low = false;
         // What is driven when the line rises is where the piston is.
         if self.actuator.drive(self.controller.driven()).await.is_err() {

@@ -76,7 +76,10 @@ impl<C: Controller, S: Sensors, A: Actuator> Blocking<C, S, A> {
             self.controller.external_trip();
         }
         self.settle();
-        self.controller.start()?;
+        let started = self.controller.start();
+        // A start that is refused may have stopped it.
+        self.settle();
+        started?;
         self.low = false;
         // What is driven when the line rises is where the piston is.
         if self.actuator.drive(self.controller.driven()).is_err() {

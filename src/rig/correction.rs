@@ -139,7 +139,7 @@ pub(super) struct Correction {
     /// Steady cycles of this block, up to [`SETTLING`], and |C|² after that many.
     cycles: u8,
     settled_square: f32,
-    /// |C|² that the last cycle asked for, over that.
+    /// |C|² that the last cycle asked for, over that; until then, over that of no correction.
     growth: f32,
 }
 
@@ -210,7 +210,18 @@ impl Correction {
         self.lead += config.glide * (self.lead_target - self.lead);
         self.integral = (self.integral + config.feedback_step * (d - displacement))
             .clamped(config.feedback_limit);
-        self.in_phase * d + self.lead * v + self.integral
+        self.ahead(excitation)
+    }
+
+    /// The command in mm for `excitation` by the correction as it is.
+    #[inline(always)]
+    pub(super) fn ahead(&self, excitation: &Excitation) -> f32 {
+        let Excitation {
+            displacement,
+            velocity,
+            ..
+        } = excitation;
+        self.in_phase * displacement + self.lead * velocity + self.integral
     }
 
     /// Ticks of the cycle under way.
@@ -219,7 +230,7 @@ impl Correction {
         self.ticks
     }
 
-    /// |C| that the last cycle asked for over what it was once settled, less 1.
+    /// |C| that the last cycle asked for over what it was once settled, or over 1 until then, less 1.
     pub(super) fn growth(&self) -> f32 {
         square_root(self.growth) - 1.0
     }
@@ -254,13 +265,13 @@ impl Correction {
             MIDDLE + (p + p * re - square * q * im - MIDDLE).clamped(GAIN_LIMIT - MIDDLE);
         let lead = (q + p * im + q * re).clamped(LEAD_LIMIT);
         let now = in_phase * in_phase + square * lead * lead;
-        let most = if self.cycles < SETTLING {
-            config.first_square
+        let (before, most) = if self.cycles < SETTLING {
+            (1.0, config.first_square)
         } else {
-            config.growth_square * self.settled_square
+            (self.settled_square, config.growth_square)
         };
-        self.growth = now / self.settled_square;
-        if now > most {
+        self.growth = now / before;
+        if self.growth > most {
             return Err(TripCause::CorrectionLimit);
         }
         if self.cycles < SETTLING {

@@ -2,6 +2,7 @@
 
 use core::borrow::{Borrow, BorrowMut};
 
+use super::blend::Blend;
 use super::comparison::Comparison;
 use super::controller::Controller;
 use super::fault::{Exceeded, Limits, TripCause};
@@ -19,6 +20,7 @@ use crate::error::ConfigError;
 use crate::fast_law::{Adaptation, FastLaw, RunningLaw};
 use crate::health::{Event, HealthCause, Statistic};
 use crate::observer::{Observer, ObserverConfig};
+use crate::real::Real;
 use crate::tick_law::TickLaw;
 
 /// What an emulator is set to. [`EmulationController::new`] validates it.
@@ -33,7 +35,7 @@ pub struct DamperEmulationSettings {
     pub displacement_limit: f64,
     /// Largest force in either direction, kN, 1e-6…1e9: of the law, at once, and as measured.
     pub force_limit: f64,
-    /// For how many ticks on end a measured quantity must exceed its limit to stop, 1…1e6; for half as many by more than a tenth.
+    /// For how many ticks on end a measured quantity must exceed its limit to stop, 1…1e6; for a quarter as many by more than a tenth.
     pub trip_ticks: u32,
     /// In how many ticks the force comes in once started, and goes to 0 once stopped, 1…1e7.
     pub stop_ticks: u32,
@@ -100,9 +102,9 @@ pub struct EmulationController<L> {
     part: f32,
     part_step: f32,
     cycle: u32,
-    /// What is left of the step that a swap of the law would have been, kN, and by how much it falls in a tick; of the last force.
-    step: f32,
-    step_fall: f32,
+    /// Of the step that a swap of the law would be, and of the one that a rest would be as it begins; the last force of the law.
+    swapped: Blend,
+    stopped: Blend,
     last: f32,
     rested: bool,
     standstill: Standstill,
@@ -150,8 +152,8 @@ impl<L: TickLaw> EmulationController<L> {
             part: 0.0,
             part_step: (1.0 / f64::from(settings.stop_ticks)) as f32,
             cycle: 0,
-            step: 0.0,
-            step_fall: 0.0,
+            swapped: Blend::default(),
+            stopped: Blend::default(),
             last: 0.0,
             rested: false,
             standstill: Standstill::default(),
@@ -177,15 +179,6 @@ impl<L: TickLaw> EmulationController<L> {
         self.temperature
             .show(&self.temperature_config, temperature, moving);
     }
-
-    /// The law that took over with this tick, or the rest that begins with it, has `force`: what the force would step by comes in over
-    /// `stop_ticks`.
-    #[cold]
-    #[inline(never)]
-    fn blend(&mut self, force: f32) {
-        self.step += self.last - force;
-        self.step_fall = self.step.abs() * self.part_step;
-    }
 }
 
 impl<L: TickLaw> Controller for EmulationController<L> {
@@ -196,7 +189,8 @@ impl<L: TickLaw> Controller for EmulationController<L> {
         self.exceeded = Exceeded::default();
         self.crossing.reset();
         self.part = 0.0;
-        self.step = 0.0;
+        self.swapped = Blend::default();
+        self.stopped = Blend::default();
         self.standstill.restart();
         Ok(())
     }
@@ -288,18 +282,21 @@ impl<L: TickLaw> Controller for EmulationController<L> {
             }
             self.part = (self.part + self.part_step).min(1.0);
         }
-        if another_law || (rests && !self.rested) {
-            self.blend(model_force);
+        let step = self.last - model_force;
+        if another_law {
+            self.swapped.begin(step, self.part_step);
+        } else if rests && !self.rested {
+            self.stopped.begin(step, self.part_step);
+        } else if !rests {
+            // What moves again has all of its friction at once.
+            self.stopped = Blend::default();
         }
         self.rested = rests;
         self.last = model_force;
-        let left = self.step.abs() - self.step_fall;
-        self.step = if left > 0.0 {
-            left.copysign(self.step)
-        } else {
-            0.0
-        };
-        self.guard.command(self.part * (model_force + self.step));
+        // While one goes over into the other both are within the limit, and their sum has to be.
+        let blended = model_force + self.swapped.tick() + self.stopped.tick();
+        let limit = self.limits.force();
+        self.guard.command(self.part * blended.clamped(limit));
         Telemetry {
             tick: self.tick,
             displacement,

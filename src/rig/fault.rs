@@ -62,9 +62,10 @@ pub(super) struct Limits {
 /// What a tick beyond a limit adds to its count, and a tick within takes off: 1. So a limit that is exceeded for more than a ninth of the
 /// time stops the rig, whatever is shown meanwhile: a bad contact, ringing, a channel that drops out.
 const BEYOND: u32 = 8;
-/// Part of a limit from which a tick beyond it counts twice: noise does not get there, and what does has to stop before the channels' lag has
-/// made the trip time longer.
+/// Part of a limit from which a tick beyond it counts [`MORE`] times: noise does not get there, and what does has to stop before the
+/// channels' lag, or a channel that shows it in one tick of three, has made the trip time longer.
 const CLEARLY: f32 = 1.1;
+const MORE: u32 = 4;
 
 /// How long each limit has been exceeded: [`BEYOND`] to the tick, less the ticks within it since.
 #[derive(Clone, Copy, Debug, Default)]
@@ -133,7 +134,7 @@ impl Limits {
         self.force
     }
 
-    /// The fault, once a limit has been exceeded for `trip_ticks` ticks on end, for half as many by more than a tenth of it, or for more of
+    /// The fault, once a limit has been exceeded for `trip_ticks` ticks on end, for a quarter as many by more than a tenth of it, or for more of
     /// them where one in nine or fewer was within it. NaN exceeds every limit clearly.
     #[inline]
     pub(super) fn check(
@@ -168,7 +169,7 @@ impl Limits {
             } else if value <= CLEARLY * limit {
                 count.saturating_add(BEYOND)
             } else {
-                count.saturating_add(2 * BEYOND)
+                count.saturating_add(MORE * BEYOND)
             };
             exceeded.any |= *count > 0;
             if cause.is_none() && *count >= BEYOND * self.trip_ticks {

@@ -83,15 +83,19 @@ impl Guard {
         before.state != self.machine.state
     }
 
+    /// Whether [`Guard::start`] would be done.
+    pub(super) fn may_start(&self) -> Result<(), StartRefused> {
+        if self.machine.after(Happening::Start) == self.machine {
+            Err(StartRefused::of(self.machine.state))
+        } else {
+            Ok(())
+        }
+    }
+
     /// From [`State::Idle`] or [`State::Done`], once the command is back at 0.
     pub(super) fn start(&mut self) -> Result<(), StartRefused> {
-        if self.is_running() {
-            return Err(StartRefused::Running);
-        }
-        self.machine = self.machine.after(Happening::Start);
-        if !self.is_running() {
-            return Err(StartRefused::of(self.machine.state));
-        }
+        self.may_start()?;
+        self.happens(Happening::Start);
         self.stop_step = 0.0;
         self.unlinked = 0;
         Ok(())
@@ -102,10 +106,16 @@ impl Guard {
         self.stop_ticks
     }
 
-    /// It has started, and `command` is to be driven from now on; as in [`Guard::command`].
-    pub(super) fn begin_at(&mut self, command: f32) {
-        self.command(command);
-        self.before = self.command;
+    /// It has started, and `command` is to be driven from now on. Beyond the range it stops at once, and nothing else is driven than
+    /// before.
+    pub(super) fn begin_at(&mut self, command: f32) -> Result<(), StartRefused> {
+        if !(command >= self.low && command <= self.high) {
+            self.trip(TripCause::CommandClipped);
+            return Err(StartRefused::of(self.machine.state));
+        }
+        self.command = command;
+        self.before = command;
+        Ok(())
     }
 
     /// Stops without a fault.

@@ -59,7 +59,7 @@ pub struct RigController<const N: usize, X, L = RunningLaw<N>> {
     temperature: Temperature,
     temperature_config: TemperatureConfig,
     approach: Approach,
-    /// The last tick had a reading.
+    /// The last tick had a reading, and there was no clear since.
     is_seen: bool,
     /// The next start keeps what the correction has learned.
     keeps: bool,
@@ -266,6 +266,30 @@ where
         }
     }
 
+    /// Why it must not start with what the last tick read, if that read anything.
+    #[cold]
+    #[inline(never)]
+    fn unfit(&self) -> Option<TripCause> {
+        if !self.is_seen {
+            return None;
+        }
+        clipped(&self.reading).or_else(|| {
+            let Reading {
+                displacement,
+                force,
+                ..
+            } = &self.reading;
+            // A NaN is within no limit.
+            if !(displacement.value.abs() <= self.limits.tracking()) {
+                Some(TripCause::TrackingLimit)
+            } else if !(force.value.abs() <= self.limits.force()) {
+                Some(TripCause::ForceLimit)
+            } else {
+                None
+            }
+        })
+    }
+
     /// Where the piston is as it starts: from there it goes to the exciter's start first.
     #[cold]
     #[inline(never)]
@@ -330,13 +354,15 @@ where
     L: BorrowMut<RunningLaw<N>>,
 {
     /// Begins the programme or the motion from its start, once the piston is there: it goes there from where it is within
-    /// [`RigSettings::stop_ticks`], while a stream does not wait for it. A piston that is further away than [`RigSettings::tracking_limit`] is
-    /// [`TripCause::TrackingLimit`]: it is to be brought nearer by hand. The correction begins as the first time, unless
+    /// [`RigSettings::stop_ticks`], while a stream does not wait for it. Before the first tick, and between a clear and the next one, nobody knows where it is: then the servo takes it
+    /// to 0, and it starts where the first tick finds it. A piston that is further away than [`RigSettings::tracking_limit`] is
+    /// [`TripCause::TrackingLimit`]: it is to be brought nearer by hand. A force beyond its limit, a channel at an end of its range and a way
+    /// that begins beyond the command's range stop it likewise. The correction begins as the first time, unless
     /// [`RigController::keep_correction`] was called.
     fn start(&mut self) -> Result<(), StartRefused> {
-        let shows = self.is_seen && clipped(&self.reading).is_none();
-        if shows && self.reading.displacement.value.abs() > self.limits.tracking() {
-            self.guard.trip(TripCause::TrackingLimit);
+        self.guard.may_start()?;
+        if let Some(cause) = self.unfit() {
+            self.guard.trip(cause);
         }
         self.guard.start()?;
         self.exciter.restart();
@@ -353,10 +379,14 @@ where
         }
         self.health.restart();
         self.approach = Approach::DUE;
-        if shows {
+        if self.is_seen {
             // What is driven before the first tick is where the piston is.
             self.begin();
-            self.guard.begin_at(self.approach.left());
+            let excitation = Excitation {
+                displacement: self.approach.left(),
+                ..Excitation::default()
+            };
+            self.guard.begin_at(self.correction.ahead(&excitation))?;
         }
         Ok(())
     }
@@ -370,7 +400,10 @@ where
     }
 
     fn clear(&mut self) -> Result<(), ClearRefused> {
-        self.guard.clear()
+        self.guard.clear()?;
+        // What a part read before it was set up again is nothing.
+        self.is_seen = false;
+        Ok(())
     }
 
     fn exchange(&mut self) {

@@ -423,6 +423,39 @@ fn hum_is_no_damage() {
     }
 }
 
+/// While hum is in every cycle none is watched, until it is taken for normal. What broke meanwhile is not.
+#[test]
+fn a_break_behind_hum_is_told_once_the_hum_is_normal() {
+    for seed in 0..SEEDS {
+        for (channel, part) in [(0, 0.05), (1, 0.2)] {
+            for broken in [1.0, 0.7] {
+                let run = Rig::new(1, 80, seed).run(|a| {
+                    if a.is_on() {
+                        let hum = (TAU * 50.0 * a.tick as f64 / TICK_RATE).sin();
+                        *a.volts[channel] += part * a.amplitudes[channel] * hum;
+                    }
+                    if a.cycle > BEGINS + 6.0 {
+                        a.condition.stiffness = broken;
+                        a.condition.friction = broken;
+                    }
+                });
+                let causes = run.causes();
+                assert!(
+                    matches!(causes[0], HealthCause::SensorNoisy(_)),
+                    "{causes:?}"
+                );
+                let broke = HealthCause::WireBreakage;
+                let expected = if broken < 1.0 {
+                    vec![broke]
+                } else {
+                    Vec::new()
+                };
+                assert_eq!(causes[1..], expected, "{channel}, {seed}");
+            }
+        }
+    }
+}
+
 #[test]
 fn a_break_while_it_learns_is_a_loss() {
     for seed in 0..SEEDS {

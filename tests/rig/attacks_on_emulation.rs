@@ -126,6 +126,20 @@ fn at_rest_it_does_not_chatter() {
                 most = most.max((bench.tick(y).force - y).abs());
             }
             assert!(most > 0.9 * f64::from(c), "{most} kN of {c}");
+            // After rests that are too short for their force to have gone, it has that friction and no more.
+            let fastest = 0.2 * TAU * 2.0f64;
+            let law = f64::from(c) * fastest.powf(alpha.into());
+            let mut most = 0.0f64;
+            for tick in 0..10_000 {
+                let y = motion(22_500 + tick);
+                most = most.max((bench.tick(y).force - y).abs());
+                if tick % 2500 == 1250 {
+                    for _ in 0..1000 {
+                        bench.tick(y);
+                    }
+                }
+            }
+            assert!(most < 1.05 * law, "{most} kN of {law}");
         }
     }
 }

@@ -212,8 +212,8 @@ fn faults_take_the_force_to_zero() {
         bench.emulator.clear().unwrap();
         assert_eq!(bench.emulator.state(), State::Idle);
     }
-    // 0.5 mm, for ten ticks on end; for half as many by more than a tenth.
-    for (displacement, ticks) in [(0.53, 10), (0.6, 5)] {
+    // 0.5 mm, for ten ticks on end; for a quarter as many by more than a tenth.
+    for (displacement, ticks) in [(0.53, 10), (0.6, 3)] {
         let mut bench = started(setup(0.1, 0.0, 0.0, 0.5));
         for tick in 1..=ticks {
             let state = bench.tick(displacement).telemetry.state;

@@ -11,6 +11,7 @@ mod disturbed;
 mod emulator;
 mod observer;
 mod simulation;
+mod start;
 mod stream;
 #[cfg(feature = "async")]
 mod supervision;

@@ -2,6 +2,7 @@
 
 mod twins;
 
+use mesh_damper::adc::INPUT_RANGE;
 use mesh_damper::converter::Scale;
 use mesh_damper::dac::OUTPUT_RANGE;
 use mesh_damper::error::ConfigError;
@@ -145,6 +146,17 @@ both! {
         assert_eq!(rig.rig.start(), Err(StartRefused::Faulted(TripCause::External)));
         assert!(!rig.line.level.get());
         assert_eq!(rig.line.rises.get(), rises + 1);
+    }
+
+    /// Which the controller finds out as it starts.
+    fn the_line_does_not_rise_for_a_start_that_is_refused<R>(_fixture) {
+        let mut rig = Fixture::<R>::scaled(Scale::new(0.1, 0.0).unwrap());
+        rig.adc.volts[0].set(0.2 * INPUT_RANGE);
+        rig.rig.tick(1);
+        let cause = TripCause::CommandClipped;
+        assert_eq!(rig.rig.start(), Err(StartRefused::Faulted(cause)));
+        assert_eq!((rig.rig.state(), rig.rig.driven()), (faulted(cause), 0.0));
+        assert_eq!(rig.line.rises.get(), 0);
     }
 
     /// The first cause stays, and the clear says what is in its way.

@@ -1,7 +1,7 @@
 //! What the fault campaign came to, as SVG: how soon faults and attacks were found, and how well slow changes were followed.
 
 use mesh_damper_rig::faults::{
-    AttackOutcome, AttackSummary, Behind, Changing, Naming, Outcome, SlowOutcome, Summary,
+    AttackOutcome, AttackSummary, Changing, Naming, Outcome, SlowOutcome, Summary,
 };
 use plotters::prelude::*;
 use plotters::style::text_anchor::{HPos, Pos, VPos};
@@ -37,12 +37,9 @@ pub fn attacked(attacks: &AttackSummary) -> String {
     /// Where what was found later, or not at all, is marked.
     const LATE: f64 = 10.0;
     let mark = |one: &AttackOutcome| {
-        let mut behind = one.hazards.iter().map(|hazard| hazard.behind);
-        let is_hazardous =
-            behind.any(|behind| matches!(behind, Behind::DriftingGain | Behind::Other));
         let at = one.cycles.map_or(LATE, |cycles| cycles.min(LATE));
         match one.naming {
-            _ if is_hazardous => Some((3, at)),
+            _ if one.is_hazardous() => Some((3, at)),
             Naming::Nothing => None,
             Naming::Right | Naming::Both => Some((0, at)),
             Naming::Wrong => Some((1, at)),

@@ -1,7 +1,7 @@
 //! The pictures of the fault campaign.
 
 use mesh_damper_report::campaign;
-use mesh_damper_rig::faults::{AttackOutcome, Behind, Campaign, InjectedFault, Naming};
+use mesh_damper_rig::faults::{AttackOutcome, Campaign, InjectedFault, Naming};
 
 #[test]
 fn every_trial_and_every_slow_change_has_its_marks() {
@@ -29,10 +29,7 @@ fn every_trial_and_every_slow_change_has_its_marks() {
         let both = outcomes.singles.iter().chain(&outcomes.pairs);
         both.chain(&outcomes.adversary)
     };
-    let is_hazardous = |one: &&AttackOutcome| {
-        let mut behind = one.hazards.iter().map(|hazard| hazard.behind);
-        behind.any(|behind| matches!(behind, Behind::DriftingGain | Behind::Other))
-    };
+    let is_hazardous = |one: &&AttackOutcome| one.is_hazardous();
     let alone_hidden = |one: &&AttackOutcome| one.trial.attacks.len() > 1 || one.hidden.is_none();
     let marked = || all().filter(alone_hidden);
     let right = marked()

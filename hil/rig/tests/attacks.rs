@@ -16,32 +16,8 @@ fn a_part_of_the_attacks_meets_the_requirement() {
     };
     let summary = campaign.run(&|| ()).unwrap();
     assert!(summary.attacks.trials() > 100);
-    // One is known, and `--check` of the whole fails on it: a force channel that shows one sample in ten while the specimen stiffens.
-    let outcomes = &summary.attacks.outcomes;
-    let is_hazardous = |hazards: &[_]| {
-        let mut hazards = hazards.iter();
-        hazards.any(|hazard: &mesh_damper_rig::faults::Hazard| hazard.behind == Behind::Other)
-    };
-    for pair in outcomes
-        .pairs
-        .iter()
-        .filter(|one| is_hazardous(&one.hazards))
-    {
-        let shows_little = AttackKind::GoodOneInTen(Channel::Force);
-        let kinds: Vec<AttackKind> = pair.trial.attacks.iter().map(|one| one.kind).collect();
-        assert_eq!(kinds, [AttackKind::Stiffened, shows_little]);
-    }
-    assert!(
-        !outcomes
-            .singles
-            .iter()
-            .any(|one| is_hazardous(&one.hazards))
-    );
-    let others: Vec<String> = missed(&summary)
-        .into_iter()
-        .filter(|missed| !missed.contains("of pairs led to a hazardous state"))
-        .collect();
-    assert!(others.is_empty(), "{}", others.join("\n"));
+    let missed = missed(&summary);
+    assert!(missed.is_empty(), "{}", missed.join("\n"));
 }
 
 #[test]

@@ -1,8 +1,6 @@
 //! What `hil faults` prints of attacks.
 
-use mesh_damper_rig::faults::{
-    AttackOutcome, AttackSummary, Behind, Counts, LossSummary, Naming, Summary,
-};
+use mesh_damper_rig::faults::{AttackOutcome, AttackSummary, Counts, LossSummary, Naming, Summary};
 
 use crate::commands::say;
 
@@ -23,11 +21,6 @@ pub(super) fn print(summary: &Summary) {
     }
 }
 
-fn is_hazardous(outcome: &AttackOutcome) -> bool {
-    let mut behind = outcome.hazards.iter().map(|hazard| hazard.behind);
-    behind.any(|behind| matches!(behind, Behind::DriftingGain | Behind::Other))
-}
-
 /// Hazardous ones, then those that were not found or not called what they are.
 fn print_failures(attacks: &AttackSummary) {
     let outcomes = &attacks.outcomes;
@@ -35,7 +28,7 @@ fn print_failures(attacks: &AttackSummary) {
         let both = outcomes.singles.iter().chain(&outcomes.pairs);
         both.chain(&outcomes.adversary)
     };
-    let hazardous: Vec<_> = all().filter(|one| is_hazardous(one)).collect();
+    let hazardous: Vec<_> = all().filter(|one| one.is_hazardous()).collect();
     list("Hazardous states", &hazardous);
     let is_missed = |one: &&AttackOutcome| {
         let named = matches!(one.naming, Naming::Right | Naming::Both);
@@ -152,10 +145,11 @@ fn print_totals(attacks: &AttackSummary) {
             say(&row(name, counts));
             let hazards = &counts.hazards;
             say(&format!(
-                "{:>36} {} of them behind a drifting gain. Hazardous, but not to be observed or stopped: {} behind a constant gain, {} with the enable line stuck high, {} while the controller was not called. {} false alarms before an attack",
+                "{:>36} {} of them behind a drifting gain. Hazardous, but not to be observed or stopped: {} behind a constant gain, {} behind a channel lost less than a cycle before, {} with the enable line stuck high, {} while the controller was not called. {} false alarms before an attack",
                 "",
                 hazards.drifting_gain,
                 hazards.constant_gain,
+                hazards.just_lost,
                 hazards.line_high,
                 hazards.not_called,
                 counts.early

@@ -4,6 +4,7 @@ use std::collections::VecDeque;
 
 use serde::Serialize;
 
+use super::lost::LostSince;
 use crate::Passed;
 use crate::signals::Sensed;
 
@@ -33,12 +34,16 @@ impl Quantity {
 #[serde(rename_all = "snake_case")]
 pub enum Behind {
     /// From a cycle before it on the one channel of the quantity showed a constant gain of the true one and a constant offset, exactly
-    /// and at every sample, by which all of it, the excess included, was within the limit: what one channel cannot observe.
+    /// and at every sample, by which all of it was within the limit, or beyond for no longer than the trip time: what one channel cannot
+    /// observe.
     ConstantGain,
     /// Likewise, but the gain changed by up to some percent in that time.
     DriftingGain,
     /// The rig had dropped the enable line, and it stayed high at the servo.
     LineHigh,
+    /// The one channel of the quantity was lost, and showed hardly any of the excess, which came before the time had passed that it takes to
+    /// know of a loss: see [`LostSince::is_new`]. Two things at once: an attack alone has no such excuse.
+    JustLost,
     /// The controller was not called for longer than the trip time, and did not run for longer than that besides: only what watches
     /// the controller from outside can act.
     NotCalled,
@@ -82,7 +87,10 @@ const EXACT: f64 = 1e-9;
 const DRIFTING: f64 = 1e-4;
 /// A gain below this is no gain: the channel shows nothing.
 const LEAST_GAIN: f64 = 0.05;
-
+/// What a channel shows is false from this part of the limit beside what is true.
+const FALSE: f64 = 0.05;
+/// A limit that is exceeded in no more than one of so many ticks need not stop the rig: see the crate's `rig/fault.rs`.
+const NINTH: usize = 9;
 /// A quantity beyond its limit.
 #[derive(Clone, Copy, Debug, Default)]
 struct Beyond {
@@ -108,6 +116,8 @@ pub struct HazardMeter {
     held_high: bool,
     /// True and shown, of the last cycle, with what is demanded, mm.
     past: VecDeque<(Sensed, f64)>,
+    /// Of the channel of each quantity, beside its limit.
+    losses: [LostSince; 3],
     hazards: Vec<Hazard>,
 }
 
@@ -119,6 +129,7 @@ impl HazardMeter {
             beyond: [Beyond::default(); 3],
             held_high: false,
             past: VecDeque::new(),
+            losses: [LostSince::default(); 3],
             hazards: Vec::new(),
         }
     }
@@ -142,6 +153,15 @@ impl HazardMeter {
         if self.past.len() > self.allowed.cycle_ticks + self.allowed.trip_ticks as usize {
             self.past.pop_front();
         }
+        if demanded.is_some() {
+            for (place, quantity) in Quantity::ALL.into_iter().enumerate() {
+                let channel = quantity.channel();
+                let off = sensed.arrived[channel] - sensed.put_out[channel];
+                let is_false =
+                    self.allowed.units[channel] * off.abs() > FALSE * self.allowed.limits[place];
+                self.losses[place].tick(is_false, self.allowed.cycle_ticks);
+            }
+        }
         // What was beyond while the rig ran ends where it stops; what goes on then is counted apart.
         if self.held_high != held_high {
             self.held_high = held_high;
@@ -160,7 +180,7 @@ impl HazardMeter {
                 let factor = values[place].abs() / self.allowed.limits[place];
                 let beyond = &mut self.beyond[place];
                 if !step.enabled || factor <= BEYOND {
-                    self.note(tick, quantity, place, demanded.unwrap_or(0.0));
+                    self.note(tick, quantity, place);
                     self.beyond[place] = Beyond::default();
                     continue;
                 }
@@ -174,12 +194,12 @@ impl HazardMeter {
             }
         }
         for (place, quantity) in Quantity::ALL.into_iter().enumerate() {
-            self.note(tick, quantity, place, demanded.unwrap_or(0.0));
+            self.note(tick, quantity, place);
         }
     }
 
     /// Notes a quantity that is beyond its limit for too long, at the end of a tick or of the excess.
-    fn note(&mut self, tick: u64, quantity: Quantity, place: usize, demanded: f64) {
+    fn note(&mut self, tick: u64, quantity: Quantity, place: usize) {
         let beyond = self.beyond[place];
         let Beyond {
             steps,
@@ -200,7 +220,7 @@ impl HazardMeter {
         let noted = match noted.filter(is_settled) {
             Some(noted) => noted,
             None => {
-                let behind = self.behind(quantity, place, &beyond, demanded);
+                let behind = self.behind(quantity, place, &beyond);
                 let of_this = |known: &Hazard| known.quantity == quantity && known.behind == behind;
                 self.hazards.iter().position(of_this).unwrap_or_else(|| {
                     self.hazards.push(Hazard {
@@ -221,7 +241,7 @@ impl HazardMeter {
     }
 
     /// Least squares of shown = gain·true + offset over the past: exact, or not; and what that makes of the most that was true.
-    fn behind(&self, quantity: Quantity, place: usize, beyond: &Beyond, demanded: f64) -> Behind {
+    fn behind(&self, quantity: Quantity, place: usize, beyond: &Beyond) -> Behind {
         let trip_ticks = self.allowed.trip_ticks;
         if !self.held_high {
             return Behind::LineHigh;
@@ -243,11 +263,18 @@ impl HazardMeter {
         });
         let count = self.past.len() as f64;
         let mut sums = [0.0; 2];
-        let mut was_within = true;
-        for (put_out, arrived, watched) in pairs.clone() {
+        let steps = beyond.steps as usize;
+        let [mut shown_in_all, mut shown_last] = [0; 2];
+        for (at, (put_out, arrived, watched)) in pairs.clone().enumerate() {
             sums[0] += put_out;
             sums[1] += arrived;
-            was_within &= watched.abs() <= limit;
+            let is_shown = usize::from(watched.abs() > limit);
+            shown_in_all += is_shown;
+            shown_last += if at + steps >= self.past.len() {
+                is_shown
+            } else {
+                0
+            };
         }
         let means = sums.map(|sum| sum / count);
         let [mut square, mut product, mut shown_square] = [0.0; 3];
@@ -259,12 +286,15 @@ impl HazardMeter {
         }
         let gain = product / square;
         let left = (shown_square - product * gain) / shown_square;
-        let demanded = reference(demanded);
-        let shown = means[1] + gain * (beyond.most + demanded - means[0]) - demanded;
         // NaN, where nothing moves at all, is no gain.
         let is_gain = gain >= LEAST_GAIN && left <= DRIFTING;
-        if !(is_gain && was_within && shown.abs() <= limit) {
-            Behind::Other
+        if !is_gain || shown_in_all > trip_ticks as usize {
+            let hardly = NINTH * shown_last <= steps;
+            if hardly && self.losses[place].is_new(self.allowed.cycle_ticks) {
+                Behind::JustLost
+            } else {
+                Behind::Other
+            }
         } else if left <= EXACT {
             Behind::ConstantGain
         } else {
@@ -391,5 +421,40 @@ mod tests {
         assert_eq!(behind(one_in_ten), Behind::Other);
         let hum = |tick: u64, volts: f64| 0.5 * volts + 0.1 * (tick as f64).sin();
         assert_eq!(behind(hum), Behind::Other);
+    }
+
+    /// A force of half its limit, and from tick 500 of 1.5 times; `shown` of its voltage.
+    fn behind_a_jump(shown: impl Fn(u64, f64) -> f64) -> Vec<Behind> {
+        let mut meter = HazardMeter::new(ALLOWED);
+        for tick in 0..700 {
+            let force = if tick < 500 { 1.0 } else { 3.0 };
+            let volts = force / ALLOWED.units[1];
+            let sensed = Sensed {
+                put_out: [0.0, volts],
+                arrived: [0.0, shown(tick, volts)],
+            };
+            meter.tick(tick, &[at(0.0, force, true)], sensed, Some(0.0), true);
+        }
+        meter.hazards().iter().map(|one| one.behind).collect()
+    }
+
+    #[test]
+    fn a_lost_channel_is_an_excuse_for_a_time_and_only_while_it_shows_nothing() {
+        let lost_from =
+            |from: u64| behind_a_jump(move |tick, volts| if tick < from { volts } else { 0.0 });
+        // Judged at once, and again each cycle, when the rig must have known.
+        assert_eq!(lost_from(440), [Behind::JustLost, Behind::Other]);
+        assert_eq!(lost_from(290), [Behind::JustLost, Behind::Other]);
+        // Lost for longer than 2.25 cycles, or after the excess, or never.
+        assert_eq!(lost_from(280), [Behind::Other]);
+        assert_eq!(lost_from(520), [Behind::Other]);
+        assert_eq!(lost_from(800), [Behind::Other]);
+        // One sample in ten that shows it is too few for a limit, one in five is not.
+        let every = |n: u64| {
+            let is_shown = move |tick: u64| tick < 450 || tick.is_multiple_of(n);
+            behind_a_jump(move |tick, volts| if is_shown(tick) { volts } else { 0.0 })
+        };
+        assert_eq!(every(10), [Behind::JustLost, Behind::Other]);
+        assert_eq!(every(5), [Behind::Other]);
     }
 }

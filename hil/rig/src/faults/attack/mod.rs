@@ -6,6 +6,7 @@ mod apply;
 mod coverage;
 mod hazard;
 mod kind;
+mod lost;
 mod names;
 mod pairs;
 mod run;

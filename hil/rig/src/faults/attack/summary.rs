@@ -3,7 +3,7 @@
 use mesh_damper::health::Channel;
 use serde::Serialize;
 
-use super::hazard::{Behind, Hazard, Quantity};
+use super::hazard::{Behind, Quantity};
 use super::kind::{AttackKind, Element};
 use super::settings::Forgery;
 use super::trial::{AttackOutcome, Naming};
@@ -17,6 +17,8 @@ pub struct Hazards {
     pub line_high: usize,
     /// While the controller was not called, which only a watchdog outside can end.
     pub not_called: usize,
+    /// Behind a channel that was lost less than a cycle before, with another attack beside.
+    pub just_lost: usize,
     /// Behind a channel whose gain drifts.
     pub drifting_gain: usize,
     /// All others.
@@ -27,22 +29,24 @@ impl Hazards {
     fn of<'o>(outcomes: impl Iterator<Item = &'o AttackOutcome>) -> Self {
         let mut hazards = Self::default();
         for outcome in outcomes {
+            let any = |behind| outcome.hazards.iter().any(|hazard| hazard.behind == behind);
             // The worst of a trial counts.
-            let worst = outcome.hazards.iter().map(|hazard| match hazard.behind {
-                Behind::ConstantGain => 0,
-                Behind::LineHigh => 1,
-                Behind::NotCalled => 2,
-                Behind::DriftingGain => 3,
-                Behind::Other => 4,
-            });
-            match worst.max() {
-                None => {}
-                Some(0) => hazards.constant_gain += 1,
-                Some(1) => hazards.line_high += 1,
-                Some(2) => hazards.not_called += 1,
-                Some(3) => hazards.drifting_gain += 1,
-                Some(_) => hazards.others += 1,
-            }
+            let count = if any(Behind::Other) || (any(Behind::JustLost) && outcome.is_hazardous()) {
+                &mut hazards.others
+            } else if any(Behind::DriftingGain) {
+                &mut hazards.drifting_gain
+            } else if any(Behind::JustLost) {
+                &mut hazards.just_lost
+            } else if any(Behind::NotCalled) {
+                &mut hazards.not_called
+            } else if any(Behind::LineHigh) {
+                &mut hazards.line_high
+            } else if any(Behind::ConstantGain) {
+                &mut hazards.constant_gain
+            } else {
+                continue;
+            };
+            *count += 1;
         }
         hazards
     }
@@ -153,7 +157,7 @@ pub struct AttackSummary {
     pub adversary: Counts,
     /// Lost channels, in trials of their own.
     pub losses: Vec<LossSummary>,
-    /// By quantity, the worst of all trials but for what cannot be observed or stopped.
+    /// By quantity, the worst of the trials that led to a hazardous state.
     pub worst: Vec<WorstHazard>,
     /// Settings that are none.
     pub forgeries: Vec<Forgery>,
@@ -245,10 +249,8 @@ impl LossSummary {
 
 fn worst<'o>(outcomes: impl Iterator<Item = &'o AttackOutcome>) -> Vec<WorstHazard> {
     let mut all: Vec<WorstHazard> = Vec::new();
-    let hazards = outcomes.flat_map(|one| &one.hazards);
-    let observable =
-        |hazard: &&Hazard| !matches!(hazard.behind, Behind::ConstantGain | Behind::LineHigh);
-    for hazard in hazards.filter(observable) {
+    let outcomes = outcomes.filter(|one| one.is_hazardous());
+    for hazard in outcomes.flat_map(|one| &one.hazards) {
         match all
             .iter_mut()
             .find(|known| known.quantity == hazard.quantity)

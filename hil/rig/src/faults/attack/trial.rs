@@ -10,7 +10,7 @@ use mesh_damper::sine::{Block, Programme};
 use serde::Serialize;
 
 use super::apply::{FULL_SCALE, Healthy, Running};
-use super::hazard::{Allowed, Hazard};
+use super::hazard::{Allowed, Behind, Hazard};
 use super::kind::AttackKind;
 use crate::faults::damage::{Condition, Damaged};
 use crate::faults::kind::HealthyMotion;
@@ -132,6 +132,19 @@ pub struct AttackOutcome {
     pub lost: Option<Loss>,
     /// Why it cannot be observed, where no attack of it can.
     pub hidden: Option<&'static str>,
+}
+
+impl AttackOutcome {
+    /// Whether a state came about that the rig ought to have prevented: see [`Behind`].
+    pub fn is_hazardous(&self) -> bool {
+        let is_alone = self.trial.attacks.len() < 2;
+        let mut behind = self.hazards.iter().map(|hazard| hazard.behind);
+        behind.any(|behind| match behind {
+            Behind::DriftingGain | Behind::Other => true,
+            Behind::JustLost => is_alone,
+            Behind::ConstantGain | Behind::LineHigh | Behind::NotCalled => false,
+        })
+    }
 }
 
 /// Tracking's limit at a headroom of 1, part of the amplitude: twice what the first cycles take at 10 Hz, before amplitude and phase
