@@ -37,6 +37,7 @@ mod cause;
 mod channel;
 mod cusum;
 mod force;
+mod moving;
 mod places;
 mod response;
 mod roughness;
@@ -55,6 +56,7 @@ use crate::rig::{Reading, TripCause};
 use adaptation::Adapter;
 use channel::{Beside, ChannelWatch};
 use force::ForceWatch;
+use moving::MovingWatch;
 use places::{late, part_end};
 use response::ResponseWatch;
 use roughness::Roughness;
@@ -135,10 +137,12 @@ pub(crate) struct HealthMonitor {
     force: ChannelWatch,
     response: ResponseWatch,
     following: ForceWatch,
+    /// In motions and ramps in which no cycle is like another.
+    moving: MovingWatch,
     /// Of displacement and of force.
     roughness: [Roughness; 2],
-    /// A channel shows nothing of what it measures.
-    lost: Option<Channel>,
+    /// A channel shows nothing of what it measures, or nothing moves: why the rig must stop.
+    stops: Option<TripCause>,
     specimen: SpecimenWatch,
     adaptation: Adapter,
     sums: CycleSums,
@@ -203,8 +207,9 @@ impl HealthMonitor {
             force: ChannelWatch::new(Channel::Force, force),
             response: ResponseWatch::default(),
             following: ForceWatch::default(),
+            moving: MovingWatch::default(),
             roughness: [Roughness::default(); 2],
-            lost: None,
+            stops: None,
             specimen: SpecimenWatch::new(),
             adaptation: Adapter::new(),
             sums: CycleSums::default(),
@@ -232,8 +237,9 @@ impl HealthMonitor {
     pub(crate) fn restart(&mut self) {
         self.response = ResponseWatch::default();
         self.following = ForceWatch::default();
+        self.moving = MovingWatch::default();
         self.roughness = [Roughness::default(); 2];
-        self.lost = None;
+        self.stops = None;
         self.specimen = SpecimenWatch::new();
         self.adaptation = Adapter::new();
         self.sums = CycleSums::default();
@@ -505,6 +511,7 @@ impl HealthMonitor {
         }
         if look.ramp {
             self.response.restart();
+            self.watch_moving(look);
         } else if let Some(off) = self.response.update(look.measured, d, v, look.phase) {
             self.response_event(off);
         }
@@ -526,7 +533,7 @@ impl HealthMonitor {
         if cause == HealthCause::ActuatorDead && self.following.varies() {
             let stuck = HealthCause::SensorStuck(Channel::Displacement);
             (cause, or) = (stuck, None);
-            self.lost = Some(Channel::Displacement);
+            self.stops = Some(TripCause::DisplacementLost);
         }
         let known = self.is_response_known();
         let [off, before] = &mut self.off;
@@ -556,6 +563,26 @@ impl HealthMonitor {
         if let Some(explained) = self.following.update_any(y, v, f, 0.5 * least) {
             self.force_is_lost(explained);
         }
+        self.watch_moving(look);
+    }
+
+    /// Whether the displacement goes with the demand at all.
+    #[inline(never)]
+    fn watch_moving(&mut self, look: &Look) {
+        let [least, _] = self.least_amplitudes;
+        let (d, _) = look.demand;
+        let Some(part) = self.moving.update(d, look.measured, 0.5 * least) else {
+            return;
+        };
+        self.stops = Some(TripCause::NoResponse);
+        self.latch(Event {
+            cause: HealthCause::ActuatorDead,
+            or: Some(HealthCause::SensorStuck(Channel::Displacement)),
+            statistic: Statistic::Response,
+            value: part,
+            limit: moving::STILL,
+            cycle: self.cycle,
+        });
     }
 
     /// Whether the force goes with the motion. An actuator that lags is no excuse: what it does is measured.
@@ -572,7 +599,7 @@ impl HealthMonitor {
     #[cold]
     #[inline(never)]
     fn force_is_lost(&mut self, explained: f32) {
-        self.lost = Some(Channel::Force);
+        self.stops = Some(TripCause::ForceLost);
         let both = [
             HealthCause::SpecimenAbsent,
             HealthCause::SensorDroppedOut(Channel::Force),
@@ -632,10 +659,10 @@ impl HealthMonitor {
         });
     }
 
-    /// The channel that is lost, as close looks have found.
+    /// Why the rig must stop, as close looks have found.
     #[inline(always)]
-    pub(crate) fn lost(&self) -> Option<Channel> {
-        self.lost
+    pub(crate) fn stops(&self) -> Option<TripCause> {
+        self.stops
     }
 
     /// A temperature that cannot be was `shown`, while `taken` was taken for it, °C.

@@ -258,8 +258,8 @@ where
             let taken = self.temperature.taken();
             self.health.implausible_temperature(shown, taken);
         }
-        if let Some(channel) = self.health.lost() {
-            self.guard.trip(trip_of(channel));
+        if let Some(cause) = self.health.stops() {
+            self.guard.trip(cause);
         }
         if event.is_none() && self.health.has_fresh() {
             *event = self.health.take_fresh();

@@ -2,14 +2,17 @@
 
 use std::f64::consts::TAU;
 
+use mesh_damper::adc::INPUT_RANGE;
 use mesh_damper::effects::AugmentedLaw;
 use mesh_damper::error::ConfigError;
+use mesh_damper::health::{Channel, HealthCause};
 use mesh_damper::law::Law;
 use mesh_damper::rig::{
     Exciter as _, Knot, STREAM_QUEUE, State, Stream, StreamSettings, Telemetry, TripCause,
 };
 use mesh_damper::sine::{Excitation, Programme};
 use mesh_damper_rig::drive::{Grid, RandomMotion};
+use mesh_damper_rig::signals::{Interference, OnChannel};
 use mesh_damper_rig::specimen::Specimen;
 use mesh_damper_rig::{Bench, Controlled as _, RigSetup};
 
@@ -295,6 +298,32 @@ fn a_host_that_falls_silent_leaves_the_rig_held_and_then_stopped() {
     );
     comes_to_rest(&mut bench, TripCause::LinkLost);
     bench.rig.clear().unwrap();
+}
+
+/// Its last bits go on. What is left to be demanded moves the piston meanwhile, by the feedback's integral.
+#[test]
+fn a_displacement_that_is_frozen_stops_a_stream() {
+    let mut bench = running();
+    let step = 2.0 * INPUT_RANGE / 65_536.0;
+    let frozen = Interference::Channel(Channel::Displacement, OnChannel::Frozen(step));
+    bench.plant.signals.begin(frozen);
+    let (mut ticks, mut furthest) = (0, 0.0_f64);
+    while bench.rig.state() == State::Running {
+        bench.tick();
+        furthest = furthest.max(bench.plant.servo.displacement().abs());
+        ticks += 1;
+    }
+    let told = bench
+        .rig
+        .events()
+        .iter()
+        .map(|event| (event.cause, event.or));
+    let dead = HealthCause::ActuatorDead;
+    let stuck = HealthCause::SensorStuck(Channel::Displacement);
+    assert_eq!(told.last(), Some((dead, Some(stuck))));
+    assert_eq!(bench.rig.state(), State::Faulted(TripCause::NoResponse));
+    assert!(ticks < 8_000, "{ticks}");
+    assert!(furthest < 0.4, "{furthest}");
 }
 
 #[test]

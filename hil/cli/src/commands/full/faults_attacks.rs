@@ -145,7 +145,7 @@ fn print_totals(attacks: &AttackSummary) {
             say(&row(name, counts));
             let hazards = &counts.hazards;
             say(&format!(
-                "{:>36} {} of them behind a drifting gain. Hazardous, but not to be observed or stopped: {} behind a constant gain, {} behind a channel lost less than a cycle before, {} with the enable line stuck high, {} while the controller was not called. {} false alarms before an attack",
+                "{:>36} {} of them behind a drifting gain. Hazardous, but not to be observed or stopped: {} behind a constant gain, {} behind a channel that was just lost, {} with the enable line stuck high, {} while the controller was not called. {} false alarms before an attack",
                 "",
                 hazards.drifting_gain,
                 hazards.constant_gain,
