@@ -49,6 +49,7 @@ def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--every", type=int, default=16, metavar="N")
     parser.add_argument("--first", type=int, default=0, metavar="K", help="of each N, from 0")
+    parser.add_argument("--file", action="append", default=[], metavar="GLOB", help="of these files only, such as src/rig/**")
     parser.add_argument("--then", nargs="*", default=["faults"], metavar="TEST", help="of the simulated rig (default: faults)")
     parser.add_argument("--commit", default="HEAD")
     parser.add_argument("--work", type=pathlib.Path, required=True)
@@ -56,7 +57,7 @@ def main():
     built = pathlib.Path(os.environ.get("CARGO_TARGET_DIR", options.work / "target"))
     tree = Tree(options.work / "tree", built)
     tree.copy(options.commit)
-    mutants = tree.mutants(options.first, options.every)
+    mutants = tree.mutants(options.first, options.every, options.file)
     print(f"{len(mutants)} mutants", flush=True)
     alone = tree.switch_in(mutants)
     harness = [word for test in options.then for word in ("--test", test)]
@@ -136,9 +137,10 @@ class Tree:
         archive = subprocess.Popen(["git", "archive", commit], stdout=subprocess.PIPE)
         subprocess.run(["tar", "-x", "-C", self.root], stdin=archive.stdout, check=True)
 
-    def mutants(self, first, every):
+    def mutants(self, first, every, files):
+        chosen = [word for file in files for word in ("--file", file)]
         shard = ["--shard", f"{first}/{every}", "--sharding", "round-robin"]
-        listed = self.cargo("mutants", "-p", "mesh-damper", *shard, "--list", "--json")
+        listed = self.cargo("mutants", "-p", "mesh-damper", *chosen, *shard, "--list", "--json")
         return dict(enumerate(json.loads(listed.stdout), start=1))
 
     def switch_in(self, mutants):
