@@ -19,7 +19,7 @@
 //! | slowly, by what the law may follow | | none |
 //! | a channel that repeats one value | what it measures moves beside it | [`HealthCause::SensorStuck`], [`HealthCause::SensorDroppedOut`], [`HealthCause::SensorClipped`] |
 //! | a sample that stands out | jumps there and back | [`HealthCause::SensorSpiking`] |
-//! | a channel's error from look to look | count of second differences beyond what was learned | [`HealthCause::SensorNoisy`] |
+//! | a channel's error from look to look | count of third differences beyond what was learned | [`HealthCause::SensorNoisy`] |
 //! | the force, none of the motion | part that least squares explain | [`HealthCause::SpecimenAbsent`] or [`HealthCause::SensorDroppedOut`] |
 //! | stiffness and energy, from the start far from the law's | a factor | [`HealthCause::LawMismatch`], [`HealthCause::SensorReversed`] |
 //! | the response to the demanded motion | limit on its distance from where it was | [`HealthCause::ActuatorDead`], [`HealthCause::ActuatorLagging`], [`HealthCause::ActuatorSaturated`] |

@@ -70,9 +70,13 @@ impl Baseline {
         }
     }
 
-    /// Mean square of the errors.
-    pub(super) fn variance(&self) -> f32 {
-        self.variance
+    /// How far it scatters at most, by what so few errors can say: at 95 %, σ is below s·(1 + 1.645/√2ν) of ν errors.
+    pub(super) fn deviation(&self) -> f32 {
+        let errors = self.cycles.saturating_sub(YOUNG) as f32;
+        let most = 1.0 / VARIANCE_GAIN;
+        let errors = if errors < most { errors } else { most };
+        let unsure = 1.645 / crate::real::square_root(2.0 * errors);
+        crate::real::square_root(self.variance) * (1.0 + unsure)
     }
 
     /// Where the line is now.
@@ -111,7 +115,7 @@ mod tests {
             line.follow(1.0 + 0.01 * f32::from(n));
         }
         assert!((line.predicted() - 2.0).abs() < 1e-4);
-        assert!(line.variance() < 1e-9);
+        assert!(line.deviation() < 5e-5);
         // 10 % that settle with 20 cycles: the error stays below the second difference over the trend's gain, 0.8 %.
         let mut settling = Baseline::default();
         let mut worst = 0.0f32;
@@ -133,6 +137,22 @@ mod tests {
         }
         // An alternation is the worst to predict: e = 2·z/(2 − α − β/2) of each z by the filter's transfer at −1.
         let expected = 0.01 * 4.0 / (4.0 - 2.0 * LEVEL_GAIN - TREND_GAIN);
-        assert!((baseline.variance() / (expected * expected) - 1.0).abs() < 0.02);
+        // After so many cycles 1/64 of each counts.
+        let unsure = 1.645 / libm::sqrtf(2.0 * 64.0);
+        let deviation = baseline.deviation() / (1.0 + unsure);
+        assert!((deviation / expected - 1.0).abs() < 0.01);
+    }
+
+    /// Of 12 errors: σ is below s·√(12/χ²) for the lower 5 % of χ² of 12 degrees, 5.226, which the formula comes near.
+    #[test]
+    fn a_scatter_of_few_cycles_may_be_larger_than_it_looks() {
+        let mut baseline = Baseline::default();
+        for n in 0..16u16 {
+            baseline.follow(if n % 2 == 0 { 0.01 } else { -0.01 });
+        }
+        let seen = libm::sqrtf(baseline.variance);
+        let exact = libm::sqrtf(12.0 / 5.226);
+        let ratio = baseline.deviation() / seen;
+        assert!(ratio > 1.3 && ratio < exact, "{ratio} of {exact}");
     }
 }

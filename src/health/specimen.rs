@@ -28,6 +28,8 @@ const SETTLING: u32 = 2;
 const JUDGED_AFTER: u32 = 2;
 /// σ is at least this part of the size to be found: less than that is no matter of noise.
 const LEAST_SIGMA: f32 = 1.0 / 20.0;
+/// σ by which the line itself is off, at a gain of its level of α = 1/4: √(α/(2 − α)).
+const UNSURE: f32 = 0.38;
 /// Part of the size to be found that may have come about slowly.
 const SLOW: f32 = 0.8;
 /// Part of a shift by which it grows in one cycle where it comes bit by bit.
@@ -339,13 +341,13 @@ impl SpecimenWatch {
             return;
         };
         let warmth = warmth * of_law(watch.baseline.level());
-        let allowed = slack + warmth;
+        let allowed = slack + warmth + UNSURE * watch.baseline.deviation();
         if learned {
             let error = value - watch.baseline.expected();
             watch.cusum.update(error, allowed);
             self.frozen |= watch.cusum.largest() > 0.0;
         } else if last {
-            let deviation = crate::real::square_root(watch.baseline.variance());
+            let deviation = watch.baseline.deviation();
             let least = LEAST_SIGMA * config.size;
             let sigma = if deviation > least { deviation } else { least };
             watch.threshold = threshold(sigma, slack, config.run_length);
@@ -525,6 +527,10 @@ impl SpecimenWatch {
                 all.next(),
                 Some(Statistic::MeanForce | Statistic::MeanCommand)
             );
+            if !lasting {
+                // Where the line is: a cycle or two have more noise than what comes about slowly is large.
+                *moved = watch.baseline.level();
+            }
             *moved -= if settled && !lasting {
                 watch.reference
             } else {

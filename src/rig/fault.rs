@@ -12,9 +12,9 @@ use crate::real::{Real, in_range};
 pub enum TripCause {
     /// Reading the sensors failed, as on the ADC's bus.
     AdcBus,
-    /// The actuator did not take a command, as on the DAC's bus.
+    /// The actuator did not take a command, as on the DAC's bus, or drives another one as it is read back.
     DacBus,
-    /// The enable line could not be set.
+    /// The enable line could not be set, or is at another level as it is read back.
     EnableLine,
     /// The displacement channel is at an end of its range.
     DisplacementClipped,
@@ -28,18 +28,19 @@ pub enum TripCause {
     ForceLimit,
     /// The measured displacement was further from the demanded one than allowed.
     TrackingLimit,
-    /// Over a cycle outside the ramps, the measured displacement answered with less than a tenth of the demanded
-    /// amplitude: a dead sensor or actuator, at amplitudes too small for the limit on tracking.
+    /// Over a cycle outside the ramps, or in a ramp or a streamed motion over as long as it takes to move, the measured displacement answered
+    /// with less than a tenth of the demanded amplitude: a dead actuator or a frozen sensor, at amplitudes too small for the limit on
+    /// tracking. Or it answered with the opposite.
     NoResponse,
     /// A force or command was infinite or NaN.
     NotFinite,
-    /// The displacement channel is stuck or dropped out.
+    /// The displacement channel is stuck, dropped out or frozen.
     DisplacementLost,
-    /// The force channel is stuck or dropped out.
+    /// The force channel is stuck or dropped out, or shows a force that is none of the motion: so does a specimen that is not there.
     ForceLost,
     /// Nothing was heard over the link for too long, or nothing of a streamed motion.
     LinkLost,
-    /// Whoever owns the timer says that a tick came late, or not at all.
+    /// A tick came late, early, or not at all, as the counter that it is given says, or whoever owns the timer.
     TickOverrun,
     /// A streamed motion asked for more than the rig drives: displacement, velocity, or a way too long from knot to knot.
     DemandLimit,

@@ -122,7 +122,7 @@ pub trait Actuator {
         Ok(())
     }
 
-    /// Sets the parts up again, which may have lost their supply, and drives 0: called by a clear, at rest, with the enable line
+    /// Sets the parts up again, which may have lost their supply, to drive 0: called by a clear, at rest, with the enable line
     /// low. By default there is nothing to do.
     ///
     /// # Errors

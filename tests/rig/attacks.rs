@@ -281,6 +281,19 @@ fn a_displacement_that_fades_stops_the_rig_before_it_goes_a_third_too_far() {
     }
 }
 
+/// Two fifths too little from the start: in the first cycles what it asks for is told beside no correction.
+#[test]
+fn a_displacement_that_shows_too_little_from_the_start_stops_the_rig_in_the_first_cycles() {
+    for seed in 0..SEEDS {
+        let run = Rig::new(1, 30, seed).run(|a| *a.volts[0] *= 0.6);
+        assert_eq!(run.state, State::Faulted(TripCause::CorrectionLimit));
+        assert!(run.cycles < 6.0, "{}", run.cycles);
+        let (_, event) = *run.events.last().unwrap();
+        assert_eq!(event.cause, HealthCause::SensorGain(Channel::Displacement));
+        assert!((0.5..0.7).contains(&event.value), "{event:?}");
+    }
+}
+
 /// What was learned beside a bad channel is not driven beside the mended one.
 #[test]
 fn a_repaired_rig_starts_from_neutral() {

@@ -101,12 +101,12 @@
 
 #if defined(MD_POINTERS_OF_32_BITS)
 // Bytes of `md_rig`.
-#define MD_RIG_SIZE 4064
+#define MD_RIG_SIZE 4112
 #endif
 
 #if defined(MD_POINTERS_OF_64_BITS)
 // Bytes of `md_rig`.
-#define MD_RIG_SIZE 4224
+#define MD_RIG_SIZE 4288
 #endif
 
 // Alignment of `md_rig`, bytes.
@@ -1008,6 +1008,13 @@ md_error md_emulation_exchange(struct md_emulation *emulation);
 // `emulation` is null or points to an `md_emulation`.
 md_error md_emulation_set_temperature(struct md_emulation *emulation, float temperature);
 
+// Ticks so far that did not come in time, in every state; a clear leaves them. It wraps. Where it has gone up with a tick, give an external
+// watchdog no signal. 0 of no emulation.
+//
+// # Safety
+// `emulation` is null or points to an `md_emulation`.
+uint32_t md_emulation_late_ticks(struct md_emulation *emulation);
+
 // Settings for amplitudes up to 0.3 mm and a few kN, at 0.5 to 10 Hz. Returns MD_ERROR_NONE, MD_ERROR_NULL or MD_ERROR_MISALIGNED.
 //
 // # Safety
@@ -1100,6 +1107,19 @@ md_error md_rig_clear_events(struct md_rig *rig);
 // # Safety
 // `rig` is null or points to an `md_rig`.
 md_error md_rig_set_temperature(struct md_rig *rig, float temperature);
+
+// Ticks so far that did not come in time, in every state; a clear leaves them. It wraps. 0 of no rig.
+//
+// # Safety
+// `rig` is null or points to an `md_rig`.
+uint32_t md_rig_late_ticks(struct md_rig *rig);
+
+// The next start keeps what the corrections of amplitude and phase have learned, instead of beginning anew. Not after sensors or
+// actuator were repaired. Returns as `md_rig_stop`.
+//
+// # Safety
+// `rig` is null or points to an `md_rig`.
+md_error md_rig_keep_correction(struct md_rig *rig);
 
 #ifdef __cplusplus
 }  // extern "C"

@@ -317,3 +317,14 @@ pub unsafe extern "C" fn md_emulation_set_temperature(
     // SAFETY: as the caller vouches.
     code(unsafe { held(emulation) }.map(|emulation| emulation.set_temperature(temperature)))
 }
+
+/// Ticks so far that did not come in time, in every state; a clear leaves them. It wraps. Where it has gone up with a tick, give an external
+/// watchdog no signal. 0 of no emulation.
+///
+/// # Safety
+/// `emulation` is null or points to an `md_emulation`.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn md_emulation_late_ticks(emulation: *mut Emulation) -> u32 {
+    // SAFETY: as the caller vouches.
+    unsafe { held(emulation) }.map_or(0, |emulation| emulation.late_ticks())
+}

@@ -14,10 +14,10 @@ use crate::telemetry::Telemetry;
 
 /// Bytes of `md_rig`.
 #[cfg(target_pointer_width = "32")]
-pub const MD_RIG_SIZE: usize = 4064;
+pub const MD_RIG_SIZE: usize = 4112;
 /// Bytes of `md_rig`.
 #[cfg(target_pointer_width = "64")]
-pub const MD_RIG_SIZE: usize = 4224;
+pub const MD_RIG_SIZE: usize = 4288;
 /// Alignment of `md_rig`, bytes.
 pub const MD_RIG_ALIGN: usize = 16;
 
@@ -473,4 +473,25 @@ pub unsafe extern "C" fn md_rig_clear_events(rig: *mut Rig) -> Error {
 pub unsafe extern "C" fn md_rig_set_temperature(rig: *mut Rig, temperature: f32) -> Error {
     // SAFETY: as the caller vouches.
     code(unsafe { held(rig) }.map(|rig| rig.set_temperature(temperature)))
+}
+
+/// Ticks so far that did not come in time, in every state; a clear leaves them. It wraps. 0 of no rig.
+///
+/// # Safety
+/// `rig` is null or points to an `md_rig`.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn md_rig_late_ticks(rig: *mut Rig) -> u32 {
+    // SAFETY: as the caller vouches.
+    unsafe { held(rig) }.map_or(0, |rig| rig.late_ticks())
+}
+
+/// The next start keeps what the corrections of amplitude and phase have learned, instead of beginning anew. Not after sensors or
+/// actuator were repaired. Returns as `md_rig_stop`.
+///
+/// # Safety
+/// `rig` is null or points to an `md_rig`.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn md_rig_keep_correction(rig: *mut Rig) -> Error {
+    // SAFETY: as the caller vouches.
+    code(unsafe { held(rig) }.map(|rig| rig.keep_correction()))
 }

@@ -182,9 +182,11 @@ void check_emulation(void)
         CHECK(md_emulation_start(&emulation, NULL) == MD_ERROR_NONE);
         tick(0.0f, 0.0f);
         CHECK(seen.state == MD_STATE_RUNNING);
+        uint32_t late = md_emulation_late_ticks(&emulation);
         ticks = missing ? ticks + 1 : ticks - 1;
         tick(0.0f, 0.0f);
         CHECK(seen.trip == MD_TRIP_TICK_OVERRUN && !seen.enabled);
+        CHECK(md_emulation_late_ticks(&emulation) == late + 1 && md_emulation_late_ticks(NULL) == 0);
     }
     settings.clock_rate = 0.5 * LINEAR_TICK_RATE;
     CHECK(md_emulation_init(&emulation, &settings, &wiring, &law, &problem) == MD_ERROR_OUT_OF_RANGE);

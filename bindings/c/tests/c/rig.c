@@ -318,9 +318,12 @@ void check_rig(void)
     CHECK(md_rig_clear(&rig, &problem) == MD_ERROR_NONE && md_rig_start(&rig, &problem) == MD_ERROR_NONE);
     tick();
     CHECK(seen.state == MD_STATE_RUNNING);
+    uint32_t late = md_rig_late_ticks(&rig);
     ticks++;
     tick();
     CHECK(seen.trip == MD_TRIP_TICK_OVERRUN && !bench.enabled);
+    CHECK(md_rig_late_ticks(&rig) == late + 1 && md_rig_late_ticks(NULL) == 0);
+    CHECK(md_rig_keep_correction(&rig) == MD_ERROR_NONE && md_rig_keep_correction(NULL) == MD_ERROR_NULL);
     rest(settings.stop_ticks);
     CHECK(md_rig_clear(&rig, &problem) == MD_ERROR_NONE && md_rig_start(&rig, &problem) == MD_ERROR_NONE);
     CHECK(md_rig_external_trip(&rig) == MD_ERROR_NONE && !bench.enabled);

@@ -16,7 +16,7 @@ const TICKS_BEYOND: u32 = 10;
 
 /// What `summary` falls short of: every fault found in time, the cause right in 95 %, at most one false alarm in 1e5 healthy
 /// cycles or part of them, slow changes followed or named, no limit exceeded for longer than it takes to stop, every stop in time. Of the attacks no hazardous
-/// state but behind a constant gain or a line that stays high, or while the controller is not called, 98 % found, 95 % in time, and as many called what they are or may be; of the settings that are
+/// state but behind a constant gain, a channel that was just lost beside another attack or a line that stays high, or while the controller is not called, 98 % found, 95 % in time, and as many called what they are or may be; of the settings that are
 /// none, none taken.
 pub fn missed(summary: &Summary) -> Vec<String> {
     let mut missed = Vec::new();
