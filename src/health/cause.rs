@@ -516,6 +516,12 @@ mod tests {
             told([-0.02, 0.2, 0.0, 0.1, 0.0, 0.0]),
             (HealthCause::FrictionRise, None)
         );
+        let evidence = |shift: Shift| cause(&shift, 0.0, Course::Step).2;
+        let by_residual = [0.001, 0.003, 0.0, 0.1, 0.0, 0.0];
+        assert_eq!(evidence(by_residual), Statistic::Residual);
+        // Stiffness rises by less than a part of what is left.
+        let by_stiffness = [0.05, -0.04, 0.0, 0.04, 0.0, 0.0];
+        assert_eq!(evidence(by_stiffness), Statistic::Stiffness);
         let reversed = HealthCause::SensorReversed(Channel::Force);
         let (cause, or) = told([-2.0, -2.0, 0.0, 2.0, 0.0, 0.0]);
         assert_eq!(

@@ -253,6 +253,56 @@ mod tests {
         libm::sinf(TAU * turns)
     }
 
+    /// y = 0.8·d + 0.01·v about a mean of 0.3, of a motion of 0.1.
+    #[test]
+    fn a_response_is_what_it_is_made_of_about_any_mean() {
+        let (a, b, mean) = (0.8f32, 0.01f32, 0.3f32);
+        let mut sums = Sums::default();
+        for look in 0..48u8 {
+            let turns = f32::from(look) / 32.0;
+            let (d, v) = (0.1 * libm::sinf(TAU * turns), libm::cosf(TAU * turns));
+            let y = mean + a * d + b * v;
+            let one = Sums {
+                samples: 1.0,
+                y,
+                d,
+                v,
+                yy: y * y,
+                yd: y * d,
+                yv: y * v,
+                dd: d * d,
+                dv: d * v,
+                vv: v * v,
+            };
+            sums = sums.plus(&one);
+        }
+        let (of_d, of_v, unexplained) = sums.response(mean);
+        assert!(
+            (of_d - a).abs() < 1e-4 && (of_v - b).abs() < 1e-5,
+            "{of_d}, {of_v}"
+        );
+        assert!(unexplained.abs() < 1e-3, "{unexplained}");
+    }
+
+    /// Of 0.05 mm; what is a quarter of a cycle late is none, and neither is what stands still or is as demanded.
+    #[test]
+    fn the_opposite_is_told() {
+        let is_reversed = |motion: fn(f32) -> f32| {
+            let mut watch = ResponseWatch::default();
+            for look in 0..24u32 {
+                let turns = look as f32 / 32.0;
+                let (d, v) = (0.05 * sine(turns), 0.05 * TAU * sine(turns + 0.25));
+                watch.update(0.05 * motion(turns), d, v, look << 27);
+            }
+            watch.is_reversed()
+        };
+        assert!(is_reversed(|turns| -sine(turns)));
+        assert!(is_reversed(|turns| -0.5 * sine(turns)));
+        assert!(!is_reversed(sine));
+        assert!(!is_reversed(|turns| sine(turns - 0.25)));
+        assert!(!is_reversed(|turns| -1e-3 * sine(turns)));
+    }
+
     #[test]
     fn what_does_not_change_is_normal() {
         for (gain, lag, mean) in [(1.0, 0.0, 0.0), (0.8, 0.1, 0.0), (1.1, -0.05, 0.1)] {

@@ -480,6 +480,8 @@ fn a_break_while_it_learns_is_a_loss() {
         });
         let (cycle, event) = run.events[0];
         assert_eq!(event.cause, HealthCause::WireBreakage);
+        // Three of the least size that is to be found.
+        assert!((event.limit - 0.15).abs() < 1e-6, "{event:?}");
         assert!(
             (event.value + 0.2).abs() < 0.03 && cycle < 15.0,
             "{event:?} in {cycle}"
@@ -499,8 +501,40 @@ fn short_blocks_of_one_motion_are_watched_as_one() {
         assert_eq!(run.state, State::Done);
         assert_eq!(run.causes(), [HealthCause::WireBreakage]);
         assert!(run.first().0 < 66.0);
+        // So little that it would be no more than a run-in in a block that is learned anew.
+        let run = Rig::new(12, 12, seed).run(|a| {
+            if a.cycle > 60.0 {
+                a.condition.stiffness = 0.9;
+                a.condition.friction = 0.9;
+            }
+        });
+        assert_eq!(run.causes(), [HealthCause::WireBreakage]);
         let healthy = Rig::new(12, 12, seed).run(|_| {});
         assert_eq!(healthy.causes(), []);
+    }
+}
+
+/// A specimen of 1.6 times its law, which loses as much more of the law's force as it is more of it. By 8 °C in 40 cycles: 5 % of the law's.
+#[test]
+fn warmth_is_no_fault_of_a_specimen_that_is_more_than_its_law() {
+    for seed in 0..SEEDS {
+        let run = Rig::new(1, 80, seed).run(|a| {
+            let warming = 8.0 * ((a.cycle - BEGINS) / 2.0).clamp(0.0, 1.0);
+            a.condition.stiffness = 1.6;
+            a.condition.friction = 1.6;
+            a.condition.warm_loss = 0.004;
+            a.condition.temperature = 20.0 + warming;
+            *a.temperature = a.condition.temperature;
+        });
+        // Its size is told at the start.
+        let told = run.causes();
+        assert!(
+            told.iter().all(|cause| matches!(
+                cause,
+                HealthCause::LawMismatch | HealthCause::RunIn | HealthCause::Temperature
+            )),
+            "{told:?}"
+        );
     }
 }
 

@@ -108,13 +108,20 @@ fn at_rest_it_does_not_chatter() {
                 bench.tick(motion(tick));
             }
             let at = motion(21_250);
-            let mut square = 0.0;
+            let (mut square, mut early) = (0.0, 0.0f64);
             for tick in 0..30_000 {
                 let command = f64::from(bench.tick(at).telemetry.command) - at;
                 if tick >= 10_000 {
                     square += command * command;
                 }
+                // From rest, which begins after 0.05 s, what was left of its friction goes in 0.5 s.
+                match tick {
+                    1000 => early = command,
+                    3250 => assert!((command - 0.5 * early).abs() < 0.05 * early.abs() + 1e-3),
+                    _ => {}
+                }
             }
+            assert!(early.abs() > 0.05 * f64::from(c), "{early}");
             // What is left is the spring's force of the noise: 1e-4 kN.
             let rms = (square / 20_000.0f64).sqrt();
             assert!(rms < 3e-4, "{rms} kN of c {c}, α {alpha}");

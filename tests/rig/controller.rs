@@ -488,3 +488,43 @@ fn a_chosen_exciter_is_the_same_controller() {
     }
     assert_eq!(one.state(), State::Done);
 }
+
+/// What is called by a reference is what it refers to: here a link that is heard, or not.
+#[test]
+fn a_borrowed_controller_is_the_one_that_it_borrows() {
+    fn run(mut damper: impl Controller, heard: bool) -> State {
+        let mut clock = Ticks::default();
+        damper.start().unwrap();
+        let at_rest = Scale::new(1.0, 0.0).unwrap().encode(0.01).code;
+        let mut state = damper.state();
+        for tick in 0..100 {
+            if heard {
+                damper.exchange();
+            }
+            let codes = [at_rest + tick % 2, at_rest];
+            let [displacement, force] = codes.map(|code| unit().decode(code));
+            let controls = [0.0; CONTROLS];
+            let read = Reading {
+                displacement,
+                force,
+                controls,
+            };
+            state = damper.tick(Some(read), clock.next()).state;
+        }
+        state
+    }
+    for heard in [true, false] {
+        let settings = DamperEmulationSettings {
+            link_ticks: 20,
+            ..DamperEmulationSettings::default()
+        };
+        let law = RunningLaw::new(FastLaw::new(elastic()));
+        let mut damper = EmulationController::new(&settings, &units(), law).unwrap();
+        let expected = if heard {
+            State::Running
+        } else {
+            State::Faulted(TripCause::LinkLost)
+        };
+        assert_eq!(run(&mut damper, heard), expected);
+    }
+}

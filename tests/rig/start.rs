@@ -154,3 +154,24 @@ fn a_start_that_keeps_the_correction_does_not_step() {
         );
     }
 }
+
+/// An actuator that goes the other way, or a channel that shows it so, beside limits that let it.
+#[test]
+fn an_answer_that_is_the_opposite_is_none() {
+    for (gain, refused) in [(-1.0, true), (-0.5, true), (0.6, false)] {
+        let mut rig = rig(1.0, |settings| {
+            settings.tracking_limit = 1.0;
+            settings.correction_limit = 10.0;
+            settings.feedback = 0.0;
+        });
+        let mut clock = Ticks::default();
+        rig.start().unwrap();
+        let mut state = State::Running;
+        for tick in 0..800 {
+            let at = gain * rig.driven();
+            state = rig.tick(reading(at, 0.9 * at, tick), clock.next()).state;
+        }
+        let stopped = State::Faulted(TripCause::NoResponse);
+        assert_eq!(state == stopped, refused, "{gain}: {state:?}");
+    }
+}

@@ -195,6 +195,7 @@ fn a_column_is_known_by_its_name() {
 
 /// An input that is known stands where the model has it, whatever the columns' order, and no recording may lack it.
 #[test]
+#[ignore = "half a minute: in the full tier"]
 fn a_known_input_stays_and_must_be_there() {
     let test = |seed| recorded(controlled(1.0, steps(seed)), &blocks(), seed);
     let model = traced(&[test(1)], &[test(2)]).model;
@@ -234,6 +235,7 @@ fn a_known_input_stays_and_must_be_there() {
 
 /// What is the same in all that is fitted says nothing of what another value does.
 #[test]
+#[ignore = "half a minute: in the full tier"]
 fn a_current_that_was_never_another_is_said_to_be_another() {
     let at = |current: f64, seed| recorded(controlled(1.0, held(current)), &blocks(), seed);
     let result = traced(&[at(0.5, 1)], &[at(1.0, 2)]).result;

@@ -211,7 +211,7 @@ const NOT_REACHED: [(&str, &str); 32] = [
         "nine effects more take 8.5 KiB: 2 KiB the way through stages, 1.5 KiB to read and check them, the rest their own code; \
          the correction without a name 4 KiB; the monitor of specimen, sensors and actuator 9 KiB; what follows the specimen 3.5 KiB; \
          a streamed motion with its messages 1 KiB; that a law is passive 7.5 KiB; the clock, read-back and an external trip 2.75 KiB; \
-         settings and packs checked in slices 4.5 KiB; what the monitor finds of attacks 6 KiB",
+         settings and packs checked in slices 4.5 KiB; what the monitor finds of attacks 7 KiB",
     ),
     (
         "firmware: RAM, tables included",

@@ -8,6 +8,7 @@ use super::{RATE, random, recorded, rms, steps, traced};
 
 /// A zero that steps in the middle of a test is no effect of the specimen, and hides none.
 #[test]
+#[ignore = "half a minute: in the full tier"]
 fn a_zero_that_steps_is_moved_back() {
     let test = |stiffness: f64, change: f64, motion: &dyn Fn(f64) -> [f64; 2], seed: u64| {
         let mut recording = recorded(motion, 5e-3, 5e-5, seed);
