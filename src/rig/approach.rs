@@ -3,54 +3,43 @@
 //! A servo that finds itself at another place than its command goes there as fast as it can. So the command begins where the piston is,
 //! and goes to the start in a straight line in as many ticks as the way back of a rig that stops.
 
-/// The way that is left.
+use super::blend::Blend;
+
+/// The way that is left, in mm; −∞ where nobody has looked since the start.
 #[derive(Clone, Copy, Debug, Default)]
-pub(super) struct Approach {
-    /// mm; −∞ where nobody has looked since the start.
-    left: f32,
-    step: f32,
-}
+pub(super) struct Approach(Blend);
 
 impl Approach {
     /// It is not yet known how far it is.
-    pub(super) const DUE: Self = Self {
-        left: f32::NEG_INFINITY,
-        step: 0.0,
-    };
+    pub(super) const DUE: Self = Self(Blend::of(f32::NEG_INFINITY, 0.0));
 
     /// The piston is at `displacement` mm; within `tolerance` of 0 it is there. The way takes `ticks`.
     pub(super) fn begin(&mut self, displacement: f32, tolerance: f32, ticks: f32) {
         // A number that is none is no way; the limits stop it.
         let is_away = displacement.is_finite() && displacement.abs() > tolerance;
-        self.left = if is_away { displacement } else { 0.0 };
-        self.step = self.left.abs() / ticks;
+        self.0 = Blend::of(if is_away { displacement } else { 0.0 }, 1.0 / ticks);
     }
 
     /// It is not known yet how far it is.
     pub(super) fn is_due(&self) -> bool {
-        self.left == f32::NEG_INFINITY
+        self.left() == f32::NEG_INFINITY
     }
 
     /// There is a way left, or that is not known.
     #[inline(always)]
     pub(super) fn is_under_way(&self) -> bool {
-        self.left != 0.0
+        self.left() != 0.0
     }
 
     /// mm.
+    #[inline(always)]
     pub(super) fn left(&self) -> f32 {
-        self.left
+        self.0.left()
     }
 
     /// A tick more; what is left after it, mm.
     pub(super) fn tick(&mut self) -> f32 {
-        let left = self.left.abs() - self.step;
-        self.left = if left > 0.0 {
-            left.copysign(self.left)
-        } else {
-            0.0
-        };
-        self.left
+        self.0.tick()
     }
 }
 

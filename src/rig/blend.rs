@@ -1,21 +1,32 @@
-//! A step of the force that is handed over in a straight line.
+//! What goes away in a straight line.
 
-/// What is left of it.
+/// What is left of it, in a unit of its own.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Blend {
-    /// kN.
     left: f32,
     fall: f32,
 }
 
 impl Blend {
-    /// Another step, of `step` kN from what is to be driven now to what was: with what was left it goes away in ticks of `part` each.
-    pub(super) fn begin(&mut self, step: f32, part: f32) {
-        self.left += step;
-        self.fall = self.left.abs() * part;
+    /// `left` goes away in ticks of `part` of it each.
+    pub(super) const fn of(left: f32, part: f32) -> Self {
+        Self {
+            left,
+            fall: left.abs() * part,
+        }
     }
 
-    /// A tick more; what is left after it, kN.
+    /// Another step, of `step` from what is now to what was: with what was left it goes away in ticks of `part` each.
+    pub(super) fn begin(&mut self, step: f32, part: f32) {
+        *self = Self::of(self.left + step, part);
+    }
+
+    #[inline(always)]
+    pub(super) fn left(&self) -> f32 {
+        self.left
+    }
+
+    /// A tick more; what is left after it.
     #[inline(always)]
     pub(super) fn tick(&mut self) -> f32 {
         let left = self.left.abs() - self.fall;

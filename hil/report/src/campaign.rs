@@ -142,12 +142,12 @@ fn picture(rows: &[Row], legend: &[(usize, &str)], x_desc: &str) -> String {
             .draw()?;
         let (left, top) = chart.plotting_area().map_coordinate(&(0.0, 0.0));
         let line = top - font as i32;
-        let wide = ((style.size.0 * FINE - font) as i32 - left) / legend.len() as i32;
-        for (place, &(of, what)) in legend.iter().enumerate() {
-            let at = left + place as i32 * wide;
+        let mut at = left;
+        for &(of, what) in legend {
             mark(area, of, (at, line))?;
             let beside = text().pos(Pos::new(HPos::Left, VPos::Center));
             area.draw(&Text::new(what, (at + font as i32, line), beside))?;
+            at += (3 * what.chars().count() / 5 + 3) as i32 * font as i32;
         }
         for (row, (name, marks)) in rows.iter().enumerate() {
             let place = |x: f64| {
