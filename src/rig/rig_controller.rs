@@ -280,12 +280,12 @@ where
                 ..
             } = &self.reading;
             // A NaN is within no limit.
-            if !(displacement.value.abs() <= self.limits.tracking()) {
-                Some(TripCause::TrackingLimit)
-            } else if !(force.value.abs() <= self.limits.force()) {
-                Some(TripCause::ForceLimit)
-            } else {
-                None
+            let is_near = displacement.value.abs() <= self.limits.tracking();
+            let is_bearable = force.value.abs() <= self.limits.force();
+            match (is_near, is_bearable) {
+                (false, _) => Some(TripCause::TrackingLimit),
+                (true, false) => Some(TripCause::ForceLimit),
+                (true, true) => None,
             }
         })
     }
