@@ -42,7 +42,7 @@ pub enum Behind {
     /// The rig had dropped the enable line, and it stayed high at the servo.
     LineHigh,
     /// The one channel of the quantity was lost, and showed hardly any of the excess, which came before the time had passed that it takes to
-    /// know of a loss: see [`LostSince::is_new`]. Two things at once: an attack alone has no such excuse.
+    /// know of a loss, 2.25 cycles. Two things at once: an attack alone has no such excuse.
     JustLost,
     /// The controller was not called for longer than the trip time, and did not run for longer than that besides: only what watches
     /// the controller from outside can act.
