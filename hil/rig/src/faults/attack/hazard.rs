@@ -426,7 +426,7 @@ mod tests {
     /// A force of half its limit, and from tick 500 of 1.5 times; `shown` of its voltage.
     fn behind_a_jump(shown: impl Fn(u64, f64) -> f64) -> Vec<Behind> {
         let mut meter = HazardMeter::new(ALLOWED);
-        for tick in 0..700 {
+        for tick in 0..800 {
             let force = if tick < 500 { 1.0 } else { 3.0 };
             let volts = force / ALLOWED.units[1];
             let sensed = Sensed {
