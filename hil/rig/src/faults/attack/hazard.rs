@@ -289,7 +289,8 @@ impl HazardMeter {
         // NaN, where nothing moves at all, is no gain.
         let is_gain = gain >= LEAST_GAIN && left <= DRIFTING;
         if !is_gain || shown_in_all > trip_ticks as usize {
-            let hardly = NINTH * shown_last <= steps;
+            // One of them more where the excess begins and ends with one.
+            let hardly = NINTH * shown_last.saturating_sub(1) <= steps;
             if hardly && self.losses[place].is_new(self.allowed.cycle_ticks) {
                 Behind::JustLost
             } else {
