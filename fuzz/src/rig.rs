@@ -1,7 +1,7 @@
 //! Rig and damper emulator on converters that deliver anything, with everything failing, stopped, started and swapped at any
 //! moment.
 
-use std::ops::DerefMut as _;
+use std::ops::{Deref as _, DerefMut as _};
 use std::rc::Rc;
 
 use mesh_damper::adc::Ads8688;
@@ -35,6 +35,7 @@ trait Controller {
     fn set_temperature(&mut self, temperature: f32);
     fn set_controls(&mut self, controls: [f32; CONTROLS]);
     fn state(&self) -> State;
+    fn driven(&self) -> f32;
     fn tick(&mut self, clock: u32) -> Telemetry;
 }
 
@@ -64,6 +65,9 @@ macro_rules! controller {
             }
             fn state(&self) -> State {
                 self.state()
+            }
+            fn driven(&self) -> f32 {
+                mesh_damper::rig::Controller::driven(self.deref())
             }
             fn tick(&mut self, clock: u32) -> Telemetry {
                 self.tick(clock)
@@ -472,6 +476,9 @@ fn run(
                 Ok(()) => guard.exceeded = [0; 2],
                 Err(refused) => guard.see_refusal(controller.state(), refused),
             }
+            // It drives where the piston is before the line rises, and goes back from there where that does not.
+            guard.last = controller.driven();
+            guard.stopped = 0;
         }
         plant.sense(&wires, ratio, &mut random);
         let before = controller.state();

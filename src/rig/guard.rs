@@ -113,8 +113,8 @@ impl Guard {
             self.trip(TripCause::CommandClipped);
             return Err(StartRefused::of(self.machine.state));
         }
+        self.before = self.command;
         self.command = command;
-        self.before = command;
         Ok(())
     }
 
