@@ -5,10 +5,11 @@
 //! ```
 //! Numbers are little-endian, the CRC is that of Ethernet. Both ends take turns: the harness asks with a sequence number
 //! that goes up by one, the image answers with the same number and repeats its last answer when it is asked again. A frame
-//! is written in one piece, so that one that a read did not bring whole is lost, and asked for again like any other.
+//! is written in one piece, so that one that a read did not bring whole is lost, and asked for again like any other. On a line that brings
+//! bytes in pieces of its own [`extent`] says where a frame ends.
 
 /// The version that is written, and the only one read.
-pub const VERSION: u8 = 5;
+pub const VERSION: u8 = 6;
 /// Most bytes of a payload.
 pub const PAYLOAD: usize = 488;
 /// Most bytes of a frame.
@@ -309,6 +310,66 @@ impl<'a> Iterator for Frames<'a> {
         }
         None
     }
+}
+
+/// What bytes that came one after the other begin with.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Extent {
+    /// The beginning of a frame, or nothing: more has to come.
+    More,
+    /// So many bytes that may be a frame, of whatever version: [`Frames`] says whether it is undamaged.
+    Frame(usize),
+    /// So many bytes that begin no frame.
+    Junk(usize),
+}
+
+/// What `bytes` begin with. A damaged length may ask for bytes that never come: a line that has been idle for a while ends a frame too.
+#[inline]
+pub fn extent(bytes: &[u8]) -> Extent {
+    let [m0, m1] = MAGIC;
+    if let Some(junk) = bytes
+        .iter()
+        .position(|byte| *byte == m0)
+        .filter(|at| *at > 0)
+    {
+        return Extent::Junk(junk);
+    }
+    match bytes {
+        [] => return Extent::More,
+        [first, ..] if *first != m0 => return Extent::Junk(bytes.len()),
+        [_, second, ..] if *second != m1 => return Extent::Junk(1),
+        _ => {}
+    }
+    let Some(&[.., low, high]) = bytes.first_chunk::<HEADER>() else {
+        return Extent::More;
+    };
+    let length = usize::from(u16::from_le_bytes([low, high]));
+    let whole = HEADER + length + TRAILER;
+    if length > PAYLOAD {
+        Extent::Junk(1)
+    } else if bytes.len() < whole {
+        Extent::More
+    } else {
+        Extent::Frame(whole)
+    }
+}
+
+/// The version of the first undamaged frame in `bytes` that is of another one than [`VERSION`]: whoever is at the other end speaks that.
+pub fn other_version(bytes: &[u8]) -> Option<u8> {
+    let mut rest = bytes;
+    while let [_, next @ ..] = rest {
+        if let Extent::Frame(whole) = extent(rest)
+            && let Some((frame, _)) = rest.split_at_checked(whole)
+            && let Some((covered, stated)) = frame.split_last_chunk::<TRAILER>()
+            && checksum(&[covered]) == u32::from_le_bytes(*stated)
+            && let [_, _, version, ..] = covered
+            && *version != VERSION
+        {
+            return Some(*version);
+        }
+        rest = next;
+    }
+    None
 }
 
 /// The frame that `bytes` begins with, and what comes after it.

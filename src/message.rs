@@ -46,6 +46,7 @@ mod kind {
     pub const STATISTICS: u8 = 12;
     pub const STREAM: u8 = 13;
     pub const KNOTS: u8 = 14;
+    pub const HELLO: u8 = 15;
     pub const DONE: u8 = 64;
     pub const REFUSED: u8 = 65;
     pub const OUTCOME: u8 = 66;
@@ -157,6 +158,9 @@ pub enum Request<'a> {
     /// The next knots of the stream; none where it ends with those that it has. The answer is no, and the rest of them is not
     /// taken, where there is no room.
     Knots(Knots<'a>),
+    /// Somebody new is at this end of the link, and asks for number 0. A board that has been asked before starts anew, as after its supply
+    /// came, and answers when it is asked again.
+    Hello,
 }
 
 /// Knots as they lie in a frame.
@@ -265,6 +269,7 @@ impl<'a> Request<'a> {
             kind::STATISTICS => Self::Statistics,
             kind::STREAM => Self::Stream(Fields::read(&mut reader)?),
             kind::KNOTS => Self::Knots(Knots(frame.payload)),
+            kind::HELLO => Self::Hello,
             _ => return None,
         })
     }
@@ -286,6 +291,7 @@ impl<'a> Request<'a> {
             Self::Statistics => (kind::STATISTICS, 1),
             Self::Stream(_) => (kind::STREAM, 1),
             Self::Knots(knots) => (kind::KNOTS, (knots.0.len() / KNOT) as u16),
+            Self::Hello => (kind::HELLO, 1),
         };
         let header = Header {
             kind,
@@ -314,6 +320,11 @@ impl<'a> Request<'a> {
             _ => {}
         });
     }
+}
+
+/// Whether `frame` is [`Request::Hello`].
+pub fn is_hello(frame: &Frame<'_>) -> bool {
+    frame.header.kind == kind::HELLO
 }
 
 /// What the image took.

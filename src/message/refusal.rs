@@ -41,6 +41,8 @@ pub enum Refusal<'a> {
     PackRevision,
     /// [`PackError::Active`].
     PackActive,
+    /// It was asked for a number other than 0 before it was asked for that: the board has started anew since.
+    Anew,
     /// The rig does not start.
     Start(StartRefused),
     /// The rig does not forget its fault.
@@ -48,7 +50,7 @@ pub enum Refusal<'a> {
 }
 
 /// The refusals that are told by their number alone.
-const PLAIN: [Refusal<'static>; 12] = [
+const PLAIN: [Refusal<'static>; 13] = [
     Refusal::Order,
     Refusal::Converter,
     Refusal::PackMagic,
@@ -61,6 +63,7 @@ const PLAIN: [Refusal<'static>; 12] = [
     Refusal::PackIdentity,
     Refusal::PackRevision,
     Refusal::PackActive,
+    Refusal::Anew,
 ];
 
 /// Number of [`Refusal::Field`] on the link.
@@ -124,6 +127,7 @@ impl Refusal<'_> {
             Self::PackIdentity => 9,
             Self::PackRevision => 10,
             Self::PackActive => 11,
+            Self::Anew => 12,
             Self::Field(_) => FIELD,
             Self::Removed(_) => REMOVED,
             Self::Start(_) => START,
@@ -209,7 +213,7 @@ mod tests {
     #[test]
     fn numbers_on_the_link_are_those_of_the_table() {
         use crate::rig::TripCause::{EnableLine, LinkLost};
-        let refusals: [(&[u8], Refusal<'_>); 20] = [
+        let refusals: [(&[u8], Refusal<'_>); 21] = [
             (&[0], Refusal::Order),
             (&[1], Refusal::Converter),
             (&[2], Refusal::PackMagic),
@@ -222,6 +226,7 @@ mod tests {
             (&[9], Refusal::PackIdentity),
             (&[10], Refusal::PackRevision),
             (&[11], Refusal::PackActive),
+            (&[12], Refusal::Anew),
             (&[252, 0], Refusal::Clear(ClearRefused::Moving)),
             (&[252, 2], Refusal::Clear(ClearRefused::NoFault)),
             (
@@ -246,6 +251,6 @@ mod tests {
         for bytes in [[253, 2], [252, 1], [253, 255]] {
             assert_eq!(read_refusal(&mut Reader(&bytes)), None);
         }
-        assert_eq!(read_refusal(&mut Reader(&[12])), None);
+        assert_eq!(read_refusal(&mut Reader(&[13])), None);
     }
 }

@@ -5,7 +5,14 @@ mod file;
 mod interrupts;
 mod link;
 mod semihosting;
+mod uart;
 
 pub use converters::{Adc, Dac, Enable, SimulatedConverters};
 pub use link::{Pipes, StandardError};
 pub use semihosting::exit;
+pub use uart::Serial;
+
+/// Starts the processor anew, and with it the image.
+pub fn reset() -> ! {
+    cortex_m::peripheral::SCB::sys_reset()
+}

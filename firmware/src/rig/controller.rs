@@ -148,6 +148,7 @@ impl<B: Board> Controller<B> {
             (Request::PackEnd, ..) => return self.take_pack(),
             (Request::Programme(head), Some(parts), _) => parts.programme.begin_planned(head),
             (Request::Block(block), Some(parts), _) => parts.programme.push_planned(block)?,
+            (Request::Hello, ..) => {}
             (Request::Rest, Some(parts), _) => parts.law.rest(),
             (Request::Stream(config), Some(parts), _) => *parts.stream = Some(*config),
             (Request::Setup(setup), ..) => return self.set_up(setup),

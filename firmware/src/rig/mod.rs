@@ -13,7 +13,7 @@ pub use {defmt, mesh_damper::frame::FrameBuffer};
 
 use mesh_damper::fast_law::RunningLaw;
 use mesh_damper::frame::{Frames, LARGEST};
-use mesh_damper::message::{MAX_BLOCKS, write_again};
+use mesh_damper::message::{MAX_BLOCKS, Refusal, is_hello, write_again, write_refusal};
 use mesh_damper::pack::Upload;
 use mesh_damper::passivity::Passivity;
 use mesh_damper::rig::StreamConfig;
@@ -74,8 +74,13 @@ pub fn run<B: Board>(memory: &'static mut Memory<B>, answer: &'static mut FrameB
             if sequence == next && controller.answer(&frame, answer) {
                 next = next.wrapping_add(1);
                 link.send(answer.bytes());
-            } else if sequence == next.wrapping_sub(1) {
+            } else if next > 0 && sequence == next.wrapping_sub(1) {
                 link.send(answer.bytes());
+            } else if next == 0 {
+                write_refusal(sequence, &Refusal::Anew, answer);
+                link.send(answer.bytes());
+            } else if sequence == 0 && is_hello(&frame) {
+                B::reset();
             }
             understood = true;
         }

@@ -79,6 +79,15 @@ impl Board {
     /// # Errors
     /// No emulator.
     pub fn emulator(self, elf: &Path) -> Result<Command, InputError> {
+        self.emulator_with("none", elf)
+    }
+
+    /// The same with a first serial line where the emulator's `serial` says: `pty` is a pseudo-terminal, which it names on its standard
+    /// output.
+    ///
+    /// # Errors
+    /// No emulator.
+    pub fn emulator_with(self, serial: &str, elf: &Path) -> Result<Command, InputError> {
         let mut command = Command::new(find_emulator()?);
         command.args(["-machine", self.machine()]);
         if self == Self::Microbit {
@@ -86,7 +95,7 @@ impl Board {
             command.args(["-global", "nrf51-soc.sram-size=32768"]);
         }
         command
-            .args(["-display", "none", "-monitor", "none", "-serial", "none"])
+            .args(["-display", "none", "-monitor", "none", "-serial", serial])
             .args(["-nic", "none"])
             .arg("-kernel")
             .arg(elf);

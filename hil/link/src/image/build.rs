@@ -26,6 +26,12 @@ pub const FIRMWARE: Image = Image {
     cfg: None,
 };
 
+/// The rig controller whose link is the board's serial port.
+pub const SERIAL: Image = Image {
+    binary: "serial",
+    ..FIRMWARE
+};
+
 /// Builds `image` for `board` with profile `firmware` and gives its ELF file. Does nothing where nothing has changed.
 ///
 /// # Errors

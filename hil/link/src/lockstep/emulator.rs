@@ -29,6 +29,17 @@ pub trait Wire {
     /// # Errors
     /// Nobody is there any more.
     fn receive(&mut self, buffer: &mut [u8]) -> Result<usize, LinkError>;
+
+    /// How often a request is sent before nobody is held to be there. One that is on its way all the same does no harm: each is carried
+    /// out once.
+    fn most_tries(&self) -> u32 {
+        1000
+    }
+
+    /// What it is that nobody answers.
+    fn silence(&self) -> LinkError {
+        LinkError::Silent
+    }
 }
 
 /// An emulator that runs an image. It ends when this is dropped.

@@ -1,14 +1,11 @@
 //! Requests and answers over a wire that may lose, repeat, cut and damage them.
 
-use mesh_damper::frame::{FrameBuffer, Frames};
+use mesh_damper::frame::{FrameBuffer, Frames, other_version};
 use mesh_damper::message::{Answer, Request};
 
 use super::LinkError;
 use super::emulator::Wire;
 
-/// A request is sent this many times before nobody is held to be there. One that is on its way all the same does no harm:
-/// each is carried out once.
-const MOST_TRIES: u32 = 1000;
 /// Room for answers that come together.
 const ROOM: usize = 4096;
 
@@ -51,7 +48,7 @@ impl<W: Wire> Exchange<W> {
         request.write(sequence, &mut self.request);
         self.wire.send(self.request.bytes())?;
         let mut tries = 1;
-        while tries < MOST_TRIES {
+        while tries < self.wire.most_tries() {
             let came = self.wire.receive(&mut self.received[..])?;
             let mut stale = false;
             let mut again = false;
@@ -73,12 +70,15 @@ impl<W: Wire> Exchange<W> {
             if stale && !again {
                 continue;
             }
+            if let Some(version) = other_version(&self.received[..came]) {
+                return Err(LinkError::OtherVersion(version));
+            }
             tries += 1;
             self.repeated += 1;
             self.most_tries = self.most_tries.max(tries);
             self.wire.send(self.request.bytes())?;
         }
-        Err(LinkError::Silent)
+        Err(self.wire.silence())
     }
 
     /// The wire.

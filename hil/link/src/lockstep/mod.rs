@@ -6,6 +6,7 @@ mod exchange;
 mod log;
 mod pin;
 mod run;
+mod serial;
 mod watchdog;
 
 pub use bench::ImageBench;
@@ -13,9 +14,12 @@ pub use emulator::{Emulator, Wire};
 pub use exchange::Exchange;
 pub use log::{LogDecoder, LogLevel, LogLine, LogSink};
 pub use run::{run_attack_on, run_rig_on, run_trial_on};
+pub use serial::Serial;
+
+use std::path::Path;
 
 use mesh_damper::effects::Motion;
-use mesh_damper::frame::PAYLOAD;
+use mesh_damper::frame::{PAYLOAD, VERSION};
 use mesh_damper::message::{
     Answer, Knots, MAX_BLOCKS, MOTIONS, Motions, Outcome, PART, Refusal, Request, Sensors, Setup,
     Statistics,
@@ -44,6 +48,27 @@ pub enum LinkError {
     /// The emulator is there, but the image does not answer.
     #[error("the image in the emulator does not answer")]
     Silent,
+    /// The board at a serial port does not answer.
+    #[error(
+        "the board at {0} does not answer: check its supply, the cable, and that nobody else has the port open"
+    )]
+    SilentBoard(String),
+    /// The serial port is gone, or cannot be read or written.
+    #[error("the serial port {port} is gone ({problem}): check the cable and the board's supply")]
+    PortGone {
+        /// Its path.
+        port: String,
+        /// What the system says.
+        problem: String,
+    },
+    /// The board speaks another version of the link.
+    #[error(
+        "the board speaks version {0} of the link, and this harness {VERSION}: flash it with the firmware of this version"
+    )]
+    OtherVersion(u8),
+    /// The board has started anew since it was greeted.
+    #[error("the board has started anew in the middle: check its supply and its watchdog")]
+    StartedAnew,
     /// The image answered something else than what it was asked.
     #[error("the image answered another question")]
     OtherAnswer,
@@ -85,6 +110,7 @@ impl LinkError {
             }
             Refusal::Start(refused) => return Self::Start(*refused),
             Refusal::Clear(refused) => return Self::Clear(*refused),
+            Refusal::Anew => return Self::StartedAnew,
             Refusal::Order => ("it does not come in this order", REPORT),
             Refusal::Converter => ("a converter did not answer its driver", REPORT),
             Refusal::PackMagic => ("these bytes are no coefficient pack", EXPORT),
@@ -135,6 +161,10 @@ impl From<LinkError> for InputError {
             LinkError::TooManyBlocks(_) => "split the programme, or run it on the host",
             LinkError::Start(_) | LinkError::Clear(_) => "do that on the rig, then ask again",
             LinkError::Refused { mend, .. } => mend,
+            LinkError::SilentBoard(_) | LinkError::PortGone { .. } | LinkError::StartedAnew => {
+                "mend that, then run it again"
+            }
+            LinkError::OtherVersion(_) => "flash the board, then run it again",
             LinkError::Ended { .. } | LinkError::Silent | LinkError::OtherAnswer => REPORT,
         };
         Self::new("the image", error.to_string(), mend)
@@ -158,6 +188,18 @@ impl Image<Emulator> {
         let bytes = std::fs::read(&elf).map_err(|error| InputError::io(&elf, "read", &error))?;
         let log = LogDecoder::new(&bytes, sink)?;
         Ok(Self::on(Emulator::start(&elf, board, log)?))
+    }
+}
+
+impl Image<Serial> {
+    /// The board at the serial port `path`, which starts anew for that.
+    ///
+    /// # Errors
+    /// No such port, or one that cannot be opened; [`LinkError::SilentBoard`], [`LinkError::OtherVersion`].
+    pub fn at(path: &Path) -> Result<Self, InputError> {
+        let mut image = Self::on(Serial::open(path)?);
+        image.done(&Request::Hello)?;
+        Ok(image)
     }
 }
 

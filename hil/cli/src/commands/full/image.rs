@@ -1,10 +1,14 @@
 //! The image for the commands that run on it.
 
+use std::fmt::{self, Display, Formatter};
+use std::path::PathBuf;
+use std::str::FromStr;
+
 use clap::ValueEnum;
 use mesh_damper_link::image::Board;
-use mesh_damper_link::lockstep::{self, Emulator, Image};
+use mesh_damper_link::lockstep::{self, Emulator, Image, Serial};
 use mesh_damper_recording::error::InputError;
-use serde::Serialize;
+use serde::{Serialize, Serializer};
 
 use crate::commands::progress::Progress;
 
@@ -16,6 +20,73 @@ pub enum On {
     Host,
     /// In the firmware's image, in an emulator
     Image,
+}
+
+/// Where the crate runs, a board included.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Place {
+    /// In this process.
+    Host,
+    /// In the firmware's image, in an emulator.
+    Image,
+    /// On a board, in lockstep over this serial port.
+    Serial(PathBuf),
+}
+
+impl FromStr for Place {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, String> {
+        match text {
+            "host" => Ok(Self::Host),
+            "image" => Ok(Self::Image),
+            _ => match text.strip_prefix("serial:") {
+                Some(port) if !port.is_empty() => Ok(Self::Serial(port.into())),
+                _ => {
+                    Err("host, image or serial:PORT is wanted, such as serial:/dev/ttyACM0".into())
+                }
+            },
+        }
+    }
+}
+
+impl Display for Place {
+    fn fmt(&self, f: &mut Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Host => f.write_str("host"),
+            Self::Image => f.write_str("image"),
+            Self::Serial(port) => write!(f, "serial:{}", port.display()),
+        }
+    }
+}
+
+impl Serialize for Place {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        serializer.collect_str(self)
+    }
+}
+
+/// The crate at the other end of a link.
+pub enum Linked {
+    /// In an emulator.
+    Image(Image<Emulator>),
+    /// At a serial port.
+    Board(Image<Serial>),
+}
+
+impl Linked {
+    /// As `place` says; none in this process. The image's log goes to standard error with the time of ticks at `tick_rate` Hz; a board has a
+    /// log of its own.
+    ///
+    /// # Errors
+    /// No emulator, no board, or none that answers.
+    pub fn at(place: &Place, log: LogLevel, tick_rate: f64) -> Result<Option<Self>, InputError> {
+        Ok(match place {
+            Place::Host => None,
+            Place::Image => Some(Self::Image(start_image(log, tick_rate)?)),
+            Place::Serial(port) => Some(Self::Board(Image::at(port)?)),
+        })
+    }
 }
 
 /// Which of the image's log messages are shown.

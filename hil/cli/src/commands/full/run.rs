@@ -23,7 +23,7 @@ use super::cycles::{CycleRow, csv_of, print_blocks};
 use super::drive::{DriveOptions, Driven, Followed};
 use super::effect;
 use super::events::EventRow;
-use super::image::{LogLevel, On, start_image};
+use super::image::{Linked, LogLevel, Place};
 use super::law::PublishedLaw;
 use super::meant_for::{self, FirstError};
 use super::programme::{self, MOST_BLOCKS};
@@ -45,8 +45,11 @@ use crate::commands::{Failure, say, warn};
     Exit code 1 says that the rig stopped on a limit; what it recorded until then is written.")]
 pub struct RunCommand {
     /// Where the crate runs
-    #[arg(long, value_enum, default_value_t = On::Host)]
-    on: On,
+    ///
+    /// `host`: in this process. `image`: in the firmware's image, in an emulator. `serial:PORT`: on a board, in lockstep over a serial port; the
+    /// specimen is simulated here. Results are the same to the last bit.
+    #[arg(long, value_name = "PLACE", default_value_t = Place::Host)]
+    on: Place,
     /// The image's log messages to standard error, from this level on
     #[arg(long, value_enum, value_name = "LEVEL", default_value_t = LogLevel::Warn)]
     log: LogLevel,
@@ -110,7 +113,7 @@ const SPECIMEN_AMPLITUDE: f64 = 0.1;
 /// What a run came to.
 #[derive(Serialize)]
 struct Summary {
-    on: On,
+    on: Place,
     specimen: String,
     seed: u64,
     tick_rate: f64,
@@ -200,10 +203,7 @@ impl RunCommand {
         // Before what may take long.
         warnings.iter().for_each(|warning| warn(warning));
 
-        let image = match self.on {
-            On::Host => None,
-            On::Image => Some(start_image(self.log, self.tick_rate)?),
-        };
+        let linked = Linked::at(&self.on, self.log, self.tick_rate)?;
         let progress = Progress::of(100);
         progress.step("running the rig");
         let mut comments = vec![
@@ -215,9 +215,10 @@ impl RunCommand {
             progress,
             journal: Journal::new(&self.out, comments.clone()).of_controlled(is_controlled),
         };
-        let run = match image {
+        let run = match linked {
             None => run_rig(setup, &mut watched),
-            Some(mut image) => run_rig_on(&mut image, setup, &mut watched),
+            Some(Linked::Image(mut image)) => run_rig_on(&mut image, setup, &mut watched),
+            Some(Linked::Board(mut board)) => run_rig_on(&mut board, setup, &mut watched),
         };
         let Watched { progress, journal } = watched;
         drop(progress);
@@ -231,7 +232,7 @@ impl RunCommand {
             warnings.push(words);
         }
         let summary = Summary {
-            on: self.on,
+            on: self.on.clone(),
             specimen: described.clone(),
             seed: self.seed,
             tick_rate: self.tick_rate,
