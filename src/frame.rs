@@ -317,9 +317,9 @@ impl<'a> Iterator for Frames<'a> {
 pub enum Extent {
     /// The beginning of a frame, or nothing: more has to come.
     More,
-    /// So many bytes that may be a frame, of whatever version: [`Frames`] says whether it is undamaged.
+    /// A frame of this many bytes if it is undamaged, of whatever version: [`Frames`] says whether it is undamaged.
     Frame(usize),
-    /// So many bytes that begin no frame.
+    /// This many bytes begin no frame.
     Junk(usize),
 }
 

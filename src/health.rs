@@ -280,7 +280,7 @@ impl HealthMonitor {
         self.relearn_beside();
     }
 
-    /// Likewise, but for the specimen.
+    /// What channels and adaptation show now shall be normal; the specimen's state stays.
     fn relearn_beside(&mut self) {
         self.adaptation.find_anew();
         for roughness in &mut self.roughness {

@@ -158,7 +158,7 @@ pub enum Request<'a> {
     /// The next knots of the stream; none where it ends with those that it has. The answer is no, and the rest of them is not
     /// taken, where there is no room.
     Knots(Knots<'a>),
-    /// Somebody new is at this end of the link, and asks for number 0. A board that has been asked before starts anew, as after its supply
+    /// Somebody new is at this end of the link, and asks for number 0. A board that has been asked before restarts, as after its supply
     /// came, and answers when it is asked again.
     Hello,
 }

@@ -17,7 +17,7 @@ pub trait Board: 'static {
     /// The end of an image: of one that did what it was for, or that failed.
     fn exit(success: bool) -> !;
 
-    /// Starts anew, as after its supply came: somebody new is at the other end of the link. By default it ends.
+    /// Restarts, as after its supply came: somebody new is at the other end of the link. By default it ends.
     fn reset() -> ! {
         Self::exit(false)
     }

@@ -137,7 +137,7 @@ mod tests {
         }
         // An alternation is the worst to predict: e = 2·z/(2 − α − β/2) of each z by the filter's transfer at −1.
         let expected = 0.01 * 4.0 / (4.0 - 2.0 * LEVEL_GAIN - TREND_GAIN);
-        // After so many cycles 1/64 of each counts.
+        // After 400 cycles each one counts 1/64.
         let unsure = 1.645 / libm::sqrtf(2.0 * 64.0);
         let deviation = baseline.deviation() / (1.0 + unsure);
         assert!((deviation / expected - 1.0).abs() < 0.01);

@@ -10,7 +10,7 @@ pub(super) const STILL: f32 = 0.01;
 const LOW: u8 = 2;
 /// Fewest samples in a window.
 const LEAST_SAMPLES: f32 = 16.0;
-/// Looks after which a window that has hardly moved begins anew: f32 sums no more without loss.
+/// Looks after which a window that has hardly moved is discarded: f32 sums no more without loss.
 const MOST_SAMPLES: f32 = 4096.0;
 
 /// Sums over a window, of what is beyond its first sample.

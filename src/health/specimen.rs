@@ -166,7 +166,7 @@ impl SpecimenWatch {
         };
     }
 
-    /// Learns anew beside a passing fault that has come to be normal, or has gone. What has broken meanwhile is told then.
+    /// Learns again after a passing fault has become normal, or has gone. A break in between is reported once that is learned.
     pub(super) fn relearn_beside(&mut self, config: &HealthConfig) {
         if self.is_watching(config) {
             self.known = Some(self.watches.map(|watch| watch.baseline.expected()));

@@ -41,8 +41,8 @@ pub enum Refusal<'a> {
     PackRevision,
     /// [`PackError::Active`].
     PackActive,
-    /// It was asked for a number other than 0 before it was asked for that: the board has started anew since.
-    Anew,
+    /// It was asked for a number other than 0 before it was asked for that: the board has restarted since.
+    Restarted,
     /// The rig does not start.
     Start(StartRefused),
     /// The rig does not forget its fault.
@@ -63,7 +63,7 @@ const PLAIN: [Refusal<'static>; 13] = [
     Refusal::PackIdentity,
     Refusal::PackRevision,
     Refusal::PackActive,
-    Refusal::Anew,
+    Refusal::Restarted,
 ];
 
 /// Number of [`Refusal::Field`] on the link.
@@ -127,7 +127,7 @@ impl Refusal<'_> {
             Self::PackIdentity => 9,
             Self::PackRevision => 10,
             Self::PackActive => 11,
-            Self::Anew => 12,
+            Self::Restarted => 12,
             Self::Field(_) => FIELD,
             Self::Removed(_) => REMOVED,
             Self::Start(_) => START,
@@ -226,7 +226,7 @@ mod tests {
             (&[9], Refusal::PackIdentity),
             (&[10], Refusal::PackRevision),
             (&[11], Refusal::PackActive),
-            (&[12], Refusal::Anew),
+            (&[12], Refusal::Restarted),
             (&[252, 0], Refusal::Clear(ClearRefused::Moving)),
             (&[252, 2], Refusal::Clear(ClearRefused::NoFault)),
             (

@@ -354,11 +354,12 @@ where
     L: BorrowMut<RunningLaw<N>>,
 {
     /// Begins the programme or the motion from its start, once the piston is there: it goes there from where it is within
-    /// [`RigSettings::stop_ticks`], while a stream does not wait for it. Before the first tick, and between a clear and the next one, nobody knows where it is: then the servo takes it
-    /// to 0, and it starts where the first tick finds it. A piston that is further away than [`RigSettings::tracking_limit`] is
-    /// [`TripCause::TrackingLimit`]: it is to be brought nearer by hand. A force beyond its limit, a channel at an end of its range and a way
-    /// that begins beyond the command's range stop it likewise. The correction begins as the first time, unless
-    /// [`RigController::keep_correction`] was called.
+    /// [`RigSettings::stop_ticks`], while a stream does not wait for it. Before the first tick, and between a clear and the next tick,
+    /// its place is unknown: the servo takes it to 0, and it starts where the first tick finds it.
+    ///
+    /// A piston that is further away than [`RigSettings::tracking_limit`] is [`TripCause::TrackingLimit`]: it is to be brought nearer by
+    /// hand. It also stops for a force beyond its limit, a channel at an end of its range and a way that begins beyond the command's
+    /// range. The correction begins as the first time, unless [`RigController::keep_correction`] was called.
     fn start(&mut self) -> Result<(), StartRefused> {
         self.guard.may_start()?;
         if let Some(cause) = self.unfit() {

@@ -1114,7 +1114,7 @@ md_error md_rig_set_temperature(struct md_rig *rig, float temperature);
 // `rig` is null or points to an `md_rig`.
 uint32_t md_rig_late_ticks(struct md_rig *rig);
 
-// The next start keeps what the corrections of amplitude and phase have learned, instead of beginning anew. Not after sensors or
+// The next start keeps what the corrections of amplitude and phase have learned, instead of starting from neutral. Not after sensors or
 // actuator were repaired. Returns as `md_rig_stop`.
 //
 // # Safety

@@ -485,7 +485,7 @@ pub unsafe extern "C" fn md_rig_late_ticks(rig: *mut Rig) -> u32 {
     unsafe { held(rig) }.map_or(0, |rig| rig.late_ticks())
 }
 
-/// The next start keeps what the corrections of amplitude and phase have learned, instead of beginning anew. Not after sensors or
+/// The next start keeps what the corrections of amplitude and phase have learned, instead of starting from neutral. Not after sensors or
 /// actuator were repaired. Returns as `md_rig_stop`.
 ///
 /// # Safety

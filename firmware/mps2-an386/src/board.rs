@@ -1,18 +1,24 @@
 //! The board of QEMU's mps2-an386 and mps2-an500.
 
-use mesh_damper_firmware::Board;
-use mesh_damper_firmware::emulated::{Pipes, SimulatedConverters, StandardError, exit};
+use core::marker::PhantomData;
 
-/// Arm MPS2+ with a Cortex-M4F or a Cortex-M7.
-pub struct Mps2An386;
+use mesh_damper_firmware::emulated::{Pipes, SimulatedConverters, StandardError, exit, reset};
+use mesh_damper_firmware::{Board, Link};
 
-impl Board for Mps2An386 {
+/// Arm MPS2+ with a Cortex-M4F or a Cortex-M7, over the link `L`.
+pub struct Mps2An386<L = Pipes>(PhantomData<L>);
+
+impl<L: Link + 'static> Board for Mps2An386<L> {
     const SYSTICK: u32 = 25;
-    type Link = Pipes;
+    type Link = L;
     type Log = StandardError;
     type Converters = SimulatedConverters;
 
     fn exit(success: bool) -> ! {
         exit(success)
+    }
+
+    fn reset() -> ! {
+        reset()
     }
 }

@@ -2,25 +2,8 @@
 #![no_std]
 #![no_main]
 
-use mesh_damper_firmware::Board;
-use mesh_damper_firmware::emulated::{Serial, SimulatedConverters, StandardError, exit, reset};
+mod board;
 
-/// Arm MPS2+ with a Cortex-M4F.
-struct SerialMps2An386;
+use mesh_damper_firmware::emulated::Serial;
 
-impl Board for SerialMps2An386 {
-    const SYSTICK: u32 = 25;
-    type Link = Serial;
-    type Log = StandardError;
-    type Converters = SimulatedConverters;
-
-    fn exit(success: bool) -> ! {
-        exit(success)
-    }
-
-    fn reset() -> ! {
-        reset()
-    }
-}
-
-mesh_damper_firmware::rig_image!(SerialMps2An386);
+mesh_damper_firmware::rig_image!(board::Mps2An386<Serial>);

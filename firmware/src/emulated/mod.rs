@@ -12,7 +12,7 @@ pub use link::{Pipes, StandardError};
 pub use semihosting::exit;
 pub use uart::Serial;
 
-/// Starts the processor anew, and with it the image.
+/// Restarts the processor, and with it the image.
 pub fn reset() -> ! {
     cortex_m::peripheral::SCB::sys_reset()
 }

@@ -50,7 +50,7 @@ impl Link for Serial {
     fn open() -> Self {
         write(DIVIDER, DIVISION);
         write(CONTROL, BOTH);
-        // The emulator looks for bytes once it is told that there is room for one.
+        // The emulator offers a byte only after a read of this register has said that there is room.
         read(DATA);
         Self(())
     }

@@ -77,7 +77,7 @@ pub fn run<B: Board>(memory: &'static mut Memory<B>, answer: &'static mut FrameB
             } else if next > 0 && sequence == next.wrapping_sub(1) {
                 link.send(answer.bytes());
             } else if next == 0 {
-                write_refusal(sequence, &Refusal::Anew, answer);
+                write_refusal(sequence, &Refusal::Restarted, answer);
                 link.send(answer.bytes());
             } else if sequence == 0 && is_hello(&frame) {
                 B::reset();

@@ -96,7 +96,7 @@ fn setup() -> RigSetup<Specimen, 1, 1> {
     RigSetup::new(specimen, law, programme, 1)
 }
 
-/// The second run finds a board that has been asked before, which starts anew.
+/// The second run finds a board that has been asked before, which restarts.
 #[test]
 fn a_run_over_a_serial_port_is_that_in_this_process() {
     let Some(board) = Emulated::new() else {
@@ -133,14 +133,14 @@ fn noise_on_the_line_is_passed_over() {
 }
 
 #[test]
-fn a_board_that_starts_anew_in_the_middle_says_so() {
+fn a_board_that_restarts_in_the_middle_says_so() {
     let Some(board) = Emulated::new() else {
         return;
     };
     let mut image = Image::at(&board.port).unwrap();
     image.rest().unwrap();
     board.order("system_reset");
-    assert_eq!(image.rest(), Err(LinkError::StartedAnew));
+    assert_eq!(image.rest(), Err(LinkError::Restarted));
 }
 
 #[test]

@@ -66,9 +66,9 @@ pub enum LinkError {
         "the board speaks version {0} of the link, and this harness {VERSION}: flash it with the firmware of this version"
     )]
     OtherVersion(u8),
-    /// The board has started anew since it was greeted.
-    #[error("the board has started anew in the middle: check its supply and its watchdog")]
-    StartedAnew,
+    /// The board has restarted since it was greeted.
+    #[error("the board has restarted in the middle: check its supply and its watchdog")]
+    Restarted,
     /// The image answered something else than what it was asked.
     #[error("the image answered another question")]
     OtherAnswer,
@@ -110,7 +110,7 @@ impl LinkError {
             }
             Refusal::Start(refused) => return Self::Start(*refused),
             Refusal::Clear(refused) => return Self::Clear(*refused),
-            Refusal::Anew => return Self::StartedAnew,
+            Refusal::Restarted => return Self::Restarted,
             Refusal::Order => ("it does not come in this order", REPORT),
             Refusal::Converter => ("a converter did not answer its driver", REPORT),
             Refusal::PackMagic => ("these bytes are no coefficient pack", EXPORT),
@@ -161,7 +161,7 @@ impl From<LinkError> for InputError {
             LinkError::TooManyBlocks(_) => "split the programme, or run it on the host",
             LinkError::Start(_) | LinkError::Clear(_) => "do that on the rig, then ask again",
             LinkError::Refused { mend, .. } => mend,
-            LinkError::SilentBoard(_) | LinkError::PortGone { .. } | LinkError::StartedAnew => {
+            LinkError::SilentBoard(_) | LinkError::PortGone { .. } | LinkError::Restarted => {
                 "mend that, then run it again"
             }
             LinkError::OtherVersion(_) => "flash the board, then run it again",
@@ -192,7 +192,7 @@ impl Image<Emulator> {
 }
 
 impl Image<Serial> {
-    /// The board at the serial port `path`, which starts anew for that.
+    /// The board at the serial port `path`, which restarts for that.
     ///
     /// # Errors
     /// No such port, or one that cannot be opened; [`LinkError::SilentBoard`], [`LinkError::OtherVersion`].

@@ -16,7 +16,7 @@ use super::emulator::Wire;
 
 /// For how long nothing may come before a request is sent again: at 115 200 baud the longest answer takes 45 ms.
 const PATIENCE: Duration = Duration::from_millis(100);
-/// Times that a request is sent: two seconds, in which a board that starts anew is there again.
+/// Times that a request is sent: two seconds, in which a board that restarts is there again.
 const MOST_TRIES: u32 = 20;
 
 /// A serial port with a board at its other end. The speed is 115 200 baud, 8 bits, no parity; a port over USB knows none.

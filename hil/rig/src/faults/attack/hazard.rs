@@ -89,7 +89,7 @@ const DRIFTING: f64 = 1e-4;
 const LEAST_GAIN: f64 = 0.05;
 /// What a channel shows is false from this part of the limit beside what is true.
 const FALSE: f64 = 0.05;
-/// A limit that is exceeded in no more than one of so many ticks need not stop the rig: see the crate's `rig/fault.rs`.
+/// A limit that is exceeded in no more than one of nine ticks need not stop the rig: see the crate's `rig/fault.rs`.
 const NINTH: usize = 9;
 /// A quantity beyond its limit.
 #[derive(Clone, Copy, Debug, Default)]
@@ -100,8 +100,6 @@ struct Beyond {
     late: u32,
     /// The most over the limit.
     factor: f64,
-    /// The true quantity there, in its unit.
-    most: f64,
     /// Place of the hazard that was noted of it.
     noted: Option<usize>,
 }
@@ -187,10 +185,7 @@ impl HazardMeter {
                 beyond.steps += 1;
                 beyond.in_tick += 1;
                 beyond.late = beyond.late.max(beyond.in_tick);
-                if factor > beyond.factor {
-                    beyond.factor = factor;
-                    beyond.most = values[place];
-                }
+                beyond.factor = beyond.factor.max(factor);
             }
         }
         for (place, quantity) in Quantity::ALL.into_iter().enumerate() {
