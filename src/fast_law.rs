@@ -288,6 +288,11 @@ impl<const N: usize> RunningLaw<N> {
         true
     }
 
+    /// Whether a law waits for the end of a cycle.
+    pub fn is_waiting(&self) -> bool {
+        self.waiting != Waiting::No
+    }
+
     /// All effects at rest.
     pub fn rest(&mut self) {
         self.state = self.law().augmented.at_rest();

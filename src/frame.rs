@@ -9,7 +9,7 @@
 //! bytes in pieces of its own [`extent`] says where a frame ends.
 
 /// The version that is written, and the only one read.
-pub const VERSION: u8 = 6;
+pub const VERSION: u8 = 7;
 /// Most bytes of a payload.
 pub const PAYLOAD: usize = 488;
 /// Most bytes of a frame.

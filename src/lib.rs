@@ -91,6 +91,7 @@ pub mod sine;
 pub mod static_law;
 mod sum;
 pub mod table;
+pub mod telemetry;
 pub mod tick_law;
 
 /// The README's example is compiled, so that it cannot rot.

@@ -7,16 +7,18 @@
 
 mod outcome;
 mod refusal;
+mod telemetry;
 
 pub use outcome::{Outcome, write_outcome};
 pub use refusal::{Refusal, write_refusal};
+pub use telemetry::{Note, ROWS, Row, Rows, Telemetered, TelemetryConfig, write_note, write_rows};
 
 use crate::converter::Scale;
 use crate::effects::{CONTROLS, Motion};
 use crate::frame::{Fields, Frame, FrameBuffer, Header, PAYLOAD, Reader, Writer};
-use crate::rig::{Knot, RigConfig, StreamConfig};
+use crate::rig::{Knot, RigConfig, State, StreamConfig};
 use crate::sine::{PlannedBlock, ProgrammeHead};
-use outcome::read_outcome;
+use outcome::{read_outcome, state_code, state_of};
 use refusal::read_refusal;
 
 /// Most blocks of a programme in the image.
@@ -47,12 +49,17 @@ mod kind {
     pub const STREAM: u8 = 13;
     pub const KNOTS: u8 = 14;
     pub const HELLO: u8 = 15;
+    pub const JOIN: u8 = 16;
+    pub const TELEMETRY: u8 = 17;
     pub const DONE: u8 = 64;
     pub const REFUSED: u8 = 65;
     pub const OUTCOME: u8 = 66;
     pub const FORCES: u8 = 67;
     pub const STATISTICS_ANSWER: u8 = 68;
     pub const AGAIN: u8 = 69;
+    pub const ABOUT: u8 = 70;
+    pub const ROWS: u8 = 71;
+    pub const NOTE: u8 = 72;
 }
 
 /// How the rig is wired up and set.
@@ -161,6 +168,29 @@ pub enum Request<'a> {
     /// Somebody new is at this end of the link, and asks for number 0. A board that has been asked before restarts, as after its supply
     /// came, and answers when it is asked again.
     Hello,
+    /// Somebody new is at this end of the link, and the board goes on with what it does. The numbers go on from this one's, whatever it is.
+    Join,
+    /// A board on its own timer is to send this telemetry from now on, until it restarts or is asked for another.
+    Telemetry(TelemetryConfig),
+}
+
+/// What a board is and does.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub struct About {
+    /// It has ticks of its own. A board without waits for [`Request::Tick`].
+    pub own_timer: bool,
+    /// Rate of the counter that judges whether ticks are in time, Hz; 0 where ticks come over the link.
+    pub clock: u32,
+    /// Of its rig, Hz; 0 where there is none.
+    pub tick_rate: f32,
+    /// Of its rig.
+    pub state: State,
+    /// A law waits for the end of the cycle.
+    pub law_waits: bool,
+    /// Ticks that did not come in time.
+    pub late_ticks: u32,
 }
 
 /// Knots as they lie in a frame.
@@ -270,6 +300,8 @@ impl<'a> Request<'a> {
             kind::STREAM => Self::Stream(Fields::read(&mut reader)?),
             kind::KNOTS => Self::Knots(Knots(frame.payload)),
             kind::HELLO => Self::Hello,
+            kind::JOIN => Self::Join,
+            kind::TELEMETRY => Self::Telemetry(Fields::read(&mut reader)?),
             _ => return None,
         })
     }
@@ -292,6 +324,8 @@ impl<'a> Request<'a> {
             Self::Stream(_) => (kind::STREAM, 1),
             Self::Knots(knots) => (kind::KNOTS, (knots.0.len() / KNOT) as u16),
             Self::Hello => (kind::HELLO, 1),
+            Self::Join => (kind::JOIN, 1),
+            Self::Telemetry(_) => (kind::TELEMETRY, 1),
         };
         let header = Header {
             kind,
@@ -317,6 +351,7 @@ impl<'a> Request<'a> {
             Self::Motions(motions) => writer.bytes(motions.0),
             Self::Stream(config) => config.write(writer),
             Self::Knots(knots) => writer.bytes(knots.0),
+            Self::Telemetry(config) => config.write(writer),
             _ => {}
         });
     }
@@ -325,6 +360,11 @@ impl<'a> Request<'a> {
 /// Whether `frame` is [`Request::Hello`].
 pub fn is_hello(frame: &Frame<'_>) -> bool {
     frame.header.kind == kind::HELLO
+}
+
+/// Whether `frame` is [`Request::Join`].
+pub fn is_join(frame: &Frame<'_>) -> bool {
+    frame.header.kind == kind::JOIN
 }
 
 /// What the image took.
@@ -355,6 +395,8 @@ pub enum Answer<'a> {
     Forces(Forces<'a>),
     /// Of [`Request::Statistics`].
     Statistics(Statistics),
+    /// Of [`Request::Join`].
+    About(About),
     /// What came was no whole and undamaged frame: ask again.
     Again,
 }
@@ -387,6 +429,18 @@ impl<'a> Answer<'a> {
                 stack: reader.u32()?,
                 log_lost: reader.u32()?,
             }),
+            kind::ABOUT => {
+                let [clock, tick_rate, late_ticks] = reader.words()?;
+                let [flags, state, ..] = reader.u32()?.to_le_bytes();
+                Self::About(About {
+                    own_timer: flags & OWN_TIMER != 0,
+                    clock,
+                    tick_rate: f32::from_bits(tick_rate),
+                    state: state_of(state)?,
+                    law_waits: flags & LAW_WAITS != 0,
+                    late_ticks,
+                })
+            }
             kind::AGAIN => Self::Again,
             _ => return None,
         })
@@ -404,6 +458,23 @@ pub fn write_done(sequence: u32, done: bool, buffer: &mut FrameBuffer) {
 pub fn write_statistics(sequence: u32, statistics: &Statistics, buffer: &mut FrameBuffer) {
     buffer.write(answer(kind::STATISTICS_ANSWER, sequence, 1), |writer| {
         writer.words([statistics.stack, statistics.log_lost]);
+    });
+}
+
+const OWN_TIMER: u8 = 1;
+const LAW_WAITS: u8 = 2;
+
+/// Writes [`Answer::About`].
+pub fn write_about(sequence: u32, about: &About, buffer: &mut FrameBuffer) {
+    let flag = |set: bool, flag: u8| if set { flag } else { 0 };
+    let flags = flag(about.own_timer, OWN_TIMER) | flag(about.law_waits, LAW_WAITS);
+    buffer.write(answer(kind::ABOUT, sequence, 1), |writer| {
+        writer.words([
+            about.clock,
+            about.tick_rate.to_bits(),
+            about.late_ticks,
+            u32::from_le_bytes([flags, state_code(about.state), 0, 0]),
+        ]);
     });
 }
 

@@ -23,16 +23,50 @@ pub trait Board: 'static {
     }
 }
 
-/// Bytes to and from the harness: a serial port, say, whose idle line ends a frame.
+/// A board that gives the rig its ticks by itself: by SysTick, at the rate that it is set up for.
+#[cfg(target_os = "none")]
+pub trait OwnTimer: Board {
+    /// The serial port to the harness.
+    type Port: Port;
+    /// Rate of the counter that [`OwnTimer::clock`] reads, Hz, at least the tick rate. It judges whether ticks are in time, and runs
+    /// apart from SysTick.
+    const CLOCK: u32;
+
+    /// Starts the counter. The image does so once, before the first tick.
+    fn start_clock();
+
+    /// What the counter reads; it wraps at 2³².
+    fn clock() -> u32;
+
+    /// Waits for the next interrupt, or for less.
+    #[inline]
+    fn wait() {
+        cortex_m::asm::wfi();
+    }
+}
+
+/// Bytes to and from the harness: [`crate::PortLink`] over a serial port, say.
 pub trait Link {
     /// Opens the link. An image does so once, and again to say why it ends.
     fn open() -> Self;
 
-    /// Waits for what comes next: one frame or more.
+    /// Waits for what comes next: one frame or more. None where nothing has come for so long that a harness would have asked.
     fn receive<'b>(&mut self, buffer: &'b mut [u8]) -> &'b [u8];
 
     /// Sends bytes in one piece.
     fn send(&mut self, bytes: &[u8]);
+}
+
+/// A serial port, asked byte by byte.
+pub trait Port {
+    /// Opens it.
+    fn open() -> Self;
+
+    /// A byte that has come.
+    fn take(&mut self) -> Option<u8>;
+
+    /// Sends a byte, or says that there is no room yet.
+    fn put(&mut self, byte: u8) -> bool;
 }
 
 /// The log's channel: RTT, say.
@@ -46,9 +80,6 @@ pub trait Log {
 
 /// The rig's sensors and its actuator: parts on a bus, as [`mesh_damper::adc`] and [`mesh_damper::dac`] drive them, or what a chip
 /// has by itself.
-///
-/// The harness is the specimen: each request for a tick carries the codes that its sensors deliver and its control inputs, and the
-/// answer the code that its actuator gets.
 pub trait Converters {
     /// Displacement and force, and what controls the specimen.
     type Sensors: Sensors + 'static;
@@ -58,6 +89,19 @@ pub trait Converters {
     /// Opens them at the scales of `wiring`; none where one of them does not answer. The image does so once.
     fn open(wiring: &Wiring) -> Option<(Self::Sensors, Self::Actuator)>;
 
+    /// A tick without a rig, of a board that gives its ticks itself. Converters that are simulated let their time pass.
+    #[inline]
+    fn idle() {}
+
+    /// Temperature of the specimen, °C, on a board that gives its ticks itself. Where nobody measures it, 20.
+    fn temperature() -> f32 {
+        20.0
+    }
+}
+
+/// Converters whose specimen is the harness: each request for a tick carries the codes that its sensors deliver and its control inputs,
+/// and the answer the code that its actuator gets.
+pub trait Harnessed: Converters {
     /// Codes of displacement and force that the sensors are to give at this tick. Converters that are wired to a specimen have their own.
     fn sense(displacement: u16, force: u16);
 

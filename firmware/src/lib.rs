@@ -3,6 +3,7 @@
 //! | image | what it is | made of a board by |
 //! |---|---|---|
 //! | `firmware` | the crate's rig controller, driven tick by tick over a link | `rig_image!`, feature `rig` |
+//! | `own-timer` | the same on the board's own timer, which sends telemetry | `own_timer_image!`, feature `own-timer` |
 //! | `bench` | counts instructions in an emulator | `bench_image!`, feature `bench` |
 //! | `static-law`, `running-law`, `damper`, `constructors` | one use of the crate each, to be sized | `size_image!`, feature `sizes` |
 //!
@@ -14,6 +15,9 @@ pub mod bench;
 mod board;
 #[cfg(all(feature = "emulated", target_os = "none"))]
 pub mod emulated;
+#[cfg(all(feature = "own-timer", target_os = "none"))]
+pub mod own_timer;
+mod port;
 #[cfg(all(feature = "rig", target_os = "none"))]
 pub mod rig;
 #[cfg(all(feature = "sizes", target_os = "none"))]
@@ -21,4 +25,7 @@ pub mod sizes;
 #[cfg(all(any(feature = "rig", feature = "sizes"), target_os = "none"))]
 mod stack;
 
-pub use board::{Board, Converters, Link, Log};
+#[cfg(target_os = "none")]
+pub use board::OwnTimer;
+pub use board::{Board, Converters, Harnessed, Link, Log, Port};
+pub use port::PortLink;

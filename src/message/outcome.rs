@@ -105,7 +105,7 @@ pub(super) fn read_outcome(reader: &mut Reader<'_>) -> Option<Outcome> {
 }
 
 #[inline(never)]
-fn write_report(writer: &mut Writer<'_>, report: &CycleReport) {
+pub(super) fn write_report(writer: &mut Writer<'_>, report: &CycleReport) {
     writer.words([
         report.block as u32,
         report.cycle,
@@ -122,7 +122,7 @@ fn write_report(writer: &mut Writer<'_>, report: &CycleReport) {
 const NO_CAUSE: u8 = u8::MAX;
 
 #[inline(never)]
-fn write_event(writer: &mut Writer<'_>, event: &Event) {
+pub(super) fn write_event(writer: &mut Writer<'_>, event: &Event) {
     writer.words([
         u32::from(event.cause.number())
             | u32::from(event.statistic.number()) << 8
@@ -133,7 +133,7 @@ fn write_event(writer: &mut Writer<'_>, event: &Event) {
     ]);
 }
 
-fn read_event(reader: &mut Reader<'_>) -> Option<Event> {
+pub(super) fn read_event(reader: &mut Reader<'_>) -> Option<Event> {
     let [cause, statistic, or, _] = reader.u32()?.to_le_bytes();
     Some(Event {
         cause: HealthCause::of_number(cause)?,
@@ -153,7 +153,7 @@ fn write_cycle(writer: &mut Writer<'_>, cycle: &Cycle) {
     writer.words(cycle.values().map(f32::to_bits));
 }
 
-fn read_report(reader: &mut Reader<'_>, ramp: bool) -> Option<CycleReport> {
+pub(super) fn read_report(reader: &mut Reader<'_>, ramp: bool) -> Option<CycleReport> {
     let (block, cycle, nrmse) = (reader.u32()?, reader.u32()?, reader.f32()?);
     let followed = Adaptation {
         k1: reader.f32()?,

@@ -189,6 +189,11 @@ where
         self.law.borrow().law()
     }
 
+    /// Whether a law waits for the end of this cycle.
+    pub fn law_waits(&self) -> bool {
+        self.law.borrow().is_waiting()
+    }
+
     /// By how much the law in force differs from that, which slow changes of the specimen have led to.
     pub fn followed(&self) -> Adaptation {
         self.law.borrow().followed()

@@ -2,17 +2,19 @@
 
 use core::marker::PhantomData;
 
-use mesh_damper_firmware::emulated::{Pipes, SimulatedConverters, StandardError, exit, reset};
-use mesh_damper_firmware::{Board, Link};
+use mesh_damper_firmware::emulated::{
+    CLOCK, Pipes, SimulatedConverters, StandardError, Uart, clock, exit, idle, reset, start_clock,
+};
+use mesh_damper_firmware::{Board, Converters, Link, OwnTimer};
 
-/// Arm MPS2+ with a Cortex-M4F or a Cortex-M7, over the link `L`.
-pub struct Mps2An386<L = Pipes>(PhantomData<L>);
+/// Arm MPS2+ with a Cortex-M4F or a Cortex-M7, over the link `L`, with the converters `C`.
+pub struct Mps2An386<L = Pipes, C = SimulatedConverters>(PhantomData<(L, C)>);
 
-impl<L: Link + 'static> Board for Mps2An386<L> {
+impl<L: Link + 'static, C: Converters + 'static> Board for Mps2An386<L, C> {
     const SYSTICK: u32 = 25;
     type Link = L;
     type Log = StandardError;
-    type Converters = SimulatedConverters;
+    type Converters = C;
 
     fn exit(success: bool) -> ! {
         exit(success)
@@ -20,5 +22,23 @@ impl<L: Link + 'static> Board for Mps2An386<L> {
 
     fn reset() -> ! {
         reset()
+    }
+}
+
+impl<L: Link + 'static, C: Converters + 'static> OwnTimer for Mps2An386<L, C> {
+    type Port = Uart;
+    const CLOCK: u32 = CLOCK;
+
+    fn start_clock() {
+        start_clock();
+    }
+
+    fn clock() -> u32 {
+        clock()
+    }
+
+    /// The emulator's time, where it goes by instructions, jumps over every second interrupt of SysTick while the processor sleeps.
+    fn wait() {
+        idle();
     }
 }

@@ -4,6 +4,7 @@
 
 mod board;
 
-use mesh_damper_firmware::emulated::Serial;
+use mesh_damper_firmware::PortLink;
+use mesh_damper_firmware::emulated::Uart;
 
-mesh_damper_firmware::rig_image!(board::Mps2An386<Serial>);
+mesh_damper_firmware::rig_image!(board::Mps2An386<PortLink<Uart>>);

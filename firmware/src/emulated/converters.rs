@@ -12,7 +12,7 @@ use mesh_damper::dac::Ad5761;
 use mesh_damper::effects::CONTROLS;
 use mesh_damper::rig::{SpiActuator, Wiring, WithControls, WithTrip};
 
-use crate::board::Converters;
+use crate::board::{Converters, Harnessed};
 
 /// What the sensors deliver at this tick, and what the actuator gets.
 struct Wires {
@@ -62,7 +62,9 @@ impl Converters for SimulatedConverters {
         };
         Some((WithTrip::new(sensors, Trip), SpiActuator::new(dac, Enable)))
     }
+}
 
+impl Harnessed for SimulatedConverters {
     #[inline]
     fn sense(displacement: u16, force: u16) {
         WIRES.displacement.store(displacement, Relaxed);

@@ -1,5 +1,7 @@
 //! Files of the emulator's host, by Arm's semihosting.
 
+use core::sync::atomic::{AtomicUsize, Ordering::Relaxed};
+
 use super::semihosting::call;
 
 const SYS_OPEN: usize = 0x01;
@@ -28,6 +30,14 @@ impl File {
         let length = path.count_bytes();
         let arguments = [path.as_ptr() as usize, mode as usize, length];
         Self(call_with(SYS_OPEN, &arguments))
+    }
+
+    /// The file at `path`, opened once for all who have this `handle`, which is [`usize::MAX`] before.
+    pub fn shared(handle: &AtomicUsize, path: &core::ffi::CStr, mode: Mode) -> Self {
+        if handle.load(Relaxed) == usize::MAX {
+            handle.store(Self::open(path, mode).0, Relaxed);
+        }
+        Self(handle.load(Relaxed))
     }
 
     /// Waits for bytes and gives those that came; none at the file's end.

@@ -1,16 +1,29 @@
 //! Parts of a board in QEMU: what stands in for the link, the log, the converters and the interrupts of a real one.
 
+mod beside;
+mod clock;
 mod converters;
 mod file;
 mod interrupts;
 mod link;
+mod register;
 mod semihosting;
 mod uart;
+mod watchdog;
 
+pub use beside::{BesideConverters, BesideSensors};
+pub use clock::{CLOCK, clock, start_clock};
 pub use converters::{Adc, Dac, Enable, SimulatedConverters};
 pub use link::{Pipes, StandardError};
 pub use semihosting::exit;
-pub use uart::Serial;
+pub use uart::Uart;
+pub use watchdog::Watchdog;
+
+/// Some instructions that do nothing.
+#[inline]
+pub fn idle() {
+    cortex_m::asm::delay(40);
+}
 
 /// Restarts the processor, and with it the image.
 pub fn reset() -> ! {

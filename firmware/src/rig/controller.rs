@@ -5,6 +5,8 @@ use core::sync::atomic::Ordering::Relaxed;
 
 use mesh_damper::fast_law::RunningLaw;
 use mesh_damper::frame::{Frame, FrameBuffer};
+#[cfg(feature = "own-timer")]
+use mesh_damper::message::About;
 use mesh_damper::message::{
     MAX_BLOCKS, Refusal, Request, Sensors, Setup, Statistics, write_done, write_forces,
     write_outcome, write_refusal, write_statistics,
@@ -17,7 +19,7 @@ use mesh_damper::rig::{
 use mesh_damper::sine::{Programme, SineGenerator};
 
 use super::log;
-use crate::board::{Board, Converters};
+use crate::board::{Board, Converters, Harnessed};
 
 /// Most effects of a law.
 pub const EFFECTS: usize = 8;
@@ -63,23 +65,7 @@ pub struct Controller<B: Board> {
     state: State,
 }
 
-impl<B: Board> Controller<B> {
-    pub fn new(
-        parts: Parts<B>,
-        upload: &'static mut Upload,
-        passivity: &'static mut Passivity<EFFECTS>,
-    ) -> Self {
-        Self {
-            parts: Some(parts),
-            rig: None,
-            rate: None,
-            upload,
-            passivity,
-            block: None,
-            state: State::Idle,
-        }
-    }
-
+impl<B: Board<Converters: Harnessed>> Controller<B> {
     /// Does what `frame` asks and writes the answer; says no, and does nothing, where it asks for nothing.
     #[inline]
     pub fn answer(&mut self, frame: &Frame<'_>, answer: &mut FrameBuffer) -> bool {
@@ -109,9 +95,89 @@ impl<B: Board> Controller<B> {
         let (code, enabled) = Wired::<B>::driven();
         write_outcome(sequence, code, enabled, &telemetry, answer);
     }
+}
 
+impl<B: Board> Controller<B> {
+    pub fn new(
+        parts: Parts<B>,
+        upload: &'static mut Upload,
+        passivity: &'static mut Passivity<EFFECTS>,
+    ) -> Self {
+        Self {
+            parts: Some(parts),
+            rig: None,
+            rate: None,
+            upload,
+            passivity,
+            block: None,
+            state: State::Idle,
+        }
+    }
+
+    /// One tick of the rig on its own timer, at which the board's counter reads `clock`; none without a rig.
+    #[cfg(feature = "own-timer")]
+    #[inline]
+    pub fn own_tick(&mut self, clock: u32, temperature: f32) -> Option<Telemetry> {
+        let rig = self.rig.as_mut()?;
+        rig.set_temperature(temperature);
+        let telemetry = rig.tick(clock);
+        self.log(&telemetry);
+        Some(telemetry)
+    }
+
+    /// Somebody is at the other end of the link.
+    #[cfg(feature = "own-timer")]
+    pub fn exchange(&mut self) {
+        if let Some(rig) = &mut self.rig {
+            rig.exchange();
+        }
+    }
+
+    /// Nobody has asked for a tick for too long: a rig that runs stops.
+    pub fn silent(&mut self) {
+        if let Some(rig) = &mut self.rig
+            && rig.state() == State::Running
+        {
+            rig.overrun();
+            defmt::error!("nobody asks for a tick any more");
+        }
+    }
+
+    /// Hz, of the rig that there is or of the one that was described, where it is known.
+    #[cfg(feature = "own-timer")]
+    pub fn rate(&self) -> Option<f32> {
+        match &self.parts {
+            None => self.rate,
+            Some(parts) => match &*parts.stream {
+                Some(config) => Some(config.tick_rate()),
+                None => Some(parts.programme.tick_rate() as f32).filter(|rate| *rate > 0.0),
+            },
+        }
+    }
+
+    /// Whether there is a rig.
+    #[cfg(feature = "own-timer")]
+    pub fn has_rig(&self) -> bool {
+        self.rig.is_some()
+    }
+
+    /// What the board says of itself.
+    #[cfg(feature = "own-timer")]
+    pub fn about(&self, clock: u32) -> About {
+        let rig = self.rig.as_ref();
+        About {
+            own_timer: true,
+            clock,
+            tick_rate: rig.and(self.rate).unwrap_or_default(),
+            state: rig.map_or(State::Idle, |rig| rig.state()),
+            law_waits: rig.is_some_and(|rig| rig.law_waits()),
+            late_ticks: rig.map_or(0, |rig| rig.late_ticks()),
+        }
+    }
+
+    /// Does what `frame` asks, where that is no tick, and writes the answer; says no, and does nothing, where it asks for nothing.
     #[inline(never)]
-    fn answer_others(&mut self, frame: &Frame<'_>, answer: &mut FrameBuffer) -> bool {
+    pub fn answer_others(&mut self, frame: &Frame<'_>, answer: &mut FrameBuffer) -> bool {
         let sequence = frame.header.sequence;
         // Borrowed as it came: taken out, it would be on the stack twice.
         let request = Request::read(frame);

@@ -12,15 +12,16 @@ use cortex_m as _;
 pub use {defmt, mesh_damper::frame::FrameBuffer};
 
 use mesh_damper::fast_law::RunningLaw;
-use mesh_damper::frame::{Frames, LARGEST};
-use mesh_damper::message::{MAX_BLOCKS, Refusal, is_hello, write_again, write_refusal};
+use mesh_damper::frame::{Frame, Frames, LARGEST};
+use mesh_damper::message::{MAX_BLOCKS, Refusal, is_hello, is_join, write_again, write_refusal};
 use mesh_damper::pack::Upload;
 use mesh_damper::passivity::Passivity;
 use mesh_damper::rig::StreamConfig;
 use mesh_damper::sine::Programme;
 
-use crate::board::{Board, Link as _};
-use controller::{Controller, EFFECTS, Excitation, Parts, WiredRig};
+use crate::board::{Board, Harnessed, Link as _};
+pub(crate) use controller::Controller;
+use controller::{EFFECTS, Excitation, Parts, WiredRig};
 
 /// What the controller works on. It belongs into a static: none of it fits on a small stack.
 pub struct Memory<B: Board> {
@@ -53,40 +54,120 @@ impl<B: Board> Memory<B> {
     }
 }
 
+/// Which request an answer is due to.
+#[derive(Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Turn {
+    /// One that has not been carried out.
+    New,
+    /// The one before: the same answer once more.
+    Repeated,
+    /// One that goes on with what a board before its restart did.
+    Restarted,
+    /// Somebody new, who finds a board as after its supply came.
+    Greeting,
+    /// None.
+    Stale,
+}
+
+/// Both ends take turns. The request before is answered again with the same answer: it is not carried out twice.
+pub(crate) struct Turns {
+    /// Number of the next request.
+    next: u32,
+}
+
+impl Turns {
+    pub(crate) const NEW: Self = Self { next: 0 };
+
+    #[inline]
+    pub(crate) fn of(&self, frame: &Frame<'_>) -> Turn {
+        let sequence = frame.header.sequence;
+        if sequence == self.next || is_join(frame) {
+            Turn::New
+        } else if self.next > 0 && sequence == self.next.wrapping_sub(1) {
+            Turn::Repeated
+        } else if self.next == 0 {
+            Turn::Restarted
+        } else if sequence == 0 && is_hello(frame) {
+            Turn::Greeting
+        } else {
+            Turn::Stale
+        }
+    }
+
+    /// A request of this number has been carried out.
+    #[inline]
+    pub(crate) fn taken(&mut self, sequence: u32) {
+        self.next = sequence.wrapping_add(1);
+    }
+}
+
+/// How often in a row the link may say that nothing comes, before the rig stops: some seconds.
+const SILENCES: u32 = 10;
+
+impl<B: Board> Memory<B> {
+    /// What answers requests, and what they and an answer to what is none are put into.
+    pub(crate) fn controller(
+        &'static mut self,
+    ) -> (
+        Controller<B>,
+        &'static mut [u8; LARGEST],
+        &'static mut FrameBuffer,
+    ) {
+        let parts = Parts::<B> {
+            programme: &mut self.programme,
+            law: &mut self.law,
+            stream: &mut self.stream,
+            rig: &mut self.rig,
+            controller: &mut self.controller,
+        };
+        let controller = Controller::new(parts, &mut self.upload, &mut self.passivity);
+        (controller, &mut self.received, &mut self.again)
+    }
+}
+
 /// Answers requests for ever, each in `answer`.
-pub fn run<B: Board>(memory: &'static mut Memory<B>, answer: &'static mut FrameBuffer) -> ! {
+pub fn run<B: Board<Converters: Harnessed>>(
+    memory: &'static mut Memory<B>,
+    answer: &'static mut FrameBuffer,
+) -> ! {
     let mut link = B::Link::open();
-    let parts = Parts::<B> {
-        programme: &mut memory.programme,
-        law: &mut memory.law,
-        stream: &mut memory.stream,
-        rig: &mut memory.rig,
-        controller: &mut memory.controller,
-    };
-    let mut controller = Controller::new(parts, &mut memory.upload, &mut memory.passivity);
-    // Number of the next request. The one before is answered again with the same answer: it is not carried out twice.
-    let mut next: u32 = 0;
+    let (mut controller, received, again) = memory.controller();
+    let mut turns = Turns::NEW;
+    let mut silences = 0;
     loop {
-        let bytes = link.receive(&mut memory.received);
+        let bytes = link.receive(received);
+        if bytes.is_empty() {
+            silences += 1;
+            if silences == SILENCES {
+                controller.silent();
+                silences = 0;
+            }
+            continue;
+        }
+        silences = 0;
         let mut understood = false;
         for frame in Frames(bytes) {
-            let sequence = frame.header.sequence;
-            if sequence == next && controller.answer(&frame, answer) {
-                next = next.wrapping_add(1);
-                link.send(answer.bytes());
-            } else if next > 0 && sequence == next.wrapping_sub(1) {
-                link.send(answer.bytes());
-            } else if next == 0 {
-                write_refusal(sequence, &Refusal::Restarted, answer);
-                link.send(answer.bytes());
-            } else if sequence == 0 && is_hello(&frame) {
-                B::reset();
-            }
             understood = true;
+            match turns.of(&frame) {
+                Turn::New => {
+                    if controller.answer(&frame, answer) {
+                        turns.taken(frame.header.sequence);
+                    } else {
+                        continue;
+                    }
+                }
+                Turn::Repeated => {}
+                Turn::Restarted => {
+                    write_refusal(frame.header.sequence, &Refusal::Restarted, answer);
+                }
+                Turn::Greeting => B::reset(),
+                Turn::Stale => continue,
+            }
+            link.send(answer.bytes());
         }
         if !understood {
-            write_again(&mut memory.again);
-            link.send(memory.again.bytes());
+            write_again(again);
+            link.send(again.bytes());
         }
     }
 }
@@ -107,16 +188,6 @@ macro_rules! rig_image {
             $crate::rig::run(MEMORY, ANSWER)
         }
 
-        #[cortex_m_rt::exception]
-        unsafe fn HardFault(_: &cortex_m_rt::ExceptionFrame) -> ! {
-            <$board as $crate::Board>::exit(false)
-        }
-
-        #[cortex_m_rt::exception]
-        unsafe fn DefaultHandler(_: i16) -> ! {
-            <$board as $crate::Board>::exit(false)
-        }
-
         #[panic_handler]
         fn panic(_: &core::panic::PanicInfo) -> ! {
             unsafe extern "C" {
@@ -125,6 +196,25 @@ macro_rules! rig_image {
             }
             // SAFETY: never linked.
             unsafe { a_panic_can_be_reached() }
+        }
+
+        $crate::rig_handlers!($board, <$board as $crate::Board>::exit(false));
+    };
+}
+
+/// The handlers of an image with a rig, which `ends` where it cannot go on, and its log.
+#[doc(hidden)]
+#[macro_export]
+macro_rules! rig_handlers {
+    ($board:ty, $ends:expr) => {
+        #[cortex_m_rt::exception]
+        unsafe fn HardFault(_: &cortex_m_rt::ExceptionFrame) -> ! {
+            $ends
+        }
+
+        #[cortex_m_rt::exception]
+        unsafe fn DefaultHandler(_: i16) -> ! {
+            $ends
         }
 
         const _: () = {

@@ -7,6 +7,7 @@
 //! |---|---|
 //! | [`image`](mod@image) | images: built, and how large they are |
 //! | [`lockstep`] | an image in the emulator, tick by tick with the simulated rig |
+//! | [`own_timer`] | a board on its own timer: its telemetry recorded, and one emulated with a specimen beside it |
 //! | [`predict`](mod@predict) | the force that an image gives for a recorded motion |
 //!
 //! ```no_run
@@ -22,4 +23,5 @@
 
 pub mod image;
 pub mod lockstep;
+pub mod own_timer;
 pub mod predict;

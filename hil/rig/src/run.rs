@@ -44,7 +44,8 @@ pub struct Samples {
 }
 
 impl Samples {
-    fn push(&mut self, telemetry: &Telemetry, time: f64, temperature: f64) {
+    /// Adds a tick, s after the start, at a temperature in °C.
+    pub fn push(&mut self, telemetry: &Telemetry, time: f64, temperature: f64) {
         let before = self.len();
         self.time.push(time);
         self.displacement.push(telemetry.displacement.into());
@@ -61,6 +62,28 @@ impl Samples {
                 column.resize(before, 0.0);
                 column.push(control.into());
             }
+        }
+    }
+
+    /// Drops what is later than `time`, s.
+    pub fn cut(&mut self, time: f64) {
+        let keep = self.time.partition_point(|sample| *sample <= time);
+        for column in [
+            &mut self.time,
+            &mut self.displacement,
+            &mut self.force,
+            &mut self.velocity,
+            &mut self.model_force,
+            &mut self.command,
+            &mut self.temperature,
+        ] {
+            column.truncate(keep);
+        }
+        self.block.truncate(keep);
+        self.cycle.truncate(keep);
+        self.ramp.truncate(keep);
+        for column in &mut self.controls {
+            column.truncate(keep);
         }
     }
 

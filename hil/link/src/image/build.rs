@@ -32,6 +32,13 @@ pub const SERIAL: Image = Image {
     ..FIRMWARE
 };
 
+/// The rig controller on the board's own timer, with a specimen simulated beside the emulator.
+pub const OWN_TIMER: Image = Image {
+    binary: "own-timer",
+    feature: "own-timer",
+    cfg: None,
+};
+
 /// Builds `image` for `board` with profile `firmware` and gives its ELF file. Does nothing where nothing has changed.
 ///
 /// # Errors

@@ -5,5 +5,5 @@ mod build;
 mod sections;
 
 pub use board::Board;
-pub use build::{FIRMWARE, Image, SERIAL, build};
+pub use build::{FIRMWARE, Image, OWN_TIMER, SERIAL, build};
 pub use sections::{Sections, sections};

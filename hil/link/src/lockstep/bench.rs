@@ -1,6 +1,7 @@
 //! A rig whose controller is an image, and whose sensors and actuator are simulated here.
 
 use mesh_damper::converter::Scale;
+use mesh_damper::error::ConfigError;
 use mesh_damper::fast_law::FastLaw;
 use mesh_damper::law::Law;
 use mesh_damper::message::{Sensors, Setup};
@@ -41,15 +42,9 @@ impl<'i, S: DamperForce + Clone, W: Wire, const N: usize> ImageBench<'i, S, W, N
     ) -> Result<Self, SetupError> {
         let plant = Plant::new(&setup)?;
         let law = FastLaw::new(setup.law.clone());
-        let scale = |full_scale| Scale::new(full_scale, 0.0);
         let info = PackInfo::at(setup.programme.tick_rate() as f32);
         send(image, &law, &info)?;
-        let wiring = Setup {
-            displacement: scale(setup.displacement_sensor.full_scale)?,
-            force: scale(setup.force_sensor.full_scale)?,
-            command: scale(setup.command_range)?,
-            config: setup.settings.at(setup.programme.tick_rate())?,
-        };
+        let wiring = described(&setup)?;
         match &setup.drive {
             Some(_) => image.set_up_stream(setup.stream_config()?, &wiring)?,
             None => image.set_up(&setup.programme, &wiring)?,
@@ -71,6 +66,22 @@ impl<S, W, const N: usize> ImageBench<'_, S, W, N> {
     pub fn image(&mut self) -> &mut Image<W> {
         self.image
     }
+}
+
+/// What the board of `setup` is told of its wiring and settings.
+///
+/// # Errors
+/// A scale or a setting that the crate refuses.
+pub fn described<S, const B: usize, const N: usize>(
+    setup: &RigSetup<S, B, N>,
+) -> Result<Setup, ConfigError> {
+    let scale = |full_scale| Scale::new(full_scale, 0.0);
+    Ok(Setup {
+        displacement: scale(setup.displacement_sensor.full_scale)?,
+        force: scale(setup.force_sensor.full_scale)?,
+        command: scale(setup.command_range)?,
+        config: setup.settings.at(setup.programme.tick_rate())?,
+    })
 }
 
 fn send<W: Wire, const N: usize>(

@@ -9,9 +9,9 @@ mod run;
 mod serial;
 mod watchdog;
 
-pub use bench::ImageBench;
+pub use bench::{ImageBench, described};
 pub use emulator::{Emulator, Wire};
-pub use exchange::Exchange;
+pub use exchange::{Exchange, Sent};
 pub use log::{LogDecoder, LogLevel, LogLine, LogSink};
 pub use run::{run_attack_on, run_rig_on, run_trial_on};
 pub use serial::Serial;
@@ -21,8 +21,8 @@ use std::path::Path;
 use mesh_damper::effects::Motion;
 use mesh_damper::frame::{PAYLOAD, VERSION};
 use mesh_damper::message::{
-    Answer, Knots, MAX_BLOCKS, MOTIONS, Motions, Outcome, PART, Refusal, Request, Sensors, Setup,
-    Statistics,
+    About, Answer, Knots, MAX_BLOCKS, MOTIONS, Motions, Outcome, PART, Refusal, Request, Sensors,
+    Setup, Statistics, TelemetryConfig,
 };
 use mesh_damper::rig::{ClearRefused, Knot, StartRefused, StreamConfig};
 use mesh_damper::sine::Programme;
@@ -69,6 +69,11 @@ pub enum LinkError {
     /// The board has restarted since it was greeted.
     #[error("the board has restarted in the middle: check its supply and its watchdog")]
     Restarted,
+    /// The board waits for its ticks.
+    #[error(
+        "the board has no timer of its own: flash it with an image that has one, or run it in lockstep by `hil run --on serial:PORT`"
+    )]
+    NoTimer,
     /// The image answered something else than what it was asked.
     #[error("the image answered another question")]
     OtherAnswer,
@@ -164,7 +169,7 @@ impl From<LinkError> for InputError {
             LinkError::SilentBoard(_) | LinkError::PortGone { .. } | LinkError::Restarted => {
                 "mend that, then run it again"
             }
-            LinkError::OtherVersion(_) => "flash the board, then run it again",
+            LinkError::OtherVersion(_) | LinkError::NoTimer => "flash the board, then run it again",
             LinkError::Ended { .. } | LinkError::Silent | LinkError::OtherAnswer => REPORT,
         };
         Self::new("the image", error.to_string(), mend)
@@ -203,12 +208,58 @@ impl Image<Serial> {
     }
 }
 
+impl Image<Serial> {
+    /// The board at the serial port `path`, which goes on with what it does, and what it says of itself. A board that waits for ticks says
+    /// that it cannot.
+    ///
+    /// # Errors
+    /// As [`Image::at`].
+    pub fn join(path: &Path) -> Result<(Self, About), InputError> {
+        let mut image = Self {
+            exchange: Exchange::joined(Serial::open(path)?),
+        };
+        let about = image.about()?;
+        Ok((image, about))
+    }
+}
+
 impl<W: Wire> Image<W> {
     /// The image at the other end of `wire`.
     pub fn on(wire: W) -> Self {
         Self {
             exchange: Exchange::new(wire),
         }
+    }
+
+    /// What a board on its own timer says of itself.
+    ///
+    /// # Errors
+    /// The link's; a board without a timer of its own.
+    pub fn about(&mut self) -> Result<About, LinkError> {
+        match self.exchange.ask(&Request::Join, |answer| match answer {
+            Answer::About(about) => Some(about),
+            _ => None,
+        }) {
+            // One that is asked for ticks knows no other order of things.
+            Err(LinkError::Refused { .. }) => Err(LinkError::NoTimer),
+            about => about,
+        }
+    }
+
+    /// Has a board on its own timer send this telemetry from now on.
+    ///
+    /// # Errors
+    /// The link's.
+    pub fn send_telemetry(&mut self, config: TelemetryConfig) -> Result<(), LinkError> {
+        self.done(&Request::Telemetry(config)).map(|_| ())
+    }
+
+    /// The next telemetry with its frame's number; none where nothing comes for a while.
+    ///
+    /// # Errors
+    /// The link's.
+    pub fn telemetry(&mut self) -> Result<Option<(u32, Sent)>, LinkError> {
+        self.exchange.telemetry()
     }
 
     fn done(&mut self, request: &Request<'_>) -> Result<bool, LinkError> {

@@ -1,0 +1,112 @@
+//! What the timer's interrupt does.
+
+use heapless::spsc::{Consumer, Producer};
+
+use mesh_damper::frame::{Frame, FrameBuffer, Frames};
+use mesh_damper::message::{Refusal, Request, write_about, write_again, write_done, write_refusal};
+use mesh_damper::telemetry::Recorder;
+
+use super::{Bytes, reload, set_timer};
+use crate::board::{Converters, OwnTimer};
+use crate::rig::{Controller, Memory, Turn, Turns};
+
+/// The rig, its telemetry and the requests to it.
+pub struct Ticker<B: OwnTimer> {
+    controller: Controller<B>,
+    recorder: Recorder<'static>,
+    requests: Consumer<'static, Bytes>,
+    answers: Producer<'static, FrameBuffer>,
+    turns: Turns,
+    answer: &'static mut FrameBuffer,
+}
+
+impl<B: OwnTimer> Ticker<B> {
+    pub(super) fn new(
+        memory: &'static mut Memory<B>,
+        recorder: Recorder<'static>,
+        requests: Consumer<'static, Bytes>,
+        answers: Producer<'static, FrameBuffer>,
+    ) -> Self {
+        let (controller, _, answer) = memory.controller();
+        Self {
+            controller,
+            recorder,
+            requests,
+            answers,
+            turns: Turns::NEW,
+            answer,
+        }
+    }
+
+    /// One tick, and after it one request.
+    #[inline]
+    pub(super) fn tick(&mut self) {
+        let temperature = B::Converters::temperature();
+        match self.controller.own_tick(B::clock(), temperature) {
+            Some(telemetry) => self.recorder.tick(&telemetry, temperature),
+            None => B::Converters::idle(),
+        }
+        if self.answers.ready()
+            && let Some(bytes) = self.requests.dequeue()
+        {
+            self.answer(&bytes);
+        }
+    }
+
+    #[inline(never)]
+    fn answer(&mut self, bytes: &[u8]) {
+        let Some(frame) = Frames(bytes).next() else {
+            write_again(self.answer);
+            return self.send();
+        };
+        self.controller.exchange();
+        let sequence = frame.header.sequence;
+        match self.turns.of(&frame) {
+            Turn::New => {
+                if !self.carry_out(&frame) {
+                    return;
+                }
+                self.turns.taken(sequence);
+            }
+            Turn::Repeated => {}
+            Turn::Restarted => write_refusal(sequence, &Refusal::Restarted, self.answer),
+            Turn::Greeting => B::reset(),
+            Turn::Stale => return,
+        }
+        self.send();
+    }
+
+    fn send(&mut self) {
+        // There was room when the request was taken.
+        let _ = self.answers.enqueue(self.answer.clone());
+    }
+
+    /// Does what `frame` asks and writes the answer; says no where it asks for nothing.
+    fn carry_out(&mut self, frame: &Frame<'_>) -> bool {
+        let sequence = frame.header.sequence;
+        match Request::read(frame) {
+            Some(Request::Telemetry(config)) => {
+                self.recorder.set(config);
+                write_done(sequence, true, self.answer);
+                true
+            }
+            Some(Request::Join) => {
+                write_about(sequence, &self.controller.about(B::CLOCK), self.answer);
+                true
+            }
+            Some(Request::Setup(_)) => {
+                let Some(reload) = self.controller.rate().and_then(reload::<B>) else {
+                    write_refusal(sequence, &Refusal::Field("tick_rate"), self.answer);
+                    return true;
+                };
+                let answered = self.controller.answer_others(frame, self.answer);
+                if self.controller.has_rig() {
+                    // SAFETY: nobody else uses SysTick.
+                    set_timer(&mut unsafe { cortex_m::Peripherals::steal() }.SYST, reload);
+                }
+                answered
+            }
+            _ => self.controller.answer_others(frame, self.answer),
+        }
+    }
+}

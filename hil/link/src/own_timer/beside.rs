@@ -1,0 +1,214 @@
+//! An emulated board on its own timer, with actuator, sensors and specimen simulated beside the emulator.
+//!
+//! The board's time goes by the instructions that it carries out, at 16 ns each. At each tick it asks for the sensors' codes; no time of the board passes until it has them. They are held back where
+//! the board is ahead of the clock on the wall. A busy host makes the board slow, and no tick late. `firmware/src/emulated/beside.rs` has
+//! the bytes.
+
+use std::io::{BufRead as _, BufReader, Read, Write};
+use std::path::{Path, PathBuf};
+use std::process::{Child, Stdio};
+use std::thread::JoinHandle;
+use std::time::{Duration, Instant};
+
+use mesh_damper_recording::error::InputError;
+use mesh_damper_rig::Plant;
+use mesh_damper_rig::actuator::{adc_code, dac_volts};
+use mesh_damper_rig::specimen::DamperForce;
+
+use crate::image::{Board, OWN_TIMER, build};
+
+/// An instruction takes 2^4 ns, as at 62.5 MHz.
+const TIME: &str = "shift=4,sleep=off";
+/// Counts of the board's clock in a second, as in `firmware/src/emulated/clock.rs`.
+const CLOCK: f64 = 25e6;
+/// How far ahead the board may be, s: a sleep takes some 0.1 ms more than it is asked for.
+const AHEAD: f64 = 2e-3;
+
+/// The board, which runs until this is dropped.
+#[derive(Debug)]
+pub struct EmulatedBoard {
+    process: Child,
+    port: PathBuf,
+    specimen: Option<JoinHandle<()>>,
+}
+
+impl EmulatedBoard {
+    /// Builds the image where it is not up to date, and starts it with `plant` beside it, at `speed` times the clock on the wall.
+    /// `arguments` are for the emulator.
+    ///
+    /// # Errors
+    /// A compiler's target or an emulator that is not installed, or what they say.
+    pub fn start<S: DamperForce + Clone + Send + 'static>(
+        plant: Plant<S>,
+        speed: f64,
+        arguments: &[&str],
+    ) -> Result<Self, InputError> {
+        let board = Board::Mps2An386;
+        board.check()?;
+        let elf = build(&OWN_TIMER, board)?;
+        Self::start_image(&elf, plant, speed, arguments)
+    }
+
+    fn start_image<S: DamperForce + Clone + Send + 'static>(
+        elf: &Path,
+        plant: Plant<S>,
+        speed: f64,
+        arguments: &[&str],
+    ) -> Result<Self, InputError> {
+        let failed = |problem: String| {
+            let mend = "check that qemu-system-arm runs by itself";
+            InputError::new("the emulator", problem, mend)
+        };
+        let mut process = Board::Mps2An386
+            .emulator_with("pty", elf)?
+            .args(["-icount", TIME])
+            .args(["-semihosting-config", "enable=on,target=native"])
+            .args(arguments)
+            .stdin(Stdio::piped())
+            .stdout(Stdio::piped())
+            .stderr(Stdio::null())
+            .spawn()
+            .map_err(|error| failed(format!("does not start: {error}")))?;
+        let (Some(delivered), Some(driven)) = (process.stdin.take(), process.stdout.take()) else {
+            unreachable!("both are piped");
+        };
+        let mut driven = BufReader::new(driven);
+        // It says: char device redirected to /dev/pts/1 (label serial0).
+        let mut said = String::new();
+        let named = driven.read_line(&mut said);
+        let port = said.split_whitespace().find(|word| word.starts_with('/'));
+        let (Ok(_), Some(port)) = (named, port) else {
+            let _ = process.kill();
+            let _ = process.wait();
+            return Err(failed(format!("names no pseudo-terminal: {}", said.trim())));
+        };
+        let port = PathBuf::from(port);
+        let specimen =
+            std::thread::spawn(move || Beside::new(plant, speed).answer(driven, delivered));
+        Ok(Self {
+            process,
+            port,
+            specimen: Some(specimen),
+        })
+    }
+
+    /// The pseudo-terminal that stands for the board's serial port.
+    pub fn port(&self) -> &Path {
+        &self.port
+    }
+
+    /// The emulator's process.
+    pub fn id(&self) -> u32 {
+        self.process.id()
+    }
+
+    /// Waits until the emulator ends.
+    ///
+    /// # Errors
+    /// The system's.
+    pub fn wait(&mut self) -> std::io::Result<()> {
+        self.process.wait().map(|_| ())
+    }
+}
+
+impl Drop for EmulatedBoard {
+    fn drop(&mut self) {
+        // One that has ended already cannot be ended again.
+        let _ = self.process.kill();
+        let _ = self.process.wait();
+        if let Some(specimen) = self.specimen.take() {
+            // It ends with the emulator's end of the pipes.
+            let _ = specimen.join();
+        }
+    }
+}
+
+/// The simulated side.
+struct Beside<S> {
+    plant: Plant<S>,
+    /// What the sensors deliver until the enable line rises for the first time: nothing moves until then.
+    first: Vec<u8>,
+    begun: bool,
+    pace: Pace,
+}
+
+/// Holds the board back.
+struct Pace {
+    /// Seconds of the wall's clock to a count of the board's.
+    per_count: f64,
+    /// When the board's clock read what it did last, had it not been faster.
+    due: Instant,
+    count: Option<u32>,
+}
+
+impl Pace {
+    /// Waits until the board's clock may read `count`.
+    fn wait(&mut self, count: u32) {
+        let passed = count.wrapping_sub(self.count.unwrap_or(count));
+        // A board that has restarted counts from 0 again.
+        let passed = if passed > u32::MAX / 2 { 0 } else { passed };
+        self.count = Some(count);
+        self.due += Duration::from_secs_f64(f64::from(passed) * self.per_count);
+        let now = Instant::now();
+        match self.due.checked_duration_since(now) {
+            Some(ahead) if ahead.as_secs_f64() > AHEAD => std::thread::sleep(ahead),
+            Some(_) => {}
+            // What a busy host has cost is not made up for.
+            None => self.due = now,
+        }
+    }
+}
+
+impl<S: DamperForce + Clone> Beside<S> {
+    fn new(mut plant: Plant<S>, speed: f64) -> Self {
+        let first = delivered(&mut plant);
+        Self {
+            plant,
+            first,
+            begun: false,
+            pace: Pace {
+                per_count: 1.0 / (CLOCK * speed),
+                due: Instant::now(),
+                count: None,
+            },
+        }
+    }
+
+    /// What the sensors deliver at a tick, after the actuator had `code` and this level of its enable line since the last.
+    fn next(&mut self, code: u16, enabled: bool) -> Vec<u8> {
+        if self.begun {
+            self.plant.drive(dac_volts(code), enabled);
+            return delivered(&mut self.plant);
+        }
+        // The line rises between two ticks, and has had no tick of its own yet.
+        self.begun = enabled;
+        self.first.clone()
+    }
+
+    /// Answers the image until the emulator's end.
+    fn answer(mut self, mut driven: impl Read, mut delivered: impl Write) {
+        let mut asked = [0; 8];
+        while driven.read_exact(&mut asked).is_ok() {
+            let [low, high, enabled, _, clock @ ..] = asked;
+            self.pace.wait(u32::from_le_bytes(clock));
+            let next = self.next(u16::from_le_bytes([low, high]), enabled != 0);
+            if delivered.write_all(&next).is_err() {
+                return;
+            }
+        }
+    }
+}
+
+fn delivered<S: DamperForce + Clone>(plant: &mut Plant<S>) -> Vec<u8> {
+    let (displacement, force) = plant.sense();
+    let mut bytes = Vec::new();
+    for volts in [displacement, force] {
+        bytes.extend(adc_code(volts).to_le_bytes());
+    }
+    bytes.extend(plant.shown_temperature().to_le_bytes());
+    for control in plant.shown_controls() {
+        bytes.extend(control.to_le_bytes());
+    }
+    bytes.push(plant.tripped.into());
+    bytes
+}

@@ -1,0 +1,237 @@
+//! The telemetry of a board on its own timer, recorded.
+
+use std::time::{Duration, Instant};
+
+use mesh_damper::message::{Note, Row, TelemetryConfig};
+use mesh_damper::rig::{State, Telemetry};
+use mesh_damper_recording::error::InputError;
+use mesh_damper_rig::{RigRun, Samples, Watch};
+
+use crate::lockstep::{Image, LinkError, Sent, Wire};
+
+/// How often the board is asked how it is: it takes a harness that asks nothing for lost.
+const ASK: Duration = Duration::from_millis(200);
+/// For how long nothing more may come once the test is over: what is missing then was lost.
+const PATIENCE: Duration = Duration::from_millis(500);
+
+/// What did not arrive.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Lost {
+    /// Rows, whoever lost them.
+    pub rows: u64,
+    /// Notes of cycles, events and states.
+    pub notes: u64,
+    /// Frames that the board sent. Rows that are missing though none of these is were lost on the board, whose queue was full.
+    pub frames: u64,
+}
+
+/// A test that a board ran by itself, as it sent it.
+#[derive(Clone, Debug)]
+pub struct BoardRun {
+    /// What came. The velocity of its samples is not sent, nor are block, cycle and ramp.
+    pub run: RigRun,
+    /// What did not.
+    pub lost: Lost,
+    /// Ticks that the board found out of time.
+    pub late_ticks: u32,
+}
+
+/// Why a recording ended before the test did.
+#[derive(Debug, thiserror::Error)]
+pub enum RecordError {
+    /// The link to the board.
+    #[error(transparent)]
+    Link(#[from] LinkError),
+    /// Who watches could not go on.
+    #[error(transparent)]
+    Watch(#[from] InputError),
+}
+
+/// Records what the board at the other end of `image` sends of a rig of `tick_rate` Hz, as `config` asks for it, until the test is over, or
+/// for `duration` seconds of it. `begin` starts the test, once telemetry has been asked for. `watch` is shown what there is of `expected`
+/// seconds now and then, and at the end however it ends.
+///
+/// # Errors
+/// The link's, `begin`'s and `watch`'s.
+pub fn record<W: Wire>(
+    image: &mut Image<W>,
+    config: TelemetryConfig,
+    tick_rate: f64,
+    [expected, duration]: [f64; 2],
+    begin: impl FnOnce(&mut Image<W>) -> Result<(), LinkError>,
+    watch: &mut impl Watch,
+) -> Result<BoardRun, RecordError> {
+    let mut taken = Taken {
+        config,
+        tick_rate,
+        run: RigRun {
+            samples: Samples::default(),
+            cycles: Vec::new(),
+            faults: Vec::new(),
+            events: Vec::new(),
+            is_controlled: config.controls > 0,
+            ticks: 0,
+            outside: None,
+        },
+        lost: Lost::default(),
+        next: Numbers::default(),
+        ends: None,
+    };
+    image.send_telemetry(config)?;
+    begin(image)?;
+    let ended = follow(image, &mut taken, [expected, duration], watch);
+    watch.see(1.0, &taken.run.samples)?;
+    let late_ticks = ended?;
+    image.send_telemetry(TelemetryConfig::default())?;
+    Ok(BoardRun {
+        run: taken.run,
+        lost: taken.lost,
+        late_ticks,
+    })
+}
+
+/// Until the test is over; how many ticks of the board were late.
+fn follow<W: Wire>(
+    image: &mut Image<W>,
+    taken: &mut Taken,
+    [expected, duration]: [f64; 2],
+    watch: &mut impl Watch,
+) -> Result<u32, RecordError> {
+    let mut asked = Instant::now();
+    let mut came = Instant::now();
+    let mut about = image.about()?;
+    loop {
+        if let Some((number, sent)) = image.telemetry()? {
+            taken.take(number, &sent);
+            came = Instant::now();
+        }
+        if taken.is_whole()
+            || taken.time() >= duration
+            || (taken.ends.is_some() && came.elapsed() > PATIENCE)
+        {
+            taken.cut();
+            return Ok(about.late_ticks);
+        }
+        if asked.elapsed() > ASK {
+            about = image.about()?;
+            if about.tick_rate == 0.0 {
+                return Err(LinkError::Restarted.into());
+            }
+            asked = Instant::now();
+            watch.see((taken.time() / expected).min(1.0), &taken.run.samples)?;
+        }
+    }
+}
+
+/// Numbers that come next.
+#[derive(Default)]
+struct Numbers {
+    frame: Option<u32>,
+    row: u32,
+    note: u32,
+}
+
+/// What has come so far.
+struct Taken {
+    config: TelemetryConfig,
+    tick_rate: f64,
+    run: RigRun,
+    lost: Lost,
+    next: Numbers,
+    /// The tick at which the test was over.
+    ends: Option<u32>,
+}
+
+impl Taken {
+    fn take(&mut self, number: u32, sent: &Sent) {
+        if let Some(next) = self.next.frame {
+            self.lost.frames += u64::from(number.wrapping_sub(next));
+        }
+        self.next.frame = Some(number.wrapping_add(1));
+        let session = self.config.session;
+        match sent {
+            Sent::Rows(rows) => {
+                for row in rows.iter().filter(|row| row.session == session) {
+                    self.row(row);
+                }
+            }
+            Sent::Note(note) if note.session == session => self.note(note),
+            Sent::Note(_) => {}
+        }
+    }
+
+    fn row(&mut self, row: &Row) {
+        self.lost.rows += u64::from(row.number.wrapping_sub(self.next.row));
+        self.next.row = row.number.wrapping_add(1);
+        let tick = u64::from(row.number) * u64::from(self.config.every);
+        self.run.ticks = tick + 1;
+        let telemetry = Telemetry {
+            tick,
+            displacement: row.displacement,
+            velocity: f32::NAN,
+            measured_force: row.force,
+            controls: row.controls,
+            model_force: row.law_force,
+            command: row.command,
+            block: 0,
+            cycle: 0,
+            phase: 0,
+            ramp: false,
+            state: row.state,
+            report: None,
+            event: None,
+        };
+        let time = self.time_of(row.number.wrapping_mul(self.config.every));
+        self.run
+            .samples
+            .push(&telemetry, time, row.temperature.into());
+    }
+
+    fn note(&mut self, note: &Note) {
+        self.lost.notes += u64::from(note.number.wrapping_sub(self.next.note));
+        self.next.note = note.number.wrapping_add(1);
+        let time = self.time_of(note.tick);
+        self.run.cycles.extend(note.report);
+        self.run
+            .events
+            .extend(note.event.map(|event| (time, event)));
+        if let State::Faulted(fault) = note.state
+            && self.run.faults.is_empty()
+        {
+            self.run.faults.push((time, fault));
+        }
+        if note.ends {
+            self.ends = Some(note.tick);
+            self.run.ticks = u64::from(note.tick) + 1;
+        }
+    }
+
+    /// Rows of the test, once it is over.
+    fn rows(&self) -> Option<u32> {
+        self.ends.map(|tick| tick / self.config.every.max(1) + 1)
+    }
+
+    /// Whether all that was to come of a test that is over is there.
+    fn is_whole(&self) -> bool {
+        self.rows().is_some_and(|rows| self.next.row >= rows)
+    }
+
+    /// s, computed as the simulated rig does.
+    fn time_of(&self, tick: u32) -> f64 {
+        f64::from(tick) * (1.0 / self.tick_rate)
+    }
+
+    /// Of the last row, s.
+    fn time(&self) -> f64 {
+        self.run.samples.time.last().copied().unwrap_or_default()
+    }
+
+    /// Rows after the test's end are of a rig at rest.
+    fn cut(&mut self) {
+        if let Some(tick) = self.ends {
+            let time = self.time_of(tick);
+            self.run.samples.cut(time);
+            self.run.ticks = u64::from(tick) + 1;
+        }
+    }
+}
