@@ -11,15 +11,14 @@ use mesh_damper_recording::error::InputError;
 use mesh_damper_recording::{UNFINISHED, decimal};
 
 use super::run::Samples;
-use super::specimen::CURRENT;
 
 /// A file that grows with a run, next to where its recording will be.
 #[derive(Debug)]
 pub struct Journal {
     path: PathBuf,
     comments: Vec<String>,
-    /// Whether the specimen is under a control input.
-    is_controlled: bool,
+    /// Control inputs that the specimen is under, the first ones of the samples.
+    controls: Vec<String>,
     /// There is none before the first sample, so that a run that does not begin leaves nothing.
     file: Option<File>,
     written: usize,
@@ -28,22 +27,24 @@ pub struct Journal {
 impl Journal {
     /// `recording.partial.csv` in `directory`, which is there, with these comments; nothing is written yet.
     pub fn new(directory: &Path, comments: Vec<String>) -> Self {
+        Self::at(Self::path_in(directory), comments)
+    }
+
+    /// The same at `path`.
+    pub fn at(path: PathBuf, comments: Vec<String>) -> Self {
         Self {
-            path: Self::path_in(directory),
+            path,
             comments,
-            is_controlled: false,
+            controls: Vec::new(),
             file: None,
             written: 0,
         }
     }
 
-    /// The same with a column for the specimen's control input, if it is under one.
+    /// The same with a column for each of `controls`, inputs that the specimen is under.
     #[must_use]
-    pub fn of_controlled(self, is_controlled: bool) -> Self {
-        Self {
-            is_controlled,
-            ..self
-        }
+    pub fn with_controls(self, controls: Vec<String>) -> Self {
+        Self { controls, ..self }
     }
 
     /// Where it is for a run that leaves its recording in `directory`.
@@ -74,8 +75,8 @@ impl Journal {
             }
             text += &format!("# {UNFINISHED}: the run was under way\n");
             text += "time_s,displacement_mm,force_kN,temperature_degC";
-            if self.is_controlled {
-                text += &format!(",{CURRENT}");
+            for control in &self.controls {
+                text += &format!(",{control}");
             }
             text.push('\n');
         }
@@ -87,10 +88,10 @@ impl Journal {
                 &samples.temperature,
             ];
             text += &cells.map(|channel| decimal(channel[index])).join(",");
-            if self.is_controlled {
+            for place in 0..self.controls.len() {
                 // The samples keep none until it is other than 0.
-                let current = samples.control(0).get(index).copied();
-                text += &format!(",{}", decimal(current.unwrap_or_default()));
+                let input = samples.control(place).get(index).copied();
+                text += &format!(",{}", decimal(input.unwrap_or_default()));
             }
             text.push('\n');
         }

@@ -3,7 +3,6 @@
 use mesh_damper::rig::CycleReport;
 use mesh_damper::sine::Programme;
 use mesh_damper_recording::error::InputError;
-use mesh_damper_rig::RigRun;
 use serde::Serialize;
 
 use super::programme::MOST_BLOCKS;
@@ -31,6 +30,8 @@ pub struct CycleRow {
     followed_k1: f32,
     followed_k3: f32,
     followed_c: f32,
+    #[serde(skip)]
+    ticks: f32,
 }
 
 impl From<&CycleReport> for CycleRow {
@@ -56,6 +57,7 @@ impl From<&CycleReport> for CycleRow {
             followed_k1: report.followed.k1,
             followed_k3: report.followed.k3,
             followed_c: report.followed.c,
+            ticks: measured.ticks,
         }
     }
 }
@@ -86,22 +88,35 @@ pub fn csv_of(cycles: &[CycleRow]) -> Result<Vec<u8>, InputError> {
         .map_err(|error| failed(error.to_string()))
 }
 
-/// Prints the means over each block's steady cycles.
-pub fn print_blocks(run: &RigRun, programme: &Programme<MOST_BLOCKS>) {
+/// Prints the means over each block's steady cycles, of a rig of `tick_rate` Hz. Amplitude and frequency are those of `programme`; without
+/// one, as measured.
+pub fn print_blocks(
+    cycles: &[CycleRow],
+    programme: Option<&Programme<MOST_BLOCKS>>,
+    tick_rate: f64,
+) {
     say("    mm      Hz  cycles   K, kN/mm  of law   loss factor  of law   error of law");
-    for (index, block) in programme.blocks().enumerate() {
-        let cycles: Vec<CycleRow> = run.steady_cycles(index).map(CycleRow::from).collect();
-        if cycles.is_empty() {
+    for block in cycles.chunk_by(|a, b| a.block == b.block) {
+        let steady: Vec<&CycleRow> = block.iter().filter(|row| !row.ramp).collect();
+        if steady.is_empty() {
             continue;
         }
         let mean = |of: fn(&CycleRow) -> f32| {
-            cycles.iter().map(|row| f64::from(of(row))).sum::<f64>() / cycles.len() as f64
+            steady.iter().map(|row| f64::from(of(row))).sum::<f64>() / steady.len() as f64
+        };
+        let demanded = programme.and_then(|programme| programme.blocks().nth(steady[0].block));
+        let [amplitude, frequency] = match demanded {
+            Some(block) => [block.amplitude(), block.to()],
+            None => [
+                mean(|row| row.amplitude_mm),
+                tick_rate / mean(|row| row.ticks),
+            ],
         };
         say(&format!(
             "{:6.3} {:7.2} {:7}   {:8.3} {:8.3}   {:10.4} {:8.4}   {:10.2} %",
-            block.amplitude(),
-            block.to(),
-            cycles.len(),
+            amplitude,
+            frequency,
+            steady.len(),
             mean(|row| row.stiffness_kn_per_mm),
             mean(|row| row.model_stiffness_kn_per_mm),
             mean(|row| row.loss_factor),

@@ -1,7 +1,6 @@
 //! The image for the commands that run on it.
 
 use std::fmt::{self, Display, Formatter};
-use std::path::PathBuf;
 use std::str::FromStr;
 
 use clap::ValueEnum;
@@ -10,6 +9,7 @@ use mesh_damper_link::lockstep::{self, Emulator, Image, Serial};
 use mesh_damper_recording::error::InputError;
 use serde::{Serialize, Serializer};
 
+use super::board::Port;
 use crate::commands::progress::Progress;
 
 /// Where the crate runs.
@@ -30,7 +30,7 @@ pub enum Place {
     /// In the firmware's image, in an emulator.
     Image,
     /// On a board, in lockstep over this serial port.
-    Serial(PathBuf),
+    Serial(Port),
 }
 
 impl FromStr for Place {
@@ -40,12 +40,9 @@ impl FromStr for Place {
         match text {
             "host" => Ok(Self::Host),
             "image" => Ok(Self::Image),
-            _ => match text.strip_prefix("serial:") {
-                Some(port) if !port.is_empty() => Ok(Self::Serial(port.into())),
-                _ => {
-                    Err("host, image or serial:PORT is wanted, such as serial:/dev/ttyACM0".into())
-                }
-            },
+            _ => text.parse().map(Self::Serial).map_err(|_| {
+                "host, image or serial:PORT is wanted, such as serial:/dev/ttyACM0".into()
+            }),
         }
     }
 }
@@ -55,7 +52,7 @@ impl Display for Place {
         match self {
             Self::Host => f.write_str("host"),
             Self::Image => f.write_str("image"),
-            Self::Serial(port) => write!(f, "serial:{}", port.display()),
+            Self::Serial(port) => port.fmt(f),
         }
     }
 }
@@ -84,7 +81,7 @@ impl Linked {
         Ok(match place {
             Place::Host => None,
             Place::Image => Some(Self::Image(start_image(log, tick_rate)?)),
-            Place::Serial(port) => Some(Self::Board(Image::at(port)?)),
+            Place::Serial(port) => Some(Self::Board(Image::at(port.path())?)),
         })
     }
 }

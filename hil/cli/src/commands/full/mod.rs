@@ -4,12 +4,14 @@ mod amplitude_independent;
 mod bench;
 mod bench_table;
 mod blind;
+mod board;
 mod characterize;
 mod controls;
 mod cycles;
 mod design;
 mod drive;
 mod effect;
+mod emulate;
 mod events;
 mod export;
 mod faults;
@@ -23,12 +25,15 @@ mod paper;
 pub mod policy;
 mod predict;
 mod programme;
+mod record;
 mod respond;
 mod respond_sweep;
 mod run;
+mod specimen;
 mod study;
 mod study_bouc_wen;
 mod study_size;
+mod upload;
 
 use clap::Subcommand;
 
@@ -41,6 +46,9 @@ pub enum Command {
     Respond(respond::RespondCommand),
     Export(export::ExportCommand),
     Run(run::RunCommand),
+    Record(record::RecordCommand),
+    Upload(upload::UploadCommand),
+    Emulate(emulate::EmulateCommand),
     Bench(bench::BenchCommand),
     Blind(blind::BlindCommand),
     AmplitudeFree(amplitude_independent::AmplitudeFreeCommand),
@@ -60,6 +68,9 @@ impl Command {
             Self::Respond(command) => command.run(),
             Self::Export(command) => command.run(),
             Self::Run(command) => command.run(),
+            Self::Record(command) => command.run(),
+            Self::Upload(command) => command.run(),
+            Self::Emulate(command) => command.run(),
             Self::Bench(command) => command.run(),
             Self::Blind(command) => command.run(),
             Self::AmplitudeFree(command) => command.run(),

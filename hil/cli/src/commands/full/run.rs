@@ -15,18 +15,18 @@ use mesh_damper_model::{Control, MAX_EFFECTS, ModelError};
 use mesh_damper_recording::Recording;
 use mesh_damper_recording::error::InputError;
 use mesh_damper_recording::output::Plan;
-use mesh_damper_rig::specimen::{CURRENT, DamperForce as _, Specimen, draw};
+use mesh_damper_rig::specimen::{CURRENT, DamperForce as _, Specimen};
 use mesh_damper_rig::{Journal, RigSetup, Samples, SetupError, TICK_RATE, Watch, run_rig};
 use serde::Serialize;
 
 use super::cycles::{CycleRow, csv_of, print_blocks};
 use super::drive::{DriveOptions, Driven, Followed};
-use super::effect;
 use super::events::EventRow;
 use super::image::{Linked, LogLevel, Place};
 use super::law::PublishedLaw;
 use super::meant_for::{self, FirstError};
 use super::programme::{self, MOST_BLOCKS};
+use super::specimen::{SPECIMEN_AMPLITUDE, SpecimenOptions};
 use crate::commands::progress::Progress;
 use crate::commands::reading::Reading;
 use crate::commands::{Failure, say, warn};
@@ -71,15 +71,8 @@ pub struct RunCommand {
     /// Where the published coefficients are taken from
     #[arg(long, value_enum, default_value_t = PublishedLaw::Tables, conflicts_with = "model")]
     law: PublishedLaw,
-    /// Density of the specimen, g/cm³, 2 to 4
-    #[arg(long, value_name = "G_PER_CM3", default_value_t = 3.0)]
-    density: f64,
-    /// Test the specimen with an undeclared effect that the seed draws, as the demonstration does
-    #[arg(long, conflicts_with_all = ["density", "effect"])]
-    drawn: bool,
-    /// Test the specimen with this effect, family:name=value,name=value; may be given more than once
-    #[arg(long, value_name = "EFFECT")]
-    effect: Vec<String>,
+    #[command(flatten)]
+    specimen: SpecimenOptions,
     /// Let the law follow slow changes of k1, k3 and c, after the run-in by up to this part of each, 0 to 0.5
     #[arg(
         long,
@@ -88,9 +81,6 @@ pub struct RunCommand {
         conflicts_with = "drive"
     )]
     follow: f64,
-    /// Of the sensors' noise, and of the effect drawn
-    #[arg(long, default_value_t = 1)]
-    seed: u64,
     /// Ticks per second of the crate
     #[arg(long, value_name = "HZ", default_value_t = TICK_RATE)]
     tick_rate: f64,
@@ -106,9 +96,6 @@ pub struct RunCommand {
     #[command(flatten)]
     reading: Reading,
 }
-
-/// The amplitude whose row of the paper's tables a specimen of given density follows, mm.
-const SPECIMEN_AMPLITUDE: f64 = 0.1;
 
 /// What a run came to.
 #[derive(Serialize)]
@@ -145,13 +132,21 @@ struct OutsideTicks {
 
 /// Why and when the rig stopped before its end.
 #[derive(Serialize)]
-struct Stop {
+pub(super) struct Stop {
     time: f64,
     fault: String,
 }
 
 impl Stop {
-    fn failure(&self) -> Failure {
+    /// For `fault` at `time`, s.
+    pub(super) fn new((time, fault): (f64, TripCause)) -> Self {
+        Self {
+            time,
+            fault: in_words(fault).to_owned(),
+        }
+    }
+
+    pub(super) fn failure(&self) -> Failure {
         Failure::Check(format!(
             "the rig stopped {:.3} s after its start: {}",
             self.time, self.fault
@@ -179,7 +174,7 @@ impl RunCommand {
             (None, Some(path)) => Some(programme::read(path, self.reading.limit, self.tick_rate)?),
             (None, None) => Some(programme::parse(&self.blocks, self.tick_rate)?),
         };
-        let (specimen, density, described) = self.specimen()?;
+        let (specimen, density, described) = self.specimen.specimen()?;
         let is_controlled = specimen.control().is_some();
         let (mut setup, fitted_range) =
             self.setup(specimen, density, programme.as_ref(), driven.as_ref())?;
@@ -208,12 +203,17 @@ impl RunCommand {
         progress.step("running the rig");
         let mut comments = vec![
             format!("specimen: {described}"),
-            format!("run: simulated rig, seed = {}", self.seed),
+            format!("run: simulated rig, seed = {}", self.specimen.seed),
         ];
         comments.extend(driven.as_ref().map(Driven::comment));
         let mut watched = Watched {
             progress,
-            journal: Journal::new(&self.out, comments.clone()).of_controlled(is_controlled),
+            journal: Journal::new(&self.out, comments.clone()).with_controls(
+                is_controlled
+                    .then(|| CURRENT.to_owned())
+                    .into_iter()
+                    .collect(),
+            ),
         };
         let run = match linked {
             None => run_rig(setup, &mut watched),
@@ -234,7 +234,7 @@ impl RunCommand {
         let summary = Summary {
             on: self.on.clone(),
             specimen: described.clone(),
-            seed: self.seed,
+            seed: self.specimen.seed,
             tick_rate: self.tick_rate,
             ticks: run.ticks,
             warnings,
@@ -250,10 +250,7 @@ impl RunCommand {
                 .map(|(driven, asked)| driven.followed(&run, asked)),
             cycles: run.cycles.iter().map(CycleRow::from).collect(),
             events: run.events.iter().map(EventRow::new).collect(),
-            stopped: run.faults.first().map(|&(time, fault)| Stop {
-                time,
-                fault: in_words(fault).to_owned(),
-            }),
+            stopped: run.faults.first().map(|fault| Stop::new(*fault)),
         };
         if let (Some(path), Some(outside)) = (&self.model, summary.outside_operating_range)
             && outside.ticks > 0
@@ -291,7 +288,7 @@ impl RunCommand {
             .map_err(|error| with_journal(error, &journal))?;
         if self.json.as_deref() != Some(Path::new("-")) {
             if let Some(programme) = &programme {
-                print_blocks(&run, programme);
+                print_blocks(&summary.cycles, Some(programme), self.tick_rate);
             }
             if let Some(followed) = &summary.drive {
                 followed.print();
@@ -307,41 +304,6 @@ impl RunCommand {
             say(&format!("The recording is {}", recording.display()));
         }
         summary.stopped.map_or(Ok(()), |stop| Err(stop.failure()))
-    }
-
-    /// The specimen, its density in g/cm³ and what is said of it in the recording.
-    fn specimen(&self) -> Result<(Specimen, f64, String), InputError> {
-        if self.drawn {
-            let (specimen, drawn) = draw(self.seed);
-            let described = format!(
-                "simulated MMD, density_g_cm3 = {}, undeclared effect of seed {}",
-                drawn.density, self.seed
-            );
-            return Ok((specimen, drawn.density, described));
-        }
-        let (low, high) = (2.0, 4.0);
-        if !(low..=high).contains(&self.density) {
-            return Err(InputError::new(
-                "--density",
-                format!("{} g/cm³ is outside the paper's tables", self.density),
-                format!("give {low} to {high}"),
-            ));
-        }
-        let mut described = format!("simulated MMD, density_g_cm3 = {}", self.density);
-        let mut specimen = Specimen::of_density(self.density, SPECIMEN_AMPLITUDE);
-        for text in &self.effect {
-            let effect = effect::parse(text)?;
-            if specimen.control().is_some() && effect.control_at(0.0).is_some() {
-                return Err(InputError::new(
-                    "--effect",
-                    "gives a second control input",
-                    "give one: a simulated specimen is under one current",
-                ));
-            }
-            specimen = specimen.with(effect);
-            described = format!("{described}, {text}");
-        }
-        Ok((specimen, self.density, described))
     }
 
     /// The test of `specimen`, of a density in g/cm³, under either `programme` or the motion that is `driven`, and the motion that the
@@ -372,9 +334,13 @@ impl RunCommand {
             operating_range,
         } = self.laws(first, &amplitudes, density, specimen.control().is_some())?;
         let mut setup = match (driven, programme) {
-            (Some(driven), _) => RigSetup::driven(specimen, law, driven.motion.clone(), self.seed)
-                .map_err(|error| refused(error.into()))?,
-            (None, Some(programme)) => RigSetup::new(specimen, law, programme.clone(), self.seed),
+            (Some(driven), _) => {
+                RigSetup::driven(specimen, law, driven.motion.clone(), self.specimen.seed)
+                    .map_err(|error| refused(error.into()))?
+            }
+            (None, Some(programme)) => {
+                RigSetup::new(specimen, law, programme.clone(), self.specimen.seed)
+            }
             (None, None) => return Err(InputError::new("the rig", "no motion", "give --blocks")),
         };
         setup.block_laws = block_laws;
@@ -453,9 +419,9 @@ struct Laws {
 }
 
 /// Shows how far a run is, and keeps what it has recorded.
-struct Watched {
-    progress: Progress,
-    journal: Journal,
+pub(super) struct Watched {
+    pub(super) progress: Progress,
+    pub(super) journal: Journal,
 }
 
 impl Watch for &mut Watched {
@@ -481,7 +447,7 @@ fn broken_off(error: SetupError, journal: &Journal) -> InputError {
 }
 
 /// `error`, and where to find what was recorded before it.
-fn with_journal(mut error: InputError, journal: &Journal) -> InputError {
+pub(super) fn with_journal(mut error: InputError, journal: &Journal) -> InputError {
     if journal.has_begun() && journal.path().exists() {
         let path = journal.path().display();
         error.mend = format!("{}; what was recorded before is {path}", error.mend);

@@ -1,0 +1,40 @@
+//! Where a board is.
+
+use std::fmt::{self, Display, Formatter};
+use std::path::{Path, PathBuf};
+use std::str::FromStr;
+
+use serde::{Serialize, Serializer};
+
+/// A serial port, `serial:PORT`.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Port(PathBuf);
+
+impl Port {
+    pub fn path(&self) -> &Path {
+        &self.0
+    }
+}
+
+impl FromStr for Port {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, String> {
+        match text.strip_prefix("serial:") {
+            Some(port) if !port.is_empty() => Ok(Self(port.into())),
+            _ => Err("serial:PORT is wanted, such as serial:/dev/ttyACM0".into()),
+        }
+    }
+}
+
+impl Display for Port {
+    fn fmt(&self, f: &mut Formatter<'_>) -> fmt::Result {
+        write!(f, "serial:{}", self.0.display())
+    }
+}
+
+impl Serialize for Port {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        serializer.collect_str(self)
+    }
+}

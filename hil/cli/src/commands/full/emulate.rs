@@ -1,0 +1,118 @@
+//! `hil emulate`: a board without a board.
+
+use std::path::PathBuf;
+use std::time::Duration;
+
+use clap::Args;
+use mesh_damper::effects::AugmentedLaw;
+use mesh_damper_link::own_timer::EmulatedBoard;
+use mesh_damper_recording::error::InputError;
+use mesh_damper_recording::output::Plan;
+use mesh_damper_rig::{Plant, RigSetup, TICK_RATE};
+use serde::Serialize;
+
+use super::law::PublishedLaw;
+use super::programme;
+use super::run::refused;
+use super::specimen::{SPECIMEN_AMPLITUDE, SpecimenOptions};
+use crate::commands::progress::Progress;
+use crate::commands::{Failure, say};
+
+/// Emulate a board on its own timer, with a simulated specimen beside it, until it is ended
+///
+/// The board's serial port is a pseudo-terminal, whose name is printed: `hil record` and `hil upload` find a board there. The board's
+/// time goes on while nobody asks it anything. Actuator, sensors and specimen are those of `hil run`.
+#[derive(Args, Debug)]
+#[command(
+    after_help = "Examples:\n  hil emulate --effect stick_slip:stiffness=1.2,slip_limit=0.03\n  \
+    hil emulate --drawn --seed 7 --blocks 0.1:1:6,0.2:5:10"
+)]
+pub struct EmulateCommand {
+    #[command(flatten)]
+    specimen: SpecimenOptions,
+    /// The blocks that are expected, for which the load cell's range is chosen as `hil run` does
+    #[arg(
+        long,
+        value_name = "BLOCKS",
+        default_value = "0.1:1:6,0.1:5:10,0.2:1:6,0.2:5:10"
+    )]
+    blocks: String,
+    /// Ticks per second that the board will be set to
+    #[arg(long, value_name = "HZ", default_value_t = TICK_RATE)]
+    tick_rate: f64,
+    /// At most how many times as fast as the clock on the wall the board's time goes
+    #[arg(long, value_name = "FACTOR", default_value_t = 1.0)]
+    speed: f64,
+    /// After how many seconds it ends by itself
+    #[arg(long, value_name = "S")]
+    ends_after: Option<f64>,
+    /// Where port and ranges go as JSON as well
+    #[arg(long, value_name = "FILE")]
+    json: Option<PathBuf>,
+}
+
+/// What a harness has to know of the board.
+#[derive(Serialize)]
+struct Emulated {
+    port: PathBuf,
+    specimen: String,
+    displacement_range_mm: f64,
+    force_range_kn: f64,
+    command_range_mm: f64,
+}
+
+impl EmulateCommand {
+    pub fn run(self) -> Result<(), Failure> {
+        let mut outputs = Plan::new().writes(&self.json).begin()?;
+        for (field, value, high) in [
+            ("--speed", Some(self.speed), 1e3),
+            ("--ends-after", self.ends_after, 1e6),
+        ] {
+            if value.is_some_and(|value| !(1e-3..=high).contains(&value)) {
+                return Err(InputError::new(
+                    field,
+                    format!("{} is outside its range", value.unwrap_or_default()),
+                    format!("give 0.001 to {high}"),
+                )
+                .into());
+            }
+        }
+        let programme = programme::parse(&self.blocks, self.tick_rate)?;
+        let (specimen, density, described) = self.specimen.specimen()?;
+        // The board has a law of its own: of this one nothing is used.
+        let law = AugmentedLaw::<f32, 1>::new(PublishedLaw::Tables.at(density, SPECIMEN_AMPLITUDE));
+        let setup = RigSetup::new(specimen, law, programme, self.specimen.seed);
+        let plant = Plant::new(&setup).map_err(refused)?;
+        let progress = Progress::of(1);
+        progress.step("building the board's image");
+        let mut board = EmulatedBoard::start(plant, self.speed, &[])?;
+        drop(progress);
+        let emulated = Emulated {
+            port: board.port().to_owned(),
+            specimen: described,
+            displacement_range_mm: setup.displacement_sensor.full_scale,
+            force_range_kn: setup.force_sensor.full_scale,
+            command_range_mm: setup.command_range,
+        };
+        if let Some(json) = &self.json {
+            outputs.add_json(json, &emulated)?;
+        }
+        outputs.write()?;
+        let port = emulated.port.display();
+        let range = emulated.force_range_kn;
+        say(&format!(
+            "The board is at {port}; its load cell has ±{range} kN"
+        ));
+        say(&format!(
+            "hil record --from serial:{port} --force-range {range} --blocks {} --out recording.csv.gz",
+            self.blocks
+        ));
+        match self.ends_after {
+            Some(seconds) => std::thread::sleep(Duration::from_secs_f64(seconds)),
+            None => board.wait().map_err(|error| {
+                InputError::new("the emulator", error.to_string(), "run it again")
+            })?,
+        }
+        Ok(())
+    }
+}

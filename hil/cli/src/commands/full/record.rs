@@ -1,0 +1,377 @@
+//! `hil record`: a test on a board's own timer, recorded.
+
+use std::path::{Path, PathBuf};
+
+use clap::Args;
+use mesh_damper::effects::{AugmentedLaw, CONTROLS};
+use mesh_damper::fast_law::FastLaw;
+use mesh_damper::message::{About, MAX_BLOCKS, TelemetryConfig};
+use mesh_damper::pack::{LARGEST, PackInfo, encode};
+use mesh_damper::rig::State;
+use mesh_damper::sine::Programme;
+use mesh_damper_link::lockstep::{Image, LinkError, Serial, described};
+use mesh_damper_link::own_timer::{BoardRun, Lost, RecordError, record};
+use mesh_damper_recording::Recording;
+use mesh_damper_recording::error::InputError;
+use mesh_damper_recording::output::Plan;
+use mesh_damper_rig::specimen::Specimen;
+use mesh_damper_rig::{Journal, RigSetup, SetupError, TICK_RATE};
+use serde::Serialize;
+
+use super::board::Port;
+use super::cycles::{CycleRow, print_blocks};
+use super::events::EventRow;
+use super::law::PublishedLaw;
+use super::programme::{self, MOST_BLOCKS};
+use super::run::{Stop, Watched, refused, with_journal};
+use super::specimen::SPECIMEN_AMPLITUDE;
+use crate::commands::progress::Progress;
+use crate::commands::reading::Reading;
+use crate::commands::{Failure, say, warn};
+
+/// Record a test that a board runs on its own timer
+///
+/// Restarts the board, sets it up, starts its rig and writes what it sends as a recording that `hil trace` takes. While it goes on
+/// REC.partial.csv holds what has come so far; a recording that is broken off leaves it. With --join nothing is set up: what the rig does
+/// already is recorded.
+#[derive(Args, Debug)]
+#[command(after_help = "Examples:\n  \
+    hil record --from serial:/dev/ttyACM0 --blocks 0.1:1:6,0.2:5:10 --force-range 5 --out recording.csv.gz\n  \
+    hil record --from serial:/dev/ttyACM0 --pack mount.mdcp --keep-running --duration 10 --force-range 5 --out before.csv.gz\n  \
+    hil record --from serial:/dev/ttyACM0 --join --duration 10 --out after.csv.gz\n\n\
+    Exit code 1 says that the rig stopped on a limit; what it recorded until then is written.")]
+pub struct RecordCommand {
+    /// The board, on its own timer
+    #[arg(long, value_name = "serial:PORT")]
+    from: Port,
+    /// Blocks amplitude:frequency:cycles in mm and Hz, frequency from-to for a sweep
+    #[arg(
+        long,
+        value_name = "BLOCKS",
+        default_value = "0.1:1:6,0.1:5:10,0.2:1:6,0.2:5:10"
+    )]
+    blocks: String,
+    /// A JSON file with the blocks instead
+    #[arg(long, value_name = "FILE", conflicts_with = "blocks")]
+    programme: Option<PathBuf>,
+    /// The law beside the specimen, as `hil export --format pack` writes it; the published one without it
+    #[arg(long, value_name = "FILE")]
+    pack: Option<PathBuf>,
+    /// Density of the specimen, g/cm³, for the published law
+    #[arg(long, value_name = "G_PER_CM3", default_value_t = 3.0)]
+    density: f64,
+    /// Force at the ends of the force channel, kN
+    #[arg(long, value_name = "KN", required_unless_present = "join")]
+    force_range: Option<f64>,
+    /// Displacement at the ends of its channel, mm
+    #[arg(long, value_name = "MM", default_value_t = 1.0)]
+    displacement_range: f64,
+    /// Displacement that the largest command asks for, mm
+    #[arg(long, value_name = "MM", default_value_t = 1.0)]
+    command_range: f64,
+    /// Force at which the rig stops, kN; 0.95 of the channel's range without it
+    #[arg(long, value_name = "KN")]
+    force_limit: Option<f64>,
+    /// Ticks per second of the rig
+    #[arg(long, value_name = "HZ", default_value_t = TICK_RATE)]
+    tick_rate: f64,
+    /// Every how many ticks a row is recorded
+    #[arg(long, value_name = "TICKS", default_value_t = 10, value_parser = clap::value_parser!(u32).range(1..=1_000_000))]
+    record_every: u32,
+    /// A control input that the board measures, such as current_A; may be given more than once, in the law's order
+    #[arg(long, value_name = "NAME_UNIT")]
+    control: Vec<String>,
+    /// For how many seconds the harness may be silent before the rig stops; 0 lets it go on
+    #[arg(long, value_name = "S", default_value_t = 2.0, conflicts_with_all = ["keep_running", "join"])]
+    silence: f64,
+    /// Stop recording after so many seconds of the test
+    #[arg(long, value_name = "S")]
+    duration: Option<f64>,
+    /// Leave the rig running where the recording stops before the test is over
+    #[arg(long)]
+    keep_running: bool,
+    /// Record what the rig does already; set nothing up, and leave it running
+    #[arg(long, conflicts_with_all = ["blocks", "programme", "pack", "force_range", "force_limit"])]
+    join: bool,
+    /// Where the recording goes, .csv or .csv.gz
+    #[arg(long, value_name = "REC")]
+    out: PathBuf,
+    /// Where the result goes as JSON as well; `-` for standard output
+    #[arg(long, value_name = "FILE")]
+    json: Option<PathBuf>,
+    #[command(flatten)]
+    reading: Reading,
+}
+
+/// What a recording came to.
+#[derive(Serialize)]
+struct Summary {
+    from: Port,
+    tick_rate: f64,
+    ticks: u64,
+    rows: usize,
+    lost: LostRow,
+    late_ticks: u32,
+    cycles: Vec<CycleRow>,
+    events: Vec<EventRow>,
+    stopped: Option<Stop>,
+}
+
+/// What did not arrive.
+#[derive(Serialize)]
+struct LostRow {
+    rows: u64,
+    notes: u64,
+    frames: u64,
+}
+
+/// Rows wait for this long at most until they are sent, s.
+const WITHIN: f64 = 0.05;
+
+impl RecordCommand {
+    pub fn run(self) -> Result<(), Failure> {
+        let partial = self.partial();
+        let mut outputs = Plan::new()
+            .reads(&self.programme)
+            .reads(&self.pack)
+            .writes([self.out.as_path()])
+            .writes(&self.json)
+            .keeps(&partial)
+            .begin()?;
+        self.check()?;
+        let programme = match &self.programme {
+            Some(path) => programme::read(path, self.reading.limit, self.tick_rate)?,
+            None => programme::parse(&self.blocks, self.tick_rate)?,
+        };
+        if !self.join && programme.blocks().len() > MAX_BLOCKS {
+            return Err(
+                InputError::from(LinkError::TooManyBlocks(programme.blocks().len())).into(),
+            );
+        }
+        let (mut board, about) = Image::join(self.from.path())?;
+        let tick_rate = if self.join {
+            self.joined_rate(&about)?
+        } else {
+            drop(board);
+            board = self.wired(&programme, &about)?;
+            self.tick_rate
+        };
+        let comments = vec![format!("recorded from the board at {}", self.from)];
+        let progress = Progress::of(100);
+        progress.step("recording");
+        let mut watched = Watched {
+            progress,
+            journal: Journal::at(partial, comments.clone()).with_controls(self.control.clone()),
+        };
+        let expected = match self.join {
+            true => self.duration.unwrap_or(f64::INFINITY),
+            false => programme.duration(),
+        };
+        let config = TelemetryConfig {
+            every: self.record_every,
+            within: (WITHIN * tick_rate) as u32,
+            controls: self.control.len() as u8,
+            session: session(),
+        };
+        let begin = |board: &mut Image<Serial>| match self.join {
+            true => Ok(()),
+            false => board.start_rig(),
+        };
+        let times = [expected, self.duration.unwrap_or(f64::INFINITY)];
+        let recorded = record(
+            &mut board,
+            config,
+            tick_rate,
+            times,
+            begin,
+            &mut &mut watched,
+        );
+        let Watched { progress, journal } = watched;
+        drop(progress);
+        let BoardRun {
+            run,
+            lost,
+            late_ticks,
+        } = recorded.map_err(|error| {
+            let error = match error {
+                RecordError::Link(error) => error.into(),
+                RecordError::Watch(error) => error,
+            };
+            with_journal(error, &journal)
+        })?;
+        if !self.join && !self.keep_running {
+            board.stop_rig().map_err(InputError::from)?;
+        }
+        let stopped = run.faults.first().map(|fault| Stop::new(*fault));
+        let summary = Summary {
+            from: self.from.clone(),
+            tick_rate,
+            ticks: run.ticks,
+            rows: run.samples.len(),
+            lost: LostRow {
+                rows: lost.rows,
+                notes: lost.notes,
+                frames: lost.frames,
+            },
+            late_ticks,
+            cycles: run.cycles.iter().map(CycleRow::from).collect(),
+            events: run.events.iter().map(EventRow::new).collect(),
+            stopped,
+        };
+        let written = self.recording(&run).map(|recording| {
+            comments
+                .into_iter()
+                .fold(recording, Recording::with_comment)
+        })?;
+        outputs.add(&self.out, written.to_file(&self.out));
+        if let Some(json) = &self.json {
+            outputs.add_json(json, &summary)?;
+        }
+        outputs
+            .write()
+            .map_err(|error| with_journal(error, &journal))?;
+        journal.remove();
+        if lost != Lost::default() {
+            warn(&in_words(lost));
+        }
+        if self.json.as_deref() != Some(Path::new("-")) {
+            summary.print((!self.join).then_some(&programme));
+            say(&format!("The recording is {}", self.out.display()));
+        }
+        summary.stopped.map_or(Ok(()), |stop| Err(stop.failure()))
+    }
+
+    /// Where the recording is while it is under way.
+    fn partial(&self) -> PathBuf {
+        let mut name = self.out.as_os_str().to_owned();
+        name.push(".partial.csv");
+        name.into()
+    }
+
+    fn check(&self) -> Result<(), InputError> {
+        for (field, value, low, high) in [
+            ("--silence", Some(self.silence), 0.0, 100.0),
+            ("--duration", self.duration, 1e-3, programme::LONGEST),
+        ] {
+            if let Some(value) = value
+                && !(low..=high).contains(&value)
+            {
+                return Err(InputError::new(
+                    field,
+                    format!("{value} s is outside its range"),
+                    format!("give {low} to {high}"),
+                ));
+            }
+        }
+        if self.control.len() > CONTROLS {
+            return Err(InputError::new(
+                "--control",
+                format!("{} control inputs are too many", self.control.len()),
+                format!("give at most {CONTROLS}"),
+            ));
+        }
+        Ok(())
+    }
+
+    /// The tick rate of the rig that runs already, Hz.
+    fn joined_rate(&self, about: &About) -> Result<f64, InputError> {
+        if about.tick_rate > 0.0 && about.state == State::Running {
+            return Ok(about.tick_rate.into());
+        }
+        Err(InputError::new(
+            self.from.to_string(),
+            "the board has no rig that runs",
+            "leave --join out, so that it is set up and started",
+        ))
+    }
+
+    /// The board restarted, with a rig that is to run `programme`.
+    fn wired(
+        &self,
+        programme: &Programme<MOST_BLOCKS>,
+        about: &About,
+    ) -> Result<Image<Serial>, InputError> {
+        let law =
+            AugmentedLaw::<f32, 1>::new(PublishedLaw::Tables.at(self.density, SPECIMEN_AMPLITUDE));
+        let pack = match &self.pack {
+            Some(path) => {
+                std::fs::read(path).map_err(|error| InputError::io(path, "read", &error))?
+            }
+            None => {
+                let mut buffer = [0; LARGEST];
+                let info = PackInfo::at(self.tick_rate as f32);
+                let pack = encode(&FastLaw::new(law.clone()), &info, &mut buffer);
+                pack.map_err(|error| refused(SetupError::Pack(error)))?
+                    .to_vec()
+            }
+        };
+        // Only the ranges and the settings count: the specimen is the board's.
+        let specimen = Specimen::of_density(3.0, SPECIMEN_AMPLITUDE);
+        let mut setup = RigSetup::new(specimen, law, programme.clone(), 0);
+        setup.displacement_sensor.full_scale = self.displacement_range;
+        if let Some(range) = self.force_range {
+            setup.force_sensor.full_scale = range;
+            setup.settings.force_limit = self.force_limit.unwrap_or(0.95 * range);
+        }
+        setup.command_range = self.command_range;
+        setup.settings.clock_rate = about.clock.into();
+        if !self.keep_running {
+            setup.settings.link_ticks = (self.silence * self.tick_rate) as u32;
+        }
+        let described = described(&setup).map_err(|error| refused(error.into()))?;
+        let mut board = Image::at(self.from.path())?;
+        board.send_pack(&pack)?;
+        board.set_up(programme, &described)?;
+        Ok(board)
+    }
+
+    fn recording(&self, run: &mesh_damper_rig::RigRun) -> Result<Recording, InputError> {
+        let plain = mesh_damper_rig::RigRun {
+            is_controlled: false,
+            ..run.clone()
+        };
+        let recording = plain.recording(self.out.display().to_string())?;
+        let mut named = self.control.iter().enumerate();
+        named.try_fold(recording, |recording, (place, name)| {
+            let mut column = run.samples.control(place).to_vec();
+            column.resize(run.samples.len(), 0.0);
+            recording.with_control(name, column)
+        })
+    }
+}
+
+/// Tells this recording's telemetry from that of one before, which may still be on its way.
+fn session() -> u8 {
+    std::process::id() as u8
+}
+
+fn in_words(lost: Lost) -> String {
+    let Lost {
+        rows,
+        notes,
+        frames,
+    } = lost;
+    if frames == 0 {
+        format!(
+            "{rows} rows and {notes} reports of cycles were lost on the board, whose queue was full: the line is too slow for \
+             --record-every, or this machine was busy"
+        )
+    } else {
+        format!(
+            "{rows} rows and {notes} reports of cycles were lost, at least some of them on the line: {frames} frames are missing"
+        )
+    }
+}
+
+impl Summary {
+    fn print(&self, programme: Option<&Programme<MOST_BLOCKS>>) {
+        print_blocks(&self.cycles, programme, self.tick_rate);
+        for event in &self.events {
+            say(&event.in_words());
+        }
+        say(&format!(
+            "{} ticks, {} of them late; {} rows, {} lost",
+            self.ticks, self.late_ticks, self.rows, self.lost.rows
+        ));
+    }
+}

@@ -1,0 +1,64 @@
+//! A simulated specimen, as the command line describes it.
+
+use clap::Args;
+use mesh_damper_recording::error::InputError;
+use mesh_damper_rig::specimen::{DamperForce as _, Specimen, draw};
+
+use super::effect;
+
+/// The amplitude whose row of the paper's tables a specimen of given density follows, mm.
+pub const SPECIMEN_AMPLITUDE: f64 = 0.1;
+
+/// Which specimen is simulated.
+#[derive(Args, Debug)]
+pub struct SpecimenOptions {
+    /// Density of the specimen, g/cm³, 2 to 4
+    #[arg(long, value_name = "G_PER_CM3", default_value_t = 3.0)]
+    density: f64,
+    /// Test the specimen with an undeclared effect that the seed draws, as the demonstration does
+    #[arg(long, conflicts_with_all = ["density", "effect"])]
+    drawn: bool,
+    /// Test the specimen with this effect, family:name=value,name=value; may be given more than once
+    #[arg(long, value_name = "EFFECT")]
+    effect: Vec<String>,
+    /// Of the sensors' noise, and of the effect drawn
+    #[arg(long, default_value_t = 1)]
+    pub seed: u64,
+}
+
+impl SpecimenOptions {
+    /// The specimen, its density in g/cm³ and what is said of it in the recording.
+    pub fn specimen(&self) -> Result<(Specimen, f64, String), InputError> {
+        if self.drawn {
+            let (specimen, drawn) = draw(self.seed);
+            let described = format!(
+                "simulated MMD, density_g_cm3 = {}, undeclared effect of seed {}",
+                drawn.density, self.seed
+            );
+            return Ok((specimen, drawn.density, described));
+        }
+        let (low, high) = (2.0, 4.0);
+        if !(low..=high).contains(&self.density) {
+            return Err(InputError::new(
+                "--density",
+                format!("{} g/cm³ is outside the paper's tables", self.density),
+                format!("give {low} to {high}"),
+            ));
+        }
+        let mut described = format!("simulated MMD, density_g_cm3 = {}", self.density);
+        let mut specimen = Specimen::of_density(self.density, SPECIMEN_AMPLITUDE);
+        for text in &self.effect {
+            let effect = effect::parse(text)?;
+            if specimen.control().is_some() && effect.control_at(0.0).is_some() {
+                return Err(InputError::new(
+                    "--effect",
+                    "gives a second control input",
+                    "give one: a simulated specimen is under one current",
+                ));
+            }
+            specimen = specimen.with(effect);
+            described = format!("{described}, {text}");
+        }
+        Ok((specimen, self.density, described))
+    }
+}

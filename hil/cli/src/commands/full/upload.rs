@@ -1,0 +1,146 @@
+//! `hil upload`: a coefficient pack onto a rig that runs.
+
+use std::path::PathBuf;
+use std::time::{Duration, Instant};
+
+use clap::Args;
+use mesh_damper::pack::PackInfo;
+use mesh_damper::rig::State;
+use mesh_damper_link::lockstep::Image;
+use mesh_damper_recording::error::InputError;
+use mesh_damper_recording::output::Plan;
+use serde::Serialize;
+
+use super::board::Port;
+use crate::commands::{Failure, say};
+
+/// Put a coefficient pack onto a running rig, and wait until its law is in force
+///
+/// The board checks the pack between its ticks: its checksum, its tick rate and that its law is passive. The law in force stays where it
+/// refuses, and until the end of the cycle where it does not.
+#[derive(Args, Debug)]
+#[command(after_help = "Example:\n  hil upload --to serial:/dev/ttyACM0 mount.mdcp")]
+pub struct UploadCommand {
+    /// The board, on its own timer
+    #[arg(long, value_name = "serial:PORT")]
+    to: Port,
+    /// The pack, as `hil export --format pack` writes it
+    pack: PathBuf,
+    /// How many seconds to wait for the end of the cycle
+    #[arg(long, value_name = "S", default_value_t = 60.0)]
+    wait: f64,
+    /// Where the result goes as JSON as well; `-` for standard output
+    #[arg(long, value_name = "FILE")]
+    json: Option<PathBuf>,
+}
+
+/// What an upload came to.
+#[derive(Serialize)]
+struct Uploaded {
+    to: Port,
+    name: Option<String>,
+    identity: Option<String>,
+    revision: Option<u32>,
+    bytes: usize,
+    /// Of the rig that has it.
+    tick_rate: f32,
+    /// Whether the law is in force; not so where the rig does not run, which takes it at its start.
+    in_force: bool,
+    /// From the pack's last byte to the swap, or to the answer of a rig that does not run.
+    seconds: f64,
+    late_ticks: u32,
+}
+
+impl UploadCommand {
+    pub fn run(self) -> Result<(), Failure> {
+        let mut outputs = Plan::new()
+            .reads([self.pack.as_path()])
+            .writes(&self.json)
+            .begin()?;
+        let name = self.pack.display().to_string();
+        let bytes = std::fs::read(&self.pack)
+            .map_err(|error| InputError::io(&self.pack, "read", &error))?;
+        let refused = |problem: String| {
+            InputError::new(
+                &name,
+                problem,
+                "give a pack that `hil export --format pack` wrote",
+            )
+        };
+        let info = PackInfo::of(&bytes).map_err(|error| refused(error.to_string()))?;
+        let wait = Duration::try_from_secs_f64(self.wait).map_err(|_| {
+            let problem = format!("{} s cannot be waited", self.wait);
+            InputError::new("--wait", problem, "give 0 to 1e6")
+        })?;
+        let (mut board, before) = Image::join(self.to.path())?;
+        if before.tick_rate == 0.0 {
+            return Err(InputError::new(
+                self.to.to_string(),
+                "there is no rig on the board yet",
+                "set it up by `hil record --from`, or give that the pack: --pack",
+            )
+            .into());
+        }
+        board.send_parts(&bytes).map_err(InputError::from)?;
+        let sent = Instant::now();
+        while !board.check_pack().map_err(InputError::from)? {}
+        let after = loop {
+            let about = board.about().map_err(InputError::from)?;
+            if about.tick_rate == 0.0 {
+                return Err(InputError::new(
+                    self.to.to_string(),
+                    "the board has restarted in the middle",
+                    "check its supply and its watchdog, then set it up again",
+                )
+                .into());
+            }
+            if !about.law_waits || about.state != State::Running {
+                break about;
+            }
+            if sent.elapsed() > wait {
+                return Err(InputError::new(
+                    self.to.to_string(),
+                    format!("the cycle under way has not ended within {} s", self.wait),
+                    "give a longer --wait; the law takes over at its end all the same",
+                )
+                .into());
+            }
+        };
+        let uploaded = Uploaded {
+            name: info.as_ref().map(|info| info.name.to_string()),
+            identity: info.as_ref().map(|info| info.stamp.identity.to_string()),
+            revision: info.as_ref().map(|info| info.stamp.revision),
+            bytes: bytes.len(),
+            tick_rate: after.tick_rate,
+            in_force: !after.law_waits,
+            seconds: sent.elapsed().as_secs_f64(),
+            late_ticks: after.late_ticks.wrapping_sub(before.late_ticks),
+            to: self.to,
+        };
+        if let Some(json) = &self.json {
+            outputs.add_json(json, &uploaded)?;
+        }
+        outputs.write()?;
+        if self.json.as_deref() != Some(std::path::Path::new("-")) {
+            say(&uploaded.in_words(&name));
+        }
+        Ok(())
+    }
+}
+
+impl Uploaded {
+    fn in_words(&self, file: &str) -> String {
+        let late = match self.late_ticks {
+            0 => "no tick was late".to_owned(),
+            late => format!("{late} ticks were late"),
+        };
+        if self.in_force {
+            format!(
+                "The law of {file} is in force {:.3} s after its last byte; {late}",
+                self.seconds
+            )
+        } else {
+            format!("The law of {file} takes over when the rig starts, which does not run; {late}")
+        }
+    }
+}
