@@ -56,6 +56,7 @@ pub struct EmulateCommand {
 struct Emulated {
     port: PathBuf,
     specimen: String,
+    density_g_cm3: f64,
     displacement_range_mm: f64,
     force_range_kn: f64,
     command_range_mm: f64,
@@ -90,6 +91,7 @@ impl EmulateCommand {
         let emulated = Emulated {
             port: board.port().to_owned(),
             specimen: described,
+            density_g_cm3: density,
             displacement_range_mm: setup.displacement_sensor.full_scale,
             force_range_kn: setup.force_sensor.full_scale,
             command_range_mm: setup.command_range,
@@ -104,7 +106,7 @@ impl EmulateCommand {
             "The board is at {port}; its load cell has ±{range} kN"
         ));
         say(&format!(
-            "hil record --from serial:{port} --force-range {range} --blocks {} --out recording.csv.gz",
+            "hil record --from serial:{port} --density {density} --force-range {range} --blocks {} --out recording.csv.gz",
             self.blocks
         ));
         match self.ends_after {
