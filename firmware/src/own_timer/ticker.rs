@@ -3,7 +3,9 @@
 use heapless::spsc::{Consumer, Producer};
 
 use mesh_damper::frame::{Frame, FrameBuffer, Frames};
-use mesh_damper::message::{Refusal, Request, write_about, write_again, write_done, write_refusal};
+use mesh_damper::message::{
+    Answer, Refusal, Request, write_about, write_again, write_done, write_refusal,
+};
 use mesh_damper::telemetry::Recorder;
 
 use super::{Bytes, reload, set_timer};
@@ -47,33 +49,36 @@ impl<B: OwnTimer> Ticker<B> {
             None => B::Converters::idle(),
         }
         if self.answers.ready()
-            && let Some(bytes) = self.requests.dequeue()
+            && let Some(bytes) = self.requests.peek().cloned()
+            && self.answer(&bytes)
         {
-            self.answer(&bytes);
+            self.requests.dequeue();
         }
     }
 
+    /// A slice of what a request asks for, and the answer once it is done, which it says.
     #[inline(never)]
-    fn answer(&mut self, bytes: &[u8]) {
+    fn answer(&mut self, bytes: &[u8]) -> bool {
         let Some(frame) = Frames(bytes).next() else {
             write_again(self.answer);
-            return self.send();
+            self.send();
+            return true;
         };
         self.controller.exchange();
         let sequence = frame.header.sequence;
         match self.turns.of(&frame) {
-            Turn::New => {
-                if !self.carry_out(&frame) {
-                    return;
-                }
-                self.turns.taken(sequence);
-            }
+            Turn::New => match self.carry_out(&frame) {
+                Carried::Out => self.turns.taken(sequence),
+                Carried::InPart => return false,
+                Carried::Not => return true,
+            },
             Turn::Repeated => {}
             Turn::Restarted => write_refusal(sequence, &Refusal::Restarted, self.answer),
             Turn::Greeting => B::reset(),
-            Turn::Stale => return,
+            Turn::Stale => return true,
         }
         self.send();
+        true
     }
 
     fn send(&mut self) {
@@ -81,32 +86,60 @@ impl<B: OwnTimer> Ticker<B> {
         let _ = self.answers.enqueue(self.answer.clone());
     }
 
-    /// Does what `frame` asks and writes the answer; says no where it asks for nothing.
-    fn carry_out(&mut self, frame: &Frame<'_>) -> bool {
+    /// Does what `frame` asks and writes the answer.
+    fn carry_out(&mut self, frame: &Frame<'_>) -> Carried {
         let sequence = frame.header.sequence;
         match Request::read(frame) {
             Some(Request::Telemetry(config)) => {
                 self.recorder.set(config);
                 write_done(sequence, true, self.answer);
-                true
+                Carried::Out
             }
             Some(Request::Join) => {
                 write_about(sequence, &self.controller.about(B::CLOCK), self.answer);
-                true
+                Carried::Out
             }
             Some(Request::Setup(_)) => {
                 let Some(reload) = self.controller.rate().and_then(reload::<B>) else {
                     write_refusal(sequence, &Refusal::Field("tick_rate"), self.answer);
-                    return true;
+                    return Carried::Out;
                 };
-                let answered = self.controller.answer_others(frame, self.answer);
+                let carried = self.others(frame);
                 if self.controller.has_rig() {
                     // SAFETY: nobody else uses SysTick.
                     set_timer(&mut unsafe { cortex_m::Peripherals::steal() }.SYST, reload);
                 }
-                answered
+                carried
             }
-            _ => self.controller.answer_others(frame, self.answer),
+            Some(Request::PackEnd) => {
+                let carried = self.others(frame);
+                // The next slice needs no question.
+                match Frames(self.answer.bytes()).next() {
+                    Some(answer) if Answer::read(&answer) == Some(Answer::Done(false)) => {
+                        Carried::InPart
+                    }
+                    _ => carried,
+                }
+            }
+            _ => self.others(frame),
         }
     }
+
+    fn others(&mut self, frame: &Frame<'_>) -> Carried {
+        if self.controller.answer_others(frame, self.answer) {
+            Carried::Out
+        } else {
+            Carried::Not
+        }
+    }
+}
+
+/// How far a request is.
+enum Carried {
+    /// Done, and its answer is written.
+    Out,
+    /// More of it is to be done at the next tick.
+    InPart,
+    /// It asks for nothing.
+    Not,
 }

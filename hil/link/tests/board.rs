@@ -1,18 +1,26 @@
 //! An emulated board on its own timer: it runs, records and stops by itself, and the harness listens at its serial port.
 
 mod emulated;
+#[path = "emulated/orders.rs"]
+mod orders;
+
+use std::fs::OpenOptions;
+use std::io::Write as _;
 
 use mesh_damper::effects::{AugmentedLaw, Effect, StickSlip};
 use mesh_damper::fast_law::FastLaw;
 use mesh_damper::law::Law;
 use mesh_damper::message::TelemetryConfig;
 use mesh_damper::pack::{LARGEST, PackInfo, encode};
+use mesh_damper::rig::{State, TripCause};
 use mesh_damper::sine::{Block, Programme};
 use mesh_damper_link::image::OWN_TIMER;
-use mesh_damper_link::lockstep::{Image, Serial, described};
-use mesh_damper_link::own_timer::{BoardRun, EmulatedBoard, record};
+use mesh_damper_link::lockstep::{Image, LinkError, Serial, described};
+use mesh_damper_link::own_timer::{BoardRun, EmulatedBoard, Lost, RecordError, record};
+use mesh_damper_recording::error::InputError;
 use mesh_damper_rig::specimen::Specimen;
-use mesh_damper_rig::{Plant, RigSetup, TICK_RATE, run_rig};
+use mesh_damper_rig::{Plant, RigSetup, Samples, TICK_RATE, Watch, run_rig};
+use orders::Orders;
 
 const EVERY: u32 = 10;
 
@@ -101,20 +109,228 @@ fn a_test_on_the_boards_own_timer_is_that_in_this_process() {
     assert_eq!(there.samples.command, here.samples.command);
 }
 
+/// Until the board has done so many ticks more; nobody asks it anything meanwhile.
+fn after(board: &EmulatedBoard, ticks: u64) {
+    let end = board.ticks() + ticks;
+    while board.ticks() < end {
+        std::thread::yield_now();
+    }
+}
+
 #[test]
-fn zz() {
+fn ticks_go_on_while_the_host_is_silent_and_the_test_ends_by_itself() {
     let setup = setup();
     let Some(board) = board(&setup, &[]) else {
         return;
     };
     let mut image = wired(&board, &setup);
-    for _ in 0..5 {
-        eprintln!("{:?}", image.about().unwrap());
-        std::thread::sleep(std::time::Duration::from_millis(50));
-    }
     image.start_rig().unwrap();
-    for _ in 0..5 {
-        eprintln!("{:?}", image.about().unwrap());
-        std::thread::sleep(std::time::Duration::from_millis(50));
+    after(
+        &board,
+        (setup.programme.duration() * TICK_RATE) as u64 + 100,
+    );
+    let about = image.about().unwrap();
+    assert_eq!((about.state, about.late_ticks), (State::Done, 0));
+    assert!(!board.is_enabled());
+}
+
+/// So are a cable that is pulled and a harness that has ended, as the board sees them.
+#[test]
+fn a_board_whose_host_falls_silent_comes_to_rest() {
+    let mut setup = setup();
+    setup.settings.link_ticks = 1000;
+    let Some(board) = board(&setup, &[]) else {
+        return;
+    };
+    let mut image = wired(&board, &setup);
+    image.start_rig().unwrap();
+    after(&board, 1100);
+    assert!(!board.is_enabled());
+    assert_eq!(
+        image.about().unwrap().state,
+        State::Faulted(TripCause::LinkLost)
+    );
+}
+
+/// More rows than its queue and the line hold: the board leaves them out, and does every tick in time.
+#[test]
+fn a_host_that_does_not_read_loses_rows_and_nothing_else() {
+    let setup = setup();
+    let Some(board) = board(&setup, &[]) else {
+        return;
+    };
+    let here = run_rig(
+        RigSetup {
+            record_every: 1,
+            ..setup.clone()
+        },
+        |_| (),
+    )
+    .unwrap();
+    let mut image = wired(&board, &setup);
+    let times = [setup.programme.duration(), f64::INFINITY];
+    let begin = |image: &mut Image<Serial>| {
+        image.start_rig()?;
+        after(&board, 2000);
+        Ok(())
+    };
+    let config = TelemetryConfig {
+        every: 1,
+        ..telemetry()
+    };
+    let there = record(
+        &mut image,
+        config,
+        TICK_RATE,
+        times,
+        begin,
+        &mut |_: f64| (),
+    )
+    .unwrap();
+    assert!(
+        there.lost.rows > 500 && there.lost.frames == 0,
+        "{:?}",
+        there.lost
+    );
+    assert_eq!(there.late_ticks, 0);
+    assert_eq!(there.run.faults, []);
+    let samples = &there.run.samples;
+    let all = samples.len() as u64 + there.lost.rows;
+    assert_eq!(all, here.samples.len() as u64);
+    // What did come is in its place.
+    for (index, time) in samples.time.iter().enumerate() {
+        let place = (time * TICK_RATE).round() as usize;
+        assert_eq!(samples.force[index], here.samples.force[place]);
+        assert_eq!(samples.model_force[index], here.samples.model_force[place]);
     }
+}
+
+#[test]
+fn noise_on_the_line_costs_no_row() {
+    let setup = setup();
+    let Some(board) = board(&setup, &[]) else {
+        return;
+    };
+    let here = run_rig(setup.clone(), |_| ()).unwrap();
+    let mut image = wired(&board, &setup);
+    let mut noise = OpenOptions::new().write(true).open(board.port()).unwrap();
+    let times = [setup.programme.duration(), f64::INFINITY];
+    let start = |image: &mut Image<Serial>| image.start_rig();
+    let mut junk = [&b"\x00\xff"[..], b"M", b"MD\x07\x09\0\0\0\0\x01\0\xff\x01"]
+        .into_iter()
+        .cycle();
+    let mut watch = |_: f64| noise.write_all(junk.next().unwrap()).unwrap();
+    let there = record(&mut image, telemetry(), TICK_RATE, times, start, &mut watch).unwrap();
+    assert_eq!(there.lost, Lost::default());
+    assert_eq!(there.run.samples.force, here.samples.force);
+    assert_eq!(there.run.cycles, here.cycles);
+}
+
+#[test]
+fn a_board_that_restarts_in_the_middle_says_so_and_what_came_is_kept() {
+    let setup = setup();
+    let orders = Orders::new();
+    let arguments = orders.arguments();
+    let Some(board) = board(&setup, &arguments.each_ref().map(String::as_str)) else {
+        return;
+    };
+    let mut image = wired(&board, &setup);
+    let times = [setup.programme.duration(), f64::INFINITY];
+    let start = |image: &mut Image<Serial>| image.start_rig();
+    let mut kept = Kept::default();
+    let mut watch = Watching {
+        kept: &mut kept,
+        then: || orders.give("system_reset"),
+    };
+    let error = record(&mut image, telemetry(), TICK_RATE, times, start, &mut watch).unwrap_err();
+    assert!(
+        matches!(error, RecordError::Link(LinkError::Restarted)),
+        "{error}"
+    );
+    assert!(kept.rows > 100, "{} rows", kept.rows);
+    after(&board, 10);
+    assert!(!board.is_enabled());
+}
+
+/// What was seen of a recording.
+#[derive(Default)]
+struct Kept {
+    rows: usize,
+}
+
+/// Does something once there are some rows.
+struct Watching<'k, F> {
+    kept: &'k mut Kept,
+    then: F,
+}
+
+impl<F: FnMut()> Watch for Watching<'_, F> {
+    fn see(&mut self, part: f64, samples: &Samples) -> Result<(), InputError> {
+        self.kept.rows = samples.len();
+        if part < 1.0 && samples.len() > 100 {
+            (self.then)();
+        }
+        Ok(())
+    }
+}
+
+/// A forged pack changes nothing.
+#[test]
+fn a_law_is_swapped_at_the_end_of_a_cycle_while_the_rig_runs() {
+    let mut setup = setup();
+    setup.programme = Programme::new(TICK_RATE, 1)
+        .and_then(|programme| programme.with(Block::sine(0.1, 20.0, 60)?))
+        .unwrap();
+    let Some(board) = board(&setup, &[]) else {
+        return;
+    };
+    let mut image = wired(&board, &setup);
+    let mut better = setup.law.clone();
+    let law = *better.law();
+    better.set_law(Law::new(law.k1() * 1.1, law.k3(), law.c(), law.alpha()).unwrap());
+    let mut forged = pack(&better);
+    let last = forged.len() - 1;
+    forged[last] ^= 1;
+    let begin = |image: &mut Image<Serial>| {
+        image.start_rig()?;
+        after(&board, 1000);
+        let refused = image.send_pack(&forged).unwrap_err().to_string();
+        assert!(refused.contains("checksum"), "{refused}");
+        image.send_pack(&pack(&better))
+    };
+    let times = [setup.programme.duration(), f64::INFINITY];
+    let there = record(
+        &mut image,
+        telemetry(),
+        TICK_RATE,
+        times,
+        begin,
+        &mut |_: f64| (),
+    )
+    .unwrap();
+    assert_eq!((there.late_ticks, there.run.faults.len()), (0, 0));
+    // The motion does not depend on the law: from the swap on every cycle is that of a rig that had the better law from the start.
+    let same = |law| {
+        let run = run_rig(
+            RigSetup {
+                law,
+                ..setup.clone()
+            },
+            |_| (),
+        )
+        .unwrap();
+        let pairs = run.cycles.into_iter().zip(&there.run.cycles);
+        pairs
+            .map(|(here, there)| (here.model.stiffness / there.model.stiffness - 1.0).abs() < 1e-5)
+            .collect::<Vec<bool>>()
+    };
+    let (before, after) = (same(setup.law.clone()), same(better));
+    assert!(
+        before[..2] == [true; 2] && after[..2] == [false; 2],
+        "{before:?} {after:?}"
+    );
+    let swap = after.iter().position(|same| *same).unwrap();
+    // The cycle in which the new law's table fills is of neither.
+    assert!(before[..swap - 1].iter().all(|same| *same), "{before:?}");
+    assert!(after[swap..].iter().all(|same| *same), "{after:?}");
 }

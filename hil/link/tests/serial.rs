@@ -1,10 +1,11 @@
 //! An emulated board whose link is a serial port, on a pseudo-terminal; its converters are simulated beside it.
 
 mod emulated;
+#[path = "emulated/orders.rs"]
+mod orders;
 
 use std::fs::OpenOptions;
 use std::io::{BufRead as _, BufReader, Write as _};
-use std::os::unix::net::UnixStream;
 use std::path::{Path, PathBuf};
 use std::process::{Child, Stdio};
 
@@ -17,13 +18,13 @@ use mesh_damper_link::image::{Board, SERIAL};
 use mesh_damper_link::lockstep::{Image, LinkError, Serial, Wire, run_rig_on};
 use mesh_damper_rig::specimen::Specimen;
 use mesh_damper_rig::{RigSetup, TICK_RATE, run_rig};
+use orders::Orders;
 
 /// A board that runs until it is dropped.
 struct Emulated {
     process: Child,
     port: PathBuf,
-    orders: PathBuf,
-    _folder: tempfile::TempDir,
+    orders: Orders,
 }
 
 impl Emulated {
@@ -31,13 +32,12 @@ impl Emulated {
     fn new() -> Option<Self> {
         let board = Board::Mps2An386;
         let elf = emulated::image(&SERIAL, board)?;
-        let folder = tempfile::tempdir().unwrap();
-        let orders = folder.path().join("orders");
+        let orders = Orders::new();
         let mut process = board
             .emulator_with("pty", &elf)
             .unwrap()
-            .args(["-semihosting-config", "enable=on,target=native", "-qmp"])
-            .arg(format!("unix:{},server=on,wait=off", orders.display()))
+            .args(["-semihosting-config", "enable=on,target=native"])
+            .args(orders.arguments())
             .stdout(Stdio::piped())
             .stderr(Stdio::null())
             .spawn()
@@ -55,26 +55,7 @@ impl Emulated {
             process,
             port,
             orders,
-            _folder: folder,
         })
-    }
-
-    /// Tells the emulator something, and waits until it has done it.
-    fn order(&self, what: &str) {
-        let mut orders = UnixStream::connect(&self.orders).unwrap();
-        let mut answers = BufReader::new(orders.try_clone().unwrap());
-        let mut answer = String::new();
-        answers.read_line(&mut answer).unwrap();
-        for what in ["qmp_capabilities", what] {
-            writeln!(orders, "{{\"execute\": \"{what}\"}}").unwrap();
-            loop {
-                answer.clear();
-                answers.read_line(&mut answer).unwrap();
-                if answer.contains("\"return\"") {
-                    break;
-                }
-            }
-        }
     }
 }
 
@@ -139,7 +120,7 @@ fn a_board_that_restarts_in_the_middle_says_so() {
     };
     let mut image = Image::at(&board.port).unwrap();
     image.rest().unwrap();
-    board.order("system_reset");
+    board.orders.give("system_reset");
     assert_eq!(image.rest(), Err(LinkError::Restarted));
 }
 
@@ -149,7 +130,7 @@ fn a_board_that_stands_still_is_silent_and_a_cable_that_is_pulled_is_gone() {
         return;
     };
     let mut image = Image::at(&board.port).unwrap();
-    board.order("stop");
+    board.orders.give("stop");
     let silent = image.rest().unwrap_err();
     let port = board.port.display().to_string();
     assert_eq!(silent, LinkError::SilentBoard(port.clone()));

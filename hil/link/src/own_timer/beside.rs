@@ -7,6 +7,8 @@
 use std::io::{BufRead as _, BufReader, Read, Write};
 use std::path::{Path, PathBuf};
 use std::process::{Child, Stdio};
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, AtomicU64, Ordering::Relaxed};
 use std::thread::JoinHandle;
 use std::time::{Duration, Instant};
 
@@ -30,6 +32,14 @@ pub struct EmulatedBoard {
     process: Child,
     port: PathBuf,
     specimen: Option<JoinHandle<()>>,
+    seen: Arc<Seen>,
+}
+
+/// What the simulated side has seen of the board.
+#[derive(Debug, Default)]
+struct Seen {
+    ticks: AtomicU64,
+    enabled: AtomicBool,
 }
 
 impl EmulatedBoard {
@@ -83,18 +93,30 @@ impl EmulatedBoard {
             return Err(failed(format!("names no pseudo-terminal: {}", said.trim())));
         };
         let port = PathBuf::from(port);
-        let specimen =
-            std::thread::spawn(move || Beside::new(plant, speed).answer(driven, delivered));
+        let seen = Arc::new(Seen::default());
+        let beside = Beside::new(plant, speed, seen.clone());
+        let specimen = std::thread::spawn(move || beside.answer(driven, delivered));
         Ok(Self {
             process,
             port,
             specimen: Some(specimen),
+            seen,
         })
     }
 
     /// The pseudo-terminal that stands for the board's serial port.
     pub fn port(&self) -> &Path {
         &self.port
+    }
+
+    /// Ticks of the board so far, those without a rig included. They go on while nobody asks the board anything.
+    pub fn ticks(&self) -> u64 {
+        self.seen.ticks.load(Relaxed)
+    }
+
+    /// Level of the enable line at its last tick.
+    pub fn is_enabled(&self) -> bool {
+        self.seen.enabled.load(Relaxed)
     }
 
     /// The emulator's process.
@@ -130,6 +152,7 @@ struct Beside<S> {
     first: Vec<u8>,
     begun: bool,
     pace: Pace,
+    seen: Arc<Seen>,
 }
 
 /// Holds the board back.
@@ -160,7 +183,7 @@ impl Pace {
 }
 
 impl<S: DamperForce + Clone> Beside<S> {
-    fn new(mut plant: Plant<S>, speed: f64) -> Self {
+    fn new(mut plant: Plant<S>, speed: f64, seen: Arc<Seen>) -> Self {
         let first = delivered(&mut plant);
         Self {
             plant,
@@ -171,6 +194,7 @@ impl<S: DamperForce + Clone> Beside<S> {
                 due: Instant::now(),
                 count: None,
             },
+            seen,
         }
     }
 
@@ -191,6 +215,8 @@ impl<S: DamperForce + Clone> Beside<S> {
         while driven.read_exact(&mut asked).is_ok() {
             let [low, high, enabled, _, clock @ ..] = asked;
             self.pace.wait(u32::from_le_bytes(clock));
+            self.seen.enabled.store(enabled != 0, Relaxed);
+            self.seen.ticks.fetch_add(1, Relaxed);
             let next = self.next(u16::from_le_bytes([low, high]), enabled != 0);
             if delivered.write_all(&next).is_err() {
                 return;
