@@ -11,7 +11,8 @@ mod telemetry;
 
 pub use outcome::{Outcome, write_outcome};
 pub use refusal::{Refusal, write_refusal};
-pub use telemetry::{Note, ROWS, Row, Rows, Telemetered, TelemetryConfig, write_note, write_rows};
+pub use telemetry::{Note, ROWS, Row, Rows, Telemetered, TelemetryConfig};
+pub(crate) use telemetry::{write_note, write_rows};
 
 use crate::converter::Scale;
 use crate::effects::{CONTROLS, Motion};

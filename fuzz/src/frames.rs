@@ -1,27 +1,28 @@
 //! The link's frames, damaged and forged.
 
-use std::sync::LazyLock;
-
 use mesh_damper::converter::Scale;
 use mesh_damper::effects::Motion;
 use mesh_damper::frame::{Frame, FrameBuffer, Frames, Header, PAYLOAD};
 use mesh_damper::message::{
-    Answer, Motions, Outcome, Refusal, Request, Sensors, Setup, Statistics, write_again,
-    write_done, write_forces, write_outcome, write_refusal, write_statistics,
+    About, Answer, Knots, Motions, Outcome, ROWS, Refusal, Request, Sensors, Setup, Statistics,
+    Telemetered, TelemetryConfig, write_about, write_again, write_done, write_forces,
+    write_outcome, write_refusal, write_statistics,
 };
-use mesh_damper::rig::RigSettings;
+use mesh_damper::rig::{Knot, RigSettings, State, StreamSettings, Telemetry};
 use mesh_damper::sine::{Block, Programme};
+use mesh_damper::telemetry::Channel;
+use std::sync::LazyLock;
 
 use crate::edit::edited;
 
 /// Parts of a frame, as its bytes.
 const WORDS: [&str; 6] = [
     "MD",
-    "MD\u{4}",
+    "MD\u{7}",
     "\0\0\0\0",
     "\u{1}",
     "\0",
-    "MD\u{4}\t\0\0\0\0\u{1}\0\u{18}\0",
+    "MD\u{7}\t\0\0\0\0\u{1}\0\u{18}\0",
 ];
 
 /// One frame of every kind.
@@ -40,7 +41,11 @@ pub static GOOD: LazyLock<Vec<Vec<u8>>> = LazyLock::new(|| {
         controls: [0.5, -1.5, 0.0, 9.0],
         ..Motion::default()
     };
-    let mut buffer = [0; PAYLOAD];
+    let knot = Knot {
+        displacement: 0.1,
+        velocity: -2.0,
+    };
+    let (mut buffer, mut knots) = ([0; PAYLOAD], [0; PAYLOAD]);
     let mut requests = vec![
         Request::Programme(programme.head()),
         Request::PackPart(0, b"a part of a pack"),
@@ -65,6 +70,20 @@ pub static GOOD: LazyLock<Vec<Vec<u8>>> = LazyLock::new(|| {
         Request::Rest,
         Request::Motions(Motions::new(&[motion; 3], &mut buffer)),
         Request::Statistics,
+        Request::Stream(
+            StreamSettings::default()
+                .at(1e4)
+                .expect("they are the default"),
+        ),
+        Request::Knots(Knots::new(&[knot; 2], &mut knots)),
+        Request::Hello,
+        Request::Join,
+        Request::Telemetry(TelemetryConfig {
+            every: 10,
+            within: 500,
+            controls: 2,
+            session: 9,
+        }),
     ];
     requests.extend(programme.planned().map(Request::Block));
     let mut frame = FrameBuffer::new();
@@ -93,8 +112,50 @@ pub static GOOD: LazyLock<Vec<Vec<u8>>> = LazyLock::new(|| {
     let motions = Motions::new(&[motion; 2], &mut buffer);
     written(&|frame| write_forces(7, motions, |motion| motion.displacement, frame));
     written(&write_again);
+    let about = About {
+        own_timer: true,
+        clock: 25_000_000,
+        tick_rate: 1e4,
+        state: State::Running,
+        law_waits: true,
+        late_ticks: 3,
+    };
+    written(&|frame| write_about(8, &about, frame));
+    let mut channel = Channel::<8>::new();
+    let (mut recorder, mut sender) = channel.split();
+    recorder.set(TelemetryConfig {
+        every: 1,
+        within: 2,
+        controls: 2,
+        session: 9,
+    });
+    for state in [State::Running, State::Running, State::Done] {
+        recorder.tick(&telemetry(state), 21.5);
+    }
+    while sender.next(&mut frame) {
+        good.push(frame.bytes().to_vec());
+    }
     good
 });
+
+fn telemetry(state: State) -> Telemetry {
+    Telemetry {
+        tick: 7,
+        displacement: 0.1,
+        velocity: -2.0,
+        measured_force: 1.0,
+        controls: [0.5, -1.5, 0.0, 0.0],
+        model_force: 1.1,
+        command: 0.2,
+        block: 0,
+        cycle: 0,
+        phase: 0,
+        ramp: false,
+        state,
+        report: None,
+        event: None,
+    }
+}
 
 static STREAM: LazyLock<Vec<Vec<u8>>> = LazyLock::new(|| vec![GOOD.concat()]);
 
@@ -114,7 +175,11 @@ pub fn check(script: &[u8]) {
     damaged(script);
     if let Some((&kind, payload)) = script.split_first() {
         // Of an existing kind, mostly.
-        let kind = if kind < 128 { kind % 13 } else { 64 + kind % 8 };
+        let kind = if kind < 128 {
+            kind % 19
+        } else {
+            64 + kind % 10
+        };
         let header = Header {
             kind,
             sequence: 9,
@@ -136,6 +201,9 @@ fn sealed(header: Header, payload: &[u8]) -> FrameBuffer {
 
 /// What is read of a frame and written again is read alike, bit for bit.
 fn is_what_it_says(frame: &Frame<'_>) {
+    if let Some(Telemetered::Rows(rows)) = Telemetered::read(frame) {
+        assert!(rows.count() <= ROWS);
+    }
     if let Some(first) = written_again(frame) {
         let frame = Frames(first.bytes()).next().expect("it was written");
         let second = written_again(&frame).expect("it is of the same kind");
@@ -159,6 +227,7 @@ fn written_again(frame: &Frame<'_>) -> Option<FrameBuffer> {
             telemetry,
         }) => write_outcome(sequence, code, enabled, &telemetry, &mut buffer),
         Answer::Statistics(statistics) => write_statistics(sequence, &statistics, &mut buffer),
+        Answer::About(about) => write_about(sequence, &about, &mut buffer),
         // Their bytes are passed on as they are.
         Answer::Forces(_) | Answer::Again => return None,
     }

@@ -197,6 +197,9 @@ impl<'a> Telemetered<'a> {
             kind::ROWS => {
                 let [number, temperature] = reader.words()?;
                 let [state, session, used, _] = reader.u32()?.to_le_bytes();
+                if usize::from(used) > CONTROLS {
+                    return None;
+                }
                 Some(Self::Rows(Rows {
                     next: Row {
                         number,

@@ -7,3 +7,4 @@ mod message;
 mod pack;
 mod pack_info;
 mod pack_slices;
+mod telemetry;

@@ -8,8 +8,9 @@ use mesh_damper::fast_law::Adaptation;
 use mesh_damper::frame::{Fields, Frame, FrameBuffer, Frames, PAYLOAD, Reader, Writer};
 use mesh_damper::health::{Event, HealthCause, HealthSettings, Statistic};
 use mesh_damper::message::{
-    Answer, MOTIONS, Motions, Outcome, Refusal, Request, Sensors, Setup, Statistics, write_again,
-    write_forces, write_outcome, write_refusal, write_statistics,
+    About, Answer, MOTIONS, Motions, Outcome, Refusal, Request, Sensors, Setup, Statistics,
+    TelemetryConfig, write_about, write_again, write_forces, write_outcome, write_refusal,
+    write_statistics,
 };
 use mesh_damper::pack::{Identity, PackError};
 use mesh_damper::rig::{CycleReport, RigSettings, State, StreamSettings, Telemetry, TripCause};
@@ -215,8 +216,39 @@ fn statistics_and_asking_again_pass() {
     assert_eq!(Answer::read(&frame(&buffer)), Some(Answer::Again));
 }
 
+#[test]
+fn what_a_board_on_its_own_timer_is_and_sends_passes() {
+    passes(Request::Join);
+    passes(Request::Telemetry(TelemetryConfig {
+        every: 0x0102_0304,
+        within: 0x0506_0708,
+        controls: 3,
+        session: 0x0a,
+    }));
+    let about = About {
+        own_timer: true,
+        clock: 25_000_000,
+        tick_rate: 8e3,
+        state: State::Faulted(TripCause::LinkLost),
+        law_waits: false,
+        late_ticks: 0x0102_0304,
+    };
+    let mut buffer = FrameBuffer::new();
+    for about in [
+        about,
+        About {
+            own_timer: false,
+            law_waits: true,
+            ..about
+        },
+    ] {
+        write_about(4, &about, &mut buffer);
+        assert_eq!(Answer::read(&frame(&buffer)), Some(Answer::About(about)));
+    }
+}
+
 /// Its fields are `first`, `first` + 1 and so on.
-fn cycle(first: f32) -> Cycle {
+pub fn cycle(first: f32) -> Cycle {
     let mut next = first - 1.0;
     let mut value = || {
         next += 1.0;
