@@ -41,9 +41,9 @@ fn board(setup: &RigSetup<Specimen, 1, 1>, arguments: &[&str]) -> Option<Emulate
     Some(EmulatedBoard::start(Plant::new(setup).unwrap(), 1.0, arguments).unwrap())
 }
 
-fn pack(law: &AugmentedLaw<f32, 1>) -> Vec<u8> {
+fn pack(law: &AugmentedLaw<f32, 1>, tick_rate: f64) -> Vec<u8> {
     let mut buffer = [0; LARGEST];
-    let info = PackInfo::at(TICK_RATE as f32);
+    let info = PackInfo::at(tick_rate as f32);
     encode(&FastLaw::new(law.clone()), &info, &mut buffer)
         .unwrap()
         .to_vec()
@@ -57,7 +57,9 @@ fn wired(board: &EmulatedBoard, setup: &RigSetup<Specimen, 1, 1>) -> Image<Seria
     image = Image::at(board.port()).unwrap();
     let mut setup = setup.clone();
     setup.settings.clock_rate = about.clock.into();
-    image.send_pack(&pack(&setup.law)).unwrap();
+    image
+        .send_pack(&pack(&setup.law, setup.programme.tick_rate()))
+        .unwrap();
     let described = described(&setup).unwrap();
     image.set_up(&setup.programme, &described).unwrap();
     image
@@ -252,6 +254,32 @@ fn a_board_that_restarts_in_the_middle_says_so_and_what_came_is_kept() {
     assert!(!board.is_enabled());
 }
 
+/// The board's watchdog waits for 20 ms, and the ticks of this rig are 25 ms apart.
+#[test]
+fn the_watchdog_restarts_a_board_whose_ticks_stay_away() {
+    let mut setup = setup();
+    let slow = 40.0;
+    setup.programme = Programme::new(slow, 1)
+        .and_then(|programme| programme.with(Block::sine(0.1, 0.5, 3)?))
+        .unwrap();
+    let settings = &mut setup.settings;
+    (settings.observer_bandwidth, settings.feedback) = (3.0, 0.3);
+    settings.glide = 0.05;
+    let Some(board) = board(&self::setup(), &[]) else {
+        return;
+    };
+    let mut image = wired(&board, &setup);
+    after(&board, 5);
+    assert_eq!(image.about().unwrap().tick_rate, 0.0);
+    assert_eq!(
+        image.start_rig(),
+        Err(LinkError::Refused {
+            reason: "it does not come in this order".into(),
+            mend: "run it again; if it stays, run it on the host and report this",
+        })
+    );
+}
+
 /// What was seen of a recording.
 #[derive(Default)]
 struct Kept {
@@ -288,7 +316,7 @@ fn a_law_is_swapped_at_the_end_of_a_cycle_while_the_rig_runs() {
     let mut better = setup.law.clone();
     let law = *better.law();
     better.set_law(Law::new(law.k1() * 1.1, law.k3(), law.c(), law.alpha()).unwrap());
-    let mut forged = pack(&better);
+    let mut forged = pack(&better, TICK_RATE);
     let last = forged.len() - 1;
     forged[last] ^= 1;
     let begin = |image: &mut Image<Serial>| {
@@ -296,7 +324,7 @@ fn a_law_is_swapped_at_the_end_of_a_cycle_while_the_rig_runs() {
         after(&board, 1000);
         let refused = image.send_pack(&forged).unwrap_err().to_string();
         assert!(refused.contains("checksum"), "{refused}");
-        image.send_pack(&pack(&better))
+        image.send_pack(&pack(&better, TICK_RATE))
     };
     let times = [setup.programme.duration(), f64::INFINITY];
     let there = record(

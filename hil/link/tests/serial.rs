@@ -5,7 +5,7 @@ mod emulated;
 mod orders;
 
 use std::fs::OpenOptions;
-use std::io::{BufRead as _, BufReader, Write as _};
+use std::io::{BufRead as _, BufReader, Read as _, Write as _};
 use std::path::{Path, PathBuf};
 use std::process::{Child, Stdio};
 
@@ -13,11 +13,12 @@ use mesh_damper::effects::{AugmentedLaw, Effect, StickSlip};
 use mesh_damper::frame::{FrameBuffer, VERSION};
 use mesh_damper::law::Law;
 use mesh_damper::message::Request;
+use mesh_damper::rig::{State, TripCause};
 use mesh_damper::sine::{Block, Programme};
 use mesh_damper_link::image::{Board, SERIAL};
-use mesh_damper_link::lockstep::{Image, LinkError, Serial, Wire, run_rig_on};
+use mesh_damper_link::lockstep::{Image, ImageBench, LinkError, Serial, Wire, run_rig_on};
 use mesh_damper_rig::specimen::Specimen;
-use mesh_damper_rig::{RigSetup, TICK_RATE, run_rig};
+use mesh_damper_rig::{Controlled as _, RigSetup, TICK_RATE, run_rig};
 use orders::Orders;
 
 /// A board that runs until it is dropped.
@@ -39,7 +40,7 @@ impl Emulated {
             .args(["-semihosting-config", "enable=on,target=native"])
             .args(orders.arguments())
             .stdout(Stdio::piped())
-            .stderr(Stdio::null())
+            .stderr(Stdio::piped())
             .spawn()
             .unwrap();
         // It says: char device redirected to /dev/pts/1 (label serial0).
@@ -111,6 +112,29 @@ fn noise_on_the_line_is_passed_over() {
         let after = image.statistics().unwrap();
         assert_eq!(after.log_lost, before.log_lost);
     }
+}
+
+/// The log says so, which is how the test knows that it has been silent for long enough.
+#[test]
+fn a_board_whose_host_falls_silent_drops_its_line() {
+    let Some(mut board) = Emulated::new() else {
+        return;
+    };
+    let mut image = Image::at(&board.port).unwrap();
+    let mut log = board.process.stderr.take().unwrap();
+    let mut bench = ImageBench::new(setup(), &mut image).unwrap();
+    bench.start().unwrap();
+    for _ in 0..3 {
+        assert_eq!(bench.tick().unwrap().state, State::Running);
+    }
+    assert!(bench.is_enabled());
+    // Messages of the start and the first block came before.
+    let mut said = [0; 256];
+    let before = log.read(&mut said).unwrap();
+    assert!(before > 0 && log.read(&mut said).unwrap() > 0);
+    let seen = bench.tick().unwrap();
+    assert_eq!(seen.state, State::Faulted(TripCause::TickOverrun));
+    assert!(!bench.is_enabled());
 }
 
 #[test]
