@@ -4,6 +4,7 @@ mod amplitude_free_command;
 mod bad_input;
 mod bad_input_of_studies;
 mod bench_command;
+mod board_command;
 mod command;
 mod controlled;
 mod demo_command;

@@ -30,6 +30,7 @@ mod respond;
 mod respond_sweep;
 mod run;
 mod specimen;
+mod stop;
 mod study;
 mod study_bouc_wen;
 mod study_size;
@@ -48,6 +49,7 @@ pub enum Command {
     Run(run::RunCommand),
     Record(record::RecordCommand),
     Upload(upload::UploadCommand),
+    Stop(stop::StopCommand),
     Emulate(emulate::EmulateCommand),
     Bench(bench::BenchCommand),
     Blind(blind::BlindCommand),
@@ -70,6 +72,7 @@ impl Command {
             Self::Run(command) => command.run(),
             Self::Record(command) => command.run(),
             Self::Upload(command) => command.run(),
+            Self::Stop(command) => command.run(),
             Self::Emulate(command) => command.run(),
             Self::Bench(command) => command.run(),
             Self::Blind(command) => command.run(),

@@ -1,8 +1,11 @@
 //! `hil predict`: the force that a model gives for a recording's motion.
 
+use std::fmt::{self, Display, Formatter};
 use std::path::{Path, PathBuf};
+use std::str::FromStr;
 
-use clap::{Args, ValueEnum};
+use clap::Args;
+use mesh_damper_link::lockstep;
 use mesh_damper_link::predict::{ImageError, predict_on};
 use mesh_damper_model::extrapolation::{Extrapolation, percent};
 use mesh_damper_model::file::{ModelFile, model_error};
@@ -10,8 +13,9 @@ use mesh_damper_model::predict::{band, nrmse, predict, predict_embedded};
 use mesh_damper_recording::Recording;
 use mesh_damper_recording::output::Plan;
 use mesh_damper_recording::trajectory::Trajectory;
-use serde::Serialize;
+use serde::{Serialize, Serializer};
 
+use super::board::Port;
 use super::controls::Controls;
 use super::image::{LogLevel, start_image};
 use super::respond::warn_of_range;
@@ -35,7 +39,10 @@ pub struct Predict {
     #[arg(long, value_name = "FILE")]
     model: PathBuf,
     /// Where the law is evaluated
-    #[arg(long, value_enum, default_value_t = On::F32)]
+    ///
+    /// `f64`: as it was fitted. `f32`: the embedded law at the recording's tick. `image`: the same inside the firmware's image, in an emulator.
+    /// `serial:PORT`: the same on a board.
+    #[arg(long, value_name = "PLACE", default_value_t = On::F32)]
     on: On,
     /// The image's log messages to standard error, from this level on
     #[arg(long, value_enum, value_name = "LEVEL", default_value_t = LogLevel::Warn)]
@@ -52,15 +59,48 @@ pub struct Predict {
     reading: Reading,
 }
 
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, ValueEnum)]
-#[serde(rename_all = "snake_case")]
+#[derive(Clone, Debug, PartialEq)]
 enum On {
-    /// As it was fitted
+    /// As it was fitted.
     F64,
-    /// The embedded law at the recording's tick
+    /// The embedded law at the recording's tick.
     F32,
-    /// The same inside the firmware's image, in an emulator
+    /// The same inside the firmware's image, in an emulator.
     Image,
+    /// The same on a board.
+    Serial(Port),
+}
+
+impl FromStr for On {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, String> {
+        match text {
+            "f64" => Ok(Self::F64),
+            "f32" => Ok(Self::F32),
+            "image" => Ok(Self::Image),
+            _ => text.parse().map(Self::Serial).map_err(|_| {
+                "f64, f32, image or serial:PORT is wanted, such as serial:/dev/ttyACM0".into()
+            }),
+        }
+    }
+}
+
+impl Display for On {
+    fn fmt(&self, f: &mut Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::F64 => f.write_str("f64"),
+            Self::F32 => f.write_str("f32"),
+            Self::Image => f.write_str("image"),
+            Self::Serial(port) => port.fmt(f),
+        }
+    }
+}
+
+impl Serialize for On {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        serializer.collect_str(self)
+    }
 }
 
 #[derive(Serialize)]
@@ -98,13 +138,17 @@ impl Predict {
         }
         let uniform = mended.uniform()?;
         let trajectory = Trajectory::of(&mended)?;
-        let force = match self.on {
+        let force = match &self.on {
             On::F64 => predict(&model, &trajectory).map_err(ImageError::Model),
             On::F32 => predict_embedded(&model, &trajectory).map_err(ImageError::Model),
             On::Image => {
                 // The ticks of a law alone are not counted.
                 let mut image = start_image(self.log, 1.0)?;
                 predict_on(&mut image, &model, &trajectory)
+            }
+            On::Serial(port) => {
+                let mut board = lockstep::Image::at(port.path())?;
+                predict_on(&mut board, &model, &trajectory)
             }
         }
         .map_err(|error| match error {
@@ -136,7 +180,7 @@ impl Predict {
         let summary = Summary {
             model: &self.model,
             recording: &self.recording,
-            on: self.on,
+            on: self.on.clone(),
             samples: recording.len(),
             nrmse: error,
             band: rms(&band) / rms(&mended.force),
