@@ -87,7 +87,7 @@ fn a_test_is_recorded_and_a_law_is_put_onto_the_rig_that_runs() {
     let rows = std::fs::read_to_string(root.join("here/cycles.csv")).unwrap();
     assert_eq!(cycles.len(), rows.lines().count() - 1);
     let force = |file: &str| {
-        let recording = mesh_damper_recording::Recording::read(&root.join(file)).unwrap();
+        let recording = mesh_damper_recording::Recording::read(root.join(file)).unwrap();
         (recording.time, recording.displacement, recording.force)
     };
     assert_eq!(force("there.csv"), force("here/recording.csv.gz"));

@@ -23,7 +23,7 @@ use super::cycles::{CycleRow, print_blocks};
 use super::events::EventRow;
 use super::law::PublishedLaw;
 use super::programme::{self, MOST_BLOCKS};
-use super::run::{Stop, Watched, refused, with_journal};
+use super::run::{Stop, Watched, in_words, refused, with_journal};
 use super::specimen::SPECIMEN_AMPLITUDE;
 use crate::commands::progress::Progress;
 use crate::commands::reading::Reading;
@@ -232,7 +232,7 @@ impl RecordCommand {
             .map_err(|error| with_journal(error, &journal))?;
         journal.remove();
         if lost != Lost::default() {
-            warn(&in_words(lost));
+            warn(&lost_in_words(lost));
         }
         if self.json.as_deref() != Some(Path::new("-")) {
             summary.print((!self.join).then_some(&programme));
@@ -278,9 +278,13 @@ impl RecordCommand {
         if about.tick_rate > 0.0 && about.state == State::Running {
             return Ok(about.tick_rate.into());
         }
+        let problem = match about.state {
+            State::Faulted(fault) => format!("the board's rig has stopped: {}", in_words(fault)),
+            _ => "the board has no rig that runs".into(),
+        };
         Err(InputError::new(
             self.from.to_string(),
-            "the board has no rig that runs",
+            problem,
             "leave --join out, so that it is set up and started",
         ))
     }
@@ -345,7 +349,7 @@ fn session() -> u8 {
     std::process::id() as u8
 }
 
-fn in_words(lost: Lost) -> String {
+fn lost_in_words(lost: Lost) -> String {
     let Lost {
         rows,
         notes,
