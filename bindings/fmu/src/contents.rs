@@ -7,11 +7,12 @@ use std::path::Path;
 
 use mesh_damper_model::export::Export;
 use mesh_damper_model::file::ModelFile;
+use mesh_damper_recording::policy::policy;
 use serde::{Deserialize, Serialize};
 use sha2::{Digest as _, Sha256};
 
 use crate::MARK;
-use crate::refusal::Refusal;
+use crate::refusal::{Refusal, finite};
 
 /// The model among the resources.
 pub const MODEL: &str = "model.json";
@@ -32,6 +33,8 @@ pub struct Settings {
     pub tick_rate: f64,
     /// Amplitude that the law is taken at at first, mm; `None` where it does not change with it.
     pub amplitude: Option<f64>,
+    /// Temperature at the start, °C.
+    pub temperature: f64,
     /// Of the specimen, g/cm³, where it is known.
     pub density: Option<f64>,
     /// Of this export.
@@ -60,6 +63,7 @@ impl Contents {
             name: info.name.to_string(),
             tick_rate,
             amplitude: export.amplitude(),
+            temperature: policy().trajectory.room,
             density: info.density.map(f64::from),
             revision: info.stamp.revision,
         };
@@ -111,14 +115,17 @@ impl Contents {
                 again,
             ));
         }
-        let is_over = file.model().law.len() > 1;
-        if settings.amplitude.is_some_and(|it| !it.is_finite())
-            || (is_over && settings.amplitude.is_none())
-        {
+        for (field, value) in [
+            ("amplitude", settings.amplitude.unwrap_or_default()),
+            ("temperature", settings.temperature),
+        ] {
+            finite(field, value)?;
+        }
+        if file.model().law.len() > 1 && settings.amplitude.is_none() {
             return Err(Refusal::new(
                 "amplitude",
-                format_args!("{:?}", settings.amplitude),
-                "no finite one, and the law changes with it",
+                "null",
+                "the law changes with it",
                 again,
             ));
         }

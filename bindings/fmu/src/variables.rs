@@ -1,7 +1,6 @@
 //! The variables of an FMU of a model, and the value references by which they are called.
 
 use mesh_damper::effects::CONTROLS;
-use mesh_damper_recording::policy::policy;
 
 use crate::contents::Contents;
 use crate::refusal::Refusal;
@@ -117,12 +116,11 @@ pub fn variables(contents: &Contents) -> Result<Vec<Variable>, Refusal> {
         ),
     ];
     if model.depends_on_temperature() {
-        let room = policy().trajectory.room;
         all.push(input(
             TEMPERATURE,
             "temperature",
             "degC",
-            room,
+            contents.settings.temperature,
             "Temperature of the damper".into(),
         ));
     }

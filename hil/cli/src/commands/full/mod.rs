@@ -12,6 +12,7 @@ mod drive;
 mod effect;
 mod events;
 mod export;
+mod export_fmu;
 mod faults;
 mod faults_attacks;
 mod image;
