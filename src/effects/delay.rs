@@ -181,7 +181,10 @@ mod kept {
                 write!(f, "{KEPT} forces")
             }
 
-            fn visit_seq<A: SeqAccess<'de>>(self, mut sequence: A) -> Result<Self::Value, A::Error> {
+            fn visit_seq<A: SeqAccess<'de>>(
+                self,
+                mut sequence: A,
+            ) -> Result<Self::Value, A::Error> {
                 let mut forces = [R::ZERO; KEPT];
                 for (place, force) in forces.iter_mut().enumerate() {
                     *force = sequence

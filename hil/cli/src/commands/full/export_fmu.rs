@@ -45,6 +45,7 @@ impl Platform {
     fn of(bytes: &[u8]) -> Option<Self> {
         let at = |place: usize| bytes.get(place..place + 4);
         match at(0)? {
+            // Whatever the processor: FMI 2.0 has names for the number of bits alone.
             b"\x7fELF" => match bytes.get(4)? {
                 1 => Some(platform("linux32", "so")),
                 2 => Some(platform("linux64", "so")),
