@@ -42,6 +42,8 @@ def main():
         ["cargo", "build", "--release", "--quiet", "--package", "mesh-damper-hil", "--bin", "hil"], cwd=ROOT, check=True
     )
 
+    # Nothing is left in the tree.
+    sys.dont_write_bytecode = True
     import damper
     import rotor
 

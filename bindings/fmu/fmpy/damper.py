@@ -46,7 +46,8 @@ class Damper:
 
     def __init__(self, fmu, name="damper"):
         self.description = read_model_description(fmu)
-        self.folder = extract(fmu)
+        # Beside the FMU, which goes with the folder that it is in.
+        self.folder = extract(fmu, unzipdir=tempfile.mkdtemp(dir=Path(fmu).parent))
         self.slave = FMU2Slave(
             guid=self.description.guid,
             unzipDirectory=self.folder,

@@ -161,6 +161,9 @@ def check(root, figure):
                 failures.append(f"mass: halving the step leaves {error / errors[-1]:.2f} of the error")
             steps.append(ticks / TICK_RATE)
             errors.append(error)
+        row = f"| displacement off, % of its RMS | {' | '.join(f'{100 * error:.2f}' for error in errors)} |"
+        if row not in (root / "docs/fmu.md").read_text():
+            failures.append(f"mass: docs/fmu.md lacks {row}")
         if errors[-1] > CLOSE:
             failures.append(f"mass: off by {errors[-1]:.4f} at the shortest step, beyond {CLOSE}")
         coarse, damped = [run_up(fmu, ticks / TICK_RATE) for ticks in (2, 1)]

@@ -10,7 +10,7 @@
 //! | `units.rs` | their units by SI base units |
 //! | `description.rs` | `modelDescription.xml` |
 //! | `location.rs` | the folder that a resource location names |
-//! | `instance.rs` | an instance: what may be called when, and a step |
+//! | `instance.rs`, `instance/` | an instance: what may be called when, a step, values, saved states |
 //! | `state.rs` | all that changes in an instance, and its bytes |
 //! | `refusal.rs` | why a call is refused |
 //! | `handles.rs` | the instances by their handles |

@@ -2,12 +2,12 @@
 
 use std::borrow::Cow;
 use std::collections::BTreeMap;
-use std::ffi::{CStr, CString, c_char, c_int};
+use std::ffi::{CStr, CString, c_char, c_int, c_void};
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Mutex, MutexGuard, PoisonError};
 
-use super::{ERRORS, WARNINGS, pointer};
+use super::{ERRORS, WARNINGS};
 use crate::contents::Contents;
 use crate::handles;
 use crate::instance::Instance;
@@ -276,4 +276,9 @@ pub(super) unsafe fn write<T>(field: &str, place: *mut T, value: T) -> Result<()
     // SAFETY: not null, and room for one as the caller vouches.
     unsafe { place.write(value) };
     Ok(())
+}
+
+/// A number as a handle that C takes.
+pub(super) fn pointer(number: usize) -> *mut c_void {
+    std::ptr::without_provenance_mut(number)
 }
