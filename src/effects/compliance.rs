@@ -33,6 +33,7 @@ pub struct Compliance<R> {
 
 /// What a [`Compliance`] remembers.
 #[derive(Clone, Copy, Debug)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct ComplianceState<R> {
     /// d₋₁ and d₋₂, mm.
     deflections: [R; 2],

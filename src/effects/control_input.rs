@@ -42,6 +42,7 @@ pub struct ControlInput<R> {
 /// What a [`ControlInput`] remembers.
 // No option of all of it: that of the stretch would lend it a niche, and nothing would not be zeros.
 #[derive(Clone, Copy, Debug)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct ControlInputState<R: Real> {
     /// Whether there was a tick.
     has_begun: bool,

@@ -25,7 +25,18 @@ pub struct Delay<R> {
 /// The last forces, kN.
 #[derive(Clone, Debug)]
 #[repr(C)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct DelayState<R> {
+    #[cfg_attr(
+        feature = "serde",
+        serde(
+            with = "kept",
+            bound(
+                serialize = "R: serde::Serialize",
+                deserialize = "R: Real + serde::Deserialize<'de>"
+            )
+        )
+    )]
     forces: [R; KEPT],
     /// Where the next one goes.
     next: u8,
@@ -136,5 +147,54 @@ impl Packed for Delay<f32> {
             whole: whole as u8,
             rest,
         })
+    }
+}
+
+/// [`KEPT`] forces as a sequence: longer than the arrays that serde knows.
+#[cfg(feature = "serde")]
+mod kept {
+    use core::fmt;
+    use core::marker::PhantomData;
+
+    use serde::de::{Deserializer, Error, SeqAccess, Visitor};
+    use serde::{Deserialize, Serialize, Serializer};
+
+    use super::KEPT;
+    use crate::real::Real;
+
+    pub fn serialize<R: Serialize, S: Serializer>(
+        forces: &[R; KEPT],
+        serializer: S,
+    ) -> Result<S::Ok, S::Error> {
+        serializer.collect_seq(forces)
+    }
+
+    pub fn deserialize<'de, R: Real + Deserialize<'de>, D: Deserializer<'de>>(
+        deserializer: D,
+    ) -> Result<[R; KEPT], D::Error> {
+        struct Forces<R>(PhantomData<R>);
+
+        impl<'de, R: Real + Deserialize<'de>> Visitor<'de> for Forces<R> {
+            type Value = [R; KEPT];
+
+            fn expecting(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+                write!(f, "{KEPT} forces")
+            }
+
+            fn visit_seq<A: SeqAccess<'de>>(
+                self,
+                mut sequence: A,
+            ) -> Result<Self::Value, A::Error> {
+                let mut forces = [R::ZERO; KEPT];
+                for (place, force) in forces.iter_mut().enumerate() {
+                    *force = sequence
+                        .next_element()?
+                        .ok_or_else(|| A::Error::invalid_length(place, &self))?;
+                }
+                Ok(forces)
+            }
+        }
+
+        deserializer.deserialize_seq(Forces(PhantomData))
     }
 }

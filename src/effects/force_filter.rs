@@ -35,6 +35,7 @@ pub struct ForceFilter<R> {
 
 /// What a [`ForceFilter`] remembers, all in kN.
 #[derive(Clone, Copy, Debug)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct ForceFilterState<R> {
     /// The force of the tick before.
     previous: R,

@@ -131,6 +131,15 @@ macro_rules! effects {
         #[derive(Clone, Debug)]
         // The longest stands at the end of the list: the others are within reach of a load's offset.
         #[repr(C)]
+        // A simulation that goes back writes it and reads it again.
+        #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+        #[cfg_attr(
+            feature = "serde",
+            serde(bound(
+                serialize = "R: serde::Serialize",
+                deserialize = "R: serde::Deserialize<'de>"
+            ))
+        )]
         pub struct AugmentedState<R: Real> {
             $($module: <$name<R> as Equations<R>>::State,)+
             correction: ResidualTableState,

@@ -67,6 +67,7 @@ impl<R: Real> Branch<R> {
 #[derive(Clone, Copy, Debug)]
 // What every tick needs comes first: within reach of a load's offset from one address.
 #[repr(C)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct RelaxationState<R> {
     /// Displacement of the tick before, mm.
     previous: R,
@@ -74,6 +75,7 @@ pub struct RelaxationState<R> {
 }
 
 #[derive(Clone, Copy, Debug)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 struct BranchState<R> {
     force: R,
     /// What rounding has kept from the force: a tick's change is far smaller than an f32 can add when τ is long.

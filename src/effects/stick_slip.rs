@@ -41,6 +41,7 @@ impl<R: Real> Element<R> {
 
 /// What a [`StickSlip`] remembers.
 #[derive(Clone, Copy, Debug)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct StickSlipState<R> {
     stretch: [R; MAX_ELEMENTS],
     /// Displacement of the tick before, mm.

@@ -8,6 +8,7 @@ pub(super) const SHARPEST: f64 = 8.0;
 
 /// A stretch and where it was.
 #[derive(Clone, Copy, Debug)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Stretch<R> {
     /// z, mm.
     stretch: R,

@@ -36,6 +36,7 @@ pub struct Weakening<R> {
 
 /// What a [`Weakening`] remembers.
 #[derive(Clone, Copy, Debug)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct WeakeningState<R> {
     /// z, mm.
     stretch: R,

@@ -6,10 +6,12 @@ use mesh_damper::adc::AdcError;
 use mesh_damper::converter::{Sample, Scale};
 use mesh_damper::cycle::Cycle;
 use mesh_damper::dac::DacError;
-use mesh_damper::effects::{CONTROLS, Motion};
+use mesh_damper::effects::delay::DelayState;
+use mesh_damper::effects::{AugmentedLaw, AugmentedState, CONTROLS, DESCRIPTIONS, Effect, Motion};
 use mesh_damper::error::ConfigError;
 use mesh_damper::fast_law::Adaptation;
 use mesh_damper::health::{Channel, Event, HealthCause, HealthSettings, Statistic};
+use mesh_damper::law::Law;
 use mesh_damper::message::{Outcome, Refusal, Sensors, Statistics};
 use mesh_damper::observer::Estimate;
 use mesh_damper::operating_range::OperatingRange;
@@ -246,5 +248,49 @@ fn a_refusal_can_be_written() {
     assert_eq!(
         serde_json::to_string(&refused).unwrap(),
         r#"{"Full":{"field":"blocks","capacity":4}}"#
+    );
+}
+
+/// What a law remembers, of every effect: a law that goes on from what was read gives the same forces to the last bit.
+#[test]
+fn the_state_of_a_law_survives() {
+    let tick = 1e-4;
+    for description in DESCRIPTIONS {
+        let parameters = description.typical;
+        let effect = Effect::from_parameters(description.number, parameters, tick).unwrap();
+        let law = Law::new(8.0, 180.0, 0.3, 0.3).unwrap();
+        let law = AugmentedLaw::<f64, 1>::new(law).with(effect).unwrap();
+        let motion = |index: u32| {
+            let (sin, cos) = (f64::from(index) * 0.01).sin_cos();
+            Motion {
+                displacement: 0.1 * sin,
+                velocity: 10.0 * cos,
+                acceleration: -1e3 * sin,
+                cycles: f64::from(index) * 1e-3,
+                temperature: 30.0,
+                controls: [0.5; CONTROLS],
+            }
+        };
+        let mut state = law.at_rest();
+        for index in 0..700 {
+            law.force(&mut state, &motion(index));
+        }
+        let bytes = postcard::to_stdvec(&state).unwrap();
+        let mut read: AugmentedState<f64> = postcard::from_bytes(&bytes).unwrap();
+        let text = serde_json::to_string(&state).unwrap();
+        let mut told: AugmentedState<f64> = serde_json::from_str(&text).unwrap();
+        for index in 700..1400 {
+            let force = law.force(&mut state, &motion(index)).to_bits();
+            for other in [&mut read, &mut told] {
+                let after = law.force(other, &motion(index)).to_bits();
+                assert_eq!(after, force, "{} at {index}", description.name);
+            }
+        }
+    }
+    let short = r#"{"forces":[0.0,1.0],"next":0,"filled":0}"#;
+    let refused = serde_json::from_str::<DelayState<f64>>(short).unwrap_err();
+    assert!(
+        refused.to_string().contains("expected 256 forces"),
+        "{refused}"
     );
 }

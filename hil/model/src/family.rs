@@ -70,6 +70,12 @@ impl Family {
         effects.any(|effect| effect.depends_on.contains(&Dependence::Control))
     }
 
+    /// Whether its force changes with the number of cycles.
+    pub fn depends_on_cycles(self) -> bool {
+        let mut effects = self.effects();
+        effects.any(|effect| effect.depends_on.contains(&Dependence::Cycle))
+    }
+
     /// Whether its force changes with the temperature.
     pub fn depends_on_temperature(self) -> bool {
         self.effects().any(Description::depends_on_temperature)

@@ -207,6 +207,17 @@ impl Model {
         effects.any(|effect| effect.family.depends_on_control())
     }
 
+    /// Whether its force changes with the number of cycles, or with their frequency by a residual table that counts them.
+    pub fn depends_on_cycles(&self) -> bool {
+        let table = self.correction.as_ref();
+        let memory = table.and_then(|table| table.memory.as_ref());
+        memory.is_some_and(|memory| matches!(memory.of, Remembered::Frequency { .. }))
+            || self
+                .effects
+                .iter()
+                .any(|effect| effect.family.depends_on_cycles())
+    }
+
     /// Whether its force changes with the temperature.
     pub fn depends_on_temperature(&self) -> bool {
         let table = self.correction.as_ref();

@@ -73,6 +73,7 @@ pub enum Memory<R> {
 /// Each with its number in a pack. The numbers of those that are no more stay theirs.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd)]
 #[repr(u8)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(super) enum MemoryKind {
     Speed = 0,
     Place = 1,
@@ -155,6 +156,7 @@ impl<R: Real> Beside<R> {
 
 /// What a correction remembers.
 #[derive(Clone, Copy, Debug)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct ResidualTableState {
     /// Of which kind, [`MemoryKind::Speed`] before the first tick: what a tick does follows from it alone.
     kind: MemoryKind,

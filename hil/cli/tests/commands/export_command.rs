@@ -318,13 +318,13 @@ fn what_cannot_be_exported_is_refused_in_one_line() {
         let arguments: Vec<&str> = ["export"].into_iter().chain(arguments.split(' ')).collect();
         refuses(root.path(), &arguments, said);
     }
-    let fmu = "--model model.json --format fmu --tick-rate 1e4 --out p";
-    let arguments: Vec<&str> = ["export"].into_iter().chain(fmu.split(' ')).collect();
+    let unknown = "--model model.json --format paper --tick-rate 1e4 --out p";
+    let arguments: Vec<&str> = ["export"].into_iter().chain(unknown.split(' ')).collect();
     let output = refusal::hil(root.path(), &arguments);
     assert_eq!(output.status.code(), Some(2));
     let error = String::from_utf8(output.stderr).unwrap();
     assert!(
-        error.contains("[possible values: pack, rust, c]"),
+        error.contains("[possible values: pack, rust, c, fmu]"),
         "{error}"
     );
 }

@@ -11,6 +11,7 @@ mod demo_command;
 #[path = "../../../link/tests/emulated/mod.rs"]
 mod emulated;
 mod export_command;
+mod export_fmu;
 mod image_command;
 mod interrupted_run;
 mod no_room;

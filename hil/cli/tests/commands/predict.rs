@@ -219,3 +219,48 @@ fn a_unit_that_changes_on_the_way_is_mended_as_a_trace_mends_it() {
     let warnings = json("traced/trace.json")["warnings"].to_string();
     assert!(warnings.contains("1000"), "{warnings}");
 }
+
+/// The motion that the law was given, with the force to the last bit.
+#[test]
+fn the_motion_comes_along_where_it_is_asked_for() {
+    let root = tempfile::tempdir().unwrap();
+    fs::write(root.path().join("model.json"), MODEL).unwrap();
+    let mut text = String::from("time_s,displacement_mm,force_kN\n");
+    for i in 0..1000 {
+        let time = f64::from(i) * 0.002;
+        let y = displacement(time);
+        text += &format!("{time:.3},{y:.9},{:.9}\n", 2.0 * y + 0.5);
+    }
+    fs::write(root.path().join("test.csv"), text).unwrap();
+    let arguments = [
+        "predict",
+        "--model",
+        "model.json",
+        "test.csv",
+        "--on",
+        "f64",
+        "--out",
+        "pred.csv",
+        "--motion",
+        "motion.json",
+    ];
+    crate::command::hil(root.path(), &arguments);
+    let motion = fs::read(root.path().join("motion.json")).unwrap();
+    let motion: serde_json::Value = serde_json::from_slice(&motion).unwrap();
+    let column = |name: &str| -> Vec<f64> {
+        let values = motion[name].as_array().unwrap().iter();
+        values.map(|value| value.as_f64().unwrap()).collect()
+    };
+    assert_eq!(motion["tick"], 0.002);
+    let (y, v, force) = (column("displacement"), column("velocity"), column("force"));
+    assert_eq!([y.len(), v.len(), force.len()], [1000; 3]);
+    let rate = std::f64::consts::TAU * 2.0;
+    for sample in 100..900 {
+        let time = 0.002 * sample as f64;
+        assert!((y[sample] - displacement(time)).abs() < 1e-6);
+        assert!((v[sample] - 0.1 * rate * (rate * time).cos()).abs() < 1e-3);
+        // A spring and a preload, to the last bit.
+        assert_eq!(force[sample], 2.0 * y[sample] + 0.5);
+    }
+    assert_eq!(column("temperature")[7], 20.0);
+}

@@ -85,6 +85,7 @@ pub enum ExportError {
 pub struct Export {
     model: Model,
     tick: f64,
+    amplitude: Option<f64>,
     law: FastLaw<MAX_EFFECTS>,
     info: PackInfo,
     passivity: Result<(), Active>,
@@ -130,6 +131,7 @@ impl Export {
         Ok(Self {
             model,
             tick,
+            amplitude,
             law,
             info,
             passivity,
@@ -139,6 +141,11 @@ impl Export {
     /// The motion within the fitted range in which the law gives more energy than it takes; `None` of a passive one.
     pub fn active(&self) -> Option<Active> {
         self.passivity.err()
+    }
+
+    /// The amplitude that the law is taken at, mm; `None` where it does not change with it. [`PackInfo`] has it rounded to f32.
+    pub fn amplitude(&self) -> Option<f64> {
+        self.amplitude
     }
 
     /// What the export says of itself, whatever its format.

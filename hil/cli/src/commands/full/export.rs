@@ -1,4 +1,4 @@
-//! `hil export`: a model as firmware takes it.
+//! `hil export`: a model as firmware or a simulation takes it.
 
 use std::path::{Path, PathBuf};
 
@@ -11,10 +11,11 @@ use mesh_damper_recording::error::{InputError, Place};
 use mesh_damper_recording::output::Plan;
 use serde::Serialize;
 
+use super::export_fmu::{self, Unit};
 use crate::commands::reading::Reading;
 use crate::commands::{Failure, say, warn};
 
-/// A model as firmware takes it: a coefficient pack, a Rust module, or a C header and source
+/// A model as others take it: a coefficient pack, a Rust module, a C header and source, or an FMU
 ///
 /// All of them are the same law at one tick rate, and say for which tick rate and operating range it is, of which model, and which
 /// revision. A law whose coefficients change with the amplitude is taken at the largest one that it was fitted at, or at --amplitude.
@@ -22,7 +23,8 @@ use crate::commands::{Failure, say, warn};
 #[command(
     after_help = "Examples:\n  hil export --model trace-out/model.json --format pack --tick-rate 10000 --out mount.mdcp\n  \
     hil export --model trace-out/model.json --format rust --tick-rate 10000 --out src/mount.rs\n  \
-    hil export --model trace-out/model.json --format c --tick-rate 10000 --out mount.c"
+    hil export --model trace-out/model.json --format c --tick-rate 10000 --out mount.c\n  \
+    hil export --model trace-out/model.json --format fmu --tick-rate 10000 --out mount.fmu"
 )]
 pub struct ExportCommand {
     /// The model, as `hil trace` writes it
@@ -31,7 +33,7 @@ pub struct ExportCommand {
     /// What it becomes
     #[arg(long, value_enum)]
     format: Format,
-    /// Ticks per second of the firmware, 1 to 1000000
+    /// Ticks per second of the firmware, or evaluations of the law per second in an FMU, 1 to 1000000
     #[arg(long, value_name = "HZ", allow_negative_numbers = true)]
     tick_rate: f64,
     /// Where it goes, `-` for standard output; of C the name of header and source, with or without its ending
@@ -52,6 +54,9 @@ pub struct ExportCommand {
     /// Exports a law that gives more energy than it takes as well: a firmware that loads it has to allow that too
     #[arg(long)]
     allow_active: bool,
+    /// The library for an FMU, in the place of the one beside this program; again for each further platform
+    #[arg(long, value_name = "FILE")]
+    library: Vec<PathBuf>,
     /// Where what was written goes as JSON as well; `-` for standard output
     #[arg(long, value_name = "FILE")]
     json: Option<PathBuf>,
@@ -68,6 +73,8 @@ enum Format {
     Rust,
     /// A header and a source of C99 with the pack as an array
     C,
+    /// A unit of FMI 2.0 for co-simulation
+    Fmu,
 }
 
 #[derive(Serialize)]
@@ -87,6 +94,9 @@ struct Summary<'a> {
     density: Option<f32>,
     /// Whether the law gives no more energy than it takes, within the operating range
     passive: bool,
+    /// Of an FMU
+    #[serde(flatten)]
+    fmu: Option<Unit>,
 }
 
 #[derive(Serialize)]
@@ -104,8 +114,17 @@ struct Range {
 impl ExportCommand {
     pub fn run(self) -> Result<(), Failure> {
         let paths = self.paths()?;
+        if let (Some(library), false) = (self.library.first(), self.format == Format::Fmu) {
+            return Err(InputError::new(
+                format!("--library {}", library.display()),
+                "only an FMU carries a library",
+                "give --format fmu, or leave --library out",
+            )
+            .into());
+        }
         let mut outputs = Plan::new()
             .reads([&self.model])
+            .reads(&self.library)
             .writes(&paths)
             .writes(&self.json)
             .begin()?;
@@ -119,7 +138,7 @@ impl ExportCommand {
             allow_active: self.allow_active,
         };
         let export = Export::new(&file, &settings).map_err(|error| self.refused(&error))?;
-        let texts = self.texts(&export).map_err(|error| self.refused(&error))?;
+        let (texts, fmu) = self.texts(&file, &export)?;
         let info = export.info();
         let summary = Summary {
             format: self.format,
@@ -143,6 +162,7 @@ impl ExportCommand {
             amplitude: info.amplitude,
             density: info.density,
             passive: export.active().is_none(),
+            fmu,
         };
         if let Some(json) = &self.json {
             outputs.add_json(json, &summary)?;
@@ -208,7 +228,7 @@ impl ExportCommand {
         };
         let is_ending = |ending: &str| match self.format {
             Format::C => ["c", "h"].contains(&ending),
-            Format::Pack | Format::Rust => true,
+            Format::Pack | Format::Rust | Format::Fmu => true,
         };
         let ending = path.extension().and_then(|ending| ending.to_str());
         let name = match ending.is_some_and(is_ending) {
@@ -237,13 +257,29 @@ impl ExportCommand {
         ))
     }
 
-    /// What each of the files holds.
-    fn texts(&self, export: &Export) -> Result<Vec<Vec<u8>>, ExportError> {
-        Ok(match self.format {
-            Format::Pack => vec![export.pack()?],
-            Format::Rust => vec![export.rust()?.into_bytes()],
-            Format::C => export.c(&self.stem())?.map(String::into_bytes).to_vec(),
-        })
+    /// What each of the files holds, and what else an FMU says of itself.
+    fn texts(
+        &self,
+        file: &ModelFile,
+        export: &Export,
+    ) -> Result<(Vec<Vec<u8>>, Option<Unit>), InputError> {
+        let refused = |error| self.refused(&error);
+        let texts = match self.format {
+            Format::Pack => vec![export.pack().map_err(refused)?],
+            Format::Rust => vec![export.rust().map_err(refused)?.into_bytes()],
+            Format::C => {
+                let texts = export.c(&self.stem()).map_err(refused)?;
+                texts.map(String::into_bytes).to_vec()
+            }
+            Format::Fmu => {
+                let libraries = export_fmu::libraries(&self.library)?;
+                let model = self.model.display().to_string();
+                let (bytes, unit) =
+                    export_fmu::packed(file, export, self.tick_rate, &libraries, &model)?;
+                return Ok((vec![bytes], Some(unit)));
+            }
+        };
+        Ok((texts, None))
     }
 
     /// What was written, what it is of, and how it is used.
@@ -283,6 +319,14 @@ impl ExportCommand {
                  `{module}::DamperLaw`",
                 self.out.display().to_string(),
                 module = rust_module(&self.stem())
+            ),
+            Format::Fmu => format!(
+                "Import it for co-simulation on {}, with steps that are multiples of {} s",
+                summary
+                    .fmu
+                    .as_ref()
+                    .map_or(String::new(), |unit| unit.platforms.join(", ")),
+                1.0 / self.tick_rate
             ),
             Format::C => {
                 let name = c_identifier(summary.name);

@@ -14,6 +14,7 @@ mod effect;
 mod emulate;
 mod events;
 mod export;
+mod export_fmu;
 mod faults;
 mod faults_attacks;
 mod image;

@@ -53,6 +53,9 @@ pub struct Predict {
     /// Where the error and what it was computed from go as JSON; `-` for standard output
     #[arg(long, value_name = "FILE")]
     json: Option<PathBuf>,
+    /// Where the motion that the law was given and its force go as JSON, to the last bit; `-` for standard output
+    #[arg(long, value_name = "FILE")]
+    motion: Option<PathBuf>,
     #[command(flatten)]
     controls: Controls,
     #[command(flatten)]
@@ -119,12 +122,70 @@ struct Summary<'a> {
     outside_operating_range: Extrapolation,
 }
 
+/// What the law saw at each sample of the uniform time base, and what it made of it.
+#[derive(Serialize)]
+struct Seen<'a> {
+    format: &'static str,
+    version: u32,
+    on: On,
+    /// s
+    tick: f64,
+    /// mm
+    displacement: &'a [f64],
+    /// mm/s
+    velocity: &'a [f64],
+    /// mm/s²
+    acceleration: &'a [f64],
+    /// Of the cycle that a sample is in, mm
+    amplitude: &'a [f64],
+    /// Since the recording's begin
+    cycles: &'a [f64],
+    /// °C
+    temperature: Vec<f64>,
+    /// In the order of the model, in the units of their names
+    controls: Vec<Input<'a>>,
+    /// kN
+    force: &'a [f64],
+}
+
+#[derive(Serialize)]
+struct Input<'a> {
+    name: &'a str,
+    values: &'a [f64],
+}
+
+impl<'a> Seen<'a> {
+    fn new(on: On, trajectory: &'a Trajectory, force: &'a [f64]) -> Self {
+        let motion = &trajectory.motion;
+        let temperature = (0..trajectory.len()).map(|sample| trajectory.temperature_at(sample));
+        let controls = trajectory.controls.iter().map(|channel| Input {
+            name: &channel.name,
+            values: &channel.values,
+        });
+        Self {
+            format: "mesh-damper motion",
+            version: 1,
+            on,
+            tick: trajectory.tick,
+            displacement: &motion.displacement,
+            velocity: &motion.velocity,
+            acceleration: &motion.acceleration,
+            amplitude: &trajectory.amplitude,
+            cycles: &trajectory.cycles,
+            temperature: temperature.collect(),
+            controls: controls.collect(),
+            force,
+        }
+    }
+}
+
 impl Predict {
     pub fn run(self) -> Result<(), Failure> {
         let mut outputs = Plan::new()
             .reads([&self.model, &self.recording])
             .writes([&self.out])
             .writes(&self.json)
+            .writes(&self.motion)
             .begin()?;
         let file = ModelFile::read_within(&self.model, self.reading.limit)?;
         let recording = Recording::read_within(&self.recording, self.reading.limit)?;
@@ -160,6 +221,9 @@ impl Predict {
         let error = nrmse(&force, &trajectory.force, |sample| {
             trajectory.measured[sample]
         });
+        if let Some(path) = &self.motion {
+            outputs.add_json(path, &Seen::new(self.on, &trajectory, &force))?;
+        }
         let [force, band] = [force, band].map(|values| uniform.at_samples_of(&mended, &values));
 
         for fault in &trajectory.faults {
@@ -196,7 +260,8 @@ impl Predict {
         }
         outputs.write()?;
         let dash = Path::new("-");
-        if self.out != dash && self.json.as_deref() != Some(dash) {
+        let is_free = |other: &Option<PathBuf>| other.as_deref() != Some(dash);
+        if self.out != dash && is_free(&self.json) && is_free(&self.motion) {
             say(&format!(
                 "{}: error {:.2} % of the measured force's RMS over {} samples; {:.2} % or less may be of the estimated motion",
                 self.out.display(),

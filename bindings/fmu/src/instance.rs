@@ -1,0 +1,314 @@
+//! An instance: what may be called when, and a step.
+//!
+//! A call that is refused changes nothing, so that a master may mend it and go on.
+
+mod evaluate;
+mod saved;
+mod values;
+
+use std::collections::BTreeMap;
+
+use mesh_damper::effects::AugmentedLaw;
+use mesh_damper::law::Law;
+use mesh_damper_model::{MAX_EFFECTS, Model};
+
+use crate::contents::Contents;
+use crate::refusal::{Refusal, finite};
+use crate::state::{Phase, State};
+use crate::types::ValueReference;
+use crate::variables::{self, INPUTS, Kind, MM_PER_M, Variable};
+use evaluate::evaluate;
+
+/// Newtons in a kilonewton, the unit of models.
+const N_PER_KN: f64 = 1e3;
+/// How far a time may lie from a tick, in ticks: what a master's sums of steps round off.
+const ROUNDED: f64 = 1e-3;
+/// Most ticks of one step: a day at 10 kHz.
+const MOST_TICKS: f64 = 1e9;
+
+/// One damper.
+#[derive(Debug)]
+pub struct Instance {
+    contents: Contents,
+    variables: BTreeMap<ValueReference, Variable>,
+    model: Model,
+    law: AugmentedLaw<f64, MAX_EFFECTS>,
+    /// Amplitude that the law is at, mm.
+    law_amplitude: f64,
+    state: State,
+    saved: BTreeMap<usize, Box<State>>,
+    next_saved: usize,
+    has_left_range: bool,
+}
+
+/// Where an input stands among the values that are set.
+fn place(reference: ValueReference) -> Option<usize> {
+    usize::try_from(reference).ok().filter(|it| *it < INPUTS)
+}
+
+impl Instance {
+    /// At its start values.
+    ///
+    /// # Errors
+    /// A model that cannot run at the tick rate.
+    pub fn new(contents: Contents) -> Result<Self, Refusal> {
+        let model = contents.file.model();
+        let amplitude = contents.settings.amplitude.unwrap_or_default();
+        let tick_rate = contents.settings.tick_rate;
+        let law = model
+            .augmented::<f64>(amplitude, 1.0 / tick_rate)
+            .map_err(|error| {
+                Refusal::new("tick_rate", tick_rate, error, "export the model at another")
+            })?;
+        let variables: BTreeMap<_, _> = variables::variables(&contents)?
+            .into_iter()
+            .map(|each| (each.reference, each))
+            .collect();
+        let state = Self::at_start(&variables, &law, amplitude);
+        Ok(Self {
+            contents,
+            variables,
+            model,
+            law,
+            law_amplitude: amplitude,
+            state,
+            saved: BTreeMap::new(),
+            next_saved: 1,
+            has_left_range: false,
+        })
+    }
+
+    fn at_start(
+        variables: &BTreeMap<ValueReference, Variable>,
+        law: &AugmentedLaw<f64, MAX_EFFECTS>,
+        amplitude: f64,
+    ) -> State {
+        let mut inputs = [0.0; INPUTS];
+        for (reference, variable) in variables {
+            if let (Kind::Input(start), Some(place)) = (&variable.kind, place(*reference)) {
+                inputs[place] = *start;
+            }
+        }
+        State {
+            phase: Phase::Instantiated,
+            is_set_up: false,
+            start: 0.0,
+            stop: None,
+            ticks: 0,
+            inputs,
+            slopes: [[0.0; 2]; INPUTS],
+            amplitude,
+            force: 0.0,
+            is_within: true,
+            law: law.at_rest(),
+        }
+    }
+
+    /// What it was made of.
+    pub fn contents(&self) -> &Contents {
+        &self.contents
+    }
+
+    /// What was called last of what is called in order.
+    pub fn phase(&self) -> Phase {
+        self.state.phase
+    }
+
+    /// Whether the motion left the operating range since this was asked last.
+    pub fn take_left_range(&mut self) -> bool {
+        std::mem::take(&mut self.has_left_range)
+    }
+
+    fn expect(&self, function: &str, phases: &[Phase]) -> Result<(), Refusal> {
+        if phases.contains(&self.state.phase) {
+            return Ok(());
+        }
+        let remedy = match self.state.phase {
+            Phase::Instantiated => {
+                "call fmi2EnterInitializationMode and fmi2ExitInitializationMode first"
+            }
+            Phase::Initialization => "call fmi2ExitInitializationMode first",
+            Phase::Stepping => "call it before the first step, or fmi2Reset first",
+            Phase::Terminated => "call fmi2Reset first",
+        };
+        Err(Refusal::new(
+            function,
+            format_args!("called when {:?}", self.state.phase),
+            "out of order",
+            remedy,
+        ))
+    }
+
+    /// `fmi2SetupExperiment`: times in s.
+    ///
+    /// # Errors
+    /// Called later, a time that is no number, or a stop before the start.
+    pub fn set_up(&mut self, start: f64, stop: Option<f64>) -> Result<(), Refusal> {
+        self.expect("fmi2SetupExperiment", &[Phase::Instantiated])?;
+        let start = finite("startTime", start)?;
+        if let Some(stop) = stop {
+            finite("stopTime", stop)?;
+            if stop < start {
+                return Err(Refusal::new(
+                    "stopTime",
+                    stop,
+                    format_args!("before the start at {start} s"),
+                    "give one after it",
+                ));
+            }
+        }
+        self.state.start = start;
+        self.state.stop = stop;
+        self.state.is_set_up = true;
+        Ok(())
+    }
+
+    /// `fmi2EnterInitializationMode`
+    ///
+    /// # Errors
+    /// Called out of order.
+    pub fn enter_initialization(&mut self) -> Result<(), Refusal> {
+        let function = "fmi2EnterInitializationMode";
+        self.expect(function, &[Phase::Instantiated])?;
+        if !self.state.is_set_up {
+            return Err(Refusal::new(
+                function,
+                "called when Instantiated",
+                "the start time is not known",
+                "call fmi2SetupExperiment first",
+            ));
+        }
+        self.state.phase = Phase::Initialization;
+        Ok(())
+    }
+
+    /// `fmi2ExitInitializationMode`: the first tick, of the inputs as they are.
+    ///
+    /// # Errors
+    /// Called out of order.
+    pub fn exit_initialization(&mut self) -> Result<(), Refusal> {
+        self.expect("fmi2ExitInitializationMode", &[Phase::Initialization])?;
+        self.take_amplitude()?;
+        self.tick(0.0);
+        self.state.phase = Phase::Stepping;
+        Ok(())
+    }
+
+    /// `fmi2Terminate`
+    ///
+    /// # Errors
+    /// Called out of order.
+    pub fn terminate(&mut self) -> Result<(), Refusal> {
+        self.expect("fmi2Terminate", &[Phase::Stepping])?;
+        self.state.phase = Phase::Terminated;
+        Ok(())
+    }
+
+    /// `fmi2Reset`: as it was instantiated. Saved states stay.
+    pub fn reset(&mut self) {
+        let amplitude = self.contents.settings.amplitude.unwrap_or_default();
+        self.state = Self::at_start(&self.variables, &self.law, amplitude);
+        self.has_left_range = false;
+    }
+
+    /// s
+    pub fn time(&self) -> f64 {
+        self.state.start + self.state.ticks as f64 / self.contents.settings.tick_rate
+    }
+
+    /// `fmi2DoStep` from `point` by `size`, both in s.
+    ///
+    /// # Errors
+    /// Called out of order, a point that is not where the last step ended, or a size that is no whole number of ticks.
+    pub fn step(&mut self, point: f64, size: f64) -> Result<(), Refusal> {
+        self.expect("fmi2DoStep", &[Phase::Stepping])?;
+        finite("currentCommunicationPoint", point)?;
+        finite("communicationStepSize", size)?;
+        let rate = self.contents.settings.tick_rate;
+        let now = self.time();
+        if (point - now).abs() * rate > ROUNDED {
+            return Err(Refusal::new(
+                "currentCommunicationPoint",
+                format_args!("{point} s"),
+                format_args!("the last step ended at {now} s"),
+                "give that, or restore a state of the other time",
+            ));
+        }
+        let ticks = (now + size - self.state.start) * rate - self.state.ticks as f64;
+        let whole = ticks.round();
+        let refused = |problem: String, remedy: &str| {
+            Err(Refusal::new(
+                "communicationStepSize",
+                format_args!("{size} s"),
+                problem,
+                remedy,
+            ))
+        };
+        if whole < 1.0 || (ticks - whole).abs() > ROUNDED {
+            return refused(
+                format!(
+                    "{ticks} ticks of {} s, and a step is a whole number of them, 1 or more",
+                    1.0 / rate
+                ),
+                "give a multiple of the tick, or export the model with another --tick-rate",
+            );
+        }
+        if whole > MOST_TICKS {
+            return refused(
+                format!("{ticks} ticks, and a step has {MOST_TICKS} at most"),
+                "give shorter steps",
+            );
+        }
+        if let Some(stop) = self.state.stop
+            && (now + size - stop) * rate > ROUNDED
+        {
+            return refused(
+                format!(
+                    "it ends at {} s, after the stop time of {stop} s",
+                    now + size
+                ),
+                "end there, or give a later stopTime to fmi2SetupExperiment",
+            );
+        }
+        self.take_amplitude()?;
+        for tick in 1..=whole as u64 {
+            self.tick(tick as f64 / rate);
+        }
+        self.state.ticks += whole as u64;
+        self.state.slopes = [[0.0; 2]; INPUTS];
+        Ok(())
+    }
+
+    /// The law at the amplitude that is set, where that is another than its own.
+    fn law_at_amplitude(&self) -> Result<Option<Law<f64>>, Refusal> {
+        let amplitude = self.state.amplitude;
+        if amplitude == self.law_amplitude {
+            return Ok(None);
+        }
+        let law = self.model.law_at(amplitude).map_err(|error| {
+            Refusal::new("amplitude", amplitude / MM_PER_M, error, "give another")
+        })?;
+        Ok(Some(law))
+    }
+
+    /// Puts the law at the amplitude that is set.
+    fn take_amplitude(&mut self) -> Result<(), Refusal> {
+        if let Some(law) = self.law_at_amplitude()? {
+            self.law.set_law(law);
+            self.law_amplitude = self.state.amplitude;
+        }
+        Ok(())
+    }
+
+    /// Evaluates the law `after` s from where the inputs were set.
+    fn tick(&mut self, after: f64) {
+        let was_within = self.state.is_within;
+        evaluate(
+            &self.law,
+            &self.contents.file.fitted_range(),
+            &mut self.state,
+            after,
+        );
+        self.has_left_range |= was_within && !self.state.is_within;
+    }
+}
