@@ -74,11 +74,9 @@ impl Port for Uart {
 
 impl Line {
     fn serve(&mut self) {
-        // A byte that was damaged or lost is missed by the frame's checksum, and the harness asks again. So it is with one that has
-        // no room.
-        match self.receiver.read() {
-            Ok(byte) => drop(self.received.enqueue(byte)),
-            Err(_) => {}
+        // A frame with a byte that was damaged, or that found no room, has a wrong checksum, and the harness asks again.
+        if let Ok(byte) = self.receiver.read() {
+            let _ = self.received.enqueue(byte);
         }
         if self.transmitter.is_tx_empty() {
             match self.to_send.dequeue() {
