@@ -14,6 +14,11 @@ pub trait Board: 'static {
     /// ADC, DAC and enable line.
     type Converters: Converters;
 
+    /// Clocks and pins, before anything else of an image, with the actuator disabled. What it takes of the chip's peripherals, the
+    /// other parts of the board find in a static of the board's. By default there is nothing to do.
+    #[inline]
+    fn prepare() {}
+
     /// The end of an image: of one that did what it was for, or that failed.
     fn exit(success: bool) -> !;
 

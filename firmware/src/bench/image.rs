@@ -9,6 +9,7 @@ use crate::board::{Board, Link as _};
 
 /// Counts everything that is of interest on the board's core.
 pub fn run<B: Board>() -> ! {
+    B::prepare();
     let Some(peripherals) = cortex_m::Peripherals::take() else {
         B::exit(false)
     };

@@ -99,6 +99,7 @@ fn set_timer(timer: &mut SYST, reload: u32) {
 
 /// Runs the board for ever.
 pub fn run<B: OwnTimer>(whole: &'static mut Whole<B>, handed_over: &'static HandedOver<B>) -> ! {
+    B::prepare();
     let port = B::Port::open();
     B::start_clock();
     let (recorder, telemetry) = whole.channel.split();

@@ -130,6 +130,7 @@ pub fn run<B: Board<Converters: Harnessed>>(
     memory: &'static mut Memory<B>,
     answer: &'static mut FrameBuffer,
 ) -> ! {
+    B::prepare();
     let mut link = B::Link::open();
     let (mut controller, received, again) = memory.controller();
     let mut turns = Turns::NEW;

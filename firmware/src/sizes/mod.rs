@@ -61,6 +61,7 @@ fn say(link: &mut impl Link, name: &str, bytes: u32) {
 
 /// Does `work`, says the stack of the whole image by then, and ends.
 pub fn run<B: Board>(work: fn(&mut B::Link) -> Option<()>) -> ! {
+    B::prepare();
     let mut link = B::Link::open();
     let done = work(&mut link);
     say(&mut link, "stack", stack::used());

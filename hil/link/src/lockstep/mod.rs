@@ -117,7 +117,10 @@ impl LinkError {
             Refusal::Clear(refused) => return Self::Clear(*refused),
             Refusal::Restarted => return Self::Restarted,
             Refusal::Order => ("it does not come in this order", REPORT),
-            Refusal::Converter => ("a converter did not answer its driver", REPORT),
+            Refusal::Converter => (
+                "a converter did not answer its driver",
+                "check the converters' supply, their bus and their chip selects, and try again",
+            ),
             Refusal::PackMagic => ("these bytes are no coefficient pack", EXPORT),
             Refusal::PackVersion => ("the coefficient pack is of another version", EXPORT),
             Refusal::PackLength => (
