@@ -74,7 +74,7 @@ fn a_test_is_recorded_and_a_law_is_put_onto_the_rig_that_runs() {
 
     // The test of a rig in this process, but for what a board's telemetry does not hold.
     hil(root, &["run", "--blocks", "0.1:20:6", "--out", "here"]);
-    let whole = ["there.csv", "--json", "there.json"];
+    let whole = ["there.csv", "--record-every", "10", "--json", "there.json"];
     hil(
         root,
         &[&record[..], &whole, &blocks, &["0.1:20:6"]].concat(),

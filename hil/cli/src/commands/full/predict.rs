@@ -222,7 +222,7 @@ impl Predict {
             trajectory.measured[sample]
         });
         if let Some(path) = &self.motion {
-            outputs.add_json(path, &Seen::new(self.on, &trajectory, &force))?;
+            outputs.add_json(path, &Seen::new(self.on.clone(), &trajectory, &force))?;
         }
         let [force, band] = [force, band].map(|values| uniform.at_samples_of(&mended, &values));
 

@@ -7,7 +7,7 @@ use mesh_damper::effects::{AugmentedLaw, CONTROLS};
 use mesh_damper::fast_law::FastLaw;
 use mesh_damper::message::{About, MAX_BLOCKS, TelemetryConfig};
 use mesh_damper::pack::{LARGEST, PackInfo, encode};
-use mesh_damper::rig::State;
+use mesh_damper::rig::{RigSettings, State};
 use mesh_damper::sine::Programme;
 use mesh_damper_link::lockstep::{Image, LinkError, Serial, described};
 use mesh_damper_link::own_timer::{BoardRun, Lost, RecordError, record};
@@ -72,11 +72,20 @@ pub struct RecordCommand {
     /// Force at which the rig stops, kN; 0.95 of the channel's range without it
     #[arg(long, value_name = "KN")]
     force_limit: Option<f64>,
+    /// Displacement at which the rig stops, mm
+    #[arg(long, value_name = "MM", default_value_t = RigSettings::default().displacement_limit)]
+    displacement_limit: f64,
+    /// How far the displacement may be from the demanded one before the rig stops, mm
+    #[arg(long, value_name = "MM", default_value_t = RigSettings::default().tracking_limit)]
+    tracking_limit: f64,
+    /// By how much the actuator lags, s, as far as it is known; the rig finds the rest itself
+    #[arg(long, value_name = "S", default_value_t = LEAD)]
+    lead: f64,
     /// Ticks per second of the rig
     #[arg(long, value_name = "HZ", default_value_t = TICK_RATE)]
     tick_rate: f64,
-    /// Every how many ticks a row is recorded
-    #[arg(long, value_name = "TICKS", default_value_t = 10, value_parser = clap::value_parser!(u32).range(1..=1_000_000))]
+    /// Every how many ticks a row is recorded; 20 is what 115 200 baud carry at 10 kHz
+    #[arg(long, value_name = "TICKS", default_value_t = 20, value_parser = clap::value_parser!(u32).range(1..=1_000_000))]
     record_every: u32,
     /// A control input that the board measures, such as current_A; may be given more than once, in the law's order
     #[arg(long, value_name = "NAME_UNIT")]
@@ -125,6 +134,8 @@ struct LostRow {
     frames: u64,
 }
 
+/// Of the simulated actuator, s, as the rig of `hil run` has it.
+const LEAD: f64 = 9e-3;
 /// Rows wait for this long at most until they are sent, s.
 const WITHIN: f64 = 0.05;
 
@@ -318,6 +329,9 @@ impl RecordCommand {
             setup.settings.force_limit = self.force_limit.unwrap_or(0.95 * range);
         }
         setup.command_range = self.command_range;
+        setup.settings.displacement_limit = self.displacement_limit;
+        setup.settings.tracking_limit = self.tracking_limit;
+        setup.settings.lead = self.lead;
         setup.settings.clock_rate = about.clock.into();
         if !self.keep_running {
             setup.settings.link_ticks = (self.silence * self.tick_rate) as u32;
