@@ -16,6 +16,7 @@ mod board;
 pub mod emulated;
 #[cfg(all(feature = "rig", target_os = "none"))]
 pub mod rig;
+pub mod shared_memory;
 #[cfg(all(feature = "sizes", target_os = "none"))]
 pub mod sizes;
 #[cfg(all(any(feature = "rig", feature = "sizes"), target_os = "none"))]

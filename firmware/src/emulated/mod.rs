@@ -4,11 +4,13 @@ mod converters;
 mod file;
 mod interrupts;
 mod link;
+mod memory;
 mod semihosting;
 mod uart;
 
 pub use converters::{Adc, Dac, Enable, SimulatedConverters};
 pub use link::{Pipes, StandardError};
+pub use memory::SharedMemory;
 pub use semihosting::exit;
 pub use uart::Serial;
 
