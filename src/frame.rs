@@ -20,6 +20,7 @@ const TRAILER: usize = 4;
 const MAGIC: [u8; 2] = *b"MD";
 
 /// What four bits make of the CRC, least significant bit first. A table for bytes would be 1 KiB of flash.
+#[cfg(not(feature = "std"))]
 const CRC_OF_NIBBLE: [u32; 16] = {
     let mut table = [0; 16];
     let mut nibble = 0;
@@ -47,11 +48,20 @@ pub(crate) fn checksum(parts: &[&[u8]]) -> u32 {
 }
 
 /// Ethernet's CRC-32 before its last complement, of what has come to `crc` and a `part` more. Not inlined: there is more than one part.
+#[cfg(not(feature = "std"))]
 #[inline(never)]
 pub(crate) fn checksum_with(crc: u32, part: &[u8]) -> u32 {
     let shifted = |crc: u32| (crc >> 4) ^ CRC_OF_NIBBLE[(crc % 16) as usize];
     let next = |crc: u32, byte: &u8| shifted(shifted(crc ^ u32::from(*byte)));
     part.iter().fold(crc, next)
+}
+
+/// The same with the processor's own instructions.
+#[cfg(feature = "std")]
+pub(crate) fn checksum_with(crc: u32, part: &[u8]) -> u32 {
+    let mut hasher = crc32fast::Hasher::new_with_initial(!crc);
+    hasher.update(part);
+    !hasher.finalize()
 }
 
 /// What a frame says of itself.

@@ -20,6 +20,7 @@ pub mod own_timer;
 mod port;
 #[cfg(all(feature = "rig", target_os = "none"))]
 pub mod rig;
+pub mod shared_memory;
 #[cfg(all(feature = "sizes", target_os = "none"))]
 pub mod sizes;
 #[cfg(all(any(feature = "rig", feature = "sizes"), target_os = "none"))]

@@ -1,7 +1,9 @@
-//! The rig controller on an MPS2+.
+//! The rig controller on an MPS2+ whose link is memory that the harness sees too.
 #![no_std]
 #![no_main]
 
 mod board;
 
-mesh_damper_firmware::rig_image!(board::Mps2An386);
+use mesh_damper_firmware::emulated::SharedMemory;
+
+mesh_damper_firmware::rig_image!(board::Mps2An386<SharedMemory>);

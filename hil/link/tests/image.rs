@@ -458,6 +458,9 @@ impl<W: Wire> Wire for Faulty<W> {
         }
         let mut came = vec![0; buffer.len()];
         let length = self.inner.receive(&mut came)?;
+        if length == 0 {
+            return Ok(0);
+        }
         came.truncate(length);
         let came = self.disturb(&came, false).concat();
         let length = came.len().min(buffer.len());

@@ -37,6 +37,14 @@ impl Board {
         }
     }
 
+    /// Whether its memory can be the harness's too.
+    pub fn shares_memory(self) -> bool {
+        match self {
+            Self::Mps2An386 | Self::Mps2An500 => true,
+            Self::NetduinoPlus2 | Self::Microbit => false,
+        }
+    }
+
     /// What QEMU calls it.
     pub fn machine(self) -> &'static str {
         match self {

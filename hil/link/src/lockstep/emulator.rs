@@ -1,7 +1,8 @@
 //! The emulator as a process, and the bytes to and from it.
 //!
-//! The image opens the pipes that the harness gave the emulator as its standard input and output. When the harness ends,
-//! however it ends, the system closes its end of them: the image reads an end of file and ends the emulator.
+//! The image opens the pipes that the harness gave the emulator as its standard input and output. Frames go through them, or through
+//! memory where the board can share its own and has a processor to itself: the pipes wake who sleeps then. When the harness ends, however it ends, the system closes its
+//! end of them: the image reads an end of file and ends the emulator.
 
 use std::io::{ErrorKind, Read as _, Write as _};
 use std::path::Path;
@@ -11,6 +12,7 @@ use mesh_damper_recording::error::InputError;
 
 use super::LinkError;
 use super::log::{LogDecoder, LogThread};
+use super::memory::SharedMemory;
 use super::pin::Pin;
 use super::watchdog::Watchdog;
 use crate::image::Board;
@@ -48,9 +50,17 @@ pub struct Emulator {
     process: Child,
     requests: ChildStdin,
     answers: ChildStdout,
-    watchdog: Watchdog,
+    way: Way,
     log: LogThread,
-    _pin: Pin,
+    pin: Pin,
+}
+
+/// What frames go through.
+#[derive(Debug)]
+enum Way {
+    /// The two pipes.
+    Pipes(Watchdog),
+    Memory(SharedMemory),
 }
 
 impl Emulator {
@@ -63,15 +73,21 @@ impl Emulator {
             let mend = "check that qemu-system-arm runs by itself";
             InputError::new("the emulator", format!("does not start: {error}"), mend)
         };
-        let pin = Pin::here();
+        let pin = Pin::of_emulator();
+        let memory = match board.shares_memory() && pin.is_apart() {
+            true => Some(SharedMemory::new().map_err(failed)?),
+            false => None,
+        };
         let mut process = board
             .emulator(elf)?
+            .args(memory.iter().flat_map(SharedMemory::arguments))
             .args(["-semihosting-config", "enable=on,target=native"])
             .stdin(Stdio::piped())
             .stdout(Stdio::piped())
             .stderr(Stdio::piped())
             .spawn()
             .map_err(failed)?;
+        pin.of_harness(true);
         let (Some(requests), Some(answers), Some(errors)) = (
             process.stdin.take(),
             process.stdout.take(),
@@ -80,12 +96,15 @@ impl Emulator {
             unreachable!("all three are piped");
         };
         Ok(Self {
-            watchdog: Watchdog::over(&requests).map_err(failed)?,
+            way: match memory {
+                Some(memory) => Way::Memory(memory),
+                None => Way::Pipes(Watchdog::over(&requests).map_err(failed)?),
+            },
             process,
             requests,
             answers,
             log: log.follow(errors),
-            _pin: pin,
+            pin,
         })
     }
 
@@ -107,18 +126,37 @@ impl Emulator {
 
 impl Wire for Emulator {
     fn send(&mut self, frame: &[u8]) -> Result<(), LinkError> {
-        match self.requests.write_all(frame) {
-            Ok(()) => Ok(()),
-            Err(_) => Err(self.ended()),
-        }
+        let sent = match &mut self.way {
+            Way::Pipes(_) => self.requests.write_all(frame),
+            Way::Memory(memory) => {
+                memory.send(frame);
+                Ok(())
+            }
+        };
+        sent.map_err(|_| self.ended())
     }
 
     fn receive(&mut self, buffer: &mut [u8]) -> Result<usize, LinkError> {
-        self.watchdog.wait_begins();
-        let came = self.answers.read(buffer);
-        self.watchdog.wait_ends();
+        let came = match &mut self.way {
+            Way::Pipes(watchdog) => {
+                watchdog.wait_begins();
+                let came = self.answers.read(buffer);
+                watchdog.wait_ends();
+                came.and_then(|came| match came {
+                    0 => Err(ErrorKind::UnexpectedEof.into()),
+                    came => Ok(came),
+                })
+            }
+            Way::Memory(memory) => {
+                let came = memory.receive(buffer, &mut self.requests, &mut self.answers);
+                if let Some(apart) = memory.judge() {
+                    self.pin.of_harness(apart);
+                }
+                came
+            }
+        };
         match came {
-            Ok(came @ 1..) => Ok(came),
+            Ok(came) => Ok(came),
             Err(error) if error.kind() == ErrorKind::Interrupted => Ok(0),
             _ => Err(self.ended()),
         }

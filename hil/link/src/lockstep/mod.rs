@@ -4,6 +4,7 @@ mod bench;
 mod emulator;
 mod exchange;
 mod log;
+mod memory;
 mod pin;
 mod run;
 mod serial;
