@@ -66,9 +66,9 @@ impl Serialize for Place {
 /// The crate at the other end of a link.
 pub enum Linked {
     /// In an emulator.
-    Image(Image<Emulator>),
+    Image(Box<Image<Emulator>>),
     /// At a serial port.
-    Board(Image<Serial>),
+    Board(Box<Image<Serial>>),
 }
 
 impl Linked {
@@ -80,8 +80,8 @@ impl Linked {
     pub fn at(place: &Place, log: LogLevel, tick_rate: f64) -> Result<Option<Self>, InputError> {
         Ok(match place {
             Place::Host => None,
-            Place::Image => Some(Self::Image(start_image(log, tick_rate)?)),
-            Place::Serial(port) => Some(Self::Board(Image::at(port.path())?)),
+            Place::Image => Some(Self::Image(start_image(log, tick_rate)?.into())),
+            Place::Serial(port) => Some(Self::Board(Image::at(port.path())?.into())),
         })
     }
 }

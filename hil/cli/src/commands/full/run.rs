@@ -217,8 +217,8 @@ impl RunCommand {
         };
         let run = match linked {
             None => run_rig(setup, &mut watched),
-            Some(Linked::Image(mut image)) => run_rig_on(&mut image, setup, &mut watched),
-            Some(Linked::Board(mut board)) => run_rig_on(&mut board, setup, &mut watched),
+            Some(Linked::Image(mut image)) => run_rig_on(&mut *image, setup, &mut watched),
+            Some(Linked::Board(mut board)) => run_rig_on(&mut *board, setup, &mut watched),
         };
         let Watched { progress, journal } = watched;
         drop(progress);
