@@ -17,6 +17,7 @@ pub(crate) use telemetry::{write_note, write_rows};
 use crate::converter::Scale;
 use crate::effects::{CONTROLS, Motion};
 use crate::frame::{Fields, Frame, FrameBuffer, Header, PAYLOAD, Reader, Writer};
+use crate::pack::Identity;
 use crate::rig::{Knot, RigConfig, State, StreamConfig};
 use crate::sine::{PlannedBlock, ProgrammeHead};
 use outcome::{read_outcome, state_code, state_of};
@@ -192,6 +193,11 @@ pub struct About {
     pub law_waits: bool,
     /// Ticks that did not come in time.
     pub late_ticks: u32,
+    /// Of the pack that came last: of the law that waits, or of that in force. Both are 0 of a pack that says nothing of itself, and before
+    /// the first.
+    pub identity: Identity,
+    /// Likewise.
+    pub revision: u32,
 }
 
 /// Knots as they lie in a frame.
@@ -433,6 +439,9 @@ impl<'a> Answer<'a> {
             kind::ABOUT => {
                 let [clock, tick_rate, late_ticks] = reader.words()?;
                 let [flags, state, ..] = reader.u32()?.to_le_bytes();
+                let [first, second, revision] = reader.words()?;
+                let identity = u64::from(first) | u64::from(second) << 32;
+                let identity = Identity(identity.to_le_bytes());
                 Self::About(About {
                     own_timer: flags & OWN_TIMER != 0,
                     clock,
@@ -440,6 +449,8 @@ impl<'a> Answer<'a> {
                     state: state_of(state)?,
                     law_waits: flags & LAW_WAITS != 0,
                     late_ticks,
+                    identity,
+                    revision,
                 })
             }
             kind::AGAIN => Self::Again,
@@ -476,6 +487,8 @@ pub fn write_about(sequence: u32, about: &About, buffer: &mut FrameBuffer) {
             about.late_ticks,
             u32::from_le_bytes([flags, state_code(about.state), 0, 0]),
         ]);
+        writer.bytes(&about.identity.0);
+        writer.u32(about.revision);
     });
 }
 

@@ -93,7 +93,8 @@ impl<const N: usize> Channel<N> {
             until_row: 0,
             waited: 0,
             phase: Phase::Before,
-            state: State::Running,
+            state: None,
+            unsaid: None,
         };
         let sender = Sender {
             rows,
@@ -119,8 +120,10 @@ pub struct Recorder<'c> {
     /// Ticks that the oldest row has waited, or no row.
     waited: u32,
     phase: Phase,
-    /// Of the rig, at the last tick; running before the first one, which is no change to be noted.
-    state: State,
+    /// Of the rig, at the last tick; none before the first one since telemetry was asked for.
+    state: Option<State>,
+    /// The tick at which the test was over, as long as nobody could be told.
+    unsaid: Option<u32>,
 }
 
 /// How far the test is of which telemetry is asked for.
@@ -138,7 +141,7 @@ impl Recorder<'_> {
         self.shared.controls.store(config.controls, Relaxed);
         (self.next_row, self.next_note) = (0, 0);
         (self.ticks, self.until_row, self.waited) = (0, 0, 0);
-        (self.phase, self.state) = (Phase::Before, State::Running);
+        (self.phase, self.state, self.unsaid) = (Phase::Before, None, None);
     }
 
     /// A tick of the rig, and the temperature of the specimen at it, °C.
@@ -147,10 +150,14 @@ impl Recorder<'_> {
         if self.config.every == 0 {
             return;
         }
-        if telemetry.state == State::Running {
-            self.phase = Phase::UnderWay;
-        } else if self.phase == Phase::Before {
-            return;
+        let before = self.state.replace(telemetry.state);
+        let changed = before.is_some_and(|before| before != telemetry.state);
+        match telemetry.state {
+            State::Running => self.phase = Phase::UnderWay,
+            _ if self.phase != Phase::Before => {}
+            // A test that stops in its first tick, or cannot begin.
+            State::Faulted(_) if changed => self.phase = Phase::UnderWay,
+            _ => return,
         }
         // A fault's way back to rest belongs to the test.
         let over = match telemetry.state {
@@ -158,15 +165,14 @@ impl Recorder<'_> {
             State::Faulted(_) => telemetry.command == 0.0,
             State::Idle | State::Done => true,
         };
-        let ends = over && self.phase == Phase::UnderWay;
-        let says = telemetry.report.is_some() || telemetry.event.is_some();
-        if says || ends || telemetry.state != self.state {
-            self.note(telemetry, ends);
-        }
-        self.state = telemetry.state;
-        if ends {
+        if over && self.phase == Phase::UnderWay {
             self.phase = Phase::Over;
+            self.unsaid = Some(self.ticks);
             self.waited = self.config.within;
+        }
+        let says = telemetry.report.is_some() || telemetry.event.is_some();
+        if says || self.unsaid.is_some() || (changed && telemetry.state != State::Running) {
+            self.note(telemetry);
         }
         if self.until_row == 0 {
             self.until_row = self.config.every;
@@ -199,19 +205,24 @@ impl Recorder<'_> {
     }
 
     #[inline(never)]
-    fn note(&mut self, telemetry: &Telemetry, ends: bool) {
+    fn note(&mut self, telemetry: &Telemetry) {
         let note = Note {
             number: self.next_note,
-            tick: self.ticks,
+            tick: self.unsaid.unwrap_or(self.ticks),
             state: telemetry.state,
-            ends,
+            ends: self.unsaid.is_some(),
             report: telemetry.report,
             event: telemetry.event,
             session: self.config.session,
         };
-        self.next_note = self.next_note.wrapping_add(1);
-        // As above.
-        let _ = self.notes.enqueue(note);
+        let told = self.notes.enqueue(note).is_ok();
+        // One for which there is no room is missing from the numbers; the end is said again until there is room.
+        if told || self.unsaid.is_none() {
+            self.next_note = self.next_note.wrapping_add(1);
+        }
+        if told {
+            self.unsaid = None;
+        }
     }
 }
 

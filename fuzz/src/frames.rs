@@ -8,6 +8,7 @@ use mesh_damper::message::{
     Telemetered, TelemetryConfig, write_about, write_again, write_done, write_forces,
     write_outcome, write_refusal, write_statistics,
 };
+use mesh_damper::pack::Identity;
 use mesh_damper::rig::{Knot, RigSettings, State, StreamSettings, Telemetry};
 use mesh_damper::sine::{Block, Programme};
 use mesh_damper::telemetry::Channel;
@@ -119,6 +120,8 @@ pub static GOOD: LazyLock<Vec<Vec<u8>>> = LazyLock::new(|| {
         state: State::Running,
         law_waits: true,
         late_ticks: 3,
+        identity: Identity([1, 2, 3, 4, 5, 6, 7, 8]),
+        revision: 2,
     };
     written(&|frame| write_about(8, &about, frame));
     let mut channel = Channel::<8>::new();

@@ -232,6 +232,8 @@ fn what_a_board_on_its_own_timer_is_and_sends_passes() {
         state: State::Faulted(TripCause::LinkLost),
         law_waits: false,
         late_ticks: 0x0102_0304,
+        identity: Identity([1, 2, 3, 4, 5, 6, 7, 8]),
+        revision: 0x0a0b_0c0d,
     };
     let mut buffer = FrameBuffer::new();
     for about in [

@@ -217,3 +217,75 @@ fn notes_say_what_a_cycle_and_the_monitor_said_and_when_the_test_is_over() {
         ]
     );
 }
+
+/// Whatever else is lost: who records would wait for ever.
+#[test]
+fn the_end_is_said_even_where_the_queue_of_notes_is_full_at_it() {
+    let mut channel = Channel::<64>::new();
+    let (mut recorder, mut sender) = channel.split();
+    recorder.set(TelemetryConfig {
+        every: 1000,
+        within: 1000,
+        controls: 0,
+        session: 3,
+    });
+    let report = CycleReport {
+        block: 0,
+        cycle: 0,
+        ramp: false,
+        measured: cycle(1.0),
+        model: cycle(2.0),
+        nrmse: 0.0,
+        followed: Adaptation {
+            k1: 0.0,
+            k3: 0.0,
+            c: 0.0,
+        },
+    };
+    for at in 0..20 {
+        let ended = Telemetry {
+            report: Some(report),
+            ..tick(at, State::Running)
+        };
+        recorder.tick(&ended, 20.0);
+    }
+    for at in 20..30 {
+        recorder.tick(&tick(at, State::Done), 20.0);
+    }
+    let (_, before, _) = sent(&mut sender);
+    assert!(before.iter().all(|note| !note.ends) && before.len() < 20);
+    recorder.tick(&tick(30, State::Done), 20.0);
+    let (_, after, _) = sent(&mut sender);
+    let ends: Vec<u32> = after.iter().map(|note| note.tick).collect();
+    // At the tick at which it was over, and once.
+    assert_eq!(ends, [20]);
+    assert!(after[0].ends && after[0].number == 20);
+    recorder.tick(&tick(31, State::Done), 20.0);
+    assert_eq!(sent(&mut sender).1, []);
+}
+
+#[test]
+fn a_test_that_stops_in_its_first_tick_is_one() {
+    let mut channel = Channel::<64>::new();
+    let (mut recorder, mut sender) = channel.split();
+    recorder.set(TelemetryConfig {
+        every: 10,
+        within: 0,
+        controls: 0,
+        session: 3,
+    });
+    recorder.tick(&tick(0, State::Idle), 20.0);
+    let fault = State::Faulted(TripCause::ForceClipped);
+    let stopped = Telemetry {
+        command: 0.0,
+        ..tick(1, fault)
+    };
+    recorder.tick(&stopped, 20.0);
+    let (rows, notes, _) = sent(&mut sender);
+    assert_eq!(rows.len(), 1);
+    let said: Vec<(u32, State, bool)> = notes
+        .iter()
+        .map(|note| (note.tick, note.state, note.ends))
+        .collect();
+    assert_eq!(said, [(0, fault, true)]);
+}

@@ -7,6 +7,7 @@
 mod ticker;
 
 use core::cell::UnsafeCell;
+use core::sync::atomic::{Ordering::Release, compiler_fence};
 
 use cortex_m::peripheral::SYST;
 use cortex_m::peripheral::syst::SystClkSource;
@@ -110,8 +111,9 @@ pub fn run<B: OwnTimer>(whole: &'static mut Whole<B>, handed_over: &'static Hand
     timer.set_clock_source(SystClkSource::Core);
     set_timer(&mut timer, reload::<B>(IDLE_RATE).unwrap_or((1 << 24) - 1));
     let ticker = Ticker::new(&mut whole.rig, recorder, requests, put_answer);
-    // SAFETY: SysTick does not interrupt yet.
+    // SAFETY: SysTick does not interrupt yet, and the fence keeps this before what lets it.
     unsafe { *handed_over.0.get() = Some(ticker) };
+    compiler_fence(Release);
     timer.enable_interrupt();
     timer.enable_counter();
     let mut talker = Talker::<B> {

@@ -20,7 +20,13 @@ pub struct Ticker<B: OwnTimer> {
     answers: Producer<'static, FrameBuffer>,
     turns: Turns,
     answer: &'static mut FrameBuffer,
+    /// Of the check of a pack that is under way, those that are done.
+    slices: u32,
 }
+
+/// Slices of a pack's check, one a tick, after which the harness is told that there are more: it takes a board that is silent for two
+/// seconds for lost, and a rig ticks 100 times a second at least.
+const SLICES: u32 = 100;
 
 impl<B: OwnTimer> Ticker<B> {
     pub(super) fn new(
@@ -37,6 +43,7 @@ impl<B: OwnTimer> Ticker<B> {
             answers,
             turns: Turns::NEW,
             answer,
+            slices: 0,
         }
     }
 
@@ -104,8 +111,10 @@ impl<B: OwnTimer> Ticker<B> {
                     write_refusal(sequence, &Refusal::Field("tick_rate"), self.answer);
                     return Carried::Out;
                 };
+                let had_rig = self.controller.has_rig();
                 let carried = self.others(frame);
-                if self.controller.has_rig() {
+                // A rig that runs keeps its ticks.
+                if !had_rig && self.controller.has_rig() {
                     // SAFETY: nobody else uses SysTick.
                     set_timer(&mut unsafe { cortex_m::Peripherals::steal() }.SYST, reload);
                 }
@@ -113,12 +122,15 @@ impl<B: OwnTimer> Ticker<B> {
             }
             Some(Request::PackEnd) => {
                 let carried = self.others(frame);
-                // The next slice needs no question.
-                match Frames(self.answer.bytes()).next() {
-                    Some(answer) if Answer::read(&answer) == Some(Answer::Done(false)) => {
-                        Carried::InPart
-                    }
-                    _ => carried,
+                let answer = Frames(self.answer.bytes()).next();
+                let more =
+                    answer.is_some_and(|answer| Answer::read(&answer) == Some(Answer::Done(false)));
+                self.slices = if more { self.slices + 1 } else { 0 };
+                // The next slice needs no question, for as long as nobody waits for too long.
+                if more && self.slices % SLICES > 0 {
+                    Carried::InPart
+                } else {
+                    carried
                 }
             }
             _ => self.others(frame),

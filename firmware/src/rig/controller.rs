@@ -12,6 +12,8 @@ use mesh_damper::message::{
     write_outcome, write_refusal, write_statistics,
 };
 use mesh_damper::pack::{Expectation, Upload};
+#[cfg(feature = "own-timer")]
+use mesh_damper::pack::{Identity, Stamp};
 use mesh_damper::passivity::Passivity;
 use mesh_damper::rig::{
     AnyExciter, Blocking, RigController, State, Stream, StreamConfig, Telemetry, Wiring,
@@ -58,6 +60,9 @@ pub struct Controller<B: Board> {
     rig: Option<&'static mut WiredRig<B>>,
     /// Of the rig, Hz; until there is one, that of the law's pack, where it said one.
     rate: Option<f32>,
+    /// Of the pack that came last.
+    #[cfg(feature = "own-timer")]
+    stamp: Option<Stamp>,
     upload: &'static mut Upload,
     passivity: &'static mut Passivity<EFFECTS>,
     /// Of the last tick, for the log.
@@ -107,6 +112,8 @@ impl<B: Board> Controller<B> {
             parts: Some(parts),
             rig: None,
             rate: None,
+            #[cfg(feature = "own-timer")]
+            stamp: None,
             upload,
             passivity,
             block: None,
@@ -172,6 +179,8 @@ impl<B: Board> Controller<B> {
             state: rig.map_or(State::Idle, |rig| rig.state()),
             law_waits: rig.is_some_and(|rig| rig.law_waits()),
             late_ticks: rig.map_or(0, |rig| rig.late_ticks()),
+            identity: self.stamp.map_or(Identity([0; 8]), |stamp| stamp.identity),
+            revision: self.stamp.map_or(0, |stamp| stamp.revision),
         }
     }
 
@@ -269,23 +278,26 @@ impl<B: Board> Controller<B> {
                         if parts.law.boundary() {
                             self.rate = stamp.map(|stamp| stamp.tick_rate);
                         }
-                        break Ok(true);
+                        break Ok(Some(stamp));
                     }
                     Err(error) => break Err(error),
                 }
             },
-            (_, Some(rig)) => rig
-                .swap_law_in_slices(|slot| upload.finish_slice(slot, &expected, passivity))
-                .map(|stamp| stamp.is_some()),
+            (_, Some(rig)) => {
+                rig.swap_law_in_slices(|slot| upload.finish_slice(slot, &expected, passivity))
+            }
             // A rig that could not be made.
             _ => return Err(Refusal::Order),
         };
         match taken {
-            Ok(done) => {
-                if done {
-                    defmt::info!("coefficient pack accepted");
+            Ok(None) => Ok(false),
+            Ok(Some(_stamp)) => {
+                #[cfg(feature = "own-timer")]
+                {
+                    self.stamp = _stamp;
                 }
-                Ok(done)
+                defmt::info!("coefficient pack accepted");
+                Ok(true)
             }
             Err(error) => {
                 let refusal = Refusal::from(error);

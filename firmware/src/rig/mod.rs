@@ -71,33 +71,31 @@ pub(crate) enum Turn {
 
 /// Both ends take turns. The request before is answered again with the same answer: it is not carried out twice.
 pub(crate) struct Turns {
-    /// Number of the next request.
-    next: u32,
+    /// Number of the next request; none before the first one.
+    next: Option<u32>,
 }
 
 impl Turns {
-    pub(crate) const NEW: Self = Self { next: 0 };
+    pub(crate) const NEW: Self = Self { next: None };
 
     #[inline]
     pub(crate) fn of(&self, frame: &Frame<'_>) -> Turn {
         let sequence = frame.header.sequence;
-        if sequence == self.next || is_join(frame) {
-            Turn::New
-        } else if self.next > 0 && sequence == self.next.wrapping_sub(1) {
-            Turn::Repeated
-        } else if self.next == 0 {
-            Turn::Restarted
-        } else if sequence == 0 && is_hello(frame) {
-            Turn::Greeting
-        } else {
-            Turn::Stale
+        match self.next {
+            Some(next) if sequence == next => Turn::New,
+            _ if is_join(frame) => Turn::New,
+            None if sequence == 0 => Turn::New,
+            None => Turn::Restarted,
+            Some(next) if sequence == next.wrapping_sub(1) => Turn::Repeated,
+            Some(_) if sequence == 0 && is_hello(frame) => Turn::Greeting,
+            Some(_) => Turn::Stale,
         }
     }
 
     /// A request of this number has been carried out.
     #[inline]
     pub(crate) fn taken(&mut self, sequence: u32) {
-        self.next = sequence.wrapping_add(1);
+        self.next = Some(sequence.wrapping_add(1));
     }
 }
 

@@ -11,18 +11,20 @@ use mesh_damper::effects::{AugmentedLaw, Effect, StickSlip};
 use mesh_damper::fast_law::FastLaw;
 use mesh_damper::law::Law;
 use mesh_damper::message::TelemetryConfig;
-use mesh_damper::pack::{LARGEST, PackInfo, encode};
+use mesh_damper::pack::{Identity, LARGEST, PackInfo, encode};
 use mesh_damper::rig::{State, TripCause};
 use mesh_damper::sine::{Block, Programme};
 use mesh_damper_link::image::OWN_TIMER;
 use mesh_damper_link::lockstep::{Image, LinkError, Serial, described};
-use mesh_damper_link::own_timer::{BoardRun, EmulatedBoard, Lost, RecordError, record};
+use mesh_damper_link::own_timer::{BoardRun, EmulatedBoard, Lost, RecordError, Times, record};
 use mesh_damper_recording::error::InputError;
 use mesh_damper_rig::specimen::Specimen;
 use mesh_damper_rig::{Plant, RigSetup, Samples, TICK_RATE, Watch, run_rig};
 use orders::Orders;
 
 const EVERY: u32 = 10;
+/// Half as fast as the clock on the wall: a machine that is busy with other tests may stall for a second before rows are lost.
+const SPEED: f64 = 0.5;
 
 fn setup() -> RigSetup<Specimen, 1, 1> {
     let specimen = Specimen::of_density(3.0, 0.1);
@@ -38,12 +40,22 @@ fn setup() -> RigSetup<Specimen, 1, 1> {
 /// The board with the specimen of `setup` beside it; none where there is no emulator, which a line says.
 fn board(setup: &RigSetup<Specimen, 1, 1>, arguments: &[&str]) -> Option<EmulatedBoard> {
     emulated::image(&OWN_TIMER, mesh_damper_link::image::Board::Mps2An386)?;
-    Some(EmulatedBoard::start(Plant::new(setup).unwrap(), 1.0, arguments).unwrap())
+    Some(EmulatedBoard::start(Plant::new(setup).unwrap(), SPEED, arguments).unwrap())
 }
 
 fn pack(law: &AugmentedLaw<f32, 1>, tick_rate: f64) -> Vec<u8> {
     let mut buffer = [0; LARGEST];
     let info = PackInfo::at(tick_rate as f32);
+    encode(&FastLaw::new(law.clone()), &info, &mut buffer)
+        .unwrap()
+        .to_vec()
+}
+
+/// The same with an identity and a revision.
+fn named(law: &AugmentedLaw<f32, 1>) -> Vec<u8> {
+    let mut buffer = [0; LARGEST];
+    let mut info = PackInfo::at(TICK_RATE as f32);
+    (info.stamp.identity, info.stamp.revision) = (Identity([7; 8]), 3);
     encode(&FastLaw::new(law.clone()), &info, &mut buffer)
         .unwrap()
         .to_vec()
@@ -65,6 +77,22 @@ fn wired(board: &EmulatedBoard, setup: &RigSetup<Specimen, 1, 1>) -> Image<Seria
     image
 }
 
+/// The whole test.
+fn whole(setup: &RigSetup<Specimen, 1, 1>) -> Times {
+    Times {
+        expected: setup.programme.duration(),
+        most: f64::INFINITY,
+    }
+}
+
+/// `setup` with so many cycles.
+fn longer(mut setup: RigSetup<Specimen, 1, 1>, cycles: u32) -> RigSetup<Specimen, 1, 1> {
+    setup.programme = Programme::new(TICK_RATE, 1)
+        .and_then(|programme| programme.with(Block::sine(0.1, 20.0, cycles)?))
+        .unwrap();
+    setup
+}
+
 fn telemetry() -> TelemetryConfig {
     TelemetryConfig {
         every: EVERY,
@@ -75,7 +103,7 @@ fn telemetry() -> TelemetryConfig {
 }
 
 fn recorded(image: &mut Image<Serial>, setup: &RigSetup<Specimen, 1, 1>) -> BoardRun {
-    let times = [setup.programme.duration(), f64::INFINITY];
+    let times = whole(setup);
     let start = |image: &mut Image<Serial>| image.start_rig();
     record(
         image,
@@ -170,7 +198,7 @@ fn a_host_that_does_not_read_loses_rows_and_nothing_else() {
     )
     .unwrap();
     let mut image = wired(&board, &setup);
-    let times = [setup.programme.duration(), f64::INFINITY];
+    let times = whole(&setup);
     let begin = |image: &mut Image<Serial>| {
         image.start_rig()?;
         after(&board, 2000);
@@ -209,20 +237,26 @@ fn a_host_that_does_not_read_loses_rows_and_nothing_else() {
 
 #[test]
 fn noise_on_the_line_costs_no_row() {
-    let setup = setup();
+    let setup = longer(setup(), 20);
     let Some(board) = board(&setup, &[]) else {
         return;
     };
     let here = run_rig(setup.clone(), |_| ()).unwrap();
     let mut image = wired(&board, &setup);
     let mut noise = OpenOptions::new().write(true).open(board.port()).unwrap();
-    let times = [setup.programme.duration(), f64::INFINITY];
+    let times = whole(&setup);
     let start = |image: &mut Image<Serial>| image.start_rig();
-    let mut junk = [&b"\x00\xff"[..], b"M", b"MD\x07\x09\0\0\0\0\x01\0\xff\x01"]
+    let mut junk = [&b"\x00\xff"[..], b"M", b"MD\x07\x09\0\0\0\0\x01\0\xff\0"]
         .into_iter()
         .cycle();
-    let mut watch = |_: f64| noise.write_all(junk.next().unwrap()).unwrap();
+    let mut noises = 0;
+    let mut watch = |_: f64| {
+        noise.write_all(junk.next().unwrap()).unwrap();
+        noises += 1;
+    };
     let there = record(&mut image, telemetry(), TICK_RATE, times, start, &mut watch).unwrap();
+    // Each kind more than once; the last one is a beginning whose end never comes.
+    assert!(noises > 6, "{noises}");
     assert_eq!(there.lost, Lost::default());
     assert_eq!(there.run.samples.force, here.samples.force);
     assert_eq!(there.run.cycles, here.cycles);
@@ -230,14 +264,14 @@ fn noise_on_the_line_costs_no_row() {
 
 #[test]
 fn a_board_that_restarts_in_the_middle_says_so_and_what_came_is_kept() {
-    let setup = setup();
+    let setup = longer(setup(), 60);
     let orders = Orders::new();
     let arguments = orders.arguments();
     let Some(board) = board(&setup, &arguments.each_ref().map(String::as_str)) else {
         return;
     };
     let mut image = wired(&board, &setup);
-    let times = [setup.programme.duration(), f64::INFINITY];
+    let times = whole(&setup);
     let start = |image: &mut Image<Serial>| image.start_rig();
     let mut kept = Kept::default();
     let mut watch = Watching {
@@ -305,10 +339,7 @@ impl<F: FnMut()> Watch for Watching<'_, F> {
 /// A forged pack changes nothing.
 #[test]
 fn a_law_is_swapped_at_the_end_of_a_cycle_while_the_rig_runs() {
-    let mut setup = setup();
-    setup.programme = Programme::new(TICK_RATE, 1)
-        .and_then(|programme| programme.with(Block::sine(0.1, 20.0, 60)?))
-        .unwrap();
+    let setup = longer(setup(), 60);
     let Some(board) = board(&setup, &[]) else {
         return;
     };
@@ -324,9 +355,13 @@ fn a_law_is_swapped_at_the_end_of_a_cycle_while_the_rig_runs() {
         after(&board, 1000);
         let refused = image.send_pack(&forged).unwrap_err().to_string();
         assert!(refused.contains("checksum"), "{refused}");
-        image.send_pack(&pack(&better, TICK_RATE))
+        assert_eq!(image.about()?.revision, 0);
+        image.send_pack(&named(&better))?;
+        let about = image.about()?;
+        assert_eq!((about.identity, about.revision), (Identity([7; 8]), 3));
+        Ok(())
     };
-    let times = [setup.programme.duration(), f64::INFINITY];
+    let times = whole(&setup);
     let there = record(
         &mut image,
         telemetry(),
@@ -337,6 +372,7 @@ fn a_law_is_swapped_at_the_end_of_a_cycle_while_the_rig_runs() {
     )
     .unwrap();
     assert_eq!((there.late_ticks, there.run.faults.len()), (0, 0));
+    assert_eq!(there.lost.notes, 0);
     // The motion does not depend on the law: from the swap on every cycle is that of a rig that had the better law from the start.
     let same = |law| {
         let run = run_rig(
@@ -361,4 +397,41 @@ fn a_law_is_swapped_at_the_end_of_a_cycle_while_the_rig_runs() {
     // The cycle in which the new law's table fills is of neither.
     assert!(before[..swap - 1].iter().all(|same| *same), "{before:?}");
     assert!(after[swap..].iter().all(|same| *same), "{after:?}");
+}
+
+/// It would drive its actuator, and nobody would ask it for a tick.
+#[test]
+fn a_board_on_its_own_timer_is_not_run_in_lockstep() {
+    let setup = setup();
+    let Some(board) = board(&setup, &[]) else {
+        return;
+    };
+    let refused = Image::in_lockstep(board.port()).unwrap_err().to_string();
+    assert!(refused.contains("a timer of its own"), "{refused}");
+    assert!(!board.is_enabled());
+    // While somebody has the port nobody else takes it.
+    let _here = Image::join(board.port()).unwrap();
+    let refused = Image::join(board.port())
+        .map(|_| ())
+        .unwrap_err()
+        .to_string();
+    assert!(refused.contains("another program"), "{refused}");
+}
+
+/// A force beyond its limit from the first tick on; the rows until then and the cause come all the same.
+#[test]
+fn a_rig_that_stops_on_a_limit_says_why_and_when() {
+    let mut setup = setup();
+    setup.settings.force_limit = 0.05;
+    let Some(board) = board(&setup, &[]) else {
+        return;
+    };
+    let here = run_rig(setup.clone(), |_| ()).unwrap();
+    assert_eq!(here.faults[0].1, TripCause::ForceLimit);
+    let mut image = wired(&board, &setup);
+    let there = recorded(&mut image, &setup);
+    assert_eq!(there.lost, Lost::default());
+    assert_eq!(there.run.faults, here.faults);
+    assert_eq!(there.run.samples.force, here.samples.force);
+    assert!(!board.is_enabled());
 }

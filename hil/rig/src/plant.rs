@@ -88,6 +88,11 @@ impl<S: DamperForce + Clone> Plant<S> {
         self.signals.controls(self.controls)
     }
 
+    /// Time of a step, s: a tick of the controller that it was made for.
+    pub fn step(&self) -> f64 {
+        self.servo.step()
+    }
+
     /// Temperature of the specimen, °C.
     pub fn temperature(&self) -> f64 {
         self.servo.specimen().temperature()

@@ -75,6 +75,11 @@ pub enum LinkError {
         "the board has no timer of its own: flash it with an image that has one, or run it in lockstep by `hil run --on serial:PORT`"
     )]
     NoTimer,
+    /// The board gives itself its ticks.
+    #[error(
+        "the board has a timer of its own: record a test on it by `hil record --from serial:PORT`, or flash it with an image for lockstep"
+    )]
+    OwnTimer,
     /// The image answered something else than what it was asked.
     #[error("the image answered another question")]
     OtherAnswer,
@@ -173,7 +178,9 @@ impl From<LinkError> for InputError {
             LinkError::SilentBoard(_) | LinkError::PortGone { .. } | LinkError::Restarted => {
                 "mend that, then run it again"
             }
-            LinkError::OtherVersion(_) | LinkError::NoTimer => "flash the board, then run it again",
+            LinkError::OtherVersion(_) | LinkError::NoTimer | LinkError::OwnTimer => {
+                "flash the board, then run it again"
+            }
             LinkError::Ended { .. } | LinkError::Silent | LinkError::OtherAnswer => REPORT,
         };
         Self::new("the image", error.to_string(), mend)
@@ -213,6 +220,19 @@ impl Image<Serial> {
 }
 
 impl Image<Serial> {
+    /// The board at the serial port `path`, which restarts for that, to be asked for ticks.
+    ///
+    /// # Errors
+    /// As [`Image::at`]; a board that gives itself its ticks, and would drive its actuator while nobody asks for one.
+    pub fn in_lockstep(path: &Path) -> Result<Self, InputError> {
+        let mut image = Self::at(path)?;
+        match image.about() {
+            Err(LinkError::NoTimer) => Ok(image),
+            Err(error) => Err(error.into()),
+            Ok(_) => Err(LinkError::OwnTimer.into()),
+        }
+    }
+
     /// The board at the serial port `path`, which goes on with what it does, and what it says of itself. A board that waits for ticks says
     /// that it cannot.
     ///

@@ -9,6 +9,7 @@ use std::time::Duration;
 use mesh_damper::frame::{Extent, extent};
 use mesh_damper_recording::error::InputError;
 use rustix::event::{PollFd, PollFlags, Timespec, poll};
+use rustix::fs::{FlockOperation, flock};
 use rustix::termios::{OptionalActions, QueueSelector, speed, tcflush, tcgetattr, tcsetattr};
 
 use super::LinkError;
@@ -45,6 +46,9 @@ impl Serial {
             .custom_flags(rustix::fs::OFlags::NOCTTY.bits() as i32)
             .open(path)
             .map_err(|error| failed(format!("cannot be opened: {error}")))?;
+        // Its answers would go to either of two.
+        flock(&port, FlockOperation::NonBlockingLockExclusive)
+            .map_err(|_| failed("another program has it open".into()))?;
         let no_port = |error: rustix::io::Errno| failed(format!("is no serial port: {error}"));
         let mut settings = tcgetattr(&port).map_err(no_port)?;
         settings.make_raw();

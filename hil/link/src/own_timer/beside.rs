@@ -151,8 +151,26 @@ struct Beside<S> {
     /// What the sensors deliver until the enable line rises for the first time: nothing moves until then.
     first: Vec<u8>,
     begun: bool,
+    counts: Counts,
+    /// Steps that the plant is behind the board's clock: one at each tick of a rig at the plant's own rate.
+    behind: f64,
     pace: Pace,
     seen: Arc<Seen>,
+}
+
+/// Counts of the board's clock.
+#[derive(Default)]
+struct Counts {
+    last: Option<u32>,
+}
+
+impl Counts {
+    /// How many have passed until the clock reads `count`. A tick takes a second at the most: what seems longer is a board that has
+    /// restarted and counts from 0 again.
+    fn passed(&mut self, count: u32) -> u32 {
+        let passed = count.wrapping_sub(self.last.replace(count).unwrap_or(count));
+        if f64::from(passed) > CLOCK { 0 } else { passed }
+    }
 }
 
 /// Holds the board back.
@@ -161,16 +179,11 @@ struct Pace {
     per_count: f64,
     /// When the board's clock read what it did last, had it not been faster.
     due: Instant,
-    count: Option<u32>,
 }
 
 impl Pace {
-    /// Waits until the board's clock may read `count`.
-    fn wait(&mut self, count: u32) {
-        let passed = count.wrapping_sub(self.count.unwrap_or(count));
-        // A board that has restarted counts from 0 again.
-        let passed = if passed > u32::MAX / 2 { 0 } else { passed };
-        self.count = Some(count);
+    /// Waits until so many counts of the board's clock may have passed.
+    fn wait(&mut self, passed: u32) {
         self.due += Duration::from_secs_f64(f64::from(passed) * self.per_count);
         let now = Instant::now();
         match self.due.checked_duration_since(now) {
@@ -189,19 +202,25 @@ impl<S: DamperForce + Clone> Beside<S> {
             plant,
             first,
             begun: false,
+            counts: Counts::default(),
+            behind: 0.0,
             pace: Pace {
                 per_count: 1.0 / (CLOCK * speed),
                 due: Instant::now(),
-                count: None,
             },
             seen,
         }
     }
 
     /// What the sensors deliver at a tick, after the actuator had `code` and this level of its enable line since the last.
-    fn next(&mut self, code: u16, enabled: bool) -> Vec<u8> {
+    /// `passed` counts of the board's clock are over since then.
+    fn next(&mut self, code: u16, enabled: bool, passed: u32) -> Vec<u8> {
         if self.begun {
-            self.plant.drive(dac_volts(code), enabled);
+            self.behind += f64::from(passed) / (CLOCK * self.plant.step());
+            while self.behind > 0.5 {
+                self.behind -= 1.0;
+                self.plant.drive(dac_volts(code), enabled);
+            }
             return delivered(&mut self.plant);
         }
         // The line rises between two ticks, and has had no tick of its own yet.
@@ -214,10 +233,11 @@ impl<S: DamperForce + Clone> Beside<S> {
         let mut asked = [0; 8];
         while driven.read_exact(&mut asked).is_ok() {
             let [low, high, enabled, _, clock @ ..] = asked;
-            self.pace.wait(u32::from_le_bytes(clock));
+            let passed = self.counts.passed(u32::from_le_bytes(clock));
+            self.pace.wait(passed);
             self.seen.enabled.store(enabled != 0, Relaxed);
             self.seen.ticks.fetch_add(1, Relaxed);
-            let next = self.next(u16::from_le_bytes([low, high]), enabled != 0);
+            let next = self.next(u16::from_le_bytes([low, high]), enabled != 0, passed);
             if delivered.write_all(&next).is_err() {
                 return;
             }
@@ -237,4 +257,19 @@ fn delivered<S: DamperForce + Clone>(plant: &mut Plant<S>) -> Vec<u8> {
     }
     bytes.push(plant.tripped.into());
     bytes
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_board_that_restarts_has_not_slept_through_the_clocks_wrap() {
+        let mut counts = Counts::default();
+        let passed = [7, 2507, 3_000_000_000, 3_000_002_500, 0, 2500].map(|at| counts.passed(at));
+        assert_eq!(passed, [0, 2500, 0, 2500, 0, 2500]);
+        // The clock's own wrap is no restart.
+        let mut counts = Counts::default();
+        assert_eq!([u32::MAX - 99, 2400].map(|at| counts.passed(at)), [0, 2500]);
+    }
 }

@@ -4,4 +4,4 @@ mod beside;
 mod record;
 
 pub use beside::EmulatedBoard;
-pub use record::{BoardRun, Lost, RecordError, record};
+pub use record::{BoardRun, Lost, RecordError, Times, record};

@@ -13,6 +13,9 @@ use crate::lockstep::{Image, LinkError, Sent, Wire};
 const ASK: Duration = Duration::from_millis(200);
 /// For how long nothing more may come once the test is over: what is missing then was lost.
 const PATIENCE: Duration = Duration::from_millis(500);
+/// For how long the board may say that its rig does not run, before the note of the test's end counts as lost: a rig that has stopped is at
+/// rest after half a second.
+const GRACE: Duration = Duration::from_secs(2);
 
 /// What did not arrive.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -47,9 +50,18 @@ pub enum RecordError {
     Watch(#[from] InputError),
 }
 
+/// How long a recording is, s.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Times {
+    /// What the test takes, for those who watch.
+    pub expected: f64,
+    /// After which it is broken off, and the rig left as it is; infinite for none.
+    pub most: f64,
+}
+
 /// Records what the board at the other end of `image` sends of a rig of `tick_rate` Hz, as `config` asks for it, until the test is over, or
-/// for `duration` seconds of it. `begin` starts the test, once telemetry has been asked for. `watch` is shown what there is of `expected`
-/// seconds now and then, and at the end however it ends.
+/// for as long as `times` says. `begin` starts the test, once telemetry has been asked for. `watch` is shown what there is now and then, and
+/// at the end however it ends.
 ///
 /// # Errors
 /// The link's, `begin`'s and `watch`'s.
@@ -57,7 +69,7 @@ pub fn record<W: Wire>(
     image: &mut Image<W>,
     config: TelemetryConfig,
     tick_rate: f64,
-    [expected, duration]: [f64; 2],
+    times: Times,
     begin: impl FnOnce(&mut Image<W>) -> Result<(), LinkError>,
     watch: &mut impl Watch,
 ) -> Result<BoardRun, RecordError> {
@@ -76,10 +88,11 @@ pub fn record<W: Wire>(
         lost: Lost::default(),
         next: Numbers::default(),
         ends: None,
+        ran: 0,
     };
     image.send_telemetry(config)?;
     begin(image)?;
-    let ended = follow(image, &mut taken, [expected, duration], watch);
+    let ended = follow(image, &mut taken, times, watch);
     watch.see(1.0, &taken.run.samples)?;
     let late_ticks = ended?;
     image.send_telemetry(TelemetryConfig::default())?;
@@ -94,20 +107,25 @@ pub fn record<W: Wire>(
 fn follow<W: Wire>(
     image: &mut Image<W>,
     taken: &mut Taken,
-    [expected, duration]: [f64; 2],
+    times: Times,
     watch: &mut impl Watch,
 ) -> Result<u32, RecordError> {
     let mut asked = Instant::now();
     let mut came = Instant::now();
     let mut about = image.about()?;
+    let mut resting: Option<Instant> = None;
     loop {
         if let Some((number, sent)) = image.telemetry()? {
             taken.take(number, &sent);
             came = Instant::now();
         }
+        let rests = resting.is_some_and(|since| since.elapsed() > GRACE);
+        if rests && taken.ends.is_none() {
+            taken.end_without_note(about.state);
+        }
         if taken.is_whole()
-            || taken.time() >= duration
-            || (taken.ends.is_some() && came.elapsed() > PATIENCE)
+            || taken.time() >= times.most
+            || (taken.ends.is_some() && (rests || came.elapsed() > PATIENCE))
         {
             taken.cut();
             return Ok(about.late_ticks);
@@ -117,8 +135,13 @@ fn follow<W: Wire>(
             if about.tick_rate == 0.0 {
                 return Err(LinkError::Restarted.into());
             }
+            if about.state == State::Running {
+                resting = None;
+            } else {
+                resting.get_or_insert_with(Instant::now);
+            }
             asked = Instant::now();
-            watch.see((taken.time() / expected).min(1.0), &taken.run.samples)?;
+            watch.see((taken.time() / times.expected).min(1.0), &taken.run.samples)?;
         }
     }
 }
@@ -140,6 +163,8 @@ struct Taken {
     next: Numbers,
     /// The tick at which the test was over.
     ends: Option<u32>,
+    /// The last one that came with the rig running.
+    ran: u32,
 }
 
 impl Taken {
@@ -161,10 +186,16 @@ impl Taken {
     }
 
     fn row(&mut self, row: &Row) {
-        self.lost.rows += u64::from(row.number.wrapping_sub(self.next.row));
-        self.next.row = row.number.wrapping_add(1);
+        if row.number < self.next.row {
+            return;
+        }
+        self.lost.rows += u64::from(row.number - self.next.row);
+        self.next.row = row.number + 1;
         let tick = u64::from(row.number) * u64::from(self.config.every);
         self.run.ticks = tick + 1;
+        if row.state == State::Running {
+            self.ran = tick as u32;
+        }
         let telemetry = Telemetry {
             tick,
             displacement: row.displacement,
@@ -181,7 +212,7 @@ impl Taken {
             report: None,
             event: None,
         };
-        let time = self.time_of(row.number.wrapping_mul(self.config.every));
+        let time = self.time_of(tick);
         self.run
             .samples
             .push(&telemetry, time, row.temperature.into());
@@ -190,20 +221,30 @@ impl Taken {
     fn note(&mut self, note: &Note) {
         self.lost.notes += u64::from(note.number.wrapping_sub(self.next.note));
         self.next.note = note.number.wrapping_add(1);
-        let time = self.time_of(note.tick);
+        let time = self.time_of(note.tick.into());
         self.run.cycles.extend(note.report);
         self.run
             .events
             .extend(note.event.map(|event| (time, event)));
-        if let State::Faulted(fault) = note.state
-            && self.run.faults.is_empty()
-        {
-            self.run.faults.push((time, fault));
-        }
+        self.fault(time, note.state);
         if note.ends {
             self.ends = Some(note.tick);
             self.run.ticks = u64::from(note.tick) + 1;
         }
+    }
+
+    fn fault(&mut self, time: f64, state: State) {
+        if let State::Faulted(fault) = state
+            && self.run.faults.is_empty()
+        {
+            self.run.faults.push((time, fault));
+        }
+    }
+
+    /// The test is over, as the board's `state` says, and the note that says when was lost: with the last row of a rig that runs.
+    fn end_without_note(&mut self, state: State) {
+        self.ends = Some(self.ran);
+        self.fault(self.time_of(self.ran.into()), state);
     }
 
     /// Rows of the test, once it is over.
@@ -217,8 +258,8 @@ impl Taken {
     }
 
     /// s, computed as the simulated rig does.
-    fn time_of(&self, tick: u32) -> f64 {
-        f64::from(tick) * (1.0 / self.tick_rate)
+    fn time_of(&self, tick: u64) -> f64 {
+        tick as f64 * (1.0 / self.tick_rate)
     }
 
     /// Of the last row, s.
@@ -226,12 +267,13 @@ impl Taken {
         self.run.samples.time.last().copied().unwrap_or_default()
     }
 
-    /// Rows after the test's end are of a rig at rest.
+    /// Rows after the test's end are of a rig at rest, and what is missing before it was lost.
     fn cut(&mut self) {
-        if let Some(tick) = self.ends {
-            let time = self.time_of(tick);
+        if let (Some(tick), Some(rows)) = (self.ends, self.rows()) {
+            let time = self.time_of(tick.into());
             self.run.samples.cut(time);
             self.run.ticks = u64::from(tick) + 1;
+            self.lost.rows = u64::from(rows) - self.run.samples.len() as u64;
         }
     }
 }

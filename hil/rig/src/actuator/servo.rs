@@ -248,6 +248,11 @@ impl<S: DamperForce + Clone> Servo<S> {
     pub fn time(&self) -> f64 {
         self.ticks as f64 * self.dynamics.step
     }
+    /// Time of a step, s.
+    pub fn step(&self) -> f64 {
+        self.dynamics.step
+    }
+
     /// What it works against.
     pub fn specimen(&self) -> &S {
         &self.specimen

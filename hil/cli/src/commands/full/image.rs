@@ -81,7 +81,7 @@ impl Linked {
         Ok(match place {
             Place::Host => None,
             Place::Image => Some(Self::Image(start_image(log, tick_rate)?.into())),
-            Place::Serial(port) => Some(Self::Board(Image::at(port.path())?.into())),
+            Place::Serial(port) => Some(Self::Board(Image::in_lockstep(port.path())?.into())),
         })
     }
 }

@@ -22,6 +22,7 @@ mod law;
 mod meant_for;
 mod motions;
 mod orthogonal;
+mod pack;
 mod paper;
 pub mod policy;
 mod predict;

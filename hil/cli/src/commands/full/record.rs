@@ -10,7 +10,7 @@ use mesh_damper::pack::{LARGEST, PackInfo, encode};
 use mesh_damper::rig::{RigSettings, State};
 use mesh_damper::sine::Programme;
 use mesh_damper_link::lockstep::{Image, LinkError, Serial, described};
-use mesh_damper_link::own_timer::{BoardRun, Lost, RecordError, record};
+use mesh_damper_link::own_timer::{BoardRun, Lost, RecordError, Times, record};
 use mesh_damper_recording::Recording;
 use mesh_damper_recording::error::InputError;
 use mesh_damper_recording::output::Plan;
@@ -22,6 +22,7 @@ use super::board::Port;
 use super::cycles::{CycleRow, print_blocks};
 use super::events::EventRow;
 use super::law::PublishedLaw;
+use super::pack::read_pack;
 use super::programme::{self, MOST_BLOCKS};
 use super::run::{Stop, Watched, in_words, refused, with_journal};
 use super::specimen::SPECIMEN_AMPLITUDE;
@@ -57,7 +58,7 @@ pub struct RecordCommand {
     /// The law beside the specimen, as `hil export --format pack` writes it; the published one without it
     #[arg(long, value_name = "FILE")]
     pack: Option<PathBuf>,
-    /// Density of the specimen, g/cm³, for the published law
+    /// Density of the specimen, g/cm³, 2 to 4, for the published law
     #[arg(long, value_name = "G_PER_CM3", default_value_t = 3.0)]
     density: f64,
     /// Force at the ends of the force channel, kN
@@ -90,7 +91,7 @@ pub struct RecordCommand {
     /// A control input that the board measures, such as current_A; may be given more than once, in the law's order
     #[arg(long, value_name = "NAME_UNIT")]
     control: Vec<String>,
-    /// For how many seconds the harness may be silent before the rig stops; 0 lets it go on
+    /// For how many seconds the harness may be silent before the rig stops, 0.5 to 100; 0 lets it go on
     #[arg(long, value_name = "S", default_value_t = 2.0, conflicts_with_all = ["keep_running", "join"])]
     silence: f64,
     /// Stop recording after so many seconds of the test
@@ -100,7 +101,7 @@ pub struct RecordCommand {
     #[arg(long)]
     keep_running: bool,
     /// Record what the rig does already; set nothing up, and leave it running
-    #[arg(long, conflicts_with_all = ["blocks", "programme", "pack", "force_range", "force_limit"])]
+    #[arg(long, conflicts_with_all = ["blocks", "programme", "pack", "density", "force_range", "displacement_range", "command_range", "force_limit", "displacement_limit", "tracking_limit", "lead", "tick_rate", "keep_running"])]
     join: bool,
     /// Where the recording goes, .csv or .csv.gz
     #[arg(long, value_name = "REC")]
@@ -150,6 +151,10 @@ impl RecordCommand {
             .keeps(&partial)
             .begin()?;
         self.check()?;
+        let pack = match &self.pack {
+            Some(path) => Some(read_pack(path)?),
+            None => None,
+        };
         let programme = match &self.programme {
             Some(path) => programme::read(path, self.reading.limit, self.tick_rate)?,
             None => programme::parse(&self.blocks, self.tick_rate)?,
@@ -164,10 +169,14 @@ impl RecordCommand {
             self.joined_rate(&about)?
         } else {
             drop(board);
-            board = self.wired(&programme, &about)?;
+            board = self.wired(&programme, pack, &about)?;
             self.tick_rate
         };
-        let comments = vec![format!("recorded from the board at {}", self.from)];
+        let about = board.about().map_err(InputError::from)?;
+        let comments = vec![format!(
+            "recorded from the board at {}, law = {}, revision = {}",
+            self.from, about.identity, about.revision
+        )];
         let progress = Progress::of(100);
         progress.step("recording");
         let mut watched = Watched {
@@ -188,7 +197,11 @@ impl RecordCommand {
             true => Ok(()),
             false => board.start_rig(),
         };
-        let times = [expected, self.duration.unwrap_or(f64::INFINITY)];
+        let most = self.duration.unwrap_or(f64::INFINITY);
+        let times = Times {
+            expected: expected.min(most),
+            most,
+        };
         let recorded = record(
             &mut board,
             config,
@@ -210,9 +223,11 @@ impl RecordCommand {
             };
             with_journal(error, &journal)
         })?;
-        if !self.join && !self.keep_running {
-            board.stop_rig().map_err(InputError::from)?;
-        }
+        // At once; what came of it is said once the recording is written.
+        let rested = match self.join || self.keep_running {
+            true => Ok(()),
+            false => board.stop_rig().map_err(InputError::from),
+        };
         let stopped = run.faults.first().map(|fault| Stop::new(*fault));
         let summary = Summary {
             from: self.from.clone(),
@@ -249,6 +264,7 @@ impl RecordCommand {
             summary.print((!self.join).then_some(&programme));
             say(&format!("The recording is {}", self.out.display()));
         }
+        rested?;
         summary.stopped.map_or(Ok(()), |stop| Err(stop.failure()))
     }
 
@@ -260,20 +276,30 @@ impl RecordCommand {
     }
 
     fn check(&self) -> Result<(), InputError> {
-        for (field, value, low, high) in [
-            ("--silence", Some(self.silence), 0.0, 100.0),
-            ("--duration", self.duration, 1e-3, programme::LONGEST),
+        // The harness asks the board five times a second.
+        let silence = Some(self.silence).filter(|silence| *silence != 0.0);
+        for (field, unit, value, low, high) in [
+            ("--silence", "s", silence, 0.5, 100.0),
+            ("--duration", "s", self.duration, 1e-3, programme::LONGEST),
+            ("--density", "g/cm³", Some(self.density), 2.0, 4.0),
         ] {
             if let Some(value) = value
                 && !(low..=high).contains(&value)
             {
                 return Err(InputError::new(
                     field,
-                    format!("{value} s is outside its range"),
+                    format!("{value} {unit} is outside its range"),
                     format!("give {low} to {high}"),
                 ));
             }
         }
+        // As the recording will be checked, which has one sample of each.
+        let one = || vec![0.0, 1.0];
+        let recording = Recording::new("--control", one(), one(), one())?;
+        let mut named = self.control.iter();
+        named.try_fold(recording, |recording, name| {
+            recording.with_control(name, one())
+        })?;
         if self.control.len() > CONTROLS {
             return Err(InputError::new(
                 "--control",
@@ -304,14 +330,23 @@ impl RecordCommand {
     fn wired(
         &self,
         programme: &Programme<MOST_BLOCKS>,
+        pack: Option<Vec<u8>>,
         about: &About,
     ) -> Result<Image<Serial>, InputError> {
+        if about.state == State::Running {
+            return Err(InputError::new(
+                self.from.to_string(),
+                "a rig runs on the board, which would restart",
+                format!(
+                    "stop it by `hil stop --at {}`, or record it by --join",
+                    self.from
+                ),
+            ));
+        }
         let law =
             AugmentedLaw::<f32, 1>::new(PublishedLaw::Tables.at(self.density, SPECIMEN_AMPLITUDE));
-        let pack = match &self.pack {
-            Some(path) => {
-                std::fs::read(path).map_err(|error| InputError::io(path, "read", &error))?
-            }
+        let pack = match pack {
+            Some(pack) => pack,
             None => {
                 let mut buffer = [0; LARGEST];
                 let info = PackInfo::at(self.tick_rate as f32);

@@ -4,7 +4,6 @@ use std::path::PathBuf;
 use std::time::{Duration, Instant};
 
 use clap::Args;
-use mesh_damper::pack::PackInfo;
 use mesh_damper::rig::State;
 use mesh_damper_link::lockstep::Image;
 use mesh_damper_recording::error::InputError;
@@ -12,6 +11,7 @@ use mesh_damper_recording::output::Plan;
 use serde::Serialize;
 
 use super::board::Port;
+use super::pack::read_with_info;
 use crate::commands::{Failure, say};
 
 /// Put a coefficient pack onto a running rig, and wait until its law is in force
@@ -58,20 +58,12 @@ impl UploadCommand {
             .writes(&self.json)
             .begin()?;
         let name = self.pack.display().to_string();
-        let bytes = std::fs::read(&self.pack)
-            .map_err(|error| InputError::io(&self.pack, "read", &error))?;
-        let refused = |problem: String| {
-            InputError::new(
-                &name,
-                problem,
-                "give a pack that `hil export --format pack` wrote",
-            )
-        };
-        let info = PackInfo::of(&bytes).map_err(|error| refused(error.to_string()))?;
-        let wait = Duration::try_from_secs_f64(self.wait).map_err(|_| {
-            let problem = format!("{} s cannot be waited", self.wait);
-            InputError::new("--wait", problem, "give 0 to 1e6")
-        })?;
+        let (bytes, info) = read_with_info(&self.pack)?;
+        if !(0.0..=1e6).contains(&self.wait) {
+            let problem = format!("{} s is outside its range", self.wait);
+            return Err(InputError::new("--wait", problem, "give 0 to 1e6").into());
+        }
+        let wait = Duration::from_secs_f64(self.wait);
         let (mut board, before) = Image::join(self.to.path())?;
         if before.tick_rate == 0.0 {
             return Err(InputError::new(
@@ -106,6 +98,17 @@ impl UploadCommand {
                 .into());
             }
         };
+        let is_it = info.as_ref().is_none_or(|info| {
+            (info.stamp.identity, info.stamp.revision) == (after.identity, after.revision)
+        });
+        if !is_it {
+            return Err(InputError::new(
+                self.to.to_string(),
+                format!("the board has the law {} now", after.identity),
+                "see who else uploads to it, then upload this again",
+            )
+            .into());
+        }
         let uploaded = Uploaded {
             name: info.as_ref().map(|info| info.name.to_string()),
             identity: info.as_ref().map(|info| info.stamp.identity.to_string()),

@@ -1,0 +1,27 @@
+//! A coefficient pack in a file.
+
+use std::path::Path;
+
+use mesh_damper::pack::PackInfo;
+use mesh_damper_recording::error::InputError;
+
+/// The bytes of the pack at `path`, whose header and checksum are right.
+///
+/// # Errors
+/// A file that cannot be read, or that is no pack.
+pub fn read_pack(path: &Path) -> Result<Vec<u8>, InputError> {
+    read_with_info(path).map(|(bytes, _)| bytes)
+}
+
+/// The same with what the pack says of itself.
+///
+/// # Errors
+/// As [`read_pack`].
+pub fn read_with_info(path: &Path) -> Result<(Vec<u8>, Option<PackInfo>), InputError> {
+    let bytes = std::fs::read(path).map_err(|error| InputError::io(path, "read", &error))?;
+    let info = PackInfo::of(&bytes).map_err(|error| {
+        let mend = "give a pack that `hil export --format pack` wrote";
+        InputError::new(path.display().to_string(), error.to_string(), mend)
+    })?;
+    Ok((bytes, info))
+}
