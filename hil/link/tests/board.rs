@@ -14,7 +14,7 @@ use mesh_damper::message::TelemetryConfig;
 use mesh_damper::pack::{Identity, LARGEST, PackInfo, encode};
 use mesh_damper::rig::{State, TripCause};
 use mesh_damper::sine::{Block, Programme};
-use mesh_damper_link::image::OWN_TIMER;
+use mesh_damper_link::image::{OWN_TIMER, sections};
 use mesh_damper_link::lockstep::{Image, LinkError, Serial, described};
 use mesh_damper_link::own_timer::{BoardRun, EmulatedBoard, Lost, RecordError, Times, record};
 use mesh_damper_recording::error::InputError;
@@ -434,4 +434,19 @@ fn a_rig_that_stops_on_a_limit_says_why_and_when() {
     assert_eq!(there.run.faults, here.faults);
     assert_eq!(there.run.samples.force, here.samples.force);
     assert!(!board.is_enabled());
+}
+
+/// Beside the rig in lockstep it takes the serial port, requests of its own and the queues of telemetry.
+#[test]
+fn the_image_is_small() {
+    let Some(elf) = emulated::image(&OWN_TIMER, mesh_damper_link::image::Board::Mps2An386) else {
+        return;
+    };
+    let sizes = sections(&elf).unwrap();
+    assert!(
+        sizes.flash > 0 && sizes.flash <= 90 * 1024 + 512,
+        "{sizes:?}"
+    );
+    // 19 KiB of the rig, 12 of the queues, and a request and an answer under way.
+    assert!(sizes.ram <= 33 * 1024 + 512, "{sizes:?}");
 }

@@ -157,9 +157,45 @@ fn a_test_is_recorded_and_a_law_is_put_onto_the_rig_that_runs() {
     let said = refused(root, &["upload", "--to", &port, "other.mdcp"], files);
     assert!(said.contains("tick_rate"), "{said}");
 
+    // A rig that runs is not restarted, and no board on its own timer is run in lockstep.
+    let again = [&record[..], &["again.csv"], &blocks, &["0.1:20:6"]].concat();
+    let said = refused(root, &again, files);
+    assert!(
+        said.contains("hil stop") && said.contains("--join"),
+        "{said}"
+    );
+
     let stop = ["stop", "--at", &port];
     assert_eq!(hil(root, &stop), "The rig has stopped\n");
     assert_eq!(hil(root, &stop), "The rig did not run\n");
+
+    // A pack is looked at before the board is.
+    std::fs::write(root.join("no.mdcp"), "no pack").unwrap();
+    let pack = ["again.csv", "--pack", "no.mdcp"];
+    let said = refused(
+        root,
+        &[&record[..], &pack, &blocks, &["0.1:20:6"]].concat(),
+        files + 1,
+    );
+    assert!(said.contains("no.mdcp"), "{said}");
+
+    // What cannot be a channel's name is refused, and a limit says why the rig stops.
+    let named = ["again.csv", "--control", "force_kN"];
+    refused(
+        root,
+        &[&record[..], &named, &blocks, &["0.1:20:6"]].concat(),
+        files + 1,
+    );
+    let limit = ["limit.csv", "--force-limit", "0.05"];
+    let output = Command::new(env!("CARGO_BIN_EXE_hil"))
+        .args([&record[..], &limit, &blocks, &["0.1:20:6"]].concat())
+        .current_dir(root)
+        .output()
+        .unwrap();
+    let said = String::from_utf8(output.stderr).unwrap();
+    assert_eq!(output.status.code(), Some(1), "{said}");
+    assert!(said.contains("the force exceeded its limit"), "{said}");
+    assert!(root.join("limit.csv").exists());
 }
 
 #[test]

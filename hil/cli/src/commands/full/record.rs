@@ -293,19 +293,41 @@ impl RecordCommand {
                 ));
             }
         }
-        // As the recording will be checked, which has one sample of each.
-        let one = || vec![0.0, 1.0];
-        let recording = Recording::new("--control", one(), one(), one())?;
-        let mut named = self.control.iter();
-        named.try_fold(recording, |recording, name| {
-            recording.with_control(name, one())
-        })?;
         if self.control.len() > CONTROLS {
             return Err(InputError::new(
                 "--control",
                 format!("{} control inputs are too many", self.control.len()),
                 format!("give at most {CONTROLS}"),
             ));
+        }
+        self.check_controls()
+    }
+
+    /// Whether a recording with these columns is read as it is meant.
+    fn check_controls(&self) -> Result<(), InputError> {
+        let refused = |problem: String| {
+            let mend = "name another quantity with its unit, each once, such as current_A";
+            InputError::new("--control", problem, mend)
+        };
+        if self.control.is_empty() {
+            return Ok(());
+        }
+        let mut text = format!(
+            "time_s,displacement_mm,force_kN,{}\n",
+            self.control.join(",")
+        );
+        for row in 0..8 {
+            let cells = vec![format!("0.{row}"); 3 + self.control.len()];
+            text += &format!("{}\n", cells.join(","));
+        }
+        let read = Recording::from_bytes(Path::new("--control"), text.into_bytes())
+            .map_err(|error| refused(error.problem))?;
+        let named = read.controls.iter().map(|control| &control.name);
+        if !named.eq(&self.control) {
+            return Err(refused(format!(
+                "{} would not be read as a control input",
+                self.control.join(", ")
+            )));
         }
         Ok(())
     }
