@@ -127,7 +127,7 @@ impl<B: OwnTimer> Ticker<B> {
                     answer.is_some_and(|answer| Answer::read(&answer) == Some(Answer::Done(false)));
                 self.slices = if more { self.slices + 1 } else { 0 };
                 // The next slice needs no question, for as long as nobody waits for too long.
-                if more && self.slices % SLICES > 0 {
+                if more && !self.slices.is_multiple_of(SLICES) {
                     Carried::InPart
                 } else {
                     carried
