@@ -179,16 +179,26 @@ fn a_test_is_recorded_and_a_law_is_put_onto_the_rig_that_runs() {
     );
     assert!(said.contains("no.mdcp"), "{said}");
 
-    // What cannot be a channel's name is refused, and a limit says why the rig stops.
+    // What cannot be a channel's name is refused.
     let named = ["again.csv", "--control", "force_kN"];
     refused(
         root,
         &[&record[..], &named, &blocks, &["0.1:20:6"]].concat(),
         files + 1,
     );
-    let limit = ["limit.csv", "--force-limit", "0.05"];
+}
+
+#[test]
+fn a_rig_that_stops_on_a_limit_leaves_its_recording_and_says_why() {
+    let root = tempfile::tempdir().unwrap();
+    let root = root.path();
+    let Some((_board, port, range)) = Emulate::new(root) else {
+        return;
+    };
     let output = Command::new(env!("CARGO_BIN_EXE_hil"))
-        .args([&record[..], &limit, &blocks, &["0.1:20:6"]].concat())
+        .args(["record", "--from", &port, "--out", "limit.csv"])
+        .args(["--force-range", &range, "--force-limit", "0.05"])
+        .args(["--blocks", "0.1:20:6"])
         .current_dir(root)
         .output()
         .unwrap();
