@@ -176,9 +176,8 @@ pub enum Request<'a> {
     Telemetry(TelemetryConfig),
 }
 
-/// What a board is and does.
+/// What a board is and does. Nobody logs it: it is asked for five times a second.
 #[derive(Clone, Copy, Debug, PartialEq)]
-#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct About {
     /// It has ticks of its own. A board without waits for [`Request::Tick`].

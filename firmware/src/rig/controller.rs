@@ -278,26 +278,33 @@ impl<B: Board> Controller<B> {
                         if parts.law.boundary() {
                             self.rate = stamp.map(|stamp| stamp.tick_rate);
                         }
-                        break Ok(Some(stamp));
+                        #[cfg(feature = "own-timer")]
+                        {
+                            self.stamp = stamp;
+                        }
+                        break Ok(true);
                     }
                     Err(error) => break Err(error),
                 }
             },
-            (_, Some(rig)) => {
-                rig.swap_law_in_slices(|slot| upload.finish_slice(slot, &expected, passivity))
-            }
+            (_, Some(rig)) => rig
+                .swap_law_in_slices(|slot| upload.finish_slice(slot, &expected, passivity))
+                .map(|stamp| {
+                    #[cfg(feature = "own-timer")]
+                    if let Some(stamp) = stamp {
+                        self.stamp = stamp;
+                    }
+                    stamp.is_some()
+                }),
             // A rig that could not be made.
             _ => return Err(Refusal::Order),
         };
         match taken {
-            Ok(None) => Ok(false),
-            Ok(Some(_stamp)) => {
-                #[cfg(feature = "own-timer")]
-                {
-                    self.stamp = _stamp;
+            Ok(done) => {
+                if done {
+                    defmt::info!("coefficient pack accepted");
                 }
-                defmt::info!("coefficient pack accepted");
-                Ok(true)
+                Ok(done)
             }
             Err(error) => {
                 let refusal = Refusal::from(error);
