@@ -4,8 +4,10 @@ use mesh_damper::frame::{Extent, extent};
 
 use crate::board::{Link, Port};
 
-/// Times that the port is asked before a line counts as idle: longer than any gap between two bytes of a frame.
+/// Times that the port is asked before a line counts as idle within a frame: longer than any gap between two bytes of one.
 const IDLE: u32 = 2_000_000;
+/// The same between two frames, some seconds: a harness that asks for ticks has more of them by then.
+const SILENT: u32 = 20_000_000;
 
 /// Drops the first `junk` of `came` bytes; how many are left.
 fn drop_first(buffer: &mut [u8], came: usize, junk: usize) -> usize {
@@ -46,7 +48,7 @@ impl<P: Port> Link for PortLink<P> {
     fn receive<'b>(&mut self, buffer: &'b mut [u8]) -> &'b [u8] {
         let mut came = 0;
         let mut waited = 0;
-        while waited < IDLE {
+        while waited < if came > 0 { IDLE } else { SILENT } {
             match self.0.take() {
                 Some(byte) if add(byte, buffer, &mut came) => break,
                 Some(_) => waited = 0,

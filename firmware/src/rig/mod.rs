@@ -99,9 +99,6 @@ impl Turns {
     }
 }
 
-/// How often in a row the link may say that nothing comes, before the rig stops: some seconds.
-const SILENCES: u32 = 10;
-
 impl<B: Board> Memory<B> {
     /// What answers requests, and what they and an answer to what is none are put into.
     pub(crate) fn controller(
@@ -132,18 +129,12 @@ pub fn run<B: Board<Converters: Harnessed>>(
     let mut link = B::Link::open();
     let (mut controller, received, again) = memory.controller();
     let mut turns = Turns::NEW;
-    let mut silences = 0;
     loop {
         let bytes = link.receive(received);
         if bytes.is_empty() {
-            silences += 1;
-            if silences == SILENCES {
-                controller.silent();
-                silences = 0;
-            }
+            controller.silent();
             continue;
         }
-        silences = 0;
         let mut understood = false;
         for frame in Frames(bytes) {
             understood = true;

@@ -164,8 +164,9 @@ fn a_run_on_every_board_is_the_hosts_to_the_last_bit_of_each_sample_and_cycle() 
         let statistics = image.statistics().unwrap();
         assert!(
             // 1 KiB was held before there was a monitor; what follows the specimen passes through it as well, and what a rig's clock,
-            // correction and temperature may be.
-            statistics.stack > 0 && statistics.stack <= 1360,
+            // correction and temperature may be. The check of a pack takes 96 bytes more since there are requests of a board on its own timer: the
+            // compiler chooses otherwise what it inlines there.
+            statistics.stack > 0 && statistics.stack <= 1376,
             "{statistics:?}"
         );
         assert_eq!(statistics.log_lost, 0);
@@ -273,7 +274,7 @@ fn a_streamed_motion_on_every_board_is_the_hosts_to_the_last_bit_of_each_sample(
         assert!(run == host, "{board:?}");
         let statistics = image.statistics().unwrap();
         // As that of a programme, above.
-        assert!(statistics.stack <= 1360, "{statistics:?}");
+        assert!(statistics.stack <= 1376, "{statistics:?}");
     }
 }
 
