@@ -195,7 +195,7 @@ pub struct About {
     /// Of the pack that came last: of the law that waits, or of that in force. Both are 0 of a pack that says nothing of itself, and before
     /// the first.
     pub identity: Identity,
-    /// Likewise.
+    /// Of the same pack.
     pub revision: u32,
 }
 

@@ -24,7 +24,7 @@ pub struct Ticker<B: OwnTimer> {
     slices: u32,
 }
 
-/// Slices of a pack's check, one a tick, after which the harness is told that there are more: it takes a board that is silent for two
+/// Slices of a pack's check, one a tick, after which the harness learns that there are more: it takes a board that is silent for two
 /// seconds for lost, and a rig ticks 100 times a second at least.
 const SLICES: u32 = 100;
 

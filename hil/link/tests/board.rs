@@ -44,21 +44,21 @@ fn board(setup: &RigSetup<Specimen, 1, 1>, arguments: &[&str]) -> Option<Emulate
 }
 
 fn pack(law: &AugmentedLaw<f32, 1>, tick_rate: f64) -> Vec<u8> {
+    pack_with(law, &PackInfo::at(tick_rate as f32))
+}
+
+fn pack_with(law: &AugmentedLaw<f32, 1>, info: &PackInfo) -> Vec<u8> {
     let mut buffer = [0; LARGEST];
-    let info = PackInfo::at(tick_rate as f32);
-    encode(&FastLaw::new(law.clone()), &info, &mut buffer)
+    encode(&FastLaw::new(law.clone()), info, &mut buffer)
         .unwrap()
         .to_vec()
 }
 
 /// The same with an identity and a revision.
 fn named(law: &AugmentedLaw<f32, 1>) -> Vec<u8> {
-    let mut buffer = [0; LARGEST];
     let mut info = PackInfo::at(TICK_RATE as f32);
     (info.stamp.identity, info.stamp.revision) = (Identity([7; 8]), 3);
-    encode(&FastLaw::new(law.clone()), &info, &mut buffer)
-        .unwrap()
-        .to_vec()
+    pack_with(law, &info)
 }
 
 /// The board restarted and wired up with `setup`.
@@ -85,7 +85,7 @@ fn whole(setup: &RigSetup<Specimen, 1, 1>) -> Times {
     }
 }
 
-/// `setup` with so many cycles.
+/// `setup` with this number of cycles.
 fn longer(mut setup: RigSetup<Specimen, 1, 1>, cycles: u32) -> RigSetup<Specimen, 1, 1> {
     setup.programme = Programme::new(TICK_RATE, 1)
         .and_then(|programme| programme.with(Block::sine(0.1, 20.0, cycles)?))
@@ -139,7 +139,7 @@ fn a_test_on_the_boards_own_timer_is_that_in_this_process() {
     assert_eq!(there.samples.command, here.samples.command);
 }
 
-/// Until the board has done so many ticks more; nobody asks it anything meanwhile.
+/// Until the board has done `ticks` more; nobody asks it anything meanwhile.
 fn after(board: &EmulatedBoard, ticks: u64) {
     let end = board.ticks() + ticks;
     while board.ticks() < end {

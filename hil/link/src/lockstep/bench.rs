@@ -68,7 +68,7 @@ impl<S, W, const N: usize> ImageBench<'_, S, W, N> {
     }
 }
 
-/// What the board of `setup` is told of its wiring and settings.
+/// Wiring and settings of the board of `setup`, as they go to it.
 ///
 /// # Errors
 /// A scale or a setting that the crate refuses.

@@ -46,7 +46,7 @@ impl<W: Wire> Exchange<W> {
         Self::from_number(wire, 0)
     }
 
-    /// With a board that goes on with what it does. Its first request is told from the first of who has it restart, which is 0.
+    /// With a board that goes on with what it does. Its first request has another number than that of who has it restart, which is 0.
     pub fn joined(wire: W) -> Self {
         Self::from_number(wire, 1 << 31)
     }

@@ -182,7 +182,7 @@ struct Pace {
 }
 
 impl Pace {
-    /// Waits until so many counts of the board's clock may have passed.
+    /// Waits until `passed` counts of the board's clock may be over.
     fn wait(&mut self, passed: u32) {
         self.due += Duration::from_secs_f64(f64::from(passed) * self.per_count);
         let now = Instant::now();

@@ -1,4 +1,4 @@
-//! What an emulator is told beside its board: QMP over a socket.
+//! Orders to an emulator beside its board: QMP over a socket.
 
 use std::io::{BufRead as _, BufReader, Write as _};
 use std::os::unix::net::UnixStream;

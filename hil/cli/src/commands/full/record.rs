@@ -94,7 +94,7 @@ pub struct RecordCommand {
     /// For how many seconds the harness may be silent before the rig stops, 0.5 to 100; 0 lets it go on
     #[arg(long, value_name = "S", default_value_t = 2.0, conflicts_with_all = ["keep_running", "join"])]
     silence: f64,
-    /// Stop recording after so many seconds of the test
+    /// Stop recording after this many seconds of the test
     #[arg(long, value_name = "S")]
     duration: Option<f64>,
     /// Leave the rig running where the recording stops before the test is over
