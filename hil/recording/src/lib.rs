@@ -35,6 +35,7 @@
 pub mod averaging;
 mod channel;
 mod clock;
+pub mod columns;
 mod consistency;
 mod control;
 pub mod csv_text;
@@ -42,6 +43,7 @@ pub mod cycles;
 pub mod error;
 pub mod extremes;
 pub mod faults;
+pub mod files;
 mod harmonic;
 pub mod input;
 mod kinks;
@@ -106,6 +108,7 @@ pub struct Recording {
     pub units: Units,
     source: Option<Source>,
     lines: RowLines,
+    guesses: Vec<String>,
     faults: Vec<ChannelFault>,
 }
 
@@ -140,6 +143,7 @@ impl Recording {
             units: Units::default(),
             source: None,
             lines: RowLines::default(),
+            guesses: Vec::new(),
             faults: Vec::new(),
         };
         recording.check()?;

@@ -15,7 +15,7 @@ use mesh_damper_recording::read_limit::ReadLimit;
 use mesh_damper_report::{self as report, ReportData};
 
 use super::progress::Progress;
-use super::reading::Reading;
+use super::reading::RecordingFiles;
 use super::separating;
 use super::{Failure, say, summary};
 
@@ -54,7 +54,7 @@ pub struct TraceCommand {
     #[arg(long, value_name = "FILE")]
     json: Option<PathBuf>,
     #[command(flatten)]
-    reading: Reading,
+    files: RecordingFiles,
 }
 
 impl TraceCommand {
@@ -73,11 +73,11 @@ impl TraceCommand {
         let read = |paths: &[PathBuf]| {
             paths
                 .iter()
-                .map(|path| Recording::read_channels_within(path, self.reading.limit))
+                .map(|path| self.files.channels(path))
                 .collect::<Result<Vec<_>, _>>()
         };
         let known = match &self.law {
-            Some(path) => known_effects(path, self.reading.limit)?,
+            Some(path) => known_effects(path, self.files.reading.limit)?,
             None => Sought::default(),
         };
         let recordings = read(&self.recordings)?;
