@@ -3,7 +3,6 @@
 use std::path::{Path, PathBuf};
 
 use clap::Args;
-use mesh_damper_recording::Recording;
 use mesh_damper_recording::output::Plan;
 use mesh_damper_report::characterization::{dynamic_chart, static_chart};
 use mesh_damper_studies::characterize::{
