@@ -100,7 +100,7 @@ impl Recording {
         needed: &dyn Fn(Channel) -> bool,
     ) -> Result<Self, InputError> {
         let name = path.display().to_string();
-        let chosen = choose(&name, file.tables(), reading, needed)?;
+        let mut chosen = choose(&name, file.tables(), reading, needed)?;
         let used = chosen.used.iter().map(|used| Wanted {
             column: used.column,
             must_be_numeric: true,
@@ -117,7 +117,8 @@ impl Recording {
                 .map(|wanted| columns[wanted.column].name.clone())
                 .collect()
         };
-        let values = file.read(chosen.table, &wanted, kept)?;
+        let mut values = file.read(chosen.table, &wanted, kept)?;
+        chosen.guesses.append(&mut values.notes);
         Samples::of(name, chosen, names, values)?.recording()
     }
 }

@@ -47,6 +47,8 @@ pub const TIME: &[Unit] = &[
     unit("ms", 1e-3),
     unit("us", 1e-6),
     unit("min", 60.0),
+    unit("ns", 1e-9),
+    unit("h", 3600.0),
 ];
 /// Units of displacement, in mm.
 pub const DISPLACEMENT: &[Unit] = &[
@@ -66,6 +68,7 @@ pub const FORCE: &[Unit] = &[
     unit("MN", 1e3),
     unit("mN", 1e-6),
     unit("kgf", KN_PER_KGF),
+    unit("daN", 1e-2),
 ];
 /// Units of velocity, in mm/s: a length over a second, written `mm_s` or `mm/s`.
 pub const VELOCITY: &[Unit] = &[

@@ -181,7 +181,7 @@ fn of_table(
         let is_there = chosen.used.iter().any(|used| used.channel == channel)
             || (channel == Channel::Time && chosen.clock.is_some());
         if !is_there {
-            return Err(choice.missing(channel));
+            return Err(choice.missing(channel, &candidates));
         }
     }
     chosen.controls = choice.controls(&chosen.used, &mut chosen.guesses)?;
@@ -280,11 +280,14 @@ impl Choice<'_> {
     fn unit(&self, channel: Channel, column: usize) -> Result<Unit, InputError> {
         let fail = |problem: String| {
             let name = self.table.columns[column].name.as_str();
-            let example = channel.units()[0].symbol;
+            let units: Vec<&str> = channel.units().iter().map(|unit| unit.symbol).collect();
+            let quantity = channel.name();
             let mend = format!(
-                "use one of {}, or say it: --unit {}={example}",
+                "use one of {}, or say it: --unit {quantity}={} or --unit {quantity}={}; units are {}",
                 channel.column_names(),
-                channel.name()
+                units[0],
+                units[1],
+                units.join(", ")
             );
             InputError::new(self.file, problem, mend).at(Place::Column(name.into()))
         };
@@ -384,25 +387,55 @@ impl Choice<'_> {
     }
 
     /// A channel that no column is.
-    fn missing(&self, channel: Channel) -> InputError {
-        let names: Vec<&str> = self
-            .table
-            .columns
-            .iter()
-            .map(|column| column.name.as_str())
-            .collect();
+    fn missing(&self, channel: Channel, candidates: &[Vec<Candidate>]) -> InputError {
+        let columns = &self.table.columns;
+        let names: Vec<&str> = columns.iter().map(|column| column.name.as_str()).collect();
         let name = channel.name();
+        // Those that could be it: with a unit of it, else without any, as long as they are no other channel.
+        let could_be = |is_it: &dyn Fn(&UnitFound) -> bool| -> Vec<String> {
+            let each = columns
+                .iter()
+                .zip(candidates)
+                .filter(|(column, candidates)| {
+                    let is_other = |candidate: &Candidate| {
+                        candidate.channel != channel && candidate.rank >= Rank::Word
+                    };
+                    column.is_numeric
+                        && !column.is_stamp
+                        && !candidates.iter().any(is_other)
+                        && is_it(&taken::unit_for(column, channel))
+                });
+            each.map(|(column, _)| option("channel", name, &column.name))
+                .collect()
+        };
+        let mut options = could_be(&|unit| matches!(unit, UnitFound::Known(_)));
+        if options.is_empty() {
+            options = could_be(&|unit| matches!(unit, UnitFound::None));
+        }
+        options.truncate(OPTIONS);
+        if options.is_empty() {
+            options.push(format!("--channel {name}=NAME"));
+        }
         let rate = if channel == Channel::Time {
             ", or give the samples a second with --rate"
         } else {
             ""
         };
+        let problem = if self.table.is_nameless {
+            format!(
+                "there is no header, the first row holds numbers; its columns are {}",
+                listed(&names)
+            )
+        } else {
+            format!("there is no {name} column; found {}", listed(&names))
+        };
         let error = InputError::new(
             self.file,
-            format!("there is no {name} column; found {}", listed(&names)),
+            problem,
             format!(
-                "name one of them {}, or say which it is: --channel {name}=NAME{rate}",
-                channel.column_names()
+                "name one of them {}, or say which it is: {}{rate}",
+                channel.column_names(),
+                options.join(" or ")
             ),
         );
         match self.table.header_line {
@@ -411,6 +444,9 @@ impl Choice<'_> {
         }
     }
 }
+
+/// Options that a message offers at most.
+const OPTIONS: usize = 4;
 
 /// What the user said of a quantity; the last time counts.
 fn said<'s>(said: &'s [(String, String)], quantity: &str) -> Option<&'s str> {

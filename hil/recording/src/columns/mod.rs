@@ -12,7 +12,30 @@ mod words;
 pub use choose::{Chosen, ChosenControl, Used, choose};
 pub use taken::Rank;
 
+use crate::channel::Channel;
 use crate::files::Column;
+
+/// Whether a name is one of our own files, with a unit: `force_kN`.
+pub(crate) fn is_own(name: &str) -> bool {
+    taken::is_own(name)
+}
+
+/// Whether a name has a word of a quantity that recordings hold.
+pub(crate) fn is_named(name: &str) -> bool {
+    taken::is_named(name)
+}
+
+/// Whether a column may be that of the times.
+pub(crate) fn may_be_time(column: &Column) -> bool {
+    let candidates = taken::candidates(column);
+    (candidates.iter()).any(|candidate| candidate.channel == Channel::Time)
+}
+
+/// How many words of a text are of a quantity that recordings hold.
+pub(crate) fn known_words(text: &str) -> usize {
+    let words = name::words(text);
+    words.iter().filter(|word| words::is_known(word)).count()
+}
 
 /// What a column might be taken for, in words: `force in kN`; none where it says nothing.
 pub fn described(column: &Column) -> Option<String> {
