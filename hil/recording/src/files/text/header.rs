@@ -205,7 +205,8 @@ fn cleaned(cell: &str) -> String {
     words.join(" ").replace("\"\"", "\"")
 }
 
-/// Names over columns of fixed width: each a word, or with one blank between its words, or with its unit behind a blank.
+/// Names over columns of fixed width: each a word, or with one blank between its words, or ended by its unit in brackets, or a word
+/// with its unit behind a blank.
 fn at_blanks(text: &str, cells: usize) -> Vec<String> {
     let mut words = Vec::new();
     Separator::Blanks.split(text, &mut words);
@@ -220,6 +221,22 @@ fn at_blanks(text: &str, cells: usize) -> Vec<String> {
         .collect();
     if wide.len() == cells {
         return wide;
+    }
+    // A unit in brackets ends a name.
+    let mut ended: Vec<String> = Vec::new();
+    let mut is_ended = true;
+    for word in &words {
+        match ended.last_mut() {
+            Some(name) if !is_ended => {
+                name.push(' ');
+                name.push_str(word);
+            }
+            _ => ended.push((*word).to_owned()),
+        }
+        is_ended = word.ends_with([']', ')', '>', '}']);
+    }
+    if is_ended && ended.len() == cells {
+        return ended;
     }
     let mut joined: Vec<String> = Vec::new();
     for word in &words {

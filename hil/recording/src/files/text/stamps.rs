@@ -18,23 +18,19 @@ impl<'c> Stamp<'c> {
     pub fn of(cell: &'c str) -> Option<Self> {
         let colon = cell.find(':')?;
         let before = &cell[..colon];
-        let begin = before.rfind(|c: char| !c.is_ascii_digit());
-        let (date, time) = match begin {
-            None => ("", cell),
-            Some(at) => {
-                let sign = cell[at..].chars().next()?;
-                (cell[..at].trim(), &cell[at + sign.len_utf8()..])
-            }
+        // The date ends before the digits of the hour, with a blank or a T.
+        let begin = before.trim_end_matches(|c: char| c.is_ascii_digit()).len();
+        let (date, time) = (before[..begin].trim_end(), &cell[begin..]);
+        let (date, is_divided) = match date.strip_suffix(['T', 't']) {
+            Some(date) => (date, true),
+            None => (date, date.len() < begin),
         };
-        let separator = begin.map(|at| &cell[at..=at.min(cell.len() - 1)]);
-        let (day, is_date) = if date.is_empty() {
-            (None, begin.is_none())
+        let date = date.trim_end_matches(',').trim();
+        let (day, is_date) = if begin == 0 {
+            (None, true)
         } else {
-            let day = day(date.trim_end_matches(',').trim());
-            (
-                day.flatten(),
-                day.is_some() && matches!(separator, Some(" " | "T" | "t")),
-            )
+            let day = day(date);
+            (day.flatten(), day.is_some() && is_divided)
         };
         if !is_date {
             return None;
