@@ -54,6 +54,10 @@ impl Recording {
         };
         line(&header, predicted.is_some().then(|| columns.clone()));
         let mut cells = self.source.iter().flat_map(|source| source.rows.cells());
+        let needs_all = channels.iter().map(|(name, unit, values)| {
+            unit.is_some_and(|unit| needs_all_digits(name, unit, values))
+        });
+        let needs_all: Vec<bool> = needs_all.collect();
         let mut row = csv::StringRecord::new();
         for index in 0..self.len() {
             let force = predicted.map(|both| {
@@ -65,10 +69,17 @@ impl Recording {
             row.clear();
             match &self.source {
                 Some(_) => row.extend(cells.by_ref().take(header.len())),
-                None => row.extend(channels.iter().map(|(_, unit, channel)| {
-                    let value = channel.get(index).copied().unwrap_or_default();
-                    decimal(unit.map_or(value, |unit| unit.from_code(value)))
-                })),
+                None => row.extend(channels.iter().zip(&needs_all).map(
+                    |((_, unit, channel), &all)| {
+                        let value = channel.get(index).copied().unwrap_or_default();
+                        let value = unit.map_or(value, |unit| unit.from_code(value));
+                        if all {
+                            value.to_string()
+                        } else {
+                            decimal(value)
+                        }
+                    },
+                )),
             }
             line(&row, force);
         }
@@ -94,6 +105,25 @@ impl Recording {
         let controls = controls.map(|each| (each.name.clone(), None, each.values.as_slice()));
         channels.chain(controls).collect()
     }
+}
+
+/// Whether a channel's own digits would make another recording of it: times that count from far away, of which a step is less than a
+/// hundred of the last digits, or a displacement that would not change any more.
+fn needs_all_digits(name: &str, unit: Unit, values: &[f64]) -> bool {
+    let written = |value: &f64| unit.from_code(*value);
+    if name.starts_with("time") {
+        let last = values
+            .iter()
+            .map(written)
+            .fold(0.0, |most: f64, value| most.max(value.abs()));
+        let digit = 10_f64.powi(last.log10().floor() as i32 + 1 - DIGITS as i32);
+        let steps = values
+            .windows(2)
+            .map(|pair| written(&pair[1]) - written(&pair[0]));
+        return steps.fold(f64::INFINITY, f64::min) < 100.0 * digit;
+    }
+    let is_first = |value: &f64| decimal(written(value)) == decimal(written(&values[0]));
+    name.starts_with("displacement") && values.iter().all(is_first)
 }
 
 /// `value` to nine significant digits, as recordings are written, without trailing zeros or an exponent.

@@ -13,6 +13,7 @@ mod emulated;
 mod export_command;
 mod export_fmu;
 mod image_command;
+mod inspect_command;
 mod interrupted_run;
 mod no_room;
 mod outputs;

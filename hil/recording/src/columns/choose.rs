@@ -458,8 +458,8 @@ fn option(option: &str, quantity: &str, name: &str) -> String {
     format!("--{option} {quantity}={}", shell(name))
 }
 
-/// A name as a shell takes it.
-pub(crate) fn shell(name: &str) -> String {
+/// A name as a shell takes it: in quotes where it needs them.
+pub fn shell(name: &str) -> String {
     let plain = |c: char| c.is_ascii_alphanumeric() || "_-./:+".contains(c);
     if !name.is_empty() && name.chars().all(plain) {
         return name.to_owned();

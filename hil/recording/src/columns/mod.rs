@@ -9,7 +9,7 @@ pub(crate) mod spelling;
 mod taken;
 mod words;
 
-pub use choose::{Chosen, ChosenControl, Used, choose};
+pub use choose::{Chosen, ChosenControl, Used, choose, shell};
 pub use taken::Rank;
 
 use crate::channel::Channel;

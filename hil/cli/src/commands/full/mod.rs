@@ -18,6 +18,8 @@ mod export_fmu;
 mod faults;
 mod faults_attacks;
 mod image;
+mod inspect;
+mod inspect_words;
 mod law;
 mod meant_for;
 mod motions;
@@ -48,6 +50,7 @@ pub enum Command {
     Predict(predict::Predict),
     Respond(respond::RespondCommand),
     Export(export::ExportCommand),
+    Inspect(inspect::InspectCommand),
     Run(run::RunCommand),
     Record(record::RecordCommand),
     Upload(upload::UploadCommand),
@@ -71,6 +74,7 @@ impl Command {
             Self::Predict(command) => command.run(),
             Self::Respond(command) => command.run(),
             Self::Export(command) => command.run(),
+            Self::Inspect(command) => command.run(),
             Self::Run(command) => command.run(),
             Self::Record(command) => command.run(),
             Self::Upload(command) => command.run(),

@@ -55,6 +55,21 @@ pub(super) fn of(rows: &[(u64, Vec<&str>)], separator: Separator) -> Result<Numb
     evidence.decided(separator)
 }
 
+/// How these rows write numbers with the decimal sign that the user says: the other one divides thousands where it can do nothing else.
+pub(super) fn said(rows: &[(u64, Vec<&str>)], decimal: char) -> Numbers {
+    let mut evidence = Evidence::default();
+    for (line, cells) in rows {
+        cells.iter().for_each(|cell| evidence.take(*line, cell));
+    }
+    let other = 1 - index(decimal);
+    let could = evidence.either[other].is_some() && evidence.sure[other].is_none();
+    Numbers {
+        decimal,
+        has_thousands: could || evidence.divides[other],
+        is_open: false,
+    }
+}
+
 fn index(sign: char) -> usize {
     usize::from(sign == ',')
 }

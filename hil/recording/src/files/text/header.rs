@@ -1,6 +1,6 @@
 //! The names of a text's columns, and their units, in the rows above the numbers.
 
-use std::collections::HashMap;
+use std::collections::{HashMap, HashSet};
 
 use super::layout::{Row, RowKind};
 use super::lines::Separator;
@@ -31,6 +31,8 @@ pub(super) struct Header {
     pub is_changed: bool,
     /// A row that looks like a header and has another number of cells, with its line.
     pub misfit: Option<(u64, usize)>,
+    /// Rows of words below the names that are neither names nor units.
+    pub passed: Vec<u64>,
     /// The rows of names and units as they are written.
     written: Vec<Vec<String>>,
 }
@@ -94,6 +96,13 @@ impl Header {
     /// Names and units among rows of words, the nearest to the numbers first.
     fn of(mut rows: Vec<Words>) -> Self {
         let units = rows.iter().position(|row| is_of_units(&row.cells));
+        // Alone, single letters may be names as well: s and N.
+        let is_sure = |index: &usize| {
+            let mut cells = rows[*index].cells.iter();
+            rows.len() > 1
+                || cells.any(|unit| unit.chars().filter(|c| c.is_alphabetic()).count() > 1)
+        };
+        let units = units.filter(is_sure);
         let named = |row: &Words| {
             row.cells
                 .iter()
@@ -103,6 +112,12 @@ impl Header {
         let others = (0..rows.len()).filter(|&index| Some(index) != units);
         // The nearest of those with the most names that are known.
         let names = others.rev().max_by_key(|&index| named(&rows[index]));
+        let is_below = |index: &usize| names.is_none_or(|names| *index < names);
+        let passed = (0..rows.len())
+            .rev()
+            .filter(is_below)
+            .filter(|&index| Some(index) != units);
+        let passed = passed.map(|index| rows[index].line).collect();
         let line = |index: Option<usize>| index.map(|index| rows[index].line);
         let (names_line, units_line) = (line(names), line(units));
         let mut taken =
@@ -120,6 +135,7 @@ impl Header {
             units_line,
             first_line: names_line.into_iter().chain(units_line).min(),
             units,
+            passed,
             written,
             ..Self::default()
         }
@@ -294,6 +310,7 @@ fn is_of_units(cells: &[String]) -> bool {
 
 /// A name for each column: those without one are called by their place, and the same names are told apart by a number.
 pub(super) fn distinct(names: &[String], guesses: &mut Vec<String>) -> Vec<String> {
+    let written: HashSet<&str> = names.iter().map(String::as_str).collect();
     let mut seen: HashMap<String, usize> = HashMap::new();
     let mut several = Vec::new();
     let mut all = Vec::with_capacity(names.len());
@@ -313,7 +330,7 @@ pub(super) fn distinct(names: &[String], guesses: &mut Vec<String>) -> Vec<Strin
             several.push(name.clone());
         }
         let mut other = format!("{name} #{count}");
-        while names.contains(&other) {
+        while written.contains(other.as_str()) {
             other.push('\'');
         }
         all.push(other);

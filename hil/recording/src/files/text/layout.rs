@@ -18,6 +18,9 @@ const FEW_ROWS: usize = 8;
 /// Columns that a text may have. Convention: ten times what the largest loggers write; our own format takes more.
 const MOST_COLUMNS: usize = 100_000;
 
+/// Bytes of a row of numbers at most: a longer one takes many times its size when it is divided.
+const LONGEST: usize = 10 * MOST_COLUMNS;
+
 /// A row of the head.
 pub(super) struct Row<'t> {
     /// Its first line, counted from 1.
@@ -74,6 +77,8 @@ struct Block {
     first: usize,
     rows: Vec<usize>,
     cells: usize,
+    /// Rows of numbers in longer runs above it.
+    passed: usize,
     /// Cells that are neither numbers nor empty, and all that are not empty.
     words: usize,
     all: usize,
@@ -224,6 +229,10 @@ fn block(rows: &[Row], separator: Separator) -> Option<Block> {
         if row.kind != RowKind::Cells {
             continue;
         }
+        if row.text.len() > LONGEST {
+            is_broken = true;
+            continue;
+        }
         separator.split(row.text, &mut cells);
         let Some((figures, words)) = counted(&cells, separator) else {
             is_broken = true;
@@ -243,6 +252,7 @@ fn block(rows: &[Row], separator: Separator) -> Option<Block> {
                 first: index,
                 rows: vec![index],
                 cells: cells.len(),
+                passed: 0,
                 words,
                 all: figures + words,
             }),
@@ -261,7 +271,11 @@ fn block(rows: &[Row], separator: Separator) -> Option<Block> {
         (0..blocks.len()).rev().max_by_key(length)
     };
     let index = headed.or_else(longest)?;
-    Some(blocks.swap_remove(index))
+    let lengths = blocks[..index].iter().map(|block| block.rows.len());
+    let passed = lengths.filter(|&rows| rows >= WORTH_SAYING).sum();
+    let mut block = blocks.swap_remove(index);
+    block.passed = passed;
+    Some(block)
 }
 
 /// The rows of numbers of a LabVIEW measurement file: those below the names, which stand behind the header of a segment. A row may have a
@@ -289,10 +303,14 @@ fn lvm_block(rows: &[Row], separator: Separator) -> Option<Block> {
         first,
         rows: [first].into_iter().chain(rows_of_numbers).collect(),
         cells: count,
+        passed: 0,
         words: 0,
         all: 1,
     })
 }
+
+/// Rows of numbers above the table that are worth a note. Convention: fewer are settings of a program.
+const WORTH_SAYING: usize = 3;
 
 /// What was found of a text.
 struct Found<'f> {
@@ -365,6 +383,8 @@ impl Found<'_> {
             && header.is_line()
             && header.units.is_none()
             && !has_preamble
+            && self.block.passed == 0
+            && header.passed.is_empty()
             && !header.is_changed
             && !self.declared.is_said()
             && !kinds.contains(&Kind::Stamps)
@@ -418,11 +438,7 @@ impl Found<'_> {
 
     fn numbers(&self, samples: &[(u64, Vec<&str>)]) -> Result<Numbers, InputError> {
         if let Some(decimal) = self.reading.decimal {
-            return Ok(Numbers {
-                decimal,
-                has_thousands: true,
-                is_open: false,
-            });
+            return Ok(decimals::said(samples, decimal));
         }
         if let Some(decimal) = self.declared.decimal {
             return Ok(Numbers {
@@ -561,6 +577,20 @@ impl Found<'_> {
             if line > 1 || header.units_line.is_some() || header.is_comment {
                 said.push(format!("the names stand in line {line}{how}{below}"));
             }
+        }
+        if !header.passed.is_empty() {
+            let lines: Vec<String> = header.passed.iter().map(u64::to_string).collect();
+            said.push(format!(
+                "words below the names are not read: line {}",
+                lines.join(", ")
+            ));
+        }
+        if self.block.passed > 0 {
+            said.push(format!(
+                "{} rows of numbers above line {} are not read",
+                self.block.passed,
+                self.data_line()
+            ));
         }
         said
     }
