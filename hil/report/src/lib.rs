@@ -5,6 +5,7 @@
 //! | module | for |
 //! |---|---|
 //! | the root | [`render`]: the report of a trace; [`loop_picture`]: one loop of it |
+//! | [`batch`] | one page for many traces |
 //! | [`mod@paper`] | the report of the paper's claims |
 //! | [`campaign`], [`characterization`], [`curves`] | pictures of the fault campaign, of a characterization, of any curves |
 //! | [`conditions`] | what each effect gains on each condition held out |
@@ -29,6 +30,7 @@
     )
 )]
 
+pub mod batch;
 pub mod campaign;
 #[cfg(feature = "studies")]
 pub mod characterization;
@@ -53,6 +55,7 @@ use std::ops::Range;
 
 use mesh_damper_identify::trace::result::TraceResult;
 
+pub use batch::{BatchEffect, BatchOutcome, BatchRow, batch_page};
 pub use page::render;
 
 /// What a report is made from.
