@@ -17,7 +17,7 @@
 //! use mesh_damper_report::curves::{Curve, panels};
 //!
 //! let curve = Curve { name: "a spring", points: vec![(-0.1, -0.8), (0.1, 0.8)] };
-//! let svg = panels(&[("1 Hz".into(), vec![curve])], ("displacement, mm", "force, kN"));
+//! let svg = panels("A loop", &[("1 Hz".into(), vec![curve])]);
 //! assert!(svg.starts_with("<svg"));
 //! ```
 
@@ -37,11 +37,16 @@ pub mod characterization;
 mod charts;
 pub mod conditions;
 pub mod curves;
+mod cycles;
 mod evidence;
 mod from_trace;
+mod html;
 mod page;
+mod palette;
 #[cfg(feature = "studies")]
 pub mod paper;
+mod picture;
+#[cfg(feature = "studies")]
 mod plots;
 mod reasoning;
 mod residual;
@@ -103,6 +108,8 @@ pub struct SeriesBlock {
     /// The samples of one representative cycle, with the next one's first where the block goes on: the loop that is
     /// drawn.
     pub cycle: Range<usize>,
+    /// The samples of each of its cycles, in order.
+    pub cycles: Vec<Range<usize>>,
     /// mm
     pub amplitude: f64,
     /// Hz
@@ -113,7 +120,8 @@ pub struct SeriesBlock {
 
 /// The loop of one block, measured and before and after, as an SVG file of its own.
 pub fn loop_picture(series: &Series, block: &SeriesBlock) -> String {
-    charts::loop_chart(series, &block.cycle, &charts::STANDALONE)
+    let title = format!("Loop: {}", page::condition(block));
+    charts::loop_chart(series, &block.cycle, &title, picture::STANDALONE).alone()
 }
 
 #[cfg(test)]

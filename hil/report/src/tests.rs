@@ -43,6 +43,9 @@ fn series(name: &str, blocks: &[(f64, f64)], held_out: bool) -> Series {
         }
         made.blocks.push(SeriesBlock {
             cycle: start + count * 4 / 6..start + count * 5 / 6,
+            cycles: (0..6)
+                .map(|i| start + count * i / 6..start + count * (i + 1) / 6)
+                .collect(),
             amplitude,
             frequency,
             held_out,

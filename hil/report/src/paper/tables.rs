@@ -4,6 +4,7 @@ use maud::{Markup, html};
 use mesh_damper_reference::tables::{AMPLITUDES, DENSITIES};
 use mesh_damper_studies::paper::{Paper, SurfaceErrors};
 
+use crate::html::table;
 use crate::text;
 
 /// Cells that are told, of those that stand farthest from the others.
