@@ -94,7 +94,9 @@ mod tests {
         let at = |i: usize| (TAU * i as f64 / CYCLE + phase).sin_cos();
         let samples = 0..CYCLE.ceil() as usize;
         let y: Vec<f64> = samples.clone().map(|i| AMPLITUDE * at(i).0).collect();
-        let f: Vec<f64> = samples.map(|i| force(AMPLITUDE * at(i).0, at(i).1)).collect();
+        let f: Vec<f64> = samples
+            .map(|i| force(AMPLITUDE * at(i).0, at(i).1))
+            .collect();
         DynamicStiffness::of(&y, &f, CYCLE).unwrap()
     }
 
@@ -135,10 +137,19 @@ mod tests {
 
     #[test]
     fn a_drift_is_neither() {
-        let y: Vec<f64> = (0..200).map(|i| 0.1 * (TAU * f64::from(i) / 200.0).sin()).collect();
-        let f: Vec<f64> = y.iter().enumerate().map(|(i, y)| 2.0 * y + 0.001 * i as f64).collect();
+        let y: Vec<f64> = (0..200)
+            .map(|i| 0.1 * (TAU * f64::from(i) / 200.0).sin())
+            .collect();
+        let f: Vec<f64> = y
+            .iter()
+            .enumerate()
+            .map(|(i, y)| 2.0 * y + 0.001 * i as f64)
+            .collect();
         let found = DynamicStiffness::of(&y, &f, 200.0).unwrap();
-        assert!((found.storage - 2.0).abs() < 1e-9 && found.loss.abs() < 1e-9, "{found:?}");
+        assert!(
+            (found.storage - 2.0).abs() < 1e-9 && found.loss.abs() < 1e-9,
+            "{found:?}"
+        );
     }
 
     #[test]

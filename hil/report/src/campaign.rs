@@ -82,7 +82,10 @@ pub fn attacked(attacks: &AttackSummary) -> String {
             (1, "named otherwise"),
             (3, "a hazardous state"),
         ],
-        ("cycles from the attack to its name, 10 where it is later or none", ""),
+        (
+            "cycles from the attack to its name, 10 where it is later or none",
+            "",
+        ),
     )
 }
 
@@ -118,12 +121,20 @@ pub fn followed(slow: &[SlowOutcome]) -> String {
             (1, "a law that stays"),
             (2, "before the change"),
         ],
-        ("RMS of the law's error, part of that of the measured force", "%"),
+        (
+            "RMS of the law's error, part of that of the measured force",
+            "%",
+        ),
     )
 }
 
 /// Rows downwards from the top, marks over the horizontal axis.
-fn picture(title: &str, rows: &[Row], legend: &[(usize, &str)], (what, unit): (&str, &str)) -> String {
+fn picture(
+    title: &str,
+    rows: &[Row],
+    legend: &[(usize, &str)],
+    (what, unit): (&str, &str),
+) -> String {
     let most = rows
         .iter()
         .flat_map(|(_, marks)| marks)

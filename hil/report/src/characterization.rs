@@ -4,9 +4,7 @@ use mesh_damper_studies::characterize::{DynamicTest, StaticTest};
 
 use super::charts;
 use super::palette::Colour;
-use super::picture::{
-    CURVE_POINTS, Dash, Layer, Look, Panel, Picture, SMALL, STANDALONE, thinned,
-};
+use super::picture::{CURVE_POINTS, Dash, Layer, Look, Panel, Picture, SMALL, STANDALONE, thinned};
 use super::text;
 
 /// Most panels.

@@ -3,7 +3,7 @@
 use super::Series;
 use super::charts::{self, AFTER, BEFORE};
 use super::palette::{self, Colour};
-use super::picture::{Axis, Dash, HALF, Layer, Look, Panel, Picture, Scale, WIDE, padded};
+use super::picture::{Axis, Cells, Dash, HALF, Layer, Look, Panel, Picture, Scale, WIDE, padded};
 use super::residual::{Autocorrelation, CELLS, Law, Map, spectrum};
 use super::text;
 
@@ -16,14 +16,17 @@ const DECADES: f64 = 7.0;
 /// nothing where the motion never was.
 pub fn map_chart(map: &Map, scale: f64, title: &str) -> Picture {
     let (y, v) = (map.displacement, map.velocity);
-    let cells = map
-        .cells
-        .iter()
-        .map(|cell| cell.map_or(f64::NAN, |cell| cell / scale));
+    let values = map.cells.iter().map(|cell| cell.unwrap_or(f64::NAN));
+    let cells = Cells {
+        values: values.collect(),
+        columns: CELLS,
+        scale,
+        unit: "kN",
+    };
     let layer = Layer::new(
-        format!("mean force left, of ±{} kN", text::number(scale)),
+        "mean force left",
         Colour::Ink,
-        Look::Cells(cells.collect(), CELLS),
+        Look::Cells(cells),
         vec![(-y, -v), (y, v)],
     );
     let panel = Panel {
@@ -31,7 +34,7 @@ pub fn map_chart(map: &Map, scale: f64, title: &str) -> Picture {
         x: charts::displacement().over(-y..y),
         y: Axis {
             scale: Scale::CubeRoot,
-            ..Axis::new("velocity, by its cube root", "mm/s").over(-v..v)
+            ..Axis::new("velocity", "mm/s").over(-v..v)
         },
         layers: vec![layer],
     };

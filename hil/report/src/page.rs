@@ -117,14 +117,20 @@ fn errors(result: &TraceResult) -> Section {
 /// What the curves' names stand for.
 pub fn names(result: &TraceResult) -> [(&'static str, String); 2] {
     [
-        (BEFORE, format!("before: {}", text::law_alone(&result.baseline))),
+        (
+            BEFORE,
+            format!("before: {}", text::law_alone(&result.baseline)),
+        ),
         (AFTER, "after: with what was found".into()),
     ]
 }
 
 /// `0.1 mm, 5 Hz`
 pub fn condition(block: &SeriesBlock) -> String {
-    let (amplitude, frequency) = (text::nominal(block.amplitude), text::nominal(block.frequency));
+    let (amplitude, frequency) = (
+        text::nominal(block.amplitude),
+        text::nominal(block.frequency),
+    );
     format!("{amplitude} mm, {frequency} Hz")
 }
 
@@ -132,7 +138,11 @@ fn loops(result: &TraceResult, series: &[Series]) -> Section {
     let several = series.len() > 1;
     let drawn = chosen_blocks(series).into_iter().map(|(one, block)| {
         let title = format!("Force–displacement loop at {}", condition(block));
-        (one, block, charts::loop_chart(one, &block.cycle, &title, SMALL))
+        (
+            one,
+            block,
+            charts::loop_chart(one, &block.cycle, &title, SMALL),
+        )
     });
     let drawn: Vec<_> = drawn.collect();
     let body = html! {

@@ -5,7 +5,8 @@
 
 use std::fmt::Write as _;
 
-/// A colour by what it stands for.
+/// A colour by what it stands for. Those of curves have hues of Okabe and Ito (2008), which remain distinct to the colour-blind, darkened
+/// or lightened to at least 3 : 1 against the paper, as WCAG 2.2 asks of graphics (1.4.11).
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub enum Colour {
     /// The page, and the ground of a picture.
@@ -22,6 +23,8 @@ pub enum Colour {
     Before,
     /// The law with what was found; links.
     After,
+    /// Letters of what fails.
+    Fails,
     /// A third thing beside those two.
     Green,
     /// A fourth.
@@ -32,16 +35,13 @@ pub enum Colour {
     Sky,
 }
 
-use Colour::{After, Before, Faint, Green, Grid, Ink, Measured, Paper, Pink, Sky, Yellow};
+use Colour::{After, Before, Fails, Faint, Green, Grid, Ink, Measured, Paper, Pink, Sky, Yellow};
 
 impl Colour {
     /// Every colour.
-    pub const ALL: [Self; 11] = [
-        Paper, Ink, Faint, Grid, Measured, Before, After, Green, Pink, Yellow, Sky,
+    pub const ALL: [Self; 12] = [
+        Paper, Ink, Faint, Grid, Measured, Before, After, Fails, Green, Pink, Yellow, Sky,
     ];
-    /// Those of curves: each of at least 3 : 1 against the paper, as WCAG 2.2 asks of graphics (1.4.11). Hues are those of Okabe and
-    /// Ito (2008), which remain distinct to the colour-blind, darkened or lightened as far as that takes.
-    pub const CURVES: [Self; 7] = [Measured, Before, After, Green, Pink, Yellow, Sky];
 
     /// Its name as a variable of a style sheet.
     pub const fn name(self) -> &'static str {
@@ -53,6 +53,7 @@ impl Colour {
             Measured => "measured",
             Before => "before",
             After => "after",
+            Fails => "fails",
             Green => "green",
             Pink => "pink",
             Yellow => "yellow",
@@ -70,6 +71,7 @@ impl Colour {
             Measured => "#8c8c8c",
             Before => "#d55e00",
             After => "#0072b2",
+            Fails => "#a04600",
             Green => "#008f68",
             Pink => "#b8578f",
             Yellow => "#a87400",
@@ -87,6 +89,7 @@ impl Colour {
             Measured => "#8b929a",
             Before => "#ff8d45",
             After => "#56b4f2",
+            Fails => "#ffa066",
             Green => "#35c796",
             Pink => "#e79ac6",
             Yellow => "#efb83f",
@@ -101,13 +104,20 @@ const STEPS: i32 = 10;
 /// The colour of `part`, from −1 (blue) to 1 (red), on light paper or on dark: that of the paper where it is 0, so that only what is there
 /// stands out. Its ends are ColorBrewer's RdBu, which the colour-blind can read.
 pub fn shade(part: f64, dark: bool) -> String {
-    shade_of((part.clamp(-1.0, 1.0) * f64::from(STEPS)).round() as i32, dark)
+    shade_of(
+        (part.clamp(-1.0, 1.0) * f64::from(STEPS)).round() as i32,
+        dark,
+    )
 }
 
 fn shade_of(step: i32, dark: bool) -> String {
     let (none, blue, red) = match dark {
         false => ([247.0; 3], [33.0, 102.0, 172.0], [178.0, 24.0, 43.0]),
-        true => ([38.0, 42.0, 48.0], [92.0, 172.0, 250.0], [250.0, 110.0, 96.0]),
+        true => (
+            [38.0, 42.0, 48.0],
+            [92.0, 172.0, 250.0],
+            [250.0, 110.0, 96.0],
+        ),
     };
     let end: [f64; 3] = if step > 0 { red } else { blue };
     let part = f64::from(step.abs()) / f64::from(STEPS);
@@ -154,7 +164,11 @@ mod tests {
     fn luminance(colour: &str) -> f64 {
         let channel = |at: usize| {
             let value = f64::from(u8::from_str_radix(&colour[at..at + 2], 16).unwrap()) / 255.0;
-            if value <= 0.04045 { value / 12.92 } else { ((value + 0.055) / 1.055).powf(2.4) }
+            if value <= 0.04045 {
+                value / 12.92
+            } else {
+                ((value + 0.055) / 1.055).powf(2.4)
+            }
         };
         0.2126 * channel(1) + 0.7152 * channel(3) + 0.0722 * channel(5)
     }
@@ -173,11 +187,11 @@ mod tests {
     #[test]
     fn letters_and_curves_stand_out_from_the_paper_in_both_themes() {
         for of in [Colour::light, Colour::dark] {
-            for colour in [Ink, Faint, After] {
+            for colour in [Ink, Faint, After, Fails] {
                 let found = contrast(of(colour), of(Paper));
                 assert!(found >= 4.5, "{colour:?} {}: {found:.2}", of(colour));
             }
-            for colour in Colour::CURVES {
+            for colour in [Measured, Before, After, Green, Pink, Yellow, Sky] {
                 let found = contrast(of(colour), of(Paper));
                 assert!(found >= 3.0, "{colour:?} {}: {found:.2}", of(colour));
             }

@@ -1,9 +1,7 @@
 //! Charts of several curves with points, side by side, for the figures of the paper.
 
 use super::palette::Colour;
-use super::picture::{
-    Axis, CURVE_POINTS, Dash, Layer, Look, Mark, Panel, Picture, SMALL, thinned,
-};
+use super::picture::{Axis, CURVE_POINTS, Dash, Layer, Look, Mark, Panel, Picture, SMALL, thinned};
 
 /// How the methods that the paper compares are drawn: colour, dashes and marks of each.
 pub const TABLES: Style = Style(Colour::Measured, Dash::Solid, Mark::Disc);

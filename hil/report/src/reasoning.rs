@@ -57,11 +57,14 @@ impl Evidence {
             }
             (evidence::map_key(self.scale))
             div.pair {
-                (figure(html! { "mean force left, over displacement and velocity" }, &map))
+                (figure(html! { "mean force left, over displacement and velocity (by its cube root)" }, &map))
                 (figure(html! { "spectrum of the force left" }, &spectrum))
             }
         };
-        Section::new(format!("2. What the {} leaves", text::law(&result.baseline)), body)
+        Section::new(
+            format!("2. What the {} leaves", text::law(&result.baseline)),
+            body,
+        )
     }
 
     /// What is left with what was found.
@@ -85,7 +88,7 @@ impl Evidence {
             (picture::key([&spectrum], &names(result)))
             (evidence::map_key(self.scale))
             div.pair {
-                (figure(html! { "mean force left, over displacement and velocity" }, &map))
+                (figure(html! { "mean force left, over displacement and velocity (by its cube root)" }, &map))
                 (figure(html! { "spectrum of the force left, before and after" }, &spectrum))
             }
             @if let Some(found) = &self.white_after {
@@ -164,13 +167,15 @@ fn bars(step: &[Candidate], result: &TraceResult) -> Markup {
                 div.name { "before the step" }
                 div.track { div.bar.stood style=(width(reference)) {} div.noise style=(noise) {} }
                 div.value { (text::percent(reference)) }
+                div.state {}
             }
             @for (place, candidate) in shown.iter().enumerate() {
-                @let class = if candidate.added { "bar won" } else if !candidate.admissible { "bar refused" }
-                    else if place == 0 || !candidate.distinguishable { "bar rival" } else { "bar" };
+                @let (class, state) = if candidate.added { ("bar won", "added") } else if !candidate.admissible { ("bar refused", "not passive") }
+                    else if place == 0 || !candidate.distinguishable { ("bar rival", "near the best") } else { ("bar", "") };
                 div.name title=(text::description(&candidate.family)) { (text::name(&candidate.family)) }
                 div.track { div class=(class) style=(width(candidate.nrmse_judged)) {} div.noise style=(noise) {} }
                 div.value { (text::percent(candidate.nrmse_judged)) }
+                div.state { (state) }
             }
         }
         @let rejected = rejected(&shown);

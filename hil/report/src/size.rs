@@ -30,7 +30,12 @@ pub fn picture(all: &[Measured]) -> String {
         motions.map(move |(motion, (colour, mark))| {
             let of_motion = all.iter().filter(|one| one.motion == motion);
             let points = of_motion.map(|one| (one.rows as f64, value(one))).collect();
-            Layer::new(motion.in_words(), colour, Look::Both(mark, Dash::Solid), points)
+            Layer::new(
+                motion.in_words(),
+                colour,
+                Look::Both(mark, Dash::Solid),
+                points,
+            )
         })
     };
     let panel = |y: Axis, layers| Panel {
@@ -39,10 +44,15 @@ pub fn picture(all: &[Measured]) -> String {
         y: y.logarithmic(),
         layers,
     };
-    let memory = [limit].into_iter().chain(curves(|one| mebibytes(one.memory)));
+    let memory = [limit]
+        .into_iter()
+        .chain(curves(|one| mebibytes(one.memory)));
     let panels = vec![
         panel(Axis::new("memory", "MiB"), memory.collect()),
-        panel(Axis::new("processor", "s"), curves(|one| one.processor).collect()),
+        panel(
+            Axis::new("processor", "s"),
+            curves(|one| one.processor).collect(),
+        ),
     ];
     let title = "Memory and processor time of a trace over the number of rows";
     Picture::of_panels(title, ((430, 380), 15), 2, panels).alone()

@@ -26,7 +26,10 @@ pub fn loops(data: &ReportData) -> Option<Section> {
         let samples = worst_loop(series, condition.span)?;
         let name = text::file_name(&held_out(condition)).to_owned();
         let title = format!("The worst loop of {name}");
-        let caption = format!("{name}, {} left where it was held out", text::percent(condition.nrmse_with));
+        let caption = format!(
+            "{name}, {} left where it was held out",
+            text::percent(condition.nrmse_with)
+        );
         Some((caption, charts::loop_chart(series, &samples, &title, SMALL)))
     });
     let worst: Vec<_> = worst.take(MOST).collect();

@@ -179,11 +179,16 @@ mod tests {
     fn a_block_has_the_figures_of_each_force() {
         let series = [series()];
         let all = BlockFigures::all(&series);
-        let [block] = &all[..] else { panic!("{}", all.len()) };
+        let [block] = &all[..] else {
+            panic!("{}", all.len())
+        };
         for (index, loss) in [0.6, 0.0, 4.0 * 0.1 / (PI * 0.5)].into_iter().enumerate() {
             let stiffness = |one: &CycleFigures| one.stiffness[index];
             assert!((block.median(|one| stiffness(one).storage) - 2.0).abs() < 0.01);
-            assert!((block.median(|one| stiffness(one).loss) - loss).abs() < 0.02, "{loss}");
+            assert!(
+                (block.median(|one| stiffness(one).loss) - loss).abs() < 0.02,
+                "{loss}"
+            );
         }
         // A spring and a dashpot: the largest force is √(1² + 0.3²).
         assert!((block.median(|one| one.peak[0]) - 1.09_f64.sqrt()).abs() < 1e-3);

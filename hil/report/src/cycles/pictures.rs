@@ -30,7 +30,9 @@ pub const BACKBONES: [&str; 2] = [
 /// Half of the force's range over the amplitude, and the middle line of the largest block's loop.
 pub fn backbones(blocks: &[BlockFigures<'_>]) -> [Picture; 2] {
     let layer = |of: Of, points: Vec<(f64, f64)>, marks: bool| match (of, marks) {
-        (Of::Measured, true) => Layer::new(MEASURED, Colour::Measured, Look::Marks(Mark::Disc), points),
+        (Of::Measured, true) => {
+            Layer::new(MEASURED, Colour::Measured, Look::Marks(Mark::Disc), points)
+        }
         (Of::Measured, false) => Layer::new(MEASURED, Colour::Measured, Look::Broad, points),
         (Of::Before, _) => charts::before(points),
         (Of::After, _) => charts::after(points),
@@ -63,12 +65,20 @@ pub fn backbones(blocks: &[BlockFigures<'_>]) -> [Picture; 2] {
         Picture::of(
             "Backbone: force over amplitude",
             HALF,
-            panel(Axis::new("amplitude", "mm"), Axis::new("half of the force's range", "kN"), peaks.collect()),
+            panel(
+                Axis::new("amplitude", "mm"),
+                Axis::new("half of the force's range", "kN"),
+                peaks.collect(),
+            ),
         ),
         Picture::of(
             "Middle line of the loop of the largest amplitude",
             HALF,
-            panel(charts::displacement(), Axis::new("mean force", "kN"), middles.collect()),
+            panel(
+                charts::displacement(),
+                Axis::new("mean force", "kN"),
+                middles.collect(),
+            ),
         ),
     ]
 }
@@ -77,14 +87,26 @@ pub fn backbones(blocks: &[BlockFigures<'_>]) -> [Picture; 2] {
 pub fn over_amplitude(blocks: &[BlockFigures<'_>]) -> Option<Picture> {
     let amplitude = |block: &BlockFigures<'_>| block.block.amplitude;
     let frequency = |block: &BlockFigures<'_>| block.block.frequency;
-    over(blocks, ("amplitude", "mm"), amplitude, ("frequency", "Hz"), frequency)
+    over(
+        blocks,
+        ("amplitude", "mm"),
+        amplitude,
+        ("frequency", "Hz"),
+        frequency,
+    )
 }
 
 /// The same over frequency, a curve for each amplitude; `None` where there is one frequency alone.
 pub fn over_frequency(blocks: &[BlockFigures<'_>]) -> Option<Picture> {
     let amplitude = |block: &BlockFigures<'_>| block.block.amplitude;
     let frequency = |block: &BlockFigures<'_>| block.block.frequency;
-    over(blocks, ("frequency", "Hz"), frequency, ("amplitude", "mm"), amplitude)
+    over(
+        blocks,
+        ("frequency", "Hz"),
+        frequency,
+        ("amplitude", "mm"),
+        amplitude,
+    )
 }
 
 type Condition = fn(&BlockFigures<'_>) -> f64;
@@ -92,9 +114,15 @@ type Figure = fn(&CycleFigures, usize) -> f64;
 
 /// Name, unit and value of the figures that are drawn.
 const FIGURES: [(&str, &str, Figure); 3] = [
-    ("storage stiffness K′", "kN/mm", |one, of| one.stiffness[of].storage),
-    ("loss stiffness K″", "kN/mm", |one, of| one.stiffness[of].loss),
-    ("loss factor η", "", |one, of| one.stiffness[of].loss_factor()),
+    ("storage stiffness K′", "kN/mm", |one, of| {
+        one.stiffness[of].storage
+    }),
+    ("loss stiffness K″", "kN/mm", |one, of| {
+        one.stiffness[of].loss
+    }),
+    ("loss factor η", "", |one, of| {
+        one.stiffness[of].loss_factor()
+    }),
 ];
 
 fn over(
@@ -113,35 +141,65 @@ fn over(
     }
     let panels = FIGURES.map(|(name, unit_of, figure)| {
         let points = |of: usize, level: Option<f64>| {
-            let these = blocks.iter().filter(move |block| {
-                level.is_none_or(|level| alike(level, level_of(block)))
-            });
+            let these = blocks
+                .iter()
+                .filter(move |block| level.is_none_or(|level| alike(level, level_of(block))));
             let points = these.map(|block| (at(block), block.median(|one| figure(one, of))));
             in_order(points.collect())
         };
         let mut layers = Vec::new();
         for (&level, (colour, mark, dash)) in levels.iter().zip(LEVELS) {
             let name = format!("{} {other_unit}", text::nominal(level));
-            layers.push(Layer::new(&name, colour, Look::Line(dash), points(2, Some(level))));
-            layers.push(Layer::new(&name, colour, Look::Marks(mark), points(0, Some(level))));
+            layers.push(Layer::new(
+                &name,
+                colour,
+                Look::Line(dash),
+                points(2, Some(level)),
+            ));
+            layers.push(Layer::new(
+                &name,
+                colour,
+                Look::Marks(mark),
+                points(0, Some(level)),
+            ));
         }
         if levels.is_empty() {
             // Of many levels no line joins what belongs together.
-            layers.push(Layer::new("law after", Colour::After, Look::Marks(Mark::Cross), points(2, None)));
-            layers.push(Layer::new(MEASURED, Colour::Measured, Look::Marks(Mark::Disc), points(0, None)));
+            layers.push(Layer::new(
+                "law after",
+                Colour::After,
+                Look::Marks(Mark::Cross),
+                points(2, None),
+            ));
+            layers.push(Layer::new(
+                MEASURED,
+                Colour::Measured,
+                Look::Marks(Mark::Disc),
+                points(0, None),
+            ));
         }
         let axis = Axis::new(along, unit);
         let ends = blocks.iter().map(at);
         Panel {
             title: String::new(),
             // Steps of a test over a decade are even in the logarithm.
-            x: if is_wide(ends) { axis.logarithmic() } else { axis },
+            x: if is_wide(ends) {
+                axis.logarithmic()
+            } else {
+                axis
+            },
             y: Axis::new(name, unit_of),
             layers,
         }
     });
-    let title = format!("Storage stiffness, loss stiffness and loss factor over {along}, by {other}");
-    Some(Picture::of_panels(title, ((380, 300), 13), 3, panels.into()))
+    let title =
+        format!("Storage stiffness, loss stiffness and loss factor over {along}, by {other}");
+    Some(Picture::of_panels(
+        title,
+        ((380, 300), 13),
+        3,
+        panels.into(),
+    ))
 }
 
 /// Whether the largest is ten times the least or more.
@@ -161,7 +219,10 @@ fn levels(blocks: &[BlockFigures<'_>], of: Condition) -> Vec<f64> {
             _ => levels.push(vec![value]),
         }
     }
-    levels.into_iter().filter_map(|level| median(level.into_iter())).collect()
+    levels
+        .into_iter()
+        .filter_map(|level| median(level.into_iter()))
+        .collect()
 }
 
 /// Points in order of x; those of one x become one, their mean.
@@ -170,7 +231,9 @@ fn in_order(mut points: Vec<(f64, f64)>) -> Vec<(f64, f64)> {
     let groups = points.chunk_by(|a, b| (a.0 - b.0).abs() <= 0.01 * a.0.abs());
     let mean = |group: &[(f64, f64)]| {
         let count = group.len() as f64;
-        let sum = group.iter().fold((0.0, 0.0), |sum, point| (sum.0 + point.0, sum.1 + point.1));
+        let sum = group
+            .iter()
+            .fold((0.0, 0.0), |sum, point| (sum.0 + point.0, sum.1 + point.1));
         (sum.0 / count, sum.1 / count)
     };
     groups.map(mean).collect()
@@ -220,7 +283,10 @@ fn numbered(points: Vec<(f64, f64)>) -> Vec<(f64, f64)> {
     // A gap would be lost in an envelope, and is not seen among thousands of cycles.
     match counted.len() > 2 * TIME_COLUMNS {
         true => {
-            let whole: Vec<(f64, f64)> = counted.into_iter().filter(|(_, value)| value.is_finite()).collect();
+            let whole: Vec<(f64, f64)> = counted
+                .into_iter()
+                .filter(|(_, value)| value.is_finite())
+                .collect();
             envelope(&whole, TIME_COLUMNS)
         }
         false => counted,
@@ -236,11 +302,19 @@ fn layer_over_cycles(of: Of, points: Vec<(f64, f64)>) -> Layer {
 }
 
 /// The samples of a loop that are drawn, closed.
-pub fn loop_points(block: &BlockFigures<'_>, cycle: std::ops::Range<usize>, of: Of, most: usize) -> Vec<(f64, f64)> {
+pub fn loop_points(
+    block: &BlockFigures<'_>,
+    cycle: std::ops::Range<usize>,
+    of: Of,
+    most: usize,
+) -> Vec<(f64, f64)> {
     let (displacement, force) = (&block.series.displacement, of.force(block.series));
     let end = cycle.end.min(displacement.len()).min(force.len());
     let chosen = thinned(cycle.start.min(end)..end, most);
-    chosen.into_iter().map(|i| (displacement[i], force[i])).collect()
+    chosen
+        .into_iter()
+        .map(|i| (displacement[i], force[i]))
+        .collect()
 }
 
 #[cfg(test)]

@@ -52,7 +52,10 @@ pub fn picture(blocks: &[BlockFigures<'_>]) -> Waterfall {
         labels.push((raised, row.name.clone()));
         let layer = |of: Of| {
             let points = loop_points(row.block, row.cycle.clone(), of, POINTS);
-            points.into_iter().map(|(y, force)| (y, force + raised)).collect()
+            points
+                .into_iter()
+                .map(|(y, force)| (y, force + raised))
+                .collect()
         };
         let measured = layer(Of::Measured);
         layers.push(Layer::new(MEASURED, Colour::Measured, Look::Broad, measured).raised(raised));
@@ -70,7 +73,11 @@ pub fn picture(blocks: &[BlockFigures<'_>]) -> Waterfall {
     let (width, font) = (WIDE.0.0, WIDE.1);
     let height = HEIGHT.1 + HEIGHT.0 * rows.len() as u32;
     Waterfall {
-        picture: Picture::of(format!("Loops one above another, {by}"), ((width, height), font), panel),
+        picture: Picture::of(
+            format!("Loops one above another, {by}"),
+            ((width, height), font),
+            panel,
+        ),
         caption: format!(
             "force over displacement {by}; each loop is raised by {} kN above the one below, and its label stands at 0 kN of it",
             text::number(step)

@@ -36,7 +36,10 @@ pub fn render(paper: &Paper) -> String {
         Section::new("2. Figures", figures),
         Section::new("3. Surfaces", tables::surfaces(paper)),
         Section::new("4. Cells that look misprinted", tables::misprints(paper)),
-        Section::new("5. Finite elements: what they depend on", elements::section(paper)),
+        Section::new(
+            "5. Finite elements: what they depend on",
+            elements::section(paper),
+        ),
         Section::new("6. The orthogonal test, Table 3", tables::orthogonal(paper)),
     ];
     let last = html! {

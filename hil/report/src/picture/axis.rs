@@ -205,9 +205,18 @@ mod tests {
     #[test]
     fn ticks_are_as_fine_as_the_range() {
         let axis = Axis::new("force", "kN");
-        assert_eq!(labels(&axis, -0.2..0.2, 5), ["−0.2", "−0.1", "0.0", "0.1", "0.2"].map(|l| if l == "0.0" { "0" } else { l }));
-        assert_eq!(labels(&axis, 0.0..100.0, 6), ["0", "20", "40", "60", "80", "100"]);
-        assert_eq!(labels(&axis, 0.0013..0.0031, 4), ["0.0015", "0.0020", "0.0025", "0.0030"]);
+        assert_eq!(
+            labels(&axis, -0.2..0.2, 5),
+            ["−0.2", "−0.1", "0.0", "0.1", "0.2"].map(|l| if l == "0.0" { "0" } else { l })
+        );
+        assert_eq!(
+            labels(&axis, 0.0..100.0, 6),
+            ["0", "20", "40", "60", "80", "100"]
+        );
+        assert_eq!(
+            labels(&axis, 0.0013..0.0031, 4),
+            ["0.0015", "0.0020", "0.0025", "0.0030"]
+        );
         assert_eq!(axis.label(), "force, kN");
         assert_eq!(Axis::new("loss factor", "").label(), "loss factor");
     }
@@ -215,7 +224,10 @@ mod tests {
     #[test]
     fn decades_have_ticks_that_fit() {
         let axis = Axis::new("frequency", "Hz").logarithmic();
-        assert_eq!(labels(&axis, 0.5..40.0, 6), ["0.5", "1", "2", "5", "10", "20"]);
+        assert_eq!(
+            labels(&axis, 0.5..40.0, 6),
+            ["0.5", "1", "2", "5", "10", "20"]
+        );
         assert_eq!(labels(&axis, 0.9..1100.0, 4), ["1", "10", "100", "1000"]);
         // Within a decade.
         assert_eq!(labels(&axis, 1.9..4.1, 3), ["2", "3", "4"]);

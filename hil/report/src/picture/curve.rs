@@ -113,9 +113,19 @@ mod tests {
 
     #[test]
     fn a_path_is_short_and_ends_where_its_curve_does() {
-        let points = [(1.0, 2.0), (1.5, 1.0), (f64::NAN, 0.0), (4.0, 4.0), (4.0, 5.0), (3.0, 5.0)];
+        let points = [
+            (1.0, 2.0),
+            (1.5, 1.0),
+            (f64::NAN, 0.0),
+            (4.0, 4.0),
+            (4.0, 5.0),
+            (3.0, 5.0),
+        ];
         assert_eq!(path(points.into_iter()), "M20,40l10-20m50,60l0,20-20,0");
-        assert_eq!(dots(points.into_iter()), "M20,40h0m10-20h0m50,60h0m0,20h0m-20,0h0");
+        assert_eq!(
+            dots(points.into_iter()),
+            "M20,40h0m10-20h0m50,60h0m0,20h0m-20,0h0"
+        );
         assert_eq!(path(std::iter::empty()), "");
         // Rounding does not add up: 0.03 px is less than a unit.
         let many = path((0..=1000).map(|i| (0.03 * f64::from(i), 0.0)));

@@ -7,7 +7,7 @@ use std::fmt::Write as _;
 use std::ops::Range;
 
 use super::curve::{self, FINE};
-use super::{Axis, Dash, Layer, Look, Mark, Panel, Picture, legend};
+use super::{Axis, Cells, Dash, Layer, Look, Mark, Panel, Picture, legend};
 use crate::palette::{self, Colour};
 
 /// Radius of a mark, px.
@@ -49,7 +49,11 @@ pub fn svg(picture: &Picture, alone: bool) -> String {
     };
     let all = f64::from(height) + above;
     let mut sheet = Sheet::default();
-    let namespace = if alone { " xmlns=\"http://www.w3.org/2000/svg\"" } else { "" };
+    let namespace = if alone {
+        " xmlns=\"http://www.w3.org/2000/svg\""
+    } else {
+        ""
+    };
     sheet.put(format_args!(
         "<svg{namespace} class=\"picture\" width=\"{width}\" height=\"{all}\" viewBox=\"0 0 {width} {all}\" role=\"img\" \
          font-family=\"Helvetica, Arial, sans-serif\" font-size=\"{}\" fill=\"{}\"><title>{}</title><desc>{}</desc>",
@@ -123,7 +127,9 @@ fn panel(sheet: &mut Sheet, panel: &Panel, corner: (f64, f64), size: (f64, f64),
     let most = |label: f64| (frame.width / (font * DIGIT * 1.6 * label)).max(2.0) as usize;
     let tried = panel.x.ticks(&frame.x, most(4.0));
     let longest = tried.iter().map(|(_, label)| label.chars().count()).max();
-    let x_ticks = panel.x.ticks(&frame.x, most(longest.unwrap_or(4).max(4) as f64));
+    let x_ticks = panel
+        .x
+        .ticks(&frame.x, most(longest.unwrap_or(4).max(4) as f64));
     sheet.put(format_args!(
         "<g class=\"panel\" data-at=\"{} {} {} {}\" data-x=\"{}\" data-y=\"{}\">",
         short(frame.left),
@@ -138,7 +144,11 @@ fn panel(sheet: &mut Sheet, panel: &Panel, corner: (f64, f64), size: (f64, f64),
     }
     ticks(sheet, &frame, &x_ticks, &y_ticks, font);
     let middle = frame.left + 0.5 * frame.width;
-    sheet.text((middle, top + height + 2.5 * font), "middle", &panel.x.label());
+    sheet.text(
+        (middle, top + height + 2.5 * font),
+        "middle",
+        &panel.x.label(),
+    );
     let (along, up) = (corner.0 + 0.9 * font, top + 0.5 * height);
     sheet.put(format_args!(
         "<text transform=\"translate({} {}) rotate(-90)\" dy=\".35em\" text-anchor=\"middle\">{}</text>",
@@ -156,9 +166,10 @@ fn panel(sheet: &mut Sheet, panel: &Panel, corner: (f64, f64), size: (f64, f64),
         (FINE * frame.height).round()
     ));
     for layer in &panel.layers {
-        let places = layer.points.iter().map(|&(x, y)| {
-            frame.at(panel.x.scale.place(x), panel.y.scale.place(y))
-        });
+        let places = layer
+            .points
+            .iter()
+            .map(|&(x, y)| frame.at(panel.x.scale.place(x), panel.y.scale.place(y)));
         drawn(sheet, layer, places.collect(), frame.at(0.0, 0.0).1);
     }
     sheet.put(format_args!(
@@ -178,12 +189,24 @@ fn ticks(sheet: &mut Sheet, frame: &Frame, x: &[(f64, String)], y: &[(f64, Strin
     sheet.0.push_str("<g class=\"ticks\">");
     for (place, label) in x {
         let at = frame.left + frame.at(*place, 0.0).0;
-        let _ = write!(grid, "M{} {}V{}", short(at), short(frame.top), short(bottom));
+        let _ = write!(
+            grid,
+            "M{} {}V{}",
+            short(at),
+            short(frame.top),
+            short(bottom)
+        );
         sheet.text((at, bottom + 0.9 * font), "middle", label);
     }
     for (place, label) in y {
         let at = frame.top + frame.at(0.0, *place).1;
-        let _ = write!(grid, "M{} {}H{}", short(frame.left), short(at), short(right));
+        let _ = write!(
+            grid,
+            "M{} {}H{}",
+            short(frame.left),
+            short(at),
+            short(right)
+        );
         sheet.text((frame.left - 0.4 * font, at), "end", label);
     }
     sheet.put(format_args!(
@@ -217,7 +240,12 @@ fn drawn(sheet: &mut Sheet, layer: &Layer, places: Vec<(f64, f64)>, zero: f64) {
     match &layer.look {
         Look::Line(_) | Look::Fine | Look::Broad | Look::Both(..) => {
             sheet.0.push('>');
-            line(sheet, &layer.look, colour, &curve::path(places.iter().copied()));
+            line(
+                sheet,
+                &layer.look,
+                colour,
+                &curve::path(places.iter().copied()),
+            );
         }
         Look::Cloud => sheet.put(format_args!(
             "><path d=\"{}\" stroke=\"{colour}\" stroke-width=\"{}\" stroke-linecap=\"round\"/>",
@@ -225,7 +253,9 @@ fn drawn(sheet: &mut Sheet, layer: &Layer, places: Vec<(f64, f64)>, zero: f64) {
             FINE * 5.0
         )),
         Look::Stems => {
-            let stems = places.iter().flat_map(|&(x, y)| [(f64::NAN, 0.0), (x, zero), (x, y)]);
+            let stems = places
+                .iter()
+                .flat_map(|&(x, y)| [(f64::NAN, 0.0), (x, zero), (x, y)]);
             sheet.put(format_args!(
                 "><path class=\"stems\" d=\"{}\" stroke=\"{colour}\" stroke-width=\"{}\" fill=\"none\"/>",
                 curve::path(stems),
@@ -242,11 +272,14 @@ fn drawn(sheet: &mut Sheet, layer: &Layer, places: Vec<(f64, f64)>, zero: f64) {
                 sheet.0.push('>');
             }
         }
-        Look::Cells(values, columns) => cells(sheet, values, *columns, &places),
+        Look::Cells(map) => cells(sheet, map, &places),
         Look::Marks(_) => sheet.0.push('>'),
     }
     if let Look::Marks(mark) | Look::Both(mark, _) = layer.look {
-        for &(x, y) in places.iter().filter(|(x, y)| x.is_finite() && y.is_finite()) {
+        for &(x, y) in places
+            .iter()
+            .filter(|(x, y)| x.is_finite() && y.is_finite())
+        {
             marked(sheet, mark, colour, (x, y), FINE);
         }
     }
@@ -267,7 +300,10 @@ fn line(sheet: &mut Sheet, look: &Look, colour: &str, path: &str) {
         Dash::DashDot => &[9.0, 3.0, 2.0, 3.0],
         Dash::Dotted => &[2.0, 3.0],
     };
-    let dashes: Vec<String> = dashes.iter().map(|length| (FINE * length).to_string()).collect();
+    let dashes: Vec<String> = dashes
+        .iter()
+        .map(|length| (FINE * length).to_string())
+        .collect();
     let dashed = match dashes.is_empty() {
         true => String::new(),
         false => format!(" stroke-dasharray=\"{}\"", dashes.join(" ")),
@@ -287,25 +323,47 @@ fn marked(sheet: &mut Sheet, mark: Mark, colour: &str, (x, y): (f64, f64), fine:
         Mark::Disc => (format!("circle r=\"{r}\""), true),
         Mark::Ring => (format!("circle r=\"{r}\""), false),
         Mark::Square => (format!("path d=\"M-{r}-{r}H{r}V{r}H-{r}z\""), true),
-        Mark::Diamond => (format!("path d=\"M0-{far}L{far},0 0,{far}-{far},0z\""), true),
-        Mark::Triangle => (format!("polygon points=\"0,-{far} {far},{r} -{far},{r}\""), true),
-        Mark::Cross => (format!("path d=\"M-{r}-{r}L{r},{r}M-{r},{r}L{r}-{r}\""), false),
+        Mark::Diamond => (
+            format!("path d=\"M0-{far}L{far},0 0,{far}-{far},0z\""),
+            true,
+        ),
+        Mark::Triangle => (
+            format!("polygon points=\"0,-{far} {far},{r} -{far},{r}\""),
+            true,
+        ),
+        Mark::Cross => (
+            format!("path d=\"M-{r}-{r}L{r},{r}M-{r},{r}L{r}-{r}\""),
+            false,
+        ),
     };
     let paint = match is_full {
         true => format!("fill=\"{colour}\""),
-        false => format!("fill=\"none\" stroke=\"{colour}\" stroke-width=\"{}\"", fine * 1.6),
+        false => format!(
+            "fill=\"none\" stroke=\"{colour}\" stroke-width=\"{}\"",
+            fine * 1.6
+        ),
     };
-    sheet.put(format_args!("<{shape} {paint} transform=\"translate({x} {y})\"/>"));
+    sheet.put(format_args!(
+        "<{shape} {paint} transform=\"translate({x} {y})\"/>"
+    ));
 }
 
 /// The cells between two corners, those of one colour as one path.
-fn cells(sheet: &mut Sheet, values: &[f64], columns: usize, places: &[(f64, f64)]) {
+fn cells(sheet: &mut Sheet, map: &Cells, places: &[(f64, f64)]) {
+    let Cells {
+        columns,
+        scale,
+        unit,
+        ..
+    } = *map;
+    let values: Vec<f64> = map.values.iter().map(|value| value / scale).collect();
     let written = values.iter().map(|value| match value.is_finite() {
         true => format!("{}", (1000.0 * value).round()),
         false => String::new(),
     });
     sheet.put(format_args!(
-        " data-columns=\"{columns}\" data-cells=\"{}\">",
+        " data-columns=\"{columns}\" data-scale=\"{}\" data-unit=\"{unit}\" data-cells=\"{}\">",
+        digits(scale),
         written.collect::<Vec<_>>().join(",")
     ));
     let (&[from, to], true) = (places, columns > 0) else {
@@ -313,7 +371,11 @@ fn cells(sheet: &mut Sheet, values: &[f64], columns: usize, places: &[(f64, f64)
     };
     let rows = values.len().div_ceil(columns).max(1);
     let mut by_colour = std::collections::BTreeMap::<String, String>::new();
-    for (index, &value) in values.iter().enumerate().filter(|(_, value)| value.is_finite()) {
+    for (index, &value) in values
+        .iter()
+        .enumerate()
+        .filter(|(_, value)| value.is_finite())
+    {
         let edge = |start: f64, end: f64, place: usize, count: usize| {
             (FINE * (start + (end - start) * place as f64 / count as f64)).round()
         };

@@ -12,10 +12,7 @@ const LETTER: f64 = 0.54;
 
 /// The names of the curves of `pictures`, each beside a sample of it; a name may be said in other words in `said`. With a script an entry
 /// shows and hides the curves of its name in the section that it is in.
-pub fn key<'a>(
-    pictures: impl IntoIterator<Item = &'a Picture>,
-    said: &[(&str, String)],
-) -> Markup {
+pub fn key<'a>(pictures: impl IntoIterator<Item = &'a Picture>, said: &[(&str, String)]) -> Markup {
     let mut entries: Vec<Vec<&Layer>> = Vec::new();
     for named in pictures.into_iter().flat_map(Picture::named) {
         if entries.iter().all(|other| other[0].name != named[0].name) {

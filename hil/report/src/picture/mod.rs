@@ -78,9 +78,21 @@ pub enum Look {
     Stems,
     /// The area between the first point and the second, pale.
     Band,
-    /// Equal cells, row by row from the lowest, so many to a row: each of a colour from blue at −1 to red at 1; none where it is NaN.
-    /// The points are the two opposite corners.
-    Cells(Vec<f64>, usize),
+    /// Equal cells between two opposite corners, which are the layer's points.
+    Cells(Cells),
+}
+
+/// A map of equal cells.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Cells {
+    /// Row by row from the lowest; NaN where there is no cell.
+    pub values: Vec<f64>,
+    /// To a row.
+    pub columns: usize,
+    /// The value at which a cell is fully red, and less which it is fully blue; > 0.
+    pub scale: f64,
+    /// Of the values.
+    pub unit: &'static str,
 }
 
 /// How a line is broken.
@@ -98,17 +110,6 @@ pub enum Dash {
     Dotted,
 }
 
-impl Dash {
-    /// All of them, the plainest first.
-    pub const ALL: [Self; 5] = [
-        Self::Solid,
-        Self::Long,
-        Self::DashDot,
-        Self::Short,
-        Self::Dotted,
-    ];
-}
-
 /// The shape of a mark.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Mark {
@@ -124,18 +125,6 @@ pub enum Mark {
     Triangle,
     /// Two strokes.
     Cross,
-}
-
-impl Mark {
-    /// All of them.
-    pub const ALL: [Self; 6] = [
-        Self::Disc,
-        Self::Square,
-        Self::Diamond,
-        Self::Ring,
-        Self::Triangle,
-        Self::Cross,
-    ];
 }
 
 impl Picture {

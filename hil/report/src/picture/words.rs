@@ -42,16 +42,30 @@ fn described(panel: &Panel, layer: &Layer) -> String {
     };
     let (x, y) = (&panel.x, &panel.y);
     match &layer.look {
-        Look::Cells(values, _) => {
-            let filled = values.iter().filter(|value| value.is_finite()).count();
-            let far = values.iter().filter(|value| value.abs() > 0.5).count();
-            format!("{name}{filled} cells, {far} of them darker than half of the scale. ")
+        Look::Cells(map) => {
+            let filled = map.values.iter().filter(|value| value.is_finite()).count();
+            let far = map
+                .values
+                .iter()
+                .filter(|value| value.abs() > 0.5 * map.scale)
+                .count();
+            let half = text::number(0.5 * map.scale);
+            format!(
+                "{name}{filled} cells, {far} of them larger than ±{half} {}. ",
+                map.unit
+            )
         }
         Look::Band => {
-            format!("{name}a band, {}. ", span(y, layer.points.iter().map(|point| point.1)))
+            format!(
+                "{name}a band, {}. ",
+                span(y, layer.points.iter().map(|point| point.1))
+            )
         }
         _ if layer.points.len() <= READ_OUT => {
-            let points = layer.points.iter().filter(|(x, y)| x.is_finite() && y.is_finite());
+            let points = layer
+                .points
+                .iter()
+                .filter(|(x, y)| x.is_finite() && y.is_finite());
             let points: Vec<String> = points
                 .map(|&(at, value)| format!("{} at {}", valued(y, value), valued(x, at)))
                 .collect();
@@ -75,7 +89,12 @@ fn span(axis: &Axis, values: impl Iterator<Item = f64>) -> String {
     if low > high {
         return format!("{} without values", axis.name);
     }
-    format!("{} {} to {}", axis.name, text::number(low), valued(axis, high))
+    format!(
+        "{} {} to {}",
+        axis.name,
+        text::number(low),
+        valued(axis, high)
+    )
 }
 
 fn valued(axis: &Axis, value: f64) -> String {

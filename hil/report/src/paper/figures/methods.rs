@@ -101,9 +101,7 @@ pub(super) fn errors(paper: &Paper) -> Figure {
         let (first, last) = (at(&conditions[0]), at(&conditions[conditions.len() - 1]));
         let by = |of: fn(&Condition) -> &Compared| -> Vec<(f64, f64)> {
             let points = conditions.iter();
-            points
-                .map(|one| (at(one), of(one).sigma[JUDGED]))
-                .collect()
+            points.map(|one| (at(one), of(one).sigma[JUDGED])).collect()
         };
         let elements = conditions.iter().filter_map(|one| {
             let found = one.finite_elements.as_ref().ok()?;
@@ -191,7 +189,10 @@ pub(super) fn compared_dynamics(
             "Stiffness and loss factor by the law and by finite elements",
             vec![
                 panel(|dynamics| dynamics.stiffness, Axis::new("K", "kN/mm")),
-                panel(|dynamics| dynamics.loss_factor, Axis::new("loss factor", "")),
+                panel(
+                    |dynamics| dynamics.loss_factor,
+                    Axis::new("loss factor", ""),
+                ),
             ],
         ),
         caption: "stiffness and loss factor",
