@@ -96,7 +96,7 @@ pub fn page(
 /// A picture with its caption.
 pub fn figure(caption: Markup, picture: &Picture) -> Markup {
     html! {
-        figure {
+        figure style=(format!("--least:{}px", picture.least_width())) {
             figcaption { (caption) }
             (PreEscaped(picture.within_page()))
         }

@@ -64,7 +64,15 @@ pub fn panel(title: impl Into<String>, x: Axis, y: Axis, layers: Vec<Layer>) -> 
     }
 }
 
-/// Panels in rows of three.
-pub fn panels(title: &str, all: Vec<Panel>) -> Picture {
-    Picture::of_panels(title, SMALL, 3, all)
+/// Each panel as a picture, which takes a row of its own where the page is narrow. The panel's title is its caption.
+pub fn panels(title: &str, all: Vec<Panel>) -> Vec<(String, Picture)> {
+    let one = |mut panel: Panel| {
+        let caption = match std::mem::take(&mut panel.title) {
+            own if own.is_empty() => panel.y.name.clone(),
+            own => own,
+        };
+        let picture = Picture::of(format!("{title}: {caption}"), SMALL, panel);
+        (caption, picture)
+    };
+    all.into_iter().map(one).collect()
 }

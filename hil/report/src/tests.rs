@@ -197,9 +197,9 @@ fn is_one_small_file_with_everything_in_it() {
         let own = page.replace("http://www.w3.org/2000/svg", "");
         assert!(!own.contains(foreign), "{foreign}");
     }
-    // Nine loops; two maps, two spectra, an autocorrelation, the force over time; two backbones, stiffness over amplitude, frequency and
-    // cycles, and loops one above another.
-    assert_eq!(page.matches("role=\"img\"").count(), 9 + 6 + 6);
+    // Nine loops; two maps, two spectra, an autocorrelation, the force over time; two backbones, three figures over amplitude and over
+    // frequency, those over cycles, and loops one above another.
+    assert_eq!(page.matches("role=\"img\"").count(), 9 + 6 + 2 + 3 + 3 + 2);
     // Top to bottom as one would argue.
     let steps = [
         "1-what-was-given",

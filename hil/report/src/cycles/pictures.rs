@@ -6,7 +6,8 @@ use super::figures::{BlockFigures, CycleFigures, Of, middle_line};
 use crate::charts::{self, MEASURED};
 use crate::palette::Colour;
 use crate::picture::{
-    Axis, Dash, HALF, Layer, Look, Mark, Panel, Picture, TIME_COLUMNS, WIDE, envelope, thinned,
+    Axis, Dash, HALF, Layer, Look, Mark, Panel, Picture, SMALL, TIME_COLUMNS, WIDE, envelope,
+    thinned,
 };
 use crate::text;
 
@@ -84,7 +85,7 @@ pub fn backbones(blocks: &[BlockFigures<'_>]) -> [Picture; 2] {
 }
 
 /// K′, K″ and η over amplitude, a curve for each frequency; `None` where there is one amplitude alone.
-pub fn over_amplitude(blocks: &[BlockFigures<'_>]) -> Option<Picture> {
+pub fn over_amplitude(blocks: &[BlockFigures<'_>]) -> Option<Vec<Picture>> {
     let amplitude = |block: &BlockFigures<'_>| block.block.amplitude;
     let frequency = |block: &BlockFigures<'_>| block.block.frequency;
     over(
@@ -97,7 +98,7 @@ pub fn over_amplitude(blocks: &[BlockFigures<'_>]) -> Option<Picture> {
 }
 
 /// The same over frequency, a curve for each amplitude; `None` where there is one frequency alone.
-pub fn over_frequency(blocks: &[BlockFigures<'_>]) -> Option<Picture> {
+pub fn over_frequency(blocks: &[BlockFigures<'_>]) -> Option<Vec<Picture>> {
     let amplitude = |block: &BlockFigures<'_>| block.block.amplitude;
     let frequency = |block: &BlockFigures<'_>| block.block.frequency;
     over(
@@ -131,7 +132,7 @@ fn over(
     at: Condition,
     (other, other_unit): (&str, &str),
     level_of: Condition,
-) -> Option<Picture> {
+) -> Option<Vec<Picture>> {
     if levels(blocks, at).len() < 2 {
         return None;
     }
@@ -139,7 +140,7 @@ fn over(
     if levels.len() > LEVELS.len() {
         levels = Vec::new();
     }
-    let panels = FIGURES.map(|(name, unit_of, figure)| {
+    let pictures = FIGURES.map(|(name, unit_of, figure)| {
         let points = |of: usize, level: Option<f64>| {
             let these = blocks
                 .iter()
@@ -180,7 +181,7 @@ fn over(
         }
         let axis = Axis::new(along, unit);
         let ends = blocks.iter().map(at);
-        Panel {
+        let panel = Panel {
             title: String::new(),
             // Steps of a test over a decade are even in the logarithm.
             x: if is_wide(ends) {
@@ -190,16 +191,10 @@ fn over(
             },
             y: Axis::new(name, unit_of),
             layers,
-        }
+        };
+        Picture::of(format!("{name} over {along}, by {other}"), SMALL, panel)
     });
-    let title =
-        format!("Storage stiffness, loss stiffness and loss factor over {along}, by {other}");
-    Some(Picture::of_panels(
-        title,
-        ((380, 300), 13),
-        3,
-        panels.into(),
-    ))
+    Some(pictures.into())
 }
 
 /// Whether the largest is ten times the least or more.

@@ -139,7 +139,7 @@ const linesOf = (panel, first, index, chosen) => {
   };
 };
 
-const HELP = "Drag a box to zoom, Shift and drag to move, Ctrl and wheel to zoom about the pointer; double-click or Escape resets. "
+const HELP = "Drag a box to zoom, Shift and drag to move, Ctrl and wheel to zoom about the pointer; double-click or Escape resets; tap to read. "
   + "With keys: arrows go from sample to sample and from curve to curve, Shift and arrows move, + and − zoom, Escape resets.";
 
 const view = figure => {
@@ -184,8 +184,10 @@ const view = figure => {
     const line = text => { const one = document.createElement("div"); one.textContent = text; return one; };
     const across = `${panel.x.name} ${panel.x.scale === "log" ? number(found.values[0])
       : reading(found.values[0], Math.abs(panel.view.x1 - panel.view.x0) / 2000)} ${panel.x.unit}`;
+    const row = found.curve && found.curve.rows && found.curve.rows[found.index];
+    const of = row ? [line(row.firstElementChild.textContent)] : [];
     const up = panel.curves.some(curve => curve.cells) ? [line(`${panel.y.name} ${number(found.values[1])} ${panel.y.unit}`)] : [];
-    readout.replaceChildren(line(across), ...up, ...found.lines.map(([name, value]) => line(`${name}: ${value}`)));
+    readout.replaceChildren(...of, line(across), ...up, ...found.lines.map(([name, value]) => line(`${name}: ${value}`)));
     readout.hidden = false;
     readout.setAttribute("role", spoken ? "status" : "none");
     const box = svg.getBoundingClientRect(), outer = figure.getBoundingClientRect();
