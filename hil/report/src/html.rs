@@ -12,6 +12,8 @@ const SCRIPT: &str = concat!(
     "(()=>{\"use strict\";\n",
     include_str!("script/axis.js"),
     include_str!("script/points.js"),
+    include_str!("script/panel.js"),
+    include_str!("script/read.js"),
     include_str!("script/view.js"),
     include_str!("script/key.js"),
     "})();"

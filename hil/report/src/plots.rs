@@ -10,14 +10,14 @@ pub const EQUATION: Style = Style(Colour::Before, Dash::Long, Mark::Square);
 /// Of the crate's surfaces.
 pub const SURFACES: Style = Style(Colour::After, Dash::Solid, Mark::Diamond);
 /// Of finite elements.
-pub const ELEMENTS: Style = Style(Colour::Green, Dash::DashDot, Mark::Triangle);
+pub const ELEMENTS: Style = Style(Colour::Green, Dash::Mixed, Mark::Triangle);
 /// Of what the text says.
 pub const SAID: Style = Style(Colour::Pink, Dash::Short, Mark::Ring);
 /// One for each of the five densities or amplitudes.
 pub const SHADES: [Style; 5] = [
     Style(Colour::Yellow, Dash::Solid, Mark::Disc),
     Style(Colour::Sky, Dash::Long, Mark::Square),
-    Style(Colour::Green, Dash::DashDot, Mark::Triangle),
+    Style(Colour::Green, Dash::Mixed, Mark::Triangle),
     Style(Colour::Before, Dash::Short, Mark::Diamond),
     Style(Colour::Ink, Dash::Dotted, Mark::Ring),
 ];

@@ -167,6 +167,7 @@ fn is_one_small_file_with_everything_in_it() {
         let picture = loop_picture(series, &series.blocks[4]);
         std::fs::write(std::path::Path::new(&directory).join("loop.svg"), picture).unwrap();
     }
+    structure::check(&page);
     assert!(page.len() < 2_000_000, "{}", page.len());
     for part in [
         "Found: stick-slip",

@@ -20,7 +20,7 @@ fn rows(count: usize) -> Vec<BatchRow> {
             ("stiffness".to_owned(), estimate(1.2 + part, "kN/mm")),
         ];
         let effect = BatchEffect {
-            family: if i % 3 == 0 {
+            family: if i.is_multiple_of(3) {
                 "stick_slip"
             } else {
                 "compliance"
@@ -33,7 +33,7 @@ fn rows(count: usize) -> Vec<BatchRow> {
         let outcome = BatchOutcome {
             verdict,
             effects: if found { vec![effect] } else { Vec::new() },
-            adopted: i % 16 != 0,
+            adopted: !i.is_multiple_of(16),
             nrmse_before: noise * (1.0 + 10.0 * part),
             nrmse_after: noise * (1.0 + part * part),
             noise,
@@ -66,6 +66,7 @@ fn every_row_is_there_once_and_counted() {
     if let Ok(directory) = std::env::var("REPORT_PREVIEW") {
         std::fs::write(std::path::Path::new(&directory).join("batch.html"), &page).unwrap();
     }
+    crate::structure::check(&page);
     assert!(page.contains("40 found, 40 nothing missing, 40 ambiguous, 40 unmodelled, 40 failed"));
     assert_eq!(page.matches("href=\"reports/test-").count(), 160);
     assert_eq!(page.matches("check the load cell").count(), 40);

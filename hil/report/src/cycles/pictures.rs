@@ -17,7 +17,7 @@ const LINE: usize = 120;
 const LEVELS: [(Colour, Mark, Dash); 5] = [
     (Colour::After, Mark::Disc, Dash::Solid),
     (Colour::Before, Mark::Square, Dash::Long),
-    (Colour::Green, Mark::Triangle, Dash::DashDot),
+    (Colour::Green, Mark::Triangle, Dash::Mixed),
     (Colour::Pink, Mark::Diamond, Dash::Short),
     (Colour::Yellow, Mark::Ring, Dash::Dotted),
 ];

@@ -304,7 +304,7 @@ fn line(sheet: &mut Sheet, look: &Look, colour: &str, path: &str) {
         Dash::Solid => &[],
         Dash::Long => &[9.0, 4.0],
         Dash::Short => &[4.0, 3.0],
-        Dash::DashDot => &[9.0, 3.0, 2.0, 3.0],
+        Dash::Mixed => &[9.0, 3.0, 2.0, 3.0],
         Dash::Dotted => &[2.0, 3.0],
     };
     let dashes: Vec<String> = dashes

@@ -116,7 +116,7 @@ pub enum Dash {
     /// Short dashes.
     Short,
     /// Dashes and dots.
-    DashDot,
+    Mixed,
     /// Dots.
     Dotted,
 }

@@ -46,9 +46,9 @@ const ticksOf = (axis, from, to, most) => {
   if (axis.scale === "lin") return even(from, to, most);
   if (to - from < 1) {
     const apart = [];
-    for (const [value, label] of even(10 ** from, 10 ** to, 2 * most)) {
+    for (const [value, label] of even(10 ** from, 10 ** to, most)) {
       const place = Math.log10(value), last = apart[apart.length - 1];
-      if (isFinite(place) && !(last && place - last[0] <= (to - from) / Math.max(1, most))) apart.push([place, label]);
+      if (isFinite(place) && !(last && place - last[0] <= (0.6 * (to - from)) / Math.max(1, most))) apart.push([place, label]);
     }
     return apart;
   }
