@@ -5,9 +5,9 @@ use std::path::{Path, PathBuf};
 use clap::Args;
 use mesh_damper_identify::base_law::BaseLaw;
 use mesh_damper_identify::known_terms::{KnownTerm, known_terms};
-use mesh_damper_identify::trace::{Sought, trace_for};
+use mesh_damper_identify::trace::{Role, Sought, Trace, trace_for};
 use mesh_damper_model::Family;
-use mesh_damper_model::file::ModelFile;
+use mesh_damper_model::file::{FittedRange, ModelFile};
 use mesh_damper_recording::Recording;
 use mesh_damper_recording::error::{InputError, Place};
 use mesh_damper_recording::output::Plan;
@@ -95,7 +95,7 @@ impl TraceCommand {
         drop((recordings, held_out));
         progress.step("writing the report");
         let names: Vec<String> = self.recordings.iter().map(|path| file_name(path)).collect();
-        outputs.add_json(self.out.join("model.json"), &found.model_file())?;
+        outputs.add_json(self.out.join("model.json"), &model_file(&found))?;
         let title = format!("Trace of {}", names.join(", "));
         let report = ReportData::of_trace(title, declared, found);
         outputs.add(self.out.join("report.html"), report::render(&report));
@@ -193,6 +193,29 @@ fn reject_repeats<'a>(paths: impl Iterator<Item = &'a PathBuf>) -> Result<(), In
         known.push(resolved);
     }
     Ok(())
+}
+
+/// The model with the range of motion that it was fitted on.
+pub fn model_file(found: &Trace) -> ModelFile {
+    let fitted = |channel: fn(&mesh_damper_recording::motion::MotionEstimate) -> &Vec<f64>| {
+        found.recordings.iter().flat_map(move |traced| {
+            let values = channel(&traced.trajectory.motion);
+            values
+                .iter()
+                .zip(&traced.roles)
+                .filter(|(_, role)| **role != Role::HeldOut)
+                .map(|(value, _)| value)
+        })
+    };
+    let still = FittedRange {
+        displacement: [0.0; 2],
+        velocity: [0.0; 2],
+    };
+    let range = FittedRange::of(
+        fitted(|motion| &motion.displacement),
+        fitted(|motion| &motion.velocity),
+    );
+    ModelFile::new(found.model.clone(), range.unwrap_or(still))
 }
 
 /// What the recordings' comments declare.

@@ -16,7 +16,6 @@ mod fitted;
 mod left_in_cycles;
 pub(crate) mod left_out;
 pub(crate) mod mend;
-mod model_file;
 mod relative_error;
 pub(crate) mod remainder;
 pub mod result;
