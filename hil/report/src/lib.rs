@@ -53,6 +53,7 @@ use std::ops::Range;
 
 use mesh_damper_identify::trace::result::TraceResult;
 
+pub use from_trace::declared;
 pub use page::render;
 
 /// What a report is made from.
