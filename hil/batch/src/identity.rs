@@ -60,7 +60,10 @@ fn content(path: &Path, limit: ReadLimit) -> Result<Content, InputError> {
     let open = || File::open(path).map(BufReader::new);
     let mut first = Vec::new();
     let mut file = open().map_err(failed)?;
-    Read::by_ref(&mut file).take(2).read_to_end(&mut first).map_err(failed)?;
+    Read::by_ref(&mut file)
+        .take(2)
+        .read_to_end(&mut first)
+        .map_err(failed)?;
     if first == GZIP {
         // A damaged one is known by its bytes.
         if let Ok(content) = hashed(MultiGzDecoder::new(open().map_err(failed)?), limit) {

@@ -207,7 +207,10 @@ mod tests {
         for (text, said) in [
             ("time_s,force_kN\n", "is no journal of a batch"),
             ("without an end", "is no journal of a batch"),
-            ("{\"format\":\"mesh-damper batch journal\",\"version\":2}\n", "has version 2"),
+            (
+                "{\"format\":\"mesh-damper batch journal\",\"version\":2}\n",
+                "has version 2",
+            ),
         ] {
             fs::write(&path, text).unwrap();
             let error = Journal::open(&path).unwrap_err().to_string();

@@ -5,13 +5,13 @@ use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::path::Path;
 use std::time::Instant;
 
+use mesh_damper_identify::trace::result::TraceResult;
 use mesh_damper_identify::trace::trace_for;
 use mesh_damper_model::file::ModelFile;
 use mesh_damper_recording::Recording;
 use mesh_damper_recording::error::InputError;
 use mesh_damper_recording::output::Plan;
 use mesh_damper_report::{self as report, ReportData};
-use mesh_damper_identify::trace::result::TraceResult;
 
 use crate::list::Task;
 use crate::outcome::{Failure, Found};
@@ -28,17 +28,23 @@ pub(crate) struct Made {
 /// Traces the recordings of `task`. What goes wrong with them, and a fault in the trace itself, is the failure of this one alone.
 pub(crate) fn trace(task: &Task, settings: &Settings, folder: &str) -> Result<Made, Failure> {
     // Nothing of it is used after a panic.
-    catch_unwind(AssertUnwindSafe(|| try_to_trace(task, settings, folder))).unwrap_or_else(|panic| {
-        Err(Failure {
-            error: format!("a fault in the trace itself, please report it: {}", said(&*panic)),
-            read_limit: None,
-        })
-    })
+    catch_unwind(AssertUnwindSafe(|| try_to_trace(task, settings, folder))).unwrap_or_else(
+        |panic| {
+            Err(Failure {
+                error: format!(
+                    "a fault in the trace itself, please report it: {}",
+                    said(&*panic)
+                ),
+                read_limit: None,
+            })
+        },
+    )
 }
 
 fn said(panic: &(dyn Any + Send)) -> &str {
     let text = panic.downcast_ref::<String>().map(String::as_str);
-    text.or(panic.downcast_ref::<&str>().copied()).unwrap_or("no word of why")
+    text.or(panic.downcast_ref::<&str>().copied())
+        .unwrap_or("no word of why")
 }
 
 fn try_to_trace(task: &Task, settings: &Settings, folder: &str) -> Result<Made, Failure> {
@@ -55,20 +61,22 @@ fn try_to_trace(task: &Task, settings: &Settings, folder: &str) -> Result<Made, 
         recordings.push(read(path)?);
     }
     let (fitted, held_out) = recordings.split_at(task.recordings.len());
-    let trace = trace_for(&settings.sought, fitted, held_out, &|_| ()).map_err(|error| Failure {
-        error: error.to_string(),
-        read_limit: None,
-    })?;
+    let trace =
+        trace_for(&settings.sought, fitted, held_out, &|_| ()).map_err(|error| Failure {
+            error: error.to_string(),
+            read_limit: None,
+        })?;
     let model = trace.model_file();
     let seconds = started.elapsed().as_secs_f64();
     let range = model.fitted_range();
     let found = Found::of(&trace, &recordings, range, folder.to_owned(), seconds);
+    let declared = report::declared(&recordings);
     // The report needs memory of its own.
     drop(recordings);
     let (result, report) = match settings.reports {
         false => (trace.result, None),
         true => {
-            let data = ReportData::of_trace(format!("Trace of {}", task.name), Vec::new(), trace);
+            let data = ReportData::of_trace(format!("Trace of {}", task.name), declared, trace);
             let page = report::render(&data);
             (data.result, Some(page))
         }

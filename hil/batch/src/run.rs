@@ -67,7 +67,8 @@ impl Progress {
 
     /// Time that is left if all others have to be made, s.
     pub fn left(&self) -> Option<f64> {
-        self.rate().map(|rate| (self.total - self.done) as f64 / rate)
+        self.rate()
+            .map(|rate| (self.total - self.done) as f64 / rate)
     }
 }
 
@@ -107,12 +108,17 @@ impl Batch {
             progress,
         };
         let workers = Workers::for_tasks(self.jobs, self.list.tasks.len());
-        each(workers, self.list.tasks.len(), |which| running.deal_with(which))?;
+        each(workers, self.list.tasks.len(), |which| {
+            running.deal_with(which)
+        })?;
         let summary = running.summary();
         let table = outcomes(&summary.traces);
         outputs.add(self.out.join(OUTCOMES), table.to_parquet()?);
         outputs.add(self.out.join(OUTCOMES_CSV), table.to_csv());
-        outputs.add(self.out.join(EFFECTS), parameters(&summary.traces).to_parquet()?);
+        outputs.add(
+            self.out.join(EFFECTS),
+            parameters(&summary.traces).to_parquet()?,
+        );
         if let Some(json) = &self.json {
             outputs.add_json(json, &summary)?;
         }
@@ -125,7 +131,12 @@ impl Batch {
         let Ok(out) = self.out.canonicalize() else {
             return Ok(());
         };
-        let mut folders = self.list.tasks.iter().flat_map(Task::paths).filter_map(Path::parent);
+        let mut folders = self
+            .list
+            .tasks
+            .iter()
+            .flat_map(Task::paths)
+            .filter_map(Path::parent);
         match folders.find(|folder| folder.canonicalize().is_ok_and(|folder| folder == out)) {
             Some(_) => Err(InputError::new(
                 self.out.display().to_string(),
@@ -252,13 +263,19 @@ impl Running<'_> {
 
     fn with_state<T>(&self, of: impl FnOnce(&mut State) -> T) -> T {
         // A worker that panicked while it held the lock left it as it was between two steps.
-        let mut state = self.state.lock().unwrap_or_else(std::sync::PoisonError::into_inner);
+        let mut state = self
+            .state
+            .lock()
+            .unwrap_or_else(std::sync::PoisonError::into_inner);
         of(&mut state)
     }
 
     fn summary(self) -> Summary {
         let tasks = &self.batch.list.tasks;
-        let state = self.state.into_inner().unwrap_or_else(std::sync::PoisonError::into_inner);
+        let state = self
+            .state
+            .into_inner()
+            .unwrap_or_else(std::sync::PoisonError::into_inner);
         let mut rows: BTreeMap<usize, Row> = BTreeMap::new();
         for (&which, failure) in &state.unread {
             let outcome = Outcome::Failed(failure.clone());
@@ -293,7 +310,9 @@ impl Running<'_> {
             .collect();
         shared.sort();
         let traces: Vec<Row> = rows.into_values().collect();
-        let failed = traces.iter().filter(|row| matches!(row.outcome, Outcome::Failed(_)));
+        let failed = traces
+            .iter()
+            .filter(|row| matches!(row.outcome, Outcome::Failed(_)));
         let failed = failed.count();
         Summary {
             format: "mesh-damper batch",
@@ -312,7 +331,9 @@ impl Running<'_> {
 fn twice(task: &Task, contents: &[Content]) -> Option<String> {
     let paths: Vec<&Path> = task.paths().collect();
     contents.iter().enumerate().find_map(|(place, content)| {
-        let other = contents[..place].iter().position(|other| other == content)?;
+        let other = contents[..place]
+            .iter()
+            .position(|other| other == content)?;
         let error = InputError::new(
             paths[place].display().to_string(),
             format!("is the same recording as {}", paths[other].display()),
@@ -326,7 +347,10 @@ fn twice(task: &Task, contents: &[Content]) -> Option<String> {
 fn short_name(name: &str) -> String {
     const LONGEST: usize = 48;
     let last = name.rsplit(['/', '\\']).find(|part| !part.is_empty());
-    let last = last.unwrap_or("trace").trim_end_matches(".gz").trim_end_matches(".csv");
+    let last = last
+        .unwrap_or("trace")
+        .trim_end_matches(".gz")
+        .trim_end_matches(".csv");
     let plain = |letter: char| match letter {
         'a'..='z' | 'A'..='Z' | '0'..='9' | '-' | '_' => letter,
         '.' => '.',

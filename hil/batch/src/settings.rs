@@ -21,6 +21,10 @@ impl Settings {
             mesh_damper_recording::policy::policy(),
             mesh_damper_identify::policy::policy(),
         );
-        format!("{} {:?} {numbers:?}", env!("CARGO_PKG_VERSION"), self.sought)
+        format!(
+            "{} {:?} {numbers:?}",
+            env!("CARGO_PKG_VERSION"),
+            self.sought
+        )
     }
 }

@@ -42,12 +42,17 @@ pub(crate) fn each(
     let first = Mutex::new(None);
     let fail = |error| {
         broken.store(true, Ordering::Relaxed);
-        let mut first = first.lock().unwrap_or_else(std::sync::PoisonError::into_inner);
+        let mut first = first
+            .lock()
+            .unwrap_or_else(std::sync::PoisonError::into_inner);
         first.get_or_insert(error);
     };
     let worker = || {
         // A trace that runs within it takes no thread of another.
-        let pool = match ThreadPoolBuilder::new().num_threads(workers.threads).build() {
+        let pool = match ThreadPoolBuilder::new()
+            .num_threads(workers.threads)
+            .build()
+        {
             Ok(pool) => pool,
             Err(error) => {
                 let problem = format!("cannot start its threads: {error}");

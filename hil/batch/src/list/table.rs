@@ -43,8 +43,9 @@ pub(super) fn csv(list: &Path, text: &str) -> Result<Option<Vec<Task>>, InputErr
         };
         let mut rows = Vec::new();
         for record in reader.records() {
-            let record =
-                record.map_err(|error| mesh_damper_recording::csv_text::broken_csv(&list.display().to_string(), &error))?;
+            let record = record.map_err(|error| {
+                mesh_damper_recording::csv_text::broken_csv(&list.display().to_string(), &error)
+            })?;
             let line = record.position().map_or(0, csv::Position::line);
             let cell = |place: Option<usize>| place.and_then(|place| record.get(place));
             rows.push((
@@ -76,7 +77,11 @@ pub(super) fn parquet(list: &Path, bytes: Vec<u8>) -> Result<Vec<Task>, InputErr
     for batch in reader {
         let batch = batch.map_err(|error| broken(&error))?;
         let schema = batch.schema();
-        let names: Vec<&str> = schema.fields().iter().map(|field| field.name().as_str()).collect();
+        let names: Vec<&str> = schema
+            .fields()
+            .iter()
+            .map(|field| field.name().as_str())
+            .collect();
         let Some(places) = places(list, &names)? else {
             return Err(refused(
                 list,
@@ -98,7 +103,10 @@ pub(super) fn parquet(list: &Path, bytes: Vec<u8>) -> Result<Vec<Task>, InputErr
 }
 
 /// Where each of [`COLUMNS`] stands; `None` where there is no `path`.
-fn places(list: &Path, names: &[&str]) -> Result<Option<[Option<usize>; COLUMNS.len()]>, InputError> {
+fn places(
+    list: &Path,
+    names: &[&str],
+) -> Result<Option<[Option<usize>; COLUMNS.len()]>, InputError> {
     let mut places = [None; COLUMNS.len()];
     for (column, place) in COLUMNS.iter().zip(&mut places) {
         let mut found = (0..names.len()).filter(|&at| names[at].eq_ignore_ascii_case(column));
@@ -123,7 +131,12 @@ fn places(list: &Path, names: &[&str]) -> Result<Option<[Option<usize>; COLUMNS.
 }
 
 /// A cell as text; empty where it is null.
-fn text_at(list: &Path, batch: &RecordBatch, place: usize, row: usize) -> Result<String, InputError> {
+fn text_at(
+    list: &Path,
+    batch: &RecordBatch,
+    place: usize,
+    row: usize,
+) -> Result<String, InputError> {
     let column: &ArrayRef = batch.column(place);
     if column.is_null(row) {
         return Ok(String::new());
@@ -152,7 +165,8 @@ fn tasks(list: &Path, rows: Vec<(Place, Cells)>) -> Result<Vec<Task>, InputError
     let mut tasks: Vec<Task> = Vec::new();
     let mut groups: HashMap<String, usize> = HashMap::new();
     for (place, [path, group, specimen, role, held_out]) in rows {
-        let refused = |problem: String, mend: &str| Err(refused(list, problem, mend).at(place.clone()));
+        let refused =
+            |problem: String, mend: &str| Err(refused(list, problem, mend).at(place.clone()));
         if path.is_empty() {
             return refused("has no path".into(), "write the path of a recording");
         }
@@ -181,10 +195,16 @@ fn tasks(list: &Path, rows: Vec<(Place, Cells)>) -> Result<Vec<Task>, InputError
                 ..Task::default()
             });
         } else if !specimen.is_empty() {
-            let known = tasks[which].specimen.get_or_insert_with(|| specimen.clone());
+            let known = tasks[which]
+                .specimen
+                .get_or_insert_with(|| specimen.clone());
             if *known != specimen {
                 return refused(
-                    format!("group {} is of specimen {} too", quoted(&group), quoted(known)),
+                    format!(
+                        "group {} is of specimen {} too",
+                        quoted(&group),
+                        quoted(known)
+                    ),
                     "give each specimen groups of its own",
                 );
             }
@@ -197,12 +217,19 @@ fn tasks(list: &Path, rows: Vec<(Place, Cells)>) -> Result<Vec<Task>, InputError
         all.push(resolved(list, &path));
     }
     if tasks.is_empty() {
-        return Err(refused(list, "has no row", "write a row for every recording"));
+        return Err(refused(
+            list,
+            "has no row",
+            "write a row for every recording",
+        ));
     }
     match tasks.iter().find(|task| task.recordings.is_empty()) {
         Some(task) => Err(refused(
             list,
-            format!("{} has recordings that are held out and none to fit", quoted(&task.name)),
+            format!(
+                "{} has recordings that are held out and none to fit",
+                quoted(&task.name)
+            ),
             "give the recordings of one trace the same group, one of them at least with the role fit",
         )),
         None => Ok(tasks),

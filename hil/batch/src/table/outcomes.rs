@@ -16,7 +16,11 @@ pub fn outcomes(rows: &[Row]) -> Table {
         Values::Text(rows.iter().map(|row| of(made(row)?)).collect())
     };
     let lists = |of: fn(&Found) -> Vec<String>| {
-        Values::Texts(rows.iter().map(|row| made(row).map(of).unwrap_or_default()).collect())
+        Values::Texts(
+            rows.iter()
+                .map(|row| made(row).map(of).unwrap_or_default())
+                .collect(),
+        )
     };
     let real = |of: fn(&Found) -> Option<f64>| {
         Values::Real(rows.iter().map(|row| of(made(row)?)).collect())
@@ -37,10 +41,26 @@ pub fn outcomes(rows: &[Row]) -> Table {
             "The group, or the recording's path as it was listed.",
             text(|row| Some(row.trace.clone())),
         ),
-        ("group", "The group that the table names.", text(|row| row.group.clone())),
-        ("specimen", "The specimen that the table names.", text(|row| row.specimen.clone())),
-        ("recordings", "Paths of the recordings that were fitted.", texts(|row| &row.recordings)),
-        ("held_out", "Paths of the recordings that were held out.", texts(|row| &row.held_out)),
+        (
+            "group",
+            "The group that the table names.",
+            text(|row| row.group.clone()),
+        ),
+        (
+            "specimen",
+            "The specimen that the table names.",
+            text(|row| row.specimen.clone()),
+        ),
+        (
+            "recordings",
+            "Paths of the recordings that were fitted.",
+            texts(|row| &row.recordings),
+        ),
+        (
+            "held_out",
+            "Paths of the recordings that were held out.",
+            texts(|row| &row.held_out),
+        ),
         (
             "copies",
             "Paths of recordings that hold the same: they are no rows of their own.",
@@ -49,14 +69,27 @@ pub fn outcomes(rows: &[Row]) -> Table {
         (
             "outcome",
             "`traced` or `failed`.",
-            text(|row| Some(if made(row).is_some() { "traced" } else { "failed" }.to_owned())),
+            text(|row| {
+                Some(
+                    if made(row).is_some() {
+                        "traced"
+                    } else {
+                        "failed"
+                    }
+                    .to_owned(),
+                )
+            }),
         ),
         (
             "verdict",
             "`none`, `found`, `ambiguous` or `unlisted`, as in `trace.json`.",
             found(|found| Some(word(found.verdict))),
         ),
-        ("effects", "Families of the effects found.", lists(|found| families(&found.effects))),
+        (
+            "effects",
+            "Families of the effects found.",
+            lists(|found| families(&found.effects)),
+        ),
         (
             "unconfirmed",
             "Families of effects that are in the model and not confirmed.",
@@ -117,7 +150,11 @@ pub fn outcomes(rows: &[Row]) -> Table {
             "What is wrong with the data. Files are named as they were when it was traced.",
             lists(|found| found.warnings.clone()),
         ),
-        ("samples", "Samples of all recordings.", count(|found| found.samples)),
+        (
+            "samples",
+            "Samples of all recordings.",
+            count(|found| found.samples),
+        ),
         (
             "duration_s",
             "Length of all recordings.",
@@ -143,7 +180,11 @@ pub fn outcomes(rows: &[Row]) -> Table {
             "Largest velocity that was fitted.",
             real(|found| Some(found.fitted_range.velocity[1])),
         ),
-        ("trace_s", "What the trace took.", real(|found| Some(found.trace_s))),
+        (
+            "trace_s",
+            "What the trace took.",
+            real(|found| Some(found.trace_s)),
+        ),
         (
             "program_version",
             "The version of the program that made it.",
@@ -164,7 +205,15 @@ pub fn outcomes(rows: &[Row]) -> Table {
         ),
     ];
     let columns = columns.into_iter();
-    Table(columns.map(|(name, about, values)| Column { name, about, values }).collect())
+    Table(
+        columns
+            .map(|(name, about, values)| Column {
+                name,
+                about,
+                values,
+            })
+            .collect(),
+    )
 }
 
 fn made(row: &Row) -> Option<&Found> {

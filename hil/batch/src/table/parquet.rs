@@ -25,8 +25,11 @@ impl Table {
             let may_miss = !matches!(column.values, Values::Texts(_));
             (column.name, column.values.array(), may_miss)
         });
-        let batch = RecordBatch::try_from_iter_with_nullable(columns).map_err(|error| failed(&error))?;
-        let properties = WriterProperties::builder().set_compression(Compression::SNAPPY).build();
+        let batch =
+            RecordBatch::try_from_iter_with_nullable(columns).map_err(|error| failed(&error))?;
+        let properties = WriterProperties::builder()
+            .set_compression(Compression::SNAPPY)
+            .build();
         let mut bytes = Vec::new();
         ArrowWriter::try_new(&mut bytes, batch.schema(), Some(properties))
             .and_then(|mut writer| {

@@ -1,6 +1,7 @@
 //! The commands that `cargo demo` is built without: they need the image and the studies.
 
 mod amplitude_independent;
+mod batch;
 mod bench;
 mod bench_table;
 mod blind;
@@ -45,6 +46,7 @@ use super::Failure;
 /// See [`super::Cli`].
 #[derive(Debug, Subcommand)]
 pub enum Command {
+    Batch(batch::BatchCommand),
     Predict(predict::Predict),
     Respond(respond::RespondCommand),
     Export(export::ExportCommand),
@@ -68,6 +70,7 @@ impl Command {
     /// Does what the command line asks for.
     pub fn run(self) -> Result<(), Failure> {
         match self {
+            Self::Batch(command) => command.run(),
             Self::Predict(command) => command.run(),
             Self::Respond(command) => command.run(),
             Self::Export(command) => command.run(),
