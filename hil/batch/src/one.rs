@@ -2,7 +2,7 @@
 
 use std::any::Any;
 use std::panic::{AssertUnwindSafe, catch_unwind};
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::time::Instant;
 
 use mesh_damper_identify::trace::result::TraceResult;
@@ -49,11 +49,10 @@ fn said(panic: &(dyn Any + Send)) -> &str {
 
 fn try_to_trace(task: &Task, settings: &Settings, folder: &str) -> Result<Made, Failure> {
     let started = Instant::now();
-    let limit = settings.limit;
-    let read = |path: &std::path::PathBuf| {
-        Recording::read_channels_within(path, limit).map_err(|error| Failure {
+    let read = |path: &PathBuf| {
+        Recording::read_channels(path, &settings.reading).map_err(|error| Failure {
             error: error.to_string(),
-            read_limit: Some(limit.file()),
+            read_limit: Some(settings.reading.limit.file()),
         })
     };
     let mut recordings = Vec::new();

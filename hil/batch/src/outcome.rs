@@ -64,6 +64,8 @@ pub struct Found {
     pub separating_test: Option<String>,
     /// What is wrong with the data, in words. Files are named as they were when it was traced.
     pub warnings: Vec<String>,
+    /// What was taken for what in the files without being sure, in words.
+    pub guesses: Vec<String>,
 }
 
 /// Errors of the force, RMS over RMS of the measured force.
@@ -137,6 +139,7 @@ impl Found {
             depends_on: result.depends_on.clone(),
             separating_test: result.separating_test.clone(),
             warnings: result.warnings.clone(),
+            guesses: recordings.iter().flat_map(guesses).collect(),
         }
     }
 }
@@ -150,6 +153,13 @@ impl Effect {
             nrmse_with: finite(effect.nrmse_with),
         }
     }
+}
+
+fn guesses(recording: &Recording) -> Vec<String> {
+    let guesses = recording.guesses().iter();
+    guesses
+        .map(|guess| format!("{}: {guess}", recording.name))
+        .collect()
 }
 
 /// JSON has no other numbers.

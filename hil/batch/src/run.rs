@@ -174,7 +174,7 @@ impl Running<'_> {
     /// Makes one trace, unless it is made already.
     fn deal_with(&self, which: usize) -> Result<(), InputError> {
         let task = &self.batch.list.tasks[which];
-        match contents(task, self.batch.settings.limit) {
+        match contents(task, self.batch.settings.reading.limit) {
             Err(error) => {
                 let error = error.to_string();
                 let failure = Failure {
@@ -227,7 +227,7 @@ impl Running<'_> {
                     !one::is_there(&self.batch.out.join(&found.folder), settings)
                 }
                 Some(Outcome::Failed(failure)) => {
-                    let limit = settings.limit.file();
+                    let limit = settings.reading.limit.file();
                     let may_pass = failure.read_limit.is_some_and(|known| known != limit);
                     state.failed += usize::from(!may_pass);
                     may_pass

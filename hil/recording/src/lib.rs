@@ -36,6 +36,7 @@
 pub mod averaging;
 mod channel;
 mod clock;
+pub mod columns;
 mod consistency;
 mod control;
 pub mod csv_text;
@@ -44,6 +45,7 @@ pub mod dynamic_stiffness;
 pub mod error;
 pub mod extremes;
 pub mod faults;
+pub mod files;
 mod harmonic;
 pub mod input;
 mod kinks;
@@ -110,6 +112,7 @@ pub struct Recording {
     pub units: Units,
     source: Option<Source>,
     lines: RowLines,
+    guesses: Vec<String>,
     faults: Vec<ChannelFault>,
 }
 
@@ -144,6 +147,7 @@ impl Recording {
             units: Units::default(),
             source: None,
             lines: RowLines::default(),
+            guesses: Vec::new(),
             faults: Vec::new(),
         };
         recording.check()?;

@@ -4,6 +4,7 @@ use std::io::Write as _;
 use std::path::Path;
 
 use super::Recording;
+use super::units::Unit;
 
 /// Significant digits with which numbers made here are written: a thousandth of a 24-bit converter's step.
 const DIGITS: usize = 9;
@@ -58,14 +59,15 @@ impl Recording {
             let force = predicted.map(|both| {
                 both.map(|values| {
                     let force = values.get(index).copied().unwrap_or_default();
-                    decimal(force / self.units.force.scale)
+                    decimal(self.units.force.from_code(force))
                 })
             });
             row.clear();
             match &self.source {
                 Some(_) => row.extend(cells.by_ref().take(header.len())),
-                None => row.extend(channels.iter().map(|(_, scale, channel)| {
-                    decimal(channel.get(index).copied().unwrap_or_default() / scale)
+                None => row.extend(channels.iter().map(|(_, unit, channel)| {
+                    let value = channel.get(index).copied().unwrap_or_default();
+                    decimal(unit.map_or(value, |unit| unit.from_code(value)))
                 })),
             }
             line(&row, force);
@@ -73,8 +75,8 @@ impl Recording {
         writer.into_inner().unwrap_or_default()
     }
 
-    /// Each channel's column name, its unit in the code's, and its samples.
-    fn channels(&self) -> Vec<(String, f64, &[f64])> {
+    /// Each channel's column name, its unit, none of a control input, and its samples.
+    fn channels(&self) -> Vec<(String, Option<Unit>, &[f64])> {
         let units = &self.units;
         let channels = [
             ("time", units.time, Some(&self.time)),
@@ -86,10 +88,10 @@ impl Recording {
         .into_iter()
         .filter_map(|(name, unit, channel)| {
             let name = format!("{name}_{}", unit.symbol);
-            Some((name, unit.scale, channel?.as_slice()))
+            Some((name, Some(unit), channel?.as_slice()))
         });
         let controls = self.controls.iter();
-        let controls = controls.map(|each| (each.name.clone(), 1.0, each.values.as_slice()));
+        let controls = controls.map(|each| (each.name.clone(), None, each.values.as_slice()));
         channels.chain(controls).collect()
     }
 }

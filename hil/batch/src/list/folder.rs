@@ -3,11 +3,17 @@
 use std::path::Path;
 
 use mesh_damper_recording::error::InputError;
+use mesh_damper_recording::files::FORMATS;
 
 use super::{List, Task, refused};
 
-/// The endings of the names of recordings, in small letters.
-pub const ENDINGS: [&str; 2] = [".csv", ".csv.gz"];
+/// Whether a file's name, in small letters, is that of a recording: it has an ending of a format that is read, gzipped or not.
+fn is_recording(name: &str) -> bool {
+    let name = name.strip_suffix(".gz").unwrap_or(name);
+    let endings = FORMATS.iter().flat_map(|format| format.endings());
+    let ending = name.rsplit_once('.').map(|(_, ending)| ending);
+    ending.is_some_and(|ending| endings.into_iter().any(|known| *known == ending))
+}
 
 /// Every recording in `folder`, by name. Hidden files and folders in it are left alone.
 ///
@@ -24,7 +30,7 @@ pub(super) fn list(folder: &Path) -> Result<List, InputError> {
         if name.starts_with('.') {
         } else if path.is_dir() {
             folders += 1;
-        } else if ENDINGS.iter().any(|ending| name.ends_with(ending)) {
+        } else if is_recording(&name) {
             list.tasks.push(Task::of(path));
         } else {
             list.ignored.push(path);
@@ -37,10 +43,7 @@ pub(super) fn list(folder: &Path) -> Result<List, InputError> {
         };
         return Err(refused(
             folder,
-            format!(
-                "holds no recording, of which the names end in {}{within}",
-                ENDINGS.join(" or ")
-            ),
+            format!("holds no file with an ending of recordings, such as .csv{within}"),
             "name the folder with the recordings, or give a list of their paths",
         ));
     }

@@ -9,8 +9,6 @@ use std::path::{Path, PathBuf};
 use mesh_damper_recording::error::InputError;
 use mesh_damper_recording::read_limit::ReadLimit;
 
-pub use folder::ENDINGS;
-
 /// One trace of a batch: the recordings that it fits, and those that it holds out.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Task {
@@ -58,7 +56,7 @@ pub struct List {
 }
 
 impl List {
-    /// Reads `path`: a folder, of which every file with one of the [`ENDINGS`] is a recording; a text with a path on every line; or a
+    /// Reads `path`: a folder, of which every file with an ending of a format that is read is a recording; a text with a path on every line; or a
     /// table as CSV or Parquet with a column `path`, and `group`, `specimen`, and `role` or `held_out` where they are wanted. The rows of
     /// one group are one trace.
     ///

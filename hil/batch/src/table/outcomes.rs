@@ -151,6 +151,11 @@ pub fn outcomes(rows: &[Row]) -> Table {
             lists(|found| found.warnings.clone()),
         ),
         (
+            "guesses",
+            "What was taken for what in the files without being sure.",
+            lists(|found| found.guesses.clone()),
+        ),
+        (
             "samples",
             "Samples of all recordings.",
             count(|found| found.samples),

@@ -40,7 +40,7 @@ fn a_folder_gives_its_recordings_by_name() {
     let root = folder(&[
         "b.CSV",
         "a.csv.gz",
-        "notes.txt",
+        "notes.pdf",
         ".hidden.csv",
         "deeper/c.csv",
     ]);
@@ -50,11 +50,12 @@ fn a_folder_gives_its_recordings_by_name() {
         names(&list, root.path()),
         [alone("a.csv.gz"), alone("b.CSV")]
     );
-    assert_eq!(list.ignored, [root.path().join("notes.txt")]);
-    let empty = folder(&["notes.txt", "deeper/c.csv"]);
+    assert_eq!(list.ignored, [root.path().join("notes.pdf")]);
+    let empty = folder(&["notes.pdf", "deeper/c.csv"]);
     let error = read(empty.path()).unwrap_err();
     assert!(
-        error.contains("holds no recording") && error.contains("1 folders in it are not searched"),
+        error.contains("holds no file with an ending of recordings")
+            && error.contains("1 folders in it are not searched"),
         "{error}"
     );
 }

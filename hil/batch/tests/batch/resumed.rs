@@ -74,11 +74,11 @@ fn other_settings_are_other_traces_and_the_limit_matters_to_what_it_refused() {
     let mut batch = batch(&folder, &out);
     let size = fs::metadata(folder.join("0.csv")).unwrap().len();
     let larger = size.max(fs::metadata(folder.join("1.csv")).unwrap().len());
-    batch.settings.limit = ReadLimit::new(larger - 1);
+    batch.settings.reading.limit = ReadLimit::new(larger - 1);
     let refused = run(&batch);
     assert!(refused.failed >= 1 && refused.computed == 2, "{refused:?}");
     assert_eq!(run(&batch).computed, 0);
-    batch.settings.limit = ReadLimit::default();
+    batch.settings.reading.limit = ReadLimit::default();
     let passed = run(&batch);
     assert_eq!((passed.failed, passed.traced), (0, 2));
     assert!(passed.computed <= refused.failed);

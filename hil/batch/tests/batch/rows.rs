@@ -65,7 +65,7 @@ fn each_recording_is_traced_as_it_is_alone() {
         let Outcome::Traced(found) = &row.outcome else {
             panic!("{row:?}");
         };
-        let recording = Recording::read_channels_within(&path, ReadLimit::default()).unwrap();
+        let recording = Recording::read_channels(&path, &ReadLimit::default().into()).unwrap();
         let alone = trace(&[recording], &[], &|_| ()).unwrap();
         let traced = out.join(&found.folder);
         let text = fs::read_to_string(traced.join("trace.json")).unwrap();

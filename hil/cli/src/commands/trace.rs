@@ -9,7 +9,7 @@ use mesh_damper_recording::{Recording, refuse_repeats};
 use mesh_damper_report::{self as report, ReportData, declared};
 
 use super::progress::Progress;
-use super::reading::Reading;
+use super::reading::RecordingFiles;
 use super::seeking::Seeking;
 use super::separating;
 use super::{Failure, say, summary};
@@ -39,7 +39,7 @@ pub struct TraceCommand {
     #[arg(long, value_name = "FILE")]
     json: Option<PathBuf>,
     #[command(flatten)]
-    reading: Reading,
+    files: RecordingFiles,
 }
 
 impl TraceCommand {
@@ -58,10 +58,10 @@ impl TraceCommand {
         let read = |paths: &[PathBuf]| {
             paths
                 .iter()
-                .map(|path| Recording::read_channels_within(path, self.reading.limit))
+                .map(|path| self.files.channels(path))
                 .collect::<Result<Vec<_>, _>>()
         };
-        let sought = self.seeking.sought(self.reading.limit)?;
+        let sought = self.seeking.sought(self.files.reading.limit)?;
         let recordings = read(&self.recordings)?;
         let held_out = read(&self.held_out)?;
         let progress = Progress::steps();

@@ -12,7 +12,7 @@ use mesh_damper_identify::trace::result::Verdict;
 use mesh_damper_recording::error::InputError;
 
 use crate::commands::progress::Progress;
-use crate::commands::reading::Reading;
+use crate::commands::reading::RecordingFiles;
 use crate::commands::seeking::Seeking;
 use crate::commands::{Failure, say, warn};
 
@@ -46,12 +46,12 @@ pub struct BatchCommand {
     #[command(flatten)]
     seeking: Seeking,
     #[command(flatten)]
-    reading: Reading,
+    files: RecordingFiles,
 }
 
 impl BatchCommand {
     pub fn run(self) -> Result<(), Failure> {
-        let limit = self.reading.limit;
+        let limit = self.files.reading.limit;
         let list = match &self.inputs[..] {
             [one] if one.as_path() == Path::new("-") => listed_on_standard_input()?,
             [one] => List::read(one, limit)?,
@@ -65,7 +65,7 @@ impl BatchCommand {
             list,
             settings: Settings {
                 sought: self.seeking.sought(limit)?,
-                limit,
+                reading: self.files.said(),
                 reports: self.reports,
             },
             out: self.out,
