@@ -3,12 +3,14 @@
 //! | module | for |
 //! |---|---|
 //! | the root | [`Batch`]: traces of a [`List`], kept one by one; [`Summary`] and its [`Row`]s: what became of them |
+//! | [`mod@compare`] | models of one specimen over time |
 //! | [`list`] | a folder, a list of paths, a table of paths with their groups |
 //! | [`outcome`] | what a row says of its trace |
 //! | [`mod@table`] | the rows as Parquet and CSV |
 
 #![forbid(unsafe_code)]
 
+pub mod compare;
 mod identity;
 mod journal;
 mod leftover;

@@ -7,12 +7,11 @@ use mesh_damper_recording::files::FORMATS;
 
 use super::{List, Task, refused};
 
-/// Whether a file's name, in small letters, is that of a recording: it has an ending of a format that is read, gzipped or not.
+/// Whether a file's name, in small letters, has an ending of a format that is read.
 fn is_recording(name: &str) -> bool {
-    let name = name.strip_suffix(".gz").unwrap_or(name);
-    let endings = FORMATS.iter().flat_map(|format| format.endings());
+    let mut endings = FORMATS.iter().flat_map(|format| format.endings());
     let ending = name.rsplit_once('.').map(|(_, ending)| ending);
-    ending.is_some_and(|ending| endings.into_iter().any(|known| *known == ending))
+    ending.is_some_and(|ending| endings.any(|known| *known == ending))
 }
 
 /// Every recording in `folder`, by name. Hidden files and folders in it are left alone.

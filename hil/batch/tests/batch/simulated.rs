@@ -20,6 +20,11 @@ pub fn drawn(seed: u64) -> Recording {
     recording(draw(seed).0, seed)
 }
 
+/// Another recording of the specimen that `specimen` draws.
+pub fn drawn_again(specimen: u64, seed: u64) -> Recording {
+    recording(draw(specimen).0, seed)
+}
+
 /// A recording of a few seconds of a specimen of these coefficients alone.
 pub fn plain(coefficients: Coefficients, seed: u64) -> Recording {
     recording(Specimen::new(coefficients), seed)

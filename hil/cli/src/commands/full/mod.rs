@@ -7,6 +7,7 @@ mod bench_table;
 mod blind;
 mod board;
 mod characterize;
+mod compare;
 mod controls;
 mod cycles;
 mod design;
@@ -47,6 +48,7 @@ use super::Failure;
 #[derive(Debug, Subcommand)]
 pub enum Command {
     Batch(batch::BatchCommand),
+    Compare(compare::CompareCommand),
     Predict(predict::Predict),
     Respond(respond::RespondCommand),
     Export(export::ExportCommand),
@@ -71,6 +73,7 @@ impl Command {
     pub fn run(self) -> Result<(), Failure> {
         match self {
             Self::Batch(command) => command.run(),
+            Self::Compare(command) => command.run(),
             Self::Predict(command) => command.run(),
             Self::Respond(command) => command.run(),
             Self::Export(command) => command.run(),
