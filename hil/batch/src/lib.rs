@@ -17,6 +17,7 @@ mod leftover;
 pub mod list;
 mod one;
 pub mod outcome;
+mod page;
 mod row;
 mod run;
 mod settings;

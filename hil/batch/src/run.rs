@@ -15,6 +15,7 @@ use crate::leftover;
 use crate::list::{List, Task};
 use crate::one;
 use crate::outcome::{Failure, Outcome};
+use crate::page::page;
 use crate::row::{Row, Summary};
 use crate::settings::Settings;
 use crate::table::{outcomes, parameters};
@@ -28,6 +29,8 @@ const TRACES: &str = "traces";
 const OUTCOMES: &str = "outcomes.parquet";
 const OUTCOMES_CSV: &str = "outcomes.csv";
 const EFFECTS: &str = "effects.parquet";
+/// The page.
+const PAGE: &str = "index.html";
 
 /// Traces to be made, and where they go.
 #[derive(Clone, Debug)]
@@ -84,7 +87,7 @@ impl Batch {
     pub fn run(&self, progress: &(dyn Fn(Progress) + Sync)) -> Result<Summary, InputError> {
         let started = Instant::now();
         self.refuse_own_folder()?;
-        let names = [OUTCOMES, OUTCOMES_CSV, EFFECTS, JOURNAL];
+        let names = [OUTCOMES, OUTCOMES_CSV, EFFECTS, PAGE, JOURNAL];
         let mut outputs = Plan::new()
             .reads(&self.list.file)
             .reads(self.list.tasks.iter().flat_map(Task::paths))
@@ -119,6 +122,7 @@ impl Batch {
             self.out.join(EFFECTS),
             parameters(&summary.traces).to_parquet()?,
         );
+        outputs.add(self.out.join(PAGE), page(&summary.traces, &self.out));
         if let Some(json) = &self.json {
             outputs.add_json(json, &summary)?;
         }

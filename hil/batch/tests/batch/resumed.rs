@@ -134,6 +134,7 @@ fn a_batch_that_was_killed_anywhere_makes_only_what_it_had_not_kept() {
             .collect();
         let all = [
             "effects.parquet",
+            "index.html",
             "journal.jsonl",
             "outcomes.csv",
             "outcomes.parquet",
