@@ -13,6 +13,7 @@ use mesh_damper_recording::error::InputError;
 use mesh_damper_recording::output::Plan;
 use mesh_damper_report::{self as report, ReportData};
 
+use crate::identity::Content;
 use crate::list::Task;
 use crate::outcome::{Failure, Found};
 use crate::settings::Settings;
@@ -26,17 +27,14 @@ pub(crate) struct Made {
 }
 
 /// Traces the recordings of `task`. What goes wrong with them, and a fault in the trace itself, is the failure of this one alone.
-pub(crate) fn trace(task: &Task, settings: &Settings, folder: &str) -> Result<Made, Failure> {
+pub(crate) fn trace(task: &Task, settings: &Settings, folder: String) -> Result<Made, Failure> {
     // Nothing of it is used after a panic.
     catch_unwind(AssertUnwindSafe(|| try_to_trace(task, settings, folder))).unwrap_or_else(
         |panic| {
-            Err(Failure {
-                error: format!(
-                    "a fault in the trace itself, please report it: {}",
-                    said(&*panic)
-                ),
-                read_limit: None,
-            })
+            Err(Failure::of(&format!(
+                "a fault in the trace itself, please report it: {}",
+                said(&*panic)
+            )))
         },
     )
 }
@@ -47,7 +45,7 @@ fn said(panic: &(dyn Any + Send)) -> &str {
         .unwrap_or("no word of why")
 }
 
-fn try_to_trace(task: &Task, settings: &Settings, folder: &str) -> Result<Made, Failure> {
+fn try_to_trace(task: &Task, settings: &Settings, folder: String) -> Result<Made, Failure> {
     let started = Instant::now();
     let read = |path: &PathBuf| {
         Recording::read_channels(path, &settings.reading).map_err(|error| Failure {
@@ -60,15 +58,12 @@ fn try_to_trace(task: &Task, settings: &Settings, folder: &str) -> Result<Made, 
         recordings.push(read(path)?);
     }
     let (fitted, held_out) = recordings.split_at(task.recordings.len());
-    let trace =
-        trace_for(&settings.sought, fitted, held_out, &|_| ()).map_err(|error| Failure {
-            error: error.to_string(),
-            read_limit: None,
-        })?;
+    let trace = trace_for(&settings.sought, fitted, held_out, &|_| ())
+        .map_err(|error| Failure::of(&error))?;
     let model = trace.model_file();
     let seconds = started.elapsed().as_secs_f64();
     let range = model.fitted_range();
-    let found = Found::of(&trace, &recordings, range, folder.to_owned(), seconds);
+    let found = Found::of(&trace, &recordings, range, folder, seconds);
     let declared = report::declared(&recordings);
     // The report needs memory of its own.
     drop(recordings);
@@ -85,6 +80,22 @@ fn try_to_trace(task: &Task, settings: &Settings, folder: &str) -> Result<Made, 
         result,
         model,
         report,
+    })
+}
+
+/// What is wrong with a task that has one recording twice: it would be counted twice, or fitted and held out.
+pub(crate) fn twice(task: &Task, contents: &[Content]) -> Option<Failure> {
+    let paths: Vec<&Path> = task.paths().collect();
+    contents.iter().enumerate().find_map(|(place, content)| {
+        let other = contents[..place]
+            .iter()
+            .position(|other| other == content)?;
+        let error = InputError::new(
+            paths[place].display().to_string(),
+            format!("is the same recording as {}", paths[other].display()),
+            "give each recording of a trace once",
+        );
+        Some(Failure::of(&error))
     })
 }
 

@@ -27,10 +27,20 @@ pub struct Failure {
     pub read_limit: Option<u64>,
 }
 
+impl Failure {
+    /// By an error that another limit of reading does not change.
+    pub(crate) fn of(error: &impl ToString) -> Self {
+        Self {
+            error: error.to_string(),
+            read_limit: None,
+        }
+    }
+}
+
 /// What a trace found: of `trace.json` what a table of many needs. An error that is not finite is none.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Found {
-    /// The folder with its files, below the batch's.
+    /// The folder with its files, below the batch's; empty where none were written.
     pub folder: String,
     /// The version of the program that made it.
     pub program_version: String,

@@ -1,12 +1,18 @@
 //! The rows of a batch: a trace each, with what became of it.
 
-use serde::Serialize;
+use std::path::PathBuf;
 
+use rayon::ThreadPoolBuilder;
+use serde::{Deserialize, Serialize};
+
+use crate::identity::{contents, identity};
 use crate::list::Task;
-use crate::outcome::Outcome;
+use crate::one;
+use crate::outcome::{Failure, Outcome};
+use crate::settings::Settings;
 
 /// One trace of a batch.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Row {
     /// What the list calls it: its group, or the recording's path.
     pub trace: String,
@@ -28,8 +34,35 @@ pub struct Row {
 }
 
 impl Row {
+    /// Makes one trace on one core and writes no file of it: for who has thousands of them made elsewhere, and keeps the rows. A
+    /// recording that cannot be read or traced is a row with its error.
+    pub fn make(task: &Task, settings: &Settings) -> Self {
+        let make = || Self::made(task, settings);
+        match ThreadPoolBuilder::new().num_threads(1).build() {
+            Ok(pool) => pool.install(make),
+            Err(_) => make(),
+        }
+    }
+
+    fn made(task: &Task, settings: &Settings) -> Self {
+        let made = contents(task, settings.reading.limit).map(|contents| {
+            let id = identity(task, &contents, &settings.decisive());
+            let outcome = match one::twice(task, &contents) {
+                Some(failure) => Outcome::Failed(failure),
+                None => match one::trace(task, settings, String::new()) {
+                    Ok(made) => Outcome::Traced(Box::new(made.found)),
+                    Err(failure) => Outcome::Failed(failure),
+                },
+            };
+            (Some(id), outcome)
+        });
+        let (id, outcome) =
+            made.unwrap_or_else(|error| (None, Outcome::Failed(Failure::of(&error))));
+        Self::of(task, &[], id, outcome)
+    }
+
     pub(crate) fn of(task: &Task, copies: &[&Task], id: Option<String>, outcome: Outcome) -> Self {
-        let shown = |paths: &[std::path::PathBuf]| {
+        let shown = |paths: &[PathBuf]| {
             let paths = paths.iter().map(|path| path.display().to_string());
             paths.collect::<Vec<_>>()
         };

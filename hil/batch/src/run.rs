@@ -180,11 +180,7 @@ impl Running<'_> {
         let task = &self.batch.list.tasks[which];
         match contents(task, self.batch.settings.reading.limit) {
             Err(error) => {
-                let error = error.to_string();
-                let failure = Failure {
-                    error,
-                    read_limit: None,
-                };
+                let failure = Failure::of(&error);
                 self.with_state(|state| {
                     state.unread.insert(which, failure);
                     state.failed += 1;
@@ -242,12 +238,9 @@ impl Running<'_> {
 
     fn make(&self, task: &Task, id: &str, contents: &[Content]) -> Result<(), InputError> {
         let folder = format!("{TRACES}/{}-{}", short_name(&task.name), &id[..8]);
-        let made = match twice(task, contents) {
-            Some(error) => Err(Failure {
-                error,
-                read_limit: None,
-            }),
-            None => one::trace(task, &self.batch.settings, &folder),
+        let made = match one::twice(task, contents) {
+            Some(failure) => Err(failure),
+            None => one::trace(task, &self.batch.settings, folder.clone()),
         };
         let outcome = match made {
             Ok(made) => {
@@ -329,22 +322,6 @@ impl Running<'_> {
             traces,
         }
     }
-}
-
-/// What is wrong with a task that has one recording twice: it would be counted twice, or fitted and held out.
-fn twice(task: &Task, contents: &[Content]) -> Option<String> {
-    let paths: Vec<&Path> = task.paths().collect();
-    contents.iter().enumerate().find_map(|(place, content)| {
-        let other = contents[..place]
-            .iter()
-            .position(|other| other == content)?;
-        let error = InputError::new(
-            paths[place].display().to_string(),
-            format!("is the same recording as {}", paths[other].display()),
-            "give each recording of a trace once",
-        );
-        Some(error.to_string())
-    })
 }
 
 /// A folder's name of a task's: its last part, of letters, digits, dots, dashes and underscores.

@@ -1,8 +1,10 @@
 //! Workers that take one task after another.
 
+use std::any::Any;
 use std::num::NonZeroUsize;
-use std::sync::Mutex;
+use std::panic::{AssertUnwindSafe, catch_unwind, resume_unwind};
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
+use std::sync::{Mutex, PoisonError};
 
 use mesh_damper_recording::error::InputError;
 use rayon::ThreadPoolBuilder;
@@ -32,6 +34,9 @@ impl Workers {
 ///
 /// # Errors
 /// The first error of `work`, or threads that cannot be started.
+///
+/// # Panics
+/// Where `work` does.
 pub(crate) fn each(
     workers: Workers,
     tasks: usize,
@@ -40,12 +45,10 @@ pub(crate) fn each(
     let next = AtomicUsize::new(0);
     let broken = AtomicBool::new(false);
     let first = Mutex::new(None);
-    let fail = |error| {
+    let fail = |end| {
         broken.store(true, Ordering::Relaxed);
-        let mut first = first
-            .lock()
-            .unwrap_or_else(std::sync::PoisonError::into_inner);
-        first.get_or_insert(error);
+        let mut first = first.lock().unwrap_or_else(PoisonError::into_inner);
+        first.get_or_insert(end);
     };
     let worker = || {
         // A trace that runs within it takes no thread of another.
@@ -56,7 +59,7 @@ pub(crate) fn each(
             Ok(pool) => pool,
             Err(error) => {
                 let problem = format!("cannot start its threads: {error}");
-                return fail(InputError::new("--jobs", problem, "give fewer"));
+                return fail(End::Error(InputError::new("--jobs", problem, "give fewer")));
             }
         };
         while !broken.load(Ordering::Relaxed) {
@@ -64,8 +67,11 @@ pub(crate) fn each(
             if which >= tasks {
                 return;
             }
-            if let Err(error) = pool.install(|| work(which)) {
-                fail(error);
+            // Nothing of it is used after a panic, which goes on where the work was asked for.
+            match catch_unwind(AssertUnwindSafe(|| pool.install(|| work(which)))) {
+                Ok(Ok(())) => {}
+                Ok(Err(error)) => fail(End::Error(error)),
+                Err(panic) => fail(End::Panic(panic)),
             }
         }
     };
@@ -74,11 +80,17 @@ pub(crate) fn each(
             scope.spawn(worker);
         }
     });
-    let first = first.into_inner();
-    match first.unwrap_or_else(std::sync::PoisonError::into_inner) {
-        Some(error) => Err(error),
+    match first.into_inner().unwrap_or_else(PoisonError::into_inner) {
+        Some(End::Error(error)) => Err(error),
+        Some(End::Panic(panic)) => resume_unwind(panic),
         None => Ok(()),
     }
+}
+
+/// Why the work ended early.
+enum End {
+    Error(InputError),
+    Panic(Box<dyn Any + Send>),
 }
 
 #[cfg(test)]

@@ -97,6 +97,26 @@ impl List {
         })
     }
 
+    /// The table `text`, as CSV; its paths are relative to the working directory. `name` is what errors call it.
+    ///
+    /// # Errors
+    /// As [`List::read`] of a table.
+    pub fn of_table(name: &str, text: &str) -> Result<Self, InputError> {
+        let list = Path::new(name);
+        let tasks = table::csv(list, text)?;
+        let tasks = tasks.ok_or_else(|| {
+            refused(
+                list,
+                "has no column path",
+                "name the column of the paths so",
+            )
+        })?;
+        Ok(Self {
+            tasks,
+            ..Self::default()
+        })
+    }
+
     /// One trace of each recording.
     pub fn of_recordings<P: Into<PathBuf>>(paths: impl IntoIterator<Item = P>) -> Self {
         Self {
