@@ -7,6 +7,7 @@ use mesh_damper_model::file::model_error;
 use mesh_damper_model::{Model, ModelError};
 use mesh_damper_recording::error::InputError;
 use mesh_damper_reference::protocol::{MotionSample, TestBlock, motion};
+use nalgebra::{Cholesky, DMatrix};
 use serde::Serialize;
 use statrs::distribution::{ChiSquared, ContinuousCDF as _};
 
@@ -163,25 +164,17 @@ pub(super) fn changes(
     let later = spreads.iter().enumerate().skip(1);
     Ok(later
         .map(|(model, spread)| {
-            let off: Vec<f64> = spread
-                .force
-                .iter()
-                .zip(&first.force)
-                .map(|(force, first)| force - first)
-                .collect();
-            let expected = first.variances.as_ref().zip(spread.variances.as_ref());
-            let expected: Option<Vec<f64>> =
-                expected.map(|(a, b)| a.iter().chain(b).copied().collect());
+            let pairs = spread.force.iter().zip(&first.force);
+            let off: Vec<f64> = pairs.map(|(force, first)| force - first).collect();
+            let chance = first.chance.zip(spread.chance).map(|(a, b)| a.and(b));
             let difference = mean_square(&off);
             let largest = (0..off.len()).max_by(|&a, &b| off[a].abs().total_cmp(&off[b].abs()));
             let largest = largest.unwrap_or_default();
             ForceChange {
                 model,
                 difference: (difference / scale).sqrt(),
-                expected: expected
-                    .as_ref()
-                    .map(|parts| (parts.iter().sum::<f64>() / scale).sqrt()),
-                p: expected.and_then(|parts| chance(difference, &parts)),
+                expected: chance.map(|chance| (chance.sum / scale).sqrt()),
+                p: chance.and_then(|chance| chance.exceeds(difference)),
                 changed: false,
                 largest: Place {
                     displacement_mm: run.kept[largest].0,
@@ -194,21 +187,38 @@ pub(super) fn changes(
         .collect())
 }
 
-/// The chance of a mean square as large as `difference` of a sum of squares of normal variables with these `variances`: that of a scaled
-/// χ² with the same mean and variance (Satterthwaite 1946).
-fn chance(difference: f64, variances: &[f64]) -> Option<f64> {
-    let sum: f64 = variances.iter().sum();
-    let squares: f64 = variances.iter().map(|variance| variance * variance).sum();
-    let freedom = sum * sum / squares;
-    Some(
-        ChiSquared::new(freedom)
-            .ok()?
-            .sf(freedom * difference / sum),
-    )
+/// A sum of squares of independent normal variables: the sum of their variances, and that of the squares of these.
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct Chance {
+    sum: f64,
+    squares: f64,
+}
+
+impl Chance {
+    fn and(self, other: Self) -> Self {
+        Self {
+            sum: self.sum + other.sum,
+            squares: self.squares + other.squares,
+        }
+    }
+
+    /// The chance of a sum as large as `square`: that of a scaled χ² with the same mean and variance (Satterthwaite 1946).
+    fn exceeds(self, square: f64) -> Option<f64> {
+        let freedom = self.sum * self.sum / self.squares;
+        Some(
+            ChiSquared::new(freedom)
+                .ok()?
+                .sf(freedom * square / self.sum),
+        )
+    }
 }
 
 fn mean_square(values: &[f64]) -> f64 {
-    values.iter().map(|value| value * value).sum::<f64>() / values.len() as f64
+    mean_product(values, values)
+}
+
+fn mean_product(a: &[f64], b: &[f64]) -> f64 {
+    a.iter().zip(b).map(|(a, b)| a * b).sum::<f64>() / a.len() as f64
 }
 
 /// The motion, and the samples of it that count.
@@ -281,35 +291,64 @@ fn settling(block: &TestBlock, rate: f64, samples: usize) -> usize {
 /// A model's force, and how far it may be off.
 struct Spread {
     force: Vec<f64>,
-    /// Mean squares of what it is off by, kN², of independent causes; `None` where an interval is not known.
-    variances: Option<Vec<f64>>,
+    /// The mean square of what it is off by, kN²; `None` where an interval is not known.
+    chance: Option<Chance>,
 }
 
 impl Spread {
     fn of(moment: &Moment, run: &Run) -> Result<Self, ModelError> {
         let model = moment.model.model();
         let force = run.force(&model)?;
-        let variances = Self::variances(moment, &model, &force, run);
-        Ok(Self { force, variances })
+        let chance = Self::chance(moment, &model, &force, run);
+        Ok(Self { force, chance })
     }
 
-    /// One for each parameter, as if each erred by itself: together they err less, as they were fitted together. And one for what the model
-    /// leaves beyond the noise.
-    fn variances(moment: &Moment, model: &Model, force: &[f64], run: &Run) -> Option<Vec<f64>> {
+    /// Of the parameters, which were fitted together, and of what the model leaves beyond the noise.
+    ///
+    /// A trace gives the deviation of each parameter, and not how they err together. A fit to this motion would have its parameters err as
+    /// (HᵀH)⁻¹ says of the columns H, what each changes the force by; from that the correlations are taken.
+    fn chance(moment: &Moment, model: &Model, force: &[f64], run: &Run) -> Option<Chance> {
         let trace = moment.trace.as_ref()?;
-        let mut variances = Vec::new();
+        let mut columns = Vec::new();
         for parameter in of_model(moment) {
-            let deviation = parameter.bounds.deviation();
-            // What stands at the end of its range has no width there.
-            let Some(deviation) = deviation.or(is_exact(&parameter).then_some(0.0)) else {
-                return None;
-            };
-            variances.push(effect_of(model, &parameter, deviation, force, run)?);
+            match parameter.bounds.deviation() {
+                Some(deviation) => {
+                    columns.push(changed_by(model, &parameter, deviation, force, run)?)
+                }
+                // What has no width errs by nothing; what has no bound by anything.
+                None if is_exact(&parameter) => {}
+                None => return None,
+            }
         }
-        let left = trace.augmented.nrmse_held_out.powi(2) - trace.noise_floor_nrmse.powi(2);
-        variances.push(left.max(0.0) * mean_square(force));
-        Some(variances)
+        // What the trace takes for noise, that of the motion included, is in the intervals already.
+        let left = trace.remainder.as_ref().map_or(0.0, |left| left.nrmse);
+        let left = left * left * mean_square(force);
+        Some(of_parameters(&columns)?.and(Chance {
+            sum: left,
+            squares: left * left,
+        }))
     }
+}
+
+/// The mean square of the sum of `columns`, each times a normal variable of deviation 1, which are correlated as in a fit of them.
+/// `None` where the columns are no independent ones.
+fn of_parameters(columns: &[Vec<f64>]) -> Option<Chance> {
+    let count = columns.len();
+    let products = DMatrix::from_fn(count, count, |i, j| mean_product(&columns[i], &columns[j]));
+    let size: Vec<f64> = (0..count).map(|i| products[(i, i)].sqrt()).collect();
+    let scaled = DMatrix::from_fn(count, count, |i, j| products[(i, j)] / (size[i] * size[j]));
+    let inverse = Cholesky::new(scaled)?.inverse();
+    let deviation: Vec<f64> = (0..count).map(|i| inverse[(i, i)].sqrt()).collect();
+    let correlated = DMatrix::from_fn(count, count, |i, j| {
+        inverse[(i, j)] / (deviation[i] * deviation[j])
+    });
+    let off = correlated * products;
+    let squares = (&off * &off).trace();
+    let chance = Chance {
+        sum: off.trace(),
+        squares,
+    };
+    (chance.sum.is_finite() && squares.is_finite()).then_some(chance)
 }
 
 /// Whether an interval has two ends that are one.
@@ -318,42 +357,71 @@ fn is_exact(parameter: &Parameter) -> bool {
     bounds.low.is_some() && bounds.low == bounds.high
 }
 
-/// The mean square of what the force changes by where a parameter is off by a deviation, kN². `None` where the crate refuses it both
-/// above and below.
-fn effect_of(
+/// What the force changes by where a parameter is off by a deviation, kN. `None` where the crate refuses it both above and below.
+fn changed_by(
     model: &Model,
     parameter: &Parameter,
     deviation: f64,
     force: &[f64],
     run: &Run,
-) -> Option<f64> {
+) -> Option<Vec<f64>> {
     [deviation, -deviation].into_iter().find_map(|off| {
         let mut other = model.clone();
-        let value = match parameter.amplitude {
-            Some(amplitude) => {
-                let mut nodes = other.law.iter_mut();
-                let node = nodes.find(|node| node.amplitude == amplitude)?;
-                match parameter.name.as_str() {
-                    "k1" => &mut node.k1,
-                    "k3" => &mut node.k3,
-                    "c" => &mut node.c,
-                    _ => &mut node.alpha,
-                }
-            }
-            None => {
-                let mut effects = other.effects.iter_mut();
-                let effect = effects.find(|effect| effect.family.name() == parameter.of)?;
-                effect.parameters.get_mut(&parameter.name)?
-            }
-        };
-        *value += off;
+        *value_in(&mut other, parameter)? += off;
         let other = run.force(&other).ok()?;
-        Some(mean_square(
-            &other
-                .iter()
-                .zip(force)
-                .map(|(a, b)| a - b)
-                .collect::<Vec<_>>(),
-        ))
+        let pairs = other.iter().zip(force);
+        Some(
+            pairs
+                .map(|(other, force)| (other - force) * off.signum())
+                .collect(),
+        )
     })
+}
+
+/// Where a model has the value of a parameter.
+fn value_in<'a>(model: &'a mut Model, parameter: &Parameter) -> Option<&'a mut f64> {
+    let Some(amplitude) = parameter.amplitude else {
+        let mut effects = model.effects.iter_mut();
+        let effect = effects.find(|effect| effect.family.name() == parameter.of)?;
+        return effect.parameters.get_mut(&parameter.name);
+    };
+    let mut nodes = model.law.iter_mut();
+    let node = nodes.find(|node| node.amplitude == amplitude)?;
+    Some(match parameter.name.as_str() {
+        "k1" => &mut node.k1,
+        "k3" => &mut node.k3,
+        "c" => &mut node.c,
+        _ => &mut node.alpha,
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_is_fitted_together_errs_together() {
+        // Two columns that are alike but for a tenth: fitted, one errs against the other, and their sum by much less than either.
+        let time: Vec<f64> = (0..1000).map(|i| TAU * f64::from(i) / 1000.0).collect();
+        let one: Vec<f64> = time.iter().map(|t| t.sin()).collect();
+        let other: Vec<f64> = time.iter().map(|t| t.sin() + 0.1 * t.cos()).collect();
+        let alone = of_parameters(std::slice::from_ref(&one)).unwrap();
+        assert!((alone.sum - 0.5).abs() < 1e-12 && (alone.squares - 0.25).abs() < 1e-12);
+        let both = of_parameters(&[one, other]).unwrap();
+        // With K = ½·[1, 1; 1, 1.01] the correlation is −1/√1.01, and the mean square ½·(2.01 − 2/√1.01).
+        let expected = 0.5 * (2.01 - 2.0 / 1.01_f64.sqrt());
+        assert!((both.sum - expected).abs() < 1e-9, "{both:?}");
+        assert!(of_parameters(&[vec![1.0, 2.0], vec![2.0, 4.0]]).is_none());
+    }
+
+    #[test]
+    fn a_sum_of_two_equal_variables_is_exceeded_as_a_chi_square_of_two() {
+        let one = Chance {
+            sum: 0.5,
+            squares: 0.25,
+        };
+        // e^(−x/2) of χ² = 6, which is a sum of 3.
+        let p = one.and(one).exceeds(3.0).unwrap();
+        assert!((p - (-3.0_f64).exp()).abs() < 1e-9, "{p}");
+    }
 }
