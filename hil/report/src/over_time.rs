@@ -1,4 +1,4 @@
-//! Values with their intervals over time, a panel each, as one SVG.
+//! Values with their intervals over time or something else, a panel each, as one SVG.
 
 use super::palette::Colour;
 use super::picture::{Axis, Dash, Layer, Look, Mark, Panel as Drawn, Picture, SMALL};
@@ -21,7 +21,7 @@ pub struct Panel {
 /// A value at a time.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Value {
-    /// In any unit, the same for all.
+    /// Time, or what it is over; in any unit, the same for all.
     pub time: f64,
     /// In the panel's unit.
     pub value: f64,
@@ -29,8 +29,8 @@ pub struct Value {
     pub interval: Option<(f64, f64)>,
 }
 
-/// Panels in rows of three.
-pub fn picture(panels: &[Panel]) -> String {
+/// Panels in rows of three, whose abscissa is `over`.
+pub fn picture(title: &str, over: &str, panels: &[Panel]) -> String {
     let panel = |panel: &Panel| {
         let colour = if panel.changed {
             Colour::Before
@@ -45,30 +45,30 @@ pub fn picture(panels: &[Panel]) -> String {
         let ends =
             ends.flat_map(|(time, (low, high))| [(time, low), (time, high), (f64::NAN, f64::NAN)]);
         let values = panel.values.iter().map(|one| (one.time, one.value));
+        let ends: Vec<_> = ends.collect();
+        let intervals = Layer::new(
+            "90 % interval",
+            Colour::Measured,
+            Look::Line(Dash::Solid),
+            ends,
+        );
+        let values = Layer::new(
+            "value",
+            colour,
+            Look::Both(Mark::Disc, Dash::Short),
+            values.collect(),
+        );
+        let layers = [intervals, values].into_iter();
         Drawn {
             title: match panel.changed {
                 true => format!("{}: changed", panel.title),
                 false => panel.title.clone(),
             },
-            x: Axis::new("time", ""),
+            x: Axis::new(over, ""),
             y: Axis::new(panel.name.clone(), panel.unit.clone()),
-            layers: vec![
-                Layer::new(
-                    "90 % interval",
-                    Colour::Measured,
-                    Look::Line(Dash::Solid),
-                    ends.collect(),
-                ),
-                Layer::new(
-                    "value",
-                    colour,
-                    Look::Both(Mark::Disc, Dash::Short),
-                    values.collect(),
-                ),
-            ],
+            layers: layers.filter(|layer| !layer.points.is_empty()).collect(),
         }
     };
-    let title = "Models of one specimen over time";
     Picture::of_panels(title, SMALL, 3, panels.iter().map(panel).collect()).alone()
 }
 
@@ -90,7 +90,11 @@ mod tests {
             changed,
             values: vec![value(0.0, 1.0), value(3.0, 2.0)],
         };
-        let svg = picture(&[panel("law k1", true), panel("law c", false)]);
+        let svg = picture(
+            "all",
+            "time",
+            &[panel("law k1", true), panel("law c", false)],
+        );
         assert!(
             svg.contains("law k1: changed") && svg.contains("law c"),
             "{svg}"

@@ -48,7 +48,14 @@ impl CompareCommand {
         let moments = self.moments()?;
         let comparison = compare(moments)?;
         if let Some(picture) = &self.out {
-            outputs.add(picture, over_time::picture(&panels(&comparison)));
+            outputs.add(
+                picture,
+                over_time::picture(
+                    "Models of one specimen over time",
+                    "time",
+                    &panels(&comparison),
+                ),
+            );
         }
         if let Some(json) = &self.json {
             outputs.add_json(json, &comparison)?;
