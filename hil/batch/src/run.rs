@@ -94,7 +94,9 @@ impl Batch {
             .fills(self.out.as_path(), names)
             .writes(&self.json)
             .begin()?;
-        leftover::remove(&self.out);
+        if self.out.join(JOURNAL).exists() {
+            leftover::remove(&self.out);
+        }
         let running = Running {
             batch: self,
             decisive: self.settings.decisive(),

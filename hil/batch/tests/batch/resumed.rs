@@ -120,7 +120,7 @@ fn a_batch_that_was_killed_anywhere_makes_only_what_it_had_not_kept() {
         copy(&whole, &out);
         fs::remove_file(out.join("outcomes.parquet")).unwrap();
         fs::write(out.join("journal.jsonl"), &journal[..cut]).unwrap();
-        fs::write(out.join(".tmpAbCd"), "half").unwrap();
+        fs::write(out.join(".tmpAbC123"), "half").unwrap();
         let kept = ends[1..].iter().filter(|&&end| end <= cut).count();
         let resumed = run(&batch(&folder, &out));
         assert_eq!(resumed.computed, 3 - kept, "{cut}");
