@@ -58,6 +58,7 @@ pub mod policy;
 mod polynomial;
 mod read;
 pub mod read_limit;
+mod repeats;
 mod resample;
 mod rest;
 mod rows;
@@ -71,6 +72,7 @@ pub mod zeros;
 
 pub use consistency::check_consistency;
 pub use control::ControlChannel;
+pub use repeats::refuse_repeats;
 pub use resample::Uniform;
 pub use units::{Unit, Units};
 pub use write::{decimal, table};

@@ -3,6 +3,7 @@
 use std::ops::Range;
 
 use mesh_damper_identify::trace::{Role, Trace, Traced};
+use mesh_damper_recording::Recording;
 use mesh_damper_recording::cycles::FoundBlock;
 
 use super::{ReportData, Series, SeriesBlock};
@@ -21,6 +22,19 @@ impl ReportData {
                 .collect(),
         }
     }
+}
+
+/// What the recordings' comments declare of specimen, device and excitation, as the facts of a report.
+pub fn declared(recordings: &[Recording]) -> Vec<(String, String)> {
+    ["specimen", "device", "excitation"]
+        .into_iter()
+        .filter_map(|key| {
+            let text = recordings.iter().find_map(|r| r.declared(key))?;
+            // Recordings of one specimen differ in their excitation.
+            let same = recordings.iter().all(|r| r.declared(key) == Some(text));
+            same.then(|| (key.to_owned(), text.to_owned()))
+        })
+        .collect()
 }
 
 impl Series {

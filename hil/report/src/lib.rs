@@ -10,6 +10,7 @@
 //! | [`campaign`], [`characterization`], [`curves`] | pictures of the fault campaign, of a characterization, of any curves |
 //! | [`conditions`] | what each effect gains on each condition held out |
 //! | `size` | the picture of what a trace takes |
+//! | [`over_time`] | the picture of values with their intervals over time |
 //! | [`transmissibility`] | the picture of a sweep |
 //! | [`text`] | numbers, names and verdicts in words |
 //!
@@ -41,6 +42,7 @@ mod cycles;
 mod evidence;
 mod from_trace;
 mod html;
+pub mod over_time;
 mod page;
 mod palette;
 #[cfg(feature = "studies")]
@@ -61,6 +63,7 @@ use std::ops::Range;
 use mesh_damper_identify::trace::result::TraceResult;
 
 pub use batch::{BatchEffect, BatchOutcome, BatchRow, batch_page};
+pub use from_trace::declared;
 pub use page::render;
 
 /// What a report is made from.

@@ -13,7 +13,6 @@ use mesh_damper_rig::specimen::DrawnEffect;
 use serde::Serialize;
 
 use super::progress::Progress;
-use super::trace::model_file;
 use super::{Failure, say, summary};
 
 /// Test a specimen with an undeclared effect, trace it, and run again with the better law
@@ -91,7 +90,7 @@ impl DemoCommand {
         let recording = self.out.join("recording.csv.gz");
         outputs.add(&recording, done.recording.to_file(&recording));
         outputs.add_json(self.out.join("trace.json"), &done.trace.result)?;
-        outputs.add_json(self.out.join("model.json"), &model_file(&done.trace))?;
+        outputs.add_json(self.out.join("model.json"), &done.trace.model_file())?;
         outputs.add(self.out.join("report.html"), report::render(&report));
         if let Some(picture) = largest_loop(&report) {
             outputs.add(self.out.join("loop.svg"), picture);

@@ -3,6 +3,7 @@
 mod amplitude_free_command;
 mod bad_input;
 mod bad_input_of_studies;
+mod batch_command;
 mod bench_command;
 mod board_command;
 mod command;

@@ -35,8 +35,10 @@ mod within_blocks;
 pub use sought::Sought;
 pub use split::{Role, Roles};
 
+use mesh_damper_model::file::{FittedRange, ModelFile};
 use mesh_damper_model::{Model, ModelError};
 use mesh_damper_recording::error::InputError;
+use mesh_damper_recording::motion::MotionEstimate;
 use mesh_damper_recording::trajectory::Trajectory;
 use mesh_damper_recording::{Recording, check_consistency};
 
@@ -93,6 +95,31 @@ pub struct Trace {
     pub model: Model,
     /// The recordings fitted, then those held out.
     pub recordings: Vec<Traced>,
+}
+
+impl Trace {
+    /// The contents of `model.json`: the model with the range of motion that it was fitted on.
+    pub fn model_file(&self) -> ModelFile {
+        let fitted = |channel: fn(&MotionEstimate) -> &Vec<f64>| {
+            self.recordings.iter().flat_map(move |traced| {
+                let values = channel(&traced.trajectory.motion);
+                values
+                    .iter()
+                    .zip(&traced.roles)
+                    .filter(|(_, role)| **role != Role::HeldOut)
+                    .map(|(value, _)| value)
+            })
+        };
+        let still = FittedRange {
+            displacement: [0.0; 2],
+            velocity: [0.0; 2],
+        };
+        let range = FittedRange::of(
+            fitted(|motion| &motion.displacement),
+            fitted(|motion| &motion.velocity),
+        );
+        ModelFile::new(self.model.clone(), range.unwrap_or(still))
+    }
 }
 
 /// Closes the loop on `recordings`; the error is reported on `held_out`, or, where there is none, on the last cycles of

@@ -1,9 +1,11 @@
 //! What a trace is to seek, and beside what.
 
 use mesh_damper_model::Family;
+use mesh_damper_model::file::ModelFile;
+use mesh_damper_recording::error::{InputError, Place};
 
 use crate::base_law::BaseLaw;
-use crate::known_terms::KnownTerm;
+use crate::known_terms::{KnownTerm, known_terms};
 
 /// Families of effects that a trace may find, and the law beside which they are sought.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -21,6 +23,40 @@ pub struct Sought {
 }
 
 impl Sought {
+    /// All families, beside the effects of a model, with the control inputs that these see. `name` is what errors call the model.
+    ///
+    /// # Errors
+    /// A model with a residual table, which stands for what is sought; an effect whose parameters no fit has.
+    pub fn beside(model: &ModelFile, name: &str) -> Result<Self, InputError> {
+        let model = model.model();
+        let refused = |field: &str, problem: &str, remedy: &str| {
+            InputError::new(name, problem, remedy).at(Place::Field(field.to_owned()))
+        };
+        if model.correction.is_some() {
+            return Err(refused(
+                "correction",
+                "is a residual table, which stands for what is sought",
+                "give a model without it",
+            ));
+        }
+        let effects = model.effects.iter().enumerate().map(|(index, effect)| {
+            known_terms(effect).ok_or_else(|| {
+                refused(
+                    &format!("effects[{index}]"),
+                    "has parameters that no fit has",
+                    "give the effect as `hil trace` writes it, or leave it out",
+                )
+            })
+        });
+        let effects: Vec<Vec<KnownTerm>> = effects.collect::<Result<_, _>>()?;
+        let controls = model.controls.into_iter().map(|control| control.name);
+        Ok(Self {
+            known: effects.concat(),
+            controls: controls.collect(),
+            ..Self::default()
+        })
+    }
+
     /// Whether it has that family.
     pub fn has(&self, family: Family) -> bool {
         let is_meant = self.families.is_empty() || self.families.contains(&family);

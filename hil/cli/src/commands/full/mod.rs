@@ -1,11 +1,13 @@
 //! The commands that `cargo demo` is built without: they need the image and the studies.
 
 mod amplitude_independent;
+mod batch;
 mod bench;
 mod bench_table;
 mod blind;
 mod board;
 mod characterize;
+mod compare;
 mod controls;
 mod cycles;
 mod design;
@@ -47,6 +49,8 @@ use super::Failure;
 /// See [`super::Cli`].
 #[derive(Debug, Subcommand)]
 pub enum Command {
+    Batch(batch::BatchCommand),
+    Compare(compare::CompareCommand),
     Predict(predict::Predict),
     Respond(respond::RespondCommand),
     Export(export::ExportCommand),
@@ -71,6 +75,8 @@ impl Command {
     /// Does what the command line asks for.
     pub fn run(self) -> Result<(), Failure> {
         match self {
+            Self::Batch(command) => command.run(),
+            Self::Compare(command) => command.run(),
             Self::Predict(command) => command.run(),
             Self::Respond(command) => command.run(),
             Self::Export(command) => command.run(),

@@ -1,0 +1,28 @@
+//! Recordings that are given twice.
+
+use std::path::{Path, PathBuf};
+
+use crate::error::InputError;
+
+/// Refuses a file that is given twice: it would be held out and fitted, or counted twice.
+///
+/// # Errors
+/// The second path to one file.
+pub fn refuse_repeats(paths: impl IntoIterator<Item = impl AsRef<Path>>) -> Result<(), InputError> {
+    let mut known: Vec<PathBuf> = Vec::new();
+    for path in paths {
+        // What cannot be resolved is refused when it is read.
+        let Ok(resolved) = path.as_ref().canonicalize() else {
+            continue;
+        };
+        if known.contains(&resolved) {
+            return Err(InputError::new(
+                path.as_ref().display().to_string(),
+                "is given twice",
+                "give each recording once, either to fit or after --held-out",
+            ));
+        }
+        known.push(resolved);
+    }
+    Ok(())
+}
