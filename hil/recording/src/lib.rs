@@ -35,6 +35,7 @@
 pub mod averaging;
 mod channel;
 mod clock;
+mod columns;
 mod consistency;
 mod control;
 pub mod csv_text;

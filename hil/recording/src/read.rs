@@ -179,7 +179,6 @@ impl Recording {
             return Err(error);
         }
 
-        let mut units = Units::default();
         let controls = inputs
             .into_iter()
             .filter_map(|input| input.channel(&header));
@@ -192,7 +191,7 @@ impl Recording {
             temperature: None,
             controls: controls.collect(),
             comments: reader.into_inner().comments(),
-            units,
+            units: Units::default(),
             source: cells.map(|rows| Source { header, rows }),
             lines,
             faults: Vec::new(),
@@ -209,23 +208,26 @@ impl Recording {
                 kind: ChannelFaultKind::Cut,
             });
         }
-        for (channel, Column { quantity, unit, .. }) in channels.into_iter().zip(columns.used) {
+        recording.fill(columns.used, channels);
+        Ok(recording)
+    }
+
+    /// Puts what was read of each column into its channel.
+    pub(super) fn fill(&mut self, columns: Vec<Column>, channels: Vec<Vec<f64>>) {
+        let units = &mut self.units;
+        for (channel, Column { quantity, unit, .. }) in channels.into_iter().zip(columns) {
             match quantity {
-                Channel::Time => (recording.time, units.time) = (channel, unit),
+                Channel::Time => (self.time, units.time) = (channel, unit),
                 Channel::Displacement => {
-                    (recording.displacement, units.displacement) = (channel, unit);
+                    (self.displacement, units.displacement) = (channel, unit);
                 }
-                Channel::Force => (recording.force, units.force) = (channel, unit),
-                Channel::Velocity => {
-                    (recording.velocity, units.velocity) = (Some(channel), unit);
-                }
+                Channel::Force => (self.force, units.force) = (channel, unit),
+                Channel::Velocity => (self.velocity, units.velocity) = (Some(channel), unit),
                 Channel::Temperature => {
-                    (recording.temperature, units.temperature) = (Some(channel), unit);
+                    (self.temperature, units.temperature) = (Some(channel), unit);
                 }
             }
         }
-        recording.units = units;
-        Ok(recording)
     }
 }
 
@@ -296,29 +298,29 @@ pub(super) enum Kept {
 }
 
 /// A column that is used.
-struct Column {
-    index: usize,
-    quantity: Channel,
-    unit: Unit,
+pub(super) struct Column {
+    pub index: usize,
+    pub quantity: Channel,
+    pub unit: Unit,
 }
 
 impl Column {
     /// Whether a logger may have had nothing to write in some rows.
-    fn may_be_blank(&self) -> bool {
+    pub fn may_be_blank(&self) -> bool {
         matches!(self.quantity, Channel::Displacement | Channel::Force)
     }
 }
 
 /// The columns that are used.
-struct Columns {
+pub(super) struct Columns {
     /// At most one of each quantity.
-    used: Vec<Column>,
+    pub used: Vec<Column>,
     /// Where control inputs stand.
-    controls: Vec<usize>,
+    pub controls: Vec<usize>,
 }
 
 impl Columns {
-    fn find(
+    pub fn find(
         file: &str,
         header: &csv::StringRecord,
         needed: &impl Fn(Channel) -> bool,
