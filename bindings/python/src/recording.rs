@@ -3,6 +3,7 @@
 use std::path::PathBuf;
 use std::sync::Arc;
 
+use mesh_damper_recording::error::InputError;
 use mesh_damper_recording::faults::Channel;
 use mesh_damper_recording::read_limit::ReadLimit;
 use mesh_damper_recording::{self as recording};
@@ -106,6 +107,18 @@ fn units() -> Vec<(&'static str, Vec<&'static str>)> {
         .collect()
 }
 
+/// How many kN a unit of force is, which must be one of [`units`].
+#[pyfunction]
+fn kilonewtons(unit: &str) -> PyResult<f64> {
+    let mut known = Channel::Force.units().iter();
+    let found = known.find(|each| each.symbol == unit).ok_or_else(|| {
+        let problem = format!("unknown unit {unit:?} of force");
+        let mend = format!("name it as one of {}", Channel::Force.column_names());
+        refused(&InputError::new("units", problem, mend))
+    });
+    found.map(|unit| unit.scale)
+}
+
 /// Refuses a file that is given twice.
 #[pyfunction]
 fn refuse_repeats(paths: Vec<PathBuf>) -> PyResult<()> {
@@ -115,5 +128,6 @@ fn refuse_repeats(paths: Vec<PathBuf>) -> PyResult<()> {
 pub fn add_to(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_class::<Recording>()?;
     module.add_function(wrap_pyfunction!(units, module)?)?;
+    module.add_function(wrap_pyfunction!(kilonewtons, module)?)?;
     module.add_function(wrap_pyfunction!(refuse_repeats, module)?)
 }

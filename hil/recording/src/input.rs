@@ -52,7 +52,26 @@ impl InputSignal {
     ) -> Result<Self, InputError> {
         let text = CsvText::open(path.as_ref(), limit)?;
         let needed = |each| each == Channel::Time || each == channel;
-        let mut recording = Recording::parse_channels(text, Kept::Channels, needed)?;
+        Self::of(
+            Recording::parse_channels(text, Kept::Channels, needed)?,
+            channel,
+        )
+    }
+
+    /// The same of columns in memory, whose names are as those of a file.
+    ///
+    /// # Errors
+    /// As [`Recording::of_columns`], but that the channel may be constant.
+    pub fn of_columns<N: Into<String>>(
+        name: impl Into<String>,
+        columns: impl IntoIterator<Item = (N, Vec<f64>)>,
+        channel: Channel,
+    ) -> Result<Self, InputError> {
+        let needed = |each| each == Channel::Time || each == channel;
+        Self::of(Recording::gathered(name.into(), columns, needed)?, channel)
+    }
+
+    fn of(mut recording: Recording, channel: Channel) -> Result<Self, InputError> {
         let values = match channel {
             Channel::Force => &recording.force,
             Channel::Displacement => &recording.displacement,

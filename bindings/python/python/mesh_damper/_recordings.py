@@ -82,6 +82,12 @@ class Given:
                 )
         return made
 
+    def columns(self, data: Any, name: str) -> list[tuple[str, Array]]:
+        """The columns of a frame or of arrays under the names that a file would have them under."""
+        self.library = self.library or _frames.library_of(data)
+        columns, _ = _Columns(self, data, name).named()
+        return columns
+
     def assumptions(self) -> list[str]:
         """What was assumed, in sentences."""
         if not self.assumed:

@@ -8,12 +8,18 @@ import os
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any, Literal
+
+import numpy as np
 
 from . import _core, _frames
 from ._errors import InputError
 from ._frames import Library
 from ._recordings import ChannelLike, Given, Inputs, RecordingLike, Units
+from ._words import interval, percent, unit_in_words
+
+if TYPE_CHECKING:
+    from ._law import DamperLaw
 
 
 @dataclass(frozen=True)
@@ -157,6 +163,64 @@ class Trace:
         found: dict[str, Any] = json.loads(self._json)
         return found
 
+    @property
+    def law(self) -> DamperLaw:
+        """The law with what was found, fitted: it predicts, scores and is saved."""
+        from ._law import DamperLaw
+
+        return DamperLaw.of(self)
+
+    def plot(
+        self,
+        kind: Literal["all", "loop", "residual"] = "all",
+        *,
+        recording: int = 0,
+        block: int | None = None,
+        ax: Any = None,
+    ) -> Any:
+        """The loop of a block, measured, by the law alone and with what was found; and what both leave over time. A figure of matplotlib.
+
+        Without `block` it is the one on which the law alone is furthest off. `ax` are axes of `kind` `loop` or `residual`.
+        """
+        from ._plot import traced
+
+        series = self._core.series()[recording]
+        noise = self.noise_floor * float(np.sqrt(np.mean(np.square(series["force"]))))
+        return traced(series, kind, block, ax, noise)
+
+    def report(self, path: str | os.PathLike[str] | None = None) -> Report:
+        """The report, as `hil trace` writes it; a notebook shows it. With `path` it is written there as well."""
+        report = Report(self._core.report())
+        if path is not None:
+            report.save(path)
+        return report
+
+    def save(self, folder: str | os.PathLike[str]) -> None:
+        """Writes trace.json, model.json and report.html into `folder`, as `hil trace --out` does."""
+        place = Path(folder)
+        place.mkdir(parents=True, exist_ok=True)
+        (place / "trace.json").write_text(self._json, encoding="utf-8")
+        (place / "model.json").write_text(self._core.model.to_json(), encoding="utf-8")
+        (place / "report.html").write_text(self._core.report(), encoding="utf-8")
+
+    def __repr__(self) -> str:
+        heading, _ = self._core.verdict_in_words()
+        lines = [f"Trace: {heading}"]
+        for effect in self._found["effects"]:
+            for name, estimate in effect["parameters"].items():
+                low, value, high = interval(estimate["low"], estimate["value"], estimate["high"])
+                lines.append(f"  {effect['family']} {name} = {value} ({low} … {high}) {unit_in_words(estimate['unit'])}".rstrip())
+        lines.append(
+            f"  error of the force, held out: law alone {percent(self.baseline.nrmse_held_out)}, "
+            f"with what was found {percent(self.augmented.nrmse_held_out)}, noise {percent(self.noise_floor)}"
+        )
+        return "\n".join(lines + [f"  note: {text}" for text in [*self.assumed, *self.warnings]])
+
+    def _repr_html_(self) -> str:
+        from ._html import trace as page
+
+        return page(self)
+
     def _effects(self, effects: list[dict[str, Any]]) -> Any:
         rows = [
             (
@@ -174,6 +238,29 @@ class Trace:
         ]
         names = ("family", "parameter", "value", "low", "high", "unit", "nrmse_without", "nrmse_with")
         return _frames.make({name: [row[place] for row in rows] for place, name in enumerate(names)}, self._library)
+
+
+class Report:
+    """A report: one page that needs nothing else. A notebook shows it."""
+
+    def __init__(self, html: str) -> None:
+        #: The page.
+        self.html = html
+
+    def save(self, path: str | os.PathLike[str]) -> None:
+        """Writes the page."""
+        Path(path).write_text(self.html, encoding="utf-8")
+
+    def __str__(self) -> str:
+        return self.html
+
+    def __repr__(self) -> str:
+        return f"Report of {len(self.html) // 1024} KiB; save(path) writes it"
+
+    def _repr_html_(self) -> str:
+        from ._html import framed
+
+        return framed(self.html, 640)
 
 
 def _number(value: Any) -> Any:

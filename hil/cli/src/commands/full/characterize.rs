@@ -3,12 +3,12 @@
 use std::path::{Path, PathBuf};
 
 use clap::Args;
+use mesh_damper_characterize::{
+    DynamicTest, Figures, Spread, StaticTest, dynamic_test, static_test,
+};
 use mesh_damper_recording::Recording;
 use mesh_damper_recording::output::Plan;
 use mesh_damper_report::characterization::{dynamic_chart, static_chart};
-use mesh_damper_studies::characterize::{
-    DynamicTest, Figures, Spread, StaticTest, dynamic_test, static_test,
-};
 use serde::Serialize;
 
 use crate::commands::reading::Reading;

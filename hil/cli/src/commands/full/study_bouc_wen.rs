@@ -7,7 +7,6 @@ use mesh_damper_recording::output::Plan;
 use mesh_damper_studies::bouc_wen::{BoucWenResult, Programme, bouc_wen, records};
 
 use crate::commands::progress::Progress;
-use crate::commands::trace::model_file;
 use crate::commands::{Failure, say};
 
 /// Trace the Bouc–Wen benchmark, and simulate its tests with what was found
@@ -59,7 +58,7 @@ impl BoucWenCommand {
                 let path = out.join(name);
                 outputs.add(&path, recording.to_file(&path));
             }
-            outputs.add_json(out.join(FILES[3]), &model_file(&found))?;
+            outputs.add_json(out.join(FILES[3]), &found.model_file())?;
         }
         if let Some(json) = &self.json {
             outputs.add_json(json, &result)?;
