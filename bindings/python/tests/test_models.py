@@ -13,7 +13,8 @@ import pytest
 from conftest import Columns, sine_block
 
 SPRING = {
-    "format": "mesh-damper-model", "version": 1,
+    "format": "mesh-damper-model",
+    "version": 1,
     "units": {"displacement": "mm", "force": "kN", "time": "s", "temperature": "degC"},
     "law": [{"amplitude": 0.0, "k1": 4.0, "k3": 0.0, "c": 0.02, "alpha": 1.0}],
     "effects": [],
@@ -43,8 +44,17 @@ def test_a_response_is_that_of_the_command(found: mesh_damper.Trace, check: Colu
     base = pandas.DataFrame({name: check[name][:1500] for name in ("time_s", "displacement_mm")})
     base.to_csv(tmp_path / "base.csv", index=False)
     found.save(tmp_path)
-    done = hil("respond", "--model", tmp_path / "model.json", "--mass", 120, "--base", tmp_path / "base.csv",
-               "--out", tmp_path / "response.csv")
+    done = hil(
+        "respond",
+        "--model",
+        tmp_path / "model.json",
+        "--mass",
+        120,
+        "--base",
+        tmp_path / "base.csv",
+        "--out",
+        tmp_path / "response.csv",
+    )
     assert done.returncode == 0, done.stderr
     expected = pandas.read_csv(tmp_path / "response.csv", comment="#")
     moved = mesh_damper.respond(found, mass=120, base=base).motion
@@ -61,8 +71,20 @@ def test_an_export_is_that_of_the_command(found: mesh_damper.Trace, tmp_path: Pa
         bytes_here = path.read_bytes()
         given = ["--amplitude", _amplitude(found)] if _amplitude(found) else []
         word = {"mdcp": "pack", "rs": "rust", "c": "c"}[ending]
-        done = hil("export", "--model", tmp_path / "model.json", "--format", word, "--tick-rate", 10_000, "--revision", 3,
-                   *given, "--out", path)
+        done = hil(
+            "export",
+            "--model",
+            tmp_path / "model.json",
+            "--format",
+            word,
+            "--tick-rate",
+            10_000,
+            "--revision",
+            3,
+            *given,
+            "--out",
+            path,
+        )
         assert done.returncode == 0, done.stderr
         assert path.read_bytes() == bytes_here
     assert (tmp_path / "mount.h").exists()
@@ -100,8 +122,11 @@ def test_stiffness_and_loss_factor_are_those_of_the_loop() -> None:
     assert len(found.plot().axes) == 1
     turns = np.abs(np.mod(np.arange(0, 4, 0.005), 2.0) - 1.0)
     travel = 0.5 * (1.0 - turns)
-    press = {"time_s": np.arange(0, 4, 0.005), "displacement_mm": travel,
-             "force_kN": 2.0 * travel + 0.05 * np.where(np.mod(np.arange(0, 4, 0.005), 2.0) <= 1.0, 1.0, -1.0)}
+    press = {
+        "time_s": np.arange(0, 4, 0.005),
+        "displacement_mm": travel,
+        "force_kN": 2.0 * travel + 0.05 * np.where(np.mod(np.arange(0, 4, 0.005), 2.0) <= 1.0, 1.0, -1.0),
+    }
     slow = mesh_damper.characterize(press, kind="static")
     assert slow.blocks["mean_equivalent_stiffness"].iloc[0] == pytest.approx(2.0, rel=0.02)
     assert slow.cycles["loss_factor"].iloc[0] == pytest.approx(2 * 0.05 * 0.5 / (np.pi * 0.25), rel=0.05)

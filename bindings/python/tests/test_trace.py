@@ -37,7 +37,14 @@ def test_the_stick_slip_of_the_specimen_is_found(found: mesh_damper.Trace) -> No
     assert "stick_slip" in hidden
     effects = found.effects
     assert list(effects.columns) == [
-        "family", "parameter", "value", "low", "high", "unit", "nrmse_without", "nrmse_with",
+        "family",
+        "parameter",
+        "value",
+        "low",
+        "high",
+        "unit",
+        "nrmse_without",
+        "nrmse_with",
     ]
     assert set(effects["family"]) == {"stick_slip"}
     assert ((effects["low"] <= effects["value"]) & (effects["value"] <= effects["high"])).all()
@@ -70,7 +77,12 @@ def test_columns_of_other_names_and_units_are_the_same_recording() -> None:
         "Weg": block["displacement_mm"] / 25.4,
         "Axial Force (N)": 1e3 * block["force_kN"],
     }
-    given: Any = {"time": "Zeit [ms]", "displacement": "Weg", "force": "Axial Force (N)", "units": {"displacement": "in"}}
+    given: Any = {
+        "time": "Zeit [ms]",
+        "displacement": "Weg",
+        "force": "Axial Force (N)",
+        "units": {"displacement": "in"},
+    }
     other = mesh_damper.trace(named, **given).to_dict()
     assert other["verdict"] == one["verdict"]
     assert other["law"][0]["k1"]["value"] == pytest.approx(one["law"][0]["k1"]["value"], rel=1e-6)
@@ -243,9 +255,7 @@ def test_ctrl_c_ends_a_trace() -> None:
             print("interrupted")
         """
     )
-    done = subprocess.run(
-        [sys.executable, "-c", program], capture_output=True, text=True, cwd=Path(__file__).parent, check=False
-    )
+    done = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True, cwd=Path(__file__).parent, check=False)
     assert (done.returncode, done.stdout) == (0, "interrupted\n"), done.stderr
     assert signal.getsignal(signal.SIGINT) is signal.default_int_handler
 

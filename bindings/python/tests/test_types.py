@@ -15,7 +15,12 @@ pytest.importorskip("mypy", reason="left out: mypy is not installed")
 
 def run(module: str, *arguments: str, cwd: Path) -> str:
     done = subprocess.run(
-        [sys.executable, "-m", module, *arguments], capture_output=True, text=True, cwd=cwd, check=False, env=dict(os.environ)
+        [sys.executable, "-m", module, *arguments],
+        capture_output=True,
+        text=True,
+        cwd=cwd,
+        check=False,
+        env=dict(os.environ),
     )
     return "" if done.returncode == 0 else done.stdout + done.stderr
 

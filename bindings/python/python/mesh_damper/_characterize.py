@@ -74,10 +74,7 @@ class Characterization:
         return characterization(self)
 
     def _frame(self, rows: list[dict[str, Any]]) -> Any:
-        flat = [
-            {name: value for key, entry in row.items() for name, value in _flat(key, entry)}
-            for row in rows
-        ]
+        flat = [{name: value for key, entry in row.items() for name, value in _flat(key, entry)} for row in rows]
         return _frames.make({name: [row[name] for row in flat] for name in (flat[0] if flat else {})}, self._library)
 
 
@@ -106,9 +103,9 @@ def characterize(
     force: ChannelLike | None = None,
     units: Units = None,
 ) -> Characterization:
-    """Stiffness and loss factor of a recording, as `hil characterize` finds them: of load–unload curves (`static`), or of cycles (`dynamic`).
+    """Stiffness and loss factor of a recording, as `hil characterize` finds them.
 
-    The recording and its units are given as to `trace`.
+    They are of load–unload curves (`static`), or of cycles (`dynamic`). The recording and its units are given as to `trace`.
     """
     if kind not in ("static", "dynamic"):
         raise InputError(f"kind: no kind is called {kind!r}; give static or dynamic")

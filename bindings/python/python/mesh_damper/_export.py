@@ -32,14 +32,16 @@ def export(
 ) -> dict[str, Any]:
     """Writes a model as firmware or a simulation takes it, as `hil export` does, and returns what that writes as JSON.
 
-    `model` is a trace, a fitted `DamperLaw`, the contents or the path of a model.json. `format` is `pack`, `rust`, `c` or `fmu`; without it the
-    ending of `path` says it: .mdcp, .rs, .c or .h, .fmu. `tick_rate` is in Hz, `amplitude` in mm, `density` in g/cm³. An FMU needs its
+    `model` is a trace, a fitted `DamperLaw`, the contents or the path of a model.json. `format` is `pack`, `rust`, `c` or `fmu`; without it
+    the ending of `path` says it: .mdcp, .rs, .c or .h, .fmu. `tick_rate` is in Hz, `amplitude` in mm, `density` in g/cm³. An FMU needs its
     `library`, which `cargo build --release -p mesh-damper-fmu` builds.
     """
     ending = Path(path).suffix
     chosen = format or _ENDINGS.get(ending)
     if chosen is None:
-        raise InputError(f"{os.fspath(path)}: its ending says no format; give format= as pack, rust, c or fmu, or one of {', '.join(_ENDINGS)}")
+        raise InputError(
+            f"{os.fspath(path)}: its ending says no format; give format= as pack, rust, c or fmu, or one of {', '.join(_ENDINGS)}"
+        )
     text, said = _core.export(
         model_of(model),
         os.fspath(path),

@@ -78,6 +78,22 @@ def to_array(values: Any, what: str) -> Array:
     return array
 
 
+def seconds(times: Any) -> Array | None:
+    """Seconds since the first of `times`, where these are dates or durations; a missing one is NaN."""
+    dtype: Any = getattr(times, "dtype", None)
+    if library_of(times) == "polars":
+        if not dtype.is_temporal():
+            return None
+        array = times.to_numpy()
+    elif getattr(dtype, "kind", "") in ("M", "m"):
+        # A time zone is no matter of differences.
+        array = times.to_numpy(f"{'datetime' if dtype.kind == 'M' else 'timedelta'}64[ns]") if hasattr(times, "to_numpy") else times
+    else:
+        return None
+    since = (array - array[:1]).astype("timedelta64[ns]")
+    return np.where(np.isnat(since), np.nan, since.astype(np.int64) / 1e9)
+
+
 def make(columns: Mapping[str, Sequence[Any] | npt.NDArray[Any]], like: Library | None = None) -> Any:
     """A frame of `columns`: of the library `like`, else of pandas or polars, whichever is there, else a NumPy record array."""
     order: list[Library] = ["pandas", "polars"]
@@ -87,7 +103,8 @@ def make(columns: Mapping[str, Sequence[Any] | npt.NDArray[Any]], like: Library 
         if like == library or library in sys.modules or _is_there(library):
             return import_module(library).DataFrame(dict(columns))
     arrays = {name: np.asarray(values) for name, values in columns.items()}
-    return np.rec.fromarrays(list(arrays.values()), names=list(arrays))
+    kinds = np.dtype([(name, array.dtype) for name, array in arrays.items()])
+    return np.rec.fromarrays(list(arrays.values()), dtype=kinds)
 
 
 def _is_there(library: str) -> bool:

@@ -45,7 +45,7 @@ def _effects(found: Trace) -> str:
     if not effects:
         return ""
     rows = [
-        f'<tr><td>{escape(effect["family"].replace("_", "-")) if first else ""}</td>'
+        f"<tr><td>{escape(effect['family'].replace('_', '-')) if first else ''}</td>"
         f'<td class="md-left">{escape(name.replace("_", " "))}</td><td>{value}</td><td>{low} … {high}</td>'
         f'<td class="md-left">{escape(unit_in_words(estimate["unit"]))}</td></tr>'
         for effect in effects
@@ -75,10 +75,7 @@ def _errors(found: Trace) -> str:
         f'<td class="md-left"><div style="background:{colour};height:9px;width:{max(1.0, 130 * value / most):.0f}px"></div></td></tr>'
         for colour, name, value in rows
     )
-    return (
-        '<table><thead><tr><th>error of the force</th><th>held out</th><th></th></tr></thead>'
-        f"<tbody>{cells}</tbody></table>"
-    )
+    return f"<table><thead><tr><th>error of the force</th><th>held out</th><th></th></tr></thead><tbody>{cells}</tbody></table>"
 
 
 def _loop(found: Trace) -> str:

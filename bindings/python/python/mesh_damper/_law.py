@@ -8,6 +8,7 @@ import os
 import sys
 import warnings
 from collections.abc import Mapping, Sequence
+from importlib import import_module
 from typing import Any
 
 import numpy as np
@@ -26,9 +27,9 @@ Time = ChannelLike | float | Sequence[Any] | None
 class DamperLaw:
     """The mixed damping law F = k1·y + k3·y³ + c·|v|^α·sgn v, with the effects that it lacks.
 
-    The law is fitted to displacement and force over time. It has the methods of a regressor of scikit-learn, and can be cloned, searched and
-    pickled like one. Fitting and predicting need the time besides: `t` is the samples' times or the time between two of them, and `dt` the
-    latter for whoever calls without `t`, as a search of scikit-learn does.
+    The law is fitted to displacement and force over time. It has the methods of a regressor of scikit-learn, and can be cloned, searched
+    and pickled like one. Fitting and predicting need the time besides: `t` is the samples' times or the time between two of them, and `dt`
+    the latter for whoever calls without `t`, as a search of scikit-learn does.
 
     Parameters
     ----------
@@ -201,13 +202,12 @@ class DamperLaw:
         return hasattr(self, "_core_model")
 
     def __sklearn_tags__(self) -> Any:
-        from sklearn.utils import InputTags, RegressorTags, Tags, TargetTags
-
-        return Tags(
+        tags = import_module("sklearn.utils")
+        return tags.Tags(
             estimator_type="regressor",
-            target_tags=TargetTags(required=True),
-            regressor_tags=RegressorTags(),
-            input_tags=InputTags(one_d_array=True, allow_nan=True),
+            target_tags=tags.TargetTags(required=True),
+            regressor_tags=tags.RegressorTags(),
+            input_tags=tags.InputTags(one_d_array=True, allow_nan=True),
         )
 
     @classmethod
@@ -222,9 +222,7 @@ class DamperLaw:
         self.coefficients_: dict[str, Any] = {
             name: np.array([node[name] for node in law]) if several else law[0][name] for name in _COEFFICIENTS
         }
-        self.effects_: dict[str, dict[str, float]] = {
-            effect["family"]: dict(effect["parameters"]) for effect in self.model_["effects"]
-        }
+        self.effects_: dict[str, dict[str, float]] = {effect["family"]: dict(effect["parameters"]) for effect in self.model_["effects"]}
         self.n_features_in_ = 1 + len(self.inputs)
         return self
 
@@ -272,9 +270,10 @@ class DamperLaw:
         features = self._features(X)
         names = ["displacement", *self.inputs]
         if len(features) != len(names):
-            raise InputError(f"X: has {len(features)} columns; give the displacement" + (
-                f" and {', '.join(self.inputs)}" if self.inputs else ", and name control inputs in inputs="
-            ))
+            raise InputError(
+                f"X: has {len(features)} columns; give the displacement"
+                + (f" and {', '.join(self.inputs)}" if self.inputs else ", and name control inputs in inputs=")
+            )
         columns: dict[str, Any] = dict(zip(names, features))
         rows = len(features[0])
         if np.ndim(t) == 0:

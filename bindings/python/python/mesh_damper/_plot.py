@@ -43,9 +43,7 @@ def cycle_of(series: dict[str, Any], block: int | None) -> tuple[slice, str]:
     return slice(start, stop), f"{amplitude:.3g} mm, {frequency:.3g} Hz" + (", held out" if held_out else "")
 
 
-def traced(
-    series: dict[str, Any], kind: Literal["all", "loop", "residual"], block: int | None, ax: Any, noise: float
-) -> Any:
+def traced(series: dict[str, Any], kind: Literal["all", "loop", "residual"], block: int | None, ax: Any, noise: float) -> Any:
     """Loop and residual of one recording."""
     if kind not in ("all", "loop", "residual"):
         raise InputError(f"kind: no picture is called {kind!r}; give all, loop or residual")
@@ -71,7 +69,14 @@ def _loop(ax: Any, series: dict[str, Any], block: int | None) -> None:
     y = series["displacement"][samples]
     ax.plot(y, series["force"][samples], color=MEASURED, linewidth=3.0, label="measured")
     for name, (label, colour) in _NAMES.items():
-        ax.plot(y, series[name][samples], color=colour, linewidth=1.3, linestyle="--" if name == "before" else "-", label=label)
+        ax.plot(
+            y,
+            series[name][samples],
+            color=colour,
+            linewidth=1.3,
+            linestyle="--" if name == "before" else "-",
+            label=label,
+        )
     ax.set(xlabel="displacement, mm", ylabel="force, kN", title=f"Loop: {what}")
     ax.legend(frameon=False, fontsize="small")
     ax.grid(alpha=0.25)

@@ -6,8 +6,8 @@ import os
 import re
 import warnings
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
-from typing import Any, Union
+from dataclasses import dataclass, field, replace
+from typing import Any
 
 import numpy as np
 import numpy.typing as npt
@@ -19,11 +19,11 @@ from ._frames import Array, Library
 #: A path, a data frame, a mapping of columns, a NumPy record array, or a list of these.
 RecordingLike = Any
 #: The name of a column, or the column itself.
-ChannelLike = Union[str, npt.ArrayLike]
+ChannelLike = str | npt.ArrayLike
 #: A unit for each channel, such as ``{"force": "N"}``; or ``"SI"`` for s, m and N, or ``"mm-kN-s"``.
-Units = Union[Mapping[str, str], str, None]
+Units = Mapping[str, str] | str | None
 #: Names of columns that are control inputs; or by such names other columns or the values.
-Inputs = Union[Sequence[str], Mapping[str, ChannelLike], None]
+Inputs = Sequence[str] | Mapping[str, ChannelLike] | None
 
 #: The units of each channel, as a column's name carries them.
 UNITS: dict[str, list[str]] = dict(_core.units())
@@ -81,6 +81,11 @@ class Given:
                     f'give it one, as inputs={{"current_A": {missing!r}}}'
                 )
         return made
+
+    def by_names(self) -> Given:
+        """The same for other recordings: arrays are of the one that they were given for."""
+        kept = {name: channel for name, channel in self.channels.items() if isinstance(channel, (str, int, float))}
+        return replace(self, channels=kept)
 
     def columns(self, data: Any, name: str) -> list[tuple[str, Array]]:
         """The columns of a frame or of arrays under the names that a file would have them under."""
@@ -179,9 +184,7 @@ class _Columns:
         """The column whose name is the channel's."""
         found = [name for name in self.names if _channel_of(name) == channel]
         if len(found) > 1:
-            raise InputError(
-                f"{self.name}: {' and '.join(found)} are both a {channel}; say which, as {channel}={found[0]!r}"
-            )
+            raise InputError(f"{self.name}: {' and '.join(found)} are both a {channel}; say which, as {channel}={found[0]!r}")
         if found:
             return found[0]
         index = getattr(self.data, "index", None)
@@ -191,13 +194,11 @@ class _Columns:
     def _channel(self, channel: str, source: ChannelLike) -> tuple[str, Array]:
         said = self.given.unit_of(channel)
         in_name = _unit_in(source, channel, self.name) if isinstance(source, str) and source != _INDEX else None
-        if said and in_name and said != in_name:
-            raise InputError(
-                f"{self.name}: column {source}: its name says {in_name}, and units= says {said}; give one of them"
-            )
+        if isinstance(source, str) and said and in_name and said != in_name:
+            raise InputError(f"{self.name}: column {source}: its name says {in_name}, and units= says {said}; give one of them")
         values = self._raw(channel, source)
-        if channel == "time" and getattr(values, "dtype", None) is not None and np.dtype(values.dtype).kind in "Mm":
-            return "time_s", _seconds(values)
+        if channel == "time" and (seconds := _frames.seconds(values)) is not None:
+            return "time_s", seconds
         unit = said or in_name
         if unit is None:
             unit = ASSUMED[channel]
@@ -218,18 +219,13 @@ class _Columns:
 
     def _raw(self, what: str, source: ChannelLike) -> Any:
         if not isinstance(source, str):
-            values = source if hasattr(source, "dtype") else np.asarray(source)
-            return values
+            return source if hasattr(source, "dtype") else np.asarray(source)
         if source == _INDEX:
-            return self.data.index.to_numpy()
+            return self.data.index
         if source in self.names:
-            values = _frames.column(self.data, source)
-            is_time = np.dtype(getattr(values, "dtype", float)).kind in "Mm" if _frames.library_of(values) != "polars" else False
-            if is_time or "Date" in str(getattr(values, "dtype", "")) or "Duration" in str(getattr(values, "dtype", "")):
-                return values.to_numpy() if hasattr(values, "to_numpy") else np.asarray(values)
-            return values
+            return _frames.column(self.data, source)
         if getattr(getattr(self.data, "index", None), "name", None) == source:
-            return self.data.index.to_numpy()
+            return self.data.index
         shown = ", ".join(repr(name) for name in self.names[:12]) + (", …" if len(self.names) > 12 else "")
         raise InputError(f"{self.name}: there is no column {source!r} for {what}=; found {shown or 'none'}")
 
@@ -290,11 +286,3 @@ def _known(unit: str, channel: str, where: str) -> str:
         raise InputError(f"{where}: unknown unit {unit!r} of {channel}; use one of {', '.join(UNITS[channel])}")
     # One unit has two spellings, with _ and with /.
     return unit.replace("/", "_")
-
-
-def _seconds(times: Any) -> Array:
-    """Seconds since the first of `times`, which are dates or durations."""
-    array = np.asarray(times)
-    since = (array - array[0]).astype("timedelta64[ns]") if len(array) else array.astype("timedelta64[ns]")
-    seconds: Array = since.astype(np.int64) / 1e9
-    return np.where(np.isnat(since), np.nan, seconds)

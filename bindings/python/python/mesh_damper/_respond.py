@@ -18,8 +18,8 @@ from ._trace import model_of
 class Response:
     """The motion of a mass on a damper. `respond` makes it."""
 
-    #: Time, the damper's displacement, velocity and force, the mass's displacement, velocity and acceleration, and what drives it, as a data
-    #: frame. Units are in the names. `trace` takes it as a recording.
+    #: Time, the damper's displacement, velocity and force, the mass's displacement, velocity and acceleration, and what drives it, as a
+    #: data frame. Units are in the names. `trace` takes it as a recording.
     motion: Any
     #: J: `input` = `kinetic` + `elastic` + `dissipated` + `residual`.
     energy: dict[str, float]
@@ -50,18 +50,17 @@ def respond(
     tolerance: float | None = None,
     progress: Callable[[str], object] | None = None,
 ) -> Response:
-    """The motion of `mass` kg on the damper of `model`, under a `force` on the mass or on a `base` that moves, as `hil respond` computes it.
+    """The motion of `mass` kg on the damper of `model`, as `hil respond` computes it.
 
-    `force` or `base` is a path, a data frame with a time and that channel, or an array with `t`: the samples' times or the time between two.
+    It moves under a `force` on the mass, or on a `base` that moves. Either is a path, a data frame with a time and that channel, or an
+    array with `t`: the samples' times or the time between two.
     `controls` are control inputs that hold throughout. Units are given as to `trace`.
     """
     if (force is None) == (base is None):
         raise InputError("respond: give a force on the mass or a motion of the base, as force= or base=")
     drive, given = _drive(force if base is None else base, base is None, t, units)
     given.say_assumed(stacklevel=2)
-    columns, text = _core.respond(
-        model_of(model), drive, float(mass), with_offset, tolerance, _pairs(controls), progress
-    )
+    columns, text = _core.respond(model_of(model), drive, float(mass), with_offset, tolerance, _pairs(controls), progress)
     said = json.loads(text)
     return Response(
         motion=_frames.make(columns, given.library),
@@ -87,7 +86,9 @@ def transmissibility(
     with_offset: bool = False,
     progress: Callable[[str], object] | None = None,
 ) -> Any:
-    """How far `mass` kg move on a base that moves by sines of `amplitudes` mm, from `start` to `stop` Hz, as `hil respond --sweep` computes it.
+    """How far `mass` kg move on a base that moves by sines, as `hil respond --sweep` computes it.
+
+    The sines have `amplitudes` in mm, and `points` frequencies from `start` to `stop` Hz.
 
     A data frame with a row a motion: `base_amplitude` in mm, `frequency` in Hz, `transmissibility`, `phase` in degrees, `peak`,
     `damper_amplitude` in mm, `damper_speed` in mm/s, `cycles`, `steady`, `change`.

@@ -74,7 +74,16 @@ class Trace:
     @property
     def candidates(self) -> Any:
         """All families that were tried, the best first, as a data frame."""
-        names = ("family", "step", "added", "distinguishable", "admissible", "rejected_by", "nrmse_held_out", "nrmse_judged")
+        names = (
+            "family",
+            "step",
+            "added",
+            "distinguishable",
+            "admissible",
+            "rejected_by",
+            "nrmse_held_out",
+            "nrmse_judged",
+        )
         rows = self._found["candidates"]
         return _frames.make({name: [_number(row[name]) for row in rows] for name in names}, self._library)
 
@@ -139,8 +148,10 @@ class Trace:
         return model
 
     def series(self, recording: int = 0) -> Any:
-        """Motion and forces of a recording as a data frame: `time_s`, `displacement_mm`, `velocity_mm_s`, `force_kN`, `before_kN` of the law
-        alone, `after_kN` of the law with what was found, and `measured`, which is false where a channel had a fault.
+        """Motion and forces of a recording as a data frame.
+
+        Its columns are `time_s`, `displacement_mm`, `velocity_mm_s`, `force_kN`, `before_kN` of the law alone, `after_kN` of the law with what
+        was found, and `measured`, which is false where a channel had a fault.
         """
         series = self._core.series()[recording]
         names = {
@@ -291,8 +302,8 @@ def trace(
     `data` is a path, a pandas or polars data frame, a mapping of columns, a NumPy record array, or a list of these. Without it `time`,
     `displacement` and `force` are the arrays themselves.
 
-    A file's columns are known by their names, as `hil trace` reads them. A frame's are found by their names too, `force_kN`, `Force (kN)` or
-    `force`; or `time=`, `displacement=`, `force=`, `velocity=`, `temperature=` name them or are arrays. `time` may be the time between
+    A file's columns are known by their names, as `hil trace` reads them. A frame's are found by their names too, `force_kN`, `Force (kN)`
+    or `force`; or `time=`, `displacement=`, `force=`, `velocity=`, `temperature=` name them or are arrays. `time` may be the time between
     samples. A unit comes from a column's name or from `units`; where neither says one, s, mm and kN are assumed, with a `UnitWarning`.
 
     `inputs` are control inputs such as `["current_A"]`; without it, all columns are whose names are such.
@@ -317,7 +328,7 @@ def trace(
     recordings = given.recordings(data, "recording")
     if not recordings:
         raise InputError("trace: there is no recording; give a path, a data frame, or time=, displacement= and force=")
-    held = [] if held_out is None else given.recordings(held_out, "held-out recording")
+    held = [] if held_out is None else given.by_names().recordings(held_out, "held-out recording")
     _core.refuse_repeats(_paths(data) + _paths(held_out))
     given.say_assumed(stacklevel=2)
     names = [os.path.basename(each.name) for each in recordings]
