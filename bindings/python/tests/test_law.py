@@ -25,10 +25,12 @@ def law(columns: Columns) -> DamperLaw:
     return DamperLaw(units=UNITS).fit(y, force, t=t)
 
 
-def test_a_fit_is_a_trace(law: DamperLaw, columns: Columns) -> None:
-    names = ("time_s", "displacement_mm", "force_kN")
-    found = mesh_damper.trace({name: columns[name] for name in names})
-    assert law.model_ == found.model
+def test_a_fit_is_a_trace(law: DamperLaw) -> None:
+    block = sine_block()
+    y, force, t = channels(block)
+    fitted = DamperLaw(units=UNITS).fit(y, force, t=t)
+    found = mesh_damper.trace(block)
+    assert fitted.model_ == found.model == fitted.trace_.model
     assert law.verdict_ == "found" and set(law.effects_) == {"stick_slip"}
     assert law.n_features_in_ == 1
 

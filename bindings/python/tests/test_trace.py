@@ -53,15 +53,17 @@ def test_the_stick_slip_of_the_specimen_is_found(found: mesh_damper.Trace) -> No
     assert found.candidates["family"].iloc[0] == "stick_slip"
 
 
-def test_a_frame_a_mapping_and_arrays_are_the_same_recording(columns: Columns, found: mesh_damper.Trace) -> None:
-    units = {"time": "s", "displacement": "mm", "force": "kN"}
-    time, displacement, force = (columns[name] for name in ("time_s", "displacement_mm", "force_kN"))
-    others = {name: values for name, values in columns.items() if name not in ("time_s", "displacement_mm", "force_kN")}
+def test_a_frame_a_mapping_and_arrays_are_the_same_recording() -> None:
+    block = {**sine_block(), "temperature_degC": np.linspace(20.0, 21.0, 2000)}
+    time, displacement, force, temperature = block.values()
+    found = mesh_damper.trace(block)
+    arrays: Any = {"time": time, "displacement": displacement, "force": force}
     forms: dict[str, Any] = {
-        "pandas": mesh_damper.trace(pandas.DataFrame(columns)),
-        "polars": mesh_damper.trace(polars.DataFrame(columns)),
-        "records": mesh_damper.trace(np.rec.fromarrays(list(columns.values()), names=list(columns))),
-        "arrays": mesh_damper.trace(others, time=time, displacement=displacement, force=force, units=units),
+        "pandas": mesh_damper.trace(pandas.DataFrame(block)),
+        "polars": mesh_damper.trace(polars.DataFrame(block)),
+        "records": mesh_damper.trace(np.rec.fromarrays(list(block.values()), names=list(block))),
+        "arrays": mesh_damper.trace(**arrays, temperature=temperature, units="mm-kN-s"),
+        "mixed": mesh_damper.trace({"temperature_degC": temperature}, **arrays, units="mm-kN-s"),
     }
     for name, form in forms.items():
         assert form.to_json() == found.to_json(), name

@@ -128,7 +128,7 @@ pub fn loop_error(run: &RigRun) -> f64 {
 /// A test of the simulated rig.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Test {
-    /// Eight blocks over amplitude and frequency, 22 s. The demo traces it.
+    /// Eight blocks over amplitude and frequency. The demo traces it.
     Protocol,
     /// Four blocks of other amplitudes and frequencies, with other noise. The demo compares the laws on it.
     Check,

@@ -7,13 +7,15 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from ._plot import AFTER, BEFORE, MEASURED, cycle_of
+from ._plot import cycle_of
 from ._words import interval, percent, unit_in_words
 
 if TYPE_CHECKING:
     from ._characterize import Characterization
     from ._trace import Trace
 
+#: As the pictures have them, a little lighter for dark ground.
+MEASURED, BEFORE, AFTER = "#909090", "#e0701a", "#2b8cd6"
 #: Colours are the notebook's own, but for those of the lines.
 _STYLE = (
     ".md-damper{font-size:13px;line-height:1.45;color:inherit;max-width:58em}"
@@ -46,7 +48,7 @@ def _effects(found: Trace) -> str:
         return ""
     rows = [
         f"<tr><td>{escape(effect['family'].replace('_', '-')) if first else ''}</td>"
-        f'<td class="md-left">{escape(name.replace("_", " "))}</td><td>{value}</td><td>{low} … {high}</td>'
+        f'<td class="md-left">{escape(name.replace("_", " "))}</td><td>{value}</td><td style="white-space:nowrap">{low} … {high}</td>'
         f'<td class="md-left">{escape(unit_in_words(estimate["unit"]))}</td></tr>'
         for effect in effects
         for first, (name, estimate) in _firsts(effect["parameters"].items())

@@ -87,7 +87,9 @@ def _residual(ax: Any, series: dict[str, Any], noise: float) -> None:
     for name, (label, colour) in _NAMES.items():
         left = np.where(series["measured"], force - series[name], np.nan)
         ax.plot(time, left, color=colour, linewidth=0.7, label=f"{label}: {_rms(left):.3g} kN RMS")
-    ax.axhspan(-2 * noise, 2 * noise, color=MEASURED, alpha=0.25, linewidth=0, label="noise, ±2 deviations")
+    ink = import_module("matplotlib").rcParams["text.color"]
+    for side, label in ((-1, "noise, ±2 deviations"), (1, None)):
+        ax.axhline(side * 2 * noise, color=ink, linewidth=0.9, linestyle=":", label=label)
     ax.set(xlabel="time, s", ylabel="measured − model, kN", title="Residual")
     ax.margins(x=0.01)
     ax.grid(alpha=0.25)

@@ -51,8 +51,6 @@ class Given:
     assumed: dict[str, tuple[str, str]] = field(default_factory=dict)
     #: The library of the first frame that was given.
     library: Library | None = None
-    #: Every recording was a file.
-    is_files: bool = True
 
     def recordings(self, data: RecordingLike, what: str) -> list[_core.Recording]:
         """Each of `data`, called by its path, or by `what` and a number."""
@@ -69,7 +67,6 @@ class Given:
             return data
         if isinstance(data, (str, os.PathLike)):
             return self._file(os.fspath(data))
-        self.is_files = False
         self.library = self.library or _frames.library_of(data)
         columns, inputs = _Columns(self, data, name).named()
         made = _core.Recording.of_columns(name, columns, self.needs_force)

@@ -23,7 +23,7 @@ class Simulation:
 def simulate(seed: int = 4, test: Literal["protocol", "check"] = "protocol") -> Simulation:
     """A test of a simulated specimen that hides an effect, which `seed` draws, as `cargo hil demo` runs it.
 
-    `protocol` is a test over amplitude and frequency, of 22 s at 1 kHz. `check` is another test of the same specimen, with other noise.
+    `protocol` is a test over amplitude and frequency, of 26 s at 1 kHz. `check` is another test of the same specimen, with other noise.
     """
     if test not in ("protocol", "check"):
         raise InputError(f"test: no test is called {test!r}; give protocol or check")

@@ -150,8 +150,8 @@ class Trace:
     def series(self, recording: int = 0) -> Any:
         """Motion and forces of a recording as a data frame.
 
-        Its columns are `time_s`, `displacement_mm`, `velocity_mm_s`, `force_kN`, `before_kN` of the law alone, `after_kN` of the law with what
-        was found, and `measured`, which is false where a channel had a fault.
+        Its columns are `time_s`, `displacement_mm`, `velocity_mm_s`, `force_kN`; `before_kN` of the law alone and `after_kN` of the law
+        with what was found; and `measured`, which is false where a channel had a fault.
         """
         series = self._core.series()[recording]
         names = {
