@@ -279,7 +279,9 @@ mod tests {
         assert!(text.contains(r#""low":null,"high":null"#), "{text}");
         let read: Estimate = serde_json::from_str(&text).unwrap();
         assert_eq!(read, unbounded);
-        assert!(serde_json::from_str::<Estimate>(r#"{"value":1.0,"high":2.0,"unit":"mm"}"#).is_err());
+        assert!(
+            serde_json::from_str::<Estimate>(r#"{"value":1.0,"high":2.0,"unit":"mm"}"#).is_err()
+        );
     }
 
     /// The names that other programs read.

@@ -3,6 +3,7 @@
 //! A format says what columns a file has, before any is taken for a channel; [`columns`](crate::columns) says which is which; then the
 //! format reads those that are wanted. So no format knows of forces and displacements, and no rule about names knows of formats.
 
+mod memory;
 mod source;
 pub mod table;
 mod text;

@@ -3,11 +3,11 @@
 use std::path::{Path, PathBuf};
 
 use clap::Args;
-use mesh_damper_recording::output::Plan;
-use mesh_damper_report::characterization::{dynamic_chart, static_chart};
-use mesh_damper_studies::characterize::{
+use mesh_damper_characterize::{
     DynamicTest, Figures, Spread, StaticTest, dynamic_test, static_test,
 };
+use mesh_damper_recording::output::Plan;
+use mesh_damper_report::characterization::{dynamic_chart, static_chart};
 use serde::Serialize;
 
 use crate::commands::reading::RecordingFiles;

@@ -16,7 +16,6 @@ mod effect;
 mod emulate;
 mod events;
 mod export;
-mod export_fmu;
 mod faults;
 mod faults_attacks;
 mod image;

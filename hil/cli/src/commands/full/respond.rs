@@ -4,11 +4,10 @@ use std::path::{Path, PathBuf};
 
 use clap::Args;
 use mesh_damper_model::extrapolation::Extrapolation;
-use mesh_damper_model::file::{ModelFile, model_error};
+use mesh_damper_model::file::ModelFile;
 use mesh_damper_model::respond::{
-    EnergyBalance, Excitation, LeftOut, Moment, RespondError, Response, Settings, respond,
+    EnergyBalance, Excitation, LeftOut, Moment, Response, Settings, respond,
 };
-use mesh_damper_recording::error::{InputError, Place};
 use mesh_damper_recording::faults::Channel;
 use mesh_damper_recording::input::InputSignal;
 use mesh_damper_recording::output::Plan;
@@ -175,7 +174,7 @@ impl RespondCommand {
         let excitation =
             excitation.with_controls(controls.into_iter().map(|each| each.values).collect());
         let response = respond(&model, &excitation, &settings)
-            .map_err(|error| refused(&self.model, &error))?;
+            .map_err(|error| error.about(&self.model.display().to_string()))?;
 
         warn_of_input(&input, drive);
         if input.temperature.is_none() && model.depends_on_temperature() {
@@ -309,30 +308,5 @@ pub fn warn_of_left_out(model: &Path, left_out: &[LeftOut]) {
 pub fn warn_of_range(model: &Path, outside: &Extrapolation, samples: &str) {
     if let Some(words) = outside.in_words(samples, &model.display().to_string()) {
         warn(&words);
-    }
-}
-
-/// An error about the model's file, or about the option that gave the value.
-pub fn refused(model: &Path, error: &RespondError) -> InputError {
-    let file = model.display().to_string();
-    match error {
-        RespondError::Value {
-            field,
-            value,
-            problem,
-            remedy,
-        } => {
-            let problem = format!("{value} {problem}");
-            if field.contains('(') {
-                return InputError::new(file, problem, *remedy).at(Place::Field((*field).into()));
-            }
-            InputError::new(format!("--{field}"), problem, *remedy)
-        }
-        RespondError::Model(error) => model_error(&file, error),
-        RespondError::NoBalance { time } => InputError::new(
-            file,
-            format!("no velocity below 1e6 mm/s balances the forces at {time:.4} s"),
-            "check the model's stiffness, the mass and the unit of the force",
-        ),
     }
 }

@@ -13,7 +13,7 @@ use mesh_damper_report::transmissibility::picture;
 use serde::Serialize;
 
 use super::controls::Controls;
-use super::respond::{refused, warn_of_left_out, warn_of_range};
+use super::respond::{warn_of_left_out, warn_of_range};
 use crate::commands::progress::Progress;
 use crate::commands::{Failure, say, warn};
 
@@ -101,7 +101,7 @@ impl SweepOptions {
             range,
             &mut |done| progress.done(done as u64),
         )
-        .map_err(|error| refused(model, &error))?;
+        .map_err(|error| error.about(&model.display().to_string()))?;
         drop(progress);
 
         warn_of_left_out(model, &found.left_out);

@@ -2,10 +2,10 @@
 
 use std::f64::consts::{PI, TAU};
 
+use mesh_damper_characterize::{dynamic_test, static_test};
 use mesh_damper_recording::Recording;
 use mesh_damper_reference::law::Coefficients;
 use mesh_damper_reference::tables;
-use mesh_damper_studies::characterize::{dynamic_test, static_test};
 use proptest::prelude::*;
 use rand::SeedableRng as _;
 use rand_distr::{Distribution as _, Normal};

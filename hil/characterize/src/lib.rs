@@ -2,7 +2,7 @@
 //! 3–7 of cycles.
 //!
 //! ```
-//! use mesh_damper_studies::characterize::static_test;
+//! use mesh_damper_characterize::static_test;
 //! use mesh_damper_recording::Recording;
 //!
 //! // To 0.5 mm and back in 100 s: 2 kN/mm, and 0.05 kN of friction.
@@ -14,6 +14,8 @@
 //! assert_eq!(test.cycles.len(), 1);
 //! # Ok::<(), mesh_damper_recording::error::InputError>(())
 //! ```
+
+#![forbid(unsafe_code)]
 
 mod branches;
 mod dynamic;

@@ -17,13 +17,16 @@ use zip::write::SimpleFileOptions;
 use zip::{CompressionMethod, DateTime, ZipWriter};
 
 /// What an FMU is known by, and where it runs.
-#[derive(Serialize)]
+#[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Unit {
-    guid: String,
+    /// Of model, settings and library.
+    pub guid: String,
+    /// The platforms whose library it carries, by the names of FMI.
     pub platforms: Vec<&'static str>,
 }
 
 /// A library as a file of an FMU.
+#[derive(Clone, Debug, PartialEq)]
 pub struct Library {
     platform: Platform,
     bytes: Vec<u8>,
@@ -71,11 +74,12 @@ impl Platform {
     }
 }
 
-/// The libraries that are `named`, one for each platform, and the one beside this program where none of them is for its platform.
+/// The libraries that are `named`, one for each platform, and the one in the first of `folders` that has it where none of them is for its
+/// platform.
 ///
 /// # Errors
 /// A file that is no such library, two for one platform, or none at all.
-pub fn libraries(named: &[PathBuf]) -> Result<Vec<Library>, InputError> {
+pub fn libraries(named: &[PathBuf], folders: &[PathBuf]) -> Result<Vec<Library>, InputError> {
     let mut all: Vec<Library> = Vec::new();
     for path in named {
         let library = library(path)?;
@@ -88,7 +92,8 @@ pub fn libraries(named: &[PathBuf]) -> Result<Vec<Library>, InputError> {
         }
         all.push(library);
     }
-    match beside_this_program() {
+    let mut places = folders.iter().map(|folder| folder.join(file_name()));
+    match places.find(|path| path.is_file()) {
         Some(path) => {
             let own = library(&path)?;
             if all.iter().all(|other| other.platform != own.platform) {
@@ -114,14 +119,14 @@ fn file_name() -> String {
     format!("{DLL_PREFIX}{IDENTIFIER}{DLL_SUFFIX}")
 }
 
-/// Where cargo builds it along with this program, or where it is put beside an installed one.
-fn beside_this_program() -> Option<PathBuf> {
-    let program = std::env::current_exe().ok()?;
-    let folder = program.parent()?;
+/// The folders in which the library is that was built along with this program, or that was put beside an installed one.
+pub fn beside_this_program() -> Vec<PathBuf> {
+    let program = std::env::current_exe().ok();
+    let folder = program.as_deref().and_then(Path::parent);
     // The first is of the same build as this program; the second may be of an earlier one.
-    let places = [folder.join("deps"), folder.to_owned()];
-    let mut paths = places.into_iter().map(|place| place.join(file_name()));
-    paths.find(|path| path.is_file())
+    folder.map_or_else(Vec::new, |folder| {
+        vec![folder.join("deps"), folder.to_owned()]
+    })
 }
 
 fn library(path: &Path) -> Result<Library, InputError> {
