@@ -104,6 +104,16 @@ pub(super) fn candidates(column: &Column) -> Vec<Candidate> {
     found
 }
 
+/// Whether a column is of times, by what its file or a word of its name says, a unit beside it or not.
+pub(super) fn is_time(column: &Column) -> bool {
+    let is_named = || {
+        let words = Name::of(&column.name).words;
+        let mut meanings = words::meanings(&words).into_iter();
+        meanings.any(|(channel, _)| channel == Channel::Time) && !words::is_not_measured(&words)
+    };
+    column.is_numeric && (column.is_time || is_named())
+}
+
 /// What the file says of a column's unit, for one channel.
 pub(super) fn unit_for(column: &Column, channel: Channel) -> UnitFound {
     match own_name(&column.name) {

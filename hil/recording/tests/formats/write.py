@@ -1,0 +1,221 @@
+"""Writes one recording in many formats, by the programs that people write them with.
+
+    pip install -r requirements.txt && python write.py FOLDER
+
+FOLDER gets the files and `files.json`, which says of each who wrote it, what a reader has to be told, and how near it has to come.
+The files beside this script are what it wrote once; the tests read them without Python.
+"""
+
+import importlib.metadata
+import json
+import sys
+from pathlib import Path
+
+import numpy as np
+
+OUT = Path(sys.argv[1])
+OUT.mkdir(parents=True, exist_ok=True)
+
+SAMPLES = 200
+TIME = np.arange(SAMPLES) / 1000.0
+PHASE = 2 * np.pi * 10 * TIME
+DISPLACEMENT = 0.5 * np.sin(PHASE) + 0.01 * np.sin(7 * PHASE)
+FORCE = 6.0 * DISPLACEMENT + 0.4 * np.cos(PHASE) + 0.013
+TEMPERATURE = 21.0 + 0.5 * TIME
+CURRENT = np.full(SAMPLES, 0.25)
+
+FILES = []
+
+
+def said(name, program, **more):
+    """One file's entry. `error` is the most that a value may be off, of the channel's largest; 0 is bit by bit."""
+    entry = {"file": name, "program": program, "error": 0.0}
+    entry.update(more)
+    FILES.append(entry)
+    return str(OUT / name)
+
+
+def version(package):
+    return f"{package} {importlib.metadata.version(package)}"
+
+
+SINGLE = 6e-8
+ASKED = {"channels": {"time": "t", "displacement": "y", "force": "F"},
+         "units": {"time": "s", "displacement": "mm", "force": "kN"}}
+
+
+def truth():
+    with open(OUT / "truth.csv", "w") as file:
+        file.write("time_s,displacement_mm,force_kN\n")
+        for row in zip(TIME, DISPLACEMENT, FORCE):
+            file.write(",".join(repr(float(value)) for value in row) + "\n")
+
+
+def mdf():
+    from asammdf import MDF, Signal
+
+    program = version("asammdf")
+
+    def signal(samples, name, unit, time=TIME, **more):
+        return Signal(samples=samples, timestamps=time, name=name, unit=unit, **more)
+
+    def both(kind=np.float64):
+        return [signal(DISPLACEMENT.astype(kind), "Displacement", "mm"), signal(FORCE.astype(kind), "Force", "kN")]
+
+    def save(name, groups, compression=0, mdf_version="4.10", **more):
+        file = MDF(version=mdf_version)
+        for group in groups:
+            file.append(group, common_timebase=True)
+        path = said(name, program, **more)
+        file.save(path, overwrite=True, compression=compression)
+        file.close()
+
+    save("plain.mf4", [both()], guesses=["force is read from column \"Force\" in kN"])
+    save("deflated.mf4", [both()], 1)
+    save("transposed.mf4", [both()], 2)
+    save("columns.mf4", [both()], 0, "4.20")
+    save("columns_deflated.mf4", [both()], 2, "4.20")
+    save("single.mf4", [both(np.float32)], error=SINGLE)
+    save("group_each.mf4", [[each] for each in both()])
+    save("newton.mf4", [[both()[0], signal(1e3 * FORCE, "Load", "N")]], error=1e-15)
+    step = 1e-4
+    raw = np.round((DISPLACEMENT + 2) / step).astype(np.uint16)
+    raw_force = np.round((FORCE + 5) / 2e-4).astype(np.uint16)
+    linear = [signal(raw, "Weg", "mm", conversion={"a": step, "b": -2.0}),
+              signal(raw_force, "Kraft", "kN", conversion={"a": 2e-4, "b": -5.0})]
+    save("linear.mf4", [linear], 2, error=1e-4)
+    # y = (P4 x² + P5 x + P6 is the denominator): x is raw, (x - 20000) / 10000.
+    rational = {f"P{n}": value for n, value in enumerate([0, 1e-4, -2.0, 0, 0, 1], 1)}
+    algebraic = {"formula": "X * 0.0002 - 5"}
+    save("formulas.mf4", [[signal(raw, "Displacement", "mm", conversion=rational),
+                           signal(raw_force, "Force", "kN", conversion=algebraic)]], error=1e-4)
+    table = {"raw_0": 0.0, "phys_0": -2.0, "raw_1": 65535.0, "phys_1": -2.0 + 65535 * step, "interpolation": True}
+    save("table.mf4", [[signal(raw, "Displacement", "mm", conversion=table), both()[1]]], error=1e-4)
+    big = [signal(DISPLACEMENT.astype(">f8"), "Displacement", "mm"), signal(FORCE.astype(">f4"), "Force", "kN")]
+    save("big_endian.mf4", [big], error=SINGLE)
+    invalid = np.zeros(SAMPLES, dtype=bool)
+    invalid[[17, 18]] = True
+    save("invalid.mf4", [[both()[0], signal(FORCE, "Force", "kN", invalidation_bits=invalid)]], missing=[17, 18])
+    slow = TIME[::20]
+    save("two_rates.mf4", [both(), [signal(TEMPERATURE[::20], "Temperature", "°C", slow)]])
+    save("apart.mf4", [[both()[0]], [signal(FORCE[::2], "Force", "kN", TIME[::2])]],
+         refused=["displacement is in table", "1000 Hz", "force is in table", "500 Hz", "one rate"])
+    state = signal(np.arange(SAMPLES) % 3, "State", "", conversion={"val_0": 0, "text_0": b"off", "default": b"on"})
+    save("texts.mf4", [both() + [state]], skipped=["State"])
+    plain = (OUT / "plain.mf4").read_bytes()
+    path = said("unfinished.mf4", program + ", marked as never finalized", guesses=["never finalized"])
+    Path(path).write_bytes(b"UnFinMF " + plain[8:])
+    file = MDF(version="3.30")
+    file.append(both(), common_timebase=True)
+    file.save(said("version_3.mdf", program, refused=["MDF of version 3", "convert"]), overwrite=True)
+    file.close()
+
+
+def mat():
+    import scipy.io
+
+    program = version("scipy")
+
+    def save(name, variables, **more):
+        options = more.pop("options", {})
+        scipy.io.savemat(said(name, program, **more), variables, **options)
+
+    named = {"time_s": TIME, "displacement_mm": DISPLACEMENT, "force_kN": FORCE}
+    bare = {"t": TIME, "y": DISPLACEMENT, "F": FORCE}
+    save("named.mat", named)
+    save("deflated.mat", named, options={"do_compression": True})
+    save("rows.mat", {key: value.reshape(1, -1) for key, value in named.items()})
+    save("columns.mat", {key: value.reshape(-1, 1) for key, value in named.items()})
+    save("bare.mat", bare, **ASKED)
+    save("bare_unasked.mat", bare, refused=["there is no time column", "\"t\", \"y\", \"F\"", "--channel time="])
+    save("single.mat", {key: value.astype(np.float32) if key != "time_s" else value for key, value in named.items()},
+         error=SINGLE)
+    save("integers.mat", {"time_ms": np.arange(SAMPLES, dtype=np.int32), "displacement_um": np.round(DISPLACEMENT * 1000).astype(np.int16),
+                          "force_N": np.round(FORCE * 1000).astype(np.int64)}, error=1.1e-3)
+    save("structure.mat", {"test": {"note": "D1 at 20 °C", "time_s": TIME, "displacement_mm": DISPLACEMENT, "force_kN": FORCE, "fs": 1000.0}},
+         skipped=["the number test.fs = 1000"], comments=["test.note: D1 at 20 °C"])
+    save("matrix.mat", {"data": np.column_stack([TIME, DISPLACEMENT, FORCE])},
+         channels={"time": "data[0]", "displacement": "data[1]", "force": "data[2]"}, units=ASKED["units"])
+    channel = [("Name", "O"), ("Data", "O"), ("Unit", "O"), ("XIndex", "O")]
+    y = np.zeros((1, 2), dtype=channel)
+    y[0, 0] = ("Model Root/Disp", DISPLACEMENT.reshape(1, -1), "mm", 1)
+    y[0, 1] = ("Model Root/Force", FORCE.reshape(1, -1), "kN", 1)
+    save("dspace.mat", {"exp001": {"X": {"Name": "", "Data": TIME.reshape(1, -1)}, "Y": y}}, guesses=["X of the structure"])
+    signals = np.zeros((1, 2), dtype=[("values", "O"), ("dimensions", "O"), ("label", "O")])
+    signals[0, 0] = (DISPLACEMENT.reshape(-1, 1), 1.0, "Displacement")
+    signals[0, 1] = (FORCE.reshape(-1, 1), 1.0, "Force")
+    save("simulink.mat", {"logged": {"time": TIME.reshape(-1, 1), "signals": signals, "blockName": "m/Scope"}},
+         units=ASKED["units"])
+    cell = np.empty((1, 3), dtype=object)
+    cell[0, :] = [TIME, DISPLACEMENT, FORCE]
+    save("cell.mat", {"c": cell}, channels={"time": "c{1}", "displacement": "c{2}", "force": "c{3}"}, units=ASKED["units"])
+    two = {f"run{n}": {"time_s": TIME + n, "displacement_mm": DISPLACEMENT, "force_kN": FORCE} for n in range(2)}
+    save("two_runs.mat", two, table="run0")
+    save("two_runs_unasked.mat", two, refused=["2 tables hold a recording", "--table"])
+    save("complex.mat", {**named, "z": FORCE + 1j}, skipped=["z (complex numbers)"])
+    save("version_4.mat", named, options={"format": "4"}, refused=["MATLAB of version 4", "-v7"])
+
+
+def parquet():
+    import pandas
+    import polars
+    import pyarrow
+    import pyarrow.feather
+    import pyarrow.parquet as pq
+
+    columns = {"time_s": TIME, "displacement_mm": DISPLACEMENT, "force_kN": FORCE}
+    frame = pandas.DataFrame(columns)
+    arrow, pandas_version, polars_version = version("pyarrow"), version("pandas"), version("polars")
+    frame.to_parquet(said("pandas.parquet", pandas_version))
+    for compression in ["none", "gzip", "zstd", "lz4"]:
+        frame.to_parquet(said(f"{compression}.parquet", pandas_version), compression=compression)
+    frame.to_parquet(said("brotli.parquet", pandas_version, refused=["brotli"]), compression="brotli")
+    polars.DataFrame(columns).write_parquet(said("polars.parquet", polars_version))
+    import fastparquet
+    fastparquet.write(said("fastparquet.parquet", version("fastparquet")), frame)
+    fields = [pyarrow.field("Zeit", "f8", metadata={"unit": "s"}), pyarrow.field("Weg", "f4", metadata={"unit": "mm"}),
+              pyarrow.field("Kraft", "f8", metadata={"unit": "kN"})]
+    table = pyarrow.table([TIME, DISPLACEMENT.astype("f4"), FORCE], schema=pyarrow.schema(fields, metadata={"specimen": "D1"}))
+    guesses = ["displacement is read from column \"Weg\" in mm"]
+    pq.write_table(table, said("units.parquet", arrow, error=SINGLE, guesses=guesses, comments=["specimen: D1"]),
+                   data_page_version="2.0", version="2.6", use_dictionary=False)
+    pq.write_table(table, said("delta.parquet", arrow, error=SINGLE), use_dictionary=False,
+                   column_encoding={"Zeit": "BYTE_STREAM_SPLIT", "Weg": "BYTE_STREAM_SPLIT", "Kraft": "PLAIN"}, row_group_size=64)
+    with_units = frame.rename(columns={"force_kN": "Load", "time_s": "Time", "displacement_mm": "Stroke"})
+    with_units.attrs = {"units": {"Load": "kN", "Time": "s", "Stroke": "mm"}}
+    with_units.to_parquet(said("attrs.parquet", pandas_version))
+    dated = frame.drop(columns="time_s")
+    dated.index = pandas.Timestamp("2026-03-01 12:00:00", tz="UTC") + pandas.to_timedelta(np.arange(SAMPLES), unit="ms")
+    dated.to_parquet(said("dates.parquet", pandas_version, guesses=["seconds after the first"], error=1e-15))
+    nullable = frame.astype({"force_kN": "Float64"})
+    nullable.loc[[17, 18], "force_kN"] = None
+    nullable.to_parquet(said("nulls.parquet", pandas_version, missing=[17, 18]))
+    nested = pyarrow.table({"time_s": TIME, "rig": pyarrow.StructArray.from_arrays(
+        [DISPLACEMENT, pyarrow.array(["x"] * SAMPLES)], ["displacement_mm", "state"]), "force_kN": FORCE})
+    pq.write_table(nested, said("nested.parquet", arrow, channels={"displacement": "rig.displacement_mm"}, skipped=["rig.state"]))
+    lists = pyarrow.table({"time_s": TIME, "data": pyarrow.FixedSizeListArray.from_arrays(
+        np.column_stack([DISPLACEMENT, FORCE]).ravel(), 2)})
+    pq.write_table(lists, said("lists.parquet", arrow, channels={"displacement": "data[0]", "force": "data[1]"},
+                               units={"displacement": "mm", "force": "kN"}))
+    indexed = pyarrow.table({"time_ms": pyarrow.array(np.arange(SAMPLES), "uint16"),
+                             "displacement_mm": pyarrow.array(DISPLACEMENT).dictionary_encode(), "force_kN": FORCE})
+    with pyarrow.OSFile(said("file.arrow", arrow, error=1e-15), "wb") as sink, pyarrow.ipc.new_file(sink, indexed.schema) as writer:
+        writer.write_table(indexed)
+    with pyarrow.OSFile(said("stream.arrows", arrow), "wb") as sink, pyarrow.ipc.new_stream(sink, frame_table(pyarrow, columns).schema) as writer:
+        writer.write_table(frame_table(pyarrow, columns), max_chunksize=70)
+    pyarrow.feather.write_feather(frame, said("lz4.feather", arrow), compression="lz4")
+    pyarrow.feather.write_feather(frame, said("zstd.feather", arrow), compression="zstd")
+    pyarrow.feather.write_feather(frame, said("version_1.feather", arrow, refused=["Feather of version 1"]), version=1)
+    polars.DataFrame(columns).write_ipc(said("polars.arrow", polars_version))
+
+
+def frame_table(pyarrow, columns):
+    return pyarrow.table(columns)
+
+
+truth()
+mdf()
+mat()
+parquet()
+(OUT / "files.json").write_text(json.dumps(FILES, indent=1, ensure_ascii=False) + "\n")
+print(f"{len(FILES)} files, {sum(path.stat().st_size for path in OUT.iterdir())} bytes")
