@@ -7,6 +7,7 @@ mod arrays;
 mod guard;
 #[cfg(feature = "hdf5")]
 mod hdf5;
+mod json;
 mod mat;
 #[cfg(feature = "mdf")]
 mod mdf;
@@ -16,8 +17,11 @@ mod opened;
 mod parquet;
 mod source;
 pub mod table;
+mod tdms;
 mod text;
 mod unread;
+#[cfg(feature = "xlsx")]
+mod xlsx;
 
 use std::path::Path;
 
@@ -87,6 +91,10 @@ pub const FORMATS: &[&dyn Format] = &[
     &parquet::Parquet,
     #[cfg(feature = "parquet")]
     &parquet::Arrow,
+    &tdms::Tdms,
+    #[cfg(feature = "xlsx")]
+    &xlsx::Xlsx,
+    &json::Json,
     &unread::Unread,
     &text::Text,
 ];

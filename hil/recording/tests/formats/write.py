@@ -213,9 +213,257 @@ def frame_table(pyarrow, columns):
     return pyarrow.table(columns)
 
 
+def hdf5():
+    import h5py
+    import pandas
+
+    program = version("h5py")
+
+    def file(name, **more):
+        options = more.pop("options", {})
+        return h5py.File(said(name, program, **more), "w", **options)
+
+    named = {"time_s": TIME, "displacement_mm": DISPLACEMENT, "force_kN": FORCE}
+    with file("plain.h5") as each:
+        for name, values in named.items():
+            each[name] = values
+    with file("latest.h5", options={"libver": "latest"}) as each:
+        for name, values in named.items():
+            each.create_dataset(name, data=values, chunks=(64,), maxshape=(None,), compression="gzip", shuffle=True)
+    with file("gzip.h5") as each:
+        for name, values in named.items():
+            each.create_dataset(name, data=values, chunks=(50,), compression="gzip", shuffle=True, fletcher32=True)
+    with file("lzf.h5") as each:
+        for name, values in named.items():
+            each.create_dataset(name, data=np.repeat(values, 1), chunks=(100,), compression="lzf", shuffle=True)
+    with file("big_endian.h5", error=SINGLE) as each:
+        each["time_s"] = TIME.astype(">f8")
+        each["displacement_mm"] = DISPLACEMENT.astype(">f4")
+        each["force_kN"] = FORCE.astype(">f8")
+    with file("groups.h5", guesses=["time/t are taken for those of other groups"], comments=["specimen: D1"]) as each:
+        each.attrs["specimen"] = "D1"
+        for path, values, unit in [("time/t", TIME, "s"), ("signals/stroke", DISPLACEMENT, "mm"), ("signals/load", FORCE, "kN")]:
+            each[path] = values
+            each[path].attrs["units"] = unit
+    with file("compound.h5") as each:
+        rows = np.zeros(SAMPLES, dtype=[("time_s", "f8"), ("state", "S4"), ("displacement_mm", "f8"), ("force_kN", "f8")])
+        for name, values in named.items():
+            rows[name] = values
+        each["run/samples"] = rows
+    matrix = {"channels": {"time": "data[0]", "displacement": "data[1]", "force": "data[2]"}, "units": ASKED["units"]}
+    with file("matrix.h5", **matrix) as each:
+        each["data"] = np.column_stack([TIME, DISPLACEMENT, FORCE])
+    with file("matrix_of_rows.h5", **matrix) as each:
+        each["data"] = np.vstack([TIME, DISPLACEMENT, FORCE])
+    with file("scaled.h5", error=1e-4, guesses=["is multiplied by"]) as each:
+        each["time_s"] = TIME
+        each["displacement_mm"] = np.round(DISPLACEMENT / 1e-4).astype("i2")
+        each["displacement_mm"].attrs["scale_factor"] = 1e-4
+        each["force_kN"] = FORCE
+    with file("two_rates.h5", skipped=["the number 1000"]) as each:
+        for name, values in named.items():
+            each["fast/" + name] = values
+        each["slow/time_s"] = TIME[::20]
+        each["slow/temperature_degC"] = TEMPERATURE[::20]
+        each["fast/rate"] = 1000.0
+    with file("apart.h5", refused=["displacement is in table \"fast\" (1000 Hz", "force is in table \"slow\" (500 Hz"]) as each:
+        each["fast/time_s"], each["fast/displacement_mm"] = TIME, DISPLACEMENT
+        each["slow/time_s"], each["slow/force_kN"] = TIME[::2], FORCE[::2]
+    with file("circle.h5") as each:
+        for name, values in named.items():
+            each["a/" + name] = values
+        each["a/b"] = h5py.SoftLink("/a")
+        each["c"] = each["a"]
+    frame = pandas.DataFrame(named)
+    for kind in ["fixed", "table"]:
+        options = {"channels": {f: f"values_block_0[{n}]" for n, f in enumerate(["time", "displacement", "force"])},
+                   "units": ASKED["units"]} if kind == "table" else {}
+        frame.to_hdf(said(f"pandas_{kind}.h5", version("pandas") + ", " + version("tables"), **options), key="run", format=kind)
+
+    import hdf5storage
+    storage = version("hdf5storage")
+    hdf5storage.savemat(said("v73_storage.mat", storage), named, format="7.3", oned_as="column", store_python_metadata=False)
+    test = {"test": {**named, "note": "D1"}}
+    hdf5storage.savemat(said("v73_structure.mat", storage, comments=["test.note: D1"]), test, format="7.3", oned_as="row",
+                        store_python_metadata=False, structured_numpy_ndarray_as_struct=True)
+    with matlab_73("v73_variables.mat", channels=ASKED["channels"], units=ASKED["units"]) as each:
+        for name, values in {"t": TIME, "y": DISPLACEMENT, "F": FORCE}.items():
+            matlab_array(each, name, values.reshape(1, -1))
+    with matlab_73("v73_dspace.mat", guesses=["X of the structure"]) as each:
+        run = each.create_group("exp001")
+        run.attrs["MATLAB_class"] = np.bytes_("struct")
+        matlab_array(run.create_group("X"), "Data", TIME.reshape(-1, 1))
+        references = each.create_group("#refs#")
+        channels = run.create_group("Y")
+        for group in [run["X"], channels]:
+            group.attrs["MATLAB_class"] = np.bytes_("struct")
+        fields = {"Data": [DISPLACEMENT.reshape(-1, 1), FORCE.reshape(-1, 1)], "Name": ["Root/Disp", "Root/Force"], "Unit": ["mm", "kN"]}
+        for field, values in fields.items():
+            made = []
+            for index, value in enumerate(values):
+                name = f"{field}{index}"
+                if isinstance(value, str):
+                    codes = np.frombuffer(value.encode("utf-16-le"), "u2").reshape(-1, 1)
+                    matlab_array(references, name, codes, "char")
+                else:
+                    matlab_array(references, name, value)
+                made.append(references[name].ref)
+            channels.create_dataset(field, data=np.array(made, dtype=h5py.ref_dtype).reshape(-1, 1), dtype=h5py.ref_dtype)
+    with matlab_73("v73_object.mat", skipped=["ts (an object of class timeseries)"]) as each:
+        for name, values in named.items():
+            matlab_array(each, name, values.reshape(1, -1))
+        matlab_array(each, "ts", np.zeros((1, 6), "u4"), "timeseries")
+
+
+def matlab_73(name, **more):
+    """A file as MATLAB's own: 512 bytes, of which the first are its line, and HDF5 behind them."""
+    import h5py
+
+    path = said(name, version("h5py") + ", laid out as MATLAB R2023b does", **more)
+
+    class File:
+        def __enter__(self):
+            self.file = h5py.File(path, "w", userblock_size=512)
+            return self.file
+
+        def __exit__(self, *_):
+            self.file.close()
+            line = b"MATLAB 7.3 MAT-file, Platform: GLNXA64, Created on: Mon Mar  2 10:00:00 2026 HDF5 schema 1.00 ."
+            with open(path, "r+b") as file:
+                file.write(line.ljust(116) + bytes(8) + b"\x00\x02IM")
+
+    return File()
+
+
+def matlab_array(group, name, values, kind="double"):
+    data = group.create_dataset(name, data=values, compression="gzip", chunks=values.shape)
+    data.attrs["MATLAB_class"] = np.bytes_(kind)
+
+
+def tdms():
+    from nptdms import ChannelObject, RootObject, TdmsWriter
+
+    program = version("nptdms")
+
+    def save(name, *segments, **more):
+        with TdmsWriter(said(name, program, **more)) as writer:
+            for segment in segments:
+                writer.write_segment(segment)
+
+    root = RootObject(properties={"specimen": "D1", "rig": "A"})
+    units = {"time": {"unit_string": "s"}, "displacement": {"unit_string": "mm"}, "force": {"unit_string": "kN"}}
+    names = {"time": "Time", "displacement": "Stroke", "force": "Load"}
+    truth = {"time": TIME, "displacement": DISPLACEMENT, "force": FORCE}
+
+    def channels(part=slice(None), group="Rig", kind=np.float64, keys=names):
+        return [ChannelObject(group, names[key], truth[key][part].astype(np.float64 if key == "time" else kind), properties=units[key])
+                for key in keys]
+
+    save("plain.tdms", [root] + channels(), comments=["specimen: D1"], guesses=["force is read from column \"Load\" in kN"])
+    save("segments.tdms", channels(slice(0, 70)), channels(slice(70, 130)), channels(slice(130, None)))
+    save("single.tdms", channels(kind=np.float32), error=SINGLE)
+    wave = {"wf_increment": 0.001, "wf_start_offset": 0.0, "wf_samples": SAMPLES}
+    clocked = [ChannelObject("Rig", names[key], truth[key], properties={**units[key], **wave}) for key in ["displacement", "force"]]
+    save("clock.tdms", clocked, error=1e-15)
+    slow = ChannelObject("Rig", "Temperature", TEMPERATURE[::20], properties={"unit_string": "deg C", "wf_increment": 0.02})
+    save("two_rates.tdms", clocked + [slow], error=1e-15)
+    half = ChannelObject("Rig", "Load", FORCE[::2], properties={"unit_string": "kN", "wf_increment": 0.002})
+    save("apart.tdms", [clocked[0], half], refused=["1000 Hz", "500 Hz"])
+    step = 2e-4
+    raw = {"displacement": np.round(DISPLACEMENT / step).astype(np.int16), "force": np.round((FORCE + 1) / step).astype(np.int16)}
+
+    def scaled(name, scales, **more):
+        made = [ChannelObject("Rig", "Time", TIME, properties=units["time"])]
+        for key in ["displacement", "force"]:
+            properties = {**units[key], "NI_Number_Of_Scales": len(scales[key]), "NI_Scaling_Status": "unscaled"}
+            for index, scale in enumerate(scales[key]):
+                properties.update({f"NI_Scale[{index}]_{field}": value for field, value in scale.items()})
+            made.append(ChannelObject("Rig", names[key], raw[key], properties=properties))
+        save(name, made, error=2e-4, **more)
+        # The reference program says the same.
+        from nptdms import TdmsFile
+        group = TdmsFile.read(OUT / name)["Rig"]
+        for key in ["displacement", "force"]:
+            assert np.max(np.abs(group[names[key]][:] - truth[key])) <= step / 2 + 1e-12, (name, key)
+
+    def linear(slope, offset, source=0xFFFFFFFF):
+        from nptdms.types import Uint32
+        return {"Scale_Type": "Linear", "Linear_Slope": slope, "Linear_Y_Intercept": offset, "Linear_Input_Source": Uint32(source)}
+
+    def polynomial(*coefficients, source=0xFFFFFFFF):
+        from nptdms.types import Uint32
+        fields = {f"Polynomial_Coefficients[{n}]": float(value) for n, value in enumerate(coefficients)}
+        return {"Scale_Type": "Polynomial", "Polynomial_Coefficients_Size": len(coefficients),
+                "Polynomial_Input_Source": Uint32(source), **fields}
+
+    def table(x, y, source=0xFFFFFFFF):
+        from nptdms.types import Uint32
+        fields = {"Scale_Type": "Table", "Table_Input_Source": Uint32(source),
+                  "Table_Pre_Scaled_Values_Size": len(x), "Table_Scaled_Values_Size": len(y)}
+        fields.update({f"Table_Pre_Scaled_Values[{n}]": float(value) for n, value in enumerate(x)})
+        fields.update({f"Table_Scaled_Values[{n}]": float(value) for n, value in enumerate(y)})
+        return fields
+
+    scaled("linear.tdms", {"displacement": [linear(step, 0.0)], "force": [linear(step, -1.0)]})
+    scaled("polynomial.tdms", {"displacement": [polynomial(0.0, step, 0.0)], "force": [linear(step, 0.0), polynomial(-1.0, 1.0, source=0)]})
+    scaled("table.tdms", {"displacement": [table([-32768, 32767], [-32768 * step, 32767 * step])], "force": [linear(step, -1.0)]})
+    strings = ChannelObject("Rig", "Note", ["a", "bc"] * (SAMPLES // 2))
+    save("texts.tdms", channels() + [strings], skipped=["Rig/Note"])
+    stamps = np.datetime64("2026-03-01T12:00:00.000000") + (np.arange(SAMPLES) * 1000).astype("timedelta64[us]")
+    save("dates.tdms", [ChannelObject("Rig", "Time", stamps)] + channels(keys=["displacement", "force"]), error=1e-15,
+         guesses=["seconds after the first"])
+    index = OUT / "index.tdms_index"
+    said("index.tdms_index", program, refused=["index of a TDMS file"])
+    with TdmsWriter(str(OUT / "throwaway.tdms"), index_file=True) as writer:
+        writer.write_segment(channels())
+    (OUT / "throwaway.tdms_index").rename(index)
+    (OUT / "throwaway.tdms").unlink()
+
+
+def json_files():
+    import pandas
+
+    frame = pandas.DataFrame({"time_s": TIME, "displacement_mm": DISPLACEMENT, "force_kN": FORCE})
+    program = version("pandas")
+    for orient in ["split", "records", "columns", "table"]:
+        frame.to_json(said(f"{orient}.json", program, error=1e-14), orient=orient, double_precision=15, **({"index": False} if orient == "table" else {}))
+    frame.to_json(said("lines.jsonl", program, error=1e-14), orient="records", lines=True, double_precision=15)
+    columns = {"time": TIME.tolist(), "displacement": DISPLACEMENT.tolist(), "force": FORCE.tolist()}
+    units = {"time": "s", "displacement": "mm", "force": "kN"}
+    Path(said("arrays.json", "Python's json")).write_text(json.dumps({"specimen": "D1", "units": units, **columns}))
+    gap = {**columns, "force": [None if n in (17, 18) else value for n, value in enumerate(columns["force"])]}
+    Path(said("nulls.json", "Python's json", missing=[17, 18], units=units)).write_text(json.dumps({"run": {"data": gap}}, indent=1))
+    Path(said("short.json", "Python's json", refused=["force"])).write_text(json.dumps({"units": units, **columns, "force": columns["force"][:-1]}))
+
+
+def xlsx():
+    import openpyxl
+    import pandas
+
+    frame = pandas.DataFrame({"time_s": TIME, "displacement_mm": DISPLACEMENT, "force_kN": FORCE})
+    with pandas.ExcelWriter(said("pandas.xlsx", version("pandas") + ", " + version("openpyxl"), error=1e-15), engine="openpyxl") as writer:
+        frame.to_excel(writer, index=False, sheet_name="Run 1")
+    with pandas.ExcelWriter(said("xlsxwriter.xlsx", version("xlsxwriter"), error=1e-15), engine="xlsxwriter") as writer:
+        frame.to_excel(writer, index=False)
+    book = openpyxl.Workbook()
+    sheet = book.active
+    sheet.title = "Messung"
+    for row in [["Prüfling", "D1"], [], ["Zeit", "Weg", "Kraft"], ["s", "mm", "kN"]]:
+        sheet.append(row)
+    for row in zip(TIME, DISPLACEMENT, FORCE):
+        sheet.append([float(value) for value in row])
+    notes = book.create_sheet("Notizen")
+    notes.append(["nichts"])
+    book.save(said("units.xlsx", version("openpyxl"), error=1e-15, guesses=["force is read from column \"Kraft\" in kN"]))
+
+
 truth()
 mdf()
 mat()
 parquet()
+hdf5()
+tdms()
+json_files()
+xlsx()
 (OUT / "files.json").write_text(json.dumps(FILES, indent=1, ensure_ascii=False) + "\n")
 print(f"{len(FILES)} files, {sum(path.stat().st_size for path in OUT.iterdir())} bytes")
