@@ -71,7 +71,7 @@ pub use consistency::check_consistency;
 pub use control::ControlChannel;
 pub use resample::Uniform;
 pub use units::{Unit, Units};
-pub use write::{decimal, table};
+pub use write::{NoFormat, WriteAs, decimal, table};
 
 use crate::error::{InputError, Place};
 use faults::ChannelFault;

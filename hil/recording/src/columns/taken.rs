@@ -151,7 +151,20 @@ pub(super) fn control_unit_of(column: &Column) -> Option<&'static str> {
 fn own_unit(column: &Column, channel: Channel, symbol: &str) -> UnitFound {
     let known = channel.units().iter().find(|unit| unit.symbol == symbol);
     match known {
-        Some(unit) => UnitFound::Known(*unit),
+        Some(unit) => match column
+            .unit
+            .as_deref()
+            .map(|said| (said, unit_of(channel, bare(said))))
+        {
+            // A name that was kept while the values were converted.
+            Some((said, Some(other))) if other.to_code(1.0) != unit.to_code(1.0) => {
+                UnitFound::Unknown(format!(
+                    "{symbol} by its name and {} by the file",
+                    bare(said)
+                ))
+            }
+            _ => UnitFound::Known(*unit),
+        },
         None if symbol.is_empty() => unit_found(column, &Name::default(), channel),
         None => UnitFound::Unknown(symbol.to_owned()),
     }

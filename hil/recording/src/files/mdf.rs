@@ -60,6 +60,10 @@ fn open<'a>(
     bytes: Vec<u8>,
     limit: ReadLimit,
 ) -> Result<Box<dyn Tables + 'a>, InputError> {
+    if has_endless_formula(&bytes) {
+        let why = format!("a formula has more than {MOST_OF_FORMULA} operations");
+        return Err(damaged(NAME, name, why));
+    }
     let options = OpenOptions {
         build_channels_db: false,
         parallel_parsing: false,
@@ -206,6 +210,31 @@ impl Mdf4 {
         }
         Ok(values)
     }
+}
+
+/// The most operations and brackets of a formula. Convention: ten times what a sensor's conversion has.
+const MOST_OF_FORMULA: usize = 500;
+
+/// Whether a text of the file is a formula that its decoder would follow by calls within calls, beyond any stack.
+fn has_endless_formula(bytes: &[u8]) -> bool {
+    // Blocks begin at places that are multiples of eight.
+    bytes.chunks_exact(8).enumerate().any(|(index, head)| {
+        if !head.starts_with(b"##TX") {
+            return false;
+        }
+        let text = &bytes[8 * index..];
+        let length = text.get(8..16).and_then(|word| word.try_into().ok());
+        let length = usize::try_from(u64::from_le_bytes(length.unwrap_or_default()));
+        let end = length.unwrap_or(usize::MAX).min(text.len());
+        let text = text.get(24..end).unwrap_or_default();
+        let signs = text.iter().filter(|byte| b"+-*/^(".contains(byte)).count();
+        // Any other character makes it no formula.
+        let is_of_formula = |byte: &u8| {
+            let is_plain = byte.is_ascii_alphanumeric() || byte.is_ascii_whitespace();
+            is_plain || !byte.is_ascii() || b"\0_.,+-*/^()".contains(byte)
+        };
+        signs > MOST_OF_FORMULA && text.iter().all(is_of_formula)
+    })
 }
 
 /// Why a channel is not read, if it is not.

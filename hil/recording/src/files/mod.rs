@@ -136,8 +136,11 @@ pub fn open(
     opened(Source::file(path, reading.limit)?, reading)
 }
 
-/// [`open`] of what was opened as a source of bytes.
-pub(crate) fn opened<'a>(
+/// [`open`] of any source of bytes.
+///
+/// # Errors
+/// As [`open`].
+pub fn opened<'a>(
     source: Source<'a>,
     reading: &Reading,
 ) -> Result<(&'static dyn Format, Box<dyn Tables + 'a>), InputError> {

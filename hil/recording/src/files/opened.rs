@@ -83,11 +83,10 @@ impl Tables for Opened<'_> {
                     "name another column, or write numbers",
                 ));
             }
-            let rows = columns.iter().flatten().map(Vec::len).next();
-            if let (Some(rows), Some(values)) = (rows, &values)
-                && values.len() != rows
+            if let (Some(rows), Some(values)) = (self.tables[table].rows, &values)
+                && values.len() as u64 != rows
             {
-                let problem = format!("{} values beside {rows} of another column", values.len());
+                let problem = format!("it has {} values of {rows}", values.len());
                 return Err(refused(problem, "check that the file is whole"));
             }
             columns.push(values);

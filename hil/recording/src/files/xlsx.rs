@@ -112,11 +112,14 @@ fn unpacks_within(name: &str, bytes: &[u8], limit: ReadLimit) -> Result<(), Inpu
     Ok(())
 }
 
+/// The texts of a row, each with its column.
+type Texts = Vec<(usize, String)>;
+
 /// A sheet while it is read.
 #[derive(Default)]
 struct Rows {
     /// Rows above the first that is numbers, each with its texts by column.
-    above: Vec<Vec<(usize, String)>>,
+    above: Vec<Texts>,
     /// The row in which cells are.
     row: u32,
     now: Vec<(usize, Result<f64, String>)>,
@@ -162,7 +165,7 @@ impl Rows {
             return Some(());
         }
         let numbers = cells.iter().filter(|(_, cell)| cell.is_ok()).count();
-        if self.first.is_none() && (2 * numbers <= cells.len() || self.above.is_empty()) {
+        if self.first.is_none() && 2 * numbers <= cells.len() {
             let texts = cells.into_iter().map(|(column, cell)| match cell {
                 Ok(number) => (column, number.to_string()),
                 Err(text) => (column, text),
@@ -239,7 +242,7 @@ impl Rows {
     }
 
     /// The names, the units, and the line of the names, counted from 1.
-    fn header(&self) -> (Vec<(usize, String)>, Vec<(usize, String)>, Option<u64>) {
+    fn header(&self) -> (Texts, Texts, Option<u64>) {
         let Some((last, before)) = self.above.split_last() else {
             return (Vec::new(), Vec::new(), None);
         };

@@ -181,6 +181,9 @@ def parquet():
                    data_page_version="2.0", version="2.6", use_dictionary=False)
     pq.write_table(table, said("delta.parquet", arrow, error=SINGLE), use_dictionary=False,
                    column_encoding={"Zeit": "BYTE_STREAM_SPLIT", "Weg": "BYTE_STREAM_SPLIT", "Kraft": "PLAIN"}, row_group_size=64)
+    renamed = pyarrow.table({"time_s": TIME, "displacement_mm": DISPLACEMENT}).append_column(
+        pyarrow.field("force_kN", "f8", metadata={"unit": "N"}), pyarrow.array(FORCE))
+    pq.write_table(renamed, said("two_units.parquet", arrow, refused=["kN by its name and N by the file", "--unit force="]))
     with_units = frame.rename(columns={"force_kN": "Load", "time_s": "Time", "displacement_mm": "Stroke"})
     with_units.attrs = {"units": {"Load": "kN", "Time": "s", "Stroke": "mm"}}
     with_units.to_parquet(said("attrs.parquet", pandas_version))
@@ -420,6 +423,58 @@ def tdms():
     (OUT / "throwaway.tdms").unlink()
 
 
+def tdms_raw():
+    """What nptdms reads and does not write: interleaved values, the other order of bytes, and a DAQmx logger's raw ones."""
+    import struct
+
+    from nptdms import TdmsFile
+
+    step = 2e-4
+    truth = {"Time": TIME, "Stroke": DISPLACEMENT, "Load": FORCE}
+    units = {"Time": "s", "Stroke": "mm", "Load": "kN"}
+
+    def save(name, order, bits, objects, raw, **more):
+        text = lambda words: struct.pack(order + "I", len(words.encode())) + words.encode()
+        meta = struct.pack(order + "I", len(objects))
+        for path, index, properties in objects:
+            meta += text(path) + index + struct.pack(order + "I", len(properties))
+            for key, value in properties.items():
+                meta += text(key)
+                if isinstance(value, str):
+                    meta += struct.pack(order + "I", 0x20) + text(value)
+                elif isinstance(value, int):
+                    meta += struct.pack(order + "II", 7, value)
+                else:
+                    meta += struct.pack(order + "Id", 10, value)
+        lead = b"TDSm" + struct.pack("<I", bits) + struct.pack(order + "IQQ", 4713, len(meta) + len(raw), len(meta))
+        Path(said(name, "a script, as nptdms " + importlib.metadata.version("nptdms") + " reads it", **more)).write_bytes(lead + meta + raw)
+        group = TdmsFile.read(OUT / name)["Rig"]
+        for channel, values in truth.items():
+            assert np.max(np.abs(group[channel][:] - values)) <= step / 2 + 1e-12, (name, channel)
+
+    def plain(order, code, count):
+        return struct.pack(order + "IIIQ", 20, code, 1, count)
+
+    rows = np.column_stack(list(truth.values()))
+    for name, order, flag in [("interleaved.tdms", "<", 0), ("big_endian.tdms", ">", 0x40)]:
+        objects = [(f"/'Rig'/'{key}'", plain(order, 10, 50), {"unit_string": units[key]}) for key in truth]
+        # Four chunks of fifty rows.
+        save(name, order, 0x2 | 0x4 | 0x8 | 0x20 | flag, objects, rows.astype(order + "f8").tobytes())
+
+    def daqmx(kind, at, scale):
+        return struct.pack("<IIIQ", 0x1269, 0xFFFFFFFF, 1, SAMPLES) + struct.pack("<I5I", 1, kind, 0, at, 0, scale) + struct.pack("<II", 1, 8)
+
+    raw = np.zeros(SAMPLES, dtype=[("time", "<i4"), ("stroke", "<i2"), ("load", "<i2")])
+    raw["time"] = np.round(TIME / 1e-3)
+    raw["stroke"], raw["load"] = np.round(DISPLACEMENT / step), np.round((FORCE + 1) / step)
+    objects = []
+    for key, kind, at, slope, offset in [("Time", 5, 0, 1e-3, 0.0), ("Stroke", 3, 4, step, 0.0), ("Load", 3, 6, step, -1.0)]:
+        scale = {"NI_Number_Of_Scales": 2, "NI_Scaling_Status": "unscaled", "NI_Scale[1]_Scale_Type": "Linear", "NI_Scale[1]_Linear_Slope": slope,
+                 "NI_Scale[1]_Linear_Y_Intercept": offset, "NI_Scale[1]_Linear_Input_Source": 0, "unit_string": units[key]}
+        objects.append((f"/'Rig'/'{key}'", daqmx(kind, at, 0), scale))
+    save("daqmx.tdms", "<", 0x2 | 0x4 | 0x8 | 0x80, objects, raw.tobytes(), error=2e-4)
+
+
 def json_files():
     import pandas
 
@@ -463,6 +518,7 @@ mat()
 parquet()
 hdf5()
 tdms()
+tdms_raw()
 json_files()
 xlsx()
 (OUT / "files.json").write_text(json.dumps(FILES, indent=1, ensure_ascii=False) + "\n")

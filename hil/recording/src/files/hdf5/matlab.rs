@@ -55,7 +55,7 @@ pub(super) fn tree(root: &Group, most: u64) -> Result<Tree, Refused> {
             .into_iter()
             .map(|each| (each.address(), Member::Group(each)));
         let datasets = datasets.into_iter();
-        let datasets = datasets.map(|each| (each.address(), Member::Dataset(each)));
+        let datasets = datasets.map(|each| (each.address(), Member::Dataset(Box::new(each))));
         reader.references = groups
             .chain(datasets)
             .map(|(at, each)| (at, Arc::new(each)))
@@ -77,7 +77,7 @@ pub(super) fn tree(root: &Group, most: u64) -> Result<Tree, Refused> {
 
 enum Member {
     Group(Group),
-    Dataset(Dataset),
+    Dataset(Box<Dataset>),
 }
 
 struct Reader {

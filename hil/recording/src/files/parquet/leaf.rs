@@ -80,8 +80,8 @@ impl Found {
             ));
         }
         let said = UNIT
-            .iter()
-            .find_map(|key| field.metadata().get(*key).cloned());
+            .into_iter()
+            .find_map(|key| field.metadata().get(key).cloned());
         let of_pandas = || {
             let known = self.units.iter().find(|(of, _)| *of == name);
             known.map(|(_, unit)| unit.clone())

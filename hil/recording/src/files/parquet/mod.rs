@@ -1,6 +1,7 @@
 //! Parquet, and the arrays of Arrow that its columns are read as.
 
 mod arrow;
+mod depth;
 mod leaf;
 
 use bytes::Bytes;
@@ -54,6 +55,13 @@ fn open<'a>(
     limit: ReadLimit,
 ) -> Result<Box<dyn Tables + 'a>, InputError> {
     let refused = |error: &ParquetError| refused(name, error);
+    if depth::depth(&bytes).is_some_and(|depth| depth > depth::DEEPEST) {
+        let why = format!(
+            "its fields lie more than {} deep in each other",
+            depth::DEEPEST
+        );
+        return Err(damaged(NAME, name, why));
+    }
     let metadata = ArrowReaderMetadata::load(&bytes, Default::default());
     let metadata = metadata.map_err(|error| refused(&error))?;
     let file = metadata.metadata().file_metadata();
