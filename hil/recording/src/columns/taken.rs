@@ -102,6 +102,15 @@ fn rank(column: &Column, words: &[String], channel: Channel, unit: &UnitFound) -
     }
 }
 
+/// Whether a column is of times, by what its file or a word of its name says, a unit beside it or not.
+pub(super) fn is_time(column: &Column) -> bool {
+    let is_named = || {
+        let words = Name::of(&column.name).words;
+        words::of_channel(&words, Channel::Time).is_some() && !words::is_other(&words)
+    };
+    column.is_numeric && (column.is_time || is_named())
+}
+
 /// What the file says of a column's unit, for one channel.
 pub(super) fn unit_for(column: &Column, channel: Channel) -> UnitFound {
     match own_name(&column.name) {
