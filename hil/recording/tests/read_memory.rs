@@ -29,7 +29,7 @@ fn is_in_proportion_to_the_file() {
     for (header, names, empty, times) in [
         (own, &*names, &*empty, 1 << 13),
         (own, "", "", 1 << 21),
-        (plain, "", "", 1 << 20),
+        (plain, "", "", 1 << 21),
         (foreign, "", "", 1 << 21),
     ] {
         let file = tempfile::NamedTempFile::new().unwrap();
