@@ -56,6 +56,7 @@ pub fn choose(
     reading: &Reading,
     needed: &dyn Fn(Channel) -> bool,
 ) -> Result<Chosen, InputError> {
+    check_said(reading)?;
     let of_name = |(_, table): &(usize, &Table)| match &reading.table {
         Some(name) => table.name.eq_ignore_ascii_case(name),
         None => true,
@@ -118,6 +119,34 @@ pub fn choose(
         error.problem = format!("table {}: {}", quoted(&tables[index].name), error.problem);
     }
     Err(error)
+}
+
+/// Refuses the unit of a quantity that is no channel and has no column: it would change nothing.
+fn check_said(reading: &Reading) -> Result<(), InputError> {
+    let is_known = |quantity: &str| {
+        Channel::ALL
+            .into_iter()
+            .any(|channel| channel.name() == quantity)
+            || said(&reading.channels, quantity).is_some()
+    };
+    match reading
+        .units
+        .iter()
+        .find(|(quantity, _)| !is_known(quantity))
+    {
+        Some((quantity, unit)) => Err(InputError::new(
+            format!("--unit {quantity}={unit}"),
+            format!(
+                "{} is no channel, and no column of it is given",
+                quoted(quantity)
+            ),
+            format!(
+                "channels are time, displacement, force, velocity and temperature; for a control input give its column too: \
+                 --channel {quantity}=NAME"
+            ),
+        )),
+        None => Ok(()),
+    }
 }
 
 fn of_table(
@@ -301,6 +330,7 @@ impl Choice<'_> {
         match taken::unit_for(&self.table.columns[column], channel) {
             UnitFound::Known(unit) => Ok(unit),
             UnitFound::Unknown(written) => Err(fail(format!("unknown unit {}", quoted(&written)))),
+            UnitFound::Unclear(written) => Err(fail(format!("the unit is not clear: {written}"))),
             UnitFound::None => Err(fail("the name carries no unit".into())),
         }
     }
@@ -477,4 +507,120 @@ fn listed(names: &[&str]) -> String {
         shown.push(format!("and {} more", names.len() - MOST));
     }
     shown.join(", ")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::files::Column;
+
+    fn table(names: &[&str]) -> Table {
+        let column = |name: &&str| Column {
+            name: (*name).into(),
+            is_numeric: true,
+            ..Column::default()
+        };
+        Table {
+            columns: names.iter().map(column).collect(),
+            ..Table::default()
+        }
+    }
+
+    fn chosen(names: &[&str], reading: &Reading) -> Result<Chosen, String> {
+        let chosen = choose("a.csv", &[table(names)], reading, &Channel::is_required);
+        chosen.map_err(|error| error.to_string())
+    }
+
+    fn pair(of: &str, what: &str) -> (String, String) {
+        (of.into(), what.into())
+    }
+
+    #[test]
+    fn equal_candidates_are_asked_for_and_lesser_ones_are_not() {
+        let plain = Reading::default();
+        let columns = |names: &[&str]| {
+            let chosen = chosen(names, &plain).unwrap();
+            chosen
+                .used
+                .iter()
+                .map(|used| used.column)
+                .collect::<Vec<_>>()
+        };
+        assert_eq!(
+            columns(&["Time [s]", "x [mm]", "Disp [mm]", "Load [kN]"]),
+            [0, 2, 3]
+        );
+        assert_eq!(
+            columns(&[
+                "Time [s]",
+                "Disp [mm]",
+                "Axial Displacement Command [mm]",
+                "Load [kN]"
+            ]),
+            [0, 1, 3]
+        );
+        assert_eq!(
+            columns(&[
+                "Cycle time [s]",
+                "Time [s]",
+                "Disp [mm]",
+                "Load [MPa]",
+                "Force [kN]"
+            ]),
+            [1, 2, 4]
+        );
+        for (names, option) in [
+            (
+                &["Time [s]", "Disp [mm]", "Force 1 [kN]", "Force 2 [kN]"][..],
+                "--channel force='Force 1 [kN]'",
+            ),
+            (
+                &["Time [s]", "Stroke [mm]", "Disp [mm]", "Load [kN]"],
+                "--channel displacement='Disp [mm]'",
+            ),
+            (
+                &["Time [s]", "Disp [mm]", "Pull [kN]"],
+                "--channel force='Pull [kN]'",
+            ),
+            (&["Time [s]", "Disp", "Load [kN]"], "--unit displacement=mm"),
+            (&["Disp [mm]", "Load [kN]"], "--rate"),
+        ] {
+            let error = chosen(names, &plain).unwrap_err();
+            assert!(error.contains(option), "{error}");
+        }
+    }
+
+    #[test]
+    fn what_the_user_says_counts_and_a_word_of_no_use_is_refused() {
+        let said = Reading {
+            channels: vec![pair("force", "force 2 [kN]"), pair("valve", "Ch 4")],
+            units: vec![pair("valve", "V")],
+            ..Reading::default()
+        };
+        let names = [
+            "Time [s]",
+            "Disp [mm]",
+            "Force 1 [kN]",
+            "Force 2 [kN]",
+            "Ch 4",
+        ];
+        let found = chosen(&names, &said).unwrap();
+        assert_eq!(found.used[2].column, 3);
+        assert_eq!(found.controls[0].name, "valve_V");
+        let wrong = Reading {
+            units: vec![pair("froce", "N")],
+            ..Reading::default()
+        };
+        let error = chosen(&names, &wrong).unwrap_err();
+        assert!(
+            error.contains("--unit froce=N") && error.contains("no channel"),
+            "{error}"
+        );
+        let wrong = Reading {
+            channels: vec![pair("force", "Kraft")],
+            ..Reading::default()
+        };
+        let error = chosen(&names, &wrong).unwrap_err();
+        assert!(error.contains("there is no column \"Kraft\""), "{error}");
+    }
 }

@@ -46,6 +46,7 @@ pub fn described(column: &Column) -> Option<String> {
         match &candidate.unit {
             taken::UnitFound::Known(unit) => format!("{channel} in {}", unit.symbol),
             taken::UnitFound::Unknown(unit) => format!("{channel} in an unknown unit {unit}"),
+            taken::UnitFound::Unclear(unit) => format!("{channel} in {unit}, which is not clear"),
             taken::UnitFound::None => format!("{channel} without a unit"),
         }
     });

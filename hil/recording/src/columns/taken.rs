@@ -37,8 +37,10 @@ pub(super) struct Candidate {
 pub(super) enum UnitFound {
     /// One of the channel's.
     Known(Unit),
-    /// The file says a unit that the channel cannot have, or that is unknown, or two.
+    /// The file says a unit that the channel cannot have, or that is unknown.
     Unknown(String),
+    /// The file says two, or one that could be two.
+    Unclear(String),
     /// None is said.
     None,
 }
@@ -186,7 +188,7 @@ fn own_unit(column: &Column, channel: Channel, symbol: &str) -> UnitFound {
 fn beside(column: &Column, channel: Channel, unit: Unit, written: &str) -> UnitFound {
     match row_unit(column) {
         Some(other) if unit_of(channel, other).is_none_or(|other| other != unit) => {
-            UnitFound::Unknown(format!("{written} beside {other}"))
+            UnitFound::Unclear(format!("{written} beside {other}"))
         }
         _ => UnitFound::Known(unit),
     }
@@ -206,7 +208,7 @@ fn unit_and_words<'n>(
 ) -> (UnitFound, &'n [String]) {
     let found = |written: &str| {
         if is_lost_in_capitals(channel, &column.name, written) {
-            return UnitFound::Unknown(format!("{written} in a name of capitals"));
+            return UnitFound::Unclear(format!("{written} in a name of capitals"));
         }
         match unit_of(channel, written) {
             Some(unit) => beside(column, channel, unit, written),
@@ -286,7 +288,7 @@ mod tests {
         let each = candidates(&column(name, unit)).into_iter().map(|each| {
             let unit = match each.unit {
                 UnitFound::Known(unit) => unit.symbol.to_owned(),
-                UnitFound::Unknown(unit) => format!("?{unit}"),
+                UnitFound::Unknown(unit) | UnitFound::Unclear(unit) => format!("?{unit}"),
                 UnitFound::None => "?".into(),
             };
             format!("{:?} {} {unit}", each.rank, each.channel.name())

@@ -46,6 +46,16 @@ pub fn dialects() -> Vec<Dialect> {
             &["line 27", "words stand between"],
         ),
         dialect(
+            "names in a comment, and other ones later",
+            format!(
+                "# Time_s Disp_mm Load_kN\n{}# Time_s Disp_mm Load_N\n{}",
+                first.concat(),
+                second.concat()
+            )
+            .replace(';', " "),
+            &["line 26", "names other columns or units"],
+        ),
+        dialect(
             "a row too short",
             table("0,9;1,5\n"),
             &["line 26", "2 cells", "a semicolon"],

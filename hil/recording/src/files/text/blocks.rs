@@ -1,7 +1,8 @@
 //! Words between the numbers of a text and behind them: a header that is written again, and a footer.
 
-use super::header::bare;
+use super::header::{bare, in_comment};
 use super::layout::Layout;
+use crate::columns;
 use crate::error::{InputError, Place};
 
 /// The blocks of numbers of a text so far.
@@ -48,6 +49,30 @@ impl<'b> Blocks<'b> {
     /// Whether the numbers have paused: words are no damaged number then.
     pub fn is_between(&self) -> bool {
         self.between.is_some() || (self.after_blank && self.has_numbers)
+    }
+
+    /// A comment, where those above the numbers hold the names: with other names or units in it the numbers are others.
+    pub fn comment(&self, line: u64, text: &str) -> Result<(), InputError> {
+        let layout = self.layout;
+        if !layout.is_named_in_comment {
+            return Ok(());
+        }
+        let Some(cells) = in_comment(text, layout.cells, layout.separator) else {
+            return Ok(());
+        };
+        let is_known = |known: &Vec<String>| *known == bare(&cells);
+        let is_header = cells
+            .iter()
+            .any(|cell| columns::is_named(cell) || columns::spelling::is_unit(cell));
+        if !is_header || layout.repeated.iter().any(is_known) {
+            return Ok(());
+        }
+        Err(InputError::new(
+            self.name,
+            "a comment names other columns or units than that above the numbers",
+            "put what follows into a file of its own",
+        )
+        .at(Place::Line(line)))
     }
 
     /// A row of words.

@@ -61,6 +61,7 @@ impl Tables for ForeignTable<'_> {
         while let Some(line) = lines.row(layout.separator, &mut text)? {
             let (bare, kind) = kind_of(&text, layout.separator);
             if kind == RowKind::Comment {
+                blocks.comment(line.number, bare)?;
                 continue;
             }
             let mut cells = Vec::with_capacity(layout.cells + 1);
@@ -292,20 +293,22 @@ impl<'r> Reader<'r> {
             Cell::NotFinite => Err((format!("{} is not finite", quoted(cell)), MEND)),
             Cell::Words => Err((format!("{} is not a number", quoted(cell)), MEND)),
             Cell::OtherSign => {
-                let (sign, other) = match self.layout.numbers.decimal {
-                    ',' => ("comma", "--decimal point"),
-                    _ => ("point", "--decimal comma"),
+                let (sign, mend) = match self.layout.numbers.decimal {
+                    ',' => (
+                        "comma",
+                        "mend it, or say --decimal point, with which a comma divides thousands",
+                    ),
+                    _ => (
+                        "point",
+                        "mend it, or say --decimal comma, with which a point divides thousands",
+                    ),
                 };
                 Err((
                     format!(
-                        "{} is no number with a decimal {sign}, which the numbers above have",
+                        "{} is no number with a decimal {sign}, as those above are read",
                         quoted(cell)
                     ),
-                    if other == "--decimal comma" {
-                        "mend it, or say --decimal comma, with which a point divides thousands"
-                    } else {
-                        "mend it, or say --decimal point, with which a comma divides thousands"
-                    },
+                    mend,
                 ))
             }
         }

@@ -270,15 +270,18 @@ fn at_blanks(text: &str, cells: usize) -> Vec<String> {
     words.into_iter().map(cleaned).collect()
 }
 
-/// The names in a comment, which may be divided otherwise than the numbers are.
 fn commented(row: &Row, cells: usize, separator: Separator) -> Option<Words> {
-    let separators = [separator].into_iter().chain(Separator::ALL);
-    let mut split = separators.map(|separator| split(row.text, cells, separator));
-    let words = split.find(|words| words.len() == cells && is_wordy(words))?;
     Some(Words {
         line: row.line,
-        cells: words,
+        cells: in_comment(row.text, cells, separator)?,
     })
+}
+
+/// The names in a comment, which may be divided otherwise than the numbers are.
+pub(super) fn in_comment(text: &str, cells: usize, separator: Separator) -> Option<Vec<String>> {
+    let separators = [separator].into_iter().chain(Separator::ALL);
+    let mut split = separators.map(|separator| split(text, cells, separator));
+    split.find(|words| words.len() == cells && is_wordy(words))
 }
 
 fn is_wordy(cells: &[String]) -> bool {

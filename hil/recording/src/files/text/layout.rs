@@ -57,6 +57,8 @@ pub(super) struct Layout {
     pub kinds: Vec<Kind>,
     /// The cells of the rows of names and of units as they are written, by which they are known where they repeat.
     pub repeated: Vec<Vec<String>>,
+    /// Whether the names stand in a comment.
+    pub is_named_in_comment: bool,
     /// Lines that must be the same wherever one with the same first cell is.
     pub fixed: Vec<Vec<String>>,
     /// Columns whose cells must be those of another: a second column of the same times.
@@ -363,10 +365,10 @@ impl Found<'_> {
             ..Table::default()
         };
         let has_times = self.reading.channels.iter().any(|(of, _)| of == "time")
-            || (table.columns.iter()).any(|column| columns::may_be_time(column));
+            || (table.columns.iter()).any(columns::may_be_time);
         if self.reading.rate.is_none() && !has_times {
             let given = match &lvm {
-                Some(lvm) => lvm.clock(self.numbers_declared(numbers)),
+                Some(lvm) => lvm.clock(numbers),
                 None => metadata::clock(&comments, numbers),
             };
             if let Some((clock, said)) = given {
@@ -400,6 +402,7 @@ impl Found<'_> {
             cells: self.block.cells,
             kinds,
             repeated: header.repeated(),
+            is_named_in_comment: header.is_comment,
             fixed: lvm.map(|lvm| lvm.fixed).unwrap_or_default(),
             same,
             has_remarks: self.declared.is_lvm,
@@ -424,16 +427,6 @@ impl Found<'_> {
             (row.line, cells)
         });
         rows.collect()
-    }
-
-    fn numbers_declared(&self, numbers: Numbers) -> Numbers {
-        match self.declared.decimal {
-            Some(decimal) => Numbers {
-                decimal,
-                ..Numbers::POINT
-            },
-            None => numbers,
-        }
     }
 
     fn numbers(&self, samples: &[(u64, Vec<&str>)]) -> Result<Numbers, InputError> {
