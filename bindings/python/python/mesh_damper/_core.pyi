@@ -7,6 +7,23 @@ from typing import Any, final
 import numpy as np
 import numpy.typing as npt
 
+__all__ = [
+    "Drive",
+    "Model",
+    "Recording",
+    "Trace",
+    "__version__",
+    "characterize",
+    "export",
+    "kilonewtons",
+    "refuse_repeats",
+    "respond",
+    "simulate",
+    "sweep",
+    "trace",
+    "units",
+]
+
 __version__: str
 
 @final

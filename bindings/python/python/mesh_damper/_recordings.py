@@ -81,7 +81,9 @@ class Given:
 
     def by_names(self) -> Given:
         """The same for other recordings: arrays are of the one that they were given for."""
-        kept = {name: channel for name, channel in self.channels.items() if isinstance(channel, (str, int, float))}
+        kept: dict[str, ChannelLike | float | None] = {
+            name: channel for name, channel in self.channels.items() if isinstance(channel, (str, int, float))
+        }
         return replace(self, channels=kept)
 
     def columns(self, data: Any, name: str) -> list[tuple[str, Array]]:
