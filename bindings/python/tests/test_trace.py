@@ -269,7 +269,7 @@ def test_pictures_page_and_report(found: mesh_damper.Trace, tmp_path: Path) -> N
     series = found.series()
     left = (series["force_kN"] - series["after_kN"])[series["measured"]]
     assert np.allclose(after[np.isfinite(after)], left)
-    assert found.plot("loop", block=0).axes[0].get_title().startswith("Loop: 0.1 mm, 1 Hz")
+    assert found.plot("loop", block=0).axes[0].get_title() == "Loop: 0.0999 mm, 1 Hz, held out"
     with pytest.raises(mesh_damper.InputError, match="there is no block 99"):
         found.plot("loop", block=99)
     page = found._repr_html_()

@@ -89,9 +89,10 @@ impl Recording {
             .collect();
         let mut lines = RowLines::default();
         let (mut blank, mut first_blank, mut repeated) = (0, None, 0);
+        let value = |column: &Column, row: usize| values[column.index][row];
         for row in 0..rows {
             let line = row as u64 + 1;
-            let at = |column: &Column| values[column.index][row];
+            let at = |column: &Column| value(column, row);
             controls.iter_mut().for_each(|control| control.see(row));
             let is_blank = |column: &&Column| column.may_be_blank() && at(column).is_nan();
             if let Some(column) = found.used.iter().find(is_blank) {

@@ -50,7 +50,7 @@ def traced(series: dict[str, Any], kind: Literal["all", "loop", "residual"], blo
     if kind == "all":
         if ax is not None:
             raise InputError("ax: two pictures need two axes; give kind='loop' or kind='residual' with it")
-        figure, axes = _pyplot().subplots(1, 2, figsize=(10.5, 4.0), layout="constrained", width_ratios=[1, 1.35])
+        figure, axes = _pyplot().subplots(1, 2, figsize=(11.5, 4.2), layout="constrained", width_ratios=[1, 1.6])
         _loop(axes[0], series, block)
         _residual(axes[1], series, noise)
         return figure

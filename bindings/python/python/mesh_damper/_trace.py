@@ -85,7 +85,7 @@ class Trace:
             "nrmse_judged",
         )
         rows = self._found["candidates"]
-        return _frames.make({name: [_number(row[name]) for row in rows] for name in names}, self._library)
+        return _frames.make({name: [row[name] for row in rows] for name in names}, self._library)
 
     @property
     def baseline(self) -> Baseline:
@@ -272,10 +272,6 @@ class Report:
         from ._html import framed
 
         return framed(self.html, 640)
-
-
-def _number(value: Any) -> Any:
-    return math.nan if value is None else value
 
 
 def trace(
