@@ -5,6 +5,7 @@ use std::sync::Arc;
 
 use mesh_damper_recording::error::InputError;
 use mesh_damper_recording::faults::Channel;
+use mesh_damper_recording::files::Reading;
 use mesh_damper_recording::read_limit::ReadLimit;
 use mesh_damper_recording::{self as recording};
 use numpy::{IntoPyArray as _, PyArray1, PyReadonlyArray1};
@@ -33,7 +34,7 @@ impl Recording {
     #[pyo3(signature = (path, max_read=None))]
     fn read(py: Python<'_>, path: PathBuf, max_read: Option<u64>) -> PyResult<Self> {
         let limit = max_read.map_or_else(ReadLimit::default, ReadLimit::new);
-        let read = py.detach(|| recording::Recording::read_channels_within(&path, limit));
+        let read = py.detach(|| recording::Recording::read_channels(&path, &limit.into()));
         read.map(Self::of)
             .map_err(|error| refused_of(&path, &error))
     }
@@ -52,8 +53,8 @@ impl Recording {
             .map(|(name, values)| (name, values.as_array().to_vec()))
             .collect();
         let made = py.detach(|| match needs_force {
-            true => recording::Recording::of_columns(name, columns),
-            false => recording::Recording::motion_of_columns(name, columns),
+            true => recording::Recording::of_columns(name, columns, &Reading::default()),
+            false => recording::Recording::motion_of_columns(name, columns, &Reading::default()),
         });
         made.map(Self::of).map_err(|error| refused(&error))
     }

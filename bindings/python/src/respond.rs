@@ -8,8 +8,8 @@ use mesh_damper_model::respond::{
 use mesh_damper_recording::ControlChannel;
 use mesh_damper_recording::error::InputError;
 use mesh_damper_recording::faults::Channel;
+use mesh_damper_recording::files::Reading;
 use mesh_damper_recording::input::InputSignal;
-use mesh_damper_recording::read_limit::ReadLimit;
 use numpy::{IntoPyArray as _, PyReadonlyArray1};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
@@ -31,7 +31,7 @@ impl Drive {
     /// Of a file, as `hil respond` reads it.
     #[staticmethod]
     fn read(path: std::path::PathBuf, is_force: bool) -> PyResult<Self> {
-        let signal = InputSignal::read_within(&path, channel(is_force), ReadLimit::default());
+        let signal = InputSignal::read(&path, channel(is_force), &Reading::default());
         let signal = signal.map_err(|error| refused_of(&path, &error))?;
         Ok(Self { signal, is_force })
     }
@@ -46,7 +46,7 @@ impl Drive {
         let columns = columns
             .into_iter()
             .map(|(name, values)| (name, values.as_array().to_vec()));
-        let signal = InputSignal::of_columns(name, columns, channel(is_force));
+        let signal = InputSignal::of_columns(name, columns, channel(is_force), &Reading::default());
         let signal = signal.map_err(|error| refused(&error))?;
         Ok(Self { signal, is_force })
     }

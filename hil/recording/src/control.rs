@@ -3,7 +3,7 @@
 use super::channel::Channel;
 
 /// Units of a control input: of what sets a force, and not of a motion or a time.
-const UNITS: [&str; 18] = [
+pub(super) const UNITS: &[&str] = &[
     "A", "mA", "V", "mV", "kV", "bar", "mbar", "Pa", "kPa", "MPa", "psi", "N", "kN", "lbf", "kip",
     "T", "mT", "W",
 ];

@@ -5,11 +5,9 @@ use std::path::Path;
 use super::channel::Channel;
 use super::faults::listed;
 use super::noise::noise_beside_tones;
-use super::read::Kept;
 use super::{ControlChannel, Recording};
-use crate::csv_text::CsvText;
 use crate::error::{InputError, Place};
-use crate::read_limit::ReadLimit;
+use crate::files::{self, Kept, Reading};
 
 /// A channel at equal steps of time.
 #[derive(Clone, Debug, PartialEq)]
@@ -26,6 +24,8 @@ pub struct InputSignal {
     pub temperature: Option<Vec<f64>>,
     /// Control inputs, where the file has them.
     pub controls: Vec<ControlChannel>,
+    /// What was taken for what in the file without being sure, in words.
+    pub guesses: Vec<String>,
     /// What is wrong with the file's times, in words; none where nothing is.
     pub warning: Option<String>,
 }
@@ -40,25 +40,26 @@ impl InputSignal {
     /// ```no_run
     /// use mesh_damper_recording::faults::Channel;
     /// use mesh_damper_recording::input::InputSignal;
-    /// use mesh_damper_recording::read_limit::ReadLimit;
+    /// use mesh_damper_recording::files::Reading;
     ///
-    /// let force = InputSignal::read_within("shaker.csv", Channel::Force, ReadLimit::default())?;
+    /// let force = InputSignal::read("shaker.csv", Channel::Force, &Reading::default())?;
     /// # Ok::<(), mesh_damper_recording::error::InputError>(())
     /// ```
-    pub fn read_within(
+    pub fn read(
         path: impl AsRef<Path>,
         channel: Channel,
-        limit: ReadLimit,
+        reading: &Reading,
     ) -> Result<Self, InputError> {
-        let text = CsvText::open(path.as_ref(), limit)?;
         let needed = |each| each == Channel::Time || each == channel;
+        let path = path.as_ref();
+        let (_, file) = files::open(path, reading)?;
         Self::of(
-            Recording::parse_channels(text, Kept::Channels, needed)?,
+            Recording::of(path, file, reading, Kept::Channels, &needed)?,
             channel,
         )
     }
 
-    /// The same of columns in memory, whose names are as those of a file.
+    /// The same of columns in memory, whose names are taken as those of a file are.
     ///
     /// # Errors
     /// As [`Recording::of_columns`], but that the channel may be constant.
@@ -66,9 +67,11 @@ impl InputSignal {
         name: impl Into<String>,
         columns: impl IntoIterator<Item = (N, Vec<f64>)>,
         channel: Channel,
+        reading: &Reading,
     ) -> Result<Self, InputError> {
         let needed = |each| each == Channel::Time || each == channel;
-        Self::of(Recording::gathered(name.into(), columns, needed)?, channel)
+        let recording = Recording::gathered(name.into(), columns, reading, &needed)?;
+        Self::of(recording, channel)
     }
 
     fn of(mut recording: Recording, channel: Channel) -> Result<Self, InputError> {
@@ -101,6 +104,7 @@ impl InputSignal {
             temperature: uniform.temperature,
             controls: uniform.controls,
             warning: (!faults.is_empty()).then(|| listed(&faults)),
+            guesses: recording.guesses,
             name: recording.name,
         })
     }

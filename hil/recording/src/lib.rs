@@ -13,6 +13,7 @@
 //! | [`faults`] | what is wrong with a channel, and what can be mended of it |
 //! | [`noise`], [`averaging`], [`spectrum`] | what a channel's noise is, and how it was smoothed |
 //! | [`motion`], [`cycles`], [`trajectory`] | velocity and acceleration, cycles and blocks, and all that a law needs of it |
+//! | [`dynamic_stiffness`] | storage and loss stiffness of a cycle |
 //! | [`input`] | one channel alone: what drives something |
 //! | [`mod@policy`] | the numbers that decide all this, each with where it comes from |
 //! | [`csv_text`], [`read_limit`], [`output`], [`error`], [`extremes`] | files in, how much of them, files out whole or not at all, what is wrong in one line, two numbers |
@@ -35,14 +36,16 @@
 pub mod averaging;
 mod channel;
 mod clock;
-mod columns;
+pub mod columns;
 mod consistency;
 mod control;
 pub mod csv_text;
 pub mod cycles;
+pub mod dynamic_stiffness;
 pub mod error;
 pub mod extremes;
 pub mod faults;
+pub mod files;
 mod harmonic;
 pub mod input;
 mod kinks;
@@ -109,6 +112,7 @@ pub struct Recording {
     pub units: Units,
     source: Option<Source>,
     lines: RowLines,
+    guesses: Vec<String>,
     faults: Vec<ChannelFault>,
 }
 
@@ -143,6 +147,7 @@ impl Recording {
             units: Units::default(),
             source: None,
             lines: RowLines::default(),
+            guesses: Vec::new(),
             faults: Vec::new(),
         };
         recording.check()?;

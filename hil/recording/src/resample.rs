@@ -166,7 +166,7 @@ impl Recording {
         let longest = (1..self.len())
             .max_by(|&a, &b| step(a).total_cmp(&step(b)))
             .unwrap_or(1);
-        let Unit { symbol, scale } = self.units.time;
+        let Unit { symbol, scale, .. } = self.units.time;
         InputError::new(
             &self.name,
             format!(

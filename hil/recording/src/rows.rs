@@ -18,6 +18,16 @@ impl TextRows {
         }
     }
 
+    /// Keeps the rows of `columns` cells that `is_kept`.
+    pub(super) fn keep(&mut self, columns: usize, is_kept: &[bool]) {
+        let mut cell = 0;
+        self.cells.retain(|&byte| {
+            let is_kept = is_kept.get(cell / columns).copied().unwrap_or(false);
+            cell += usize::from(byte == END);
+            is_kept
+        });
+    }
+
     /// All cells, row after row.
     pub(super) fn cells(&self) -> impl Iterator<Item = &str> {
         // They were text when they came.
@@ -50,9 +60,14 @@ impl RowLines {
         self.rows += 1;
     }
 
-    /// Number of rows.
-    pub(super) fn len(&self) -> usize {
-        self.rows
+    /// Keeps the rows that `is_kept`.
+    pub(super) fn keep(&mut self, is_kept: &[bool]) {
+        let mut kept = Self::default();
+        let lines = (0..self.rows).filter(|&row| is_kept.get(row) == Some(&true));
+        lines
+            .filter_map(|row| self.line(row))
+            .for_each(|line| kept.push(line));
+        *self = kept;
     }
 
     /// The line of the file in which row `index` begins.

@@ -9,24 +9,54 @@ pub struct Unit {
     pub symbol: &'static str,
     /// How many of the code's units one of these is: mm, kN, s, mm/s or °C.
     pub scale: f64,
+    /// What zero of it is in the code's unit: 0, but for temperatures.
+    pub zero: f64,
+}
+
+impl Unit {
+    /// A value in this unit in the code's.
+    pub fn to_code(self, value: f64) -> f64 {
+        value * self.scale + self.zero
+    }
+
+    /// A value in the code's unit in this one.
+    pub fn from_code(self, value: f64) -> f64 {
+        (value - self.zero) / self.scale
+    }
 }
 
 const fn unit(symbol: &'static str, scale: f64) -> Unit {
-    Unit { symbol, scale }
+    Unit {
+        symbol,
+        scale,
+        zero: 0.0,
+    }
 }
 
-/// Metres in an inch are exact by definition, and so are newtons in a pound-force.
+/// Millimetres in an inch are exact by definition, and so are newtons in a pound-force and in a kilogram-force.
 const MM_PER_IN: f64 = 25.4;
 const KN_PER_LBF: f64 = 4.448_221_615_260_5e-3;
+const KN_PER_KGF: f64 = 9.806_65e-3;
+/// 0 K and 0 °F in °C.
+const KELVIN: f64 = -273.15;
+const FAHRENHEIT: f64 = -160.0 / 9.0;
 
 /// Units of time, in s.
-pub const TIME: &[Unit] = &[unit("s", 1.0), unit("ms", 1e-3)];
+pub const TIME: &[Unit] = &[
+    unit("s", 1.0),
+    unit("ms", 1e-3),
+    unit("us", 1e-6),
+    unit("min", 60.0),
+    unit("ns", 1e-9),
+    unit("h", 3600.0),
+];
 /// Units of displacement, in mm.
 pub const DISPLACEMENT: &[Unit] = &[
     unit("mm", 1.0),
     unit("m", 1e3),
     unit("um", 1e-3),
     unit("in", MM_PER_IN),
+    unit("cm", 10.0),
 ];
 /// Units of force, in kN.
 pub const FORCE: &[Unit] = &[
@@ -35,6 +65,10 @@ pub const FORCE: &[Unit] = &[
     unit("uN", 1e-9),
     unit("lbf", KN_PER_LBF),
     unit("kip", 1e3 * KN_PER_LBF),
+    unit("MN", 1e3),
+    unit("mN", 1e-6),
+    unit("kgf", KN_PER_KGF),
+    unit("daN", 1e-2),
 ];
 /// Units of velocity, in mm/s: a length over a second, written `mm_s` or `mm/s`.
 pub const VELOCITY: &[Unit] = &[
@@ -46,9 +80,23 @@ pub const VELOCITY: &[Unit] = &[
     unit("um/s", 1e-3),
     unit("in_s", MM_PER_IN),
     unit("in/s", MM_PER_IN),
+    unit("cm_s", 10.0),
+    unit("cm/s", 10.0),
 ];
 /// Units of temperature, in °C.
-pub const TEMPERATURE: &[Unit] = &[unit("degC", 1.0)];
+pub const TEMPERATURE: &[Unit] = &[
+    unit("degC", 1.0),
+    Unit {
+        symbol: "K",
+        scale: 1.0,
+        zero: KELVIN,
+    },
+    Unit {
+        symbol: "degF",
+        scale: 5.0 / 9.0,
+        zero: FAHRENHEIT,
+    },
+];
 
 /// The units of a recording as its file has them.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]

@@ -4,6 +4,7 @@ use std::io::Write as _;
 use std::path::Path;
 
 use super::Recording;
+use super::units::Unit;
 
 /// Significant digits with which numbers made here are written: a thousandth of a 24-bit converter's step.
 const DIGITS: usize = 9;
@@ -53,28 +54,40 @@ impl Recording {
         };
         line(&header, predicted.is_some().then(|| columns.clone()));
         let mut cells = self.source.iter().flat_map(|source| source.rows.cells());
+        let needs_all = channels.iter().map(|(name, unit, values)| {
+            unit.is_some_and(|unit| needs_all_digits(name, unit, values))
+        });
+        let needs_all: Vec<bool> = needs_all.collect();
         let mut row = csv::StringRecord::new();
         for index in 0..self.len() {
             let force = predicted.map(|both| {
                 both.map(|values| {
                     let force = values.get(index).copied().unwrap_or_default();
-                    decimal(force / self.units.force.scale)
+                    decimal(self.units.force.from_code(force))
                 })
             });
             row.clear();
             match &self.source {
                 Some(_) => row.extend(cells.by_ref().take(header.len())),
-                None => row.extend(channels.iter().map(|(_, scale, channel)| {
-                    decimal(channel.get(index).copied().unwrap_or_default() / scale)
-                })),
+                None => row.extend(channels.iter().zip(&needs_all).map(
+                    |((_, unit, channel), &all)| {
+                        let value = channel.get(index).copied().unwrap_or_default();
+                        let value = unit.map_or(value, |unit| unit.from_code(value));
+                        if all {
+                            value.to_string()
+                        } else {
+                            decimal(value)
+                        }
+                    },
+                )),
             }
             line(&row, force);
         }
         writer.into_inner().unwrap_or_default()
     }
 
-    /// Each channel's column name, its unit in the code's, and its samples.
-    fn channels(&self) -> Vec<(String, f64, &[f64])> {
+    /// Each channel's column name, its unit, none of a control input, and its samples.
+    fn channels(&self) -> Vec<(String, Option<Unit>, &[f64])> {
         let units = &self.units;
         let channels = [
             ("time", units.time, Some(&self.time)),
@@ -86,12 +99,31 @@ impl Recording {
         .into_iter()
         .filter_map(|(name, unit, channel)| {
             let name = format!("{name}_{}", unit.symbol);
-            Some((name, unit.scale, channel?.as_slice()))
+            Some((name, Some(unit), channel?.as_slice()))
         });
         let controls = self.controls.iter();
-        let controls = controls.map(|each| (each.name.clone(), 1.0, each.values.as_slice()));
+        let controls = controls.map(|each| (each.name.clone(), None, each.values.as_slice()));
         channels.chain(controls).collect()
     }
+}
+
+/// Whether a channel's own digits would make another recording of it: times that count from far away, of which a step is less than a
+/// hundred of the last digits, or a displacement that would not change any more.
+fn needs_all_digits(name: &str, unit: Unit, values: &[f64]) -> bool {
+    let written = |value: &f64| unit.from_code(*value);
+    if name.starts_with("time") {
+        let last = values
+            .iter()
+            .map(written)
+            .fold(0.0, |most: f64, value| most.max(value.abs()));
+        let digit = 10_f64.powi(last.log10().floor() as i32 + 1 - DIGITS as i32);
+        let steps = values
+            .windows(2)
+            .map(|pair| written(&pair[1]) - written(&pair[0]));
+        return steps.fold(f64::INFINITY, f64::min) < 100.0 * digit;
+    }
+    let is_first = |value: &f64| decimal(written(value)) == decimal(written(&values[0]));
+    name.starts_with("displacement") && values.iter().all(is_first)
 }
 
 /// `value` to nine significant digits, as recordings are written, without trailing zeros or an exponent.

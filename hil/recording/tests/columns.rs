@@ -4,6 +4,7 @@ use std::path::Path;
 
 use mesh_damper_recording::Recording;
 use mesh_damper_recording::faults::Channel;
+use mesh_damper_recording::files::Reading;
 use mesh_damper_recording::input::InputSignal;
 use proptest::prelude::*;
 
@@ -40,7 +41,7 @@ fn file(columns: &Columns) -> Vec<u8> {
 
 fn both(columns: &Columns) -> [Result<Recording, String>; 2] {
     let read = Recording::from_bytes(Path::new("a test"), file(columns));
-    let made = Recording::of_columns("a test", columns.clone());
+    let made = Recording::of_columns("a test", columns.clone(), &Reading::default());
     [read, made].map(|result| result.map_err(|error| error.problem))
 }
 
@@ -85,7 +86,7 @@ fn what_is_wrong_is_said_with_its_row_and_column() {
     let refused = |change: fn(&mut Columns)| {
         let mut columns = columns(60);
         change(&mut columns);
-        Recording::of_columns("a test", columns)
+        Recording::of_columns("a test", columns, &Reading::default())
             .unwrap_err()
             .to_string()
     };
@@ -96,7 +97,7 @@ fn what_is_wrong_is_said_with_its_row_and_column() {
     );
     let lost = refused(|columns| columns[0].1[4] = f64::NAN);
     assert!(
-        lost.starts_with("a test: line 5, column time_s: \"NaN\" is not a number"),
+        lost.starts_with("a test: line 5, column time_s: the cell is empty or NaN"),
         "{lost}"
     );
     let short = refused(|columns| columns[1].1.truncate(3));
@@ -108,7 +109,7 @@ fn what_is_wrong_is_said_with_its_row_and_column() {
     assert!(none.contains("there is no force column"), "{none}");
     let unit = refused(|columns| columns[2].0 = "force_stone");
     assert!(unit.contains("unknown unit \"stone\""), "{unit}");
-    let empty = Recording::of_columns("a test", Columns::new()).unwrap_err();
+    let empty = Recording::of_columns("a test", Columns::new(), &Reading::default()).unwrap_err();
     assert!(
         empty.to_string().contains("there is no time column"),
         "{empty}"
@@ -119,11 +120,13 @@ fn what_is_wrong_is_said_with_its_row_and_column() {
 fn a_motion_needs_no_force_and_a_drive_nothing_else() {
     let mut columns = columns(60);
     let (_, force) = columns.remove(2);
-    let motion = Recording::motion_of_columns("a motion", columns.clone()).unwrap();
+    let motion =
+        Recording::motion_of_columns("a motion", columns.clone(), &Reading::default()).unwrap();
     assert_eq!(motion.force, vec![0.0; 60]);
     let (_, time) = columns.remove(0);
     let drive = [("time_s", time), ("force_N", force.clone())];
-    let signal = InputSignal::of_columns("a shaker", drive, Channel::Force).unwrap();
+    let signal =
+        InputSignal::of_columns("a shaker", drive, Channel::Force, &Reading::default()).unwrap();
     assert!((signal.tick - 0.01).abs() < 1e-12);
     assert!(
         signal

@@ -3,14 +3,14 @@
 use std::fs;
 
 use mesh_damper_recording::faults::Channel;
+use mesh_damper_recording::files::Reading;
 use mesh_damper_recording::input::InputSignal;
-use mesh_damper_recording::read_limit::ReadLimit;
 
 fn read(text: &str, channel: Channel) -> Result<InputSignal, String> {
     let root = tempfile::tempdir().unwrap();
     let path = root.path().join("in.csv");
     fs::write(&path, text).unwrap();
-    InputSignal::read_within(&path, channel, ReadLimit::default()).map_err(|e| e.to_string())
+    InputSignal::read(&path, channel, &Reading::default()).map_err(|e| e.to_string())
 }
 
 fn rows(header: &str, row: impl Fn(i32) -> String) -> String {

@@ -4,7 +4,7 @@ use std::fs;
 use std::path::Path;
 
 use mesh_damper_recording::faults::{Channel, ChannelFault, ChannelFaultKind};
-use mesh_damper_recording::read_limit::ReadLimit;
+use mesh_damper_recording::files::Reading;
 use mesh_damper_recording::{Recording, units};
 use proptest::prelude::*;
 
@@ -209,18 +209,44 @@ fn a_motion_needs_no_force_and_a_recording_does() {
     let file = tempfile::NamedTempFile::new().unwrap();
     let rows: String = (0..20).map(|i| format!("{i},{}\n", i % 3)).collect();
     fs::write(file.path(), format!("time_ms,displacement_um\n{rows}")).unwrap();
-    let motion = Recording::read_motion_within(file.path(), ReadLimit::default()).unwrap();
+    let motion = Recording::read_motion(file.path(), &Reading::default()).unwrap();
     assert_eq!(motion.displacement[1], 1e-3);
     assert_eq!(motion.force, vec![0.0; 20]);
     let error = Recording::read(file.path()).unwrap_err().to_string();
     assert!(error.contains("there is no force column"), "{error}");
     // A force that is there is read, and no motion is made without a displacement.
     fs::write(file.path(), format!("time_ms,force_kN\n{rows}")).unwrap();
-    let error = Recording::read_motion_within(file.path(), ReadLimit::default()).unwrap_err();
+    let error = Recording::read_motion(file.path(), &Reading::default()).unwrap_err();
     assert!(
         error
             .to_string()
             .contains("there is no displacement column"),
         "{error}"
     );
+}
+
+/// Seconds since 1970, as some loggers write them, in a file of another dialect: nine digits would make them stand still.
+#[test]
+fn times_from_far_away_are_written_with_the_digits_of_their_steps() {
+    let rows: String = (0..20)
+        .map(|n| {
+            format!(
+                "{};{};{}\n",
+                1_700_000_000.0 + 0.001 * f64::from(n),
+                f64::from(n % 3),
+                n
+            )
+        })
+        .collect();
+    let recording = read(&format!("Time [s];Disp [mm];Load [kN]\n{rows}"));
+    assert!(
+        recording
+            .guesses()
+            .iter()
+            .any(|guess| guess.contains("semicolon"))
+    );
+    let written = recording.to_file(Path::new("again.csv"));
+    let again = Recording::from_bytes(Path::new("again.csv"), written).unwrap();
+    assert_eq!(again.time, recording.time);
+    assert!(again.guesses().is_empty());
 }

@@ -3,10 +3,17 @@
 use mesh_damper_rig::faults::{
     AttackOutcome, AttackSummary, Changing, Naming, Outcome, SlowOutcome, Summary,
 };
-use plotters::prelude::*;
-use plotters::style::text_anchor::{HPos, Pos, VPos};
 
-use super::charts::{self, AFTER, Area, BEFORE, Drawn, FINE, FONT, INK, MEASURED};
+use super::palette::Colour;
+use super::picture::{Axis, Layer, Look, Mark, Panel, Picture};
+
+/// The first of a legend, the second, the third, and what must not be overlooked.
+const LOOKS: [(Colour, Mark); 4] = [
+    (Colour::After, Mark::Disc),
+    (Colour::Before, Mark::Cross),
+    (Colour::Measured, Mark::Ring),
+    (Colour::Ink, Mark::Triangle),
+];
 
 /// A name, and the marks beside it: what each is of, by its place in the legend, and where it stands.
 type Row = (String, Vec<(usize, f64)>);
@@ -25,9 +32,10 @@ pub fn found(summary: &Summary) -> String {
         (format!("{:?} {}", kind.kind, kind.size), marks)
     });
     picture(
+        "How soon each fault was named",
         &rows.collect::<Vec<Row>>(),
         &[(0, "named for what it is"), (1, "named otherwise")],
-        "cycles from the fault to its name",
+        ("cycles from the fault to its name", ""),
     )
 }
 
@@ -67,13 +75,17 @@ pub fn attacked(attacks: &AttackSummary) -> String {
         }
     }
     picture(
+        "How soon each attack was named",
         &rows,
         &[
             (0, "named for what it is or may be"),
             (1, "named otherwise"),
             (3, "a hazardous state"),
         ],
-        "cycles from the attack to its name, 10 where it is later or none",
+        (
+            "cycles from the attack to its name, 10 where it is later or none",
+            "",
+        ),
     )
 }
 
@@ -102,77 +114,52 @@ pub fn followed(slow: &[SlowOutcome]) -> String {
         )
     });
     picture(
+        "The law's error before and after each slow change",
         &rows.collect::<Vec<Row>>(),
         &[
             (0, "after it, a law that follows"),
             (1, "a law that stays"),
             (2, "before the change"),
         ],
-        "RMS of the law's error, % of that of the measured force",
+        (
+            "RMS of the law's error, part of that of the measured force",
+            "%",
+        ),
     )
 }
 
-fn picture(rows: &[Row], legend: &[(usize, &str)], x_desc: &str) -> String {
+/// Rows downwards from the top, marks over the horizontal axis.
+fn picture(
+    title: &str,
+    rows: &[Row],
+    legend: &[(usize, &str)],
+    (what, unit): (&str, &str),
+) -> String {
     let most = rows
         .iter()
         .flat_map(|(_, marks)| marks)
         .fold(1.0, |most, (_, x)| f64::max(most, *x));
-    let style = charts::tall(rows.len());
-    // A letter is about three fifths as wide as the font is high.
-    let longest = rows.iter().map(|(name, _)| name.chars().count()).max();
-    let names = longest
-        .map_or(0, |letters| 3 * letters as u32 / 5 + 1)
-        .max(17);
-    charts::draw(&style, |area| {
-        let font = FINE * style.font();
-        let text = || (FONT, font).into_font().color(&INK);
-        let mut chart = ChartBuilder::on(area)
-            .margin(font)
-            .margin_top(3 * font)
-            .x_label_area_size(3 * font)
-            .y_label_area_size(names * font)
-            .build_cartesian_2d(-0.1..1.05 * most, -(rows.len() as f64)..0.0)?;
-        chart
-            .configure_mesh()
-            .disable_y_axis()
-            .disable_y_mesh()
-            .x_desc(x_desc)
-            .label_style(text())
-            .axis_desc_style(text())
-            .draw()?;
-        let (left, top) = chart.plotting_area().map_coordinate(&(0.0, 0.0));
-        let line = top - font as i32;
-        let mut at = left;
-        for &(of, what) in legend {
-            mark(area, of, (at, line))?;
-            let beside = text().pos(Pos::new(HPos::Left, VPos::Center));
-            area.draw(&Text::new(what, (at + font as i32, line), beside))?;
-            at += (3 * what.chars().count() / 5 + 3) as i32 * font as i32;
-        }
-        for (row, (name, marks)) in rows.iter().enumerate() {
-            let place = |x: f64| {
-                let middle = -(row as f64) - 0.5;
-                chart.plotting_area().map_coordinate(&(x, middle))
-            };
-            for &(of, x) in marks {
-                mark(area, of, place(x))?;
-            }
-            let right = text().pos(Pos::new(HPos::Right, VPos::Center));
-            let name = Text::new(name.as_str(), ((names * font) as i32, place(0.0).1), right);
-            area.draw(&name)?;
-        }
-        Ok(())
-    })
-}
-
-/// The first of a legend, the second, the third, and what must not be overlooked.
-fn mark(area: &Area<'_>, of: usize, at: (i32, i32)) -> Drawn {
-    let size = 3 * FINE as i32;
-    match of {
-        0 => area.draw(&Circle::new(at, size, AFTER.mix(0.4).filled())),
-        1 => area.draw(&Cross::new(at, size, BEFORE.stroke_width(2 * FINE))),
-        2 => area.draw(&Circle::new(at, size, MEASURED.stroke_width(FINE))),
-        _ => area.draw(&TriangleMarker::new(at, 2 * size, INK.filled())),
-    }?;
-    Ok(())
+    let height = |row: usize| -(row as f64) - 0.5;
+    let names = rows.iter().enumerate();
+    let names = names.map(|(row, (name, _))| (height(row), name.clone()));
+    let layers = legend.iter().map(|&(of, name)| {
+        let points = rows.iter().enumerate().flat_map(|(row, (_, marks))| {
+            let these = marks.iter().filter(move |mark| mark.0 == of);
+            these.map(move |&(_, x)| (x, height(row)))
+        });
+        let (colour, mark) = LOOKS[of.min(LOOKS.len() - 1)];
+        Layer::new(name, colour, Look::Marks(mark), points.collect())
+    });
+    let panel = Panel {
+        title: String::new(),
+        x: Axis::new(what, unit).over(-0.1..1.05 * most),
+        y: Axis {
+            labels: Some(names.collect()),
+            ..Axis::new("", "").over(-(rows.len() as f64)..0.0)
+        },
+        layers: layers.collect(),
+    };
+    // Beside the rows, and of each, px.
+    let height = (126 + 23 * rows.len() as u32).max(1000);
+    Picture::of(title, ((900, height), 14), panel).alone()
 }

@@ -5,49 +5,49 @@ use std::collections::BTreeSet;
 use maud::{Markup, html};
 use mesh_damper_identify::trace::result::{FoundEffect, HeldCondition, TraceResult};
 
+use super::html::{Section, table};
 use super::text;
 
 /// The table, and what is said of each effect; nothing where no condition was held out in turn.
-pub fn gains(result: &TraceResult) -> Markup {
+pub(crate) fn gains(result: &TraceResult) -> Option<Section> {
     if result.conditions.is_empty() {
-        return html! {};
+        return None;
     }
     let of_all = result.conditions.iter();
     let families: BTreeSet<&String> = of_all.flat_map(|one| one.nrmse_without.keys()).collect();
     let worst = result.conditions.iter();
     let worst = worst.fold(0.0_f64, |most, one| most.max(one.nrmse_with));
-    html! {
-        h2 { "What each effect gains" }
-        p {
-            "Each condition was held out in turn, and the law fitted to the others. The first column of errors is what the law with all \
-             effects leaves of that condition, the darker the more. The others are what it leaves without one effect: blue where \
-             the effect helps, red where it harms."
-        }
-        div.scroll { table {
-            thead { tr {
-                th { "held out" }
-                th { "with all" }
-                @for family in &families { th { "without " (text::name(family)) } }
-            } }
-            tbody {
-                @for condition in &result.conditions {
-                    tr {
-                        td.text { (held_out(condition)) }
-                        td style=(shade([230, 159, 0], condition.nrmse_with / worst)) {
-                            (text::percent(condition.nrmse_with))
-                        }
-                        @for &family in &families {
-                            (cell(condition, family))
-                        }
-                    }
+    let head = html! { tr {
+        th scope="col" { "held out" }
+        th scope="col" { "with all" }
+        @for family in &families { th scope="col" { "without " (text::name(family)) } }
+    } };
+    let rows = html! {
+        @for condition in &result.conditions {
+            tr {
+                th.text scope="row" { (held_out(condition)) }
+                td style=(shade([230, 159, 0], condition.nrmse_with / worst)) {
+                    (text::percent(condition.nrmse_with))
+                }
+                @for &family in &families {
+                    (cell(condition, family))
                 }
             }
-        } }
+        }
+    };
+    let body = html! {
+        p {
+            "Each condition was held out in turn, and the law fitted to the others. The first column of errors is what the law with all \
+             effects leaves of that condition, the darker the more. The others are what it leaves without one effect: blue and ▲ where \
+             the effect helps, red and ▼ where it harms."
+        }
+        (table("Error of each condition where it was held out, with all effects and without each", head, rows))
         ul { @for effect in result.effects.iter().chain(&result.unconfirmed) { li { (said(effect)) } } }
         @if let Some(left) = &result.remainder {
             p { "What is left is " (text::remainder(left)) "." }
         }
-    }
+    };
+    Some(Section::new("What each effect gains", body))
 }
 
 fn cell(condition: &HeldCondition, family: &str) -> Markup {
@@ -61,10 +61,16 @@ fn cell(condition: &HeldCondition, family: &str) -> Markup {
     } else {
         [178, 24, 43]
     };
-    html! { td style=(shade(colour, gained.abs())) { (text::percent(without)) } }
+    // A hundredth either way is no difference.
+    let sign = match gained {
+        gained if gained > 0.01 => " ▲",
+        gained if gained < -0.01 => " ▼",
+        _ => "",
+    };
+    html! { td style=(shade(colour, gained.abs())) { (text::percent(without)) (sign) } }
 }
 
-/// A background between white and half of a colour, so that black is read on it.
+/// A background between the page's and half of a colour, so that letters are read on it.
 fn shade(colour: [u8; 3], part: f64) -> String {
     let [r, g, b] = colour;
     format!("background: rgba({r},{g},{b},{:.2})", 0.5 * part)

@@ -1,125 +1,111 @@
 //! The pictures of what is left: maps over displacement and velocity, spectra, and autocorrelation.
 
-use plotters::prelude::*;
-use plotters::style::text_anchor::{HPos, Pos, VPos};
-
 use super::Series;
-use super::charts::{
-    AFTER, Area, BEFORE, Drawn, FINE, FONT, INK, Style, axes, axes_labelled, draw, padded, tick,
-};
+use super::charts::{self, AFTER, BEFORE};
+use super::palette::{self, Colour};
+use super::picture::{Axis, Cells, Dash, HALF, Layer, Look, Panel, Picture, Scale, WIDE, padded};
 use super::residual::{Autocorrelation, CELLS, Law, Map, spectrum};
 use super::text;
 
-/// The force left over displacement and velocity, from −`scale` (blue) to `scale` (red) kN; white where it is none, and
+use maud::{Markup, html};
+
+/// Decades of a spectrum: lines of an exactly silent channel would stretch the axis beyond use.
+const DECADES: f64 = 7.0;
+
+/// The force left over displacement and velocity, from −`scale` (blue) to `scale` (red) kN; the paper's colour where it is none, and
 /// nothing where the motion never was.
-pub fn map_chart(map: &Map, scale: f64, style: &Style) -> String {
+pub fn map_chart(map: &Map, scale: f64, title: &str) -> Picture {
     let (y, v) = (map.displacement, map.velocity);
-    let displacement = |value: f64| tick(value, &(-y..y));
-    // The axis carries the cube root of the velocity over its largest, as the cells do.
-    let velocity = |root: f64| text::nominal(v * (root * 10.0).round().powi(3) / 1000.0);
-    draw(style, |area| {
-        let (left, right) = area.split_horizontally(area.dim_in_pixel().0 * 17 / 20);
-        let labels = ("displacement, mm", "velocity, mm/s, by its cube root");
-        let mut chart = axes_labelled(
-            &left,
-            style,
-            (-y..y, -1.0..1.0),
-            labels,
-            (&displacement, &velocity),
-        )?;
-        let step = 2.0 / CELLS as f64;
-        let cells = map.cells.iter().enumerate().filter_map(|(index, cell)| {
-            let (row, column) = ((index / CELLS) as f64, (index % CELLS) as f64);
-            let corner = (y * (step * column - 1.0), step * row - 1.0);
-            let opposite = (corner.0 + y * step, corner.1 + step);
-            let colour = colour((*cell)? / scale);
-            Some(Rectangle::new([corner, opposite], colour.filled()))
-        });
-        chart.draw_series(cells)?;
-        scale_bar(&right, scale, style)
-    })
-}
-
-/// The colours from −`scale` to `scale` with what they stand for.
-fn scale_bar(area: &Area<'_>, scale: f64, style: &Style) -> Drawn {
-    const STEPS: i32 = 40;
-    let font = (FINE * style.font) as i32;
-    let (top, bottom) = (2 * font, area.dim_in_pixel().1 as i32 - 4 * font);
-    let (left, right) = (font / 2, font * 3 / 2);
-    for step in 0..STEPS {
-        let at = |step: i32| bottom - (bottom - top) * step / STEPS;
-        let part = 2.0 * (f64::from(step) + 0.5) / f64::from(STEPS) - 1.0;
-        let corners = [(left, at(step + 1)), (right, at(step))];
-        area.draw(&Rectangle::new(corners, colour(part).filled()))?;
-    }
-    let font_style = (FONT, font as u32).into_font().color(&INK);
-    let place = font_style.pos(Pos::new(HPos::Left, VPos::Center));
-    for (part, y) in [(1.0, top), (0.0, (top + bottom) / 2), (-1.0, bottom)] {
-        let label = text::number(part * scale);
-        area.draw(&Text::new(label, (right + font / 3, y), place.clone()))?;
-    }
-    area.draw(&Text::new("kN", (left, top - font), place))?;
-    Ok(())
-}
-
-/// White at 0, to blue below and red above (ColorBrewer's RdBu, which the colour-blind can read).
-fn colour(part: f64) -> RGBColor {
-    let part = part.clamp(-1.0, 1.0);
-    let end = if part > 0.0 {
-        [178.0, 24.0, 43.0]
-    } else {
-        [33.0, 102.0, 172.0]
+    let values = map.cells.iter().map(|cell| cell.unwrap_or(f64::NAN));
+    let cells = Cells {
+        values: values.collect(),
+        columns: CELLS,
+        scale,
+        unit: "kN",
     };
-    let [red, green, blue] = end.map(|end| (247.0 + (end - 247.0) * part.abs()).round() as u8);
-    RGBColor(red, green, blue)
+    let layer = Layer::new(
+        "mean force left",
+        Colour::Ink,
+        Look::Cells(cells),
+        vec![(-y, -v), (y, v)],
+    );
+    let panel = Panel {
+        title: String::new(),
+        x: charts::displacement().over(-y..y),
+        y: Axis {
+            scale: Scale::CubeRoot,
+            ..Axis::new("velocity", "mm/s").over(-v..v)
+        },
+        layers: vec![layer],
+    };
+    Picture::of(title, HALF, panel)
+}
+
+/// The colours of a map with what they stand for.
+pub fn map_key(scale: f64) -> Markup {
+    const STEPS: i32 = 10;
+    let end = text::number(scale);
+    html! {
+        p.scale {
+            "below the law " (text::number(-scale)) " kN "
+            svg.picture width="210" height="12" viewBox="0 0 21 1" preserveAspectRatio="none" aria-hidden="true" focusable="false" {
+                @for step in -STEPS..=STEPS {
+                    rect x=(step + STEPS) width="1.05" height="1" fill=(palette::shade(f64::from(step) / f64::from(STEPS), false)) {}
+                }
+            }
+            " " (end) " kN above"
+        }
+    }
 }
 
 /// Amplitude over frequency of what is left, on logarithmic axes: before, and `with_after` also after.
-pub fn spectrum_chart(series: &[Series], with_after: bool, style: &Style) -> String {
-    let logarithm = |(frequency, amplitude): (f64, f64)| {
-        (frequency.log10(), amplitude.max(f64::MIN_POSITIVE).log10())
+pub fn spectrum_chart(series: &[Series], with_after: bool, title: &str) -> Picture {
+    let before = spectrum(series, Law::Before);
+    let after = if with_after {
+        spectrum(series, Law::After)
+    } else {
+        Vec::new()
     };
-    let lines =
-        |law| -> Vec<(f64, f64)> { spectrum(series, law).into_iter().map(logarithm).collect() };
-    let (before, after) = (lines(Law::Before), lines(Law::After));
-    let all = || before.iter().chain(&after);
-    let (x, y) = (padded(all().map(|p| p.0)), padded(all().map(|p| p.1)));
-    // Lines of an exactly silent channel would stretch the axis beyond use.
-    let y = y.start.max(y.end - 7.0)..y.end;
-    let power = |value: f64| text::nominal(10f64.powf(value));
-    draw(style, |area| {
-        let labels = ("frequency, Hz", "amplitude left, kN");
-        let mut chart = axes_labelled(area, style, (x, y), labels, (&power, &power))?;
-        chart.draw_series(LineSeries::new(before.clone(), BEFORE.stroke_width(FINE)))?;
-        if with_after {
-            chart.draw_series(LineSeries::new(after.clone(), AFTER.stroke_width(2 * FINE)))?;
-        }
-        Ok(())
-    })
+    let all = before.iter().chain(&after);
+    let ends = padded(all.map(|line| line.1.max(f64::MIN_POSITIVE).log10()));
+    let range = 10_f64.powf(ends.start.max(ends.end - DECADES))..10_f64.powf(ends.end);
+    let mut layers = vec![Layer::new(
+        BEFORE,
+        Colour::Before,
+        Look::Line(Dash::Long),
+        before,
+    )];
+    if with_after {
+        let look = Look::Line(Dash::Solid);
+        layers.push(Layer::new(AFTER, Colour::After, look, after));
+    }
+    let panel = Panel {
+        title: String::new(),
+        x: Axis::new("frequency", "Hz").logarithmic(),
+        y: Axis::new("amplitude left", "kN").logarithmic().over(range),
+        layers,
+    };
+    Picture::of(title, HALF, panel)
 }
 
 /// The autocorrelation of what is left, with the band that white noise keeps to.
-pub fn autocorrelation_chart(found: &Autocorrelation, style: &Style) -> String {
+pub fn autocorrelation_chart(found: &Autocorrelation) -> Picture {
     let points: Vec<(f64, f64)> = (1..)
         .map(f64::from)
         .zip(found.values.iter().copied())
         .collect();
-    let x = 0.0..found.values.len() as f64 + 1.0;
+    let last = found.values.len() as f64 + 1.0;
     let ends = [-3.0 * found.white, 3.0 * found.white];
     let y = padded(points.iter().map(|p| p.1).chain(ends));
-    draw(style, |area| {
-        let mut chart = axes(
-            area,
-            style,
-            (x.clone(), y),
-            ("lag, samples", "autocorrelation"),
-        )?;
-        let band = [(x.start, -found.white), (x.end, found.white)];
-        chart.draw_series([Rectangle::new(band, INK.mix(0.12).filled())])?;
-        let stems = points.iter().map(|&(lag, r)| {
-            PathElement::new(vec![(lag, 0.0), (lag, r)], AFTER.stroke_width(2 * FINE))
-        });
-        chart.draw_series(stems)?;
-        Ok(())
-    })
+    let band = vec![(0.0, -found.white), (last, found.white)];
+    let panel = Panel {
+        title: String::new(),
+        x: Axis::new("lag", "samples").over(0.0..last),
+        y: Axis::new("autocorrelation", "").over(y),
+        layers: vec![
+            Layer::new("white noise", Colour::Ink, Look::Band, band),
+            Layer::new("force left", Colour::After, Look::Stems, points),
+        ],
+    };
+    Picture::of("Autocorrelation of the force left", WIDE, panel)
 }

@@ -77,6 +77,7 @@ fn representative(block: &FoundBlock, roles: &[Role]) -> Option<SeriesBlock> {
     let closing = usize::from(cycle != last);
     Some(SeriesBlock {
         cycle: cycle.start..cycle.end + closing,
+        cycles: block.cycles.clone(),
         amplitude: block.amplitude,
         frequency: block.frequency,
         held_out: held_out.is_some(),

@@ -5,10 +5,12 @@
 //! | module | for |
 //! |---|---|
 //! | the root | [`render`]: the report of a trace; [`loop_picture`]: one loop of it |
+//! | [`batch`] | one page for many traces |
 //! | [`mod@paper`] | the report of the paper's claims |
 //! | [`campaign`], [`characterization`], [`curves`] | pictures of the fault campaign, of a characterization, of any curves |
 //! | [`conditions`] | what each effect gains on each condition held out |
 //! | `size` | the picture of what a trace takes |
+//! | [`over_time`] | the picture of values with their intervals over time |
 //! | [`transmissibility`] | the picture of a sweep |
 //! | [`text`] | numbers, names and verdicts in words |
 //!
@@ -16,7 +18,7 @@
 //! use mesh_damper_report::curves::{Curve, panels};
 //!
 //! let curve = Curve { name: "a spring", points: vec![(-0.1, -0.8), (0.1, 0.8)] };
-//! let svg = panels(&[("1 Hz".into(), vec![curve])], ("displacement, mm", "force, kN"));
+//! let svg = panels("A loop", &[("1 Hz".into(), vec![curve])]);
 //! assert!(svg.starts_with("<svg"));
 //! ```
 
@@ -29,17 +31,24 @@
     )
 )]
 
+pub mod batch;
 pub mod campaign;
 #[cfg(feature = "studies")]
 pub mod characterization;
 mod charts;
 pub mod conditions;
 pub mod curves;
+mod cycles;
 mod evidence;
 mod from_trace;
+mod html;
+pub mod over_time;
 mod page;
+mod palette;
 #[cfg(feature = "studies")]
 pub mod paper;
+mod picture;
+#[cfg(feature = "studies")]
 mod plots;
 mod reasoning;
 mod residual;
@@ -53,6 +62,7 @@ use std::ops::Range;
 
 use mesh_damper_identify::trace::result::TraceResult;
 
+pub use batch::{BatchEffect, BatchOutcome, BatchRow, batch_page};
 pub use from_trace::declared;
 pub use page::render;
 
@@ -101,6 +111,8 @@ pub struct SeriesBlock {
     /// The samples of one representative cycle, with the next one's first where the block goes on: the loop that is
     /// drawn.
     pub cycle: Range<usize>,
+    /// The samples of each of its cycles, in order.
+    pub cycles: Vec<Range<usize>>,
     /// mm
     pub amplitude: f64,
     /// Hz
@@ -111,8 +123,11 @@ pub struct SeriesBlock {
 
 /// The loop of one block, measured and before and after, as an SVG file of its own.
 pub fn loop_picture(series: &Series, block: &SeriesBlock) -> String {
-    charts::loop_chart(series, &block.cycle, &charts::STANDALONE)
+    let title = format!("Loop: {}", page::condition(block));
+    charts::loop_chart(series, &block.cycle, &title, picture::STANDALONE).alone()
 }
 
+#[cfg(test)]
+mod structure;
 #[cfg(test)]
 mod tests;

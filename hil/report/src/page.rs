@@ -1,13 +1,15 @@
-//! The page.
+//! The report of a trace.
 
-use maud::{DOCTYPE, Markup, PreEscaped, html};
+use maud::{Markup, html};
 use mesh_damper_identify::trace::result::TraceResult;
 use mesh_damper_model::extrapolation::{Beyond, Extrapolation, percent};
 use mesh_damper_model::file::FittedRange;
-use plotters::style::RGBColor;
 
-use super::charts;
+use super::charts::{self, AFTER, BEFORE};
 use super::conditions;
+use super::cycles;
+use super::html::{Section, figure, page, table};
+use super::picture::{self, SMALL, WIDE};
 use super::reasoning::{self, Evidence};
 use super::worst;
 use super::{ReportData, Series, SeriesBlock, text};
@@ -19,148 +21,147 @@ const MOST_LOOPS: usize = 12;
 pub fn render(data: &ReportData) -> String {
     let (heading, sentence) = text::verdict(&data.result);
     let evidence = Evidence::of(data);
-    let page = html! {
-        (DOCTYPE)
-        html lang="en" {
-            head {
-                meta charset="utf-8";
-                meta name="viewport" content="width=device-width, initial-scale=1";
-                title { (data.title) }
-                style { (PreEscaped(include_str!("style.css"))) }
-            }
-            body {
-                h1 { (data.title) }
-                section.verdict {
-                    h2 { (heading) }
-                    p { (sentence) }
-                }
-                (given(data))
-                (evidence.before(data))
-                (reasoning::tried(&data.result))
-                (found(&data.result))
-                (conditions::gains(&data.result))
-                (worst::loops(data))
-                (evidence.after(data))
-                (errors(&data.result))
-                (loops(&data.result, &data.series))
-                (over_time(&data.result, &data.series))
-                (candidates(&data.result))
-                (law(data))
-                footer {
-                    "Errors are the RMS of the force's error over the RMS of the measured force. Held out means never \
-                     fitted. Intervals are of 90 %."
-                }
-            }
+    let first = html! {
+        div.verdict {
+            p.heading { strong { (heading) } }
+            p { (sentence) }
         }
     };
-    page.into_string()
+    let sections = [
+        Some(given(data)),
+        Some(evidence.before(data)),
+        Some(reasoning::tried(&data.result)),
+        Some(found(&data.result)),
+        conditions::gains(&data.result),
+        worst::loops(data),
+        Some(evidence.after(data)),
+        Some(errors(&data.result)),
+        Some(loops(&data.result, &data.series)),
+        Some(cycles::section(data)),
+        Some(over_time(&data.result, &data.series)),
+        candidates(&data.result),
+        Some(law(data)),
+    ];
+    let sections: Vec<Section> = sections.into_iter().flatten().collect();
+    let last = html! {
+        p {
+            "Errors are the RMS of the force's error over the RMS of the measured force. Held out means never fitted. Intervals are of \
+             90 %."
+        }
+    };
+    page(&data.title, first, &sections, last, &[])
 }
 
 /// The recordings, what is declared of them, and what is wrong with them.
-fn given(data: &ReportData) -> Markup {
-    html! {
-        h2 { "1. What was given" }
+fn given(data: &ReportData) -> Section {
+    let body = html! {
         @if !data.facts.is_empty() {
-            table { @for (name, text) in &data.facts { tr { td { (name) } td.text { (text) } } } }
+            dl { @for (name, text) in &data.facts { div { dt { (name) } dd { (text) } } } }
         }
         (recordings(data))
         @if data.result.warnings.is_empty() {
             p { "No fault was found in the channels." }
         } @else {
-            section.warnings {
-                strong { "About the data" }
+            div.warnings {
+                p { strong { "About the data" } }
                 ul { @for warning in &data.result.warnings { li { (warning) } } }
             }
         }
-    }
+    };
+    Section::new("1. What was given", body)
 }
 
-fn errors(result: &TraceResult) -> Markup {
+fn errors(result: &TraceResult) -> Section {
     let noise = result.noise_floor_nrmse;
     let times = |error: f64| format!("{}×", text::number(error / noise));
-    html! {
-        h2 { "6. Error of the force, before and after" }
-        div.scroll { table {
-            thead { tr { th { "" } th { "fitted" } th { "held out" } th { "held out, in noise floors" } } }
-            tbody {
-                tr {
-                    td { "Before: " (text::law_alone(&result.baseline)) }
-                    td { (text::percent(result.baseline.nrmse_fitted)) }
-                    td { (text::percent(result.baseline.nrmse_held_out)) }
-                    td { (times(result.baseline.nrmse_held_out)) }
-                }
-                @if let Some(staged) = &result.baseline.staged {
-                    tr {
-                        td { "Before: the same, fitted in two stages as the paper does" }
-                        td { (text::percent(staged.nrmse_fitted)) }
-                        td { (text::percent(staged.nrmse_held_out)) }
-                        td { (times(staged.nrmse_held_out)) }
-                    }
-                }
-                tr.best {
-                    td { "After: with what was found (f64)" }
-                    td { (text::percent(result.augmented.nrmse_fitted)) }
-                    td { (text::percent(result.augmented.nrmse_held_out)) }
-                    td { (times(result.augmented.nrmse_held_out)) }
-                }
-                tr.best {
-                    td { "After: the embedded law (f32)" }
-                    td { "" }
-                    td { (text::percent(result.on_target.nrmse_held_out)) }
-                    td { (times(result.on_target.nrmse_held_out)) }
-                }
-                tr { td { "Noise of the recording" } td { "" } td { (text::percent(noise)) } td { "1×" } }
-            }
-        } }
-    }
-}
-
-/// Colours and what they stand for.
-fn key(result: &TraceResult, measured: bool) -> Markup {
-    let before = format!("before: {}", text::law_alone(&result.baseline));
-    let swatch = |RGBColor(r, g, b): RGBColor, width: u32, name: &str| {
-        let colour = format!("rgb({r},{g},{b})");
+    let row = |name: String, fitted: Option<f64>, held_out: f64, best: bool| {
         html! {
-            span {
-                svg width="30" height="10" viewBox="0 0 30 10" aria-hidden="true" {
-                    line x1="0" y1="5" x2="30" y2="5" stroke=(colour) stroke-width=(width) {}
-                }
-                (name)
+            tr.best[best] {
+                th scope="row" { (name) }
+                td { @if let Some(error) = fitted { (text::percent(error)) } @else { "–" } }
+                td { (text::percent(held_out)) }
+                td { (times(held_out)) }
             }
         }
     };
-    html! {
-        div.key {
-            @if measured { (swatch(RGBColor(175, 175, 175), 5, "measured")) }
-            (swatch(charts::BEFORE, 3, &before))
-            (swatch(charts::AFTER, 3, "after: with what was found"))
+    let alone = text::law_alone(&result.baseline);
+    let rows = html! {
+        (row(format!("Before: {alone}"), Some(result.baseline.nrmse_fitted), result.baseline.nrmse_held_out, false))
+        @if let Some(staged) = &result.baseline.staged {
+            (row(
+                "Before: the same, fitted in two stages as the paper does".into(),
+                Some(staged.nrmse_fitted),
+                staged.nrmse_held_out,
+                false
+            ))
         }
-    }
+        (row(
+            "After: with what was found (f64)".into(),
+            Some(result.augmented.nrmse_fitted),
+            result.augmented.nrmse_held_out,
+            true
+        ))
+        (row("After: the embedded law (f32)".into(), None, result.on_target.nrmse_held_out, true))
+        (row("Noise of the recording".into(), None, noise, false))
+    };
+    let head = html! { tr {
+        th scope="col" { "law" } th scope="col" { "fitted" } th scope="col" { "held out" }
+        th scope="col" { "held out, in noise floors" }
+    } };
+    Section::new(
+        "6. Error of the force, before and after",
+        table("NRMSE of each law on data fitted and held out", head, rows),
+    )
 }
 
-fn loops(result: &TraceResult, series: &[Series]) -> Markup {
-    let chosen = chosen_blocks(series);
+/// What the curves' names stand for.
+pub fn names(result: &TraceResult) -> [(&'static str, String); 2] {
+    [
+        (
+            BEFORE,
+            format!("before: {}", text::law_alone(&result.baseline)),
+        ),
+        (AFTER, "after: with what was found".into()),
+    ]
+}
+
+/// `0.1 mm, 5 Hz`
+pub fn condition(block: &SeriesBlock) -> String {
+    let (amplitude, frequency) = (
+        text::nominal(block.amplitude),
+        text::nominal(block.frequency),
+    );
+    format!("{amplitude} mm, {frequency} Hz")
+}
+
+fn loops(result: &TraceResult, series: &[Series]) -> Section {
     let several = series.len() > 1;
-    html! {
-        h2 { "Force–displacement loops" }
-        @if chosen.is_empty() {
+    let drawn = chosen_blocks(series).into_iter().map(|(one, block)| {
+        let title = format!("Force–displacement loop at {}", condition(block));
+        (
+            one,
+            block,
+            charts::loop_chart(one, &block.cycle, &title, SMALL),
+        )
+    });
+    let drawn: Vec<_> = drawn.collect();
+    let body = html! {
+        @if drawn.is_empty() {
             p { "No whole cycle was found in the recordings." }
         } @else {
-            (key(result, true))
+            (picture::key(drawn.iter().map(|(_, _, picture)| picture), &names(result)))
             div.grid {
-                @for (one, block) in &chosen {
-                    figure {
-                        figcaption {
-                            (text::nominal(block.amplitude)) " mm, " (text::nominal(block.frequency)) " Hz "
-                            @if block.held_out { span.tag { "held out" } }
-                            @if several { " " span style="font-weight:400" { (text::file_name(&one.name)) } }
-                        }
-                        (PreEscaped(charts::loop_chart(one, &block.cycle, &charts::SMALL)))
-                    }
+                @for (one, block, picture) in &drawn {
+                    (figure(html! {
+                        (condition(block)) " "
+                        @if block.held_out { span.tag { "held out" } }
+                        @if several { " " span.plain { (text::file_name(&one.name)) } }
+                    }, picture))
                 }
             }
         }
-    }
+    };
+    Section::new("Force–displacement loops", body)
 }
 
 /// At most [`MOST_LOOPS`] blocks in order, those held out before others.
@@ -185,104 +186,100 @@ fn spread(indices: &[usize], most: usize) -> Vec<usize> {
         .collect()
 }
 
-fn over_time(result: &TraceResult, series: &[Series]) -> Markup {
-    html! {
-        h2 { "The force left over time" }
-        (key(result, false))
-        figure { (PreEscaped(charts::residual_chart(series, &charts::WIDE))) }
-    }
+fn over_time(result: &TraceResult, series: &[Series]) -> Section {
+    let chart = charts::residual_chart(series, WIDE);
+    let body = html! {
+        (picture::key([&chart], &names(result)))
+        (figure(html! { "measured force less the law's" }, &chart))
+    };
+    Section::new("The force left over time", body)
 }
 
-fn found(result: &TraceResult) -> Markup {
-    html! {
-        h2 { "4. What was found" }
+fn found(result: &TraceResult) -> Section {
+    let head = html! { tr {
+        th scope="col" { "effect" } th.text scope="col" { "parameter" } th scope="col" { "value" }
+        th scope="col" { "90 % interval" } th.text scope="col" { "unit" } th scope="col" { "held-out error without" }
+        th scope="col" { "with" }
+    } };
+    let rows = html! {
+        @for effect in &result.effects {
+            @for (row, (name, estimate)) in effect.parameters.iter().enumerate() {
+                @let [low, value, high] = text::interval(estimate.low, estimate.value, estimate.high);
+                tr {
+                    th scope="row" { @if row == 0 { (text::name(&effect.family)) } @else { span.unseen { (text::name(&effect.family)) } } }
+                    td.text { (name.replace('_', " ")) }
+                    td { (value) }
+                    td { (low) " … " (high) }
+                    td.text { (text::unit(&estimate.unit)) }
+                    td { @if row == 0 { (text::percent(effect.nrmse_without)) } }
+                    td { @if row == 0 { (text::percent(effect.nrmse_with)) } }
+                }
+            }
+        }
+    };
+    let body = html! {
         (reasoning::concluded(result))
-        @if !result.effects.is_empty() {
-            div.scroll { table {
-                thead { tr {
-                    th { "effect" } th.text { "parameter" } th { "value" } th { "90 % interval" } th.text { "unit" }
-                    th { "held-out error without" } th { "with" }
-                } }
-                tbody {
-                    @for effect in &result.effects {
-                        @for (row, (name, estimate)) in effect.parameters.iter().enumerate() {
-                            @let [low, value, high] = text::interval(estimate.low, estimate.value, estimate.high);
-                            tr {
-                                td { @if row == 0 { (text::name(&effect.family)) } }
-                                td.text { (name.replace('_', " ")) }
-                                td { (value) }
-                                td { (low) " … " (high) }
-                                td.text { (text::unit(&estimate.unit)) }
-                                td { @if row == 0 { (text::percent(effect.nrmse_without)) } }
-                                td { @if row == 0 { (text::percent(effect.nrmse_with)) } }
-                            }
-                        }
-                    }
-                }
-            } }
-        }
-    }
+        @if !result.effects.is_empty() { (table("Effects found, with their parameters", head, rows)) }
+    };
+    Section::new("4. What was found", body)
 }
 
-fn candidates(result: &TraceResult) -> Markup {
-    html! {
-        @if !result.candidates.is_empty() {
-            h2 { "All candidates" }
-            div.scroll { table {
-                thead { tr {
-                    th { "step" } th.text { "candidate" } th { "judging error" } th { "held-out error" }
-                    th.text { "told apart from the best of its step" } th.text { "what it is" }
-                } }
-                tbody {
-                    @for (index, candidate) in result.candidates.iter().enumerate() {
-                        @let best = index == 0 || result.candidates[index - 1].step != candidate.step;
-                        tr.best[candidate.added] {
-                            td { (candidate.step) }
-                            td.text { (text::name(&candidate.family)) }
-                            td { (text::percent(candidate.nrmse_judged)) }
-                            td { (text::percent(candidate.nrmse_held_out)) }
-                            td.text {
-                                @if candidate.added { "added" }
-                                @else if !candidate.admissible { "cannot be: a source of energy, or a drift that stands still within blocks" }
-                                @else if best { "the best, without a clear gain" }
-                                @else if candidate.distinguishable { "yes" } @else { "no" }
-                            }
-                            td.text style="font-weight:400" { (text::description(&candidate.family)) }
-                        }
-                    }
-                }
-            } }
-        }
+fn candidates(result: &TraceResult) -> Option<Section> {
+    if result.candidates.is_empty() {
+        return None;
     }
+    let head = html! { tr {
+        th scope="col" { "step" } th.text scope="col" { "candidate" } th scope="col" { "judging error" }
+        th scope="col" { "held-out error" } th.text scope="col" { "told apart from the best of its step" }
+        th.text scope="col" { "what it is" }
+    } };
+    let rows = html! {
+        @for (index, candidate) in result.candidates.iter().enumerate() {
+            @let best = index == 0 || result.candidates[index - 1].step != candidate.step;
+            tr.best[candidate.added] {
+                td { (candidate.step) }
+                th.text scope="row" { (text::name(&candidate.family)) }
+                td { (text::percent(candidate.nrmse_judged)) }
+                td { (text::percent(candidate.nrmse_held_out)) }
+                td.text {
+                    @if candidate.added { "added" }
+                    @else if !candidate.admissible { "cannot be: a source of energy, or a drift that stands still within blocks" }
+                    @else if best { "the best, without a clear gain" }
+                    @else if candidate.distinguishable { "yes" } @else { "no" }
+                }
+                td.text.plain { (text::description(&candidate.family)) }
+            }
+        }
+    };
+    let body = table("Every candidate of every step, the best first", head, rows);
+    Some(Section::new("All candidates", body))
 }
 
-fn law(data: &ReportData) -> Markup {
-    html! {
-        h2 { "The law" }
+fn law(data: &ReportData) -> Section {
+    let head = html! { tr {
+        th scope="col" { "amplitude, mm" } th scope="col" { "k₁, kN/mm" } th scope="col" { "k₃, kN/mm³" }
+        th scope="col" { "c, kN·(s/mm)" sup { "α" } } th scope="col" { "α" }
+    } };
+    let rows = html! {
+        @for node in &data.result.law {
+            tr {
+                th scope="row" { @if data.result.law.len() == 1 { "all" } @else { (text::number(node.amplitude)) } }
+                @for estimate in [&node.k1, &node.k3, &node.c, &node.alpha] {
+                    @let half = 0.5 * (estimate.high - estimate.low);
+                    td { (text::number(estimate.value)) " ± " (text::number(half)) }
+                }
+            }
+        }
+    };
+    let body = html! {
         p {
             "F = k₁·y + k₃·y³ + c·|v|" sup { "α" } "·sgn v"
             @if !data.result.effects.is_empty() { " + what was added" }
             @if data.result.correction.is_some() { " + the table" }
         }
-        p { "With half widths of the 90 % intervals." }
-        div.scroll { table {
-            thead { tr {
-                th { "amplitude, mm" } th { "k₁, kN/mm" } th { "k₃, kN/mm³" } th { "c, kN·(s/mm)" sup { "α" } }
-                th { "α" }
-            } }
-            tbody {
-                @for node in &data.result.law {
-                    tr {
-                        td { @if data.result.law.len() == 1 { "all" } @else { (text::number(node.amplitude)) } }
-                        @for estimate in [&node.k1, &node.k3, &node.c, &node.alpha] {
-                            @let half = 0.5 * (estimate.high - estimate.low);
-                            td { (text::number(estimate.value)) " ± " (text::number(half)) }
-                        }
-                    }
-                }
-            }
-        } }
-    }
+        (table("Coefficients with half widths of their 90 % intervals", head, rows))
+    };
+    Section::new("The law", body)
 }
 
 fn recordings(data: &ReportData) -> Markup {
@@ -293,29 +290,25 @@ fn recordings(data: &ReportData) -> Markup {
         fitted.iter().flat_map(|one| &one.velocity),
     );
     let outside = range.filter(|_| !held.is_empty());
-    html! {
-        div.scroll { table {
-            thead { tr {
-                th { "recording" } th.text { "use" } th { "samples" } th { "length, s" }
-                th { "largest displacement, mm" }
-                th { "largest force, kN" }
-                @if outside.is_some() { th.text { "outside the fitted motion" } }
-            } }
-            tbody {
-                @for one in &data.series {
-                    tr {
-                        td.path { (one.name) }
-                        td.text { @if data.result.held_out.contains(&one.name) { "held out" } @else { "fitted" } }
-                        td { (one.time.len()) }
-                        td { (text::number(length(one))) }
-                        td { (text::number(largest(&one.displacement))) }
-                        td { (text::number(largest(&one.force))) }
-                        @if let Some(range) = &outside { td.text { (outside_of(range, one)) } }
-                    }
-                }
+    let head = html! { tr {
+        th scope="col" { "recording" } th.text scope="col" { "use" } th scope="col" { "samples" }
+        th scope="col" { "length, s" } th scope="col" { "largest displacement, mm" } th scope="col" { "largest force, kN" }
+        @if outside.is_some() { th.text scope="col" { "outside the fitted motion" } }
+    } };
+    let rows = html! {
+        @for one in &data.series {
+            tr {
+                th.path scope="row" { (one.name) }
+                td.text { @if data.result.held_out.contains(&one.name) { "held out" } @else { "fitted" } }
+                td { (one.time.len()) }
+                td { (text::number(length(one))) }
+                td { (text::number(largest(&one.displacement))) }
+                td { (text::number(largest(&one.force))) }
+                @if let Some(range) = &outside { td.text { (outside_of(range, one)) } }
             }
-        } }
-    }
+        }
+    };
+    table("The recordings", head, rows)
 }
 
 /// How much of a recording lies outside the motion that was fitted, and how far: what is held out there is extrapolated.

@@ -1,155 +1,78 @@
-//! Charts of several curves with points, side by side.
+//! Charts of several curves with points, side by side, for the figures of the paper.
 
-use plotters::prelude::*;
-use plotters::style::text_anchor::{HPos, Pos, VPos};
+use super::palette::Colour;
+use super::picture::{Axis, CURVE_POINTS, Dash, Layer, Look, Mark, Panel, Picture, SMALL, thinned};
 
-use super::charts::{self, Drawn, FINE, FONT, INK, Style};
-use super::text;
-
-/// Colours that remain distinct to the colour-blind (Okabe and Ito 2008).
-pub const GREY: RGBColor = charts::MEASURED;
+/// How the methods that the paper compares are drawn: colour, dashes and marks of each.
+pub const TABLES: Style = Style(Colour::Measured, Dash::Solid, Mark::Disc);
 /// Of eq 20.
-pub const ORANGE: RGBColor = charts::BEFORE;
+pub const EQUATION: Style = Style(Colour::Before, Dash::Long, Mark::Square);
 /// Of the crate's surfaces.
-pub const BLUE: RGBColor = charts::AFTER;
+pub const SURFACES: Style = Style(Colour::After, Dash::Solid, Mark::Diamond);
 /// Of finite elements.
-pub const GREEN: RGBColor = RGBColor(0, 158, 115);
+pub const ELEMENTS: Style = Style(Colour::Green, Dash::Mixed, Mark::Triangle);
 /// Of what the text says.
-pub const PINK: RGBColor = RGBColor(204, 121, 167);
+pub const SAID: Style = Style(Colour::Pink, Dash::Short, Mark::Ring);
 /// One for each of the five densities or amplitudes.
-pub const SHADES: [RGBColor; 5] = [
-    RGBColor(230, 159, 0),
-    RGBColor(86, 180, 233),
-    RGBColor(0, 158, 115),
-    RGBColor(213, 94, 0),
-    RGBColor(0, 0, 0),
+pub const SHADES: [Style; 5] = [
+    Style(Colour::Yellow, Dash::Solid, Mark::Disc),
+    Style(Colour::Sky, Dash::Long, Mark::Square),
+    Style(Colour::Green, Dash::Mixed, Mark::Triangle),
+    Style(Colour::Before, Dash::Short, Mark::Diamond),
+    Style(Colour::Ink, Dash::Dotted, Mark::Ring),
 ];
 
-/// How a curve is drawn.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Mark {
+/// A colour with the dashes and the mark that tell a curve as well.
+#[derive(Clone, Copy, Debug)]
+pub struct Style(Colour, Dash, Mark);
+
+impl Style {
     /// A line.
-    Line,
+    pub fn line(self, name: impl Into<String>, points: Vec<(f64, f64)>) -> Layer {
+        self.layer(name, Look::Line(self.1), &points)
+    }
+
     /// Points alone.
-    Points,
+    pub fn points(self, name: impl Into<String>, points: Vec<(f64, f64)>) -> Layer {
+        self.layer(name, Look::Marks(self.2), &points)
+    }
+
     /// Points that a line joins.
-    Both,
-    /// A broad pale line beneath the others, for what was measured.
-    Broad,
-}
-
-/// One curve; a closed one repeats its first point.
-#[derive(Clone, Debug)]
-pub struct Trace {
-    /// In order.
-    pub points: Vec<(f64, f64)>,
-    /// Its colour.
-    pub colour: RGBColor,
-    /// How it is drawn.
-    pub mark: Mark,
-}
-
-/// One chart.
-#[derive(Clone, Debug)]
-pub struct Panel {
-    /// Above it.
-    pub title: String,
-    /// Of the axes.
-    pub labels: (&'static str, &'static str),
-    /// In the order in which they are drawn.
-    pub traces: Vec<Trace>,
-    /// Whether the ordinates are decimal logarithms, of which the axis tells the numbers.
-    pub logarithmic: bool,
-}
-
-/// Size of one panel, px.
-const PANEL: (u32, u32) = (380, 300);
-
-/// Panels in rows of three.
-pub fn panels(all: &[Panel]) -> String {
-    let columns = 3;
-    let rows = all.len().div_ceil(columns).max(1);
-    let style = Style::of_size(PANEL.0 * columns as u32, PANEL.1 * rows as u32);
-    charts::draw(&style, |area| {
-        let places = area.split_evenly((rows, columns));
-        for (panel, place) in all.iter().zip(&places) {
-            draw(panel, place)?;
-        }
-        Ok(())
-    })
-}
-
-fn draw(panel: &Panel, place: &charts::Area<'_>) -> Drawn {
-    let font = FINE * charts::SMALL.font();
-    let letters = (FONT, font).into_font().color(&INK);
-    let (head, body) = place.split_vertically(font * 3 / 2);
-    head.draw(&Text::new(
-        panel.title.clone(),
-        (5 * font as i32, font as i32 / 2),
-        letters.pos(Pos::new(HPos::Left, VPos::Top)),
-    ))?;
-    let points = || panel.traces.iter().flat_map(|trace| &trace.points);
-    let x = charts::padded(points().map(|point| point.0));
-    let y = charts::padded(points().map(|point| point.1));
-    let written = (
-        |value: f64| charts::tick(value, &x),
-        |value: f64| match panel.logarithmic {
-            true => text::number(10_f64.powf(value)),
-            false => charts::tick(value, &y),
-        },
-    );
-    let ranges = (x.clone(), y.clone());
-    let ticks: (&dyn Fn(f64) -> String, &dyn Fn(f64) -> String) = (&written.0, &written.1);
-    let mut chart = charts::axes_labelled(&body, &charts::SMALL, ranges, panel.labels, ticks)?;
-    for trace in &panel.traces {
-        let chosen = charts::thinned(0..trace.points.len(), charts::CURVE_POINTS);
-        let points: Vec<(f64, f64)> = chosen.into_iter().map(|i| trace.points[i]).collect();
-        let width = match trace.mark {
-            Mark::Broad => trace.colour.mix(0.45).stroke_width(6 * FINE),
-            _ => trace.colour.stroke_width(2 * FINE),
-        };
-        if trace.mark != Mark::Points {
-            chart.draw_series(LineSeries::new(points.iter().copied(), width))?;
-        }
-        if matches!(trace.mark, Mark::Points | Mark::Both) {
-            let dot = |&at: &(f64, f64)| Circle::new(at, 4 * FINE, trace.colour.filled());
-            chart.draw_series(points.iter().map(dot))?;
-        }
+    pub fn both(self, name: impl Into<String>, points: Vec<(f64, f64)>) -> Layer {
+        self.layer(name, Look::Both(self.2, self.1), &points)
     }
-    Ok(())
+
+    /// A broad pale line beneath the others.
+    pub fn broad(self, name: impl Into<String>, points: Vec<(f64, f64)>) -> Layer {
+        self.layer(name, Look::Broad, &points)
+    }
+
+    fn layer(self, name: impl Into<String>, look: Look, points: &[(f64, f64)]) -> Layer {
+        let chosen = thinned(0..points.len(), CURVE_POINTS);
+        let points = chosen.into_iter().map(|i| points[i]).collect();
+        Layer::new(name, self.0, look, points)
+    }
 }
 
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn every_panel_every_line_and_every_point_is_drawn() {
-        let trace = |mark| Trace {
-            points: vec![(0.0, 0.0), (1.0, 2.0), (2.0, 1.0)],
-            colour: BLUE,
-            mark,
-        };
-        let panel = |title: &str| Panel {
-            title: title.into(),
-            labels: ("x of it", "y of it"),
-            traces: vec![trace(Mark::Line), trace(Mark::Both)],
-            logarithmic: false,
-        };
-        let svg = panels(&[panel("one"), panel("two"), panel("three"), panel("four")]);
-        for text in ["one", "four", "x of it", "y of it"] {
-            assert!(svg.contains(text), "{text}");
-        }
-        assert_eq!(svg.matches("<circle").count(), 4 * 3);
-        assert!(svg.contains("width=\"1140\" height=\"600\""));
-        let tenth = Panel {
-            traces: vec![Trace {
-                points: vec![(0.0, -1.0), (1.0, 1.0)],
-                ..trace(Mark::Line)
-            }],
-            logarithmic: true,
-            ..panel("")
-        };
-        assert!(panels(&[tenth]).contains("0.100"));
+/// A panel of curves.
+pub fn panel(title: impl Into<String>, x: Axis, y: Axis, layers: Vec<Layer>) -> Panel {
+    Panel {
+        title: title.into(),
+        x,
+        y,
+        layers,
     }
+}
+
+/// Each panel as a picture, which takes a row of its own where the page is narrow. The panel's title is its caption.
+pub fn panels(title: &str, all: Vec<Panel>) -> Vec<(String, Picture)> {
+    let one = |mut panel: Panel| {
+        let caption = match std::mem::take(&mut panel.title) {
+            own if own.is_empty() => panel.y.name.clone(),
+            own => own,
+        };
+        let picture = Picture::of(format!("{title}: {caption}"), SMALL, panel);
+        (caption, picture)
+    };
+    all.into_iter().map(one).collect()
 }

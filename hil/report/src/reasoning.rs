@@ -2,12 +2,14 @@
 
 use std::collections::BTreeMap;
 
-use maud::{Markup, PreEscaped, html};
+use maud::{Markup, html};
 use mesh_damper_identify::trace::result::{Candidate, TraceResult, Verdict};
 use mesh_damper_identify::trace::rule::Rule;
 
-use super::charts;
 use super::evidence;
+use super::html::{Section, figure};
+use super::page::names;
+use super::picture;
 use super::residual::{Autocorrelation, Law, Map};
 use super::{ReportData, text};
 
@@ -35,11 +37,13 @@ impl Evidence {
     }
 
     /// What the law alone leaves.
-    pub fn before(&self, data: &ReportData) -> Markup {
+    pub fn before(&self, data: &ReportData) -> Section {
         let result = &data.result;
         let error = result.baseline.nrmse_held_out;
-        html! {
-            h2 { "2. What the " (text::law(&result.baseline)) " leaves" }
+        let map = evidence::map_chart(&self.before, self.scale, "Mean force left by the law alone");
+        let title = "Spectrum of the force left by the law alone";
+        let spectrum = evidence::spectrum_chart(&data.series, false, title);
+        let body = html! {
             p {
                 "Fitted as well as it can be, the law leaves " (text::percent(error)) " of the force's RMS on what was \
                  never fitted; the noise of the recording is " (text::percent(result.noise_floor_nrmse)) ". "
@@ -51,24 +55,26 @@ impl Evidence {
                 }
                 @if let Some(found) = &self.white_before { " " (whiteness(found)) }
             }
+            (evidence::map_key(self.scale))
             div.pair {
-                figure {
-                    figcaption { "mean force left, over displacement and velocity" }
-                    (PreEscaped(evidence::map_chart(&self.before, self.scale, &charts::HALF)))
-                }
-                figure {
-                    figcaption { "spectrum of the force left" }
-                    (PreEscaped(evidence::spectrum_chart(&data.series, false, &charts::HALF)))
-                }
+                (figure(html! { "mean force left, over displacement and velocity (by its cube root)" }, &map))
+                (figure(html! { "spectrum of the force left" }, &spectrum))
             }
-        }
+        };
+        Section::new(
+            format!("2. What the {} leaves", text::law(&result.baseline)),
+            body,
+        )
     }
 
     /// What is left with what was found.
-    pub fn after(&self, data: &ReportData) -> Markup {
+    pub fn after(&self, data: &ReportData) -> Section {
         let result = &data.result;
-        html! {
-            h2 { "5. What is left" }
+        let title = "Mean force left with what was found";
+        let map = evidence::map_chart(&self.after, self.scale, title);
+        let title = "Spectrum of the force left, before and after";
+        let spectrum = evidence::spectrum_chart(&data.series, true, title);
+        let body = html! {
             @if result.augmented.nrmse_held_out == result.baseline.nrmse_held_out {
                 p { "Nothing was added, so what is left is what the law leaves." }
             } @else {
@@ -79,24 +85,21 @@ impl Evidence {
                     " times the noise. The colours are those of step 2, on the same scale."
                 }
             }
+            (picture::key([&spectrum], &names(result)))
+            (evidence::map_key(self.scale))
             div.pair {
-                figure {
-                    figcaption { "mean force left, over displacement and velocity" }
-                    (PreEscaped(evidence::map_chart(&self.after, self.scale, &charts::HALF)))
-                }
-                figure {
-                    figcaption { "spectrum of the force left, before (orange) and after (blue)" }
-                    (PreEscaped(evidence::spectrum_chart(&data.series, true, &charts::HALF)))
-                }
+                (figure(html! { "mean force left, over displacement and velocity (by its cube root)" }, &map))
+                (figure(html! { "spectrum of the force left, before and after" }, &spectrum))
             }
             @if let Some(found) = &self.white_after {
-                figure {
-                    figcaption { "autocorrelation of the force left; white noise keeps to the grey band nineteen times in twenty" }
-                    (PreEscaped(evidence::autocorrelation_chart(found, &charts::WIDE)))
-                }
+                (figure(
+                    html! { "autocorrelation of the force left; white noise keeps to the grey band nineteen times in twenty" },
+                    &evidence::autocorrelation_chart(found)
+                ))
                 p { (whiteness(found)) }
             }
-        }
+        };
+        Section::new("5. What is left", body)
     }
 }
 
@@ -111,10 +114,9 @@ fn whiteness(found: &Autocorrelation) -> Markup {
 }
 
 /// Steps of the search with their candidates as bars.
-pub fn tried(result: &TraceResult) -> Markup {
+pub fn tried(result: &TraceResult) -> Section {
     let steps = result.candidates.chunk_by(|a, b| a.step == b.step);
-    html! {
-        h2 { "3. What was tried" }
+    let body = html! {
         @if result.candidates.is_empty() {
             p { "Nothing: the law leaves no more than the noise." }
         } @else {
@@ -125,16 +127,17 @@ pub fn tried(result: &TraceResult) -> Markup {
                  that is near the noise. A bar twice as long as most is cut. A step without a clear gain adds \
                  nothing and ends the search."
             }
-            div.key {
-                span { i.swatch.stood {} "before the step" }
-                span { i.swatch.won {} "added" }
-                span { i.swatch.rival {} "not told apart from the best" }
-                span { i.swatch {} "worse" }
-                span { i.swatch.refused {} "no passive effect" }
+            ul.key {
+                li { i.swatch.stood {} "before the step" }
+                li { i.swatch.won {} "added" }
+                li { i.swatch.rival {} "rival: not told apart from the best" }
+                li { i.swatch {} "worse" }
+                li { i.swatch.refused {} "refused: no passive effect" }
             }
             @for step in steps { (bars(step, result)) }
         }
-    }
+    };
+    Section::new("3. What was tried", body)
 }
 
 /// One step.
@@ -164,13 +167,15 @@ fn bars(step: &[Candidate], result: &TraceResult) -> Markup {
                 div.name { "before the step" }
                 div.track { div.bar.stood style=(width(reference)) {} div.noise style=(noise) {} }
                 div.value { (text::percent(reference)) }
+                div.state {}
             }
             @for (place, candidate) in shown.iter().enumerate() {
-                @let class = if candidate.added { "bar won" } else if !candidate.admissible { "bar refused" }
-                    else if place == 0 || !candidate.distinguishable { "bar rival" } else { "bar" };
+                @let (class, state) = if candidate.added { ("bar won", "added") } else if !candidate.admissible { ("bar refused", "refused") }
+                    else if place == 0 || !candidate.distinguishable { ("bar rival", "rival") } else { ("bar", "") };
                 div.name title=(text::description(&candidate.family)) { (text::name(&candidate.family)) }
                 div.track { div class=(class) style=(width(candidate.nrmse_judged)) {} div.noise style=(noise) {} }
                 div.value { (text::percent(candidate.nrmse_judged)) }
+                div.state { (state) }
             }
         }
         @let rejected = rejected(&shown);

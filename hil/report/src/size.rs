@@ -1,104 +1,66 @@
 //! What a trace takes over the number of rows, as one SVG: memory and processor time, both axes logarithmic.
 
 use mesh_damper_studies::size::{Measured, Motion, mebibytes, memory_limit};
-use plotters::prelude::*;
-use plotters::style::text_anchor::{HPos, Pos, VPos};
 
-use super::charts::{self, AFTER, Area, BEFORE, Drawn, FINE, FONT, INK, MEASURED, Style};
+use super::palette::Colour;
+use super::picture::{Axis, Dash, Layer, Look, Mark, Panel, Picture};
 
-/// Each motion's colour.
-const COLOURS: [RGBColor; 2] = [AFTER, BEFORE];
+/// How each motion is drawn.
+const LOOKS: [(Colour, Mark); 2] = [(Colour::After, Mark::Disc), (Colour::Before, Mark::Square)];
 /// Points of the line of the limit.
 const POINTS: usize = 60;
-/// Width and height, px.
-const SIZE: (u32, u32) = (860, 380);
 
 /// The picture of what was measured, and of the limit of the memory.
 pub fn picture(all: &[Measured]) -> String {
-    let style = Style::of_size(SIZE.0, SIZE.1);
-    charts::draw(&style, |area| {
-        let (left, right) = area.split_horizontally(FINE * SIZE.0 / 2);
-        let decades = charts::padded(all.iter().map(|one| (one.rows as f64).log10()));
-        let steps = (0..=POINTS).map(|step| step as f64 / POINTS as f64);
-        let span = decades.end - decades.start;
-        let limit = steps.map(|part| {
-            let rows = 10_f64.powf(decades.start + part * span);
-            (rows, mebibytes(memory_limit(rows as usize)))
-        });
-        let memory = |one: &Measured| mebibytes(one.memory);
-        panel(&left, all, "memory, MiB", memory, limit.collect())?;
-        panel(&right, all, "processor, s", |one| one.processor, Vec::new())
-    })
-}
-
-fn panel(
-    area: &Area<'_>,
-    all: &[Measured],
-    label: &str,
-    value: impl Fn(&Measured) -> f64,
-    limit: Vec<(f64, f64)>,
-) -> Drawn {
-    let logarithms = |(x, y): (f64, f64)| (x.log10(), y.log10());
-    let limit: Vec<(f64, f64)> = limit.into_iter().map(logarithms).collect();
-    let curve = |motion: Motion| -> Vec<(f64, f64)> {
-        let of_motion = all.iter().filter(|one| one.motion == motion);
-        let points = of_motion.map(|one| logarithms((one.rows as f64, value(one))));
-        points.collect()
+    let rows = Axis::new("rows", "").logarithmic();
+    let ends = rows.ends(all.iter().map(|one| one.rows as f64));
+    let steps = (0..=POINTS).map(|step| step as f64 / POINTS as f64);
+    let limit = steps.map(|part| {
+        let rows = 10_f64.powf(ends.start + part * (ends.end - ends.start));
+        (rows, mebibytes(memory_limit(rows as usize)))
+    });
+    let limit = Layer::new(
+        "limit: 400 bytes a row and 64 MiB",
+        Colour::Measured,
+        Look::Line(Dash::Long),
+        limit.collect(),
+    );
+    let curves = |value: fn(&Measured) -> f64| {
+        let motions = Motion::ALL.into_iter().zip(LOOKS);
+        motions.map(move |(motion, (colour, mark))| {
+            let of_motion = all.iter().filter(|one| one.motion == motion);
+            let points = of_motion.map(|one| (one.rows as f64, value(one))).collect();
+            Layer::new(
+                motion.in_words(),
+                colour,
+                Look::Both(mark, Dash::Solid),
+                points,
+            )
+        })
     };
-    let curves = Motion::ALL.map(curve);
-    let points = || curves.iter().flatten().chain(&limit);
-    let x = charts::padded(points().map(|point| point.0));
-    let y = charts::padded(points().map(|point| point.1));
-    let style = Style::of_size(SIZE.0 / 2, SIZE.1);
-    let rows = |x: f64| format!("{:.0e}", 10_f64.powf(x));
-    let values = |y: f64| two_digits(10_f64.powf(y));
-    let labels = ("rows", label);
-    let mut chart = charts::axes_labelled(area, &style, (x, y), labels, (&rows, &values))?;
-    let line = |colour: RGBColor| colour.stroke_width(2 * FINE);
-    let mut entries = vec![];
-    if !limit.is_empty() {
-        chart.draw_series(LineSeries::new(limit, line(MEASURED)))?;
-        entries.push((MEASURED, "limit: 400 bytes a row and 64 MiB"));
-    }
-    for ((motion, points), colour) in Motion::ALL.into_iter().zip(&curves).zip(COLOURS) {
-        chart.draw_series(LineSeries::new(points.iter().copied(), line(colour)))?;
-        let dot = |&at: &(f64, f64)| Circle::new(at, 4 * FINE, colour.filled());
-        chart.draw_series(points.iter().map(dot))?;
-        entries.push((colour, motion.in_words()));
-    }
-    legend(area, &entries)
-}
-
-/// A positive number with two digits that count.
-fn two_digits(value: f64) -> String {
-    let last = 10_f64.powf(value.log10().floor() - 1.0);
-    let rounded = (value / last).round() * last;
-    format!("{rounded:.*}", (-last.log10()).max(0.0).round() as usize)
-}
-
-/// Names beside their colours, in the upper left corner, where what grows leaves room.
-fn legend(area: &Area<'_>, entries: &[(RGBColor, &str)]) -> Drawn {
-    let font = (FINE * charts::SMALL.font()) as i32;
-    for (row, (colour, name)) in (1..).zip(entries) {
-        let (left, y) = (7 * font, 3 * font * row / 2);
-        let line = vec![(left, y), (left + 2 * font, y)];
-        area.draw(&PathElement::new(line, colour.stroke_width(2 * FINE)))?;
-        let text = (FONT, font).into_font().color(&INK);
-        let text = text.pos(Pos::new(HPos::Left, VPos::Center));
-        area.draw(&Text::new(*name, (left + 5 * font / 2, y), text))?;
-    }
-    Ok(())
+    let panel = |y: Axis, layers| Panel {
+        title: String::new(),
+        x: rows.clone(),
+        y: y.logarithmic(),
+        layers,
+    };
+    let memory = [limit]
+        .into_iter()
+        .chain(curves(|one| mebibytes(one.memory)));
+    let panels = vec![
+        panel(Axis::new("memory", "MiB"), memory.collect()),
+        panel(
+            Axis::new("processor", "s"),
+            curves(|one| one.processor).collect(),
+        ),
+    ];
+    let title = "Memory and processor time of a trace over the number of rows";
+    Picture::of_panels(title, ((430, 380), 15), 2, panels).alone()
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    #[test]
-    fn ticks_have_two_digits() {
-        let written = [0.0316, 0.98, 9.96, 63.1, 631.0].map(two_digits);
-        assert_eq!(written, ["0.032", "0.98", "10.0", "63", "630"]);
-    }
 
     #[test]
     fn every_measurement_is_a_point_of_both_panels_beside_the_limit() {
@@ -115,7 +77,8 @@ mod tests {
             .flat_map(|motion| [10_000, 100_000, 1_000_000].map(|rows| measured(motion, rows)))
             .collect();
         let svg = picture(&all);
-        assert_eq!(svg.matches("<circle").count(), 2 * all.len());
+        // A circle to each of one motion in both panels and the legend, a square to each of the other's.
+        assert_eq!(svg.matches("<circle").count(), all.len() + 1);
         for said in ["limit", "blocks of sines", "random", "memory, MiB"] {
             assert!(svg.contains(said), "{said}");
         }

@@ -1,18 +1,17 @@
 //! A sweep as one SVG: transmissibility and phase over frequency, a curve for each amplitude of the base.
 
 use mesh_damper_model::respond::SweepPoint;
-use plotters::prelude::*;
-use plotters::style::text_anchor::{HPos, Pos, VPos};
 
-use super::charts::{self, AFTER, Area, BEFORE, Drawn, FINE, FONT, INK, Style};
+use super::palette::Colour;
+use super::picture::{Axis, Dash, Layer, Look, Panel, Picture};
 
-/// Colours that remain distinct to the colour-blind (Okabe and Ito 2008).
-const COLOURS: [RGBColor; 5] = [
-    AFTER,
-    BEFORE,
-    RGBColor(0, 158, 115),
-    RGBColor(204, 121, 167),
-    RGBColor(230, 159, 0),
+/// One for each amplitude, in turn.
+const LOOKS: [(Colour, Dash); 5] = [
+    (Colour::After, Dash::Solid),
+    (Colour::Before, Dash::Long),
+    (Colour::Green, Dash::Mixed),
+    (Colour::Pink, Dash::Short),
+    (Colour::Yellow, Dash::Dotted),
 ];
 
 /// The points of a sweep, amplitude by amplitude.
@@ -20,52 +19,29 @@ pub fn picture(points: &[SweepPoint]) -> String {
     let curves: Vec<&[SweepPoint]> = points
         .chunk_by(|a, b| a.base_amplitude == b.base_amplitude)
         .collect();
-    let style = Style::of_size(720, 760);
-    charts::draw(&style, |area| {
-        let (upper, lower) = area.split_vertically(FINE * 480);
-        let decibels = |point: &SweepPoint| 20.0 * point.transmissibility.log10();
-        panel(&upper, (&style, "transmissibility, dB"), &curves, decibels)?;
-        legend(&upper, &curves)?;
-        let phase = |point: &SweepPoint| point.phase;
-        panel(&lower, (&style, "phase, degrees"), &curves, phase)
-    })
-}
-
-fn panel(
-    area: &Area<'_>,
-    (style, label): (&Style, &str),
-    curves: &[&[SweepPoint]],
-    value: impl Fn(&SweepPoint) -> f64,
-) -> Drawn {
-    let points = || curves.iter().flat_map(|curve| curve.iter());
-    let x = charts::padded(points().map(|point| point.frequency));
-    let y = charts::padded(points().map(&value));
-    let mut chart = charts::axes(area, style, (x, y), ("frequency, Hz", label))?;
-    for (curve, colour) in curves.iter().zip(COLOURS.iter().cycle()) {
-        let points = curve.iter().map(|point| (point.frequency, value(point)));
-        chart.draw_series(LineSeries::new(points, colour.stroke_width(2 * FINE)))?;
-    }
-    Ok(())
-}
-
-/// The amplitudes beside their colours, in the upper right corner: a mass that is isolated leaves room there.
-fn legend(area: &Area<'_>, curves: &[&[SweepPoint]]) -> Drawn {
-    let font = (FINE * charts::SMALL.font()) as i32;
-    let left = area.dim_in_pixel().0 as i32 - 10 * font;
-    for (row, (curve, colour)) in (1..).zip(curves.iter().zip(COLOURS.iter().cycle())) {
-        let y = 3 * font * row / 2 + font;
-        let line = vec![(left, y), (left + 2 * font, y)];
-        area.draw(&PathElement::new(line, colour.stroke_width(2 * FINE)))?;
-        let text = (FONT, font).into_font().color(&INK);
-        let text = text.pos(Pos::new(HPos::Left, VPos::Center));
-        let amplitude = curve.first().map_or(0.0, |point| point.base_amplitude);
-        area.draw(&Text::new(
-            format!("base ±{amplitude} mm"),
-            (left + 5 * font / 2, y),
-            text,
-        ))?;
-    }
-    Ok(())
+    let panel = |name: &str, unit: &str, value: fn(&SweepPoint) -> f64| Panel {
+        title: String::new(),
+        x: Axis::new("frequency", "Hz"),
+        y: Axis::new(name, unit),
+        layers: curves
+            .iter()
+            .zip(LOOKS.iter().cycle())
+            .map(|(curve, &(colour, dash))| {
+                let amplitude = curve.first().map_or(0.0, |point| point.base_amplitude);
+                let points = curve.iter().map(|point| (point.frequency, value(point)));
+                let name = format!("base ±{amplitude} mm");
+                Layer::new(name, colour, Look::Line(dash), points.collect())
+            })
+            .collect(),
+    };
+    let panels = vec![
+        panel("transmissibility", "dB", |point| {
+            20.0 * point.transmissibility.log10()
+        }),
+        panel("phase", "degrees", |point| point.phase),
+    ];
+    let title = "Transmissibility and phase over frequency";
+    Picture::of_panels(title, ((720, 380), 15), 1, panels).alone()
 }
 
 #[cfg(test)]
@@ -92,15 +68,15 @@ mod tests {
             .collect();
         let svg = picture(&points);
         for text in [
-            "base ±0.1 mm",
-            "base ±0.5 mm",
+            ">base ±0.1 mm</text>",
+            ">base ±0.5 mm</text>",
             "transmissibility, dB",
             "phase, degrees",
         ] {
             assert!(svg.contains(text), "{text}");
         }
-        // Two curves in two panels, and two lines of the legend.
-        assert!(svg.matches("<polyline").count() >= 6);
+        // Two curves in two panels.
+        assert_eq!(svg.matches("data-curve=").count(), 4);
         assert!(picture(&[]).starts_with("<svg"));
     }
 }

@@ -2,11 +2,14 @@
 
 use std::ops::Range;
 
-use maud::{Markup, PreEscaped, html};
+use maud::html;
 use mesh_damper_identify::trace::result::HeldCondition;
 
 use super::charts;
 use super::conditions::held_out;
+use super::html::{Section, figure};
+use super::page::names;
+use super::picture::{self, SMALL};
 use super::text;
 use super::{ReportData, Series};
 
@@ -14,33 +17,31 @@ use super::{ReportData, Series};
 const MOST: usize = 3;
 
 /// The loops of the conditions of which most is left; nothing where no condition was held out in turn.
-pub fn loops(data: &ReportData) -> Markup {
+pub fn loops(data: &ReportData) -> Option<Section> {
     let mut conditions: Vec<&HeldCondition> = data.result.conditions.iter().collect();
     conditions.sort_by(|a, b| b.nrmse_with.total_cmp(&a.nrmse_with));
     let worst = conditions.into_iter().filter_map(|condition| {
         let mut series = data.series.iter();
         let series = series.find(|one| one.name == condition.recording)?;
-        Some((condition, series, worst_loop(series, condition.span)?))
+        let samples = worst_loop(series, condition.span)?;
+        let name = text::file_name(&held_out(condition)).to_owned();
+        let title = format!("The worst loop of {name}");
+        let caption = format!(
+            "{name}, {} left where it was held out",
+            text::percent(condition.nrmse_with)
+        );
+        Some((caption, charts::loop_chart(series, &samples, &title, SMALL)))
     });
     let worst: Vec<_> = worst.take(MOST).collect();
-    html! {
-        @if !worst.is_empty() {
-            h3 { "The worst conditions" }
-            p {
-                "Of each the loop in which the law, fitted to all of them, errs most: measured (grey), before (orange) and after (blue)."
-            }
-            div.grid {
-                @for (condition, series, samples) in &worst {
-                    figure {
-                        figcaption {
-                            (text::file_name(&held_out(condition))) ", " (text::percent(condition.nrmse_with)) " left where it was held out"
-                        }
-                        (PreEscaped(charts::loop_chart(series, samples, &charts::SMALL)))
-                    }
-                }
-            }
-        }
+    if worst.is_empty() {
+        return None;
     }
+    let body = html! {
+        p { "Of each the loop in which the law, fitted to all of them, errs most." }
+        (picture::key(worst.iter().map(|(_, picture)| picture), &names(&data.result)))
+        div.grid { @for (caption, picture) in &worst { (figure(html! { (caption) }, picture)) } }
+    };
+    Some(Section::new("The worst conditions", body))
 }
 
 /// The samples of a condition from one rise of the displacement through its mean to the next, about the largest error; the first of

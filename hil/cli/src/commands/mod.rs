@@ -5,6 +5,7 @@ mod demo;
 mod full;
 mod progress;
 mod reading;
+mod seeking;
 mod separating;
 mod summary;
 mod trace;

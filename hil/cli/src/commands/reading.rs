@@ -1,6 +1,12 @@
-//! The option of every command that reads files: how much of them.
+//! The options of every command that reads files: how much of them, and what is in those of recordings.
+
+use std::path::Path;
 
 use clap::Args;
+use mesh_damper_recording::Recording;
+pub use mesh_damper_recording::columns::shell;
+use mesh_damper_recording::error::InputError;
+use mesh_damper_recording::files;
 use mesh_damper_recording::read_limit::ReadLimit;
 
 /// How much of each file is read.
@@ -9,4 +15,92 @@ pub struct Reading {
     /// Most bytes read of each file, unpacked; of a line, of all comments or of a JSON file a 64th
     #[arg(long = "max-read", value_name = "SIZE", default_value_t)]
     pub limit: ReadLimit,
+}
+
+/// How recordings are read. `hil inspect FILE` says what a file holds.
+#[derive(Args, Clone, Debug)]
+pub struct RecordingFiles {
+    /// The column of a quantity: `force="Axial Force"`; of time, displacement, force, velocity, temperature or a control input
+    #[arg(long = "channel", value_name = "QUANTITY=COLUMN", value_parser = pair)]
+    channels: Vec<(String, String)>,
+    /// The unit of a quantity's column: `force=N`
+    #[arg(long = "unit", value_name = "QUANTITY=UNIT", value_parser = pair)]
+    units: Vec<(String, String)>,
+    /// Samples a second, in the place of a column of times
+    #[arg(long, value_name = "HZ", value_parser = rate)]
+    rate: Option<f64>,
+    /// The sheet, group or table of a file that has several
+    #[arg(long, value_name = "NAME")]
+    table: Option<String>,
+    /// The decimal sign of numbers in text, where it could be either
+    #[arg(long, value_name = "SIGN", value_parser = ["point", "comma"])]
+    decimal: Option<String>,
+    #[command(flatten)]
+    pub reading: Reading,
+}
+
+impl RecordingFiles {
+    /// What the user said about the files.
+    pub fn said(&self) -> files::Reading {
+        files::Reading {
+            limit: self.reading.limit,
+            channels: self.channels.clone(),
+            units: self.units.clone(),
+            rate: self.rate,
+            table: self.table.clone(),
+            decimal: (self.decimal.as_deref()).map(|sign| if sign == "comma" { ',' } else { '.' }),
+        }
+    }
+
+    /// The same as it is typed.
+    pub fn as_options(&self) -> Vec<String> {
+        let pairs = |option: &'static str, pairs: &[(String, String)]| -> Vec<String> {
+            let each = pairs.iter();
+            each.map(|(of, what)| format!("--{option} {of}={}", shell(what)))
+                .collect()
+        };
+        let mut options = pairs("channel", &self.channels);
+        options.extend(pairs("unit", &self.units));
+        options.extend(self.rate.map(|rate| format!("--rate {rate}")));
+        options.extend(
+            self.table
+                .iter()
+                .map(|name| format!("--table {}", shell(name))),
+        );
+        options.extend(self.decimal.iter().map(|sign| format!("--decimal {sign}")));
+        options
+    }
+
+    /// Reads the channels of a recording, and says what was guessed.
+    pub fn channels(&self, path: &Path) -> Result<Recording, InputError> {
+        let recording = Recording::read_channels(path, &self.said())?;
+        say_guesses(&recording.name, recording.guesses());
+        Ok(recording)
+    }
+}
+
+/// Says to standard error what a file was taken for.
+pub fn say_guesses(name: &str, guesses: &[String]) {
+    for guess in guesses {
+        eprintln!("note: {name}: {guess}");
+    }
+}
+
+fn pair(text: &str) -> Result<(String, String), String> {
+    match text.split_once('=') {
+        Some((quantity, what)) if !quantity.trim().is_empty() && !what.is_empty() => {
+            Ok((quantity.trim().to_owned(), what.to_owned()))
+        }
+        _ => Err("write QUANTITY=NAME, as in force=\"Axial Force\"".into()),
+    }
+}
+
+fn rate(text: &str) -> Result<f64, String> {
+    let rate: f64 = text
+        .parse()
+        .map_err(|_| "write a number of Hz".to_owned())?;
+    if rate.is_finite() && rate > 0.0 {
+        return Ok(rate);
+    }
+    Err("samples a second are a finite number above 0".into())
 }

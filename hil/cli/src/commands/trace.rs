@@ -3,16 +3,14 @@
 use std::path::{Path, PathBuf};
 
 use clap::Args;
-use mesh_damper_identify::base_law::BaseLaw;
-use mesh_damper_identify::trace::{Sought, trace_for};
-use mesh_damper_model::Family;
-use mesh_damper_model::file::ModelFile;
+use mesh_damper_identify::trace::trace_for;
 use mesh_damper_recording::output::Plan;
 use mesh_damper_recording::{Recording, refuse_repeats};
 use mesh_damper_report::{self as report, ReportData, declared};
 
 use super::progress::Progress;
-use super::reading::Reading;
+use super::reading::RecordingFiles;
+use super::seeking::Seeking;
 use super::separating;
 use super::{Failure, say, summary};
 
@@ -35,23 +33,13 @@ pub struct TraceCommand {
     /// Where the results go
     #[arg(long, value_name = "DIR", default_value = "trace-out")]
     out: PathBuf,
-    /// Seek only these families of effects, as `stick_slip,yielding`; all where it is not given
-    #[arg(long, value_name = "FAMILIES", value_delimiter = ',', value_parser = family)]
-    families: Vec<Family>,
-    /// Seek none of these families: what the specimen cannot have
-    #[arg(long, value_name = "FAMILIES", value_delimiter = ',', value_parser = family)]
-    exclude: Vec<Family>,
-    /// What the law is without effects: eq 13, a spring and a dashpot, or nothing but the effects
-    #[arg(long, value_name = "LAW", default_value = BaseLaw::default().word(), value_parser = base_law)]
-    baseline: BaseLaw,
-    /// A model whose effects are known: they stay in the law, and more is sought. Their parameters are fitted with the law's, from those of the model
-    #[arg(long, value_name = "MODEL")]
-    law: Option<PathBuf>,
+    #[command(flatten)]
+    seeking: Seeking,
     /// Where trace.json goes as well; `-` for standard output
     #[arg(long, value_name = "FILE")]
     json: Option<PathBuf>,
     #[command(flatten)]
-    reading: Reading,
+    files: RecordingFiles,
 }
 
 impl TraceCommand {
@@ -59,7 +47,7 @@ impl TraceCommand {
         let mut outputs = Plan::new()
             .reads(&self.recordings)
             .reads(&self.held_out)
-            .reads(&self.law)
+            .reads(self.seeking.law())
             .fills(
                 self.out.as_path(),
                 ["trace.json", "model.json", "report.html", separating::FILE],
@@ -70,25 +58,13 @@ impl TraceCommand {
         let read = |paths: &[PathBuf]| {
             paths
                 .iter()
-                .map(|path| Recording::read_channels_within(path, self.reading.limit))
+                .map(|path| self.files.channels(path))
                 .collect::<Result<Vec<_>, _>>()
         };
-        let known = match &self.law {
-            Some(path) => {
-                let model = ModelFile::read_within(path, self.reading.limit)?;
-                Sought::beside(&model, &path.display().to_string())?
-            }
-            None => Sought::default(),
-        };
+        let sought = self.seeking.sought(self.files.reading.limit)?;
         let recordings = read(&self.recordings)?;
         let held_out = read(&self.held_out)?;
         let progress = Progress::steps();
-        let sought = Sought {
-            families: self.families,
-            exclude: self.exclude,
-            law: self.baseline,
-            ..known
-        };
         let found = trace_for(&sought, &recordings, &held_out, &|what| progress.step(what))?;
         let declared = declared(&recordings);
         // The report needs memory of its own.
@@ -126,21 +102,6 @@ impl TraceCommand {
         }
         Ok(())
     }
-}
-
-fn family(name: &str) -> Result<Family, String> {
-    Family::named(name).ok_or_else(|| {
-        let all: Vec<&str> = Family::all().map(Family::name).collect();
-        format!("no effect has that name; give one of {}", all.join(", "))
-    })
-}
-
-fn base_law(word: &str) -> Result<BaseLaw, String> {
-    let mut all = BaseLaw::ALL.into_iter();
-    all.find(|law| law.word() == word).ok_or_else(|| {
-        let words = BaseLaw::ALL.map(BaseLaw::word);
-        format!("no law has that name; give one of {}", words.join(", "))
-    })
 }
 
 fn file_name(path: &Path) -> String {

@@ -3,6 +3,7 @@
 mod amplitude_free_command;
 mod bad_input;
 mod bad_input_of_studies;
+mod batch_command;
 mod bench_command;
 mod board_command;
 mod command;
@@ -13,6 +14,7 @@ mod emulated;
 mod export_command;
 mod export_fmu;
 mod image_command;
+mod inspect_command;
 mod interrupted_run;
 mod no_room;
 mod outputs;

@@ -6,7 +6,7 @@ use std::collections::BTreeMap;
 
 use mesh_damper_model::correction::{CorrectionTable, Remembered};
 use mesh_damper_reference::protocol::TestBlock;
-use serde::{Deserialize, Serialize};
+use serde::{Deserialize, Deserializer, Serialize};
 
 use super::rule::Rule;
 
@@ -185,12 +185,22 @@ pub struct Remainder {
 pub struct Estimate {
     /// Best value.
     pub value: f64,
-    /// Lower end; null in the file where the data set no bound.
+    /// Lower end; where the data set no bound it is null in the file, and −∞.
+    #[serde(deserialize_with = "low")]
     pub low: f64,
-    /// Upper end, likewise.
+    /// Upper end; null and ∞ where there is no bound.
+    #[serde(deserialize_with = "high")]
     pub high: f64,
     /// Unit of all three.
     pub unit: String,
+}
+
+fn low<'de, D: Deserializer<'de>>(deserializer: D) -> Result<f64, D::Error> {
+    Option::deserialize(deserializer).map(|bound| bound.unwrap_or(f64::NEG_INFINITY))
+}
+
+fn high<'de, D: Deserializer<'de>>(deserializer: D) -> Result<f64, D::Error> {
+    Option::deserialize(deserializer).map(|bound| bound.unwrap_or(f64::INFINITY))
 }
 
 /// One family that was tried.
@@ -256,6 +266,23 @@ impl CorrectionSummary {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn a_parameter_without_bounds_is_read_as_it_was_written() {
+        let unbounded = Estimate {
+            value: 1.0,
+            low: f64::NEG_INFINITY,
+            high: f64::INFINITY,
+            unit: "mm".into(),
+        };
+        let text = serde_json::to_string(&unbounded).unwrap();
+        assert!(text.contains(r#""low":null,"high":null"#), "{text}");
+        let read: Estimate = serde_json::from_str(&text).unwrap();
+        assert_eq!(read, unbounded);
+        assert!(
+            serde_json::from_str::<Estimate>(r#"{"value":1.0,"high":2.0,"unit":"mm"}"#).is_err()
+        );
+    }
 
     /// The names that other programs read.
     #[test]

@@ -5,6 +5,7 @@ use mesh_damper_reference::tables::DENSITIES;
 use mesh_damper_studies::finite_element::Bore;
 use mesh_damper_studies::paper::{Compared, Paper};
 
+use crate::html::table;
 use crate::text;
 
 /// Readings of Table 4, bores and meshes.
@@ -24,30 +25,27 @@ pub fn section(paper: &Paper) -> Markup {
 fn readings(paper: &Paper) -> Markup {
     html! {
         h3 { "Readings of Table 4, 0.1 mm: K in kN/mm, loss factor, error in %" }
-        div.scroll { table {
-            thead { tr {
-                th.text { "D1 = 0.35" } th.text { "C01" }
-                @for density in DENSITIES { th { (format!("{density:.1} g/cm³")) } }
-                th { "mean error" }
-            } }
-            tbody {
-                @for one in &paper.elements.readings {
-                    tr {
-                        td.text { (one.reading.volumetric.in_words()) }
-                        td.text { (one.reading.sign.in_words()) }
-                        @for found in &one.by_density { td { (figures(found)) } }
-                        td { (one.mean_error().map_or_else(|| "—".into(), text::percent)) }
-                    }
-                }
+        (table("Stiffness, loss factor and error by reading and density", html! { tr {
+            th.text scope="col" { "D1 = 0.35" } th.text scope="col" { "C01" }
+            @for density in DENSITIES { th scope="col" { (format!("{density:.1} g/cm³")) } }
+            th scope="col" { "mean error" }
+        } }, html! {
+            @for one in &paper.elements.readings {
                 tr {
-                    td.text colspan="2" { "Tables 6–9" }
-                    @for condition in &paper.comparison.by_density {
-                        td { (text::number(condition.measured.stiffness)) ", " (text::number(condition.measured.loss_factor)) }
-                    }
-                    td { "" }
+                    th.text scope="row" { (one.reading.volumetric.in_words()) }
+                    td.text { (one.reading.sign.in_words()) }
+                    @for found in &one.by_density { td { (figures(found)) } }
+                    td { (one.mean_error().map_or_else(|| "—".into(), text::percent)) }
                 }
             }
-        } }
+            tr {
+                th.text scope="row" colspan="2" { "Tables 6–9" }
+                @for condition in &paper.comparison.by_density {
+                    td { (text::number(condition.measured.stiffness)) ", " (text::number(condition.measured.loss_factor)) }
+                }
+                td { "–" }
+            }
+        }))
     }
 }
 
@@ -66,24 +64,24 @@ fn figures(found: &Result<Compared, String>) -> String {
 fn bores(paper: &Paper) -> Markup {
     html! {
         h3 { "The bore on its mandrel, 2.0 g/cm³, 0.1 mm: K in kN/mm, loss factor, error in %" }
-        div.scroll { table {
-            tbody {
-                @for one in &paper.elements.bores {
-                    tr {
-                        td.text { (match one.bore {
-                            Bore::Separable => "frictionless, free to leave",
-                            Bore::Gliding => "frictionless, never off",
-                            Bore::Bonded => "bonded",
-                        }) }
-                        td.text { (match one.cycle {
-                            Some(cycle) => format!("cycle {cycle} from rest"),
-                            None => "steady".into(),
-                        }) }
-                        td { (figures(&one.found)) }
-                    }
+        (table("Stiffness, loss factor and error by bore", html! { tr {
+            th.text scope="col" { "bore" } th.text scope="col" { "cycle" } th scope="col" { "K, loss factor, error" }
+        } }, html! {
+            @for one in &paper.elements.bores {
+                tr {
+                    th.text scope="row" { (match one.bore {
+                        Bore::Separable => "frictionless, free to leave",
+                        Bore::Gliding => "frictionless, never off",
+                        Bore::Bonded => "bonded",
+                    }) }
+                    td.text { (match one.cycle {
+                        Some(cycle) => format!("cycle {cycle} from rest"),
+                        None => "steady".into(),
+                    }) }
+                    td { (figures(&one.found)) }
                 }
             }
-        } }
+        }))
     }
 }
 
@@ -91,22 +89,22 @@ fn meshes(paper: &Paper) -> Markup {
     let force = |index: usize| paper.elements.meshes.get(index)?.force.as_ref().ok();
     html! {
         h3 { "The mesh, 2.0 g/cm³, a sudden 0.25 mm" }
-        div.scroll { table {
-            thead { tr { th { "elements through the wall" } th { "force, kN" } th { "more than the one before by" } } }
-            tbody {
-                @for (index, one) in paper.elements.meshes.iter().enumerate() {
-                    tr {
-                        td { (one.through) }
-                        td { @match &one.force {
-                            Ok(force) => (format!("{force:.4}")),
-                            Err(why) => (why),
-                        } }
-                        td { @if let (Some(before), Some(here)) = (index.checked_sub(1).and_then(force), force(index)) {
-                            (text::percent(here / before - 1.0))
-                        } }
-                    }
+        (table("Force by the number of elements", html! { tr {
+            th scope="col" { "elements through the wall" } th scope="col" { "force, kN" }
+            th scope="col" { "more than the one before by" }
+        } }, html! {
+            @for (index, one) in paper.elements.meshes.iter().enumerate() {
+                tr {
+                    th scope="row" { (one.through) }
+                    td { @match &one.force {
+                        Ok(force) => (format!("{force:.4}")),
+                        Err(why) => (why),
+                    } }
+                    td { @if let (Some(before), Some(here)) = (index.checked_sub(1).and_then(force), force(index)) {
+                        (text::percent(here / before - 1.0))
+                    } }
                 }
             }
-        } }
+        }))
     }
 }

@@ -4,6 +4,7 @@ use maud::{Markup, html};
 use mesh_damper_reference::tables::{AMPLITUDES, DENSITIES};
 use mesh_damper_studies::paper::{Paper, SurfaceErrors};
 
+use crate::html::table;
 use crate::text;
 
 /// Cells that are told, of those that stand farthest from the others.
@@ -28,43 +29,38 @@ fn errors(one: &SurfaceErrors) -> Markup {
         h3 {
             (one.name) ": " (text::percent(one.mean)) " on average, " (text::percent(one.largest)) " at most"
         }
-        div.scroll { table {
-            thead { tr {
-                th { "loop, %" }
-                @for density in DENSITIES { th { (format!("{density:.1} g/cm³")) } }
-            } }
-            tbody {
-                @for (amplitude, row) in AMPLITUDES.iter().zip(&one.loop_error) {
-                    tr {
-                        td { (format!("{amplitude:.2} mm")) }
-                        @for error in row { td { (format!("{:.1}", 100.0 * error)) } }
-                    }
+        (table("Error of the loop by density and amplitude, %", head("loop, %"), html! {
+            @for (amplitude, row) in AMPLITUDES.iter().zip(&one.loop_error) {
+                tr {
+                    th scope="row" { (format!("{amplitude:.2} mm")) }
+                    @for error in row { td { (format!("{:.1}", 100.0 * error)) } }
                 }
             }
-        } }
+        }))
         @if let Some(all) = &one.coefficient_errors {
-            p { "Of k1, k3, c and α over the cell, in %:" }
-            div.scroll { table {
-                thead { tr {
-                    th { "" }
-                    @for density in DENSITIES { th { (format!("{density:.1} g/cm³")) } }
-                } }
-                tbody {
-                    @for (amplitude, row) in AMPLITUDES.iter().zip(all) {
-                        tr {
-                            td { (format!("{amplitude:.2} mm")) }
-                            @for errors in row {
-                                td { @for (i, error) in errors.iter().enumerate() {
-                                    @if i > 0 { ", " }
-                                    (format!("{:.0}", 100.0 * error).replace('-', "−"))
-                                } }
-                            }
+            (table("Errors of k1, k3, c and α over the cell, %", head("amplitude"), html! {
+                @for (amplitude, row) in AMPLITUDES.iter().zip(all) {
+                    tr {
+                        th scope="row" { (format!("{amplitude:.2} mm")) }
+                        @for errors in row {
+                            td { @for (i, error) in errors.iter().enumerate() {
+                                @if i > 0 { ", " }
+                                (format!("{:.0}", 100.0 * error).replace('-', "−"))
+                            } }
                         }
                     }
                 }
-            } }
+            }))
         }
     }
+}
+
+/// A column for each density, after one of this name.
+fn head(first: &str) -> Markup {
+    html! { tr {
+        th scope="col" { (first) }
+        @for density in DENSITIES { th scope="col" { (format!("{density:.1} g/cm³")) } }
+    } }
 }
 
 /// What the surfaces were fitted to, and which cells stand apart.
@@ -75,53 +71,51 @@ pub fn misprints(paper: &Paper) -> Markup {
              that the fitted table was another. One cell is let free in turn: the one that alone explains it is printed with another \
              value than was fitted."
         }
-        div.scroll { table {
-            thead { tr {
-                th { "surface" } th { "R²" } th { "best R² of its terms" } th { "left in the span" } th { "by rounding, RMS (most)" }
-                th.text { "cell that leaves least when free" } th { "printed" } th { "as fitted" } th { "left then" }
-                th { "with the next cell" }
-            } }
-            tbody {
-                @for fit in &paper.fits {
-                    @let cell = &fit.free[0];
-                    tr {
-                        td { (fit.equation) }
-                        td { (format!("{:.3}", fit.r_squared)) }
-                        td { (format!("{:.3}", fit.best_r_squared)) }
-                        td { (text::number(fit.left)) }
-                        td { (text::number(fit.rounding.0)) " (" (text::number(fit.rounding.1)) ")" }
-                        @if fit.is_of_the_table() {
-                            td.text colspan="5" { "none: it is the fit of the table as printed" }
-                        } @else {
-                            td.text { (format!("{:.1} g/cm³, {:.2} mm", cell.density, cell.amplitude)) }
-                            td { (cell.printed) }
-                            td { (format!("{:.4}", cell.fitted)) }
-                            td { (text::number(cell.left)) }
-                            td { (text::number(fit.free[1].left)) }
-                        }
+        (table("The fits of eqs 17–19 to their tables", html! { tr {
+            th scope="col" { "surface" } th scope="col" { "R²" } th scope="col" { "best R² of its terms" }
+            th scope="col" { "left in the span" } th scope="col" { "by rounding, RMS (most)" }
+            th.text scope="col" { "cell that leaves least when free" } th scope="col" { "printed" } th scope="col" { "as fitted" }
+            th scope="col" { "left then" } th scope="col" { "with the next cell" }
+        } }, html! {
+            @for fit in &paper.fits {
+                @let cell = &fit.free[0];
+                tr {
+                    th scope="row" { (fit.equation) }
+                    td { (format!("{:.3}", fit.r_squared)) }
+                    td { (format!("{:.3}", fit.best_r_squared)) }
+                    td { (text::number(fit.left)) }
+                    td { (text::number(fit.rounding.0)) " (" (text::number(fit.rounding.1)) ")" }
+                    @if fit.is_of_the_table() {
+                        td.text colspan="5" { "none: it is the fit of the table as printed" }
+                    } @else {
+                        td.text { (format!("{:.1} g/cm³, {:.2} mm", cell.density, cell.amplitude)) }
+                        td { (cell.printed) }
+                        td { (format!("{:.4}", cell.fitted)) }
+                        td { (text::number(cell.left)) }
+                        td { (text::number(fit.free[1].left)) }
                     }
                 }
             }
-        } }
+        }))
         p {
             "Every cell against what the 24 others of its table predict, by a fit of degree 3 in density and 1 in ln A; the ratio is in \
              standard deviations of the others. By chance one in 42 lies beyond 2.5."
         }
-        div.scroll { table {
-            thead { tr { th { "table" } th { "density, g/cm³" } th { "amplitude, mm" } th { "printed" } th { "predicted" } th { "ratio" } } }
-            tbody {
-                @for one in paper.left_out.iter().take(FARTHEST) {
-                    tr {
-                        td { (one.table) }
-                        td { (format!("{:.1}", one.density)) }
-                        td { (format!("{:.2}", one.amplitude)) }
-                        td { (one.printed) }
-                        td { (text::number(one.predicted)) }
-                        td { (format!("{:.1}", one.ratio).replace('-', "−")) }
-                    }
+        (table("The cells that stand farthest from the others", html! { tr {
+            th scope="col" { "table" } th scope="col" { "density, g/cm³" } th scope="col" { "amplitude, mm" }
+            th scope="col" { "printed" } th scope="col" { "predicted" } th scope="col" { "ratio" }
+        } }, html! {
+            @for one in paper.left_out.iter().take(FARTHEST) {
+                tr {
+                    th scope="row" { (one.table) }
+                    td { (format!("{:.1}", one.density)) }
+                    td { (format!("{:.2}", one.amplitude)) }
+                    td { (one.printed) }
+                    td { (text::number(one.predicted)) }
+                    td { (format!("{:.1}", one.ratio).replace('-', "−")) }
                 }
             }
-        } }
+        }))
     }
 }
 
@@ -130,21 +124,19 @@ pub fn orthogonal(paper: &Paper) -> Markup {
     html! {
         @for analysis in &paper.orthogonal_test {
             h3 { (analysis.response) }
-            div.scroll { table {
-                thead { tr {
-                    th { "factor" } th { "ΣK1" } th { "ΣK2" } th { "ΣK3" } th { "R" } th { "share of variance" }
-                } }
-                tbody {
-                    @for (one, effect) in analysis.ranges.iter().zip(&analysis.variance.effects) {
-                        tr {
-                            td { (one.factor) }
-                            @for sum in one.sums { td { (format!("{sum:.4}")) } }
-                            td { (format!("{:.4}", one.range)) }
-                            td { (text::percent(effect.share)) }
-                        }
+            (table("Level sums, range and share of variance of each factor", html! { tr {
+                th scope="col" { "factor" } th scope="col" { "ΣK1" } th scope="col" { "ΣK2" } th scope="col" { "ΣK3" }
+                th scope="col" { "R" } th scope="col" { "share of variance" }
+            } }, html! {
+                @for (one, effect) in analysis.ranges.iter().zip(&analysis.variance.effects) {
+                    tr {
+                        th scope="row" { (one.factor) }
+                        @for sum in one.sums { td { (format!("{sum:.4}")) } }
+                        td { (format!("{:.4}", one.range)) }
+                        td { (text::percent(effect.share)) }
                     }
                 }
-            } }
+            }))
         }
     }
 }

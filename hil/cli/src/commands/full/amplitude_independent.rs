@@ -154,5 +154,6 @@ fn picture(study: &Study, frequency: f64) -> Result<String, mesh_damper_model::M
             ],
         ));
     }
-    Ok(curves::panels(&panels, ("displacement, mm", "force, kN")))
+    let title = format!("Held-out loops at {frequency} Hz");
+    Ok(curves::panels(&title, &panels))
 }

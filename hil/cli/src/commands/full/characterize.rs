@@ -6,12 +6,11 @@ use clap::Args;
 use mesh_damper_characterize::{
     DynamicTest, Figures, Spread, StaticTest, dynamic_test, static_test,
 };
-use mesh_damper_recording::Recording;
 use mesh_damper_recording::output::Plan;
 use mesh_damper_report::characterization::{dynamic_chart, static_chart};
 use serde::Serialize;
 
-use crate::commands::reading::Reading;
+use crate::commands::reading::RecordingFiles;
 use crate::commands::{Failure, say, warn};
 
 /// Stiffness and loss factor of a recording, eqs 1–7
@@ -45,7 +44,7 @@ pub struct CharacterizeCommand {
     #[arg(long, value_name = "FILE")]
     json: Option<PathBuf>,
     #[command(flatten)]
-    reading: Reading,
+    files: RecordingFiles,
 }
 
 /// What was found, of whichever kind.
@@ -72,7 +71,7 @@ impl CharacterizeCommand {
             .fills(self.out.as_deref(), ["characterize.svg"])
             .writes(&self.json)
             .begin()?;
-        let recording = Recording::read_channels_within(&self.recording, self.reading.limit)?;
+        let recording = self.files.channels(&self.recording)?;
         let found = if self.of_curves {
             Found::Static(static_test(&recording)?)
         } else {

@@ -2,10 +2,10 @@
 
 use std::path::PathBuf;
 
+use crate::commands::reading::{RecordingFiles, say_guesses};
 use clap::Args;
 use mesh_damper_recording::Recording;
 use mesh_damper_recording::error::{InputError, Place};
-use mesh_damper_recording::read_limit::ReadLimit;
 use mesh_damper_rig::drive::limits::{Demands, checked};
 use mesh_damper_rig::drive::{Grid, Motion, RandomMotion, recorded};
 use mesh_damper_rig::specimen::Specimen;
@@ -87,7 +87,11 @@ impl DriveOptions {
     ///
     /// # Errors
     /// A file that cannot be read, a random motion that cannot be, a scale or shift that is none, a motion too long.
-    pub fn motion(&self, limit: ReadLimit, tick_rate: f64) -> Result<Option<Driven>, InputError> {
+    pub fn motion(
+        &self,
+        files: &RecordingFiles,
+        tick_rate: f64,
+    ) -> Result<Option<Driven>, InputError> {
         let Some(drive) = &self.drive else {
             return Ok(None);
         };
@@ -115,7 +119,8 @@ impl DriveOptions {
                 (random.motion(grid)?, 0.0)
             }
             None => {
-                let recording = Recording::read_motion_within(drive, limit)?;
+                let recording = Recording::read_motion(drive, &files.said())?;
+                say_guesses(&recording.name, recording.guesses());
                 let recorded = recorded(&recording, self.scale, self.shift, grid)?;
                 (recorded.motion, recorded.left_out)
             }

@@ -1,11 +1,13 @@
 //! The commands that `cargo demo` is built without: they need the image and the studies.
 
 mod amplitude_independent;
+mod batch;
 mod bench;
 mod bench_table;
 mod blind;
 mod board;
 mod characterize;
+mod compare;
 mod controls;
 mod cycles;
 mod design;
@@ -17,6 +19,8 @@ mod export;
 mod faults;
 mod faults_attacks;
 mod image;
+mod inspect;
+mod inspect_words;
 mod law;
 mod meant_for;
 mod motions;
@@ -44,9 +48,12 @@ use super::Failure;
 /// See [`super::Cli`].
 #[derive(Debug, Subcommand)]
 pub enum Command {
+    Batch(batch::BatchCommand),
+    Compare(compare::CompareCommand),
     Predict(predict::Predict),
     Respond(respond::RespondCommand),
     Export(export::ExportCommand),
+    Inspect(inspect::InspectCommand),
     Run(run::RunCommand),
     Record(record::RecordCommand),
     Upload(upload::UploadCommand),
@@ -67,9 +74,12 @@ impl Command {
     /// Does what the command line asks for.
     pub fn run(self) -> Result<(), Failure> {
         match self {
+            Self::Batch(command) => command.run(),
+            Self::Compare(command) => command.run(),
             Self::Predict(command) => command.run(),
             Self::Respond(command) => command.run(),
             Self::Export(command) => command.run(),
+            Self::Inspect(command) => command.run(),
             Self::Run(command) => command.run(),
             Self::Record(command) => command.run(),
             Self::Upload(command) => command.run(),

@@ -19,7 +19,7 @@ use super::board::Port;
 use super::controls::Controls;
 use super::image::{LogLevel, start_image};
 use super::respond::warn_of_range;
-use crate::commands::reading::Reading;
+use crate::commands::reading::{RecordingFiles, say_guesses};
 use crate::commands::{Failure, say, warn};
 
 /// The force that a model gives for a recording's motion
@@ -59,7 +59,7 @@ pub struct Predict {
     #[command(flatten)]
     controls: Controls,
     #[command(flatten)]
-    reading: Reading,
+    files: RecordingFiles,
 }
 
 #[derive(Clone, Debug, PartialEq)]
@@ -187,8 +187,9 @@ impl Predict {
             .writes(&self.json)
             .writes(&self.motion)
             .begin()?;
-        let file = ModelFile::read_within(&self.model, self.reading.limit)?;
-        let recording = Recording::read_within(&self.recording, self.reading.limit)?;
+        let file = ModelFile::read_within(&self.model, self.files.reading.limit)?;
+        let recording = Recording::read_as(&self.recording, &self.files.said())?;
+        say_guesses(&recording.name, recording.guesses());
         // As a trace has it: the same faults are mended, and the same samples count.
         let mut mended = recording.mended();
         let model = file.model();

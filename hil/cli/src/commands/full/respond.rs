@@ -16,7 +16,7 @@ use serde::Serialize;
 
 use super::controls::Controls;
 use super::respond_sweep::SweepOptions;
-use crate::commands::reading::Reading;
+use crate::commands::reading::{RecordingFiles, say_guesses};
 use crate::commands::{Failure, say, warn};
 
 /// A base is to be smoothed where its velocity is noise to more than this part: the friction of the damper would follow the noise.
@@ -67,7 +67,7 @@ pub struct RespondCommand {
     #[command(flatten)]
     controls: Controls,
     #[command(flatten)]
-    reading: Reading,
+    files: RecordingFiles,
 }
 
 /// What drives the mass.
@@ -145,7 +145,7 @@ impl RespondCommand {
             (_, Some(path)) => (path, Drive::Base),
             _ => {
                 return self.range.run(
-                    (&self.model, self.reading.limit),
+                    (&self.model, self.files.reading.limit),
                     (&settings, &self.controls),
                     (&self.out, self.json.as_deref()),
                 );
@@ -156,12 +156,13 @@ impl RespondCommand {
             .writes([&self.out])
             .writes(&self.json)
             .begin()?;
-        let file = ModelFile::read_within(&self.model, self.reading.limit)?;
+        let file = ModelFile::read_within(&self.model, self.files.reading.limit)?;
         let channel = match drive {
             Drive::Force => Channel::Force,
             Drive::Base => Channel::Displacement,
         };
-        let input = InputSignal::read_within(path, channel, self.reading.limit)?;
+        let input = InputSignal::read(path, channel, &self.files.said())?;
+        say_guesses(&input.name, &input.guesses);
         let excitation = match drive {
             Drive::Force => Excitation::force(input.tick, input.values.clone()),
             Drive::Base => Excitation::base(input.tick, input.values.clone()),

@@ -28,7 +28,7 @@ use super::meant_for::{self, FirstError};
 use super::programme::{self, MOST_BLOCKS};
 use super::specimen::{SPECIMEN_AMPLITUDE, SpecimenOptions};
 use crate::commands::progress::Progress;
-use crate::commands::reading::Reading;
+use crate::commands::reading::RecordingFiles;
 use crate::commands::{Failure, say, warn};
 
 /// Run the rig in the loop with a simulated actuator and specimen
@@ -94,7 +94,7 @@ pub struct RunCommand {
     #[arg(long, value_name = "FILE")]
     json: Option<PathBuf>,
     #[command(flatten)]
-    reading: Reading,
+    files: RecordingFiles,
 }
 
 /// What a run came to.
@@ -168,10 +168,14 @@ impl RunCommand {
             .writes(&self.json)
             .keeps(Journal::path_in(&self.out))
             .begin()?;
-        let driven = self.drive.motion(self.reading.limit, self.tick_rate)?;
+        let driven = self.drive.motion(&self.files, self.tick_rate)?;
         let programme = match (&driven, &self.programme) {
             (Some(_), _) => None,
-            (None, Some(path)) => Some(programme::read(path, self.reading.limit, self.tick_rate)?),
+            (None, Some(path)) => Some(programme::read(
+                path,
+                self.files.reading.limit,
+                self.tick_rate,
+            )?),
             (None, None) => Some(programme::parse(&self.blocks, self.tick_rate)?),
         };
         let (specimen, density, described) = self.specimen.specimen()?;
@@ -365,7 +369,7 @@ impl RunCommand {
                 operating_range: None,
             });
         };
-        let file = ModelFile::read_within(path, self.reading.limit)?;
+        let file = ModelFile::read_within(path, self.files.reading.limit)?;
         let model = file.model();
         let unknown = |control: &&Control| !is_controlled || control.name != CURRENT;
         if let Some(control) = model.controls.iter().find(unknown) {

@@ -2,23 +2,19 @@
 
 use mesh_damper_reference::tables::{AMPLITUDES, DENSITIES, cell};
 use mesh_damper_studies::paper::{BOUND, Compared, Condition, GUARDS, JUDGED, Paper};
-use plotters::style::RGBColor;
 
-use super::{Figure, corrected, loop_of, trace};
-use crate::plots::{self, BLUE, GREEN, GREY, Mark, ORANGE, PINK, Panel};
+use super::{Figure, corrected, loop_of};
+use crate::charts;
+use crate::picture::{Axis, Panel};
+use crate::plots::{self, ELEMENTS, EQUATION, SAID, SURFACES, TABLES};
 
-/// Measured, eq 20, own, and finite elements where there are any.
-fn method_key(conditions: &[Condition]) -> Vec<(RGBColor, String)> {
-    let mut key = vec![
-        (GREY, "Tables 6–9".into()),
-        (ORANGE, "eq 20, eq 18 corrected".into()),
-        (BLUE, "the crate's surfaces".into()),
-    ];
-    if conditions.iter().any(|one| one.finite_elements.is_ok()) {
-        key.push((GREEN, "finite elements".into()));
-    }
-    key
-}
+/// Names of what is compared.
+const NAMES: [&str; 4] = [
+    "Tables 6–9",
+    "eq 20, eq 18 corrected",
+    "the crate's surfaces",
+    "finite elements",
+];
 
 /// Where finite elements are missing, and why.
 fn without_elements(conditions: &[Condition]) -> String {
@@ -53,27 +49,24 @@ pub(super) fn compared_loops(
             let row = AMPLITUDES.iter().position(|&amplitude| amplitude == a);
             let column = DENSITIES.iter().position(|&density| density == r);
             let measured = cell(row.unwrap_or(0), column.unwrap_or(0));
-            let mut traces = vec![
-                trace(GREY, Mark::Broad, loop_of(&measured, a)),
-                trace(ORANGE, Mark::Line, loop_of(&corrected(r, a), a)),
-                trace(
-                    BLUE,
-                    Mark::Line,
-                    loop_of(&paper.surfaces.coefficients(r, a), a),
-                ),
+            let own = loop_of(&paper.surfaces.coefficients(r, a), a);
+            let mut layers = vec![
+                TABLES.broad(NAMES[0], loop_of(&measured, a)),
+                EQUATION.line(NAMES[1], loop_of(&corrected(r, a), a)),
+                SURFACES.line(NAMES[2], own),
             ];
             if let Some(simulated) = &one.finite_element_loop {
                 let samples = simulated.displacement.iter().zip(&simulated.force);
                 let mut points: Vec<(f64, f64)> = samples.map(|(&y, &f)| (y, f)).collect();
                 points.extend(points.first().copied());
-                traces.push(trace(GREEN, Mark::Line, points));
+                layers.push(ELEMENTS.line(NAMES[3], points));
             }
-            Panel {
-                title: format!("{r:.1} g/cm³, {a:.2} mm"),
-                labels: ("displacement, mm", "force, kN"),
-                traces,
-                logarithmic: false,
-            }
+            plots::panel(
+                format!("{r:.1} g/cm³, {a:.2} mm"),
+                charts::displacement(),
+                charts::force(),
+                layers,
+            )
         })
         .collect();
     let errors = |of: fn(&Condition) -> f64| -> String {
@@ -91,8 +84,7 @@ pub(super) fn compared_loops(
     Figure {
         title,
         said,
-        svg: Some(plots::panels(&panels)),
-        key: method_key(conditions),
+        pictures: plots::panels("Loops by the law and by finite elements", panels),
         seen: format!(
             "Errors in the order of the panels: eq 20, corrected, {} %; the crate's surfaces {} %; finite elements {} %.{}",
             errors(|one| one.corrected.nrmse),
@@ -104,55 +96,52 @@ pub(super) fn compared_loops(
 }
 
 pub(super) fn errors(paper: &Paper) -> Figure {
-    let panel = |title: &str, label, conditions: &[Condition], at: fn(&Condition) -> f64| {
+    let panel = |title: &str, x: Axis, conditions: &[Condition], at: fn(&Condition) -> f64| {
         let (first, last) = (at(&conditions[0]), at(&conditions[conditions.len() - 1]));
         let by = |of: fn(&Condition) -> &Compared| -> Vec<(f64, f64)> {
             let points = conditions.iter();
-            points
-                .map(|one| (at(one), of(one).sigma[JUDGED].log10()))
-                .collect()
+            points.map(|one| (at(one), of(one).sigma[JUDGED])).collect()
         };
         let elements = conditions.iter().filter_map(|one| {
             let found = one.finite_elements.as_ref().ok()?;
-            Some((at(one), found.sigma[JUDGED].log10()))
+            Some((at(one), found.sigma[JUDGED]))
         });
-        Panel {
-            title: title.into(),
-            labels: (label, "σ, eq 21"),
-            traces: vec![
-                trace(
-                    PINK,
-                    Mark::Line,
-                    vec![(first, BOUND.log10()), (last, BOUND.log10())],
+        plots::panel(
+            title,
+            x,
+            Axis::new("σ, eq 21", "").logarithmic(),
+            vec![
+                SAID.line(
+                    format!("{BOUND}, the law's bound"),
+                    vec![(first, BOUND), (last, BOUND)],
                 ),
-                trace(ORANGE, Mark::Both, by(|one| &one.corrected)),
-                trace(BLUE, Mark::Both, by(|one| &one.surfaces)),
-                trace(GREEN, Mark::Both, elements.collect()),
+                EQUATION.both(NAMES[1], by(|one| &one.corrected)),
+                SURFACES.both(NAMES[2], by(|one| &one.surfaces)),
+                ELEMENTS.both(NAMES[3], elements.collect()),
             ],
-            logarithmic: true,
-        }
+        )
     };
     let comparison = &paper.comparison;
-    let mut key = method_key(&comparison.by_density);
-    key[0] = (PINK, format!("{BOUND}, the law's bound"));
     Figure {
         title: "Figure 15: error by eq 21",
         said: "The law's error is steadily below 0.375, that of finite elements 2 to 30 times larger.",
-        svg: Some(plots::panels(&[
-            panel(
-                "0.1 mm",
-                "mesh density, g/cm³",
-                &comparison.by_density,
-                |one| one.density,
-            ),
-            panel(
-                "2.0 g/cm³",
-                "amplitude, mm",
-                &comparison.by_amplitude,
-                |one| one.amplitude,
-            ),
-        ])),
-        key,
+        pictures: plots::panels(
+            "Error by eq 21 over density and over amplitude",
+            vec![
+                panel(
+                    "0.1 mm",
+                    Axis::new("mesh density", "g/cm³"),
+                    &comparison.by_density,
+                    |one| one.density,
+                ),
+                panel(
+                    "2.0 g/cm³",
+                    Axis::new("amplitude", "mm"),
+                    &comparison.by_amplitude,
+                    |one| one.amplitude,
+                ),
+            ],
+        ),
         seen: format!(
             "Samples below {:.0} % of the loop's largest force are left out, without which eq 21 is set by the few beside the \
              passages through 0.{}",
@@ -165,11 +154,11 @@ pub(super) fn errors(paper: &Paper) -> Figure {
 pub(super) fn compared_dynamics(
     title: &'static str,
     said: &'static str,
-    label: &'static str,
+    (along, unit): (&str, &str),
     conditions: &[Condition],
     at: fn(&Condition) -> f64,
 ) -> Figure {
-    let panel = |of: fn(&mesh_damper_studies::paper::Dynamics) -> f64, name| {
+    let panel = |of: fn(&mesh_damper_studies::paper::Dynamics) -> f64, y: Axis| {
         let by =
             |dynamics: fn(&Condition) -> &mesh_damper_studies::paper::Dynamics| -> Vec<(f64, f64)> {
                 let points = conditions.iter();
@@ -179,26 +168,31 @@ pub(super) fn compared_dynamics(
             let found = one.finite_elements.as_ref().ok()?;
             Some((at(one), of(&found.dynamics)))
         });
-        Panel {
-            title: String::new(),
-            labels: (label, name),
-            traces: vec![
-                trace(GREY, Mark::Both, by(|one| &one.measured)),
-                trace(ORANGE, Mark::Both, by(|one| &one.corrected.dynamics)),
-                trace(BLUE, Mark::Both, by(|one| &one.surfaces.dynamics)),
-                trace(GREEN, Mark::Both, elements.collect()),
+        plots::panel(
+            "",
+            Axis::new(along, unit),
+            y,
+            vec![
+                TABLES.both(NAMES[0], by(|one| &one.measured)),
+                EQUATION.both(NAMES[1], by(|one| &one.corrected.dynamics)),
+                SURFACES.both(NAMES[2], by(|one| &one.surfaces.dynamics)),
+                ELEMENTS.both(NAMES[3], elements.collect()),
             ],
-            logarithmic: false,
-        }
+        )
     };
     Figure {
         title,
         said,
-        svg: Some(plots::panels(&[
-            panel(|dynamics| dynamics.stiffness, "K, kN/mm"),
-            panel(|dynamics| dynamics.loss_factor, "loss factor"),
-        ])),
-        key: method_key(conditions),
+        pictures: plots::panels(
+            "Stiffness and loss factor by the law and by finite elements",
+            vec![
+                panel(|dynamics| dynamics.stiffness, Axis::new("K", "kN/mm")),
+                panel(
+                    |dynamics| dynamics.loss_factor,
+                    Axis::new("loss factor", ""),
+                ),
+            ],
+        ),
         seen: if conditions[0].density == conditions[1].density {
             format!(
                 "The tables' stiffness stays and then doubles: at 2.0 g/cm³ they don't show what is described. That of finite elements \

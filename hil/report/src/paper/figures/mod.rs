@@ -11,25 +11,21 @@ use std::f64::consts::TAU;
 
 use mesh_damper_reference::law::Coefficients;
 use mesh_damper_reference::surfaces::{self, Equation18};
-use mesh_damper_reference::tables::DENSITIES;
 use mesh_damper_studies::paper::Paper;
-use plotters::style::RGBColor;
 
-use crate::plots::{Mark, SHADES, Trace};
+use crate::picture::Picture;
 use methods::{compared_dynamics, compared_loops, errors};
 use models::{coefficients, compression};
 use trends::{angle, dynamics_by_density, loops_by_density, wire};
 
-/// One figure, or why there is none.
+/// One figure.
 pub struct Figure {
     /// Its number and what it shows.
     pub title: &'static str,
     /// What the paper says of it.
     pub said: &'static str,
-    /// The picture.
-    pub svg: Option<String>,
-    /// Its colours.
-    pub key: Vec<(RGBColor, String)>,
+    /// The pictures, each with its caption.
+    pub pictures: Vec<(String, Picture)>,
     /// What is to be seen, or what it would take.
     pub seen: String,
 }
@@ -54,7 +50,7 @@ pub fn all(paper: &Paper) -> Vec<Figure> {
         compared_dynamics(
             "Figure 16: stiffness and loss factor by density, 0.1 mm",
             "The law predicts how both change; finite elements deviate significantly, especially in the loss factor.",
-            "mesh density, g/cm³",
+            ("mesh density", "g/cm³"),
             &paper.comparison.by_density,
             |one| one.density,
         ),
@@ -68,19 +64,11 @@ pub fn all(paper: &Paper) -> Vec<Figure> {
             "Figure 18: stiffness and loss factor by amplitude, 2.0 g/cm³",
             "The stiffness falls rapidly first and then slowly approaches a steady value; by finite elements it falls ever more \
              steeply, and their loss factor differs considerably.",
-            "amplitude, mm",
+            ("amplitude", "mm"),
             &paper.comparison.by_amplitude,
             |one| one.amplitude,
         ),
     ]
-}
-
-fn trace(colour: RGBColor, mark: Mark, points: Vec<(f64, f64)>) -> Trace {
-    Trace {
-        points,
-        colour,
-        mark,
-    }
 }
 
 fn corrected(density: f64, amplitude: f64) -> Coefficients {
@@ -100,9 +88,7 @@ fn loop_of(law: &Coefficients, amplitude: f64) -> Vec<(f64, f64)> {
         .collect()
 }
 
-fn density_key() -> Vec<(RGBColor, String)> {
-    let shades = SHADES.into_iter().zip(DENSITIES);
-    shades
-        .map(|(colour, density)| (colour, format!("{density:.1} g/cm³")))
-        .collect()
+/// `2.0 g/cm³`
+fn of_density(density: f64) -> String {
+    format!("{density:.1} g/cm³")
 }

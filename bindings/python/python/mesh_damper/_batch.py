@@ -1,0 +1,222 @@
+"""Traces of many recordings, and models of one specimen over time."""
+
+from __future__ import annotations
+
+import csv
+import io
+import json
+import os
+from collections.abc import Callable, Sequence
+from pathlib import Path
+from typing import Any, Union
+
+from . import _core, _frames
+from ._errors import InputError
+from ._trace import Trace
+
+#: A folder, list or table as a path; paths; or a data frame with a column `path`.
+Recordings = Any
+#: A path of a model or of its trace's folder, or a trace.
+ModelLike = Union[str, "os.PathLike[str]", Trace]
+
+_COLUMNS = ("path", "group", "specimen", "role", "held_out")
+
+
+class Batch:
+    """What became of many traces. `trace_many` makes it."""
+
+    def __init__(self, summary: str, outcomes: dict[str, Any], effects: dict[str, Any], folder: Path, library: Any) -> None:
+        self._summary: dict[str, Any] = json.loads(summary)
+        #: The folder with outcomes.parquet, effects.parquet, index.html and the folders of all traces.
+        self.folder = folder
+        #: A row a trace, as a data frame; docs/batch.md has its columns.
+        self.outcomes: Any = _frames.make(outcomes, library)
+        #: A row a parameter of the law and of the effects of every trace, as a data frame.
+        self.effects: Any = _frames.make(effects, library)
+
+    @property
+    def traced(self) -> int:
+        """Traces that were made, now or earlier."""
+        return int(self._summary["traced"])
+
+    @property
+    def failed(self) -> int:
+        """Traces that could not be made: the column `error` says why."""
+        return int(self._summary["failed"])
+
+    @property
+    def computed(self) -> int:
+        """Traces that were made, or failed, in this run; the others were kept from earlier."""
+        return int(self._summary["computed"])
+
+    @property
+    def shared(self) -> list[str]:
+        """Recordings that are in several traces, in words."""
+        return list(self._summary["shared"])
+
+    def to_dict(self) -> dict[str, Any]:
+        """The summary, as `hil batch --json` writes it."""
+        return self._summary
+
+    def __repr__(self) -> str:
+        return f"<Batch of {self.traced + self.failed} traces in {str(self.folder)!r}: {self.failed} failed>"
+
+
+def trace_many(
+    recordings: Recordings,
+    *,
+    out: str | os.PathLike[str],
+    jobs: int | None = None,
+    reports: bool = False,
+    families: Sequence[str] = (),
+    exclude: Sequence[str] = (),
+    baseline: str = "mixed",
+    max_read: int | None = None,
+    progress: Callable[[str], object] | None = None,
+) -> Batch:
+    """Traces many recordings, as `hil batch` does, into the folder `out`.
+
+    `recordings` is a folder; a list of paths as a text file; a table as CSV or Parquet, or a data frame, with a column `path`, and `group`,
+    `specimen`, and `role` or `held_out` where they are wanted: the rows of one group are one trace; or a sequence of paths.
+    `jobs` traces are made at the same time, as many as there are cores where it is not given. What an earlier run into `out` has made of the
+    same recordings with the same options is not made again. A recording that cannot be read or traced is a row with its `error`.
+    """
+    given: Any = None
+    table: str | None = None
+    if isinstance(recordings, (str, os.PathLike)):
+        given = os.fspath(recordings)
+    elif (names := _frames.column_names(recordings)) is not None:
+        table = _table(recordings, names)
+    else:
+        given = [os.fspath(path) for path in recordings]
+        if not given:
+            raise InputError("recordings: there is none; give at least one path")
+    settings = _core.BatchSettings(list(families), list(exclude), baseline, max_read=max_read, reports=reports)
+    folder = Path(out)
+    summary, outcomes, effects = _core.trace_many(given, table, folder, settings, jobs, progress)
+    return Batch(summary, outcomes, effects, folder, _frames.library_of(recordings))
+
+
+def _table(frame: Any, names: Sequence[str]) -> str:
+    """A frame of paths as CSV."""
+    if "path" not in names:
+        raise InputError(f"recordings: there is no column 'path'; found {', '.join(map(repr, names)) or 'none'}")
+    used = [name for name in _COLUMNS if name in names]
+    text = io.StringIO()
+    writer = csv.writer(text)
+    writer.writerow(used)
+    for row in zip(*(list(_frames.column(frame, name)) for name in used)):
+        writer.writerow(["" if _is_missing(cell) else _word(cell) for cell in row])
+    return text.getvalue()
+
+
+def _is_missing(cell: Any) -> bool:
+    return cell is None or cell != cell or str(cell) == "<NA>"
+
+
+def _word(cell: Any) -> str:
+    # A column of whole numbers with one missing is one of floats in pandas.
+    if isinstance(cell, float) and cell.is_integer():
+        return str(int(cell))
+    return os.fspath(cell) if isinstance(cell, os.PathLike) else str(cell)
+
+
+def outcome(
+    recordings: str | os.PathLike[str] | Sequence[str | os.PathLike[str]],
+    *,
+    held_out: Sequence[str | os.PathLike[str]] = (),
+    families: Sequence[str] = (),
+    exclude: Sequence[str] = (),
+    baseline: str = "mixed",
+    max_read: int | None = None,
+) -> dict[str, Any]:
+    """The row of one trace, of which no file is written and no exception raised: what a scheduler of your own maps over paths.
+
+    It takes one core. `outcomes` makes a table of many.
+    """
+    paths = [recordings] if isinstance(recordings, (str, os.PathLike)) else list(recordings)
+    settings = _core.BatchSettings(list(families), list(exclude), baseline, max_read=max_read)
+    row: dict[str, Any] = json.loads(
+        _core.outcome([os.fspath(path) for path in paths], [os.fspath(path) for path in held_out], settings)
+    )
+    return row
+
+
+def outcomes(rows: Sequence[dict[str, Any]]) -> Any:
+    """The rows of `outcome` as a data frame with the columns of `outcomes.parquet`."""
+    return _frames.make(_core.outcomes_of([json.dumps(row) for row in rows]))
+
+
+class Comparison:
+    """What changed from model to model. `compare` makes it."""
+
+    def __init__(self, text: str) -> None:
+        self._found: dict[str, Any] = json.loads(text)
+
+    @property
+    def changed(self) -> bool:
+        """Whether a change is claimed; of a specimen that stays as it is, that is so in one case of twenty."""
+        return bool(self._found["changed"])
+
+    @property
+    def forces(self) -> Any:
+        """The force of every model but the first beside the first's, on one motion, as a data frame."""
+        names = ("model", "difference", "expected", "p", "changed")
+        rows = self._found["forces"]
+        columns: dict[str, list[Any]] = {name: [row[name] for row in rows] for name in names}
+        for name in ("displacement_mm", "velocity_mm_s", "difference_kN"):
+            columns[f"largest_{name}"] = [row["largest"][name] for row in rows]
+        return _frames.make(columns)
+
+    @property
+    def parameters(self) -> Any:
+        """A row a parameter and model: its value with its 90 % interval, and whether a change is claimed of the parameter."""
+        columns: dict[str, list[Any]] = {
+            name: [] for name in ("of", "amplitude_mm", "parameter", "unit", "time", "value", "low", "high", "p", "changed")
+        }
+        times = [model["time"] for model in self._found["models"]]
+        for row in self._found["parameters"]:
+            for time, value in zip(times, row["values"]):
+                if value is not None:
+                    for name in ("of", "amplitude_mm", "parameter", "unit", "p", "changed"):
+                        columns[name].append(row[name])
+                    columns["time"].append(time)
+                    for name in ("value", "low", "high"):
+                        columns[name].append(value[name])
+        return _frames.make(columns)
+
+    @property
+    def effects(self) -> list[dict[str, Any]]:
+        """Effects that appeared or vanished."""
+        return list(self._found["effects"])
+
+    @property
+    def notes(self) -> list[str]:
+        """What could not be compared, and why."""
+        return list(self._found["notes"])
+
+    def to_dict(self) -> dict[str, Any]:
+        """The comparison, as `hil compare --json` writes it."""
+        return self._found
+
+    def __repr__(self) -> str:
+        return f"<Comparison of {len(self._found['models'])} models: {'changed' if self.changed else 'no change'}>"
+
+
+def compare(models: Sequence[ModelLike], times: Sequence[float] | None = None) -> Comparison:
+    """Sets models of one specimen beside each other, as `hil compare` does: what changed, beyond its interval.
+
+    Each of `models` is a trace, the folder that a trace wrote, or a `model.json`. `times` says when each was, in any unit.
+    """
+    if times is None:
+        times = range(len(models))
+    if len(times) != len(models):
+        raise InputError(f"times: has {len(times)} for {len(models)} models; give one time for each model")
+    given = [_given(place, model) for place, model in enumerate(models)]
+    return Comparison(_core.compare_models(given, [float(time) for time in times]))
+
+
+def _given(place: int, model: ModelLike) -> Any:
+    if isinstance(model, Trace):
+        return (f"model {place}", json.dumps(model.model), model.to_json())
+    return os.fspath(model)

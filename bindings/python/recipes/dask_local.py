@@ -1,0 +1,46 @@
+"""Traces of a folder of recordings with Dask, on the cores of this machine.
+
+    pip install mesh-damper pandas pyarrow distributed
+    python dask_local.py recordings/ rows.jsonl outcomes.parquet --workers 2
+
+Each path is a task of its own, and each worker has one thread: a trace takes one core.
+"""
+
+from __future__ import annotations
+
+import argparse
+
+from distributed import Client, LocalCluster, as_completed
+from rows import Rows, recordings, row_of
+
+
+def trace_all(client: Client, paths: list[str], rows: Rows) -> int:
+    """Makes the rows that are missing; returns how many."""
+    missing = rows.missing(paths)
+    # `pure=False`: a file may have changed since another run of the same scheduler.
+    futures = client.map(row_of, missing, pure=False)
+    for future, row in as_completed(futures, with_results=True):
+        rows.keep(row)
+        # The row is on the disk: the cluster need not hold it.
+        future.release()
+    return len(missing)
+
+
+def main() -> None:
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("folder")
+    parser.add_argument("rows", help="a line a row; what is in it is not made again")
+    parser.add_argument("outcomes", help="the table, as Parquet")
+    parser.add_argument("--workers", type=int, default=2)
+    options = parser.parse_args()
+    rows = Rows(options.rows)
+    with LocalCluster(n_workers=options.workers, threads_per_worker=1, dashboard_address=None) as cluster, Client(cluster) as client:
+        # The workers find `rows.py` beside this file.
+        client.upload_file(__file__.replace("dask_local.py", "rows.py"))
+        made = trace_all(client, recordings(options.folder), rows)
+    rows.to_parquet(options.outcomes)
+    print(f"{made} rows made, {len(rows.rows)} in {options.outcomes}")
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,49 @@
+"""Traces of a folder of recordings with Ray.
+
+    pip install mesh-damper pandas pyarrow ray
+    python ray_map.py recordings/ rows.jsonl outcomes.parquet --workers 2
+
+Each path is a task of its own, and not a block of Ray Data: that puts several files into one batch, and a trace would be of all of them.
+"""
+
+from __future__ import annotations
+
+import argparse
+
+import ray
+from rows import Rows, recordings, row_of
+
+
+def trace_all(paths: list[str], rows: Rows, under_way: int) -> int:
+    """Makes the rows that are missing, `under_way` at the same time; returns how many."""
+    remote = ray.remote(num_cpus=1)(row_of)
+    missing = rows.missing(paths)
+    waiting = list(reversed(missing))
+    running: list[ray.ObjectRef] = []
+    while waiting or running:
+        while waiting and len(running) < under_way:
+            running.append(remote.remote(waiting.pop()))
+        done, running = ray.wait(running)
+        for row in ray.get(done):
+            rows.keep(row)
+    return len(missing)
+
+
+def main() -> None:
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("folder")
+    parser.add_argument("rows", help="a line a row; what is in it is not made again")
+    parser.add_argument("outcomes", help="the table, as Parquet")
+    parser.add_argument("--workers", type=int, default=2)
+    options = parser.parse_args()
+    rows = Rows(options.rows)
+    ray.init(num_cpus=options.workers, include_dashboard=False, log_to_driver=False)
+    # Twice as many tasks as workers: none waits for the next.
+    made = trace_all(recordings(options.folder), rows, 2 * options.workers)
+    ray.shutdown()
+    rows.to_parquet(options.outcomes)
+    print(f"{made} rows made, {len(rows.rows)} in {options.outcomes}")
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,200 @@
+//! Traces of many recordings, and models over time.
+
+use std::num::NonZeroUsize;
+use std::path::PathBuf;
+use std::thread;
+
+use mesh_damper_batch::compare::{Moment, compare};
+use mesh_damper_batch::table::{Table, Values, outcomes, parameters};
+use mesh_damper_batch::{Batch, List, Progress, Row, Settings, Task};
+use mesh_damper_identify::trace::Sought;
+use mesh_damper_identify::trace::result::TraceResult;
+use mesh_damper_model::file::ModelFile;
+use mesh_damper_recording::error::InputError;
+use mesh_damper_recording::files::Reading;
+use mesh_damper_recording::read_limit::ReadLimit;
+use pyo3::prelude::*;
+use pyo3::types::{PyDict, PyList};
+
+use crate::error::refused;
+use crate::model::{Model, json};
+use crate::trace::{base_law, named};
+use crate::work::beside;
+
+/// What all traces of a batch are made with.
+#[pyclass(frozen, module = "mesh_damper._core")]
+pub struct BatchSettings(Settings);
+
+#[pymethods]
+impl BatchSettings {
+    #[new]
+    #[pyo3(signature = (families, exclude, baseline, law=None, max_read=None, reports=false))]
+    fn new(
+        families: Vec<String>,
+        exclude: Vec<String>,
+        baseline: &str,
+        law: Option<PyRef<'_, Model>>,
+        max_read: Option<u64>,
+        reports: bool,
+    ) -> PyResult<Self> {
+        let known = match &law {
+            Some(model) => Sought::beside(&model.inner, &model.name).map_err(|error| refused(&error))?,
+            None => Sought::default(),
+        };
+        let sought = Sought {
+            families: named("families", &families)?,
+            exclude: named("exclude", &exclude)?,
+            law: base_law(baseline)?,
+            ..known
+        };
+        let limit = max_read.map_or_else(ReadLimit::default, ReadLimit::new);
+        Ok(Self(Settings {
+            sought,
+            reading: Reading::from(limit),
+            reports,
+        }))
+    }
+}
+
+/// What is to be traced: a path of a folder, list or table; paths; or a table as CSV.
+#[derive(FromPyObject)]
+enum Given {
+    Path(PathBuf),
+    Paths(Vec<PathBuf>),
+}
+
+/// Traces of `given`, or of the rows of `table`, into the folder `out`. Returns the summary as JSON and the two tables as columns.
+#[pyfunction]
+#[pyo3(signature = (given, table, out, settings, jobs=None, progress=None))]
+fn trace_many<'py>(
+    py: Python<'py>,
+    given: Option<Given>,
+    table: Option<String>,
+    out: PathBuf,
+    settings: PyRef<'_, BatchSettings>,
+    jobs: Option<usize>,
+    progress: Option<Bound<'py, PyAny>>,
+) -> PyResult<(String, Bound<'py, PyDict>, Bound<'py, PyDict>)> {
+    let settings = settings.0.clone();
+    let list = match (given, table) {
+        (Some(Given::Path(path)), _) => List::read(&path, settings.reading.limit),
+        (Some(Given::Paths(paths)), _) => Ok(List::of_recordings(paths)),
+        (None, table) => List::of_table("recordings", &table.unwrap_or_default()),
+    };
+    let batch = Batch {
+        list: list.map_err(|error| refused(&error))?,
+        settings,
+        out,
+        jobs: jobs_of(jobs)?,
+        json: None,
+    };
+    let summary = beside(py, progress.as_ref(), move |step| {
+        batch.run(&|done: Progress| step(&said(done)))
+    })?;
+    let summary = summary.map_err(|error| refused(&error))?;
+    let tables = (outcomes(&summary.traces), parameters(&summary.traces));
+    Ok((json(&summary)?, columns(py, &tables.0)?, columns(py, &tables.1)?))
+}
+
+fn jobs_of(jobs: Option<usize>) -> PyResult<NonZeroUsize> {
+    match jobs {
+        Some(jobs) => NonZeroUsize::new(jobs).ok_or_else(|| {
+            refused(&InputError::new("jobs", "is 0", "give at least 1"))
+        }),
+        None => Ok(thread::available_parallelism().unwrap_or(NonZeroUsize::MIN)),
+    }
+}
+
+fn said(done: Progress) -> String {
+    let failed = match done.failed {
+        0 => String::new(),
+        failed => format!(", {failed} failed"),
+    };
+    format!("{} of {}{failed}", done.done, done.total)
+}
+
+/// The row of one trace as JSON, of which no file is written. It takes one core.
+#[pyfunction]
+fn outcome(
+    py: Python<'_>,
+    recordings: Vec<PathBuf>,
+    held_out: Vec<PathBuf>,
+    settings: PyRef<'_, BatchSettings>,
+) -> PyResult<String> {
+    let settings = settings.0.clone();
+    let task = Task {
+        name: recordings.first().map(|path| path.display().to_string()).unwrap_or_default(),
+        recordings,
+        held_out,
+        ..Task::default()
+    };
+    let row = beside(py, None, move |_| Row::make(&task, &settings))?;
+    json(&row)
+}
+
+/// The table of rows, which are the JSON of `outcome`, as columns.
+#[pyfunction]
+fn outcomes_of<'py>(py: Python<'py>, rows: Vec<String>) -> PyResult<Bound<'py, PyDict>> {
+    let row = |text: &String| {
+        serde_json::from_str(text).map_err(|error| {
+            refused(&InputError::new("a row", format!("is no row of a batch: {error}"), "give what outcome() gave"))
+        })
+    };
+    let rows: Vec<Row> = rows.iter().map(row).collect::<PyResult<_>>()?;
+    columns(py, &outcomes(&rows))
+}
+
+fn columns<'py>(py: Python<'py>, table: &Table) -> PyResult<Bound<'py, PyDict>> {
+    let columns = PyDict::new(py);
+    for column in &table.0 {
+        let values = match &column.values {
+            Values::Text(values) => PyList::new(py, values)?,
+            Values::Texts(values) => PyList::new(py, values)?,
+            Values::Real(values) => PyList::new(py, values)?,
+            Values::Count(values) => PyList::new(py, values)?,
+            Values::Flag(values) => PyList::new(py, values)?,
+        };
+        columns.set_item(column.name, values)?;
+    }
+    Ok(columns)
+}
+
+/// A model over time: a path; or a name with the texts of model.json and, where it is known, trace.json.
+#[derive(FromPyObject)]
+enum GivenModel {
+    Path(PathBuf),
+    Texts(String, String, Option<String>),
+}
+
+/// What changed from model to model, as JSON.
+#[pyfunction]
+fn compare_models(models: Vec<GivenModel>, times: Vec<f64>) -> PyResult<String> {
+    let moments = models.into_iter().zip(times).map(|(model, time)| moment(model, time));
+    let compared = moments.collect::<Result<Vec<_>, _>>().and_then(compare);
+    json(&compared.map_err(|error| refused(&error))?)
+}
+
+fn moment(model: GivenModel, time: f64) -> Result<Moment, InputError> {
+    match model {
+        GivenModel::Path(path) => Moment::read(&path, time, ReadLimit::default()),
+        GivenModel::Texts(name, model, trace) => {
+            let model = ModelFile::from_bytes(&name, model.as_bytes())?;
+            let trace = trace.map(|text| serde_json::from_str::<TraceResult>(&text)).transpose();
+            let trace = trace.map_err(|error| InputError::new(&name, format!("is no trace: {error}"), "trace it again"))?;
+            Ok(Moment {
+                name,
+                time,
+                model,
+                trace,
+            })
+        }
+    }
+}
+
+pub fn add_to(module: &Bound<'_, PyModule>) -> PyResult<()> {
+    module.add_class::<BatchSettings>()?;
+    module.add_function(wrap_pyfunction!(trace_many, module)?)?;
+    module.add_function(wrap_pyfunction!(outcome, module)?)?;
+    module.add_function(wrap_pyfunction!(outcomes_of, module)?)?;
+    module.add_function(wrap_pyfunction!(compare_models, module)?)
+}

@@ -1,0 +1,92 @@
+"""Traces of many recordings, and models over time."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+import mesh_damper
+import numpy as np
+import pandas as pd
+import polars as pl
+import pytest
+from conftest import sine_block, write_csv
+
+
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """Three recordings of different amplitudes, and one that is none."""
+    folder = tmp_path_factory.mktemp("many")
+    for number in range(3):
+        write_csv(folder / f"{number}.csv", sine_block(amplitude=0.1 + 0.02 * number))
+    (folder / "broken.csv").write_text("time_s\n0\n")
+    return folder
+
+
+def test_a_folder_gives_a_row_a_recording_and_none_twice(folder: Path, tmp_path: Path) -> None:
+    said: list[str] = []
+    batch = mesh_damper.trace_many(folder, out=tmp_path / "out", jobs=2, progress=said.append)
+    assert (batch.traced, batch.failed, batch.computed) == (3, 1, 4)
+    assert said[-1] == "4 of 4, 1 failed"
+    rows = batch.outcomes
+    assert list(rows.outcome) == ["traced"] * 3 + ["failed"]
+    assert "broken.csv" in rows.error[3]
+    table = pd.read_csv(tmp_path / "out" / "outcomes.csv")
+    assert list(table.columns) == list(rows.columns)
+    np.testing.assert_array_equal(table.nrmse_baseline_fitted, rows.nrmse_baseline_fitted.astype(float))
+    assert set(batch.effects.parameter) >= {"k1", "k3", "c", "alpha"}
+    again = mesh_damper.trace_many(folder, out=tmp_path / "out")
+    assert again.computed == 0
+    pd.testing.assert_frame_equal(again.outcomes, rows)
+    assert batch.to_dict()["format"] == "mesh-damper batch"
+
+
+@pytest.mark.parametrize("library", [pd, pl])
+def test_a_frame_gives_a_trace_a_group(folder: Path, tmp_path: Path, library: object) -> None:
+    frame = library.DataFrame(  # type: ignore[attr-defined]
+        {
+            "path": [str(folder / f"{number}.csv") for number in (0, 1, 2)],
+            "group": [7, 7, None],
+            "held_out": [False, True, None],
+        }
+    )
+    batch = mesh_damper.trace_many(frame, out=tmp_path / "out")
+    assert isinstance(batch.outcomes, library.DataFrame)  # type: ignore[attr-defined]
+    assert list(batch.outcomes["trace"])[0] == "7"
+    assert [len(paths) for paths in batch.outcomes["held_out"]] == [1, 0]
+
+
+def test_a_row_of_one_is_the_row_of_many(folder: Path, tmp_path: Path) -> None:
+    path = folder / "0.csv"
+    row = mesh_damper.outcome(path)
+    many = mesh_damper.trace_many([path], out=tmp_path / "out")
+    assert row["id"] == many.outcomes.id[0]
+    table = mesh_damper.outcomes([row, mesh_damper.outcome(folder / "broken.csv")])
+    alike = [name for name in table.columns if name not in ("trace_s", "folder")]
+    pd.testing.assert_frame_equal(table[alike].iloc[:1], many.outcomes[alike], check_dtype=False)
+    assert list(table.outcome) == ["traced", "failed"]
+
+
+def test_what_cannot_be_a_list_is_refused(tmp_path: Path) -> None:
+    with pytest.raises(mesh_damper.InputError, match="no column 'path'"):
+        mesh_damper.trace_many(pd.DataFrame({"file": ["a.csv"]}), out=tmp_path / "out")
+    with pytest.raises(mesh_damper.InputError, match="there is none"):
+        mesh_damper.trace_many([], out=tmp_path / "out")
+    with pytest.raises(mesh_damper.InputError, match="jobs"):
+        mesh_damper.trace_many(["a.csv"], out=tmp_path / "out", jobs=0)
+    assert not (tmp_path / "out").exists()
+
+
+def test_a_stiffer_specimen_is_another_than_before(tmp_path: Path) -> None:
+    first = sine_block()
+    stiffer = {**sine_block(), "force_kN": 1.1 * sine_block()["force_kN"]}
+    traces = [mesh_damper.trace(columns) for columns in (first, stiffer)]
+    found = mesh_damper.compare(traces, times=[0, 12.5])
+    assert found.changed and "changed" in repr(found)
+    assert found.forces.difference[0] == pytest.approx(0.1, rel=0.2)
+    assert set(found.parameters.time) == {0.0, 12.5}
+    same = mesh_damper.compare([traces[0], traces[0]])
+    assert not same.changed and same.forces.difference[0] == 0.0
+    assert json.loads(json.dumps(same.to_dict()))["format"] == "mesh-damper comparison"
+    with pytest.raises(mesh_damper.InputError, match="times: has 1 for 2 models"):
+        mesh_damper.compare(traces, times=[1.0])

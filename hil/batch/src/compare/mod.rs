@@ -1,0 +1,151 @@
+//! Models of one specimen over time: what changed, beyond its interval.
+//!
+//! Two comparisons stand beside each other. A parameter of the law or of an effect is compared where all models have the same effects:
+//! effects that differ take forces from each other, and then parameters differ though the specimen does not. The force of the models on one
+//! motion is compared always, and counts for more. The more is compared, the more would seem to have changed by chance: what is claimed is
+//! corrected for that after Holm (1979).
+
+mod force;
+mod holm;
+mod moment;
+mod parameters;
+
+use mesh_damper_recording::error::InputError;
+use serde::Serialize;
+
+pub use force::{CommonMotion, ForceChange, Place};
+pub use moment::Moment;
+pub use parameters::{Bounds, ParameterChange};
+
+mesh_damper_recording::numbers! {
+    /// When a model of a specimen is another than before.
+    ComparePolicy {
+        /// The chance that something is claimed of a specimen that did not change.
+        level: f64 = 0.05, Convention("one in twenty");
+        /// Amplitudes of two laws are the same where they differ by no more than this part.
+        same_amplitude: f64 = 0.1, Convention("blocks that are meant to be of one amplitude differ by the actuator's error");
+        /// Amplitudes, and as many peak velocities, of the motion that all models are put through.
+        steps: usize = 4, Convention("quarters of the range");
+        /// Cycles of each.
+        cycles: u32 = 3, Convention("the first settles what the law remembers");
+        /// Samples to the shortest of its cycles.
+        samples: f64 = 100.0, Convention("a law is run at 50 to 1000 samples a cycle");
+    }
+}
+
+/// A family of effects that not all models have.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize)]
+pub struct EffectChange {
+    /// The family's name.
+    pub family: String,
+    /// The model, counted from 0, that differs in it from the one before.
+    pub model: usize,
+    /// Whether that has it; else the one before had.
+    pub appeared: bool,
+}
+
+/// One of the models, as a result names it.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Compared {
+    /// The path that was given.
+    pub name: String,
+    /// When it was, in the unit of the times that were given; its place, from 0, where none were.
+    pub time: f64,
+    /// Families of its effects.
+    pub effects: Vec<String>,
+    /// Its error on what was held out, where its trace says so.
+    pub nrmse_held_out: Option<f64>,
+    /// Whether its trace gives the intervals of its parameters.
+    pub has_intervals: bool,
+}
+
+/// What changed from model to model.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Comparison {
+    /// The word by which the file is known.
+    pub format: &'static str,
+    /// Its version.
+    pub version: u64,
+    /// The chance that anything is claimed of a specimen that did not change.
+    pub level: f64,
+    /// The models in the order of time.
+    pub models: Vec<Compared>,
+    /// Whether anything is claimed to have changed: a force or a parameter.
+    pub changed: bool,
+    /// The motion that all were put through.
+    pub common_motion: CommonMotion,
+    /// The force of every model but the first, beside the first's.
+    pub forces: Vec<ForceChange>,
+    /// The parameters that any model has.
+    pub parameters: Vec<ParameterChange>,
+    /// Effects that appeared or vanished.
+    pub effects: Vec<EffectChange>,
+    /// What could not be compared, and why.
+    pub notes: Vec<String>,
+}
+
+/// Compares models of one specimen.
+///
+/// # Errors
+/// Fewer than two models; a model that the crate refuses; models whose operating ranges have nothing in common, or that see different
+/// control inputs.
+pub fn compare(mut moments: Vec<Moment>) -> Result<Comparison, InputError> {
+    if moments.len() < 2 {
+        return Err(InputError::new(
+            "the models",
+            "are fewer than two",
+            "give models of one specimen at two times at least",
+        ));
+    }
+    let numbers = ComparePolicy::default();
+    moments.sort_by(|a, b| a.time.total_cmp(&b.time));
+    let mut notes = Vec::new();
+    for moment in moments.iter().filter(|moment| moment.trace.is_none()) {
+        notes.push(format!(
+            "{} has no trace.json beside it: the intervals of its parameters are not known, and nothing is claimed of it",
+            moment.name
+        ));
+    }
+    let common_motion = CommonMotion::of(&moments)?;
+    let mut forces = force::changes(&moments, &common_motion, &numbers)?;
+    let mut parameters = parameters::changes(&moments, &numbers, &mut notes);
+    let mut chances: Vec<(Option<f64>, &mut bool)> = forces
+        .iter_mut()
+        .map(|one| (one.p, &mut one.changed))
+        .chain(parameters.iter_mut().map(|one| (one.p, &mut one.changed)))
+        .collect();
+    holm::mark(&mut chances, numbers.level);
+    let changed = chances.iter().any(|(_, changed)| **changed);
+    Ok(Comparison {
+        format: "mesh-damper comparison",
+        version: 1,
+        level: numbers.level,
+        changed,
+        models: moments.iter().map(Moment::compared).collect(),
+        common_motion,
+        forces,
+        parameters,
+        effects: effects(&moments),
+        notes,
+    })
+}
+
+fn effects(moments: &[Moment]) -> Vec<EffectChange> {
+    let mut changes = Vec::new();
+    for (before, pair) in moments.windows(2).enumerate() {
+        let [old, new] = [&pair[0], &pair[1]].map(Moment::families);
+        let appeared = new.iter().filter(|family| !old.contains(*family));
+        let vanished = old.iter().filter(|family| !new.contains(*family));
+        for (families, appeared) in [
+            (appeared.collect::<Vec<_>>(), true),
+            (vanished.collect(), false),
+        ] {
+            changes.extend(families.into_iter().map(|family| EffectChange {
+                family: family.clone(),
+                model: before + 1,
+                appeared,
+            }));
+        }
+    }
+    changes
+}

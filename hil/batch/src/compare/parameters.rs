@@ -1,0 +1,258 @@
+//! Parameters of the law and of effects, from model to model.
+
+use mesh_damper_identify::trace::result::Estimate;
+use mesh_damper_model::parameter_unit;
+use mesh_damper_model::predict::NINETY_PERCENT;
+use serde::Serialize;
+use statrs::distribution::{ChiSquared, ContinuousCDF as _};
+
+use super::{ComparePolicy, Moment};
+
+/// A parameter from model to model.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct ParameterChange {
+    /// `law`, or the family of the effect.
+    pub of: String,
+    /// Of a law: the amplitude in mm at which the coefficient holds; 0 where it holds for all. Null of an effect.
+    pub amplitude_mm: Option<f64>,
+    /// The parameter's name.
+    pub parameter: String,
+    /// The unit of its values.
+    pub unit: String,
+    /// Its value in each model; null where a model has no such parameter.
+    pub values: Vec<Option<Bounds>>,
+    /// The last value less the first one, over the first one's size.
+    pub change: Option<f64>,
+    /// The chance of values that differ as much as these where the parameter is the same in all; null where it is not known.
+    pub p: Option<f64>,
+    /// Whether a change is claimed.
+    pub changed: bool,
+}
+
+/// A value and its 90 % interval; the ends are null where they are not known, or the data set no bound.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct Bounds {
+    /// The model's.
+    pub value: f64,
+    /// Lower end.
+    pub low: Option<f64>,
+    /// Upper end.
+    pub high: Option<f64>,
+}
+
+impl Bounds {
+    /// A value of a model, with the interval that its trace gives for the same value.
+    fn of(value: f64, estimate: Option<&Estimate>) -> Self {
+        // A law that was not adopted has other values: their intervals say nothing of these.
+        let of_this =
+            estimate.filter(|estimate| (estimate.value - value).abs() <= 1e-9 * value.abs());
+        let finite = |end: f64| end.is_finite().then_some(end);
+        Self {
+            value,
+            low: of_this.and_then(|estimate| finite(estimate.low)),
+            high: of_this.and_then(|estimate| finite(estimate.high)),
+        }
+    }
+
+    /// Its standard deviation, where it is known.
+    pub(super) fn deviation(&self) -> Option<f64> {
+        let half = 0.5 * (self.high? - self.low?);
+        (half > 0.0).then(|| half / NINETY_PERCENT)
+    }
+}
+
+/// One parameter of a model: what it is of, at which amplitude, its name, its value.
+pub(super) struct Parameter {
+    pub of: String,
+    pub amplitude: Option<f64>,
+    pub name: String,
+    pub bounds: Bounds,
+}
+
+/// All parameters of a model.
+pub(super) fn of_model(moment: &Moment) -> Vec<Parameter> {
+    let model = moment.model.model();
+    let trace = moment.trace.as_ref();
+    let mut all = Vec::new();
+    for (place, node) in model.law.iter().enumerate() {
+        let known = trace.and_then(|trace| trace.law.get(place));
+        for (name, value, estimate) in [
+            ("k1", node.k1, known.map(|known| &known.k1)),
+            ("k3", node.k3, known.map(|known| &known.k3)),
+            ("c", node.c, known.map(|known| &known.c)),
+            ("alpha", node.alpha, known.map(|known| &known.alpha)),
+        ] {
+            all.push(Parameter {
+                of: "law".to_owned(),
+                amplitude: Some(node.amplitude),
+                name: name.to_owned(),
+                bounds: Bounds::of(value, estimate),
+            });
+        }
+    }
+    for effect in &model.effects {
+        let known = trace.and_then(|trace| {
+            let mut found = trace.effects.iter().chain(&trace.unconfirmed);
+            found.find(|found| found.family == effect.family.name())
+        });
+        for (name, &value) in &effect.parameters {
+            all.push(Parameter {
+                of: effect.family.name().to_owned(),
+                amplitude: None,
+                name: name.clone(),
+                bounds: Bounds::of(value, known.and_then(|known| known.parameters.get(name))),
+            });
+        }
+    }
+    all
+}
+
+/// The parameters of all models. They are compared where the models have the same effects, and laws at the same amplitudes.
+pub(super) fn changes(
+    moments: &[Moment],
+    numbers: &ComparePolicy,
+    notes: &mut Vec<String>,
+) -> Vec<ParameterChange> {
+    let of_models: Vec<Vec<Parameter>> = moments.iter().map(of_model).collect();
+    let same_amplitude =
+        |a: f64, b: f64| (a - b).abs() <= numbers.same_amplitude * a.abs().max(b.abs());
+    let is_same = |a: &Parameter, b: &Parameter| {
+        let at_same = match (a.amplitude, b.amplitude) {
+            (Some(a), Some(b)) => same_amplitude(a, b),
+            (None, None) => true,
+            _ => false,
+        };
+        a.of == b.of && a.name == b.name && at_same
+    };
+    let is_alike = |moment: &Moment| {
+        let amplitudes = |moment: &Moment| {
+            moment
+                .model
+                .model()
+                .law
+                .iter()
+                .map(|node| node.amplitude)
+                .collect::<Vec<_>>()
+        };
+        let (own, first) = (amplitudes(moment), amplitudes(&moments[0]));
+        let same_law =
+            own.len() == first.len() && own.iter().zip(&first).all(|(&a, &b)| same_amplitude(a, b));
+        same_law && moment.families() == moments[0].families()
+    };
+    let alike: Vec<bool> = moments.iter().map(is_alike).collect();
+    for (moment, _) in moments.iter().zip(&alike).filter(|(_, alike)| !**alike) {
+        notes.push(format!(
+            "{} has other effects than {}, or a law at other amplitudes: its parameters are not compared, its force is",
+            moment.name, moments[0].name
+        ));
+    }
+    let mut distinct: Vec<&Parameter> = Vec::new();
+    for parameter in of_models.iter().flatten() {
+        if !distinct.iter().any(|known| is_same(known, parameter)) {
+            distinct.push(parameter);
+        }
+    }
+    distinct
+        .into_iter()
+        .map(|parameter| {
+            let of_model = |all: &Vec<Parameter>| {
+                let mut own = all.iter().filter(|other| is_same(parameter, other));
+                own.next().map(|own| own.bounds)
+            };
+            let values: Vec<Option<Bounds>> = of_models.iter().map(of_model).collect();
+            let compared: Vec<Bounds> = values
+                .iter()
+                .zip(&alike)
+                .filter_map(|(bounds, alike)| bounds.filter(|_| *alike))
+                .collect();
+            let change = match compared[..] {
+                [first, .., last] if first.value != 0.0 => {
+                    Some((last.value - first.value) / first.value.abs())
+                }
+                _ => None,
+            };
+            ParameterChange {
+                of: parameter.of.clone(),
+                amplitude_mm: parameter.amplitude,
+                parameter: parameter.name.clone(),
+                unit: parameter_unit(&parameter.name)
+                    .map_or_else(|| law_unit(&parameter.name), str::to_owned),
+                values,
+                change,
+                p: chance(&compared),
+                changed: false,
+            }
+        })
+        .collect()
+}
+
+/// The unit of a coefficient of the law.
+fn law_unit(name: &str) -> String {
+    match name {
+        "k1" => "kN/mm",
+        "k3" => "kN/mm^3",
+        "c" => "kN*(s/mm)^alpha",
+        _ => "1",
+    }
+    .to_owned()
+}
+
+/// The chance that values of one parameter scatter as much as these: χ² of their distances from their weighted mean. `None` where
+/// fewer than two have an interval.
+fn chance(values: &[Bounds]) -> Option<f64> {
+    let known: Vec<(f64, f64)> = values
+        .iter()
+        .filter_map(|bounds| Some((bounds.value, bounds.deviation()?.powi(-2))))
+        .collect();
+    let freedom = known.len().checked_sub(1).filter(|freedom| *freedom > 0)?;
+    let weights: f64 = known.iter().map(|(_, weight)| weight).sum();
+    let mean = known
+        .iter()
+        .map(|(value, weight)| weight * value)
+        .sum::<f64>()
+        / weights;
+    let scatter = known
+        .iter()
+        .map(|(value, weight)| weight * (value - mean).powi(2))
+        .sum();
+    Some(ChiSquared::new(freedom as f64).ok()?.sf(scatter))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn bounds(value: f64, half: f64) -> Bounds {
+        Bounds {
+            value,
+            low: Some(value - half),
+            high: Some(value + half),
+        }
+    }
+
+    #[test]
+    fn two_values_differ_by_the_chance_of_a_normal_variable() {
+        // 1.645 deviations of a difference whose deviation is √2 of theirs: 10 %.
+        let apart = 2.0_f64.sqrt() * NINETY_PERCENT;
+        let p = chance(&[
+            bounds(5.0, NINETY_PERCENT),
+            bounds(5.0 + apart, NINETY_PERCENT),
+        ])
+        .unwrap();
+        assert!((p - 0.1).abs() < 1e-3, "{p}");
+        // The one of whom nothing is known is no matter.
+        let unknown = Bounds {
+            high: None,
+            ..bounds(99.0, 1.0)
+        };
+        let with = chance(&[
+            bounds(5.0, NINETY_PERCENT),
+            unknown,
+            bounds(5.0 + apart, NINETY_PERCENT),
+        ]);
+        assert_eq!(with, Some(p));
+        assert_eq!(chance(&[bounds(1.0, 1.0), unknown]), None);
+        let same = chance(&[bounds(5.0, 1.0), bounds(5.0, 2.0), bounds(5.0, 0.1)]).unwrap();
+        assert!((same - 1.0).abs() < 1e-12);
+    }
+}

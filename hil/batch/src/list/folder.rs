@@ -1,0 +1,52 @@
+//! The recordings of a folder.
+
+use std::path::Path;
+
+use mesh_damper_recording::error::InputError;
+use mesh_damper_recording::files::FORMATS;
+
+use super::{List, Task, refused};
+
+/// Whether a file's name, in small letters, has an ending of a format that is read.
+fn is_recording(name: &str) -> bool {
+    let mut endings = FORMATS.iter().flat_map(|format| format.endings());
+    let ending = name.rsplit_once('.').map(|(_, ending)| ending);
+    ending.is_some_and(|ending| endings.any(|known| *known == ending))
+}
+
+/// Every recording in `folder`, by name. Hidden files and folders in it are left alone.
+///
+/// # Errors
+/// A folder that cannot be read, or that holds no recording.
+pub(super) fn list(folder: &Path) -> Result<List, InputError> {
+    let failed = |error| InputError::io(folder, "read", &error);
+    let mut list = List::default();
+    let mut folders = 0;
+    for entry in std::fs::read_dir(folder).map_err(failed)? {
+        let path = entry.map_err(failed)?.path();
+        let name = path.file_name().unwrap_or_default().to_string_lossy();
+        let name = name.to_lowercase();
+        if name.starts_with('.') {
+        } else if path.is_dir() {
+            folders += 1;
+        } else if is_recording(&name) {
+            list.tasks.push(Task::of(path));
+        } else {
+            list.ignored.push(path);
+        }
+    }
+    if list.tasks.is_empty() {
+        let within = match folders {
+            0 => String::new(),
+            folders => format!("; the {folders} folders in it are not searched"),
+        };
+        return Err(refused(
+            folder,
+            format!("holds no file with an ending of recordings, such as .csv{within}"),
+            "name the folder with the recordings, or give a list of their paths",
+        ));
+    }
+    list.tasks.sort_by(|a, b| a.recordings.cmp(&b.recordings));
+    list.ignored.sort();
+    Ok(list)
+}

@@ -1,0 +1,178 @@
+//! What became of one trace: what a row of the batch says of it.
+
+use std::collections::BTreeMap;
+
+use mesh_damper_identify::trace::Trace;
+use mesh_damper_identify::trace::result::{Estimate, FoundEffect, LawEstimate, Verdict};
+use mesh_damper_model::file::FittedRange;
+use mesh_damper_recording::Recording;
+use serde::{Deserialize, Serialize};
+
+/// What became of one trace.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(tag = "outcome", rename_all = "snake_case")]
+pub enum Outcome {
+    /// It was made.
+    Traced(Box<Found>),
+    /// It could not be made.
+    Failed(Failure),
+}
+
+/// Why a trace could not be made.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Failure {
+    /// One line: the file, the place, what is wrong there, how to mend it.
+    pub error: String,
+    /// The most bytes of a file that were read, where a recording was refused as it was read: with more it may pass.
+    pub read_limit: Option<u64>,
+}
+
+impl Failure {
+    /// By an error that another limit of reading does not change.
+    pub(crate) fn of(error: &impl ToString) -> Self {
+        Self {
+            error: error.to_string(),
+            read_limit: None,
+        }
+    }
+}
+
+/// What a trace found: of `trace.json` what a table of many needs. An error that is not finite is none.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Found {
+    /// The folder with its files, below the batch's; empty where none were written.
+    pub folder: String,
+    /// The version of the program that made it.
+    pub program_version: String,
+    /// What it took, s.
+    pub trace_s: f64,
+    /// Samples of all recordings.
+    pub samples: usize,
+    /// Length of all recordings, s.
+    pub duration_s: f64,
+    /// The motion that was fitted, mm and mm/s.
+    pub fitted_range: FittedRange,
+    /// What was concluded.
+    pub verdict: Verdict,
+    /// Errors of the force, RMS over RMS.
+    pub nrmse: Nrmse,
+    /// Whether the model holds what was found.
+    pub adopted: bool,
+    /// The law's name.
+    pub law_name: String,
+    /// Its coefficients, amplitude by amplitude.
+    pub law: Vec<LawEstimate>,
+    /// The effects found.
+    pub effects: Vec<Effect>,
+    /// Effects that are not confirmed.
+    pub unconfirmed: Vec<Effect>,
+    /// What the law with all effects leaves, over the noise; null where that is noise.
+    pub remainder_times_noise: Option<f64>,
+    /// What the force beyond the law depends on.
+    pub depends_on: Vec<String>,
+    /// The test that would tell the candidates apart, where one is needed.
+    pub separating_test: Option<String>,
+    /// What is wrong with the data, in words. Files are named as they were when it was traced.
+    pub warnings: Vec<String>,
+    /// What was taken for what in the files without being sure, in words.
+    pub guesses: Vec<String>,
+}
+
+/// Errors of the force, RMS over RMS of the measured force.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Nrmse {
+    /// Noise of the measured force.
+    pub noise_floor: Option<f64>,
+    /// Of the law alone on what was fitted.
+    pub baseline_fitted: Option<f64>,
+    /// The same on what was held out.
+    pub baseline_held_out: Option<f64>,
+    /// Of the model, in f64, on what was fitted.
+    pub augmented_fitted: Option<f64>,
+    /// The same on what was held out.
+    pub augmented_held_out: Option<f64>,
+    /// Of the embedded model, in f32, on what was held out.
+    pub on_target_held_out: Option<f64>,
+}
+
+/// One effect beside the law.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Effect {
+    /// The family's name.
+    pub family: String,
+    /// Its parameters by name, with their 90 % intervals.
+    pub parameters: BTreeMap<String, Estimate>,
+    /// Held-out error of everything but this effect.
+    pub nrmse_without: Option<f64>,
+    /// Held-out error with it.
+    pub nrmse_with: Option<f64>,
+}
+
+impl Found {
+    /// Of `trace`, which was made of `recordings` in `trace_s`.
+    pub(crate) fn of(
+        trace: &Trace,
+        recordings: &[Recording],
+        fitted_range: FittedRange,
+        folder: String,
+        trace_s: f64,
+    ) -> Self {
+        let result = &trace.result;
+        let length = |recording: &Recording| match recording.time[..] {
+            [first, .., last] => last - first,
+            _ => 0.0,
+        };
+        let effects = |all: &[FoundEffect]| all.iter().map(Effect::of).collect();
+        let left = result.remainder.as_ref();
+        Self {
+            folder,
+            program_version: env!("CARGO_PKG_VERSION").to_owned(),
+            trace_s,
+            samples: recordings.iter().map(Recording::len).sum(),
+            duration_s: recordings.iter().map(length).sum(),
+            fitted_range,
+            verdict: result.verdict,
+            nrmse: Nrmse {
+                noise_floor: finite(result.noise_floor_nrmse),
+                baseline_fitted: finite(result.baseline.nrmse_fitted),
+                baseline_held_out: finite(result.baseline.nrmse_held_out),
+                augmented_fitted: finite(result.augmented.nrmse_fitted),
+                augmented_held_out: finite(result.augmented.nrmse_held_out),
+                on_target_held_out: finite(result.on_target.nrmse_held_out),
+            },
+            adopted: result.adopted,
+            law_name: result.baseline.law.clone(),
+            law: result.law.clone(),
+            effects: effects(&result.effects),
+            unconfirmed: effects(&result.unconfirmed),
+            remainder_times_noise: left.and_then(|left| finite(left.times_noise)),
+            depends_on: result.depends_on.clone(),
+            separating_test: result.separating_test.clone(),
+            warnings: result.warnings.clone(),
+            guesses: recordings.iter().flat_map(guesses).collect(),
+        }
+    }
+}
+
+impl Effect {
+    fn of(effect: &FoundEffect) -> Self {
+        Self {
+            family: effect.family.clone(),
+            parameters: effect.parameters.clone(),
+            nrmse_without: finite(effect.nrmse_without),
+            nrmse_with: finite(effect.nrmse_with),
+        }
+    }
+}
+
+fn guesses(recording: &Recording) -> Vec<String> {
+    let guesses = recording.guesses().iter();
+    guesses
+        .map(|guess| format!("{}: {guess}", recording.name))
+        .collect()
+}
+
+/// JSON has no other numbers.
+fn finite(value: f64) -> Option<f64> {
+    value.is_finite().then_some(value)
+}

@@ -1,0 +1,345 @@
+//! The traces of a list, made by several workers, each kept as soon as it is there.
+
+use std::collections::BTreeMap;
+use std::num::NonZeroUsize;
+use std::path::{Path, PathBuf};
+use std::sync::Mutex;
+use std::time::Instant;
+
+use mesh_damper_recording::error::{InputError, quoted};
+use mesh_damper_recording::output::Plan;
+
+use crate::identity::{Content, contents, identity};
+use crate::journal::Journal;
+use crate::leftover;
+use crate::list::{List, Task};
+use crate::one;
+use crate::outcome::{Failure, Outcome};
+use crate::page::page;
+use crate::row::{Row, Summary};
+use crate::settings::Settings;
+use crate::table::{outcomes, parameters};
+use crate::work::{Workers, each};
+
+/// The file that keeps what is done.
+const JOURNAL: &str = "journal.jsonl";
+/// The folder of the folders of all traces.
+const TRACES: &str = "traces";
+/// The tables.
+const OUTCOMES: &str = "outcomes.parquet";
+const OUTCOMES_CSV: &str = "outcomes.csv";
+const EFFECTS: &str = "effects.parquet";
+/// The page.
+const PAGE: &str = "index.html";
+
+/// Traces to be made, and where they go.
+#[derive(Clone, Debug)]
+pub struct Batch {
+    /// The traces.
+    pub list: List,
+    /// What all of them are made with.
+    pub settings: Settings,
+    /// The folder of the tables and of the traces. What an earlier run left there is taken up.
+    pub out: PathBuf,
+    /// Traces that are made at the same time. Each holds its recordings in memory.
+    pub jobs: NonZeroUsize,
+    /// Where the summary goes as JSON, `-` for standard output.
+    pub json: Option<PathBuf>,
+}
+
+/// How far a batch is.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Progress {
+    /// Traces and copies that are dealt with.
+    pub done: usize,
+    /// All of them.
+    pub total: usize,
+    /// Of those done, traces that could not be made.
+    pub failed: usize,
+    /// Of those done, traces that were made or failed now.
+    pub computed: usize,
+    /// Since the beginning, s.
+    pub seconds: f64,
+}
+
+impl Progress {
+    /// Traces that are made in a second; `None` before the first.
+    pub fn rate(&self) -> Option<f64> {
+        (self.computed > 0).then(|| self.computed as f64 / self.seconds)
+    }
+
+    /// Time that is left if all others have to be made, s.
+    pub fn left(&self) -> Option<f64> {
+        self.rate()
+            .map(|rate| (self.total - self.done) as f64 / rate)
+    }
+}
+
+impl Batch {
+    /// Makes the traces, and writes the tables. `progress` is told after each.
+    ///
+    /// A trace whose identity an earlier run kept, and whose files are there, is not made again. A recording that cannot be read or traced
+    /// is a row with its error.
+    ///
+    /// # Errors
+    /// A folder that another run fills, or that is the recordings' own; an output that would destroy something; what cannot be written.
+    /// The traces made so far are kept.
+    pub fn run(&self, progress: &(dyn Fn(Progress) + Sync)) -> Result<Summary, InputError> {
+        let started = Instant::now();
+        self.refuse_own_folder()?;
+        let names = [OUTCOMES, OUTCOMES_CSV, EFFECTS, PAGE, JOURNAL];
+        let mut outputs = Plan::new()
+            .reads(&self.list.file)
+            .reads(self.list.tasks.iter().flat_map(Task::paths))
+            .fills(self.out.as_path(), names)
+            .writes(&self.json)
+            .begin()?;
+        if self.out.join(JOURNAL).exists() {
+            leftover::remove(&self.out);
+        }
+        let running = Running {
+            batch: self,
+            decisive: self.settings.decisive(),
+            state: Mutex::new(State {
+                journal: Journal::open(&self.out.join(JOURNAL))?,
+                claims: BTreeMap::new(),
+                unread: BTreeMap::new(),
+                holders: BTreeMap::new(),
+                failed: 0,
+                computed: 0,
+                done: 0,
+            }),
+            started,
+            progress,
+        };
+        let workers = Workers::for_tasks(self.jobs, self.list.tasks.len());
+        each(workers, self.list.tasks.len(), |which| {
+            running.deal_with(which)
+        })?;
+        let summary = running.summary();
+        let table = outcomes(&summary.traces);
+        outputs.add(self.out.join(OUTCOMES), table.to_parquet()?);
+        outputs.add(self.out.join(OUTCOMES_CSV), table.to_csv());
+        outputs.add(
+            self.out.join(EFFECTS),
+            parameters(&summary.traces).to_parquet()?,
+        );
+        outputs.add(self.out.join(PAGE), page(&summary.traces, &self.out));
+        if let Some(json) = &self.json {
+            outputs.add_json(json, &summary)?;
+        }
+        outputs.write()?;
+        Ok(summary)
+    }
+
+    /// The tables would be recordings of the next run.
+    fn refuse_own_folder(&self) -> Result<(), InputError> {
+        let Ok(out) = self.out.canonicalize() else {
+            return Ok(());
+        };
+        let mut folders = self
+            .list
+            .tasks
+            .iter()
+            .flat_map(Task::paths)
+            .filter_map(Path::parent);
+        match folders.find(|folder| folder.canonicalize().is_ok_and(|folder| folder == out)) {
+            Some(_) => Err(InputError::new(
+                self.out.display().to_string(),
+                "holds recordings of the list",
+                "name another folder with --out",
+            )),
+            None => Ok(()),
+        }
+    }
+}
+
+/// A batch under way.
+struct Running<'a> {
+    batch: &'a Batch,
+    decisive: String,
+    state: Mutex<State>,
+    started: Instant,
+    progress: &'a (dyn Fn(Progress) + Sync),
+}
+
+struct State {
+    journal: Journal,
+    /// The tasks of each identity.
+    claims: BTreeMap<String, Vec<usize>>,
+    /// Why a task has no identity.
+    unread: BTreeMap<usize, Failure>,
+    /// The tasks that hold the same recording, by what it holds.
+    holders: BTreeMap<Content, Vec<(usize, PathBuf)>>,
+    failed: usize,
+    computed: usize,
+    done: usize,
+}
+
+impl Running<'_> {
+    /// Makes one trace, unless it is made already.
+    fn deal_with(&self, which: usize) -> Result<(), InputError> {
+        let task = &self.batch.list.tasks[which];
+        match contents(task, self.batch.settings.reading.limit) {
+            Err(error) => {
+                let failure = Failure::of(&error);
+                self.with_state(|state| {
+                    state.unread.insert(which, failure);
+                    state.failed += 1;
+                });
+            }
+            Ok(contents) => {
+                let id = identity(task, &contents, &self.decisive);
+                if self.claim(which, &id, &contents) {
+                    self.make(task, &id, &contents)?;
+                }
+            }
+        }
+        let progress = self.with_state(|state| {
+            state.done += 1;
+            Progress {
+                done: state.done,
+                total: self.batch.list.tasks.len(),
+                failed: state.failed,
+                computed: state.computed,
+                seconds: self.started.elapsed().as_secs_f64(),
+            }
+        });
+        (self.progress)(progress);
+        Ok(())
+    }
+
+    /// Whether the trace is still to be made.
+    fn claim(&self, which: usize, id: &str, contents: &[Content]) -> bool {
+        let task = &self.batch.list.tasks[which];
+        self.with_state(|state| {
+            for (content, path) in contents.iter().zip(task.paths()) {
+                let holders = state.holders.entry(*content).or_default();
+                holders.push((which, path.to_owned()));
+            }
+            let tasks = state.claims.entry(id.to_owned()).or_default();
+            tasks.push(which);
+            if tasks.len() > 1 {
+                return false;
+            }
+            let settings = &self.batch.settings;
+            match state.journal.outcome(id) {
+                None => true,
+                Some(Outcome::Traced(found)) => {
+                    !one::is_there(&self.batch.out.join(&found.folder), settings)
+                }
+                Some(Outcome::Failed(failure)) => {
+                    let limit = settings.reading.limit.file();
+                    let may_pass = failure.read_limit.is_some_and(|known| known != limit);
+                    state.failed += usize::from(!may_pass);
+                    may_pass
+                }
+            }
+        })
+    }
+
+    fn make(&self, task: &Task, id: &str, contents: &[Content]) -> Result<(), InputError> {
+        let folder = format!("{TRACES}/{}-{}", short_name(&task.name), &id[..8]);
+        let made = match one::twice(task, contents) {
+            Some(failure) => Err(failure),
+            None => one::trace(task, &self.batch.settings, folder.clone()),
+        };
+        let outcome = match made {
+            Ok(made) => {
+                let folder = self.batch.out.join(&folder);
+                leftover::remove(&folder);
+                made.write(&folder)?;
+                Outcome::Traced(Box::new(made.found))
+            }
+            Err(failure) => Outcome::Failed(failure),
+        };
+        self.with_state(|state| {
+            state.computed += 1;
+            state.failed += usize::from(matches!(outcome, Outcome::Failed(_)));
+            state.journal.keep(id, &outcome)
+        })
+    }
+
+    fn with_state<T>(&self, of: impl FnOnce(&mut State) -> T) -> T {
+        // A worker that panicked while it held the lock left it as it was between two steps.
+        let mut state = self
+            .state
+            .lock()
+            .unwrap_or_else(std::sync::PoisonError::into_inner);
+        of(&mut state)
+    }
+
+    fn summary(self) -> Summary {
+        let tasks = &self.batch.list.tasks;
+        let state = self
+            .state
+            .into_inner()
+            .unwrap_or_else(std::sync::PoisonError::into_inner);
+        let mut rows: BTreeMap<usize, Row> = BTreeMap::new();
+        for (&which, failure) in &state.unread {
+            let outcome = Outcome::Failed(failure.clone());
+            rows.insert(which, Row::of(&tasks[which], &[], None, outcome));
+        }
+        for (id, which) in &state.claims {
+            let Some(outcome) = state.journal.outcome(id) else {
+                continue;
+            };
+            let mut which = which.clone();
+            which.sort_unstable();
+            let copies: Vec<&Task> = which[1..].iter().map(|&copy| &tasks[copy]).collect();
+            let row = Row::of(&tasks[which[0]], &copies, Some(id.clone()), outcome.clone());
+            rows.insert(which[0], row);
+        }
+        let is_row = |which: &usize| rows.contains_key(which);
+        let mut shared: Vec<String> = state
+            .holders
+            .into_values()
+            .filter_map(|mut holders| {
+                holders.retain(|(which, _)| is_row(which));
+                holders.sort();
+                let (first, path) = holders.first()?;
+                let (other, _) = holders.iter().find(|(which, _)| which != first)?;
+                Some(format!(
+                    "{} is in {} and in {}",
+                    path.display(),
+                    quoted(&tasks[*first].name),
+                    quoted(&tasks[*other].name)
+                ))
+            })
+            .collect();
+        shared.sort();
+        let traces: Vec<Row> = rows.into_values().collect();
+        let failed = traces
+            .iter()
+            .filter(|row| matches!(row.outcome, Outcome::Failed(_)));
+        let failed = failed.count();
+        Summary {
+            format: "mesh-damper batch",
+            version: 1,
+            traced: traces.len() - failed,
+            failed,
+            computed: state.computed,
+            shared,
+            seconds: self.started.elapsed().as_secs_f64(),
+            traces,
+        }
+    }
+}
+
+/// A folder's name of a task's: its last part, of letters, digits, dots, dashes and underscores.
+fn short_name(name: &str) -> String {
+    const LONGEST: usize = 48;
+    let last = name.rsplit(['/', '\\']).find(|part| !part.is_empty());
+    let last = last
+        .unwrap_or("trace")
+        .trim_end_matches(".gz")
+        .trim_end_matches(".csv");
+    let plain = |letter: char| match letter {
+        'a'..='z' | 'A'..='Z' | '0'..='9' | '-' | '_' => letter,
+        '.' => '.',
+        _ => '_',
+    };
+    let short: String = last.chars().take(LONGEST).map(plain).collect();
+    // Neither hidden nor the folder above.
+    short.trim_start_matches('.').to_owned()
+}

@@ -1,0 +1,45 @@
+//! A table as CSV.
+
+use super::{Table, Values};
+
+/// What stands between the texts of a list.
+const BETWEEN: &str = ";";
+
+impl Table {
+    /// The table as CSV with a header. A value that is not there is an empty cell; the texts of a list stand between semicolons.
+    pub fn to_csv(&self) -> Vec<u8> {
+        let mut writer = csv::Writer::from_writer(Vec::new());
+        // Writing to memory does not fail, and every row has as many cells as the header.
+        let _ = writer.write_record(self.0.iter().map(|column| column.name));
+        let rows = self.0.first().map_or(0, |column| column.values.len());
+        for row in 0..rows {
+            let _ = writer.write_record(self.0.iter().map(|column| column.values.cell(row)));
+        }
+        writer.into_inner().unwrap_or_default()
+    }
+}
+
+impl Values {
+    fn len(&self) -> usize {
+        match self {
+            Self::Text(values) => values.len(),
+            Self::Texts(values) => values.len(),
+            Self::Real(values) => values.len(),
+            Self::Count(values) => values.len(),
+            Self::Flag(values) => values.len(),
+        }
+    }
+
+    fn cell(&self, row: usize) -> String {
+        fn shown<T: ToString>(value: &Option<T>) -> String {
+            value.as_ref().map(T::to_string).unwrap_or_default()
+        }
+        match self {
+            Self::Text(values) => shown(&values[row]),
+            Self::Texts(values) => values[row].join(BETWEEN),
+            Self::Real(values) => shown(&values[row]),
+            Self::Count(values) => shown(&values[row]),
+            Self::Flag(values) => shown(&values[row]),
+        }
+    }
+}

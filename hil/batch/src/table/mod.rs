@@ -1,0 +1,52 @@
+//! The tables of a batch: a row a trace, and a row a parameter.
+
+mod csv;
+mod outcomes;
+mod parameters;
+mod parquet;
+
+pub use outcomes::outcomes;
+pub use parameters::parameters;
+
+/// A table: its columns, all of one length.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Table(pub Vec<Column>);
+
+/// One column of a table.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Column {
+    /// Its name, with the unit at its end where it has one.
+    pub name: &'static str,
+    /// What it holds, in a sentence.
+    pub about: &'static str,
+    /// A value for every row.
+    pub values: Values,
+}
+
+/// The values of a column; `None` where a row has none.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Values {
+    /// Texts.
+    Text(Vec<Option<String>>),
+    /// Lists of texts.
+    Texts(Vec<Vec<String>>),
+    /// Numbers.
+    Real(Vec<Option<f64>>),
+    /// Counts.
+    Count(Vec<Option<u64>>),
+    /// True or false.
+    Flag(Vec<Option<bool>>),
+}
+
+impl Values {
+    /// What the pages call its type.
+    pub fn kind(&self) -> &'static str {
+        match self {
+            Self::Text(_) => "text",
+            Self::Texts(_) => "list of texts",
+            Self::Real(_) => "number",
+            Self::Count(_) => "whole number",
+            Self::Flag(_) => "true or false",
+        }
+    }
+}

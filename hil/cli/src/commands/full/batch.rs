@@ -1,0 +1,218 @@
+//! `hil batch`: traces of many recordings.
+
+use std::collections::BTreeMap;
+use std::io::Read as _;
+use std::num::NonZeroUsize;
+use std::path::{Path, PathBuf};
+
+use clap::Args;
+use mesh_damper_batch::outcome::Outcome;
+use mesh_damper_batch::{Batch, List, Progress as Done, Settings, Summary};
+use mesh_damper_identify::trace::result::Verdict;
+use mesh_damper_recording::error::InputError;
+
+use crate::commands::progress::Progress;
+use crate::commands::reading::RecordingFiles;
+use crate::commands::seeking::Seeking;
+use crate::commands::{Failure, say, warn};
+
+/// Trace many recordings, a row of outcome each
+///
+/// Writes DIR/outcomes.parquet and DIR/outcomes.csv with a row a trace, DIR/effects.parquet with a row a parameter, DIR/index.html, and for
+/// each trace a folder with trace.json and model.json. A batch that was broken off goes on where it was when it is started again: what has
+/// been made of the same recordings with the same options is not made again.
+#[derive(Args, Debug)]
+#[command(
+    after_help = "Example:\n  hil batch tests/ --out batch-out --reports\n  find archive -name '*.csv.gz' | hil batch - --out batch-out\n\n\
+    A table of paths is CSV or Parquet with a column `path`, and `group`, `specimen`, and `role` (fit or held_out) where they are wanted: the \
+    rows of one group are one trace.\n\nExit codes: 0 all were traced, 1 some could not be: their rows have the errors."
+)]
+pub struct BatchCommand {
+    /// A folder of recordings, a list with a path on every line (`-`: standard input), a table of paths; or several recordings
+    #[arg(value_name = "DIR|LIST", required = true)]
+    inputs: Vec<PathBuf>,
+    /// Where the results go, and where those of an earlier run are taken up
+    #[arg(long, value_name = "DIR", default_value = "batch-out")]
+    out: PathBuf,
+    /// Recordings that are traced at the same time, each on one core and in memory; as many as there are cores where it is not given
+    #[arg(long, value_name = "N")]
+    jobs: Option<NonZeroUsize>,
+    /// Write a report.html for each trace as well
+    #[arg(long)]
+    reports: bool,
+    /// Where the outcomes go as JSON as well; `-` for standard output
+    #[arg(long, value_name = "FILE")]
+    json: Option<PathBuf>,
+    #[command(flatten)]
+    seeking: Seeking,
+    #[command(flatten)]
+    files: RecordingFiles,
+}
+
+impl BatchCommand {
+    pub fn run(self) -> Result<(), Failure> {
+        let limit = self.files.reading.limit;
+        let list = match &self.inputs[..] {
+            [one] if one.as_path() == Path::new("-") => listed_on_standard_input()?,
+            [one] => List::read(one, limit)?,
+            several => List::of_recordings(several),
+        };
+        if !list.ignored.is_empty() {
+            warn(&ignored(&list.ignored));
+        }
+        let cores = std::thread::available_parallelism().unwrap_or(NonZeroUsize::MIN);
+        let batch = Batch {
+            list,
+            settings: Settings {
+                sought: self.seeking.sought(limit)?,
+                reading: self.files.said(),
+                reports: self.reports,
+            },
+            out: self.out,
+            jobs: self.jobs.unwrap_or(cores),
+            json: self.json,
+        };
+        let progress = Progress::of(batch.list.tasks.len() as u64);
+        progress.step("tracing");
+        let summary = batch.run(&|done| {
+            progress.step(&far(done));
+            progress.done(done.done as u64);
+        })?;
+        drop(progress);
+        for shared in &summary.shared {
+            warn(&format!(
+                "{shared}: two traces of one recording are not independent"
+            ));
+        }
+        if batch.json.as_deref() != Some(Path::new("-")) {
+            print(&summary, &batch.out);
+        }
+        match summary.failed {
+            0 => Ok(()),
+            failed => Err(Failure::Check(format!(
+                "{failed} of {} could not be traced; the column error of {} says why",
+                counted(summary.traces.len(), "trace"),
+                batch.out.join("outcomes.csv").display()
+            ))),
+        }
+    }
+}
+
+fn listed_on_standard_input() -> Result<List, InputError> {
+    let mut text = String::new();
+    std::io::stdin()
+        .read_to_string(&mut text)
+        .map_err(|error| InputError::io(Path::new("standard input"), "read", &error))?;
+    List::of_lines("standard input", &text)
+}
+
+fn ignored(files: &[PathBuf]) -> String {
+    const NAMED: usize = 3;
+    let names = files.iter().take(NAMED).filter_map(|file| file.file_name());
+    let names: Vec<_> = names.map(|name| name.to_string_lossy()).collect();
+    let more = if files.len() > NAMED { ", …" } else { "" };
+    format!(
+        "{} by name no recording and left out: {}{more}",
+        match files.len() {
+            1 => "1 file is".to_owned(),
+            count => format!("{count} files are"),
+        },
+        names.join(", ")
+    )
+}
+
+/// How far it is, in words.
+fn far(done: Done) -> String {
+    let mut text = format!("{} of {}", done.done, done.total);
+    if done.failed > 0 {
+        text.push_str(&format!(", {} failed", done.failed));
+    }
+    if let (Some(rate), Some(left)) = (done.rate(), done.left()) {
+        text.push_str(&format!(", {rate:.1} a second, {} left", duration(left)));
+    }
+    text
+}
+
+/// A time in s, as long as it matters.
+fn duration(seconds: f64) -> String {
+    let whole = seconds.ceil() as u64;
+    match whole {
+        0..100 => format!("{whole} s"),
+        100..6000 => format!("{} min", whole.div_ceil(60)),
+        _ => format!("{} h {} min", whole / 3600, whole % 3600 / 60),
+    }
+}
+
+fn counted(count: usize, what: &str) -> String {
+    match count {
+        1 => format!("1 {what}"),
+        _ => format!("{count} {what}s"),
+    }
+}
+
+fn print(summary: &Summary, out: &Path) {
+    let kept = summary.traces.len().saturating_sub(summary.computed);
+    let earlier = match kept {
+        0 => String::new(),
+        kept => format!(", {kept} of them kept from an earlier run"),
+    };
+    say(&format!(
+        "{}{earlier}, in {}",
+        counted(summary.traces.len(), "trace"),
+        duration(summary.seconds)
+    ));
+    let found = summary.traces.iter().filter_map(|row| match &row.outcome {
+        Outcome::Traced(found) => Some(found),
+        Outcome::Failed(_) => None,
+    });
+    for (verdict, words) in [
+        (Verdict::None, "the law explains the recordings"),
+        (Verdict::Found, "effects are found"),
+        (
+            Verdict::Ambiguous,
+            "effects are found that the data cannot tell apart",
+        ),
+        (
+            Verdict::Unlisted,
+            "something is missing that no effect explains",
+        ),
+    ] {
+        let of_verdict = found.clone().filter(|found| found.verdict == verdict);
+        say(&format!("  {:>6}  {words}", of_verdict.count()));
+    }
+    if summary.failed > 0 {
+        say(&format!("  {:>6}  could not be traced", summary.failed));
+    }
+    let mut families: BTreeMap<&str, usize> = BTreeMap::new();
+    for effect in found
+        .filter(|found| found.verdict == Verdict::Found)
+        .flat_map(|found| &found.effects)
+    {
+        *families.entry(&effect.family).or_default() += 1;
+    }
+    if !families.is_empty() {
+        let families = families
+            .iter()
+            .map(|(family, count)| format!("{family} {count}"));
+        say(&format!(
+            "Effects: {}",
+            families.collect::<Vec<_>>().join(", ")
+        ));
+    }
+    let copies: Vec<String> = summary
+        .traces
+        .iter()
+        .filter(|row| !row.copies.is_empty())
+        .map(|row| format!("{} as {}", row.copies.join(", "), row.trace))
+        .collect();
+    if !copies.is_empty() {
+        say(&format!(
+            "The same recording, counted once: {}",
+            copies.join("; ")
+        ));
+    }
+    say(&format!(
+        "The outcomes are {}",
+        out.join("outcomes.parquet").display()
+    ));
+}

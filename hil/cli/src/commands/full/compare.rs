@@ -1,0 +1,239 @@
+//! `hil compare`: models of one specimen over time.
+
+use std::path::PathBuf;
+
+use clap::Args;
+use mesh_damper_batch::compare::{Bounds, Comparison, Moment, ParameterChange, compare};
+use mesh_damper_recording::error::InputError;
+use mesh_damper_recording::output::Plan;
+use mesh_damper_report::over_time;
+use mesh_damper_report::text;
+
+use crate::commands::reading::Reading;
+use crate::commands::{Failure, say};
+
+/// Set models of one specimen beside each other: what changed, beyond its interval
+///
+/// The force of the models on one motion is compared always; parameters are where the models have the same effects. What is claimed is
+/// corrected for the number of comparisons: of a specimen that did not change, something is claimed in one case of twenty.
+#[derive(Args, Debug)]
+#[command(
+    after_help = "Example:\n  hil compare may/ july/ october/ --times 0,61,153 --out compare.svg\n\n\
+    Each is the folder that `hil trace` wrote, or a model.json: the trace.json beside it has the intervals."
+)]
+pub struct CompareCommand {
+    /// Models, or the folders of their traces, in the order of time
+    #[arg(value_name = "MODEL", required = true, num_args = 2..)]
+    models: Vec<PathBuf>,
+    /// When each was, in any unit; their places from 0 where it is not given
+    #[arg(long, value_name = "TIMES", value_delimiter = ',')]
+    times: Vec<f64>,
+    /// Where a picture of the force and of the parameters over time goes, as SVG
+    #[arg(long, value_name = "FILE")]
+    out: Option<PathBuf>,
+    /// Where the result goes as JSON; `-` for standard output
+    #[arg(long, value_name = "FILE")]
+    json: Option<PathBuf>,
+    #[command(flatten)]
+    reading: Reading,
+}
+
+impl CompareCommand {
+    pub fn run(self) -> Result<(), Failure> {
+        let mut outputs = Plan::new()
+            .reads(&self.models)
+            .writes(&self.out)
+            .writes(&self.json)
+            .begin()?;
+        let moments = self.moments()?;
+        let comparison = compare(moments)?;
+        if let Some(picture) = &self.out {
+            outputs.add(
+                picture,
+                over_time::picture(
+                    "Models of one specimen over time",
+                    "time",
+                    &panels(&comparison),
+                ),
+            );
+        }
+        if let Some(json) = &self.json {
+            outputs.add_json(json, &comparison)?;
+        }
+        outputs.write()?;
+        if self.json.as_deref() != Some(std::path::Path::new("-")) {
+            print(&comparison);
+        }
+        Ok(())
+    }
+
+    fn moments(&self) -> Result<Vec<Moment>, InputError> {
+        let given = self.times.len();
+        if given > 0 && given != self.models.len() {
+            return Err(InputError::new(
+                "--times",
+                format!("has {given} for {} models", self.models.len()),
+                "give one time for each model",
+            ));
+        }
+        if let Some(time) = self.times.iter().find(|time| !time.is_finite()) {
+            return Err(InputError::new(
+                "--times",
+                format!("{time} is no time"),
+                "give finite numbers",
+            ));
+        }
+        let times = (0..self.models.len())
+            .map(|place| self.times.get(place).copied().unwrap_or(place as f64));
+        let models = self.models.iter().zip(times);
+        models
+            .map(|(path, time)| Moment::read(path, time, self.reading.limit))
+            .collect()
+    }
+}
+
+/// The force of each model beside the first's, and each parameter that more than one model has.
+fn panels(comparison: &Comparison) -> Vec<over_time::Panel> {
+    let times: Vec<f64> = comparison.models.iter().map(|model| model.time).collect();
+    let percent = |part: f64| 100.0 * part;
+    let at = |model: usize, value: f64| over_time::Value {
+        time: times[model],
+        value,
+        interval: None,
+    };
+    let first = [at(0, 0.0)].into_iter();
+    let force = over_time::Panel {
+        title: "force beside the first model's".into(),
+        name: "RMS of the difference".into(),
+        unit: "%".into(),
+        changed: comparison.forces.iter().any(|one| one.changed),
+        values: first
+            .chain(
+                comparison
+                    .forces
+                    .iter()
+                    .map(|one| at(one.model, percent(one.difference))),
+            )
+            .collect(),
+    };
+    let parameters = comparison.parameters.iter().filter_map(|one| {
+        let values: Vec<over_time::Value> = one
+            .values
+            .iter()
+            .zip(&times)
+            .filter_map(|(bounds, &time)| {
+                let bounds = (*bounds)?;
+                Some(over_time::Value {
+                    time,
+                    value: bounds.value,
+                    interval: bounds.low.zip(bounds.high),
+                })
+            })
+            .collect();
+        (values.len() > 1).then(|| over_time::Panel {
+            title: title(one),
+            name: one.parameter.clone(),
+            unit: text::unit(&one.unit),
+            changed: one.changed,
+            values,
+        })
+    });
+    [force].into_iter().chain(parameters).collect()
+}
+
+fn title(one: &ParameterChange) -> String {
+    match one.amplitude_mm.filter(|amplitude| *amplitude > 0.0) {
+        Some(amplitude) => format!(
+            "{} {} at {} mm",
+            one.of,
+            one.parameter,
+            text::number(amplitude)
+        ),
+        None => format!("{} {}", one.of, one.parameter),
+    }
+}
+
+fn print(comparison: &Comparison) {
+    say(if comparison.changed {
+        "The specimen changed."
+    } else {
+        "No change beyond the intervals."
+    });
+    for (place, model) in comparison.models.iter().enumerate() {
+        let effects = match model.effects.len() {
+            0 => "the law alone".to_owned(),
+            _ => model.effects.join(", "),
+        };
+        say(&format!(
+            "  {place}  {} at {}: {effects}",
+            model.name,
+            text::number(model.time)
+        ));
+    }
+    let motion = &comparison.common_motion;
+    say(&format!(
+        "Force beside that of model 0, on one motion to {} mm and {} mm/s",
+        text::number(motion.displacement_mm),
+        text::number(motion.velocity_mm_s)
+    ));
+    for one in &comparison.forces {
+        let expected = match one.expected {
+            Some(expected) => format!("by chance {}", text::percent(expected)),
+            None => "intervals not known".to_owned(),
+        };
+        say(&format!(
+            "  {}  differs by {} ({expected}){}; most at {} mm and {} mm/s, by {} kN",
+            one.model,
+            text::percent(one.difference),
+            claim(one.changed, one.p),
+            text::number(one.largest.displacement_mm),
+            text::number(one.largest.velocity_mm_s),
+            text::number(one.largest.difference)
+        ));
+    }
+    say("Parameters with their 90 % intervals");
+    for one in &comparison.parameters {
+        let values: Vec<String> = one.values.iter().map(bounds).collect();
+        let change = match one.change {
+            Some(change) => format!(", by {:+.1} %", 100.0 * change),
+            None => String::new(),
+        };
+        say(&format!(
+            "  {:34} {} {}{change}{}",
+            title(one),
+            values.join("  →  "),
+            one.unit,
+            claim(one.changed, one.p)
+        ));
+    }
+    for one in &comparison.effects {
+        let verb = if one.appeared { "appears" } else { "vanishes" };
+        say(&format!(
+            "Effect: {} {verb} with model {}",
+            one.family, one.model
+        ));
+    }
+    for note in &comparison.notes {
+        say(&format!("Note: {note}"));
+    }
+}
+
+fn bounds(bounds: &Option<Bounds>) -> String {
+    let Some(bounds) = bounds else {
+        return "–".to_owned();
+    };
+    match bounds.low.zip(bounds.high) {
+        Some((low, high)) => {
+            let [low, value, high] = text::interval(low, bounds.value, high);
+            format!("{value} ({low} … {high})")
+        }
+        None => text::number(bounds.value),
+    }
+}
+
+fn claim(changed: bool, p: Option<f64>) -> String {
+    match p {
+        Some(p) if changed => format!(": changed (p = {p:.1e})"),
+        _ => String::new(),
+    }
+}

@@ -1,0 +1,70 @@
+//! The options of the commands that trace: what is sought, and beside which law.
+
+use std::path::{Path, PathBuf};
+
+use clap::Args;
+use mesh_damper_identify::base_law::BaseLaw;
+use mesh_damper_identify::trace::Sought;
+use mesh_damper_model::Family;
+use mesh_damper_model::file::ModelFile;
+use mesh_damper_recording::error::InputError;
+use mesh_damper_recording::read_limit::ReadLimit;
+
+/// What a trace seeks.
+#[derive(Args, Clone, Debug)]
+pub struct Seeking {
+    /// Seek only these families of effects, as `stick_slip,yielding`; all where it is not given
+    #[arg(long, value_name = "FAMILIES", value_delimiter = ',', value_parser = family)]
+    families: Vec<Family>,
+    /// Seek none of these families: what the specimen cannot have
+    #[arg(long, value_name = "FAMILIES", value_delimiter = ',', value_parser = family)]
+    exclude: Vec<Family>,
+    /// What the law is without effects: eq 13, a spring and a dashpot, or nothing but the effects
+    #[arg(long, value_name = "LAW", default_value = BaseLaw::default().word(), value_parser = base_law)]
+    baseline: BaseLaw,
+    /// A model whose effects are known: they stay in the law, and more is sought. Their parameters are fitted with the law's, from those of the model
+    #[arg(long, value_name = "MODEL")]
+    law: Option<PathBuf>,
+}
+
+impl Seeking {
+    /// The model whose effects are known.
+    pub fn law(&self) -> Option<&Path> {
+        self.law.as_deref()
+    }
+
+    /// What these options ask for.
+    ///
+    /// # Errors
+    /// A model of known effects that cannot be read, or whose effects no fit has.
+    pub fn sought(&self, limit: ReadLimit) -> Result<Sought, InputError> {
+        let known = match &self.law {
+            Some(path) => {
+                let model = ModelFile::read_within(path, limit)?;
+                Sought::beside(&model, &path.display().to_string())?
+            }
+            None => Sought::default(),
+        };
+        Ok(Sought {
+            families: self.families.clone(),
+            exclude: self.exclude.clone(),
+            law: self.baseline,
+            ..known
+        })
+    }
+}
+
+fn family(name: &str) -> Result<Family, String> {
+    Family::named(name).ok_or_else(|| {
+        let all: Vec<&str> = Family::all().map(Family::name).collect();
+        format!("no effect has that name; give one of {}", all.join(", "))
+    })
+}
+
+fn base_law(word: &str) -> Result<BaseLaw, String> {
+    let mut all = BaseLaw::ALL.into_iter();
+    all.find(|law| law.word() == word).ok_or_else(|| {
+        let words = BaseLaw::ALL.map(BaseLaw::word);
+        format!("no law has that name; give one of {}", words.join(", "))
+    })
+}

@@ -1,0 +1,477 @@
+//! The columns that a recording is made of.
+
+use super::taken::{self, Candidate, Rank, UnitFound};
+use crate::channel::Channel;
+use crate::control::UNITS;
+use crate::error::{InputError, Place, quoted};
+use crate::files::table::Clock;
+use crate::files::{Reading, Table};
+use crate::units::Unit;
+
+/// A column that is a channel.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Used {
+    /// Which channel it is.
+    pub channel: Channel,
+    /// Its place in the table.
+    pub column: usize,
+    /// The unit of its values.
+    pub unit: Unit,
+    /// How surely it is that channel.
+    pub rank: Rank,
+}
+
+/// A column that is a control input.
+#[derive(Clone, Debug, PartialEq)]
+pub struct ChosenControl {
+    /// Its place in the table.
+    pub column: usize,
+    /// Its name in a recording: `current_A`.
+    pub name: String,
+}
+
+/// What a recording is made of.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Chosen {
+    /// The place of the table in the file.
+    pub table: usize,
+    /// At most one column of each channel.
+    pub used: Vec<Used>,
+    /// The control inputs, in the order of their columns.
+    pub controls: Vec<ChosenControl>,
+    /// The samples' times, where no column has them.
+    pub clock: Option<Clock>,
+    /// What was taken for what without being sure, in words.
+    pub guesses: Vec<String>,
+}
+
+/// Chooses the columns of a recording among those of a file. Of the channels, the `needed` ones must be there.
+///
+/// # Errors
+/// A channel that is missing, that two columns may be, or whose unit is not known; an option that names no column; several tables that
+/// could be meant. The message has the option that says it.
+pub fn choose(
+    file: &str,
+    tables: &[Table],
+    reading: &Reading,
+    needed: &dyn Fn(Channel) -> bool,
+) -> Result<Chosen, InputError> {
+    let of_name = |(_, table): &(usize, &Table)| match &reading.table {
+        Some(name) => table.name.eq_ignore_ascii_case(name),
+        None => true,
+    };
+    let meant: Vec<(usize, &Table)> = tables.iter().enumerate().filter(of_name).collect();
+    let names = |tables: &mut dyn Iterator<Item = &Table>| -> String {
+        let names: Vec<String> = tables.map(|table| quoted(&table.name)).collect();
+        names.join(", ")
+    };
+    if meant.is_empty() {
+        let wanted = reading.table.as_deref().unwrap_or_default();
+        return Err(InputError::new(
+            file,
+            format!("there is no table {}", quoted(wanted)),
+            format!("give --table one of {}", names(&mut tables.iter())),
+        ));
+    }
+    let tried: Vec<(usize, Result<Chosen, InputError>)> = meant
+        .iter()
+        .map(|&(index, table)| (index, of_table(file, index, table, reading, needed)))
+        .collect();
+    let whole: Vec<usize> = (tried.iter().filter(|(_, chosen)| chosen.is_ok()))
+        .map(|&(index, _)| index)
+        .collect();
+    if whole.len() > 1 {
+        let names = names(&mut whole.iter().map(|&index| &tables[index]));
+        return Err(InputError::new(
+            file,
+            format!("{} tables hold a recording: {names}", whole.len()),
+            "give the name of one with --table",
+        ));
+    }
+    let several = tables.len() > 1;
+    let mut failed = Vec::new();
+    for (index, chosen) in tried {
+        match chosen {
+            Ok(chosen) => return Ok(chosen),
+            Err(error) => failed.push((index, error)),
+        }
+    }
+    // The table that looks most like a recording says what is missing.
+    let like = |&&(index, _): &&(usize, InputError)| {
+        let columns = tables[index].columns.iter();
+        columns
+            .filter(|column| !taken::candidates(column).is_empty())
+            .count()
+    };
+    let best = failed.iter().rev().max_by_key(like);
+    let (index, mut error) = match best {
+        Some((index, error)) => (*index, error.clone()),
+        None => (
+            0,
+            InputError::new(file, "holds no table", "check that it is the right file"),
+        ),
+    };
+    if several {
+        error.problem = format!("table {}: {}", quoted(&tables[index].name), error.problem);
+    }
+    Err(error)
+}
+
+fn of_table(
+    file: &str,
+    index: usize,
+    table: &Table,
+    reading: &Reading,
+    needed: &dyn Fn(Channel) -> bool,
+) -> Result<Chosen, InputError> {
+    let choice = Choice {
+        file,
+        table,
+        reading,
+    };
+    let mut chosen = Chosen {
+        table: index,
+        used: Vec::new(),
+        controls: Vec::new(),
+        clock: None,
+        guesses: table.guesses.clone(),
+    };
+    let candidates: Vec<Vec<Candidate>> = table.columns.iter().map(taken::candidates).collect();
+    for channel in Channel::ALL {
+        if channel == Channel::Time && reading.rate.is_some() {
+            continue;
+        }
+        let Some((column, rank)) =
+            choice.column(channel, &candidates, needed(channel), &mut chosen.guesses)?
+        else {
+            continue;
+        };
+        let unit = match choice.unit(channel, column) {
+            // What is no part of a recording need not be understood.
+            Err(_) if rank < Rank::Own && !needed(channel) => continue,
+            unit => unit?,
+        };
+        if rank < Rank::Own {
+            let name = quoted(&table.columns[column].name);
+            let how = if rank == Rank::Unit {
+                ", by its unit alone"
+            } else {
+                ""
+            };
+            let (channel, unit) = (channel.name(), unit.symbol);
+            chosen.guesses.push(format!(
+                "{channel} is read from column {name} in {unit}{how}"
+            ));
+        }
+        chosen.used.push(Used {
+            channel,
+            column,
+            unit,
+            rank,
+        });
+    }
+    if !chosen.used.iter().any(|used| used.channel == Channel::Time) {
+        let step = reading.rate.map(|rate| Clock {
+            start: 0.0,
+            step: 1.0 / rate,
+        });
+        chosen.clock = step.or(table.clock);
+    }
+    for channel in Channel::ALL.into_iter().filter(|&channel| needed(channel)) {
+        let is_there = chosen.used.iter().any(|used| used.channel == channel)
+            || (channel == Channel::Time && chosen.clock.is_some());
+        if !is_there {
+            return Err(choice.missing(channel, &candidates));
+        }
+    }
+    chosen.controls = choice.controls(&chosen.used, &mut chosen.guesses)?;
+    Ok(chosen)
+}
+
+/// What a choice is made from.
+struct Choice<'a> {
+    file: &'a str,
+    table: &'a Table,
+    reading: &'a Reading,
+}
+
+impl Choice<'_> {
+    /// The column of a channel, and how surely it is.
+    fn column(
+        &self,
+        channel: Channel,
+        candidates: &[Vec<Candidate>],
+        is_needed: bool,
+        guesses: &mut Vec<String>,
+    ) -> Result<Option<(usize, Rank)>, InputError> {
+        if let Some(name) = said(&self.reading.channels, channel.name()) {
+            return Ok(Some((self.named(name, channel.name())?, Rank::Said)));
+        }
+        let is_spoken_for = |column: usize| {
+            let name = self.table.columns[column].name.as_str();
+            self.reading.channels.iter().any(|(_, said)| said == name)
+        };
+        let all = candidates
+            .iter()
+            .enumerate()
+            .filter(|(column, _)| !is_spoken_for(*column));
+        let of_channel = all.flat_map(|(column, list)| {
+            let mine = list.iter().filter(|candidate| candidate.channel == channel);
+            mine.map(move |candidate| (column, candidate.rank, &candidate.unit))
+        });
+        let mut found: Vec<(usize, Rank, &UnitFound)> = of_channel.collect();
+        let Some(best) = found.iter().map(|&(_, rank, _)| rank).max() else {
+            return Ok(None);
+        };
+        found.retain(|&(_, rank, _)| rank == best);
+        // A unit that the channel cannot have makes a column another one, where there is a better.
+        if found.len() > 1
+            && best < Rank::Own
+            && found
+                .iter()
+                .any(|(.., unit)| matches!(unit, UnitFound::Known(_)))
+        {
+            found.retain(|(.., unit)| !matches!(unit, UnitFound::Unknown(_)));
+        }
+        let name = |column: usize| self.table.columns[column].name.as_str();
+        match found[..] {
+            [(column, ..)] => Ok(Some((column, best))),
+            [(first, ..), (second, ..), ..] if best == Rank::Own => Err(InputError::new(
+                self.file,
+                format!("{} is a {} too", name(first), channel.name()),
+                format!(
+                    "keep one of them, rename the other, or give --channel {}={}",
+                    channel.name(),
+                    name(first)
+                ),
+            )
+            .at(Place::Column(name(second).into()))),
+            _ => {
+                let columns: Vec<&str> = found.iter().map(|&(column, ..)| name(column)).collect();
+                let error = self.several(channel, &columns);
+                if is_needed {
+                    return Err(error);
+                }
+                guesses.push(format!("{}: none is read; {}", error.problem, error.mend));
+                Ok(None)
+            }
+        }
+    }
+
+    /// Columns that a channel may be equally well.
+    fn several(&self, channel: Channel, columns: &[&str]) -> InputError {
+        let channel = channel.name();
+        let options: Vec<String> = columns
+            .iter()
+            .map(|name| option("channel", channel, name))
+            .collect();
+        InputError::new(
+            self.file,
+            format!(
+                "{} columns could be the {channel}: {}",
+                columns.len(),
+                listed(columns)
+            ),
+            format!("say which: {}", options.join(" or ")),
+        )
+    }
+
+    /// The unit of a channel's column.
+    fn unit(&self, channel: Channel, column: usize) -> Result<Unit, InputError> {
+        let fail = |problem: String| {
+            let name = self.table.columns[column].name.as_str();
+            let units: Vec<&str> = channel.units().iter().map(|unit| unit.symbol).collect();
+            let quantity = channel.name();
+            let mend = format!(
+                "use one of {}, or say it: --unit {quantity}={} or --unit {quantity}={}; units are {}",
+                channel.column_names(),
+                units[0],
+                units[1],
+                units.join(", ")
+            );
+            InputError::new(self.file, problem, mend).at(Place::Column(name.into()))
+        };
+        if let Some(written) = said(&self.reading.units, channel.name()) {
+            let unit = super::spelling::unit_of(channel, written);
+            return unit.ok_or_else(|| fail(format!("unknown unit {}", quoted(written))));
+        }
+        match taken::unit_for(&self.table.columns[column], channel) {
+            UnitFound::Known(unit) => Ok(unit),
+            UnitFound::Unknown(written) => Err(fail(format!("unknown unit {}", quoted(&written)))),
+            UnitFound::None => Err(fail("the name carries no unit".into())),
+        }
+    }
+
+    fn controls(
+        &self,
+        used: &[Used],
+        guesses: &mut Vec<String>,
+    ) -> Result<Vec<ChosenControl>, InputError> {
+        let mut controls: Vec<ChosenControl> = Vec::new();
+        let channels = Channel::ALL.map(Channel::name);
+        for (quantity, name) in &self.reading.channels {
+            if channels.contains(&quantity.as_str()) {
+                continue;
+            }
+            let column = self.named(name, quantity)?;
+            let unit = match said(&self.reading.units, quantity) {
+                Some(written) => super::spelling::control_unit(written, UNITS),
+                None => taken::control_unit_of(&self.table.columns[column]),
+            };
+            let unit = unit.ok_or_else(|| {
+                InputError::new(
+                    self.file,
+                    format!("the unit of the control input {quantity} is not known"),
+                    format!(
+                        "say it: --unit {quantity}=A; units are {}",
+                        UNITS.join(", ")
+                    ),
+                )
+                .at(Place::Column(name.clone()))
+            })?;
+            controls.push(ChosenControl {
+                column,
+                name: format!("{quantity}_{unit}"),
+            });
+        }
+        for (column, each) in self.table.columns.iter().enumerate() {
+            let is_used = used.iter().any(|used| used.column == column)
+                || controls.iter().any(|control| control.column == column);
+            let Some((name, is_own)) = taken::control_name(each).filter(|_| !is_used) else {
+                continue;
+            };
+            if controls.iter().any(|control| control.name == name) {
+                guesses.push(format!(
+                    "column {} could be {name} too and is not read; say so: --channel NAME={}",
+                    quoted(&each.name),
+                    shell(&each.name)
+                ));
+                continue;
+            }
+            if !is_own {
+                guesses.push(format!(
+                    "control input {name} is read from column {}",
+                    quoted(&each.name)
+                ));
+            }
+            controls.push(ChosenControl { column, name });
+        }
+        controls.sort_by_key(|control| control.column);
+        Ok(controls)
+    }
+
+    /// The column of a name that the user gave.
+    fn named(&self, name: &str, quantity: &str) -> Result<usize, InputError> {
+        let columns = &self.table.columns;
+        let exact = columns.iter().position(|column| column.name == name);
+        let alike: Vec<usize> = (columns.iter().enumerate())
+            .filter(|(_, column)| column.name.trim().eq_ignore_ascii_case(name.trim()))
+            .map(|(index, _)| index)
+            .collect();
+        match (exact, &alike[..]) {
+            (Some(column), _) => Ok(column),
+            (None, [column]) => Ok(*column),
+            _ => {
+                let names: Vec<&str> = columns.iter().map(|column| column.name.as_str()).collect();
+                Err(InputError::new(
+                    self.file,
+                    format!(
+                        "there is no column {}; found {}",
+                        quoted(name),
+                        listed(&names)
+                    ),
+                    format!("give --channel {quantity}= the name of one of them"),
+                ))
+            }
+        }
+    }
+
+    /// A channel that no column is.
+    fn missing(&self, channel: Channel, candidates: &[Vec<Candidate>]) -> InputError {
+        let columns = &self.table.columns;
+        let names: Vec<&str> = columns.iter().map(|column| column.name.as_str()).collect();
+        let name = channel.name();
+        // Those that could be it: with a unit of it, else without any, as long as they are no other channel.
+        let could_be = |is_it: &dyn Fn(&UnitFound) -> bool| -> Vec<String> {
+            let each = columns
+                .iter()
+                .zip(candidates)
+                .filter(|(column, candidates)| {
+                    let is_other = |candidate: &Candidate| {
+                        candidate.channel != channel && candidate.rank >= Rank::Word
+                    };
+                    column.is_numeric
+                        && !column.is_stamp
+                        && !candidates.iter().any(is_other)
+                        && is_it(&taken::unit_for(column, channel))
+                });
+            each.map(|(column, _)| option("channel", name, &column.name))
+                .collect()
+        };
+        let mut options = could_be(&|unit| matches!(unit, UnitFound::Known(_)));
+        if options.is_empty() {
+            options = could_be(&|unit| matches!(unit, UnitFound::None));
+        }
+        options.truncate(OPTIONS);
+        if options.is_empty() {
+            options.push(format!("--channel {name}=NAME"));
+        }
+        let rate = if channel == Channel::Time {
+            ", or give the samples a second with --rate"
+        } else {
+            ""
+        };
+        let problem = if self.table.is_nameless {
+            format!(
+                "there is no header, the first row holds numbers; its columns are {}",
+                listed(&names)
+            )
+        } else {
+            format!("there is no {name} column; found {}", listed(&names))
+        };
+        let error = InputError::new(
+            self.file,
+            problem,
+            format!(
+                "name one of them {}, or say which it is: {}{rate}",
+                channel.column_names(),
+                options.join(" or ")
+            ),
+        );
+        match self.table.header_line {
+            Some(line) => error.at(Place::Line(line)),
+            None => error,
+        }
+    }
+}
+
+/// Options that a message offers at most.
+const OPTIONS: usize = 4;
+
+/// What the user said of a quantity; the last time counts.
+fn said<'s>(said: &'s [(String, String)], quantity: &str) -> Option<&'s str> {
+    let of_it = said.iter().rev().find(|(of, _)| of == quantity);
+    of_it.map(|(_, what)| what.as_str())
+}
+
+fn option(option: &str, quantity: &str, name: &str) -> String {
+    format!("--{option} {quantity}={}", shell(name))
+}
+
+/// A name as a shell takes it: in quotes where it needs them.
+pub fn shell(name: &str) -> String {
+    let plain = |c: char| c.is_ascii_alphanumeric() || "_-./:+".contains(c);
+    if !name.is_empty() && name.chars().all(plain) {
+        return name.to_owned();
+    }
+    format!("'{}'", name.replace('\'', "'\\''"))
+}
+
+fn listed(names: &[&str]) -> String {
+    const MOST: usize = 12;
+    let mut shown: Vec<String> = names.iter().take(MOST).map(|name| quoted(name)).collect();
+    if names.len() > MOST {
+        shown.push(format!("and {} more", names.len() - MOST));
+    }
+    shown.join(", ")
+}

@@ -1,0 +1,241 @@
+//! Units as people and programs write them.
+
+use crate::channel::Channel;
+use crate::units::Unit;
+
+/// Spellings beside a unit's own symbol, in the case in which they are usual.
+const SPELLINGS: &[(Channel, &str, &[&str])] = &[
+    (
+        Channel::Time,
+        "s",
+        &[
+            "sec", "secs", "second", "seconds", "sek", "sekunde", "sekunden", "sec.", "seconde",
+            "secondes", "segundos", "secondi", "с", "сек", "秒",
+        ],
+    ),
+    (
+        Channel::Time,
+        "ms",
+        &[
+            "msec",
+            "millisecond",
+            "milliseconds",
+            "millisekunden",
+            "мс",
+            "毫秒",
+        ],
+    ),
+    (
+        Channel::Time,
+        "us",
+        &["µs", "μs", "usec", "µsec", "μsec", "microseconds", "мкс"],
+    ),
+    (
+        Channel::Time,
+        "min",
+        &["minute", "minutes", "minuten", "мин"],
+    ),
+    (Channel::Time, "ns", &["nsec", "nanoseconds"]),
+    (Channel::Time, "h", &["hr", "hour", "hours", "stunden"]),
+    (
+        Channel::Displacement,
+        "mm",
+        &[
+            "millimeter",
+            "millimetre",
+            "millimeters",
+            "millimetres",
+            "мм",
+            "毫米",
+            "ミリ",
+        ],
+    ),
+    (
+        Channel::Displacement,
+        "m",
+        &["meter", "metre", "meters", "metres"],
+    ),
+    (
+        Channel::Displacement,
+        "um",
+        &["µm", "μm", "micron", "microns", "micrometer", "мкм"],
+    ),
+    (
+        Channel::Displacement,
+        "in",
+        &["inch", "inches", "in.", "\"", "zoll"],
+    ),
+    (Channel::Displacement, "cm", &["centimeter", "centimetre"]),
+    (Channel::Force, "N", &["newton", "newtons", "Н"]),
+    (Channel::Force, "kN", &["kilonewton", "kilonewtons", "кН"]),
+    (Channel::Force, "uN", &["µN", "μN"]),
+    (
+        Channel::Force,
+        "lbf",
+        &["lb", "lbs", "lb.", "pound", "pounds", "poundforce"],
+    ),
+    (Channel::Force, "kip", &["kips", "klbf"]),
+    (Channel::Force, "kgf", &["kp", "kilopond", "кгс"]),
+    (
+        Channel::Velocity,
+        "mm/s",
+        &["mm/sec", "mm s-1", "mm·s-1", "mm*s^-1"],
+    ),
+    (
+        Channel::Velocity,
+        "m/s",
+        &["m/sec", "m s-1", "m·s-1", "m*s^-1"],
+    ),
+    (Channel::Velocity, "um/s", &["µm/s", "μm/s"]),
+    (Channel::Velocity, "in/s", &["in/sec", "inch/s", "ips"]),
+    (
+        Channel::Temperature,
+        "degC",
+        &[
+            "°C", "ºC", "C", "deg C", "celsius", "grad C", "Grad C", "℃", "deg. C",
+        ],
+    ),
+    (Channel::Temperature, "K", &["kelvin"]),
+    (
+        Channel::Temperature,
+        "degF",
+        &["°F", "ºF", "F", "deg F", "fahrenheit"],
+    ),
+];
+
+/// Units of control inputs that are written otherwise too.
+const CONTROLS: &[(&str, &[&str])] = &[
+    ("A", &["amp", "amps", "ampere", "amperes"]),
+    ("V", &["volt", "volts"]),
+    ("mbar", &["hPa"]),
+    ("W", &["watt", "watts"]),
+    ("T", &["tesla"]),
+];
+
+/// The unit of a channel that is written so. Case counts where it tells units apart, as in mN and MN.
+pub(super) fn unit_of(channel: Channel, written: &str) -> Option<Unit> {
+    let written = written.trim();
+    let named = |symbol: &str| {
+        channel
+            .units()
+            .iter()
+            .find(|unit| unit.symbol == symbol)
+            .copied()
+    };
+    let spelt = |is_it: &dyn Fn(&str) -> bool| {
+        let own = channel
+            .units()
+            .iter()
+            .filter(|unit| is_it(unit.symbol))
+            .map(|unit| unit.symbol);
+        let other = SPELLINGS
+            .iter()
+            .filter(|(of, _, list)| *of == channel && list.iter().any(|each| is_it(each)));
+        let mut found: Vec<&str> = own.chain(other.map(|&(_, symbol, _)| symbol)).collect();
+        found.dedup();
+        found
+    };
+    if let [symbol, ..] = spelt(&|each| each == written)[..] {
+        return named(symbol);
+    }
+    // `MM` and `KN` of a header in capitals; `mn` could be two units, and is none.
+    let folded = written.to_lowercase();
+    match spelt(&|each| each.to_lowercase() == folded)[..] {
+        [symbol] => named(symbol),
+        _ => None,
+    }
+}
+
+/// The unit of a control input that is written so, of the `known` ones.
+pub(super) fn control_unit(written: &str, known: &'static [&'static str]) -> Option<&'static str> {
+    let written = written.trim();
+    let own = known.iter().find(|unit| **unit == written).copied();
+    own.or_else(|| {
+        let folded = written.to_lowercase();
+        // `BAR` and `MPA` of a header in capitals; a single letter in the wrong case may be a word.
+        let mut alike = known.iter().filter(|unit| unit.to_lowercase() == folded);
+        if written.len() > 1
+            && let (Some(unit), None) = (alike.next(), alike.next())
+        {
+            return Some(*unit);
+        }
+        let spelt = |list: &[&str]| list.iter().any(|each| each.to_lowercase() == folded);
+        CONTROLS
+            .iter()
+            .find(|(_, list)| spelt(list))
+            .map(|&(unit, _)| unit)
+    })
+}
+
+/// Whether a text is a unit of anything that a recording may hold, or the sign that there is none.
+pub(crate) fn is_unit(written: &str) -> bool {
+    let bare = written
+        .trim()
+        .trim_matches(|c| "[](){}<>".contains(c))
+        .trim();
+    matches!(
+        bare,
+        "-" | "--"
+            | "1"
+            | "%"
+            | "°"
+            | "deg"
+            | "rad"
+            | "Hz"
+            | "Nm"
+            | "N·m"
+            | "g"
+            | "m/s2"
+            | "m/s²"
+            | "m/s^2"
+            | "mm/mm"
+            | "cycles"
+            | "segments"
+    ) || Channel::ALL
+        .into_iter()
+        .any(|channel| unit_of(channel, bare).is_some())
+        || control_unit(bare, crate::control::UNITS).is_some()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn case_counts_where_it_tells_units_apart() {
+        let symbol = |channel, written| unit_of(channel, written).map(|unit| unit.symbol);
+        for (written, is) in [
+            ("kN", Some("kN")),
+            ("KN", Some("kN")),
+            ("MN", Some("MN")),
+            ("mN", Some("mN")),
+            ("mn", None),
+            ("N", Some("N")),
+            ("Lbf", Some("lbf")),
+            ("kg", None),
+            ("V", None),
+        ] {
+            assert_eq!(symbol(Channel::Force, written), is, "{written}");
+        }
+        assert_eq!(symbol(Channel::Displacement, "MM"), Some("mm"));
+        assert_eq!(symbol(Channel::Displacement, "µm"), Some("um"));
+        assert_eq!(symbol(Channel::Time, "Sec"), Some("s"));
+        assert_eq!(symbol(Channel::Velocity, "mm/s"), Some("mm/s"));
+    }
+
+    #[test]
+    fn every_spelling_is_of_a_unit_and_of_one_alone() {
+        for (channel, symbol, list) in SPELLINGS {
+            for each in *list {
+                assert_eq!(
+                    unit_of(*channel, each).map(|unit| unit.symbol),
+                    Some(*symbol),
+                    "{each}"
+                );
+            }
+        }
+        for unit in crate::units::FORCE {
+            assert!(is_unit(unit.symbol));
+        }
+    }
+}
