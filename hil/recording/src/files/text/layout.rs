@@ -363,7 +363,7 @@ impl Found<'_> {
             ..Table::default()
         };
         let has_times = self.reading.channels.iter().any(|(of, _)| of == "time")
-            || (table.columns.iter()).any(|column| columns::may_be_time(column));
+            || (table.columns.iter()).any(columns::may_be_time);
         if self.reading.rate.is_none() && !has_times {
             let given = match &lvm {
                 Some(lvm) => lvm.clock(self.numbers_declared(numbers)),
