@@ -349,7 +349,7 @@ fn like(recording: &Recording) -> InspectedRecording {
     InspectedRecording {
         samples: recording.len(),
         time_s: ends(&recording.time),
-        rate_hz: uniform.map(|uniform| 1.0 / uniform.sample_period()),
+        rate_hz: uniform.map(|uniform| 1.0 / uniform.period),
         jitter_steps: jitter,
         displacement_mm: ends(&recording.displacement),
         force_kn: ends(&recording.force),
