@@ -29,12 +29,33 @@ impl Recording {
 
 #[pymethods]
 impl Recording {
-    /// The recording in a file, as `hil trace` reads it.
+    /// The recording in a file, as `hil trace` reads it, with what its options `--channel`, `--unit` and `--rate` say; of the control
+    /// inputs only `inputs`, where these are given.
     #[staticmethod]
-    #[pyo3(signature = (path, max_read=None))]
-    fn read(py: Python<'_>, path: PathBuf, max_read: Option<u64>) -> PyResult<Self> {
-        let limit = max_read.map_or_else(ReadLimit::default, ReadLimit::new);
-        let read = py.detach(|| recording::Recording::read_channels(&path, &limit.into()));
+    #[pyo3(signature = (path, max_read=None, channels=vec![], units=vec![], rate=None, inputs=None))]
+    fn read(
+        py: Python<'_>,
+        path: PathBuf,
+        max_read: Option<u64>,
+        channels: Vec<(String, String)>,
+        units: Vec<(String, String)>,
+        rate: Option<f64>,
+        inputs: Option<Vec<String>>,
+    ) -> PyResult<Self> {
+        let reading = Reading {
+            limit: max_read.map_or_else(ReadLimit::default, ReadLimit::new),
+            channels,
+            units,
+            rate,
+            ..Reading::default()
+        };
+        let read = py.detach(|| {
+            let mut read = recording::Recording::read_channels(&path, &reading)?;
+            if let Some(inputs) = &inputs {
+                read.arrange_controls(inputs.iter().map(String::as_str))?;
+            }
+            Ok(read)
+        });
         read.map(Self::of)
             .map_err(|error| refused_of(&path, &error))
     }

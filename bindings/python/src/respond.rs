@@ -59,6 +59,9 @@ fn channel(is_force: bool) -> Channel {
     }
 }
 
+/// A channel of a response.
+type Of = fn(&Moment) -> f64;
+
 /// What there is to say of a response beside its motion.
 #[derive(Serialize)]
 struct Summary<'a> {
@@ -128,7 +131,7 @@ fn respond<'py>(
     let columns = PyDict::new(py);
     let time = (0..moments.len()).map(|index| signal.start + index as f64 * signal.tick);
     columns.set_item("time_s", time.collect::<Vec<f64>>().into_pyarray(py))?;
-    let channels: [(&str, fn(&Moment) -> f64); 6] = [
+    let channels: [(&str, Of); 6] = [
         ("displacement_mm", |m| m.relative_displacement),
         ("velocity_mm_s", |m| m.relative_velocity),
         ("force_kN", |m| m.force),

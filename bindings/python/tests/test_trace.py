@@ -34,7 +34,7 @@ def test_the_files_are_those_of_the_command(file: Path, tmp_path: Path, hil: Any
 def test_the_stick_slip_of_the_specimen_is_found(found: mesh_damper.Trace) -> None:
     hidden = mesh_damper.simulate(4).hidden["effect"]
     assert found.verdict == "found" and found.adopted
-    assert "stick_slip" in hidden
+    assert hidden["family"] == "stick_slip"
     effects = found.effects
     assert list(effects.columns) == [
         "family",
@@ -88,6 +88,21 @@ def test_columns_of_other_names_and_units_are_the_same_recording() -> None:
     other = mesh_damper.trace(named, **given).to_dict()
     assert other["verdict"] == one["verdict"]
     assert other["law"][0]["k1"]["value"] == pytest.approx(one["law"][0]["k1"]["value"], rel=1e-6)
+
+
+def test_the_columns_of_a_file_are_named_as_the_command_has_them_named(tmp_path: Path, hil: Any) -> None:
+    block = sine_block()
+    current = np.where(block["time_s"] < 2.0, 0.5, 1.0)
+    path = tmp_path / "lab.csv"
+    write_csv(path, {"Uhr": block["time_s"], "Weg X": block["displacement_mm"], "Ch 4": 1e3 * block["force_kN"], "I": current})
+    given = {"time": "Uhr", "displacement": "Weg X", "force": "Ch 4"}
+    units = {"time": "s", "displacement": "mm", "force": "N"}
+    found = mesh_damper.trace(path, **given, units=units, inputs={"current_A": "I"})
+    options = [f"--channel={channel}={name}" for channel, name in {**given, "current": "I"}.items()]
+    options += [f"--unit={channel}={unit}" for channel, unit in {**units, "current": "A"}.items()]
+    done = hil("trace", path, *options, "--out", tmp_path / "out")
+    assert done.returncode == 0, done.stderr
+    assert found.to_json() == (tmp_path / "out" / "trace.json").read_text()
 
 
 def test_a_unit_that_nothing_says_is_assumed_aloud() -> None:
@@ -158,7 +173,8 @@ BAD: list[tuple[Any, dict[str, Any], str]] = [
     (sine_block(), {"baseline": "cubic"}, 'no law is called "cubic"'),
     (sine_block(), {"law": 3}, "int is no model"),
     (sine_block(), {"time": -1.0}, "is no time between samples"),
-    ("recording.csv", {"force": "Kraft"}, "the columns of a file are known by their names"),
+    ("recording.csv", {"force": [1.0, 2.0]}, "force= is no name of a column"),
+    ("recording.csv", {"time": 0.0}, "is no time between samples"),
 ]
 
 
@@ -265,11 +281,11 @@ def test_ctrl_c_ends_a_trace() -> None:
 def test_pictures_page_and_report(found: mesh_damper.Trace, tmp_path: Path) -> None:
     figure = found.plot()
     assert len(figure.axes) == 2
-    _, after = (line.get_ydata() for line in figure.axes[1].get_lines())
+    _, after, *_ = (line.get_ydata() for line in figure.axes[1].get_lines())
     series = found.series()
     left = (series["force_kN"] - series["after_kN"])[series["measured"]]
     assert np.allclose(after[np.isfinite(after)], left)
-    assert found.plot("loop", block=0).axes[0].get_title().startswith("Loop: 0.1 mm, 1 Hz")
+    assert found.plot("loop", block=0).axes[0].get_title() == "Loop: 0.0999 mm, 1 Hz, held out"
     with pytest.raises(mesh_damper.InputError, match="there is no block 99"):
         found.plot("loop", block=99)
     page = found._repr_html_()

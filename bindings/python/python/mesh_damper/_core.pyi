@@ -7,12 +7,41 @@ from typing import Any, final
 import numpy as np
 import numpy.typing as npt
 
+__all__ = [
+    "BatchSettings",
+    "Drive",
+    "Model",
+    "Recording",
+    "Trace",
+    "__version__",
+    "characterize",
+    "compare_models",
+    "export",
+    "kilonewtons",
+    "outcome",
+    "outcomes_of",
+    "refuse_repeats",
+    "respond",
+    "simulate",
+    "sweep",
+    "trace",
+    "trace_many",
+    "units",
+]
+
 __version__: str
 
 @final
 class Recording:
     @staticmethod
-    def read(path: str | PathLike[str], max_read: int | None = None) -> Recording: ...
+    def read(
+        path: str | PathLike[str],
+        max_read: int | None = None,
+        channels: Sequence[tuple[str, str]] = [],
+        units: Sequence[tuple[str, str]] = [],
+        rate: float | None = None,
+        inputs: Sequence[str] | None = None,
+    ) -> Recording: ...
     @staticmethod
     def of_columns(name: str, columns: Sequence[tuple[str, npt.NDArray[np.float64]]], needs_force: bool = True) -> Recording: ...
     @property
@@ -50,6 +79,18 @@ class Drive:
     def read(path: str | PathLike[str], is_force: bool) -> Drive: ...
     @staticmethod
     def of_columns(name: str, columns: Sequence[tuple[str, npt.NDArray[np.float64]]], is_force: bool) -> Drive: ...
+
+@final
+class BatchSettings:
+    def __new__(
+        cls,
+        families: Sequence[str],
+        exclude: Sequence[str],
+        baseline: str,
+        law: Model | None = None,
+        max_read: int | None = None,
+        reports: bool = False,
+    ) -> BatchSettings: ...
 
 def units() -> list[tuple[str, list[str]]]: ...
 def kilonewtons(unit: str) -> float: ...
@@ -99,3 +140,14 @@ def export(
     folders: Sequence[str | PathLike[str]],
 ) -> tuple[str, list[str]]: ...
 def simulate(seed: int, is_check: bool) -> tuple[Recording, str]: ...
+def trace_many(
+    given: str | Sequence[str] | None,
+    table: str | None,
+    out: str | PathLike[str],
+    settings: BatchSettings,
+    jobs: int | None = None,
+    progress: Callable[[str], object] | None = None,
+) -> tuple[str, dict[str, Any], dict[str, Any]]: ...
+def outcome(recordings: Sequence[str | PathLike[str]], held_out: Sequence[str | PathLike[str]], settings: BatchSettings) -> str: ...
+def outcomes_of(rows: Sequence[str]) -> dict[str, Any]: ...
+def compare_models(models: Sequence[str | tuple[str, str, str]], times: Sequence[float]) -> str: ...

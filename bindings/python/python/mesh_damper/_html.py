@@ -123,5 +123,5 @@ def framed(page: str, height: int) -> str:
     """A page of its own within a notebook."""
     return (
         f'<iframe srcdoc="{escape(page, quote=True)}" title="Report" '
-        f'style="width:100%;height:{height}px;border:1px solid rgba(128,128,128,.5)"></iframe>'
+        f'style="box-sizing:border-box;width:100%;height:{height}px;border:1px solid rgba(128,128,128,.5)"></iframe>'
     )

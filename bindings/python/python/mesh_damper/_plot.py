@@ -50,7 +50,7 @@ def traced(series: dict[str, Any], kind: Literal["all", "loop", "residual"], blo
     if kind == "all":
         if ax is not None:
             raise InputError("ax: two pictures need two axes; give kind='loop' or kind='residual' with it")
-        figure, axes = _pyplot().subplots(1, 2, figsize=(10.5, 4.0), layout="constrained", width_ratios=[1, 1.35])
+        figure, axes = _pyplot().subplots(1, 2, figsize=(11.5, 4.2), layout="constrained", width_ratios=[1, 1.6])
         _loop(axes[0], series, block)
         _residual(axes[1], series, noise)
         return figure
@@ -88,8 +88,8 @@ def _residual(ax: Any, series: dict[str, Any], noise: float) -> None:
         left = np.where(series["measured"], force - series[name], np.nan)
         ax.plot(time, left, color=colour, linewidth=0.7, label=f"{label}: {_rms(left):.3g} kN RMS")
     ink = import_module("matplotlib").rcParams["text.color"]
-    for side, label in ((-1, "noise, ±2 deviations"), (1, None)):
-        ax.axhline(side * 2 * noise, color=ink, linewidth=0.9, linestyle=":", label=label)
+    ax.axhline(2 * noise, color=ink, linewidth=0.9, linestyle=":", label="noise, ±2 deviations")
+    ax.axhline(-2 * noise, color=ink, linewidth=0.9, linestyle=":")
     ax.set(xlabel="time, s", ylabel="measured − model, kN", title="Residual")
     ax.margins(x=0.01)
     ax.grid(alpha=0.25)

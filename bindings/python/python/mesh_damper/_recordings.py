@@ -81,7 +81,9 @@ class Given:
 
     def by_names(self) -> Given:
         """The same for other recordings: arrays are of the one that they were given for."""
-        kept = {name: channel for name, channel in self.channels.items() if isinstance(channel, (str, int, float))}
+        kept: dict[str, ChannelLike | float | None] = {
+            name: channel for name, channel in self.channels.items() if isinstance(channel, (str, int, float))
+        }
         return replace(self, channels=kept)
 
     def columns(self, data: Any, name: str) -> list[tuple[str, Array]]:
@@ -119,15 +121,37 @@ class Given:
         return None if unit is None else _known(unit, channel, "units")
 
     def _file(self, path: str) -> _core.Recording:
-        given = [key for key, channel in self.channels.items() if channel is not None]
-        given += ["inputs"] if self.inputs is not None else []
-        given += ["units"] if self.units is not None else []
-        if given:
-            raise InputError(
-                f"{path}: the columns of a file are known by their names, and {given[0]}= was given; "
-                "read the file with pandas or polars and give the frame, or rename its columns"
-            )
-        return _core.Recording.read(path, self.max_read)
+        """Of a file, as the options of the command say what is in it."""
+        channels, units, rate = [], [], None
+        for channel, source in self.channels.items():
+            if channel == "time" and isinstance(source, (int, float)) and not isinstance(source, bool):
+                rate = self._rate(path, float(source))
+            elif isinstance(source, str):
+                channels.append((channel, source))
+            elif source is not None:
+                raise InputError(f"{path}: {channel}= is no name of a column; give one, or all channels as arrays and no path")
+            if (unit := self.unit_of(channel)) is not None and not (channel == "time" and rate):
+                if isinstance(self.units, str) and channel not in ("time", "displacement", "force"):
+                    continue
+                units.append((channel, unit))
+        if isinstance(self.inputs, Mapping):
+            for name, source in self.inputs.items():
+                quantity, _, unit = name.rpartition("_")
+                if not isinstance(source, str) or not quantity:
+                    raise InputError(f'{path}: input {name}: give the name of a column, as inputs={{"current_A": "I coil"}}')
+                channels.append((quantity, source))
+                units.append((quantity, unit))
+        inputs = None if self.inputs is None else ([self.inputs] if isinstance(self.inputs, str) else list(self.inputs))
+        return _core.Recording.read(path, self.max_read, channels, units, rate, inputs)
+
+    def _rate(self, path: str, step: float) -> float:
+        """Samples a second of a time between two."""
+        unit = self.unit_of("time") or "s"
+        if unit not in ("s", "ms") or not (np.isfinite(step) and step > 0):
+            raise InputError(f"{path}: time={step:g}: is no time between samples in s or ms; give one above 0")
+        if self.unit_of("time") is None:
+            self.assumed["time"] = ("time=", "s")
+        return (1.0 if unit == "s" else 1e3) / step
 
 
 class _Columns:

@@ -85,7 +85,7 @@ class Trace:
             "nrmse_judged",
         )
         rows = self._found["candidates"]
-        return _frames.make({name: [_number(row[name]) for row in rows] for name in names}, self._library)
+        return _frames.make({name: [row[name] for row in rows] for name in names}, self._library)
 
     @property
     def baseline(self) -> Baseline:
@@ -274,10 +274,6 @@ class Report:
         return framed(self.html, 640)
 
 
-def _number(value: Any) -> Any:
-    return math.nan if value is None else value
-
-
 def trace(
     data: RecordingLike = None,
     *,
@@ -302,7 +298,7 @@ def trace(
     `data` is a path, a pandas or polars data frame, a mapping of columns, a NumPy record array, or a list of these. Without it `time`,
     `displacement` and `force` are the arrays themselves.
 
-    A file's columns are known by their names, as `hil trace` reads them. A frame's are found by their names too, `force_kN`, `Force (kN)`
+    A file's columns are found as `hil trace` finds them. A frame's are found by their names too, `force_kN`, `Force (kN)`
     or `force`; or `time=`, `displacement=`, `force=`, `velocity=`, `temperature=` name them or are arrays. `time` may be the time between
     samples. A unit comes from a column's name or from `units`; where neither says one, s, mm and kN are assumed, with a `UnitWarning`.
 
