@@ -96,6 +96,9 @@ pub fn choose(
             Err(error) => failed.push((index, error)),
         }
     }
+    if let Some(error) = super::apart::apart(file, &meant, reading, needed) {
+        return Err(error);
+    }
     // The table that looks most like a recording says what is missing.
     let like = |&&(index, _): &&(usize, InputError)| {
         let columns = tables[index].columns.iter();

@@ -3,6 +3,7 @@
 //! A name of our own files (`force_kN`) says it. Of another file, words in several languages and units say it, and what is taken so is
 //! said; two columns that could be meant equally well are asked for, never chosen.
 
+mod apart;
 mod choose;
 mod name;
 pub(crate) mod spelling;
@@ -54,4 +55,9 @@ pub fn described(column: &Column) -> Option<String> {
         return control.map(|(name, _)| format!("control input {name}"));
     }
     Some(channels.join(" or "))
+}
+
+/// Whether a column is of times, by what its file or its name says.
+pub(crate) fn is_time(column: &Column) -> bool {
+    taken::is_time(column)
 }

@@ -10,9 +10,9 @@ use mesh_damper_link::predict::{ImageError, predict_on};
 use mesh_damper_model::extrapolation::{Extrapolation, percent};
 use mesh_damper_model::file::{ModelFile, model_error};
 use mesh_damper_model::predict::{band, nrmse, predict, predict_embedded};
-use mesh_damper_recording::Recording;
 use mesh_damper_recording::output::Plan;
 use mesh_damper_recording::trajectory::Trajectory;
+use mesh_damper_recording::{Recording, WriteAs};
 use serde::{Serialize, Serializer};
 
 use super::board::Port;
@@ -47,7 +47,7 @@ pub struct Predict {
     /// The image's log messages to standard error, from this level on
     #[arg(long, value_enum, value_name = "LEVEL", default_value_t = LogLevel::Warn)]
     log: LogLevel,
-    /// Where the prediction goes; gzipped when the name ends in .gz, `-` for standard output
+    /// Where the prediction goes, .csv, .csv.gz, .parquet, .mat or .mcap; `-` for standard output, as CSV
     #[arg(long, value_name = "FILE")]
     out: PathBuf,
     /// Where the error and what it was computed from go as JSON; `-` for standard output
@@ -181,6 +181,7 @@ impl<'a> Seen<'a> {
 
 impl Predict {
     pub fn run(self) -> Result<(), Failure> {
+        WriteAs::of(&self.out)?;
         let mut outputs = Plan::new()
             .reads([&self.model, &self.recording])
             .writes([&self.out])

@@ -11,9 +11,9 @@ use mesh_damper::rig::{RigSettings, State};
 use mesh_damper::sine::Programme;
 use mesh_damper_link::lockstep::{Image, LinkError, Serial, described};
 use mesh_damper_link::own_timer::{BoardRun, Lost, RecordError, Times, record};
-use mesh_damper_recording::Recording;
 use mesh_damper_recording::error::InputError;
 use mesh_damper_recording::output::Plan;
+use mesh_damper_recording::{Recording, WriteAs};
 use mesh_damper_rig::specimen::Specimen;
 use mesh_damper_rig::{Journal, RigSetup, SetupError, TICK_RATE};
 use serde::Serialize;
@@ -103,7 +103,7 @@ pub struct RecordCommand {
     /// Record what the rig does already; set nothing up, and leave it running
     #[arg(long, conflicts_with_all = ["blocks", "programme", "pack", "density", "force_range", "displacement_range", "command_range", "force_limit", "displacement_limit", "tracking_limit", "lead", "tick_rate", "keep_running"])]
     join: bool,
-    /// Where the recording goes, .csv or .csv.gz
+    /// Where the recording goes, .csv, .csv.gz, .parquet, .mat or .mcap
     #[arg(long, value_name = "REC")]
     out: PathBuf,
     /// Where the result goes as JSON as well; `-` for standard output
@@ -143,6 +143,7 @@ const WITHIN: f64 = 0.05;
 impl RecordCommand {
     pub fn run(self) -> Result<(), Failure> {
         let partial = self.partial();
+        WriteAs::of(&self.out)?;
         let mut outputs = Plan::new()
             .reads(&self.programme)
             .reads(&self.pack)

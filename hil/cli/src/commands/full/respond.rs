@@ -11,7 +11,7 @@ use mesh_damper_model::respond::{
 use mesh_damper_recording::faults::Channel;
 use mesh_damper_recording::input::InputSignal;
 use mesh_damper_recording::output::Plan;
-use mesh_damper_recording::table;
+use mesh_damper_recording::{WriteAs, table};
 use serde::Serialize;
 
 use super::controls::Controls;
@@ -58,7 +58,7 @@ pub struct RespondCommand {
     /// Steps are halved until displacements change by less than this part of their RMS
     #[arg(long, value_name = "PART", default_value_t = Settings::TOLERANCE, allow_negative_numbers = true, conflicts_with = "sweep")]
     tolerance: f64,
-    /// Where the motion or the sweep goes as CSV; gzipped when the name ends in .gz, `-` for standard output
+    /// Where the motion or the sweep goes, .csv, .csv.gz, .parquet, .mat or .mcap; `-` for standard output, as CSV
     #[arg(long, value_name = "FILE")]
     out: PathBuf,
     /// Where peaks, RMS values, energies and steps go as JSON, or the sweep; `-` for standard output
@@ -135,6 +135,7 @@ impl Size {
 
 impl RespondCommand {
     pub fn run(self) -> Result<(), Failure> {
+        WriteAs::of(&self.out)?;
         let settings = Settings {
             offset: self.with_offset,
             tolerance: self.tolerance,

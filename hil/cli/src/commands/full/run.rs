@@ -12,9 +12,9 @@ use mesh_damper_link::lockstep::run_rig_on;
 use mesh_damper_model::extrapolation::{Extrapolation, RANGE_MARGIN, percent};
 use mesh_damper_model::file::{FittedRange, ModelFile, model_error};
 use mesh_damper_model::{Control, MAX_EFFECTS, ModelError};
-use mesh_damper_recording::Recording;
 use mesh_damper_recording::error::InputError;
 use mesh_damper_recording::output::Plan;
+use mesh_damper_recording::{Recording, WriteAs};
 use mesh_damper_rig::specimen::{CURRENT, DamperForce as _, Specimen};
 use mesh_damper_rig::{Journal, RigSetup, Samples, SetupError, TICK_RATE, Watch, run_rig};
 use serde::Serialize;
@@ -33,9 +33,9 @@ use crate::commands::{Failure, say, warn};
 
 /// Run the rig in the loop with a simulated actuator and specimen
 ///
-/// Writes DIR/recording.csv.gz and DIR/cycles.csv: what was measured, and what every cycle came to beside the law. Until then
-/// DIR/recording.partial.csv holds what was measured so far; a run that is broken off leaves it. With --drive the rig follows a
-/// recorded or a random motion; there is no cycles.csv then, as the cycles of such a motion are not told apart.
+/// Writes DIR/recording.csv.gz, in another format with --recording-as, and DIR/cycles.csv: what was measured, and what every cycle came
+/// to beside the law. Until then DIR/recording.partial.csv holds what was measured so far; a run that is broken off leaves it. With
+/// --drive the rig follows a recorded or a random motion; there is no cycles.csv then, as the cycles of such a motion are not told apart.
 #[derive(Args, Debug)]
 #[command(after_help = "Examples:\n  hil run --blocks 0.1:1:6,0.1:5:10\n  \
     hil run --effect stick_slip:stiffness=1.2,slip_limit=0.03\n  \
@@ -90,6 +90,9 @@ pub struct RunCommand {
     /// Where the results go
     #[arg(long, value_name = "DIR", default_value = "run-out")]
     out: PathBuf,
+    /// How the recording is written into DIR: csv, csv.gz, parquet, mat or mcap
+    #[arg(long, value_name = "FORMAT", default_value_t = WriteAs::CsvGz)]
+    recording_as: WriteAs,
     /// Where the result goes as JSON as well; `-` for standard output
     #[arg(long, value_name = "FILE")]
     json: Option<PathBuf>,
@@ -157,14 +160,12 @@ impl Stop {
 impl RunCommand {
     pub fn run(self) -> Result<(), Failure> {
         let table = (!self.drive.is_given()).then_some("cycles.csv");
+        let name = format!("recording.{}", self.recording_as);
         let mut outputs = Plan::new()
             .reads(&self.programme)
             .reads(self.drive.file())
             .reads(&self.model)
-            .fills(
-                self.out.as_path(),
-                ["recording.csv.gz"].into_iter().chain(table),
-            )
+            .fills(self.out.as_path(), std::iter::once(&*name).chain(table))
             .writes(&self.json)
             .keeps(Journal::path_in(&self.out))
             .begin()?;
@@ -267,7 +268,7 @@ impl RunCommand {
                 path.display()
             ));
         }
-        let recording = self.out.join("recording.csv.gz");
+        let recording = self.out.join(&name);
         let recorded = match (
             run.recording(recording.display().to_string()),
             &summary.stopped,

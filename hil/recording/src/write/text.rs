@@ -1,29 +1,14 @@
-//! A recording as the bytes of a file.
+//! A recording as text: comment lines, a header, and a row for each sample.
 
 use std::io::Write as _;
-use std::path::Path;
 
-use super::Recording;
-use super::units::Unit;
-
-/// Significant digits with which numbers made here are written: a thousandth of a 24-bit converter's step.
-const DIGITS: usize = 9;
+use super::{DIGITS, decimal};
+use crate::Recording;
+use crate::units::Unit;
 
 impl Recording {
-    /// The recording as a file of the given name, gzipped when the name ends in `.gz`.
-    ///
-    /// A recording that was read is written as it was read, cell by cell.
-    pub fn to_file(&self, path: &Path) -> Vec<u8> {
-        packed(path, self.to_csv(None))
-    }
-
-    /// The same with columns `predicted_band_UNIT` and `predicted_force_UNIT`, in the recording's own unit; columns of these names which the
-    /// recording has already are replaced. `predicted` and `band`, its half width, in kN, one per sample.
-    pub fn to_file_with_prediction(&self, path: &Path, predicted: &[f64], band: &[f64]) -> Vec<u8> {
-        packed(path, self.to_csv(Some([band, predicted])))
-    }
-
-    fn to_csv(&self, predicted: Option<[&[f64]; 2]>) -> Vec<u8> {
+    /// The recording as text. One that was read from a text is written as it was read, cell by cell.
+    pub(super) fn to_csv(&self, predicted: Option<[&[f64]; 2]>) -> Vec<u8> {
         let mut bytes = Vec::new();
         for comment in &self.comments {
             bytes.extend(format!("# {}\n", comment.replace(['\n', '\r'], " ")).bytes());
@@ -85,26 +70,6 @@ impl Recording {
         }
         writer.into_inner().unwrap_or_default()
     }
-
-    /// Each channel's column name, its unit, none of a control input, and its samples.
-    fn channels(&self) -> Vec<(String, Option<Unit>, &[f64])> {
-        let units = &self.units;
-        let channels = [
-            ("time", units.time, Some(&self.time)),
-            ("displacement", units.displacement, Some(&self.displacement)),
-            ("force", units.force, Some(&self.force)),
-            ("velocity", units.velocity, self.velocity.as_ref()),
-            ("temperature", units.temperature, self.temperature.as_ref()),
-        ]
-        .into_iter()
-        .filter_map(|(name, unit, channel)| {
-            let name = format!("{name}_{}", unit.symbol);
-            Some((name, Some(unit), channel?.as_slice()))
-        });
-        let controls = self.controls.iter();
-        let controls = controls.map(|each| (each.name.clone(), None, each.values.as_slice()));
-        channels.chain(controls).collect()
-    }
 }
 
 /// Whether a channel's own digits would make another recording of it: times that count from far away, of which a step is less than a
@@ -126,17 +91,9 @@ fn needs_all_digits(name: &str, unit: Unit, values: &[f64]) -> bool {
     name.starts_with("displacement") && values.iter().all(is_first)
 }
 
-/// `value` to nine significant digits, as recordings are written, without trailing zeros or an exponent.
-pub fn decimal(value: f64) -> String {
-    let digits = DIGITS - 1;
-    let rounded: f64 = format!("{value:.digits$e}").parse().unwrap_or(value);
-    // Adding zero takes the sign off a negative zero.
-    format!("{}", rounded + 0.0)
-}
-
-/// A table as a file of the given name, gzipped when the name ends in `.gz`: comment lines, a header, and a row for each value of
-/// the first of `columns`, each of which is a name and as many values.
-pub fn table(path: &Path, comments: &[String], columns: &[(&str, Vec<f64>)]) -> Vec<u8> {
+/// A table as text: comment lines, a header, and a row for each value of the first of `columns`, each of which is a name and as many
+/// values.
+pub(super) fn table(comments: &[String], columns: &[(&str, Vec<f64>)]) -> Vec<u8> {
     let mut bytes = Vec::new();
     for comment in comments {
         bytes.extend(format!("# {}\n", comment.replace(['\n', '\r'], " ")).bytes());
@@ -150,15 +107,13 @@ pub fn table(path: &Path, comments: &[String], columns: &[(&str, Vec<f64>)]) -> 
         let cells = columns.iter().map(|(_, values)| values.get(row).copied());
         let _ = writer.write_record(cells.map(|cell| decimal(cell.unwrap_or_default())));
     }
-    packed(path, writer.into_inner().unwrap_or_default())
+    writer.into_inner().unwrap_or_default()
 }
 
-fn packed(path: &Path, text: Vec<u8>) -> Vec<u8> {
-    if path.extension().is_none_or(|extension| extension != "gz") {
-        return text;
-    }
+/// Bytes, gzipped.
+pub(super) fn gzipped(text: &[u8]) -> Vec<u8> {
     let mut encoder = flate2::write::GzEncoder::new(Vec::new(), flate2::Compression::default());
     // Writing to memory does not fail.
-    let _ = encoder.write_all(&text);
+    let _ = encoder.write_all(text);
     encoder.finish().unwrap_or_default()
 }
