@@ -19,6 +19,11 @@ impl Unit {
         value * self.scale + self.zero
     }
 
+    /// Whether it is the same however it is written, as mm_s and mm/s are.
+    pub(super) fn is_same(self, other: Self) -> bool {
+        (self.scale, self.zero) == (other.scale, other.zero)
+    }
+
     /// A value in the code's unit in this one.
     pub fn from_code(self, value: f64) -> f64 {
         (value - self.zero) / self.scale

@@ -106,11 +106,13 @@ fn rank(column: &Column, words: &[String], channel: Channel, unit: &UnitFound) -
 
 /// Whether a column is of times, by what its file or a word of its name says, a unit beside it or not.
 pub(super) fn is_time(column: &Column) -> bool {
+    let is_candidate = |each: &Candidate| each.channel == Channel::Time && each.rank > Rank::Unit;
     let is_named = || {
         let words = Name::of(&column.name).words;
         words::of_channel(&words, Channel::Time).is_some() && !words::is_other(&words)
     };
-    column.is_numeric && (column.is_time || is_named())
+    let is_said = column.is_time || column.is_stamp;
+    column.is_numeric && (is_said || candidates(column).iter().any(is_candidate) || is_named())
 }
 
 /// What the file says of a column's unit, for one channel.
@@ -138,7 +140,13 @@ pub(super) fn control_name(column: &Column) -> Option<(String, bool)> {
         .name
         .rsplit_once('_')
         .map_or("", |(quantity, _)| quantity);
-    if is_control(&column.name) && quantity.chars().all(is_plain) && column.unit.is_none() {
+    // A unit that the file says beside such a name has to be the same.
+    let is_same = |said: &str| {
+        let unit = control_unit(bare(said), UNITS);
+        unit == column.name.rsplit_once('_').map(|(_, unit)| unit)
+    };
+    let is_same = column.unit.as_deref().is_none_or(is_same);
+    if is_control(&column.name) && quantity.chars().all(is_plain) && is_same {
         return Some((column.name.clone(), true));
     }
     if !column.is_numeric || column.is_stamp || !candidates(column).is_empty() {
@@ -187,7 +195,7 @@ fn own_unit(column: &Column, channel: Channel, symbol: &str) -> UnitFound {
 /// A unit that the name says, beside that which the file says elsewhere.
 fn beside(column: &Column, channel: Channel, unit: Unit, written: &str) -> UnitFound {
     match row_unit(column) {
-        Some(other) if unit_of(channel, other).is_none_or(|other| other != unit) => {
+        Some(other) if unit_of(channel, other).is_none_or(|other| !other.is_same(unit)) => {
             UnitFound::Unclear(format!("{written} beside {other}"))
         }
         _ => UnitFound::Known(unit),

@@ -1,5 +1,6 @@
 //! Workbooks of Excel, each of whose sheets is a table.
 
+use std::collections::BTreeSet;
 use std::io::{Cursor, Read as _};
 
 use calamine::{DataRef, Reader as _, Xlsx as Workbook, XlsxError};
@@ -7,8 +8,8 @@ use calamine::{DataRef, Reader as _, Xlsx as Workbook, XlsxError};
 use super::arrays::MOST_COLUMNS;
 use super::guard::{damaged, guarded};
 use super::opened::Opened;
+use super::text::{Named, header_of};
 use super::{Column, Format, Reading, Source, Table, Tables};
-use crate::columns::spelling::is_unit;
 use crate::error::InputError;
 use crate::read_limit::ReadLimit;
 
@@ -69,6 +70,10 @@ fn open<'a>(
             let kept = rows.take(row, column as usize, cell.get_value(), &mut left);
             kept.ok_or_else(|| limit.exceeded(name))?;
         }
+        let is_within = rows.end(&mut left).is_some() && rows.padded() <= limit.file() / 8;
+        if !is_within {
+            return Err(limit.exceeded(name));
+        }
         match rows.table(&sheet) {
             Some((table, columns)) => {
                 tables.push(table);
@@ -127,7 +132,8 @@ struct Rows {
     columns: Vec<(Vec<f64>, bool)>,
     /// Which row the first of these is.
     first: Option<u32>,
-    dates: bool,
+    /// Columns in which there are dates.
+    dates: BTreeSet<usize>,
 }
 
 impl Rows {
@@ -142,7 +148,7 @@ impl Rows {
             DataRef::Float(value) => Ok(*value),
             DataRef::Bool(value) => Ok(f64::from(u8::from(*value))),
             DataRef::DateTime(date) => {
-                self.dates = true;
+                self.dates.insert(column);
                 Ok(date.as_f64() * 86_400.0)
             }
             DataRef::String(text) | DataRef::DateTimeIso(text) | DataRef::DurationIso(text) => {
@@ -197,28 +203,26 @@ impl Rows {
         Some(())
     }
 
+    /// Numbers in all columns, as many in each as the longest has.
+    fn padded(&self) -> u64 {
+        let rows = self.columns.iter().map(|(values, _)| values.len()).max();
+        rows.unwrap_or_default() as u64 * self.columns.len() as u64
+    }
+
     /// The sheet's table; none where it has no numbers.
-    fn table(mut self, name: &str) -> Option<(Table, Vec<Vec<f64>>)> {
-        self.end(&mut u64::MAX.clone())?;
-        self.first?;
-        let (names, units, line) = self.header();
+    fn table(self, name: &str) -> Option<(Table, Vec<Vec<f64>>)> {
+        let (names, units) = self.header();
         let rows = self.columns.iter().map(|(values, _)| values.len()).max()?;
         let mut table = Table {
             name: name.to_owned(),
             rows: Some(rows as u64),
-            header_line: line,
             ..Table::default()
         };
-        if self.dates {
-            let said = "dates are taken as seconds, as many as Excel's days since 1900 have";
-            table.guesses.push(said.to_owned());
-        }
         let mut columns = Vec::new();
         for (index, (mut values, has_text)) in self.columns.into_iter().enumerate() {
-            let of = |row: &[(usize, String)]| {
-                let cell = row.iter().find(|(column, _)| *column == index);
-                cell.map(|(_, text)| text.clone())
-                    .filter(|text| !text.is_empty())
+            let of = |row: &[String]| {
+                let cell = row.get(index).map(|text| text.trim().to_owned());
+                cell.filter(|text| !text.is_empty())
             };
             if values.is_empty() {
                 continue;
@@ -228,35 +232,44 @@ impl Rows {
                 table.skipped.push(format!("column {name} (texts)"));
                 continue;
             }
+            let is_stamp = self.dates.contains(&index);
+            if is_stamp {
+                let first = values.iter().copied().find(|value| !value.is_nan());
+                let first = first.unwrap_or_default();
+                values.iter_mut().for_each(|value| *value -= first);
+                table.guesses.push(format!(
+                    "the dates of column {name} are taken as seconds after the first of them"
+                ));
+            }
+            let unit = units.as_deref().and_then(of);
             values.resize(rows, f64::NAN);
             table.columns.push(Column {
                 name,
-                unit: of(&units),
+                unit: if is_stamp { Some("s".into()) } else { unit },
                 is_numeric: true,
-                is_time: false,
-                is_stamp: false,
+                is_stamp,
                 first: values.iter().take(Column::FIRST).copied().collect(),
+                ..Column::default()
             });
             columns.push(values);
         }
         (!columns.is_empty()).then_some((table, columns))
     }
 
-    /// The names, the units, and the line of the names, counted from 1.
-    fn header(&self) -> (Texts, Texts, Option<u64>) {
-        let Some((last, before)) = self.above.split_last() else {
-            return (Vec::new(), Vec::new(), None);
+    /// The names and the units, a cell for each column.
+    fn header(&self) -> Named {
+        let columns = self.columns.len();
+        let row = |row: &Texts| {
+            let mut cells = vec![String::new(); columns];
+            for (column, text) in row {
+                if let Some(cell) = cells.get_mut(*column) {
+                    cell.clone_from(text);
+                }
+            }
+            cells
         };
-        let texts = || {
-            last.iter()
-                .map(|(_, text)| text.as_str())
-                .filter(|text| !text.is_empty())
-        };
-        let are_units = texts().count() > 1 && texts().all(is_unit);
-        match (are_units, before.last()) {
-            (true, Some(names)) => (names.clone(), last.clone(), None),
-            _ => (last.clone(), Vec::new(), None),
-        }
+        let above: Vec<Vec<String>> = self.above.iter().map(row).collect();
+        header_of(&above, columns)
     }
 }
 

@@ -6,6 +6,7 @@ FOLDER gets the files and `files.json`, which says of each who wrote it, what a 
 The files beside this script are what it wrote once; the tests read them without Python.
 """
 
+import datetime
 import importlib.metadata
 import json
 import sys
@@ -32,6 +33,8 @@ def said(name, program, **more):
     entry = {"file": name, "program": program, "error": 0.0}
     entry.update(more)
     FILES.append(entry)
+    # Some programs add to a file that is there.
+    (OUT / name).unlink(missing_ok=True)
     return str(OUT / name)
 
 
@@ -181,8 +184,8 @@ def parquet():
                    data_page_version="2.0", version="2.6", use_dictionary=False)
     pq.write_table(table, said("delta.parquet", arrow, error=SINGLE), use_dictionary=False,
                    column_encoding={"Zeit": "BYTE_STREAM_SPLIT", "Weg": "BYTE_STREAM_SPLIT", "Kraft": "PLAIN"}, row_group_size=64)
-    renamed = pyarrow.table({"time_s": TIME, "displacement_mm": DISPLACEMENT}).append_column(
-        pyarrow.field("force_kN", "f8", metadata={"unit": "N"}), pyarrow.array(FORCE))
+    mixed = [pyarrow.field("time_s", "f8"), pyarrow.field("displacement_mm", "f8"), pyarrow.field("force_kN", "f8", metadata={"unit": "N"})]
+    renamed = pyarrow.table([TIME, DISPLACEMENT, FORCE], schema=pyarrow.schema(mixed))
     pq.write_table(renamed, said("two_units.parquet", arrow, refused=["kN by its name and N by the file", "--unit force="]))
     with_units = frame.rename(columns={"force_kN": "Load", "time_s": "Time", "displacement_mm": "Stroke"})
     with_units.attrs = {"units": {"Load": "kN", "Time": "s", "Stroke": "mm"}}
@@ -507,6 +510,13 @@ def xlsx():
         sheet.append(row)
     for row in zip(TIME, DISPLACEMENT, FORCE):
         sheet.append([float(value) for value in row])
+    dated = openpyxl.Workbook()
+    dated.active.append(["Date", "Displacement [mm]", "Force [kN]"])
+    for n, row in enumerate(zip(DISPLACEMENT, FORCE)):
+        stamp = datetime.datetime(2026, 3, 1, 12) + datetime.timedelta(milliseconds=n)
+        dated.active.append([stamp, *map(float, row)])
+    # A day of Excel has 2^-37 of it to the last bit: 0.6 µs.
+    dated.save(said("dates.xlsx", version("openpyxl"), error=1e-5, channels={"time": "Date"}, guesses=["seconds after the first"]))
     notes = book.create_sheet("Notizen")
     notes.append(["nichts"])
     book.save(said("units.xlsx", version("openpyxl"), error=1e-15, guesses=["force is read from column \"Kraft\" in kN"]))

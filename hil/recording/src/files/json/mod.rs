@@ -227,9 +227,8 @@ impl Found {
                 name,
                 unit,
                 is_numeric: true,
-                is_time: false,
-                is_stamp: false,
                 first,
+                ..Column::default()
             },
             rows: values.len() as u64,
             clock: None,

@@ -275,8 +275,8 @@ impl Tree {
                     unit: labelled.unit.clone(),
                     is_numeric: true,
                     is_time: labelled.is_time,
-                    is_stamp: false,
                     first: values.some(Column::FIRST),
+                    ..Column::default()
                 },
                 rows: rows as u64,
                 clock: None,

@@ -97,7 +97,7 @@ impl Found {
                 name: name_of(name.trim(), element, elements),
                 unit: unit.clone(),
                 is_numeric: true,
-                is_time: is_date,
+                is_stamp: is_date,
                 ..Column::default()
             });
             self.leaves.push(Leaf {

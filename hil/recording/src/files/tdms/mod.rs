@@ -202,9 +202,8 @@ impl Channels {
                     name: name.trim().to_owned(),
                     unit: if is_date { Some("s".into()) } else { unit },
                     is_numeric: true,
-                    is_time: is_date,
-                    is_stamp: false,
-                    first: Vec::new(),
+                    is_stamp: is_date,
+                    ..Column::default()
                 },
                 rows: rows as u64,
                 clock: step.map(|step| Clock {

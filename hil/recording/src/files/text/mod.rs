@@ -54,3 +54,22 @@ impl Format for Text {
         Ok(Box::new(foreign::ForeignTable::open(text, layout)))
     }
 }
+
+/// Names and units.
+pub(super) type Named = (Vec<String>, Option<Vec<String>>);
+
+/// The names and the units of columns, in rows of cells that stand above their numbers, as in a text that tabs divide.
+pub(super) fn header_of(above: &[Vec<String>], columns: usize) -> Named {
+    let is_end = |c: char| c.is_control();
+    let row = |row: &Vec<String>| {
+        let cells = row.iter().map(|cell| cell.replace(is_end, " "));
+        cells.collect::<Vec<_>>().join("\t")
+    };
+    let text: Vec<String> = above.iter().map(row).collect();
+    let text = text.join("\n");
+    let separator = lines::Separator::Sign('\t');
+    let rows = layout::rows(&text, separator);
+    let mut header = header::Header::above(&rows, rows.len(), columns, separator);
+    header.fit(columns, &|_| false);
+    (header.names, header.units)
+}
