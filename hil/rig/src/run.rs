@@ -158,7 +158,19 @@ impl RigRun {
 }
 
 /// Who is told how a run goes on; any `FnMut(f64)` is, of the time alone.
+///
+/// What is told at a tick may not take long: the rig waits for it.
 pub trait Watch {
+    /// A tick that was read, `time` s after the start, at a temperature in °C. Of a rig in this process every one; of a board on its own
+    /// timer every row that arrives, without cycle, report and event.
+    fn tick(&mut self, _telemetry: &Telemetry, _time: f64, _temperature: f64) {}
+
+    /// A cycle that ended `time` s after the start.
+    fn cycle(&mut self, _report: &CycleReport, _time: f64) {}
+
+    /// What the monitor named `time` s after the start.
+    fn event(&mut self, _event: &Event, _time: f64) {}
+
     /// Now and then, and at the end however it ends: which part of the programme's time has passed, and what was recorded.
     ///
     /// # Errors
@@ -293,10 +305,11 @@ fn run_to_its_end<S: DamperForce + Clone>(
     loop {
         let time = rig.plant().servo.time();
         let telemetry = rig.tick()?;
+        let temperature = rig.plant().temperature();
         if run.ticks.is_multiple_of(plan.record_every) {
-            run.samples
-                .push(&telemetry, time, rig.plant().temperature());
+            run.samples.push(&telemetry, time, temperature);
         }
+        watch.tick(&telemetry, time, temperature);
         if run.ticks.is_multiple_of(report_every) {
             watch.see((time / plan.duration).min(1.0), &run.samples)?;
         }
@@ -305,9 +318,14 @@ fn run_to_its_end<S: DamperForce + Clone>(
             range.tick(telemetry.displacement, telemetry.velocity);
             run.outside = Some(range.outside());
         }
-        run.cycles.extend(telemetry.report);
-        run.events
-            .extend(telemetry.event.map(|event| (time, event)));
+        if let Some(report) = telemetry.report {
+            watch.cycle(&report, time);
+            run.cycles.push(report);
+        }
+        if let Some(event) = telemetry.event {
+            watch.event(&event, time);
+            run.events.push((time, event));
+        }
         if block != Some(telemetry.block) {
             block = Some(telemetry.block);
             if let Some(law) = plan.block_laws.get(telemetry.block) {
