@@ -109,12 +109,13 @@ mod tests {
     use super::*;
 
     fn sampled(values: &[[f32; CHANNELS]]) -> Vec<Sample> {
-        let sample = |(tick, &[displacement, force, law_force]): (usize, &[f32; CHANNELS])| Sample {
-            time: tick as f64 * 1e-4,
-            displacement,
-            force,
-            law_force,
-        };
+        let sample =
+            |(tick, &[displacement, force, law_force]): (usize, &[f32; CHANNELS])| Sample {
+                time: tick as f64 * 1e-4,
+                displacement,
+                force,
+                law_force,
+            };
         values.iter().enumerate().map(sample).collect()
     }
 

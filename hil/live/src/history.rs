@@ -119,6 +119,7 @@ pub(crate) struct Part {
 impl Part {
     pub(crate) fn is_empty(&self) -> bool {
         self.samples.is_empty()
+            && self.missed == 0
             && self.cycles.is_empty()
             && self.events.is_empty()
             && self.state.is_none()

@@ -27,7 +27,7 @@ const FIGURES = {
     unit: "",
     columns: { [MEASURED]: "loss_factor", [LAW]: "law_loss_factor" },
   },
-  error: { kind: "cycle", y: "%", unit: "%", columns: { [LAW]: "law_error" }, factor: 100 },
+  error: { kind: "cycle", y: "%", unit: "%", columns: { [LAW]: "law_error" }, factor: 100, label: "error" },
 };
 
 export class Charts {
@@ -95,7 +95,12 @@ export class Charts {
         const data = loopData(samples, rows);
         const [, [displacement, force], [, law]] = data;
         this.ranges.loop = view.loopZoom ?? { x: extent([displacement]), y: extent([force, law]) };
-        plot.setData(data);
+        plot.batch(() => {
+          plot.setData(data, false);
+          for (const [scale, [min, max]] of Object.entries(this.ranges.loop)) {
+            plot.setScale(scale, { min, max });
+          }
+        });
       }
     }
   }
@@ -104,7 +109,7 @@ export class Charts {
     const [from, to] = samples.range(range);
     const columns = Object.values(figure.columns).map((name) => samples.column(name));
     // One row beyond each end, so that lines go on to the edge.
-    const rows = select(columns, Math.max(0, from - 1), Math.min(samples.length, to + 1), Math.max(1, pixels >> 1));
+    const rows = select(columns, Math.max(0, from - 1), Math.min(samples.length, to + 1), Math.max(1, Math.round(pixels)));
     return [pick(samples.column("time_s"), rows), ...columns.map((column) => pick(column, rows))];
   }
 
@@ -112,7 +117,7 @@ export class Charts {
     const isTime = figure.kind === "time";
     const series = Object.keys(figure.columns).map((source) => ({
       ...line(theme, source),
-      label: source,
+      label: figure.label ?? source,
       value: withUnit(figure.unit),
       points: { show: !isTime, size: 5, stroke: theme[source], fill: theme[source] },
     }));
@@ -153,8 +158,8 @@ export class Charts {
       mode: 2,
       legend: { show: false },
       scales: {
-        x: { time: false, auto: false, range: () => this.ranges.loop.x },
-        y: { auto: false, range: () => this.ranges.loop.y },
+        x: { time: false, auto: false, range: (_, min, max) => [min, max] },
+        y: { auto: false, range: (_, min, max) => [min, max] },
       },
       axes: [axis(theme, figure.x), axis(theme, figure.y, true)],
       series: [null, ...series],
@@ -198,9 +203,13 @@ function cycleData(cycles, figure, count, range, pixels) {
   const numbers = cycles.column("cycle");
   let from = 0;
   let to = count;
-  while (from < to && numbers[from] < range[0]) from++;
-  while (to > from && numbers[to - 1] > range[1]) to--;
-  const rows = select(columns, Math.max(0, from - 1), Math.min(count, to + 1), Math.max(1, pixels >> 1));
+  while (from < to && numbers[from] < range[0]) {
+    from++;
+  }
+  while (to > from && numbers[to - 1] > range[1]) {
+    to--;
+  }
+  const rows = select(columns, Math.max(0, from - 1), Math.min(count, to + 1), Math.max(1, Math.round(pixels)));
   const factor = figure.factor ?? 1;
   return [pick(numbers, rows), ...columns.map((column) => pick(column, rows).map((value) => factor * value))];
 }
@@ -226,6 +235,6 @@ function axis(theme, label, isY = false) {
     stroke: theme.text,
     grid: { stroke: theme.grid, width: 1 },
     ticks: { stroke: theme.grid, width: 1 },
-    ...(isY && { size: 52 }),
+    size: isY ? 52 : 30,
   };
 }

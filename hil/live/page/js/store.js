@@ -30,6 +30,10 @@ export class Columns {
   /** Adds rows; `columns` has an array for each name. */
   append(columns, rows) {
     const from = Math.max(0, rows - this.most);
+    if (from > 0) {
+      // What was there is older than what is left out of these.
+      this.length = 0;
+    }
     this.#makeRoom(rows - from);
     for (const name of this.names) {
       this.arrays[name].set(columns[name].subarray(from, rows), this.length);

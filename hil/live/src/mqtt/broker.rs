@@ -84,7 +84,9 @@ impl FromStr for Broker {
 fn host_and_port(place: &str) -> Result<(String, u16), String> {
     let (host, port) = match place.strip_prefix('[') {
         Some(rest) => {
-            let (host, rest) = rest.split_once(']').ok_or("a ] is missing after the host")?;
+            let (host, rest) = rest
+                .split_once(']')
+                .ok_or("a ] is missing after the host")?;
             (host, rest.strip_prefix(':'))
         }
         None => match place.split_once(':') {
@@ -126,7 +128,12 @@ impl Broker {
         options
             .set_keep_alive(KEEP_ALIVE)
             .set_clean_session(true)
-            .set_last_will(LastWill::new(topic, will.to_owned(), QoS::AtLeastOnce, true));
+            .set_last_will(LastWill::new(
+                topic,
+                will.to_owned(),
+                QoS::AtLeastOnce,
+                true,
+            ));
         if let Some(user) = &self.user {
             options.set_credentials(user, self.password.clone().unwrap_or_default());
         }
@@ -158,7 +165,9 @@ mod tests {
 
     #[test]
     fn a_url_is_taken_apart() {
-        let broker: Broker = "mqtt://lab:p%40s%2Fs@10.0.0.7:2883/rig%201".parse().unwrap();
+        let broker: Broker = "mqtt://lab:p%40s%2Fs@10.0.0.7:2883/rig%201"
+            .parse()
+            .unwrap();
         assert_eq!((broker.host.as_str(), broker.port), ("10.0.0.7", 2883));
         assert_eq!(broker.user.as_deref(), Some("lab"));
         assert_eq!(broker.password.as_deref(), Some("p@s/s"));

@@ -151,9 +151,12 @@ impl MqttPublisher {
             thread: None,
         };
         publisher.say_status(&State::Waiting);
-        let will = publisher.status_payload(&json!({"state": "offline", "time_s": null, "cause": null}));
+        let will =
+            publisher.status_payload(&json!({"state": "offline", "time_s": null, "cause": null}));
         let options = broker.options(&publisher.topics.status, &will);
-        publisher.thread = Some(std::thread::spawn(move || connection::run(options, &shared)));
+        publisher.thread = Some(std::thread::spawn(move || {
+            connection::run(options, &shared)
+        }));
         publisher
     }
 
@@ -162,9 +165,9 @@ impl MqttPublisher {
     /// # Errors
     /// Why there is none so far, in words.
     pub fn wait_until_connected(&self, most: Duration) -> Result<(), String> {
-        let queue = self.shared.wait(most, |queue| {
-            queue.was_connected || queue.trouble.is_some()
-        });
+        let queue = self
+            .shared
+            .wait(most, |queue| queue.was_connected || queue.trouble.is_some());
         match (&queue.trouble, queue.was_connected) {
             (_, true) => Ok(()),
             (Some(trouble), false) => Err(trouble.clone()),

@@ -6,7 +6,7 @@
 //! whoever runs programs here may.
 
 use std::io::{self, Read as _, Write as _};
-use std::net::TcpStream;
+use std::net::{Shutdown, TcpStream};
 use std::time::{Duration, Instant};
 
 use tungstenite::handshake::derive_accept_key;
@@ -18,6 +18,8 @@ use super::{Shared, viewer};
 const MOST_OF_A_REQUEST: usize = 8 << 10;
 /// How long a request may take to come, and an answer to go.
 const PATIENCE: Duration = Duration::from_secs(5);
+/// How long who is sent away may take to notice.
+const LINGER: Duration = Duration::from_millis(200);
 /// Where the WebSocket is.
 const SOCKET: &str = "/live";
 
@@ -152,7 +154,11 @@ fn open_socket(mut stream: TcpStream, request: &Request, shared: &Shared) -> io:
 
 fn answer(stream: &mut TcpStream, status: &str, text: &str) -> io::Result<()> {
     let kind = "text/plain; charset=utf-8";
-    respond(stream, status, kind, text.as_bytes(), &Request::default())
+    respond(stream, status, kind, text.as_bytes(), &Request::default())?;
+    // Closed with something unread the answer would be lost on its way.
+    stream.shutdown(Shutdown::Write)?;
+    stream.set_read_timeout(Some(LINGER))?;
+    stream.read(&mut [0; MOST_OF_A_REQUEST]).map(drop)
 }
 
 /// The page may load what is here, and connect to where it came from; nothing else.

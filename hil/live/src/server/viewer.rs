@@ -95,7 +95,8 @@ impl Viewer {
         self.seen.missed += part.missed;
         self.seen.samples += part.samples.len() as u64;
         let mut messages = Vec::new();
-        if !part.samples.is_empty() {
+        // What was missed is said, even where nothing has come after it.
+        if !part.samples.is_empty() || part.missed > 0 {
             messages.push(binary(frame::of_samples(&part.samples, self.seen.missed)));
         }
         if !part.cycles.is_empty() {
