@@ -77,8 +77,8 @@ export class Charts {
     const first = samples.length ? samples.column("time_s")[0] : 0;
     const range = view.range(first, store.lastTime);
     this.ranges.time = range;
-    const lastCycle = cycles.after(view.end(store.lastTime));
-    const numbers = cycles.column("cycle").subarray(0, lastCycle);
+    const steady = store.steadyCycles(view.end(store.lastTime));
+    const numbers = pick(cycles.column("cycle"), steady);
     this.ranges.cycle = view.cycleZoom ?? [
       numbers.length ? numbers[0] - 0.5 : 0,
       Math.max(numbers.length ? numbers[numbers.length - 1] + 0.5 : 0, (numbers[0] ?? 0) + 5),
@@ -86,12 +86,11 @@ export class Charts {
     for (const [name, figure] of Object.entries(FIGURES)) {
       const plot = this.plots[name];
       if (figure.kind === "time") {
-        plot.setData(this.#timeData(samples, figure, range, plot.bbox.width));
+        plot.setData(this.#timeData(samples, figure, range, 2 * plot.bbox.width));
       } else if (figure.kind === "cycle") {
-        plot.setData(cycleData(cycles, figure, lastCycle, this.ranges.cycle, plot.bbox.width));
+        plot.setData(cycleData(cycles, figure, steady, this.ranges.cycle, 2 * plot.bbox.width));
       } else {
-        const frequency = lastCycle ? cycles.column("frequency_Hz")[lastCycle - 1] : 0;
-        const rows = samples.range(view.loopRange(range, frequency));
+        const rows = samples.range(view.loopRange(range, store.loopEnd(range[1])));
         const data = loopData(samples, rows);
         const [, [displacement, force], [, law]] = data;
         this.ranges.loop = view.loopZoom ?? { x: extent([displacement]), y: extent([force, law]) };
@@ -115,11 +114,12 @@ export class Charts {
 
   #overX(figure, theme, place) {
     const isTime = figure.kind === "time";
-    const series = Object.keys(figure.columns).map((source) => ({
+    const series = Object.keys(figure.columns).map((source, number) => ({
       ...line(theme, source),
       label: figure.label ?? source,
       value: withUnit(figure.unit),
-      points: { show: !isTime, size: 5, stroke: theme[source], fill: theme[source] },
+      // The second line is dashed and without points, so that the first one is seen where they agree.
+      points: { show: !isTime && number === 0, size: 5, stroke: theme[source], fill: theme[source] },
     }));
     return {
       ...sizeOf(place),
@@ -197,21 +197,17 @@ function selectedX(u) {
   return [u.posToVal(u.select.left, "x"), u.posToVal(u.select.left + u.select.width, "x")];
 }
 
-function cycleData(cycles, figure, count, range, pixels) {
-  const names = Object.values(figure.columns);
-  const columns = names.map((name) => cycles.column(name).subarray(0, count));
-  const numbers = cycles.column("cycle");
-  let from = 0;
-  let to = count;
-  while (from < to && numbers[from] < range[0]) {
-    from++;
-  }
-  while (to > from && numbers[to - 1] > range[1]) {
-    to--;
-  }
-  const rows = select(columns, Math.max(0, from - 1), Math.min(count, to + 1), Math.max(1, Math.round(pixels)));
+/** Of the steady cycles: in a ramp stiffness and loss factor are not those of an amplitude. */
+function cycleData(cycles, figure, steady, [low, high], points) {
+  const number = cycles.column("cycle");
+  // One beyond each end, so that lines go on to the edge.
+  const isShown = (at) => at >= 0 && at < steady.length && number[steady[at]] >= low && number[steady[at]] <= high;
+  const shown = steady.filter((_, at) => isShown(at - 1) || isShown(at) || isShown(at + 1));
+  const columns = Object.values(figure.columns).map((name) => pick(cycles.column(name), shown));
+  const rows = select(columns, 0, shown.length, Math.max(1, Math.round(points)));
   const factor = figure.factor ?? 1;
-  return [pick(numbers, rows), ...columns.map((column) => pick(column, rows).map((value) => factor * value))];
+  const numbers = pick(pick(number, shown), rows);
+  return [numbers, ...columns.map((column) => pick(column, rows).map((value) => factor * value))];
 }
 
 function sizeOf(place) {

@@ -19,21 +19,39 @@ function cell(name, value) {
   return String(name === "time_s" ? Number(value.toFixed(7)) : Number(value.toPrecision(8)));
 }
 
-/** The charts of `figures`, each below its caption, as a picture. */
-export function picture(figures, { surface, text }, title) {
+/** The charts of `figures`, each below its caption, as a picture with a key. */
+export function picture(figures, { surface, text, measured, law }, title) {
   const scale = devicePixelRatio || 1;
   const outside = document.getElementById("charts").getBoundingClientRect();
   const head = 32;
+  const margin = 12;
   const canvas = document.createElement("canvas");
-  canvas.width = Math.round(outside.width * scale);
+  canvas.width = Math.round((outside.width + 2 * margin) * scale);
   canvas.height = Math.round((outside.height + head) * scale);
   const context = canvas.getContext("2d");
   context.scale(scale, scale);
   context.fillStyle = surface;
-  context.fillRect(0, 0, outside.width, outside.height + head);
+  context.fillRect(0, 0, outside.width + 2 * margin, outside.height + head);
+  context.translate(margin, 0);
   context.fillStyle = text;
   context.font = "600 15px system-ui, sans-serif";
-  context.fillText(title, 12, 22);
+  context.fillText(title, 0, 20);
+  context.font = "13px system-ui, sans-serif";
+  let left = outside.width - 180;
+  for (const [name, colour, dash] of [
+    ["measured", measured, []],
+    ["law", law, [6, 4]],
+  ]) {
+    context.strokeStyle = colour;
+    context.lineWidth = 2;
+    context.setLineDash(dash);
+    context.beginPath();
+    context.moveTo(left, 15);
+    context.lineTo(left + 24, 15);
+    context.stroke();
+    context.fillText(name, left + 30, 20);
+    left += 110;
+  }
   for (const figure of figures) {
     const caption = figure.querySelector("figcaption");
     const place = caption.getBoundingClientRect();

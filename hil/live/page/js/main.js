@@ -238,8 +238,8 @@ function set(id, text) {
 
 function showValues() {
   const { cycles } = store;
-  const last = cycles.after(view.end(store.lastTime)) - 1;
-  const of = (name) => (last < 0 ? NaN : cycles.column(name)[last]);
+  const last = store.steadyCycles(view.end(store.lastTime)).at(-1);
+  const of = (name) => (last === undefined ? NaN : cycles.column(name)[last]);
   const withLaw = (measured, law) => {
     set(`value-${measured}`, number(of(VALUES[measured])));
     set(`law-${measured}`, number(of(law)));
@@ -248,7 +248,7 @@ function showValues() {
   withLaw("loss-factor", "law_loss_factor");
   set("value-error", percent(of("law_error")));
   set("value-time", seconds(view.end(store.lastTime)));
-  set("value-cycle", last < 0 ? "–" : String(of("cycle")));
+  set("value-cycle", last === undefined ? "–" : String(of("cycle")));
   set("value-temperature", number(of("temperature_degC"), 3));
 }
 

@@ -120,6 +120,29 @@ export class Store {
     }
   }
 
+  /** Rows of the cycles that ended until `time` and are in no ramp. */
+  steadyCycles(time) {
+    const ramp = this.cycles.column("ramp");
+    const rows = Uint32Array.from({ length: this.cycles.after(time) }, (_, row) => row);
+    return rows.filter((row) => !ramp[row]);
+  }
+
+  /**
+   * Where the loop ends that is shown at `time`, s, and the frequency there, Hz, which is 0 before the first cycle: in a test that is over
+   * that is the last steady cycle, as the ramp at the end shows nothing.
+   */
+  loopEnd(time) {
+    const last = this.cycles.after(time) - 1;
+    if (last < 0) {
+      return { end: time, frequency: 0 };
+    }
+    const steady = this.isOver ? this.steadyCycles(time).at(-1) : undefined;
+    return {
+      end: steady === undefined ? time : this.cycles.column("time_s")[steady],
+      frequency: this.cycles.column("frequency_Hz")[steady ?? last],
+    };
+  }
+
   /** Of the last sample, s. */
   get lastTime() {
     return this.samples.last("time_s") ?? 0;

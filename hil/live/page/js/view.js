@@ -55,13 +55,13 @@ export class View {
     return [start, Math.max(end, start + SHORTEST)];
   }
 
-  /** The part of `range` that the loop shows: the last cycles, or all of what was zoomed to. */
-  loopRange(range, frequency) {
+  /** The part of `range` that the loop shows: the cycles before `end`, or all of what was zoomed to. */
+  loopRange(range, { end, frequency }) {
     if (this.zoom) {
       return range;
     }
     const length = frequency > 0 ? LOOP_CYCLES / frequency : LOOP_SECONDS;
-    return [Math.max(range[0], range[1] - length), range[1]];
+    return [Math.max(range[0], end - length), end];
   }
 
   /** Zooms into the middle of `range` by `factor`, or out where it is above 1. */

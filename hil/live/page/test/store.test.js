@@ -40,6 +40,23 @@ test("a range has the rows within it, its ends included", () => {
   assert.deepEqual(columns.range([200, 300]), [100, 100]);
 });
 
+test("ramps are left out, and a test that is over ends with its last steady loop", () => {
+  const store = new Store();
+  const { cycles } = store;
+  const rows = 4;
+  const columns = Object.fromEntries(cycles.names.map((name) => [name, new Float32Array(rows)]));
+  columns.time_s = Float64Array.of(1, 2, 3, 4);
+  columns.ramp.set([1, 0, 0, 1]);
+  columns.frequency_Hz.fill(5);
+  assert.deepEqual(store.loopEnd(9), { end: 9, frequency: 0 });
+  cycles.append(columns, rows);
+  assert.deepEqual([...store.steadyCycles(9)], [1, 2]);
+  assert.deepEqual([...store.steadyCycles(2.5)], [1]);
+  assert.deepEqual(store.loopEnd(4.5), { end: 4.5, frequency: 5 });
+  store.state = { state: "finished" };
+  assert.deepEqual(store.loopEnd(4.5), { end: 3, frequency: 5 });
+});
+
 test("events are bounded too", () => {
   const store = new Store();
   for (let event = 0; event < 3000; event++) {

@@ -25,7 +25,7 @@ test("a zoom stays where it is until it is reset", () => {
   const view = new View();
   view.zoom = [1, 2];
   assert.deepEqual(view.range(0, 90), [1, 2]);
-  assert.deepEqual(view.loopRange([1, 2], 5), [1, 2]);
+  assert.deepEqual(view.loopRange([1, 2], { end: 2, frequency: 5 }), [1, 2]);
   view.scale([1, 2], 0.5);
   assert.deepEqual(view.zoom, [1.25, 1.75]);
   view.move([1, 2], 0.25);
@@ -45,8 +45,8 @@ test("a zoom never becomes nothing", () => {
 });
 
 test("the loop shows the last two cycles", () => {
-  assert.deepEqual(new View().loopRange([0, 10], 4), [9.5, 10]);
-  assert.deepEqual(new View().loopRange([0, 10], 0), [8, 10]);
+  assert.deepEqual(new View().loopRange([0, 10], { end: 10, frequency: 4 }), [9.5, 10]);
+  assert.deepEqual(new View().loopRange([0, 10], { end: 10, frequency: 0 }), [8, 10]);
 });
 
 test("numbers have the digits that say something", () => {

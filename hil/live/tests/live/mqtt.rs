@@ -12,7 +12,7 @@ use serde_json::Value;
 use crate::common::has;
 
 /// Nothing here takes so long; a test that would hang ends.
-const PATIENCE: Duration = Duration::from_secs(60);
+pub const PATIENCE: Duration = Duration::from_secs(60);
 
 /// Where Debian puts it, which is not on everybody's path.
 const MOSQUITTO: &str = "/usr/sbin/mosquitto";
