@@ -22,7 +22,7 @@ pub struct Decimator {
 }
 
 impl Decimator {
-    /// With buckets of `length` samples; a length of 0 counts as 1. Up to two samples a bucket everything is kept.
+    /// With buckets of `length` samples; a length of 0 counts as 1, with which everything is kept.
     pub fn new(length: usize) -> Self {
         let length = length.max(1);
         Self {

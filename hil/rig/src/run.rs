@@ -346,3 +346,61 @@ fn run_to_its_end<S: DamperForce + Clone>(
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use mesh_damper::effects::{AugmentedLaw, Effect, StickSlip};
+    use mesh_damper::sine::{Block, Programme};
+
+    use super::*;
+    use crate::specimen::Specimen;
+
+    /// All that is told.
+    #[derive(Default)]
+    struct Told {
+        samples: Samples,
+        cycles: Vec<CycleReport>,
+        events: Vec<(f64, Event)>,
+    }
+
+    impl Watch for &mut Told {
+        fn tick(&mut self, telemetry: &Telemetry, time: f64, temperature: f64) {
+            self.samples.push(telemetry, time, temperature);
+        }
+
+        fn cycle(&mut self, report: &CycleReport, _: f64) {
+            self.cycles.push(*report);
+        }
+
+        fn event(&mut self, event: &Event, time: f64) {
+            self.events.push((time, *event));
+        }
+
+        fn see(&mut self, _: f64, _: &Samples) -> Result<(), InputError> {
+            Ok(())
+        }
+    }
+
+    /// Who watches is told of every tick, however few are recorded, and of every cycle and event.
+    #[test]
+    fn who_watches_is_told_of_all_of_it() {
+        // Far from its law, which the monitor names.
+        let specimen = Specimen::of_density(3.0, 0.1);
+        let law = Law::new(20.0, 0.0, 0.1, 0.5).unwrap();
+        let slip = Effect::StickSlip(StickSlip::new(&[(5.0, 2e-3)]).unwrap());
+        let law: AugmentedLaw<f32, 1> = AugmentedLaw::new(law).with(slip).unwrap();
+        let programme = Programme::<1>::new(10_000.0, 1).unwrap();
+        let programme = programme.with(Block::sine(0.1, 20.0, 12).unwrap()).unwrap();
+        let mut setup = RigSetup::new(specimen, law, programme, 1);
+        setup.record_every = 1;
+        let whole = run_rig(setup.clone(), |_| {}).unwrap();
+        setup.record_every = 7;
+        let mut told = Told::default();
+        let run = run_rig(setup, &mut told).unwrap();
+        assert_eq!(told.samples, whole.samples);
+        assert_eq!(told.samples.len() as u64, run.ticks);
+        assert!(run.cycles.len() >= 12 && !run.events.is_empty());
+        assert_eq!(told.cycles, run.cycles);
+        assert_eq!(told.events, run.events);
+    }
+}

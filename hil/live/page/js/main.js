@@ -63,7 +63,7 @@ function begin(message) {
   const every = message.bucket_samples;
   const rate = `${number(about.sample_rate_Hz)} samples a second`;
   element("decimation").textContent =
-    every > 2 ? `${rate}; of every ${every} those are kept at which a channel is smallest or largest` : `${rate}, all kept`;
+    every > 1 ? `${rate}; of every ${every} those are kept at which a channel is smallest or largest` : `${rate}, all kept`;
 }
 
 function showEvent(event) {

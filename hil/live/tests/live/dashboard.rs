@@ -4,14 +4,17 @@ use std::collections::{BTreeMap, BTreeSet};
 
 use serde_json::Value;
 
-use crate::mqtt::{Mosquitto, PATIENCE, run, start};
+use crate::broker::{Mosquitto, PATIENCE};
+use crate::mqtt::{run, start};
 
 const FLOW: &str = include_str!("../../dashboard/node-red.json");
 
 /// Fields of a message that a node reads: `payload.stiffness_kN_per_mm` and the like, or the columns of a table.
 fn fields_of(node: &Value) -> Vec<String> {
     let rules = node["rules"].as_array().into_iter().flatten();
-    let read = rules.filter(|rule| rule["tot"] == "msg").map(|rule| &rule["to"]);
+    let read = rules
+        .filter(|rule| rule["tot"] == "msg")
+        .map(|rule| &rule["to"]);
     let columns = node["columns"].as_array().into_iter().flatten();
     let paths = read.chain([&node["property"]]).filter_map(Value::as_str);
     let mut fields: Vec<String> = paths
@@ -57,9 +60,7 @@ fn the_flow_reads_what_is_published() {
         return;
     };
     let mut publisher = start(broker.port(), "/rig-7");
-    publisher
-        .wait_until_connected(PATIENCE)
-        .unwrap();
+    publisher.wait_until_connected(PATIENCE).unwrap();
     let mut heard = broker.subscribe(None);
     heard.until("waiting");
     run(&mut publisher);

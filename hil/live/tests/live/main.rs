@@ -1,5 +1,6 @@
 //! The live page and the publisher from outside.
 
+mod broker;
 mod common;
 mod dashboard;
 mod mqtt;
