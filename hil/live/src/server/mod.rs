@@ -22,6 +22,8 @@ use crate::values::{About, CycleResult, Event, Listener, Sample, State};
 const BUCKETS_PER_SECOND: f64 = 500.0;
 /// Connections at a time; who comes beyond them is sent away.
 const MOST_CONNECTIONS: usize = 32;
+/// From a connection that could not be taken to the next try.
+const AFTER_AN_ERROR: Duration = Duration::from_millis(50);
 /// How long a page may take to say goodbye once it was asked to.
 const GOODBYE: Duration = Duration::from_secs(1);
 
@@ -218,7 +220,11 @@ fn accept(listener: &TcpListener, shared: &Arc<Shared>) {
         if shared.ended.load(SeqCst) {
             return;
         }
-        let Ok(stream) = stream else { continue };
+        let Ok(stream) = stream else {
+            // Too many files are open, for example: that does not pass sooner by asking at once.
+            std::thread::sleep(AFTER_AN_ERROR);
+            continue;
+        };
         if shared.connections.fetch_add(1, SeqCst) >= MOST_CONNECTIONS {
             shared.connections.fetch_sub(1, SeqCst);
             continue;

@@ -343,8 +343,8 @@ fn who_is_slow_misses_samples_and_is_told_how_many() {
     let (mut page, place) = page(rate, limits);
     let mut socket = connect(place);
     assert!(page.wait_for_viewer(PATIENCE));
-    // 100 MB: more than the buffers of a connection take. Nothing is read meanwhile.
-    let ticks = 5_000_000;
+    // 32 MB: more than the buffers of a connection take. Nothing is read meanwhile.
+    let ticks = 2_000_000;
     (0..ticks).for_each(|tick| page.sample(&sine(tick, rate)));
     page.state(&State::Finished { time: 1.0 });
     let reader = std::thread::spawn(move || Received::all(&mut socket));
