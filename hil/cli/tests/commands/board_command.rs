@@ -74,7 +74,14 @@ fn a_test_is_recorded_and_a_law_is_put_onto_the_rig_that_runs() {
 
     // The test of a rig in this process, but for what a board's telemetry does not hold.
     hil(root, &["run", "--blocks", "0.1:20:6", "--out", "here"]);
-    let whole = ["there.csv", "--record-every", "10", "--json", "there.json"];
+    let whole = [
+        "there.csv",
+        "--record-every",
+        "10",
+        "--json",
+        "there.json",
+        "--live",
+    ];
     hil(
         root,
         &[&record[..], &whole, &blocks, &["0.1:20:6"]].concat(),
@@ -82,6 +89,8 @@ fn a_test_is_recorded_and_a_law_is_put_onto_the_rig_that_runs() {
     let there = json(&root.join("there.json"));
     assert_eq!(there["lost"]["rows"], 0);
     assert_eq!(there["late_ticks"], 0);
+    let page = there["live"]["address"].as_str().unwrap();
+    assert!(page.starts_with("http://127.0.0.1:"), "{page}");
     assert_eq!(there["stopped"], Value::Null);
     let cycles = there["cycles"].as_array().unwrap();
     let rows = std::fs::read_to_string(root.join("here/cycles.csv")).unwrap();

@@ -6,7 +6,11 @@ mod bad_input_of_studies;
 mod batch_command;
 mod bench_command;
 mod board_command;
+#[path = "../../../live/tests/live/broker.rs"]
+mod broker;
 mod command;
+#[path = "../../../live/tests/live/common.rs"]
+mod common;
 mod controlled;
 mod demo_command;
 #[path = "../../../link/tests/emulated/mod.rs"]
@@ -16,6 +20,7 @@ mod export_fmu;
 mod image_command;
 mod inspect_command;
 mod interrupted_run;
+mod live_command;
 mod no_room;
 mod outputs;
 mod paper_command;

@@ -43,8 +43,18 @@ impl EventRow {
 
     /// In one line.
     pub(super) fn in_words(&self) -> String {
-        let Event { cause, or, .. } = self.event;
         let kind = if self.fault { "TripCause" } else { "Normal" };
+        format!(
+            "{kind} found {:.3} s after the start, in cycle {}: {}",
+            self.time,
+            self.cycle,
+            self.what()
+        )
+    }
+
+    /// The cause with its evidence.
+    fn what(&self) -> String {
+        let Event { cause, or, .. } = self.event;
         let (value, limit) = (self.value, self.limit);
         let percent = |what: &str| {
             format!(
@@ -81,12 +91,22 @@ impl EventRow {
             },
         };
         format!(
-            "{kind} found {:.3} s after the start, in cycle {}: {}{}; {evidence}",
-            self.time,
-            self.cycle,
+            "{}{}; {evidence}",
             named(cause),
             or.map_or_else(String::new, |or| format!(" or {}", named(or)))
         )
+    }
+
+    /// As who looks on is told of it.
+    pub(super) fn live(&self) -> mesh_damper_live::Event {
+        mesh_damper_live::Event {
+            time: self.time,
+            cycle: self.cycle,
+            cause: self.cause.clone(),
+            or: self.or.clone(),
+            fault: self.fault,
+            text: self.what(),
+        }
     }
 }
 

@@ -11,6 +11,7 @@ use mesh_damper::rig::{RigSettings, State};
 use mesh_damper::sine::Programme;
 use mesh_damper_link::lockstep::{Image, LinkError, Serial, described};
 use mesh_damper_link::own_timer::{BoardRun, Lost, RecordError, Times, record};
+use mesh_damper_live::About as LiveAbout;
 use mesh_damper_recording::error::InputError;
 use mesh_damper_recording::output::Plan;
 use mesh_damper_recording::{Recording, WriteAs};
@@ -22,9 +23,11 @@ use super::board::Port;
 use super::cycles::{CycleRow, print_blocks};
 use super::events::EventRow;
 use super::law::PublishedLaw;
+use super::live::{LiveOptions, LiveRow, MqttRow};
+use super::pace::{Pace, Speed};
 use super::pack::read_pack;
 use super::programme::{self, MOST_BLOCKS};
-use super::run::{Stop, Watched, in_words, refused, with_journal};
+use super::run::{Stop, Watched, ended, in_words, refused, with_journal};
 use super::specimen::SPECIMEN_AMPLITUDE;
 use crate::commands::progress::Progress;
 use crate::commands::reading::Reading;
@@ -110,6 +113,8 @@ pub struct RecordCommand {
     #[arg(long, value_name = "FILE")]
     json: Option<PathBuf>,
     #[command(flatten)]
+    live: LiveOptions,
+    #[command(flatten)]
     reading: Reading,
 }
 
@@ -125,6 +130,10 @@ struct Summary {
     cycles: Vec<CycleRow>,
     events: Vec<EventRow>,
     stopped: Option<Stop>,
+    /// Null without --live.
+    live: Option<LiveRow>,
+    /// Null without --mqtt.
+    mqtt: Option<MqttRow>,
 }
 
 /// What did not arrive.
@@ -151,6 +160,7 @@ impl RecordCommand {
             .writes(&self.json)
             .keeps(&partial)
             .begin()?;
+        self.live.check()?;
         self.check()?;
         let pack = match &self.pack {
             Some(path) => Some(read_pack(path)?),
@@ -178,15 +188,32 @@ impl RecordCommand {
             "recorded from the board at {}, law = {}, revision = {}",
             self.from, about.identity, about.revision
         )];
+        let most = self.duration.unwrap_or(f64::INFINITY);
+        let times = Times {
+            expected: match self.join {
+                true => most,
+                false => programme.duration().min(most),
+            },
+            most,
+        };
+        let live = self.live.start(
+            LiveAbout {
+                title: format!("hil record from {}", self.from),
+                specimen: "at the board".into(),
+                law: format!("{}, revision {}", about.identity, about.revision),
+                sample_rate: tick_rate / f64::from(self.record_every),
+                duration: Some(times.expected).filter(|expected| expected.is_finite()),
+            },
+            tick_rate,
+        )?;
         let progress = Progress::of(100);
         progress.step("recording");
         let mut watched = Watched {
             progress,
             journal: Journal::at(partial, comments.clone()).with_controls(self.control.clone()),
-        };
-        let expected = match self.join {
-            true => self.duration.unwrap_or(f64::INFINITY),
-            false => programme.duration(),
+            live,
+            // The board has a clock.
+            pace: Pace::new(Speed::Max),
         };
         let config = TelemetryConfig {
             every: self.record_every,
@@ -198,11 +225,6 @@ impl RecordCommand {
             true => Ok(()),
             false => board.start_rig(),
         };
-        let most = self.duration.unwrap_or(f64::INFINITY);
-        let times = Times {
-            expected: expected.min(most),
-            most,
-        };
         let recorded = record(
             &mut board,
             config,
@@ -211,24 +233,31 @@ impl RecordCommand {
             begin,
             &mut &mut watched,
         );
-        let Watched { progress, journal } = watched;
+        let Watched {
+            progress,
+            journal,
+            mut live,
+            ..
+        } = watched;
         drop(progress);
-        let BoardRun {
-            run,
-            lost,
-            late_ticks,
-        } = recorded.map_err(|error| {
+        // At once; what came of it is said once the recording is written.
+        let rested = match self.join || self.keep_running || recorded.is_err() {
+            true => Ok(()),
+            false => board.stop_rig().map_err(InputError::from),
+        };
+        let recorded = recorded.map_err(|error| {
             let error = match error {
                 RecordError::Link(error) => error.into(),
                 RecordError::Watch(error) => error,
             };
             with_journal(error, &journal)
-        })?;
-        // At once; what came of it is said once the recording is written.
-        let rested = match self.join || self.keep_running {
-            true => Ok(()),
-            false => board.stop_rig().map_err(InputError::from),
-        };
+        });
+        live.end(&ended(recorded.as_ref().map(|recorded| &recorded.run)));
+        let BoardRun {
+            run,
+            lost,
+            late_ticks,
+        } = recorded?;
         let stopped = run.faults.first().map(|fault| Stop::new(*fault));
         let summary = Summary {
             from: self.from.clone(),
@@ -244,6 +273,8 @@ impl RecordCommand {
             cycles: run.cycles.iter().map(CycleRow::from).collect(),
             events: run.events.iter().map(EventRow::new).collect(),
             stopped,
+            live: live.page_row(),
+            mqtt: live.mqtt_row(),
         };
         let written = self.recording(&run).map(|recording| {
             comments
@@ -265,6 +296,7 @@ impl RecordCommand {
             summary.print((!self.join).then_some(&programme));
             say(&format!("The recording is {}", self.out.display()));
         }
+        live.close();
         rested?;
         summary.stopped.map_or(Ok(()), |stop| Err(stop.failure()))
     }

@@ -4,11 +4,13 @@ use std::path::{Path, PathBuf};
 
 use clap::Args;
 use mesh_damper::effects::AugmentedLaw;
+use mesh_damper::health::Event;
 use mesh_damper::law::Law;
 use mesh_damper::operating_range::OperatingRange;
-use mesh_damper::rig::TripCause;
+use mesh_damper::rig::{CycleReport, Telemetry, TripCause};
 use mesh_damper::sine::Programme;
 use mesh_damper_link::lockstep::run_rig_on;
+use mesh_damper_live::{About, State};
 use mesh_damper_model::extrapolation::{Extrapolation, RANGE_MARGIN, percent};
 use mesh_damper_model::file::{FittedRange, ModelFile, model_error};
 use mesh_damper_model::{Control, MAX_EFFECTS, ModelError};
@@ -16,7 +18,7 @@ use mesh_damper_recording::error::InputError;
 use mesh_damper_recording::output::Plan;
 use mesh_damper_recording::{Recording, WriteAs};
 use mesh_damper_rig::specimen::{CURRENT, DamperForce as _, Specimen};
-use mesh_damper_rig::{Journal, RigSetup, Samples, SetupError, TICK_RATE, Watch, run_rig};
+use mesh_damper_rig::{Journal, RigRun, RigSetup, Samples, SetupError, TICK_RATE, Watch, run_rig};
 use serde::Serialize;
 
 use super::cycles::{CycleRow, csv_of, print_blocks};
@@ -24,7 +26,9 @@ use super::drive::{DriveOptions, Driven, Followed};
 use super::events::EventRow;
 use super::image::{Linked, LogLevel, Place};
 use super::law::PublishedLaw;
+use super::live::{Live, LiveOptions, LiveRow, MqttRow};
 use super::meant_for::{self, FirstError};
+use super::pace::{Pace, Speed};
 use super::programme::{self, MOST_BLOCKS};
 use super::specimen::{SPECIMEN_AMPLITUDE, SpecimenOptions};
 use crate::commands::progress::Progress;
@@ -41,6 +45,7 @@ use crate::commands::{Failure, say, warn};
     hil run --effect stick_slip:stiffness=1.2,slip_limit=0.03\n  \
     hil run --drawn --seed 7 --model trace-out/model.json --blocks 0.1:1-10:40 --out run-out\n  \
     hil run --drive road.csv --scale 0.5\n  \
+    hil run --live --mqtt mqtt://localhost/rig-1\n  \
     hil run --drive random:rms=0.08mm,from=0.5Hz,to=15Hz,duration=30s,seed=1\n\n\
     Exit code 1 says that the rig stopped on a limit; what it recorded until then is written.")]
 pub struct RunCommand {
@@ -97,6 +102,11 @@ pub struct RunCommand {
     #[arg(long, value_name = "FILE")]
     json: Option<PathBuf>,
     #[command(flatten)]
+    live: LiveOptions,
+    /// Seconds of the test to a second of the clock, 0.001 to 1000, or max; 1 with --live, max without
+    #[arg(long, value_name = "FACTOR", help_heading = "While it runs")]
+    speed: Option<Speed>,
+    #[command(flatten)]
     files: RecordingFiles,
 }
 
@@ -123,6 +133,10 @@ struct Summary {
     /// What the monitor named, each cause once.
     events: Vec<EventRow>,
     stopped: Option<Stop>,
+    /// Null without --live.
+    live: Option<LiveRow>,
+    /// Null without --mqtt.
+    mqtt: Option<MqttRow>,
 }
 
 /// Ticks beyond the operating range of the model by more than [`RANGE_MARGIN`].
@@ -169,6 +183,7 @@ impl RunCommand {
             .writes(&self.json)
             .keeps(Journal::path_in(&self.out))
             .begin()?;
+        self.live.check()?;
         let driven = self.drive.motion(&self.files, self.tick_rate)?;
         let programme = match (&driven, &self.programme) {
             (Some(_), _) => None,
@@ -204,6 +219,19 @@ impl RunCommand {
         warnings.iter().for_each(|warning| warn(warning));
 
         let linked = Linked::at(&self.on, self.log, self.tick_rate)?;
+        let live = self.live.start(
+            About {
+                title: format!("hil run on {}", self.on),
+                specimen: described.clone(),
+                law: self.law_in_words(),
+                sample_rate: self.tick_rate,
+                duration: Some(match &setup.drive {
+                    Some(motion) => motion.duration(),
+                    None => setup.programme.duration(),
+                }),
+            },
+            self.tick_rate,
+        )?;
         let progress = Progress::of(100);
         progress.step("running the rig");
         let mut comments = vec![
@@ -219,15 +247,27 @@ impl RunCommand {
                     .into_iter()
                     .collect(),
             ),
+            live,
+            pace: Pace::new(self.speed.unwrap_or(match self.live.has_page() {
+                true => Speed::Factor(1.0),
+                false => Speed::Max,
+            })),
         };
         let run = match linked {
             None => run_rig(setup, &mut watched),
             Some(Linked::Image(mut image)) => run_rig_on(&mut *image, setup, &mut watched),
             Some(Linked::Board(mut board)) => run_rig_on(&mut *board, setup, &mut watched),
         };
-        let Watched { progress, journal } = watched;
+        let Watched {
+            progress,
+            journal,
+            mut live,
+            ..
+        } = watched;
         drop(progress);
-        let run = run.map_err(|error| broken_off(error, &journal))?;
+        let run = run.map_err(|error| broken_off(error, &journal));
+        live.end(&ended(run.as_ref()));
+        let run = run?;
 
         let first_error = self.model.as_ref().and_then(|_| FirstError::of(&run));
         if let (Some(path), Some(error)) = (&self.model, first_error)
@@ -256,6 +296,8 @@ impl RunCommand {
             cycles: run.cycles.iter().map(CycleRow::from).collect(),
             events: run.events.iter().map(EventRow::new).collect(),
             stopped: run.faults.first().map(|fault| Stop::new(*fault)),
+            live: live.page_row(),
+            mqtt: live.mqtt_row(),
         };
         if let (Some(path), Some(outside)) = (&self.model, summary.outside_operating_range)
             && outside.ticks > 0
@@ -308,7 +350,16 @@ impl RunCommand {
             }
             say(&format!("The recording is {}", recording.display()));
         }
+        live.close();
         summary.stopped.map_or(Ok(()), |stop| Err(stop.failure()))
+    }
+
+    fn law_in_words(&self) -> String {
+        match (&self.model, self.law) {
+            (Some(path), _) => path.display().to_string(),
+            (None, PublishedLaw::Tables) => "the published tables".into(),
+            (None, PublishedLaw::Surfaces) => "the published surfaces".into(),
+        }
     }
 
     /// The test of `specimen`, of a density in g/cm³, under either `programme` or the motion that is `driven`, and the motion that the
@@ -423,16 +474,50 @@ struct Laws {
     operating_range: Option<OperatingRange<f32>>,
 }
 
-/// Shows how far a run is, and keeps what it has recorded.
+/// Shows how far a run is, keeps what it has recorded, and tells who looks on.
 pub(super) struct Watched {
     pub(super) progress: Progress,
     pub(super) journal: Journal,
+    pub(super) live: Live,
+    /// Of a rig whose time is not the clock's.
+    pub(super) pace: Pace,
 }
 
 impl Watch for &mut Watched {
+    fn tick(&mut self, telemetry: &Telemetry, time: f64, temperature: f64) {
+        self.pace.wait(time);
+        self.live.tick(telemetry, time, temperature);
+    }
+
+    fn cycle(&mut self, report: &CycleReport, time: f64) {
+        self.live.cycle(report, time);
+    }
+
+    fn event(&mut self, event: &Event, time: f64) {
+        self.live.event(event, time);
+    }
+
     fn see(&mut self, part: f64, samples: &Samples) -> Result<(), InputError> {
         self.progress.done((100.0 * part) as u64);
         self.journal.write(samples)
+    }
+}
+
+/// How a run has ended, for who looks on.
+pub(super) fn ended(run: Result<&RigRun, &InputError>) -> State {
+    match run {
+        Ok(run) => match run.faults.first() {
+            Some(&(time, fault)) => State::Stopped {
+                time,
+                cause: in_words(fault).to_owned(),
+            },
+            None => State::Finished {
+                time: run.samples.time.last().copied().unwrap_or_default(),
+            },
+        },
+        Err(error) => State::BrokenOff {
+            cause: error.to_string(),
+        },
     }
 }
 
