@@ -3,11 +3,13 @@
 use std::sync::Arc;
 
 use mesh_damper_identify::base_law::BaseLaw;
+use mesh_damper_identify::trace::result::TraceResult;
 use mesh_damper_identify::trace::{Sought, trace_for};
 use mesh_damper_model::Family;
 use mesh_damper_model::file::ModelFile;
 use mesh_damper_recording as recording;
 use mesh_damper_recording::error::InputError;
+use mesh_damper_recording::output::Labelled;
 use mesh_damper_report::{self as report, ReportData, declared};
 use numpy::{IntoPyArray as _, PyArray1};
 use pyo3::prelude::*;
@@ -29,7 +31,7 @@ pub struct Trace {
 impl Trace {
     /// The contents of trace.json.
     fn to_json(&self) -> PyResult<String> {
-        json(&self.report.result)
+        json(&Labelled::new(TraceResult::LABEL, &self.report.result))
     }
 
     /// The contents of model.json, as a model.

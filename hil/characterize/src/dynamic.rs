@@ -25,6 +25,7 @@ const NO_SINE: f64 = 0.02;
 
 /// One cycle.
 #[derive(Clone, Debug, PartialEq, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct DynamicCycle {
     /// Where it begins, s.
     pub time: f64,
@@ -39,6 +40,7 @@ pub struct DynamicCycle {
 
 /// Eqs 3–7 of one cycle, measured or averaged.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Figures {
     /// X0, mm.
     pub amplitude: f64,
@@ -60,6 +62,7 @@ pub struct Figures {
 
 /// Consecutive cycles of like amplitude and frequency.
 #[derive(Clone, Debug, PartialEq, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct DynamicBlock {
     /// Its cycles in order.
     pub cycles: Vec<DynamicCycle>,
@@ -81,6 +84,7 @@ pub struct DynamicBlock {
 
 /// A recording of cycles.
 #[derive(Clone, Debug, PartialEq, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct DynamicTest {
     /// In order.
     pub blocks: Vec<DynamicBlock>,

@@ -28,6 +28,7 @@ use serde::Serialize;
 
 /// The mean of a figure over cycles, and how far they scatter.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Spread {
     /// Over the cycles.
     pub mean: f64,

@@ -25,6 +25,7 @@ const LINE_POINTS: usize = 101;
 
 /// One load–unload cycle.
 #[derive(Clone, Debug, PartialEq, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct StaticCycle {
     /// When its loading begins, turns and its unloading ends, s.
     pub times: [f64; 3],
@@ -54,6 +55,7 @@ pub struct StaticCycle {
 
 /// A quasistatic recording.
 #[derive(Clone, Debug, PartialEq, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct StaticTest {
     /// The whole cycles in order.
     pub cycles: Vec<StaticCycle>,

@@ -18,6 +18,7 @@ use zip::{CompressionMethod, DateTime, ZipWriter};
 
 /// What an FMU is known by, and where it runs.
 #[derive(Clone, Debug, PartialEq, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Unit {
     /// Of model, settings and library.
     pub guid: String,
@@ -114,7 +115,8 @@ pub fn libraries(named: &[PathBuf], folders: &[PathBuf]) -> Result<Vec<Library>,
     Ok(all)
 }
 
-fn file_name() -> String {
+/// What the library for this platform is called.
+pub fn file_name() -> String {
     use std::env::consts::{DLL_PREFIX, DLL_SUFFIX};
     format!("{DLL_PREFIX}{IDENTIFIER}{DLL_SUFFIX}")
 }

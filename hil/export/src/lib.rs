@@ -36,6 +36,7 @@ use fmu::Unit;
 
 /// What a model becomes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[cfg_attr(feature = "clap", derive(clap::ValueEnum))]
 #[serde(rename_all = "snake_case")]
 pub enum Format {
@@ -106,6 +107,7 @@ pub struct Exported {
 
 /// What was written.
 #[derive(Clone, Debug, PartialEq, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Summary {
     /// What the model became.
     pub format: Format,
@@ -119,13 +121,13 @@ pub struct Summary {
     pub identity: String,
     /// Of this export.
     pub revision: u32,
-    /// Hz
+    /// For which the law is, Hz
     pub tick_rate: f32,
-    /// mm and mm/s
+    /// In which the model was fitted; null of one that does not say
     pub operating_range: Option<Range>,
-    /// mm
+    /// At which the coefficients were taken, mm; null where they are the same at all
     pub amplitude: Option<f32>,
-    /// g/cm³
+    /// Of the specimen, g/cm³; null where it was not given
     pub density: Option<f32>,
     /// Whether the law gives no more energy than it takes, within the operating range
     pub passive: bool,
@@ -136,6 +138,7 @@ pub struct Summary {
 
 /// A file that was written.
 #[derive(Clone, Debug, PartialEq, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Written {
     /// Where.
     pub path: PathBuf,
@@ -145,6 +148,7 @@ pub struct Written {
 
 /// The motion that a model was fitted on.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Range {
     /// Least and largest, mm.
     pub displacement: [f32; 2],

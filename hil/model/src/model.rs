@@ -22,6 +22,7 @@ pub const MAX_EFFECTS: usize = 8;
 
 /// The coefficients of eq 13 at one amplitude.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields)]
 pub struct LawNode {
     /// mm. The only node of a law that does not depend on amplitude has 0.
@@ -32,12 +33,13 @@ pub struct LawNode {
     pub k3: f64,
     /// kN·(s/mm)^α
     pub c: f64,
-    /// α
+    /// α, the exponent of the velocity.
     pub alpha: f64,
 }
 
 /// One effect beside eq 13.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields)]
 pub struct AddedEffect {
     /// What kind it is.
@@ -88,6 +90,7 @@ pub struct Model {
 
 /// A control input that effects of a model see.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields)]
 pub struct Control {
     /// Name of its column in a recording, with the unit: `current_A`.

@@ -4,6 +4,7 @@ use serde::Serialize;
 
 /// A unit of a recording's file.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Unit {
     /// As the column's name carries it, after the underscore.
     pub symbol: &'static str,
@@ -105,6 +106,7 @@ pub const TEMPERATURE: &[Unit] = &[
 
 /// The units of a recording as its file has them.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Units {
     /// One of [`TIME`].
     pub time: Unit,

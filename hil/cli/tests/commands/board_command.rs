@@ -9,6 +9,7 @@ use serde_json::Value;
 
 use crate::command::hil;
 use crate::emulated;
+use crate::schema_command::is_as_its_schema_says;
 
 /// `hil emulate`, until it is dropped.
 struct Emulate(Child);
@@ -31,6 +32,7 @@ impl Emulate {
             .unwrap();
         assert!(said.starts_with("The board is at /dev/"), "{said}");
         let board = json(&directory.join("board.json"));
+        is_as_its_schema_says("emulate", &board);
         let port = format!("serial:{}", board["port"].as_str().unwrap());
         Some((Self(process), port, board["force_range_kn"].to_string()))
     }
@@ -87,6 +89,7 @@ fn a_test_is_recorded_and_a_law_is_put_onto_the_rig_that_runs() {
         &[&record[..], &whole, &blocks, &["0.1:20:6"]].concat(),
     );
     let there = json(&root.join("there.json"));
+    is_as_its_schema_says("record", &there);
     assert_eq!(there["lost"]["rows"], 0);
     assert_eq!(there["late_ticks"], 0);
     let page = there["live"]["address"].as_str().unwrap();
@@ -132,6 +135,7 @@ fn a_test_is_recorded_and_a_law_is_put_onto_the_rig_that_runs() {
     ];
     hil(root, &upload);
     let uploaded = json(&root.join("upload.json"));
+    is_as_its_schema_says("upload", &uploaded);
     assert_eq!(uploaded["in_force"], true);
     assert_eq!(uploaded["late_ticks"], 0);
     let join = [

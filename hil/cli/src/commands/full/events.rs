@@ -1,12 +1,13 @@
 //! What the rig's monitor named, as rows of JSON and in words.
 
 use mesh_damper::health::{Channel, Event, HealthCause, Statistic};
+use schemars::JsonSchema;
 use serde::Serialize;
 
 /// One event with its evidence.
-#[derive(Clone, Debug, Serialize)]
+#[derive(Clone, Debug, JsonSchema, Serialize)]
 pub(super) struct EventRow {
-    /// s since the start.
+    /// Since the start, s.
     time: f64,
     /// Cycles completed since the start.
     cycle: u32,
@@ -20,7 +21,7 @@ pub(super) struct EventRow {
     statistic: String,
     /// By how much; a sample as it was. As a part, in mm or in kN, as the statistic says.
     value: f32,
-    /// What it may be.
+    /// What it may be, in the same unit.
     limit: f32,
     #[serde(skip)]
     event: Event,

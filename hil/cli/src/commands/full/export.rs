@@ -7,6 +7,8 @@ use mesh_damper_export::{Exported, Format, Request, fmu};
 use mesh_damper_model::file::ModelFile;
 use mesh_damper_recording::output::Plan;
 
+use super::fmu_library;
+use crate::commands::document::AddDocument as _;
 use crate::commands::reading::Reading;
 use crate::commands::{Failure, say, warn};
 
@@ -61,6 +63,10 @@ pub struct ExportCommand {
 
 impl ExportCommand {
     pub fn run(self) -> Result<(), Failure> {
+        let folders = match (self.format, self.library.first()) {
+            (Format::Fmu, None) => fmu_library::folders()?,
+            _ => fmu::beside_this_program(),
+        };
         let request = Request {
             name: self.name,
             revision: self.revision,
@@ -68,7 +74,7 @@ impl ExportCommand {
             density: self.density,
             allow_active: self.allow_active,
             libraries: self.library,
-            folders: fmu::beside_this_program(),
+            folders,
             ..Request::new(self.model, self.format, self.tick_rate, self.out)
         };
         let paths = request.paths()?;
@@ -86,7 +92,7 @@ impl ExportCommand {
             warnings,
         } = request.export(&file)?;
         if let Some(json) = &self.json {
-            outputs.add_json(json, &summary)?;
+            outputs.add_document(json, &summary)?;
         }
         for (path, bytes) in files {
             outputs.add(path, bytes);

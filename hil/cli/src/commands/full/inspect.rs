@@ -9,9 +9,11 @@ use mesh_damper_recording::error::InputError;
 use mesh_damper_recording::faults::{Channel, ChannelFaultKind};
 use mesh_damper_recording::files::{self, Column, Kept, Reading, Table, Wanted};
 use mesh_damper_recording::output::Plan;
+use schemars::JsonSchema;
 use serde::Serialize;
 
 use super::inspect_words as words;
+use crate::commands::document::AddDocument as _;
 use crate::commands::reading::{RecordingFiles, shell};
 use crate::commands::{Failure, say};
 
@@ -34,15 +36,15 @@ pub struct InspectCommand {
     files: RecordingFiles,
 }
 
-#[derive(Serialize)]
-struct Report<'a> {
-    format: &'static str,
-    version: u32,
+/// What files hold, and what they are taken for.
+#[derive(JsonSchema, Serialize)]
+pub(in crate::commands) struct Report<'a> {
+    /// File by file.
     files: &'a [Inspected],
 }
 
 /// What a file holds.
-#[derive(Debug, Serialize)]
+#[derive(Debug, JsonSchema, Serialize)]
 pub struct Inspected {
     /// As it was named.
     pub file: PathBuf,
@@ -61,7 +63,7 @@ pub struct Inspected {
 }
 
 /// A table of a file.
-#[derive(Debug, Serialize)]
+#[derive(Debug, JsonSchema, Serialize)]
 pub struct InspectedTable {
     /// Its name; empty where it has none.
     pub name: String,
@@ -74,7 +76,7 @@ pub struct InspectedTable {
 }
 
 /// A column of a table.
-#[derive(Debug, Serialize)]
+#[derive(Debug, JsonSchema, Serialize)]
 pub struct InspectedColumn {
     /// As the file has it.
     pub name: String,
@@ -93,7 +95,7 @@ pub struct InspectedColumn {
 }
 
 /// What a recording is like.
-#[derive(Debug, Serialize)]
+#[derive(Debug, JsonSchema, Serialize)]
 pub struct InspectedRecording {
     /// Samples that are read.
     pub samples: usize,
@@ -132,12 +134,8 @@ impl InspectCommand {
             }
         }
         if let Some(json) = &self.json {
-            let report = Report {
-                format: "mesh-damper inspect",
-                version: 1,
-                files: &inspected,
-            };
-            outputs.add_json(json, &report)?;
+            let report = Report { files: &inspected };
+            outputs.add_document(json, &report)?;
         }
         if self.json.as_deref() != Some(Path::new("-")) {
             inspected.iter().for_each(|file| say(&words::of(file)));

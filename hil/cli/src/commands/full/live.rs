@@ -9,6 +9,7 @@ use mesh_damper_live::{
     About, Broker, CycleResult, Limits, Listener, LivePage, MqttPublisher, Sample, State,
 };
 use mesh_damper_recording::error::InputError;
+use schemars::JsonSchema;
 use serde::Serialize;
 
 use super::events::EventRow;
@@ -132,7 +133,7 @@ pub(super) struct Live {
 }
 
 /// Of the page, as JSON.
-#[derive(Serialize)]
+#[derive(JsonSchema, Serialize)]
 pub(super) struct LiveRow {
     address: String,
     /// Pages that were opened until the test's end.
@@ -140,7 +141,7 @@ pub(super) struct LiveRow {
 }
 
 /// Of the broker, as JSON.
-#[derive(Clone, Serialize)]
+#[derive(Clone, JsonSchema, Serialize)]
 pub(super) struct MqttRow {
     broker: String,
     /// Messages that the broker has.

@@ -8,6 +8,7 @@ mod blind;
 mod board;
 mod characterize;
 mod compare;
+mod completions;
 mod controls;
 mod cycles;
 mod design;
@@ -18,9 +19,11 @@ mod events;
 mod export;
 mod faults;
 mod faults_attacks;
+mod fmu_library;
 mod image;
 mod inspect;
 mod inspect_words;
+mod junit;
 mod law;
 mod live;
 mod meant_for;
@@ -36,6 +39,8 @@ mod record;
 mod respond;
 mod respond_sweep;
 mod run;
+mod run_checks;
+mod schema;
 mod specimen;
 mod stop;
 mod study;
@@ -70,6 +75,9 @@ pub enum Command {
     Paper(paper::PaperCommand),
     Faults(faults::FaultsCommand),
     Study(study::StudyCommand),
+    Schema(schema::SchemaCommand),
+    Completions(completions::CompletionsCommand),
+    Man(completions::ManCommand),
 }
 
 impl Command {
@@ -96,6 +104,9 @@ impl Command {
             Self::Paper(command) => command.run(),
             Self::Faults(command) => command.run(),
             Self::Study(command) => command.run(),
+            Self::Schema(command) => command.run(),
+            Self::Completions(command) => command.run(),
+            Self::Man(command) => command.run(),
         }
     }
 }

@@ -17,6 +17,7 @@ use mesh_damper_recording::output::Plan;
 use mesh_damper_recording::{Recording, WriteAs};
 use mesh_damper_rig::specimen::Specimen;
 use mesh_damper_rig::{Journal, RigSetup, SetupError, TICK_RATE};
+use schemars::JsonSchema;
 use serde::Serialize;
 
 use super::board::Port;
@@ -29,6 +30,7 @@ use super::pack::read_pack;
 use super::programme::{self, MOST_BLOCKS};
 use super::run::{Stop, Watched, ended, in_words, refused, with_journal};
 use super::specimen::SPECIMEN_AMPLITUDE;
+use crate::commands::document::AddDocument as _;
 use crate::commands::progress::Progress;
 use crate::commands::reading::Reading;
 use crate::commands::{Failure, say, warn};
@@ -118,17 +120,26 @@ pub struct RecordCommand {
     reading: Reading,
 }
 
-/// What a recording came to.
-#[derive(Serialize)]
-struct Summary {
+/// A test that a board ran on its own timer.
+#[derive(JsonSchema, Serialize)]
+pub(in crate::commands) struct Summary {
+    /// The board, as `serial:PORT`.
     from: Port,
+    /// Ticks a second of the rig, Hz.
     tick_rate: f64,
+    /// Ticks from the first row to the last.
     ticks: u64,
+    /// Rows recorded.
     rows: usize,
+    /// What the board sent and did not arrive.
     lost: LostRow,
+    /// Ticks that came too late.
     late_ticks: u32,
+    /// Cycle by cycle.
     cycles: Vec<CycleRow>,
+    /// What the monitor named.
     events: Vec<EventRow>,
+    /// Where the rig stopped before its end; null where it did not.
     stopped: Option<Stop>,
     /// Null without --live.
     live: Option<LiveRow>,
@@ -137,10 +148,13 @@ struct Summary {
 }
 
 /// What did not arrive.
-#[derive(Serialize)]
+#[derive(JsonSchema, Serialize)]
 struct LostRow {
+    /// Rows.
     rows: u64,
+    /// Results of cycles, events and the like.
     notes: u64,
+    /// Frames that arrived broken.
     frames: u64,
 }
 
@@ -283,7 +297,7 @@ impl RecordCommand {
         })?;
         outputs.add(&self.out, written.to_file(&self.out));
         if let Some(json) = &self.json {
-            outputs.add_json(json, &summary)?;
+            outputs.add_document(json, &summary)?;
         }
         outputs
             .write()

@@ -12,10 +12,12 @@ use mesh_damper_recording::faults::Channel;
 use mesh_damper_recording::input::InputSignal;
 use mesh_damper_recording::output::Plan;
 use mesh_damper_recording::{WriteAs, table};
+use schemars::JsonSchema;
 use serde::Serialize;
 
 use super::controls::Controls;
 use super::respond_sweep::SweepOptions;
+use crate::commands::document::AddDocument as _;
 use crate::commands::reading::{RecordingFiles, say_guesses};
 use crate::commands::{Failure, say, warn};
 
@@ -71,53 +73,64 @@ pub struct RespondCommand {
 }
 
 /// What drives the mass.
-#[derive(Clone, Copy, Serialize)]
+#[derive(Clone, Copy, JsonSchema, Serialize)]
 #[serde(rename_all = "snake_case")]
 enum Drive {
+    /// A force on it.
     Force,
+    /// The motion of its base.
     Base,
 }
 
-#[derive(Serialize)]
-struct Summary<'a> {
-    format: &'static str,
-    version: u32,
+/// The motion of a mass on a damper.
+#[derive(JsonSchema, Serialize)]
+pub(in crate::commands) struct Summary<'a> {
+    /// The file of the model.
     model: &'a Path,
+    /// The file of the force or of the motion.
     excitation: &'a Path,
+    /// What drives the mass.
     drive: Drive,
-    /// kg
+    /// Fastened to the damper, kg.
     mass: f64,
-    /// kg, of the model's effect `inertia`
+    /// Of the model's effect `inertia`, kg.
     model_mass: f64,
+    /// Samples of the motion.
     samples: usize,
-    /// s
+    /// From the first sample to the last, s.
     duration: f64,
-    /// s
+    /// Of the integration, s.
     step: f64,
     /// RMS over RMS by which the displacements changed when the steps were halved last.
     change_on_halving: f64,
+    /// Whether that is less than `--tolerance`.
     settled: bool,
-    /// mm
+    /// Of the mass, mm.
     displacement: Size,
-    /// mm/s
+    /// Of the mass, mm/s.
     velocity: Size,
-    /// mm/s²
+    /// Of the mass, mm/s².
     acceleration: Size,
-    /// mm, of the damper
+    /// Of the damper, mm.
     relative_displacement: Size,
-    /// kN, of the damper
+    /// Of the damper, kN.
     force: Size,
-    /// J
+    /// Where the energy went, J.
     energy: EnergyBalance,
+    /// By how much the motion exceeds the operating range, as a part of it.
     beyond_fitted_range: f64,
+    /// The part of the samples outside the operating range, and how far they are.
     outside_operating_range: Extrapolation,
+    /// Effects of the model that the integration leaves out.
     left_out: &'a [LeftOut],
 }
 
 /// Of a channel.
-#[derive(Serialize)]
+#[derive(JsonSchema, Serialize)]
 struct Size {
+    /// Largest, whatever its sign, in the channel's unit.
     peak: f64,
+    /// Root of the mean square, in the channel's unit.
     rms: f64,
 }
 
@@ -197,8 +210,6 @@ impl RespondCommand {
         warn_of_range(&self.model, &outside, "samples");
         let moments = &response.moments;
         let summary = Summary {
-            format: "mesh-damper respond",
-            version: 1,
             model: &self.model,
             excitation: path,
             drive,
@@ -221,7 +232,7 @@ impl RespondCommand {
         };
         outputs.add(&self.out, to_file(&self.out, &input, drive, &response));
         if let Some(json) = &self.json {
-            outputs.add_json(json, &summary)?;
+            outputs.add_document(json, &summary)?;
         }
         outputs.write()?;
         if ![Some(&self.out), self.json.as_ref()].contains(&Some(&PathBuf::from("-"))) {

@@ -1,6 +1,6 @@
 //! `hil run`: the rig in the loop with the simulated actuator and specimen.
 
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
 use clap::Args;
 use mesh_damper::effects::AugmentedLaw;
@@ -19,21 +19,24 @@ use mesh_damper_recording::output::Plan;
 use mesh_damper_recording::{Recording, WriteAs};
 use mesh_damper_rig::specimen::{CURRENT, DamperForce as _, Specimen};
 use mesh_damper_rig::{Journal, RigRun, RigSetup, Samples, SetupError, TICK_RATE, Watch, run_rig};
+use schemars::JsonSchema;
 use serde::Serialize;
 
 use super::cycles::{CycleRow, csv_of, print_blocks};
 use super::drive::{DriveOptions, Driven, Followed};
 use super::events::EventRow;
 use super::image::{Linked, LogLevel, Place};
+use super::junit::Junit;
 use super::law::PublishedLaw;
 use super::live::{Live, LiveOptions, LiveRow, MqttRow};
 use super::meant_for::{self, FirstError};
 use super::pace::{Pace, Speed};
 use super::programme::{self, MOST_BLOCKS};
 use super::specimen::{SPECIMEN_AMPLITUDE, SpecimenOptions};
+use crate::commands::document::AddDocument as _;
 use crate::commands::progress::Progress;
 use crate::commands::reading::RecordingFiles;
-use crate::commands::{Failure, say, warn};
+use crate::commands::{Failure, is_free_for_text, say, warn};
 
 /// Run the rig in the loop with a simulated actuator and specimen
 ///
@@ -101,6 +104,9 @@ pub struct RunCommand {
     /// Where the result goes as JSON as well; `-` for standard output
     #[arg(long, value_name = "FILE")]
     json: Option<PathBuf>,
+    /// Where the checks go as JUnit XML, those that fail included; `-` for standard output
+    #[arg(long, value_name = "FILE")]
+    junit: Option<PathBuf>,
     #[command(flatten)]
     live: LiveOptions,
     /// Seconds of the test to a second of the clock, 0.001 to 1000, or max; 1 with --live, max without
@@ -110,29 +116,35 @@ pub struct RunCommand {
     files: RecordingFiles,
 }
 
-/// What a run came to.
-#[derive(Serialize)]
-struct Summary {
-    on: Place,
-    specimen: String,
-    seed: u64,
-    tick_rate: f64,
-    ticks: u64,
+/// A test on the rig in the loop.
+#[derive(JsonSchema, Serialize)]
+pub(in crate::commands) struct Summary {
+    /// Where the crate ran.
+    pub(super) on: Place,
+    /// What was tested, in words.
+    pub(super) specimen: String,
+    /// Of the specimen and of the sensors' noise.
+    pub(super) seed: u64,
+    /// Ticks a second of the crate, Hz.
+    pub(super) tick_rate: f64,
+    /// Ticks that the rig ran for.
+    pub(super) ticks: u64,
     /// Why the model cannot be meant for the specimen or the motion, in words.
     warnings: Vec<String>,
-    /// Of the blocks or of the motion's knots, before the run; null without a model.
+    /// The part of the blocks or of the motion's knots outside the operating range, before the run; null without a model.
     asked_outside_operating_range: Option<Extrapolation>,
-    /// Null without a model.
+    /// Ticks outside the operating range of the model; null without a model.
     outside_operating_range: Option<OutsideTicks>,
     /// How far the model was off at first; null without a model.
     first_error: Option<FirstError>,
     /// The motion that was followed; null of a programme.
-    drive: Option<Followed>,
-    /// None of a motion.
-    cycles: Vec<CycleRow>,
+    pub(super) drive: Option<Followed>,
+    /// Cycle by cycle; none of a motion.
+    pub(super) cycles: Vec<CycleRow>,
     /// What the monitor named, each cause once.
     events: Vec<EventRow>,
-    stopped: Option<Stop>,
+    /// Where the rig stopped before its end; null where it did not.
+    pub(super) stopped: Option<Stop>,
     /// Null without --live.
     live: Option<LiveRow>,
     /// Null without --mqtt.
@@ -140,18 +152,21 @@ struct Summary {
 }
 
 /// Ticks beyond the operating range of the model by more than [`RANGE_MARGIN`].
-#[derive(Clone, Copy, Serialize)]
-struct OutsideTicks {
+#[derive(Clone, Copy, JsonSchema, Serialize)]
+pub(super) struct OutsideTicks {
+    /// How many.
     ticks: u64,
     /// Of all ticks, 0…1.
     part: f64,
 }
 
 /// Why and when the rig stopped before its end.
-#[derive(Serialize)]
+#[derive(JsonSchema, Serialize)]
 pub(super) struct Stop {
-    time: f64,
-    fault: String,
+    /// Since the start, s.
+    pub(super) time: f64,
+    /// The trip cause, in words.
+    pub(super) fault: String,
 }
 
 impl Stop {
@@ -181,6 +196,7 @@ impl RunCommand {
             .reads(&self.model)
             .fills(self.out.as_path(), std::iter::once(&*name).chain(table))
             .writes(&self.json)
+            .writes(&self.junit)
             .keeps(Journal::path_in(&self.out))
             .begin()?;
         self.live.check()?;
@@ -218,6 +234,7 @@ impl RunCommand {
         // Before what may take long.
         warnings.iter().for_each(|warning| warn(warning));
 
+        let junit = Junit::of("run");
         let linked = Linked::at(&self.on, self.log, self.tick_rate)?;
         let live = self.live.start(
             About {
@@ -310,6 +327,8 @@ impl RunCommand {
                 path.display()
             ));
         }
+        let junit = summary.checked(junit, programme.as_ref());
+        junit.add(&mut outputs, self.junit.as_deref())?;
         let recording = self.out.join(&name);
         let recorded = match (
             run.recording(recording.display().to_string()),
@@ -318,6 +337,9 @@ impl RunCommand {
             // A rig that stopped at once has recorded nothing: why it stopped is the message then.
             (Err(_), Some(stop)) => {
                 journal.remove();
+                if self.junit.is_some() {
+                    outputs.write()?;
+                }
                 return Err(stop.failure());
             }
             (recorded, _) => recorded?,
@@ -328,12 +350,12 @@ impl RunCommand {
             outputs.add(self.out.join(table), csv_of(&summary.cycles)?);
         }
         if let Some(json) = &self.json {
-            outputs.add_json(json, &summary)?;
+            outputs.add_document(json, &summary)?;
         }
         outputs
             .write()
             .map_err(|error| with_journal(error, &journal))?;
-        if self.json.as_deref() != Some(Path::new("-")) {
+        if is_free_for_text([&self.json, &self.junit]) {
             if let Some(programme) = &programme {
                 print_blocks(&summary.cycles, Some(programme), self.tick_rate);
             }
