@@ -421,3 +421,44 @@ fn what_is_held_out_beyond_the_fitted_motion_is_said() {
     data.result.held_out.clear();
     assert!(!render(&data).contains("outside the fitted motion"));
 }
+
+/// What there is to draw of cycles depends on the motion, and what is missing is said.
+#[test]
+fn pictures_of_cycles_are_drawn_where_the_motion_has_them() {
+    let mut data = data();
+    let section = |data: &ReportData| {
+        let page = render(data);
+        let start = heading(&page, "cycles-backbone");
+        page[start..heading(&page, "the-force-left-over-time")].to_owned()
+    };
+    let all = section(&data);
+    assert_eq!(all.matches("<figure").count(), 2 + 3 + 3 + 2);
+    for said in [
+        "Backbone",
+        "storage stiffness K′ over amplitude, by frequency",
+        "loss stiffness K″ over frequency, by amplitude",
+        "by frequency and amplitude",
+        "0.15 mm, 2 Hz</th>",
+    ] {
+        assert!(all.contains(said), "{said}");
+    }
+    // One block: its cycles stand one above another, and there is no curve over a condition.
+    data.series = vec![series("one.csv", &[(0.1, 2.0)], false)];
+    let one = section(&data);
+    assert_eq!(one.matches("<figure").count(), 2 + 2);
+    for said in [
+        "of one amplitude",
+        "of one frequency",
+        "by cycle, the first below",
+        ">cycle 6</text>",
+    ] {
+        assert!(one.contains(said), "{said}");
+    }
+    // No cycle is like the one before.
+    for block in &mut data.series[0].blocks {
+        block.cycles.truncate(1);
+    }
+    let none = section(&data);
+    assert_eq!(none.matches("<figure").count(), 0);
+    assert!(none.contains("No two cycles alike follow each other"));
+}
