@@ -7,6 +7,7 @@ use arrow_array::{ArrayRef, Float64Array, RecordBatch};
 use arrow_schema::{DataType, Field, Schema};
 use parquet::arrow::ArrowWriter;
 use parquet::basic::{Compression, Encoding, ZstdLevel};
+use parquet::file::metadata::KeyValue;
 use parquet::file::properties::WriterProperties;
 
 use super::Column;
@@ -19,10 +20,9 @@ pub(super) fn write(comments: &[String], columns: &[Column<'_>]) -> Vec<u8> {
         let metadata: HashMap<String, String> = unit.into_iter().collect();
         Field::new(column.name, DataType::Float64, true).with_metadata(metadata)
     });
-    let comments = (!comments.is_empty()).then(|| ("comments".to_owned(), comments.join("\n")));
-    let schema = Schema::new(fields.collect::<Vec<_>>())
-        .with_metadata(comments.into_iter().collect::<HashMap<_, _>>());
-    let schema = Arc::new(schema);
+    let schema = Arc::new(Schema::new(fields.collect::<Vec<_>>()));
+    let comments = (!comments.is_empty()).then(|| comments.join("\n"));
+    let comments = comments.map(|comments| vec![KeyValue::new("comments".to_owned(), comments)]);
     // What is not measured is null. Bytes of floats that lie together compress best.
     let arrays = columns.iter().map(|column| {
         let values = column
@@ -35,6 +35,7 @@ pub(super) fn write(comments: &[String], columns: &[Column<'_>]) -> Vec<u8> {
         .set_compression(Compression::ZSTD(ZstdLevel::default()))
         .set_dictionary_enabled(false)
         .set_encoding(Encoding::BYTE_STREAM_SPLIT)
+        .set_key_value_metadata(comments)
         .build();
     let batch = RecordBatch::try_new(schema.clone(), arrays.collect());
     // Writing to memory does not fail, and all columns have as many values.

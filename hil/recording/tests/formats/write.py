@@ -186,7 +186,7 @@ def parquet():
                    column_encoding={"Zeit": "BYTE_STREAM_SPLIT", "Weg": "BYTE_STREAM_SPLIT", "Kraft": "PLAIN"}, row_group_size=64)
     mixed = [pyarrow.field("time_s", "f8"), pyarrow.field("displacement_mm", "f8"), pyarrow.field("force_kN", "f8", metadata={"unit": "N"})]
     renamed = pyarrow.table([TIME, DISPLACEMENT, FORCE], schema=pyarrow.schema(mixed))
-    pq.write_table(renamed, said("two_units.parquet", arrow, refused=["kN by its name and N by the file", "--unit force="]))
+    pq.write_table(renamed, said("two_units.parquet", arrow, refused=["kN beside N", "--unit force="]))
     with_units = frame.rename(columns={"force_kN": "Load", "time_s": "Time", "displacement_mm": "Stroke"})
     with_units.attrs = {"units": {"Load": "kN", "Time": "s", "Stroke": "mm"}}
     with_units.to_parquet(said("attrs.parquet", pandas_version))

@@ -74,6 +74,11 @@ impl Found {
             return;
         }
         let is_date = is_date(of);
+        // What pandas calls an index without a name.
+        let name = match name.strip_prefix("__index_level_") {
+            Some(_) if is_date => "timestamp".to_owned(),
+            _ => name,
+        };
         if is_date {
             self.table.guesses.push(format!(
                 "the dates of column {name} are taken as seconds after the first of them"
