@@ -107,6 +107,13 @@ pub fn check(page: &str) {
         }
     }
 
+    let regions = tags.iter().filter(|tag| tag.has("role", "region"));
+    let mut regions: Vec<&str> = regions.map(|tag| tag.attributes["aria-label"]).collect();
+    let count = regions.len();
+    regions.sort_unstable();
+    regions.dedup();
+    assert_eq!(regions.len(), count, "two regions have one name");
+
     for (index, tag) in tags.iter().enumerate() {
         let next = |place: usize| &tags[index + place];
         match tag.name {

@@ -9,6 +9,8 @@ use crate::text;
 
 /// Most pictures of parameters: those of most traces.
 const MOST_PARAMETERS: usize = 8;
+/// Steps of a straight line.
+const LINE: usize = 100;
 /// Most groups that have a line in such a picture.
 const MOST_LINES: usize = 12;
 
@@ -34,8 +36,10 @@ pub fn errors(rows: &[BatchRow]) -> Option<Picture> {
             .collect()
     };
     let line = |name: String, factor: f64, dash| {
-        let ends = [0.9 * low, 1.1 * high];
-        let points = ends.map(|noise| (noise, factor * noise)).into();
+        // A reading is of a point of the line.
+        let noises =
+            (0..=LINE).map(|i| 0.9 * low * (1.1 * high / (0.9 * low)).powf(i as f64 / LINE as f64));
+        let points = noises.map(|noise| (noise, factor * noise)).collect();
         Layer::new(name, Colour::Ink, Look::Line(dash), points)
     };
     let cloud = |name, colour, dot, points| {

@@ -32,6 +32,7 @@ pub fn table(rows: &[BatchRow]) -> Option<Markup> {
             (choices("verdict", &VERDICTS.map(word)))
             @if groups.len() > 1 { (choices("group", &groups)) }
             span.shown role="status" {}
+            button type="button" hidden { "show all" }
         }
         div.scroll.tall tabindex="0" role="region" aria-label=(caption) {
             table.traces {

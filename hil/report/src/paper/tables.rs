@@ -29,7 +29,7 @@ fn errors(one: &SurfaceErrors) -> Markup {
         h3 {
             (one.name) ": " (text::percent(one.mean)) " on average, " (text::percent(one.largest)) " at most"
         }
-        (table("Error of the loop by density and amplitude, %", head("loop, %"), html! {
+        (table(&format!("Error of the loop by density and amplitude, %: {}", one.name), head("loop, %"), html! {
             @for (amplitude, row) in AMPLITUDES.iter().zip(&one.loop_error) {
                 tr {
                     th scope="row" { (format!("{amplitude:.2} mm")) }
@@ -38,7 +38,7 @@ fn errors(one: &SurfaceErrors) -> Markup {
             }
         }))
         @if let Some(all) = &one.coefficient_errors {
-            (table("Errors of k1, k3, c and α over the cell, %", head("amplitude"), html! {
+            (table(&format!("Errors of k1, k3, c and α over the cell, %: {}", one.name), head("amplitude"), html! {
                 @for (amplitude, row) in AMPLITUDES.iter().zip(all) {
                     tr {
                         th scope="row" { (format!("{amplitude:.2} mm")) }
@@ -124,7 +124,7 @@ pub fn orthogonal(paper: &Paper) -> Markup {
     html! {
         @for analysis in &paper.orthogonal_test {
             h3 { (analysis.response) }
-            (table("Level sums, range and share of variance of each factor", html! { tr {
+            (table(&format!("Level sums, range and share of variance of each factor: {}", analysis.response), html! { tr {
                 th scope="col" { "factor" } th scope="col" { "ΣK1" } th scope="col" { "ΣK2" } th scope="col" { "ΣK3" }
                 th scope="col" { "R" } th scope="col" { "share of variance" }
             } }, html! {

@@ -14,6 +14,8 @@ use crate::palette::{self, Colour};
 const MARK: f64 = 4.0;
 /// Width of a letter of a number, in heights of the font.
 const DIGIT: f64 = 0.57;
+/// Width of a letter of a text, about.
+pub const LETTER: f64 = 0.58;
 
 /// What is written so far.
 #[derive(Default)]
@@ -140,7 +142,13 @@ fn panel(sheet: &mut Sheet, panel: &Panel, corner: (f64, f64), size: (f64, f64),
         axis_data(&panel.y, &frame.y)
     ));
     if !panel.title.is_empty() {
-        sheet.text((frame.left, corner.1 + font), "start", &panel.title);
+        // A long title begins further left, so that it ends within the panel.
+        let long = LETTER * font * panel.title.chars().count() as f64;
+        let left = frame
+            .left
+            .min(corner.0 + size.0 - long)
+            .max(corner.0 + 0.3 * font);
+        sheet.text((left, corner.1 + font), "start", &panel.title);
     }
     ticks(sheet, &frame, &x_ticks, &y_ticks, font);
     let middle = frame.left + 0.5 * frame.width;

@@ -2,13 +2,11 @@
 
 use maud::{Markup, PreEscaped, html};
 
-use super::draw::{self, Sheet};
+use super::draw::{self, LETTER, Sheet};
 use super::{Layer, Picture};
 
 /// Width of a sample of a curve, px.
 const SAMPLE: f64 = 30.0;
-/// A letter is about so many times as wide as the font is high.
-const LETTER: f64 = 0.54;
 
 /// The names of the curves of `pictures`, each beside a sample of it; a name may be said in other words in `said`. With a script an entry
 /// shows and hides the curves of its name in the section that it is in.

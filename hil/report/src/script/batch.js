@@ -1,19 +1,38 @@
-// Sorting and filtering of the traces.
+// Sorting and filtering of the traces. Of thousands the first few hundred that fit are laid out until all are asked for.
 (() => {
   "use strict";
   const table = document.querySelector("table.traces");
   if (!table) return;
+  const MOST = 300;
+  const NUMBERS = 4;
   const body = table.tBodies[0];
-  const rows = [...body.rows];
-  const cells = rows.map(row => [...row.cells].map(cell => cell.textContent));
-  const searched = cells.map(texts => texts.slice(0, 4).join(" ").toLowerCase());
-  const first = new Map(rows.map((row, i) => [row, i]));
-
   const number = text => {
     const found = parseFloat(text.replace(/−/g, "-"));
     return isNaN(found) ? Infinity : found;
   };
-  const NUMBERS = 4;
+  const rows = [...body.rows].map((row, first) => {
+    const texts = [...row.cells].map(cell => cell.textContent);
+    const keys = texts.map((text, column) => (column < NUMBERS ? text : number(text)));
+    return { row, first, texts, keys, searched: texts.slice(0, NUMBERS).join(" ").toLowerCase() };
+  });
+  const controls = document.querySelector(".filters");
+  const shown = controls.querySelector(".shown");
+  const all = controls.querySelector("button");
+  let most = MOST;
+
+  const chosen = name => { const one = controls.querySelector(`[data-filter=${name}]`); return one ? one.value : ""; };
+  const show = () => {
+    const [text, group, verdict] = [chosen("text").toLowerCase().trim(), chosen("group"), chosen("verdict")];
+    const fits = rows.filter(({ texts, searched }) => searched.includes(text)
+      && (!group || texts[1] === group) && (!verdict || texts[2].startsWith(verdict)));
+    const drawn = fits.slice(0, most);
+    body.replaceChildren(...drawn.map(one => one.row));
+    shown.textContent = drawn.length < fits.length ? `the first ${drawn.length} of ${fits.length} that fit, of ${rows.length}`
+      : `${fits.length} of ${rows.length} shown`;
+    all.hidden = drawn.length === fits.length;
+  };
+
+  const collator = new Intl.Collator(undefined, { numeric: true });
   const heads = [...table.tHead.rows[0].cells];
   heads.forEach((head, column) => {
     const button = document.createElement("button");
@@ -21,32 +40,16 @@
     button.append(...head.childNodes);
     head.append(button);
     button.addEventListener("click", () => {
-      const falls = head.getAttribute("aria-sort") === "ascending";
+      const sign = head.getAttribute("aria-sort") === "ascending" ? -1 : 1;
       heads.forEach(one => one.removeAttribute("aria-sort"));
-      head.setAttribute("aria-sort", falls ? "descending" : "ascending");
-      const of = row => cells[first.get(row)][column];
-      const order = column >= NUMBERS ? (a, b) => number(of(a)) - number(of(b)) || 0
-        : (a, b) => of(a).localeCompare(of(b), undefined, { numeric: true });
-      const sorted = [...rows].sort((a, b) => (falls ? -order(a, b) : order(a, b)) || first.get(a) - first.get(b));
-      body.replaceChildren(...sorted);
+      head.setAttribute("aria-sort", sign < 0 ? "descending" : "ascending");
+      const order = (a, b) => (column < NUMBERS ? collator.compare(a, b) : a < b ? -1 : +(a > b));
+      rows.sort((a, b) => sign * order(a.keys[column], b.keys[column]) || a.first - b.first);
+      show();
     });
   });
-
-  const controls = document.querySelector(".filters");
-  const of = name => { const one = controls.querySelector(`[data-filter=${name}]`); return one ? one.value : ""; };
-  const filter = () => {
-    const text = of("text").toLowerCase().trim();
-    let shown = 0;
-    rows.forEach((row, i) => {
-      const [, group, verdict] = cells[i];
-      const fits = searched[i].includes(text) && (!of("group") || group === of("group"))
-        && (!of("verdict") || verdict.startsWith(of("verdict")));
-      row.hidden = !fits;
-      shown += fits;
-    });
-    controls.querySelector(".shown").textContent = `${shown} of ${rows.length} shown`;
-  };
+  all.addEventListener("click", () => { most = Infinity; show(); });
   controls.hidden = false;
-  controls.addEventListener("input", filter);
-  filter();
+  controls.addEventListener("input", show);
+  show();
 })();
