@@ -5,7 +5,7 @@
 use std::thread;
 
 use crate::feed::Random;
-use crate::{frames, model_file, motion, pack, recording, rig};
+use crate::{formats, frames, model_file, motion, pack, recording, rig};
 
 /// Ticks of rigs and emulators, and of one of them.
 const TICKS: u64 = 100_000_000;
@@ -70,6 +70,17 @@ fn files(name: &str, check: impl Fn(&[u8]) -> bool + Sync) {
 #[test]
 fn recordings_are_refused_or_right() {
     files("recordings", recording::check);
+}
+
+/// Fewer, as a workbook takes a hundred times as long as a text.
+#[test]
+fn files_of_all_formats_are_refused_or_right() {
+    let count = INPUTS / 10;
+    let taken = sum(count, 25, |script| formats::check(script).into());
+    println!(
+        "{count} files of all formats: {taken} taken and as long as they say, the others refused"
+    );
+    assert!(taken > count / 100 && taken < count, "{taken}");
 }
 
 #[test]

@@ -8,6 +8,7 @@
 mod bounded;
 mod edit;
 mod feed;
+pub mod formats;
 pub mod frames;
 mod law;
 pub mod model_file;

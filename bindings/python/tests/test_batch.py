@@ -52,7 +52,7 @@ def test_a_frame_gives_a_trace_a_group(folder: Path, tmp_path: Path, library: ob
     )
     batch = mesh_damper.trace_many(frame, out=tmp_path / "out")
     assert isinstance(batch.outcomes, library.DataFrame)  # type: ignore[attr-defined]
-    assert list(batch.outcomes["trace"])[0] == "7"
+    assert next(iter(batch.outcomes["trace"])) == "7"
     assert [len(paths) for paths in batch.outcomes["held_out"]] == [1, 0]
 
 

@@ -10,7 +10,7 @@ use mesh_damper_identify::trace::trace_for;
 use mesh_damper_model::file::ModelFile;
 use mesh_damper_recording::Recording;
 use mesh_damper_recording::error::InputError;
-use mesh_damper_recording::output::Plan;
+use mesh_damper_recording::output::{Labelled, Plan};
 use mesh_damper_report::{self as report, ReportData};
 
 use crate::identity::Content;
@@ -109,7 +109,7 @@ impl Made {
     pub fn write(&self, folder: &Path) -> Result<(), InputError> {
         let [trace, model, page] = [TRACE, MODEL, REPORT].map(|name| folder.join(name));
         let mut outputs = Plan::new().writes([&trace, &model, &page]).begin()?;
-        outputs.add_json(trace, &self.result)?;
+        outputs.add_json(trace, &Labelled::new(TraceResult::LABEL, &self.result))?;
         outputs.add_json(model, &self.model)?;
         if let Some(report) = &self.report {
             outputs.add(page, report.as_str());

@@ -10,6 +10,7 @@ use serde::{Deserialize, Serialize};
 
 /// What became of one trace.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(tag = "outcome", rename_all = "snake_case")]
 pub enum Outcome {
     /// It was made.
@@ -20,6 +21,7 @@ pub enum Outcome {
 
 /// Why a trace could not be made.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Failure {
     /// One line: the file, the place, what is wrong there, how to mend it.
     pub error: String,
@@ -39,6 +41,7 @@ impl Failure {
 
 /// What a trace found: of `trace.json` what a table of many needs. An error that is not finite is none.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Found {
     /// The folder with its files, below the batch's; empty where none were written.
     pub folder: String,
@@ -80,6 +83,7 @@ pub struct Found {
 
 /// Errors of the force, RMS over RMS of the measured force.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Nrmse {
     /// Noise of the measured force.
     pub noise_floor: Option<f64>,
@@ -97,6 +101,7 @@ pub struct Nrmse {
 
 /// One effect beside the law.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Effect {
     /// The family's name.
     pub family: String,

@@ -13,6 +13,7 @@ use crate::settings::Settings;
 
 /// One trace of a batch.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Row {
     /// What the list calls it: its group, or the recording's path.
     pub trace: String,
@@ -85,6 +86,7 @@ impl Row {
 
 /// What a batch did: the contents of its JSON.
 #[derive(Clone, Debug, PartialEq, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Summary {
     /// The word by which the file is known.
     pub format: &'static str,

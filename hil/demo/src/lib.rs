@@ -125,11 +125,37 @@ pub fn loop_error(run: &RigRun) -> f64 {
     (error / force).sqrt()
 }
 
-/// Runs the demo with the specimen that `seed` draws. `progress` is told what is being done.
+/// A test of the simulated rig.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Test {
+    /// Eight blocks over amplitude and frequency. The demo traces it.
+    Protocol,
+    /// Four blocks of other amplitudes and frequencies, with other noise. The demo compares the laws on it.
+    Check,
+}
+
+impl Test {
+    fn blocks(self) -> &'static [protocol::TestBlock] {
+        match self {
+            Self::Protocol => &PROTOCOL,
+            Self::Check => &CHECK,
+        }
+    }
+
+    /// Other noise than in the recording that was fitted.
+    fn noise(self, seed: u64) -> u64 {
+        match self {
+            Self::Protocol => seed,
+            Self::Check => !seed,
+        }
+    }
+}
+
+/// The recording of a `test` of the specimen that `seed` draws, under the published law, and what that specimen hides.
 ///
 /// # Errors
-/// A part of the way that refused what the part before it gave.
-pub fn demo(seed: u64, progress: &(dyn Fn(&str) + Sync)) -> Result<Demo, DemoError> {
+/// A part of the rig that refused what it was given, or a stop of the rig.
+pub fn record(seed: u64, test: Test) -> Result<(DrawnEffect, Recording), DemoError> {
     let (specimen, drawn) = draw(seed);
     let table = Specimen::of_density(drawn.density, 0.1).coefficients();
     let published = Model {
@@ -144,21 +170,29 @@ pub fn demo(seed: u64, progress: &(dyn Fn(&str) + Sync)) -> Result<Demo, DemoErr
         correction: None,
         controls: Vec::new(),
     };
-    progress("running the rig with the published law");
-    let first = run(&specimen, &published, &PROTOCOL, seed)?;
-    let recording = first
+    let recording = run(&specimen, &published, test, seed)?
         .recording(format!("rig test, seed {seed}"))?
         .with_comment(format!(
             "specimen: MMD 22x12x15 mm, density_g_cm3 = {:.1}",
             drawn.density
         ))
         .with_comment(format!("rig: simulated, seed {seed}"));
+    Ok((drawn, recording))
+}
+
+/// Runs the demo with the specimen that `seed` draws. `progress` is told what is being done.
+///
+/// # Errors
+/// A part of the way that refused what the part before it gave.
+pub fn demo(seed: u64, progress: &(dyn Fn(&str) + Sync)) -> Result<Demo, DemoError> {
+    progress("running the rig with the published law");
+    let (drawn, recording) = record(seed, Test::Protocol)?;
+    let (specimen, _) = draw(seed);
     let trace = trace(std::slice::from_ref(&recording), &[], progress)?;
-    // Other noise than in the recording that was fitted.
     progress("running the rig again with eq 13 alone");
-    let before = run(&specimen, &trace.baseline, &CHECK, !seed)?;
+    let before = run(&specimen, &trace.baseline, Test::Check, seed)?;
     progress("running the rig again with the better law");
-    let after = run(&specimen, &trace.model, &CHECK, !seed)?;
+    let after = run(&specimen, &trace.model, Test::Check, seed)?;
     Ok(Demo {
         drawn,
         recording,
@@ -168,12 +202,8 @@ pub fn demo(seed: u64, progress: &(dyn Fn(&str) + Sync)) -> Result<Demo, DemoErr
     })
 }
 
-fn run(
-    specimen: &Specimen,
-    model: &Model,
-    blocks: &[protocol::TestBlock],
-    seed: u64,
-) -> Result<RigRun, DemoError> {
+fn run(specimen: &Specimen, model: &Model, test: Test, seed: u64) -> Result<RigRun, DemoError> {
+    let blocks = test.blocks();
     let mut programme = Programme::<CAPACITY>::new(TICK_RATE, RAMP_CYCLES)?;
     let mut block_laws = Vec::new();
     for block in blocks {
@@ -182,7 +212,7 @@ fn run(
     }
     let law = model.augmented::<f32>(blocks[0].amplitude, 1.0 / TICK_RATE)?;
     let mut setup: RigSetup<Specimen, CAPACITY, MAX_EFFECTS> =
-        RigSetup::new(specimen.at_rest(), law, programme, seed);
+        RigSetup::new(specimen.at_rest(), law, programme, test.noise(seed));
     setup.block_laws = block_laws;
     let run = run_rig(setup, |_| ())?;
     match run.faults.first() {

@@ -9,10 +9,11 @@ use std::io::Write as _;
 
 use mesh_damper::effects::{AugmentedLaw, Effect, StickSlip};
 use mesh_damper::fast_law::FastLaw;
+use mesh_damper::health::Event;
 use mesh_damper::law::Law;
 use mesh_damper::message::TelemetryConfig;
 use mesh_damper::pack::{Identity, LARGEST, PackInfo, encode};
-use mesh_damper::rig::{State, TripCause};
+use mesh_damper::rig::{CycleReport, State, Telemetry, TripCause};
 use mesh_damper::sine::{Block, Programme};
 use mesh_damper_link::image::{OWN_TIMER, sections};
 use mesh_damper_link::lockstep::{Image, LinkError, Serial, described};
@@ -102,18 +103,42 @@ fn telemetry() -> TelemetryConfig {
     }
 }
 
+/// What who watches is told.
+#[derive(Default)]
+struct Told {
+    rows: Vec<f64>,
+    cycles: Vec<CycleReport>,
+    events: Vec<(f64, Event)>,
+}
+
+impl Watch for Told {
+    fn tick(&mut self, _: &Telemetry, time: f64, _: f64) {
+        self.rows.push(time);
+    }
+
+    fn cycle(&mut self, report: &CycleReport, _: f64) {
+        self.cycles.push(*report);
+    }
+
+    fn event(&mut self, event: &Event, time: f64) {
+        self.events.push((time, *event));
+    }
+
+    fn see(&mut self, _: f64, _: &Samples) -> Result<(), InputError> {
+        Ok(())
+    }
+}
+
+/// A whole test; who watches was told of all of it, and of the rows after its end.
 fn recorded(image: &mut Image<Serial>, setup: &RigSetup<Specimen, 1, 1>) -> BoardRun {
     let times = whole(setup);
     let start = |image: &mut Image<Serial>| image.start_rig();
-    record(
-        image,
-        telemetry(),
-        TICK_RATE,
-        times,
-        start,
-        &mut |_: f64| (),
-    )
-    .unwrap()
+    let mut told = Told::default();
+    let there = record(image, telemetry(), TICK_RATE, times, start, &mut told).unwrap();
+    assert!(told.rows.starts_with(&there.run.samples.time));
+    assert_eq!(told.cycles, there.run.cycles);
+    assert_eq!(told.events, there.run.events);
+    there
 }
 
 #[test]

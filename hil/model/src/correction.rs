@@ -8,6 +8,7 @@ use serde::{Deserialize, Serialize};
 
 /// The table of [`mesh_damper::effects::residual_table`], as JSON.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields)]
 pub struct CorrectionTable {
     /// Largest displacement of the table, mm; outside, its edge holds.
@@ -25,6 +26,7 @@ pub struct CorrectionTable {
 
 /// What a table is over in the place of speed.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields)]
 pub struct MemoryAxis {
     /// Which.
@@ -35,18 +37,47 @@ pub struct MemoryAxis {
 
 /// What a correction remembers or is over, as [`Memory`] says it: times in s, the limit in mm.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(rename_all = "snake_case")]
-#[expect(missing_docs, reason = "said by Memory")]
 pub enum Remembered {
-    Slip { limit: f64 },
-    Lag { time: f64 },
-    Travel { time: f64 },
+    /// The stretch of a spring that slips.
+    Slip {
+        /// At which it slips, mm.
+        limit: f64,
+    },
+    /// The displacement less its average.
+    Lag {
+        /// Over which it is averaged, s.
+        time: f64,
+    },
+    /// The mean speed.
+    Travel {
+        /// Over which it is averaged, s.
+        time: f64,
+    },
+    /// The largest displacement so far.
     Largest,
-    Age { time: f64 },
+    /// How long it is since the start, by powers of two.
+    Age {
+        /// The first of them, s.
+        time: f64,
+    },
+    /// The temperature.
     Temperature,
+    /// Nothing: a finer line over displacement alone.
     Place,
-    Sides { below: f64, above: f64 },
-    Frequency { time: f64 },
+    /// Nothing: lines over speed alone on two sides of the displacement.
+    Sides {
+        /// Below this is one side, mm.
+        below: f64,
+        /// Above this is the other, mm.
+        above: f64,
+    },
+    /// The frequency, by powers of two.
+    Frequency {
+        /// Over which the cycles are counted, s.
+        time: f64,
+    },
 }
 
 impl Remembered {

@@ -12,6 +12,7 @@ pub const RANGE_MARGIN: f64 = 0.05;
 
 /// What of a motion lies outside the operating range, sample by sample.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Extrapolation {
     /// Of the samples, the part of which the displacement, the velocity or both are outside, 0…1.
     pub part: f64,
@@ -23,6 +24,7 @@ pub struct Extrapolation {
 
 /// What of a channel lies outside.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Beyond {
     /// Of the samples, the part that is outside by more than [`RANGE_MARGIN`], 0…1.
     pub part: f64,

@@ -94,6 +94,22 @@ impl Serialize for Family {
     }
 }
 
+#[cfg(feature = "schema")]
+impl schemars::JsonSchema for Family {
+    fn schema_name() -> std::borrow::Cow<'static, str> {
+        "Family".into()
+    }
+
+    fn json_schema(_: &mut schemars::SchemaGenerator) -> schemars::Schema {
+        let names: Vec<&str> = Self::all().map(Self::name).collect();
+        schemars::json_schema!({
+            "type": "string",
+            "description": "A family of effects, by its name.",
+            "enum": names,
+        })
+    }
+}
+
 impl<'de> Deserialize<'de> for Family {
     fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
         let name = String::deserialize(deserializer)?;

@@ -34,46 +34,64 @@ const CHECKED_TICK: f64 = 1e-4;
 
 /// The contents of a model file.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields)]
 pub struct ModelFile {
+    /// `mesh-damper-model`.
     format: String,
+    /// 1.
     version: u64,
+    /// The units of all numbers.
     units: ModelUnits,
+    /// The coefficients of eq 13 at increasing amplitudes.
     law: Vec<LawNode>,
+    /// The effects beside the law.
     effects: Vec<AddedEffect>,
+    /// The residual table, where there is one.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     correction: Option<CorrectionTable>,
+    /// The control inputs, where the law is under some.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     controls: Vec<Control>,
+    /// The operating range: the motion that the model was fitted on.
     fitted_range: FittedRange,
 }
 
 /// The units of a model file; no others are known.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields)]
 struct ModelUnits {
+    /// Of displacements.
     displacement: Millimetre,
+    /// Of forces.
     force: Kilonewton,
+    /// Of times.
     time: Second,
+    /// Of temperatures.
     temperature: Celsius,
 }
 
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 enum Millimetre {
     #[serde(rename = "mm")]
     Mm,
 }
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 enum Kilonewton {
     #[serde(rename = "kN")]
     KN,
 }
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 enum Second {
     #[serde(rename = "s")]
     S,
 }
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 enum Celsius {
     #[serde(rename = "degC")]
     DegC,
@@ -81,6 +99,7 @@ enum Celsius {
 
 /// The motion that a model was fitted on; beyond it the model extrapolates.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields)]
 pub struct FittedRange {
     /// Least and largest, mm.

@@ -9,9 +9,9 @@ use mesh_damper::fast_law::FastLaw;
 use mesh_damper::law::Law;
 use mesh_damper::pack::{self, LARGEST, PackError, PackInfo};
 use mesh_damper::real::Real;
-use mesh_damper_recording::Recording;
 use mesh_damper_recording::error::InputError;
 use mesh_damper_recording::extremes::least_and_largest;
+use mesh_damper_recording::{ControlChannel, Recording};
 use serde::{Deserialize, Serialize};
 
 use crate::correction::{CorrectionTable, Remembered};
@@ -22,6 +22,7 @@ pub const MAX_EFFECTS: usize = 8;
 
 /// The coefficients of eq 13 at one amplitude.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields)]
 pub struct LawNode {
     /// mm. The only node of a law that does not depend on amplitude has 0.
@@ -32,12 +33,13 @@ pub struct LawNode {
     pub k3: f64,
     /// kN·(s/mm)^α
     pub c: f64,
-    /// α
+    /// α, the exponent of the velocity.
     pub alpha: f64,
 }
 
 /// One effect beside eq 13.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields)]
 pub struct AddedEffect {
     /// What kind it is.
@@ -88,6 +90,7 @@ pub struct Model {
 
 /// A control input that effects of a model see.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields)]
 pub struct Control {
     /// Name of its column in a recording, with the unit: `current_A`.
@@ -199,6 +202,49 @@ impl Model {
     pub fn arrange_controls(&self, recording: &mut Recording) -> Result<(), InputError> {
         let names = self.controls.iter().map(|control| control.name.as_str());
         recording.arrange_controls(names)
+    }
+
+    /// Its control inputs in their order, `count` samples of each: those that are `given` hold throughout, the others are of the columns
+    /// `known` of `file`.
+    ///
+    /// # Errors
+    /// One that the model does not have, or one that it has and nobody gives.
+    pub fn held_controls(
+        &self,
+        (file, known): (&str, &[ControlChannel]),
+        given: &[(String, f64)],
+        count: usize,
+    ) -> Result<Vec<ControlChannel>, InputError> {
+        let names: Vec<&str> = self.controls.iter().map(|c| c.name.as_str()).collect();
+        if let Some((name, _)) = given.iter().find(|(name, _)| !names.contains(&&**name)) {
+            let has = match names.as_slice() {
+                [] => "none".to_owned(),
+                names => names.join(", "),
+            };
+            return Err(InputError::new(
+                format!("--control {name}"),
+                format!("is no control input of the model, which has {has}"),
+                "mend the name, or leave it out",
+            ));
+        }
+        let channel = |name: &&str| {
+            let mut all = given.iter();
+            if let Some((_, value)) = all.find(|(given, _)| given == name) {
+                return Ok(ControlChannel {
+                    name: (*name).to_owned(),
+                    values: vec![*value; count],
+                });
+            }
+            let known = known.iter().find(|control| control.name == *name);
+            known.cloned().ok_or_else(|| {
+                InputError::new(
+                    file,
+                    format!("there is no column {name}, on which the force depends"),
+                    format!("add that column, or give --control {name}=VALUE"),
+                )
+            })
+        };
+        names.iter().map(channel).collect()
     }
 
     /// Whether its force depends on a control input.

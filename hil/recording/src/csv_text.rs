@@ -23,6 +23,16 @@ pub struct CsvText<'a> {
     limit: ReadLimit,
     source: Box<dyn Read + 'a>,
     is_gzip: bool,
+    /// Unpacked bytes that were read ahead, and how many of them were taken.
+    ahead: Vec<u8>,
+    taken: usize,
+    /// What makes UTF-8 of the bytes; none where they are that.
+    decoder: Option<encoding_rs::Decoder>,
+    /// Whether bytes that are no UTF-8, where all before were ASCII, are taken for Windows-1252.
+    may_guess: bool,
+    /// The line from which on they were.
+    guessed_from: Option<u64>,
+    is_ascii: bool,
     /// What was read and not handed on. Behind its first `whole` bytes begins a character that is not read to its end.
     chunk: Vec<u8>,
     next: usize,
@@ -83,6 +93,12 @@ impl<'a> CsvText<'a> {
                 Box::new(whole)
             },
             is_gzip,
+            ahead: Vec::new(),
+            taken: 0,
+            decoder: None,
+            may_guess: false,
+            guessed_from: None,
+            is_ascii: true,
             chunk: Vec::with_capacity(CHUNK),
             next: 0,
             whole: 0,
@@ -115,11 +131,47 @@ impl<'a> CsvText<'a> {
         self.lines.comments
     }
 
+    /// The first unpacked bytes, before any is handed on: `count` of them, or all there are.
+    ///
+    /// # Errors
+    /// What the file system says, damaged gzip, and a file beyond the limit.
+    pub(crate) fn ahead(&mut self, count: usize) -> Result<&[u8], InputError> {
+        while self.ahead.len() < count && !self.has_ended {
+            let mut bytes = std::mem::take(&mut self.ahead);
+            let more = self.unpack(&mut bytes);
+            self.ahead = bytes;
+            self.has_ended = more? == 0;
+        }
+        Ok(&self.ahead)
+    }
+
+    /// Whether [`CsvText::ahead`] gave all that there is.
+    pub(crate) fn is_all_ahead(&self) -> bool {
+        self.has_ended
+    }
+
+    /// Has the bytes decoded; without an encoding they are UTF-8, and Windows-1252 from the first that is not, as long as all before
+    /// were ASCII.
+    pub(crate) fn decode(&mut self, encoding: Option<&'static encoding_rs::Encoding>) {
+        self.decoder = encoding.map(encoding_rs::Encoding::new_decoder_with_bom_removal);
+        self.may_guess = encoding.is_none();
+    }
+
+    /// The line from which on the text was taken for Windows-1252.
+    pub(crate) fn guessed_from(&self) -> Option<u64> {
+        self.guessed_from
+    }
+
+    /// Whether all was read of the file that there is.
+    fn is_read(&self) -> bool {
+        self.has_ended && self.taken == self.ahead.len()
+    }
+
     /// Reads on, and takes what it reads as far as its last character goes.
     fn fill(&mut self) -> Result<(), InputError> {
         self.chunk.drain(..self.whole);
         (self.next, self.whole) = (0, 0);
-        while self.whole == 0 && !self.has_ended {
+        while self.whole == 0 && !self.is_read() {
             self.more()?;
             if self.handed == 0 && self.chunk.starts_with(BYTE_ORDER_MARK) {
                 self.chunk.drain(..BYTE_ORDER_MARK.len());
@@ -127,10 +179,16 @@ impl<'a> CsvText<'a> {
             }
             let error = std::str::from_utf8(&self.chunk).err();
             self.whole = error.map_or(self.chunk.len(), |error| error.valid_up_to());
+            self.is_ascii &= self.chunk[..self.whole].is_ascii();
+            let mut is_broken = error.is_some_and(|error| error.error_len().is_some())
+                || (self.is_read() && self.whole < self.chunk.len());
+            if is_broken && self.may_guess && self.is_ascii {
+                self.guess();
+                is_broken = false;
+            }
             self.lines
                 .pass(&self.chunk[..self.whole], &self.name(), self.limit)?;
-            let is_broken = error.is_some_and(|error| error.error_len().is_some());
-            if is_broken || (self.has_ended && self.whole < self.chunk.len()) {
+            if is_broken {
                 let line = 1 + self.lines.ends;
                 return Err(InputError::new(
                     self.name(),
@@ -140,30 +198,83 @@ impl<'a> CsvText<'a> {
                 .at(Place::Line(line)));
             }
         }
-        if self.has_ended {
+        if self.is_read() {
             self.lines.end();
         }
         Ok(())
     }
 
-    /// Some more bytes of the file, or its end.
+    /// Takes what is no UTF-8, and all behind it, for Windows-1252.
+    fn guess(&mut self) {
+        let ends = self.chunk[..self.whole].iter().filter(|&&b| b == b'\n');
+        self.guessed_from = Some(1 + self.lines.ends + ends.count() as u64);
+        self.may_guess = false;
+        self.decoder = Some(encoding_rs::WINDOWS_1252.new_decoder_without_bom_handling());
+        let rest = self.chunk.split_off(self.whole);
+        self.append(&rest, self.is_read());
+        self.whole = self.chunk.len();
+    }
+
+    /// Some more text of the file, or its end.
     fn more(&mut self) -> Result<(), InputError> {
+        if self.taken < self.ahead.len() {
+            // What was read ahead is taken in the parts in which a file is read.
+            let end = self.ahead.len().min(self.taken + CHUNK);
+            let ahead = std::mem::take(&mut self.ahead);
+            let from = std::mem::replace(&mut self.taken, end);
+            self.append(&ahead[from..end], self.has_ended && end == ahead.len());
+            if end < ahead.len() {
+                self.ahead = ahead;
+            } else {
+                self.taken = 0;
+            }
+            return Ok(());
+        }
+        if self.decoder.is_none() {
+            let mut chunk = std::mem::take(&mut self.chunk);
+            let count = self.unpack(&mut chunk);
+            self.chunk = chunk;
+            self.has_ended = count? == 0;
+            return Ok(());
+        }
+        let mut bytes = Vec::new();
+        self.has_ended = self.unpack(&mut bytes)? == 0;
+        self.append(&bytes, self.has_ended);
+        Ok(())
+    }
+
+    /// Appends the text of `bytes` to the chunk.
+    fn append(&mut self, bytes: &[u8], is_last: bool) {
+        let Some(decoder) = &mut self.decoder else {
+            self.chunk.extend_from_slice(bytes);
+            return;
+        };
+        let most = decoder.max_utf8_buffer_length(bytes.len());
         let held = self.chunk.len();
-        self.chunk.resize(held + CHUNK, 0);
+        self.chunk
+            .resize(held + most.unwrap_or(3 * bytes.len() + 16), 0);
+        // There is room for all of it, and what is malformed becomes a sign that says so.
+        let (_, _, written, _) = decoder.decode_to_utf8(bytes, &mut self.chunk[held..], is_last);
+        self.chunk.truncate(held + written);
+    }
+
+    /// Appends some more unpacked bytes of the file; none is its end.
+    fn unpack(&mut self, to: &mut Vec<u8>) -> Result<usize, InputError> {
+        let held = to.len();
+        to.resize(held + CHUNK, 0);
         let count = loop {
-            match self.source.read(&mut self.chunk[held..]) {
+            match self.source.read(&mut to[held..]) {
                 Ok(count) => break count,
                 Err(error) if error.kind() == io::ErrorKind::Interrupted => {}
                 Err(error) => return Err(self.failed(&error)),
             }
         };
-        self.chunk.truncate(held + count);
-        self.has_ended = count == 0;
+        to.truncate(held + count);
         self.read += count as u64;
         if self.read > self.limit.file() {
             return Err(self.limit.exceeded(&self.name()));
         }
-        Ok(())
+        Ok(count)
     }
 
     fn failed(&self, error: &io::Error) -> InputError {
@@ -181,7 +292,7 @@ impl<'a> CsvText<'a> {
 
 impl Read for CsvText<'_> {
     fn read(&mut self, to: &mut [u8]) -> io::Result<usize> {
-        if self.next == self.whole && !self.has_ended {
+        if self.next == self.whole && !self.is_read() {
             self.fill().map_err(io::Error::other)?;
         }
         let count = to.len().min(self.whole - self.next);
@@ -243,7 +354,7 @@ pub fn is_cut(rows: &csv::Reader<CsvText>) -> bool {
     let text = rows.get_ref();
     let has_end = matches!(text.last, Some(b'\n' | b'\r'));
     // A record without a line end is one only once there is nothing more.
-    text.has_ended && !has_end && rows.position().byte() == text.handed
+    text.is_read() && !has_end && rows.position().byte() == text.handed
 }
 /// The first name in a header that stands there twice, with both of its columns, counted from 0.
 pub fn doubled(header: &csv::StringRecord) -> Option<(&str, usize, usize)> {
@@ -283,13 +394,17 @@ pub(crate) fn is_blank(cell: &str) -> bool {
     cell.is_empty() || cell.parse().is_ok_and(f64::is_nan)
 }
 
+/// What [`CsvText`] found wrong with the file, where that is why it could not be read.
+pub(crate) fn found_wrong(error: &io::Error) -> Option<InputError> {
+    error.get_ref()?.downcast_ref::<InputError>().cloned()
+}
+
 /// What the CSV reader could not read, with its line; or what is wrong with the file, which [`CsvText`] found.
 pub fn broken_csv(file: &str, error: &csv::Error) -> InputError {
     if let csv::ErrorKind::Io(error) = error.kind()
-        && let Some(inner) = error.get_ref()
-        && let Some(found) = inner.downcast_ref::<InputError>()
+        && let Some(found) = found_wrong(error)
     {
-        return found.clone();
+        return found;
     }
     let broken = InputError::new(
         file,

@@ -52,8 +52,29 @@ impl InputSignal {
     ) -> Result<Self, InputError> {
         let needed = |each| each == Channel::Time || each == channel;
         let path = path.as_ref();
-        let opened = files::open(path, reading)?;
-        let mut recording = Recording::of(path, opened, reading, Kept::Channels, &needed)?;
+        let (_, file) = files::open(path, reading)?;
+        Self::of(
+            Recording::of(path, file, reading, Kept::Channels, &needed)?,
+            channel,
+        )
+    }
+
+    /// The same of columns in memory, whose names are taken as those of a file are.
+    ///
+    /// # Errors
+    /// As [`Recording::of_columns`], but that the channel may be constant.
+    pub fn of_columns<N: Into<String>>(
+        name: impl Into<String>,
+        columns: impl IntoIterator<Item = (N, Vec<f64>)>,
+        channel: Channel,
+        reading: &Reading,
+    ) -> Result<Self, InputError> {
+        let needed = |each| each == Channel::Time || each == channel;
+        let recording = Recording::gathered(name.into(), columns, reading, &needed)?;
+        Self::of(recording, channel)
+    }
+
+    fn of(mut recording: Recording, channel: Channel) -> Result<Self, InputError> {
         let values = match channel {
             Channel::Force => &recording.force,
             Channel::Displacement => &recording.displacement,

@@ -75,7 +75,7 @@ pub use control::ControlChannel;
 pub use repeats::refuse_repeats;
 pub use resample::Uniform;
 pub use units::{Unit, Units};
-pub use write::{decimal, table};
+pub use write::{NoFormat, WriteAs, decimal, table};
 
 use crate::error::{InputError, Place};
 use faults::ChannelFault;

@@ -9,7 +9,7 @@ use super::units::Units;
 use super::{Recording, Source};
 use crate::columns::{Chosen, choose};
 use crate::error::{InputError, Place};
-use crate::files::{self, Format, Kept, Reading, Tables, Values, Wanted};
+use crate::files::{self, Kept, Reading, Tables, Values, Wanted};
 
 impl Recording {
     /// Reads a file of any format of [`files::FORMATS`], gzipped text included: its content says which, not its name. A row whose
@@ -48,15 +48,19 @@ impl Recording {
     /// # Errors
     /// As [`Recording::read`].
     pub fn read_motion(path: impl AsRef<Path>, reading: &Reading) -> Result<Self, InputError> {
-        let needed = |channel: Channel| channel.is_required() && channel != Channel::Force;
         let path = path.as_ref();
-        let mut recording = Self::of(
-            path,
-            files::open(path, reading)?,
-            reading,
-            Kept::Channels,
-            &needed,
-        )?;
+        Self::motion_of(|needed| {
+            let (_, file) = files::open(path, reading)?;
+            Self::of(path, file, reading, Kept::Channels, needed)
+        })
+    }
+
+    /// What `read` gives where a force is not needed.
+    pub(crate) fn motion_of(
+        read: impl FnOnce(&dyn Fn(Channel) -> bool) -> Result<Self, InputError>,
+    ) -> Result<Self, InputError> {
+        let mut recording =
+            read(&|channel: Channel| channel.is_required() && channel != Channel::Force)?;
         if recording.force.is_empty() {
             recording.force = vec![0.0; recording.time.len()];
         }
@@ -71,8 +75,8 @@ impl Recording {
     pub fn from_bytes(path: &Path, bytes: Vec<u8>) -> Result<Self, InputError> {
         let reading = Reading::default();
         let source = files::Source::of(path, bytes.as_slice(), reading.limit)?;
-        let opened = files::opened(source, &reading)?;
-        let recording = Self::of(path, opened, &reading, Kept::Cells, &Channel::is_required)?;
+        let (_, file) = files::opened(source, &reading)?;
+        let recording = Self::of(path, file, &reading, Kept::Cells, &Channel::is_required)?;
         recording.check()?;
         Ok(recording)
     }
@@ -84,8 +88,8 @@ impl Recording {
     }
 
     fn whole(path: &Path, reading: &Reading, kept: Kept) -> Result<Self, InputError> {
-        let opened = files::open(path, reading)?;
-        let recording = Self::of(path, opened, reading, kept, &Channel::is_required)?;
+        let (_, file) = files::open(path, reading)?;
+        let recording = Self::of(path, file, reading, kept, &Channel::is_required)?;
         recording.check()?;
         Ok(recording)
     }
@@ -94,13 +98,13 @@ impl Recording {
     /// be checked.
     pub(super) fn of(
         path: &Path,
-        (_, file): (&dyn Format, Box<dyn Tables + '_>),
+        file: Box<dyn Tables + '_>,
         reading: &Reading,
         kept: Kept,
         needed: &dyn Fn(Channel) -> bool,
     ) -> Result<Self, InputError> {
         let name = path.display().to_string();
-        let chosen = choose(&name, file.tables(), reading, needed)?;
+        let mut chosen = choose(&name, file.tables(), reading, needed)?;
         let used = chosen.used.iter().map(|used| Wanted {
             column: used.column,
             must_be_numeric: true,
@@ -117,7 +121,8 @@ impl Recording {
                 .map(|wanted| columns[wanted.column].name.clone())
                 .collect()
         };
-        let values = file.read(chosen.table, &wanted, kept)?;
+        let mut values = file.read(chosen.table, &wanted, kept)?;
+        chosen.guesses.append(&mut values.notes);
         Samples::of(name, chosen, names, values)?.recording()
     }
 }

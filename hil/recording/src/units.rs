@@ -4,6 +4,7 @@ use serde::Serialize;
 
 /// A unit of a recording's file.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Unit {
     /// As the column's name carries it, after the underscore.
     pub symbol: &'static str,
@@ -17,6 +18,11 @@ impl Unit {
     /// A value in this unit in the code's.
     pub fn to_code(self, value: f64) -> f64 {
         value * self.scale + self.zero
+    }
+
+    /// Whether it is the same however it is written, as mm_s and mm/s are.
+    pub(super) fn is_same(self, other: Self) -> bool {
+        (self.scale, self.zero) == (other.scale, other.zero)
     }
 
     /// A value in the code's unit in this one.
@@ -47,6 +53,8 @@ pub const TIME: &[Unit] = &[
     unit("ms", 1e-3),
     unit("us", 1e-6),
     unit("min", 60.0),
+    unit("ns", 1e-9),
+    unit("h", 3600.0),
 ];
 /// Units of displacement, in mm.
 pub const DISPLACEMENT: &[Unit] = &[
@@ -66,6 +74,7 @@ pub const FORCE: &[Unit] = &[
     unit("MN", 1e3),
     unit("mN", 1e-6),
     unit("kgf", KN_PER_KGF),
+    unit("daN", 1e-2),
 ];
 /// Units of velocity, in mm/s: a length over a second, written `mm_s` or `mm/s`.
 pub const VELOCITY: &[Unit] = &[
@@ -97,6 +106,7 @@ pub const TEMPERATURE: &[Unit] = &[
 
 /// The units of a recording as its file has them.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Units {
     /// One of [`TIME`].
     pub time: Unit,

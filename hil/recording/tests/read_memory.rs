@@ -20,12 +20,29 @@ fn is_in_proportion_to_the_file() {
     let names: String = (0..1000).map(|n| format!(",c{n}")).collect();
     let empty = ",".repeat(1000);
     let at_first = most_memory();
-    for (names, empty, times) in [(&*names, &*empty, 1 << 13), ("", "", 1 << 21)] {
+    let own = "time_s,displacement_mm,force_kN";
+    // In another dialect, with the cells as they are written and without.
+    let (plain, foreign) = (
+        "Time [s],Disp [mm],Load [kN]",
+        "Time [s];Disp [mm];Load [kN]",
+    );
+    for (header, names, empty, times) in [
+        (own, &*names, &*empty, 1 << 13),
+        (own, "", "", 1 << 21),
+        (plain, "", "", 1 << 21),
+        (foreign, "", "", 1 << 21),
+    ] {
         let file = tempfile::NamedTempFile::new().unwrap();
         let mut to = std::io::BufWriter::new(&file);
-        writeln!(to, "time_s,displacement_mm,force_kN{names}").unwrap();
+        writeln!(to, "{header}{names}").unwrap();
+        let rows = format!("1,1,1{empty}\n2,2,2{empty}");
+        let rows = if header == foreign {
+            rows.replace(',', ";")
+        } else {
+            rows
+        };
         for _ in 0..times {
-            writeln!(to, "1,1,1{empty}\n2,2,2{empty}").unwrap();
+            writeln!(to, "{rows}").unwrap();
         }
         drop(to);
         // Read to the end, where time runs backwards.

@@ -224,3 +224,29 @@ fn a_motion_needs_no_force_and_a_recording_does() {
         "{error}"
     );
 }
+
+/// Seconds since 1970, as some loggers write them, in a file of another dialect: nine digits would make them stand still.
+#[test]
+fn times_from_far_away_are_written_with_the_digits_of_their_steps() {
+    let rows: String = (0..20)
+        .map(|n| {
+            format!(
+                "{};{};{}\n",
+                1_700_000_000.0 + 0.001 * f64::from(n),
+                f64::from(n % 3),
+                n
+            )
+        })
+        .collect();
+    let recording = read(&format!("Time [s];Disp [mm];Load [kN]\n{rows}"));
+    assert!(
+        recording
+            .guesses()
+            .iter()
+            .any(|guess| guess.contains("semicolon"))
+    );
+    let written = recording.to_file(Path::new("again.csv"));
+    let again = Recording::from_bytes(Path::new("again.csv"), written).unwrap();
+    assert_eq!(again.time, recording.time);
+    assert!(again.guesses().is_empty());
+}

@@ -4,6 +4,7 @@ use serde::Serialize;
 
 /// The four coefficients of eq 13.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Coefficients {
     /// Linear stiffness, kN/mm.
     pub k1: f64,

@@ -9,6 +9,7 @@ use serde::{Deserialize, Serialize};
 
 /// Whole cycles of a sine that starts rising through 0.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct TestBlock {
     /// mm.
     pub amplitude: f64,

@@ -1,6 +1,6 @@
 //! Characterized loops as one SVG: load–unload cycles with their middle line, or blocks of cycles with their average.
 
-use mesh_damper_studies::characterize::{DynamicTest, StaticTest};
+use mesh_damper_characterize::{DynamicTest, StaticTest};
 
 use super::charts;
 use super::palette::Colour;

@@ -21,7 +21,7 @@ const LOOKS: [(Colour, Look); 5] = [
     (Colour::Measured, Look::Broad),
     (Colour::Before, Look::Line(Dash::Long)),
     (Colour::Yellow, Look::Line(Dash::Short)),
-    (Colour::Green, Look::Line(Dash::DashDot)),
+    (Colour::Green, Look::Line(Dash::Mixed)),
     (Colour::After, Look::Line(Dash::Solid)),
 ];
 

@@ -12,6 +12,8 @@ const SCRIPT: &str = concat!(
     "(()=>{\"use strict\";\n",
     include_str!("script/axis.js"),
     include_str!("script/points.js"),
+    include_str!("script/panel.js"),
+    include_str!("script/read.js"),
     include_str!("script/view.js"),
     include_str!("script/key.js"),
     "})();"
@@ -96,7 +98,7 @@ pub fn page(
 /// A picture with its caption.
 pub fn figure(caption: Markup, picture: &Picture) -> Markup {
     html! {
-        figure {
+        figure style=(format!("--least:{}px", picture.least_width())) {
             figcaption { (caption) }
             (PreEscaped(picture.within_page()))
         }

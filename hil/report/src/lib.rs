@@ -128,4 +128,6 @@ pub fn loop_picture(series: &Series, block: &SeriesBlock) -> String {
 }
 
 #[cfg(test)]
+mod structure;
+#[cfg(test)]
 mod tests;

@@ -145,7 +145,10 @@ pub fn variables() -> String {
 pub fn rules() -> String {
     let colours = Colour::ALL.map(|colour| (colour.light().to_owned(), colour.dark().to_owned()));
     let shades = (-STEPS..=STEPS).map(|step| (shade_of(step, false), shade_of(step, true)));
-    let mut all = String::from("@media screen and (prefers-color-scheme:dark){");
+    let mut all = format!(
+        "@media screen and (prefers-color-scheme:dark){{svg.picture{{fill:{}}}",
+        Ink.dark()
+    );
     for (light, dark) in colours.into_iter().chain(shades) {
         let _ = write!(
             all,

@@ -10,14 +10,14 @@ pub const EQUATION: Style = Style(Colour::Before, Dash::Long, Mark::Square);
 /// Of the crate's surfaces.
 pub const SURFACES: Style = Style(Colour::After, Dash::Solid, Mark::Diamond);
 /// Of finite elements.
-pub const ELEMENTS: Style = Style(Colour::Green, Dash::DashDot, Mark::Triangle);
+pub const ELEMENTS: Style = Style(Colour::Green, Dash::Mixed, Mark::Triangle);
 /// Of what the text says.
 pub const SAID: Style = Style(Colour::Pink, Dash::Short, Mark::Ring);
 /// One for each of the five densities or amplitudes.
 pub const SHADES: [Style; 5] = [
     Style(Colour::Yellow, Dash::Solid, Mark::Disc),
     Style(Colour::Sky, Dash::Long, Mark::Square),
-    Style(Colour::Green, Dash::DashDot, Mark::Triangle),
+    Style(Colour::Green, Dash::Mixed, Mark::Triangle),
     Style(Colour::Before, Dash::Short, Mark::Diamond),
     Style(Colour::Ink, Dash::Dotted, Mark::Ring),
 ];
@@ -64,7 +64,15 @@ pub fn panel(title: impl Into<String>, x: Axis, y: Axis, layers: Vec<Layer>) -> 
     }
 }
 
-/// Panels in rows of three.
-pub fn panels(title: &str, all: Vec<Panel>) -> Picture {
-    Picture::of_panels(title, SMALL, 3, all)
+/// Each panel as a picture, which takes a row of its own where the page is narrow. The panel's title is its caption.
+pub fn panels(title: &str, all: Vec<Panel>) -> Vec<(String, Picture)> {
+    let one = |mut panel: Panel| {
+        let caption = match std::mem::take(&mut panel.title) {
+            own if own.is_empty() => panel.y.name.clone(),
+            own => own,
+        };
+        let picture = Picture::of(format!("{title}: {caption}"), SMALL, panel);
+        (caption, picture)
+    };
+    all.into_iter().map(one).collect()
 }

@@ -130,9 +130,9 @@ pub fn tried(result: &TraceResult) -> Section {
             ul.key {
                 li { i.swatch.stood {} "before the step" }
                 li { i.swatch.won {} "added" }
-                li { i.swatch.rival {} "not told apart from the best" }
+                li { i.swatch.rival {} "rival: not told apart from the best" }
                 li { i.swatch {} "worse" }
-                li { i.swatch.refused {} "no passive effect" }
+                li { i.swatch.refused {} "refused: no passive effect" }
             }
             @for step in steps { (bars(step, result)) }
         }
@@ -170,8 +170,8 @@ fn bars(step: &[Candidate], result: &TraceResult) -> Markup {
                 div.state {}
             }
             @for (place, candidate) in shown.iter().enumerate() {
-                @let (class, state) = if candidate.added { ("bar won", "added") } else if !candidate.admissible { ("bar refused", "not passive") }
-                    else if place == 0 || !candidate.distinguishable { ("bar rival", "near the best") } else { ("bar", "") };
+                @let (class, state) = if candidate.added { ("bar won", "added") } else if !candidate.admissible { ("bar refused", "refused") }
+                    else if place == 0 || !candidate.distinguishable { ("bar rival", "rival") } else { ("bar", "") };
                 div.name title=(text::description(&candidate.family)) { (text::name(&candidate.family)) }
                 div.track { div class=(class) style=(width(candidate.nrmse_judged)) {} div.noise style=(noise) {} }
                 div.value { (text::percent(candidate.nrmse_judged)) }

@@ -167,6 +167,7 @@ fn is_one_small_file_with_everything_in_it() {
         let picture = loop_picture(series, &series.blocks[4]);
         std::fs::write(std::path::Path::new(&directory).join("loop.svg"), picture).unwrap();
     }
+    structure::check(&page);
     assert!(page.len() < 2_000_000, "{}", page.len());
     for part in [
         "Found: stick-slip",
@@ -197,9 +198,9 @@ fn is_one_small_file_with_everything_in_it() {
         let own = page.replace("http://www.w3.org/2000/svg", "");
         assert!(!own.contains(foreign), "{foreign}");
     }
-    // Nine loops; two maps, two spectra, an autocorrelation, the force over time; two backbones, stiffness over amplitude, frequency and
-    // cycles, and loops one above another.
-    assert_eq!(page.matches("role=\"img\"").count(), 9 + 6 + 6);
+    // Nine loops; two maps, two spectra, an autocorrelation, the force over time; two backbones, three figures over amplitude and over
+    // frequency, those over cycles, and loops one above another.
+    assert_eq!(page.matches("role=\"img\"").count(), 9 + 6 + 2 + 3 + 3 + 2);
     // Top to bottom as one would argue.
     let steps = [
         "1-what-was-given",
@@ -419,4 +420,45 @@ fn what_is_held_out_beyond_the_fitted_motion_is_said() {
     assert!(!page.contains("by velocity"));
     data.result.held_out.clear();
     assert!(!render(&data).contains("outside the fitted motion"));
+}
+
+/// What there is to draw of cycles depends on the motion, and what is missing is said.
+#[test]
+fn pictures_of_cycles_are_drawn_where_the_motion_has_them() {
+    let mut data = data();
+    let section = |data: &ReportData| {
+        let page = render(data);
+        let start = heading(&page, "cycles-backbone");
+        page[start..heading(&page, "the-force-left-over-time")].to_owned()
+    };
+    let all = section(&data);
+    assert_eq!(all.matches("<figure").count(), 2 + 3 + 3 + 2);
+    for said in [
+        "Backbone",
+        "storage stiffness K′ over amplitude, by frequency",
+        "loss stiffness K″ over frequency, by amplitude",
+        "by frequency and amplitude",
+        "0.15 mm, 2 Hz</th>",
+    ] {
+        assert!(all.contains(said), "{said}");
+    }
+    // One block: its cycles stand one above another, and there is no curve over a condition.
+    data.series = vec![series("one.csv", &[(0.1, 2.0)], false)];
+    let one = section(&data);
+    assert_eq!(one.matches("<figure").count(), 2 + 2);
+    for said in [
+        "of one amplitude",
+        "of one frequency",
+        "by cycle, the first below",
+        ">cycle 6</text>",
+    ] {
+        assert!(one.contains(said), "{said}");
+    }
+    // No cycle is like the one before.
+    for block in &mut data.series[0].blocks {
+        block.cycles.truncate(1);
+    }
+    let none = section(&data);
+    assert_eq!(none.matches("<figure").count(), 0);
+    assert!(none.contains("No two cycles alike follow each other"));
 }

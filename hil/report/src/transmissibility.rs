@@ -9,7 +9,7 @@ use super::picture::{Axis, Dash, Layer, Look, Panel, Picture};
 const LOOKS: [(Colour, Dash); 5] = [
     (Colour::After, Dash::Solid),
     (Colour::Before, Dash::Long),
-    (Colour::Green, Dash::DashDot),
+    (Colour::Green, Dash::Mixed),
     (Colour::Pink, Dash::Short),
     (Colour::Yellow, Dash::Dotted),
 ];

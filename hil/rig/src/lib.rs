@@ -35,6 +35,7 @@
 
 pub mod actuator;
 mod bench;
+pub mod check;
 pub mod drive;
 mod emulation;
 mod expected;
@@ -42,6 +43,8 @@ pub mod faults;
 mod journal;
 mod plant;
 mod run;
+#[cfg(feature = "schema")]
+mod schema;
 pub mod signals;
 pub mod specimen;
 

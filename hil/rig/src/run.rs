@@ -158,7 +158,19 @@ impl RigRun {
 }
 
 /// Who is told how a run goes on; any `FnMut(f64)` is, of the time alone.
+///
+/// What is told at a tick may not take long: the rig waits for it.
 pub trait Watch {
+    /// A tick that was read, `time` s after the start, at a temperature in °C. Of a rig in this process every one; of a board on its own
+    /// timer every row that arrives, without cycle, report and event.
+    fn tick(&mut self, _telemetry: &Telemetry, _time: f64, _temperature: f64) {}
+
+    /// A cycle that ended `time` s after the start.
+    fn cycle(&mut self, _report: &CycleReport, _time: f64) {}
+
+    /// What the monitor named `time` s after the start.
+    fn event(&mut self, _event: &Event, _time: f64) {}
+
     /// Now and then, and at the end however it ends: which part of the programme's time has passed, and what was recorded.
     ///
     /// # Errors
@@ -293,10 +305,11 @@ fn run_to_its_end<S: DamperForce + Clone>(
     loop {
         let time = rig.plant().servo.time();
         let telemetry = rig.tick()?;
+        let temperature = rig.plant().temperature();
         if run.ticks.is_multiple_of(plan.record_every) {
-            run.samples
-                .push(&telemetry, time, rig.plant().temperature());
+            run.samples.push(&telemetry, time, temperature);
         }
+        watch.tick(&telemetry, time, temperature);
         if run.ticks.is_multiple_of(report_every) {
             watch.see((time / plan.duration).min(1.0), &run.samples)?;
         }
@@ -305,9 +318,14 @@ fn run_to_its_end<S: DamperForce + Clone>(
             range.tick(telemetry.displacement, telemetry.velocity);
             run.outside = Some(range.outside());
         }
-        run.cycles.extend(telemetry.report);
-        run.events
-            .extend(telemetry.event.map(|event| (time, event)));
+        if let Some(report) = telemetry.report {
+            watch.cycle(&report, time);
+            run.cycles.push(report);
+        }
+        if let Some(event) = telemetry.event {
+            watch.event(&event, time);
+            run.events.push((time, event));
+        }
         if block != Some(telemetry.block) {
             block = Some(telemetry.block);
             if let Some(law) = plan.block_laws.get(telemetry.block) {
@@ -326,5 +344,63 @@ fn run_to_its_end<S: DamperForce + Clone>(
             }
             State::Idle | State::Done => return Ok(()),
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use mesh_damper::effects::{AugmentedLaw, Effect, StickSlip};
+    use mesh_damper::sine::{Block, Programme};
+
+    use super::*;
+    use crate::specimen::Specimen;
+
+    /// All that is told.
+    #[derive(Default)]
+    struct Told {
+        samples: Samples,
+        cycles: Vec<CycleReport>,
+        events: Vec<(f64, Event)>,
+    }
+
+    impl Watch for &mut Told {
+        fn tick(&mut self, telemetry: &Telemetry, time: f64, temperature: f64) {
+            self.samples.push(telemetry, time, temperature);
+        }
+
+        fn cycle(&mut self, report: &CycleReport, _: f64) {
+            self.cycles.push(*report);
+        }
+
+        fn event(&mut self, event: &Event, time: f64) {
+            self.events.push((time, *event));
+        }
+
+        fn see(&mut self, _: f64, _: &Samples) -> Result<(), InputError> {
+            Ok(())
+        }
+    }
+
+    /// Who watches is told of every tick, however few are recorded, and of every cycle and event.
+    #[test]
+    fn who_watches_is_told_of_all_of_it() {
+        // Far from its law, which the monitor names.
+        let specimen = Specimen::of_density(3.0, 0.1);
+        let law = Law::new(20.0, 0.0, 0.1, 0.5).unwrap();
+        let slip = Effect::StickSlip(StickSlip::new(&[(5.0, 2e-3)]).unwrap());
+        let law: AugmentedLaw<f32, 1> = AugmentedLaw::new(law).with(slip).unwrap();
+        let programme = Programme::<1>::new(10_000.0, 1).unwrap();
+        let programme = programme.with(Block::sine(0.1, 20.0, 12).unwrap()).unwrap();
+        let mut setup = RigSetup::new(specimen, law, programme, 1);
+        setup.record_every = 1;
+        let whole = run_rig(setup.clone(), |_| {}).unwrap();
+        setup.record_every = 7;
+        let mut told = Told::default();
+        let run = run_rig(setup, &mut told).unwrap();
+        assert_eq!(told.samples, whole.samples);
+        assert_eq!(told.samples.len() as u64, run.ticks);
+        assert!(run.cycles.len() >= 12 && !run.events.is_empty());
+        assert_eq!(told.cycles, run.cycles);
+        assert_eq!(told.events, run.events);
     }
 }

@@ -5,7 +5,6 @@
 //! | [`mod@paper`] | does every table, equation and claim of the paper hold, recomputed? |
 //! | [`mod@finite_element`] | what do the finite elements say that the paper sets beside its law? |
 //! | [`mod@orthogonal`] | which factor of a test matters, and can that be told? |
-//! | [`mod@characterize`] | which stiffness and loss factor has a recording, eqs 1–7? |
 //! | [`mod@surfaces`] | what are the published coefficients worth as surfaces over density and amplitude? |
 //! | [`mod@amplitude_independent`] | what is one law for every amplitude worth on the published loops? |
 //! | [`mod@design`] | which density gives a stiffness and a loss factor? |
@@ -28,7 +27,6 @@ pub mod amplitude_independent;
 pub mod bench;
 pub mod blind;
 pub mod bouc_wen;
-pub mod characterize;
 pub mod design;
 pub mod finite_element;
 mod nonnegative;

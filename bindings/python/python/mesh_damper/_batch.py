@@ -78,8 +78,8 @@ def trace_many(
 
     `recordings` is a folder; a list of paths as a text file; a table as CSV or Parquet, or a data frame, with a column `path`, and `group`,
     `specimen`, and `role` or `held_out` where they are wanted: the rows of one group are one trace; or a sequence of paths.
-    `jobs` traces are made at the same time, as many as there are cores where it is not given. What an earlier run into `out` has made of the
-    same recordings with the same options is not made again. A recording that cannot be read or traced is a row with its `error`.
+    `jobs` traces are made at the same time, as many as there are cores where it is not given. What an earlier run into `out` has made of
+    the same recordings with the same options is not made again. A recording that cannot be read or traced is a row with its `error`.
     """
     given: Any = None
     table: str | None = None
@@ -136,9 +136,7 @@ def outcome(
     """
     paths = [recordings] if isinstance(recordings, (str, os.PathLike)) else list(recordings)
     settings = _core.BatchSettings(list(families), list(exclude), baseline, max_read=max_read)
-    row: dict[str, Any] = json.loads(
-        _core.outcome([os.fspath(path) for path in paths], [os.fspath(path) for path in held_out], settings)
-    )
+    row: dict[str, Any] = json.loads(_core.outcome([os.fspath(path) for path in paths], [os.fspath(path) for path in held_out], settings))
     return row
 
 

@@ -20,6 +20,7 @@ const ROOM: f64 = 20.0;
 /// The motion that all models are put through: sines at parts of the range that all were fitted in, beside each other in amplitude and in
 /// velocity.
 #[derive(Clone, Debug, PartialEq, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct CommonMotion {
     /// Largest displacement, mm.
     pub displacement_mm: f64,
@@ -31,6 +32,7 @@ pub struct CommonMotion {
 
 /// The force of a model beside that of the first.
 #[derive(Clone, Debug, PartialEq, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct ForceChange {
     /// The model, counted from 0.
     pub model: usize,
@@ -49,6 +51,7 @@ pub struct ForceChange {
 
 /// A place of the motion, and the difference there.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Place {
     /// mm.
     pub displacement_mm: f64,

@@ -37,6 +37,7 @@ mesh_damper_recording::numbers! {
 
 /// A family of effects that not all models have.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct EffectChange {
     /// The family's name.
     pub family: String,
@@ -48,6 +49,7 @@ pub struct EffectChange {
 
 /// One of the models, as a result names it.
 #[derive(Clone, Debug, PartialEq, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Compared {
     /// The path that was given.
     pub name: String,
@@ -63,6 +65,7 @@ pub struct Compared {
 
 /// What changed from model to model.
 #[derive(Clone, Debug, PartialEq, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Comparison {
     /// The word by which the file is known.
     pub format: &'static str,

@@ -10,6 +10,7 @@ use super::{ComparePolicy, Moment};
 
 /// A parameter from model to model.
 #[derive(Clone, Debug, PartialEq, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct ParameterChange {
     /// `law`, or the family of the effect.
     pub of: String,
@@ -31,6 +32,7 @@ pub struct ParameterChange {
 
 /// A value and its 90 % interval; the ends are null where they are not known, or the data set no bound.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Bounds {
     /// The model's.
     pub value: f64,

@@ -12,6 +12,7 @@ use mesh_damper_rig::Journal;
 use mesh_damper_rig::specimen::DrawnEffect;
 use serde::Serialize;
 
+use super::document::AddDocument as _;
 use super::progress::Progress;
 use super::{Failure, say, summary};
 
@@ -32,18 +33,25 @@ pub struct DemoCommand {
     json: Option<PathBuf>,
 }
 
+/// The whole way once: what was hidden, what was found, and how near the law came to it.
 #[derive(Serialize)]
-struct Summary<'a> {
+#[cfg_attr(feature = "full", derive(schemars::JsonSchema))]
+pub(super) struct Summary<'a> {
+    /// That drew the specimen.
     seed: u64,
-    /// What was hidden, and its size.
+    /// The effect that was hidden, and its size.
     hidden: DrawnEffect,
-    /// The families found.
+    /// The families that the trace found.
     found: Vec<&'a str>,
+    /// Whether the hidden effect was named, and nothing else.
     named: bool,
+    /// Whether the law came nearer the specimen in the closed loop.
     nearer: bool,
-    /// RMS of the error of the law in the closed loop over the RMS of the measured force.
+    /// RMS of the error of the law in the closed loop over the RMS of the measured force, before.
     loop_error_before: f64,
+    /// The same NRMSE with what was found.
     loop_error_after: f64,
+    /// As `trace.json` has it.
     trace: &'a TraceResult,
 }
 
@@ -89,14 +97,14 @@ impl DemoCommand {
         );
         let recording = self.out.join("recording.csv.gz");
         outputs.add(&recording, done.recording.to_file(&recording));
-        outputs.add_json(self.out.join("trace.json"), &done.trace.result)?;
-        outputs.add_json(self.out.join("model.json"), &done.trace.model_file())?;
+        outputs.add_document(self.out.join("trace.json"), &done.trace.result)?;
+        outputs.add_document(self.out.join("model.json"), &done.trace.model_file())?;
         outputs.add(self.out.join("report.html"), report::render(&report));
         if let Some(picture) = largest_loop(&report) {
             outputs.add(self.out.join("loop.svg"), picture);
         }
         if let Some(json) = &self.json {
-            outputs.add_json(json, &summary)?;
+            outputs.add_document(json, &summary)?;
         }
         drop(progress);
         outputs.write()?;

@@ -1,6 +1,7 @@
 //! The command line: one file per command. What a first look does not need is in `full`.
 
 mod demo;
+mod document;
 #[cfg(feature = "full")]
 mod full;
 mod progress;
@@ -102,6 +103,13 @@ fn say(text: &str) {
         }
         _ => {}
     }
+}
+
+/// Whether none of the files that a command writes is standard output, which has room for the results in words then.
+#[cfg(feature = "full")]
+fn is_free_for_text<'a>(files: impl IntoIterator<Item = &'a Option<std::path::PathBuf>>) -> bool {
+    let dash = std::path::Path::new("-");
+    files.into_iter().all(|file| file.as_deref() != Some(dash))
 }
 
 #[cfg(feature = "full")]

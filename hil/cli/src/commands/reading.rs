@@ -4,6 +4,7 @@ use std::path::Path;
 
 use clap::Args;
 use mesh_damper_recording::Recording;
+pub use mesh_damper_recording::columns::shell;
 use mesh_damper_recording::error::InputError;
 use mesh_damper_recording::files;
 use mesh_damper_recording::read_limit::ReadLimit;
@@ -49,6 +50,25 @@ impl RecordingFiles {
             table: self.table.clone(),
             decimal: (self.decimal.as_deref()).map(|sign| if sign == "comma" { ',' } else { '.' }),
         }
+    }
+
+    /// The same as it is typed.
+    pub fn as_options(&self) -> Vec<String> {
+        let pairs = |option: &'static str, pairs: &[(String, String)]| -> Vec<String> {
+            let each = pairs.iter();
+            each.map(|(of, what)| format!("--{option} {of}={}", shell(what)))
+                .collect()
+        };
+        let mut options = pairs("channel", &self.channels);
+        options.extend(pairs("unit", &self.units));
+        options.extend(self.rate.map(|rate| format!("--rate {rate}")));
+        options.extend(
+            self.table
+                .iter()
+                .map(|name| format!("--table {}", shell(name))),
+        );
+        options.extend(self.decimal.iter().map(|sign| format!("--decimal {sign}")));
+        options
     }
 
     /// Reads the channels of a recording, and says what was guessed.

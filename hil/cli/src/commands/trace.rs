@@ -5,9 +5,10 @@ use std::path::{Path, PathBuf};
 use clap::Args;
 use mesh_damper_identify::trace::trace_for;
 use mesh_damper_recording::output::Plan;
-use mesh_damper_recording::{Recording, refuse_repeats};
+use mesh_damper_recording::refuse_repeats;
 use mesh_damper_report::{self as report, ReportData, declared};
 
+use super::document::AddDocument as _;
 use super::progress::Progress;
 use super::reading::RecordingFiles;
 use super::seeking::Seeking;
@@ -71,19 +72,19 @@ impl TraceCommand {
         drop((recordings, held_out));
         progress.step("writing the report");
         let names: Vec<String> = self.recordings.iter().map(|path| file_name(path)).collect();
-        outputs.add_json(self.out.join("model.json"), &found.model_file())?;
+        outputs.add_document(self.out.join("model.json"), &found.model_file())?;
         let title = format!("Trace of {}", names.join(", "));
         let report = ReportData::of_trace(title, declared, found);
         outputs.add(self.out.join("report.html"), report::render(&report));
         let result = report.result;
-        outputs.add_json(self.out.join("trace.json"), &result)?;
+        outputs.add_document(self.out.join("trace.json"), &result)?;
         let separating = self.out.join(separating::FILE);
         let separates = !result.separating_blocks.is_empty();
         if separates {
             outputs.add(&separating, separating::motion(&separating, &result)?);
         }
         if let Some(json) = &self.json {
-            outputs.add_json(json, &result)?;
+            outputs.add_document(json, &result)?;
         }
         drop(progress);
         outputs.write()?;

@@ -38,7 +38,8 @@ fn bad_recordings() -> Vec<(&'static str, Vec<u8>, &'static [&'static str])> {
         bytes.truncate(bytes.len() / 2);
         bytes
     };
-    let latin = recording(|lines| lines[0].push_str(",note"))
+    // A sign of UTF-8 in the header, and one of another encoding in the last row.
+    let mixed = recording(|lines| lines[0].push_str(",note \u{b5}"))
         .iter()
         .chain(b"1,2,3,\xb0C\n")
         .copied()
@@ -77,18 +78,24 @@ fn bad_recordings() -> Vec<(&'static str, Vec<u8>, &'static [&'static str])> {
         ),
         (
             "no-force.csv",
-            recording(|lines| lines[0] = "time_s,displacement_mm,load_kN".into()),
+            recording(|lines| lines[0] = "time_s,displacement_mm,stress_kPa".into()),
             &[
                 "line 1",
                 "no force column",
-                "\"load_kN\"",
+                "\"stress_kPa\"",
                 "force_kN, force_N",
             ],
         ),
         (
             "no-time.csv",
             recording(|lines| lines[0] = "t,displacement_mm,force_kN".into()),
-            &["no time column", "\"t\"", "time_s, time_ms"],
+            &[
+                "no time column",
+                "\"t\"",
+                "time_s, time_ms",
+                "--channel time=t",
+                "--rate",
+            ],
         ),
         (
             "no-unit.csv",
@@ -195,11 +202,34 @@ fn bad_recordings() -> Vec<(&'static str, Vec<u8>, &'static [&'static str])> {
         ),
         ("truncated.csv.gz", truncated, &["not valid gzip"]),
         ("plain.csv.gz", whole, &["not valid gzip"]),
-        ("latin-1.csv", latin, &["line 402", "not UTF-8"]),
+        ("mixed.csv", mixed, &["line 402", "not UTF-8"]),
         (
-            "semicolons.csv",
-            b"time_s;displacement_mm;force_kN\n0;0;0\n".to_vec(),
-            &["no time column"],
+            "thousands-or-decimals.csv",
+            b"time_s;displacement_mm;force_kN\n1,001;1;2\n1,002;2;3\n".to_vec(),
+            &["line 2", "\"1,001\"", "--decimal point or --decimal comma"],
+        ),
+        (
+            "comma-as-both.csv",
+            b"Time [s],Disp [mm],Load [kN]\n0,001,0,5,0,7\n0,002,0,6,0,8\n".to_vec(),
+            &["line 2", "export it again with a semicolon"],
+        ),
+        (
+            "no-unit-of-time.csv",
+            b"Zeit;Weg [mm];Kraft [kN]\n0,1;1;2\n0,2;2;3\n".to_vec(),
+            &["column Zeit", "no unit", "--unit time=s or --unit time=ms"],
+        ),
+        (
+            "two-loads.csv",
+            b"Time [s]\tDisp [mm]\tLoad 1 [N]\tLoad 2 [N]\n0.1\t1\t2\t3\n0.2\t2\t3\t4\n".to_vec(),
+            &[
+                "2 columns could be the force",
+                "--channel force='Load 1 [N]' or --channel force='Load 2 [N]'",
+            ],
+        ),
+        (
+            "letter.txt",
+            b"Dear reader,\nthere are no numbers here.\n".to_vec(),
+            &["holds no rows", "commas, semicolons, tabs, bars or blanks"],
         ),
     ]
 }

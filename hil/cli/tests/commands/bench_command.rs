@@ -4,6 +4,7 @@ use std::path::Path;
 use std::process::{Command, Output};
 
 use crate::emulated;
+use crate::junit_command;
 use mesh_damper_link::image::Board;
 use mesh_damper_studies::bench::{Baseline, IMAGE};
 use serde_json::Value;
@@ -23,7 +24,7 @@ fn a_count_above_the_baseline_is_named_and_fails_the_command() {
     if emulated::image(&IMAGE, Board::Mps2An386).is_none() {
         return;
     }
-    let mut baseline = Baseline::read(&Baseline::path()).unwrap();
+    let mut baseline = Baseline::read(&Baseline::path().unwrap()).unwrap();
     let entry = baseline
         .counts
         .iter_mut()
@@ -35,15 +36,29 @@ fn a_count_above_the_baseline_is_named_and_fails_the_command() {
     let path = directory.path().join("baseline.json");
     std::fs::write(&path, serde_json::to_vec(&baseline).unwrap()).unwrap();
 
-    let output = command(&["--json", "-"], &path);
+    let junit = directory.path().join("bench.xml");
+    let output = command(&["--json", "-", "--junit", junit.to_str().unwrap()], &path);
     assert_eq!(output.status.code(), Some(1));
     let said = String::from_utf8_lossy(&output.stderr);
     assert!(
         said.contains("power/table call on a Cortex-M4F: mean"),
         "{said}"
     );
-    // What was counted is given all the same.
+    // What was counted is given all the same, and what failed stands among the checks.
+    let suite = junit_command::suite(&junit);
+    assert!(
+        suite
+            .failure("power/table call on a Cortex-M4F, mean")
+            .contains("above the baseline")
+    );
+    assert!(
+        suite
+            .cases
+            .iter()
+            .any(|case| case.class == "hil.bench.limit")
+    );
     let results: Value = serde_json::from_slice(&output.stdout).unwrap();
+    crate::schema_command::is_as_its_schema_says("bench", &results);
     let counts = results["counts"].as_array().unwrap();
     let table = counts
         .iter()

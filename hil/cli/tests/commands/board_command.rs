@@ -9,6 +9,7 @@ use serde_json::Value;
 
 use crate::command::hil;
 use crate::emulated;
+use crate::schema_command::is_as_its_schema_says;
 
 /// `hil emulate`, until it is dropped.
 struct Emulate(Child);
@@ -31,6 +32,7 @@ impl Emulate {
             .unwrap();
         assert!(said.starts_with("The board is at /dev/"), "{said}");
         let board = json(&directory.join("board.json"));
+        is_as_its_schema_says("emulate", &board);
         let port = format!("serial:{}", board["port"].as_str().unwrap());
         Some((Self(process), port, board["force_range_kn"].to_string()))
     }
@@ -74,14 +76,24 @@ fn a_test_is_recorded_and_a_law_is_put_onto_the_rig_that_runs() {
 
     // The test of a rig in this process, but for what a board's telemetry does not hold.
     hil(root, &["run", "--blocks", "0.1:20:6", "--out", "here"]);
-    let whole = ["there.csv", "--record-every", "10", "--json", "there.json"];
+    let whole = [
+        "there.csv",
+        "--record-every",
+        "10",
+        "--json",
+        "there.json",
+        "--live",
+    ];
     hil(
         root,
         &[&record[..], &whole, &blocks, &["0.1:20:6"]].concat(),
     );
     let there = json(&root.join("there.json"));
+    is_as_its_schema_says("record", &there);
     assert_eq!(there["lost"]["rows"], 0);
     assert_eq!(there["late_ticks"], 0);
+    let page = there["live"]["address"].as_str().unwrap();
+    assert!(page.starts_with("http://127.0.0.1:"), "{page}");
     assert_eq!(there["stopped"], Value::Null);
     let cycles = there["cycles"].as_array().unwrap();
     let rows = std::fs::read_to_string(root.join("here/cycles.csv")).unwrap();
@@ -123,6 +135,7 @@ fn a_test_is_recorded_and_a_law_is_put_onto_the_rig_that_runs() {
     ];
     hil(root, &upload);
     let uploaded = json(&root.join("upload.json"));
+    is_as_its_schema_says("upload", &uploaded);
     assert_eq!(uploaded["in_force"], true);
     assert_eq!(uploaded["late_ticks"], 0);
     let join = [

@@ -175,7 +175,7 @@ fn what_is_no_library_is_refused() {
     );
 }
 
-/// Where the command stands alone, it says how to get the library.
+/// Where the command stands alone and has no cargo, it says how to get the library.
 #[test]
 fn a_command_without_its_library_says_how_to_build_it() {
     let root = directory();
@@ -187,6 +187,10 @@ fn a_command_without_its_library_says_how_to_build_it() {
             .args(["--out", "mount.fmu"])
             .args(more)
             .current_dir(root.path())
+            // No repository is around it, and nothing builds of what it holds.
+            .env_remove("CARGO_MANIFEST_DIR")
+            .env("XDG_CACHE_HOME", root.path().join("cache"))
+            .env("CARGO", root.path().join("none"))
             .output()
             .unwrap()
     };
@@ -194,7 +198,7 @@ fn a_command_without_its_library_says_how_to_build_it() {
     let said = String::from_utf8(refused.stderr).unwrap();
     assert_eq!(refused.status.code(), Some(2), "{said}");
     assert!(
-        said.contains("beside this program")
+        said.contains("cargo does not start")
             && said.contains("cargo build --release -p mesh-damper-fmu"),
         "{said}"
     );

@@ -6,7 +6,11 @@ mod bad_input_of_studies;
 mod batch_command;
 mod bench_command;
 mod board_command;
+#[path = "../../../live/tests/live/broker.rs"]
+mod broker;
 mod command;
+#[path = "../../../live/tests/live/common.rs"]
+mod common;
 mod controlled;
 mod demo_command;
 #[path = "../../../link/tests/emulated/mod.rs"]
@@ -14,7 +18,10 @@ mod emulated;
 mod export_command;
 mod export_fmu;
 mod image_command;
+mod inspect_command;
 mod interrupted_run;
+mod junit_command;
+mod live_command;
 mod no_room;
 mod outputs;
 mod paper_command;
@@ -25,7 +32,10 @@ mod readme;
 mod refusal;
 mod respond_command;
 mod run_command;
+mod schema_command;
 mod separating;
+mod shells;
 mod surfaces_command;
 mod trace_command;
 mod trace_memory;
+mod validator;

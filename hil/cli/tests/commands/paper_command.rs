@@ -28,7 +28,9 @@ fn run() -> &'static (Value, String) {
             String::from_utf8_lossy(&output.stderr)
         );
         let page = std::fs::read_to_string(root.path().join("new/out/report.html")).unwrap();
-        (serde_json::from_slice(&output.stdout).unwrap(), page)
+        let paper = serde_json::from_slice(&output.stdout).unwrap();
+        crate::schema_command::is_as_its_schema_says("paper", &paper);
+        (paper, page)
     })
 }
 

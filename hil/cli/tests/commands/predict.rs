@@ -264,3 +264,53 @@ fn the_motion_comes_along_where_it_is_asked_for() {
     }
     assert_eq!(column("temperature")[7], 20.0);
 }
+
+/// The name says the format, whatever the recording came in; one of no format is refused before the model is looked for.
+#[test]
+fn a_prediction_goes_where_its_name_ends() {
+    let root = tempfile::tempdir().unwrap();
+    let mut text = String::from("# specimen: one\ntime_s,displacement_mm,force_N\n");
+    for i in 0..1000 {
+        let time = f64::from(i) * 0.002;
+        text += &format!(
+            "{time},{:.6},{:.3}\n",
+            displacement(time),
+            2000.0 * displacement(time)
+        );
+    }
+    fs::write(root.path().join("rec.csv"), &text).unwrap();
+    let mut read = Vec::new();
+    for name in ["pred.csv.gz", "pred.mat", "pred.parquet"] {
+        predict(root.path(), "rec.csv", name, "f64");
+        let path = root.path().join(name);
+        let reading = mesh_damper_recording::files::Reading {
+            channels: vec![("force".into(), "predicted_force_N".into())],
+            units: vec![("force".into(), "N".into())],
+            ..Default::default()
+        };
+        let predicted = Recording::read_as(&path, &reading).unwrap();
+        assert_eq!(predicted.declared("specimen"), Some("one"), "{name}");
+        assert_eq!(predicted.len(), 1000);
+        // A prediction can be predicted of.
+        predict(root.path(), name, "again.mcap", "f64");
+        read.push(predicted.force);
+    }
+    let off = |other: &[f64]| read[0].iter().zip(other).all(|(a, b)| (a - b).abs() < 1e-8);
+    assert!(off(&read[1]) && off(&read[2]));
+    assert_eq!(read[1], read[2]);
+    let mcap = fs::read(root.path().join("again.mcap")).unwrap();
+    assert!(mcap.starts_with(b"\x89MCAP0\r\n") && mcap.ends_with(b"\x89MCAP0\r\n"));
+    let none = [
+        "predict",
+        "--model",
+        "none.json",
+        "rec.csv",
+        "--out",
+        "pred.xlsx",
+    ];
+    crate::refusal::refuses(
+        root.path(),
+        &none,
+        &["pred.xlsx", "of no format", ".parquet"],
+    );
+}

@@ -60,6 +60,7 @@ const KINDS: [MemoryKind; 9] = [
 /// What a residual table may be over in the place of speed, kind by kind. The level of the motion, its cycles and its acceleration
 /// are none of them: they mended none of the blind trial's 130 unlisted effects and were chosen in no recording of others.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(rename_all = "snake_case")]
 pub enum MemoryKind {
     /// How far an element of friction is deflected, by its slip limit.

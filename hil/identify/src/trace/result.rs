@@ -5,6 +5,7 @@
 use std::collections::BTreeMap;
 
 use mesh_damper_model::correction::{CorrectionTable, Remembered};
+use mesh_damper_recording::output::{Label, LabelField};
 use mesh_damper_reference::protocol::TestBlock;
 use serde::{Deserialize, Deserializer, Serialize};
 
@@ -12,12 +13,13 @@ use super::rule::Rule;
 
 /// The result of a trace.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct TraceResult {
     /// The recordings that were fitted.
     pub recordings: Vec<String>,
     /// The recordings that were held out as a whole.
     pub held_out: Vec<String>,
-    /// The noise of the measured force, estimated from the recordings.
+    /// NRMSE of the noise of the measured force, estimated from the recordings.
     pub noise_floor_nrmse: f64,
     /// The law alone.
     pub baseline: Baseline,
@@ -69,6 +71,11 @@ pub struct TraceResult {
     pub rejected: Option<Rejected>,
 }
 
+impl TraceResult {
+    /// What `trace.json` says of itself.
+    pub const LABEL: Label = Label::new("trace", LabelField::Format);
+}
+
 /// Results of before there was the field had adopted what they had.
 fn is_adopted() -> bool {
     true
@@ -76,6 +83,7 @@ fn is_adopted() -> bool {
 
 /// The errors of a law that was not adopted.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Rejected {
     /// In f64.
     pub augmented: Errors,
@@ -85,6 +93,7 @@ pub struct Rejected {
 
 /// What a trace concludes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(rename_all = "snake_case")]
 pub enum Verdict {
     /// The law explains the recordings down to their noise.
@@ -99,6 +108,7 @@ pub enum Verdict {
 
 /// The law before anything is added.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Baseline {
     /// The law's name: `mixed_damping`, `linear` or `none`.
     pub law: String,
@@ -116,21 +126,23 @@ pub struct Baseline {
 
 /// Eq 13 at one amplitude.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct LawEstimate {
     /// mm; 0 where the coefficients hold for all amplitudes.
     pub amplitude: f64,
-    /// Linear stiffness.
+    /// Linear stiffness, kN/mm.
     pub k1: Estimate,
-    /// Cubic stiffness.
+    /// Cubic stiffness, kN/mm³.
     pub k3: Estimate,
-    /// Damping.
+    /// Damping, kN·(s/mm)^α.
     pub c: Estimate,
-    /// Damping exponent.
+    /// Damping exponent α, without a unit.
     pub alpha: Estimate,
 }
 
 /// One effect beside the law.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct FoundEffect {
     /// The family's name, as in the model file.
     pub family: String,
@@ -151,6 +163,7 @@ pub struct FoundEffect {
 
 /// One condition that was held out: the law was fitted to all others.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct HeldCondition {
     /// The recording that it is of.
     pub recording: String,
@@ -160,18 +173,19 @@ pub struct HeldCondition {
     pub amplitude: Option<f64>,
     /// Its frequency, Hz; of a motion without blocks null.
     pub frequency: Option<f64>,
-    /// What is left of it by the law with all effects.
+    /// NRMSE of it by the law with all effects.
     pub nrmse_with: f64,
-    /// What is left without the effects of each family.
+    /// NRMSE of it without the effects of each family.
     pub nrmse_without: BTreeMap<String, f64>,
 }
 
 /// What a law leaves.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Remainder {
     /// Over the RMS of the force.
     pub nrmse: f64,
-    /// Over the noise.
+    /// Over the noise, a ratio.
     pub times_noise: f64,
     /// Whether that is of what was held out; else it is of what was fitted.
     #[serde(default)]
@@ -182,10 +196,11 @@ pub struct Remainder {
 
 /// A parameter with its 90 % interval.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Estimate {
-    /// Best value.
+    /// Best value, in the unit.
     pub value: f64,
-    /// Lower end; where the data set no bound it is null in the file, and −∞.
+    /// Lower end, in the unit; where the data set no bound it is null in the file, and −∞.
     #[serde(deserialize_with = "low")]
     pub low: f64,
     /// Upper end; null and ∞ where there is no bound.
@@ -205,6 +220,7 @@ fn high<'de, D: Deserializer<'de>>(deserializer: D) -> Result<f64, D::Error> {
 
 /// One family that was tried.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Candidate {
     /// The family's name.
     pub family: String,
@@ -229,6 +245,7 @@ pub struct Candidate {
 
 /// Errors on fitted and on held-out samples.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Errors {
     /// On the samples that were fitted.
     pub nrmse_fitted: f64,
@@ -238,6 +255,7 @@ pub struct Errors {
 
 /// The error of the law that ships.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct OnTarget {
     /// On the samples that were held out.
     pub nrmse_held_out: f64,
@@ -245,6 +263,7 @@ pub struct OnTarget {
 
 /// A correction without a name.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct CorrectionSummary {
     /// What it remembers of the motion or is over beside it, where there is such.
     pub remembers: Option<Remembered>,
@@ -279,7 +298,9 @@ mod tests {
         assert!(text.contains(r#""low":null,"high":null"#), "{text}");
         let read: Estimate = serde_json::from_str(&text).unwrap();
         assert_eq!(read, unbounded);
-        assert!(serde_json::from_str::<Estimate>(r#"{"value":1.0,"high":2.0,"unit":"mm"}"#).is_err());
+        assert!(
+            serde_json::from_str::<Estimate>(r#"{"value":1.0,"high":2.0,"unit":"mm"}"#).is_err()
+        );
     }
 
     /// The names that other programs read.

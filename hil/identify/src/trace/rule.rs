@@ -4,6 +4,7 @@ use serde::{Deserialize, Serialize};
 
 /// Why something that was tried is not in the law.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(rename_all = "snake_case")]
 pub enum Rule {
     /// Of a candidate: nothing is added to a law that is noise-limited.

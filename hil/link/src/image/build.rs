@@ -1,9 +1,10 @@
-//! Has cargo build an image from the repository that this harness was built from.
+//! Has cargo build an image from the repository, or from the sources that an installed command holds.
 
 use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
 
 use mesh_damper_recording::error::InputError;
+use mesh_damper_sources::Sources;
 use serde_json::Value;
 
 use super::Board;
@@ -42,18 +43,21 @@ pub const OWN_TIMER: Image = Image {
 /// Builds `image` for `board` with profile `firmware` and gives its ELF file. Does nothing where nothing has changed.
 ///
 /// # Errors
-/// A target that is not installed, or what the compiler says.
+/// A target that is not installed, sources that cannot be unpacked, or what the compiler says.
 pub fn build(image: &Image, board: Board) -> Result<PathBuf, InputError> {
-    let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("../..");
     let target = board.target();
     check_target(target)?;
+    let sources = Sources::find()?;
+    let root = sources.root();
     let flags = image
         .cfg
         .map_or_else(String::new, |cfg| format!("--cfg {cfg}"));
     let cargo = std::env::var_os("CARGO").unwrap_or_else(|| "cargo".into());
     let output = Command::new(cargo)
         .current_dir(root.join("firmware").join(board.folder()))
-        .args(["build", "--quiet", "--locked", "--profile", "firmware"])
+        .args(["build", "--quiet", "--profile", "firmware"])
+        // Of what is unpacked only a part of the repository's packages is there, and the lock file names all: cargo leaves the others out.
+        .args(sources.is_repository().then_some("--locked"))
         .args(["--bin", image.binary])
         .args(["--features", image.feature])
         .args([
@@ -64,14 +68,21 @@ pub fn build(image: &Image, board: Board) -> Result<PathBuf, InputError> {
         ])
         // Of its own for each board: the binary's name is the same for all, and one would take another's place.
         .arg("--target-dir")
-        .arg(target_directory(&root, board))
+        .arg(target_directory(root, board))
         // A target-cpu in them would change the images' rounding, and link arguments their layout.
         .env_remove("CARGO_ENCODED_RUSTFLAGS")
         .env("RUSTFLAGS", flags)
         .stdin(Stdio::null())
         .output();
     let failed = |problem: String| {
-        let mend = "build it by hand, as docs/firmware.md says, to see more";
+        let mend = if sources.is_repository() {
+            "build it by hand, as docs/firmware.md says, to see more".to_owned()
+        } else {
+            format!(
+                "see that cargo reaches its registry, or remove {} and try again",
+                root.display()
+            )
+        };
         InputError::new(format!("the image {}", image.binary), problem, mend)
     };
     let output = output.map_err(|error| failed(format!("cargo does not start: {error}")))?;

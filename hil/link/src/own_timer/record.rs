@@ -116,7 +116,7 @@ fn follow<W: Wire>(
     let mut resting: Option<Instant> = None;
     loop {
         if let Some((number, sent)) = image.telemetry()? {
-            taken.take(number, &sent);
+            taken.take(number, &sent, watch);
             came = Instant::now();
         }
         let rests = resting.is_some_and(|since| since.elapsed() > GRACE);
@@ -168,7 +168,7 @@ struct Taken {
 }
 
 impl Taken {
-    fn take(&mut self, number: u32, sent: &Sent) {
+    fn take(&mut self, number: u32, sent: &Sent, watch: &mut impl Watch) {
         if let Some(next) = self.next.frame {
             self.lost.frames += u64::from(number.wrapping_sub(next));
         }
@@ -177,15 +177,15 @@ impl Taken {
         match sent {
             Sent::Rows(rows) => {
                 for row in rows.iter().filter(|row| row.session == session) {
-                    self.row(row);
+                    self.row(row, watch);
                 }
             }
-            Sent::Note(note) if note.session == session => self.note(note),
+            Sent::Note(note) if note.session == session => self.note(note, watch),
             Sent::Note(_) => {}
         }
     }
 
-    fn row(&mut self, row: &Row) {
+    fn row(&mut self, row: &Row, watch: &mut impl Watch) {
         if row.number < self.next.row {
             return;
         }
@@ -216,16 +216,21 @@ impl Taken {
         self.run
             .samples
             .push(&telemetry, time, row.temperature.into());
+        watch.tick(&telemetry, time, row.temperature.into());
     }
 
-    fn note(&mut self, note: &Note) {
+    fn note(&mut self, note: &Note, watch: &mut impl Watch) {
         self.lost.notes += u64::from(note.number.wrapping_sub(self.next.note));
         self.next.note = note.number.wrapping_add(1);
         let time = self.time_of(note.tick.into());
-        self.run.cycles.extend(note.report);
-        self.run
-            .events
-            .extend(note.event.map(|event| (time, event)));
+        if let Some(report) = note.report {
+            watch.cycle(&report, time);
+            self.run.cycles.push(report);
+        }
+        if let Some(event) = note.event {
+            watch.event(&event, time);
+            self.run.events.push((time, event));
+        }
         self.fault(time, note.state);
         if note.ends {
             self.ends = Some(note.tick);

@@ -8,16 +8,17 @@ use crate::ModelError;
 
 /// The energies of a response, J: `input` = `kinetic` + `elastic` + `dissipated` + `residual`.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct EnergyBalance {
-    /// Work of the force on the mass and of the base on the damper.
+    /// Work of the force on the mass and of the base on the damper, J.
     pub input: f64,
-    /// By which the kinetic energy of all that moves has grown.
+    /// By which the kinetic energy of all that moves has grown, J.
     pub kinetic: f64,
-    /// By which the energy in the springs of the law, of stops and of a compliance has grown, with the coefficients of the end.
+    /// By which the energy in the springs of the law, of stops and of a compliance has grown, with the coefficients of the end, J.
     pub elastic: f64,
-    /// What else the damper took. What springs behind friction and in relaxation hold at the end is among it.
+    /// What else the damper took, J. What springs behind friction and in relaxation hold at the end is among it.
     pub dissipated: f64,
-    /// What the steps lose or gain.
+    /// What the steps lose or gain, J.
     pub residual: f64,
 }
 

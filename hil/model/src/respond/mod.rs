@@ -31,9 +31,10 @@ mod specimen;
 mod sweep;
 
 use mesh_damper::effects::CONTROLS;
+use mesh_damper_recording::error::{InputError, Place};
 
 use crate::extrapolation::Extrapolation;
-use crate::file::FittedRange;
+use crate::file::{FittedRange, model_error};
 use crate::{Model, ModelError};
 use energy::Work;
 use oscillator::Oscillator;
@@ -77,6 +78,33 @@ pub enum RespondError {
         /// s since the start.
         time: f64,
     },
+}
+
+impl RespondError {
+    /// The same about the model's file, or about the option that gave the value.
+    pub fn about(&self, model: &str) -> InputError {
+        match self {
+            Self::Value {
+                field,
+                value,
+                problem,
+                remedy,
+            } => {
+                let problem = format!("{value} {problem}");
+                if field.contains('(') {
+                    return InputError::new(model, problem, *remedy)
+                        .at(Place::Field((*field).into()));
+                }
+                InputError::new(format!("--{field}"), problem, *remedy)
+            }
+            Self::Model(error) => model_error(model, error),
+            Self::NoBalance { time } => InputError::new(
+                model,
+                format!("no velocity below 1e6 mm/s balances the forces at {time:.4} s"),
+                "check the model's stiffness, the mass and the unit of the force",
+            ),
+        }
+    }
 }
 
 /// The mass and damper at one time.

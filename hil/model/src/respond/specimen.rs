@@ -23,6 +23,7 @@ pub(super) struct Specimen {
 
 /// An effect that is left out, or that is taken in another way than a prediction takes it.
 #[derive(Clone, Debug, PartialEq, serde::Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct LeftOut {
     /// The effect's family.
     pub family: &'static str,

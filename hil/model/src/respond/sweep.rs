@@ -32,6 +32,7 @@ pub struct SweepRange {
 
 /// A sine of the base, and the steady motion of the mass.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct SweepPoint {
     /// Hz
     pub frequency: f64,
@@ -57,6 +58,7 @@ pub struct SweepPoint {
 
 /// Transmissibility over frequency and amplitude.
 #[derive(Clone, Debug, PartialEq, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Sweep {
     /// Amplitude by amplitude, each in order of frequency.
     pub points: Vec<SweepPoint>,

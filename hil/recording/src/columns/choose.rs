@@ -56,6 +56,7 @@ pub fn choose(
     reading: &Reading,
     needed: &dyn Fn(Channel) -> bool,
 ) -> Result<Chosen, InputError> {
+    check_said(reading)?;
     let of_name = |(_, table): &(usize, &Table)| match &reading.table {
         Some(name) => table.name.eq_ignore_ascii_case(name),
         None => true,
@@ -96,6 +97,9 @@ pub fn choose(
             Err(error) => failed.push((index, error)),
         }
     }
+    if let Some(error) = super::apart::apart(file, &meant, reading, needed) {
+        return Err(error);
+    }
     // The table that looks most like a recording says what is missing.
     let like = |&&(index, _): &&(usize, InputError)| {
         let columns = tables[index].columns.iter();
@@ -115,6 +119,34 @@ pub fn choose(
         error.problem = format!("table {}: {}", quoted(&tables[index].name), error.problem);
     }
     Err(error)
+}
+
+/// Refuses the unit of a quantity that is no channel and has no column: it would change nothing.
+fn check_said(reading: &Reading) -> Result<(), InputError> {
+    let is_known = |quantity: &str| {
+        Channel::ALL
+            .into_iter()
+            .any(|channel| channel.name() == quantity)
+            || said(&reading.channels, quantity).is_some()
+    };
+    match reading
+        .units
+        .iter()
+        .find(|(quantity, _)| !is_known(quantity))
+    {
+        Some((quantity, unit)) => Err(InputError::new(
+            format!("--unit {quantity}={unit}"),
+            format!(
+                "{} is no channel, and no column of it is given",
+                quoted(quantity)
+            ),
+            format!(
+                "channels are time, displacement, force, velocity and temperature; for a control input give its column too: \
+                 --channel {quantity}=NAME"
+            ),
+        )),
+        None => Ok(()),
+    }
 }
 
 fn of_table(
@@ -181,7 +213,7 @@ fn of_table(
         let is_there = chosen.used.iter().any(|used| used.channel == channel)
             || (channel == Channel::Time && chosen.clock.is_some());
         if !is_there {
-            return Err(choice.missing(channel));
+            return Err(choice.missing(channel, &candidates));
         }
     }
     chosen.controls = choice.controls(&chosen.used, &mut chosen.guesses)?;
@@ -280,11 +312,14 @@ impl Choice<'_> {
     fn unit(&self, channel: Channel, column: usize) -> Result<Unit, InputError> {
         let fail = |problem: String| {
             let name = self.table.columns[column].name.as_str();
-            let example = channel.units()[0].symbol;
+            let units: Vec<&str> = channel.units().iter().map(|unit| unit.symbol).collect();
+            let quantity = channel.name();
             let mend = format!(
-                "use one of {}, or say it: --unit {}={example}",
+                "use one of {}, or say it: --unit {quantity}={} or --unit {quantity}={}; units are {}",
                 channel.column_names(),
-                channel.name()
+                units[0],
+                units[1],
+                units.join(", ")
             );
             InputError::new(self.file, problem, mend).at(Place::Column(name.into()))
         };
@@ -295,6 +330,7 @@ impl Choice<'_> {
         match taken::unit_for(&self.table.columns[column], channel) {
             UnitFound::Known(unit) => Ok(unit),
             UnitFound::Unknown(written) => Err(fail(format!("unknown unit {}", quoted(&written)))),
+            UnitFound::Unclear(written) => Err(fail(format!("the unit is not clear: {written}"))),
             UnitFound::None => Err(fail("the name carries no unit".into())),
         }
     }
@@ -384,25 +420,55 @@ impl Choice<'_> {
     }
 
     /// A channel that no column is.
-    fn missing(&self, channel: Channel) -> InputError {
-        let names: Vec<&str> = self
-            .table
-            .columns
-            .iter()
-            .map(|column| column.name.as_str())
-            .collect();
+    fn missing(&self, channel: Channel, candidates: &[Vec<Candidate>]) -> InputError {
+        let columns = &self.table.columns;
+        let names: Vec<&str> = columns.iter().map(|column| column.name.as_str()).collect();
         let name = channel.name();
+        // Those that could be it: with a unit of it, else without any, as long as they are no other channel.
+        let could_be = |is_it: &dyn Fn(&UnitFound) -> bool| -> Vec<String> {
+            let each = columns
+                .iter()
+                .zip(candidates)
+                .filter(|(column, candidates)| {
+                    let is_other = |candidate: &Candidate| {
+                        candidate.channel != channel && candidate.rank >= Rank::Word
+                    };
+                    column.is_numeric
+                        && !column.is_stamp
+                        && !candidates.iter().any(is_other)
+                        && is_it(&taken::unit_for(column, channel))
+                });
+            each.map(|(column, _)| option("channel", name, &column.name))
+                .collect()
+        };
+        let mut options = could_be(&|unit| matches!(unit, UnitFound::Known(_)));
+        if options.is_empty() {
+            options = could_be(&|unit| matches!(unit, UnitFound::None));
+        }
+        options.truncate(OPTIONS);
+        if options.is_empty() {
+            options.push(format!("--channel {name}=NAME"));
+        }
         let rate = if channel == Channel::Time {
             ", or give the samples a second with --rate"
         } else {
             ""
         };
+        let problem = if self.table.is_nameless {
+            format!(
+                "there is no header, the first row holds numbers; its columns are {}",
+                listed(&names)
+            )
+        } else {
+            format!("there is no {name} column; found {}", listed(&names))
+        };
         let error = InputError::new(
             self.file,
-            format!("there is no {name} column; found {}", listed(&names)),
+            problem,
             format!(
-                "name one of them {}, or say which it is: --channel {name}=NAME{rate}",
-                channel.column_names()
+                "name one of them {}, or say which it is: {}{rate}",
+                channel.column_names(),
+                options.join(" or ")
             ),
         );
         match self.table.header_line {
@@ -411,6 +477,9 @@ impl Choice<'_> {
         }
     }
 }
+
+/// Options that a message offers at most.
+const OPTIONS: usize = 4;
 
 /// What the user said of a quantity; the last time counts.
 fn said<'s>(said: &'s [(String, String)], quantity: &str) -> Option<&'s str> {
@@ -422,8 +491,8 @@ fn option(option: &str, quantity: &str, name: &str) -> String {
     format!("--{option} {quantity}={}", shell(name))
 }
 
-/// A name as a shell takes it.
-pub(crate) fn shell(name: &str) -> String {
+/// A name as a shell takes it: in quotes where it needs them.
+pub fn shell(name: &str) -> String {
     let plain = |c: char| c.is_ascii_alphanumeric() || "_-./:+".contains(c);
     if !name.is_empty() && name.chars().all(plain) {
         return name.to_owned();
@@ -438,4 +507,120 @@ fn listed(names: &[&str]) -> String {
         shown.push(format!("and {} more", names.len() - MOST));
     }
     shown.join(", ")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::files::Column;
+
+    fn table(names: &[&str]) -> Table {
+        let column = |name: &&str| Column {
+            name: (*name).into(),
+            is_numeric: true,
+            ..Column::default()
+        };
+        Table {
+            columns: names.iter().map(column).collect(),
+            ..Table::default()
+        }
+    }
+
+    fn chosen(names: &[&str], reading: &Reading) -> Result<Chosen, String> {
+        let chosen = choose("a.csv", &[table(names)], reading, &Channel::is_required);
+        chosen.map_err(|error| error.to_string())
+    }
+
+    fn pair(of: &str, what: &str) -> (String, String) {
+        (of.into(), what.into())
+    }
+
+    #[test]
+    fn equal_candidates_are_asked_for_and_lesser_ones_are_not() {
+        let plain = Reading::default();
+        let columns = |names: &[&str]| {
+            let chosen = chosen(names, &plain).unwrap();
+            chosen
+                .used
+                .iter()
+                .map(|used| used.column)
+                .collect::<Vec<_>>()
+        };
+        assert_eq!(
+            columns(&["Time [s]", "x [mm]", "Disp [mm]", "Load [kN]"]),
+            [0, 2, 3]
+        );
+        assert_eq!(
+            columns(&[
+                "Time [s]",
+                "Disp [mm]",
+                "Axial Displacement Command [mm]",
+                "Load [kN]"
+            ]),
+            [0, 1, 3]
+        );
+        assert_eq!(
+            columns(&[
+                "Cycle time [s]",
+                "Time [s]",
+                "Disp [mm]",
+                "Load [MPa]",
+                "Force [kN]"
+            ]),
+            [1, 2, 4]
+        );
+        for (names, option) in [
+            (
+                &["Time [s]", "Disp [mm]", "Force 1 [kN]", "Force 2 [kN]"][..],
+                "--channel force='Force 1 [kN]'",
+            ),
+            (
+                &["Time [s]", "Stroke [mm]", "Disp [mm]", "Load [kN]"],
+                "--channel displacement='Disp [mm]'",
+            ),
+            (
+                &["Time [s]", "Disp [mm]", "Pull [kN]"],
+                "--channel force='Pull [kN]'",
+            ),
+            (&["Time [s]", "Disp", "Load [kN]"], "--unit displacement=mm"),
+            (&["Disp [mm]", "Load [kN]"], "--rate"),
+        ] {
+            let error = chosen(names, &plain).unwrap_err();
+            assert!(error.contains(option), "{error}");
+        }
+    }
+
+    #[test]
+    fn what_the_user_says_counts_and_a_word_of_no_use_is_refused() {
+        let said = Reading {
+            channels: vec![pair("force", "force 2 [kN]"), pair("valve", "Ch 4")],
+            units: vec![pair("valve", "V")],
+            ..Reading::default()
+        };
+        let names = [
+            "Time [s]",
+            "Disp [mm]",
+            "Force 1 [kN]",
+            "Force 2 [kN]",
+            "Ch 4",
+        ];
+        let found = chosen(&names, &said).unwrap();
+        assert_eq!(found.used[2].column, 3);
+        assert_eq!(found.controls[0].name, "valve_V");
+        let wrong = Reading {
+            units: vec![pair("froce", "N")],
+            ..Reading::default()
+        };
+        let error = chosen(&names, &wrong).unwrap_err();
+        assert!(
+            error.contains("--unit froce=N") && error.contains("no channel"),
+            "{error}"
+        );
+        let wrong = Reading {
+            channels: vec![pair("force", "Kraft")],
+            ..Reading::default()
+        };
+        let error = chosen(&names, &wrong).unwrap_err();
+        assert!(error.contains("there is no column \"Kraft\""), "{error}");
+    }
 }

@@ -3,16 +3,40 @@
 //! A name of our own files (`force_kN`) says it. Of another file, words in several languages and units say it, and what is taken so is
 //! said; two columns that could be meant equally well are asked for, never chosen.
 
+mod apart;
 mod choose;
 mod name;
 pub(crate) mod spelling;
 mod taken;
 mod words;
 
-pub use choose::{Chosen, ChosenControl, Used, choose};
+pub use choose::{Chosen, ChosenControl, Used, choose, shell};
 pub use taken::Rank;
 
+use crate::channel::Channel;
 use crate::files::Column;
+
+/// Whether a name is one of our own files, with a unit: `force_kN`.
+pub(crate) fn is_own(name: &str) -> bool {
+    taken::is_own(name)
+}
+
+/// Whether a name has a word of a quantity that recordings hold.
+pub(crate) fn is_named(name: &str) -> bool {
+    taken::is_named(name)
+}
+
+/// Whether a column may be that of the times.
+pub(crate) fn may_be_time(column: &Column) -> bool {
+    let candidates = taken::candidates(column);
+    (candidates.iter()).any(|candidate| candidate.channel == Channel::Time)
+}
+
+/// How many words of a text are of a quantity that recordings hold.
+pub(crate) fn known_words(text: &str) -> usize {
+    let words = name::words(text);
+    words.iter().filter(|word| words::is_known(word)).count()
+}
 
 /// What a column might be taken for, in words: `force in kN`; none where it says nothing.
 pub fn described(column: &Column) -> Option<String> {
@@ -22,6 +46,7 @@ pub fn described(column: &Column) -> Option<String> {
         match &candidate.unit {
             taken::UnitFound::Known(unit) => format!("{channel} in {}", unit.symbol),
             taken::UnitFound::Unknown(unit) => format!("{channel} in an unknown unit {unit}"),
+            taken::UnitFound::Unclear(unit) => format!("{channel} in {unit}, which is not clear"),
             taken::UnitFound::None => format!("{channel} without a unit"),
         }
     });
@@ -31,4 +56,9 @@ pub fn described(column: &Column) -> Option<String> {
         return control.map(|(name, _)| format!("control input {name}"));
     }
     Some(channels.join(" or "))
+}
+
+/// Whether a column is of times, by what its file or its name says.
+pub(crate) fn is_time(column: &Column) -> bool {
+    taken::is_time(column)
 }

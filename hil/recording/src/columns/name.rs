@@ -5,12 +5,21 @@ use super::spelling;
 /// What a column's name holds.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub(super) struct Name {
-    /// Its words in lower case, those of `AxialForce` apart, digits left out.
+    /// Its words in lower case, those of `AxialForce` apart, digits left out; without a unit that is marked.
     pub words: Vec<String>,
     /// A unit that is marked as one: `[kN]`, `(kN)`, `/ kN`, `, kN`.
     pub marked: Option<String>,
-    /// The last words, which may be a unit: `Load_N`, `speed mm/s`; the longest first.
-    pub tails: Vec<String>,
+    /// The last words, which may be a unit, each with the words before it: `Load_N`, `speed mm/s`, `F in kN`; the longest first.
+    pub tails: Vec<Tail>,
+}
+
+/// The last words of a name, which may be a unit.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub(super) struct Tail {
+    /// As they are written.
+    pub text: String,
+    /// The words before them.
+    pub before: Vec<String>,
 }
 
 impl Name {
@@ -30,7 +39,10 @@ impl Name {
             let mut cuts: Vec<usize> = text.match_indices(separators).map(|(at, _)| at).collect();
             cuts.reverse();
             let last = cuts.iter().take(2).rev();
-            tails.extend(last.map(|&at| text[at + 1..].trim().to_owned()));
+            tails.extend(last.map(|&at| Tail {
+                text: text[at + 1..].trim().to_owned(),
+                before: before(&text[..at]),
+            }));
         }
         Self {
             words: words(text),
@@ -38,6 +50,15 @@ impl Name {
             tails,
         }
     }
+}
+
+/// The words before a unit, without the `in` that leads to it.
+fn before(text: &str) -> Vec<String> {
+    let mut words = words(text);
+    if words.len() > 1 && words.last().is_some_and(|last| last == "in") {
+        words.pop();
+    }
+    words
 }
 
 /// The name and the unit of a text that marks the unit.
@@ -69,7 +90,7 @@ fn marked(text: &str) -> Option<(&str, &str)> {
 }
 
 /// The words of a text, in lower case.
-fn words(text: &str) -> Vec<String> {
+pub(super) fn words(text: &str) -> Vec<String> {
     let mut words = vec![String::new()];
     let mut before = ' ';
     for c in text.chars() {
@@ -108,9 +129,20 @@ mod tests {
             assert_eq!(name.words, words, "{text}");
             assert_eq!(name.marked.as_deref(), marked, "{text}");
         }
-        assert_eq!(Name::of("Load_N").tails, ["N"]);
-        assert_eq!(Name::of("velocity_mm_s").tails, ["mm_s", "s"]);
+        let tails = |text: &str| -> Vec<(String, String)> {
+            let tails = Name::of(text).tails.into_iter();
+            tails
+                .map(|tail| (tail.before.join(" "), tail.text))
+                .collect()
+        };
+        let pair = |before: &str, tail: &str| (before.to_owned(), tail.to_owned());
+        assert_eq!(tails("Load_N"), [pair("load", "N")]);
+        assert_eq!(
+            tails("velocity_mm_s"),
+            [pair("velocity", "mm_s"), pair("velocity mm", "s")]
+        );
+        assert_eq!(tails("F in kN"), [pair("f", "in kN"), pair("f", "kN")]);
         assert_eq!(Name::of("velocity_mm/s").marked, None);
-        assert_eq!(Name::of("velocity_mm/s").tails, ["mm/s"]);
+        assert_eq!(tails("velocity_mm/s"), [pair("velocity", "mm/s")]);
     }
 }

@@ -10,24 +10,45 @@ const SPELLINGS: &[(Channel, &str, &[&str])] = &[
         "s",
         &[
             "sec", "secs", "second", "seconds", "sek", "sekunde", "sekunden", "sec.", "seconde",
-            "secondes", "segundos", "secondi",
+            "secondes", "segundos", "secondi", "с", "сек", "秒",
         ],
     ),
     (
         Channel::Time,
         "ms",
-        &["msec", "millisecond", "milliseconds", "millisekunden"],
+        &[
+            "msec",
+            "millisecond",
+            "milliseconds",
+            "millisekunden",
+            "мс",
+            "毫秒",
+        ],
     ),
     (
         Channel::Time,
         "us",
-        &["µs", "μs", "usec", "µsec", "μsec", "microseconds"],
+        &["µs", "μs", "usec", "µsec", "μsec", "microseconds", "мкс"],
     ),
-    (Channel::Time, "min", &["minute", "minutes", "minuten"]),
+    (
+        Channel::Time,
+        "min",
+        &["minute", "minutes", "minuten", "мин"],
+    ),
+    (Channel::Time, "ns", &["nsec", "nanoseconds"]),
+    (Channel::Time, "h", &["hr", "hour", "hours", "stunden"]),
     (
         Channel::Displacement,
         "mm",
-        &["millimeter", "millimetre", "millimeters", "millimetres"],
+        &[
+            "millimeter",
+            "millimetre",
+            "millimeters",
+            "millimetres",
+            "мм",
+            "毫米",
+            "ミリ",
+        ],
     ),
     (
         Channel::Displacement,
@@ -37,7 +58,7 @@ const SPELLINGS: &[(Channel, &str, &[&str])] = &[
     (
         Channel::Displacement,
         "um",
-        &["µm", "μm", "micron", "microns", "micrometer"],
+        &["µm", "μm", "micron", "microns", "micrometer", "мкм"],
     ),
     (
         Channel::Displacement,
@@ -45,8 +66,8 @@ const SPELLINGS: &[(Channel, &str, &[&str])] = &[
         &["inch", "inches", "in.", "\"", "zoll"],
     ),
     (Channel::Displacement, "cm", &["centimeter", "centimetre"]),
-    (Channel::Force, "N", &["newton", "newtons"]),
-    (Channel::Force, "kN", &["kilonewton", "kilonewtons"]),
+    (Channel::Force, "N", &["newton", "newtons", "Н"]),
+    (Channel::Force, "kN", &["kilonewton", "kilonewtons", "кН"]),
     (Channel::Force, "uN", &["µN", "μN"]),
     (
         Channel::Force,
@@ -54,7 +75,7 @@ const SPELLINGS: &[(Channel, &str, &[&str])] = &[
         &["lb", "lbs", "lb.", "pound", "pounds", "poundforce"],
     ),
     (Channel::Force, "kip", &["kips", "klbf"]),
-    (Channel::Force, "kgf", &["kp", "kilopond"]),
+    (Channel::Force, "kgf", &["kp", "kilopond", "кгс"]),
     (
         Channel::Velocity,
         "mm/s",
@@ -131,6 +152,13 @@ pub(super) fn control_unit(written: &str, known: &'static [&'static str]) -> Opt
     let own = known.iter().find(|unit| **unit == written).copied();
     own.or_else(|| {
         let folded = written.to_lowercase();
+        // `BAR` and `MPA` of a header in capitals; a single letter in the wrong case may be a word.
+        let mut alike = known.iter().filter(|unit| unit.to_lowercase() == folded);
+        if written.len() > 1
+            && let (Some(unit), None) = (alike.next(), alike.next())
+        {
+            return Some(*unit);
+        }
         let spelt = |list: &[&str]| list.iter().any(|each| each.to_lowercase() == folded);
         CONTROLS
             .iter()
@@ -147,7 +175,22 @@ pub(crate) fn is_unit(written: &str) -> bool {
         .trim();
     matches!(
         bare,
-        "-" | "--" | "1" | "%" | "°" | "deg" | "Hz" | "Nm" | "g" | "m/s2" | "m/s²" | "mm/mm"
+        "-" | "--"
+            | "1"
+            | "%"
+            | "°"
+            | "deg"
+            | "rad"
+            | "Hz"
+            | "Nm"
+            | "N·m"
+            | "g"
+            | "m/s2"
+            | "m/s²"
+            | "m/s^2"
+            | "mm/mm"
+            | "cycles"
+            | "segments"
     ) || Channel::ALL
         .into_iter()
         .any(|channel| unit_of(channel, bare).is_some())

@@ -39,6 +39,8 @@ pub(super) enum UnitFound {
     Known(Unit),
     /// The file says a unit that the channel cannot have, or that is unknown.
     Unknown(String),
+    /// The file says two, or one that could be two.
+    Unclear(String),
     /// None is said.
     None,
 }
@@ -57,118 +59,207 @@ pub(super) fn candidates(column: &Column) -> Vec<Candidate> {
         return Vec::new();
     }
     let name = Name::of(&column.name);
-    if words::is_not_measured(&name.words) {
-        return Vec::new();
-    }
-    if column.is_time {
-        let unit = unit_found(column, &name, Channel::Time);
-        return vec![Candidate {
-            channel: Channel::Time,
-            rank: Rank::Word,
-            unit,
-        }];
-    }
-    let meanings = words::meanings(&name.words);
-    let mut found = Vec::new();
-    for (channel, certainty) in meanings {
-        let unit = unit_found(column, &name, channel);
-        let is_known = matches!(unit, UnitFound::Known(_));
-        let rank = match certainty {
-            Certainty::Strong => Rank::Word,
-            Certainty::Weak if is_known => Rank::Weak,
-            Certainty::Weak => continue,
-        };
-        found.push(Candidate {
+    let of = |channel: Channel| {
+        let (unit, words) = unit_and_words(column, &name, channel);
+        let rank = rank(column, words, channel, &unit)?;
+        Some(Candidate {
             channel,
             rank,
             unit,
-        });
-    }
+        })
+    };
+    let mut found: Vec<Candidate> = Channel::ALL.into_iter().filter_map(of).collect();
     // `Force displacement` says nothing, `displacement of load cell [mm]` says it by the unit.
     let known = |each: &Candidate| matches!(each.unit, UnitFound::Known(_));
     if found.len() > 1 && found.iter().any(known) {
         found.retain(known);
     }
-    if found.is_empty() && !words::is_of_control(&name.words) {
-        let by_unit = Channel::ALL.into_iter().filter_map(|channel| {
-            let unit = unit_found(column, &name, channel);
-            let rank = Rank::Unit;
-            matches!(unit, UnitFound::Known(_)).then_some(Candidate {
-                channel,
-                rank,
-                unit,
-            })
-        });
-        found.extend(by_unit);
-    }
+    // A word is surer than a unit alone.
+    let best = found.iter().map(|each| each.rank).max();
+    found.retain(|each| Some(each.rank) == best);
     found
+}
+
+/// How surely a column with these words beside its unit is of a channel; none where it is not.
+fn rank(column: &Column, words: &[String], channel: Channel, unit: &UnitFound) -> Option<Rank> {
+    if words::is_other(words) {
+        return None;
+    }
+    let certainty = words::of_channel(words, channel);
+    if column.is_stamp {
+        return match certainty {
+            _ if channel != Channel::Time => None,
+            Some(_) => Some(Rank::Weak),
+            None => Some(Rank::Unit),
+        };
+    }
+    if column.is_time {
+        return (channel == Channel::Time).then_some(Rank::Word);
+    }
+    let is_known = matches!(unit, UnitFound::Known(_));
+    match certainty {
+        Some(Certainty::Strong) => Some(Rank::Word),
+        Some(Certainty::Weak) => is_known.then_some(Rank::Weak),
+        None => (is_known && words::is_generic(words)).then_some(Rank::Unit),
+    }
+}
+
+/// Whether a column is of times, by what its file or a word of its name says, a unit beside it or not.
+pub(super) fn is_time(column: &Column) -> bool {
+    let is_candidate = |each: &Candidate| each.channel == Channel::Time && each.rank > Rank::Unit;
+    let is_named = || {
+        let words = Name::of(&column.name).words;
+        words::of_channel(&words, Channel::Time).is_some() && !words::is_other(&words)
+    };
+    let is_said = column.is_time || column.is_stamp;
+    column.is_numeric && (is_said || candidates(column).iter().any(is_candidate) || is_named())
 }
 
 /// What the file says of a column's unit, for one channel.
 pub(super) fn unit_for(column: &Column, channel: Channel) -> UnitFound {
     match own_name(&column.name) {
         Some((own, symbol)) if own == channel => own_unit(column, channel, symbol),
-        _ => unit_found(column, &Name::of(&column.name), channel),
+        _ => unit_and_words(column, &Name::of(&column.name), channel).0,
     }
+}
+
+/// Whether a name has a word of some quantity in it, and none that makes it another column.
+pub(super) fn is_named(text: &str) -> bool {
+    if own_name(text).is_some() {
+        return true;
+    }
+    let name = Name::of(text);
+    let is_of = |words: &[String]| words.iter().any(|word| words::is_known(word));
+    is_of(&name.words) || name.tails.iter().any(|tail| is_of(&tail.before))
 }
 
 /// The name that a control input's column has in a recording, and whether it has it in the file already.
 pub(super) fn control_name(column: &Column) -> Option<(String, bool)> {
-    if is_control(&column.name) && column.unit.is_none() {
+    let is_plain = |c: char| c.is_ascii_lowercase() || c.is_ascii_digit() || c == '_';
+    let quantity = column
+        .name
+        .rsplit_once('_')
+        .map_or("", |(quantity, _)| quantity);
+    // A unit that the file says beside such a name has to be the same.
+    let is_same = |said: &str| {
+        let unit = control_unit(bare(said), UNITS);
+        unit == column.name.rsplit_once('_').map(|(_, unit)| unit)
+    };
+    let is_same = column.unit.as_deref().is_none_or(is_same);
+    if is_control(&column.name) && quantity.chars().all(is_plain) && is_same {
         return Some((column.name.clone(), true));
     }
-    let name = Name::of(&column.name);
-    let is_channel = !words::meanings(&name.words).is_empty() && !words::is_of_control(&name.words);
-    if is_channel || !column.is_numeric || words::is_not_measured(&name.words) {
+    if !column.is_numeric || column.is_stamp || !candidates(column).is_empty() {
         return None;
     }
-    let written = column.unit.as_deref().or(name.marked.as_deref());
-    let written = written.or_else(|| name.tails.first().map(String::as_str));
-    let unit = control_unit(written?, UNITS)?;
+    let name = Name::of(&column.name);
+    let (unit, words) = control_unit_and_words(column, &name)?;
+    if words::is_other(words) {
+        return None;
+    }
     // A word for it is needed: a unit alone may be of anything that a test rig writes too.
-    let word = words::control(&name.words, unit)?;
+    let word = words::of_control(words, unit)?;
     Some((format!("{word}_{unit}"), false))
 }
 
 /// The unit that a control input's column has.
 pub(super) fn control_unit_of(column: &Column) -> Option<&'static str> {
     let name = Name::of(&column.name);
-    let written = column.unit.as_deref().or(name.marked.as_deref());
-    let written = written.or_else(|| name.tails.first().map(String::as_str));
-    control_unit(written?, UNITS)
+    control_unit_and_words(column, &name).map(|(unit, _)| unit)
+}
+
+fn control_unit_and_words<'n>(
+    column: &Column,
+    name: &'n Name,
+) -> Option<(&'static str, &'n [String])> {
+    let said = column.unit.as_deref().map(bare);
+    if let Some(written) = said
+        .filter(|unit| !unit.is_empty())
+        .or(name.marked.as_deref())
+    {
+        return Some((control_unit(written, UNITS)?, &name.words));
+    }
+    let mut tails = name.tails.iter();
+    tails.find_map(|tail| Some((control_unit(&tail.text, UNITS)?, tail.before.as_slice())))
 }
 
 fn own_unit(column: &Column, channel: Channel, symbol: &str) -> UnitFound {
     let known = channel.units().iter().find(|unit| unit.symbol == symbol);
     match known {
-        Some(unit) => UnitFound::Known(*unit),
-        None if symbol.is_empty() => unit_found(column, &Name::default(), channel),
+        Some(unit) => beside(column, channel, *unit, symbol),
+        None if symbol.is_empty() => unit_and_words(column, &Name::default(), channel).0,
         None => UnitFound::Unknown(symbol.to_owned()),
     }
 }
 
-fn unit_found(column: &Column, name: &Name, channel: Channel) -> UnitFound {
-    let said = column
-        .unit
-        .as_deref()
-        .map(bare)
-        .filter(|unit| !unit.is_empty());
-    if let Some(written) = said.or(name.marked.as_deref()) {
-        return match unit_of(channel, written) {
-            Some(unit) => UnitFound::Known(unit),
+/// A unit that the name says, beside that which the file says elsewhere.
+fn beside(column: &Column, channel: Channel, unit: Unit, written: &str) -> UnitFound {
+    match row_unit(column) {
+        Some(other) if unit_of(channel, other).is_none_or(|other| !other.is_same(unit)) => {
+            UnitFound::Unclear(format!("{written} beside {other}"))
+        }
+        _ => UnitFound::Known(unit),
+    }
+}
+
+/// The unit that the file says outside of the name.
+fn row_unit(column: &Column) -> Option<&str> {
+    let said = column.unit.as_deref().map(bare);
+    said.filter(|unit| !unit.is_empty())
+}
+
+/// What is said of the unit for a channel, and the words of the name without it.
+fn unit_and_words<'n>(
+    column: &Column,
+    name: &'n Name,
+    channel: Channel,
+) -> (UnitFound, &'n [String]) {
+    let found = |written: &str| {
+        if is_lost_in_capitals(channel, &column.name, written) {
+            return UnitFound::Unclear(format!("{written} in a name of capitals"));
+        }
+        match unit_of(channel, written) {
+            Some(unit) => beside(column, channel, unit, written),
             None => UnitFound::Unknown(written.to_owned()),
-        };
+        }
+    };
+    if let Some(written) = &name.marked {
+        return (found(written), &name.words);
     }
-    let mut tails = name.tails.iter();
-    match tails.find_map(|tail| unit_of(channel, tail)) {
-        Some(unit) => UnitFound::Known(unit),
-        None => UnitFound::None,
+    // `Load_N`, and not `Load_Cell`.
+    let tail = name
+        .tails
+        .iter()
+        .find(|tail| unit_of(channel, &tail.text).is_some());
+    if let Some(tail) = tail {
+        return (found(&tail.text), &tail.before);
     }
+    match row_unit(column) {
+        Some(written) => (found(written), &name.words),
+        None => (UnitFound::None, &name.words),
+    }
+}
+
+/// Whether a unit that capitals make of two, MN of mN, stands where all is in capitals.
+fn is_lost_in_capitals(channel: Channel, name: &str, written: &str) -> bool {
+    let letters = || name.chars().filter(|c| c.is_alphabetic());
+    let is_capital = letters().count() > 3 && letters().all(char::is_uppercase);
+    let folded = written.to_lowercase();
+    let alike = (channel.units().iter()).filter(|unit| unit.symbol.to_lowercase() == folded);
+    is_capital && alike.count() > 1
 }
 
 /// A unit without the brackets that a row of units puts around it.
 fn bare(unit: &str) -> &str {
     unit.trim().trim_matches(|c| "[](){}<>".contains(c)).trim()
+}
+
+/// Whether a name is one of our own files, with a unit.
+pub(super) fn is_own(name: &str) -> bool {
+    let is_unit = |(channel, symbol): (Channel, &str)| {
+        channel.units().iter().any(|unit| unit.symbol == symbol)
+    };
+    own_name(name).is_some_and(is_unit)
 }
 
 /// The channel and the unit's symbol that a name of our own files says: `force_kN`.
@@ -185,4 +276,98 @@ fn own_name(name: &str) -> Option<(Channel, &str)> {
     let symbol = rest.strip_prefix('_')?;
     let known = channel.units().iter().any(|unit| unit.symbol == symbol);
     (known || !symbol.contains('_')).then_some((channel, symbol))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn column(name: &str, unit: Option<&str>) -> Column {
+        Column {
+            name: name.into(),
+            unit: unit.map(str::to_owned),
+            is_numeric: true,
+            ..Column::default()
+        }
+    }
+
+    /// What a column is taken for, and how surely.
+    fn taken(name: &str, unit: Option<&str>) -> String {
+        let each = candidates(&column(name, unit)).into_iter().map(|each| {
+            let unit = match each.unit {
+                UnitFound::Known(unit) => unit.symbol.to_owned(),
+                UnitFound::Unknown(unit) | UnitFound::Unclear(unit) => format!("?{unit}"),
+                UnitFound::None => "?".into(),
+            };
+            format!("{:?} {} {unit}", each.rank, each.channel.name())
+        });
+        each.collect::<Vec<_>>().join(", ")
+    }
+
+    #[test]
+    fn names_are_taken_for_what_they_say() {
+        for (name, unit, is) in [
+            ("force_kN", None, "Own force kN"),
+            ("Time [s]", None, "Word time s"),
+            ("Time_min", None, "Word time min"),
+            ("Force_min", None, ""),
+            ("Disp (mm)", None, "Word displacement mm"),
+            ("Load_N", None, "Word force N"),
+            ("Load", Some("(lbf)"), "Word force lbf"),
+            ("F in kN", None, "Weak force kN"),
+            ("Force/kN", None, "Word force kN"),
+            ("DISPLACEMENT (MM)", None, "Word displacement mm"),
+            ("TIME_S", None, "Word time s"),
+            ("AxialForce", Some("N"), "Word force N"),
+            ("x", Some("mm"), "Weak displacement mm"),
+            ("x", None, ""),
+            ("V", None, ""),
+            ("v [m/s]", None, "Weak velocity m/s"),
+            ("Ch 1", Some("mm"), "Unit displacement mm"),
+            ("Crack length", Some("mm"), ""),
+            ("Axial Strain", Some("mm/mm"), ""),
+            ("Stress", Some("MPa"), ""),
+            ("Load", Some("MPa"), "Word force ?MPa"),
+            ("Axial Displacement Command", Some("mm"), ""),
+            ("Position feedback [mm]", None, "Word displacement mm"),
+            ("Sollkraft [kN]", None, ""),
+            ("Cycle time [s]", None, ""),
+            ("Tension", Some("N"), ""),
+            ("Extension", Some("mm"), "Word displacement mm"),
+            ("Force", None, "Word force ?"),
+            ("Force [kN]", Some("N"), "Word force ?kN beside N"),
+            ("force_kN", Some("N"), "Own force ?kN beside N"),
+            ("Force [kN]", Some("KN"), "Word force kN"),
+            ("FORCE [MN]", None, "Word force ?MN in a name of capitals"),
+            ("Force [MN]", None, "Word force MN"),
+            ("Temps [s]", None, "Word time s"),
+            ("Temp [°C]", None, "Word temperature degC"),
+            ("Charge [kN]", None, "Weak force kN"),
+            ("Charge [C]", None, ""),
+            ("Load cell displacement [mm]", None, "Word displacement mm"),
+        ] {
+            assert_eq!(taken(name, unit), is, "{name} {unit:?}");
+        }
+    }
+
+    #[test]
+    fn control_inputs_need_a_word_and_a_unit() {
+        let name = |name: &str, unit: Option<&str>| {
+            control_name(&column(name, unit)).map(|(name, _)| name)
+        };
+        for (of, unit, is) in [
+            ("current_A", None, Some("current_A")),
+            ("coil_current_mA", None, Some("coil_current_mA")),
+            ("Coil current [A]", None, Some("current_A")),
+            ("Spannung", Some("V"), Some("voltage_V")),
+            ("Spannung", Some("MPa"), None),
+            ("Extension [V]", None, None),
+            ("Axial Force_N", None, None),
+            ("Tension [N]", None, Some("tension_N")),
+            ("V", None, None),
+            ("Pressure command [bar]", None, None),
+        ] {
+            assert_eq!(name(of, unit).as_deref(), is, "{of}");
+        }
+    }
 }

@@ -1,34 +1,54 @@
 //! What the words in a column's name say it is, in the languages of test labs.
+//!
+//! Each quantity has its words in one place, by how they say it: alone, at the end of a longer word, or only beside a unit of it. A word
+//! that means two quantities stands in both, and the unit decides. A word that is known and of no quantity of a recording, as `cycle` or
+//! `setpoint`, makes a column another one, whatever else its name says.
 
 use crate::channel::Channel;
 
-/// Names of each channel. A word of four letters or more, and those of `ENDING`, may also end a longer one: `Kolbenweg`, `Prüfkraft`.
-const STRONG: [(Channel, &[&str]); 5] = [
-    (
-        Channel::Time,
-        &[
+/// What a recording may hold.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Quantity {
+    /// A channel.
+    Channel(Channel),
+    /// A control input: as a recording's column is called, with the units that it has.
+    Control(&'static str, &'static [&'static str]),
+}
+
+/// The words of a quantity.
+struct Lexicon {
+    quantity: Quantity,
+    /// Say it alone.
+    words: &'static [&'static str],
+    /// Say it alone, and at the end of a longer word: `Prüfkraft`, `试验时间`.
+    endings: &'static [&'static str],
+    /// Say it where nothing else stands in the name, beside a unit of it: `x [mm]`; they are too short, or mean something else too.
+    weak: &'static [&'static str],
+}
+
+const LEXICON: [Lexicon; 11] = [
+    Lexicon {
+        quantity: Quantity::Channel(Channel::Time),
+        words: &[
             "time",
             "timestamp",
-            "zeit",
-            "messzeit",
             "temps",
             "tiempo",
             "tempo",
-            "tijd",
             "tid",
             "czas",
             "время",
-            "时间",
-            "時間",
-            "시간",
             "zaman",
             "aika",
             "čas",
+            "idő",
         ],
-    ),
-    (
-        Channel::Displacement,
-        &[
+        endings: &["zeit", "tijd", "时间", "時間", "시간"],
+        weak: &["t", "elapsed"],
+    },
+    Lexicon {
+        quantity: Quantity::Channel(Channel::Displacement),
+        words: &[
             "displacement",
             "displ",
             "disp",
@@ -41,43 +61,66 @@ const STRONG: [(Channel, &[&str]); 5] = [
             "extension",
             "elongation",
             "lvdt",
-            "weg",
-            "verschiebung",
-            "auslenkung",
-            "hub",
-            "federweg",
-            "verformung",
-            "einfederung",
+            "crosshead",
             "déplacement",
             "deplacement",
-            "course",
             "déformation",
+            "allongement",
             "desplazamiento",
             "carrera",
             "deformación",
+            "posición",
             "spostamento",
             "corsa",
             "deslocamento",
-            "curso",
-            "verplaatsing",
-            "slag",
-            "förskjutning",
+            "posizione",
             "przemieszczenie",
             "перемещение",
-            "位移",
-            "変位",
-            "변위",
+            "ход",
             "yerdeğiştirme",
             "dráha",
+            "siirtymä",
+            "läge",
+            "elmozdulás",
         ],
-    ),
-    (
-        Channel::Force,
-        &[
+        endings: &[
+            "weg",
+            "hub",
+            "verschiebung",
+            "auslenkung",
+            "verformung",
+            "einfederung",
+            "verplaatsing",
+            "förskjutning",
+            "forskyvning",
+            "位移",
+            "変位",
+            "變位",
+            "변위",
+        ],
+        weak: &[
+            "x",
+            "y",
+            "z",
+            "u",
+            "d",
+            "s",
+            "q",
+            "course",
+            "curso",
+            "slag",
+            "変形",
+            "变形",
+            "行程",
+            "ストローク",
+        ],
+    },
+    Lexicon {
+        quantity: Quantity::Channel(Channel::Force),
+        words: &[
             "force",
             "load",
-            "kraft",
-            "charge",
+            "loadcell",
             "effort",
             "fuerza",
             "carga",
@@ -85,158 +128,142 @@ const STRONG: [(Channel, &[&str]); 5] = [
             "carico",
             "força",
             "forca",
-            "kracht",
-            "belasting",
-            "belastning",
             "siła",
             "sila",
             "síla",
             "сила",
             "усилие",
             "нагрузка",
+            "kuvvet",
+            "voima",
             "力",
+            "力值",
+            "轴向力",
+            "erő",
+        ],
+        endings: &[
+            "kraft",
+            "kracht",
+            "belasting",
+            "belastning",
+            "kraftmessdose",
             "荷重",
             "载荷",
             "荷载",
+            "負荷",
+            "负荷",
+            "試験力",
+            "试验力",
             "하중",
-            "kuvvet",
-            "voima",
-            "loadcell",
-            "kraftmessdose",
         ],
-    ),
-    (
-        Channel::Velocity,
-        &[
+        weak: &["f", "p", "fx", "fy", "fz", "fa", "r", "last", "charge"],
+    },
+    Lexicon {
+        quantity: Quantity::Channel(Channel::Velocity),
+        words: &[
             "velocity",
             "vel",
             "speed",
-            "geschwindigkeit",
             "vitesse",
             "velocidad",
             "velocità",
             "velocidade",
-            "snelheid",
             "hastighet",
             "prędkość",
             "скорость",
-            "速度",
-            "속도",
         ],
-    ),
-    (
-        Channel::Temperature,
-        &[
+        endings: &["geschwindigkeit", "snelheid", "速度", "속도"],
+        weak: &["v"],
+    },
+    Lexicon {
+        quantity: Quantity::Channel(Channel::Temperature),
+        words: &[
             "temperature",
             "temp",
-            "temperatur",
             "température",
             "temperatura",
-            "temperatuur",
             "температура",
-            "温度",
-            "온도",
+            "lämpötila",
         ],
-    ),
-];
-
-/// Short words that are taken for a channel only together with a unit of it.
-const WEAK: [(Channel, &[&str]); 5] = [
-    (Channel::Time, &["t", "elapsed"]),
-    (Channel::Displacement, &["x", "y", "z", "u", "d", "s", "q"]),
-    (
-        Channel::Force,
-        &["f", "p", "fx", "fy", "fz", "fa", "r", "last"],
-    ),
-    (Channel::Velocity, &["v"]),
-    (Channel::Temperature, &["t", "theta", "ϑ"]),
-];
-
-/// Short words that end longer ones.
-const ENDING: [&str; 2] = ["weg", "hub"];
-
-/// Control inputs: what they are called in a recording's column, the units that they have, and words for them.
-const CONTROLS: [(&str, &[&str], &[&str]); 6] = [
-    (
-        "current",
-        &["A", "mA"],
-        &[
+        endings: &["temperatur", "temperatuur", "温度", "溫度", "온도"],
+        weak: &["t", "theta", "ϑ"],
+    },
+    Lexicon {
+        quantity: Quantity::Control("current", &["A", "mA"]),
+        words: &[
             "current",
-            "strom",
             "courant",
             "corriente",
             "corrente",
-            "stroom",
             "ström",
             "prąd",
             "ток",
-            "电流",
-            "電流",
         ],
-    ),
-    (
-        "voltage",
-        &["V", "mV", "kV"],
-        &[
+        endings: &["strom", "stroom", "电流", "電流", "전류"],
+        weak: &["i"],
+    },
+    Lexicon {
+        quantity: Quantity::Control("voltage", &["V", "mV", "kV"]),
+        words: &[
             "voltage",
             "volt",
-            "spannung",
             "tension",
             "voltaje",
             "tensione",
             "tensão",
             "napięcie",
             "напряжение",
-            "电压",
-            "電圧",
         ],
-    ),
-    (
-        "pressure",
-        &["bar", "mbar", "Pa", "kPa", "MPa", "psi"],
-        &[
+        endings: &["spannung", "spanning", "spänning", "电压", "電圧", "전압"],
+        weak: &["u"],
+    },
+    Lexicon {
+        quantity: Quantity::Control("pressure", &["bar", "mbar", "Pa", "kPa", "MPa", "psi"]),
+        words: &[
             "pressure",
-            "druck",
             "pression",
             "presión",
             "pressione",
             "pressão",
-            "druk",
-            "tryck",
             "ciśnienie",
             "давление",
-            "压力",
-            "圧力",
         ],
-    ),
-    (
-        "tension",
-        &["N", "kN", "lbf", "kip"],
-        &[
+        endings: &["druck", "druk", "tryck", "压力", "圧力", "압력"],
+        weak: &["p"],
+    },
+    Lexicon {
+        quantity: Quantity::Control("tension", &["N", "kN", "lbf", "kip"]),
+        words: &[
             "tension",
             "preload",
             "pretension",
             "vorspannkraft",
+            "vorkraft",
             "vorlast",
             "précharge",
             "precarga",
             "precarico",
         ],
-    ),
-    (
-        "field",
-        &["T", "mT"],
-        &["field", "flux", "feld", "flussdichte", "champ", "campo"],
-    ),
-    (
-        "power",
-        &["W"],
-        &["power", "leistung", "puissance", "potencia", "potenza"],
-    ),
+        endings: &[],
+        weak: &[],
+    },
+    Lexicon {
+        quantity: Quantity::Control("field", &["T", "mT"]),
+        words: &["field", "flux", "champ", "campo"],
+        endings: &["feld", "flussdichte"],
+        weak: &["b"],
+    },
+    Lexicon {
+        quantity: Quantity::Control("power", &["W"]),
+        words: &["power", "puissance", "potencia", "potenza", "мощность"],
+        endings: &["leistung"],
+        weak: &[],
+    },
 ];
 
-/// Words of what was asked of a channel, computed of it, or counted: not of what was measured.
-const NOT_MEASURED: [&str; 41] = [
+/// Words of what was asked of a channel, computed of it or counted, and of other quantities: not of what was measured.
+const OTHER: &[&str] = &[
+    // Asked of it.
     "command",
     "cmd",
     "setpoint",
@@ -247,15 +274,36 @@ const NOT_MEASURED: [&str; 41] = [
     "reference",
     "ref",
     "soll",
-    "sollwert",
     "vorgabe",
     "führung",
+    "führungsgröße",
     "consigne",
+    "commande",
     "consigna",
+    "comando",
+    "riferimento",
+    "gewenst",
+    "börvärde",
+    "zadana",
+    "задание",
+    "уставка",
+    "指令",
+    "目标",
+    "目標",
+    "設定",
+    "设定",
+    "programmed",
+    "profile",
+    "excitation",
+    // What is left between the two.
     "error",
     "err",
     "fehler",
     "abweichung",
+    "erreur",
+    "errore",
+    "deviation",
+    // Computed of it.
     "predicted",
     "model",
     "fit",
@@ -269,15 +317,164 @@ const NOT_MEASURED: [&str; 41] = [
     "minimum",
     "amplitude",
     "mean",
+    "average",
+    "avg",
     "mittelwert",
     "rms",
     "range",
     "std",
-    "count",
-    "nummer",
-    "status",
-    "flag",
     "offset",
+    "raw",
+    "ratio",
+    "delta",
+    "span",
+    "tare",
+    "derivative",
+    "filtered",
+    "smoothed",
+    "corrected",
+    "gefiltert",
+    "korrigiert",
+    // Counted.
+    "count",
+    "counts",
+    "counter",
+    "number",
+    "nummer",
+    "nr",
+    "no",
+    "index",
+    "id",
+    "cycle",
+    "cycles",
+    "zyklus",
+    "zyklen",
+    "lastspiel",
+    "lastspiele",
+    "schwingspiel",
+    "schwingspiele",
+    "ciclo",
+    "ciclos",
+    "cicli",
+    "cykl",
+    "цикл",
+    "segment",
+    "segments",
+    "step",
+    "block",
+    "schritt",
+    "pas",
+    "paso",
+    "循环",
+    "周期",
+    "サイクル",
+    "row",
+    "zeile",
+    "sample",
+    "samples",
+    "point",
+    "points",
+    // States.
+    "status",
+    "state",
+    "flag",
+    "trigger",
+    "event",
+    "mode",
+    "marker",
+    "alarm",
+    // Other quantities.
+    "strain",
+    "stress",
+    "dehnung",
+    "déformations",
+    "contrainte",
+    "tensile",
+    "modulus",
+    "energy",
+    "energie",
+    "work",
+    "arbeit",
+    "torque",
+    "moment",
+    "drehmoment",
+    "angle",
+    "winkel",
+    "rotation",
+    "acceleration",
+    "beschleunigung",
+    "accel",
+    "frequency",
+    "frequenz",
+    "phase",
+    "stiffness",
+    "steifigkeit",
+    "damping",
+    "dämpfung",
+    "width",
+    "thickness",
+    "length",
+    "gauge",
+    "gage",
+    "height",
+    "diameter",
+    "area",
+    "crack",
+    "应力",
+    "应变",
+    "応力",
+    "ひずみ",
+    "变形率",
+];
+
+/// Words that say nothing of the quantity, so that a unit may say it alone: `Ch 1 [mm]`.
+const GENERIC: &[&str] = &[
+    "ch",
+    "chan",
+    "channel",
+    "kanal",
+    "canal",
+    "canale",
+    "voie",
+    "ai",
+    "ain",
+    "adc",
+    "analog",
+    "sensor",
+    "signal",
+    "value",
+    "wert",
+    "messwert",
+    "valor",
+    "valore",
+    "valeur",
+    "data",
+    "daten",
+    "untitled",
+    "input",
+    "eingang",
+    "column",
+    "spalte",
+    "measurement",
+    "messung",
+    "mess",
+    "measured",
+    "gemessen",
+    "feedback",
+    "fb",
+    "fbk",
+    "actual",
+    "ist",
+    "istwert",
+    "axial",
+    "vertical",
+    "longitudinal",
+    "actuator",
+    "main",
+    "dev",
+    "mod",
+    "通道",
+    "チャンネル",
 ];
 
 /// How surely a name says what its column is.
@@ -285,58 +482,172 @@ const NOT_MEASURED: [&str; 41] = [
 pub(super) enum Certainty {
     /// A short word, which means this only beside a unit of it.
     Weak,
-    /// A name of the channel.
+    /// A name of the quantity.
     Strong,
 }
 
-/// The channels that the words of a name may mean.
-pub(super) fn meanings(words: &[String]) -> Vec<(Channel, Certainty)> {
-    let said = |list: &[&str], is_it: &dyn Fn(&str, &str) -> bool| {
-        words
-            .iter()
-            .any(|word| list.iter().any(|each| is_it(word, each)))
-    };
-    let strong = STRONG.iter().filter(|(_, list)| said(list, &is_or_ends));
-    let strong = strong.map(|&(channel, _)| (channel, Certainty::Strong));
-    let same: &dyn Fn(&str, &str) -> bool = &|word, each| word == each;
-    // A short word beside others may mean anything: `x axis`, `load p`.
-    let weak = WEAK
+/// How surely these words are of a channel.
+pub(super) fn of_channel(words: &[String], channel: Channel) -> Option<Certainty> {
+    let mut mine = LEXICON
         .iter()
-        .filter(|(_, list)| words.len() == 1 && said(list, same));
-    strong
-        .chain(weak.map(|&(channel, _)| (channel, Certainty::Weak)))
-        .collect()
+        .filter(|lexicon| lexicon.quantity == Quantity::Channel(channel));
+    mine.find_map(|lexicon| lexicon.certainty(words))
 }
 
-/// The control input that the words of a name mean beside this unit.
-pub(super) fn control(words: &[String], unit: &str) -> Option<&'static str> {
-    let means = |list: &[&str]| {
-        words
-            .iter()
-            .any(|word| list.iter().any(|each| is_or_ends(word, each)))
+/// The control input that the words mean beside this unit.
+pub(super) fn of_control(words: &[String], unit: &str) -> Option<&'static str> {
+    LEXICON.iter().find_map(|lexicon| match lexicon.quantity {
+        Quantity::Control(name, units) if units.contains(&unit) => {
+            lexicon.certainty(words).map(|_| name)
+        }
+        _ => None,
+    })
+}
+
+/// Whether the words say that the column is not what was measured of a channel.
+pub(super) fn is_other(words: &[String]) -> bool {
+    let is_it = |word: &String| {
+        OTHER.contains(&word.as_str())
+            // Kraftsollwert, Sollweg.
+            || word.starts_with("soll")
+            || word.ends_with("sollwert")
+            || ["应力", "応力", "应变", "指令", "目标", "目標"].iter().any(|ending| word.ends_with(ending))
     };
-    let is_it = |(_, units, list): &&(&str, &[&str], &[&str])| units.contains(&unit) && means(list);
-    CONTROLS.iter().find(is_it).map(|&(name, ..)| name)
+    words.iter().any(is_it)
 }
 
-/// Whether the words are those of some control input, whatever its unit.
-pub(super) fn is_of_control(words: &[String]) -> bool {
-    let means = |list: &[&str]| {
-        words
-            .iter()
-            .any(|word| list.iter().any(|each| is_or_ends(word, each)))
-    };
-    CONTROLS.iter().any(|(.., list)| means(list))
-}
-
-/// Whether the words say that the column is not what was measured.
-pub(super) fn is_not_measured(words: &[String]) -> bool {
+/// Whether the words say nothing of a quantity.
+pub(super) fn is_generic(words: &[String]) -> bool {
     words
         .iter()
-        .any(|word| NOT_MEASURED.contains(&word.as_str()))
+        .all(|word| GENERIC.contains(&word.as_str()) || (word.len() == 1 && words.len() > 1))
 }
 
-fn is_or_ends(word: &str, known: &str) -> bool {
-    let ends = known.chars().count() > 4 || ENDING.contains(&known) || known == "zeit";
-    word == known || (ends && word.ends_with(known))
+/// Whether a word is one of some quantity, on its own.
+pub(super) fn is_known(word: &str) -> bool {
+    LEXICON.iter().any(|lexicon| lexicon.has(word))
+}
+
+impl Lexicon {
+    fn certainty(&self, words: &[String]) -> Option<Certainty> {
+        if words.iter().any(|word| self.has(word)) {
+            return Some(Certainty::Strong);
+        }
+        // Beside other words a short one may mean anything: `x axis`, `load p`.
+        let is_weak = matches!(words, [word] if self.weak.contains(&word.as_str()));
+        is_weak.then_some(Certainty::Weak)
+    }
+
+    fn has(&self, word: &str) -> bool {
+        if self.words.contains(&word) || self.endings.contains(&word) {
+            return true;
+        }
+        // `Vorspannkraft` is a word of its own.
+        let ends = self.endings.iter().any(|ending| word.ends_with(ending));
+        ends && !LEXICON.iter().any(|other| other.words.contains(&word))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn words(text: &str) -> Vec<String> {
+        text.split(' ').map(str::to_owned).collect()
+    }
+
+    #[test]
+    fn words_mean_what_labs_mean_by_them() {
+        use Channel::{Displacement, Force, Temperature, Time, Velocity};
+        for (text, channel) in [
+            ("prüfkraft", Force),
+            ("standardkraft", Force),
+            ("kolbenweg", Displacement),
+            ("messzeit", Time),
+            ("axial displacement", Displacement),
+            ("试验力", Force),
+            ("试验时间", Time),
+            ("temps", Time),
+            ("temp", Temperature),
+            ("tempo", Time),
+            ("prüfgeschwindigkeit", Velocity),
+        ] {
+            let found: Vec<Channel> = (Channel::ALL.into_iter())
+                .filter(|&each| of_channel(&words(text), each) == Some(Certainty::Strong))
+                .collect();
+            assert_eq!(found, [channel], "{text}");
+        }
+        // Words that mean something else too need a unit.
+        for (text, channel) in [
+            ("last", Force),
+            ("charge", Force),
+            ("course", Displacement),
+            ("x", Displacement),
+        ] {
+            assert_eq!(
+                of_channel(&words(text), channel),
+                Some(Certainty::Weak),
+                "{text}"
+            );
+        }
+        for text in [
+            "压力",
+            "应力",
+            "vorspannkraft",
+            "workload",
+            "position error",
+        ] {
+            let force = of_channel(&words(text), Force);
+            assert!(force.is_none() || is_other(&words(text)), "{text}");
+        }
+    }
+
+    #[test]
+    fn what_was_asked_computed_or_counted_is_another_column() {
+        for text in [
+            "axial displacement command",
+            "sollweg",
+            "kraftsollwert",
+            "position setpoint",
+            "cycle time",
+            "load step",
+            "strain",
+            "force rate",
+            "应力",
+        ] {
+            assert!(is_other(&words(text)), "{text}");
+        }
+        for text in [
+            "axial displacement",
+            "position feedback",
+            "istweg",
+            "running time",
+        ] {
+            assert!(!is_other(&words(text)), "{text}");
+        }
+    }
+
+    #[test]
+    fn a_unit_tells_the_two_meanings_of_tension_apart() {
+        assert_eq!(of_control(&words("tension"), "V"), Some("voltage"));
+        assert_eq!(of_control(&words("tension"), "N"), Some("tension"));
+        assert_eq!(of_control(&words("extension"), "V"), None);
+        assert_eq!(of_control(&words("spannung"), "MPa"), None);
+    }
+
+    #[test]
+    fn no_word_of_two_channels_is_sure() {
+        let channels = || {
+            LEXICON
+                .iter()
+                .filter(|lexicon| matches!(lexicon.quantity, Quantity::Channel(_)))
+        };
+        for lexicon in channels() {
+            for word in lexicon.words.iter().chain(lexicon.endings) {
+                let count = channels().filter(|other| other.has(word)).count();
+                assert_eq!(count, 1, "{word}");
+                assert!(!OTHER.contains(word) && !GENERIC.contains(word), "{word}");
+            }
+        }
+    }
 }

@@ -3,9 +3,26 @@
 //! A format says what columns a file has, before any is taken for a channel; [`columns`](crate::columns) says which is which; then the
 //! format reads those that are wanted. So no format knows of forces and displacements, and no rule about names knows of formats.
 
+mod arrays;
+mod guard;
+#[cfg(feature = "hdf5")]
+mod hdf5;
+mod json;
+mod mat;
+#[cfg(feature = "mdf")]
+mod mdf;
+mod memory;
+mod number;
+mod opened;
+#[cfg(feature = "parquet")]
+mod parquet;
 mod source;
 pub mod table;
+mod tdms;
 mod text;
+mod unread;
+#[cfg(feature = "xlsx")]
+mod xlsx;
 
 use std::path::Path;
 
@@ -65,7 +82,23 @@ pub enum Kept {
 }
 
 /// The formats, in the order in which they are asked whether a file is theirs. Text is the last: it is what nothing else is.
-pub const FORMATS: &[&dyn Format] = &[&text::Text];
+pub const FORMATS: &[&dyn Format] = &[
+    #[cfg(feature = "mdf")]
+    &mdf::Mdf,
+    &mat::Mat,
+    #[cfg(feature = "hdf5")]
+    &hdf5::Hdf5,
+    #[cfg(feature = "parquet")]
+    &parquet::Parquet,
+    #[cfg(feature = "parquet")]
+    &parquet::Arrow,
+    &tdms::Tdms,
+    #[cfg(feature = "xlsx")]
+    &xlsx::Xlsx,
+    &json::Json,
+    &unread::Unread,
+    &text::Text,
+];
 
 /// What the user says about a file, in the place of what would be guessed.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -104,8 +137,11 @@ pub fn open(
     opened(Source::file(path, reading.limit)?, reading)
 }
 
-/// [`open`] of what was opened as a source of bytes.
-pub(crate) fn opened<'a>(
+/// [`open`] of any source of bytes.
+///
+/// # Errors
+/// As [`open`].
+pub fn opened<'a>(
     source: Source<'a>,
     reading: &Reading,
 ) -> Result<(&'static dyn Format, Box<dyn Tables + 'a>), InputError> {

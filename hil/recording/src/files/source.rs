@@ -28,7 +28,10 @@ impl<'a> Source<'a> {
     }
 
     /// What `input` gives; `path` is what errors call it.
-    pub(crate) fn of(
+    ///
+    /// # Errors
+    /// What `input` says when it is read.
+    pub fn of(
         path: &Path,
         mut input: impl Read + 'a,
         limit: ReadLimit,

@@ -17,8 +17,10 @@ pub struct Table {
     pub guesses: Vec<String>,
     /// What the file holds and is not read, in words: `the structure "setup"`.
     pub skipped: Vec<String>,
-    /// The line of a text in which the names stand, counted from 1.
+    /// The line of a text in which the names stand, counted from 1; where it has none, the line in which its numbers begin.
     pub header_line: Option<u64>,
+    /// Whether the file gives no names: its columns are called `column 1` and on.
+    pub is_nameless: bool,
 }
 
 /// Equal steps of time.
@@ -41,6 +43,8 @@ pub struct Column {
     pub is_numeric: bool,
     /// What the file says it is: the master channel of MDF, an axis of time.
     pub is_time: bool,
+    /// Whether its values are dates or times of day, given as seconds from the first: a column of seconds is taken for the times before it.
+    pub is_stamp: bool,
     /// Its first values; NaN for a cell without a number. At most [`Column::FIRST`].
     pub first: Vec<f64>,
 }
@@ -67,6 +71,8 @@ pub struct Values {
     pub columns: Vec<Option<Vec<f64>>>,
     /// Comments of the file.
     pub comments: Vec<String>,
+    /// What was found out only while it was read, in words: `2 rows of words at the end, from line 812 on, are left out`.
+    pub notes: Vec<String>,
     /// The lines of a text that the samples stand in.
     pub(crate) lines: RowLines,
     /// A last row that may have been cut was left out.

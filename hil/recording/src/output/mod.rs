@@ -1,6 +1,7 @@
 //! Files that are written whole or not at all, and never in the place of what a command reads.
 
 mod folder;
+mod label;
 mod place;
 mod plan;
 
@@ -14,6 +15,7 @@ use crate::error::InputError;
 use folder::Folders;
 use place::{Place, Target};
 
+pub use label::{Label, LabelField, Labelled};
 pub use plan::Plan;
 
 /// The files of one command, gathered while it works and written together at its end; [`Plan::begin`] gives them.

@@ -1,101 +1,136 @@
 //! One page for a batch of traces: what was found how often, and each trace with a link to its own report.
 
+mod groups;
+mod pictures;
 mod row;
+mod traces;
 
-use maud::{DOCTYPE, Markup, PreEscaped, html};
+use maud::{Markup, html};
 use mesh_damper_identify::trace::result::Verdict;
 
 pub use row::{BatchEffect, BatchOutcome, BatchRow};
 
+use super::html::{Section, figure, page, table};
+use super::picture;
 use super::text;
 
-/// The page as one HTML file that needs no other, of the rows in their order. The links lead to the reports of the traces.
+/// Sorting and filtering of the traces.
+const SCRIPT: &str = include_str!("../script/batch.js");
+
+/// The page as one HTML file that needs no other, of the rows in their order. The links lead to the reports of the traces. It takes
+/// about half a kilobyte a row.
 pub fn batch_page(rows: &[BatchRow]) -> String {
-    let failed = rows.iter().filter(|row| row.outcome.is_err()).count();
-    let title = format!("{} traces", rows.len());
-    let page = html! {
-        (DOCTYPE)
-        html lang="en" {
-            head {
-                meta charset="utf-8";
-                meta name="viewport" content="width=device-width, initial-scale=1";
-                title { (title) }
-                style { (PreEscaped(include_str!("../style.css"))) }
-            }
-            body {
-                main {
-                    h1 { (title) }
-                    (counts(rows, failed))
-                    (table(rows))
-                    @if failed > 0 { (failures(rows)) }
+    let failed: Vec<&BatchRow> = rows.iter().filter(|row| row.outcome.is_err()).collect();
+    let title = match rows.len() {
+        1 => "1 trace".into(),
+        count => format!("{count} traces"),
+    };
+    let elapsed: f64 = rows.iter().map(|row| row.seconds).sum();
+    let first = html! {
+        div.verdict {
+            p.heading { strong { (counted(rows)) } }
+            p { "The traces took " (duration(elapsed)) " in all, one after another." }
+        }
+    };
+    let sections = [
+        Some(Section::new("1. Verdicts", groups::verdicts(rows))),
+        errors(rows),
+        groups::effects(rows).map(|body| Section::new("3. Effects", body)),
+        traces::table(rows).map(|body| Section::new("4. Traces", body)),
+        (!failed.is_empty()).then(|| Section::new("5. Failures", failures(&failed))),
+    ];
+    let sections: Vec<Section> = sections.into_iter().flatten().collect();
+    let last = html! {
+        p {
+            "Errors are the RMS of the force's error over the RMS of the measured force, on what was never fitted: before with the law \
+             alone, after with the law of the model. Intervals are of 90 %."
+        }
+    };
+    page(&title, first, &sections, last, &[SCRIPT])
+}
+
+/// A verdict as the page has it.
+const fn word(verdict: Verdict) -> &'static str {
+    match verdict {
+        Verdict::Found => "found",
+        Verdict::None => "nothing missing",
+        Verdict::Ambiguous => "ambiguous",
+        Verdict::Unlisted => "unmodelled",
+    }
+}
+
+/// Every verdict.
+const VERDICTS: [Verdict; 4] = [
+    Verdict::Found,
+    Verdict::None,
+    Verdict::Ambiguous,
+    Verdict::Unlisted,
+];
+
+fn outcomes(rows: &[BatchRow]) -> impl Iterator<Item = &BatchOutcome> + Clone {
+    rows.iter().filter_map(|row| row.outcome.as_ref().ok())
+}
+
+/// How often each verdict was given, those that were.
+fn counted(rows: &[BatchRow]) -> String {
+    let failed = rows.len() - outcomes(rows).count();
+    let verdicts = VERDICTS.map(|verdict| {
+        let count = outcomes(rows).filter(|one| one.verdict == verdict).count();
+        (count, word(verdict))
+    });
+    let all = verdicts.into_iter().chain([(failed, "failed")]);
+    let given = all.filter(|(count, _)| *count > 0);
+    let said: Vec<String> = given
+        .map(|(count, word)| format!("{count} {word}"))
+        .collect();
+    match said.is_empty() {
+        true => "Nothing was traced".into(),
+        false => said.join(", "),
+    }
+}
+
+fn duration(seconds: f64) -> String {
+    match seconds {
+        seconds if seconds < 120.0 => format!("{} s", text::number(seconds)),
+        seconds if seconds < 7200.0 => format!("{} min", text::number(seconds / 60.0)),
+        seconds => format!("{} h", text::number(seconds / 3600.0)),
+    }
+}
+
+fn errors(rows: &[BatchRow]) -> Option<Section> {
+    let picture = pictures::errors(rows)?;
+    let limited = outcomes(rows).filter(|one| one.nrmse_after <= NOISE_LIMITED * one.noise);
+    let body = html! {
+        p {
+            (limited.count()) " of " (outcomes(rows).count()) " traces are noise-limited after: their error is within " (NOISE_LIMITED)
+            " times the noise."
+        }
+        (picture::key([&picture], &[]))
+        (figure(html! { "error on what was never fitted, before and after, over the noise of the recording" }, &picture))
+    };
+    Some(Section::new("2. Errors and noise", body))
+}
+
+/// Convention, as the glossary of the reports has it: an error within this many times the noise is noise-limited.
+const NOISE_LIMITED: f64 = 1.5;
+
+fn failures(failed: &[&BatchRow]) -> Markup {
+    let head = html! { tr {
+        th scope="col" { "trace" } th.text scope="col" { "group" } th.text scope="col" { "what was wrong" }
+    } };
+    let rows = html! {
+        @for row in failed {
+            @if let Err(message) = &row.outcome {
+                tr {
+                    th.path scope="row" { (row.id) }
+                    td.text { (row.group.as_deref().unwrap_or("–")) }
+                    td.text.plain { (message) }
                 }
             }
         }
     };
-    page.into_string()
+    table("Traces that could not be made", head, rows)
 }
 
-fn counts(rows: &[BatchRow], failed: usize) -> Markup {
-    let of = |verdict: Verdict| {
-        let outcomes = rows.iter().filter_map(|row| row.outcome.as_ref().ok());
-        outcomes.filter(|one| one.verdict == verdict).count()
-    };
-    html! {
-        section.verdict {
-            p {
-                (of(Verdict::Found)) " found, " (of(Verdict::None)) " nothing missing, " (of(Verdict::Ambiguous))
-                " ambiguous, " (of(Verdict::Unlisted)) " unlisted, " (failed) " failed."
-            }
-        }
-    }
-}
-
-fn table(rows: &[BatchRow]) -> Markup {
-    html! {
-        h2 { "Traces" }
-        div.scroll { table {
-            thead { tr {
-                th scope="col" { "trace" } th.text scope="col" { "group" } th.text scope="col" { "verdict" }
-                th.text scope="col" { "effects" } th scope="col" { "before" } th scope="col" { "after" }
-                th scope="col" { "noise" } th scope="col" { "time, s" }
-            } }
-            tbody {
-                @for row in rows { @if let Ok(outcome) = &row.outcome { tr {
-                    td {
-                        @if let Some(report) = &outcome.report { a href=(report) { (row.id) } } @else { (row.id) }
-                    }
-                    td.text { (row.group.as_deref().unwrap_or_default()) }
-                    td.text { (word(outcome.verdict)) }
-                    td.text { (effects(outcome)) }
-                    td { (text::percent(outcome.nrmse_before)) }
-                    td { (text::percent(outcome.nrmse_after)) }
-                    td { (text::percent(outcome.noise)) }
-                    td { (text::number(row.seconds)) }
-                } } }
-            }
-        } }
-    }
-}
-
-fn word(verdict: Verdict) -> &'static str {
-    match verdict {
-        Verdict::None => "nothing missing",
-        Verdict::Found => "found",
-        Verdict::Ambiguous => "ambiguous",
-        Verdict::Unlisted => "unlisted",
-    }
-}
-
-fn effects(outcome: &BatchOutcome) -> String {
-    let names = outcome.effects.iter().map(|one| text::name(&one.family));
-    names.collect::<Vec<_>>().join(", ")
-}
-
-fn failures(rows: &[BatchRow]) -> Markup {
-    html! {
-        h2 { "Failures" }
-        ul {
-            @for row in rows { @if let Err(message) = &row.outcome { li { strong { (row.id) } ": " (message) } } }
-        }
-    }
-}
+#[cfg(test)]
+mod tests;

@@ -2,7 +2,7 @@
 
 use std::ops::Range;
 
-use mesh_damper_recording::cycles::median;
+use mesh_damper_recording::cycles::{alike, median};
 use mesh_damper_recording::dynamic_stiffness::DynamicStiffness;
 use mesh_damper_recording::extremes::least_and_largest;
 
@@ -88,6 +88,7 @@ impl<'a> BlockFigures<'a> {
                 let cycles: Vec<Option<CycleFigures>> = cycles
                     .map(|cycle| CycleFigures::of(series, cycle, length))
                     .collect();
+                let cycles = without_ramps(&cycles);
                 cycles.iter().any(Option::is_some).then_some(Self {
                     series,
                     block,
@@ -101,6 +102,19 @@ impl<'a> BlockFigures<'a> {
     pub fn median(&self, figure: impl Fn(&CycleFigures) -> f64) -> f64 {
         median(self.cycles.iter().flatten().map(figure)).unwrap_or(f64::NAN)
     }
+}
+
+/// A cycle whose amplitude is like neither neighbour's is the way to the block or from it, and has no figures.
+fn without_ramps(cycles: &[Option<CycleFigures>]) -> Vec<Option<CycleFigures>> {
+    let amplitude = |index: usize| Some(cycles.get(index)?.as_ref()?.stiffness[0].amplitude);
+    let is_steady = |index: usize| {
+        let beside = [index.checked_sub(1), Some(index + 1)];
+        let mut beside = beside.into_iter().flatten().filter_map(amplitude);
+        amplitude(index).is_some_and(|own| beside.any(|other| alike(own, other)))
+    };
+    (0..cycles.len())
+        .map(|index| cycles[index].filter(|_| is_steady(index)))
+        .collect()
 }
 
 /// The mean of the force on the way up and on the way down over displacement, at `count` displacements of one loop: (mm, kN).
@@ -199,6 +213,12 @@ mod tests {
         let mut series = [series()];
         series[0].measured[150] = false;
         assert_eq!(BlockFigures::all(&series)[0].cycles[1], None);
+        // Half as large as the next.
+        for i in 0..100 {
+            series[0].displacement[i] *= 0.5;
+        }
+        assert_eq!(BlockFigures::all(&series)[0].cycles[0], None);
+        assert!(BlockFigures::all(&series)[0].cycles[5].is_some());
         series[0].blocks[0].cycles.truncate(1);
         assert!(BlockFigures::all(&series).is_empty());
         assert!(BlockFigures::all(&[Series::default()]).is_empty());

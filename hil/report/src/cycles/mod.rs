@@ -8,7 +8,7 @@ use maud::{Markup, html};
 
 use super::html::{Section, figure, table};
 use super::page::{condition, names};
-use super::picture;
+use super::picture::{self, Picture};
 use super::{ReportData, text};
 use figures::BlockFigures;
 
@@ -47,9 +47,9 @@ fn filled(data: &ReportData, blocks: &[BlockFigures<'_>]) -> Markup {
         (picture::key(&backbones, &names))
         div.pair { @for (picture, caption) in backbones.iter().zip(pictures::BACKBONES) { (figure(html! { (caption) }, picture)) } }
         h3 { "Stiffness over amplitude" }
-        (by_condition(over_amplitude.as_ref(), "amplitude"))
+        (by_condition(over_amplitude.as_deref(), "amplitude"))
         h3 { "Stiffness over frequency" }
-        (by_condition(over_frequency.as_ref(), "frequency"))
+        (by_condition(over_frequency.as_deref(), "frequency"))
         h3 { "Stiffness and loss factor over cycles" }
         (picture::key([&over_cycles], &names))
         (figure(html! { "cycle by cycle, blocks one after another" }, &over_cycles))
@@ -60,12 +60,13 @@ fn filled(data: &ReportData, blocks: &[BlockFigures<'_>]) -> Markup {
     }
 }
 
-fn by_condition(picture: Option<&picture::Picture>, over: &str) -> Markup {
+fn by_condition(pictures: Option<&[Picture]>, over: &str) -> Markup {
     html! {
-        @match picture {
-            Some(picture) => {
-                (picture::key([picture], &[]))
-                (figure(html! { "marks: measured; lines: the law after" }, picture))
+        @match pictures {
+            Some(pictures) => {
+                p { "Marks are measured, lines are of the law after." }
+                (picture::key(pictures, &[]))
+                div.grid { @for picture in pictures { (figure(html! { (picture.title) }, picture)) } }
             }
             None => p { "All blocks are of one " (over) ": there is no curve to draw." },
         }
@@ -84,10 +85,7 @@ fn results(blocks: &[BlockFigures<'_>]) -> Markup {
     let rows = html! {
         @for block in blocks.iter().take(MOST_ROWS) {
             tr {
-                th scope="row" {
-                    (condition(block.block))
-                    @if block.block.held_out { " " span.tag { "held out" } }
-                }
+                th scope="row" { (condition(block.block)) }
                 td { (block.cycles.len()) }
                 @for of in [0, 2] { td { (text::number(block.median(|one| one.stiffness[of].storage))) } }
                 @for of in [0, 2] { td { (text::number(block.median(|one| one.stiffness[of].loss))) } }

@@ -6,7 +6,8 @@ use super::figures::{BlockFigures, CycleFigures, Of, middle_line};
 use crate::charts::{self, MEASURED};
 use crate::palette::Colour;
 use crate::picture::{
-    Axis, Dash, HALF, Layer, Look, Mark, Panel, Picture, TIME_COLUMNS, WIDE, envelope, thinned,
+    Axis, Dash, HALF, Layer, Look, Mark, Panel, Picture, SMALL, TIME_COLUMNS, WIDE, envelope,
+    thinned,
 };
 use crate::text;
 
@@ -16,7 +17,7 @@ const LINE: usize = 120;
 const LEVELS: [(Colour, Mark, Dash); 5] = [
     (Colour::After, Mark::Disc, Dash::Solid),
     (Colour::Before, Mark::Square, Dash::Long),
-    (Colour::Green, Mark::Triangle, Dash::DashDot),
+    (Colour::Green, Mark::Triangle, Dash::Mixed),
     (Colour::Pink, Mark::Diamond, Dash::Short),
     (Colour::Yellow, Mark::Ring, Dash::Dotted),
 ];
@@ -84,9 +85,7 @@ pub fn backbones(blocks: &[BlockFigures<'_>]) -> [Picture; 2] {
 }
 
 /// K′, K″ and η over amplitude, a curve for each frequency; `None` where there is one amplitude alone.
-pub fn over_amplitude(blocks: &[BlockFigures<'_>]) -> Option<Picture> {
-    let amplitude = |block: &BlockFigures<'_>| block.block.amplitude;
-    let frequency = |block: &BlockFigures<'_>| block.block.frequency;
+pub fn over_amplitude(blocks: &[BlockFigures<'_>]) -> Option<Vec<Picture>> {
     over(
         blocks,
         ("amplitude", "mm"),
@@ -97,9 +96,7 @@ pub fn over_amplitude(blocks: &[BlockFigures<'_>]) -> Option<Picture> {
 }
 
 /// The same over frequency, a curve for each amplitude; `None` where there is one frequency alone.
-pub fn over_frequency(blocks: &[BlockFigures<'_>]) -> Option<Picture> {
-    let amplitude = |block: &BlockFigures<'_>| block.block.amplitude;
-    let frequency = |block: &BlockFigures<'_>| block.block.frequency;
+pub fn over_frequency(blocks: &[BlockFigures<'_>]) -> Option<Vec<Picture>> {
     over(
         blocks,
         ("frequency", "Hz"),
@@ -107,6 +104,14 @@ pub fn over_frequency(blocks: &[BlockFigures<'_>]) -> Option<Picture> {
         ("amplitude", "mm"),
         amplitude,
     )
+}
+
+fn amplitude(block: &BlockFigures<'_>) -> f64 {
+    block.block.amplitude
+}
+
+fn frequency(block: &BlockFigures<'_>) -> f64 {
+    block.block.frequency
 }
 
 type Condition = fn(&BlockFigures<'_>) -> f64;
@@ -131,7 +136,7 @@ fn over(
     at: Condition,
     (other, other_unit): (&str, &str),
     level_of: Condition,
-) -> Option<Picture> {
+) -> Option<Vec<Picture>> {
     if levels(blocks, at).len() < 2 {
         return None;
     }
@@ -139,7 +144,7 @@ fn over(
     if levels.len() > LEVELS.len() {
         levels = Vec::new();
     }
-    let panels = FIGURES.map(|(name, unit_of, figure)| {
+    let pictures = FIGURES.map(|(name, unit_of, figure)| {
         let points = |of: usize, level: Option<f64>| {
             let these = blocks
                 .iter()
@@ -180,7 +185,7 @@ fn over(
         }
         let axis = Axis::new(along, unit);
         let ends = blocks.iter().map(at);
-        Panel {
+        let panel = Panel {
             title: String::new(),
             // Steps of a test over a decade are even in the logarithm.
             x: if is_wide(ends) {
@@ -190,16 +195,10 @@ fn over(
             },
             y: Axis::new(name, unit_of),
             layers,
-        }
+        };
+        Picture::of(format!("{name} over {along}, by {other}"), SMALL, panel)
     });
-    let title =
-        format!("Storage stiffness, loss stiffness and loss factor over {along}, by {other}");
-    Some(Picture::of_panels(
-        title,
-        ((380, 300), 13),
-        3,
-        panels.into(),
-    ))
+    Some(pictures.into())
 }
 
 /// Whether the largest is ten times the least or more.
@@ -243,18 +242,11 @@ fn in_order(mut points: Vec<(f64, f64)>) -> Vec<(f64, f64)> {
 pub fn over_cycles(blocks: &[BlockFigures<'_>]) -> Picture {
     let panel = |(name, unit, figure): (&str, &str, Figure)| {
         let layers = Of::ALL.into_iter().enumerate().map(|(index, of)| {
-            let mut points = Vec::new();
-            for block in blocks {
-                for cycle in &block.cycles {
-                    let number = points.len() as f64 + 1.0;
-                    let value = cycle.as_ref().map_or(f64::NAN, |one| figure(one, index));
-                    points.push((number, value));
-                }
-                if let Some(last) = points.last().copied() {
-                    points.push((last.0 + 0.5, f64::NAN));
-                }
-            }
-            layer_over_cycles(of, numbered(points))
+            let figures = blocks.iter().map(|block| {
+                let cycles = block.cycles.iter();
+                cycles.map(move |cycle| cycle.as_ref().map_or(f64::NAN, |one| figure(one, index)))
+            });
+            layer_over_cycles(of, numbered(figures))
         });
         Panel {
             title: String::new(),
@@ -268,29 +260,23 @@ pub fn over_cycles(blocks: &[BlockFigures<'_>]) -> Picture {
     Picture::of_panels(title, size, 1, vec![panel(FIGURES[0]), panel(FIGURES[2])])
 }
 
-/// Cycles counted from 1 on, with the gaps where they are.
-fn numbered(points: Vec<(f64, f64)>) -> Vec<(f64, f64)> {
+/// Values of cycles over their numbers from 1 on, block by block with a gap after each.
+fn numbered(blocks: impl Iterator<Item = impl Iterator<Item = f64>>) -> Vec<(f64, f64)> {
+    let mut points = Vec::new();
     let mut cycle = 0.0;
-    let counted = points.into_iter().map(|(at, value)| {
-        if at.fract() == 0.0 {
+    for block in blocks {
+        for value in block {
             cycle += 1.0;
-            (cycle, value)
-        } else {
-            (cycle + 0.5, f64::NAN)
+            points.push((cycle, value));
         }
-    });
-    let counted: Vec<(f64, f64)> = counted.collect();
-    // A gap would be lost in an envelope, and is not seen among thousands of cycles.
-    match counted.len() > 2 * TIME_COLUMNS {
-        true => {
-            let whole: Vec<(f64, f64)> = counted
-                .into_iter()
-                .filter(|(_, value)| value.is_finite())
-                .collect();
-            envelope(&whole, TIME_COLUMNS)
-        }
-        false => counted,
+        points.push((cycle + 0.5, f64::NAN));
     }
+    // A gap would be lost in an envelope, and is not seen among thousands of cycles.
+    if points.len() > 2 * TIME_COLUMNS {
+        points.retain(|(_, value)| value.is_finite());
+        points = envelope(&points, TIME_COLUMNS);
+    }
+    points
 }
 
 fn layer_over_cycles(of: Of, points: Vec<(f64, f64)>) -> Layer {
@@ -331,10 +317,14 @@ mod tests {
 
     #[test]
     fn cycles_are_counted_over_gaps() {
-        let some = vec![(1.0, 5.0), (2.0, f64::NAN), (2.5, f64::NAN), (4.0, 6.0)];
-        let counted = numbered(some);
+        let blocks = [vec![5.0, f64::NAN], vec![6.0]];
+        let counted = numbered(blocks.into_iter().map(Vec::into_iter));
         let cycles: Vec<f64> = counted.iter().map(|point| point.0).collect();
-        assert_eq!(cycles, [1.0, 2.0, 2.5, 3.0]);
+        assert_eq!(cycles, [1.0, 2.0, 2.5, 3.0, 3.5]);
         assert_eq!(counted[3].1, 6.0);
+        assert!(counted[2].1.is_nan());
+        // A fatigue test of one block.
+        let many = numbered([(0..100_000).map(f64::from)].into_iter());
+        assert_eq!(many.len(), 2 * TIME_COLUMNS);
     }
 }

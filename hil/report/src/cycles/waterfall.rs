@@ -7,7 +7,7 @@ use super::pictures::loop_points;
 use crate::charts::{self, MEASURED};
 use crate::page::condition;
 use crate::palette::Colour;
-use crate::picture::{Axis, Layer, Look, Panel, Picture, WIDE};
+use crate::picture::{Axis, Layer, Look, Panel, Picture};
 use crate::text;
 
 /// Most loops.
@@ -70,7 +70,7 @@ pub fn picture(blocks: &[BlockFigures<'_>]) -> Waterfall {
         },
         layers,
     };
-    let (width, font) = (WIDE.0.0, WIDE.1);
+    let (width, font) = (760, 15);
     let height = HEIGHT.1 + HEIGHT.0 * rows.len() as u32;
     Waterfall {
         picture: Picture::of(

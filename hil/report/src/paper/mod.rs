@@ -81,8 +81,8 @@ fn drawn(one: &Figure) -> Markup {
     html! {
         h3 { (one.title) }
         p { (one.said) }
-        (picture::key([&one.picture], &[]))
-        (figure(html! { (one.caption) }, &one.picture))
+        (picture::key(one.pictures.iter().map(|(_, picture)| picture), &[]))
+        div.grid { @for (caption, picture) in &one.pictures { (figure(html! { (caption) }, picture)) } }
         p { (one.seen) }
     }
 }

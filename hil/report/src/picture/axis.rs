@@ -158,11 +158,18 @@ fn of_decades(ends: &Range<f64>, most: usize) -> Vec<(f64, String)> {
     let span = ends.end - ends.start;
     if span < 1.0 {
         let values = 10_f64.powf(ends.start)..10_f64.powf(ends.end);
-        let ticks = even(&values, most).into_iter();
-        return ticks
-            .map(|(value, decimals)| (value.log10(), written(value, decimals)))
-            .filter(|(place, _)| place.is_finite())
-            .collect();
+        let mut ticks: Vec<(f64, String)> = Vec::new();
+        for (value, decimals) in even(&values, most) {
+            let place = value.log10();
+            // They crowd towards the upper end.
+            let apart = ticks
+                .last()
+                .is_none_or(|last| place - last.0 > 0.6 * span / most.max(1) as f64);
+            if place.is_finite() && apart {
+                ticks.push((place, written(value, decimals)));
+            }
+        }
+        return ticks;
     }
     let most = most.max(2) as f64;
     let factors: &[f64] = match span {
@@ -231,6 +238,8 @@ mod tests {
         assert_eq!(labels(&axis, 0.9..1100.0, 4), ["1", "10", "100", "1000"]);
         // Within a decade.
         assert_eq!(labels(&axis, 1.9..4.1, 3), ["2", "3", "4"]);
+        // Nine lies too near to ten.
+        assert_eq!(labels(&axis, 1.2..11.0, 8), ["2", "4", "6", "8", "10"]);
         assert!(labels(&axis, 1e-9..1e9, 4).len() <= 5);
     }
 

@@ -7,7 +7,7 @@ use std::fmt::Write as _;
 use std::ops::Range;
 
 use super::curve::{self, FINE};
-use super::{Axis, Cells, Dash, Layer, Look, Mark, Panel, Picture, legend};
+use super::{Axis, Cells, Dash, Dot, Layer, Look, Mark, Panel, Picture, legend};
 use crate::palette::{self, Colour};
 
 /// Radius of a mark, px.
@@ -234,6 +234,9 @@ fn axis_data(axis: &Axis, ends: &Range<f64>) -> String {
 fn drawn(sheet: &mut Sheet, layer: &Layer, places: Vec<(f64, f64)>, zero: f64) {
     let colour = layer.colour.light();
     sheet.put(format_args!("<g data-curve=\"{}\"", escaped(&layer.name)));
+    if !layer.rows.is_empty() {
+        sheet.put(format_args!(" data-rows=\"{}\"", layer.rows));
+    }
     if layer.raised != 0.0 {
         sheet.put(format_args!(" data-raised=\"{}\"", digits(layer.raised)));
     }
@@ -247,10 +250,14 @@ fn drawn(sheet: &mut Sheet, layer: &Layer, places: Vec<(f64, f64)>, zero: f64) {
                 &curve::path(places.iter().copied()),
             );
         }
-        Look::Cloud => sheet.put(format_args!(
-            "><path d=\"{}\" stroke=\"{colour}\" stroke-width=\"{}\" stroke-linecap=\"round\"/>",
+        Look::Cloud(dot) => sheet.put(format_args!(
+            "><path d=\"{}\" stroke=\"{colour}\" stroke-width=\"{}\" stroke-linecap=\"{}\"/>",
             curve::dots(places.iter().copied()),
-            FINE * 5.0
+            FINE * 5.0,
+            match dot {
+                Dot::Disc => "round",
+                Dot::Square => "square",
+            }
         )),
         Look::Stems => {
             let stems = places
@@ -297,7 +304,7 @@ fn line(sheet: &mut Sheet, look: &Look, colour: &str, path: &str) {
         Dash::Solid => &[],
         Dash::Long => &[9.0, 4.0],
         Dash::Short => &[4.0, 3.0],
-        Dash::DashDot => &[9.0, 3.0, 2.0, 3.0],
+        Dash::Mixed => &[9.0, 3.0, 2.0, 3.0],
         Dash::Dotted => &[2.0, 3.0],
     };
     let dashes: Vec<String> = dashes
@@ -410,7 +417,8 @@ pub fn piece(sheet: &mut Sheet, layer: &Layer, at: (f64, f64), length: f64) {
         Look::Band => sheet.put(format_args!(
             "<rect y=\"-5\" width=\"{length}\" height=\"10\" fill=\"{colour}\" fill-opacity=\".16\"/>"
         )),
-        Look::Cloud => marked(sheet, Mark::Disc, colour, middle, 1.0),
+        Look::Cloud(Dot::Disc) => marked(sheet, Mark::Disc, colour, middle, 1.0),
+        Look::Cloud(Dot::Square) => marked(sheet, Mark::Square, colour, middle, 1.0),
         Look::Marks(_) | Look::Cells(..) => {}
     }
     if let Look::Marks(mark) | Look::Both(mark, _) = layer.look {

@@ -55,6 +55,8 @@ pub struct Layer {
     pub look: Look,
     /// In order; x and y in the units of the axes.
     pub points: Vec<(f64, f64)>,
+    /// The rows of a table in the page that the points are of, as a selector of a style sheet; empty where they are of none.
+    pub rows: &'static str,
     /// What was added to all y to part layers that would cover each other: a reading of the picture is less it.
     pub raised: f64,
 }
@@ -72,14 +74,23 @@ pub enum Look {
     Marks(Mark),
     /// Marks that a line joins.
     Both(Mark, Dash),
-    /// Small discs, for thousands of points.
-    Cloud,
+    /// Small discs, or small squares, for thousands of points.
+    Cloud(Dot),
     /// Upright lines from 0.
     Stems,
     /// The area between the first point and the second, pale.
     Band,
     /// Equal cells between two opposite corners, which are the layer's points.
     Cells(Cells),
+}
+
+/// The shape of a point of a cloud.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Dot {
+    /// Round.
+    Disc,
+    /// Square.
+    Square,
 }
 
 /// A map of equal cells.
@@ -105,7 +116,7 @@ pub enum Dash {
     /// Short dashes.
     Short,
     /// Dashes and dots.
-    DashDot,
+    Mixed,
     /// Dots.
     Dotted,
 }
@@ -167,6 +178,13 @@ impl Picture {
         draw::svg(self, true)
     }
 
+    /// The least width that its letters can be read at, px.
+    pub fn least_width(&self) -> u32 {
+        /// Height of the smallest letters, px.
+        const LEAST: u32 = 9;
+        self.size.0 * LEAST / self.font
+    }
+
     /// What is to be seen, in words with figures.
     pub fn in_words(&self) -> String {
         words::of(self)
@@ -202,8 +220,14 @@ impl Layer {
             colour,
             look,
             points,
+            rows: "",
             raised: 0.0,
         }
+    }
+
+    /// The same with points of rows of a table.
+    pub fn of_rows(self, rows: &'static str) -> Self {
+        Self { rows, ..self }
     }
 
     /// The same with points that were raised by so much.
@@ -220,9 +244,9 @@ pub const SMALL: Size = ((380, 300), 15);
 /// A file of its own.
 pub const STANDALONE: Size = ((720, 520), 17);
 /// Half of the page's width.
-pub const HALF: Size = ((570, 330), 13);
+pub const HALF: Size = ((570, 350), 15);
 /// The page's whole width.
-pub const WIDE: Size = ((1150, 300), 13);
+pub const WIDE: Size = ((1150, 320), 14);
 
 #[cfg(test)]
 mod tests;

@@ -70,7 +70,7 @@ fn every_panel_and_every_layer_is_drawn() {
         Look::Line(Dash::Dotted),
         Look::Fine,
         Look::Broad,
-        Look::Cloud,
+        Look::Cloud(Dot::Square),
         Look::Stems,
     ];
     let layers = looks.into_iter().map(|look| layer("x", look)).collect();

@@ -45,8 +45,12 @@ const ticksOf = (axis, from, to, most) => {
   if (axis.scale === "cbrt") return even(from, to, Math.min(5, most)).map(([place]) => [place, number(place ** 3)]);
   if (axis.scale === "lin") return even(from, to, most);
   if (to - from < 1) {
-    const plain = even(10 ** from, 10 ** to, most);
-    return plain.map(([value, label]) => [Math.log10(value), label]).filter(([place]) => isFinite(place));
+    const apart = [];
+    for (const [value, label] of even(10 ** from, 10 ** to, most)) {
+      const place = Math.log10(value), last = apart[apart.length - 1];
+      if (isFinite(place) && !(last && place - last[0] <= (0.6 * (to - from)) / Math.max(1, most))) apart.push([place, label]);
+    }
+    return apart;
   }
   const factors = 3 * (to - from) <= most ? [1, 2, 5] : [1];
   const stride = Math.max(1, Math.ceil((to - from) / Math.max(2, most)));

@@ -25,6 +25,8 @@ const curveOf = group => {
     const cells = group.dataset.cells.split(",").map(cell => (cell === "" ? NaN : +cell / 1000));
     return { ...curve, cells, columns: +group.dataset.columns };
   }
+  // As they are before anyone sorts them.
+  if (group.dataset.rows) curve.rows = [...document.querySelectorAll(group.dataset.rows)];
   const path = group.querySelector("path:not([transform])");
   let points = path ? pathPoints(path.getAttribute("d")) : [...group.children].map(markPlace);
   if (path && path.matches(".stems")) points = points.filter((_, i) => i % 2);

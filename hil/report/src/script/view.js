@@ -1,145 +1,5 @@
-// Zooming, moving and reading of a picture.
-const SVG = "http://www.w3.org/2000/svg";
-const FINE = 20;
-const make = (parent, name, attributes, text) => {
-  const one = document.createElementNS(SVG, name);
-  for (const key in attributes) one.setAttribute(key, attributes[key]);
-  if (text !== undefined) one.textContent = text;
-  parent.append(one);
-  return one;
-};
-
-const panelOf = (svg, group) => {
-  const [left, top, width, height] = group.dataset.at.split(" ").map(Number);
-  const panel = { svg, group, left, top, width, height, x: axisOf(group.dataset.x), y: axisOf(group.dataset.y) };
-  const inner = group.querySelector(".curves");
-  const ticks = group.querySelector(".ticks");
-  const [, , boxWidth, boxHeight] = inner.getAttribute("viewBox").split(" ").map(Number);
-  const font = +svg.getAttribute("font-size");
-  const whole = { x0: panel.x.from, x1: panel.x.to, y0: panel.y.from, y1: panel.y.to };
-  const first = [...ticks.childNodes];
-  panel.y.labels = first.filter(one => one.getAttribute("text-anchor") === "end").map(one => [
-    whole.y1 - ((+one.getAttribute("y") - top) / height) * (whole.y1 - whole.y0), one.textContent]);
-  panel.curves = [...inner.children].map(curveOf).filter(Boolean);
-  panel.over = make(group, "g", { "pointer-events": "none" });
-  for (const line of inner.querySelectorAll("path[stroke]:not([transform])")) {
-    const scaled = list => list.split(" ").map(n => n / FINE).join(" ");
-    line.setAttribute("vector-effect", "non-scaling-stroke");
-    line.style.strokeWidth = line.getAttribute("stroke-width") / FINE;
-    if (line.hasAttribute("stroke-dasharray")) line.style.strokeDasharray = scaled(line.getAttribute("stroke-dasharray"));
-  }
-  const marks = [...inner.querySelectorAll("[transform]")].map(mark => [mark, ...markPlace(mark)]);
-
-  panel.isWhole = () => panel.view === whole;
-  panel.show = view => {
-    const least = 1e-5;
-    if ((view.x1 - view.x0) < least * (whole.x1 - whole.x0) || (view.y1 - view.y0) < least * (whole.y1 - whole.y0)) return;
-    panel.view = view;
-    const [w, h] = [whole.x1 - whole.x0, whole.y1 - whole.y0];
-    panel.box = [((view.x0 - whole.x0) / w) * boxWidth, ((whole.y1 - view.y1) / h) * boxHeight,
-      ((view.x1 - view.x0) / w) * boxWidth, ((view.y1 - view.y0) / h) * boxHeight];
-    inner.setAttribute("viewBox", panel.box.join(" "));
-    for (const [mark, x, y] of marks) {
-      mark.setAttribute("transform", `translate(${x} ${y}) scale(${panel.box[2] / boxWidth} ${panel.box[3] / boxHeight})`);
-    }
-    if (view === whole) ticks.replaceChildren(...first);
-    else drawTicks();
-    panel.over.replaceChildren();
-  };
-  panel.reset = () => panel.show(whole);
-
-  const drawTicks = () => {
-    const { x0, x1, y0, y1 } = panel.view;
-    ticks.replaceChildren();
-    let grid = "";
-    for (const [place, label] of ticksOf(panel.x, x0, x1, width / (5 * font))) {
-      const at = left + ((place - x0) / (x1 - x0)) * width;
-      grid += `M${at} ${top}V${top + height}`;
-      make(ticks, "text", { x: at, y: top + height + 0.9 * font, dy: ".35em", "text-anchor": "middle" }, label);
-    }
-    for (const [place, label] of ticksOf(panel.y, y0, y1, height / (2.6 * font))) {
-      const at = top + ((y1 - place) / (y1 - y0)) * height;
-      grid += `M${left} ${at}H${left + width}`;
-      make(ticks, "text", { x: left - 0.4 * font, y: at, dy: ".35em", "text-anchor": "end" }, label);
-    }
-    make(ticks, "path", { d: grid, stroke: "#e4e4e4", fill: "none" });
-  };
-
-  // A point of the inner SVG in px of the picture.
-  panel.toPicture = ([x, y]) => [
-    left + ((x - panel.box[0]) / panel.box[2]) * width, top + ((y - panel.box[1]) / panel.box[3]) * height];
-  panel.toValues = ([x, y]) => [
-    valueAt[panel.x.scale](whole.x0 + (x / boxWidth) * (whole.x1 - whole.x0)),
-    valueAt[panel.y.scale](whole.y1 - (y / boxHeight) * (whole.y1 - whole.y0))];
-  // A place under a point of the picture.
-  panel.placeAt = ([x, y]) => [
-    panel.view.x0 + ((x - left) / width) * (panel.view.x1 - panel.view.x0),
-    panel.view.y1 - ((y - top) / height) * (panel.view.y1 - panel.view.y0)];
-  panel.has = ([x, y]) => x >= left && x <= left + width && y >= top && y <= top + height;
-  panel.zoom = (factor, at) => {
-    const [x, y] = panel.placeAt(at || [left + width / 2, top + height / 2]);
-    const { x0, x1, y0, y1 } = panel.view;
-    panel.show({ x0: x + (x0 - x) * factor, x1: x + (x1 - x) * factor, y0: y + (y0 - y) * factor, y1: y + (y1 - y) * factor });
-  };
-  panel.move = (dx, dy) => {
-    const { x0, x1, y0, y1 } = panel.view;
-    const [w, h] = [(x1 - x0) * dx, (y1 - y0) * dy];
-    panel.show({ x0: x0 + w, x1: x1 + w, y0: y0 + h, y1: y1 + h });
-  };
-  panel.show(whole);
-  return panel;
-};
-
-// What is nearest to a point of the picture: a place in the picture, and lines of name and value.
-const readAt = (panel, at) => {
-  const visible = panel.curves.filter(curve => curve.group.style.display !== "none");
-  const far = point => { const [x, y] = panel.toPicture(point); return Math.hypot(x - at[0], y - at[1]); };
-  const inner = [panel.box[0] + ((at[0] - panel.left) / panel.width) * panel.box[2],
-    panel.box[1] + ((at[1] - panel.top) / panel.height) * panel.box[3]];
-  const map = visible.find(curve => curve.cells);
-  if (map) {
-    const rows = map.cells.length / map.columns;
-    const [whole, high] = [panel.width * FINE, panel.height * FINE];
-    const column = Math.floor((inner[0] / whole) * map.columns), row = rows - 1 - Math.floor((inner[1] / high) * rows);
-    const value = map.cells[row * map.columns + column];
-    const scale = +map.group.dataset.scale || 1;
-    const name = map.name || "value";
-    return { at, values: panel.toValues(inner), lines: [[name, isNaN(value) ? "none here" : `${number(value * scale)} ${map.group.dataset.unit || ""}`]] };
-  }
-  const nearest = curve => {
-    let best = -1, least = Infinity;
-    curve.points.forEach((point, i) => {
-      const distance = curve.rises ? Math.abs(point[0] - inner[0]) : far(point);
-      if (distance < least) [best, least] = [i, distance];
-    });
-    return [best, best < 0 ? Infinity : far(curve.points[best])];
-  };
-  const found = visible.map(curve => [curve, ...nearest(curve)]).filter(([, index]) => index >= 0);
-  if (!found.length) return null;
-  const [first, index] = found.reduce((a, b) => (b[2] < a[2] ? b : a));
-  // Curves of one loop have their samples at the same instants.
-  const shown = found.filter(([curve]) => curve.raised === first.raised);
-  const chosen = shown.map(([curve, own]) => [curve, !first.rises && curve.points.length === first.points.length ? index : own]);
-  return { panel, curve: first, index, chosen, ...linesOf(panel, first, index, chosen) };
-};
-
-const linesOf = (panel, first, index, chosen) => {
-  const resolution = Math.abs(panel.view.y1 - panel.view.y0) / 2000;
-  const written = value => (panel.y.scale === "log" ? number(value) : reading(value, resolution));
-  const points = chosen.map(([curve, i]) => curve.points[i]);
-  const values = points.map(panel.toValues);
-  return {
-    at: panel.toPicture(first.points[index]),
-    values: panel.toValues(first.points[index]),
-    points: points.map((point, i) => [panel.toPicture(point), chosen[i][0].colour]),
-    lines: chosen.map(([curve], i) => [curve.name || panel.y.name,
-      panel.y.scale === "names" && !curve.raised && !panel.y.unit ? panel.y.labels.reduce((a, b) =>
-        Math.abs(b[0] - values[i][1]) < Math.abs(a[0] - values[i][1]) ? b : a)[1]
-        : `${written(values[i][1] - curve.raised)} ${panel.y.unit}`]),
-  };
-};
-
-const HELP = "Drag a box to zoom, Shift and drag to move, Ctrl and wheel to zoom about the pointer; double-click or Escape resets. "
+// What a reader does with a picture: pointer, wheel and keys.
+const HELP = "Drag a box to zoom, Shift and drag to move, Ctrl and wheel to zoom about the pointer; double-click or Escape resets; tap to read. "
   + "With keys: arrows go from sample to sample and from curve to curve, Shift and arrows move, + and − zoom, Escape resets.";
 
 const view = figure => {
@@ -184,8 +44,10 @@ const view = figure => {
     const line = text => { const one = document.createElement("div"); one.textContent = text; return one; };
     const across = `${panel.x.name} ${panel.x.scale === "log" ? number(found.values[0])
       : reading(found.values[0], Math.abs(panel.view.x1 - panel.view.x0) / 2000)} ${panel.x.unit}`;
+    const row = found.curve && found.curve.rows && found.curve.rows[found.index];
+    const of = row ? [line(row.firstElementChild.textContent)] : [];
     const up = panel.curves.some(curve => curve.cells) ? [line(`${panel.y.name} ${number(found.values[1])} ${panel.y.unit}`)] : [];
-    readout.replaceChildren(line(across), ...up, ...found.lines.map(([name, value]) => line(`${name}: ${value}`)));
+    readout.replaceChildren(...of, line(across), ...up, ...found.lines.map(([name, value]) => line(`${name}: ${value}`)));
     readout.hidden = false;
     readout.setAttribute("role", spoken ? "status" : "none");
     const box = svg.getBoundingClientRect(), outer = figure.getBoundingClientRect();

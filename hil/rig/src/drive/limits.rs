@@ -16,6 +16,7 @@ const USABLE: f64 = 0.95;
 
 /// The largest that a motion asks for, in either direction.
 #[derive(Clone, Copy, Debug, PartialEq, serde::Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Demands {
     /// Displacement, mm.
     pub displacement_mm: f64,

@@ -22,6 +22,7 @@ const SWING: (f64, f64) = (5.0, 1000.0);
 
 /// What goes on beside the test. The specimen settles, and the chamber warms, in all of them.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(rename_all = "snake_case")]
 pub enum Surroundings {
     /// Nothing else.
@@ -95,6 +96,7 @@ const PAUSE_EVERY: u32 = 60;
 
 /// What came of them.
 #[derive(Clone, Debug, PartialEq, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Healthy {
     /// g/cm³.
     pub density: f64,

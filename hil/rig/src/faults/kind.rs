@@ -12,6 +12,7 @@ use crate::actuator::{SensorFault, ServoFault};
 
 /// What is faulty.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(rename_all = "snake_case")]
 pub enum Group {
     /// Found within five cycles.
@@ -34,6 +35,7 @@ impl Group {
 
 /// A kind of fault. What its size is stands at [`InjectedFault::sizes`].
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(rename_all = "snake_case")]
 #[expect(
     missing_docs,

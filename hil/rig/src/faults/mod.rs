@@ -24,7 +24,7 @@ pub use attack::{
 pub use damage::{Condition, Damaged};
 pub use healthy::{Healthy, Surroundings, run_healthy};
 pub use kind::{Group, InjectedFault};
-pub use requirement::missed;
+pub use requirement::{missed, requirements};
 pub use slow::{CHANGING, Changing, FOLLOW, Left, SlowChange, SlowOutcome};
 pub use summary::{KindSummary, Summary};
 pub use trial::{Outcome, Trial, run_trial, run_trial_with};

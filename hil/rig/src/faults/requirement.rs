@@ -2,6 +2,7 @@
 
 use super::attack::{AttackSummary, Hazards};
 use super::summary::Summary;
+use crate::check::{Check, failures};
 
 /// Part of the faults that must be called what they are, or by two causes of which one is what they are.
 const RIGHT: f64 = 0.95;
@@ -14,60 +15,87 @@ const CYCLES_TO_A_FALSE_ALARM: f64 = 1e5;
 /// Ticks on end for which a limit may be exceeded: those after which the rig stops.
 const TICKS_BEYOND: u32 = 10;
 
-/// What `summary` falls short of: every fault found in time, the cause right in 95 %, at most one false alarm in 1e5 healthy
+/// What is asked of `summary`: every fault found in time, the cause right in 95 %, at most one false alarm in 1e5 healthy
 /// cycles or part of them, slow changes followed or named, no limit exceeded for longer than it takes to stop, every stop in time. Of the attacks no hazardous
 /// state but behind a constant gain, a channel that was just lost beside another attack or a line that stays high, or while the controller is not called, 98 % found, 95 % in time, and as many called what they are or may be; of the settings that are
 /// none, none taken.
-pub fn missed(summary: &Summary) -> Vec<String> {
-    let mut missed = Vec::new();
+pub fn requirements(summary: &Summary) -> Vec<Check> {
+    let mut checks = Vec::new();
     for kind in &summary.kinds {
-        if kind.in_time < kind.trials {
-            missed.push(format!(
-                "{:?} of {}: {} of {} found within {} cycles",
-                kind.kind,
-                kind.size,
+        let name = format!("{:?} of {}", kind.kind, kind.size);
+        checks.push(Check::new(&name, kind.in_time >= kind.trials, || {
+            format!(
+                "{name}: {} of {} found within {} cycles",
                 kind.in_time,
                 kind.trials,
                 kind.group.cycles()
-            ));
-        }
+            )
+        }));
     }
     let named = summary.right + summary.both;
-    if (named as f64) < RIGHT * summary.trials as f64 {
-        missed.push(format!(
-            "the cause, or one of two, is right in {named} of {}",
-            summary.trials
-        ));
-    }
+    let is_right = (named as f64) >= RIGHT * summary.trials as f64;
+    checks.push(
+        Check::new("causes", is_right, || {
+            format!(
+                "the cause, or one of two, is right in {named} of {}",
+                summary.trials
+            )
+        })
+        .of(summary.trials),
+    );
     let alarms = summary.false_alarms + summary.early;
     let allowed = (summary.healthy_cycles as f64 / CYCLES_TO_A_FALSE_ALARM).floor();
-    if alarms as f64 > allowed {
-        missed.push(format!(
-            "{alarms} false alarms in {} healthy cycles and {} trials",
-            summary.healthy_cycles, summary.trials
-        ));
+    checks.push(
+        Check::new("false alarms", alarms as f64 <= allowed, || {
+            format!(
+                "{alarms} false alarms in {} healthy cycles and {} trials",
+                summary.healthy_cycles, summary.trials
+            )
+        })
+        .of(summary.healthy_cycles as usize + summary.trials),
+    );
+    for one in &summary.slow {
+        let change = &one.change;
+        let name = format!(
+            "slow change of {:?} by {} at {} g/cm3",
+            change.changing, change.size, change.density
+        );
+        checks.push(Check::new(name, one.holds(), || {
+            format!("a slow change: {one:?}")
+        }));
     }
-    for followed in summary.slow.iter().filter(|one| !one.holds()) {
-        missed.push(format!("a slow change: {followed:?}"));
-    }
-    if summary.ticks_beyond > TICKS_BEYOND {
-        missed.push(format!(
-            "a limit was exceeded for {} ticks on end",
-            summary.ticks_beyond
-        ));
-    }
-    if summary.stopped_in_time < summary.stopped {
-        missed.push(format!(
-            "{} of {} stops were in time",
-            summary.stopped_in_time, summary.stopped
-        ));
-    }
-    missed_of_attacks(&summary.attacks, &mut missed);
-    missed
+    checks.push(Check::new(
+        "limits",
+        summary.ticks_beyond <= TICKS_BEYOND,
+        || {
+            format!(
+                "a limit was exceeded for {} ticks on end",
+                summary.ticks_beyond
+            )
+        },
+    ));
+    let in_time = summary.stopped_in_time >= summary.stopped;
+    checks.push(
+        Check::new("stops", in_time, || {
+            format!(
+                "{} of {} stops were in time",
+                summary.stopped_in_time, summary.stopped
+            )
+        })
+        .of(summary.stopped),
+    );
+    checks.extend(of_attacks(&summary.attacks));
+    checks
 }
 
-/// What the attacks fall short of.
-fn missed_of_attacks(attacks: &AttackSummary, missed: &mut Vec<String>) {
+/// The [`requirements`] that `summary` falls short of, each in a line.
+pub fn missed(summary: &Summary) -> Vec<String> {
+    failures(requirements(summary))
+}
+
+/// What is asked of the attacks.
+fn of_attacks(attacks: &AttackSummary) -> Vec<Check> {
+    let mut checks = Vec::new();
     let sets = [
         ("attacks alone", &attacks.singles),
         ("pairs", &attacks.pairs),
@@ -79,12 +107,13 @@ fn missed_of_attacks(attacks: &AttackSummary, missed: &mut Vec<String>) {
             others,
             ..
         } = counts.hazards;
-        if drifting_gain + others > 0 {
-            missed.push(format!(
+        let name = format!("{what}: hazardous states");
+        checks.push(Check::new(name, drifting_gain + others == 0, || {
+            format!(
                 "{} of {what} led to a hazardous state, {drifting_gain} of them behind a gain that drifts",
                 drifting_gain + others
-            ));
-        }
+            )
+        }).of(counts.trials));
     }
     // The adversary's may be too small or too short to be found.
     for (what, counts) in &sets[..2] {
@@ -98,19 +127,32 @@ fn missed_of_attacks(attacks: &AttackSummary, missed: &mut Vec<String>) {
             ),
         ];
         for (how, count, least) in shares {
-            if (count as f64) < least * counts.trials as f64 {
-                missed.push(format!("{how}: {count} of {} {what}", counts.trials));
-            }
+            let is_enough = (count as f64) >= least * counts.trials as f64;
+            checks.push(
+                Check::new(format!("{what}: {how}"), is_enough, || {
+                    format!("{how}: {count} of {} {what}", counts.trials)
+                })
+                .of(counts.trials),
+            );
         }
-        if counts.early > 0 {
-            missed.push(format!("{} false alarms before {what}", counts.early));
-        }
+        checks.push(
+            Check::new(
+                format!("{what}: false alarms before"),
+                counts.early == 0,
+                || format!("{} false alarms before {what}", counts.early),
+            )
+            .of(counts.trials),
+        );
     }
     let taken = attacks.forgeries.iter().filter(|one| !one.refused).count();
-    if taken > 0 {
-        missed.push(format!(
-            "{taken} of {} settings that are none were taken",
-            attacks.forgeries.len()
-        ));
-    }
+    checks.push(
+        Check::new("forged settings", taken == 0, || {
+            format!(
+                "{taken} of {} settings that are none were taken",
+                attacks.forgeries.len()
+            )
+        })
+        .of(attacks.forgeries.len()),
+    );
+    checks
 }

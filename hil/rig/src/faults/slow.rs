@@ -31,6 +31,7 @@ const NEAR: f64 = 0.02;
 
 /// What changes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(rename_all = "snake_case")]
 pub enum Changing {
     /// All of the force: wires break one by one, or harden.
@@ -41,6 +42,7 @@ pub enum Changing {
 
 /// A slow change.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct SlowChange {
     /// What changes.
     pub changing: Changing,
@@ -58,6 +60,7 @@ pub struct SlowChange {
 
 /// What came of it.
 #[derive(Clone, Debug, PartialEq, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct SlowOutcome {
     /// What was tried.
     pub change: SlowChange,
@@ -79,6 +82,7 @@ pub struct SlowOutcome {
 
 /// By how much a law misses the specimen.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Left {
     /// RMS of its error over that of the measured force.
     pub error: f64,

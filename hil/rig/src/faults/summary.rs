@@ -10,10 +10,11 @@ use super::trial::Outcome;
 
 /// Of one kind and size.
 #[derive(Clone, Debug, PartialEq, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct KindSummary {
     /// What was put in.
     pub kind: InjectedFault,
-    /// How large.
+    /// How large, in the unit of the trials.
     pub size: f64,
     /// What it is a fault of.
     pub group: Group,
@@ -29,12 +30,13 @@ pub struct KindSummary {
     pub both: usize,
     /// Cycles until a cause was named, of those that were found.
     pub median_cycles: Option<f64>,
-    /// The most.
+    /// The most cycles.
     pub worst_cycles: Option<f64>,
 }
 
 /// All of it.
 #[derive(Clone, Debug, PartialEq, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Summary {
     /// Injected faults by kind, size by size.
     pub kinds: Vec<KindSummary>,

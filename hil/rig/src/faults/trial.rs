@@ -17,10 +17,11 @@ use crate::{Bench, Controlled, RigSetup, SetupError, TICK_RATE};
 
 /// A fault, and the test that it comes into.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Trial {
     /// What it is.
     pub kind: InjectedFault,
-    /// Of [`InjectedFault::sizes`].
+    /// How large: a part, a ratio or rad, as [`InjectedFault::sizes`] says.
     pub size: f64,
     /// g/cm³.
     pub density: f64,
@@ -40,6 +41,7 @@ pub struct Trial {
 
 /// What came of it.
 #[derive(Clone, Debug, PartialEq, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Outcome {
     /// What was tried.
     pub trial: Trial,

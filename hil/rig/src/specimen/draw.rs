@@ -24,6 +24,7 @@ const LARGEST_MASS: f64 = 500.0;
 
 /// What [`draw`] hid.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct DrawnEffect {
     /// g/cm³.
     pub density: f64,

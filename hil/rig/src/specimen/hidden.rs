@@ -6,6 +6,7 @@ use super::unlisted::Unlisted;
 
 /// An effect that eq 13 does not have. Sizes may have either sign where physics allows it.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(tag = "family", rename_all = "snake_case", deny_unknown_fields)]
 pub enum HiddenEffect {
     /// F = f0: a preload.
@@ -152,9 +153,10 @@ pub enum HiddenEffect {
 
 /// An input that somebody sets now and then, to one of five levels from 0 on.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields)]
 pub struct Schedule {
-    /// The highest level.
+    /// The highest level; a control input, as a part of its full range.
     pub most: f64,
     /// How long each is held, s.
     pub hold: f64,
@@ -179,13 +181,14 @@ impl Schedule {
 
 /// How the friction joints of [`HiddenEffect::StickSlip`] turn from sticking to slipping.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(rename_all = "snake_case", deny_unknown_fields)]
 pub enum SlipShape {
     /// All at once: one Jenkins element.
     Sharp,
     /// Smoothly: Bouc–Wen, ẋ = v·(1 − |x/limit|^n·(1 + sgn(v·x))/2).
     Smooth {
-        /// n; the larger, the sharper.
+        /// The exponent n; the larger, the sharper.
         exponent: f64,
     },
     /// One after another: sliders whose limits are spread evenly from 0 to twice the slip limit.

@@ -20,6 +20,7 @@ const WALK_DURATION: f64 = 100.0;
 
 /// An effect without a family.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(tag = "kind", rename_all = "snake_case", deny_unknown_fields)]
 pub enum Unlisted {
     /// F = μ·|y|·sgn v: friction under a load that grows with displacement.

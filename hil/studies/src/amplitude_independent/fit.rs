@@ -42,6 +42,7 @@ const WIDTH: usize = ELEMENTS + LIMITS;
 
 /// What a law is made of.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Structure {
     /// Friction that grows with |y|.
     pub load_friction: bool,
@@ -77,6 +78,7 @@ pub struct Loops {
 
 /// One set of coefficients.
 #[derive(Clone, Debug, PartialEq, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct FittedLaw {
     /// kN/mm
     pub k1: f64,
@@ -84,7 +86,7 @@ pub struct FittedLaw {
     pub k3: f64,
     /// kN·(s/mm)^α
     pub c: f64,
-    /// α
+    /// α, the exponent of the velocity.
     pub alpha: f64,
     /// λ, 1/mm
     pub load: f64,

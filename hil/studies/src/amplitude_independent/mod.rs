@@ -37,6 +37,7 @@ use loops::{BETWEEN, FITTED, HELD_OUT, amplitude};
 
 /// The law without amplitude of every density, and what it is worth.
 #[derive(Clone, Debug, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Study {
     /// Hz, of the loops.
     pub frequencies: Vec<f64>,
@@ -50,12 +51,13 @@ pub struct Study {
 
 /// One density.
 #[derive(Clone, Debug, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct DensityResult {
     /// g/cm³
     pub density: f64,
     /// The law without amplitude.
     pub law: FittedLaw,
-    /// One set of eq 13.
+    /// NRMSE of one set of eq 13.
     pub equation_13: FittedLaw,
     /// NRMSE of the law without amplitude on the loops that were fitted, by amplitude and frequency.
     pub fitted: Vec<f64>,
@@ -65,16 +67,17 @@ pub struct DensityResult {
 
 /// NRMSE of each law on one loop that was held out.
 #[derive(Clone, Copy, Debug, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct HeldOut {
     /// Hz
     pub frequency: f64,
-    /// One set of eq 13.
+    /// NRMSE of one set of eq 13.
     pub equation_13: f64,
-    /// The tables, between the rows on either side.
+    /// NRMSE of the tables, between the rows on either side.
     pub tables: f64,
-    /// Eqs 16–19.
+    /// NRMSE of the published surfaces, eqs 16–19.
     pub surfaces: f64,
-    /// The measured loops between, phase by phase: no law, but what the scatter of the tables leaves to be known.
+    /// NRMSE of the measured loops between, phase by phase: no law, but what the scatter of the tables leaves to be known.
     pub loops: f64,
     /// The law without amplitude, by the crate in f32.
     pub law: f64,

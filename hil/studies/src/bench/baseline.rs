@@ -4,26 +4,48 @@ use std::path::{Path, PathBuf};
 
 use mesh_damper_recording::error::InputError;
 use mesh_damper_recording::read_limit::{ReadLimit, read_json};
+use mesh_damper_rig::check::{Check, failures};
+use mesh_damper_sources::Sources;
 use serde::{Deserialize, Serialize};
 
 use super::count::{Core, Count};
 use super::results::{Results, Tools};
+
+/// In the repository.
+const PATH: &str = "hil/studies/bench-baseline.json";
 
 /// By how much of itself a count may exceed the baseline's.
 const GATE: f64 = 0.05;
 
 /// What a run came to that was good.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields)]
 pub struct Baseline {
+    /// `mesh-damper bench-baseline`.
+    #[serde(default = "format")]
+    format: String,
+    /// 1.
+    #[serde(default = "version")]
+    version: u32,
     /// With what it was counted.
     pub tools: Tools,
     /// The crate's counts; its peers' are none of its business.
     pub counts: Vec<Entry>,
 }
 
+/// What it is known by; one of before there was the field is one too.
+fn format() -> String {
+    "mesh-damper bench-baseline".into()
+}
+
+fn version() -> u32 {
+    1
+}
+
 /// One count of the baseline, in instructions.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields)]
 pub struct Entry {
     /// On what.
@@ -32,9 +54,9 @@ pub struct Entry {
     pub name: String,
     /// Which of its calls.
     pub moment: String,
-    /// Mean.
+    /// Mean of the calls, instructions.
     pub mean: f64,
-    /// Of the longest call.
+    /// Of the longest call, instructions.
     pub most: u64,
 }
 
@@ -46,15 +68,36 @@ fn is_own(count: &Count) -> bool {
 }
 
 impl Baseline {
-    /// Where it is kept in the repository.
-    pub fn path() -> PathBuf {
-        Path::new(env!("CARGO_MANIFEST_DIR")).join("bench-baseline.json")
+    /// Where it is kept among the sources.
+    ///
+    /// # Errors
+    /// Sources that cannot be unpacked.
+    pub fn path() -> Result<PathBuf, InputError> {
+        Ok(Sources::find()?.root().join(PATH))
+    }
+
+    /// The same in the repository, where it may be written anew.
+    ///
+    /// # Errors
+    /// An installed command, which has no repository.
+    pub fn path_in_repository() -> Result<PathBuf, InputError> {
+        let sources = Sources::find()?;
+        if !sources.is_repository() {
+            return Err(InputError::new(
+                "--bless",
+                "an installed hil has no repository whose baseline it could write",
+                "run `cargo hil bench --bless` in the repository",
+            ));
+        }
+        Ok(sources.root().join(PATH))
     }
 
     /// What `results` would be held against from now on.
     pub fn of(results: &Results) -> Self {
         let own = results.counts.iter().filter(|count| is_own(count));
         Self {
+            format: format(),
+            version: version(),
             tools: results.tools.clone(),
             counts: own
                 .map(|count| Entry {
@@ -87,42 +130,17 @@ impl Baseline {
         })
     }
 
-    /// The counts of `results` that are more than 5 % above this, and those of either that the other lacks, a line each.
+    /// The [`Baseline::checks`] that `results` does not pass, a line each.
     pub fn failures(&self, results: &Results) -> Vec<String> {
-        let mut failures = Vec::new();
-        for entry in &self.counts {
-            let Entry {
-                core,
-                name,
-                moment,
-                mean,
-                most,
-            } = entry;
-            // A core that this machine has no compiler for is left out as a whole, and said so.
-            if !results.counts.iter().any(|count| count.core == *core) {
-                continue;
-            }
-            let Some(now) = results.count(*core, name, moment) else {
-                failures.push(format!(
-                    "{name} {moment} on a {} is no longer counted: --bless it away",
-                    core.name()
-                ));
-                continue;
-            };
-            let figures = [
-                ("mean", *mean, now.mean),
-                ("most", *most as f64, now.most as f64),
-            ];
-            for (what, was, is) in figures {
-                if is > was * (1.0 + GATE) {
-                    failures.push(format!(
-                        "{name} {moment} on a {}: {what} {is:.1} instructions, {:.1} % above the baseline's {was:.1}",
-                        core.name(),
-                        100.0 * (is / was - 1.0)
-                    ));
-                }
-            }
-        }
+        failures(self.checks(results))
+    }
+
+    /// That no count of `results` is more than 5 % above this, and that neither lacks a count that the other has.
+    pub fn checks(&self, results: &Results) -> Vec<Check> {
+        // A core that this machine has no compiler for is left out as a whole, and said so.
+        let is_counted =
+            |entry: &&Entry| results.counts.iter().any(|count| count.core == entry.core);
+        let known = self.counts.iter().filter(is_counted);
         let is_new = |count: &&Count| {
             is_own(count)
                 && !self.counts.iter().any(|entry| {
@@ -130,12 +148,44 @@ impl Baseline {
                         == (count.core, &count.name, &count.moment)
                 })
         };
-        failures.extend(results.counts.iter().filter(is_new).map(|count| {
-            let Count { name, moment, .. } = count;
-            let core = count.core.name();
-            format!("{name} {moment} on a {core} is not in the baseline: --bless it")
-        }));
-        failures
+        let new = results.counts.iter().filter(is_new).map(|count| {
+            let name = name_of(&count.name, &count.moment, count.core);
+            let failure = format!("{name} is not in the baseline: --bless it");
+            Check::new(name, false, || failure)
+        });
+        known
+            .flat_map(|entry| entry.checks(results))
+            .chain(new)
+            .collect()
+    }
+}
+
+fn name_of(name: &str, moment: &str, core: Core) -> String {
+    format!("{name} {moment} on a {}", core.name())
+}
+
+impl Entry {
+    /// That this is still counted in `results`, and takes no more than 5 % more.
+    fn checks(&self, results: &Results) -> Vec<Check> {
+        let name = name_of(&self.name, &self.moment, self.core);
+        let Some(now) = results.count(self.core, &self.name, &self.moment) else {
+            let failure = format!("{name} is no longer counted: --bless it away");
+            return vec![Check::new(name, false, || failure)];
+        };
+        let figures = [
+            ("mean", self.mean, now.mean),
+            ("most", self.most as f64, now.most as f64),
+        ];
+        let each = figures.map(|(what, was, is)| {
+            let holds = is <= was * (1.0 + GATE);
+            Check::new(format!("{name}, {what}"), holds, || {
+                format!(
+                    "{name}: {what} {is:.1} instructions, {:.1} % above the baseline's {was:.1}",
+                    100.0 * (is / was - 1.0)
+                )
+            })
+        });
+        each.into()
     }
 }
 

@@ -13,6 +13,7 @@ const LONGEST: Duration = Duration::from_secs(180);
 
 /// A core that counts.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub enum Core {
     /// With a floating-point unit of single precision.
     #[serde(rename = "cortex-m4f")]
@@ -42,6 +43,7 @@ impl Core {
 
 /// What the calls of one region came to, in instructions.
 #[derive(Clone, Debug, PartialEq, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Count {
     /// On what.
     pub core: Core,
@@ -51,11 +53,11 @@ pub struct Count {
     pub moment: String,
     /// How many.
     pub calls: u64,
-    /// Mean.
+    /// Mean of the calls, instructions.
     pub mean: f64,
-    /// Of the shortest call.
+    /// Of the shortest call, instructions.
     pub least: u64,
-    /// Of the longest call.
+    /// Of the longest call, instructions.
     pub most: u64,
     /// Over the results of the calls.
     #[serde(skip)]

@@ -14,6 +14,7 @@ use mesh_damper_firmware::bench::suite::{self, Refused, fixed_point, power, tick
 
 /// The largest error of something against f64.
 #[derive(Clone, Debug, PartialEq, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct LargestError {
     /// What was called, as in [`Count::name`].
     pub name: String,

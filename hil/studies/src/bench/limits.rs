@@ -13,6 +13,7 @@ use mesh_damper_firmware::bench::suite::tick::BLOCK;
 
 /// On which side of a limit a figure has to be.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(rename_all = "snake_case")]
 pub enum Side {
     /// At most the limit.
@@ -23,6 +24,7 @@ pub enum Side {
 
 /// A limit and what was measured.
 #[derive(Clone, Debug, PartialEq, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Verdict {
     /// Of what.
     pub name: Cow<'static, str>,
@@ -30,9 +32,9 @@ pub struct Verdict {
     pub unit: &'static str,
     /// The side that is asked for.
     pub side: Side,
-    /// The limit.
+    /// The limit, in the unit.
     pub limit: f64,
-    /// The figure; none where it was not measured.
+    /// The figure, in the unit; none where it was not measured.
     pub figure: Option<f64>,
     /// Why it is not held against a run, where it is not.
     pub excuse: Option<&'static str>,

@@ -5,6 +5,7 @@ use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
 
 use mesh_damper_recording::error::InputError;
+use mesh_damper_sources::Sources;
 
 use mesh_damper_firmware::bench::suite::{power, tick};
 
@@ -52,18 +53,19 @@ pub fn build(directory: &Path) -> Result<PathBuf, InputError> {
     let failed = |problem: String| InputError::new("the peer in C", problem, mend);
     let header = directory.join("inputs.h");
     std::fs::write(&header, inputs()).map_err(|error| InputError::io(&header, "write", &error))?;
-    let here = Path::new(env!("CARGO_MANIFEST_DIR"));
+    let sources = Sources::find()?;
+    let here = sources.root().join("hil/studies/bench");
     let elf = directory.join("peer.elf");
     let output = Command::new(COMPILER)
         // Where the linker finds the memory.x of the board that it is counted on.
-        .current_dir(here.join("../.."))
+        .current_dir(sources.root())
         .args(FLAGS)
         .arg("-nostartfiles")
         .arg("-I")
         .arg(directory)
         .arg("-T")
-        .arg(here.join("bench/peer.ld"))
-        .arg(here.join("bench/peer.c"))
+        .arg(here.join("peer.ld"))
+        .arg(here.join("peer.c"))
         .arg("-lm")
         .arg("-o")
         .arg(&elf)

@@ -8,6 +8,7 @@ use super::limits::Verdict;
 
 /// Everything that was counted, judged and measured.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Results {
     /// With what.
     pub tools: Tools,
@@ -27,6 +28,7 @@ pub struct Results {
 
 /// What the counts depend on beside the code.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, serde::Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Tools {
     /// The compiler of the images.
     pub rustc: String,
@@ -38,6 +40,7 @@ pub struct Tools {
 
 /// Bytes that something takes.
 #[derive(Clone, Debug, PartialEq, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Size {
     /// What takes them.
     pub name: String,
@@ -49,10 +52,11 @@ pub struct Size {
 
 /// How often something is done in a second.
 #[derive(Clone, Debug, PartialEq, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Rate {
     /// What.
     pub name: &'static str,
-    /// In a second.
+    /// How many in a second.
     pub per_second: f64,
     /// Over the 10,000 ticks a second of the rig.
     pub times_real_time: f64,

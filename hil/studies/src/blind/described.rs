@@ -34,6 +34,7 @@ const DRAWS: i32 = 50;
 
 /// An effect of the crate.
 #[derive(Clone, Debug, PartialEq, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct DescribedEffect {
     /// Its family.
     pub family: &'static str,

@@ -41,6 +41,7 @@ const TRUTH_RATE: f64 = 4000.0;
 
 /// What the tracer should say.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(rename_all = "snake_case")]
 pub enum Class {
     /// Nothing is hidden.
@@ -55,6 +56,7 @@ pub enum Class {
 
 /// What is hidden in a specimen.
 #[derive(Clone, Debug, PartialEq, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(untagged)]
 pub enum Hidden {
     /// By physics of its own.
@@ -83,6 +85,7 @@ impl Hidden {
 
 /// An effect and how much it matters.
 #[derive(Clone, Debug, PartialEq, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Sized {
     /// The effect.
     pub effect: Hidden,
@@ -94,6 +97,7 @@ pub struct Sized {
 
 /// What is hidden in a trial.
 #[derive(Clone, Debug, PartialEq, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Secret {
     /// That drew it.
     pub seed: u64,
@@ -105,7 +109,7 @@ pub struct Secret {
     pub effects: Vec<Sized>,
     /// The tests.
     pub programme: Programme,
-    /// Samples a second.
+    /// Samples a second, Hz.
     pub rate: f64,
     /// RMS of the force's noise over that of the force.
     pub noise: f64,

@@ -2,6 +2,8 @@
 
 use std::ops::Range;
 
+use mesh_damper_rig::check::{Check, failures};
+
 use super::summary::{Rate, Summary};
 
 /// Least rates, and the largest of false discoveries.
@@ -70,23 +72,30 @@ pub const FLOORS_OF_A_PART: Floors = Floors {
     unlisted_mended: 0.66,
 };
 
-/// A line about a bound that does not hold: what was reached in the place of it is `said`.
-pub(super) fn unless(holds: bool, what: &str, said: &str, end: &str, bound: f64) -> Option<String> {
-    (!holds).then(|| format!("{what}: {said}, {end} {bound:.3} has been reached"))
+/// That a bound `holds`; where it does not, what was reached in the place of it is `said`.
+pub(super) fn bounded(holds: bool, what: &str, said: &str, end: &str, bound: f64) -> Check {
+    Check::new(what, holds, || {
+        format!("{what}: {said}, {end} {bound:.3} has been reached")
+    })
 }
 
 impl Floors {
-    /// What `summary` does not reach, each in a line.
+    /// The [`Floors::checks`] that `summary` does not pass, each in a line.
     pub fn missed(&self, summary: &Summary) -> Vec<String> {
+        failures(self.checks(summary))
+    }
+
+    /// What `summary` has to reach.
+    pub fn checks(&self, summary: &Summary) -> Vec<Check> {
         // Of none there is no rate to be held to anything.
         let said = |rate: Rate| format!("{} of {}", rate.count, rate.of);
         let least = |what: &str, rate: Rate, bound: f64| {
             let holds = rate.of == 0 || rate.value() >= bound;
-            unless(holds, what, &said(rate), "at least", bound)
+            bounded(holds, what, &said(rate), "at least", bound).of(rate.of)
         };
         let most = |what: &str, rate: Rate, bound: f64| {
             let holds = rate.of == 0 || rate.value() <= bound;
-            unless(holds, what, &said(rate), "at most", bound)
+            bounded(holds, what, &said(rate), "at most", bound).of(rate.of)
         };
         [
             least("listed", summary.listed, self.listed),
@@ -113,9 +122,7 @@ impl Floors {
                 self.unlisted_mended,
             ),
         ]
-        .into_iter()
-        .flatten()
-        .collect()
+        .into()
     }
 }
 

@@ -9,6 +9,7 @@ use super::draw::{Class, Secret, Trial};
 
 /// A trial and what was said of it.
 #[derive(Clone, Debug, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Outcome {
     /// What was hidden.
     pub secret: Secret,
@@ -18,6 +19,7 @@ pub struct Outcome {
 
 /// What a trace said.
 #[derive(Clone, Debug, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Said {
     /// Its verdict.
     pub verdict: Verdict,
@@ -33,6 +35,7 @@ pub struct Said {
 
 /// How well an answer fits a secret.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(rename_all = "snake_case")]
 pub enum Mark {
     /// As it is.

@@ -8,6 +8,7 @@ use serde::Serialize;
 
 /// The shape of a test.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(rename_all = "snake_case")]
 pub enum TestShape {
     /// Several amplitudes, each slowly and fast.
@@ -22,6 +23,7 @@ pub enum TestShape {
 
 /// A test to fit and a test to predict.
 #[derive(Clone, Debug, PartialEq, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Programme {
     /// Its shape.
     pub shape: TestShape,

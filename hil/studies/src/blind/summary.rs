@@ -9,6 +9,7 @@ use super::judge::{Mark, Outcome};
 
 /// So many of so many.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Rate {
     /// Of these.
     pub count: usize,
@@ -37,17 +38,19 @@ impl Rate {
 
 /// Held-out error of the embedded law over the noise.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Ratios {
-    /// Half of them are below.
+    /// Half of the ratios are below.
     pub median: f64,
-    /// Nine in ten are below.
+    /// Nine ratios in ten are below.
     pub ninth_decile: f64,
-    /// All others are below.
+    /// All other ratios are below.
     pub worst: f64,
 }
 
 /// What came out of many trials. Rates of hidden effects count those that stand at least three times above the noise.
 #[derive(Clone, Debug, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Summary {
     /// One listed effect, and it alone named.
     pub listed: Rate,

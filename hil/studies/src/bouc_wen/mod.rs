@@ -86,6 +86,7 @@ pub struct Records {
 
 /// How a model does on a test.
 #[derive(Clone, Debug, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Score {
     /// The test's name.
     pub test: &'static str,
@@ -101,6 +102,7 @@ pub struct Score {
 
 /// What became of the benchmark.
 #[derive(Clone, Debug, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct BoucWenResult {
     /// Draws phases and noise.
     pub seed: u64,

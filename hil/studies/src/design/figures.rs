@@ -18,6 +18,7 @@ const SAMPLES: usize = 4000;
 
 /// K and η of one cycle.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Figures {
     /// Dynamic stiffness, eq 3, kN/mm.
     pub stiffness: f64,

@@ -30,6 +30,7 @@ use search::{Search, amplitudes_about};
 
 /// What is wanted.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Wanted {
     /// Dynamic stiffness K*, kN/mm, above 0.
     pub stiffness: f64,
@@ -125,6 +126,7 @@ impl Wanted {
 
 /// A specimen and the cycle that it is in, with what it has there by eq 13.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Point {
     /// g/cm³
     pub density: f64,
@@ -132,12 +134,13 @@ pub struct Point {
     pub amplitude: f64,
     /// K, kN/mm.
     pub stiffness: f64,
-    /// η
+    /// η, the loss factor.
     pub loss_factor: f64,
 }
 
 /// How far a solution has what is wanted.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(rename_all = "snake_case")]
 pub enum Meets {
     /// Both figures, exactly.
@@ -148,6 +151,7 @@ pub enum Meets {
 
 /// A density and amplitude that give what is wanted.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Solution {
     /// Where both figures are met, or, where they can be met within the tolerance only, are nearest.
     pub point: Point,
@@ -161,6 +165,7 @@ pub struct Solution {
 
 /// What densities and amplitudes can give at all.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Reachable {
     /// Least and largest K, kN/mm.
     pub stiffness: (f64, f64),
@@ -176,6 +181,7 @@ pub struct Reachable {
 
 /// What a search came to.
 #[derive(Clone, Debug, PartialEq, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Design {
     /// What was asked.
     pub wanted: Wanted,

@@ -19,6 +19,7 @@ const RAMP_CYCLES: u32 = 2;
 
 /// Means over the steady cycles of a run.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct OnRig {
     /// How many.
     pub cycles: usize,

@@ -10,6 +10,7 @@ use crate::surfaces::{self, Surfaces};
 
 /// Eq 13 over density and amplitude: one of two sets of coefficients of the same tests.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(rename_all = "snake_case")]
 pub enum Source {
     /// Tables 6–9, between their cells in straight lines.

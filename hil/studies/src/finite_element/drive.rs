@@ -27,6 +27,7 @@ pub(super) struct Drive {
 
 /// Force over displacement of a compression that goes on rising.
 #[derive(Clone, Debug, PartialEq, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct StaticCurve {
     /// mm, from 0.
     pub displacement: Vec<f64>,
@@ -36,6 +37,7 @@ pub struct StaticCurve {
 
 /// One cycle of a sine that begins at y = 0, in equal steps of time; the last sample is at the cycle's end.
 #[derive(Clone, Debug, PartialEq, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct ForceLoop {
     /// mm
     pub displacement: Vec<f64>,

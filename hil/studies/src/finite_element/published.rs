@@ -26,6 +26,7 @@ pub const TABLE_5: Prony = Prony {
 
 /// What D1 = 0.35 is.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(rename_all = "snake_case")]
 pub enum VolumetricReading {
     /// Eq 8's D, in MPa as Table 4 says: a bulk modulus of 0.7 MPa.
@@ -38,6 +39,7 @@ pub enum VolumetricReading {
 
 /// The sign of C01, which Table 4 prints as negative.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(rename_all = "snake_case")]
 pub enum SignReading {
     /// Negative: C01 makes the material softer.
@@ -48,6 +50,7 @@ pub enum SignReading {
 
 /// A reading of Table 4.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Reading {
     /// Of D1.
     pub volumetric: VolumetricReading,

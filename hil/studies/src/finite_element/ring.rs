@@ -29,6 +29,7 @@ const MANDREL_STIFFNESS: f64 = 1000.0;
 
 /// How the bore sits on the mandrel.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(rename_all = "snake_case")]
 pub enum Bore {
     /// Frictionless, and free to leave the mandrel, as in the paper. Nothing presses the bore on but the motion, and of the
@@ -44,6 +45,7 @@ pub enum Bore {
 
 /// How finely a quarter of the ring is meshed.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Divisions {
     /// Elements around half the circumference, ≥ 1.
     pub around: usize,
@@ -69,6 +71,7 @@ impl Divisions {
 /// By symmetry a quarter stands for the whole: half the circumference and half the height. Inertia is left out: at 1 Hz it
 /// takes a ten-thousandth of a newton.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct RingModel {
     /// g/cm³, one of Table 4's.
     pub density: f64,

@@ -8,6 +8,7 @@ use serde_json::Value;
 
 /// What a blind trial comes to in two counts.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Score {
     /// Trials that were called what they are.
     pub right: usize,
@@ -39,6 +40,7 @@ impl Score {
 
 /// The scores of a number's variations; `None` where the number cannot be varied so, or the trial failed with it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Cost {
     /// With half of the number.
     pub halved: Option<Score>,
@@ -48,6 +50,7 @@ pub struct Cost {
 
 /// What a study of the numbers measured.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Costs {
     /// The seeds of the blind trial.
     pub seeds: Range<u64>,

@@ -30,6 +30,7 @@ use serde::Serialize;
 
 /// What one result of an experiment says.
 #[derive(Clone, Debug, PartialEq, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Analysis {
     /// The result.
     pub response: String,

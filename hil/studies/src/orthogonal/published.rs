@@ -11,19 +11,21 @@ const HALF_DIGIT: f64 = 0.501e-4;
 
 /// A figure of Table 3 that its runs do not give.
 #[derive(Clone, Debug, PartialEq, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Misprint {
     /// `ΣK_1` to `ΣK_3`, or `R`.
     pub figure: String,
     /// Of this factor.
     pub factor: &'static str,
-    /// As printed.
+    /// As printed, in the result's unit.
     pub printed: f64,
-    /// As the runs give it.
+    /// As the runs give it, in the same unit.
     pub recomputed: f64,
 }
 
 /// One result of Table 3: what its runs give, and what is printed.
 #[derive(Clone, Debug, PartialEq, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct AgainstPrint {
     /// The result.
     pub response: &'static str,

@@ -8,6 +8,7 @@ use super::experiment::{Factor, Response};
 
 /// What the levels of one factor came to.
 #[derive(Clone, Debug, PartialEq, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct LevelSums {
     /// The factor.
     pub factor: String,
@@ -15,7 +16,7 @@ pub struct LevelSums {
     pub levels: [String; LEVELS],
     /// ΣK of every level: the sum over its three runs, each by its mean, in the result's unit.
     pub sums: [f64; LEVELS],
-    /// R, the largest of the sums less the smallest.
+    /// R, the largest of the sums less the smallest, in the result's unit.
     pub range: f64,
 }
 

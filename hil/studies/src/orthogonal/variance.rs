@@ -41,6 +41,7 @@ const ROUNDING: f64 = 1e-24;
 
 /// What the factors are held against.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(rename_all = "snake_case")]
 pub enum ErrorSource {
     /// The scatter between repeats of the same run.
@@ -55,6 +56,7 @@ pub enum ErrorSource {
 
 /// One factor's line of the table.
 #[derive(Clone, Debug, PartialEq, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Effect {
     /// The factor, or `free columns` for what repeated runs show of the columns that no factor has: interactions.
     pub name: String,
@@ -74,6 +76,7 @@ pub struct Effect {
 
 /// The analysis of variance of one result.
 #[derive(Clone, Debug, PartialEq, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Variance {
     /// One for each factor, in their order, and one for free columns where runs were repeated.
     pub effects: Vec<Effect>,
@@ -81,9 +84,9 @@ pub struct Variance {
     pub error: ErrorSource,
     /// Its degrees of freedom.
     pub error_freedom: usize,
-    /// Its mean square.
+    /// Its mean square, in the square of the result's unit.
     pub error_mean_square: f64,
-    /// Sum of squares about the mean of everything.
+    /// Sum of squares about the mean of everything, in the square of the result's unit.
     pub total: f64,
     /// In a saturated array the probability that error alone gives a largest column of such a part of the total.
     pub p_largest: Option<f64>,

@@ -15,10 +15,11 @@ pub const FREQUENCY: f64 = 1.0;
 
 /// One loop by eqs 3–7.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Dynamics {
     /// K, kN/mm.
     pub stiffness: f64,
-    /// η_d.
+    /// η_d, the dynamic loss factor.
     pub loss_factor: f64,
     /// ΔW, J.
     pub dissipated: f64,
@@ -26,6 +27,7 @@ pub struct Dynamics {
 
 /// One cell of Tables 6–9.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Cell {
     /// g/cm³
     pub density: f64,

@@ -7,6 +7,7 @@ use serde::Serialize;
 
 /// Whether a statement stands.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(rename_all = "snake_case")]
 pub enum Verdict {
     /// The recomputation gives what is said.
@@ -35,6 +36,7 @@ impl Verdict {
 
 /// A statement of the paper, recomputed.
 #[derive(Clone, Debug, PartialEq, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Claim {
     /// A short name, unique among the claims.
     pub name: &'static str,

@@ -27,6 +27,7 @@ const SAMPLES: usize = 1000;
 
 /// How far a simulated loop is from that of the tables.
 #[derive(Clone, Debug, PartialEq, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Compared {
     /// RMS of the error over that of the force.
     pub nrmse: f64,
@@ -40,6 +41,7 @@ pub struct Compared {
 
 /// One density and amplitude.
 #[derive(Clone, Debug, PartialEq, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Condition {
     /// g/cm³
     pub density: f64,
@@ -47,7 +49,7 @@ pub struct Condition {
     pub amplitude: f64,
     /// Of the tables' loop.
     pub measured: Dynamics,
-    /// What is left of the tables' loop beside an ellipse.
+    /// Part of the RMS of the tables' loop that lies beside an ellipse.
     pub measured_beside_ellipse: f64,
     /// Eq 20 as printed.
     pub printed: Compared,
@@ -64,6 +66,7 @@ pub struct Condition {
 
 /// Law and finite elements on the paper's conditions.
 #[derive(Clone, Debug, PartialEq, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Comparison {
     /// At 0.1 mm, by density.
     pub by_density: Vec<Condition>,

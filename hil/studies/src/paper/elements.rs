@@ -23,6 +23,7 @@ const MESHES_AT: f64 = AMPLITUDES[4];
 
 /// What each choice comes to.
 #[derive(Clone, Debug, PartialEq, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct ElementStudy {
     /// Every reading of Table 4.
     pub readings: Vec<TriedReading>,
@@ -36,6 +37,7 @@ pub struct ElementStudy {
 
 /// A reading of Table 4.
 #[derive(Clone, Debug, PartialEq, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct TriedReading {
     /// Which.
     pub reading: Reading,
@@ -45,6 +47,7 @@ pub struct TriedReading {
 
 /// A bore, at 2.0 g/cm³ and 0.1 mm.
 #[derive(Clone, Debug, PartialEq, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct TriedBore {
     /// Which.
     pub bore: Bore,
@@ -56,6 +59,7 @@ pub struct TriedBore {
 
 /// A mesh, at 2.0 g/cm³.
 #[derive(Clone, Debug, PartialEq, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct TriedMesh {
     /// Elements through the wall.
     pub through: usize,
@@ -65,6 +69,7 @@ pub struct TriedMesh {
 
 /// The compression to 0.5 mm by Table 4 alone, with the bore as in the paper.
 #[derive(Clone, Debug, PartialEq, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Compression {
     /// g/cm³
     pub density: f64,

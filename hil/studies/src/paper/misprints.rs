@@ -26,14 +26,15 @@ pub enum Surface {
 
 /// A cell and a value.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct FreeCell {
     /// g/cm³
     pub density: f64,
     /// mm
     pub amplitude: f64,
-    /// As printed.
+    /// As printed, in the table's unit.
     pub printed: f64,
-    /// As the printed surface would have been fitted to it.
+    /// As the printed surface would have been fitted to it, in the table's unit.
     pub fitted: f64,
     /// What is then left in the span of the terms, of the table's unit.
     pub left: f64,
@@ -41,6 +42,7 @@ pub struct FreeCell {
 
 /// Whether a printed surface is the least-squares fit of its table.
 #[derive(Clone, Debug, PartialEq, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct FitCheck {
     /// The equation.
     pub equation: &'static str,
@@ -65,6 +67,7 @@ impl FitCheck {
 
 /// How a cell stands to the value that the others of its table predict.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct LeftOut {
     /// The table's number, 6–9.
     pub table: usize,
@@ -72,11 +75,11 @@ pub struct LeftOut {
     pub density: f64,
     /// mm
     pub amplitude: f64,
-    /// As printed.
+    /// As printed, in the table's unit.
     pub printed: f64,
-    /// By the other cells.
+    /// By the other cells, in the table's unit.
     pub predicted: f64,
-    /// The difference in standard deviations of the others' own differences (externally studentised): beyond 2.5 for one in
+    /// The difference over the standard deviation of the others' own differences (externally studentised): beyond 2.5 for one in
     /// 42 cells by chance.
     pub ratio: f64,
 }

@@ -34,6 +34,7 @@ use cells::FREQUENCY;
 
 /// Everything that was recomputed.
 #[derive(Clone, Debug, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Paper {
     /// Every statement, in the order of the paper.
     pub claims: Vec<Claim>,
@@ -57,6 +58,7 @@ pub struct Paper {
 
 /// The error of surfaces in every cell.
 #[derive(Clone, Debug, PartialEq, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct SurfaceErrors {
     /// Which.
     pub name: &'static str,
@@ -64,7 +66,7 @@ pub struct SurfaceErrors {
     pub loop_error: [[f64; 5]; 5],
     /// Mean of the loop's error.
     pub mean: f64,
-    /// Largest.
+    /// Largest of the loop's errors.
     pub largest: f64,
     /// Of k1, k3, c and α, each over the cell less 1; none for what was fitted without the cell.
     pub coefficient_errors: Option<[[[f64; 4]; 5]; 5]>,

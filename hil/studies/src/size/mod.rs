@@ -29,6 +29,7 @@ pub const QUICK: f64 = 2.0;
 
 /// What a trace of one recording took.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Measured {
     /// What the specimen was moved by.
     pub motion: Motion,

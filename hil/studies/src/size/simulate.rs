@@ -14,6 +14,7 @@ use crate::blind::{Sensors, Truth, answer, record};
 
 /// What a specimen is moved by.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(rename_all = "snake_case")]
 pub enum Motion {
     /// Blocks of sines, at 1 kHz.

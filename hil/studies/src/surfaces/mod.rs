@@ -42,6 +42,7 @@ const OMEGA: f64 = TAU;
 
 /// The surfaces.
 #[derive(Clone, Debug, PartialEq, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Surfaces {
     /// Degree of the polynomials over the logarithm of the amplitude.
     pub degree: usize,

@@ -28,7 +28,7 @@ fn counts_are_the_same_in_every_run_no_higher_than_the_baseline_and_within_the_l
         assert!(!is_ci(), "{left_out}");
         say(&format!("left out: {left_out}"));
     }
-    let baseline = Baseline::read(&Baseline::path()).unwrap();
+    let baseline = Baseline::read(&Baseline::path().unwrap()).unwrap();
     let failures = baseline.failures(&results);
     // Another compiler makes other code, which says nothing about ours.
     if baseline.tools.rustc != results.tools.rustc && !is_ci() {

@@ -66,7 +66,7 @@ fn table() -> String {
         Gap,
         Compliance,
     ];
-    let baseline = Baseline::read(&Baseline::path()).unwrap();
+    let baseline = Baseline::read(&Baseline::path().unwrap()).unwrap();
     let count = |name: &str| {
         let mut counts = baseline.counts.iter();
         let counted = |entry: &&mesh_damper_studies::bench::Entry| {

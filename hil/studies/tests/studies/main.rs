@@ -5,7 +5,6 @@ mod averaging;
 mod bench;
 mod blind;
 mod bouc_wen;
-mod characterize;
 mod cost_of_effects;
 mod design;
 #[path = "../../../link/tests/emulated/mod.rs"]

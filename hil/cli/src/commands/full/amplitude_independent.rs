@@ -10,6 +10,7 @@ use mesh_damper_reference::tables::DENSITIES;
 use mesh_damper_report::curves::{self, Curve};
 use mesh_damper_studies::amplitude_independent::{HeldOut, Study, study};
 
+use crate::commands::document::AddDocument as _;
 use crate::commands::{Failure, say};
 
 /// Fit one law for every amplitude to loops of the published tables
@@ -66,7 +67,7 @@ impl AmplitudeFreeCommand {
         if let Some(out) = &self.out {
             for one in &study.densities {
                 let model = one.model_file(&study.frequencies);
-                outputs.add_json(out.join(model_name(one.density)), &model)?;
+                outputs.add_document(out.join(model_name(one.density)), &model)?;
             }
             for &frequency in &study.frequencies {
                 let picture = picture(&study, frequency).map_err(refused)?;
@@ -74,7 +75,7 @@ impl AmplitudeFreeCommand {
             }
         }
         if let Some(json) = &self.json {
-            outputs.add_json(json, &study)?;
+            outputs.add_document(json, &study)?;
         }
         outputs.write()?;
         if self.json.as_deref() != Some(Path::new("-")) {

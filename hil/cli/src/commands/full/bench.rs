@@ -1,15 +1,20 @@
 //! `hil bench`: instructions, errors and sizes, beside the peers'.
 
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
 use clap::Args;
 use mesh_damper_recording::output::Plan;
+use mesh_damper_rig::check;
+use mesh_damper_sources::Sources;
 use mesh_damper_studies::bench::{self, Baseline, Verdict};
 
 use super::bench_table;
+use super::image::{IMAGES, say_where};
+use super::junit::{Case, Junit};
+use crate::commands::document::AddDocument as _;
 use crate::commands::progress::Progress;
 use crate::commands::reading::Reading;
-use crate::commands::{Failure, warn};
+use crate::commands::{Failure, is_free_for_text, warn};
 
 /// Count the instructions of law, tick and effects in an emulator, beside their peers
 ///
@@ -24,6 +29,9 @@ pub struct BenchCommand {
     /// Where everything goes as JSON as well; `-` for standard output
     #[arg(long, value_name = "FILE")]
     json: Option<PathBuf>,
+    /// Where the checks go as JUnit XML, those that fail included; `-` for standard output
+    #[arg(long, value_name = "FILE")]
+    junit: Option<PathBuf>,
     /// What the counts are held against, instead of the repository's own
     #[arg(long, value_name = "FILE", conflicts_with = "bless")]
     baseline: Option<PathBuf>,
@@ -36,8 +44,12 @@ pub struct BenchCommand {
 
 impl BenchCommand {
     pub fn run(self) -> Result<(), Failure> {
-        let path = self.baseline.clone().unwrap_or_else(Baseline::path);
-        let plan = Plan::new().writes(&self.json);
+        let path = match &self.baseline {
+            Some(path) => path.clone(),
+            None if self.bless => Baseline::path_in_repository()?,
+            None => Baseline::path()?,
+        };
+        let plan = Plan::new().writes(&self.json).writes(&self.junit);
         let plan = if self.bless {
             plan.writes([&path])
         } else {
@@ -49,18 +61,30 @@ impl BenchCommand {
         } else {
             Some(Baseline::read_within(&path, self.reading.limit)?)
         };
+        say_where(&Sources::find()?, "what is counted", IMAGES);
+        let mut junit = Junit::of("bench");
         let progress = Progress::steps();
         let results = bench::run(&|what| progress.step(what))?;
         drop(progress);
 
         if let Some(json) = &self.json {
-            outputs.add_json(json, &results)?;
+            outputs.add_document(json, &results)?;
         }
         if self.bless {
-            outputs.add_json(&path, &Baseline::of(&results))?;
+            outputs.add_document(&path, &Baseline::of(&results))?;
         }
+        let counted = baseline.as_ref().map(|baseline| baseline.checks(&results));
+        let counted = counted.unwrap_or_default();
+        junit.property("rustc", &results.tools.rustc);
+        junit.property("emulator", &results.tools.emulator);
+        junit.property("C compiler", results.tools.c.as_deref().unwrap_or("none"));
+        for verdict in &results.limits {
+            junit.case("limit", &verdict.name, case_of(verdict), None);
+        }
+        junit.checks("count", counted.iter().cloned());
+        junit.add(&mut outputs, self.junit.as_deref())?;
         outputs.write()?;
-        if self.json.as_deref() != Some(Path::new("-")) {
+        if is_free_for_text([&self.json, &self.junit]) {
             bench_table::print(&results);
         }
         for left_out in &results.left_out {
@@ -68,19 +92,34 @@ impl BenchCommand {
         }
         let mut failures: Vec<String> =
             results.limits.iter().filter_map(Verdict::failure).collect();
-        if let Some(baseline) = baseline {
-            if baseline.tools.rustc != results.tools.rustc {
-                warn(&format!(
-                    "the baseline was counted with {}, this run with {}",
-                    baseline.tools.rustc, results.tools.rustc
-                ));
-            }
-            failures.extend(baseline.failures(&results));
+        if let Some(baseline) = baseline
+            && baseline.tools.rustc != results.tools.rustc
+        {
+            warn(&format!(
+                "the baseline was counted with {}, this run with {}",
+                baseline.tools.rustc, results.tools.rustc
+            ));
         }
+        failures.extend(check::failures(counted));
         if failures.is_empty() {
             Ok(())
         } else {
             Err(Failure::Check(failures.join("\n       ")))
         }
+    }
+}
+
+/// A limit that is known not to be reached is held against no run.
+fn case_of(verdict: &Verdict) -> Case {
+    match (verdict.failure(), verdict.figure, verdict.excuse) {
+        (Some(failure), ..) => Case::Failed(failure),
+        (None, None, _) => Case::Skipped("not measured here".into()),
+        (None, Some(_), Some(excuse)) if !verdict.holds() => Case::Skipped(format!(
+            "not reached, {} {} where {} is asked for: {excuse}",
+            verdict.figure(),
+            verdict.unit,
+            verdict.asked_for()
+        )),
+        _ => Case::Passed,
     }
 }

@@ -7,11 +7,14 @@ use clap::Args;
 use mesh_damper_recording::Recording;
 use mesh_damper_recording::error::InputError;
 use mesh_damper_recording::output::{Outputs, Plan};
+use mesh_damper_rig::check::failures;
 use mesh_damper_studies::blind::{self, Class, Draw, Mark, Outcome, Rate, Summary};
 
+use super::junit::{Case, Junit};
 use super::motions;
+use crate::commands::document::AddDocument as _;
 use crate::commands::progress::Progress;
-use crate::commands::{Failure, say};
+use crate::commands::{Failure, is_free_for_text, say};
 
 /// Trace specimens whose hidden effects are drawn by seeds that the tracer never sees, and count what it gets right
 ///
@@ -30,7 +33,7 @@ pub struct BlindCommand {
     #[arg(long, value_name = "N", default_value_t = 0, value_parser = clap::value_parser!(u64).range(..=1_000_000_000))]
     first: u64,
     /// Only this seed: what it hides, and what is said of it
-    #[arg(long, value_name = "SEED", conflicts_with_all = ["seeds", "first", "check", "json"])]
+    #[arg(long, value_name = "SEED", conflicts_with_all = ["seeds", "first", "check", "json", "junit"])]
     show: Option<u64>,
     /// With --show: where its recordings go, as training.csv.gz and held-out.csv.gz
     #[arg(long, value_name = "DIR", requires = "show")]
@@ -50,6 +53,9 @@ pub struct BlindCommand {
     /// Where all results go as JSON; `-` for standard output
     #[arg(long, value_name = "FILE")]
     json: Option<PathBuf>,
+    /// Where the checks go as JUnit XML, those that fail included; `-` for standard output
+    #[arg(long, value_name = "FILE")]
+    junit: Option<PathBuf>,
 }
 
 impl BlindCommand {
@@ -62,9 +68,10 @@ impl BlindCommand {
         }
         if self.motions {
             let seeds = self.first..self.first + self.seeds;
-            return motions::run(seeds, self.json.as_deref(), self.check);
+            return motions::run(seeds, &self.json, &self.junit, self.check);
         }
-        let mut outputs = Plan::new().writes(&self.json).begin()?;
+        let mut outputs = Plan::new().writes(&self.json).writes(&self.junit).begin()?;
+        let mut junit = Junit::of("blind");
         let progress = Progress::of(self.seeds);
         progress.step("tracing");
         let finished = AtomicU64::new(0);
@@ -73,13 +80,27 @@ impl BlindCommand {
         });
         drop(progress);
         if let Some(json) = &self.json {
-            outputs.add_json(json, &summary)?;
+            outputs.add_document(json, &summary)?;
         }
+        let checks = self.draw().floors().checks(&summary);
+        junit.property("specimens", format!("{:?}", self.draw()));
+        junit.property("first seed", self.first);
+        junit.property("seeds", self.seeds);
+        junit.checks("floor", checks.iter().cloned());
+        for outcome in &summary.outcomes {
+            let name = format!("seed {}: {}", outcome.secret.seed, outcome.truth());
+            junit.case("seed", &name, case_of(outcome), None);
+        }
+        for seed in &summary.not_shown {
+            let reason = "no test shows the effect that it would hide".to_owned();
+            junit.case("seed", &format!("seed {seed}"), Case::Skipped(reason), None);
+        }
+        junit.add(&mut outputs, self.junit.as_deref())?;
         outputs.write()?;
-        if self.json.as_deref() != Some(Path::new("-")) {
+        if is_free_for_text([&self.json, &self.junit]) {
             print(&summary);
         }
-        let missed = self.draw().floors().missed(&summary);
+        let missed = failures(checks);
         if self.check && !missed.is_empty() {
             return Err(Failure::Check(missed.join("\n")));
         }
@@ -131,6 +152,21 @@ impl BlindCommand {
             ));
         }
         Ok(())
+    }
+}
+
+/// A seed by itself is no check: the floors say how many of them may be called something else.
+fn case_of(outcome: &Outcome) -> Case {
+    match outcome.mark() {
+        _ if !outcome.counts() => Case::Skipped(format!(
+            "does not count: less than 3 times the noise; called {}",
+            outcome.answer()
+        )),
+        Mark::Right | Mark::Among => Case::Passed,
+        Mark::Wrong => Case::Skipped(format!(
+            "missed, which the floors count: called {}",
+            outcome.answer()
+        )),
     }
 }
 

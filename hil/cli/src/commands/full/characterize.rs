@@ -3,13 +3,15 @@
 use std::path::{Path, PathBuf};
 
 use clap::Args;
-use mesh_damper_recording::output::Plan;
-use mesh_damper_report::characterization::{dynamic_chart, static_chart};
-use mesh_damper_studies::characterize::{
+use mesh_damper_characterize::{
     DynamicTest, Figures, Spread, StaticTest, dynamic_test, static_test,
 };
+use mesh_damper_recording::output::Plan;
+use mesh_damper_report::characterization::{dynamic_chart, static_chart};
+use schemars::JsonSchema;
 use serde::Serialize;
 
+use crate::commands::document::AddDocument as _;
 use crate::commands::reading::RecordingFiles;
 use crate::commands::{Failure, say, warn};
 
@@ -48,16 +50,19 @@ pub struct CharacterizeCommand {
 }
 
 /// What was found, of whichever kind.
-#[derive(Serialize)]
+#[derive(JsonSchema, Serialize)]
 #[serde(tag = "kind", rename_all = "snake_case")]
 enum Found {
+    /// Load–unload curves.
     Static(StaticTest),
+    /// Cycles.
     Dynamic(DynamicTest),
 }
 
-/// With the recording that it is of.
-#[derive(Serialize)]
-struct Summary {
+/// Stiffness and loss factor of a recording.
+#[derive(JsonSchema, Serialize)]
+pub(in crate::commands) struct Summary {
+    /// The file.
     recording: String,
     #[serde(flatten)]
     found: Found,
@@ -91,7 +96,7 @@ impl CharacterizeCommand {
             found,
         };
         if let Some(json) = &self.json {
-            outputs.add_json(json, &summary)?;
+            outputs.add_document(json, &summary)?;
         }
         outputs.write()?;
         let (Found::Static(StaticTest { notes, .. }) | Found::Dynamic(DynamicTest { notes, .. })) =

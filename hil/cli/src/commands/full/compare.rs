@@ -9,6 +9,7 @@ use mesh_damper_recording::output::Plan;
 use mesh_damper_report::over_time;
 use mesh_damper_report::text;
 
+use crate::commands::document::AddDocument as _;
 use crate::commands::reading::Reading;
 use crate::commands::{Failure, say};
 
@@ -58,7 +59,7 @@ impl CompareCommand {
             );
         }
         if let Some(json) = &self.json {
-            outputs.add_json(json, &comparison)?;
+            outputs.add_document(json, &comparison)?;
         }
         outputs.write()?;
         if self.json.as_deref() != Some(std::path::Path::new("-")) {

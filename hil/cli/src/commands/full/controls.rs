@@ -35,40 +35,7 @@ impl Controls {
         (file, known): (&str, &[ControlChannel]),
         count: usize,
     ) -> Result<Vec<ControlChannel>, InputError> {
-        let names: Vec<&str> = model.controls.iter().map(|c| c.name.as_str()).collect();
-        if let Some((name, _)) = self
-            .given
-            .iter()
-            .find(|(name, _)| !names.contains(&&**name))
-        {
-            let has = match names.as_slice() {
-                [] => "none".to_owned(),
-                names => names.join(", "),
-            };
-            return Err(InputError::new(
-                format!("--control {name}"),
-                format!("is no control input of the model, which has {has}"),
-                "mend the name, or leave it out",
-            ));
-        }
-        let channel = |name: &&str| {
-            let mut given = self.given.iter();
-            if let Some((_, value)) = given.find(|(given, _)| given == name) {
-                return Ok(ControlChannel {
-                    name: (*name).to_owned(),
-                    values: vec![*value; count],
-                });
-            }
-            let known = known.iter().find(|control| control.name == *name);
-            known.cloned().ok_or_else(|| {
-                InputError::new(
-                    file,
-                    format!("there is no column {name}, on which the force depends"),
-                    format!("add that column, or give --control {name}=VALUE"),
-                )
-            })
-        };
-        let channels: Vec<ControlChannel> = names.iter().map(channel).collect::<Result<_, _>>()?;
+        let channels = model.held_controls((file, known), &self.given, count)?;
         for (channel, control) in channels.iter().zip(&model.controls) {
             if let Some(said) = control.beyond(&channel.values) {
                 warn(&said);

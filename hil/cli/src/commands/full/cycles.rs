@@ -3,32 +3,52 @@
 use mesh_damper::rig::CycleReport;
 use mesh_damper::sine::Programme;
 use mesh_damper_recording::error::InputError;
+use schemars::JsonSchema;
 use serde::Serialize;
 
 use super::programme::MOST_BLOCKS;
 use crate::commands::say;
 
 /// One cycle, as a row of `cycles.csv` and as JSON. Units are in the names.
-#[derive(Clone, Debug, Serialize)]
+#[derive(Clone, Debug, JsonSchema, Serialize)]
 pub struct CycleRow {
+    /// Number of the block, from 0.
     block: usize,
+    /// Number of the cycle, from 0.
     cycle: u32,
+    /// Whether it is of a ramp between blocks.
     ramp: bool,
+    /// Half of the displacement from end to end, mm.
     amplitude_mm: f32,
+    /// Mean of the displacement, mm.
     mean_displacement_mm: f32,
+    /// Largest force, kN.
     force_max_kn: f32,
+    /// Least force, kN.
     force_min_kn: f32,
+    /// Mean of the force, kN.
     mean_force_kn: f32,
+    /// Energy dissipated in the cycle, J.
     energy_j: f32,
+    /// Largest elastic energy, J.
     elastic_energy_j: f32,
+    /// Dynamic stiffness, kN/mm.
     stiffness_kn_per_mm: f32,
+    /// Loss factor, without a unit.
     loss_factor: f32,
+    /// Energy that the law dissipates, J.
     model_energy_j: f32,
+    /// Dynamic stiffness of the law, kN/mm.
     model_stiffness_kn_per_mm: f32,
+    /// Loss factor of the law, without a unit.
     model_loss_factor: f32,
+    /// RMS of the law's error over the RMS of the measured force.
     nrmse: f32,
+    /// Part of k1 by which the law followed the specimen.
     followed_k1: f32,
+    /// The same of k3.
     followed_k3: f32,
+    /// The same of c.
     followed_c: f32,
     #[serde(skip)]
     ticks: f32,
@@ -63,6 +83,11 @@ impl From<&CycleReport> for CycleRow {
 }
 
 impl CycleRow {
+    /// Whether it is one at full amplitude in `block`.
+    pub fn is_steady_in(&self, block: usize) -> bool {
+        self.block == block && !self.ramp
+    }
+
     /// By how much the law followed the specimen.
     pub fn followed_in_words(&self) -> String {
         format!(

@@ -9,10 +9,12 @@ use mesh_damper_report::text;
 use mesh_damper_studies::design::{
     Design, DesignError, Meets, OnRig, Point, Reachable, Source, Wanted, design, on_rig,
 };
+use schemars::JsonSchema;
 use serde::Serialize;
 
 use super::law::PublishedLaw;
 use super::run::in_words;
+use crate::commands::document::AddDocument as _;
 use crate::commands::progress::Progress;
 use crate::commands::{Failure, say};
 
@@ -71,9 +73,9 @@ pub struct DesignCommand {
     json: Option<PathBuf>,
 }
 
-/// What was found, and what the rig says of it.
-#[derive(Serialize)]
-struct Summary {
+/// Designs of a damper for a stiffness and a loss factor, each with a run on the rig.
+#[derive(JsonSchema, Serialize)]
+pub(in crate::commands) struct Summary {
     #[serde(flatten)]
     design: Design,
     /// One for each solution.
@@ -81,9 +83,10 @@ struct Summary {
 }
 
 /// What a run on the rig came to.
-#[derive(Serialize)]
+#[derive(JsonSchema, Serialize)]
 #[serde(rename_all = "snake_case")]
 enum Outcome {
+    /// What was measured.
     Measured(OnRig),
     /// The limit that it stopped on.
     Stopped(&'static str),
@@ -123,7 +126,7 @@ impl DesignCommand {
         drop(progress);
         let summary = Summary { design, on_rig };
         if let Some(json) = &self.json {
-            outputs.add_json(json, &summary)?;
+            outputs.add_document(json, &summary)?;
         }
         outputs.write()?;
         if self.json.as_deref() != Some(Path::new("-")) {

@@ -10,6 +10,7 @@ use mesh_damper_rig::drive::limits::{Demands, checked};
 use mesh_damper_rig::drive::{Grid, Motion, RandomMotion, recorded};
 use mesh_damper_rig::specimen::Specimen;
 use mesh_damper_rig::{RigRun, RigSetup};
+use schemars::JsonSchema;
 use serde::Serialize;
 
 use super::programme::LONGEST;
@@ -51,24 +52,37 @@ pub struct Driven {
 }
 
 /// How a rig followed a motion. Units are in the names.
-#[derive(Serialize)]
+#[derive(JsonSchema, Serialize)]
 pub struct Followed {
+    /// The file, or how the motion is drawn.
     source: String,
+    /// What the recorded displacement was multiplied by, a factor.
     scale: f64,
+    /// What was taken off it, mm.
     shift_mm: f64,
+    /// With the ramps, s.
     duration_s: f64,
+    /// From rest to its begin, s.
     ramp_in_s: f64,
+    /// From its end to rest, s.
     ramp_out_s: f64,
-    /// Without the ramps.
+    /// RMS of the displacement without the ramps, mm.
     rms_mm: f64,
-    /// Of the recorded displacement what was taken for noise and not followed.
+    /// RMS of what was taken for noise in the recorded displacement and not followed, mm.
     left_out_rms_mm: f64,
     /// What it asked of the rig, as it was known before.
     asked: Demands,
-    /// Of the measured displacement from the demanded one.
+    /// RMS of the measured displacement from the demanded one, mm.
     following_error_rms_mm: f64,
-    /// RMS of the law's error over the RMS of the measured force, over all that was recorded.
+    /// RMS of the law's error over the RMS of the measured force, over all that was recorded; null without a force.
     law_nrmse: Option<f64>,
+}
+
+impl Followed {
+    /// The file, or how the motion is drawn.
+    pub fn source(&self) -> &str {
+        &self.source
+    }
 }
 
 impl DriveOptions {

@@ -9,12 +9,16 @@ use mesh_damper_link::own_timer::EmulatedBoard;
 use mesh_damper_recording::error::InputError;
 use mesh_damper_recording::output::Plan;
 use mesh_damper_rig::{Plant, RigSetup, TICK_RATE};
+use mesh_damper_sources::Sources;
+use schemars::JsonSchema;
 use serde::Serialize;
 
+use super::image::{IMAGES, say_where};
 use super::law::PublishedLaw;
 use super::programme;
 use super::run::refused;
 use super::specimen::{SPECIMEN_AMPLITUDE, SpecimenOptions};
+use crate::commands::document::AddDocument as _;
 use crate::commands::progress::Progress;
 use crate::commands::{Failure, say};
 
@@ -51,14 +55,20 @@ pub struct EmulateCommand {
     json: Option<PathBuf>,
 }
 
-/// What a harness has to know of the board.
-#[derive(Serialize)]
-struct Emulated {
+/// An emulated board, as a harness has to know it.
+#[derive(JsonSchema, Serialize)]
+pub(in crate::commands) struct Emulated {
+    /// The serial port that the board is at.
     port: PathBuf,
+    /// What is tested, in words.
     specimen: String,
+    /// Of the specimen, g/cm³.
     density_g_cm3: f64,
+    /// Displacement at the ends of its channel, mm.
     displacement_range_mm: f64,
+    /// Force at the ends of the force channel, kN.
     force_range_kn: f64,
+    /// Displacement that the largest command asks for, mm.
     command_range_mm: f64,
 }
 
@@ -84,6 +94,7 @@ impl EmulateCommand {
         let law = AugmentedLaw::<f32, 1>::new(PublishedLaw::Tables.at(density, SPECIMEN_AMPLITUDE));
         let setup = RigSetup::new(specimen, law, programme, self.specimen.seed);
         let plant = Plant::new(&setup).map_err(refused)?;
+        say_where(&Sources::find()?, "the board's image", IMAGES);
         let progress = Progress::of(1);
         progress.step("building the board's image");
         let mut board = EmulatedBoard::start(plant, self.speed, &[])?;
@@ -97,7 +108,7 @@ impl EmulateCommand {
             command_range_mm: setup.command_range,
         };
         if let Some(json) = &self.json {
-            outputs.add_json(json, &emulated)?;
+            outputs.add_document(json, &emulated)?;
         }
         outputs.write()?;
         let port = emulated.port.display();

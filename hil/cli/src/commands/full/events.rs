@@ -1,12 +1,13 @@
 //! What the rig's monitor named, as rows of JSON and in words.
 
 use mesh_damper::health::{Channel, Event, HealthCause, Statistic};
+use schemars::JsonSchema;
 use serde::Serialize;
 
 /// One event with its evidence.
-#[derive(Clone, Debug, Serialize)]
+#[derive(Clone, Debug, JsonSchema, Serialize)]
 pub(super) struct EventRow {
-    /// s since the start.
+    /// Since the start, s.
     time: f64,
     /// Cycles completed since the start.
     cycle: u32,
@@ -20,7 +21,7 @@ pub(super) struct EventRow {
     statistic: String,
     /// By how much; a sample as it was. As a part, in mm or in kN, as the statistic says.
     value: f32,
-    /// What it may be.
+    /// What it may be, in the same unit.
     limit: f32,
     #[serde(skip)]
     event: Event,
@@ -43,8 +44,18 @@ impl EventRow {
 
     /// In one line.
     pub(super) fn in_words(&self) -> String {
-        let Event { cause, or, .. } = self.event;
         let kind = if self.fault { "TripCause" } else { "Normal" };
+        format!(
+            "{kind} found {:.3} s after the start, in cycle {}: {}",
+            self.time,
+            self.cycle,
+            self.what()
+        )
+    }
+
+    /// The cause with its evidence.
+    fn what(&self) -> String {
+        let Event { cause, or, .. } = self.event;
         let (value, limit) = (self.value, self.limit);
         let percent = |what: &str| {
             format!(
@@ -81,12 +92,22 @@ impl EventRow {
             },
         };
         format!(
-            "{kind} found {:.3} s after the start, in cycle {}: {}{}; {evidence}",
-            self.time,
-            self.cycle,
+            "{}{}; {evidence}",
             named(cause),
             or.map_or_else(String::new, |or| format!(" or {}", named(or)))
         )
+    }
+
+    /// As who looks on is told of it.
+    pub(super) fn live(&self) -> mesh_damper_live::Event {
+        mesh_damper_live::Event {
+            time: self.time,
+            cycle: self.cycle,
+            cause: self.cause.clone(),
+            or: self.or.clone(),
+            fault: self.fault,
+            text: self.what(),
+        }
     }
 }
 

@@ -1,6 +1,6 @@
 //! `hil faults`: the fault campaign.
 
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 use std::sync::atomic::{AtomicU64, AtomicUsize, Ordering};
 
 use clap::Args;
@@ -11,14 +11,19 @@ use mesh_damper_recording::error::InputError;
 use mesh_damper_recording::output::Plan;
 use mesh_damper_report::campaign;
 use mesh_damper_rig::SetupError;
+use mesh_damper_rig::check::failures;
 use mesh_damper_rig::faults::{
-    AttackSummary, AttackTrial, CHANGING, Campaign, FOLLOW, Outcomes, Summary, Surroundings, missed,
+    AttackSummary, AttackTrial, CHANGING, Campaign, FOLLOW, Outcomes, Summary, Surroundings,
+    requirements,
 };
+use mesh_damper_sources::Sources;
 
 use super::faults_attacks;
-use super::image::On;
+use super::image::{IMAGES, On, say_where};
+use super::junit::Junit;
+use crate::commands::document::AddDocument as _;
 use crate::commands::progress::Progress;
-use crate::commands::{Failure, say};
+use crate::commands::{Failure, is_free_for_text, say};
 
 /// Put faults into specimen, sensors and actuator of the simulated rig, attack its signals, and count what its monitor finds
 ///
@@ -55,6 +60,9 @@ pub struct FaultsCommand {
     /// Where all results go as JSON; `-` for standard output
     #[arg(long, value_name = "FILE")]
     json: Option<PathBuf>,
+    /// Where the checks go as JUnit XML, those that fail included; `-` for standard output
+    #[arg(long, value_name = "FILE")]
+    junit: Option<PathBuf>,
 }
 
 /// A campaign that could not be run to its end.
@@ -97,6 +105,7 @@ fn at_once<T: Sync, R: Send>(
 
 /// The faults and attacks of `chosen`, each on an image that has just started.
 fn on_image(chosen: &Campaign) -> Result<Summary, InputError> {
+    say_where(&Sources::find()?, "the firmware's image", IMAGES);
     let trials = chosen.trials();
     let attacks = chosen.attack_trials().over_a_link();
     let progress = Progress::of((trials.len() + attacks.len()) as u64);
@@ -156,7 +165,9 @@ impl FaultsCommand {
                 ["faults.svg", "attacks.svg", "following.svg"],
             )
             .writes(&self.json)
+            .writes(&self.junit)
             .begin()?;
+        let mut junit = Junit::of("faults");
         let summary = self.summary()?;
         if let Some(found) = found.filter(|_| !summary.outcomes.is_empty()) {
             outputs.add(found, campaign::found(&summary));
@@ -168,14 +179,21 @@ impl FaultsCommand {
             outputs.add(followed, campaign::followed(&summary.slow));
         }
         if let Some(json) = &self.json {
-            outputs.add_json(json, &summary)?;
+            outputs.add_document(json, &summary)?;
         }
+        let checks = requirements(&summary);
+        junit.property("on", self.on.name());
+        junit.property("trials", summary.trials);
+        junit.property("attack trials", summary.attacks.trials());
+        junit.property("healthy cycles", summary.healthy_cycles);
+        junit.checks("requirement", checks.iter().cloned());
+        junit.add(&mut outputs, self.junit.as_deref())?;
         outputs.write()?;
-        if self.json.as_deref() != Some(Path::new("-")) {
+        if is_free_for_text([&self.json, &self.junit]) {
             print(&summary);
             faults_attacks::print(&summary);
         }
-        let missed = missed(&summary);
+        let missed = failures(checks);
         if self.check && !missed.is_empty() {
             return Err(Failure::Check(missed.join("\n")));
         }

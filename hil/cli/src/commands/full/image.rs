@@ -1,5 +1,6 @@
 //! The image for the commands that run on it.
 
+use std::borrow::Cow;
 use std::fmt::{self, Display, Formatter};
 use std::str::FromStr;
 
@@ -7,19 +8,31 @@ use clap::ValueEnum;
 use mesh_damper_link::image::Board;
 use mesh_damper_link::lockstep::{self, Emulator, Image, Serial};
 use mesh_damper_recording::error::InputError;
+use mesh_damper_sources::Sources;
+use schemars::{JsonSchema, Schema, SchemaGenerator, json_schema};
 use serde::{Serialize, Serializer};
 
 use super::board::Port;
 use crate::commands::progress::Progress;
 
 /// Where the crate runs.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, ValueEnum)]
+#[derive(Clone, Copy, Debug, PartialEq, JsonSchema, Serialize, ValueEnum)]
 #[serde(rename_all = "snake_case")]
 pub enum On {
     /// In this process
     Host,
     /// In the firmware's image, in an emulator
     Image,
+}
+
+impl On {
+    /// As the command line has it.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Host => "host",
+            Self::Image => "image",
+        }
+    }
 }
 
 /// Where the crate runs, a board included.
@@ -54,6 +67,16 @@ impl Display for Place {
             Self::Image => f.write_str("image"),
             Self::Serial(port) => port.fmt(f),
         }
+    }
+}
+
+impl JsonSchema for Place {
+    fn schema_name() -> Cow<'static, str> {
+        "Place".into()
+    }
+
+    fn json_schema(_: &mut SchemaGenerator) -> Schema {
+        json_schema!({"type": "string", "description": "Where the crate ran: `host`, `image` or `serial:PORT`."})
     }
 }
 
@@ -108,11 +131,25 @@ impl LogLevel {
     }
 }
 
+/// Where an installed command builds images, among its sources.
+pub const IMAGES: &str = "target/mps2-an386";
+
+/// Says where an installed command builds `what`, and that this takes its time once: while there is no folder `built` among its sources.
+pub fn say_where(sources: &Sources, what: &str, built: &str) {
+    if !sources.is_repository() && !sources.root().join(built).exists() {
+        eprintln!(
+            "note: {what} is built in {}; the first time this takes a minute, and cargo downloads what it is built of",
+            sources.root().display()
+        );
+    }
+}
+
 /// The firmware's image in the emulator, its log on standard error with the time of ticks at `tick_rate` Hz.
 pub fn start_image(log: LogLevel, tick_rate: f64) -> Result<Image<Emulator>, InputError> {
     let board = Board::Mps2An386;
     // Before anything is said of a build that cannot be.
     board.check()?;
+    say_where(&Sources::find()?, "the firmware's image", IMAGES);
     let progress = Progress::of(1);
     progress.step("building the firmware's image");
     Image::start(

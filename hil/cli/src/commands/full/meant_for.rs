@@ -7,6 +7,7 @@ use mesh_damper::sine::{Block, Programme};
 use mesh_damper_model::extrapolation::Extrapolation;
 use mesh_damper_model::file::FittedRange;
 use mesh_damper_rig::RigRun;
+use schemars::JsonSchema;
 use serde::Serialize;
 
 use super::drive::Driven;
@@ -21,13 +22,13 @@ const MOST_ERROR: f64 = 0.5;
 const FIRST_CYCLES: usize = 3;
 
 /// How far the law was off at first.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+#[derive(Clone, Copy, Debug, PartialEq, JsonSchema, Serialize)]
 pub struct FirstError {
     /// Steady cycles that it is the mean of; 0 where none was told apart, and all that was recorded counts.
     cycles: usize,
     /// RMS of the law's error over the RMS of the measured force.
     nrmse: f64,
-    /// Above this the model is taken for that of another specimen.
+    /// Above this NRMSE the model is taken for that of another specimen.
     limit: f64,
 }
 

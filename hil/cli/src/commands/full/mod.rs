@@ -8,6 +8,7 @@ mod blind;
 mod board;
 mod characterize;
 mod compare;
+mod completions;
 mod controls;
 mod cycles;
 mod design;
@@ -16,14 +17,19 @@ mod effect;
 mod emulate;
 mod events;
 mod export;
-mod export_fmu;
 mod faults;
 mod faults_attacks;
+mod fmu_library;
 mod image;
+mod inspect;
+mod inspect_words;
+mod junit;
 mod law;
+mod live;
 mod meant_for;
 mod motions;
 mod orthogonal;
+mod pace;
 mod pack;
 mod paper;
 pub mod policy;
@@ -33,6 +39,8 @@ mod record;
 mod respond;
 mod respond_sweep;
 mod run;
+mod run_checks;
+mod schema;
 mod specimen;
 mod stop;
 mod study;
@@ -52,6 +60,7 @@ pub enum Command {
     Predict(predict::Predict),
     Respond(respond::RespondCommand),
     Export(export::ExportCommand),
+    Inspect(inspect::InspectCommand),
     Run(run::RunCommand),
     Record(record::RecordCommand),
     Upload(upload::UploadCommand),
@@ -66,6 +75,9 @@ pub enum Command {
     Paper(paper::PaperCommand),
     Faults(faults::FaultsCommand),
     Study(study::StudyCommand),
+    Schema(schema::SchemaCommand),
+    Completions(completions::CompletionsCommand),
+    Man(completions::ManCommand),
 }
 
 impl Command {
@@ -77,6 +89,7 @@ impl Command {
             Self::Predict(command) => command.run(),
             Self::Respond(command) => command.run(),
             Self::Export(command) => command.run(),
+            Self::Inspect(command) => command.run(),
             Self::Run(command) => command.run(),
             Self::Record(command) => command.run(),
             Self::Upload(command) => command.run(),
@@ -91,6 +104,9 @@ impl Command {
             Self::Paper(command) => command.run(),
             Self::Faults(command) => command.run(),
             Self::Study(command) => command.run(),
+            Self::Schema(command) => command.run(),
+            Self::Completions(command) => command.run(),
+            Self::Man(command) => command.run(),
         }
     }
 }

@@ -1,19 +1,32 @@
 //! `hil blind --motions`: the trial over any motion.
 
 use std::ops::Range;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicU64, Ordering};
+use std::time::Duration;
 
 use mesh_damper_recording::output::Plan;
+use mesh_damper_rig::check::failures;
 use mesh_damper_studies::blind::motions::{self, FLOORS, Mark, Outcome, Row, Summary};
 
 use super::blind::{add_recordings, in_words, recordings};
+use super::junit::{Case, Junit};
+use crate::commands::document::AddDocument as _;
 use crate::commands::progress::Progress;
-use crate::commands::{Failure, say};
+use crate::commands::{Failure, is_free_for_text, say};
 
 /// Runs the trials of `seeds` and prints a table; a `check` fails where they reach less than was reached.
-pub fn run(seeds: Range<u64>, json: Option<&Path>, check: bool) -> Result<(), Failure> {
-    let mut outputs = Plan::new().writes(json).begin()?;
+pub fn run(
+    seeds: Range<u64>,
+    json: &Option<PathBuf>,
+    junit: &Option<PathBuf>,
+    check: bool,
+) -> Result<(), Failure> {
+    let mut outputs = Plan::new().writes(json).writes(junit).begin()?;
+    let mut tests = Junit::of("blind");
+    tests.property("specimens", "Motions");
+    tests.property("first seed", seeds.start);
+    tests.property("seeds", seeds.end - seeds.start);
     let progress = Progress::of(seeds.end - seeds.start);
     progress.step("tracing");
     let finished = AtomicU64::new(0);
@@ -22,17 +35,37 @@ pub fn run(seeds: Range<u64>, json: Option<&Path>, check: bool) -> Result<(), Fa
     });
     drop(progress);
     if let Some(json) = json {
-        outputs.add_json(json, &summary)?;
+        outputs.add_document(json, &summary)?;
     }
+    let checks = FLOORS.checks(&summary);
+    tests.checks("floor", checks.iter().cloned());
+    for outcome in &summary.outcomes {
+        let hidden = hidden(outcome);
+        let name = format!("seed {}: {hidden}", outcome.seed);
+        let time = Duration::from_secs_f64(outcome.seconds);
+        tests.case("seed", &name, case_of(outcome), Some(time));
+    }
+    tests.add(&mut outputs, junit.as_deref())?;
     outputs.write()?;
-    if json != Some(Path::new("-")) {
+    if is_free_for_text([json, junit]) {
         print(&summary);
     }
-    let missed = FLOORS.missed(&summary);
+    let missed = failures(checks);
     if check && !missed.is_empty() {
         return Err(Failure::Check(missed.join("\n")));
     }
     Ok(())
+}
+
+/// As of the other trials: the floors are the checks.
+fn case_of(outcome: &Outcome) -> Case {
+    match outcome.mark {
+        _ if !outcome.counts() => Case::Skipped("does not count".into()),
+        Mark::Right | Mark::Among => Case::Passed,
+        Mark::Honest | Mark::False | Mark::Missed | Mark::Refused => {
+            Case::Skipped(format!("missed, which the floors count: {}", line(outcome)))
+        }
+    }
 }
 
 fn print(summary: &Summary) {
@@ -88,11 +121,15 @@ pub fn show(seed: u64, out: Option<&Path>) -> Result<(), Failure> {
     Ok(())
 }
 
-fn line(outcome: &Outcome) -> String {
-    let hidden = match &outcome.hidden[..] {
+fn hidden(outcome: &Outcome) -> String {
+    match &outcome.hidden[..] {
         [] => "nothing".to_owned(),
         hidden => hidden.join(" + "),
-    };
+    }
+}
+
+fn line(outcome: &Outcome) -> String {
+    let hidden = hidden(outcome);
     let said = match &outcome.refused {
         Some(why) => format!("refused: {why}"),
         None => format!(

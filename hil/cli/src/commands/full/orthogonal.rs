@@ -10,8 +10,10 @@ use mesh_damper_studies::orthogonal::{
     AgainstPrint, Analysis, ErrorSource, Experiment, FREE_COLUMNS, SIGNIFICANCE, Variance,
     against_print, analyse,
 };
+use schemars::JsonSchema;
 use serde::Serialize;
 
+use crate::commands::document::AddDocument as _;
 use crate::commands::reading::Reading;
 use crate::commands::{Failure, say};
 
@@ -38,11 +40,12 @@ pub struct OrthogonalCommand {
     reading: Reading,
 }
 
-/// What the analysis came to.
-#[derive(Serialize)]
-struct Summary {
+/// An orthogonal test, analysed by ranges and by variance.
+#[derive(JsonSchema, Serialize)]
+pub(in crate::commands) struct Summary {
+    /// An analysis of each result.
     results: Vec<Analysis>,
-    /// For the paper's own test.
+    /// Of the paper's own test: what the paper prints beside it.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     against_print: Vec<AgainstPrint>,
 }
@@ -61,7 +64,7 @@ impl OrthogonalCommand {
             },
         };
         if let Some(json) = &self.json {
-            outputs.add_json(json, &summary)?;
+            outputs.add_document(json, &summary)?;
         }
         outputs.write()?;
         if self.json.as_deref() != Some(Path::new("-")) {

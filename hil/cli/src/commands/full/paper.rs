@@ -7,6 +7,7 @@ use mesh_damper_recording::output::Plan;
 use mesh_damper_report as report;
 use mesh_damper_studies::paper::{self, Claim, Paper, Verdict};
 
+use crate::commands::document::AddDocument as _;
 use crate::commands::progress::Progress;
 use crate::commands::{Failure, say};
 
@@ -40,7 +41,7 @@ impl PaperCommand {
         progress.step("drawing");
         outputs.add(&page, report::paper::render(&paper));
         if let Some(json) = &self.json {
-            outputs.add_json(json, &paper)?;
+            outputs.add_document(json, &paper)?;
         }
         drop(progress);
         outputs.write()?;

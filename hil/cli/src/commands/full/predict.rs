@@ -1,5 +1,6 @@
 //! `hil predict`: the force that a model gives for a recording's motion.
 
+use std::borrow::Cow;
 use std::fmt::{self, Display, Formatter};
 use std::path::{Path, PathBuf};
 use std::str::FromStr;
@@ -10,15 +11,17 @@ use mesh_damper_link::predict::{ImageError, predict_on};
 use mesh_damper_model::extrapolation::{Extrapolation, percent};
 use mesh_damper_model::file::{ModelFile, model_error};
 use mesh_damper_model::predict::{band, nrmse, predict, predict_embedded};
-use mesh_damper_recording::Recording;
 use mesh_damper_recording::output::Plan;
 use mesh_damper_recording::trajectory::Trajectory;
+use mesh_damper_recording::{Recording, WriteAs};
+use schemars::{JsonSchema, Schema, SchemaGenerator, json_schema};
 use serde::{Serialize, Serializer};
 
 use super::board::Port;
 use super::controls::Controls;
 use super::image::{LogLevel, start_image};
 use super::respond::warn_of_range;
+use crate::commands::document::AddDocument as _;
 use crate::commands::reading::{RecordingFiles, say_guesses};
 use crate::commands::{Failure, say, warn};
 
@@ -47,7 +50,7 @@ pub struct Predict {
     /// The image's log messages to standard error, from this level on
     #[arg(long, value_enum, value_name = "LEVEL", default_value_t = LogLevel::Warn)]
     log: LogLevel,
-    /// Where the prediction goes; gzipped when the name ends in .gz, `-` for standard output
+    /// Where the prediction goes, .csv, .csv.gz, .parquet, .mat or .mcap; `-` for standard output, as CSV
     #[arg(long, value_name = "FILE")]
     out: PathBuf,
     /// Where the error and what it was computed from go as JSON; `-` for standard output
@@ -100,57 +103,74 @@ impl Display for On {
     }
 }
 
+impl JsonSchema for On {
+    fn schema_name() -> Cow<'static, str> {
+        "On".into()
+    }
+
+    fn json_schema(_: &mut SchemaGenerator) -> Schema {
+        json_schema!({"type": "string", "description": "Where the law was evaluated: `f64`, `f32`, `image` or `serial:PORT`."})
+    }
+}
+
 impl Serialize for On {
     fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
         serializer.collect_str(self)
     }
 }
 
-#[derive(Serialize)]
-struct Summary<'a> {
+/// The error of a model's force over a recording.
+#[derive(JsonSchema, Serialize)]
+pub(in crate::commands) struct Summary<'a> {
+    /// The file of the model.
     model: &'a Path,
+    /// The file whose motion the model was given.
     recording: &'a Path,
+    /// Where the law was evaluated.
     on: On,
+    /// Samples of the recording.
     samples: usize,
     /// RMS of the error over the RMS of the measured force.
     nrmse: f64,
     /// RMS of the band's half width over that of the measured force.
     band: f64,
-    /// By how much the motion exceeds the one that the model was fitted on, as a fraction.
+    /// By how much the motion exceeds the operating range, as a part of it.
     beyond_fitted_range: f64,
     /// The part of the samples outside, and how far, of displacement and velocity.
     outside_operating_range: Extrapolation,
 }
 
-/// What the law saw at each sample of the uniform time base, and what it made of it.
-#[derive(Serialize)]
-struct Seen<'a> {
-    format: &'static str,
-    version: u32,
+/// The motion that a law was given at each sample of the uniform time base, and its force.
+#[derive(JsonSchema, Serialize)]
+pub(in crate::commands) struct Seen<'a> {
+    /// Where the law was evaluated.
     on: On,
-    /// s
+    /// Between two samples, s.
     tick: f64,
-    /// mm
+    /// Sample by sample, mm.
     displacement: &'a [f64],
-    /// mm/s
+    /// Sample by sample, mm/s.
     velocity: &'a [f64],
-    /// mm/s²
+    /// Sample by sample, mm/s².
     acceleration: &'a [f64],
-    /// Of the cycle that a sample is in, mm
+    /// Of the cycle that a sample is in, mm.
     amplitude: &'a [f64],
-    /// Since the recording's begin
+    /// Since the recording's begin.
     cycles: &'a [f64],
-    /// °C
+    /// Sample by sample, °C.
     temperature: Vec<f64>,
-    /// In the order of the model, in the units of their names
+    /// Control inputs in the order of the model.
     controls: Vec<Input<'a>>,
-    /// kN
+    /// That the law gives, kN.
     force: &'a [f64],
 }
 
-#[derive(Serialize)]
+/// A control input.
+#[derive(JsonSchema, Serialize)]
 struct Input<'a> {
+    /// With its unit, as `current_A`.
     name: &'a str,
+    /// Sample by sample, in the unit of the name.
     values: &'a [f64],
 }
 
@@ -163,8 +183,6 @@ impl<'a> Seen<'a> {
             values: &channel.values,
         });
         Self {
-            format: "mesh-damper motion",
-            version: 1,
             on,
             tick: trajectory.tick,
             displacement: &motion.displacement,
@@ -181,6 +199,7 @@ impl<'a> Seen<'a> {
 
 impl Predict {
     pub fn run(self) -> Result<(), Failure> {
+        WriteAs::of(&self.out)?;
         let mut outputs = Plan::new()
             .reads([&self.model, &self.recording])
             .writes([&self.out])
@@ -223,7 +242,7 @@ impl Predict {
             trajectory.measured[sample]
         });
         if let Some(path) = &self.motion {
-            outputs.add_json(path, &Seen::new(self.on.clone(), &trajectory, &force))?;
+            outputs.add_document(path, &Seen::new(self.on.clone(), &trajectory, &force))?;
         }
         let [force, band] = [force, band].map(|values| uniform.at_samples_of(&mended, &values));
 
@@ -257,7 +276,7 @@ impl Predict {
             recording.to_file_with_prediction(&self.out, &force, &band),
         );
         if let Some(json) = &self.json {
-            outputs.add_json(json, &summary)?;
+            outputs.add_document(json, &summary)?;
         }
         outputs.write()?;
         let dash = Path::new("-");

@@ -11,21 +11,26 @@ use mesh_damper::rig::{RigSettings, State};
 use mesh_damper::sine::Programme;
 use mesh_damper_link::lockstep::{Image, LinkError, Serial, described};
 use mesh_damper_link::own_timer::{BoardRun, Lost, RecordError, Times, record};
-use mesh_damper_recording::Recording;
+use mesh_damper_live::About as LiveAbout;
 use mesh_damper_recording::error::InputError;
 use mesh_damper_recording::output::Plan;
+use mesh_damper_recording::{Recording, WriteAs};
 use mesh_damper_rig::specimen::Specimen;
 use mesh_damper_rig::{Journal, RigSetup, SetupError, TICK_RATE};
+use schemars::JsonSchema;
 use serde::Serialize;
 
 use super::board::Port;
 use super::cycles::{CycleRow, print_blocks};
 use super::events::EventRow;
 use super::law::PublishedLaw;
+use super::live::{LiveOptions, LiveRow, MqttRow};
+use super::pace::{Pace, Speed};
 use super::pack::read_pack;
 use super::programme::{self, MOST_BLOCKS};
-use super::run::{Stop, Watched, in_words, refused, with_journal};
+use super::run::{Stop, Watched, ended, in_words, refused, with_journal};
 use super::specimen::SPECIMEN_AMPLITUDE;
+use crate::commands::document::AddDocument as _;
 use crate::commands::progress::Progress;
 use crate::commands::reading::Reading;
 use crate::commands::{Failure, say, warn};
@@ -103,35 +108,53 @@ pub struct RecordCommand {
     /// Record what the rig does already; set nothing up, and leave it running
     #[arg(long, conflicts_with_all = ["blocks", "programme", "pack", "density", "force_range", "displacement_range", "command_range", "force_limit", "displacement_limit", "tracking_limit", "lead", "tick_rate", "keep_running"])]
     join: bool,
-    /// Where the recording goes, .csv or .csv.gz
+    /// Where the recording goes, .csv, .csv.gz, .parquet, .mat or .mcap
     #[arg(long, value_name = "REC")]
     out: PathBuf,
     /// Where the result goes as JSON as well; `-` for standard output
     #[arg(long, value_name = "FILE")]
     json: Option<PathBuf>,
     #[command(flatten)]
+    live: LiveOptions,
+    #[command(flatten)]
     reading: Reading,
 }
 
-/// What a recording came to.
-#[derive(Serialize)]
-struct Summary {
+/// A test that a board ran on its own timer.
+#[derive(JsonSchema, Serialize)]
+pub(in crate::commands) struct Summary {
+    /// The board, as `serial:PORT`.
     from: Port,
+    /// Ticks a second of the rig, Hz.
     tick_rate: f64,
+    /// Ticks from the first row to the last.
     ticks: u64,
+    /// Rows recorded.
     rows: usize,
+    /// What the board sent and did not arrive.
     lost: LostRow,
+    /// Ticks that came too late.
     late_ticks: u32,
+    /// Cycle by cycle.
     cycles: Vec<CycleRow>,
+    /// What the monitor named.
     events: Vec<EventRow>,
+    /// Where the rig stopped before its end; null where it did not.
     stopped: Option<Stop>,
+    /// Null without --live.
+    live: Option<LiveRow>,
+    /// Null without --mqtt.
+    mqtt: Option<MqttRow>,
 }
 
 /// What did not arrive.
-#[derive(Serialize)]
+#[derive(JsonSchema, Serialize)]
 struct LostRow {
+    /// Rows.
     rows: u64,
+    /// Results of cycles, events and the like.
     notes: u64,
+    /// Frames that arrived broken.
     frames: u64,
 }
 
@@ -143,6 +166,7 @@ const WITHIN: f64 = 0.05;
 impl RecordCommand {
     pub fn run(self) -> Result<(), Failure> {
         let partial = self.partial();
+        WriteAs::of(&self.out)?;
         let mut outputs = Plan::new()
             .reads(&self.programme)
             .reads(&self.pack)
@@ -150,6 +174,7 @@ impl RecordCommand {
             .writes(&self.json)
             .keeps(&partial)
             .begin()?;
+        self.live.check()?;
         self.check()?;
         let pack = match &self.pack {
             Some(path) => Some(read_pack(path)?),
@@ -177,15 +202,32 @@ impl RecordCommand {
             "recorded from the board at {}, law = {}, revision = {}",
             self.from, about.identity, about.revision
         )];
+        let most = self.duration.unwrap_or(f64::INFINITY);
+        let times = Times {
+            expected: match self.join {
+                true => most,
+                false => programme.duration().min(most),
+            },
+            most,
+        };
+        let live = self.live.start(
+            LiveAbout {
+                title: format!("hil record from {}", self.from),
+                specimen: "at the board".into(),
+                law: format!("{}, revision {}", about.identity, about.revision),
+                sample_rate: tick_rate / f64::from(self.record_every),
+                duration: Some(times.expected).filter(|expected| expected.is_finite()),
+            },
+            tick_rate,
+        )?;
         let progress = Progress::of(100);
         progress.step("recording");
         let mut watched = Watched {
             progress,
             journal: Journal::at(partial, comments.clone()).with_controls(self.control.clone()),
-        };
-        let expected = match self.join {
-            true => self.duration.unwrap_or(f64::INFINITY),
-            false => programme.duration(),
+            live,
+            // The board has a clock.
+            pace: Pace::new(Speed::Max),
         };
         let config = TelemetryConfig {
             every: self.record_every,
@@ -197,11 +239,6 @@ impl RecordCommand {
             true => Ok(()),
             false => board.start_rig(),
         };
-        let most = self.duration.unwrap_or(f64::INFINITY);
-        let times = Times {
-            expected: expected.min(most),
-            most,
-        };
         let recorded = record(
             &mut board,
             config,
@@ -210,24 +247,31 @@ impl RecordCommand {
             begin,
             &mut &mut watched,
         );
-        let Watched { progress, journal } = watched;
+        let Watched {
+            progress,
+            journal,
+            mut live,
+            ..
+        } = watched;
         drop(progress);
-        let BoardRun {
-            run,
-            lost,
-            late_ticks,
-        } = recorded.map_err(|error| {
+        // At once; what came of it is said once the recording is written.
+        let rested = match self.join || self.keep_running || recorded.is_err() {
+            true => Ok(()),
+            false => board.stop_rig().map_err(InputError::from),
+        };
+        let recorded = recorded.map_err(|error| {
             let error = match error {
                 RecordError::Link(error) => error.into(),
                 RecordError::Watch(error) => error,
             };
             with_journal(error, &journal)
-        })?;
-        // At once; what came of it is said once the recording is written.
-        let rested = match self.join || self.keep_running {
-            true => Ok(()),
-            false => board.stop_rig().map_err(InputError::from),
-        };
+        });
+        live.end(&ended(recorded.as_ref().map(|recorded| &recorded.run)));
+        let BoardRun {
+            run,
+            lost,
+            late_ticks,
+        } = recorded?;
         let stopped = run.faults.first().map(|fault| Stop::new(*fault));
         let summary = Summary {
             from: self.from.clone(),
@@ -243,6 +287,8 @@ impl RecordCommand {
             cycles: run.cycles.iter().map(CycleRow::from).collect(),
             events: run.events.iter().map(EventRow::new).collect(),
             stopped,
+            live: live.page_row(),
+            mqtt: live.mqtt_row(),
         };
         let written = self.recording(&run).map(|recording| {
             comments
@@ -251,7 +297,7 @@ impl RecordCommand {
         })?;
         outputs.add(&self.out, written.to_file(&self.out));
         if let Some(json) = &self.json {
-            outputs.add_json(json, &summary)?;
+            outputs.add_document(json, &summary)?;
         }
         outputs
             .write()
@@ -264,6 +310,7 @@ impl RecordCommand {
             summary.print((!self.join).then_some(&programme));
             say(&format!("The recording is {}", self.out.display()));
         }
+        live.close();
         rested?;
         summary.stopped.map_or(Ok(()), |stop| Err(stop.failure()))
     }

@@ -4,19 +4,20 @@ use std::path::{Path, PathBuf};
 
 use clap::Args;
 use mesh_damper_model::extrapolation::Extrapolation;
-use mesh_damper_model::file::{ModelFile, model_error};
+use mesh_damper_model::file::ModelFile;
 use mesh_damper_model::respond::{
-    EnergyBalance, Excitation, LeftOut, Moment, RespondError, Response, Settings, respond,
+    EnergyBalance, Excitation, LeftOut, Moment, Response, Settings, respond,
 };
-use mesh_damper_recording::error::{InputError, Place};
 use mesh_damper_recording::faults::Channel;
 use mesh_damper_recording::input::InputSignal;
 use mesh_damper_recording::output::Plan;
-use mesh_damper_recording::table;
+use mesh_damper_recording::{WriteAs, table};
+use schemars::JsonSchema;
 use serde::Serialize;
 
 use super::controls::Controls;
 use super::respond_sweep::SweepOptions;
+use crate::commands::document::AddDocument as _;
 use crate::commands::reading::{RecordingFiles, say_guesses};
 use crate::commands::{Failure, say, warn};
 
@@ -59,7 +60,7 @@ pub struct RespondCommand {
     /// Steps are halved until displacements change by less than this part of their RMS
     #[arg(long, value_name = "PART", default_value_t = Settings::TOLERANCE, allow_negative_numbers = true, conflicts_with = "sweep")]
     tolerance: f64,
-    /// Where the motion or the sweep goes as CSV; gzipped when the name ends in .gz, `-` for standard output
+    /// Where the motion or the sweep goes, .csv, .csv.gz, .parquet, .mat or .mcap; `-` for standard output, as CSV
     #[arg(long, value_name = "FILE")]
     out: PathBuf,
     /// Where peaks, RMS values, energies and steps go as JSON, or the sweep; `-` for standard output
@@ -72,53 +73,64 @@ pub struct RespondCommand {
 }
 
 /// What drives the mass.
-#[derive(Clone, Copy, Serialize)]
+#[derive(Clone, Copy, JsonSchema, Serialize)]
 #[serde(rename_all = "snake_case")]
 enum Drive {
+    /// A force on it.
     Force,
+    /// The motion of its base.
     Base,
 }
 
-#[derive(Serialize)]
-struct Summary<'a> {
-    format: &'static str,
-    version: u32,
+/// The motion of a mass on a damper.
+#[derive(JsonSchema, Serialize)]
+pub(in crate::commands) struct Summary<'a> {
+    /// The file of the model.
     model: &'a Path,
+    /// The file of the force or of the motion.
     excitation: &'a Path,
+    /// What drives the mass.
     drive: Drive,
-    /// kg
+    /// Fastened to the damper, kg.
     mass: f64,
-    /// kg, of the model's effect `inertia`
+    /// Of the model's effect `inertia`, kg.
     model_mass: f64,
+    /// Samples of the motion.
     samples: usize,
-    /// s
+    /// From the first sample to the last, s.
     duration: f64,
-    /// s
+    /// Of the integration, s.
     step: f64,
     /// RMS over RMS by which the displacements changed when the steps were halved last.
     change_on_halving: f64,
+    /// Whether that is less than `--tolerance`.
     settled: bool,
-    /// mm
+    /// Of the mass, mm.
     displacement: Size,
-    /// mm/s
+    /// Of the mass, mm/s.
     velocity: Size,
-    /// mm/s²
+    /// Of the mass, mm/s².
     acceleration: Size,
-    /// mm, of the damper
+    /// Of the damper, mm.
     relative_displacement: Size,
-    /// kN, of the damper
+    /// Of the damper, kN.
     force: Size,
-    /// J
+    /// Where the energy went, J.
     energy: EnergyBalance,
+    /// By how much the motion exceeds the operating range, as a part of it.
     beyond_fitted_range: f64,
+    /// The part of the samples outside the operating range, and how far they are.
     outside_operating_range: Extrapolation,
+    /// Effects of the model that the integration leaves out.
     left_out: &'a [LeftOut],
 }
 
 /// Of a channel.
-#[derive(Serialize)]
+#[derive(JsonSchema, Serialize)]
 struct Size {
+    /// Largest, whatever its sign, in the channel's unit.
     peak: f64,
+    /// Root of the mean square, in the channel's unit.
     rms: f64,
 }
 
@@ -136,6 +148,7 @@ impl Size {
 
 impl RespondCommand {
     pub fn run(self) -> Result<(), Failure> {
+        WriteAs::of(&self.out)?;
         let settings = Settings {
             offset: self.with_offset,
             tolerance: self.tolerance,
@@ -175,7 +188,7 @@ impl RespondCommand {
         let excitation =
             excitation.with_controls(controls.into_iter().map(|each| each.values).collect());
         let response = respond(&model, &excitation, &settings)
-            .map_err(|error| refused(&self.model, &error))?;
+            .map_err(|error| error.about(&self.model.display().to_string()))?;
 
         warn_of_input(&input, drive);
         if input.temperature.is_none() && model.depends_on_temperature() {
@@ -197,8 +210,6 @@ impl RespondCommand {
         warn_of_range(&self.model, &outside, "samples");
         let moments = &response.moments;
         let summary = Summary {
-            format: "mesh-damper respond",
-            version: 1,
             model: &self.model,
             excitation: path,
             drive,
@@ -221,7 +232,7 @@ impl RespondCommand {
         };
         outputs.add(&self.out, to_file(&self.out, &input, drive, &response));
         if let Some(json) = &self.json {
-            outputs.add_json(json, &summary)?;
+            outputs.add_document(json, &summary)?;
         }
         outputs.write()?;
         if ![Some(&self.out), self.json.as_ref()].contains(&Some(&PathBuf::from("-"))) {
@@ -309,30 +320,5 @@ pub fn warn_of_left_out(model: &Path, left_out: &[LeftOut]) {
 pub fn warn_of_range(model: &Path, outside: &Extrapolation, samples: &str) {
     if let Some(words) = outside.in_words(samples, &model.display().to_string()) {
         warn(&words);
-    }
-}
-
-/// An error about the model's file, or about the option that gave the value.
-pub fn refused(model: &Path, error: &RespondError) -> InputError {
-    let file = model.display().to_string();
-    match error {
-        RespondError::Value {
-            field,
-            value,
-            problem,
-            remedy,
-        } => {
-            let problem = format!("{value} {problem}");
-            if field.contains('(') {
-                return InputError::new(file, problem, *remedy).at(Place::Field((*field).into()));
-            }
-            InputError::new(format!("--{field}"), problem, *remedy)
-        }
-        RespondError::Model(error) => model_error(&file, error),
-        RespondError::NoBalance { time } => InputError::new(
-            file,
-            format!("no velocity below 1e6 mm/s balances the forces at {time:.4} s"),
-            "check the model's stiffness, the mass and the unit of the force",
-        ),
     }
 }

@@ -10,10 +10,12 @@ use mesh_damper_recording::output::Plan;
 use mesh_damper_recording::read_limit::ReadLimit;
 use mesh_damper_recording::table;
 use mesh_damper_report::transmissibility::picture;
+use schemars::JsonSchema;
 use serde::Serialize;
 
 use super::controls::Controls;
-use super::respond::{refused, warn_of_left_out, warn_of_range};
+use super::respond::{warn_of_left_out, warn_of_range};
+use crate::commands::document::AddDocument as _;
 use crate::commands::progress::Progress;
 use crate::commands::{Failure, say, warn};
 
@@ -53,15 +55,16 @@ pub struct SweepOptions {
     picture: Option<PathBuf>,
 }
 
-#[derive(Serialize)]
-struct Summary<'a> {
-    format: &'static str,
-    version: u32,
+/// The transmissibility of a damper with a mass over frequency and amplitude.
+#[derive(JsonSchema, Serialize)]
+pub(in crate::commands) struct Summary<'a> {
+    /// The file of the model.
     model: &'a Path,
-    /// kg
+    /// Fastened to the damper, kg.
     mass: f64,
+    /// By how much a motion exceeds the operating range at most, as a part of it.
     beyond_fitted_range: f64,
-    /// Its samples are the points.
+    /// The part of the points outside the operating range, and how far they are.
     outside_operating_range: Extrapolation,
     #[serde(flatten)]
     sweep: &'a Sweep,
@@ -101,7 +104,7 @@ impl SweepOptions {
             range,
             &mut |done| progress.done(done as u64),
         )
-        .map_err(|error| refused(model, &error))?;
+        .map_err(|error| error.about(&model.display().to_string()))?;
         drop(progress);
 
         warn_of_left_out(model, &found.left_out);
@@ -124,15 +127,13 @@ impl SweepOptions {
         }
         if let Some(path) = json {
             let summary = Summary {
-                format: "mesh-damper transmissibility",
-                version: 1,
                 model,
                 mass: settings.mass,
                 beyond_fitted_range: outside.most(),
                 outside_operating_range: outside,
                 sweep: &found,
             };
-            outputs.add_json(path, &summary)?;
+            outputs.add_document(path, &summary)?;
         }
         outputs.write()?;
         if ![Some(out), json, self.picture.as_deref()].contains(&Some(Path::new("-"))) {

@@ -1,46 +1,54 @@
 //! `hil run`: the rig in the loop with the simulated actuator and specimen.
 
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
 use clap::Args;
 use mesh_damper::effects::AugmentedLaw;
+use mesh_damper::health::Event;
 use mesh_damper::law::Law;
 use mesh_damper::operating_range::OperatingRange;
-use mesh_damper::rig::TripCause;
+use mesh_damper::rig::{CycleReport, Telemetry, TripCause};
 use mesh_damper::sine::Programme;
 use mesh_damper_link::lockstep::run_rig_on;
+use mesh_damper_live::{About, State};
 use mesh_damper_model::extrapolation::{Extrapolation, RANGE_MARGIN, percent};
 use mesh_damper_model::file::{FittedRange, ModelFile, model_error};
 use mesh_damper_model::{Control, MAX_EFFECTS, ModelError};
-use mesh_damper_recording::Recording;
 use mesh_damper_recording::error::InputError;
 use mesh_damper_recording::output::Plan;
+use mesh_damper_recording::{Recording, WriteAs};
 use mesh_damper_rig::specimen::{CURRENT, DamperForce as _, Specimen};
-use mesh_damper_rig::{Journal, RigSetup, Samples, SetupError, TICK_RATE, Watch, run_rig};
+use mesh_damper_rig::{Journal, RigRun, RigSetup, Samples, SetupError, TICK_RATE, Watch, run_rig};
+use schemars::JsonSchema;
 use serde::Serialize;
 
 use super::cycles::{CycleRow, csv_of, print_blocks};
 use super::drive::{DriveOptions, Driven, Followed};
 use super::events::EventRow;
 use super::image::{Linked, LogLevel, Place};
+use super::junit::Junit;
 use super::law::PublishedLaw;
+use super::live::{Live, LiveOptions, LiveRow, MqttRow};
 use super::meant_for::{self, FirstError};
+use super::pace::{Pace, Speed};
 use super::programme::{self, MOST_BLOCKS};
 use super::specimen::{SPECIMEN_AMPLITUDE, SpecimenOptions};
+use crate::commands::document::AddDocument as _;
 use crate::commands::progress::Progress;
 use crate::commands::reading::RecordingFiles;
-use crate::commands::{Failure, say, warn};
+use crate::commands::{Failure, is_free_for_text, say, warn};
 
 /// Run the rig in the loop with a simulated actuator and specimen
 ///
-/// Writes DIR/recording.csv.gz and DIR/cycles.csv: what was measured, and what every cycle came to beside the law. Until then
-/// DIR/recording.partial.csv holds what was measured so far; a run that is broken off leaves it. With --drive the rig follows a
-/// recorded or a random motion; there is no cycles.csv then, as the cycles of such a motion are not told apart.
+/// Writes DIR/recording.csv.gz, in another format with --recording-as, and DIR/cycles.csv: what was measured, and what every cycle came
+/// to beside the law. Until then DIR/recording.partial.csv holds what was measured so far; a run that is broken off leaves it. With
+/// --drive the rig follows a recorded or a random motion; there is no cycles.csv then, as the cycles of such a motion are not told apart.
 #[derive(Args, Debug)]
 #[command(after_help = "Examples:\n  hil run --blocks 0.1:1:6,0.1:5:10\n  \
     hil run --effect stick_slip:stiffness=1.2,slip_limit=0.03\n  \
     hil run --drawn --seed 7 --model trace-out/model.json --blocks 0.1:1-10:40 --out run-out\n  \
     hil run --drive road.csv --scale 0.5\n  \
+    hil run --live --mqtt mqtt://localhost/rig-1\n  \
     hil run --drive random:rms=0.08mm,from=0.5Hz,to=15Hz,duration=30s,seed=1\n\n\
     Exit code 1 says that the rig stopped on a limit; what it recorded until then is written.")]
 pub struct RunCommand {
@@ -90,51 +98,75 @@ pub struct RunCommand {
     /// Where the results go
     #[arg(long, value_name = "DIR", default_value = "run-out")]
     out: PathBuf,
+    /// How the recording is written into DIR: csv, csv.gz, parquet, mat or mcap
+    #[arg(long, value_name = "FORMAT", default_value_t = WriteAs::CsvGz)]
+    recording_as: WriteAs,
     /// Where the result goes as JSON as well; `-` for standard output
     #[arg(long, value_name = "FILE")]
     json: Option<PathBuf>,
+    /// Where the checks go as JUnit XML, those that fail included; `-` for standard output
+    #[arg(long, value_name = "FILE")]
+    junit: Option<PathBuf>,
+    #[command(flatten)]
+    live: LiveOptions,
+    /// Seconds of the test to a second of the clock, 0.001 to 1000, or max; 1 with --live, max without
+    #[arg(long, value_name = "FACTOR", help_heading = "While it runs")]
+    speed: Option<Speed>,
     #[command(flatten)]
     files: RecordingFiles,
 }
 
-/// What a run came to.
-#[derive(Serialize)]
-struct Summary {
-    on: Place,
-    specimen: String,
-    seed: u64,
-    tick_rate: f64,
-    ticks: u64,
+/// A test on the rig in the loop.
+#[derive(JsonSchema, Serialize)]
+pub(in crate::commands) struct Summary {
+    /// Where the crate ran.
+    pub(super) on: Place,
+    /// What was tested, in words.
+    pub(super) specimen: String,
+    /// Of the specimen and of the sensors' noise.
+    pub(super) seed: u64,
+    /// Ticks a second of the crate, Hz.
+    pub(super) tick_rate: f64,
+    /// Ticks that the rig ran for.
+    pub(super) ticks: u64,
     /// Why the model cannot be meant for the specimen or the motion, in words.
     warnings: Vec<String>,
-    /// Of the blocks or of the motion's knots, before the run; null without a model.
+    /// The part of the blocks or of the motion's knots outside the operating range, before the run; null without a model.
     asked_outside_operating_range: Option<Extrapolation>,
-    /// Null without a model.
+    /// Ticks outside the operating range of the model; null without a model.
     outside_operating_range: Option<OutsideTicks>,
     /// How far the model was off at first; null without a model.
     first_error: Option<FirstError>,
     /// The motion that was followed; null of a programme.
-    drive: Option<Followed>,
-    /// None of a motion.
-    cycles: Vec<CycleRow>,
+    pub(super) drive: Option<Followed>,
+    /// Cycle by cycle; none of a motion.
+    pub(super) cycles: Vec<CycleRow>,
     /// What the monitor named, each cause once.
     events: Vec<EventRow>,
-    stopped: Option<Stop>,
+    /// Where the rig stopped before its end; null where it did not.
+    pub(super) stopped: Option<Stop>,
+    /// Null without --live.
+    live: Option<LiveRow>,
+    /// Null without --mqtt.
+    mqtt: Option<MqttRow>,
 }
 
 /// Ticks beyond the operating range of the model by more than [`RANGE_MARGIN`].
-#[derive(Clone, Copy, Serialize)]
-struct OutsideTicks {
+#[derive(Clone, Copy, JsonSchema, Serialize)]
+pub(super) struct OutsideTicks {
+    /// How many.
     ticks: u64,
     /// Of all ticks, 0…1.
     part: f64,
 }
 
 /// Why and when the rig stopped before its end.
-#[derive(Serialize)]
+#[derive(JsonSchema, Serialize)]
 pub(super) struct Stop {
-    time: f64,
-    fault: String,
+    /// Since the start, s.
+    pub(super) time: f64,
+    /// The trip cause, in words.
+    pub(super) fault: String,
 }
 
 impl Stop {
@@ -157,17 +189,17 @@ impl Stop {
 impl RunCommand {
     pub fn run(self) -> Result<(), Failure> {
         let table = (!self.drive.is_given()).then_some("cycles.csv");
+        let name = format!("recording.{}", self.recording_as);
         let mut outputs = Plan::new()
             .reads(&self.programme)
             .reads(self.drive.file())
             .reads(&self.model)
-            .fills(
-                self.out.as_path(),
-                ["recording.csv.gz"].into_iter().chain(table),
-            )
+            .fills(self.out.as_path(), std::iter::once(&*name).chain(table))
             .writes(&self.json)
+            .writes(&self.junit)
             .keeps(Journal::path_in(&self.out))
             .begin()?;
+        self.live.check()?;
         let driven = self.drive.motion(&self.files, self.tick_rate)?;
         let programme = match (&driven, &self.programme) {
             (Some(_), _) => None,
@@ -202,7 +234,21 @@ impl RunCommand {
         // Before what may take long.
         warnings.iter().for_each(|warning| warn(warning));
 
+        let junit = Junit::of("run");
         let linked = Linked::at(&self.on, self.log, self.tick_rate)?;
+        let live = self.live.start(
+            About {
+                title: format!("hil run on {}", self.on),
+                specimen: described.clone(),
+                law: self.law_in_words(),
+                sample_rate: self.tick_rate,
+                duration: Some(match &setup.drive {
+                    Some(motion) => motion.duration(),
+                    None => setup.programme.duration(),
+                }),
+            },
+            self.tick_rate,
+        )?;
         let progress = Progress::of(100);
         progress.step("running the rig");
         let mut comments = vec![
@@ -218,15 +264,27 @@ impl RunCommand {
                     .into_iter()
                     .collect(),
             ),
+            live,
+            pace: Pace::new(self.speed.unwrap_or(match self.live.has_page() {
+                true => Speed::Factor(1.0),
+                false => Speed::Max,
+            })),
         };
         let run = match linked {
             None => run_rig(setup, &mut watched),
             Some(Linked::Image(mut image)) => run_rig_on(&mut *image, setup, &mut watched),
             Some(Linked::Board(mut board)) => run_rig_on(&mut *board, setup, &mut watched),
         };
-        let Watched { progress, journal } = watched;
+        let Watched {
+            progress,
+            journal,
+            mut live,
+            ..
+        } = watched;
         drop(progress);
-        let run = run.map_err(|error| broken_off(error, &journal))?;
+        let run = run.map_err(|error| broken_off(error, &journal));
+        live.end(&ended(run.as_ref()));
+        let run = run?;
 
         let first_error = self.model.as_ref().and_then(|_| FirstError::of(&run));
         if let (Some(path), Some(error)) = (&self.model, first_error)
@@ -255,6 +313,8 @@ impl RunCommand {
             cycles: run.cycles.iter().map(CycleRow::from).collect(),
             events: run.events.iter().map(EventRow::new).collect(),
             stopped: run.faults.first().map(|fault| Stop::new(*fault)),
+            live: live.page_row(),
+            mqtt: live.mqtt_row(),
         };
         if let (Some(path), Some(outside)) = (&self.model, summary.outside_operating_range)
             && outside.ticks > 0
@@ -267,7 +327,9 @@ impl RunCommand {
                 path.display()
             ));
         }
-        let recording = self.out.join("recording.csv.gz");
+        let junit = summary.checked(junit, programme.as_ref());
+        junit.add(&mut outputs, self.junit.as_deref())?;
+        let recording = self.out.join(&name);
         let recorded = match (
             run.recording(recording.display().to_string()),
             &summary.stopped,
@@ -275,6 +337,9 @@ impl RunCommand {
             // A rig that stopped at once has recorded nothing: why it stopped is the message then.
             (Err(_), Some(stop)) => {
                 journal.remove();
+                if self.junit.is_some() {
+                    outputs.write()?;
+                }
                 return Err(stop.failure());
             }
             (recorded, _) => recorded?,
@@ -285,12 +350,12 @@ impl RunCommand {
             outputs.add(self.out.join(table), csv_of(&summary.cycles)?);
         }
         if let Some(json) = &self.json {
-            outputs.add_json(json, &summary)?;
+            outputs.add_document(json, &summary)?;
         }
         outputs
             .write()
             .map_err(|error| with_journal(error, &journal))?;
-        if self.json.as_deref() != Some(Path::new("-")) {
+        if is_free_for_text([&self.json, &self.junit]) {
             if let Some(programme) = &programme {
                 print_blocks(&summary.cycles, Some(programme), self.tick_rate);
             }
@@ -307,7 +372,16 @@ impl RunCommand {
             }
             say(&format!("The recording is {}", recording.display()));
         }
+        live.close();
         summary.stopped.map_or(Ok(()), |stop| Err(stop.failure()))
+    }
+
+    fn law_in_words(&self) -> String {
+        match (&self.model, self.law) {
+            (Some(path), _) => path.display().to_string(),
+            (None, PublishedLaw::Tables) => "the published tables".into(),
+            (None, PublishedLaw::Surfaces) => "the published surfaces".into(),
+        }
     }
 
     /// The test of `specimen`, of a density in g/cm³, under either `programme` or the motion that is `driven`, and the motion that the
@@ -422,16 +496,50 @@ struct Laws {
     operating_range: Option<OperatingRange<f32>>,
 }
 
-/// Shows how far a run is, and keeps what it has recorded.
+/// Shows how far a run is, keeps what it has recorded, and tells who looks on.
 pub(super) struct Watched {
     pub(super) progress: Progress,
     pub(super) journal: Journal,
+    pub(super) live: Live,
+    /// Of a rig whose time is not the clock's.
+    pub(super) pace: Pace,
 }
 
 impl Watch for &mut Watched {
+    fn tick(&mut self, telemetry: &Telemetry, time: f64, temperature: f64) {
+        self.pace.wait(time);
+        self.live.tick(telemetry, time, temperature);
+    }
+
+    fn cycle(&mut self, report: &CycleReport, time: f64) {
+        self.live.cycle(report, time);
+    }
+
+    fn event(&mut self, event: &Event, time: f64) {
+        self.live.event(event, time);
+    }
+
     fn see(&mut self, part: f64, samples: &Samples) -> Result<(), InputError> {
         self.progress.done((100.0 * part) as u64);
         self.journal.write(samples)
+    }
+}
+
+/// How a run has ended, for who looks on.
+pub(super) fn ended(run: Result<&RigRun, &InputError>) -> State {
+    match run {
+        Ok(run) => match run.faults.first() {
+            Some(&(time, fault)) => State::Stopped {
+                time,
+                cause: in_words(fault).to_owned(),
+            },
+            None => State::Finished {
+                time: run.samples.time.last().copied().unwrap_or_default(),
+            },
+        },
+        Err(error) => State::BrokenOff {
+            cause: error.to_string(),
+        },
     }
 }
 

@@ -13,6 +13,7 @@ use mesh_damper_studies::numbers::{Cost, Costs, Number, Policies, Score, numbers
 use super::policy;
 use super::study_bouc_wen::BoucWenCommand;
 use super::study_size::SizeCommand;
+use crate::commands::document::AddDocument as _;
 use crate::commands::progress::Progress;
 use crate::commands::{Failure, say};
 
@@ -95,7 +96,7 @@ impl NumbersCommand {
             self.measure(&tuned, &mut costs)?;
         }
         if let Some(json) = &self.json {
-            outputs.add_json(json, &costs)?;
+            outputs.add_document(json, &costs)?;
         }
         if let Some(path) = &self.table {
             outputs.add(path, table(&costs));

@@ -6,6 +6,7 @@ use clap::Args;
 use mesh_damper_recording::output::Plan;
 use mesh_damper_studies::bouc_wen::{BoucWenResult, Programme, bouc_wen, records};
 
+use crate::commands::document::AddDocument as _;
 use crate::commands::progress::Progress;
 use crate::commands::{Failure, say};
 
@@ -58,10 +59,10 @@ impl BoucWenCommand {
                 let path = out.join(name);
                 outputs.add(&path, recording.to_file(&path));
             }
-            outputs.add_json(out.join(FILES[3]), &found.model_file())?;
+            outputs.add_document(out.join(FILES[3]), &found.model_file())?;
         }
         if let Some(json) = &self.json {
-            outputs.add_json(json, &result)?;
+            outputs.add_document(json, &result)?;
         }
         outputs.write()?;
         if self.json.as_deref() != Some(Path::new("-")) {

@@ -1,13 +1,18 @@
 //! `hil study size`: what a trace takes.
 
+use std::borrow::Cow;
 use std::path::{Path, PathBuf};
 
 use clap::Args;
 use mesh_damper_recording::error::InputError;
-use mesh_damper_recording::output::Plan;
+use mesh_damper_recording::output::{Labelled, Plan};
 use mesh_damper_report::size::picture;
 use mesh_damper_studies::size::{Measured, Motion, measure, table};
+use schemars::{JsonSchema, Schema, SchemaGenerator, json_schema};
+use serde::{Serialize, Serializer};
 
+use super::schema::Whole;
+use crate::commands::document::{AddDocument as _, Document as _};
 use crate::commands::progress::Progress;
 use crate::commands::{Failure, say};
 
@@ -34,6 +39,35 @@ pub struct SizeCommand {
     check: bool,
 }
 
+/// What traces took, one after another.
+///
+/// An array from the start, so that each of its elements says which document it is.
+pub(in crate::commands) struct Sizes<'a>(&'a [Measured]);
+
+impl Serialize for Sizes<'_> {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        serializer.collect_seq(
+            self.0
+                .iter()
+                .map(|each| Labelled::new(Measured::LABEL, each)),
+        )
+    }
+}
+
+impl JsonSchema for Sizes<'_> {
+    fn schema_name() -> Cow<'static, str> {
+        "Sizes".into()
+    }
+
+    fn json_schema(generator: &mut SchemaGenerator) -> Schema {
+        json_schema!({
+            "type": "array",
+            "description": "What traces took, one after another.",
+            "items": generator.subschema_for::<Whole<Measured>>(),
+        })
+    }
+}
+
 impl SizeCommand {
     pub fn run(self) -> Result<(), Failure> {
         let mut outputs = Plan::new()
@@ -42,7 +76,7 @@ impl SizeCommand {
             .begin()?;
         let all = self.measure()?;
         if let Some(json) = &self.json {
-            outputs.add_json(json, &all)?;
+            outputs.add_document(json, &Sizes(&all))?;
         }
         if let Some(path) = &self.picture {
             outputs.add(path, picture(&all));

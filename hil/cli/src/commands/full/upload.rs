@@ -8,10 +8,12 @@ use mesh_damper::rig::State;
 use mesh_damper_link::lockstep::Image;
 use mesh_damper_recording::error::InputError;
 use mesh_damper_recording::output::Plan;
+use schemars::JsonSchema;
 use serde::Serialize;
 
 use super::board::Port;
 use super::pack::read_with_info;
+use crate::commands::document::AddDocument as _;
 use crate::commands::{Failure, say};
 
 /// Put a coefficient pack onto a running rig, and wait until its law is in force
@@ -34,20 +36,26 @@ pub struct UploadCommand {
     json: Option<PathBuf>,
 }
 
-/// What an upload came to.
-#[derive(Serialize)]
-struct Uploaded {
+/// A pack that was put onto a running rig.
+#[derive(JsonSchema, Serialize)]
+pub(in crate::commands) struct Uploaded {
+    /// The board, as `serial:PORT`.
     to: Port,
+    /// Of the pack; null of one that has none.
     name: Option<String>,
+    /// Of the model, 16 hexadecimal digits; null of a pack that does not say.
     identity: Option<String>,
+    /// Of the pack; null of one that does not say.
     revision: Option<u32>,
+    /// Of the pack, bytes.
     bytes: usize,
-    /// Of the rig that has it.
+    /// Of the rig that has it, Hz.
     tick_rate: f32,
     /// Whether the law is in force; not so where the rig does not run, which takes it at its start.
     in_force: bool,
-    /// From the pack's last byte to the swap, or to the answer of a rig that does not run.
+    /// From the pack's last byte to the swap, or to the answer of a rig that does not run, s.
     seconds: f64,
+    /// Ticks that came too late meanwhile.
     late_ticks: u32,
 }
 
@@ -121,7 +129,7 @@ impl UploadCommand {
             to: self.to,
         };
         if let Some(json) = &self.json {
-            outputs.add_json(json, &uploaded)?;
+            outputs.add_document(json, &uploaded)?;
         }
         outputs.write()?;
         if self.json.as_deref() != Some(std::path::Path::new("-")) {

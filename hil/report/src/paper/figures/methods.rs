@@ -84,8 +84,7 @@ pub(super) fn compared_loops(
     Figure {
         title,
         said,
-        picture: plots::panels("Loops by the law and by finite elements", panels),
-        caption: "force over displacement",
+        pictures: plots::panels("Loops by the law and by finite elements", panels),
         seen: format!(
             "Errors in the order of the panels: eq 20, corrected, {} %; the crate's surfaces {} %; finite elements {} %.{}",
             errors(|one| one.corrected.nrmse),
@@ -126,7 +125,7 @@ pub(super) fn errors(paper: &Paper) -> Figure {
     Figure {
         title: "Figure 15: error by eq 21",
         said: "The law's error is steadily below 0.375, that of finite elements 2 to 30 times larger.",
-        picture: plots::panels(
+        pictures: plots::panels(
             "Error by eq 21 over density and over amplitude",
             vec![
                 panel(
@@ -143,7 +142,6 @@ pub(super) fn errors(paper: &Paper) -> Figure {
                 ),
             ],
         ),
-        caption: "error over density at 0.1 mm, and over amplitude at 2.0 g/cm³",
         seen: format!(
             "Samples below {:.0} % of the loop's largest force are left out, without which eq 21 is set by the few beside the \
              passages through 0.{}",
@@ -185,7 +183,7 @@ pub(super) fn compared_dynamics(
     Figure {
         title,
         said,
-        picture: plots::panels(
+        pictures: plots::panels(
             "Stiffness and loss factor by the law and by finite elements",
             vec![
                 panel(|dynamics| dynamics.stiffness, Axis::new("K", "kN/mm")),
@@ -195,7 +193,6 @@ pub(super) fn compared_dynamics(
                 ),
             ],
         ),
-        caption: "stiffness and loss factor",
         seen: if conditions[0].density == conditions[1].density {
             format!(
                 "The tables' stiffness stays and then doubles: at 2.0 g/cm³ they don't show what is described. That of finite elements \

@@ -24,10 +24,8 @@ pub struct Figure {
     pub title: &'static str,
     /// What the paper says of it.
     pub said: &'static str,
-    /// The picture.
-    pub picture: Picture,
-    /// Below its key.
-    pub caption: &'static str,
+    /// The pictures, each with its caption.
+    pub pictures: Vec<(String, Picture)>,
     /// What is to be seen, or what it would take.
     pub seen: String,
 }

@@ -21,7 +21,7 @@ pub(super) fn compression(paper: &Paper) -> Figure {
     Figure {
         title: "The model of Figure 4: compression to 0.5 mm",
         said: "The constants of Table 4 are fitted against the compression curve.",
-        picture: plots::panels(
+        pictures: plots::panels(
             "Compression of the model of Figure 4",
             vec![plots::panel(
                 "Table 4, D1 in 1/MPa, sudden",
@@ -30,7 +30,6 @@ pub(super) fn compression(paper: &Paper) -> Figure {
                 traces.collect(),
             )],
         ),
-        caption: "force over displacement, a curve for each density",
         seen: "The measured curve is not given. All stiffen; those of 2.5 and 3.5 g/cm³ lie nearly on each other, since their \
                constants differ in C11 alone."
             .into(),
@@ -56,7 +55,7 @@ pub(super) fn coefficients(paper: &Paper) -> Figure {
                 densities.map(|r| (r, of(&law(r, a)))).collect()
             };
             panels.push(plots::panel(
-                format!("{a:.2} mm"),
+                format!("{name} at {a:.2} mm"),
                 Axis::new("mesh density", "g/cm³"),
                 Axis::new(name, unit),
                 vec![
@@ -70,8 +69,7 @@ pub(super) fn coefficients(paper: &Paper) -> Figure {
     Figure {
         title: "Figures 5–7: the coefficients and their surfaces",
         said: "Eqs 16–19 describe how k1, k3, c and α evolve with density and amplitude.",
-        picture: plots::panels("Coefficients over density at three amplitudes", panels),
-        caption: "coefficients over density at three amplitudes",
+        pictures: plots::panels("Coefficients over density at three amplitudes", panels),
         seen: "Cuts at three amplitudes. Eq 18 as printed lies between −19 and −2, outside of every panel. Eq 16 is nearly 0 at the \
                low densities, where the tables are not."
             .into(),

@@ -20,7 +20,7 @@ pub(super) fn loops_by_density() -> Figure {
     Figure {
         title: "Figure 8: loops by density, 0.1 mm",
         said: "The loops turn counterclockwise as density increases, and their area differs.",
-        picture: plots::panels(
+        pictures: plots::panels(
             "Loops by density at 0.1 mm",
             vec![plots::panel(
                 "Tables 6–9, 1 Hz",
@@ -29,7 +29,6 @@ pub(super) fn loops_by_density() -> Figure {
                 traces.collect(),
             )],
         ),
-        caption: "force over displacement, a loop for each density",
         seen: "They turn, and their area grows; those of 2.5 and 3.0 g/cm³ end at the same force."
             .into(),
     }
@@ -46,14 +45,13 @@ pub(super) fn dynamics_by_density(paper: &Paper) -> Figure {
     Figure {
         title: "Figure 9: stiffness and loss factor by density",
         said: "At 0.1 mm stiffness rises and loss factor falls, both monotonically.",
-        picture: plots::panels(
+        pictures: plots::panels(
             "Stiffness and loss factor over density",
             vec![
                 panel(Axis::new("K", "kN/mm"), |cell| cell.dynamics.stiffness),
                 panel(Axis::new("loss factor", ""), |cell| cell.dynamics.loss_factor),
             ],
         ),
-        caption: "stiffness and loss factor, a curve for each amplitude",
         seen: "At 0.1 mm the stiffness rises, the loss factor has its highest value at 3.0 g/cm³. At 0.15 mm and above the \
                stiffness falls from 2.5 to 3.0 g/cm³."
             .into(),
@@ -92,7 +90,7 @@ pub(super) fn angle(paper: &Paper) -> Figure {
         title: "Figures 10 and 11: the crisscross angle, 3.0 g/cm³, wire 0.3 mm",
         said: "The loops turn clockwise with the angle; K falls from 3.5 to 1.0 kN/mm from 15° to 45° and stays low, the loss factor \
                falls slowly from 0.5 to 0.35 and bounces back.",
-        picture: plots::panels(
+        pictures: plots::panels(
             "Stiffness and loss factor over the crisscross angle",
             vec![
                 panel(
@@ -110,7 +108,6 @@ pub(super) fn angle(paper: &Paper) -> Figure {
                 ),
             ],
         ),
-        caption: "stiffness and loss factor over the angle",
         seen: "The loops can't be drawn: of angles other than 60° no coefficients are given. What the tables give at 60° lies above \
                what the text says of Figure 11 in both; the static means of Table 3, over all densities, have another trend."
             .into(),
@@ -135,14 +132,13 @@ pub(super) fn wire(paper: &Paper) -> Figure {
         title: "Figures 12 and 13: the wire diameter",
         said: "The loops turn a little counterclockwise with the wire: the stiffness improves a little, the loss factor falls \
                slightly.",
-        picture: plots::panels(
+        pictures: plots::panels(
             "Stiffness and loss factor over the wire diameter",
             vec![
                 panel(Axis::new("K", "kN/mm"), of_tables.stiffness, stiffness),
                 panel(Axis::new("loss factor", ""), of_tables.loss_factor, loss),
             ],
         ),
-        caption: "stiffness and loss factor over the wire diameter",
         seen: "Neither the loops nor the trends can be drawn: all coefficients are of the 0.3 mm wire, and the text gives no number. \
                The static loss factor rises with the wire."
             .into(),

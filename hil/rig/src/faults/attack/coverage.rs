@@ -9,6 +9,7 @@ use crate::faults::summary::Summary;
 
 /// Of one element.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Coverage {
     /// What fails.
     pub element: Element,

@@ -10,6 +10,7 @@ use crate::signals::Sensed;
 
 /// What has a limit.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(rename_all = "snake_case")]
 pub enum Quantity {
     /// mm.
@@ -31,6 +32,7 @@ impl Quantity {
 
 /// What lies behind a hazardous state, judged by the signals alone.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(rename_all = "snake_case")]
 pub enum Behind {
     /// From a cycle before it on the one channel of the quantity showed a constant gain of the true one and a constant offset, exactly
@@ -53,6 +55,7 @@ pub enum Behind {
 
 /// A hazardous state that came about.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Hazard {
     /// What was beyond its limit.
     pub quantity: Quantity,

@@ -7,6 +7,7 @@ use Channel::{Displacement, Force};
 
 /// The element of the rig that fails.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(rename_all = "snake_case")]
 #[expect(missing_docs, reason = "each is what its name says")]
 pub enum Element {
@@ -41,27 +42,50 @@ impl Element {
 /// A kind of attack. It acts on signals or on the plant, and knows nothing of what the monitor looks for. What its size is stands
 /// at [`AttackKind::sizes`].
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(rename_all = "snake_case")]
 #[expect(missing_docs, reason = "each is what its name says")]
 pub enum AttackKind {
-    GainStep(Channel),
-    GainDrift(Channel),
-    GainDriftInRunIn(Channel),
-    GainFromStart(Channel),
-    DropOuts(Channel),
-    Open(Channel),
-    Frozen(Channel),
-    NeverConnected(Channel),
-    Bursts(Channel),
-    Hum(Channel),
-    Reversed(Channel),
-    ReversedFromStart(Channel),
-    StuckBit(Channel),
-    ZeroOneInTen(Channel),
-    GoodOneInTen(Channel),
-    Spike(Channel),
+    GainStep(
+        #[cfg_attr(feature = "schema", schemars(with = "crate::schema::ChannelName"))] Channel,
+    ),
+    GainDrift(
+        #[cfg_attr(feature = "schema", schemars(with = "crate::schema::ChannelName"))] Channel,
+    ),
+    GainDriftInRunIn(
+        #[cfg_attr(feature = "schema", schemars(with = "crate::schema::ChannelName"))] Channel,
+    ),
+    GainFromStart(
+        #[cfg_attr(feature = "schema", schemars(with = "crate::schema::ChannelName"))] Channel,
+    ),
+    DropOuts(
+        #[cfg_attr(feature = "schema", schemars(with = "crate::schema::ChannelName"))] Channel,
+    ),
+    Open(#[cfg_attr(feature = "schema", schemars(with = "crate::schema::ChannelName"))] Channel),
+    Frozen(#[cfg_attr(feature = "schema", schemars(with = "crate::schema::ChannelName"))] Channel),
+    NeverConnected(
+        #[cfg_attr(feature = "schema", schemars(with = "crate::schema::ChannelName"))] Channel,
+    ),
+    Bursts(#[cfg_attr(feature = "schema", schemars(with = "crate::schema::ChannelName"))] Channel),
+    Hum(#[cfg_attr(feature = "schema", schemars(with = "crate::schema::ChannelName"))] Channel),
+    Reversed(
+        #[cfg_attr(feature = "schema", schemars(with = "crate::schema::ChannelName"))] Channel,
+    ),
+    ReversedFromStart(
+        #[cfg_attr(feature = "schema", schemars(with = "crate::schema::ChannelName"))] Channel,
+    ),
+    StuckBit(
+        #[cfg_attr(feature = "schema", schemars(with = "crate::schema::ChannelName"))] Channel,
+    ),
+    ZeroOneInTen(
+        #[cfg_attr(feature = "schema", schemars(with = "crate::schema::ChannelName"))] Channel,
+    ),
+    GoodOneInTen(
+        #[cfg_attr(feature = "schema", schemars(with = "crate::schema::ChannelName"))] Channel,
+    ),
+    Spike(#[cfg_attr(feature = "schema", schemars(with = "crate::schema::ChannelName"))] Channel),
     /// One sample in ten is clamped to 0.9 of its limit.
-    Ringing(Channel),
+    Ringing(#[cfg_attr(feature = "schema", schemars(with = "crate::schema::ChannelName"))] Channel),
     Swapped,
     SwappedFromStart,
     Break,

@@ -9,6 +9,7 @@ use crate::TICK_RATE;
 
 /// A word of a rig's settings in the place of which another came.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Forgery {
     /// Which, from the first on.
     pub word: usize,

@@ -10,6 +10,7 @@ use super::trial::{AttackOutcome, Naming};
 
 /// Of a kind of hazardous state: how many trials had one.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Hazards {
     /// Behind a channel with a constant gain or offset only, which one channel cannot observe.
     pub constant_gain: usize,
@@ -54,6 +55,7 @@ impl Hazards {
 
 /// What was found of some trials.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Counts {
     /// Trials with an attack that can be observed.
     pub trials: usize,
@@ -75,7 +77,7 @@ pub struct Counts {
     pub hidden: usize,
     /// Cycles from when it counts as there until it was found.
     pub median_cycles: Option<f64>,
-    /// The most.
+    /// The most cycles.
     pub worst_cycles: Option<f64>,
 }
 
@@ -105,10 +107,11 @@ impl Counts {
 
 /// Of one kind and size, in trials of its own.
 #[derive(Clone, Debug, PartialEq, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct AttackKindSummary {
     /// What it is.
     pub kind: AttackKind,
-    /// How large.
+    /// How large, in the unit of the trials.
     pub size: f64,
     /// What fails.
     pub element: Element,
@@ -120,8 +123,10 @@ pub struct AttackKindSummary {
 
 /// How soon the rig stopped for a channel that a limit depends on and that was lost.
 #[derive(Clone, Debug, PartialEq, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct LossSummary {
     /// Which.
+    #[cfg_attr(feature = "schema", schemars(with = "crate::schema::ChannelName"))]
     pub channel: Channel,
     /// How often.
     pub trials: usize,
@@ -129,12 +134,13 @@ pub struct LossSummary {
     pub stopped: usize,
     /// Cycles until then, in the middle.
     pub median_cycles: Option<f64>,
-    /// The most.
+    /// The most cycles.
     pub worst_cycles: Option<f64>,
 }
 
 /// A hazardous state of a trial that ought not to have been.
 #[derive(Clone, Debug, PartialEq, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct WorstHazard {
     /// By which true quantity.
     pub quantity: Quantity,
@@ -146,6 +152,7 @@ pub struct WorstHazard {
 
 /// All attacks.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct AttackSummary {
     /// Kind by kind, size by size, each alone.
     pub kinds: Vec<AttackKindSummary>,
@@ -167,6 +174,7 @@ pub struct AttackSummary {
 
 /// Trial by trial.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Outcomes {
     /// One attack each.
     pub singles: Vec<AttackOutcome>,

@@ -22,10 +22,11 @@ pub const BLOCKS: usize = 4;
 
 /// An attack, and when it is there.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Attack {
     /// What it is.
     pub kind: AttackKind,
-    /// As at [`AttackKind::sizes`].
+    /// How large: a part, a ratio, °C, kN/mm or a number of samples or ticks, as [`AttackKind::sizes`] says.
     pub size: f64,
     /// When it begins: cycles from the end of the first ramp on; what is before the start begins with the trial.
     pub begins: f64,
@@ -35,12 +36,13 @@ pub struct Attack {
 
 /// Limits over what the healthy rig does.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Headroom {
-    /// Over the amplitude.
+    /// Over the amplitude, a ratio.
     pub displacement: f64,
-    /// Over the largest force.
+    /// Over the largest force, a ratio.
     pub force: f64,
-    /// Over [`TRACKING`] of the amplitude.
+    /// Over [`TRACKING`] of the amplitude, a ratio.
     pub tracking: f64,
 }
 
@@ -57,6 +59,7 @@ impl Headroom {
 
 /// A test with attacks on it.
 #[derive(Clone, Debug, PartialEq, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct AttackTrial {
     /// In no particular order.
     pub attacks: Vec<Attack>,
@@ -84,6 +87,7 @@ pub struct AttackTrial {
 
 /// How a cause that was named stands to the attack, in the order of how good that is.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(rename_all = "snake_case")]
 pub enum Naming {
     /// No cause was named.
@@ -98,8 +102,10 @@ pub enum Naming {
 
 /// A channel that a limit depends on was lost.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Loss {
     /// Which.
+    #[cfg_attr(feature = "schema", schemars(with = "crate::schema::ChannelName"))]
     pub channel: Channel,
     /// Cycles until the rig had stopped, where it did.
     pub stopped_after: Option<f64>,
@@ -107,6 +113,7 @@ pub struct Loss {
 
 /// What came of a trial.
 #[derive(Clone, Debug, PartialEq, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct AttackOutcome {
     /// What was tried.
     pub trial: AttackTrial,

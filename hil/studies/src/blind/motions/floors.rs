@@ -1,6 +1,8 @@
 //! What the trial over any motion has to reach: what it reached when this was last written, less what one more seed may change.
 
-use super::super::floors::unless;
+use mesh_damper_rig::check::{Check, failures};
+
+use super::super::floors::bounded;
 use super::summary::Summary;
 
 /// Least and largest of what the counted trials come to.
@@ -37,11 +39,16 @@ pub const FLOORS_OF_A_PART: Floors = Floors {
 };
 
 impl Floors {
-    /// What `summary` does not reach, each in a line.
+    /// The [`Floors::checks`] that `summary` does not pass, each in a line.
     pub fn missed(&self, summary: &Summary) -> Vec<String> {
+        failures(self.checks(summary))
+    }
+
+    /// What `summary` has to reach.
+    pub fn checks(&self, summary: &Summary) -> Vec<Check> {
         let all = &summary.all;
         let least = |what: &str, value: f64, bound: f64| {
-            unless(
+            bounded(
                 value >= bound,
                 what,
                 &format!("{value:.3}"),
@@ -50,7 +57,7 @@ impl Floors {
             )
         };
         let most = |what: &str, value: f64, bound: f64| {
-            unless(
+            bounded(
                 value <= bound,
                 what,
                 &format!("{value:.3}"),
@@ -65,9 +72,7 @@ impl Floors {
             most("error in nine of ten", all.ninth_decile, self.ninth_decile),
             least("intervals that hold", all.intervals, self.intervals),
         ]
-        .into_iter()
-        .flatten()
-        .collect()
+        .into()
     }
 }
 

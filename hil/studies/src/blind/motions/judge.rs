@@ -17,6 +17,7 @@ use super::sensors::Flaw;
 
 /// How well an answer fits what is hidden.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(rename_all = "snake_case")]
 pub enum Mark {
     /// As it is.
@@ -35,6 +36,7 @@ pub enum Mark {
 
 /// A trial and what was said of it.
 #[derive(Clone, Debug, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Outcome {
     /// That drew it.
     pub seed: u64,
@@ -42,7 +44,7 @@ pub struct Outcome {
     pub kind: Kind,
     /// Of the sensors.
     pub flaw: Flaw,
-    /// Samples a second.
+    /// Samples a second, Hz.
     pub rate: f64,
     /// Families hidden.
     pub hidden: Vec<&'static str>,
@@ -71,6 +73,7 @@ pub struct Outcome {
 
 /// How far the estimated velocity is off.
 #[derive(Clone, Copy, Debug, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct VelocityError {
     /// RMS of its error over that of cubics in windows alone.
     pub over_cubics: f64,

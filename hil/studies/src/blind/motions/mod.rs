@@ -60,7 +60,7 @@ pub struct Trial {
     pub kind: Kind,
     /// Of both tests.
     pub sensors: Sensors,
-    /// Samples a second.
+    /// Samples a second, Hz.
     pub rate: f64,
     /// What is hidden; none, one or two.
     pub hidden: Vec<HiddenEffect>,

@@ -10,6 +10,7 @@ use super::super::families::log_uniform;
 
 /// What kind of motion a test makes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(rename_all = "snake_case")]
 pub enum Kind {
     /// Band-limited noise.

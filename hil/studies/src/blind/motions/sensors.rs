@@ -13,6 +13,7 @@ use super::super::families::log_uniform;
 
 /// What is unlike a laboratory's.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(rename_all = "snake_case")]
 pub enum Flaw {
     /// White noise on both channels, 16 bits.
@@ -51,6 +52,7 @@ impl Flaw {
 
 /// How a test is recorded.
 #[derive(Clone, Copy, Debug, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Sensors {
     /// What is unlike a laboratory's.
     pub flaw: Flaw,

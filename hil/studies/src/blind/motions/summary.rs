@@ -6,6 +6,7 @@ use super::judge::{Mark, Outcome};
 
 /// What some trials came to.
 #[derive(Clone, Debug, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Row {
     /// Which.
     pub of: String,
@@ -15,7 +16,7 @@ pub struct Row {
     pub marks: [usize; 6],
     /// Held-out error over that of the true law: half of them are below,
     pub median: f64,
-    /// and nine in ten.
+    /// and nine in ten, as a ratio.
     pub ninth_decile: f64,
     /// How long a trace took, s: half of them took less.
     pub seconds: f64,
@@ -84,6 +85,7 @@ impl Row {
 
 /// Rows of all, by kind of motion, by sensors and by what is hidden.
 #[derive(Clone, Debug, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Summary {
     /// All that count.
     pub all: Row,

@@ -1,0 +1,37 @@
+"""What a damper's law lacks, found in recordings of its force and displacement.
+
+>>> import mesh_damper
+>>> found = mesh_damper.trace("rig-test.csv.gz")        # a path, a data frame, arrays
+>>> found.verdict, found.effects, found.plot()
+"""
+
+from ._characterize import Characterization, characterize
+from ._core import __version__
+from ._errors import InputError, MissingFileError, NotFittedError, UnitWarning
+from ._export import export
+from ._law import DamperLaw
+from ._respond import Response, respond, transmissibility
+from ._simulate import Simulation, simulate
+from ._trace import Baseline, Errors, Report, Trace, trace
+
+__all__ = [
+    "Baseline",
+    "Characterization",
+    "DamperLaw",
+    "Errors",
+    "InputError",
+    "MissingFileError",
+    "NotFittedError",
+    "Report",
+    "Response",
+    "Simulation",
+    "Trace",
+    "UnitWarning",
+    "__version__",
+    "characterize",
+    "export",
+    "respond",
+    "simulate",
+    "trace",
+    "transmissibility",
+]

@@ -1,0 +1,118 @@
+"""Stiffness and loss factor of a recording."""
+
+from __future__ import annotations
+
+import json
+from typing import Any, Literal
+
+import numpy as np
+
+from . import _core, _frames
+from ._errors import InputError
+from ._frames import Library
+from ._recordings import ChannelLike, Given, RecordingLike, Units
+
+
+class Characterization:
+    """Stiffness and loss factor of every cycle. `characterize` makes it."""
+
+    def __init__(self, text: str, loops: list[Any], library: Library | None) -> None:
+        self._json = text
+        self._found: dict[str, Any] = json.loads(text)
+        self._loops = loops
+        self._library = library
+
+    @property
+    def kind(self) -> str:
+        """`static` or `dynamic`."""
+        return str(self._found["kind"])
+
+    @property
+    def cycles(self) -> Any:
+        """Every cycle as a row of a data frame; of a dynamic test `block` says which it is of, counted from 0."""
+        if self.kind == "static":
+            return self._frame(self._found["cycles"])
+        blocks = enumerate(self._found["blocks"])
+        return self._frame([{"block": number, **cycle} for number, block in blocks for cycle in block["cycles"]])
+
+    @property
+    def blocks(self) -> Any:
+        """Of a dynamic test the averaged cycle of every block, with mean and deviation of its steady cycles; of a static test the means."""
+        if self.kind == "static":
+            return self._frame([_spreads(self._found, ("equivalent_stiffness", "loss_factor"))])
+        return self._frame(
+            [
+                {"frequency": block["frequency"], **block["averaged"], **_spreads(block, ("stiffness", "loss_factor"))}
+                for block in self._found["blocks"]
+            ]
+        )
+
+    @property
+    def notes(self) -> list[str]:
+        """What was done with the recording, and what is odd about it, in sentences."""
+        return list(self._found["notes"])
+
+    def to_json(self) -> str:
+        """What `hil characterize --json` writes."""
+        return self._json
+
+    def plot(self, number: int = 0, ax: Any = None) -> Any:
+        """The loop of a cycle of a static test, or of a block of a dynamic one, as a figure of matplotlib."""
+        from ._plot import characterized
+
+        measured, line = (np.asarray(points).reshape(-1, 2) for points in self._loops[number])
+        return characterized(measured, line, "middle line" if self.kind == "static" else "averaged cycle", ax)
+
+    def __repr__(self) -> str:
+        number = len(self._loops)
+        what = "load–unload cycle" if self.kind == "static" else "block"
+        return f"Characterization: {self.kind}, {number} {what}{'' if number == 1 else 's'}"
+
+    def _repr_html_(self) -> str:
+        from ._html import characterization
+
+        return characterization(self)
+
+    def _frame(self, rows: list[dict[str, Any]]) -> Any:
+        flat = [{name: value for key, entry in row.items() for name, value in _flat(key, entry)} for row in rows]
+        return _frames.make({name: [row[name] for row in flat] for name in (flat[0] if flat else {})}, self._library)
+
+
+def _spreads(found: dict[str, Any], names: tuple[str, ...]) -> dict[str, float]:
+    spreads = {}
+    for name in names:
+        spreads[f"mean_{name}"] = found[name]["mean"]
+        deviation = found[name]["deviation"]
+        spreads[f"deviation_{name}"] = np.nan if deviation is None else deviation
+    return spreads
+
+
+def _flat(name: str, entry: Any) -> list[tuple[str, Any]]:
+    """A list of times is a column each."""
+    if isinstance(entry, list):
+        return [(f"{name}_{place}", value) for place, value in enumerate(entry)]
+    return [(name, np.nan if entry is None else entry)]
+
+
+def characterize(
+    data: RecordingLike = None,
+    *,
+    kind: Literal["static", "dynamic"] = "dynamic",
+    time: ChannelLike | float | None = None,
+    displacement: ChannelLike | None = None,
+    force: ChannelLike | None = None,
+    units: Units = None,
+) -> Characterization:
+    """Stiffness and loss factor of a recording, as `hil characterize` finds them.
+
+    They are of load–unload curves (`static`), or of cycles (`dynamic`). The recording and its units are given as to `trace`.
+    """
+    if kind not in ("static", "dynamic"):
+        raise InputError(f"kind: no kind is called {kind!r}; give static or dynamic")
+    given = Given(channels={"time": time, "displacement": displacement, "force": force}, units=units)
+    recordings = given.recordings(data, "recording")
+    if len(recordings) != 1:
+        raise InputError(f"characterize: {len(recordings)} recordings are given; give one")
+    given.say_assumed(stacklevel=2)
+    text, loops = _core.characterize(recordings[0], kind == "static")
+    return Characterization(text, loops, given.library)

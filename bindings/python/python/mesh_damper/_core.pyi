@@ -1,0 +1,153 @@
+"""The compiled part: what the Rust crates do, for arrays and texts."""
+
+from collections.abc import Callable, Sequence
+from os import PathLike
+from typing import Any, final
+
+import numpy as np
+import numpy.typing as npt
+
+__all__ = [
+    "BatchSettings",
+    "Drive",
+    "Model",
+    "Recording",
+    "Trace",
+    "__version__",
+    "characterize",
+    "compare_models",
+    "export",
+    "kilonewtons",
+    "outcome",
+    "outcomes_of",
+    "refuse_repeats",
+    "respond",
+    "simulate",
+    "sweep",
+    "trace",
+    "trace_many",
+    "units",
+]
+
+__version__: str
+
+@final
+class Recording:
+    @staticmethod
+    def read(
+        path: str | PathLike[str],
+        max_read: int | None = None,
+        channels: Sequence[tuple[str, str]] = [],
+        units: Sequence[tuple[str, str]] = [],
+        rate: float | None = None,
+        inputs: Sequence[str] | None = None,
+    ) -> Recording: ...
+    @staticmethod
+    def of_columns(name: str, columns: Sequence[tuple[str, npt.NDArray[np.float64]]], needs_force: bool = True) -> Recording: ...
+    @property
+    def name(self) -> str: ...
+    def __len__(self) -> int: ...
+    def rows(self) -> npt.NDArray[np.int64]: ...
+    def columns(self) -> list[tuple[str, npt.NDArray[np.float64]]]: ...
+
+@final
+class Trace:
+    @property
+    def model(self) -> Model: ...
+    def to_json(self) -> str: ...
+    def report(self) -> str: ...
+    def verdict_in_words(self) -> tuple[str, str]: ...
+    def series(self) -> list[dict[str, Any]]: ...
+
+@final
+class Model:
+    @staticmethod
+    def read(path: str | PathLike[str]) -> Model: ...
+    @staticmethod
+    def of_json(text: str) -> Model: ...
+    @property
+    def identity(self) -> str: ...
+    def to_json(self) -> str: ...
+    def predict(
+        self, recording: Recording, has_force: bool, is_embedded: bool, controls: Sequence[tuple[str, float]]
+    ) -> tuple[npt.NDArray[np.float64], list[str]]: ...
+    def write(self, path: str | PathLike[str]) -> None: ...
+
+@final
+class Drive:
+    @staticmethod
+    def read(path: str | PathLike[str], is_force: bool) -> Drive: ...
+    @staticmethod
+    def of_columns(name: str, columns: Sequence[tuple[str, npt.NDArray[np.float64]]], is_force: bool) -> Drive: ...
+
+@final
+class BatchSettings:
+    def __new__(
+        cls,
+        families: Sequence[str],
+        exclude: Sequence[str],
+        baseline: str,
+        law: Model | None = None,
+        max_read: int | None = None,
+        reports: bool = False,
+    ) -> BatchSettings: ...
+
+def units() -> list[tuple[str, list[str]]]: ...
+def kilonewtons(unit: str) -> float: ...
+def refuse_repeats(paths: Sequence[str]) -> None: ...
+def trace(
+    title: str,
+    recordings: Sequence[Recording],
+    held_out: Sequence[Recording],
+    families: Sequence[str],
+    exclude: Sequence[str],
+    baseline: str,
+    law: Model | None = None,
+    progress: Callable[[str], object] | None = None,
+) -> Trace: ...
+def characterize(
+    recording: Recording, is_static: bool
+) -> tuple[str, list[tuple[list[tuple[float, float]], list[tuple[float, float]]]]]: ...
+def respond(
+    model: Model,
+    drive: Drive,
+    mass: float,
+    with_offset: bool,
+    tolerance: float | None,
+    controls: Sequence[tuple[str, float]],
+    progress: Callable[[str], object] | None,
+) -> tuple[dict[str, npt.NDArray[np.float64]], str]: ...
+def sweep(
+    model: Model,
+    mass: float,
+    amplitudes: Sequence[float],
+    range: tuple[float, float, int],
+    with_offset: bool,
+    controls: Sequence[tuple[str, float]],
+    progress: Callable[[str], object] | None,
+) -> str: ...
+def export(
+    model: Model,
+    path: str | PathLike[str],
+    format: str,
+    tick_rate: float,
+    name: str | None,
+    revision: int,
+    amplitude: float | None,
+    density: float | None,
+    allow_active: bool,
+    libraries: Sequence[str | PathLike[str]],
+    folders: Sequence[str | PathLike[str]],
+) -> tuple[str, list[str]]: ...
+def simulate(seed: int, is_check: bool) -> tuple[Recording, str]: ...
+def trace_many(
+    given: str | Sequence[str] | None,
+    table: str | None,
+    out: str | PathLike[str],
+    settings: BatchSettings,
+    jobs: int | None = None,
+    progress: Callable[[str], object] | None = None,
+) -> tuple[str, dict[str, Any], dict[str, Any]]: ...
+def outcome(recordings: Sequence[str | PathLike[str]], held_out: Sequence[str | PathLike[str]], settings: BatchSettings) -> str: ...
+def outcomes_of(rows: Sequence[str]) -> dict[str, Any]: ...
+def compare_models(models: Sequence[str | tuple[str, str, str]], times: Sequence[float]) -> str: ...

@@ -1,0 +1,115 @@
+"""Data frames in and out: pandas or polars, whichever is there."""
+
+from __future__ import annotations
+
+import sys
+from collections.abc import Mapping, Sequence
+from importlib import import_module
+from typing import Any, Literal
+
+import numpy as np
+import numpy.typing as npt
+
+from ._errors import InputError
+
+#: One column of numbers.
+Array = npt.NDArray[np.float64]
+#: The library that a frame is of.
+Library = Literal["pandas", "polars"]
+
+
+def library_of(data: object) -> Library | None:
+    """The library whose frame `data` is."""
+    module = type(data).__module__.split(".")[0]
+    if module == "pandas":
+        return "pandas"
+    return "polars" if module == "polars" else None
+
+
+def column_names(data: Any) -> list[str] | None:
+    """The names of the columns of a frame, a mapping or a record array; `None` of what is none of these."""
+    if isinstance(data, Mapping):
+        return [str(name) for name in data]
+    if isinstance(data, np.ndarray):
+        return list(data.dtype.names) if data.dtype.names else None
+    # pyarrow calls its columns' names so, and pandas, polars and others its columns.
+    names = getattr(data, "column_names", None)
+    if names is None:
+        names = getattr(data, "columns", None)
+    return None if names is None or isinstance(names, str) or callable(names) else [str(name) for name in names]
+
+
+def column(data: Any, name: str) -> Any:
+    """The column of that name; a name that is no text in the frame is found by its text."""
+    if isinstance(data, np.ndarray) or name in data:
+        return data[name]
+    keys = data.keys() if isinstance(data, Mapping) else data.columns
+    for key in keys:
+        if str(key) == name:
+            return data[key]
+    return data[name]
+
+
+def to_array(values: Any, what: str) -> Array:
+    """`values` as numbers, a missing one as NaN."""
+    module = type(values).__module__.split(".")[0]
+    try:
+        if module == "pandas":
+            array = values.to_numpy(dtype=float, na_value=np.nan)
+        elif module == "polars":
+            array = values.cast(import_module("polars").Float64).to_numpy()
+        elif hasattr(values, "to_numpy"):
+            array = values.to_numpy()
+        else:
+            array = np.asarray(values)
+        if array.dtype.kind not in "fiub" and array.dtype != object:
+            raise TypeError(f"{array.dtype}")
+        array = np.ascontiguousarray(array, dtype=np.float64)
+    except (TypeError, ValueError, OverflowError) as error:
+        raise InputError(f"{what}: holds something else than numbers ({error}); give numbers") from error
+    except Exception as error:
+        if module != "polars":
+            raise
+        raise InputError(f"{what}: holds something else than numbers ({error}); give numbers") from error
+    if array.ndim == 2 and array.shape[1] == 1:
+        array = np.ascontiguousarray(array[:, 0])
+    if array.ndim != 1:
+        raise InputError(f"{what}: has {array.ndim} dimensions; give one column")
+    return array
+
+
+def seconds(times: Any) -> Array | None:
+    """Seconds since the first of `times`, where these are dates or durations; a missing one is NaN."""
+    dtype: Any = getattr(times, "dtype", None)
+    if library_of(times) == "polars":
+        if not dtype.is_temporal():
+            return None
+        array = times.to_numpy()
+    elif getattr(dtype, "kind", "") in ("M", "m"):
+        # A time zone is no matter of differences.
+        array = times.to_numpy(f"{'datetime' if dtype.kind == 'M' else 'timedelta'}64[ns]") if hasattr(times, "to_numpy") else times
+    else:
+        return None
+    since = (array - array[:1]).astype("timedelta64[ns]")
+    return np.where(np.isnat(since), np.nan, since.astype(np.int64) / 1e9)
+
+
+def make(columns: Mapping[str, Sequence[Any] | npt.NDArray[Any]], like: Library | None = None) -> Any:
+    """A frame of `columns`: of the library `like`, else of pandas or polars, whichever is there, else a NumPy record array."""
+    order: list[Library] = ["pandas", "polars"]
+    if like == "polars":
+        order.reverse()
+    for library in order:
+        if like == library or library in sys.modules or _is_there(library):
+            return import_module(library).DataFrame(dict(columns))
+    arrays = {name: np.asarray(values) for name, values in columns.items()}
+    kinds = np.dtype([(name, array.dtype) for name, array in arrays.items()])
+    return np.rec.fromarrays(list(arrays.values()), dtype=kinds)
+
+
+def _is_there(library: str) -> bool:
+    try:
+        import_module(library)
+    except ImportError:
+        return False
+    return True

@@ -1,0 +1,314 @@
+"""A damper's law in the manner of scikit-learn and PySINDy: fit, predict, score, print."""
+
+from __future__ import annotations
+
+import inspect
+import json
+import os
+import sys
+import warnings
+from collections.abc import Mapping, Sequence
+from importlib import import_module
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+
+from . import _core, _frames
+from ._errors import InputError, NotFittedError
+from ._frames import Array
+from ._recordings import ChannelLike, Given, RecordingLike, Units
+from ._trace import Trace, model_of, trace
+
+#: Time of the samples, or the time between two of them.
+Time = ChannelLike | float | Sequence[Any] | None
+
+
+class DamperLaw:
+    """The mixed damping law F = k1·y + k3·y³ + c·|v|^α·sgn v, with the effects that it lacks.
+
+    The law is fitted to displacement and force over time. It has the methods of a regressor of scikit-learn, and can be cloned, searched
+    and pickled like one. Fitting and predicting need the time besides: `t` is the samples' times or the time between two of them, and `dt`
+    the latter for whoever calls without `t`, as a search of scikit-learn does.
+
+    Parameters
+    ----------
+    families, exclude
+        Which families of effects are sought, and which are not; all without them.
+    baseline
+        The law without effects: `mixed`, `linear` or `none`.
+    known
+        A model whose effects are known: they stay in the law.
+    inputs
+        Names of control inputs, such as `["current_A"]`: the columns of X beside the displacement.
+    units
+        A unit for each channel, such as `{"force": "N"}`, or `"SI"`. Without it s, mm and kN are assumed, with a warning.
+    dt
+        The time between two samples where `t` is not given.
+    embedded
+        Whether forces are predicted as firmware computes them, in f32, and not in f64.
+
+    Attributes
+    ----------
+    trace_ : the `Trace`, with verdict, effects, errors and report
+    model_ : the model as model.json has it
+    coefficients_ : k1, k3, c and alpha by name; of a law over amplitude an array of each
+    effects_ : the effects by family, each with its parameters
+    verdict_ : `none`, `found`, `ambiguous` or `unlisted`
+    n_features_in_ : columns of X
+    """
+
+    def __init__(
+        self,
+        *,
+        families: Sequence[str] = (),
+        exclude: Sequence[str] = (),
+        baseline: str = "mixed",
+        known: Any = None,
+        inputs: Sequence[str] = (),
+        units: Units = None,
+        dt: float | None = None,
+        embedded: bool = False,
+    ) -> None:
+        self.families = families
+        self.exclude = exclude
+        self.baseline = baseline
+        self.known = known
+        self.inputs = inputs
+        self.units = units
+        self.dt = dt
+        self.embedded = embedded
+
+    def fit(self, X: Any, y: Any, *, t: Time = None, held_out: RecordingLike = None, progress: Any = None) -> DamperLaw:
+        """Fits the law to the displacement `X` and the force `y` at the times `t`, and finds what it lacks.
+
+        `X` is one column, or the displacement and the control inputs. Lists of `X`, `y` and `t` are several recordings. `held_out` are
+        recordings that are never fitted, as `trace` takes them.
+        """
+        recordings = self._recordings(X, y, t)
+        found = trace(
+            recordings if len(recordings) > 1 else recordings[0],
+            inputs=list(self.inputs),
+            held_out=held_out,
+            units=self.units,
+            families=self.families,
+            exclude=self.exclude,
+            baseline=self.baseline,
+            law=self.known,
+            title="Trace of a DamperLaw",
+            progress=progress,
+        )
+        self.trace_ = found
+        self.verdict_ = found.verdict
+        return self._take(found._core.model)
+
+    def predict(self, X: Any, *, t: Time = None) -> Array:
+        """The force in the unit of `y` for the displacement `X` at the times `t`, in which the specimen begins at rest.
+
+        The displacement counts from where the specimen rests. A sample whose displacement is missing has a missing force.
+        """
+        return self._force(X, None, t)
+
+    def score(self, X: Any, y: Any, *, t: Time = None) -> float:
+        """The coefficient of determination R² of the predicted force: 1 less the squared error over the squares about the mean.
+
+        As `hil predict` does, it takes a zero and a delay of the channels from the force.
+        """
+        measured = _frames.to_array(y, "y")
+        predicted = self._force(X, y, t)
+        told = np.isfinite(measured) & np.isfinite(predicted)
+        about = measured[told] - measured[told].mean()
+        return float(1.0 - np.sum((measured[told] - predicted[told]) ** 2) / np.sum(about**2))
+
+    def coefficients(self) -> Array:
+        """k1, k3, c and alpha, a row for each amplitude at which they were fitted."""
+        law = self._found()["law"]
+        return np.array([[node[name] for name in _COEFFICIENTS] for node in law])
+
+    def equations(self, precision: int = 3) -> list[str]:
+        """The law in words, a line for each amplitude and each effect."""
+        model = self._found()
+        lines = []
+        for node in model["law"]:
+            at = f"at {node['amplitude']:.{precision}g} mm: " if len(model["law"]) > 1 else ""
+            k1, k3, c, alpha = (f"{node[name]:.{precision}g}" for name in _COEFFICIENTS)
+            lines.append(f"{at}F = {k1}·y + {k3}·y³ + {c}·|v|^{alpha}·sgn v")
+        for effect in model["effects"]:
+            values = ", ".join(f"{name} = {value:.{precision}g}" for name, value in effect["parameters"].items())
+            lines.append(f"+ {effect['family']}({values})")
+        if model.get("correction"):
+            lines.append("+ a residual table")
+        return [line.replace("+ -", "− ") for line in lines]
+
+    def print(self, precision: int = 3) -> None:
+        """Prints the equations, in mm, s and kN."""
+        print("\n".join(self.equations(precision)))
+
+    def save(self, path: str | os.PathLike[str]) -> None:
+        """Writes the model as a model.json, which the commands take."""
+        self._model().write(path)
+
+    @classmethod
+    def load(cls, path: str | os.PathLike[str], **parameters: Any) -> DamperLaw:
+        """The law of a model.json, that this or `hil trace` wrote."""
+        return cls.of(path, **parameters)
+
+    @classmethod
+    def of(cls, model: Any, **parameters: Any) -> DamperLaw:
+        """The law of a trace, of the contents of a model.json, or of its path."""
+        law = cls(**parameters)
+        found = model_of(model)
+        if isinstance(model, Trace):
+            law.trace_ = model
+            law.verdict_ = model.verdict
+        named = [control["name"] for control in json.loads(found.to_json()).get("controls", [])]
+        if named and not law.inputs:
+            law.inputs = named
+        return law._take(found)
+
+    def get_params(self, deep: bool = True) -> dict[str, Any]:
+        """The parameters by name."""
+        return {name: getattr(self, name) for name in self._names()}
+
+    def set_params(self, **parameters: Any) -> DamperLaw:
+        """Sets parameters by name."""
+        for name, value in parameters.items():
+            if name not in self._names():
+                raise InputError(f"DamperLaw: no parameter is called {name!r}; give {', '.join(self._names())}")
+            setattr(self, name, value)
+        return self
+
+    def __repr__(self) -> str:
+        defaults = inspect.signature(type(self).__init__).parameters
+        given = [f"{name}={value!r}" for name, value in self.get_params().items() if value is not defaults[name].default]
+        return f"DamperLaw({', '.join(given)})"
+
+    def __getstate__(self) -> dict[str, Any]:
+        state = dict(self.__dict__)
+        core = state.pop("_core_model", None)
+        state.pop("trace_", None)
+        if core is not None:
+            state["_core_model"] = core.to_json()
+        return state
+
+    def __setstate__(self, state: dict[str, Any]) -> None:
+        state = dict(state)
+        model = state.pop("_core_model", None)
+        self.__dict__.update(state)
+        if model is not None:
+            self._core_model = _core.Model.of_json(model)
+
+    def __sklearn_is_fitted__(self) -> bool:
+        return hasattr(self, "_core_model")
+
+    def __sklearn_tags__(self) -> Any:
+        tags = import_module("sklearn.utils")
+        return tags.Tags(
+            estimator_type="regressor",
+            target_tags=tags.TargetTags(required=True),
+            regressor_tags=tags.RegressorTags(),
+            input_tags=tags.InputTags(one_d_array=True, allow_nan=True),
+        )
+
+    @classmethod
+    def _names(cls) -> list[str]:
+        return sorted(name for name in inspect.signature(cls.__init__).parameters if name != "self")
+
+    def _take(self, model: _core.Model) -> DamperLaw:
+        self._core_model = model
+        self.model_: dict[str, Any] = json.loads(model.to_json())
+        law = self.model_["law"]
+        several = len(law) > 1
+        self.coefficients_: dict[str, Any] = {
+            name: np.array([node[name] for node in law]) if several else law[0][name] for name in _COEFFICIENTS
+        }
+        self.effects_: dict[str, dict[str, float]] = {effect["family"]: dict(effect["parameters"]) for effect in self.model_["effects"]}
+        self.n_features_in_ = 1 + len(self.inputs)
+        return self
+
+    def _model(self) -> _core.Model:
+        if not hasattr(self, "_core_model"):
+            raise _not_fitted("this DamperLaw is not fitted; call fit, or load a model.json")
+        return self._core_model
+
+    def _found(self) -> dict[str, Any]:
+        self._model()
+        return self.model_
+
+    def _force(self, X: Any, y: Any, t: Time) -> Array:
+        model = self._model()
+        (columns,) = self._recordings(X, y, t, one=True)
+        given = Given(inputs=list(self.inputs), units=self.units, needs_force=y is not None)
+        rows = len(columns["displacement"])
+        recording = given.recording(columns, "X")
+        given.say_assumed(stacklevel=3)
+        force, said = model.predict(recording, y is not None, self.embedded, [])
+        for sentence in said:
+            warnings.warn(sentence, stacklevel=3)
+        predicted = np.full(rows, np.nan)
+        predicted[recording.rows()] = force / _core.kilonewtons(given.unit_of("force") or "kN")
+        return predicted
+
+    def _recordings(self, X: Any, y: Any, t: Time, one: bool = False) -> list[Mapping[str, Any]]:
+        """The columns of each recording."""
+        t = self.dt if t is None else t
+        if t is None:
+            raise InputError("t: the samples' times are missing; give t= as their times or as the time between two of them")
+        several = isinstance(X, (list, tuple)) and len(X) > 0 and np.ndim(X[0]) > 0
+        if several and one:
+            raise InputError("X: is a list of recordings; give one")
+        if not several:
+            return [self._columns(X, y, t)]
+        if not isinstance(y, (list, tuple)) or len(y) != len(X):
+            raise InputError(f"y: is not as many recordings as X, which are {len(X)}; give a force for each")
+        times = t if isinstance(t, (list, tuple)) else [t] * len(X)
+        if len(times) != len(X):
+            raise InputError(f"t: is not as many recordings as X, which are {len(X)}; give times for each, or one for all")
+        return [self._columns(*each) for each in zip(X, y, times)]
+
+    def _columns(self, X: Any, y: Any, t: Any) -> Mapping[str, Any]:
+        features = self._features(X)
+        names = ["displacement", *self.inputs]
+        if len(features) != len(names):
+            raise InputError(
+                f"X: has {len(features)} columns; give the displacement"
+                + (f" and {', '.join(self.inputs)}" if self.inputs else ", and name control inputs in inputs=")
+            )
+        columns: dict[str, Any] = dict(zip(names, features))
+        rows = len(features[0])
+        if np.ndim(t) == 0:
+            step = float(t)
+            if not (np.isfinite(step) and step > 0):
+                raise InputError(f"t: {step:g} is no time between samples; give one above 0, or the samples' times")
+            t = step * np.arange(rows)
+        columns["time"] = t
+        if y is not None:
+            columns["force"] = y
+        for name in ("time", "force"):
+            if name in columns and len(columns[name]) != rows:
+                short = "t" if name == "time" else "y"
+                raise InputError(f"{short}: has {len(columns[name])} samples, and X has {rows}; give as many")
+        return columns
+
+    def _features(self, X: Any) -> list[Array]:
+        names = _frames.column_names(X)
+        if names is not None:
+            return [_frames.to_array(_frames.column(X, name), f"X: {name}") for name in names]
+        array: npt.NDArray[Any] = np.asarray(X)
+        if array.ndim == 1:
+            return [_frames.to_array(X, "X")]
+        if array.ndim != 2:
+            raise InputError(f"X: has {array.ndim} dimensions; give one column, or rows of samples")
+        return [_frames.to_array(array[:, place], "X") for place in range(array.shape[1])]
+
+
+def _not_fitted(text: str) -> NotFittedError:
+    """The error that scikit-learn looks for as well, where that is in use."""
+    theirs = sys.modules.get("sklearn.exceptions")
+    if theirs is None:
+        return NotFittedError(text)
+    error: NotFittedError = type("NotFittedError", (NotFittedError, theirs.NotFittedError), {})(text)
+    return error
+
+
+_COEFFICIENTS = ("k1", "k3", "c", "alpha")

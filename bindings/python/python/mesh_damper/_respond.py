@@ -1,0 +1,126 @@
+"""The motion of a mass on a damper."""
+
+from __future__ import annotations
+
+import json
+import os
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+from . import _core, _frames
+from ._errors import InputError
+from ._recordings import ChannelLike, Given, RecordingLike, Units
+from ._trace import model_of
+
+
+@dataclass(frozen=True)
+class Response:
+    """The motion of a mass on a damper. `respond` makes it."""
+
+    #: Time, the damper's displacement, velocity and force, the mass's displacement, velocity and acceleration, and what drives it, as a
+    #: data frame. Units are in the names. `trace` takes it as a recording.
+    motion: Any
+    #: J: `input` = `kinetic` + `elastic` + `dissipated` + `residual`.
+    energy: dict[str, float]
+    #: Step of the integration, s.
+    step: float
+    #: By which part the displacements changed when the steps were halved last.
+    change_on_halving: float
+    #: Whether that is within the tolerance.
+    settled: bool
+    #: Mass of the model's own effect `inertia`, kg.
+    model_mass: float
+    #: Effects that act in another way than on a prediction, with the reason.
+    left_out: dict[str, str]
+    #: What is to be known of it, in sentences.
+    warnings: list[str]
+
+
+def respond(
+    model: Any,
+    *,
+    mass: float,
+    force: RecordingLike = None,
+    base: RecordingLike = None,
+    t: ChannelLike | float | None = None,
+    units: Units = None,
+    controls: Mapping[str, float] | None = None,
+    with_offset: bool = False,
+    tolerance: float | None = None,
+    progress: Callable[[str], object] | None = None,
+) -> Response:
+    """The motion of `mass` kg on the damper of `model`, as `hil respond` computes it.
+
+    It moves under a `force` on the mass, or on a `base` that moves. Either is a path, a data frame with a time and that channel, or an
+    array with `t`: the samples' times or the time between two.
+    `controls` are control inputs that hold throughout. Units are given as to `trace`.
+    """
+    if (force is None) == (base is None):
+        raise InputError("respond: give a force on the mass or a motion of the base, as force= or base=")
+    drive, given = _drive(force if base is None else base, base is None, t, units)
+    given.say_assumed(stacklevel=2)
+    columns, text = _core.respond(model_of(model), drive, float(mass), with_offset, tolerance, _pairs(controls), progress)
+    said = json.loads(text)
+    return Response(
+        motion=_frames.make(columns, given.library),
+        energy=said["energy"],
+        step=said["step"],
+        change_on_halving=said["change_on_halving"],
+        settled=said["settled"],
+        model_mass=said["model_mass"],
+        left_out={each["family"]: each["reason"] for each in said["left_out"]},
+        warnings=said["warnings"],
+    )
+
+
+def transmissibility(
+    model: Any,
+    *,
+    mass: float,
+    amplitudes: Sequence[float] | float,
+    start: float,
+    stop: float,
+    points: int = 60,
+    controls: Mapping[str, float] | None = None,
+    with_offset: bool = False,
+    progress: Callable[[str], object] | None = None,
+) -> Any:
+    """How far `mass` kg move on a base that moves by sines, as `hil respond --sweep` computes it.
+
+    The sines have `amplitudes` in mm, and `points` frequencies from `start` to `stop` Hz.
+
+    A data frame with a row a motion: `base_amplitude` in mm, `frequency` in Hz, `transmissibility`, `phase` in degrees, `peak`,
+    `damper_amplitude` in mm, `damper_speed` in mm/s, `cycles`, `steady`, `change`.
+    """
+    all_amplitudes = [amplitudes] if isinstance(amplitudes, (int, float)) else list(amplitudes)
+    text = _core.sweep(
+        model_of(model),
+        float(mass),
+        [float(amplitude) for amplitude in all_amplitudes],
+        (float(start), float(stop), points),
+        with_offset,
+        _pairs(controls),
+        progress,
+    )
+    found = json.loads(text)["points"]
+    return _frames.make({name: [point[name] for point in found] for name in (found[0] if found else {})})
+
+
+def _drive(data: Any, is_force: bool, t: ChannelLike | float | None, units: Units) -> tuple[_core.Drive, Given]:
+    channel = "force" if is_force else "displacement"
+    if isinstance(data, (str, os.PathLike)):
+        if t is not None or units is not None:
+            raise InputError(f"{os.fspath(data)}: a file has its own times and units; leave t= and units= out")
+        return _core.Drive.read(data, is_force), Given()
+    is_table = _frames.column_names(data) is not None
+    if not is_table and t is None:
+        raise InputError("t: the samples' times are missing; give t= as their times or as the time between two of them")
+    given = Given(channels={"time": t, channel: None if is_table else data}, units=units)
+    name = "force" if is_force else "base"
+    columns = given.columns(data if is_table else None, name)
+    return _core.Drive.of_columns(name, columns, is_force), given
+
+
+def _pairs(controls: Mapping[str, float] | None) -> list[tuple[str, float]]:
+    return [(name, float(value)) for name, value in (controls or {}).items()]

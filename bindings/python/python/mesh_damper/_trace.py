@@ -1,0 +1,364 @@
+"""A trace: what a law lacks in recordings, and the law with it."""
+
+from __future__ import annotations
+
+import json
+import math
+import os
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, Literal
+
+import numpy as np
+
+from . import _core, _frames
+from ._errors import InputError
+from ._frames import Library
+from ._recordings import ChannelLike, Given, Inputs, RecordingLike, Units
+from ._words import interval, percent, unit_in_words
+
+if TYPE_CHECKING:
+    from ._law import DamperLaw
+
+
+@dataclass(frozen=True)
+class Errors:
+    """Errors of a model's force, RMS over the RMS of the measured force."""
+
+    #: On the samples that were fitted; `None` where it was not computed.
+    nrmse_fitted: float | None
+    #: On the samples that were never fitted.
+    nrmse_held_out: float
+
+
+@dataclass(frozen=True)
+class Baseline(Errors):
+    """The law before anything was added to it."""
+
+    #: `mixed_damping`, `linear` or `none`.
+    law: str
+    #: The families of effects that were known before.
+    known: tuple[str, ...]
+
+
+class Trace:
+    """What a trace found. `trace` makes it."""
+
+    def __init__(self, core: _core.Trace, assumed: Sequence[str] = (), library: Library | None = None) -> None:
+        self._core = core
+        self._json = core.to_json()
+        self._found: dict[str, Any] = json.loads(self._json)
+        self._library = library
+        #: What was assumed of the recordings' units, in sentences.
+        self.assumed: list[str] = list(assumed)
+
+    @property
+    def verdict(self) -> str:
+        """`none`, `found`, `ambiguous` or `unlisted`."""
+        return str(self._found["verdict"])
+
+    @property
+    def effects(self) -> Any:
+        """The effects that were found, a row a parameter, with their 90 % intervals.
+
+        A pandas data frame, or a polars one where the recording was one. An end of an interval that the data set no bound to is infinite.
+        """
+        return self._effects(self._found["effects"])
+
+    @property
+    def unconfirmed(self) -> Any:
+        """Effects of the model that are not confirmed, as `effects`."""
+        return self._effects(self._found["unconfirmed"])
+
+    @property
+    def candidates(self) -> Any:
+        """All families that were tried, the best first, as a data frame."""
+        names = (
+            "family",
+            "step",
+            "added",
+            "distinguishable",
+            "admissible",
+            "rejected_by",
+            "nrmse_held_out",
+            "nrmse_judged",
+        )
+        rows = self._found["candidates"]
+        return _frames.make({name: [row[name] for row in rows] for name in names}, self._library)
+
+    @property
+    def baseline(self) -> Baseline:
+        """The law alone."""
+        found = self._found["baseline"]
+        return Baseline(
+            nrmse_fitted=found["nrmse_fitted"],
+            nrmse_held_out=found["nrmse_held_out"],
+            law=found["law"],
+            known=tuple(found["known"]),
+        )
+
+    @property
+    def augmented(self) -> Errors:
+        """The law with what was found, in f64: the errors of `model`."""
+        found = self._found["augmented"]
+        return Errors(found["nrmse_fitted"], found["nrmse_held_out"])
+
+    @property
+    def on_target(self) -> Errors:
+        """The same as firmware runs it, in f32."""
+        return Errors(None, self._found["on_target"]["nrmse_held_out"])
+
+    @property
+    def noise_floor(self) -> float:
+        """The noise of the measured force, over its RMS."""
+        return float(self._found["noise_floor_nrmse"])
+
+    @property
+    def adopted(self) -> bool:
+        """Whether the model has what was found; else it is the law alone."""
+        return bool(self._found["adopted"])
+
+    @property
+    def depends_on(self) -> list[str]:
+        """What the force beyond the law depends on."""
+        return list(self._found["depends_on"])
+
+    @property
+    def remainder(self) -> dict[str, Any] | None:
+        """What the law with all effects leaves beyond the noise; `None` where it leaves nothing."""
+        remainder: dict[str, Any] | None = self._found["remainder"]
+        return remainder
+
+    @property
+    def separating_test(self) -> str | None:
+        """The test that would tell the candidates apart, where the verdict is `ambiguous`."""
+        test: str | None = self._found["separating_test"]
+        return test
+
+    @property
+    def warnings(self) -> list[str]:
+        """What is wrong with the recordings, in sentences."""
+        return list(self._found["warnings"])
+
+    @property
+    def model(self) -> dict[str, Any]:
+        """The model, as model.json has it."""
+        model: dict[str, Any] = json.loads(self._core.model.to_json())
+        return model
+
+    def series(self, recording: int = 0) -> Any:
+        """Motion and forces of a recording as a data frame.
+
+        Its columns are `time_s`, `displacement_mm`, `velocity_mm_s`, `force_kN`; `before_kN` of the law alone and `after_kN` of the law
+        with what was found; and `measured`, which is false where a channel had a fault.
+        """
+        series = self._core.series()[recording]
+        names = {
+            "time_s": "time",
+            "displacement_mm": "displacement",
+            "velocity_mm_s": "velocity",
+            "force_kN": "force",
+            "before_kN": "before",
+            "after_kN": "after",
+            "measured": "measured",
+        }
+        return _frames.make({column: series[name] for column, name in names.items()}, self._library)
+
+    def to_json(self) -> str:
+        """The contents of trace.json, as `hil trace` writes it."""
+        return self._json
+
+    def to_dict(self) -> dict[str, Any]:
+        """The same as a dictionary."""
+        found: dict[str, Any] = json.loads(self._json)
+        return found
+
+    @property
+    def law(self) -> DamperLaw:
+        """The law with what was found, fitted: it predicts, scores and is saved."""
+        from ._law import DamperLaw
+
+        return DamperLaw.of(self)
+
+    def plot(
+        self,
+        kind: Literal["all", "loop", "residual"] = "all",
+        *,
+        recording: int = 0,
+        block: int | None = None,
+        ax: Any = None,
+    ) -> Any:
+        """The loop of a block, measured, by the law alone and with what was found; and what both leave over time. A figure of matplotlib.
+
+        Without `block` it is the one on which the law alone is furthest off. `ax` are axes of `kind` `loop` or `residual`.
+        """
+        from ._plot import traced
+
+        series = self._core.series()[recording]
+        noise = self.noise_floor * float(np.sqrt(np.mean(np.square(series["force"]))))
+        return traced(series, kind, block, ax, noise)
+
+    def report(self, path: str | os.PathLike[str] | None = None) -> Report:
+        """The report, as `hil trace` writes it; a notebook shows it. With `path` it is written there as well."""
+        report = Report(self._core.report())
+        if path is not None:
+            report.save(path)
+        return report
+
+    def save(self, folder: str | os.PathLike[str]) -> None:
+        """Writes trace.json, model.json and report.html into `folder`, as `hil trace --out` does."""
+        place = Path(folder)
+        place.mkdir(parents=True, exist_ok=True)
+        (place / "trace.json").write_text(self._json, encoding="utf-8")
+        (place / "model.json").write_text(self._core.model.to_json(), encoding="utf-8")
+        (place / "report.html").write_text(self._core.report(), encoding="utf-8")
+
+    def __repr__(self) -> str:
+        heading, _ = self._core.verdict_in_words()
+        lines = [f"Trace: {heading}"]
+        for effect in self._found["effects"]:
+            for name, estimate in effect["parameters"].items():
+                low, value, high = interval(estimate["low"], estimate["value"], estimate["high"])
+                lines.append(f"  {effect['family']} {name} = {value} ({low} … {high}) {unit_in_words(estimate['unit'])}".rstrip())
+        lines.append(
+            f"  error of the force, held out: law alone {percent(self.baseline.nrmse_held_out)}, "
+            f"with what was found {percent(self.augmented.nrmse_held_out)}, noise {percent(self.noise_floor)}"
+        )
+        return "\n".join(lines + [f"  note: {text}" for text in [*self.assumed, *self.warnings]])
+
+    def _repr_html_(self) -> str:
+        from ._html import trace as page
+
+        return page(self)
+
+    def _effects(self, effects: list[dict[str, Any]]) -> Any:
+        rows = [
+            (
+                effect["family"],
+                name,
+                estimate["value"],
+                -math.inf if estimate["low"] is None else estimate["low"],
+                math.inf if estimate["high"] is None else estimate["high"],
+                estimate["unit"],
+                effect["nrmse_without"],
+                effect["nrmse_with"],
+            )
+            for effect in effects
+            for name, estimate in effect["parameters"].items()
+        ]
+        names = ("family", "parameter", "value", "low", "high", "unit", "nrmse_without", "nrmse_with")
+        return _frames.make({name: [row[place] for row in rows] for place, name in enumerate(names)}, self._library)
+
+
+class Report:
+    """A report: one page that needs nothing else. A notebook shows it."""
+
+    def __init__(self, html: str) -> None:
+        #: The page.
+        self.html = html
+
+    def save(self, path: str | os.PathLike[str]) -> None:
+        """Writes the page."""
+        Path(path).write_text(self.html, encoding="utf-8")
+
+    def __str__(self) -> str:
+        return self.html
+
+    def __repr__(self) -> str:
+        return f"Report of {len(self.html) // 1024} KiB; save(path) writes it"
+
+    def _repr_html_(self) -> str:
+        from ._html import framed
+
+        return framed(self.html, 640)
+
+
+def trace(
+    data: RecordingLike = None,
+    *,
+    time: ChannelLike | float | None = None,
+    displacement: ChannelLike | None = None,
+    force: ChannelLike | None = None,
+    velocity: ChannelLike | None = None,
+    temperature: ChannelLike | None = None,
+    inputs: Inputs = None,
+    held_out: RecordingLike = None,
+    units: Units = None,
+    families: Sequence[str] = (),
+    exclude: Sequence[str] = (),
+    baseline: str = "mixed",
+    law: Any = None,
+    title: str | None = None,
+    max_read: int | None = None,
+    progress: Callable[[str], object] | None = None,
+) -> Trace:
+    """Finds what the law lacks in recordings of one specimen.
+
+    `data` is a path, a pandas or polars data frame, a mapping of columns, a NumPy record array, or a list of these. Without it `time`,
+    `displacement` and `force` are the arrays themselves.
+
+    A file's columns are found as `hil trace` finds them. A frame's are found by their names too, `force_kN`, `Force (kN)`
+    or `force`; or `time=`, `displacement=`, `force=`, `velocity=`, `temperature=` name them or are arrays. `time` may be the time between
+    samples. A unit comes from a column's name or from `units`; where neither says one, s, mm and kN are assumed, with a `UnitWarning`.
+
+    `inputs` are control inputs such as `["current_A"]`; without it, all columns are whose names are such.
+
+    `held_out` are recordings that are never fitted; without it, the last cycles of each block and one whole block are held out.
+
+    `families` and `exclude` restrict what is sought, `baseline` is the law without effects (`mixed`, `linear` or `none`), and `law` is a
+    model whose effects are known.
+
+    `progress` is called with a sentence at each step. Ctrl-C ends a trace.
+
+    Raises `InputError`, a `ValueError`, for input that is refused.
+    """
+    channels: dict[str, ChannelLike | float | None] = {
+        "time": time,
+        "displacement": displacement,
+        "force": force,
+        "velocity": velocity,
+        "temperature": temperature,
+    }
+    given = Given(channels=channels, inputs=inputs, units=units, max_read=max_read)
+    recordings = given.recordings(data, "recording")
+    if not recordings:
+        raise InputError("trace: there is no recording; give a path, a data frame, or time=, displacement= and force=")
+    held = [] if held_out is None else given.by_names().recordings(held_out, "held-out recording")
+    _core.refuse_repeats(_paths(data) + _paths(held_out))
+    given.say_assumed(stacklevel=2)
+    names = [os.path.basename(each.name) for each in recordings]
+    core = _core.trace(
+        title or f"Trace of {', '.join(names)}",
+        recordings,
+        held,
+        [families] if isinstance(families, str) else list(families),
+        [exclude] if isinstance(exclude, str) else list(exclude),
+        baseline,
+        None if law is None else model_of(law),
+        progress,
+    )
+    return Trace(core, given.assumptions(), given.library)
+
+
+def model_of(law: Any) -> _core.Model:
+    """The model of a path, a trace, a fitted law, or the contents of model.json."""
+    if isinstance(law, _core.Model):
+        return law
+    if isinstance(law, Trace):
+        return law._core.model
+    if isinstance(law, (str, os.PathLike)):
+        return _core.Model.read(law)
+    if isinstance(law, dict):
+        return _core.Model.of_json(json.dumps(law))
+    model = getattr(law, "_model", None)
+    if callable(model):
+        found = model()
+        if isinstance(found, _core.Model):
+            return found
+    raise InputError(f"{type(law).__name__} is no model; give the path of a model.json, a trace or a fitted DamperLaw")
+
+
+def _paths(data: RecordingLike) -> list[str]:
+    each = data if isinstance(data, (list, tuple)) else [data]
+    return [os.fspath(one) for one in each if isinstance(one, (str, os.PathLike))]

@@ -1,0 +1,65 @@
+//! Stiffness and loss factor of a recording.
+
+use mesh_damper_characterize::{DynamicTest, StaticTest, dynamic_test, static_test};
+use pyo3::prelude::*;
+use serde::Serialize;
+
+use crate::error::refused;
+use crate::model::json;
+use crate::recording::Recording;
+
+/// What `hil characterize --json` writes.
+#[derive(Serialize)]
+struct Summary<'a> {
+    recording: &'a str,
+    #[serde(flatten)]
+    found: Found,
+}
+
+#[derive(Serialize)]
+#[serde(tag = "kind", rename_all = "snake_case")]
+enum Found {
+    Static(StaticTest),
+    Dynamic(DynamicTest),
+}
+
+/// The points of a loop, mm and kN.
+type Loop = Vec<(f64, f64)>;
+
+/// The JSON of `hil characterize`, and of every cycle or block what is drawn: the measured loop, and the line that is made of it.
+#[pyfunction]
+fn characterize(
+    py: Python<'_>,
+    recording: PyRef<'_, Recording>,
+    is_static: bool,
+) -> PyResult<(String, Vec<(Loop, Loop)>)> {
+    let inner = recording.inner.clone();
+    let found = py.detach(move || match is_static {
+        true => static_test(&inner).map(Found::Static),
+        false => dynamic_test(&inner).map(Found::Dynamic),
+    });
+    let found = found.map_err(|error| refused(&error))?;
+    let loops = match &found {
+        Found::Static(test) => {
+            let cycles = test.cycles.iter();
+            cycles
+                .map(|each| (each.curve.clone(), each.middle.clone()))
+                .collect()
+        }
+        Found::Dynamic(test) => {
+            let blocks = test.blocks.iter();
+            blocks
+                .map(|each| (each.measured.clone(), each.averaged_loop.clone()))
+                .collect()
+        }
+    };
+    let summary = Summary {
+        recording: &recording.inner.name,
+        found,
+    };
+    Ok((json(&summary)?, loops))
+}
+
+pub fn add_to(module: &Bound<'_, PyModule>) -> PyResult<()> {
+    module.add_function(wrap_pyfunction!(characterize, module)?)
+}

@@ -1,0 +1,157 @@
+//! A model, and the force that it predicts.
+
+use std::path::PathBuf;
+use std::sync::Arc;
+
+use mesh_damper_model::extrapolation::Extrapolation;
+use mesh_damper_model::file::{ModelFile, model_error};
+use mesh_damper_model::predict::{predict, predict_embedded};
+use mesh_damper_recording as recording;
+use mesh_damper_recording::error::InputError;
+use mesh_damper_recording::output::Plan;
+use mesh_damper_recording::trajectory::{Known, Trajectory};
+use numpy::{IntoPyArray as _, PyArray1};
+use pyo3::prelude::*;
+use serde::Serialize;
+
+use crate::error::{refused, refused_of};
+use crate::recording::Recording;
+
+/// A law with its effects: the contents of model.json.
+#[pyclass(frozen, module = "mesh_damper._core")]
+pub struct Model {
+    pub inner: Arc<ModelFile>,
+    /// What errors call it.
+    pub name: String,
+}
+
+impl Model {
+    pub fn of(inner: Arc<ModelFile>) -> Self {
+        Self {
+            inner,
+            name: "the model".into(),
+        }
+    }
+}
+
+#[pymethods]
+impl Model {
+    /// The model in a file.
+    #[staticmethod]
+    fn read(path: PathBuf) -> PyResult<Self> {
+        let file = ModelFile::read(&path).map_err(|error| refused_of(&path, &error))?;
+        Ok(Self {
+            inner: Arc::new(file),
+            name: path.display().to_string(),
+        })
+    }
+
+    /// The model in the text of such a file.
+    #[staticmethod]
+    fn of_json(text: &str) -> PyResult<Self> {
+        let file = ModelFile::from_bytes("the model", text.as_bytes());
+        Ok(Self::of(Arc::new(file.map_err(|error| refused(&error))?)))
+    }
+
+    /// The contents of model.json.
+    fn to_json(&self) -> PyResult<String> {
+        json(&*self.inner)
+    }
+
+    /// Which model it is, as packs and exports say it.
+    #[getter]
+    fn identity(&self) -> String {
+        self.inner.identity().to_string()
+    }
+
+    /// The force in kN for the motion of a recording, at its samples, as `hil predict` computes it: in f64 as it was fitted, or in f32 as
+    /// firmware runs it. And what there is to say of it.
+    ///
+    /// A motion without a force is taken as it is; one with it is moved to where the force says that the specimen rests, and the
+    /// force that is returned is as late as the recorded one was.
+    fn predict<'py>(
+        &self,
+        py: Python<'py>,
+        recording: PyRef<'py, Recording>,
+        has_force: bool,
+        is_embedded: bool,
+        controls: Vec<(String, f64)>,
+    ) -> PyResult<(Bound<'py, PyArray1<f64>>, Vec<String>)> {
+        let (file, name) = (Arc::clone(&self.inner), self.name.clone());
+        let inner = Arc::clone(&recording.inner);
+        let work = move || predicted(&file, &name, &inner, has_force, is_embedded, &controls);
+        let (force, warnings) = py.detach(work).map_err(|error| refused(&error))?;
+        Ok((force.into_pyarray(py), warnings))
+    }
+
+    /// Writes it as a file, whole or not at all.
+    fn write(&self, path: PathBuf) -> PyResult<()> {
+        let written = || {
+            let mut outputs = Plan::new().writes([&path]).begin()?;
+            outputs.add_json(&path, &*self.inner)?;
+            outputs.write()
+        };
+        written().map_err(|error| refused(&error))
+    }
+}
+
+fn predicted(
+    file: &ModelFile,
+    name: &str,
+    recording: &recording::Recording,
+    has_force: bool,
+    is_embedded: bool,
+    controls: &[(String, f64)],
+) -> Result<(Vec<f64>, Vec<String>), InputError> {
+    let model = file.model();
+    // As a trace has it: the same faults are mended.
+    let mut mended = recording.mended();
+    let known = (recording.name.as_str(), mended.controls.as_slice());
+    let held = model.held_controls(known, controls, mended.len())?;
+    let mut warnings: Vec<String> = (held.iter().zip(&model.controls))
+        .filter_map(|(channel, control)| control.beyond(&channel.values))
+        .collect();
+    if held != mended.controls {
+        mended.to_mut().controls = held;
+    }
+    let uniform = mended.uniform()?;
+    let known = match has_force {
+        true => Known::default(),
+        false => Known {
+            late: Some(0.0),
+            is_off: Some(false),
+        },
+    };
+    let trajectory = Trajectory::knowing(&mended, known)?;
+    let force = match is_embedded {
+        true => predict_embedded(&model, &trajectory),
+        false => predict(&model, &trajectory),
+    };
+    let force = force.map_err(|error| model_error(name, &error))?;
+    let faults = trajectory.faults.iter();
+    warnings.extend(faults.map(|fault| format!("{}: {fault}", recording.name)));
+    let motion = &trajectory.motion;
+    let outside = Extrapolation::of(&file.fitted_range(), &motion.displacement, &motion.velocity);
+    warnings.extend(outside.in_words("samples", name));
+    if recording.temperature.is_none() && model.depends_on_temperature() {
+        warnings.push(format!(
+            "{name} depends on temperature, and {} has none: {} °C is assumed",
+            recording.name,
+            trajectory.temperature_at(0)
+        ));
+    }
+    Ok((uniform.at_samples_of(&mended, &force), warnings))
+}
+
+/// As the commands write it.
+pub fn json(value: &impl Serialize) -> PyResult<String> {
+    let text = serde_json::to_string_pretty(value).map_err(|error| {
+        let mend = "report this";
+        refused(&InputError::new("JSON", error.to_string(), mend))
+    })?;
+    Ok(text + "\n")
+}
+
+pub fn add_to(module: &Bound<'_, PyModule>) -> PyResult<()> {
+    module.add_class::<Model>()
+}

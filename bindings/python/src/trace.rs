@@ -1,0 +1,152 @@
+//! A trace and what it found.
+
+use std::sync::Arc;
+
+use mesh_damper_identify::base_law::BaseLaw;
+use mesh_damper_identify::trace::result::TraceResult;
+use mesh_damper_identify::trace::{Sought, trace_for};
+use mesh_damper_model::Family;
+use mesh_damper_model::file::ModelFile;
+use mesh_damper_recording as recording;
+use mesh_damper_recording::error::InputError;
+use mesh_damper_recording::output::Labelled;
+use mesh_damper_report::{self as report, ReportData, declared};
+use numpy::{IntoPyArray as _, PyArray1};
+use pyo3::prelude::*;
+use pyo3::types::PyDict;
+
+use crate::error::{not_traced, refused};
+use crate::model::{Model, json};
+use crate::recording::Recording;
+use crate::work::beside;
+
+/// What a trace found.
+#[pyclass(frozen, module = "mesh_damper._core")]
+pub struct Trace {
+    report: ReportData,
+    model: Arc<ModelFile>,
+}
+
+#[pymethods]
+impl Trace {
+    /// The contents of trace.json.
+    fn to_json(&self) -> PyResult<String> {
+        json(&Labelled::new(TraceResult::LABEL, &self.report.result))
+    }
+
+    /// The contents of model.json, as a model.
+    #[getter]
+    fn model(&self) -> Model {
+        Model::of(Arc::clone(&self.model))
+    }
+
+    /// The contents of report.html.
+    fn report(&self, py: Python<'_>) -> String {
+        py.detach(|| report::render(&self.report))
+    }
+
+    /// The verdict in a heading and a sentence.
+    fn verdict_in_words(&self) -> (String, String) {
+        report::text::verdict(&self.report.result)
+    }
+
+    /// Of each recording the channels and forces that a report draws, in s, mm and kN, and the samples of a cycle of each block.
+    fn series<'py>(&self, py: Python<'py>) -> PyResult<Vec<Bound<'py, PyDict>>> {
+        let all = self.report.series.iter();
+        all.map(|series| {
+            let drawn = PyDict::new(py);
+            drawn.set_item("name", &series.name)?;
+            for (name, values) in [
+                ("time", &series.time),
+                ("displacement", &series.displacement),
+                ("velocity", &series.velocity),
+                ("force", &series.force),
+                ("before", &series.before),
+                ("after", &series.after),
+            ] {
+                drawn.set_item(name, array(py, values))?;
+            }
+            drawn.set_item("measured", series.measured.clone().into_pyarray(py))?;
+            let blocks = series.blocks.iter().map(|block| {
+                let place = (block.cycle.start, block.cycle.end);
+                (place, block.amplitude, block.frequency, block.held_out)
+            });
+            drawn.set_item("blocks", blocks.collect::<Vec<_>>())?;
+            Ok(drawn)
+        })
+        .collect()
+    }
+}
+
+fn array<'py>(py: Python<'py>, values: &[f64]) -> Bound<'py, PyArray1<f64>> {
+    values.to_vec().into_pyarray(py)
+}
+
+/// Finds what the law lacks in `recordings`, without the interpreter's lock.
+#[pyfunction]
+#[pyo3(signature = (title, recordings, held_out, families, exclude, baseline, law=None, progress=None))]
+#[expect(
+    clippy::too_many_arguments,
+    reason = "the Python function before it names them"
+)]
+fn trace(
+    py: Python<'_>,
+    title: String,
+    recordings: Vec<PyRef<'_, Recording>>,
+    held_out: Vec<PyRef<'_, Recording>>,
+    families: Vec<String>,
+    exclude: Vec<String>,
+    baseline: &str,
+    law: Option<PyRef<'_, Model>>,
+    progress: Option<Bound<'_, PyAny>>,
+) -> PyResult<Trace> {
+    let known = match &law {
+        Some(model) => Sought::beside(&model.inner, &model.name).map_err(|e| refused(&e))?,
+        None => Sought::default(),
+    };
+    let sought = Sought {
+        families: named("families", &families)?,
+        exclude: named("exclude", &exclude)?,
+        law: base_law(baseline)?,
+        ..known
+    };
+    let copied = |all: &[PyRef<'_, Recording>]| -> Vec<recording::Recording> {
+        all.iter().map(|each| (*each.inner).clone()).collect()
+    };
+    let (fitted, held) = (copied(&recordings), copied(&held_out));
+    let traced = beside(py, progress.as_ref(), move |step| {
+        let found = trace_for(&sought, &fitted, &held, step)?;
+        let facts = declared(&fitted);
+        let model = Arc::new(found.model_file());
+        let report = ReportData::of_trace(title, facts, found);
+        Ok(Trace { report, model })
+    })?;
+    traced.map_err(|error| not_traced(&error))
+}
+
+fn named(option: &str, names: &[String]) -> PyResult<Vec<Family>> {
+    let family = |name: &String| {
+        Family::named(name).ok_or_else(|| {
+            let all: Vec<&str> = Family::all().map(Family::name).collect();
+            let mend = format!("give one of {}", all.join(", "));
+            let problem = format!("no effect is called {name:?}");
+            refused(&InputError::new(option, problem, mend))
+        })
+    };
+    names.iter().map(family).collect()
+}
+
+fn base_law(word: &str) -> PyResult<BaseLaw> {
+    let mut all = BaseLaw::ALL.into_iter();
+    all.find(|law| law.word() == word).ok_or_else(|| {
+        let words = BaseLaw::ALL.map(BaseLaw::word).join(", ");
+        let problem = format!("no law is called {word:?}");
+        let mend = format!("give one of {words}");
+        refused(&InputError::new("baseline", problem, mend))
+    })
+}
+
+pub fn add_to(module: &Bound<'_, PyModule>) -> PyResult<()> {
+    module.add_class::<Trace>()?;
+    module.add_function(wrap_pyfunction!(trace, module)?)
+}

@@ -1,0 +1,309 @@
+"""A trace of whatever is given, against the command and against itself."""
+
+from __future__ import annotations
+
+import json
+import os
+import signal
+import subprocess
+import sys
+import textwrap
+import threading
+from pathlib import Path
+from typing import Any
+
+import mesh_damper
+import numpy as np
+import pandas
+import polars
+import pytest
+from conftest import Columns, sine_block, write_csv
+
+
+def test_the_files_are_those_of_the_command(file: Path, tmp_path: Path, hil: Any) -> None:
+    out = tmp_path / "command"
+    done = hil("trace", file, "--out", out)
+    assert done.returncode == 0, done.stderr
+    found = mesh_damper.trace(file)
+    assert found.to_json() == (out / "trace.json").read_text()
+    found.save(tmp_path / "package")
+    for name in ("trace.json", "model.json", "report.html"):
+        assert (tmp_path / "package" / name).read_bytes() == (out / name).read_bytes(), name
+
+
+def test_the_stick_slip_of_the_specimen_is_found(found: mesh_damper.Trace) -> None:
+    hidden = mesh_damper.simulate(4).hidden["effect"]
+    assert found.verdict == "found" and found.adopted
+    assert hidden["family"] == "stick_slip"
+    effects = found.effects
+    assert list(effects.columns) == [
+        "family",
+        "parameter",
+        "value",
+        "low",
+        "high",
+        "unit",
+        "nrmse_without",
+        "nrmse_with",
+    ]
+    assert set(effects["family"]) == {"stick_slip"}
+    assert ((effects["low"] <= effects["value"]) & (effects["value"] <= effects["high"])).all()
+    assert found.augmented.nrmse_held_out < 0.2 * found.baseline.nrmse_held_out
+    assert found.noise_floor < found.augmented.nrmse_held_out < 2 * found.noise_floor
+    assert found.candidates["family"].iloc[0] == "stick_slip"
+
+
+def test_a_frame_a_mapping_and_arrays_are_the_same_recording() -> None:
+    block = {**sine_block(), "temperature_degC": np.linspace(20.0, 21.0, 2000)}
+    time, displacement, force, temperature = block.values()
+    found = mesh_damper.trace(block)
+    arrays: Any = {"time": time, "displacement": displacement, "force": force}
+    forms: dict[str, Any] = {
+        "pandas": mesh_damper.trace(pandas.DataFrame(block)),
+        "polars": mesh_damper.trace(polars.DataFrame(block)),
+        "records": mesh_damper.trace(np.rec.fromarrays(list(block.values()), names=list(block))),
+        "arrays": mesh_damper.trace(**arrays, temperature=temperature, units="mm-kN-s"),
+        "mixed": mesh_damper.trace({"temperature_degC": temperature}, **arrays, units="mm-kN-s"),
+    }
+    for name, form in forms.items():
+        assert form.to_json() == found.to_json(), name
+    assert isinstance(forms["pandas"].effects, pandas.DataFrame)
+    assert isinstance(forms["polars"].effects, polars.DataFrame)
+
+
+def test_columns_of_other_names_and_units_are_the_same_recording() -> None:
+    block = sine_block()
+    one = mesh_damper.trace(block).to_dict()
+    named = {
+        "Zeit [ms]": 1e3 * block["time_s"],
+        "Weg": block["displacement_mm"] / 25.4,
+        "Axial Force (N)": 1e3 * block["force_kN"],
+    }
+    given: Any = {
+        "time": "Zeit [ms]",
+        "displacement": "Weg",
+        "force": "Axial Force (N)",
+        "units": {"displacement": "in"},
+    }
+    other = mesh_damper.trace(named, **given).to_dict()
+    assert other["verdict"] == one["verdict"]
+    assert other["law"][0]["k1"]["value"] == pytest.approx(one["law"][0]["k1"]["value"], rel=1e-6)
+
+
+def test_the_columns_of_a_file_are_named_as_the_command_has_them_named(tmp_path: Path, hil: Any) -> None:
+    block = sine_block()
+    current = np.where(block["time_s"] < 2.0, 0.5, 1.0)
+    path = tmp_path / "lab.csv"
+    write_csv(path, {"Uhr": block["time_s"], "Weg X": block["displacement_mm"], "Ch 4": 1e3 * block["force_kN"], "I": current})
+    given = {"time": "Uhr", "displacement": "Weg X", "force": "Ch 4"}
+    units = {"time": "s", "displacement": "mm", "force": "N"}
+    found = mesh_damper.trace(path, **given, units=units, inputs={"current_A": "I"})
+    options = [f"--channel={channel}={name}" for channel, name in {**given, "current": "I"}.items()]
+    options += [f"--unit={channel}={unit}" for channel, unit in {**units, "current": "A"}.items()]
+    done = hil("trace", path, *options, "--out", tmp_path / "out")
+    assert done.returncode == 0, done.stderr
+    assert found.to_json() == (tmp_path / "out" / "trace.json").read_text()
+
+
+def test_a_unit_that_nothing_says_is_assumed_aloud() -> None:
+    block = sine_block()
+    bare = {"time": block["time_s"], "displacement": block["displacement_mm"], "force": block["force_kN"]}
+    with pytest.warns(mesh_damper.UnitWarning, match="s for column time, mm for column displacement, kN for column force"):
+        found = mesh_damper.trace(bare)
+    assert len(found.assumed) == 1 and found.assumed[0] in repr(found)
+    # Without a warning, which would be an error here.
+    assert mesh_damper.trace(bare, units="mm-kN-s").to_json() == found.to_json()
+    si = {"time": bare["time"], "displacement": bare["displacement"] / 1e3, "force": bare["force"] * 1e3}
+    assert mesh_damper.trace(si, units="SI").verdict == found.verdict
+
+
+def test_a_time_may_be_a_step_an_index_or_dates() -> None:
+    block = sine_block()
+    frame = pandas.DataFrame({name: block[name] for name in ("displacement_mm", "force_kN")})
+    one = mesh_damper.trace(block).to_dict()["law"]
+    dates = frame.set_index(pandas.Timestamp("2026-01-01") + pandas.to_timedelta(block["time_s"], unit="s"))
+    for given in (
+        mesh_damper.trace(frame, time=1 / 500.0, units={"time": "s"}),
+        mesh_damper.trace(dates),
+        mesh_damper.trace(frame.set_index(pandas.Index(block["time_s"], name="t")), time="t", units={"time": "s"}),
+        mesh_damper.trace(polars.DataFrame({**block, "time_s": block["time_s"]})),
+    ):
+        assert given.to_dict()["law"][0]["k1"]["value"] == pytest.approx(one[0]["k1"]["value"], rel=1e-6)
+
+
+def test_a_missing_sample_is_left_out_as_a_blank_cell_is(tmp_path: Path) -> None:
+    block = sine_block()
+    block["force_kN"][[100, 101, 700]] = np.nan
+    path = tmp_path / "blank.csv"
+    write_csv(path, block)
+    assert mesh_damper.trace(block).to_dict()["law"] == mesh_damper.trace(path).to_dict()["law"]
+
+
+def test_control_inputs_are_columns_with_a_unit() -> None:
+    block = sine_block()
+    current = np.where(block["time_s"] < 2.0, 0.5, 1.0)
+    named = mesh_damper.trace({**block, "current_A": current})
+    other = mesh_damper.trace({**block, "I": current}, inputs={"current_A": "I"})
+    assert named.to_json() == other.to_json()
+    assert mesh_damper.trace({**block, "current_A": current}, inputs=[]).to_dict()["law"] != []
+    with pytest.raises(mesh_damper.InputError, match="its name is not that of a control input"):
+        mesh_damper.trace({**block, "I": current}, inputs=["I"])
+
+
+def test_what_is_held_out_is_never_fitted(columns: Columns, check: Columns) -> None:
+    found = mesh_damper.trace(columns, held_out=check)
+    assert found.to_dict()["held_out"] == ["held-out recording"]
+    assert len(found.series(1)) == pytest.approx(len(check["time_s"]), rel=0.01)
+
+
+BAD: list[tuple[Any, dict[str, Any], str]] = [
+    ({"time_s": [0.0, 1.0]}, {}, "there is no displacement column"),
+    (None, {}, "there is no recording"),
+    (3.5, {}, "float is no recording"),
+    (sine_block(), {"force": "Kraft"}, "there is no column 'Kraft' for force="),
+    (sine_block(), {"units": {"force": "N"}}, "its name says kN, and units= says N"),
+    (sine_block(), {"units": {"kraft": "N"}}, "no channel is called 'kraft'"),
+    (sine_block(), {"units": "cgs"}, "no system is called 'cgs'"),
+    ({**sine_block(), "force (stone)": [1.0] * 2000}, {}, "are both a force"),
+    ({**sine_block(), "load (stone)": [1.0] * 2000}, {"force": "load (stone)"}, "unknown unit 'stone' of force"),
+    ({**sine_block(), "force_kN": ["a"] * 2000}, {}, "holds something else than numbers"),
+    ({**sine_block(), "force_kN": [1.0] * 3}, {}, "3 rows, and time_s has 2000"),
+    ({**sine_block(), "time_s": [0.0] * 2000}, {}, "time stands still"),
+    (sine_block(), {"families": ["rust"]}, 'no effect is called "rust"'),
+    (sine_block(), {"baseline": "cubic"}, 'no law is called "cubic"'),
+    (sine_block(), {"law": 3}, "int is no model"),
+    (sine_block(), {"time": -1.0}, "is no time between samples"),
+    ("recording.csv", {"force": [1.0, 2.0]}, "force= is no name of a column"),
+    ("recording.csv", {"time": 0.0}, "is no time between samples"),
+]
+
+
+@pytest.mark.parametrize(("data", "options", "text"), BAD, ids=[text for *_, text in BAD])
+def test_bad_input_is_a_value_error_of_one_line(data: Any, options: dict[str, Any], text: str) -> None:
+    with pytest.raises(ValueError) as raised:
+        mesh_damper.trace(data, **options)
+    assert isinstance(raised.value, mesh_damper.InputError)
+    assert text in str(raised.value) and "\n" not in str(raised.value)
+
+
+def test_bad_files_are_refused_with_the_text_of_the_command(file: Path, tmp_path: Path, hil: Any) -> None:
+    (tmp_path / "words.csv").write_text("time_s,displacement_mm,force_kN\n0,1,two\n")
+    (tmp_path / "unit.csv").write_text("time_s,displacement_mm,force_stone\n0,1,2\n")
+    (tmp_path / "empty.csv").write_text("")
+    (tmp_path / "model.json").write_text("{}")
+    for name in ("words.csv", "unit.csv", "empty.csv", "missing.csv", "."):
+        path = tmp_path / name
+        with pytest.raises(mesh_damper.InputError) as raised:
+            mesh_damper.trace(path)
+        assert f"error: {raised.value}\n" == hil("trace", path, "--out", tmp_path / "out").stderr
+        assert isinstance(raised.value, FileNotFoundError) == (name == "missing.csv")
+    with pytest.raises(mesh_damper.InputError) as raised:
+        mesh_damper.trace(file, held_out=file)
+    assert f"error: {raised.value}\n" == hil("trace", file, "--held-out", file, "--out", tmp_path / "out").stderr
+    with pytest.raises(mesh_damper.InputError) as raised:
+        mesh_damper.trace(file, law=tmp_path / "model.json")
+    expected = hil("trace", file, "--law", tmp_path / "model.json", "--out", tmp_path / "out").stderr
+    assert f"error: {raised.value}\n" == expected
+
+
+def test_two_threads_trace_at_the_same_time() -> None:
+    # Each trace waits at its first step until the other has come to its own: that never happens where one keeps the other out.
+    both = threading.Barrier(2, timeout=60)
+    steps: dict[str, list[str]] = {"a": [], "b": []}
+    results: dict[str, str] = {}
+
+    def work(name: str) -> None:
+        def step(what: str) -> None:
+            if not steps[name]:
+                both.wait()
+            steps[name].append(what)
+
+        results[name] = mesh_damper.trace(sine_block(), progress=step).to_json()
+
+    threads = [threading.Thread(target=work, args=(name,)) for name in steps]
+    for thread in threads:
+        thread.start()
+    for thread in threads:
+        thread.join()
+    assert results["a"] == results["b"]
+    assert steps["a"][0] == "estimating the motion" and len(steps["a"]) > 2
+
+
+def test_python_runs_while_the_core_works() -> None:
+    # The core's thread does not come back before the other thread has counted on: it could not, were the lock kept.
+    counted, goes_on = [0], threading.Event()
+
+    def count() -> None:
+        while not goes_on.is_set():
+            counted[0] += 1
+
+    other = threading.Thread(target=count)
+    other.start()
+    before = counted[0]
+    mesh_damper.trace(sine_block())
+    after = counted[0]
+    goes_on.set()
+    other.join()
+    assert after > before
+
+
+def test_what_progress_raises_ends_the_trace() -> None:
+    class Enough(Exception):
+        pass
+
+    def step(_: str) -> None:
+        raise Enough
+
+    with pytest.raises(Enough):
+        mesh_damper.trace(sine_block(), progress=step)
+    assert mesh_damper.trace(sine_block()).verdict
+
+
+@pytest.mark.skipif(os.name == "nt", reason="left out: Windows sends Ctrl-C in another way")
+def test_ctrl_c_ends_a_trace() -> None:
+    program = textwrap.dedent(
+        """
+        import os, signal, mesh_damper
+        from conftest import sine_block
+        def step(what):
+            os.kill(os.getpid(), signal.SIGINT)
+        try:
+            mesh_damper.trace(sine_block(), progress=step)
+        except KeyboardInterrupt:
+            print("interrupted")
+        """
+    )
+    done = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True, cwd=Path(__file__).parent, check=False)
+    assert (done.returncode, done.stdout) == (0, "interrupted\n"), done.stderr
+    assert signal.getsignal(signal.SIGINT) is signal.default_int_handler
+
+
+def test_pictures_page_and_report(found: mesh_damper.Trace, tmp_path: Path) -> None:
+    figure = found.plot()
+    assert len(figure.axes) == 2
+    _, after, *_ = (line.get_ydata() for line in figure.axes[1].get_lines())
+    series = found.series()
+    left = (series["force_kN"] - series["after_kN"])[series["measured"]]
+    assert np.allclose(after[np.isfinite(after)], left)
+    assert found.plot("loop", block=0).axes[0].get_title() == "Loop: 0.0999 mm, 1 Hz, held out"
+    with pytest.raises(mesh_damper.InputError, match="there is no block 99"):
+        found.plot("loop", block=99)
+    page = found._repr_html_()
+    assert len(page) < 20_000 and "stick-slip" in page and "<script" not in page
+    found.report(tmp_path / "report.html")
+    assert (tmp_path / "report.html").read_text() == str(found.report())
+    assert found.report()._repr_html_().startswith("<iframe")
+    assert "stick_slip slip_limit" in repr(found)
+
+
+def test_known_effects_stay_in_the_law(columns: Columns, found: mesh_damper.Trace) -> None:
+    again = mesh_damper.trace(columns, law=found)
+    assert again.baseline.known == ("stick_slip",)
+    assert again.verdict == "none"
+    only = mesh_damper.trace(columns, families="viscous")
+    assert only.verdict == "unlisted" or set(only.effects["family"]) <= {"viscous"}
+
+
+def test_json_is_a_trace(found: mesh_damper.Trace) -> None:
+    assert json.loads(found.to_json()) == found.to_dict()
+    assert found.model["format"] == "mesh-damper-model"

@@ -1,0 +1,56 @@
+//! What the commands write as JSON.
+
+use std::path::PathBuf;
+
+use mesh_damper_identify::trace::result::TraceResult;
+use mesh_damper_model::file::ModelFile;
+use mesh_damper_recording::error::InputError;
+use mesh_damper_recording::output::{Label, LabelField, Labelled, Outputs};
+use serde::Serialize;
+
+/// What a command writes as JSON: it says which document it is, and in which version.
+pub trait Document: Serialize {
+    /// Which it is.
+    const LABEL: Label;
+}
+
+/// Outputs that take documents.
+pub trait AddDocument {
+    /// Adds `document` under a path that was planned, as indented JSON.
+    ///
+    /// # Errors
+    /// A value that JSON cannot hold.
+    fn add_document<T: Document>(
+        &mut self,
+        path: impl Into<PathBuf>,
+        document: &T,
+    ) -> Result<(), InputError>;
+}
+
+impl AddDocument for Outputs {
+    fn add_document<T: Document>(
+        &mut self,
+        path: impl Into<PathBuf>,
+        document: &T,
+    ) -> Result<(), InputError> {
+        match T::LABEL.field {
+            // It may be an array, which takes no fields.
+            LabelField::Own => self.add_json(path, document),
+            LabelField::Format | LabelField::Document => {
+                self.add_json(path, &Labelled::new(T::LABEL, document))
+            }
+        }
+    }
+}
+
+impl Document for TraceResult {
+    const LABEL: Label = Self::LABEL;
+}
+
+impl Document for ModelFile {
+    const LABEL: Label = Label::new("model", LabelField::Own);
+}
+
+impl Document for super::demo::Summary<'_> {
+    const LABEL: Label = Label::new("demo", LabelField::Format);
+}

@@ -1,0 +1,64 @@
+//! The library that an FMU carries, of the sources that this program holds.
+
+use std::path::PathBuf;
+use std::process::{Command, Stdio};
+
+use mesh_damper_export::fmu;
+use mesh_damper_recording::error::InputError;
+use mesh_damper_sources::Sources;
+
+use super::image::say_where;
+use crate::commands::progress::Progress;
+
+/// The folders in which the library for this platform is. Where it is not beside this program, cargo builds it.
+///
+/// # Errors
+/// Sources that cannot be unpacked, or what cargo says.
+pub fn folders() -> Result<Vec<PathBuf>, InputError> {
+    let beside = fmu::beside_this_program();
+    let name = fmu::file_name();
+    if beside.iter().any(|folder| folder.join(&name).is_file()) {
+        return Ok(beside);
+    }
+    Ok(vec![built(&name)?])
+}
+
+fn built(name: &str) -> Result<PathBuf, InputError> {
+    let sources = Sources::find()?;
+    say_where(&sources, "the FMU's library", "target/release");
+    let progress = Progress::of(1);
+    progress.step("building the FMU's library");
+    let failed = |problem: String| {
+        InputError::new(
+            name,
+            problem,
+            format!(
+                "see that cargo reaches its registry; or build it in the repository with `cargo build --release -p mesh-damper-fmu`, \
+                 and give --library target/release/{name}"
+            ),
+        )
+    };
+    let target = sources.root().join("target");
+    let cargo = std::env::var_os("CARGO").unwrap_or_else(|| "cargo".into());
+    let output = Command::new(cargo)
+        .current_dir(sources.root())
+        .args([
+            "build",
+            "--quiet",
+            "--release",
+            "--package",
+            "mesh-damper-fmu",
+            "--target-dir",
+        ])
+        .arg(&target)
+        // As of the images: of what is unpacked the lock file names more than is there.
+        .args(sources.is_repository().then_some("--locked"))
+        .stdin(Stdio::null())
+        .output()
+        .map_err(|error| failed(format!("cargo does not start: {error}")))?;
+    if !output.status.success() {
+        let text = String::from_utf8_lossy(&output.stderr);
+        return Err(failed(format!("cargo cannot build it: {}", text.trim())));
+    }
+    Ok(target.join("release"))
+}

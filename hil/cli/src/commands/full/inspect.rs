@@ -1,0 +1,371 @@
+//! `hil inspect`: what a file holds, what it is taken for, and what would be asked.
+
+use std::path::{Path, PathBuf};
+
+use clap::Args;
+use mesh_damper_recording::Recording;
+use mesh_damper_recording::columns::{self, Chosen, Rank};
+use mesh_damper_recording::error::InputError;
+use mesh_damper_recording::faults::{Channel, ChannelFaultKind};
+use mesh_damper_recording::files::{self, Column, Kept, Reading, Table, Wanted};
+use mesh_damper_recording::output::Plan;
+use schemars::JsonSchema;
+use serde::Serialize;
+
+use super::inspect_words as words;
+use crate::commands::document::AddDocument as _;
+use crate::commands::reading::{RecordingFiles, shell};
+use crate::commands::{Failure, say};
+
+/// What a file holds: its channels, units and rate, what they are taken for, and the command to run
+///
+/// A file that can be read ends with exit code 0, also where something must be said first: the question is printed with the option that
+/// answers it. Nothing is computed.
+#[derive(Args, Debug)]
+#[command(
+    after_help = "Example:\n  hil inspect test.csv\n  hil inspect test.dat --channel force='Force 2' --json -"
+)]
+pub struct InspectCommand {
+    /// The files
+    #[arg(required = true, value_name = "FILE")]
+    paths: Vec<PathBuf>,
+    /// Where the same goes as JSON; `-` for standard output
+    #[arg(long, value_name = "FILE")]
+    json: Option<PathBuf>,
+    #[command(flatten)]
+    files: RecordingFiles,
+}
+
+/// What files hold, and what they are taken for.
+#[derive(JsonSchema, Serialize)]
+pub(in crate::commands) struct Report<'a> {
+    /// File by file.
+    files: &'a [Inspected],
+}
+
+/// What a file holds.
+#[derive(Debug, JsonSchema, Serialize)]
+pub struct Inspected {
+    /// As it was named.
+    pub file: PathBuf,
+    /// The file's format.
+    pub file_format: &'static str,
+    /// Its tables.
+    pub tables: Vec<InspectedTable>,
+    /// The recording that is read of it; null where something must be said first.
+    pub recording: Option<InspectedRecording>,
+    /// What must be said first, each with the option that says it.
+    pub questions: Vec<String>,
+    /// What was guessed, in words.
+    pub notes: Vec<String>,
+    /// The command that traces it.
+    pub command: String,
+}
+
+/// A table of a file.
+#[derive(Debug, JsonSchema, Serialize)]
+pub struct InspectedTable {
+    /// Its name; empty where it has none.
+    pub name: String,
+    /// Samples, where they are known.
+    pub rows: Option<u64>,
+    /// Its columns.
+    pub columns: Vec<InspectedColumn>,
+    /// What is not read, in words.
+    pub skipped: Vec<String>,
+}
+
+/// A column of a table.
+#[derive(Debug, JsonSchema, Serialize)]
+pub struct InspectedColumn {
+    /// As the file has it.
+    pub name: String,
+    /// The unit that the file says beside the name.
+    pub unit: Option<String>,
+    /// Whether it holds numbers.
+    pub numeric: bool,
+    /// What it is used as: a channel or a control input.
+    pub used_as: Option<String>,
+    /// What it may be, or why it is not used.
+    pub taken_for: String,
+    /// Its first values, in the file's unit.
+    pub first: Vec<Option<f64>>,
+    /// The least and the largest of its values, in the file's unit, where all were read.
+    pub range: Option<[f64; 2]>,
+}
+
+/// What a recording is like.
+#[derive(Debug, JsonSchema, Serialize)]
+pub struct InspectedRecording {
+    /// Samples that are read.
+    pub samples: usize,
+    /// Time of the first and of the last one, s.
+    pub time_s: [f64; 2],
+    /// Samples a second, where the times keep a rate.
+    pub rate_hz: Option<f64>,
+    /// RMS by which the times are off their rate, in steps; none where that is rounding.
+    pub jitter_steps: Option<f64>,
+    /// Least and largest displacement, mm.
+    pub displacement_mm: [f64; 2],
+    /// Least and largest force, kN.
+    pub force_kn: [f64; 2],
+    /// Control inputs.
+    pub controls: Vec<String>,
+    /// Channel faults, in words.
+    pub faults: Vec<String>,
+}
+
+/// First values that are shown of a column.
+const FIRST: usize = 5;
+/// Columns of which all values are read to count them, where no recording is read.
+const MOST_READ: usize = 64;
+
+impl InspectCommand {
+    pub fn run(self) -> Result<(), Failure> {
+        let mut outputs = Plan::new().reads(&self.paths).writes(&self.json).begin()?;
+        let said = self.files.said();
+        let options = self.files.as_options();
+        let mut inspected = Vec::new();
+        let mut failed = None;
+        for path in &self.paths {
+            match inspect(path, &said, &options) {
+                Ok(file) => inspected.push(file),
+                Err(error) => failed = failed.or(Some(error)),
+            }
+        }
+        if let Some(json) = &self.json {
+            let report = Report { files: &inspected };
+            outputs.add_document(json, &report)?;
+        }
+        if self.json.as_deref() != Some(Path::new("-")) {
+            inspected.iter().for_each(|file| say(&words::of(file)));
+        }
+        match failed {
+            // Whatever the other files are, this one could not be read.
+            Some(error) => Err(error.into()),
+            None => Ok(outputs.write()?),
+        }
+    }
+}
+
+/// Looks at one file. What must be said is no error.
+fn inspect(path: &Path, said: &Reading, options: &[String]) -> Result<Inspected, InputError> {
+    let name = path.display().to_string();
+    let mut said = said.clone();
+    let mut questions = Vec::new();
+    let (format, opened) = match files::open(path, &said) {
+        Ok(opened) => opened,
+        Err(error) => {
+            // The decimal sign is asked for before there are columns.
+            if said.decimal.is_some() {
+                return Err(error);
+            }
+            said.decimal = Some('.');
+            let opened = files::open(path, &said).map_err(|_| error.clone())?;
+            questions.push(error);
+            opened
+        }
+    };
+    let tables = opened.tables().to_vec();
+    drop(opened);
+    let chosen = columns::choose(&name, &tables, &said, &Channel::is_required);
+    if chosen.is_err() {
+        questions.extend(asked(&name, &tables, &said));
+    }
+    let mut file = Inspected {
+        file: path.to_owned(),
+        file_format: format.name(),
+        notes: notes(&tables, chosen.as_ref().ok()),
+        tables: Vec::new(),
+        recording: None,
+        command: command(path, options, &questions),
+        questions: questions.iter().map(words::question).collect(),
+    };
+    for (index, table) in tables.iter().enumerate() {
+        let of_table = chosen.as_ref().ok().filter(|chosen| chosen.table == index);
+        file.tables.push(of(table, of_table));
+    }
+    if questions.is_empty() {
+        let recording = Recording::read_channels(path, &said)?;
+        file.notes = recording.guesses().to_vec();
+        file.recording = Some(like(&recording));
+    }
+    let index = chosen
+        .as_ref()
+        .map_or_else(|_| most_like_one(&tables), |chosen| chosen.table);
+    count(path, &said, index, &mut file)?;
+    Ok(file)
+}
+
+/// What would be asked, channel by channel.
+fn asked(name: &str, tables: &[Table], said: &Reading) -> Vec<InputError> {
+    let mut questions: Vec<InputError> = Vec::new();
+    for channel in Channel::ALL
+        .into_iter()
+        .filter(|channel| channel.is_required())
+    {
+        let alone = |each: Channel| each == channel;
+        if let Err(question) = columns::choose(name, tables, said, &alone)
+            && !questions.contains(&question)
+        {
+            questions.push(question);
+        }
+    }
+    if questions.is_empty() {
+        // One that is not about a channel.
+        questions.extend(columns::choose(name, tables, said, &Channel::is_required).err());
+    }
+    questions
+}
+
+fn notes(tables: &[Table], chosen: Option<&Chosen>) -> Vec<String> {
+    match chosen {
+        Some(chosen) => chosen.guesses.clone(),
+        None => tables
+            .iter()
+            .flat_map(|table| table.guesses.clone())
+            .collect(),
+    }
+}
+
+/// The table with the most columns that could be channels.
+fn most_like_one(tables: &[Table]) -> usize {
+    let like = |index: &usize| {
+        let columns = tables[*index].columns.iter();
+        columns
+            .filter(|column| columns::described(column).is_some())
+            .count()
+    };
+    (0..tables.len()).rev().max_by_key(like).unwrap_or(0)
+}
+
+fn of(table: &Table, chosen: Option<&Chosen>) -> InspectedTable {
+    let column = |(index, column): (usize, &Column)| {
+        let used_as = chosen.and_then(|chosen| used_as(chosen, index));
+        InspectedColumn {
+            name: column.name.clone(),
+            unit: column.unit.clone(),
+            numeric: column.is_numeric,
+            taken_for: used_as.clone().unwrap_or_else(|| words::why_not(column)),
+            used_as,
+            first: column
+                .first
+                .iter()
+                .take(FIRST)
+                .map(|value| value.is_finite().then_some(*value))
+                .collect(),
+            range: None,
+        }
+    };
+    InspectedTable {
+        name: table.name.clone(),
+        rows: table.rows,
+        columns: table.columns.iter().enumerate().map(column).collect(),
+        skipped: table.skipped.clone(),
+    }
+}
+
+/// What a column is used as, and how surely.
+fn used_as(chosen: &Chosen, column: usize) -> Option<String> {
+    let used = chosen.used.iter().find(|used| used.column == column);
+    if let Some(used) = used {
+        let how = match used.rank {
+            Rank::Unit => ", by its unit alone",
+            Rank::Weak => ", by a short word with its unit",
+            Rank::Said => ", as you say",
+            Rank::Word | Rank::Own => "",
+        };
+        return Some(format!(
+            "{} in {}{how}",
+            used.channel.name(),
+            used.unit.symbol
+        ));
+    }
+    let control = chosen
+        .controls
+        .iter()
+        .find(|control| control.column == column);
+    control.map(|control| format!("control input {}", control.name))
+}
+
+/// Counts the values of the columns that could be something, and finds their range.
+fn count(
+    path: &Path,
+    said: &Reading,
+    index: usize,
+    file: &mut Inspected,
+) -> Result<(), InputError> {
+    let (_, opened) = files::open(path, said)?;
+    let Some(table) = opened.tables().get(index) else {
+        return Ok(());
+    };
+    let numeric = (0..table.columns.len()).filter(|&column| table.columns[column].is_numeric);
+    let wanted: Vec<Wanted> = numeric
+        .take(MOST_READ)
+        .map(|column| Wanted {
+            column,
+            must_be_numeric: false,
+        })
+        .collect();
+    if wanted.is_empty() {
+        return Ok(());
+    }
+    let values = opened.read(index, &wanted, Kept::Channels)?;
+    let table = &mut file.tables[index];
+    for (wanted, values) in wanted.iter().zip(&values.columns) {
+        let Some(values) = values else { continue };
+        table.rows = table.rows.or(Some(values.len() as u64));
+        table.columns[wanted.column].range = range(values);
+    }
+    if file.recording.is_none() {
+        file.notes.extend(values.notes);
+    }
+    Ok(())
+}
+
+fn range(values: &[f64]) -> Option<[f64; 2]> {
+    let finite = || values.iter().copied().filter(|value| value.is_finite());
+    let (least, most) = (
+        finite().fold(f64::INFINITY, f64::min),
+        finite().fold(f64::NEG_INFINITY, f64::max),
+    );
+    (least <= most).then_some([least, most])
+}
+
+fn like(recording: &Recording) -> InspectedRecording {
+    let ends = |values: &[f64]| range(values).unwrap_or_default();
+    let mended = recording.mended();
+    let uniform = mended.uniform().ok();
+    let jitter = recording
+        .faults()
+        .iter()
+        .chain(mended.faults())
+        .find_map(|fault| match fault.kind {
+            ChannelFaultKind::Jitter { rms, .. } => Some(rms),
+            _ => None,
+        });
+    InspectedRecording {
+        samples: recording.len(),
+        time_s: ends(&recording.time),
+        rate_hz: uniform.map(|uniform| 1.0 / uniform.period),
+        jitter_steps: jitter,
+        displacement_mm: ends(&recording.displacement),
+        force_kn: ends(&recording.force),
+        controls: recording
+            .controls
+            .iter()
+            .map(|control| control.name.clone())
+            .collect(),
+        faults: mended.faults().iter().map(ToString::to_string).collect(),
+    }
+}
+
+/// The command that traces the file, with what was said and with the first option of each question.
+fn command(path: &Path, options: &[String], questions: &[InputError]) -> String {
+    let answers = questions
+        .iter()
+        .filter_map(|question| words::first_option(&question.mend));
+    let mut parts = vec!["hil trace".to_owned(), shell(&path.display().to_string())];
+    parts.extend(options.iter().cloned().chain(answers));
+    parts.join(" ")
+}

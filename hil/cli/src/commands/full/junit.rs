@@ -1,0 +1,108 @@
+//! The checks of a command as a JUnit file, which build servers show test by test.
+
+use std::path::Path;
+use std::time::{Duration, Instant};
+
+use mesh_damper_recording::error::InputError;
+use mesh_damper_recording::output::Outputs;
+use mesh_damper_rig::check::Check;
+use quick_junit::{NonSuccessKind, Report, TestCase, TestCaseStatus, TestSuite};
+
+/// How one check went.
+pub enum Case {
+    /// It holds.
+    Passed,
+    /// It does not hold, and this was reached.
+    Failed(String),
+    /// It was not made, or does not count, because of this.
+    Skipped(String),
+}
+
+/// One suite: the checks of one command.
+pub struct Junit {
+    suite: TestSuite,
+    started: Instant,
+}
+
+impl Junit {
+    /// Of the command `name`, which starts now.
+    pub fn of(name: &str) -> Self {
+        Self {
+            suite: TestSuite::new(format!("hil {name}")),
+            started: Instant::now(),
+        }
+    }
+
+    /// Something that the results depend on.
+    pub fn property(&mut self, name: &str, value: impl ToString) {
+        self.suite.add_property((name, value.to_string().as_str()));
+    }
+
+    /// A check of the kind `class`; `time` is how long it took, where that is known.
+    pub fn case(&mut self, class: &str, name: &str, case: Case, time: Option<Duration>) {
+        let status = match case {
+            Case::Passed => TestCaseStatus::success(),
+            Case::Failed(reason) => {
+                let mut status = TestCaseStatus::non_success(NonSuccessKind::Failure);
+                status.set_message(reason.as_str());
+                status.set_type("check");
+                status.set_description(reason);
+                status
+            }
+            Case::Skipped(reason) => {
+                let mut status = TestCaseStatus::skipped();
+                status.set_message(reason);
+                status
+            }
+        };
+        let mut case = TestCase::new(name, status);
+        case.set_classname(format!(
+            "{}.{class}",
+            self.suite.name.as_str().replace(' ', ".")
+        ));
+        if let Some(time) = time {
+            case.set_time(time);
+        }
+        self.suite.add_test_case(case);
+    }
+
+    /// Checks of the kind `class`.
+    pub fn checks(&mut self, class: &str, checks: impl IntoIterator<Item = Check>) {
+        for Check {
+            name,
+            failure,
+            is_judged,
+        } in checks
+        {
+            let case = match failure {
+                Some(failure) => Case::Failed(failure),
+                None if is_judged => Case::Passed,
+                None => Case::Skipped("nothing was there to judge".into()),
+            };
+            self.case(class, &name, case, None);
+        }
+    }
+
+    /// Adds the file to `outputs` under a `path` that was planned, if there is one.
+    ///
+    /// # Errors
+    /// What XML cannot hold.
+    pub fn add(mut self, outputs: &mut Outputs, path: Option<&Path>) -> Result<(), InputError> {
+        let Some(path) = path else { return Ok(()) };
+        let took = self.started.elapsed();
+        self.suite.set_time(took);
+        let mut report = Report::new("hil");
+        report.set_time(took);
+        report.add_test_suite(self.suite);
+        let text = report.to_string().map_err(|error| {
+            let name = path.display().to_string();
+            InputError::new(
+                name,
+                format!("not to be written as XML: {error}"),
+                "report this",
+            )
+        })?;
+        outputs.add(path, text);
+        Ok(())
+    }
+}

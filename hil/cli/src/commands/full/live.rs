@@ -1,0 +1,257 @@
+//! Who looks on while a test runs: the live page and a broker. The test never waits for either.
+
+use std::time::Duration;
+
+use clap::Args;
+use mesh_damper::health::Event;
+use mesh_damper::rig::{CycleReport, Telemetry};
+use mesh_damper_live::{
+    About, Broker, CycleResult, Limits, Listener, LivePage, MqttPublisher, Sample, State,
+};
+use mesh_damper_recording::error::InputError;
+use schemars::JsonSchema;
+use serde::Serialize;
+
+use super::events::EventRow;
+use crate::commands::warn;
+
+/// How a test is shown while it runs.
+#[derive(Args, Debug)]
+#[command(next_help_heading = "While it runs")]
+pub(super) struct LiveOptions {
+    /// Show the test on a page at this port of 127.0.0.1, or at a free one
+    ///
+    /// Its address goes to standard error. The command ends with the test; a page that is open keeps what it has.
+    #[arg(long, value_name = "PORT", num_args = 0..=1, default_missing_value = "0")]
+    live: Option<u16>,
+    /// Wait at most this many seconds until the page is open, before the rig starts
+    #[arg(long, value_name = "S", default_value_t = 0.0, requires = "live")]
+    live_wait: f64,
+    /// Go on serving the page for this many seconds after the results are written; Ctrl-C ends it before
+    #[arg(long, value_name = "S", default_value_t = 0.0, requires = "live")]
+    live_hold: f64,
+    /// Send health, cycles and events to an MQTT broker, mqtt://[USER:PASSWORD@]HOST[:PORT][/RIG]
+    #[arg(long, value_name = "URL")]
+    mqtt: Option<String>,
+}
+
+/// How long the end waits until pages and broker have everything.
+const TO_THE_END: Duration = Duration::from_secs(3);
+/// How long the start waits to hear whether there is a broker.
+const FOR_A_BROKER: Duration = Duration::from_secs(2);
+/// The longest that may be waited for a page, s.
+const LONGEST_WAIT: f64 = 86_400.0;
+
+impl LiveOptions {
+    /// Whether the page is asked for.
+    pub(super) fn has_page(&self) -> bool {
+        self.live.is_some()
+    }
+
+    /// What was given, checked before anything moves.
+    ///
+    /// # Errors
+    /// A URL that is none, and times that are too long.
+    pub(super) fn check(&self) -> Result<(), InputError> {
+        for (option, seconds) in [
+            ("--live-wait", self.live_wait),
+            ("--live-hold", self.live_hold),
+        ] {
+            if !(0.0..=LONGEST_WAIT).contains(&seconds) {
+                return Err(InputError::new(
+                    option,
+                    format!("{seconds} s is outside its range"),
+                    format!("give 0 to {LONGEST_WAIT}"),
+                ));
+            }
+        }
+        self.broker().map(drop)
+    }
+
+    fn broker(&self) -> Result<Option<Broker>, InputError> {
+        let parse = |url: &String| url.parse();
+        // The URL is not said again: it may hold a password.
+        self.mqtt.as_ref().map(parse).transpose().map_err(|said| {
+            let mend = "see docs/live.md for the parts of such a URL";
+            InputError::new("--mqtt", said, mend)
+        })
+    }
+
+    /// Opens the page and the connection, for a test that is `about` at `tick_rate` Hz. The rig may start then.
+    ///
+    /// # Errors
+    /// As [`LiveOptions::check`], and a port that is taken. Without a broker that answers the test goes on, and a warning says so.
+    pub(super) fn start(&self, about: About, tick_rate: f64) -> Result<Live, InputError> {
+        self.check()?;
+        let page = match self.live {
+            Some(port) => Some(LivePage::start(port, about.clone(), Limits::default())?),
+            None => None,
+        };
+        let broker = self.broker()?;
+        let publisher = broker
+            .as_ref()
+            .map(|broker| MqttPublisher::start(broker, &about));
+        if let (Some(publisher), Some(broker)) = (&publisher, &broker)
+            && let Err(why) = publisher.wait_until_connected(FOR_A_BROKER)
+        {
+            warn(&format!(
+                "no broker at {broker} yet ({why}); the test goes on, and the connection is tried again"
+            ));
+        }
+        if let Some(page) = &page {
+            eprintln!("The live page is {}", page.address());
+            let wait = Duration::from_secs_f64(self.live_wait);
+            if !wait.is_zero() && !page.wait_for_viewer(wait) {
+                warn("nobody opened the live page; the test begins");
+            }
+        }
+        let mut live = Live {
+            page,
+            publisher,
+            broker,
+            tick_rate,
+            temperature: f32::NAN,
+            hold: Duration::from_secs_f64(self.live_hold),
+            mqtt: None,
+        };
+        live.state(&State::Running);
+        Ok(live)
+    }
+}
+
+/// Whoever looks on.
+pub(super) struct Live {
+    page: Option<LivePage>,
+    publisher: Option<MqttPublisher>,
+    broker: Option<Broker>,
+    tick_rate: f64,
+    /// The last that was measured, °C.
+    temperature: f32,
+    hold: Duration,
+    /// Once the connection is closed.
+    mqtt: Option<MqttRow>,
+}
+
+/// Of the page, as JSON.
+#[derive(JsonSchema, Serialize)]
+pub(super) struct LiveRow {
+    address: String,
+    /// Pages that were opened until the test's end.
+    viewers: u64,
+}
+
+/// Of the broker, as JSON.
+#[derive(Clone, JsonSchema, Serialize)]
+pub(super) struct MqttRow {
+    broker: String,
+    /// Messages that the broker has.
+    delivered: u64,
+    /// Messages that it has not.
+    dropped: u64,
+}
+
+impl Live {
+    fn tell(&mut self, tell: impl Fn(&mut dyn Listener)) {
+        if let Some(page) = &mut self.page {
+            tell(page);
+        }
+        if let Some(publisher) = &mut self.publisher {
+            tell(publisher);
+        }
+    }
+
+    pub(super) fn tick(&mut self, telemetry: &Telemetry, time: f64, temperature: f64) {
+        if self.page.is_none() && self.publisher.is_none() {
+            return;
+        }
+        self.temperature = temperature as f32;
+        let sample = Sample {
+            time,
+            displacement: telemetry.displacement,
+            force: telemetry.measured_force,
+            law_force: telemetry.model_force,
+        };
+        self.tell(|listener| listener.sample(&sample));
+    }
+
+    pub(super) fn cycle(&mut self, report: &CycleReport, time: f64) {
+        let (measured, model) = (&report.measured, &report.model);
+        let cycle = CycleResult {
+            time,
+            block: report.block as u32,
+            cycle: report.cycle,
+            ramp: report.ramp,
+            amplitude: measured.amplitude,
+            frequency: self.tick_rate as f32 / measured.ticks,
+            stiffness: measured.stiffness,
+            loss_factor: measured.loss_factor,
+            energy: measured.energy,
+            law_stiffness: model.stiffness,
+            law_loss_factor: model.loss_factor,
+            error: report.nrmse,
+            temperature: self.temperature,
+        };
+        self.tell(|listener| listener.cycle(&cycle));
+    }
+
+    pub(super) fn event(&mut self, event: &Event, time: f64) {
+        let event = EventRow::new(&(time, *event)).live();
+        self.tell(|listener| listener.event(&event));
+    }
+
+    fn state(&mut self, state: &State) {
+        self.tell(|listener| listener.state(state));
+    }
+
+    /// The test is over, as `state` says: the broker is told, and let go.
+    pub(super) fn end(&mut self, state: &State) {
+        self.state(state);
+        if let (Some(publisher), Some(broker)) = (self.publisher.take(), &self.broker) {
+            let delivery = publisher.close(TO_THE_END);
+            if delivery.dropped > 0 {
+                warn(&format!(
+                    "{} messages did not reach the broker at {broker}",
+                    delivery.dropped
+                ));
+            }
+            self.mqtt = Some(MqttRow {
+                broker: broker.to_string(),
+                delivered: delivery.delivered,
+                dropped: delivery.dropped,
+            });
+        }
+    }
+
+    pub(super) fn page_row(&self) -> Option<LiveRow> {
+        self.page.as_ref().map(|page| LiveRow {
+            address: page.address(),
+            viewers: page.viewers_so_far(),
+        })
+    }
+
+    /// None before [`Live::end`].
+    pub(super) fn mqtt_row(&self) -> Option<MqttRow> {
+        self.mqtt.clone()
+    }
+
+    /// The results are written: serves the page for as long as was asked for, then lets the pages have what is left.
+    pub(super) fn close(self) {
+        let Some(page) = self.page else { return };
+        if !self.hold.is_zero() {
+            eprintln!(
+                "The live page stays at {} for {} s; Ctrl-C ends it before",
+                page.address(),
+                self.hold.as_secs_f64()
+            );
+            std::thread::sleep(self.hold);
+        }
+        let seen = page.close(TO_THE_END);
+        if seen.missed > 0 {
+            warn(&format!(
+                "{} of {} samples were dropped for pages that were too slow",
+                seen.missed,
+                seen.missed + seen.samples
+            ));
+        }
+    }
+}

@@ -1,0 +1,287 @@
+//! `hil schema`: the JSON schemas of what the commands write.
+
+use std::borrow::Cow;
+use std::marker::PhantomData;
+use std::path::{Path, PathBuf};
+
+use clap::Args;
+use mesh_damper_batch::Summary as BatchSummary;
+use mesh_damper_batch::compare::Comparison;
+use mesh_damper_identify::trace::result::TraceResult;
+use mesh_damper_model::file::ModelFile;
+use mesh_damper_recording::error::InputError;
+use mesh_damper_recording::output::{Label, LabelField, Plan};
+use mesh_damper_rig::faults;
+use mesh_damper_studies::amplitude_independent::Study;
+use mesh_damper_studies::bench::{Baseline, Results};
+use mesh_damper_studies::blind;
+use mesh_damper_studies::bouc_wen::BoucWenResult;
+use mesh_damper_studies::numbers::Costs;
+use mesh_damper_studies::paper::Paper;
+use mesh_damper_studies::size::Measured;
+use schemars::generate::SchemaSettings;
+use schemars::transform::transform_subschemas;
+use schemars::{JsonSchema, Schema, SchemaGenerator};
+use serde::Serialize;
+use serde_json::{Value, json};
+
+use super::{
+    characterize, design, emulate, inspect, orthogonal, predict, record, respond, respond_sweep,
+    run, study_size, upload,
+};
+use crate::commands::demo;
+use crate::commands::document::{AddDocument as _, Document};
+use crate::commands::{Failure, say};
+
+/// The JSON schemas of everything that the commands write as JSON
+///
+/// Without a name it lists them. A document says by its fields `format` and `version` which schema it has. Fields are added without a
+/// new version; a new version is one in which a field has gone, or has another type or meaning.
+#[derive(Args, Debug)]
+#[command(
+    after_help = "Examples:\n  hil schema\n  hil schema trace > trace.schema.json\n  hil schema --all --out schemas"
+)]
+pub struct SchemaCommand {
+    /// The document's name
+    #[arg(value_name = "NAME", conflicts_with_all = ["all", "json"])]
+    name: Option<String>,
+    /// Write every schema
+    #[arg(long, requires = "out")]
+    all: bool,
+    /// Where all schemas go, as NAME.json
+    #[arg(long, value_name = "DIR", requires = "all")]
+    out: Option<PathBuf>,
+    /// Where the list goes as JSON; `-` for standard output
+    #[arg(long, value_name = "FILE")]
+    json: Option<PathBuf>,
+}
+
+/// The documents that the commands write as JSON.
+#[derive(JsonSchema, Serialize)]
+pub(in crate::commands) struct Schemas {
+    /// Each of them.
+    schemas: Vec<Listed>,
+}
+
+/// A document that commands write.
+#[derive(JsonSchema, Serialize)]
+struct Listed {
+    /// What `hil schema` is given.
+    name: &'static str,
+    /// Of the document.
+    schema_version: u32,
+    /// The commands that write it.
+    written_by: &'static str,
+    /// What it is.
+    description: String,
+}
+
+/// A schema, and what it is of.
+struct Entry {
+    name: &'static str,
+    version: u32,
+    written_by: &'static str,
+    schema: fn() -> Schema,
+}
+
+/// A type gets its name as a document here, and only here: so no command writes JSON that has no schema.
+macro_rules! documents {
+    (named elsewhere { $($known:ty, $known_by:literal;)* } $($type:ty, $name:literal by $label:ident, $by:literal;)*) => {
+        $(impl Document for $type {
+            const LABEL: Label = Label::new($name, LabelField::$label);
+        })*
+
+        const ALL: &[Entry] = &[
+            $(entry::<$known>($known_by),)*
+            $(entry::<$type>($by),)*
+        ];
+    };
+}
+
+documents! {
+    named elsewhere {
+        TraceResult, "hil trace, hil demo: trace.json";
+        ModelFile, "hil trace, hil demo, hil amplitude-free, hil study bouc-wen: model.json";
+        demo::Summary<'_>, "hil demo --json";
+    }
+    predict::Summary<'_>, "predict" by Format, "hil predict --json";
+    predict::Seen<'_>, "motion" by Format, "hil predict --motion";
+    respond::Summary<'_>, "respond" by Format, "hil respond --json";
+    respond_sweep::Summary<'_>, "transmissibility" by Format, "hil respond --sweep --json";
+    mesh_damper_export::Summary, "export" by Document, "hil export --json";
+    run::Summary, "run" by Format, "hil run --json";
+    record::Summary, "record" by Format, "hil record --json";
+    upload::Uploaded, "upload" by Format, "hil upload --json";
+    emulate::Emulated, "emulate" by Format, "hil emulate --json";
+    characterize::Summary, "characterize" by Format, "hil characterize --json";
+    design::Summary, "design" by Format, "hil design --json";
+    orthogonal::Summary, "orthogonal" by Format, "hil orthogonal --json";
+    inspect::Report<'_>, "inspect" by Format, "hil inspect --json";
+    BatchSummary, "batch" by Own, "hil batch --json";
+    Comparison, "comparison" by Own, "hil compare --json";
+    Study, "amplitude-free" by Format, "hil amplitude-free --json";
+    Paper, "paper" by Format, "hil paper --json";
+    faults::Summary, "faults" by Format, "hil faults --json";
+    blind::Summary, "blind" by Format, "hil blind --json";
+    blind::motions::Summary, "blind-motions" by Format, "hil blind --motions --json";
+    Results, "bench" by Format, "hil bench --json";
+    Baseline, "bench-baseline" by Own, "hil bench --bless";
+    Costs, "study-numbers" by Format, "hil study numbers --json";
+    BoucWenResult, "study-bouc-wen" by Format, "hil study bouc-wen --json";
+    Measured, "size-measurement" by Format, "hil study size --json, an element of it";
+    study_size::Sizes<'_>, "study-size" by Own, "hil study size --json";
+    Schemas, "schemas" by Format, "hil schema --json";
+}
+
+const fn entry<T: Document + JsonSchema>(written_by: &'static str) -> Entry {
+    Entry {
+        name: T::LABEL.name,
+        version: T::LABEL.version,
+        written_by,
+        schema: schema_of::<T>,
+    }
+}
+
+fn schema_of<T: Document + JsonSchema>() -> Schema {
+    let settings = SchemaSettings::draft2020_12().for_serialize();
+    let mut schema = settings.into_generator().into_root_schema_for::<Whole<T>>();
+    schema.insert("title".into(), T::LABEL.text().into());
+    unlink(&mut schema);
+    schema
+}
+
+/// Takes the links to code out of what is said of the fields: a reader of JSON has no code.
+fn unlink(schema: &mut Schema) {
+    if let Some(Value::String(text)) = schema.get_mut("description") {
+        *text = text.replace("[`", "`").replace("`]", "`");
+    }
+    transform_subschemas(&mut unlink, schema);
+}
+
+/// A document with what it says of itself.
+pub(super) struct Whole<T>(PhantomData<T>);
+
+impl<T: Document + JsonSchema> JsonSchema for Whole<T> {
+    fn schema_name() -> Cow<'static, str> {
+        T::schema_name()
+    }
+
+    fn json_schema(generator: &mut SchemaGenerator) -> Schema {
+        let mut schema = T::json_schema(generator);
+        let field = match T::LABEL.field {
+            LabelField::Format => "format",
+            LabelField::Document => "document",
+            LabelField::Own => return schema,
+        };
+        let labels = [
+            (field, json!(T::LABEL.text()), "Which document this is."),
+            (
+                "version",
+                json!(T::LABEL.version),
+                "Its version: another one where a field has gone, or has another type or meaning.",
+            ),
+        ];
+        let object = schema.ensure_object();
+        for (name, value, description) in labels {
+            let kind = if value.is_string() {
+                "string"
+            } else {
+                "integer"
+            };
+            let described = json!({"type": kind, "const": value, "description": description});
+            let properties = object.entry("properties").or_insert_with(|| json!({}));
+            if let Value::Object(properties) = properties {
+                properties.insert(name.into(), described);
+            }
+            let required = object.entry("required").or_insert_with(|| json!([]));
+            if let Value::Array(required) = required {
+                required.push(name.into());
+            }
+        }
+        schema
+    }
+}
+
+impl Entry {
+    fn description(&self) -> String {
+        let schema = (self.schema)();
+        let text = schema.get("description").and_then(Value::as_str);
+        let text = text.unwrap_or_default();
+        text.split("\n\n")
+            .next()
+            .unwrap_or_default()
+            .replace('\n', " ")
+    }
+
+    fn file_name(&self) -> String {
+        format!("{}.json", self.name)
+    }
+
+    fn text(&self) -> Result<String, InputError> {
+        serde_json::to_string_pretty(&(self.schema)())
+            .map(|text| text + "\n")
+            .map_err(|error| InputError::new(self.name, error.to_string(), "report this"))
+    }
+}
+
+impl SchemaCommand {
+    pub fn run(self) -> Result<(), Failure> {
+        if let Some(name) = &self.name {
+            say(named(name)?.text()?.trim_end());
+            return Ok(());
+        }
+        let names = ALL.iter().map(Entry::file_name);
+        let mut outputs = Plan::new()
+            .fills(self.out.as_deref(), names)
+            .writes(&self.json)
+            .begin()?;
+        if let Some(out) = &self.out {
+            for entry in ALL {
+                outputs.add(out.join(entry.file_name()), entry.text()?);
+            }
+        }
+        let listed = ALL.iter().map(|entry| Listed {
+            name: entry.name,
+            schema_version: entry.version,
+            written_by: entry.written_by,
+            description: entry.description(),
+        });
+        let list = Schemas {
+            schemas: listed.collect(),
+        };
+        if let Some(json) = &self.json {
+            outputs.add_document(json, &list)?;
+        }
+        outputs.write()?;
+        if self.json.as_deref() == Some(Path::new("-")) {
+            return Ok(());
+        }
+        match &self.out {
+            Some(out) => say(&format!("{} schemas are in {}", ALL.len(), out.display())),
+            None => list.print(),
+        }
+        Ok(())
+    }
+}
+
+fn named(name: &str) -> Result<&'static Entry, InputError> {
+    ALL.iter().find(|entry| entry.name == name).ok_or_else(|| {
+        let names: Vec<&str> = ALL.iter().map(|entry| entry.name).collect();
+        InputError::new(
+            mesh_damper_recording::error::quoted(name),
+            "no document has this name",
+            format!("give one of {}", names.join(", ")),
+        )
+    })
+}
+
+impl Schemas {
+    fn print(&self) {
+        for one in &self.schemas {
+            say(&format!(
+                "{:17} {}\n{:17} written by {}",
+                one.name, one.description, "", one.written_by
+            ));
+        }
+    }
+}

@@ -1,0 +1,151 @@
+//! `hil inspect`, and files of other programs in the commands that read recordings.
+
+use std::fs;
+use std::path::Path;
+
+use crate::bad_input::MODEL;
+use crate::refusal::{hil, refuses};
+
+/// A recording of another program: header, and rows with a semicolon between the cells.
+fn foreign(header: &str) -> String {
+    let row = |i: u32| {
+        let time = f64::from(i) * 0.005;
+        let wave = (std::f64::consts::TAU * 2.0 * time).sin();
+        format!("{time:.4};{:.6};{:.3}\n", 0.1 * wave, 200.0 * wave).replace('.', ",")
+    };
+    header.to_owned() + &(0..400).map(row).collect::<String>()
+}
+
+fn said(directory: &Path, arguments: &[&str]) -> (Option<i32>, String, String) {
+    let output = hil(directory, arguments);
+    let text = |bytes: Vec<u8>| String::from_utf8(bytes).unwrap();
+    (
+        output.status.code(),
+        text(output.stdout),
+        text(output.stderr),
+    )
+}
+
+#[test]
+fn a_file_that_is_understood_is_shown_with_the_command_to_run() {
+    let root = tempfile::tempdir().unwrap();
+    let text = foreign("Pr\u{fc}fer;M\u{fc}ller\n\nZeit [s];Weg [mm];Kraft [N]\n");
+    fs::write(root.path().join("rig 1.txt"), text + "\nEnde der Messung\n").unwrap();
+    let (code, out, err) = said(root.path(), &["inspect", "rig 1.txt"]);
+    assert_eq!(code, Some(0), "{err}");
+    for part in [
+        "rig 1.txt: text",
+        "3 columns, 400 rows",
+        "Kraft [N]",
+        "-200 to 200",
+        "force in N",
+        "400 samples from 0 to 1.995 s, 200 Hz",
+        "displacement -0.1 to 0.1 mm",
+        "cells are divided by a semicolon, the decimal sign is a comma",
+        "1 row of words at the end",
+        "next: hil trace 'rig 1.txt'",
+    ] {
+        assert!(out.contains(part), "{part:?} not in {out}");
+    }
+    let (_, json, _) = said(root.path(), &["inspect", "rig 1.txt", "--json", "-"]);
+    let json: serde_json::Value = serde_json::from_str(&json).unwrap();
+    assert_eq!(json["format"], "mesh-damper inspect");
+    assert_eq!(json["version"], 1);
+    let file = &json["files"][0];
+    assert_eq!(file["recording"]["samples"], 400);
+    assert_eq!(file["tables"][0]["columns"][2]["used_as"], "force in N");
+    let rate = file["recording"]["rate_hz"].as_f64().unwrap();
+    assert!((rate - 200.0).abs() < 1e-6, "{rate}");
+}
+
+/// What is asked is printed with the option, the command has it, and with it nothing is asked any more.
+#[test]
+fn a_question_is_no_error_and_its_command_answers_it() {
+    let root = tempfile::tempdir().unwrap();
+    fs::write(root.path().join("a.txt"), foreign("Zeit;Weg [mm];Kraft\n")).unwrap();
+    let (code, out, err) = said(root.path(), &["inspect", "a.txt"]);
+    assert_eq!(code, Some(0), "{err}");
+    assert!(
+        out.contains("question: column Zeit: the name carries no unit"),
+        "{out}"
+    );
+    assert!(
+        out.contains("question: column Kraft: the name carries no unit"),
+        "{out}"
+    );
+    let command = "hil trace a.txt --unit time=s --unit force=kN";
+    assert!(out.contains(command), "{out}");
+    let (code, out, err) = said(
+        root.path(),
+        &["inspect", "a.txt", "--unit", "time=s", "--unit", "force=N"],
+    );
+    assert_eq!(code, Some(0), "{err}");
+    assert!(
+        out.contains("force -0.2 to 0.2 kN") && !out.contains("question"),
+        "{out}"
+    );
+    assert!(
+        out.contains("next: hil trace a.txt --unit time=s --unit force=N"),
+        "{out}"
+    );
+
+    let either = "time_s;displacement_mm;force_kN\n".to_owned()
+        + &(0..20)
+            .map(|n| format!("1,{:03};{n};{}\n", 100 + n, n % 3))
+            .collect::<String>();
+    fs::write(root.path().join("b.txt"), either).unwrap();
+    let (code, out, err) = said(root.path(), &["inspect", "b.txt"]);
+    assert_eq!(code, Some(0), "{err}");
+    assert!(out.contains("--decimal point or --decimal comma"), "{out}");
+    refuses(
+        root.path(),
+        &["inspect", "none.txt"],
+        &["none.txt", "does not exist"],
+    );
+    fs::write(root.path().join("letter.txt"), "Dear reader,\nhello.\n").unwrap();
+    refuses(
+        root.path(),
+        &["inspect", "letter.txt"],
+        &["letter.txt", "holds no rows"],
+    );
+}
+
+/// The guesses are notes, and the prediction is written in our own format.
+#[test]
+fn a_prediction_for_a_file_of_another_program_is_written_in_our_own_format() {
+    let root = tempfile::tempdir().unwrap();
+    fs::write(root.path().join("model.json"), MODEL).unwrap();
+    // Windows-1252, as a German Excel writes it.
+    let text = foreign("Pr\u{fc}fzeit [s];Weg [mm];Kraft [N]\n");
+    let bytes: Vec<u8> = text
+        .chars()
+        .map(|c| u8::try_from(u32::from(c)).unwrap())
+        .collect();
+    fs::write(root.path().join("a.csv"), bytes).unwrap();
+    let arguments = [
+        "predict",
+        "--model",
+        "model.json",
+        "a.csv",
+        "--out",
+        "p.csv",
+        "--on",
+        "f64",
+    ];
+    let (code, _, err) = said(root.path(), &arguments);
+    assert_eq!(code, Some(0), "{err}");
+    assert!(
+        err.contains("note: a.csv: its characters are read as windows-1252"),
+        "{err}"
+    );
+    assert!(
+        err.contains("note: a.csv: force is read from column \"Kraft [N]\" in N"),
+        "{err}"
+    );
+    let written = fs::read_to_string(root.path().join("p.csv")).unwrap();
+    assert!(
+        written.starts_with("time_s,displacement_mm,force_N,predicted_band_N,predicted_force_N\n"),
+        "{written}"
+    );
+    assert_eq!(written.lines().count(), 401);
+}

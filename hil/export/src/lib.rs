@@ -1,0 +1,342 @@
+//! A model in files, as firmware or a simulation takes it: what `hil export` does beside its options.
+//!
+//! | module | for |
+//! |---|---|
+//! | the root | [`Request`]: which export is wanted, and where; [`Exported`]: its files, and what it says of itself |
+//! | [`fmu`] | the archive of an FMU |
+//!
+//! ```
+//! use mesh_damper_export::{Format, Request};
+//! use mesh_damper_model::file::{FittedRange, ModelFile};
+//! use mesh_damper_model::{LawNode, Model};
+//!
+//! let law = LawNode { amplitude: 0.0, k1: 8.0, k3: 30.0, c: 0.1, alpha: 0.3 };
+//! let model = Model { law: vec![law], effects: Vec::new(), correction: None, controls: Vec::new() };
+//! let range = FittedRange { displacement: [-0.2, 0.2], velocity: [-6.0, 6.0] };
+//! let request = Request::new("model.json", Format::Pack, 10_000.0, "mount.mdcp");
+//! let exported = request.export(&ModelFile::new(model, range))?;
+//! assert_eq!(exported.summary.name, "mount");
+//! # Ok::<(), mesh_damper_recording::error::InputError>(())
+//! ```
+#![forbid(unsafe_code)]
+
+pub mod fmu;
+mod refusal;
+mod words;
+
+use std::path::{Path, PathBuf};
+
+use mesh_damper::pack::NAME;
+use mesh_damper_model::export::{Export, ExportSettings};
+use mesh_damper_model::file::ModelFile;
+use mesh_damper_recording::error::InputError;
+use serde::Serialize;
+
+use fmu::Unit;
+
+/// What a model becomes.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[cfg_attr(feature = "clap", derive(clap::ValueEnum))]
+#[serde(rename_all = "snake_case")]
+pub enum Format {
+    /// A coefficient pack, for a rig that takes it while it runs
+    Pack,
+    /// A module of constants with the law composed statically
+    Rust,
+    /// A header and a source of C99 with the pack as an array
+    C,
+    /// A unit of FMI 2.0 for co-simulation
+    Fmu,
+}
+
+impl Format {
+    /// Every format.
+    pub const ALL: [Self; 4] = [Self::Pack, Self::Rust, Self::C, Self::Fmu];
+
+    /// As the command's option has it.
+    pub fn word(self) -> &'static str {
+        match self {
+            Self::Pack => "pack",
+            Self::Rust => "rust",
+            Self::C => "c",
+            Self::Fmu => "fmu",
+        }
+    }
+}
+
+/// Which export of a model is wanted, and where.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Request {
+    /// The model's file, or what errors call it.
+    pub model: PathBuf,
+    /// What it becomes.
+    pub format: Format,
+    /// Ticks per second of the firmware, or evaluations of the law per second in an FMU, Hz.
+    pub tick_rate: f64,
+    /// Where it goes; of C the name of header and source, with or without its ending; `-` for standard output.
+    pub out: PathBuf,
+    /// What the model is called, at most 32 bytes; the name of the file that is written without it.
+    pub name: Option<String>,
+    /// Of this export: a firmware may refuse one that is not above that of before.
+    pub revision: u32,
+    /// The amplitude at which the law is taken, mm; without it the largest one that it was fitted at.
+    pub amplitude: Option<f64>,
+    /// Density of the specimen, g/cm³, to be said with the law.
+    pub density: Option<f64>,
+    /// Whether a law is exported that gives more energy than it takes.
+    pub allow_active: bool,
+    /// Libraries for an FMU, one for each platform.
+    pub libraries: Vec<PathBuf>,
+    /// Folders in which the library for an FMU is looked for beside these.
+    pub folders: Vec<PathBuf>,
+}
+
+/// The files of an export, and what it says of itself.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Exported {
+    /// The files that are to be written, in the order of [`Request::paths`].
+    pub files: Vec<(PathBuf, Vec<u8>)>,
+    /// What was written, for other programs.
+    pub summary: Summary,
+    /// What was written, what it is of, and how it is used, for people.
+    pub said: Vec<String>,
+    /// What the user should know though the model was exported.
+    pub warnings: Vec<String>,
+}
+
+/// What was written.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+pub struct Summary {
+    /// What the model became.
+    pub format: Format,
+    /// The model's file.
+    pub model: PathBuf,
+    /// What was written.
+    pub files: Vec<Written>,
+    /// What the model is called.
+    pub name: String,
+    /// Which model it is.
+    pub identity: String,
+    /// Of this export.
+    pub revision: u32,
+    /// For which the law is, Hz
+    pub tick_rate: f32,
+    /// In which the model was fitted; null of one that does not say
+    pub operating_range: Option<Range>,
+    /// At which the coefficients were taken, mm; null where they are the same at all
+    pub amplitude: Option<f32>,
+    /// Of the specimen, g/cm³; null where it was not given
+    pub density: Option<f32>,
+    /// Whether the law gives no more energy than it takes, within the operating range
+    pub passive: bool,
+    /// Of an FMU
+    #[serde(flatten)]
+    pub fmu: Option<Unit>,
+}
+
+/// A file that was written.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+pub struct Written {
+    /// Where.
+    pub path: PathBuf,
+    /// Its length.
+    pub bytes: usize,
+}
+
+/// The motion that a model was fitted on.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+pub struct Range {
+    /// Least and largest, mm.
+    pub displacement: [f32; 2],
+    /// Least and largest, mm/s.
+    pub velocity: [f32; 2],
+}
+
+impl Request {
+    /// Of the model in a file, for `tick_rate` Hz, to `out`, with nothing else said.
+    pub fn new(
+        model: impl Into<PathBuf>,
+        format: Format,
+        tick_rate: f64,
+        out: impl Into<PathBuf>,
+    ) -> Self {
+        Self {
+            model: model.into(),
+            format,
+            tick_rate,
+            out: out.into(),
+            name: None,
+            revision: 0,
+            amplitude: None,
+            density: None,
+            allow_active: false,
+            libraries: Vec::new(),
+            folders: Vec::new(),
+        }
+    }
+
+    /// The files that will be written: of C the header and the source.
+    ///
+    /// # Errors
+    /// A name that no C header can have; a library beside another format than an FMU.
+    pub fn paths(&self) -> Result<Vec<PathBuf>, InputError> {
+        if let (Some(library), false) = (self.libraries.first(), self.format == Format::Fmu) {
+            return Err(InputError::new(
+                format!("--library {}", library.display()),
+                "only an FMU carries a library",
+                "give --format fmu, or leave --library out",
+            ));
+        }
+        if self.format != Format::C {
+            return Ok(vec![self.out.clone()]);
+        }
+        let stem = self.stem();
+        if self.out == Path::new("-") {
+            return Err(InputError::new(
+                "--out",
+                "C is a header and a source, and standard output takes one of them",
+                "give a file name",
+            ));
+        }
+        // The source includes the header by its name.
+        if stem.is_empty() || stem.contains(['"', '\\']) || stem.contains(char::is_control) {
+            return Err(InputError::new(
+                format!("--out {}", self.out.display()),
+                "this is no name for a C header",
+                "give a name of letters, digits and _",
+            ));
+        }
+        let endings = ["h", "c"];
+        Ok(endings
+            .map(|ending| self.out.with_file_name(format!("{stem}.{ending}")))
+            .to_vec())
+    }
+
+    /// The name of what is written, without the ending of its format.
+    pub(crate) fn stem(&self) -> String {
+        let path = match self.out == Path::new("-") {
+            true => &self.model,
+            false => &self.out,
+        };
+        let is_ending = |ending: &str| match self.format {
+            Format::C => ["c", "h"].contains(&ending),
+            Format::Pack | Format::Rust | Format::Fmu => true,
+        };
+        let ending = path.extension().and_then(|ending| ending.to_str());
+        let name = match ending.is_some_and(is_ending) {
+            true => path.file_stem(),
+            false => path.file_name(),
+        };
+        name.unwrap_or_default().to_string_lossy().into_owned()
+    }
+
+    fn name(&self) -> Result<String, InputError> {
+        let (name, place) = match &self.name {
+            Some(name) => (name.clone(), "--name"),
+            None => (self.stem(), "--out"),
+        };
+        let problem = if name.contains(char::is_control) {
+            "holds a control character".to_owned()
+        } else if name.len() > NAME {
+            format!("has {} bytes, and a pack holds {NAME}", name.len())
+        } else {
+            return Ok(name);
+        };
+        Err(InputError::new(
+            place,
+            format!("the name {problem}"),
+            format!("give --name with at most {NAME} bytes"),
+        ))
+    }
+
+    /// The export of the model of `file`.
+    ///
+    /// # Errors
+    /// As [`Request::paths`]; a setting that is out of range, by the name of its option; a model that cannot run at the tick rate or
+    /// that the format cannot hold; a library for an FMU that is none, or that is missing.
+    pub fn export(&self, file: &ModelFile) -> Result<Exported, InputError> {
+        let paths = self.paths()?;
+        let settings = ExportSettings {
+            tick_rate: self.tick_rate,
+            amplitude: self.amplitude,
+            density: self.density,
+            revision: self.revision,
+            name: self.name()?,
+            allow_active: self.allow_active,
+        };
+        let export = Export::new(file, &settings).map_err(|error| self.refused(&error))?;
+        let (texts, fmu) = self.texts(file, &export)?;
+        let info = export.info();
+        let summary = Summary {
+            format: self.format,
+            model: self.model.clone(),
+            files: paths
+                .iter()
+                .zip(&texts)
+                .map(|(path, text)| Written {
+                    path: path.clone(),
+                    bytes: text.len(),
+                })
+                .collect(),
+            name: info.name.to_string(),
+            identity: info.stamp.identity.to_string(),
+            revision: info.stamp.revision,
+            tick_rate: info.stamp.tick_rate,
+            operating_range: info.operating_range.map(|range| Range {
+                displacement: range.displacement(),
+                velocity: range.velocity(),
+            }),
+            amplitude: info.amplitude,
+            density: info.density,
+            passive: export.active().is_none(),
+            fmu,
+        };
+        let mut warnings = Vec::new();
+        if let (Some(amplitude), None, true) =
+            (info.amplitude, self.amplitude, file.model().law.len() > 1)
+        {
+            warnings.push(format!(
+                "the law changes with the amplitude, and is that of {amplitude} mm: --amplitude takes another"
+            ));
+        }
+        if let Some(active) = export.active() {
+            warnings.push(format!(
+                "the law is active: {active}, and a load refuses it unless it allows that"
+            ));
+        }
+        Ok(Exported {
+            files: paths.into_iter().zip(texts).collect(),
+            said: self.in_words(&summary),
+            summary,
+            warnings,
+        })
+    }
+
+    /// What each of the files holds, and what else an FMU says of itself.
+    fn texts(
+        &self,
+        file: &ModelFile,
+        export: &Export,
+    ) -> Result<(Vec<Vec<u8>>, Option<Unit>), InputError> {
+        let refused = |error| self.refused(&error);
+        let texts = match self.format {
+            Format::Pack => vec![export.pack().map_err(refused)?],
+            Format::Rust => vec![export.rust().map_err(refused)?.into_bytes()],
+            Format::C => {
+                let texts = export.c(&self.stem()).map_err(refused)?;
+                texts.map(String::into_bytes).to_vec()
+            }
+            Format::Fmu => {
+                let libraries = fmu::libraries(&self.libraries, &self.folders)?;
+                let model = self.model.display().to_string();
+                let (bytes, unit) = fmu::packed(file, export, self.tick_rate, &libraries, &model)?;
+                return Ok((vec![bytes], Some(unit)));
+            }
+        };
+        Ok((texts, None))
+    }
+}

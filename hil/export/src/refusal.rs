@@ -1,0 +1,51 @@
+//! Why a model is not exported, with the option or the file that it is about.
+
+use mesh_damper_model::ModelError;
+use mesh_damper_model::export::ExportError;
+use mesh_damper_model::file::model_error;
+use mesh_damper_recording::error::{InputError, Place};
+
+use super::Request;
+
+impl Request {
+    /// `error` with the option or the file that it is about.
+    pub(crate) fn refused(&self, error: &ExportError) -> InputError {
+        let model = self.model.display().to_string();
+        match error {
+            ExportError::Setting(setting) => {
+                let said = setting.to_string();
+                let field = said.split(' ').next().unwrap_or_default();
+                InputError::new(
+                    format!("--{}", field.replace('_', "-")),
+                    said.clone(),
+                    "give a value within that",
+                )
+            }
+            ExportError::NoAmplitude => InputError::new(
+                "--amplitude",
+                format!("the law of {model} has the same coefficients at every amplitude"),
+                "leave --amplitude out",
+            ),
+            ExportError::Model(error @ ModelError::Refused { .. }) => InputError {
+                mend: format!(
+                    "give another --tick-rate than {}, mend the field, or trace the recordings again",
+                    self.tick_rate
+                ),
+                ..model_error(&model, error)
+            },
+            ExportError::Model(error) => model_error(&model, error),
+            ExportError::Active(active) => InputError::new(
+                model,
+                format!("the law is active: {active}"),
+                "see to its damping and to stiffnesses of friction below 0, or give --allow-active",
+            )
+            .at(Place::Field("law".into())),
+            ExportError::ResidualTable => InputError::new(
+                model,
+                "a law that Rust composes statically carries no residual table",
+                "export it with --format pack or c, whose law is read while it runs",
+            )
+            .at(Place::Field("correction".into())),
+        }
+    }
+}

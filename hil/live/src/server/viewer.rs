@@ -1,0 +1,157 @@
+//! One page that looks, over its WebSocket.
+//!
+//! Its thread waits for what the page sends, which is little, for a thirtieth of a second at most; then it sends what has come since. So a
+//! page gets at most thirty parts a second, and one that takes nothing holds up its own thread alone.
+
+use std::io::{self, ErrorKind};
+use std::net::TcpStream;
+use std::sync::atomic::Ordering::SeqCst;
+use std::time::{Duration, Instant};
+
+use serde_json::{Value, json};
+use tungstenite::protocol::{Role, WebSocketConfig};
+use tungstenite::{Error, Message, WebSocket};
+
+use super::{GOODBYE, Shared, lock};
+use crate::frame;
+use crate::history::{Part, Place, Seen};
+
+/// From part to part.
+const BETWEEN_PARTS: Duration = Duration::from_millis(33);
+/// Bytes of what a page may send.
+const MOST_RECEIVED: usize = 1 << 10;
+
+/// Sends the page at the other end of `stream` everything there is and everything that comes.
+pub(super) fn show(stream: TcpStream, shared: &Shared) -> io::Result<()> {
+    stream.set_read_timeout(Some(BETWEEN_PARTS))?;
+    stream.set_write_timeout(Some(BETWEEN_PARTS))?;
+    let config = WebSocketConfig::default()
+        .max_message_size(Some(MOST_RECEIVED))
+        .max_frame_size(Some(MOST_RECEIVED));
+    let mut viewer = Viewer {
+        socket: WebSocket::from_raw_socket(stream, Role::Server, Some(config)),
+        place: lock(&shared.history).join(),
+        seen: Seen::default(),
+        is_stalled: false,
+    };
+    shared.change(|viewers| {
+        viewers.now += 1;
+        viewers.ever += 1;
+    });
+    // However it ends, it has gone.
+    let _ = viewer.run(shared);
+    shared.change(|viewers| {
+        viewers.now -= 1;
+        viewers.gone.samples += viewer.seen.samples;
+        viewers.gone.missed += viewer.seen.missed;
+    });
+    Ok(())
+}
+
+impl Shared {
+    fn change(&self, change: impl FnOnce(&mut super::Viewers)) {
+        change(&mut lock(&self.viewers));
+        self.changed.notify_all();
+    }
+}
+
+struct Viewer {
+    socket: WebSocket<TcpStream>,
+    place: Place,
+    seen: Seen,
+    /// A part of what was sent has not gone yet; nothing more is until it has.
+    is_stalled: bool,
+}
+
+impl Viewer {
+    fn run(&mut self, shared: &Shared) -> Result<(), Error> {
+        self.send(vec![text(&shared.about)])?;
+        loop {
+            self.receive()?;
+            if shared.ended.load(SeqCst) {
+                return Ok(());
+            }
+            if self.is_stalled {
+                self.is_stalled = !goes(self.socket.flush())?;
+                if self.is_stalled {
+                    continue;
+                }
+            }
+            let (part, is_closing) = {
+                let history = lock(&shared.history);
+                // Read before the part is taken: what comes later than that is not sent.
+                let is_closing = shared.closing.load(SeqCst);
+                (history.next(&mut self.place), is_closing)
+            };
+            let is_empty = part.is_empty();
+            self.send_part(part)?;
+            if is_closing && is_empty && !self.is_stalled {
+                return self.say_goodbye();
+            }
+        }
+    }
+
+    fn send_part(&mut self, part: Part) -> Result<(), Error> {
+        self.seen.missed += part.missed;
+        self.seen.samples += part.samples.len() as u64;
+        let mut messages = Vec::new();
+        // What was missed is said, even where nothing has come after it.
+        if !part.samples.is_empty() || part.missed > 0 {
+            messages.push(binary(frame::of_samples(&part.samples, self.seen.missed)));
+        }
+        if !part.cycles.is_empty() {
+            messages.push(binary(frame::of_cycles(&part.cycles, self.seen.missed)));
+        }
+        for event in &part.events {
+            messages.push(text(&json!({"type": "event", "event": event})));
+        }
+        if let Some(state) = &part.state {
+            messages.push(text(&json!({"type": "state", "state": state.to_json()})));
+        }
+        self.send(messages)
+    }
+
+    fn send(&mut self, messages: Vec<Message>) -> Result<(), Error> {
+        for message in messages {
+            // What does not go at once waits in the socket's buffer, which holds one part at most.
+            goes(self.socket.write(message))?;
+        }
+        self.is_stalled = !goes(self.socket.flush())?;
+        Ok(())
+    }
+
+    /// Waits for a message; nothing that a page sends matters but that it goes.
+    fn receive(&mut self) -> Result<(), Error> {
+        goes(self.socket.read().map(drop)).map(drop)
+    }
+
+    fn say_goodbye(&mut self) -> Result<(), Error> {
+        goes(self.socket.close(None))?;
+        let deadline = Instant::now() + GOODBYE;
+        while Instant::now() < deadline {
+            self.receive()?;
+        }
+        Ok(())
+    }
+}
+
+/// Whether it was done. Not yet is no error.
+fn goes(result: Result<(), Error>) -> Result<bool, Error> {
+    match result {
+        Ok(()) => Ok(true),
+        Err(Error::Io(error))
+            if matches!(error.kind(), ErrorKind::WouldBlock | ErrorKind::TimedOut) =>
+        {
+            Ok(false)
+        }
+        Err(error) => Err(error),
+    }
+}
+
+fn text(value: &Value) -> Message {
+    Message::text(value.to_string())
+}
+
+fn binary(bytes: Vec<u8>) -> Message {
+    Message::binary(bytes)
+}

@@ -1,0 +1,167 @@
+//! A real broker, Mosquitto, started and ended by a test. Shared by the tests that need one.
+
+use std::io::{BufRead as _, BufReader};
+use std::net::{Ipv4Addr, TcpListener, TcpStream};
+use std::path::Path;
+use std::process::{Child, ChildStdout, Command, Stdio};
+use std::time::{Duration, Instant};
+
+use serde_json::Value;
+
+use super::common::has;
+
+/// Nothing here takes so long; a test that would hang ends.
+pub const PATIENCE: Duration = Duration::from_secs(60);
+
+/// Where Debian puts it, which is not on everybody's path.
+const MOSQUITTO: &str = "/usr/sbin/mosquitto";
+
+/// A broker of its own at a free port.
+pub struct Mosquitto {
+    process: Child,
+    port: u16,
+    configuration: tempfile::TempDir,
+}
+
+impl Mosquitto {
+    /// None where there is no Mosquitto on this machine.
+    pub fn start(login: Option<(&str, &str)>) -> Option<Self> {
+        if !has(MOSQUITTO, "mosquitto") || !has("mosquitto_sub", "mosquitto-clients") {
+            return None;
+        }
+        let configuration = tempfile::tempdir().unwrap();
+        let passwords = configuration.path().join("passwords");
+        let mut text = String::new();
+        if let Some((user, password)) = login {
+            let made = Command::new("mosquitto_passwd")
+                .args(["-b", "-c"])
+                .arg(&passwords)
+                .args([user, password])
+                .status();
+            assert!(made.unwrap().success());
+            text += &format!(
+                "password_file {}\nallow_anonymous false\n",
+                passwords.display()
+            );
+        } else {
+            text += "allow_anonymous true\n";
+        }
+        // Who starts it owns its files, root included.
+        text += "user root\n";
+        let port = free_port();
+        text += &format!("listener {port} 127.0.0.1\n");
+        std::fs::write(configuration.path().join("mosquitto.conf"), text).unwrap();
+        let process = serve(configuration.path(), port);
+        Some(Self {
+            process,
+            port,
+            configuration,
+        })
+    }
+
+    pub fn port(&self) -> u16 {
+        self.port
+    }
+
+    /// Ends, and starts again at the same port without what it knew.
+    #[allow(dead_code, reason = "not every test that shares this file restarts it")]
+    pub fn restart(&mut self, between: impl FnOnce()) {
+        self.process.kill().unwrap();
+        self.process.wait().unwrap();
+        between();
+        self.process = serve(self.configuration.path(), self.port);
+    }
+
+    /// Hears everything under `mesh-damper`, what is retained first.
+    pub fn subscribe(&self, login: Option<(&str, &str)>) -> Heard {
+        let mut command = Command::new("mosquitto_sub");
+        command
+            .args(["-h", "127.0.0.1", "-p", &self.port.to_string(), "-q", "1"])
+            .args(["-t", "mesh-damper/#", "-F", "%r %t %p"]);
+        if let Some((user, password)) = login {
+            command.args(["-u", user, "-P", password]);
+        }
+        let mut process = command.stdout(Stdio::piped()).spawn().unwrap();
+        let lines = BufReader::new(process.stdout.take().unwrap());
+        Heard { process, lines }
+    }
+}
+
+impl Drop for Mosquitto {
+    fn drop(&mut self) {
+        let _ = self.process.kill();
+        let _ = self.process.wait();
+    }
+}
+
+pub fn free_port() -> u16 {
+    let listener = TcpListener::bind((Ipv4Addr::LOCALHOST, 0)).unwrap();
+    listener.local_addr().unwrap().port()
+}
+
+fn serve(configuration: &Path, port: u16) -> Child {
+    let process = Command::new(MOSQUITTO)
+        .arg("-c")
+        .arg(configuration.join("mosquitto.conf"))
+        .stderr(Stdio::null())
+        .spawn()
+        .unwrap();
+    let deadline = Instant::now() + PATIENCE;
+    while TcpStream::connect((Ipv4Addr::LOCALHOST, port)).is_err() {
+        assert!(Instant::now() < deadline, "the broker does not start");
+        std::thread::yield_now();
+    }
+    process
+}
+
+/// What a subscriber hears.
+pub struct Heard {
+    process: Child,
+    lines: BufReader<ChildStdout>,
+}
+
+/// One message.
+#[derive(Debug)]
+pub struct Message {
+    #[allow(dead_code, reason = "not every test that shares this file asks")]
+    pub retained: bool,
+    pub topic: String,
+    pub payload: Value,
+}
+
+impl Heard {
+    pub fn next(&mut self) -> Message {
+        let mut line = String::new();
+        assert!(
+            self.lines.read_line(&mut line).unwrap() > 0,
+            "the broker has gone"
+        );
+        let mut parts = line.splitn(3, ' ');
+        let mut part = || parts.next().unwrap().to_owned();
+        Message {
+            retained: part() == "1",
+            topic: part(),
+            payload: serde_json::from_str(&part()).unwrap(),
+        }
+    }
+
+    /// Everything until the status is `state`, that message included.
+    pub fn until(&mut self, state: &str) -> Vec<Message> {
+        let mut messages = Vec::new();
+        loop {
+            let message = self.next();
+            let is_last = message.topic.ends_with("/status") && message.payload["state"] == state;
+            messages.push(message);
+            if is_last {
+                return messages;
+            }
+        }
+    }
+}
+
+impl Drop for Heard {
+    fn drop(&mut self) {
+        let _ = self.process.kill();
+        let _ = self.process.wait();
+    }
+}

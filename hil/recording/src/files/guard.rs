@@ -1,0 +1,61 @@
+//! Other people's decoders on any bytes.
+
+use std::cell::Cell;
+use std::panic::{AssertUnwindSafe, catch_unwind, set_hook, take_hook};
+use std::sync::Once;
+
+use crate::error::InputError;
+
+thread_local! {
+    /// Whether this thread is in a decoder, whose panics are told as what they are: a file that it cannot read.
+    static DECODES: Cell<bool> = const { Cell::new(false) };
+}
+
+/// Does `work` with a decoder of `format`, whose panic becomes an error and says nothing on standard error.
+///
+/// # Errors
+/// Those of `work`, and a panic.
+pub(super) fn guarded<T>(
+    format: &str,
+    file: &str,
+    work: impl FnOnce() -> Result<T, InputError>,
+) -> Result<T, InputError> {
+    static HOOK: Once = Once::new();
+    HOOK.call_once(|| {
+        let before = take_hook();
+        set_hook(Box::new(move |panic| {
+            if !DECODES.get() {
+                before(panic);
+            }
+        }));
+    });
+    let outer = DECODES.replace(true);
+    let done = catch_unwind(AssertUnwindSafe(work));
+    DECODES.set(outer);
+    done.unwrap_or_else(|_| Err(damaged(format, file, "its decoder gave up")))
+}
+
+/// A file of `format` that is not as it has to be; `why` is what its decoder says.
+pub(super) fn damaged(format: &str, file: &str, why: impl std::fmt::Display) -> InputError {
+    InputError::new(
+        file,
+        format!("is no whole {format} file: {why}"),
+        "check that it was written to its end, and copied whole",
+    )
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_panic_is_an_error_of_the_file() {
+        let error = guarded::<()>("MDF4", "a.mf4", || panic!("index out of range")).unwrap_err();
+        assert!(
+            error.to_string().contains("is no whole MDF4 file"),
+            "{error}"
+        );
+        assert!(!DECODES.get());
+        assert_eq!(guarded("MDF4", "a.mf4", || Ok(1)), Ok(1));
+    }
+}

@@ -1,0 +1,249 @@
+//! The data sets of a file, however deep in groups.
+
+use std::collections::HashSet;
+
+use hdf5_reader::error::Error;
+use hdf5_reader::group::Group;
+use hdf5_reader::{Attribute, Dataset, Datatype, dtype_element_size};
+
+use super::cells::{Cell, Place, cell};
+use crate::files::Column;
+use crate::files::arrays::{Array, MOST_COLUMNS, MOST_OF_ARRAY, name_of};
+
+/// The deepest that groups may lie in each other. Convention: deeper than any program writes, and within the stack.
+const DEEPEST: usize = 64;
+/// The longest text of an attribute that is a comment. Convention: a page.
+const LONGEST: usize = 1 << 12;
+
+/// What was found in a file.
+#[derive(Default)]
+pub(super) struct Walk {
+    pub arrays: Vec<Array<Place>>,
+    pub datasets: Vec<Dataset>,
+    pub skipped: Vec<String>,
+    pub comments: Vec<String>,
+    pub guesses: Vec<String>,
+    /// Groups that were seen: links may lead round in a circle.
+    seen: HashSet<u64>,
+}
+
+impl Walk {
+    /// Takes in a group and what lies in it.
+    pub fn group(&mut self, group: &Group, path: &[String]) -> Result<(), Error> {
+        if !self.seen.insert(group.address()) {
+            return Ok(());
+        }
+        if path.len() > DEEPEST || self.arrays.len() + self.seen.len() > MOST_COLUMNS {
+            return Err(Error::ResourceLimit("too many groups".into()));
+        }
+        let key = |name: &str| {
+            let mut path = path.to_vec();
+            path.push(name.to_owned());
+            path.join("/")
+        };
+        for attribute in group.attributes().unwrap_or_default() {
+            if let Ok(text) = attribute.read_string()
+                && !text.trim().is_empty()
+                && text.len() <= LONGEST
+                && !attribute.name.chars().all(|c| c.is_uppercase() || c == '_')
+            {
+                let name = key(&attribute.name);
+                let lines = text.lines().map(|line| format!("{name}: {}", line.trim()));
+                self.comments.extend(lines);
+            }
+        }
+        let (groups, datasets) = group.members()?;
+        let labels = labels(&datasets);
+        for dataset in datasets {
+            let names = labels
+                .iter()
+                .find(|(values, _)| values == short(dataset.name()));
+            let names = names.map(|(_, names)| names.clone());
+            self.dataset(dataset, path, names.unwrap_or_default());
+        }
+        for group in groups {
+            let mut path = path.to_vec();
+            path.push(short(group.name()).to_owned());
+            self.group(&group, &path)?;
+        }
+        Ok(())
+    }
+
+    /// Takes in a data set; `names` are those of its columns, where the file has them.
+    fn dataset(&mut self, dataset: Dataset, path: &[String], names: Vec<String>) {
+        let name = short(dataset.name()).to_owned();
+        let attributes = Said::of(&dataset);
+        let shape = dataset.shape().to_vec();
+        let mut fields: Vec<(String, Cell, u64)> = Vec::new();
+        match dataset.dtype() {
+            Datatype::Compound { fields: of, .. } => {
+                for field in of {
+                    let (of, elements) = match &field.datatype {
+                        Datatype::Array { base, dims } => (
+                            &**base,
+                            dims.iter()
+                                .fold(1, |all: u64, &size| all.saturating_mul(size)),
+                        ),
+                        of => (of, 1),
+                    };
+                    match cell(of) {
+                        Some(mut cell) if elements <= MOST_OF_ARRAY => {
+                            cell.at = field.byte_offset as usize;
+                            fields.push((field.name.clone(), cell, elements));
+                        }
+                        _ => self.skip(path, &format!("{name}.{}", field.name), of_type(of)),
+                    }
+                }
+            }
+            of => match cell(of) {
+                Some(cell) => fields.push((String::new(), cell, 1)),
+                None => return self.skip(path, &name, of_type(of)),
+            },
+        }
+        let long: Vec<u64> = shape.iter().copied().filter(|&size| size != 1).collect();
+        // Rows lie one after the other. Samples are more than channels.
+        let (rows, columns, [step, next]) = match long[..] {
+            [] => {
+                let bytes = dataset.read_raw_bytes().unwrap_or_default();
+                for (_, cell, _) in fields {
+                    let value = cell.kind.read(&bytes, cell.at, cell.is_little);
+                    self.skip(path, &name, &format!("the number {value}"));
+                }
+                return;
+            }
+            [rows] => (rows, 1, [1, 0]),
+            [rows, columns] if rows >= columns => (rows, columns, [columns, 1]),
+            [columns, rows] => (rows, columns, [1, rows]),
+            _ => return self.skip(path, &name, &format!("{shape:?}")),
+        };
+        if rows == 0 || columns > MOST_OF_ARRAY {
+            return self.skip(path, &name, &format!("{shape:?}"));
+        }
+        let is_compound = matches!(dataset.dtype(), Datatype::Compound { .. });
+        let mut group = path.to_vec();
+        if is_compound {
+            group.push(name.clone());
+        }
+        if let Some((factor, offset)) = attributes.scale {
+            self.guesses.push(format!(
+                "{name} is multiplied by {factor} and {offset} is added, as its attributes say"
+            ));
+        }
+        for (field, cell, elements) in fields {
+            let base = if is_compound { &field } else { &name };
+            let of_field = attributes.units.iter().find(|(of, _)| *of == field);
+            let unit = of_field
+                .map(|(_, unit)| unit.clone())
+                .or_else(|| (!is_compound).then(|| attributes.unit.clone()).flatten());
+            for column in 0..columns * elements {
+                let (element, column_of) = (column % elements, column / elements);
+                let named = names.get(column as usize).filter(|_| !is_compound);
+                let name = named
+                    .cloned()
+                    .unwrap_or_else(|| name_of(base, column, columns * elements));
+                let mut cell = cell.clone();
+                cell.at += element as usize * cell.kind.size();
+                self.arrays.push(Array {
+                    group: group.clone(),
+                    column: Column {
+                        name,
+                        unit: unit.clone(),
+                        is_numeric: true,
+                        ..Column::default()
+                    },
+                    rows,
+                    clock: None,
+                    source: Place {
+                        dataset: self.datasets.len(),
+                        cell,
+                        first: (column_of * next) as usize,
+                        step: step as usize,
+                        count: rows as usize,
+                        scale: attributes.scale,
+                        fill: attributes.fill,
+                    },
+                });
+            }
+        }
+        self.datasets.push(dataset);
+    }
+
+    fn skip(&mut self, path: &[String], name: &str, what: &str) {
+        let mut path = path.to_vec();
+        path.push(name.to_owned());
+        self.skipped.push(format!("{} ({what})", path.join("/")));
+    }
+}
+
+/// What a data set's attributes say of its values.
+#[derive(Default)]
+struct Said {
+    unit: Option<String>,
+    /// Of the fields of its elements.
+    units: Vec<(String, String)>,
+    /// As netCDF has them: factor and offset.
+    scale: Option<(f64, f64)>,
+    fill: Option<f64>,
+}
+
+impl Said {
+    fn of(dataset: &Dataset) -> Self {
+        let mut said = Self::default();
+        let text = |attribute: &Attribute| attribute.read_string().ok();
+        let (mut factor, mut offset) = (None, None);
+        for attribute in dataset.attributes() {
+            let number = || {
+                attribute
+                    .read_as_f64()
+                    .ok()
+                    .filter(|value| value.is_finite())
+            };
+            match attribute.name.to_lowercase().as_str() {
+                "unit" | "units" | "unit_string" | "ni_unitdescription" => {
+                    said.unit = text(&attribute).filter(|unit| !unit.trim().is_empty());
+                }
+                "scale_factor" => factor = number(),
+                "add_offset" => offset = number(),
+                "_fillvalue" | "missing_value" => said.fill = attribute.read_as_f64().ok(),
+                name => {
+                    let field = name
+                        .strip_prefix("unit_")
+                        .or_else(|| name.strip_suffix("_unit"));
+                    if let (Some(field), Some(unit)) = (field, text(&attribute)) {
+                        said.units.push((field.to_owned(), unit));
+                    }
+                }
+            }
+        }
+        if factor.is_some() || offset.is_some() {
+            said.scale = Some((factor.unwrap_or(1.0), offset.unwrap_or(0.0)));
+        }
+        said
+    }
+}
+
+/// The columns' names of data sets that have them beside them, as pandas has `block0_items` beside `block0_values`.
+fn labels(datasets: &[Dataset]) -> Vec<(String, Vec<String>)> {
+    let of = |dataset: &Dataset| {
+        let block = short(dataset.name()).strip_suffix("_items")?;
+        Some((format!("{block}_values"), dataset.read_strings().ok()?))
+    };
+    datasets.iter().filter_map(of).collect()
+}
+
+/// The last part of a path.
+pub(super) fn short(path: &str) -> &str {
+    path.rsplit('/').next().unwrap_or(path)
+}
+
+fn of_type(of: &Datatype) -> &'static str {
+    match of {
+        Datatype::String { .. } => "texts",
+        Datatype::VarLen { .. } => "texts or lists of any length",
+        Datatype::Reference { .. } => "references",
+        Datatype::Compound { .. } => "structures",
+        Datatype::Array { .. } => "arrays",
+        _ if dtype_element_size(of).is_ok_and(|size| size > 8) => "numbers of more than 8 bytes",
+        _ => "no numbers",
+    }
+}

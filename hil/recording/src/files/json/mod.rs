@@ -1,0 +1,273 @@
+//! JSON: an object of arrays, an array of objects, `columns` and `data` as pandas has them, or an object on each line.
+
+mod node;
+
+use serde::de::DeserializeSeed as _;
+use serde_json::Deserializer;
+
+use super::arrays::{Array, MOST_COLUMNS, arranged, name_of};
+use super::guard::damaged;
+use super::opened::Opened;
+use super::{Column, Format, Reading, Source, Table, Tables};
+use crate::error::InputError;
+use crate::read_limit::ReadLimit;
+use node::{List, Node, Seed};
+
+const NAME: &str = "JSON";
+
+/// JSON, or JSON lines.
+pub(super) struct Json;
+
+impl Format for Json {
+    fn name(&self) -> &'static str {
+        NAME
+    }
+
+    fn endings(&self) -> &'static [&'static str] {
+        &["json", "jsonl", "ndjson"]
+    }
+
+    fn recognizes(&self, head: &[u8]) -> bool {
+        let head = head.strip_prefix(b"\xef\xbb\xbf").unwrap_or(head);
+        let mut bytes = head
+            .iter()
+            .copied()
+            .filter(|byte| !byte.is_ascii_whitespace());
+        match (bytes.next(), bytes.next()) {
+            (Some(b'{'), Some(b'"' | b'}')) => true,
+            // A line such as [Header] stands above tables of text.
+            (Some(b'['), Some(b'{' | b'[' | b'"' | b'0'..=b'9' | b'-')) => true,
+            _ => false,
+        }
+    }
+
+    fn open<'a>(
+        &self,
+        source: Source<'a>,
+        _: &Reading,
+    ) -> Result<Box<dyn Tables + 'a>, InputError> {
+        let (name, limit) = (source.name(), source.limit());
+        let mut bytes = source.bytes()?;
+        if bytes.starts_with(b"\xef\xbb\xbf") {
+            bytes.drain(..3);
+        }
+        bare_words(&mut bytes);
+        let root = parsed(&name, &bytes, limit)?;
+        drop(bytes);
+        let mut found = Found::default();
+        found.take(&[], root);
+        let Found {
+            arrays,
+            skipped,
+            comments,
+        } = found;
+        let (mut tables, sources) = arranged(arrays, &mut |values: &Vec<f64>| Ok(values.clone()))?;
+        if tables.is_empty() {
+            tables.push(Table::default());
+        }
+        tables[0].skipped = skipped;
+        let read = move |table: usize, column: usize| {
+            let columns: &Vec<Vec<f64>> = &sources[table];
+            Ok(Some(columns[column].clone()))
+        };
+        Ok(Box::new(Opened::new(name, tables, comments, read)?))
+    }
+}
+
+/// The value of a file, or the list of those on its lines.
+fn parsed(name: &str, bytes: &[u8], limit: ReadLimit) -> Result<Node, InputError> {
+    let mut reader = Deserializer::from_slice(bytes);
+    let broken = |error: serde_json::Error| {
+        if error.to_string().starts_with(node::TOO_LARGE) {
+            limit.exceeded(name)
+        } else {
+            damaged(NAME, name, error)
+        }
+    };
+    let seed = || Seed {
+        most: usize::try_from(limit.file() / 8).unwrap_or(usize::MAX),
+    };
+    let first = seed().deserialize(&mut reader).map_err(broken)?;
+    if reader.end().is_ok() {
+        return Ok(first);
+    }
+    let mut list = List::new(seed());
+    let too_large = |()| limit.exceeded(name);
+    list.push(first).map_err(too_large)?;
+    while reader.end().is_err() {
+        let next = seed().deserialize(&mut reader).map_err(broken)?;
+        list.push(next).map_err(too_large)?;
+    }
+    Ok(list.finish())
+}
+
+/// Python writes `NaN` and `Infinity`, which are no JSON: they become what is read as a missing number.
+fn bare_words(bytes: &mut [u8]) {
+    let mut is_text = false;
+    let mut at = 0;
+    while at < bytes.len() {
+        match bytes[at] {
+            b'\\' if is_text => at += 1,
+            b'"' => is_text = !is_text,
+            b'N' | b'I' | b'-' if !is_text => {
+                let words = [&b"NaN"[..], b"Infinity", b"-Infinity"];
+                if let Some(word) = words.into_iter().find(|word| bytes[at..].starts_with(word)) {
+                    let place = &mut bytes[at..at + word.len()];
+                    place.fill(b' ');
+                    place[..2].fill(b'"');
+                    at += word.len() - 1;
+                }
+            }
+            _ => {}
+        }
+        at += 1;
+    }
+}
+
+/// What was found in a file.
+#[derive(Default)]
+struct Found {
+    arrays: Vec<Array<Vec<f64>>>,
+    skipped: Vec<String>,
+    comments: Vec<String>,
+}
+
+impl Found {
+    fn take(&mut self, path: &[String], node: Node) {
+        let label = || path.join("/");
+        let (group, name) = match path.split_last() {
+            Some((name, group)) => (group, name.as_str()),
+            None => (path, "value"),
+        };
+        match node {
+            Node::Object(fields) => self.object(path, fields),
+            Node::Column(values) => self.array(group, name.to_owned(), None, values),
+            Node::Rows(columns) => {
+                let count = columns.len() as u64;
+                for (index, values) in columns.into_iter().enumerate() {
+                    let name = name_of(name, index as u64, count);
+                    self.array(group, name, None, values);
+                }
+            }
+            Node::Records(columns) => {
+                for (name, values) in columns {
+                    match values {
+                        Some(values) => self.array(path, name, None, values),
+                        None => self.skipped.push(format!("{name} (no numbers)")),
+                    }
+                }
+            }
+            Node::Number(value) => self
+                .skipped
+                .push(format!("the number {} = {value}", label())),
+            Node::Text(text) if !text.is_empty() => {
+                self.comments.push(format!("{}: {text}", label()));
+            }
+            Node::Texts(_) => self.skipped.push(format!("{} (texts)", label())),
+            Node::Text(_) | Node::Other => {}
+        }
+    }
+
+    fn object(&mut self, path: &[String], mut fields: Vec<(String, Node)>) {
+        let mut taken = |wanted: &str| {
+            let place = fields.iter().position(|(name, _)| name == wanted)?;
+            Some(fields.remove(place).1)
+        };
+        // What pandas calls split.
+        let columns = taken("columns");
+        let data = taken("data");
+        match (columns, data) {
+            (Some(Node::Texts(names)), Some(Node::Rows(values))) if names.len() == values.len() => {
+                taken("index");
+                for (name, values) in names.into_iter().zip(values) {
+                    self.array(path, name, None, values);
+                }
+            }
+            (columns, data) => {
+                let both = [("columns", columns), ("data", data)];
+                let both = both
+                    .into_iter()
+                    .filter_map(|(name, node)| Some((name.to_owned(), node?)));
+                fields.extend(both);
+            }
+        }
+        // pandas says in a schema what the columns of `data` are.
+        if fields.iter().any(|(name, _)| name == "data") {
+            fields.retain(|(name, _)| name != "schema");
+        }
+        let units = fields.iter().position(|(name, node)| {
+            matches!(name.as_str(), "units" | "unit") && matches!(node, Node::Object(_))
+        });
+        let units = match units.map(|place| fields.remove(place).1) {
+            Some(Node::Object(units)) => units,
+            _ => Vec::new(),
+        };
+        let first = self.arrays.len();
+        for (name, node) in fields {
+            let mut inner = path.to_vec();
+            inner.push(name);
+            self.take(&inner, node);
+        }
+        for array in &mut self.arrays[first..] {
+            let unit = units.iter().find(|(name, _)| *name == array.column.name);
+            if let (Some((_, Node::Text(unit))), None) = (unit, &array.column.unit) {
+                array.column.unit = Some(unit.clone());
+            }
+        }
+    }
+
+    fn array(&mut self, group: &[String], name: String, unit: Option<String>, values: Vec<f64>) {
+        if values.is_empty() || self.arrays.len() >= MOST_COLUMNS {
+            return;
+        }
+        let first = values.iter().take(Column::FIRST).copied().collect();
+        self.arrays.push(Array {
+            group: group.to_vec(),
+            column: Column {
+                name,
+                unit,
+                is_numeric: true,
+                first,
+                ..Column::default()
+            },
+            rows: values.len() as u64,
+            clock: None,
+            source: values,
+        });
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn words_that_are_no_json_are_missing_numbers() {
+        let mut text = br#"{"NaN": [1, NaN, -Infinity, "Infinity"]}"#.to_vec();
+        bare_words(&mut text);
+        let node = parsed("a.json", &text, ReadLimit::default()).unwrap();
+        let Node::Object(fields) = node else {
+            panic!("{node:?}")
+        };
+        assert_eq!(fields[0].0, "NaN");
+        // A word among numbers makes them texts.
+        assert!(matches!(fields[0].1, Node::Other), "{fields:?}");
+        let mut text = b"[1, NaN, -Infinity]".to_vec();
+        bare_words(&mut text);
+        let node = parsed("a.json", &text, ReadLimit::default()).unwrap();
+        let Node::Column(values) = node else {
+            panic!("{node:?}")
+        };
+        assert!(values[0] == 1.0 && values[1].is_nan() && values[2].is_nan());
+    }
+
+    #[test]
+    fn a_section_of_a_text_is_no_json() {
+        for text in ["[Header]\n", "[ Data ]", "{\\rtf1", "time_s,", ""] {
+            assert!(!Json.recognizes(text.as_bytes()), "{text}");
+        }
+        for text in ["[1, 2]", "\u{feff} {\"a\": 1}", "[{\"a\"", "[[1"] {
+            assert!(Json.recognizes(text.as_bytes()), "{text}");
+        }
+    }
+}

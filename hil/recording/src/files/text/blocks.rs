@@ -1,0 +1,183 @@
+//! Words between the numbers of a text and behind them: a header that is written again, and a footer.
+
+use super::header::{bare, in_comment};
+use super::layout::Layout;
+use crate::columns;
+use crate::error::{InputError, Place};
+
+/// The blocks of numbers of a text so far.
+pub(super) struct Blocks<'b> {
+    name: &'b str,
+    layout: &'b Layout,
+    after_blank: bool,
+    between: Option<Between>,
+    /// Lines in which the numbers went on.
+    resumed: Vec<u64>,
+    resumptions: usize,
+    has_numbers: bool,
+}
+
+/// Rows of words behind numbers.
+struct Between {
+    line: u64,
+    rows: u64,
+    /// Rows of the header that were met in it.
+    met: usize,
+}
+
+/// Lines that are named in a note.
+const NAMED: usize = 3;
+
+impl<'b> Blocks<'b> {
+    pub fn of(name: &'b str, layout: &'b Layout) -> Self {
+        Self {
+            name,
+            layout,
+            after_blank: false,
+            between: None,
+            resumed: Vec::new(),
+            resumptions: 0,
+            has_numbers: false,
+        }
+    }
+
+    /// A blank line.
+    pub fn blank(&mut self) {
+        self.after_blank = true;
+    }
+
+    /// Whether the numbers have paused: words are no damaged number then.
+    pub fn is_between(&self) -> bool {
+        self.between.is_some() || (self.after_blank && self.has_numbers)
+    }
+
+    /// A comment, where those above the numbers hold the names: with other names or units in it the numbers are others.
+    pub fn comment(&self, line: u64, text: &str) -> Result<(), InputError> {
+        let layout = self.layout;
+        if !layout.is_named_in_comment {
+            return Ok(());
+        }
+        let Some(cells) = in_comment(text, layout.cells, layout.separator) else {
+            return Ok(());
+        };
+        let is_known = |known: &Vec<String>| *known == bare(&cells);
+        let is_header = cells
+            .iter()
+            .any(|cell| columns::is_named(cell) || columns::spelling::is_unit(cell));
+        if !is_header || layout.repeated.iter().any(is_known) {
+            return Ok(());
+        }
+        Err(InputError::new(
+            self.name,
+            "a comment names other columns or units than that above the numbers",
+            "put what follows into a file of its own",
+        )
+        .at(Place::Line(line)))
+    }
+
+    /// A row of words.
+    pub fn odd(&mut self, line: u64, cells: &[&str]) -> Result<(), InputError> {
+        self.after_blank = false;
+        let between = self.between.get_or_insert(Between {
+            line,
+            rows: 0,
+            met: 0,
+        });
+        between.rows += 1;
+        let row = bare(cells);
+        let is = |known: &[String]| {
+            known.len() == row.len() && known.iter().zip(row).all(|(known, cell)| same(known, cell))
+        };
+        if let Some(changed) =
+            self.layout.fixed.iter().find(|known| {
+                known.first().map(String::as_str) == row.first().copied() && !is(known)
+            })
+        {
+            return Err(InputError::new(
+                self.name,
+                format!("{} is not what it is above", changed[0]),
+                "put what follows into a file of its own",
+            )
+            .at(Place::Line(line)));
+        }
+        let expected = self.layout.repeated.get(between.met);
+        if expected.is_some_and(|known| is(known)) {
+            between.met += 1;
+        } else if between.met > 0 && between.met < self.layout.repeated.len() {
+            return Err(InputError::new(
+                self.name,
+                "the header is written again with other units or names",
+                "put what follows into a file of its own",
+            )
+            .at(Place::Line(line)));
+        }
+        Ok(())
+    }
+
+    /// A row of numbers.
+    pub fn numbers(&mut self, line: u64) -> Result<(), InputError> {
+        self.after_blank = false;
+        self.has_numbers = true;
+        let Some(between) = self.between.take() else {
+            return Ok(());
+        };
+        if between.met == 0 || between.met < self.layout.repeated.len() {
+            return Err(InputError::new(
+                self.name,
+                format!("words stand between rows of numbers, which go on in line {line} without the header"),
+                "remove the words, or put what follows into a file of its own",
+            )
+            .at(Place::Line(between.line)));
+        }
+        if self.layout.has_clock {
+            return Err(InputError::new(
+                self.name,
+                "a second block of rows begins, and no column has its times",
+                "put it into a file of its own, or write a column of times",
+            )
+            .at(Place::Line(between.line)));
+        }
+        self.resumptions += 1;
+        if self.resumed.len() < NAMED {
+            self.resumed.push(between.line);
+        }
+        Ok(())
+    }
+
+    /// What was passed over, in words.
+    pub fn notes(&self) -> Vec<String> {
+        let mut notes = Vec::new();
+        if self.resumptions > 0 {
+            let lines: Vec<String> = self.resumed.iter().map(u64::to_string).collect();
+            let more = if self.resumptions > NAMED {
+                " and on"
+            } else {
+                ""
+            };
+            notes.push(format!(
+                "the header is written again from line {}{more}: its {} blocks are read as one recording",
+                lines.join(", "),
+                self.resumptions + 1
+            ));
+        }
+        if let Some(between) = &self.between {
+            let rows = if between.rows == 1 { "row" } else { "rows" };
+            notes.push(format!(
+                "{} {rows} of words at the end, from line {} on, are left out",
+                between.rows, between.line
+            ));
+        }
+        notes
+    }
+}
+
+/// Whether two cells are the same, whatever blanks and quotes are in them.
+fn same(known: &str, cell: &str) -> bool {
+    let words = |text: &str| {
+        text.replace("\"\"", "\"")
+            .split_whitespace()
+            .collect::<Vec<_>>()
+            .join(" ")
+    };
+    known == cell || words(known) == words(cell)
+}

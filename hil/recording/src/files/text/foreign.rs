@@ -1,0 +1,324 @@
+//! Reading the numbers of a text whose layout is known.
+
+use std::borrow::Cow;
+
+use super::blocks::Blocks;
+use super::layout::{Kind, Layout, RowKind, kind_of};
+use super::lines::Lines;
+use super::numbers::Cell;
+use super::own::grow;
+use super::stamps::Stamp;
+use crate::csv_text::CsvText;
+use crate::error::{InputError, Place, quoted};
+use crate::files::{Kept, Table, Tables, Values, Wanted};
+use crate::rows::{RowLines, TextRows};
+
+/// A text of another dialect, to be read.
+pub(super) struct ForeignTable<'a> {
+    name: String,
+    lines: Lines<CsvText<'a>>,
+    layout: Layout,
+}
+
+impl<'a> ForeignTable<'a> {
+    pub fn open(text: CsvText<'a>, layout: Layout) -> Self {
+        Self {
+            name: text.name(),
+            lines: Lines::of(text),
+            layout,
+        }
+    }
+}
+
+impl Tables for ForeignTable<'_> {
+    fn tables(&self) -> &[Table] {
+        std::slice::from_ref(&self.layout.table)
+    }
+
+    fn read(
+        self: Box<Self>,
+        _: usize,
+        wanted: &[Wanted],
+        kept: Kept,
+    ) -> Result<Values, InputError> {
+        let Self {
+            name,
+            mut lines,
+            layout,
+        } = *self;
+        let reader = Reader::of(&name, &layout, wanted);
+        let mut taken = Taken {
+            columns: vec![Some(Vec::new()); wanted.len()],
+            stamps: vec![None; wanted.len()],
+            ..Taken::default()
+        };
+        if kept == Kept::Cells && layout.is_plain {
+            taken.cells = Some(TextRows::default());
+        }
+        let mut blocks = Blocks::of(&name, &layout);
+        let mut text = String::new();
+        lines.skip(layout.data_line - 1)?;
+        while let Some(line) = lines.row(layout.separator, &mut text)? {
+            let (bare, kind) = kind_of(&text, layout.separator);
+            if kind == RowKind::Comment {
+                blocks.comment(line.number, bare)?;
+                continue;
+            }
+            let mut cells = Vec::with_capacity(layout.cells + 1);
+            if kind == RowKind::Cells {
+                layout.separator.split(bare, &mut cells);
+            }
+            // A row of separators alone holds nothing.
+            if cells.iter().all(|cell| cell.is_empty()) {
+                blocks.blank();
+                continue;
+            }
+            match reader.judge(&cells, line.number, &blocks)? {
+                Row::Odd => blocks.odd(line.number, &cells)?,
+                Row::Numbers if !line.has_end => taken.is_cut = true,
+                Row::Numbers => {
+                    blocks.numbers(line.number)?;
+                    reader.take(&cells, line.number, &mut taken)?;
+                }
+            }
+        }
+        let mut notes = blocks.notes();
+        if let Some(line) = lines.text().guessed_from() {
+            notes.push(format!(
+                "from line {line} on it is no UTF-8 and is read as windows-1252"
+            ));
+        }
+        let header: csv::StringRecord = layout
+            .table
+            .columns
+            .iter()
+            .map(|column| column.name.as_str())
+            .collect();
+        let is_plain = layout.is_plain && lines.text().guessed_from().is_none();
+        Ok(Values {
+            columns: taken.columns,
+            comments: if layout.is_plain {
+                lines.into_text().comments()
+            } else {
+                layout.comments
+            },
+            lines: taken.lines,
+            is_cut: taken.is_cut,
+            cells: taken
+                .cells
+                .filter(|_| is_plain)
+                .map(|cells| (header, cells)),
+            notes,
+        })
+    }
+}
+
+/// What was read so far.
+#[derive(Default)]
+struct Taken {
+    columns: Vec<Option<Vec<f64>>>,
+    /// The first stamp of each wanted column that has stamps, owned.
+    stamps: Vec<Option<String>>,
+    lines: RowLines,
+    cells: Option<TextRows>,
+    is_cut: bool,
+}
+
+/// What a row is.
+enum Row {
+    Numbers,
+    /// Words, where numbers were expected.
+    Odd,
+}
+
+struct Reader<'r> {
+    name: &'r str,
+    layout: &'r Layout,
+    wanted: &'r [Wanted],
+    /// Cells that a row must have: those behind the last column of numbers may be missing.
+    least: usize,
+}
+
+impl<'r> Reader<'r> {
+    fn of(name: &'r str, layout: &'r Layout, wanted: &'r [Wanted]) -> Self {
+        let is_needed = |index: usize| {
+            layout
+                .kinds
+                .get(index)
+                .is_some_and(|kind| *kind != Kind::Words)
+        };
+        let columns = layout.table.columns.len();
+        let last = (0..columns).rev().find(|&index| is_needed(index));
+        let wanted_last = wanted.iter().map(|wanted| wanted.column).max();
+        Self {
+            name,
+            layout,
+            wanted,
+            least: 1 + last.max(wanted_last).unwrap_or(0),
+        }
+    }
+
+    fn column(&self, index: usize) -> String {
+        let column = self.layout.table.columns.get(index);
+        column.map_or_else(String::new, |column| column.name.clone())
+    }
+
+    fn is_value(&self, column: usize, cell: &str) -> bool {
+        match self.layout.kinds.get(column) {
+            Some(Kind::Stamps) => Stamp::of(cell).is_some(),
+            _ => !matches!(self.layout.numbers.read(cell), Cell::Words),
+        }
+    }
+
+    /// What a row is: numbers, or words between or behind them.
+    fn judge(&self, cells: &[&str], line: u64, blocks: &Blocks) -> Result<Row, InputError> {
+        let columns = self.layout.table.columns.len();
+        let is_odd = if cells.iter().skip(columns).any(|cell| !cell.is_empty())
+            && !(self.layout.has_remarks && cells.len() == columns + 1)
+            || cells.len() < self.least
+        {
+            let words = |cell: &&str| {
+                matches!(self.layout.numbers.read(cell), Cell::Words) && Stamp::of(cell).is_none()
+            };
+            if !cells.iter().any(words) && !blocks.is_between() {
+                let separator = self.layout.separator.name();
+                return Err(InputError::new(
+                    self.name,
+                    format!(
+                        "{} cells where the rows above have {}, divided by {separator}",
+                        cells.len(),
+                        self.layout.cells
+                    ),
+                    "write one cell per column",
+                )
+                .at(Place::Line(line)));
+            }
+            true
+        } else {
+            let must = self.wanted.iter().filter(|wanted| wanted.must_be_numeric);
+            let (mut values, mut words) = (0, 0);
+            for wanted in must {
+                let cell = cells[wanted.column];
+                if cell.is_empty() {
+                    continue;
+                }
+                if self.is_value(wanted.column, cell) {
+                    values += 1;
+                } else {
+                    words += 1;
+                }
+            }
+            words > 0 && (values == 0 || blocks.is_between())
+                // Nobody wants what would tell.
+                || (words + values == 0 && !(0..cells.len().min(columns)).any(|index| self.is_value(index, cells[index]) && !cells[index].is_empty()))
+        };
+        Ok(if is_odd { Row::Odd } else { Row::Numbers })
+    }
+
+    fn take(&self, cells: &[&str], line: u64, taken: &mut Taken) -> Result<(), InputError> {
+        for &(column, first) in &self.layout.same {
+            if cells.get(column) != cells.get(first) {
+                return Err(InputError::new(
+                    self.name,
+                    format!(
+                        "column {} has another time than column {}, so that no row has one",
+                        quoted(&self.column(column)),
+                        quoted(&self.column(first))
+                    ),
+                    "write the channels with one column of times",
+                )
+                .at(Place::Line(line)));
+            }
+        }
+        for (index, wanted) in self.wanted.iter().enumerate() {
+            if taken.columns[index].is_none() {
+                continue;
+            }
+            let cell = cells.get(wanted.column).copied().unwrap_or_default();
+            match self.value(wanted.column, cell, &mut taken.stamps[index]) {
+                Ok(value) => {
+                    let Some(values) = &mut taken.columns[index] else {
+                        continue;
+                    };
+                    grow(values);
+                    values.push(value);
+                }
+                Err(_) if !wanted.must_be_numeric => taken.columns[index] = None,
+                Err((problem, mend)) => {
+                    let column = self.column(wanted.column);
+                    return Err(
+                        InputError::new(self.name, problem, mend).at(Place::Cell { line, column })
+                    );
+                }
+            }
+        }
+        if let Some(kept) = &mut taken.cells {
+            let columns = self.layout.table.columns.len();
+            let row: csv::StringRecord = (0..columns)
+                .map(|index| unescaped(cells.get(index).copied().unwrap_or_default()))
+                .map(Cow::into_owned)
+                .collect();
+            kept.push(&row);
+        }
+        taken.lines.push(line);
+        Ok(())
+    }
+
+    /// The value of a cell, NaN for one without a number.
+    fn value(
+        &self,
+        column: usize,
+        cell: &str,
+        begin: &mut Option<String>,
+    ) -> Result<f64, (String, &'static str)> {
+        const MEND: &str = "remove the row or mend the value";
+        if self.layout.kinds.get(column) == Some(&Kind::Stamps) {
+            if cell.is_empty() {
+                return Ok(f64::NAN);
+            }
+            let is_no_time = || (format!("{} is no time of day", quoted(cell)), MEND);
+            let stamp = Stamp::of(cell).ok_or_else(is_no_time)?;
+            let begin = begin.get_or_insert_with(|| cell.to_owned());
+            let first = Stamp::of(begin).ok_or_else(is_no_time)?;
+            return stamp.since(&first).map_err(|problem| {
+                (
+                    format!("{}: {problem}", quoted(cell)),
+                    "write dates as 2024-03-01",
+                )
+            });
+        }
+        match self.layout.numbers.read(cell) {
+            Cell::Number(value) => Ok(value),
+            Cell::Blank => Ok(f64::NAN),
+            Cell::NotFinite => Err((format!("{} is not finite", quoted(cell)), MEND)),
+            Cell::Words => Err((format!("{} is not a number", quoted(cell)), MEND)),
+            Cell::OtherSign => {
+                let (sign, mend) = match self.layout.numbers.decimal {
+                    ',' => (
+                        "comma",
+                        "mend it, or say --decimal point, with which a comma divides thousands",
+                    ),
+                    _ => (
+                        "point",
+                        "mend it, or say --decimal comma, with which a point divides thousands",
+                    ),
+                };
+                Err((
+                    format!(
+                        "{} is no number with a decimal {sign}, as those above are read",
+                        quoted(cell)
+                    ),
+                    mend,
+                ))
+            }
+        }
+    }
+}
+
+fn unescaped(cell: &str) -> Cow<'_, str> {
+    if cell.contains("\"\"") {
+        cell.replace("\"\"", "\"").into()
+    } else {
+        cell.into()
+    }
+}

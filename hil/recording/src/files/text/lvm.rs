@@ -1,0 +1,120 @@
+//! LabVIEW measurement files: a header of the file, one of each segment, and rows of numbers.
+
+use super::layout::{Row, RowKind};
+use super::lines::Separator;
+use super::numbers::{Cell, Numbers};
+use crate::files::table::{Clock, Column};
+
+/// What ends a header.
+pub(super) const END: &str = "***End_of_Header***";
+/// The name of the last column, which holds words.
+pub(super) const REMARK: &str = "Comment";
+/// The name of a column of times.
+const X_VALUE: &str = "X_Value";
+/// What must be the same in all segments of a table.
+const FIXED: [&str; 4] = ["Y_Unit_Label", "Delta_X", "X_Dimension", "Channels"];
+
+/// What the header of the first segment says of its columns.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub(super) struct Segment {
+    /// The unit of each channel.
+    units: Vec<String>,
+    /// Whether the columns called `X_Value` are times, in seconds: the format has no other unit of it.
+    is_over_time: bool,
+    /// Whether a column holds them.
+    has_x: bool,
+    /// Start and step of each channel, as they are written.
+    starts: Vec<String>,
+    steps: Vec<String>,
+    /// Lines that must be the same in all segments.
+    pub fixed: Vec<Vec<String>>,
+}
+
+impl Segment {
+    /// The segment whose names stand in line `header`.
+    pub fn of(rows: &[Row], header: Option<u64>, separator: Separator) -> Self {
+        let header = header.unwrap_or(u64::MAX);
+        let mut segment = Self {
+            is_over_time: true,
+            has_x: true,
+            ..Self::default()
+        };
+        for row in rows.iter().take_while(|row| row.line < header) {
+            if row.kind != RowKind::Cells {
+                continue;
+            }
+            let mut cells = Vec::new();
+            separator.split(row.text, &mut cells);
+            let values =
+                || -> Vec<String> { cells[1..].iter().map(|cell| (*cell).to_owned()).collect() };
+            match cells[0] {
+                "Y_Unit_Label" => segment.units = values(),
+                "X_Dimension" => {
+                    segment.is_over_time = cells[1..]
+                        .iter()
+                        .all(|cell| cell.is_empty() || *cell == "Time");
+                }
+                "X_Columns" => segment.has_x = cells.get(1) != Some(&"No"),
+                "X0" => segment.starts = values(),
+                "Delta_X" => segment.steps = values(),
+                _ => {}
+            }
+            if FIXED.contains(&cells[0]) {
+                let bare = super::header::bare(&cells);
+                segment
+                    .fixed
+                    .push(bare.iter().map(|cell| (*cell).to_owned()).collect());
+            }
+        }
+        segment
+    }
+
+    /// Gives the columns what the header says of them. Of several columns of times those that must be the same as the first.
+    pub fn apply(&self, columns: &mut [Column]) -> Vec<(usize, usize)> {
+        let mut same = Vec::new();
+        let mut first = None;
+        let mut channel = 0;
+        for (index, column) in columns.iter_mut().enumerate() {
+            if column.name.split(" #").next() != Some(X_VALUE) {
+                let unit = self.units.get(channel).filter(|unit| !unit.is_empty());
+                column.unit = unit.cloned().or(column.unit.take());
+                channel += 1;
+                continue;
+            }
+            if !self.has_x || !self.is_over_time {
+                column.is_numeric = false;
+                continue;
+            }
+            match first {
+                None => {
+                    first = Some(index);
+                    column.is_time = true;
+                    column.unit = Some("s".into());
+                }
+                Some(first) => {
+                    same.push((index, first));
+                    column.is_numeric = false;
+                }
+            }
+        }
+        same
+    }
+
+    /// The clock that the header gives, where no column has the times and all channels have the same.
+    pub fn clock(&self, numbers: Numbers) -> Option<(Clock, String)> {
+        let one = |texts: &[String]| {
+            let mut values = texts.iter().filter(|text| !text.is_empty());
+            let first = values.next()?;
+            let Cell::Number(value) = numbers.read(first) else {
+                return None;
+            };
+            values.all(|other| other == first).then_some(value)
+        };
+        let (start, step) = (one(&self.starts).unwrap_or(0.0), one(&self.steps)?);
+        let is_clock = self.is_over_time && !self.has_x && step > 0.0;
+        let said = format!(
+            "no column has the times: they are by the header's X0 of {start} s and Delta_X of {step} s"
+        );
+        is_clock.then_some((Clock { start, step }, said))
+    }
+}

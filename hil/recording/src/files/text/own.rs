@@ -1,0 +1,201 @@
+//! Our own format: comments, a header whose names carry units, and rows of cells with commas between them.
+
+use super::head::Head;
+use super::lines::Separator;
+use crate::columns;
+use crate::csv_text::{CsvText, broken_csv, doubled, is_blank, is_cut, number};
+use crate::error::{InputError, Place};
+use crate::files::{Column, Kept, Table, Tables, Values, Wanted};
+use crate::rows::{RowLines, TextRows};
+
+/// Whether a text is of our own format: of the names in its first line, at least two are those of channels with their units, or all are.
+pub(super) fn is_own(head: &str) -> bool {
+    let lines = head.lines().map(|line| line.trim_start_matches('\u{feff}'));
+    let mut lines = lines.filter(|line| !line.trim().is_empty() && !line.starts_with('#'));
+    let Some(header) = lines.next() else {
+        return false;
+    };
+    // One after the other: a header may have as many as its line has bytes.
+    let names = || header.split(',').map(|name| name.trim().trim_matches('"'));
+    let own = names().filter(|name| columns::is_own(name)).take(2).count();
+    own >= names().take(2).count()
+}
+
+/// A text whose header was read.
+pub(super) struct OwnTable<'a> {
+    name: String,
+    rows: csv::Reader<CsvText<'a>>,
+    header: csv::StringRecord,
+    tables: [Table; 1],
+    is_utf8: bool,
+}
+
+impl<'a> OwnTable<'a> {
+    pub fn open(text: CsvText<'a>, head: &Head) -> Result<Self, InputError> {
+        let name = text.name();
+        let mut rows = text.rows();
+        let mut header = csv::StringRecord::new();
+        match rows.read_record(&mut header) {
+            Ok(true) => {}
+            Err(error) => return Err(broken_csv(&name, &error)),
+            Ok(false) => {
+                let problem = if rows.into_inner().comments().is_empty() {
+                    "is empty"
+                } else {
+                    "holds comments only"
+                };
+                return Err(InputError::new(
+                    name,
+                    problem,
+                    "write a header such as time_s,displacement_mm,force_kN and samples below it",
+                ));
+            }
+        }
+        let line = header.position().map_or(1, csv::Position::line);
+        if header.iter().any(|cell| number(cell).is_ok()) {
+            return Err(InputError::new(
+                name,
+                "there is no header, the first row holds numbers",
+                "write a header such as time_s,displacement_mm,force_kN above it",
+            )
+            .at(Place::Line(line)));
+        }
+        if let Some((column, first, second)) = doubled(&header) {
+            let (first, second) = (first + 1, second + 1);
+            return Err(InputError::new(
+                name,
+                format!("the name stands in columns {first} and {second}"),
+                "give every column its own name",
+            )
+            .at(Place::Column(column.into())));
+        }
+        let mut columns: Vec<Column> = (header.iter())
+            .map(|name| Column {
+                name: name.to_owned(),
+                is_numeric: true,
+                ..Column::default()
+            })
+            .collect();
+        look(&mut columns, &head.text);
+        let table = Table {
+            columns,
+            guesses: head.encoding.iter().cloned().collect(),
+            header_line: Some(line),
+            ..Table::default()
+        };
+        Ok(Self {
+            name,
+            rows,
+            header,
+            tables: [table],
+            is_utf8: head.is_utf8,
+        })
+    }
+}
+
+impl Tables for OwnTable<'_> {
+    fn tables(&self) -> &[Table] {
+        &self.tables
+    }
+
+    fn read(
+        self: Box<Self>,
+        _: usize,
+        wanted: &[Wanted],
+        kept: Kept,
+    ) -> Result<Values, InputError> {
+        let Self {
+            name,
+            mut rows,
+            header,
+            is_utf8,
+            ..
+        } = *self;
+        let mut columns = vec![Some(Vec::new()); wanted.len()];
+        let mut cells = (kept == Kept::Cells).then(TextRows::default);
+        let mut lines = RowLines::default();
+        let mut cut = false;
+        let mut row = csv::StringRecord::new();
+        while (rows.read_record(&mut row)).map_err(|error| broken_csv(&name, &error))? {
+            if is_cut(&rows) {
+                // The reader makes an empty row of a comment there.
+                cut = row.iter().any(|cell| !cell.is_empty());
+                break;
+            }
+            let line = row.position().map_or(0, csv::Position::line);
+            if row.len() != header.len() {
+                return Err(InputError::new(
+                    name,
+                    format!("{} cells where the header has {}", row.len(), header.len()),
+                    "write one cell per column, separated by commas",
+                )
+                .at(Place::Line(line)));
+            }
+            for (wanted, column) in wanted.iter().zip(&mut columns) {
+                let Some(values) = column else { continue };
+                let cell = row.get(wanted.column).unwrap_or_default();
+                let value = match number(cell) {
+                    _ if is_blank(cell) => f64::NAN,
+                    Ok(value) => value,
+                    Err(_) if !wanted.must_be_numeric => {
+                        *column = None;
+                        continue;
+                    }
+                    Err((problem, mend)) => {
+                        let column = header.get(wanted.column).unwrap_or_default().into();
+                        let place = Place::Cell { line, column };
+                        return Err(InputError::new(name, problem, mend).at(place));
+                    }
+                };
+                grow(values);
+                values.push(value);
+            }
+            if let Some(cells) = &mut cells {
+                cells.push(&row);
+            }
+            lines.push(line);
+        }
+        let text = rows.into_inner();
+        let guessed_from = text.guessed_from();
+        if guessed_from.is_some() || !is_utf8 {
+            cells = None;
+        }
+        let note = |line| format!("from line {line} on it is no UTF-8 and is read as windows-1252");
+        Ok(Values {
+            columns,
+            notes: guessed_from.map(note).into_iter().collect(),
+            comments: text.comments(),
+            lines,
+            is_cut: cut,
+            cells: cells.map(|cells| (header, cells)),
+        })
+    }
+}
+
+/// Makes room for one more value: a quarter more than there is. Twice as much, as a vector takes by itself, is all that a file of
+/// short rows may take.
+pub(super) fn grow(values: &mut Vec<f64>) {
+    if values.len() == values.capacity() {
+        values.reserve_exact((values.len() / 4).max(1024));
+    }
+}
+
+/// Looks at the first rows below the header. Columns of channels are numbers whatever stands in them: what is not one is refused there.
+fn look(columns: &mut [Column], head: &str) {
+    let lines = head
+        .lines()
+        .filter(|line| !line.trim().is_empty() && !line.starts_with('#'));
+    let mut cells = Vec::new();
+    let mut words = vec![0_usize; columns.len()];
+    for line in lines.skip(1).take(Column::FIRST) {
+        Separator::Sign(',').split(line, &mut cells);
+        for ((column, words), cell) in columns.iter_mut().zip(&mut words).zip(&cells) {
+            let value = number(cell).ok();
+            *words += usize::from(value.is_none() && !is_blank(cell));
+            column.first.push(value.unwrap_or(f64::NAN));
+        }
+    }
+    for (column, words) in columns.iter_mut().zip(words) {
+        column.is_numeric = 2 * words <= column.first.len();
+    }
+}

@@ -1,0 +1,305 @@
+//! A recording as the bytes of a file, in the format that the file's name ends in.
+
+mod mat;
+#[cfg(feature = "mcap")]
+mod mcap;
+#[cfg(feature = "parquet")]
+mod parquet;
+mod text;
+
+use std::fmt;
+use std::path::Path;
+use std::str::FromStr;
+
+use super::Recording;
+use super::units::Unit;
+use crate::channel::Channel;
+use crate::control;
+use crate::csv_text::number;
+use crate::error::{InputError, quoted};
+
+/// Significant digits with which numbers made here are written as text: a thousandth of a 24-bit converter's step.
+const DIGITS: usize = 9;
+
+/// A format that recordings and tables are written in.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum WriteAs {
+    /// Text: comment lines, a header, rows.
+    Csv,
+    /// The same, gzipped.
+    CsvGz,
+    /// Parquet, compressed; units are in the fields' metadata, comments in the file's.
+    Parquet,
+    /// A MAT file of version 5, compressed: a variable a column, a structure `units`, and a text `comments`.
+    Mat,
+    /// MCAP, a message a sample on the topic `/recording`, in JSON with its schema, as Foxglove plots it.
+    Mcap,
+}
+
+impl WriteAs {
+    /// All formats, each with the ending of its files' names.
+    pub const ALL: [(Self, &'static str); 5] = [
+        (Self::Csv, "csv"),
+        (Self::CsvGz, "csv.gz"),
+        (Self::Parquet, "parquet"),
+        (Self::Mat, "mat"),
+        (Self::Mcap, "mcap"),
+    ];
+
+    /// The format of a file of this name: text where the name has no ending, as standard output has none.
+    ///
+    /// # Errors
+    /// An ending that no format has, or one that this build does not write. To be asked before any work begins.
+    pub fn of(path: &Path) -> Result<Self, InputError> {
+        let name = path
+            .file_name()
+            .unwrap_or_default()
+            .to_string_lossy()
+            .to_lowercase();
+        let known = Self::ALL.iter().filter(|(_, ending)| {
+            let rest = name.strip_suffix(ending);
+            rest.is_some_and(|rest| rest.ends_with('.'))
+        });
+        let refused = |problem: String| {
+            InputError::new(
+                path.display().to_string(),
+                problem,
+                "name a file that ends in .csv, .csv.gz, .parquet, .mat or .mcap",
+            )
+        };
+        match known.last() {
+            Some((format, ending)) if !format.is_built() => Err(refused(format!(
+                "this build of hil does not write .{ending}"
+            ))),
+            Some((format, _)) => Ok(*format),
+            None => match path.extension() {
+                None => Ok(Self::Csv),
+                Some(ending) => {
+                    let ending = quoted(&format!(".{}", ending.to_string_lossy()));
+                    Err(refused(format!(
+                        "the ending {ending} is of no format that is written"
+                    )))
+                }
+            },
+        }
+    }
+
+    fn is_built(self) -> bool {
+        match self {
+            Self::Csv | Self::CsvGz | Self::Mat => true,
+            Self::Parquet => cfg!(feature = "parquet"),
+            Self::Mcap => cfg!(feature = "mcap"),
+        }
+    }
+
+    /// Columns as a file; text by `text`.
+    fn bytes(
+        self,
+        comments: &[String],
+        columns: impl FnOnce() -> Columns,
+        text: impl FnOnce() -> Vec<u8>,
+    ) -> Vec<u8> {
+        match self {
+            Self::Csv => text(),
+            Self::CsvGz => text::gzipped(&text()),
+            Self::Mat => mat::write(comments, &named(&columns())),
+            #[cfg(feature = "parquet")]
+            Self::Parquet => parquet::write(comments, &named(&columns())),
+            #[cfg(feature = "mcap")]
+            Self::Mcap => mcap::write(comments, &named(&columns())),
+            #[allow(unreachable_patterns, reason = "where all formats are built")]
+            _ => text(),
+        }
+    }
+}
+
+impl fmt::Display for WriteAs {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let named = Self::ALL.iter().find(|(format, _)| format == self);
+        f.write_str(named.map_or("csv", |(_, ending)| ending))
+    }
+}
+
+/// A word that is no format.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[error("{0}")]
+pub struct NoFormat(String);
+
+impl FromStr for WriteAs {
+    type Err = NoFormat;
+
+    fn from_str(text: &str) -> Result<Self, NoFormat> {
+        let known = Self::ALL.iter().find(|(_, ending)| *ending == text);
+        match known {
+            Some((format, _)) if format.is_built() => Ok(*format),
+            Some(_) => Err(NoFormat(format!("this build of hil does not write {text}"))),
+            None => Err(NoFormat(
+                "csv, csv.gz, parquet, mat or mcap is wanted".into(),
+            )),
+        }
+    }
+}
+
+/// Names and values.
+type Columns = Vec<(String, Vec<f64>)>;
+
+/// A column that is written.
+struct Column<'c> {
+    name: &'c str,
+    /// As programs write it: `mm/s`.
+    unit: Option<&'static str>,
+    values: &'c [f64],
+}
+
+fn named(columns: &Columns) -> Vec<Column<'_>> {
+    let each = columns.iter().map(|(name, values)| Column {
+        name,
+        unit: unit_in(name),
+        values,
+    });
+    each.collect()
+}
+
+/// The unit that a column's name ends in.
+fn unit_in(name: &str) -> Option<&'static str> {
+    const OTHERS: [(&str, &str); 7] = [
+        ("mm_s2", "mm/s^2"),
+        ("mm_s", "mm/s"),
+        ("m_s", "m/s"),
+        ("um_s", "um/s"),
+        ("in_s", "in/s"),
+        ("cm_s", "cm/s"),
+        ("Hz", "Hz"),
+    ];
+    let of_channels = Channel::ALL
+        .into_iter()
+        .flat_map(Channel::units)
+        .map(|unit| (unit.symbol, unit.symbol));
+    let of_controls = control::UNITS.iter().map(|unit| (*unit, *unit));
+    let known = OTHERS.into_iter().chain(of_channels).chain(of_controls);
+    let ending = |(symbol, _): &(&str, &str)| {
+        name.strip_suffix(symbol)
+            .is_some_and(|rest| rest.ends_with('_'))
+    };
+    let longest = known.filter(ending).max_by_key(|(symbol, _)| symbol.len());
+    longest.map(|(_, unit)| unit)
+}
+
+impl Recording {
+    /// The recording as a file of the given name, in the format that the name ends in: see [`WriteAs`].
+    ///
+    /// A recording that was read from a text is written as it was read: as text cell by cell, else each column of numbers.
+    pub fn to_file(&self, path: &Path) -> Vec<u8> {
+        self.written(path, None)
+    }
+
+    /// The same with columns `predicted_band_UNIT` and `predicted_force_UNIT`, in the recording's own unit; columns of these names which the
+    /// recording has already are replaced. `predicted` and `band`, its half width, in kN, one per sample.
+    pub fn to_file_with_prediction(&self, path: &Path, predicted: &[f64], band: &[f64]) -> Vec<u8> {
+        self.written(path, Some([band, predicted]))
+    }
+
+    fn written(&self, path: &Path, predicted: Option<[&[f64]; 2]>) -> Vec<u8> {
+        let format = WriteAs::of(path).unwrap_or(WriteAs::Csv);
+        format.bytes(
+            &self.comments,
+            || self.columns(predicted),
+            || self.to_csv(predicted),
+        )
+    }
+
+    /// The columns that the recording was read from, as far as they are numbers, or those that it has.
+    fn columns(&self, predicted: Option<[&[f64]; 2]>) -> Columns {
+        let mut columns: Columns = match &self.source {
+            Some(source) => {
+                let mut columns: Vec<Option<(String, Vec<f64>)>> = (source.header.iter())
+                    .map(|name| Some((name.to_owned(), Vec::new())))
+                    .collect();
+                let count = columns.len().max(1);
+                for (index, cell) in source.rows.cells().enumerate() {
+                    let Some(column) = columns.get_mut(index % count) else {
+                        break;
+                    };
+                    let Some((_, values)) = column else { continue };
+                    match number(cell) {
+                        Ok(value) => values.push(value),
+                        Err(_)
+                            if cell.trim().is_empty()
+                                || cell.trim().eq_ignore_ascii_case("nan") =>
+                        {
+                            values.push(f64::NAN);
+                        }
+                        Err(_) => *column = None,
+                    }
+                }
+                let mut columns: Columns = columns.into_iter().flatten().collect();
+                // The text behind the last cell is none.
+                columns
+                    .iter_mut()
+                    .for_each(|(_, values)| values.truncate(self.len()));
+                columns
+            }
+            None => {
+                let each = self.channels().into_iter().map(|(name, unit, values)| {
+                    let of = |value: &f64| unit.map_or(*value, |unit| unit.from_code(*value));
+                    (name, values.iter().map(of).collect())
+                });
+                each.collect()
+            }
+        };
+        let unit = self.units.force;
+        for (name, values) in ["predicted_band", "predicted_force"]
+            .into_iter()
+            .zip(predicted.into_iter().flatten())
+        {
+            let name = format!("{name}_{}", unit.symbol);
+            columns.retain(|(known, _)| *known != name);
+            columns.push((
+                name,
+                values.iter().map(|value| unit.from_code(*value)).collect(),
+            ));
+        }
+        columns
+    }
+
+    /// Each channel's column name, its unit, none of a control input, and its samples.
+    fn channels(&self) -> Vec<(String, Option<Unit>, &[f64])> {
+        let units = &self.units;
+        let channels = [
+            ("time", units.time, Some(&self.time)),
+            ("displacement", units.displacement, Some(&self.displacement)),
+            ("force", units.force, Some(&self.force)),
+            ("velocity", units.velocity, self.velocity.as_ref()),
+            ("temperature", units.temperature, self.temperature.as_ref()),
+        ]
+        .into_iter()
+        .filter_map(|(name, unit, channel)| {
+            let name = format!("{name}_{}", unit.symbol);
+            Some((name, Some(unit), channel?.as_slice()))
+        });
+        let controls = self.controls.iter();
+        let controls = controls.map(|each| (each.name.clone(), None, each.values.as_slice()));
+        channels.chain(controls).collect()
+    }
+}
+
+/// `value` to nine significant digits, as recordings are written, without trailing zeros or an exponent.
+pub fn decimal(value: f64) -> String {
+    let digits = DIGITS - 1;
+    let rounded: f64 = format!("{value:.digits$e}").parse().unwrap_or(value);
+    // Adding zero takes the sign off a negative zero.
+    format!("{}", rounded + 0.0)
+}
+
+/// A table as a file of the given name, in the format that the name ends in: comments, and columns, each a name and as many values as the
+/// first has.
+pub fn table(path: &Path, comments: &[String], columns: &[(&str, Vec<f64>)]) -> Vec<u8> {
+    let format = WriteAs::of(path).unwrap_or(WriteAs::Csv);
+    let owned = || {
+        columns
+            .iter()
+            .map(|(name, values)| ((*name).to_owned(), values.clone()))
+            .collect()
+    };
+    format.bytes(comments, owned, || text::table(comments, columns))
+}

@@ -1,0 +1,94 @@
+//! How numbers are written.
+
+use super::corpus::{Column, Dialect, N, NEWTONS, OWN, Outcome, S, rows};
+
+/// Micrometres, so large that thousands are divided.
+const UM: Column = super::corpus::MM.of(1e-3, 1);
+
+fn grouped(cell: &str, sign: &str) -> String {
+    let (digits, rest) = cell.split_at(cell.find(['.', ',']).unwrap_or(cell.len()));
+    let (minus, digits) = digits
+        .strip_prefix('-')
+        .map_or(("", digits), |digits| ("-", digits));
+    let cut = digits.len().saturating_sub(3);
+    if cut == 0 {
+        return cell.to_owned();
+    }
+    format!("{minus}{}{sign}{}{rest}", &digits[..cut], &digits[cut..])
+}
+
+fn with_groups(separator: &str, decimal: char, sign: &str, quote: &str) -> String {
+    let text = rows(&[S, UM, N], "\u{1}", decimal, "\n");
+    let line = |line: &str| {
+        let cells = line
+            .split('\u{1}')
+            .map(|cell| format!("{quote}{}{quote}", grouped(cell, sign)));
+        cells.collect::<Vec<_>>().join(separator) + "\n"
+    };
+    ["Time [s]", "Disp [um]", "Load [N]"].join(separator)
+        + "\n"
+        + &text.lines().map(line).collect::<String>()
+}
+
+pub fn dialects() -> Vec<Dialect> {
+    let columns = [S, UM, N];
+    let dialect = |name, text: String, said: &[&'static str]| Dialect {
+        family: "numbers",
+        name,
+        bytes: text.into_bytes(),
+        columns,
+        outcome: Outcome::Read(said.to_vec()),
+    };
+    let scientific = |decimal: &str| {
+        let cells = |index: usize| {
+            let values = OWN.map(|column| {
+                format!("{:.6E}", (column.values)(index) / column.scale).replace('.', decimal)
+            });
+            values.join("\t") + "\n"
+        };
+        "Time (s)\tDisp (mm)\tLoad (kN)\n".to_owned()
+            + &(0..super::corpus::SAMPLES).map(cells).collect::<String>()
+    };
+    let minus = ["Time [s]", "Disp [mm]", "Load [N]"].join(";")
+        + "\n"
+        + &rows(&NEWTONS, ";", ',', "\n").replace('-', "\u{2212}");
+    vec![
+        dialect(
+            "thousands by a point, decimal comma",
+            with_groups(";", ',', ".", ""),
+            &["a comma, and a point divides thousands"],
+        ),
+        dialect(
+            "thousands by a comma, quoted",
+            with_groups(",", '.', ",", "\""),
+            &["a comma divides thousands"],
+        ),
+        dialect(
+            "thousands by a blank",
+            with_groups(";", ',', " ", ""),
+            &["a comma"],
+        ),
+        dialect(
+            "thousands by a narrow blank",
+            with_groups("\t", ',', "\u{202f}", ""),
+            &["a comma"],
+        ),
+        dialect(
+            "thousands by an apostrophe",
+            with_groups(";", '.', "'", ""),
+            &["a point"],
+        ),
+        Dialect {
+            columns: OWN,
+            ..dialect("exponents, decimal comma", scientific(","), &["a comma"])
+        },
+        Dialect {
+            columns: OWN,
+            ..dialect("exponents, decimal point", scientific("."), &["a tab"])
+        },
+        Dialect {
+            columns: NEWTONS,
+            ..dialect("a typographer's minus", minus, &["a comma"])
+        },
+    ]
+}

@@ -1,0 +1,169 @@
+//! Files of many formats, written by the programs that people use, hold the recording that was put into them.
+//!
+//! `tests/formats/write.py` wrote them; `.ci/formats` writes them anew and reads them by this test, from the folder that the variable
+//! `FORMATS` names.
+
+use std::path::{Path, PathBuf};
+
+use mesh_damper_recording::Recording;
+use mesh_damper_recording::files::{self, Reading};
+use serde::Deserialize;
+
+/// One file of `files.json`.
+#[derive(Deserialize)]
+struct File {
+    file: String,
+    program: String,
+    /// The most that a value may be off, of the channel's largest; 0 is bit by bit.
+    error: f64,
+    #[serde(default)]
+    channels: std::collections::BTreeMap<String, String>,
+    #[serde(default)]
+    units: std::collections::BTreeMap<String, String>,
+    table: Option<String>,
+    rate: Option<f64>,
+    /// Words of what has to be said.
+    #[serde(default)]
+    guesses: Vec<String>,
+    #[serde(default)]
+    skipped: Vec<String>,
+    #[serde(default)]
+    comments: Vec<String>,
+    /// Samples whose force is not in the file.
+    #[serde(default)]
+    missing: Vec<usize>,
+    /// Words of the message with which it is refused.
+    #[serde(default)]
+    refused: Vec<String>,
+}
+
+fn folder() -> PathBuf {
+    let beside = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/formats");
+    std::env::var_os("FORMATS").map_or(beside, PathBuf::from)
+}
+
+fn reading(file: &File) -> Reading {
+    let pairs = |map: &std::collections::BTreeMap<String, String>| {
+        map.iter().map(|(a, b)| (a.clone(), b.clone())).collect()
+    };
+    Reading {
+        channels: pairs(&file.channels),
+        units: pairs(&file.units),
+        table: file.table.clone(),
+        rate: file.rate,
+        ..Reading::default()
+    }
+}
+
+/// The greatest difference, of the channel's largest value.
+fn error(read: &[f64], truth: &[f64]) -> f64 {
+    let largest = truth
+        .iter()
+        .fold(0.0_f64, |most, value| most.max(value.abs()));
+    let off = read.iter().zip(truth).map(|(a, b)| (a - b).abs());
+    off.fold(0.0_f64, f64::max) / largest
+}
+
+/// Whether this build reads the format that the file's name is of.
+fn is_built(file: &str) -> bool {
+    let ending = file.rsplit('.').next().unwrap_or_default();
+    let hdf = ["h5", "hdf5", "nc"].contains(&ending) || file.starts_with("v73");
+    match ending {
+        "mf4" => cfg!(feature = "mdf"),
+        "parquet" | "arrow" | "arrows" | "feather" => {
+            cfg!(feature = "parquet") || file == "version_1.feather"
+        }
+        "xlsx" => cfg!(feature = "xlsx"),
+        _ => !hdf || cfg!(feature = "hdf5"),
+    }
+}
+
+#[test]
+fn what_programs_write_is_read_as_it_was_meant() {
+    let folder = folder();
+    let list = std::fs::read(folder.join("files.json")).unwrap();
+    let list: Vec<File> = serde_json::from_slice(&list).unwrap();
+    assert!(list.len() > 50);
+    let truth = Recording::read(folder.join("truth.csv")).unwrap();
+    let mut wrong = Vec::new();
+    for file in list {
+        let path = folder.join(&file.file);
+        let reading = reading(&file);
+        let name = format!("{} of {}", file.file, file.program);
+        let read = Recording::read_as(&path, &reading);
+        if !is_built(&file.file) {
+            let message = read.unwrap_err().to_string();
+            assert!(
+                message.contains("this build of hil does not read"),
+                "{message}"
+            );
+            continue;
+        }
+        let read = match (read, file.refused.is_empty()) {
+            (Ok(read), true) => read,
+            (Err(error), false) => {
+                let message = error.to_string();
+                println!("{name}: {message}");
+                let lacks = file
+                    .refused
+                    .iter()
+                    .filter(|words| !message.contains(*words));
+                wrong.extend(
+                    lacks.map(|words| format!("{name}: \"{words}\" is not in \"{message}\"")),
+                );
+                continue;
+            }
+            (Ok(_), false) => {
+                wrong.push(format!("{name}: is read"));
+                continue;
+            }
+            (Err(error), true) => {
+                wrong.push(format!("{name}: {error}"));
+                continue;
+            }
+        };
+        let kept = |values: &[f64]| -> Vec<f64> {
+            let each = values.iter().enumerate();
+            each.filter(|(index, _)| !file.missing.contains(index))
+                .map(|(_, value)| *value)
+                .collect()
+        };
+        let mut errors = Vec::new();
+        for (channel, read, truth) in [
+            ("time", &read.time, &truth.time),
+            ("displacement", &read.displacement, &truth.displacement),
+            ("force", &read.force, &truth.force),
+        ] {
+            let truth = kept(truth);
+            let off = error(read, &truth);
+            errors.push(off);
+            let is_same = read.len() == truth.len() && off <= file.error;
+            if !is_same {
+                let (read, truth) = (read.len(), truth.len());
+                wrong.push(format!(
+                    "{name}: {channel} is off by {off:e}, {read} values of {truth}"
+                ));
+            }
+        }
+        println!("{name}: {:.1e}", errors.into_iter().fold(0.0, f64::max));
+        let (_, opened) = files::open(&path, &reading).unwrap();
+        let skipped: Vec<&String> = opened
+            .tables()
+            .iter()
+            .flat_map(|table| &table.skipped)
+            .collect();
+        for (what, said, words) in [
+            ("guesses", &read.guesses().iter().collect(), &file.guesses),
+            ("skipped", &skipped, &file.skipped),
+            ("comments", &read.comments.iter().collect(), &file.comments),
+        ] {
+            let lacks = words
+                .iter()
+                .filter(|words| !said.iter().any(|said| said.contains(*words)));
+            wrong.extend(
+                lacks.map(|words| format!("{name}: \"{words}\" is not in {what} {said:?}")),
+            );
+        }
+    }
+    assert!(wrong.is_empty(), "\n{}", wrong.join("\n"));
+}

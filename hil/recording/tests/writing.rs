@@ -1,0 +1,128 @@
+//! What is written is read again, bit by bit.
+
+use std::path::Path;
+
+use mesh_damper_recording::{Recording, WriteAs, units};
+
+fn recording() -> Recording {
+    let time: Vec<f64> = (0..300).map(|i| 1e-3 * f64::from(i)).collect();
+    let displacement: Vec<f64> = time.iter().map(|t| 0.1 * (31.4 * t).sin()).collect();
+    let force = displacement
+        .iter()
+        .map(|y| 8.0 * y + 0.1 * y.powi(3))
+        .collect();
+    let current = vec![0.25; time.len()];
+    Recording::new("made", time, displacement, force)
+        .unwrap()
+        .with_control("current_A", current)
+        .unwrap()
+        .with_comment("specimen: D1 at 20 °C")
+        .with_comment("a second line")
+}
+
+fn again(recording: &Recording, name: &str) -> Recording {
+    let path = Path::new(name);
+    Recording::from_bytes(path, recording.to_file(path)).unwrap()
+}
+
+/// Those of the formats that this build writes and reads.
+fn names() -> Vec<&'static str> {
+    let all = ["a.mat", "a.parquet"];
+    all.into_iter()
+        .filter(|name| WriteAs::of(Path::new(name)).is_ok())
+        .collect()
+}
+
+#[test]
+fn a_recording_comes_back_bit_by_bit() {
+    let recording = recording();
+    for name in names() {
+        let again = again(&recording, name);
+        assert_eq!(again.time, recording.time, "{name}");
+        assert_eq!(again.displacement, recording.displacement, "{name}");
+        assert_eq!(again.force, recording.force, "{name}");
+        assert_eq!(again.controls, recording.controls, "{name}");
+        assert_eq!(again.comments, recording.comments, "{name}");
+        assert_eq!(again.units, recording.units, "{name}");
+        assert!(again.guesses().is_empty(), "{name}: {:?}", again.guesses());
+    }
+}
+
+#[test]
+fn a_text_is_written_with_all_its_columns_of_numbers() {
+    let row = |n: u32| format!("{n},{}.5,{}e-1,{n},x\n", n % 3, n % 5);
+    let rows: String = (0..20).map(row).collect();
+    let text = format!("# specimen: D1\ntime_ms,displacement_mm,force_N,cycle,state\n{rows}");
+    let read = Recording::from_bytes(Path::new("a.csv"), text.clone().into_bytes()).unwrap();
+    assert_eq!(read.to_file(Path::new("b.csv")), text.as_bytes());
+    for name in names() {
+        let again = again(&read, name);
+        assert_eq!(again.time, read.time, "{name}");
+        assert_eq!(again.force, read.force, "{name}");
+        assert_eq!(again.units, read.units, "{name}");
+        let reading = Default::default();
+        let file = tempfile::Builder::new().suffix(name).tempfile().unwrap();
+        std::fs::write(&file, read.to_file(Path::new(name))).unwrap();
+        let (_, opened) = mesh_damper_recording::files::open(file.path(), &reading).unwrap();
+        let columns = &opened.tables()[0].columns;
+        let names: Vec<&str> = columns.iter().map(|column| column.name.as_str()).collect();
+        assert_eq!(
+            names,
+            ["time_ms", "displacement_mm", "force_N", "cycle"],
+            "{name}"
+        );
+        assert_eq!(columns[2].unit.as_deref(), Some("N"), "{name}");
+    }
+}
+
+#[test]
+fn a_prediction_has_the_units_of_the_recording() {
+    let mut recording = recording();
+    recording.units.force = units::FORCE[1];
+    let force: Vec<f64> = recording.force.iter().map(|force| force + 0.5).collect();
+    let band = vec![0.002; force.len()];
+    for name in names() {
+        let path = Path::new(name);
+        let bytes = recording.to_file_with_prediction(path, &force, &band);
+        let file = tempfile::Builder::new().suffix(name).tempfile().unwrap();
+        std::fs::write(&file, bytes).unwrap();
+        let reading = mesh_damper_recording::files::Reading {
+            channels: vec![("force".into(), "predicted_force_N".into())],
+            units: vec![("force".into(), "N".into())],
+            ..Default::default()
+        };
+        let predicted = Recording::read_as(file.path(), &reading).unwrap();
+        for (read, force) in predicted.force.iter().zip(&force) {
+            assert!(
+                (read - force).abs() < 1e-15 * force.abs().max(1.0),
+                "{name}"
+            );
+        }
+    }
+}
+
+#[test]
+fn the_ending_of_a_name_says_the_format() {
+    for (name, format) in [
+        ("a.csv", WriteAs::Csv),
+        ("A.CSV", WriteAs::Csv),
+        ("a.csv.gz", WriteAs::CsvGz),
+        ("run.2/a.mat", WriteAs::Mat),
+        ("-", WriteAs::Csv),
+        ("/dev/stdout", WriteAs::Csv),
+    ] {
+        assert_eq!(WriteAs::of(Path::new(name)), Ok(format), "{name}");
+    }
+    for name in ["a.xlsx", "a.gz", "a.h5", "mat.txt", "a."] {
+        let error = WriteAs::of(Path::new(name)).unwrap_err().to_string();
+        assert!(
+            error.contains("of no format") && error.contains(".csv.gz"),
+            "{error}"
+        );
+    }
+    for (format, word) in WriteAs::ALL {
+        assert_eq!(format.to_string(), word);
+    }
+    assert_eq!("csv.gz".parse(), Ok(WriteAs::CsvGz));
+    assert!("xlsx".parse::<WriteAs>().is_err());
+}

@@ -1,0 +1,178 @@
+//! Verdicts and effects by group.
+
+use std::collections::{BTreeMap, BTreeSet};
+
+use maud::{Markup, html};
+use mesh_damper_identify::trace::result::Estimate;
+
+use super::{BatchRow, VERDICTS, outcomes, pictures, word};
+use crate::html::{figure, table};
+use crate::text;
+
+/// Most groups that have a row of their own: the largest. The others are one row.
+const MOST_GROUPS: usize = 40;
+
+/// Rows of one group, under its name.
+pub struct Group<'a> {
+    pub name: String,
+    pub rows: Vec<&'a BatchRow>,
+}
+
+/// The groups by name; of many the largest, and the others as one.
+pub fn groups(rows: &[BatchRow]) -> Vec<Group<'_>> {
+    let mut by_name: BTreeMap<&str, Vec<&BatchRow>> = BTreeMap::new();
+    for row in rows {
+        by_name
+            .entry(row.group.as_deref().unwrap_or("without a group"))
+            .or_default()
+            .push(row);
+    }
+    let mut all: Vec<Group<'_>> = by_name
+        .into_iter()
+        .map(|(name, rows)| Group {
+            name: name.to_owned(),
+            rows,
+        })
+        .collect();
+    if all.len() > MOST_GROUPS {
+        all.sort_by_key(|group| std::cmp::Reverse(group.rows.len()));
+        let others = all.split_off(MOST_GROUPS - 1);
+        all.sort_by(|a, b| a.name.cmp(&b.name));
+        all.push(Group {
+            name: format!("{} other groups", others.len()),
+            rows: others.into_iter().flat_map(|group| group.rows).collect(),
+        });
+    }
+    all
+}
+
+/// How often each verdict was given in each group.
+pub fn verdicts(rows: &[BatchRow]) -> Markup {
+    let of = |rows: &[&BatchRow], verdict| {
+        let given = rows.iter().filter_map(|row| row.outcome.as_ref().ok());
+        given.filter(|one| one.verdict == verdict).count()
+    };
+    let counts = |name: &str, rows: &[&BatchRow], is_sum: bool| {
+        let failed = rows.iter().filter(|row| row.outcome.is_err()).count();
+        html! {
+            tr.best[is_sum] {
+                th scope="row" { (name) }
+                td { (rows.len()) }
+                @for verdict in VERDICTS { td { (of(rows, verdict)) } }
+                td { (failed) }
+            }
+        }
+    };
+    let groups = groups(rows);
+    let head = html! { tr {
+        th scope="col" { "group" } th scope="col" { "traces" }
+        @for verdict in VERDICTS { th scope="col" { (word(verdict)) } }
+        th scope="col" { "failed" }
+    } };
+    let all: Vec<&BatchRow> = rows.iter().collect();
+    let body = html! {
+        @if groups.len() > 1 { @for group in &groups { (counts(&group.name, &group.rows, false)) } }
+        (counts("all", &all, groups.len() > 1))
+    };
+    table("Verdicts by group", head, body)
+}
+
+/// How often each effect was found in each group, and with which parameters; nothing where none was.
+pub fn effects(rows: &[BatchRow]) -> Option<Markup> {
+    let families: BTreeSet<&str> = outcomes(rows)
+        .flat_map(|one| &one.effects)
+        .map(|effect| &effect.family[..])
+        .collect();
+    if families.is_empty() {
+        return None;
+    }
+    let groups = groups(rows);
+    let count = |group: &Group<'_>, family: &str| {
+        let done = group
+            .rows
+            .iter()
+            .filter_map(|row| row.outcome.as_ref().ok());
+        done.filter(|one| one.effects.iter().any(|effect| effect.family == family))
+            .count()
+    };
+    let head = html! { tr {
+        th scope="col" { "group" } th scope="col" { "traces" }
+        @for family in &families { th scope="col" { (text::name(family)) } }
+    } };
+    let body = html! {
+        @for group in &groups {
+            tr {
+                th scope="row" { (group.name) }
+                td { (group.rows.len()) }
+                @for family in &families { td { (count(group, family)) } }
+            }
+        }
+    };
+    let pictures = pictures::parameters(&groups);
+    Some(html! {
+        p { "An effect counts where a trace found it, or cannot tell it from another." }
+        (table("Traces with each effect, by group", head, body))
+        (parameters(&groups))
+        @if !pictures.is_empty() {
+            h3 { "Parameters by group" }
+            div.pair { @for picture in &pictures { (figure(html! { (picture.title) }, picture)) } }
+        }
+    })
+}
+
+/// A parameter of an effect: family and name.
+pub type Parameter<'a> = (&'a str, &'a str);
+
+/// The estimates of each parameter, group by group in the order of `groups`.
+pub fn estimates<'a>(groups: &'a [Group<'_>]) -> BTreeMap<Parameter<'a>, Vec<Vec<&'a Estimate>>> {
+    let mut all: BTreeMap<Parameter<'a>, Vec<Vec<&Estimate>>> = BTreeMap::new();
+    for (place, group) in groups.iter().enumerate() {
+        let done = group
+            .rows
+            .iter()
+            .filter_map(|row| row.outcome.as_ref().ok());
+        for effect in done.flat_map(|one| &one.effects) {
+            for (name, estimate) in &effect.parameters {
+                let of_groups = all
+                    .entry((&effect.family, name))
+                    .or_insert_with(|| vec![Vec::new(); groups.len()]);
+                of_groups[place].push(estimate);
+            }
+        }
+    }
+    all
+}
+
+fn parameters(groups: &[Group<'_>]) -> Markup {
+    let head = html! { tr {
+        th scope="col" { "effect" } th.text scope="col" { "parameter" } th.text scope="col" { "group" } th scope="col" { "traces" }
+        th scope="col" { "median" } th scope="col" { "least" } th scope="col" { "largest" }
+        th scope="col" { "median half width of the interval" } th.text scope="col" { "unit" }
+    } };
+    let body = html! {
+        @for ((family, name), of_groups) in estimates(groups) {
+            @for (group, estimates) in groups.iter().zip(of_groups).filter(|(_, estimates)| !estimates.is_empty()) {
+                @let values = sorted(estimates.iter().map(|one| one.value));
+                @let halves = sorted(estimates.iter().map(|one| 0.5 * (one.high - one.low)));
+                tr {
+                    th scope="row" { (text::name(family)) }
+                    td.text { (name.replace('_', " ")) }
+                    td.text { (group.name) }
+                    td { (estimates.len()) }
+                    td { (text::number(values[values.len() / 2])) }
+                    td { (text::number(values[0])) }
+                    td { (text::number(values[values.len() - 1])) }
+                    td { (text::number(halves[halves.len() / 2])) }
+                    td.text { (text::unit(&estimates[0].unit)) }
+                }
+            }
+        }
+    };
+    table("Parameters of the effects, by group", head, body)
+}
+
+fn sorted(values: impl Iterator<Item = f64>) -> Vec<f64> {
+    let mut values: Vec<f64> = values.collect();
+    values.sort_by(f64::total_cmp);
+    values
+}

@@ -1,0 +1,92 @@
+//! The table of all traces, which a script sorts and filters.
+
+use std::collections::BTreeSet;
+
+use maud::{Markup, html};
+
+use super::{BatchOutcome, BatchRow, VERDICTS, pictures, word};
+use crate::text;
+
+/// Every trace that was made; nothing where none was.
+pub fn table(rows: &[BatchRow]) -> Option<Markup> {
+    let done = rows.iter();
+    let done = done.filter_map(|row| Some((row, row.outcome.as_ref().ok()?)));
+    let done: Vec<(&BatchRow, &BatchOutcome)> = done.collect();
+    if done.is_empty() {
+        return None;
+    }
+    let groups: BTreeSet<&str> = rows.iter().filter_map(|row| row.group.as_deref()).collect();
+    let choices = |name: &str, all: &[&str]| {
+        html! {
+            label { (name) " " select data-filter=(name) {
+                option value="" { "all" }
+                @for one in all { option { (one) } }
+            } }
+        }
+    };
+    let groups: Vec<&str> = groups.into_iter().collect();
+    let caption = "All traces, in the order of the batch";
+    Some(html! {
+        div.filters hidden {
+            label { "search " input type="search" data-filter="text" placeholder="name, group, effect"; }
+            (choices("verdict", &VERDICTS.map(word)))
+            @if groups.len() > 1 { (choices("group", &groups)) }
+            span.shown role="status" {}
+        }
+        div.scroll.tall tabindex="0" role="region" aria-label=(caption) {
+            table.traces {
+                caption { (caption) }
+                thead { tr {
+                    @for name in ["trace", "group", "verdict", "effects", "before", "after", "noise", "after over noise", "time, s"] {
+                        th scope="col" { (name) }
+                    }
+                } }
+                tbody { @for (row, outcome) in done { (line(row, outcome)) } }
+            }
+        }
+    })
+}
+
+fn line(row: &BatchRow, outcome: &BatchOutcome) -> Markup {
+    let is_drawn = pictures::is_drawn(outcome.noise, outcome.nrmse_before, outcome.nrmse_after);
+    html! {
+        tr data-drawn[is_drawn] {
+            th scope="row" title=(row.recordings.join(", ")) {
+                @match &outcome.report {
+                    Some(report) => a href=(report) { (row.id) },
+                    None => (row.id),
+                }
+            }
+            td { (row.group.as_deref().unwrap_or("–")) }
+            td { (word(outcome.verdict)) @if !outcome.adopted { ", not adopted" } }
+            td { (effects(outcome)) }
+            td { (text::percent(outcome.nrmse_before)) }
+            td { (text::percent(outcome.nrmse_after)) }
+            td { (text::percent(outcome.noise)) }
+            td { (text::number(outcome.nrmse_after / outcome.noise)) "×" }
+            td { (text::number(row.seconds)) }
+        }
+    }
+}
+
+/// `stick-slip (slip limit 0.0300 mm, 0.0291 … 0.0312)`
+fn effects(outcome: &BatchOutcome) -> String {
+    let effects = outcome.effects.iter().map(|effect| {
+        let parameters = effect.parameters.iter().map(|(name, one)| {
+            let [low, value, high] = text::interval(one.low, one.value, one.high);
+            let unit = text::unit(&one.unit);
+            let space = if unit.is_empty() { "" } else { " " };
+            format!(
+                "{} {value}{space}{unit}, {low} … {high}",
+                name.replace('_', " ")
+            )
+        });
+        let parameters: Vec<String> = parameters.collect();
+        format!("{} ({})", text::name(&effect.family), parameters.join("; "))
+    });
+    let effects: Vec<String> = effects.collect();
+    match effects.is_empty() {
+        true => "–".into(),
+        false => effects.join("; "),
+    }
+}
