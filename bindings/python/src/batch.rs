@@ -28,17 +28,26 @@ pub struct BatchSettings(Settings);
 #[pymethods]
 impl BatchSettings {
     #[new]
-    #[pyo3(signature = (families, exclude, baseline, law=None, max_read=None, reports=false))]
+    #[pyo3(signature = (families, exclude, baseline, law=None, channels=vec![], units=vec![], rate=None, max_read=None, reports=false))]
+    #[expect(
+        clippy::too_many_arguments,
+        reason = "the Python function before it names them"
+    )]
     fn new(
         families: Vec<String>,
         exclude: Vec<String>,
         baseline: &str,
         law: Option<PyRef<'_, Model>>,
+        channels: Vec<(String, String)>,
+        units: Vec<(String, String)>,
+        rate: Option<f64>,
         max_read: Option<u64>,
         reports: bool,
     ) -> PyResult<Self> {
         let known = match &law {
-            Some(model) => Sought::beside(&model.inner, &model.name).map_err(|error| refused(&error))?,
+            Some(model) => {
+                Sought::beside(&model.inner, &model.name).map_err(|error| refused(&error))?
+            }
             None => Sought::default(),
         };
         let sought = Sought {
@@ -47,10 +56,16 @@ impl BatchSettings {
             law: base_law(baseline)?,
             ..known
         };
-        let limit = max_read.map_or_else(ReadLimit::default, ReadLimit::new);
+        let reading = Reading {
+            limit: max_read.map_or_else(ReadLimit::default, ReadLimit::new),
+            channels,
+            units,
+            rate,
+            ..Reading::default()
+        };
         Ok(Self(Settings {
             sought,
-            reading: Reading::from(limit),
+            reading,
             reports,
         }))
     }
@@ -93,14 +108,17 @@ fn trace_many<'py>(
     })?;
     let summary = summary.map_err(|error| refused(&error))?;
     let tables = (outcomes(&summary.traces), parameters(&summary.traces));
-    Ok((json(&summary)?, columns(py, &tables.0)?, columns(py, &tables.1)?))
+    Ok((
+        json(&summary)?,
+        columns(py, &tables.0)?,
+        columns(py, &tables.1)?,
+    ))
 }
 
 fn jobs_of(jobs: Option<usize>) -> PyResult<NonZeroUsize> {
     match jobs {
-        Some(jobs) => NonZeroUsize::new(jobs).ok_or_else(|| {
-            refused(&InputError::new("jobs", "is 0", "give at least 1"))
-        }),
+        Some(jobs) => NonZeroUsize::new(jobs)
+            .ok_or_else(|| refused(&InputError::new("jobs", "is 0", "give at least 1"))),
         None => Ok(thread::available_parallelism().unwrap_or(NonZeroUsize::MIN)),
     }
 }
@@ -123,7 +141,10 @@ fn outcome(
 ) -> PyResult<String> {
     let settings = settings.0.clone();
     let task = Task {
-        name: recordings.first().map(|path| path.display().to_string()).unwrap_or_default(),
+        name: recordings
+            .first()
+            .map(|path| path.display().to_string())
+            .unwrap_or_default(),
         recordings,
         held_out,
         ..Task::default()
@@ -137,7 +158,11 @@ fn outcome(
 fn outcomes_of<'py>(py: Python<'py>, rows: Vec<String>) -> PyResult<Bound<'py, PyDict>> {
     let row = |text: &String| {
         serde_json::from_str(text).map_err(|error| {
-            refused(&InputError::new("a row", format!("is no row of a batch: {error}"), "give what outcome() gave"))
+            refused(&InputError::new(
+                "a row",
+                format!("is no row of a batch: {error}"),
+                "give what outcome() gave",
+            ))
         })
     };
     let rows: Vec<Row> = rows.iter().map(row).collect::<PyResult<_>>()?;
@@ -169,7 +194,10 @@ enum GivenModel {
 /// What changed from model to model, as JSON.
 #[pyfunction]
 fn compare_models(models: Vec<GivenModel>, times: Vec<f64>) -> PyResult<String> {
-    let moments = models.into_iter().zip(times).map(|(model, time)| moment(model, time));
+    let moments = models
+        .into_iter()
+        .zip(times)
+        .map(|(model, time)| moment(model, time));
     let compared = moments.collect::<Result<Vec<_>, _>>().and_then(compare);
     json(&compared.map_err(|error| refused(&error))?)
 }
@@ -179,8 +207,12 @@ fn moment(model: GivenModel, time: f64) -> Result<Moment, InputError> {
         GivenModel::Path(path) => Moment::read(&path, time, ReadLimit::default()),
         GivenModel::Texts(name, model, trace) => {
             let model = ModelFile::from_bytes(&name, model.as_bytes())?;
-            let trace = trace.map(|text| serde_json::from_str::<TraceResult>(&text)).transpose();
-            let trace = trace.map_err(|error| InputError::new(&name, format!("is no trace: {error}"), "trace it again"))?;
+            let trace = trace
+                .map(|text| serde_json::from_str::<TraceResult>(&text))
+                .transpose();
+            let trace = trace.map_err(|error| {
+                InputError::new(&name, format!("is no trace: {error}"), "trace it again")
+            })?;
             Ok(Moment {
                 name,
                 time,

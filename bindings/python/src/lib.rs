@@ -7,6 +7,7 @@
 //! |---|---|
 //! | `recording.rs` | recordings of files and of columns |
 //! | `trace.rs` | a trace and what it found |
+//! | `batch.rs` | traces of many recordings, and models over time |
 //! | `model.rs` | a model, and the force that it predicts |
 //! | `characterize.rs` | stiffness and loss factor of a recording |
 //! | `respond.rs` | the motion of a mass on a model |
@@ -15,6 +16,7 @@
 //! | `error.rs` | what is refused, as an exception with the text that the command prints |
 //! | `work.rs` | long work beside the interpreter, which stays free and can interrupt it |
 
+mod batch;
 mod characterize;
 mod error;
 mod export;
@@ -33,6 +35,7 @@ fn _core(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add("__version__", env!("CARGO_PKG_VERSION"))?;
     recording::add_to(module)?;
     trace::add_to(module)?;
+    batch::add_to(module)?;
     model::add_to(module)?;
     characterize::add_to(module)?;
     respond::add_to(module)?;

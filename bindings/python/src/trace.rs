@@ -124,7 +124,7 @@ fn trace(
     traced.map_err(|error| not_traced(&error))
 }
 
-fn named(option: &str, names: &[String]) -> PyResult<Vec<Family>> {
+pub fn named(option: &str, names: &[String]) -> PyResult<Vec<Family>> {
     let family = |name: &String| {
         Family::named(name).ok_or_else(|| {
             let all: Vec<&str> = Family::all().map(Family::name).collect();
@@ -136,7 +136,7 @@ fn named(option: &str, names: &[String]) -> PyResult<Vec<Family>> {
     names.iter().map(family).collect()
 }
 
-fn base_law(word: &str) -> PyResult<BaseLaw> {
+pub fn base_law(word: &str) -> PyResult<BaseLaw> {
     let mut all = BaseLaw::ALL.into_iter();
     all.find(|law| law.word() == word).ok_or_else(|| {
         let words = BaseLaw::ALL.map(BaseLaw::word).join(", ");

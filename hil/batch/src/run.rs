@@ -142,7 +142,12 @@ impl Batch {
             .tasks
             .iter()
             .flat_map(Task::paths)
-            .filter_map(Path::parent);
+            .filter_map(Path::parent)
+            // A name alone is in the working directory.
+            .map(|folder| match folder.as_os_str().is_empty() {
+                true => Path::new("."),
+                false => folder,
+            });
         match folders.find(|folder| folder.canonicalize().is_ok_and(|folder| folder == out)) {
             Some(_) => Err(InputError::new(
                 self.out.display().to_string(),

@@ -5,6 +5,7 @@
 >>> found.verdict, found.effects, found.plot()
 """
 
+from ._batch import Batch, Comparison, compare, outcome, outcomes, trace_many
 from ._characterize import Characterization, characterize
 from ._core import __version__
 from ._errors import InputError, MissingFileError, NotFittedError, UnitWarning
@@ -16,7 +17,9 @@ from ._trace import Baseline, Errors, Report, Trace, trace
 
 __all__ = [
     "Baseline",
+    "Batch",
     "Characterization",
+    "Comparison",
     "DamperLaw",
     "Errors",
     "InputError",
@@ -29,9 +32,13 @@ __all__ = [
     "UnitWarning",
     "__version__",
     "characterize",
+    "compare",
     "export",
+    "outcome",
+    "outcomes",
     "respond",
     "simulate",
     "trace",
+    "trace_many",
     "transmissibility",
 ]

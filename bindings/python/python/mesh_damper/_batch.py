@@ -6,13 +6,13 @@ import csv
 import io
 import json
 import os
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 from typing import Any, Union
 
 from . import _core, _frames
 from ._errors import InputError
-from ._trace import Trace
+from ._trace import Trace, model_of
 
 #: A folder, list or table as a path; paths; or a data frame with a column `path`.
 Recordings = Any
@@ -68,9 +68,13 @@ def trace_many(
     out: str | os.PathLike[str],
     jobs: int | None = None,
     reports: bool = False,
+    channels: Mapping[str, str] | None = None,
+    units: Mapping[str, str] | None = None,
+    rate: float | None = None,
     families: Sequence[str] = (),
     exclude: Sequence[str] = (),
     baseline: str = "mixed",
+    law: Any = None,
     max_read: int | None = None,
     progress: Callable[[str], object] | None = None,
 ) -> Batch:
@@ -91,10 +95,34 @@ def trace_many(
         given = [os.fspath(path) for path in recordings]
         if not given:
             raise InputError("recordings: there is none; give at least one path")
-    settings = _core.BatchSettings(list(families), list(exclude), baseline, max_read=max_read, reports=reports)
+    settings = _settings(families, exclude, baseline, law, channels, units, rate, max_read, reports)
     folder = Path(out)
     summary, outcomes, effects = _core.trace_many(given, table, folder, settings, jobs, progress)
     return Batch(summary, outcomes, effects, folder, _frames.library_of(recordings))
+
+
+def _settings(
+    families: Sequence[str],
+    exclude: Sequence[str],
+    baseline: str,
+    law: Any,
+    channels: Mapping[str, str] | None,
+    units: Mapping[str, str] | None,
+    rate: float | None,
+    max_read: int | None,
+    reports: bool,
+) -> _core.BatchSettings:
+    return _core.BatchSettings(
+        [families] if isinstance(families, str) else list(families),
+        [exclude] if isinstance(exclude, str) else list(exclude),
+        baseline,
+        None if law is None else model_of(law),
+        list((channels or {}).items()),
+        list((units or {}).items()),
+        rate,
+        max_read,
+        reports,
+    )
 
 
 def _table(frame: Any, names: Sequence[str]) -> str:
@@ -125,9 +153,13 @@ def outcome(
     recordings: str | os.PathLike[str] | Sequence[str | os.PathLike[str]],
     *,
     held_out: Sequence[str | os.PathLike[str]] = (),
+    channels: Mapping[str, str] | None = None,
+    units: Mapping[str, str] | None = None,
+    rate: float | None = None,
     families: Sequence[str] = (),
     exclude: Sequence[str] = (),
     baseline: str = "mixed",
+    law: Any = None,
     max_read: int | None = None,
 ) -> dict[str, Any]:
     """The row of one trace, of which no file is written and no exception raised: what a scheduler of your own maps over paths.
@@ -135,7 +167,7 @@ def outcome(
     It takes one core. `outcomes` makes a table of many.
     """
     paths = [recordings] if isinstance(recordings, (str, os.PathLike)) else list(recordings)
-    settings = _core.BatchSettings(list(families), list(exclude), baseline, max_read=max_read)
+    settings = _settings(families, exclude, baseline, law, channels, units, rate, max_read, False)
     row: dict[str, Any] = json.loads(_core.outcome([os.fspath(path) for path in paths], [os.fspath(path) for path in held_out], settings))
     return row
 

@@ -88,6 +88,9 @@ class BatchSettings:
         exclude: Sequence[str],
         baseline: str,
         law: Model | None = None,
+        channels: Sequence[tuple[str, str]] = ...,
+        units: Sequence[tuple[str, str]] = ...,
+        rate: float | None = None,
         max_read: int | None = None,
         reports: bool = False,
     ) -> BatchSettings: ...

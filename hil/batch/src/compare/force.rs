@@ -158,9 +158,9 @@ pub(super) fn changes(
     numbers: &ComparePolicy,
 ) -> Result<Vec<ForceChange>, InputError> {
     let run = Run::new(common, numbers);
-    let spreads = moments
-        .iter()
-        .map(|moment| Spread::of(moment, &run).map_err(|error| model_error(&moment.name, &error)));
+    let spreads = moments.iter().map(|moment| {
+        Spread::of(moment, &run, numbers).map_err(|error| model_error(&moment.name, &error))
+    });
     let spreads: Vec<Spread> = spreads.collect::<Result<_, _>>()?;
     let first = &spreads[0];
     let scale = mean_square(&first.force);
@@ -299,10 +299,10 @@ struct Spread {
 }
 
 impl Spread {
-    fn of(moment: &Moment, run: &Run) -> Result<Self, ModelError> {
+    fn of(moment: &Moment, run: &Run, numbers: &ComparePolicy) -> Result<Self, ModelError> {
         let model = moment.model.model();
         let force = run.force(&model)?;
-        let chance = Self::chance(moment, &model, &force, run);
+        let chance = Self::chance(moment, &model, &force, run, numbers);
         Ok(Self { force, chance })
     }
 
@@ -310,11 +310,17 @@ impl Spread {
     ///
     /// A trace gives the deviation of each parameter, and not how they err together. A fit to this motion would have its parameters err as
     /// (HᵀH)⁻¹ says of the columns H, what each changes the force by; from that the correlations are taken.
-    fn chance(moment: &Moment, model: &Model, force: &[f64], run: &Run) -> Option<Chance> {
+    fn chance(
+        moment: &Moment,
+        model: &Model,
+        force: &[f64],
+        run: &Run,
+        numbers: &ComparePolicy,
+    ) -> Option<Chance> {
         let trace = moment.trace.as_ref()?;
         let mut columns = Vec::new();
         for parameter in of_model(moment) {
-            match parameter.bounds.deviation() {
+            match parameter.bounds.deviation(numbers) {
                 Some(deviation) => {
                     columns.push(changed_by(model, &parameter, deviation, force, run)?)
                 }

@@ -22,6 +22,8 @@ mesh_damper_recording::numbers! {
     ComparePolicy {
         /// The chance that something is claimed of a specimen that did not change.
         level: f64 = 0.05, Convention("one in twenty");
+        /// The intervals of a trace are taken for this many times as wide: from recording to recording a little more differs than they say.
+        widened: f64 = 1.2, Tuned("hil/batch/tests/batch/compared.rs, the first 400 specimens that do not change");
         /// Amplitudes of two laws are the same where they differ by no more than this part.
         same_amplitude: f64 = 0.1, Convention("blocks that are meant to be of one amplitude differ by the actuator's error");
         /// Amplitudes, and as many peak velocities, of the motion that all models are put through.

@@ -1,8 +1,8 @@
 //! Parameters of the law and of effects, from model to model.
 
 use mesh_damper_identify::trace::result::Estimate;
-use mesh_damper_model::parameter_unit;
 use mesh_damper_model::predict::NINETY_PERCENT;
+use mesh_damper_model::{base_name, parameter_unit};
 use serde::Serialize;
 use statrs::distribution::{ChiSquared, ContinuousCDF as _};
 
@@ -57,9 +57,9 @@ impl Bounds {
     }
 
     /// Its standard deviation, where it is known.
-    pub(super) fn deviation(&self) -> Option<f64> {
+    pub(super) fn deviation(&self, numbers: &ComparePolicy) -> Option<f64> {
         let half = 0.5 * (self.high? - self.low?);
-        (half > 0.0).then(|| half / NINETY_PERCENT)
+        (half > 0.0).then(|| numbers.widened * half / NINETY_PERCENT)
     }
 }
 
@@ -181,11 +181,20 @@ pub(super) fn changes(
                     .map_or_else(|| law_unit(&parameter.name), str::to_owned),
                 values,
                 change,
-                p: chance(&compared),
+                p: match of_models.iter().any(|all| has_several(all, parameter)) {
+                    true => None,
+                    false => chance(&compared, numbers),
+                },
                 changed: false,
             }
         })
         .collect()
+}
+
+/// Whether its effect has several elements: these take forces from each other, so that only the force of all says what changed.
+fn has_several(all: &[Parameter], parameter: &Parameter) -> bool {
+    let mut own = all.iter().filter(|other| other.of == parameter.of);
+    parameter.amplitude.is_none() && own.any(|other| base_name(&other.name) != other.name)
 }
 
 /// The unit of a coefficient of the law.
@@ -201,10 +210,10 @@ fn law_unit(name: &str) -> String {
 
 /// The chance that values of one parameter scatter as much as these: χ² of their distances from their weighted mean. `None` where
 /// fewer than two have an interval.
-fn chance(values: &[Bounds]) -> Option<f64> {
+fn chance(values: &[Bounds], numbers: &ComparePolicy) -> Option<f64> {
     let known: Vec<(f64, f64)> = values
         .iter()
-        .filter_map(|bounds| Some((bounds.value, bounds.deviation()?.powi(-2))))
+        .filter_map(|bounds| Some((bounds.value, bounds.deviation(numbers)?.powi(-2))))
         .collect();
     let freedom = known.len().checked_sub(1).filter(|freedom| *freedom > 0)?;
     let weights: f64 = known.iter().map(|(_, weight)| weight).sum();
@@ -234,8 +243,10 @@ mod tests {
 
     #[test]
     fn two_values_differ_by_the_chance_of_a_normal_variable() {
+        let numbers = ComparePolicy::default();
+        let chance = |values: &[Bounds]| chance(values, &numbers);
         // 1.645 deviations of a difference whose deviation is √2 of theirs: 10 %.
-        let apart = 2.0_f64.sqrt() * NINETY_PERCENT;
+        let apart = 2.0_f64.sqrt() * NINETY_PERCENT * numbers.widened;
         let p = chance(&[
             bounds(5.0, NINETY_PERCENT),
             bounds(5.0 + apart, NINETY_PERCENT),

@@ -116,7 +116,8 @@ fn of_a_specimen_that_stays_as_it_is_nothing_is_claimed() {
 #[test]
 #[ignore = "minutes: 400 specimens, each traced three times"]
 fn claims_are_made_of_unchanged_specimens_about_as_often_as_they_say() {
-    let claimed = claims(0..400);
+    // Others than those that the widening was tuned on.
+    let claimed = claims(400..800);
     println!("{} of 400", claimed.len());
     // 5 % of 400 are 20; more than 32 once in 200.
     assert!(claimed.len() <= 32, "{} of 400", claimed.len());
