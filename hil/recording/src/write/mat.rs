@@ -37,7 +37,7 @@ pub(super) fn write(comments: &[String], columns: &[Column<'_>]) -> Vec<u8> {
             .flat_map(|value| value.to_le_bytes())
             .collect();
         let numbers = element(DOUBLE, &bytes);
-        let name = identifier(&column.name);
+        let name = identifier(column.name);
         let matrix = matrix(NUMBERS, [column.values.len(), 1], &name, &numbers);
         variable(&mut file, &matrix);
     }
@@ -45,7 +45,7 @@ pub(super) fn write(comments: &[String], columns: &[Column<'_>]) -> Vec<u8> {
         variable(&mut file, &text("comments", comments));
     }
     let units: Vec<(String, &str)> = (columns.iter())
-        .filter_map(|column| Some((identifier(&column.name), column.unit?)))
+        .filter_map(|column| Some((identifier(column.name), column.unit?)))
         .collect();
     if !units.is_empty() {
         variable(&mut file, &structure("units", &units));

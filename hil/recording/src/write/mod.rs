@@ -56,7 +56,7 @@ impl WriteAs {
             .unwrap_or_default()
             .to_string_lossy()
             .to_lowercase();
-        let known = Self::ALL.iter().filter(|(_, ending)| {
+        let mut known = Self::ALL.iter().filter(|(_, ending)| {
             let rest = name.strip_suffix(ending);
             rest.is_some_and(|rest| rest.ends_with('.'))
         });
@@ -67,7 +67,7 @@ impl WriteAs {
                 "name a file that ends in .csv, .csv.gz, .parquet, .mat or .mcap",
             )
         };
-        match known.last() {
+        match known.next_back() {
             Some((format, ending)) if !format.is_built() => Err(refused(format!(
                 "this build of hil does not write .{ending}"
             ))),
