@@ -13,10 +13,9 @@ import argparse
 import os
 
 from dask_jobqueue import SLURMCluster
+from dask_local import trace_all
 from distributed import Client
 from rows import Rows, recordings
-
-from dask_local import trace_all
 
 
 def main() -> None:
