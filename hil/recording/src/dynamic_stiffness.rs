@@ -153,11 +153,11 @@ mod tests {
         let f = (0..2000).map(|i| 2.0 * amplitude * phase(i).sin() + drift * phase(i) / TAU);
         let found = DynamicStiffness::of(&y, &f.collect::<Vec<f64>>(), 2000.0).unwrap();
         let storage = 2.0 - drift / (PI * amplitude);
-        assert!(
-            (found.storage - storage).abs() < 1e-4,
-            "{found:?} {storage}"
-        );
-        assert!(found.loss.abs() < 1e-4, "{found:?}");
+        // Samples begin the steps that they stand for: half a step of the tooth is D/(N·Y) of stiffness.
+        let step = drift / (2000.0 * amplitude);
+        let apart = (found.storage - storage).abs();
+        assert!(apart < 2.0 * step, "{found:?} {storage}");
+        assert!(found.loss.abs() < 2.0 * step, "{found:?}");
     }
 
     #[test]
