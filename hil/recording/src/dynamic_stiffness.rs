@@ -12,16 +12,17 @@
 //! the work π·K″·Y² in a cycle, which is eq 5 of the paper; its loss factor of eq 4 is K″ over the stiffness of eq 3, between the force's
 //! extremes, and is less than η.
 //!
-//! Fundamentals are fitted by least squares beside a mean, a slope and two harmonics: samples need not fill a cycle to its very end.
+//! Fundamentals are fitted by least squares beside a mean and two harmonics: samples need not fill a cycle to its very end. A force that
+//! drifts by D in a cycle has a fundamental of its own of D/π, which is not told from the specimen's.
 
 use std::f64::consts::{PI, TAU};
 
 use nalgebra::{Cholesky, SMatrix, SVector};
 
-/// Terms of the fit: mean, slope, and cosine and sine of three harmonics.
-const TERMS: usize = 8;
-/// Fewest samples of a cycle: twice as many as there are terms.
-pub const FEWEST: usize = 2 * TERMS;
+/// Terms of the fit: the mean, and cosine and sine of three harmonics.
+const TERMS: usize = 7;
+/// Fewest samples of a cycle: some more than twice as many as there are terms.
+pub const FEWEST: usize = 16;
 
 /// Storage and loss stiffness of a cycle.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -53,8 +54,7 @@ impl DynamicStiffness {
             let (sin, cos) = (TAU * index as f64 / cycle).sin_cos();
             let (sin2, cos2) = (2.0 * sin * cos, cos * cos - sin * sin);
             let (sin3, cos3) = (sin2 * cos + cos2 * sin, cos2 * cos - sin2 * sin);
-            let along = 2.0 * index as f64 / count as f64 - 1.0;
-            let row = SVector::from([cos, sin, 1.0, along, cos2, sin2, cos3, sin3]);
+            let row = SVector::from([cos, sin, 1.0, cos2, sin2, cos3, sin3]);
             gram.syger(1.0, &row, &row, 1.0);
             right[0].axpy(*values.0, &row, 1.0);
             right[1].axpy(*values.1, &row, 1.0);
@@ -62,6 +62,10 @@ impl DynamicStiffness {
         let factor = Cholesky::new(gram)?;
         let [y, f] = right.map(|right| factor.solve(&right));
         let square = y[0] * y[0] + y[1] * y[1];
+        // Of what stands still, rounding leaves a fundamental.
+        if square.sqrt() <= 1e-9 * y[2].abs() {
+            return None;
+        }
         let of = |sum: f64| Some(sum / square).filter(|value| value.is_finite());
         Some(Self {
             amplitude: square.sqrt(),
@@ -120,11 +124,16 @@ mod tests {
         let friction = 0.05;
         let found = cycle(0.3, |_, v| friction * v.signum());
         let loss = 4.0 * friction / (PI * AMPLITUDE);
-        // A jump lies between two of 204 samples: 1 % of a quarter.
-        assert!((found.loss / loss - 1.0).abs() < 0.01, "{found:?} {loss}");
-        assert!(found.storage.abs() < 0.01 * loss, "{found:?}");
+        // A jump is found up to half a step beside where it is, π/N in phase; the force turns with the displacement, so that moves K′
+        // by up to π/N of K″, and K″ by the square of that, beside what harmonics above the third leave in a cycle not filled.
+        let step = PI / CYCLE;
+        assert!(
+            (found.loss / loss - 1.0).abs() < 0.2 * step,
+            "{found:?} {loss}"
+        );
+        assert!(found.storage.abs() < step * loss, "{found:?}");
         // The work of friction is 4·F·A, all of it the fundamental's, as the motion is a sine.
-        assert!((found.energy() / (4.0 * friction * AMPLITUDE) - 1.0).abs() < 0.01);
+        assert!((found.energy() / (4.0 * friction * AMPLITUDE) - 1.0).abs() < 0.2 * step);
     }
 
     #[test]
@@ -135,21 +144,20 @@ mod tests {
         assert!(found.loss.abs() < 1e-9);
     }
 
+    /// A saw tooth of height D has the fundamental −D/π·sin φ.
     #[test]
-    fn a_drift_is_neither() {
-        let y: Vec<f64> = (0..200)
-            .map(|i| 0.1 * (TAU * f64::from(i) / 200.0).sin())
-            .collect();
-        let f: Vec<f64> = y
-            .iter()
-            .enumerate()
-            .map(|(i, y)| 2.0 * y + 0.001 * i as f64)
-            .collect();
-        let found = DynamicStiffness::of(&y, &f, 200.0).unwrap();
-        assert!(
-            (found.storage - 2.0).abs() < 1e-9 && found.loss.abs() < 1e-9,
-            "{found:?}"
-        );
+    fn a_drift_counts_as_its_fundamental() {
+        let (amplitude, drift) = (0.1, 0.02);
+        let phase = |i: i32| TAU * f64::from(i) / 2000.0;
+        let y: Vec<f64> = (0..2000).map(|i| amplitude * phase(i).sin()).collect();
+        let f = (0..2000).map(|i| 2.0 * amplitude * phase(i).sin() + drift * phase(i) / TAU);
+        let found = DynamicStiffness::of(&y, &f.collect::<Vec<f64>>(), 2000.0).unwrap();
+        let storage = 2.0 - drift / (PI * amplitude);
+        // Samples begin the steps that they stand for: half a step of the tooth is D/(N·Y) of stiffness.
+        let step = drift / (2000.0 * amplitude);
+        let apart = (found.storage - storage).abs();
+        assert!(apart < 2.0 * step, "{found:?} {storage}");
+        assert!(found.loss.abs() < 2.0 * step, "{found:?}");
     }
 
     #[test]

@@ -98,7 +98,7 @@ pub fn page(
 /// A picture with its caption.
 pub fn figure(caption: Markup, picture: &Picture) -> Markup {
     html! {
-        figure style=(format!("--least:{}px", picture.least_width())) {
+        figure style=(format!("--least:{}px;--most:{}px", picture.least_width(), picture.size.0)) {
             figcaption { (caption) }
             (PreEscaped(picture.within_page()))
         }

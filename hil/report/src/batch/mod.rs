@@ -18,7 +18,7 @@ use super::text;
 const SCRIPT: &str = include_str!("../script/batch.js");
 
 /// The page as one HTML file that needs no other, of the rows in their order. The links lead to the reports of the traces. It takes
-/// about half a kilobyte a row.
+/// about a third of a kilobyte a row.
 pub fn batch_page(rows: &[BatchRow]) -> String {
     let failed: Vec<&BatchRow> = rows.iter().filter(|row| row.outcome.is_err()).collect();
     let title = match rows.len() {

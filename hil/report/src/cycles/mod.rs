@@ -66,7 +66,7 @@ fn by_condition(pictures: Option<&[Picture]>, over: &str) -> Markup {
             Some(pictures) => {
                 p { "Marks are measured, lines are of the law after." }
                 (picture::key(pictures, &[]))
-                div.grid { @for picture in pictures { (figure(html! { (picture.title) }, picture)) } }
+                div.grid { @for picture in pictures { (figure(html! { (picture.panels[0].y.name) }, picture)) } }
             }
             None => p { "All blocks are of one " (over) ": there is no curve to draw." },
         }

@@ -2,7 +2,8 @@
 
 use maud::{Markup, PreEscaped, html};
 
-use super::draw::{self, LETTER, Sheet};
+use super::draw::{LETTER, Sheet};
+use super::shapes::piece;
 use super::{Layer, Picture};
 
 /// Width of a sample of a curve, px.
@@ -40,7 +41,7 @@ pub fn key<'a>(pictures: impl IntoIterator<Item = &'a Picture>, said: &[(&str, S
 fn sample(layers: &[&Layer]) -> String {
     let mut sheet = Sheet::default();
     for layer in layers {
-        draw::piece(&mut sheet, layer, (0.0, 7.0), SAMPLE);
+        piece(&mut sheet, layer, (0.0, 7.0), SAMPLE);
     }
     sheet.into_text()
 }
@@ -62,7 +63,7 @@ pub fn above(picture: &Picture) -> (String, f64) {
             (x, y) = (left, y + line);
         }
         for layer in layers {
-            draw::piece(&mut sheet, layer, (x, y), SAMPLE);
+            piece(&mut sheet, layer, (x, y), SAMPLE);
         }
         sheet.text((x + SAMPLE + 0.5 * font, y), "start", name);
         x += width;

@@ -8,6 +8,7 @@ mod axis;
 mod curve;
 mod draw;
 mod legend;
+mod shapes;
 mod words;
 
 pub use axis::{Axis, Scale, padded};
