@@ -85,17 +85,17 @@ pub struct Found {
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Nrmse {
-    /// Noise of the measured force.
+    /// NRMSE of the noise of the measured force.
     pub noise_floor: Option<f64>,
-    /// Of the law alone on what was fitted.
+    /// NRMSE of the law alone on what was fitted.
     pub baseline_fitted: Option<f64>,
     /// The same on what was held out.
     pub baseline_held_out: Option<f64>,
-    /// Of the model, in f64, on what was fitted.
+    /// NRMSE of the model, in f64, on what was fitted.
     pub augmented_fitted: Option<f64>,
     /// The same on what was held out.
     pub augmented_held_out: Option<f64>,
-    /// Of the embedded model, in f32, on what was held out.
+    /// NRMSE of the embedded model, in f32, on what was held out.
     pub on_target_held_out: Option<f64>,
 }
 

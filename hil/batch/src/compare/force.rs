@@ -38,10 +38,10 @@ pub struct ForceChange {
     pub model: usize,
     /// RMS of the difference of the forces over the RMS of the first one's.
     pub difference: f64,
-    /// What that would be of a specimen that did not change: by the intervals of the parameters, and by what the models leave beyond the
+    /// The ratio that is expected of a specimen that did not change: by the intervals of the parameters, and by what the models leave beyond the
     /// noise. Null where intervals are not known.
     pub expected: Option<f64>,
-    /// The chance of a difference as large as this of a specimen that did not change; null where intervals are not known.
+    /// The chance, 0…1, of a difference as large as this of a specimen that did not change; null where intervals are not known.
     pub p: Option<f64>,
     /// Whether a change is claimed.
     pub changed: bool,
@@ -53,9 +53,9 @@ pub struct ForceChange {
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Place {
-    /// mm.
+    /// Displacement, mm.
     pub displacement_mm: f64,
-    /// mm/s.
+    /// Velocity, mm/s.
     pub velocity_mm_s: f64,
     /// The model's force less the first one's, kN.
     #[serde(rename = "difference_kN")]

@@ -71,7 +71,7 @@ pub struct Comparison {
     pub format: &'static str,
     /// Its version.
     pub version: u64,
-    /// The chance that anything is claimed of a specimen that did not change.
+    /// The chance, 0…1, that anything is claimed of a specimen that did not change.
     pub level: f64,
     /// The models in the order of time.
     pub models: Vec<Compared>,

@@ -24,7 +24,7 @@ pub struct ParameterChange {
     pub values: Vec<Option<Bounds>>,
     /// The last value less the first one, over the first one's size.
     pub change: Option<f64>,
-    /// The chance of values that differ as much as these where the parameter is the same in all; null where it is not known.
+    /// The chance, 0…1, of values that differ as much as these where the parameter is the same in all; null where it is not known.
     pub p: Option<f64>,
     /// Whether a change is claimed.
     pub changed: bool,
@@ -34,11 +34,11 @@ pub struct ParameterChange {
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Bounds {
-    /// The model's.
+    /// The model's, in the unit of the parameter.
     pub value: f64,
-    /// Lower end.
+    /// Lower end, in the same unit.
     pub low: Option<f64>,
-    /// Upper end.
+    /// Upper end, in the same unit.
     pub high: Option<f64>,
 }
 

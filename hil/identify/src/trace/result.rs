@@ -202,9 +202,11 @@ pub struct Estimate {
     pub value: f64,
     /// Lower end, in the unit; where the data set no bound it is null in the file, and −∞.
     #[serde(deserialize_with = "low")]
+    #[cfg_attr(feature = "schema", schemars(with = "Option<f64>"))]
     pub low: f64,
-    /// Upper end; null and ∞ where there is no bound.
+    /// Upper end, in the unit; null and ∞ where there is no bound.
     #[serde(deserialize_with = "high")]
+    #[cfg_attr(feature = "schema", schemars(with = "Option<f64>"))]
     pub high: f64,
     /// Unit of all three.
     pub unit: String,

@@ -21,6 +21,7 @@ pub struct LargestError {
     /// Which of its results, and over what the error is taken.
     pub of: &'static str,
     /// The error, without a unit.
+    #[cfg_attr(feature = "schema", schemars(with = "Option<f64>"))]
     pub error: f64,
 }
 

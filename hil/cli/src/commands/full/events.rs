@@ -20,6 +20,7 @@ pub(super) struct EventRow {
     /// What moved, by the crate's names.
     statistic: String,
     /// By how much; a sample as it was. As a part, in mm or in kN, as the statistic says.
+    #[schemars(with = "Option<f32>")]
     value: f32,
     /// What it may be, in the same unit.
     limit: f32,

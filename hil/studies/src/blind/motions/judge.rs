@@ -57,6 +57,7 @@ pub struct Outcome {
     /// How well that fits.
     pub mark: Mark,
     /// Held-out error of the embedded law over what the true law leaves.
+    #[cfg_attr(feature = "schema", schemars(with = "Option<f64>"))]
     pub error: f64,
     /// How long the trace took, s; trials run side by side.
     pub seconds: f64,
@@ -76,8 +77,10 @@ pub struct Outcome {
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct VelocityError {
     /// RMS of its error over that of cubics in windows alone.
+    #[cfg_attr(feature = "schema", schemars(with = "Option<f64>"))]
     pub over_cubics: f64,
     /// Part of the samples at which the error is within 1.645 deviations of what it is said to be: 0.9 where those are right.
+    #[cfg_attr(feature = "schema", schemars(with = "Option<f64>"))]
     pub covered: f64,
 }
 

@@ -15,18 +15,25 @@ pub struct Row {
     /// Of these, by mark in the order of [`Mark`].
     pub marks: [usize; 6],
     /// Held-out error over that of the true law: half of them are below,
+    #[cfg_attr(feature = "schema", schemars(with = "Option<f64>"))]
     pub median: f64,
     /// and nine in ten, as a ratio.
+    #[cfg_attr(feature = "schema", schemars(with = "Option<f64>"))]
     pub ninth_decile: f64,
     /// How long a trace took, s: half of them took less.
+    #[cfg_attr(feature = "schema", schemars(with = "Option<f64>"))]
     pub seconds: f64,
     /// The largest time of a trace over that of its recordings.
+    #[cfg_attr(feature = "schema", schemars(with = "Option<f64>"))]
     pub time: f64,
     /// The part of the 90 % intervals of the law's coefficients that hold.
+    #[cfg_attr(feature = "schema", schemars(with = "Option<f64>"))]
     pub intervals: f64,
     /// Error of the estimated velocity over that of cubics in windows alone, the geometric mean.
+    #[cfg_attr(feature = "schema", schemars(with = "Option<f64>"))]
     pub over_cubics: f64,
     /// The part of the samples at which that error is within its 90 % interval.
+    #[cfg_attr(feature = "schema", schemars(with = "Option<f64>"))]
     pub covered: f64,
 }
 
