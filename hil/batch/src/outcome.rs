@@ -6,10 +6,12 @@ use mesh_damper_identify::trace::Trace;
 use mesh_damper_identify::trace::result::{Estimate, FoundEffect, LawEstimate, Verdict};
 use mesh_damper_model::file::FittedRange;
 use mesh_damper_recording::Recording;
-use serde::{Deserialize, Serialize};
+use serde::de::Error as _;
+use serde::{Deserialize, Deserializer, Serialize};
+use serde_json::{Map, Value};
 
 /// What became of one trace.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(tag = "outcome", rename_all = "snake_case")]
 pub enum Outcome {
@@ -17,6 +19,22 @@ pub enum Outcome {
     Traced(Box<Found>),
     /// It could not be made.
     Failed(Failure),
+}
+
+impl<'de> Deserialize<'de> for Outcome {
+    /// By way of JSON's own values: what serde derives for a tag keeps the fields in values of its own, in which no number is found
+    /// where any crate of a build asks serde_json for numbers of arbitrary precision.
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        let mut fields = Map::deserialize(deserializer)?;
+        let kind = fields.remove("outcome");
+        let fields = Value::Object(fields);
+        match kind.as_ref().and_then(Value::as_str) {
+            Some("traced") => serde_json::from_value(fields).map(Self::Traced),
+            Some("failed") => serde_json::from_value(fields).map(Self::Failed),
+            _ => return Err(D::Error::custom("the outcome is neither traced nor failed")),
+        }
+        .map_err(D::Error::custom)
+    }
 }
 
 /// Why a trace could not be made.

@@ -32,6 +32,14 @@
 //! ```
 
 #![forbid(unsafe_code)]
+#![cfg_attr(
+    not(feature = "formats"),
+    allow(
+        dead_code,
+        unused_imports,
+        reason = "some of what reads files is for the formats that are left out"
+    )
+)]
 
 pub mod averaging;
 mod channel;

@@ -243,7 +243,7 @@ impl Samples {
     /// A cell that has no number and needs one.
     fn blank(&self, row: usize, index: usize) -> InputError {
         let (problem, place) = (
-            "the cell is empty or NaN",
+            "the cell is empty or \"NaN\"",
             Place::Cell {
                 line: self.values.lines.line(row).unwrap_or(row as u64 + 1),
                 column: self.column_names[index].clone(),

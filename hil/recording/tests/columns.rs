@@ -97,7 +97,7 @@ fn what_is_wrong_is_said_with_its_row_and_column() {
     );
     let lost = refused(|columns| columns[0].1[4] = f64::NAN);
     assert!(
-        lost.starts_with("a test: line 5, column time_s: the cell is empty or NaN"),
+        lost.starts_with("a test: line 5, column time_s: the cell is empty or \"NaN\""),
         "{lost}"
     );
     let short = refused(|columns| columns[1].1.truncate(3));
