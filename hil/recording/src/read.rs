@@ -19,7 +19,7 @@ impl Recording {
     ///
     /// # Errors
     /// The file, the line or column, what is wrong and how to mend it: no such file, a directory, damaged, empty, beyond the default
-    /// [`ReadLimit`], no header, a channel that is missing or that two columns could be, an unknown unit, a row too short
+    /// [`ReadLimit`](crate::read_limit::ReadLimit), no header, a channel that is missing or that two columns could be, an unknown unit, a row too short
     /// or too long, a cell that is no finite number or, but for a missing sample's, empty, time that does
     /// not increase from one row to another, too few samples, a constant displacement.
     pub fn read(path: impl AsRef<Path>) -> Result<Self, InputError> {
