@@ -36,7 +36,7 @@ pub struct Cli {
 #[derive(Debug, Subcommand)]
 enum Command {
     Demo(demo::DemoCommand),
-    Trace(trace::TraceCommand),
+    Trace(Box<trace::TraceCommand>),
     #[cfg(feature = "full")]
     #[command(flatten)]
     Full(full::Command),
