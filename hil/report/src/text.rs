@@ -318,6 +318,7 @@ mod tests {
         assert_eq!(unit("kN*s/mm^2"), "kN·s/mm²");
         assert_eq!(unit("kN/mm^5*s"), "kN/mm⁵·s");
         assert_eq!(unit("mm^-10"), "mm⁻¹⁰");
+        assert_eq!(unit("kN*(s/mm)^alpha"), "kN·(s/mm)^α");
     }
 
     #[test]
