@@ -135,6 +135,7 @@ pub(super) struct Live {
 /// Of the page, as JSON.
 #[derive(JsonSchema, Serialize)]
 pub(super) struct LiveRow {
+    /// Where the page is served, as a URL on this machine.
     address: String,
     /// Pages that were opened until the test's end.
     viewers: u64,
@@ -143,6 +144,7 @@ pub(super) struct LiveRow {
 /// Of the broker, as JSON.
 #[derive(Clone, JsonSchema, Serialize)]
 pub(super) struct MqttRow {
+    /// The broker that was published to, as its host and port.
     broker: String,
     /// Messages that the broker has.
     delivered: u64,

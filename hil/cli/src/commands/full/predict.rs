@@ -199,13 +199,13 @@ impl<'a> Seen<'a> {
 
 impl Predict {
     pub fn run(self) -> Result<(), Failure> {
-        WriteAs::of(&self.out)?;
         let mut outputs = Plan::new()
             .reads([&self.model, &self.recording])
             .writes([&self.out])
             .writes(&self.json)
             .writes(&self.motion)
             .begin()?;
+        WriteAs::of(&self.out)?;
         let file = ModelFile::read_within(&self.model, self.files.reading.limit)?;
         let recording = Recording::read_as(&self.recording, &self.files.said())?;
         say_guesses(&recording.name, recording.guesses());

@@ -166,7 +166,6 @@ const WITHIN: f64 = 0.05;
 impl RecordCommand {
     pub fn run(self) -> Result<(), Failure> {
         let partial = self.partial();
-        WriteAs::of(&self.out)?;
         let mut outputs = Plan::new()
             .reads(&self.programme)
             .reads(&self.pack)
@@ -174,6 +173,7 @@ impl RecordCommand {
             .writes(&self.json)
             .keeps(&partial)
             .begin()?;
+        WriteAs::of(&self.out)?;
         self.live.check()?;
         self.check()?;
         let pack = match &self.pack {

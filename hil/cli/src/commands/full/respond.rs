@@ -148,7 +148,6 @@ impl Size {
 
 impl RespondCommand {
     pub fn run(self) -> Result<(), Failure> {
-        WriteAs::of(&self.out)?;
         let settings = Settings {
             offset: self.with_offset,
             tolerance: self.tolerance,
@@ -170,6 +169,7 @@ impl RespondCommand {
             .writes([&self.out])
             .writes(&self.json)
             .begin()?;
+        WriteAs::of(&self.out)?;
         let file = ModelFile::read_within(&self.model, self.files.reading.limit)?;
         let channel = match drive {
             Drive::Force => Channel::Force,

@@ -8,7 +8,7 @@ use mesh_damper_model::file::{FittedRange, ModelFile};
 use mesh_damper_model::respond::{Settings, Sweep, SweepPoint, SweepRange, sweep};
 use mesh_damper_recording::output::Plan;
 use mesh_damper_recording::read_limit::ReadLimit;
-use mesh_damper_recording::table;
+use mesh_damper_recording::{WriteAs, table};
 use mesh_damper_report::transmissibility::picture;
 use schemars::JsonSchema;
 use serde::Serialize;
@@ -84,6 +84,7 @@ impl SweepOptions {
             .writes(json)
             .writes(&self.picture)
             .begin()?;
+        WriteAs::of(out)?;
         let file = ModelFile::read_within(model, limit)?;
         let range = SweepRange {
             // The command line asks for both.

@@ -150,6 +150,10 @@ impl List {
     }
 }
 
+/// The field under which serde_json gives the text of a number, where any crate of a build asks it for numbers of arbitrary precision:
+/// defmt-decoder does.
+const NUMBER: &str = "$serde_json::private::Number";
+
 impl<'de> DeserializeSeed<'de> for Seed {
     type Value = Node;
 
@@ -203,6 +207,10 @@ impl<'de> Visitor<'de> for Seed {
         // The column of pandas: each value under the number of its row.
         let mut column = Some(Vec::new());
         while let Some(name) = fields.next_key::<String>()? {
+            if name == NUMBER {
+                let text = fields.next_value::<String>()?;
+                return (text.parse().map(Node::Number)).map_err(de::Error::custom);
+            }
             let value = fields.next_value_seed(self)?;
             match (&mut column, &value) {
                 (Some(values), Node::Number(number)) if name.parse::<u64>().is_ok() => {
