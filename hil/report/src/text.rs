@@ -61,9 +61,14 @@ pub fn unit(unit: &str) -> String {
     }
     let mut written = String::new();
     let mut is_raised = false;
-    for character in unit.replace('*', "·").replace("degC", "°C").chars() {
+    let unit = unit.replace('*', "·").replace("degC", "°C");
+    let unit = unit.replace("alpha", "α");
+    let mut characters = unit.chars().peekable();
+    while let Some(character) = characters.next() {
+        // There is no raised α.
+        let is_number = |next: &char| next.is_ascii_digit() || *next == '-';
         match (character, character.to_digit(10)) {
-            ('^', _) => is_raised = true,
+            ('^', _) if characters.peek().is_some_and(is_number) => is_raised = true,
             ('-', _) if is_raised => written.push('⁻'),
             (_, Some(digit)) if is_raised => written.push(RAISED[digit as usize]),
             _ => {
@@ -313,6 +318,7 @@ mod tests {
         assert_eq!(unit("kN*s/mm^2"), "kN·s/mm²");
         assert_eq!(unit("kN/mm^5*s"), "kN/mm⁵·s");
         assert_eq!(unit("mm^-10"), "mm⁻¹⁰");
+        assert_eq!(unit("kN*(s/mm)^alpha"), "kN·(s/mm)^α");
     }
 
     #[test]

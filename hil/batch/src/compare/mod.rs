@@ -2,7 +2,7 @@
 //!
 //! Two comparisons stand beside each other. A parameter of the law or of an effect is compared where all models have the same effects:
 //! effects that differ take forces from each other, and then parameters differ though the specimen does not. The force of the models on one
-//! motion is compared always, and counts for more. The more is compared, the more would seem to have changed by chance: what is claimed is
+//! motion is compared always, and decides: parameters that differ where the force does not took it from each other. The more is compared, the more would seem to have changed by chance: what is claimed is
 //! corrected for that after Holm (1979).
 
 mod force;
@@ -75,7 +75,7 @@ pub struct Comparison {
     pub level: f64,
     /// The models in the order of time.
     pub models: Vec<Compared>,
-    /// Whether anything is claimed to have changed: a force or a parameter.
+    /// Whether a change is claimed: of the force, and so of the specimen.
     pub changed: bool,
     /// The motion that all were put through.
     pub common_motion: CommonMotion,
@@ -120,7 +120,11 @@ pub fn compare(mut moments: Vec<Moment>) -> Result<Comparison, InputError> {
         .chain(parameters.iter_mut().map(|one| (one.p, &mut one.changed)))
         .collect();
     holm::mark(&mut chances, numbers.level);
-    let changed = chances.iter().any(|(_, changed)| **changed);
+    let changed = forces.iter().any(|one| one.changed);
+    if !changed {
+        // Parameters that differ where the force does not took it from each other.
+        parameters.iter_mut().for_each(|one| one.changed = false);
+    }
     Ok(Comparison {
         format: "mesh-damper comparison",
         version: 1,

@@ -26,7 +26,7 @@ pub struct ParameterChange {
     pub change: Option<f64>,
     /// The chance, 0…1, of values that differ as much as these where the parameter is the same in all; null where it is not known.
     pub p: Option<f64>,
-    /// Whether a change is claimed.
+    /// Whether a change is claimed, which it is only where one of the force is.
     pub changed: bool,
 }
 

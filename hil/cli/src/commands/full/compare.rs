@@ -168,7 +168,7 @@ fn print(comparison: &Comparison) {
         say(&format!(
             "  {place}  {} at {}: {effects}",
             model.name,
-            text::number(model.time)
+            text::nominal(model.time)
         ));
     }
     let motion = &comparison.common_motion;
@@ -234,6 +234,8 @@ fn bounds(bounds: &Option<Bounds>) -> String {
 
 fn claim(changed: bool, p: Option<f64>) -> String {
     match p {
+        // Of less nobody can tell one from another.
+        Some(p) if changed && p < 1e-12 => ": changed (p < 1e-12)".to_owned(),
         Some(p) if changed => format!(": changed (p = {p:.1e})"),
         _ => String::new(),
     }
