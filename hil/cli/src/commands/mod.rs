@@ -39,7 +39,7 @@ enum Command {
     Trace(Box<trace::TraceCommand>),
     #[cfg(feature = "full")]
     #[command(flatten)]
-    Full(full::Command),
+    Full(Box<full::Command>),
 }
 
 impl Cli {
