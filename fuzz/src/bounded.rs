@@ -1,6 +1,6 @@
-//! Every check on so many seeded inputs, the same every time: 10⁸ ticks of the rig, and 10⁶ files, packs and frames.
+//! Every check on so many seeded inputs, the same every time: 10⁸ ticks of the rig, and 10⁶ files, packs and frames; and on a tenth.
 //!
-//! `cargo test --manifest-path fuzz/Cargo.toml --lib -- --nocapture`
+//! `cargo test -p mesh-damper-fuzz -- --ignored --nocapture`, and without `--ignored`.
 
 use std::thread;
 
@@ -43,17 +43,41 @@ fn script(number: u64, length: usize) -> Vec<u8> {
     (0..length).map(|_| random.next() as u8).collect()
 }
 
-#[test]
-fn rigs_stay_within_their_limits() {
-    let rigs = TICKS / u64::from(TICKS_OF_ONE);
-    let ran = sum(rigs, 200, |script| rig::check(script, TICKS_OF_ONE));
-    println!("{rigs} rigs and emulators, {TICKS} ticks, running on {ran} of them");
-    assert!(ran > TICKS / 10, "{ran}");
+/// Each check on a tenth of its inputs, for the gate, and on all of them.
+macro_rules! bounded {
+    ($($name:ident: $check:expr;)*) => {
+        mod tenth {
+            use super::*;
+            $(#[test] fn $name() { $check(10); })*
+        }
+        mod whole {
+            use super::*;
+            $(#[test] #[ignore = "minutes"] fn $name() { $check(1); })*
+        }
+    };
 }
 
-#[test]
-fn no_float_makes_another_that_is_not_finite() {
-    let ticks = sum(MOTION_TICKS / 1000, 200, |script| {
+bounded! {
+    rigs_stay_within_their_limits: rigs;
+    no_float_makes_another_that_is_not_finite: floats;
+    recordings_are_refused_or_right: |part| files("recordings", INPUTS / part, recording::check);
+    // Fewer, as a workbook takes a hundred times as long as a text.
+    files_of_all_formats_are_refused_or_right: |part| files("files of all formats", INPUTS / 10 / part, formats::check);
+    model_files_are_refused_or_right: |part| files("model files", INPUTS / part, model_file::check);
+    packs_are_refused_or_right: |part| files("packs", INPUTS / part, packs);
+    frames_are_refused_or_right: frames;
+}
+
+fn rigs(part: u64) {
+    let rigs = TICKS / u64::from(TICKS_OF_ONE) / part;
+    let ticks = rigs * u64::from(TICKS_OF_ONE);
+    let ran = sum(rigs, 200, |script| rig::check(script, TICKS_OF_ONE));
+    println!("{rigs} rigs and emulators, {ticks} ticks, running on {ran} of them");
+    assert!(ran > ticks / 10, "{ran}");
+}
+
+fn floats(part: u64) {
+    let ticks = sum(MOTION_TICKS / 1000 / part, 200, |script| {
         motion::check(script, 1000);
         1000
     });
@@ -61,55 +85,31 @@ fn no_float_makes_another_that_is_not_finite() {
 }
 
 /// Some are taken, and some refused: otherwise nothing was tried.
-fn files(name: &str, check: impl Fn(&[u8]) -> bool + Sync) {
-    let taken = sum(INPUTS, 25, |script| check(script).into());
-    println!("{INPUTS} {name}: {taken} taken and right, the others refused");
-    assert!(taken > INPUTS / 100 && taken < INPUTS, "{taken}");
-}
-
-#[test]
-fn recordings_are_refused_or_right() {
-    files("recordings", recording::check);
-}
-
-/// Fewer, as a workbook takes a hundred times as long as a text.
-#[test]
-fn files_of_all_formats_are_refused_or_right() {
-    let count = INPUTS / 10;
-    let taken = sum(count, 25, |script| formats::check(script).into());
-    println!(
-        "{count} files of all formats: {taken} taken and as long as they say, the others refused"
-    );
+fn files(name: &str, count: u64, check: impl Fn(&[u8]) -> bool + Sync) {
+    let taken = sum(count, 25, |script| check(script).into());
+    println!("{count} {name}: {taken} taken and right, the others refused");
     assert!(taken > count / 100 && taken < count, "{taken}");
 }
 
-#[test]
-fn model_files_are_refused_or_right() {
-    files("model files", model_file::check);
+fn packs(script: &[u8]) -> bool {
+    if let Some(taken) = pack::damaged(script) {
+        assert!(
+            pack::GOOD.contains(&taken),
+            "a damaged pack was taken: {taken:?}"
+        );
+    }
+    pack::check(script)
 }
 
-#[test]
-fn packs_are_refused_or_right() {
-    files("packs", |script| {
-        if let Some(taken) = pack::damaged(script) {
-            assert!(
-                pack::GOOD.contains(&taken),
-                "a damaged pack was taken: {taken:?}"
-            );
-        }
-        pack::check(script)
-    });
-}
-
-#[test]
-fn frames_are_refused_or_right() {
-    let found = sum(INPUTS, 25, |script| {
+fn frames(part: u64) {
+    let count = INPUTS / part;
+    let found = sum(count, 25, |script| {
         frames::check(script);
         let found = frames::damaged(script);
         let as_sent = found.iter().all(|frame| frames::GOOD.contains(frame));
         assert!(as_sent, "a damaged frame was taken: {found:?}");
         found.len() as u64
     });
-    println!("{INPUTS} streams of frames: {found} frames taken, all as they were sent");
-    assert!(found > INPUTS);
+    println!("{count} streams of frames: {found} frames taken, all as they were sent");
+    assert!(found > count);
 }

@@ -103,6 +103,6 @@ pub fn check(script: &[u8]) -> bool {
         }
         is_read |= !values.columns.is_empty();
     }
-    let _ = Recording::from_bytes(name, bytes);
+    let _ = Recording::from_bytes(name, bytes.clone());
     is_read
 }
