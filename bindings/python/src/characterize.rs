@@ -1,6 +1,7 @@
 //! Stiffness and loss factor of a recording.
 
 use mesh_damper_characterize::{DynamicTest, StaticTest, dynamic_test, static_test};
+use mesh_damper_recording::output::{Label, LabelField, Labelled};
 use pyo3::prelude::*;
 use serde::Serialize;
 
@@ -8,7 +9,7 @@ use crate::error::refused;
 use crate::model::json;
 use crate::recording::Recording;
 
-/// What `hil characterize --json` writes.
+/// What `hil characterize --json` writes after its label.
 #[derive(Serialize)]
 struct Summary<'a> {
     recording: &'a str,
@@ -57,7 +58,8 @@ fn characterize(
         recording: &recording.inner.name,
         found,
     };
-    Ok((json(&summary)?, loops))
+    let label = Label::new("characterize", LabelField::Format);
+    Ok((json(&Labelled::new(label, &summary))?, loops))
 }
 
 pub fn add_to(module: &Bound<'_, PyModule>) -> PyResult<()> {
