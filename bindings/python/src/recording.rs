@@ -5,13 +5,141 @@ use std::sync::Arc;
 
 use mesh_damper_recording::error::InputError;
 use mesh_damper_recording::faults::Channel;
-use mesh_damper_recording::files::Reading;
+use mesh_damper_recording::files::{self, Column, GivenColumn, Needs, Unmarked};
 use mesh_damper_recording::read_limit::ReadLimit;
-use mesh_damper_recording::{self as recording};
+use mesh_damper_recording::{self as recording, Units};
 use numpy::{IntoPyArray as _, PyArray1, PyReadonlyArray1};
 use pyo3::prelude::*;
 
 use crate::error::{refused, refused_of};
+
+/// What is said about recordings, and what they must have.
+#[pyclass(frozen, module = "mesh_damper._core")]
+pub struct Reading {
+    pub said: files::Reading,
+    pub needs: Needs,
+}
+
+#[pymethods]
+impl Reading {
+    /// What the options `--channel`, `--unit`, `--rate` and `--max-read` of the command say. A `system` of units is of channels of which
+    /// nothing else says the unit. `step` is the time between samples in the unit of time. Of the control inputs only `inputs` are read,
+    /// where these are given, and each must be there.
+    #[new]
+    #[pyo3(signature = (channels=vec![], units=vec![], system=None, step=None, inputs=None, max_read=None, needs_force=true))]
+    fn new(
+        channels: Vec<(String, String)>,
+        units: Vec<(String, String)>,
+        system: Option<&str>,
+        step: Option<f64>,
+        inputs: Option<Vec<String>>,
+        max_read: Option<u64>,
+        needs_force: bool,
+    ) -> PyResult<Self> {
+        let needs = Needs {
+            inputs,
+            unmarked: match system {
+                Some("SI") => Unmarked::Said(Units::SI),
+                Some("mm-kN-s") => Unmarked::Said(Units::default()),
+                Some(other) => {
+                    let problem = format!("no system is called '{other}'");
+                    let mend = "give \"SI\", \"mm-kN-s\" or a unit for each channel";
+                    return Err(refused(&InputError::new("units", problem, mend)));
+                }
+                None => Unmarked::Refused,
+            },
+            ..match needs_force {
+                true => Needs::default(),
+                false => Needs::motion(),
+            }
+        };
+        let said = files::Reading {
+            limit: max_read.map_or_else(ReadLimit::default, ReadLimit::new),
+            channels,
+            units,
+            ..files::Reading::default()
+        };
+        let mut reading = Self { said, needs };
+        if let Some(step) = step {
+            let seconds = step * reading.scale("time")?.unwrap_or(1.0);
+            if !(seconds.is_finite() && seconds > 0.0) {
+                let problem = format!("{step} is no time between samples");
+                let mend = "give one above 0, or the samples' times";
+                return Err(refused(&InputError::new("time", problem, mend)));
+            }
+            reading.said.rate = Some(1.0 / seconds);
+        }
+        Ok(reading)
+    }
+
+    /// How many s, mm, kN or mm/s one of the unit is that is said of a channel; none where none is said.
+    fn scale(&self, channel: &str) -> PyResult<Option<f64>> {
+        let mut all = Channel::ALL.into_iter();
+        let Some(channel) = all.find(|each| each.name() == channel) else {
+            return Ok(None);
+        };
+        let mut said = self.said.units.iter();
+        match (
+            said.rfind(|(of, _)| of == channel.name()),
+            self.needs.unmarked,
+        ) {
+            (Some((_, written)), _) => {
+                let unit = channel.unit_written(written).ok_or_else(|| {
+                    let units: Vec<&str> = channel.units().iter().map(|unit| unit.symbol).collect();
+                    let problem = format!("unknown unit {written:?} of {}", channel.name());
+                    let mend = format!("give one of {}", units.join(", "));
+                    refused(&InputError::new("units", problem, mend))
+                })?;
+                Ok(Some(unit.scale))
+            }
+            (None, Unmarked::Said(units)) => Ok(Some(channel.unit_in(&units).scale)),
+            (None, _) => Ok(None),
+        }
+    }
+}
+
+impl Reading {
+    /// The same of columns in memory, of which a unit that nothing says is assumed.
+    pub fn needs_of_columns(&self) -> Needs {
+        let unmarked = match self.needs.unmarked {
+            Unmarked::Refused => Unmarked::Assumed(Units::default()),
+            said => said,
+        };
+        Needs {
+            unmarked,
+            ..self.needs.clone()
+        }
+    }
+}
+
+/// The values of a column, or why they are no numbers.
+#[derive(FromPyObject)]
+pub enum GivenValues<'py> {
+    Numbers(PyReadonlyArray1<'py, f64>),
+    Words(String),
+}
+
+/// A column under its own name; whether its values are dates or durations, in seconds after the first; whether it is the index of its
+/// frame.
+pub type Given<'py> = (String, GivenValues<'py>, bool, bool);
+
+/// The columns as the core takes them.
+pub fn given_columns(columns: Vec<Given<'_>>) -> Vec<GivenColumn> {
+    let column = |(name, values, is_stamp, is_index): Given<'_>| GivenColumn {
+        column: Column {
+            name,
+            unit: is_stamp.then(|| "s".into()),
+            is_stamp,
+            is_time: is_stamp && is_index,
+            ..Column::default()
+        },
+        values: match values {
+            GivenValues::Numbers(values) => Ok(values.as_array().to_vec()),
+            GivenValues::Words(problem) => Err(problem),
+        },
+    };
+    columns.into_iter().map(column).collect()
+}
 
 /// Motion and force over time, as the core takes them.
 #[pyclass(frozen, module = "mesh_damper._core")]
@@ -29,55 +157,37 @@ impl Recording {
 
 #[pymethods]
 impl Recording {
-    /// The recording in a file, as `hil trace` reads it, with what its options `--channel`, `--unit` and `--rate` say; of the control
-    /// inputs only `inputs`, where these are given.
+    /// The recording in a file, as `hil trace` reads it.
     #[staticmethod]
-    #[pyo3(signature = (path, max_read=None, channels=vec![], units=vec![], rate=None, inputs=None))]
-    fn read(
-        py: Python<'_>,
-        path: PathBuf,
-        max_read: Option<u64>,
-        channels: Vec<(String, String)>,
-        units: Vec<(String, String)>,
-        rate: Option<f64>,
-        inputs: Option<Vec<String>>,
-    ) -> PyResult<Self> {
-        let reading = Reading {
-            limit: max_read.map_or_else(ReadLimit::default, ReadLimit::new),
-            channels,
-            units,
-            rate,
-            ..Reading::default()
-        };
-        let read = py.detach(|| {
-            let mut read = recording::Recording::read_channels(&path, &reading)?;
-            if let Some(inputs) = &inputs {
-                read.arrange_controls(inputs.iter().map(String::as_str))?;
-            }
-            Ok(read)
-        });
+    fn read(py: Python<'_>, path: PathBuf, reading: PyRef<'_, Reading>) -> PyResult<Self> {
+        let (said, needs) = (&reading.said, &reading.needs);
+        let read = py.detach(|| recording::Recording::read_for(&path, said, needs));
         read.map(Self::of)
             .map_err(|error| refused_of(&path, &error))
     }
 
-    /// A recording of columns whose names are those of a file: `time_s`, `displacement_mm`, `force_N`.
+    /// The recording in columns in memory, as one in a file of the same columns.
     #[staticmethod]
-    #[pyo3(signature = (name, columns, needs_force=true))]
     fn of_columns(
         py: Python<'_>,
         name: String,
-        columns: Vec<(String, PyReadonlyArray1<'_, f64>)>,
-        needs_force: bool,
+        columns: Vec<Given<'_>>,
+        reading: PyRef<'_, Reading>,
     ) -> PyResult<Self> {
-        let columns: Vec<(String, Vec<f64>)> = columns
-            .into_iter()
-            .map(|(name, values)| (name, values.as_array().to_vec()))
-            .collect();
-        let made = py.detach(|| match needs_force {
-            true => recording::Recording::of_columns(name, columns, &Reading::default()),
-            false => recording::Recording::motion_of_columns(name, columns, &Reading::default()),
-        });
+        let columns = given_columns(columns);
+        let (said, needs) = (&reading.said, &reading.needs_of_columns());
+        let made = py.detach(|| recording::Recording::of_columns_for(name, columns, said, needs));
         made.map(Self::of).map_err(|error| refused(&error))
+    }
+
+    /// What was taken for what without being sure, in words.
+    fn guesses(&self) -> Vec<String> {
+        self.inner.guesses().to_vec()
+    }
+
+    /// Units that were assumed, in words.
+    fn assumed(&self) -> Option<&str> {
+        self.inner.assumed()
     }
 
     #[getter]
@@ -117,30 +227,6 @@ impl Recording {
     }
 }
 
-/// The units that each channel may have, as a column's name carries them.
-#[pyfunction]
-fn units() -> Vec<(&'static str, Vec<&'static str>)> {
-    Channel::ALL
-        .into_iter()
-        .map(|channel| {
-            let units = channel.units().iter().map(|unit| unit.symbol);
-            (channel.name(), units.collect())
-        })
-        .collect()
-}
-
-/// How many kN a unit of force is, which must be one of [`units`].
-#[pyfunction]
-fn kilonewtons(unit: &str) -> PyResult<f64> {
-    let mut known = Channel::Force.units().iter();
-    let found = known.find(|each| each.symbol == unit).ok_or_else(|| {
-        let problem = format!("unknown unit {unit:?} of force");
-        let mend = format!("name it as one of {}", Channel::Force.column_names());
-        refused(&InputError::new("units", problem, mend))
-    });
-    found.map(|unit| unit.scale)
-}
-
 /// Refuses a file that is given twice.
 #[pyfunction]
 fn refuse_repeats(paths: Vec<PathBuf>) -> PyResult<()> {
@@ -148,8 +234,7 @@ fn refuse_repeats(paths: Vec<PathBuf>) -> PyResult<()> {
 }
 
 pub fn add_to(module: &Bound<'_, PyModule>) -> PyResult<()> {
+    module.add_class::<Reading>()?;
     module.add_class::<Recording>()?;
-    module.add_function(wrap_pyfunction!(units, module)?)?;
-    module.add_function(wrap_pyfunction!(kilonewtons, module)?)?;
     module.add_function(wrap_pyfunction!(refuse_repeats, module)?)
 }

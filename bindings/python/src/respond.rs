@@ -8,15 +8,15 @@ use mesh_damper_model::respond::{
 use mesh_damper_recording::ControlChannel;
 use mesh_damper_recording::error::InputError;
 use mesh_damper_recording::faults::Channel;
-use mesh_damper_recording::files::Reading;
 use mesh_damper_recording::input::InputSignal;
-use numpy::{IntoPyArray as _, PyReadonlyArray1};
+use numpy::IntoPyArray as _;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 use serde::Serialize;
 
 use crate::error::{refused, refused_of};
 use crate::model::{Model, json};
+use crate::recording::{Given, Reading, given_columns};
 use crate::work::beside;
 
 /// A force on the mass or a displacement of its base, at equal steps of time.
@@ -30,25 +30,45 @@ pub struct Drive {
 impl Drive {
     /// Of a file, as `hil respond` reads it.
     #[staticmethod]
-    fn read(path: std::path::PathBuf, is_force: bool) -> PyResult<Self> {
-        let signal = InputSignal::read(&path, channel(is_force), &Reading::default());
+    fn read(
+        path: std::path::PathBuf,
+        reading: PyRef<'_, Reading>,
+        is_force: bool,
+    ) -> PyResult<Self> {
+        let signal = InputSignal::read(&path, channel(is_force), &reading.said);
         let signal = signal.map_err(|error| refused_of(&path, &error))?;
         Ok(Self { signal, is_force })
     }
 
-    /// Of columns whose names are those of a file.
+    /// Of columns in memory, as of a file of the same columns.
     #[staticmethod]
     fn of_columns(
         name: String,
-        columns: Vec<(String, PyReadonlyArray1<'_, f64>)>,
+        columns: Vec<Given<'_>>,
+        reading: PyRef<'_, Reading>,
         is_force: bool,
     ) -> PyResult<Self> {
-        let columns = columns
-            .into_iter()
-            .map(|(name, values)| (name, values.as_array().to_vec()));
-        let signal = InputSignal::of_columns(name, columns, channel(is_force), &Reading::default());
+        let columns = given_columns(columns);
+        let unmarked = reading.needs_of_columns().unmarked;
+        let signal =
+            InputSignal::of_columns(name, columns, channel(is_force), &reading.said, unmarked);
         let signal = signal.map_err(|error| refused(&error))?;
         Ok(Self { signal, is_force })
+    }
+
+    #[getter]
+    fn name(&self) -> &str {
+        &self.signal.name
+    }
+
+    /// What was taken for what without being sure, in words.
+    fn guesses(&self) -> Vec<String> {
+        self.signal.guesses.clone()
+    }
+
+    /// Units that were assumed, in words.
+    fn assumed(&self) -> Option<&str> {
+        self.signal.assumed.as_deref()
     }
 }
 

@@ -108,7 +108,7 @@ def test_the_columns_of_a_file_are_named_as_the_command_has_them_named(tmp_path:
 def test_a_unit_that_nothing_says_is_assumed_aloud() -> None:
     block = sine_block()
     bare = {"time": block["time_s"], "displacement": block["displacement_mm"], "force": block["force_kN"]}
-    with pytest.warns(mesh_damper.UnitWarning, match="s for column time, mm for column displacement, kN for column force"):
+    with pytest.warns(mesh_damper.UnitWarning, match='s for column "time", mm for column "displacement", kN for column "force"'):
         found = mesh_damper.trace(bare)
     assert len(found.assumed) == 1 and found.assumed[0] in repr(found)
     # Without a warning, which would be an error here.
@@ -129,6 +129,23 @@ def test_a_time_may_be_a_step_an_index_or_dates() -> None:
         mesh_damper.trace(polars.DataFrame({**block, "time_s": block["time_s"]})),
     ):
         assert given.to_dict()["law"][0]["k1"]["value"] == pytest.approx(one[0]["k1"]["value"], rel=1e-6)
+    with pytest.warns(mesh_damper.UnitWarning, match="assumed is s for time="):
+        mesh_damper.trace(frame, time=1 / 500.0)
+    # A column of seconds is surer than an index of dates, and dates in a column are a guess.
+    both = dates.assign(time_s=block["time_s"])
+    assert mesh_damper.trace(both).to_json() == mesh_damper.trace(frame.assign(time_s=block["time_s"])).to_json()
+    clock = frame.assign(Datum=dates.index)
+    for data in (clock, polars.DataFrame({name: clock[name].to_numpy() for name in clock})):
+        with pytest.warns(mesh_damper.GuessWarning, match='time is read from column "Datum" in s, by its unit alone'):
+            stamped = mesh_damper.trace(data)
+        assert stamped.to_dict()["law"][0]["k1"]["value"] == pytest.approx(one[0]["k1"]["value"], rel=1e-6)
+
+
+def test_what_is_no_column_of_numbers_is_no_channel() -> None:
+    block = sine_block()
+    times = polars.Series([None] * 2000, dtype=polars.Time)
+    other = {"Force [kN]": ["a"] * 2000, "notes": [[1], [2, 3]], "rate": 500.0, "at": times, "operator": "me"}
+    assert mesh_damper.trace({**block, **other}).to_json() == mesh_damper.trace(block).to_json()
 
 
 def test_a_missing_sample_is_left_out_as_a_blank_cell_is(tmp_path: Path) -> None:
@@ -146,8 +163,146 @@ def test_control_inputs_are_columns_with_a_unit() -> None:
     other = mesh_damper.trace({**block, "I": current}, inputs={"current_A": "I"})
     assert named.to_json() == other.to_json()
     assert mesh_damper.trace({**block, "current_A": current}, inputs=[]).to_dict()["law"] != []
-    with pytest.raises(mesh_damper.InputError, match="its name is not that of a control input"):
+    with pytest.raises(mesh_damper.InputError, match='"I" is not the name of a control input, which ends in a unit; found "time_s"'):
         mesh_damper.trace({**block, "I": current}, inputs=["I"])
+
+
+def test_a_control_input_that_is_named_must_be_there(tmp_path: Path) -> None:
+    block = {**sine_block(), "Spannung [V]": np.ones(2000), "current_A": np.linspace(0.5, 1.0, 2000)}
+    write_csv(tmp_path / "lab.csv", block)
+    for data in (block, tmp_path / "lab.csv"):
+        with pytest.raises(mesh_damper.InputError, match=r"there is no control input pressure_bar; found .* --channel pressure=NAME"):
+            mesh_damper.trace(data, inputs=["current_A", "pressure_bar"])
+        # What is not named is not read, and so no guess.
+        mesh_damper.trace(data, inputs="current_A", families="viscous")
+    with pytest.raises(mesh_damper.InputError, match="the control input current_A holds no number"):
+        mesh_damper.trace({**block, "current_A": np.full(2000, np.nan)}, inputs=["current_A"])
+    with pytest.raises(mesh_damper.InputError, match="column current_A: holds something else than numbers"):
+        mesh_damper.trace({**block, "current_A": ["on"] * 2000}, inputs=["current_A"])
+
+
+LABS: list[tuple[dict[str, float], list[str]]] = [
+    (
+        {"Zeit [s]": 1.0, "Kolbenweg (mm)": 1.0, "Prüfkraft [N]": 1e3, "Sollweg [mm]": 2.0},
+        [
+            'time is read from column "Zeit [s]" in s',
+            'displacement is read from column "Kolbenweg (mm)" in mm',
+            'force is read from column "Prüfkraft [N]" in N',
+        ],
+    ),
+    (
+        {"time_s": 1.0, "displacement_in": 1 / 25.4, "Force [kip]": 1 / 4.4482216152605},
+        ['force is read from column "Force [kip]" in kip'],
+    ),
+    (
+        {"time_s": 1.0, "Ch 1 [mm]": 1.0, "Kraft / kgf": 1e3 / 9.80665},
+        [
+            'displacement is read from column "Ch 1 [mm]" in mm, by its unit alone',
+            'force is read from column "Kraft / kgf" in kgf',
+        ],
+    ),
+]
+
+
+def of_a_lab(scales: dict[str, float]) -> Columns:
+    """A block under the names of a lab, in its units; a further column is a multiple of the displacement."""
+    time, displacement, force = sine_block().values()
+    values = [time, displacement, force, displacement]
+    return {name: scale * values[place] for place, (name, scale) in enumerate(scales.items())}
+
+
+@pytest.mark.parametrize(("scales", "guesses"), LABS, ids=[list(scales)[-1] for scales, _ in LABS])
+def test_a_frame_is_taken_as_a_file_of_the_same_columns(scales: dict[str, float], guesses: list[str], tmp_path: Path, hil: Any) -> None:
+    lab = of_a_lab(scales)
+    path = tmp_path / "lab.csv"
+    write_csv(path, lab)
+    done = hil("trace", path, "--out", tmp_path / "out")
+    assert done.returncode == 0, done.stderr
+    laws = []
+    for data, name in ((path, str(path)), (lab, "recording"), (pandas.DataFrame(lab), "recording"), (polars.DataFrame(lab), "recording")):
+        with pytest.warns(mesh_damper.GuessWarning) as warned:
+            found = mesh_damper.trace(data)
+        said = [str(one.message) for one in warned]
+        assert said == found.assumed and not any(issubclass(one.category, mesh_damper.UnitWarning) for one in warned)
+        assert [text for text in said if " is read from column " in text] == [f"{name}: {guess}" for guess in guesses]
+        if data is path:
+            # A file's separator is a guess too. The command says all of it.
+            assert [f"note: {text}" for text in said] == [line for line in done.stderr.splitlines() if line.startswith("note: ")]
+        else:
+            assert len(said) == len(guesses)
+        laws.append(found.to_dict()["law"])
+    assert laws[1:] == [laws[0]] * 3
+    expected = mesh_damper.trace(sine_block()).to_dict()["law"]
+    assert laws[0][0]["k1"]["value"] == pytest.approx(expected[0]["k1"]["value"], rel=1e-6)
+
+
+REFUSED: list[tuple[dict[str, float], dict[str, Any], str]] = [
+    (
+        {"time_s": 1.0, "displacement_mm": 1.0, "Force 1 [kN]": 1.0, "Force 2 [kN]": 1.0},
+        {},
+        '2 columns could be the force: "Force 1 [kN]", "Force 2 [kN]"; '
+        "say which: --channel force='Force 1 [kN]' or --channel force='Force 2 [kN]'",
+    ),
+    ({"Zeit [s]": 1.0, "Stroke [mm]": 1.0, "Load [kN]": 1.0, "Disp [mm]": 1.0}, {}, "2 columns could be the displacement"),
+    ({"time_s": 1.0, "displacement_mm": 1.0, "force_stone": 1.0}, {}, 'column force_stone: unknown unit "stone"; use one of force_kN'),
+    ({"time_s": 1.0, "displacement_mm": 1.0, "Strain": 1.0}, {}, "there is no force column; found"),
+    ({"time_s": 1.0, "displacement_mm": 1.0, "force_kN": 1.0}, {"force": "Kraft"}, 'there is no column "Kraft"; found "time_s"'),
+    ({"time_s": 1.0, "displacement_mm": 1.0, "force_kN": 1.0}, {"units": {"kraft": "N"}}, '--unit kraft=N: "kraft" is no channel'),
+    (
+        {"time_s": 1.0, "displacement_mm": 1.0, "force_kN": 1.0},
+        {"units": {"force": "N"}},
+        "column force_kN: its name says kN, and --unit force=N says N; leave the unit out, or rename the column",
+    ),
+    ({"time_s": 1.0, "displacement_mm": 1.0, "Ch 4": 1.0}, {"force": "Ch 4", "units": {"force": "stone"}}, 'unknown unit "stone"'),
+]
+
+
+@pytest.mark.parametrize(("scales", "options", "text"), REFUSED, ids=[text for *_, text in REFUSED])
+def test_a_frame_is_refused_as_a_file_of_the_same_columns(
+    scales: dict[str, float], options: dict[str, Any], text: str, tmp_path: Path, hil: Any
+) -> None:
+    lab = of_a_lab(scales)
+    path = tmp_path / "lab.csv"
+    write_csv(path, lab)
+    said = []
+    for data in (path, lab, pandas.DataFrame(lab)):
+        with pytest.raises(mesh_damper.InputError) as raised:
+            mesh_damper.trace(data, **options)
+        said.append(str(raised.value))
+    assert text in said[1]
+    # A file has a line of names besides.
+    in_file = said[0].removeprefix(f"{path}: ").removeprefix("line 1: ")
+    assert [each.removeprefix("recording: ") for each in said[1:]] == [in_file] * 2
+    given = [f"--channel={channel}={name}" for channel, name in options.items() if channel != "units"]
+    given += [f"--unit={channel}={unit}" for channel, unit in options.get("units", {}).items()]
+    assert hil("trace", path, *given, "--out", tmp_path / "out").stderr == f"error: {said[0]}\n"
+
+
+def test_an_answer_ends_the_question() -> None:
+    lab = of_a_lab({"time_s": 1.0, "displacement_mm": 1.0, "Force 1 [kN]": 1.0, "Force 2 [kN]": 2.0})
+    found = mesh_damper.trace(lab, force="Force 1 [kN]")
+    assert found.assumed == []
+    assert found.to_dict()["law"] == mesh_damper.trace(sine_block()).to_dict()["law"]
+
+
+def test_a_unit_that_contradicts_a_labs_name_counts_and_is_said() -> None:
+    lab = of_a_lab({"time_s": 1.0, "displacement_mm": 1.0, "Kraft [N]": 1.0})
+    with pytest.warns(mesh_damper.GuessWarning) as warned:
+        found = mesh_damper.trace(lab, units={"force": "kN"})
+    assert [str(one.message) for one in warned] == [
+        'recording: column "Kraft [N]" is read in kN, as was said, and not in N, which it says itself',
+        'recording: force is read from column "Kraft [N]" in kN',
+    ]
+    assert found.to_dict()["law"] == mesh_damper.trace(sine_block()).to_dict()["law"]
+
+
+def test_a_system_of_units_is_of_what_has_no_other() -> None:
+    block = sine_block()
+    mixed = {"time": block["time_s"], "displacement_mm": block["displacement_mm"], "force": 1e3 * block["force_kN"]}
+    found = mesh_damper.trace(mixed, units="SI")
+    assert found.assumed == []
+    k1 = mesh_damper.trace(block).to_dict()["law"][0]["k1"]["value"]
+    assert found.to_dict()["law"][0]["k1"]["value"] == pytest.approx(k1, rel=1e-6)
 
 
 def test_what_is_held_out_is_never_fitted(columns: Columns, check: Columns) -> None:
@@ -160,13 +315,10 @@ BAD: list[tuple[Any, dict[str, Any], str]] = [
     ({"time_s": [0.0, 1.0]}, {}, "there is no displacement column"),
     (None, {}, "there is no recording"),
     (3.5, {}, "float is no recording"),
-    (sine_block(), {"force": "Kraft"}, "there is no column 'Kraft' for force="),
-    (sine_block(), {"units": {"force": "N"}}, "its name says kN, and units= says N"),
-    (sine_block(), {"units": {"kraft": "N"}}, "no channel is called 'kraft'"),
     (sine_block(), {"units": "cgs"}, "no system is called 'cgs'"),
-    ({**sine_block(), "force (stone)": [1.0] * 2000}, {}, "are both a force"),
-    ({**sine_block(), "load (stone)": [1.0] * 2000}, {"force": "load (stone)"}, "unknown unit 'stone' of force"),
-    ({**sine_block(), "force_kN": ["a"] * 2000}, {}, "holds something else than numbers"),
+    ({**sine_block(), "force_N": [1.0] * 2000}, {}, "column force_N: force_kN is a force too"),
+    ({**sine_block(), "load [stone]": [1.0] * 2000}, {"force": "load [stone]"}, 'column load [stone]: unknown unit "stone"'),
+    ({**sine_block(), "force_kN": ["a"] * 2000}, {}, "column force_kN: holds something else than numbers"),
     ({**sine_block(), "force_kN": [1.0] * 3}, {}, "3 rows, and time_s has 2000"),
     ({**sine_block(), "time_s": [0.0] * 2000}, {}, "time stands still"),
     (sine_block(), {"families": ["rust"]}, 'no effect is called "rust"'),

@@ -1,6 +1,7 @@
 //! The channels of a recording.
 
-use super::units::{self, Unit};
+use super::columns::spelling;
+use super::units::{self, Unit, Units};
 
 /// A channel of a recording.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -57,6 +58,22 @@ impl Channel {
             Self::Force => units::FORCE,
             Self::Velocity => units::VELOCITY,
             Self::Temperature => units::TEMPERATURE,
+        }
+    }
+
+    /// The unit of it that is written so: by its symbol, or as people and programs write it otherwise, as `newtons` and `µm`.
+    pub fn unit_written(self, written: &str) -> Option<Unit> {
+        spelling::unit_of(self, written)
+    }
+
+    /// Its unit among those of a recording.
+    pub fn unit_in(self, units: &Units) -> Unit {
+        match self {
+            Self::Time => units.time,
+            Self::Displacement => units.displacement,
+            Self::Force => units.force,
+            Self::Velocity => units.velocity,
+            Self::Temperature => units.temperature,
         }
     }
 

@@ -7,7 +7,7 @@ use super::faults::listed;
 use super::noise::noise_beside_tones;
 use super::{ControlChannel, Recording};
 use crate::error::{InputError, Place};
-use crate::files::{self, Kept, Reading};
+use crate::files::{self, GivenColumn, Kept, Needs, Reading, Unmarked};
 
 /// A channel at equal steps of time.
 #[derive(Clone, Debug, PartialEq)]
@@ -26,6 +26,8 @@ pub struct InputSignal {
     pub controls: Vec<ControlChannel>,
     /// What was taken for what in the file without being sure, in words.
     pub guesses: Vec<String>,
+    /// Units that were assumed, in words; none where all are said.
+    pub assumed: Option<String>,
     /// What is wrong with the file's times, in words; none where nothing is.
     pub warning: Option<String>,
 }
@@ -50,27 +52,32 @@ impl InputSignal {
         channel: Channel,
         reading: &Reading,
     ) -> Result<Self, InputError> {
-        let needed = |each| each == Channel::Time || each == channel;
         let path = path.as_ref();
         let (_, file) = files::open(path, reading)?;
+        let needs = Needs::of([Channel::Time, channel]);
         Self::of(
-            Recording::of(path, file, reading, Kept::Channels, &needed)?,
+            Recording::of(path, file, reading, Kept::Channels, &needs)?,
             channel,
         )
     }
 
-    /// The same of columns in memory, whose names are taken as those of a file are.
+    /// The same of columns in memory, whose names are taken as those of a file are. A channel of which nothing says the unit is
+    /// `unmarked`.
     ///
     /// # Errors
     /// As [`Recording::of_columns`], but that the channel may be constant.
-    pub fn of_columns<N: Into<String>>(
+    pub fn of_columns(
         name: impl Into<String>,
-        columns: impl IntoIterator<Item = (N, Vec<f64>)>,
+        columns: impl IntoIterator<Item = impl Into<GivenColumn>>,
         channel: Channel,
         reading: &Reading,
+        unmarked: Unmarked,
     ) -> Result<Self, InputError> {
-        let needed = |each| each == Channel::Time || each == channel;
-        let recording = Recording::gathered(name.into(), columns, reading, &needed)?;
+        let needs = Needs {
+            unmarked,
+            ..Needs::of([Channel::Time, channel])
+        };
+        let recording = Recording::gathered(name.into(), columns, reading, &needs)?;
         Self::of(recording, channel)
     }
 
@@ -105,6 +112,7 @@ impl InputSignal {
             controls: uniform.controls,
             warning: (!faults.is_empty()).then(|| listed(&faults)),
             guesses: recording.guesses,
+            assumed: recording.assumed,
             name: recording.name,
         })
     }

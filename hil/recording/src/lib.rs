@@ -121,6 +121,7 @@ pub struct Recording {
     source: Option<Source>,
     lines: RowLines,
     guesses: Vec<String>,
+    assumed: Option<String>,
     faults: Vec<ChannelFault>,
 }
 
@@ -156,6 +157,7 @@ impl Recording {
             source: None,
             lines: RowLines::default(),
             guesses: Vec::new(),
+            assumed: None,
             faults: Vec::new(),
         };
         recording.check()?;

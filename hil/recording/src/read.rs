@@ -7,9 +7,9 @@ use super::control::ControlChannel;
 use super::faults::{ChannelFault, ChannelFaultKind};
 use super::units::Units;
 use super::{Recording, Source};
-use crate::columns::{Chosen, choose};
+use crate::columns::{Chosen, choose_for};
 use crate::error::{InputError, Place};
-use crate::files::{self, Kept, Reading, Tables, Values, Wanted};
+use crate::files::{self, Kept, Needs, Reading, Tables, Values, Wanted};
 
 impl Recording {
     /// Reads a file of any format of [`files::FORMATS`], gzipped text included: its content says which, not its name. A row whose
@@ -48,24 +48,30 @@ impl Recording {
     /// # Errors
     /// As [`Recording::read`].
     pub fn read_motion(path: impl AsRef<Path>, reading: &Reading) -> Result<Self, InputError> {
-        let path = path.as_ref();
-        Self::motion_of(|needed| {
-            let (_, file) = files::open(path, reading)?;
-            Self::of(path, file, reading, Kept::Channels, needed)
-        })
+        Self::read_for(path, reading, &Needs::motion())
     }
 
-    /// What `read` gives where a force is not needed.
-    pub(crate) fn motion_of(
-        read: impl FnOnce(&dyn Fn(Channel) -> bool) -> Result<Self, InputError>,
+    /// [`Recording::read_channels`] for who says what the recording must have. Without a force, where none is needed, it is 0.
+    ///
+    /// # Errors
+    /// As [`Recording::read`], and a control input that is needed and not there.
+    pub fn read_for(
+        path: impl AsRef<Path>,
+        reading: &Reading,
+        needs: &Needs,
     ) -> Result<Self, InputError> {
-        let mut recording =
-            read(&|channel: Channel| channel.is_required() && channel != Channel::Force)?;
-        if recording.force.is_empty() {
-            recording.force = vec![0.0; recording.time.len()];
+        let path = path.as_ref();
+        let (_, file) = files::open(path, reading)?;
+        Self::of(path, file, reading, Kept::Channels, needs)?.checked()
+    }
+
+    /// A recording that was read, with a force.
+    pub(crate) fn checked(mut self) -> Result<Self, InputError> {
+        if self.force.is_empty() {
+            self.force = vec![0.0; self.time.len()];
         }
-        recording.check()?;
-        Ok(recording)
+        self.check()?;
+        Ok(self)
     }
 
     /// [`Recording::read`] of a file's bytes; `path` is what errors call it.
@@ -76,9 +82,7 @@ impl Recording {
         let reading = Reading::default();
         let source = files::Source::of(path, bytes.as_slice(), reading.limit)?;
         let (_, file) = files::opened(source, &reading)?;
-        let recording = Self::of(path, file, &reading, Kept::Cells, &Channel::is_required)?;
-        recording.check()?;
-        Ok(recording)
+        Self::of(path, file, &reading, Kept::Cells, &Needs::default())?.checked()
     }
 
     /// What was taken for what in the file without being sure, and what else was found out about it, each in words for who has to
@@ -87,31 +91,34 @@ impl Recording {
         &self.guesses
     }
 
-    fn whole(path: &Path, reading: &Reading, kept: Kept) -> Result<Self, InputError> {
-        let (_, file) = files::open(path, reading)?;
-        let recording = Self::of(path, file, reading, kept, &Channel::is_required)?;
-        recording.check()?;
-        Ok(recording)
+    /// Units that nothing says and that were assumed, in words, where [`Unmarked::Assumed`](files::Unmarked) allows that.
+    pub fn assumed(&self) -> Option<&str> {
+        self.assumed.as_deref()
     }
 
-    /// The channels of an opened file, of which those that are not `needed` may be missing, which leaves them empty. They are still to
-    /// be checked.
+    fn whole(path: &Path, reading: &Reading, kept: Kept) -> Result<Self, InputError> {
+        let (_, file) = files::open(path, reading)?;
+        Self::of(path, file, reading, kept, &Needs::default())?.checked()
+    }
+
+    /// The channels of an opened file, of which those that are not needed may be missing, which leaves them empty. They are still to be
+    /// checked.
     pub(super) fn of(
         path: &Path,
         file: Box<dyn Tables + '_>,
         reading: &Reading,
         kept: Kept,
-        needed: &dyn Fn(Channel) -> bool,
+        needs: &Needs,
     ) -> Result<Self, InputError> {
         let name = path.display().to_string();
-        let mut chosen = choose(&name, file.tables(), reading, needed)?;
+        let mut chosen = choose_for(&name, file.tables(), reading, needs)?;
         let used = chosen.used.iter().map(|used| Wanted {
             column: used.column,
             must_be_numeric: true,
         });
         let controls = chosen.controls.iter().map(|control| Wanted {
             column: control.column,
-            must_be_numeric: false,
+            must_be_numeric: needs.inputs.is_some(),
         });
         let wanted: Vec<Wanted> = used.chain(controls).collect();
         let names: Vec<String> = {
@@ -123,7 +130,15 @@ impl Recording {
         };
         let mut values = file.read(chosen.table, &wanted, kept)?;
         chosen.guesses.append(&mut values.notes);
-        Samples::of(name, chosen, names, values)?.recording()
+        let recording = Samples::of(name, chosen, names, values)?.recording()?;
+        for input in needs.inputs.iter().flatten() {
+            if !recording.controls.iter().any(|each| each.name == *input) {
+                let problem = format!("the control input {input} holds no number");
+                let mend = "give its values, or leave it out";
+                return Err(InputError::new(recording.name, problem, mend));
+            }
+        }
+        Ok(recording)
     }
 }
 
@@ -285,6 +300,7 @@ impl Samples {
             source: (self.values.cells).map(|(header, rows)| Source { header, rows }),
             lines: self.values.lines,
             guesses: self.chosen.guesses,
+            assumed: self.chosen.assumed,
             faults,
         };
         for (mut values, used) in self.channels.into_iter().zip(self.chosen.used) {

@@ -120,6 +120,17 @@ pub struct Units {
     pub temperature: Unit,
 }
 
+impl Units {
+    /// s, m, N, m/s, °C.
+    pub const SI: Self = Self {
+        time: TIME[0],
+        displacement: DISPLACEMENT[1],
+        force: FORCE[1],
+        velocity: VELOCITY[2],
+        temperature: TEMPERATURE[0],
+    };
+}
+
 impl Default for Units {
     /// The code's own: s, mm, kN, mm/s, °C.
     fn default() -> Self {
@@ -151,5 +162,8 @@ mod tests {
         assert!((scale(FORCE, "kip") - 4.448_221_615_260_5).abs() < 1e-15);
         assert_eq!(scale(TIME, "ms"), 0.001);
         assert_eq!(scale(VELOCITY, "m/s"), scale(VELOCITY, "m_s"));
+        let si = Units::SI;
+        let symbols = [si.time, si.displacement, si.force, si.velocity].map(|unit| unit.symbol);
+        assert_eq!(symbols, ["s", "m", "N", "m_s"]);
     }
 }

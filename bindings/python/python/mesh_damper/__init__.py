@@ -8,7 +8,7 @@
 from ._batch import Batch, Comparison, compare, outcome, outcomes, trace_many
 from ._characterize import Characterization, characterize
 from ._core import __version__
-from ._errors import InputError, MissingFileError, NotFittedError, UnitWarning
+from ._errors import GuessWarning, InputError, MissingFileError, NotFittedError, UnitWarning
 from ._export import export
 from ._law import DamperLaw
 from ._respond import Response, respond, transmissibility
@@ -22,6 +22,7 @@ __all__ = [
     "Comparison",
     "DamperLaw",
     "Errors",
+    "GuessWarning",
     "InputError",
     "MissingFileError",
     "NotFittedError",

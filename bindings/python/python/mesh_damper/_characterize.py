@@ -113,6 +113,6 @@ def characterize(
     recordings = given.recordings(data, "recording")
     if len(recordings) != 1:
         raise InputError(f"characterize: {len(recordings)} recordings are given; give one")
-    given.say_assumed(stacklevel=2)
+    given.warn(stacklevel=2)
     text, loops = _core.characterize(recordings[0], kind == "static")
     return Characterization(text, loops, given.library)

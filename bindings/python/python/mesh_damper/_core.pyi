@@ -2,7 +2,7 @@
 
 from collections.abc import Callable, Sequence
 from os import PathLike
-from typing import Any, final
+from typing import Any, TypeAlias, final
 
 import numpy as np
 import numpy.typing as npt
@@ -11,13 +11,13 @@ __all__ = [
     "BatchSettings",
     "Drive",
     "Model",
+    "Reading",
     "Recording",
     "Trace",
     "__version__",
     "characterize",
     "compare_models",
     "export",
-    "kilonewtons",
     "outcome",
     "outcomes_of",
     "refuse_repeats",
@@ -26,26 +26,37 @@ __all__ = [
     "sweep",
     "trace",
     "trace_many",
-    "units",
 ]
 
 __version__: str
 
+#: Its name; its values, or why they are no numbers; whether these are dates or durations; whether it is the index of its frame.
+_Column: TypeAlias = tuple[str, npt.NDArray[np.float64] | str, bool, bool]
+
+@final
+class Reading:
+    def __new__(
+        cls,
+        channels: Sequence[tuple[str, str]] = ...,
+        units: Sequence[tuple[str, str]] = ...,
+        system: str | None = None,
+        step: float | None = None,
+        inputs: Sequence[str] | None = None,
+        max_read: int | None = None,
+        needs_force: bool = True,
+    ) -> Reading: ...
+    def scale(self, channel: str) -> float | None: ...
+
 @final
 class Recording:
     @staticmethod
-    def read(
-        path: str | PathLike[str],
-        max_read: int | None = None,
-        channels: Sequence[tuple[str, str]] = [],
-        units: Sequence[tuple[str, str]] = [],
-        rate: float | None = None,
-        inputs: Sequence[str] | None = None,
-    ) -> Recording: ...
+    def read(path: str | PathLike[str], reading: Reading) -> Recording: ...
     @staticmethod
-    def of_columns(name: str, columns: Sequence[tuple[str, npt.NDArray[np.float64]]], needs_force: bool = True) -> Recording: ...
+    def of_columns(name: str, columns: Sequence[_Column], reading: Reading) -> Recording: ...
     @property
     def name(self) -> str: ...
+    def guesses(self) -> list[str]: ...
+    def assumed(self) -> str | None: ...
     def __len__(self) -> int: ...
     def rows(self) -> npt.NDArray[np.int64]: ...
     def columns(self) -> list[tuple[str, npt.NDArray[np.float64]]]: ...
@@ -76,9 +87,13 @@ class Model:
 @final
 class Drive:
     @staticmethod
-    def read(path: str | PathLike[str], is_force: bool) -> Drive: ...
+    def read(path: str | PathLike[str], reading: Reading, is_force: bool) -> Drive: ...
     @staticmethod
-    def of_columns(name: str, columns: Sequence[tuple[str, npt.NDArray[np.float64]]], is_force: bool) -> Drive: ...
+    def of_columns(name: str, columns: Sequence[_Column], reading: Reading, is_force: bool) -> Drive: ...
+    @property
+    def name(self) -> str: ...
+    def guesses(self) -> list[str]: ...
+    def assumed(self) -> str | None: ...
 
 @final
 class BatchSettings:
@@ -95,8 +110,6 @@ class BatchSettings:
         reports: bool = False,
     ) -> BatchSettings: ...
 
-def units() -> list[tuple[str, list[str]]]: ...
-def kilonewtons(unit: str) -> float: ...
 def refuse_repeats(paths: Sequence[str]) -> None: ...
 def trace(
     title: str,

@@ -13,5 +13,9 @@ class NotFittedError(ValueError, AttributeError):
     """A law that was asked for a force before it was fitted or loaded."""
 
 
-class UnitWarning(UserWarning):
+class GuessWarning(UserWarning):
+    """What a column of a recording was taken for without being sure. Its text is the note that the command `hil` prints."""
+
+
+class UnitWarning(GuessWarning):
     """A unit that neither a column's name nor `units` says, and that was assumed."""

@@ -50,8 +50,29 @@ def column(data: Any, name: str) -> Any:
     return data[name]
 
 
+def index(data: Any) -> tuple[str, Any] | None:
+    """The index of a pandas frame with its name, where it has one or is of dates or durations."""
+    if library_of(data) != "pandas":
+        return None
+    is_times = getattr(data.index.dtype, "kind", "") in ("M", "m")
+    name = data.index.name
+    return None if name is None and not is_times else ("index" if name is None else str(name), data.index)
+
+
+class NotNumbers(ValueError):
+    """Why values are no column of numbers."""
+
+
 def to_array(values: Any, what: str) -> Array:
     """`values` as numbers, a missing one as NaN."""
+    try:
+        return numbers(values)
+    except NotNumbers as error:
+        raise InputError(f"{what}: {error}; give a column of numbers") from error
+
+
+def numbers(values: Any) -> Array:
+    """The same, and `NotNumbers` for what is none."""
     module = type(values).__module__.split(".")[0]
     try:
         if module == "pandas":
@@ -64,27 +85,26 @@ def to_array(values: Any, what: str) -> Array:
             array = np.asarray(values)
         if array.dtype.kind not in "fiub" and array.dtype != object:
             raise TypeError(f"{array.dtype}")
-        array = np.ascontiguousarray(array, dtype=np.float64)
-    except (TypeError, ValueError, OverflowError) as error:
-        raise InputError(f"{what}: holds something else than numbers ({error}); give numbers") from error
+        array = np.asarray(array, dtype=np.float64, order="C")
     except Exception as error:
-        if module != "polars":
+        if module != "polars" and not isinstance(error, (TypeError, ValueError, OverflowError)):
             raise
-        raise InputError(f"{what}: holds something else than numbers ({error}); give numbers") from error
+        raise NotNumbers(f"holds something else than numbers ({error})") from error
     if array.ndim == 2 and array.shape[1] == 1:
         array = np.ascontiguousarray(array[:, 0])
     if array.ndim != 1:
-        raise InputError(f"{what}: has {array.ndim} dimensions; give one column")
+        raise NotNumbers(f"has {array.ndim} dimensions")
     return array
 
 
 def seconds(times: Any) -> Array | None:
-    """Seconds since the first of `times`, where these are dates or durations; a missing one is NaN."""
+    """Seconds since the first of `times`, where these are dates, times of day or durations; a missing one is NaN."""
     dtype: Any = getattr(times, "dtype", None)
     if library_of(times) == "polars":
+        polars = import_module("polars")
         if not dtype.is_temporal():
             return None
-        array = times.to_numpy()
+        array = (times.cast(polars.Duration("ns")) if dtype == polars.Time else times).to_numpy()
     elif getattr(dtype, "kind", "") in ("M", "m"):
         # A time zone is no matter of differences.
         array = times.to_numpy(f"{'datetime' if dtype.kind == 'M' else 'timedelta'}64[ns]") if hasattr(times, "to_numpy") else times

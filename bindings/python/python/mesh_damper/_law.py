@@ -241,12 +241,12 @@ class DamperLaw:
         given = Given(inputs=list(self.inputs), units=self.units, needs_force=y is not None)
         rows = len(columns["displacement"])
         recording = given.recording(columns, "X")
-        given.say_assumed(stacklevel=3)
+        given.warn(stacklevel=3)
         force, said = model.predict(recording, y is not None, self.embedded, [])
         for sentence in said:
             warnings.warn(sentence, stacklevel=3)
         predicted = np.full(rows, np.nan)
-        predicted[recording.rows()] = force / _core.kilonewtons(given.unit_of("force") or "kN")
+        predicted[recording.rows()] = force / (given.reading().scale("force") or 1.0)
         return predicted
 
     def _recordings(self, X: Any, y: Any, t: Time, one: bool = False) -> list[Mapping[str, Any]]:

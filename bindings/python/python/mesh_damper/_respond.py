@@ -59,7 +59,7 @@ def respond(
     if (force is None) == (base is None):
         raise InputError("respond: give a force on the mass or a motion of the base, as force= or base=")
     drive, given = _drive(force if base is None else base, base is None, t, units)
-    given.say_assumed(stacklevel=2)
+    given.warn(stacklevel=2)
     columns, text = _core.respond(model_of(model), drive, float(mass), with_offset, tolerance, _pairs(controls), progress)
     said = json.loads(text)
     return Response(
@@ -109,17 +109,11 @@ def transmissibility(
 
 def _drive(data: Any, is_force: bool, t: ChannelLike | float | None, units: Units) -> tuple[_core.Drive, Given]:
     channel = "force" if is_force else "displacement"
-    if isinstance(data, (str, os.PathLike)):
-        if t is not None or units is not None:
-            raise InputError(f"{os.fspath(data)}: a file has its own times and units; leave t= and units= out")
-        return _core.Drive.read(data, is_force), Given()
-    is_table = _frames.column_names(data) is not None
-    if not is_table and t is None:
+    has_columns = isinstance(data, (str, os.PathLike)) or _frames.column_names(data) is not None
+    if not has_columns and t is None:
         raise InputError("t: the samples' times are missing; give t= as their times or as the time between two of them")
-    given = Given(channels={"time": t, channel: None if is_table else data}, units=units)
-    name = "force" if is_force else "base"
-    columns = given.columns(data if is_table else None, name)
-    return _core.Drive.of_columns(name, columns, is_force), given
+    given = Given(channels={"time": t, channel: None if has_columns else data}, units=units)
+    return given.drive(data if has_columns else None, "force" if is_force else "base", is_force), given
 
 
 def _pairs(controls: Mapping[str, float] | None) -> list[tuple[str, float]]:

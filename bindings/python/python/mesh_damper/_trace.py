@@ -50,7 +50,7 @@ class Trace:
         self._json = core.to_json()
         self._found: dict[str, Any] = json.loads(self._json)
         self._library = library
-        #: What was assumed of the recordings' units, in sentences.
+        #: Units that were assumed, and what columns were taken for without being sure, in sentences.
         self.assumed: list[str] = list(assumed)
 
     @property
@@ -298,9 +298,10 @@ def trace(
     `data` is a path, a pandas or polars data frame, a mapping of columns, a NumPy record array, or a list of these. Without it `time`,
     `displacement` and `force` are the arrays themselves.
 
-    A file's columns are found as `hil trace` finds them. A frame's are found by their names too, `force_kN`, `Force (kN)`
-    or `force`; or `time=`, `displacement=`, `force=`, `velocity=`, `temperature=` name them or are arrays. `time` may be the time between
-    samples. A unit comes from a column's name or from `units`; where neither says one, s, mm and kN are assumed, with a `UnitWarning`.
+    The columns of a file and of a frame are found by their names, `force_kN`, `Force (lbf)` or `Prüfkraft [N]`, as `hil trace` finds
+    them, and a `GuessWarning` says what was taken for what without being sure. `time=`, `displacement=`, `force=`, `velocity=`,
+    `temperature=` name them or are arrays. `time` may be the time between samples. A unit comes from a column's name or from `units`; where
+    neither says one of a frame or an array, s, mm and kN are assumed, with a `UnitWarning`.
 
     `inputs` are control inputs such as `["current_A"]`; without it, all columns are whose names are such.
 
@@ -326,7 +327,7 @@ def trace(
         raise InputError("trace: there is no recording; give a path, a data frame, or time=, displacement= and force=")
     held = [] if held_out is None else given.by_names().recordings(held_out, "held-out recording")
     _core.refuse_repeats(_paths(data) + _paths(held_out))
-    given.say_assumed(stacklevel=2)
+    given.warn(stacklevel=2)
     names = [os.path.basename(each.name) for each in recordings]
     core = _core.trace(
         title or f"Trace of {', '.join(names)}",
@@ -338,7 +339,7 @@ def trace(
         None if law is None else model_of(law),
         progress,
     )
-    return Trace(core, given.assumptions(), given.library)
+    return Trace(core, given.notes(), given.library)
 
 
 def model_of(law: Any) -> _core.Model:

@@ -3,18 +3,18 @@
 use super::taken;
 use crate::channel::Channel;
 use crate::error::{InputError, quoted};
-use crate::files::{Column, Reading, Table};
+use crate::files::{Column, Needs, Reading, Table};
 
-/// That the `needed` channels are all in the file, but in no table together; none where this is not what is wrong.
+/// That the channels that are needed are all in the file, but in no table together; none where this is not what is wrong.
 pub(super) fn apart(
     file: &str,
     tables: &[(usize, &Table)],
     reading: &Reading,
-    needed: &dyn Fn(Channel) -> bool,
+    needs: &Needs,
 ) -> Option<InputError> {
     let channels = Channel::ALL.into_iter();
     let mut places = Vec::new();
-    for channel in channels.filter(|&channel| channel != Channel::Time && needed(channel)) {
+    for channel in channels.filter(|&channel| channel != Channel::Time && needs.has(channel)) {
         let has_it = |(_, table): &&(usize, &Table)| {
             let mut columns = table.columns.iter();
             columns.any(|column| is_channel(column, channel, reading))

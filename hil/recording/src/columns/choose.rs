@@ -2,10 +2,10 @@
 
 use super::taken::{self, Candidate, Rank, UnitFound};
 use crate::channel::Channel;
-use crate::control::UNITS;
+use crate::control::{UNITS, is_control};
 use crate::error::{InputError, Place, quoted};
 use crate::files::table::Clock;
-use crate::files::{Reading, Table};
+use crate::files::{Needs, Reading, Table, Unmarked};
 use crate::units::Unit;
 
 /// A column that is a channel.
@@ -43,6 +43,8 @@ pub struct Chosen {
     pub clock: Option<Clock>,
     /// What was taken for what without being sure, in words.
     pub guesses: Vec<String>,
+    /// Units that were assumed, in words.
+    pub assumed: Option<String>,
 }
 
 /// Chooses the columns of a recording among those of a file. Of the channels, the `needed` ones must be there.
@@ -55,6 +57,20 @@ pub fn choose(
     tables: &[Table],
     reading: &Reading,
     needed: &dyn Fn(Channel) -> bool,
+) -> Result<Chosen, InputError> {
+    let needs = Needs::of(Channel::ALL.into_iter().filter(|&channel| needed(channel)));
+    choose_for(file, tables, reading, &needs)
+}
+
+/// [`choose`] for who says all that the recording must have.
+///
+/// # Errors
+/// As [`choose`], and a control input that is needed and not there.
+pub fn choose_for(
+    file: &str,
+    tables: &[Table],
+    reading: &Reading,
+    needs: &Needs,
 ) -> Result<Chosen, InputError> {
     check_said(reading)?;
     let of_name = |(_, table): &(usize, &Table)| match &reading.table {
@@ -76,7 +92,7 @@ pub fn choose(
     }
     let tried: Vec<(usize, Result<Chosen, InputError>)> = meant
         .iter()
-        .map(|&(index, table)| (index, of_table(file, index, table, reading, needed)))
+        .map(|&(index, table)| (index, of_table(file, index, table, reading, needs)))
         .collect();
     let whole: Vec<usize> = (tried.iter().filter(|(_, chosen)| chosen.is_ok()))
         .map(|&(index, _)| index)
@@ -97,7 +113,7 @@ pub fn choose(
             Err(error) => failed.push((index, error)),
         }
     }
-    if let Some(error) = super::apart::apart(file, &meant, reading, needed) {
+    if let Some(error) = super::apart::apart(file, &meant, reading, needs) {
         return Err(error);
     }
     // The table that looks most like a recording says what is missing.
@@ -154,12 +170,13 @@ fn of_table(
     index: usize,
     table: &Table,
     reading: &Reading,
-    needed: &dyn Fn(Channel) -> bool,
+    needs: &Needs,
 ) -> Result<Chosen, InputError> {
     let choice = Choice {
         file,
         table,
         reading,
+        needs,
     };
     let mut chosen = Chosen {
         table: index,
@@ -167,24 +184,35 @@ fn of_table(
         controls: Vec::new(),
         clock: None,
         guesses: table.guesses.clone(),
+        assumed: None,
     };
+    let mut assumed = Vec::new();
     let candidates: Vec<Vec<Candidate>> = table.columns.iter().map(taken::candidates).collect();
     for channel in Channel::ALL {
         if channel == Channel::Time && reading.rate.is_some() {
             continue;
         }
-        let Some((column, rank)) =
-            choice.column(channel, &candidates, needed(channel), &mut chosen.guesses)?
+        let Some((column, rank)) = choice.column(
+            channel,
+            &candidates,
+            needs.has(channel),
+            &mut chosen.guesses,
+        )?
         else {
             continue;
         };
-        let unit = match choice.unit(channel, column) {
-            // What is no part of a recording need not be understood.
-            Err(_) if rank < Rank::Own && !needed(channel) => continue,
-            unit => unit?,
+        // What is no part of a recording need not be understood.
+        let is_optional = rank < Rank::Own && !needs.has(channel);
+        let unit = match choice.unit(channel, column, &mut chosen.guesses) {
+            Err(_) | Ok(None) if is_optional => continue,
+            Ok(None) => choice.unmarked(channel, column, &mut assumed)?,
+            Ok(Some(unit)) => unit,
+            Err(error) => return Err(error),
         };
-        if rank < Rank::Own {
-            let name = quoted(&table.columns[column].name);
+        let told = &table.columns[column];
+        // Dates that the table itself has for its times are no guess.
+        if rank < Rank::Own && !(told.is_time && told.is_stamp) {
+            let name = quoted(&told.name);
             let how = if rank == Rank::Unit {
                 ", by its unit alone"
             } else {
@@ -209,7 +237,10 @@ fn of_table(
         });
         chosen.clock = step.or(table.clock);
     }
-    for channel in Channel::ALL.into_iter().filter(|&channel| needed(channel)) {
+    for channel in Channel::ALL
+        .into_iter()
+        .filter(|&channel| needs.has(channel))
+    {
         let is_there = chosen.used.iter().any(|used| used.channel == channel)
             || (channel == Channel::Time && chosen.clock.is_some());
         if !is_there {
@@ -217,6 +248,12 @@ fn of_table(
         }
     }
     chosen.controls = choice.controls(&chosen.used, &mut chosen.guesses)?;
+    if !assumed.is_empty() {
+        chosen.assumed = Some(format!(
+            "no unit is said, and assumed is {}; give the unit, or a name with it such as force_kN",
+            assumed.join(", ")
+        ));
+    }
     Ok(chosen)
 }
 
@@ -225,6 +262,7 @@ struct Choice<'a> {
     file: &'a str,
     table: &'a Table,
     reading: &'a Reading,
+    needs: &'a Needs,
 }
 
 impl Choice<'_> {
@@ -308,31 +346,85 @@ impl Choice<'_> {
         )
     }
 
-    /// The unit of a channel's column.
-    fn unit(&self, channel: Channel, column: usize) -> Result<Unit, InputError> {
-        let fail = |problem: String| {
-            let name = self.table.columns[column].name.as_str();
-            let units: Vec<&str> = channel.units().iter().map(|unit| unit.symbol).collect();
-            let quantity = channel.name();
-            let mend = format!(
-                "use one of {}, or say it: --unit {quantity}={} or --unit {quantity}={}; units are {}",
-                channel.column_names(),
-                units[0],
-                units[1],
-                units.join(", ")
-            );
-            InputError::new(self.file, problem, mend).at(Place::Column(name.into()))
-        };
+    /// The unit of a channel's column; none where nothing says it.
+    fn unit(
+        &self,
+        channel: Channel,
+        column: usize,
+        guesses: &mut Vec<String>,
+    ) -> Result<Option<Unit>, InputError> {
+        let fail = |problem: String| self.no_unit(channel, column, problem);
+        let told = &self.table.columns[column];
+        let found = taken::unit_for(told, channel);
         if let Some(written) = said(&self.reading.units, channel.name()) {
-            let unit = super::spelling::unit_of(channel, written);
-            return unit.ok_or_else(|| fail(format!("unknown unit {}", quoted(written))));
+            let unit = super::spelling::unit_of(channel, written)
+                .ok_or_else(|| fail(format!("unknown unit {}", quoted(written))))?;
+            match found {
+                UnitFound::Known(other) if !other.is_same(unit) => {
+                    let (unit, other) = (unit.symbol, other.symbol);
+                    if super::is_own(&told.name) {
+                        let quantity = channel.name();
+                        let problem = format!(
+                            "its name says {other}, and --unit {quantity}={unit} says {unit}"
+                        );
+                        let mend = "leave the unit out, or rename the column";
+                        let place = Place::Column(told.name.clone());
+                        return Err(InputError::new(self.file, problem, mend).at(place));
+                    }
+                    guesses.push(format!(
+                        "column {} is read in {unit}, as was said, and not in {other}, which it says itself",
+                        quoted(&told.name)
+                    ));
+                }
+                _ => {}
+            }
+            return Ok(Some(unit));
         }
-        match taken::unit_for(&self.table.columns[column], channel) {
-            UnitFound::Known(unit) => Ok(unit),
+        match found {
+            UnitFound::Known(unit) => Ok(Some(unit)),
             UnitFound::Unknown(written) => Err(fail(format!("unknown unit {}", quoted(&written)))),
             UnitFound::Unclear(written) => Err(fail(format!("the unit is not clear: {written}"))),
-            UnitFound::None => Err(fail("the name carries no unit".into())),
+            UnitFound::None => Ok(None),
         }
+    }
+
+    /// The unit of a channel's column of which nothing says it. One that is assumed is told in `assumed`.
+    fn unmarked(
+        &self,
+        channel: Channel,
+        column: usize,
+        assumed: &mut Vec<String>,
+    ) -> Result<Unit, InputError> {
+        match &self.needs.unmarked {
+            Unmarked::Refused => {
+                Err(self.no_unit(channel, column, "the name carries no unit".into()))
+            }
+            Unmarked::Said(units) => Ok(channel.unit_in(units)),
+            Unmarked::Assumed(units) => {
+                let unit = channel.unit_in(units);
+                let name = quoted(&self.table.columns[column].name);
+                assumed.push(format!(
+                    "{} for column {name}",
+                    unit.symbol.replace('_', "/")
+                ));
+                Ok(unit)
+            }
+        }
+    }
+
+    /// A channel's column of which the unit is not known.
+    fn no_unit(&self, channel: Channel, column: usize, problem: String) -> InputError {
+        let name = self.table.columns[column].name.as_str();
+        let units: Vec<&str> = channel.units().iter().map(|unit| unit.symbol).collect();
+        let quantity = channel.name();
+        let mend = format!(
+            "use one of {}, or say it: --unit {quantity}={} or --unit {quantity}={}; units are {}",
+            channel.column_names(),
+            units[0],
+            units[1],
+            units.join(", ")
+        );
+        InputError::new(self.file, problem, mend).at(Place::Column(name.into()))
     }
 
     fn controls(
@@ -370,7 +462,13 @@ impl Choice<'_> {
         for (column, each) in self.table.columns.iter().enumerate() {
             let is_used = used.iter().any(|used| used.column == column)
                 || controls.iter().any(|control| control.column == column);
-            let Some((name, is_own)) = taken::control_name(each).filter(|_| !is_used) else {
+            let wanted = |name: &str| match &self.needs.inputs {
+                Some(inputs) => inputs.iter().any(|input| input == name),
+                None => true,
+            };
+            let Some((name, is_own)) =
+                taken::control_name(each).filter(|(name, _)| !is_used && wanted(name))
+            else {
                 continue;
             };
             if controls.iter().any(|control| control.name == name) {
@@ -390,7 +488,43 @@ impl Choice<'_> {
             controls.push(ChosenControl { column, name });
         }
         controls.sort_by_key(|control| control.column);
-        Ok(controls)
+        match &self.needs.inputs {
+            Some(inputs) => inputs
+                .iter()
+                .map(|name| {
+                    let found = controls.iter().find(|control| control.name == *name);
+                    found.cloned().ok_or_else(|| self.no_input(name))
+                })
+                .collect(),
+            None => Ok(controls),
+        }
+    }
+
+    /// A control input that is needed and that no column is.
+    fn no_input(&self, name: &str) -> InputError {
+        let columns = self.table.columns.iter();
+        let names: Vec<&str> = columns.map(|column| column.name.as_str()).collect();
+        let names = listed(&names);
+        let (problem, (quantity, unit)) = match name.rsplit_once('_') {
+            Some(parts) if is_control(name) => (
+                format!("there is no control input {name}; found {names}"),
+                parts,
+            ),
+            _ => (
+                format!(
+                    "{} is not the name of a control input, which ends in a unit; found {names}",
+                    quoted(name)
+                ),
+                ("current", "A"),
+            ),
+        };
+        InputError::new(
+            self.file,
+            problem,
+            format!(
+                "call its column {quantity}_{unit}, or say which it is: --channel {quantity}=NAME --unit {quantity}={unit}"
+            ),
+        )
     }
 
     /// The column of a name that the user gave.

@@ -10,7 +10,7 @@ pub(crate) mod spelling;
 mod taken;
 mod words;
 
-pub use choose::{Chosen, ChosenControl, Used, choose, shell};
+pub use choose::{Chosen, ChosenControl, Used, choose, choose_for, shell};
 pub use taken::Rank;
 
 use crate::channel::Channel;

@@ -113,7 +113,7 @@ const CONTROLS: &[(&str, &[&str])] = &[
 ];
 
 /// The unit of a channel that is written so. Case counts where it tells units apart, as in mN and MN.
-pub(super) fn unit_of(channel: Channel, written: &str) -> Option<Unit> {
+pub(crate) fn unit_of(channel: Channel, written: &str) -> Option<Unit> {
     let written = written.trim();
     let named = |symbol: &str| {
         channel

@@ -82,7 +82,8 @@ pub(super) fn candidates(column: &Column) -> Vec<Candidate> {
 
 /// How surely a column with these words beside its unit is of a channel; none where it is not.
 fn rank(column: &Column, words: &[String], channel: Channel, unit: &UnitFound) -> Option<Rank> {
-    if words::is_other(words) {
+    // Dates that the table itself has for its times are that whatever they are called: `index`.
+    if words::is_other(words) && !(column.is_time && column.is_stamp) {
         return None;
     }
     let certainty = words::of_channel(words, channel);

@@ -2,18 +2,52 @@
 
 use std::path::Path;
 
-use super::{Column, Kept, Table, Tables, Values, Wanted};
+use super::{Column, Kept, Needs, Reading, Table, Tables, Values, Wanted};
 use crate::Recording;
-use crate::channel::Channel;
 use crate::error::{InputError, Place};
-use crate::files::Reading;
 use crate::rows::RowLines;
+
+/// A column in memory, with what there is to say of it beside its name.
+#[derive(Clone, Debug)]
+pub struct GivenColumn {
+    /// Its name, its unit where that stands elsewhere, and whether it holds the times. The rest is found out.
+    pub column: Column,
+    /// Its values, NaN where one is missing; or why they are no numbers, as `holds words`.
+    pub values: Result<Vec<f64>, String>,
+}
+
+impl<N: Into<String>> From<(N, Vec<f64>)> for GivenColumn {
+    fn from((name, values): (N, Vec<f64>)) -> Self {
+        Self {
+            column: Column {
+                name: name.into(),
+                ..Column::default()
+            },
+            values: Ok(values),
+        }
+    }
+}
+
+impl GivenColumn {
+    /// What a look at its values finds out, as a file's column has it.
+    fn looked_at(self) -> (Column, Result<Vec<f64>, String>) {
+        let first = self.values.iter().flatten().copied();
+        let column = Column {
+            name: self.column.name.trim().to_owned(),
+            is_numeric: self.values.is_ok(),
+            first: first.take(Column::FIRST).collect(),
+            ..self.column
+        };
+        (column, self.values)
+    }
+}
 
 /// One table of columns.
 struct Memory {
     name: String,
     tables: [Table; 1],
-    values: Vec<Vec<f64>>,
+    rows: usize,
+    values: Vec<Result<Vec<f64>, String>>,
 }
 
 impl Tables for Memory {
@@ -28,15 +62,28 @@ impl Tables for Memory {
         _: Kept,
     ) -> Result<Values, InputError> {
         let mut lines = RowLines::default();
-        let rows = self.values.first().map_or(0, Vec::len) as u64;
-        (1..=rows).for_each(|row| lines.push(row));
+        (1..=self.rows as u64).for_each(|row| lines.push(row));
         let mut columns = Vec::with_capacity(wanted.len());
-        for wanted in wanted {
-            let values = std::mem::take(&mut self.values[wanted.column]);
+        for (place, one) in wanted.iter().enumerate() {
+            let name = || self.tables[0].columns[one.column].name.clone();
+            let is_wanted_again =
+                (wanted[place + 1..].iter()).any(|other| other.column == one.column);
+            let values = match &mut self.values[one.column] {
+                Ok(values) if is_wanted_again => values.clone(),
+                Ok(values) => std::mem::take(values),
+                Err(_) if !one.must_be_numeric => {
+                    columns.push(None);
+                    continue;
+                }
+                Err(problem) => {
+                    let error = InputError::new(&self.name, &*problem, "give a column of numbers");
+                    return Err(error.at(Place::Column(name())));
+                }
+            };
             if let Some(row) = values.iter().position(|value| value.is_infinite()) {
                 let place = Place::Cell {
                     line: row as u64 + 1,
-                    column: self.tables[0].columns[wanted.column].name.clone(),
+                    column: name(),
                 };
                 let problem = format!("\"{}\" is not finite", values[row]);
                 let mend = "remove the row or mend the value";
@@ -73,26 +120,25 @@ impl Recording {
     /// assert!((recording.force[20] - 8.0 * recording.displacement[20]).abs() < 1e-12);
     /// # Ok::<(), mesh_damper_recording::error::InputError>(())
     /// ```
-    pub fn of_columns<N: Into<String>>(
+    pub fn of_columns(
         name: impl Into<String>,
-        columns: impl IntoIterator<Item = (N, Vec<f64>)>,
+        columns: impl IntoIterator<Item = impl Into<GivenColumn>>,
         reading: &Reading,
     ) -> Result<Self, InputError> {
-        let recording = Self::gathered(name.into(), columns, reading, &Channel::is_required)?;
-        recording.check()?;
-        Ok(recording)
+        Self::of_columns_for(name, columns, reading, &Needs::default())
     }
 
-    /// The same of columns that need no force, because only the motion counts: without one the force is 0.
+    /// The same for who says what the recording must have. Without a force, where none is needed, it is 0.
     ///
     /// # Errors
-    /// As [`Recording::of_columns`].
-    pub fn motion_of_columns<N: Into<String>>(
+    /// As [`Recording::of_columns`], and a control input that is needed and not there.
+    pub fn of_columns_for(
         name: impl Into<String>,
-        columns: impl IntoIterator<Item = (N, Vec<f64>)>,
+        columns: impl IntoIterator<Item = impl Into<GivenColumn>>,
         reading: &Reading,
+        needs: &Needs,
     ) -> Result<Self, InputError> {
-        Self::motion_of(|needed| Self::gathered(name.into(), columns, reading, needed))
+        Self::gathered(name.into(), columns, reading, needs)?.checked()
     }
 
     /// Of the rows of the columns that it was made of, counted from 0, those that are samples; of a file, its lines.
@@ -100,39 +146,36 @@ impl Recording {
         (0..self.len()).map(|sample| self.line(sample).saturating_sub(1) as usize)
     }
 
-    /// The channels of columns, of which those that are not `needed` may be missing, which leaves them empty. They are still to be
+    /// The channels of columns, of which those that are not needed may be missing, which leaves them empty. They are still to be
     /// checked.
-    pub(crate) fn gathered<N: Into<String>>(
+    pub(crate) fn gathered(
         name: String,
-        columns: impl IntoIterator<Item = (N, Vec<f64>)>,
+        columns: impl IntoIterator<Item = impl Into<GivenColumn>>,
         reading: &Reading,
-        needed: &dyn Fn(Channel) -> bool,
+        needs: &Needs,
     ) -> Result<Self, InputError> {
-        let (names, values): (Vec<String>, Vec<Vec<f64>>) = columns
-            .into_iter()
-            .map(|(name, values)| (name.into(), values))
-            .unzip();
-        let rows = values.first().map_or(0, Vec::len);
-        if let Some(other) = values.iter().position(|column| column.len() != rows) {
-            let problem = format!("{} rows, and {} has {rows}", values[other].len(), names[0]);
+        let given: Vec<GivenColumn> = columns.into_iter().map(Into::into).collect();
+        let mut lengths = given.iter().filter_map(|each| {
+            let values = each.values.as_ref().ok()?;
+            Some((each.column.name.as_str(), values.len()))
+        });
+        let (first, rows) = lengths.next().unwrap_or_default();
+        if let Some((other, length)) = lengths.find(|(_, length)| *length != rows) {
+            let problem = format!("{length} rows, and {first} has {rows}");
             let mend = "give every column the same number of rows";
-            let place = Place::Column(names[other].clone());
+            let place = Place::Column(other.into());
             return Err(InputError::new(name, problem, mend).at(place));
         }
-        let columns = names.into_iter().zip(&values).map(|(name, values)| Column {
-            name,
-            is_numeric: true,
-            first: values.iter().copied().take(Column::FIRST).collect(),
-            ..Column::default()
-        });
+        let (columns, values) = given.into_iter().map(GivenColumn::looked_at).unzip();
         let table = Table {
-            columns: columns.collect(),
+            columns,
             rows: Some(rows as u64),
             ..Table::default()
         };
         let memory = Memory {
             name: name.clone(),
             tables: [table],
+            rows,
             values,
         };
         Self::of(
@@ -140,7 +183,7 @@ impl Recording {
             Box::new(memory),
             reading,
             Kept::Channels,
-            needed,
+            needs,
         )
     }
 }

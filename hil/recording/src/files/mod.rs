@@ -12,6 +12,7 @@ mod mat;
 #[cfg(feature = "mdf")]
 mod mdf;
 mod memory;
+mod needs;
 mod number;
 mod opened;
 #[cfg(feature = "parquet")]
@@ -26,6 +27,8 @@ mod xlsx;
 
 use std::path::Path;
 
+pub use memory::GivenColumn;
+pub use needs::{Needs, Unmarked};
 pub use source::Source;
 pub use table::{Column, Table, Values, Wanted};
 
