@@ -172,7 +172,7 @@ impl Found {
             depends_on: result.depends_on.clone(),
             separating_test: result.separating_test.clone(),
             warnings: result.warnings.clone(),
-            guesses: recordings.iter().flat_map(guesses).collect(),
+            guesses: result.guesses.clone(),
         }
     }
 }
@@ -186,13 +186,6 @@ impl Effect {
             nrmse_with: finite(effect.nrmse_with),
         }
     }
-}
-
-fn guesses(recording: &Recording) -> Vec<String> {
-    let guesses = recording.guesses().iter();
-    guesses
-        .map(|guess| format!("{}: {guess}", recording.name))
-        .collect()
 }
 
 /// JSON has no other numbers.

@@ -91,6 +91,12 @@ impl Recording {
         &self.guesses
     }
 
+    /// The same, each after the file's name.
+    pub fn named_guesses(&self) -> impl Iterator<Item = String> {
+        let guesses = self.guesses.iter();
+        guesses.map(|guess| format!("{}: {guess}", self.name))
+    }
+
     /// Units that nothing says and that were assumed, in words, where [`Unmarked::Assumed`](files::Unmarked) allows that.
     pub fn assumed(&self) -> Option<&str> {
         self.assumed.as_deref()

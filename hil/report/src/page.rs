@@ -59,6 +59,10 @@ fn given(data: &ReportData) -> Section {
             dl { @for (name, text) in &data.facts { div { dt { (name) } dd { (text) } } } }
         }
         (recordings(data))
+        @if !data.result.guesses.is_empty() {
+            p { strong { "What the files were taken for" } }
+            ul { @for guess in &data.result.guesses { li { (guess) } } }
+        }
         @if data.result.warnings.is_empty() {
             p { "No fault was found in the channels." }
         } @else {

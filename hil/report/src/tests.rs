@@ -124,6 +124,7 @@ fn data() -> ReportData {
             depends_on: vec!["displacement".into(), "history".into()],
             correction: None,
             warnings: vec!["3 samples are missing after 4.2 s".into()],
+            guesses: vec![r#"a.csv: force is read from column "Load" in N"#.into()],
             augmented: Errors {
                 nrmse_fitted: 0.0041,
                 nrmse_held_out: 0.00432,

@@ -74,15 +74,15 @@ impl RecordingFiles {
     /// Reads the channels of a recording, and says what was guessed.
     pub fn channels(&self, path: &Path) -> Result<Recording, InputError> {
         let recording = Recording::read_channels(path, &self.said())?;
-        say_guesses(&recording.name, recording.guesses());
+        say_guesses(recording.named_guesses());
         Ok(recording)
     }
 }
 
 /// Says to standard error what a file was taken for.
-pub fn say_guesses(name: &str, guesses: &[String]) {
+pub fn say_guesses(guesses: impl IntoIterator<Item = String>) {
     for guess in guesses {
-        eprintln!("note: {name}: {guess}");
+        eprintln!("note: {guess}");
     }
 }
 

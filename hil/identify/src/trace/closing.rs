@@ -280,6 +280,7 @@ impl<'a> Closing<'a> {
                 (&without, &with),
                 &over_noise,
             ),
+            guesses: Vec::new(),
             augmented: with,
             on_target: OnTarget {
                 nrmse_held_out: on_target.nrmse_held_out,

@@ -155,6 +155,8 @@ pub fn trace_for(
         .map(AsRef::as_ref)
         .collect();
     check_consistency(&all)?;
+    let guesses = (all.iter()).flat_map(|each| each.named_guesses());
+    let guesses = guesses.collect();
     let controlled = Controlled::of(&recordings, &held_out, &sought.controls)?;
     let [fitted, held] = [recordings, held_out].map(|mended| {
         let arranged = mended.into_iter().map(|each| controlled.arranged(each));
@@ -210,6 +212,7 @@ pub fn trace_for(
         .result
         .warnings
         .extend_from_slice(&controlled.warnings);
+    closed.result.guesses = guesses;
     controlled.name_in(&mut closed.model, &mut closed.result, &held);
     let trajectories = aligned.trajectories.into_iter().flatten();
     Ok(Trace {

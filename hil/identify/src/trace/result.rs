@@ -58,6 +58,9 @@ pub struct TraceResult {
     pub correction: Option<CorrectionSummary>,
     /// What is wrong with the data, in words.
     pub warnings: Vec<String>,
+    /// What was taken for what in the recordings' files without being sure, in words.
+    #[serde(default)]
+    pub guesses: Vec<String>,
     /// The law of `model.json`, in f64: with what was found, where that was adopted.
     pub augmented: Errors,
     /// The same on the embedded law in f32.
@@ -332,6 +335,7 @@ mod tests {
             "separating_test": null, "separating_blocks": [{"amplitude": 0.1, "frequency": 2.0, "cycles": 6}],
             "depends_on": ["displacement", "history"],
             "correction": {"remembers": {"slip": {"limit": 0.03}}, "largest": 0.1}, "warnings": [],
+            "guesses": ["a.csv: force is read from column \"Load\" in N"],
             "augmented": {"nrmse_fitted": 0.004, "nrmse_held_out": 0.005},
             "on_target": {"nrmse_held_out": 0.005}, "adopted": false,
             "rejected": {"augmented": {"nrmse_fitted": 0.004, "nrmse_held_out": 0.3}, "on_target": {"nrmse_held_out": 0.3}}}"#;

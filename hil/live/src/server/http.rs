@@ -144,12 +144,11 @@ fn open_socket(mut stream: TcpStream, request: &Request, shared: &Shared) -> io:
             return answer(&mut stream, "426 Upgrade Required", text);
         }
     };
-    write!(
-        stream,
+    let answer = format!(
         "HTTP/1.1 101 Switching Protocols\r\nUpgrade: websocket\r\nConnection: Upgrade\r\nSec-WebSocket-Accept: {}\r\n\r\n",
         derive_accept_key(key.as_bytes())
-    )?;
-    viewer::show(stream, shared)
+    );
+    viewer::show(stream, &answer, shared)
 }
 
 fn answer(stream: &mut TcpStream, status: &str, text: &str) -> io::Result<()> {

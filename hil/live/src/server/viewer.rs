@@ -3,7 +3,7 @@
 //! Its thread waits for what the page sends, which is little, for a thirtieth of a second at most; then it sends what has come since. So a
 //! page gets at most thirty parts a second, and one that takes nothing holds up its own thread alone.
 
-use std::io::{self, ErrorKind};
+use std::io::{self, ErrorKind, Write as _};
 use std::net::TcpStream;
 use std::sync::atomic::Ordering::SeqCst;
 use std::time::{Duration, Instant};
@@ -21,8 +21,8 @@ const BETWEEN_PARTS: Duration = Duration::from_millis(33);
 /// Bytes of what a page may send.
 const MOST_RECEIVED: usize = 1 << 10;
 
-/// Sends the page at the other end of `stream` everything there is and everything that comes.
-pub(super) fn show(stream: TcpStream, shared: &Shared) -> io::Result<()> {
+/// Sends the page at the other end of `stream` the `answer` to its request, everything there is and everything that comes.
+pub(super) fn show(stream: TcpStream, answer: &str, shared: &Shared) -> io::Result<()> {
     stream.set_read_timeout(Some(BETWEEN_PARTS))?;
     stream.set_write_timeout(Some(BETWEEN_PARTS))?;
     let config = WebSocketConfig::default()
@@ -38,8 +38,8 @@ pub(super) fn show(stream: TcpStream, shared: &Shared) -> io::Result<()> {
         viewers.now += 1;
         viewers.ever += 1;
     });
-    // However it ends, it has gone.
-    let _ = viewer.run(shared);
+    // It counts before it has its answer: whoever has that is waited for. However it ends, it has gone.
+    let _ = viewer.run(answer, shared);
     shared.change(|viewers| {
         viewers.now -= 1;
         viewers.gone.samples += viewer.seen.samples;
@@ -64,7 +64,8 @@ struct Viewer {
 }
 
 impl Viewer {
-    fn run(&mut self, shared: &Shared) -> Result<(), Error> {
+    fn run(&mut self, answer: &str, shared: &Shared) -> Result<(), Error> {
+        self.socket.get_mut().write_all(answer.as_bytes())?;
         self.send(vec![text(&shared.about)])?;
         loop {
             self.receive()?;

@@ -134,7 +134,7 @@ impl DriveOptions {
             }
             None => {
                 let recording = Recording::read_motion(drive, &files.said())?;
-                say_guesses(&recording.name, recording.guesses());
+                say_guesses(recording.named_guesses());
                 let recorded = recorded(&recording, self.scale, self.shift, grid)?;
                 (recorded.motion, recorded.left_out)
             }

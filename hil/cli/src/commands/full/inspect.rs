@@ -169,8 +169,8 @@ fn inspect(path: &Path, said: &Reading, options: &[String]) -> Result<Inspected,
     let tables = opened.tables().to_vec();
     drop(opened);
     let chosen = columns::choose(&name, &tables, &said, &Channel::is_required);
-    if chosen.is_err() {
-        questions.extend(asked(&name, &tables, &said));
+    if let Err(question) = &chosen {
+        questions.extend(asked(&name, &tables, &said, question));
     }
     let mut file = Inspected {
         file: path.to_owned(),
@@ -197,9 +197,12 @@ fn inspect(path: &Path, said: &Reading, options: &[String]) -> Result<Inspected,
     Ok(file)
 }
 
-/// What would be asked, channel by channel.
-fn asked(name: &str, tables: &[Table], said: &Reading) -> Vec<InputError> {
+/// What would be asked, channel by channel; of several tables the `first` question alone, as it may be about which of them.
+fn asked(name: &str, tables: &[Table], said: &Reading, first: &InputError) -> Vec<InputError> {
     let mut questions: Vec<InputError> = Vec::new();
+    if tables.len() > 1 {
+        return vec![first.clone()];
+    }
     for channel in Channel::ALL
         .into_iter()
         .filter(|channel| channel.is_required())
@@ -212,8 +215,8 @@ fn asked(name: &str, tables: &[Table], said: &Reading) -> Vec<InputError> {
         }
     }
     if questions.is_empty() {
-        // One that is not about a channel.
-        questions.extend(columns::choose(name, tables, said, &Channel::is_required).err());
+        // It is not about a channel.
+        questions.push(first.clone());
     }
     questions
 }

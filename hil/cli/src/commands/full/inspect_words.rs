@@ -172,11 +172,11 @@ pub fn first_option(text: &str) -> Option<String> {
         !is_quoted && (blanks == 2 || c == ',' || c == ';')
     });
     let option = option[..end.unwrap_or(option.len())].trim_end();
-    // Samples a second have a value that nobody but the user knows.
-    Some(if option == "--rate" {
-        "--rate HZ".into()
-    } else {
-        option.to_owned()
+    // A value that nobody but the user knows.
+    Some(match option {
+        "--rate" => "--rate HZ".into(),
+        "--table" => "--table NAME".into(),
+        _ => option.to_owned(),
     })
 }
 
@@ -212,6 +212,7 @@ mod tests {
                 Some("--unit time=s"),
             ),
             ("give the samples a second with --rate", Some("--rate HZ")),
+            ("give the name of one with --table", Some("--table NAME")),
             (
                 "say: --decimal point or --decimal comma",
                 Some("--decimal point"),

@@ -208,7 +208,7 @@ impl Predict {
         WriteAs::of(&self.out)?;
         let file = ModelFile::read_within(&self.model, self.files.reading.limit)?;
         let recording = Recording::read_as(&self.recording, &self.files.said())?;
-        say_guesses(&recording.name, recording.guesses());
+        say_guesses(recording.named_guesses());
         // As a trace has it: the same faults are mended, and the same samples count.
         let mut mended = recording.mended();
         let model = file.model();

@@ -176,7 +176,12 @@ impl RespondCommand {
             Drive::Base => Channel::Displacement,
         };
         let input = InputSignal::read(path, channel, &self.files.said())?;
-        say_guesses(&input.name, &input.guesses);
+        say_guesses(
+            input
+                .guesses
+                .iter()
+                .map(|guess| format!("{}: {guess}", input.name)),
+        );
         let excitation = match drive {
             Drive::Force => Excitation::force(input.tick, input.values.clone()),
             Drive::Base => Excitation::base(input.tick, input.values.clone()),
