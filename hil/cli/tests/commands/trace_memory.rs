@@ -31,6 +31,7 @@ fn of_blocks_of_sines() {
 }
 
 #[test]
+#[ignore = "half a minute: in the full tier"]
 fn of_a_random_motion() {
     takes_no_more_than_it_may(Motion::Random);
 }

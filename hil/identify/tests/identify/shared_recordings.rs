@@ -100,6 +100,7 @@ fn labelled_recordings_are_named_and_predicted_to_their_noise() {
 /// leaves 0.4 of the error there. What such a damper's oil does is a slider's with a slope, and so either name is true of it: a slider
 /// is a dashpot that yields at once.
 #[test]
+#[ignore = "half a minute: in the full tier"]
 fn a_measured_damper_is_predicted_twice_as_well_at_a_condition_not_fitted() {
     let Some(folder) = recordings().map(|folder| folder.join("measured/press")) else {
         return;
