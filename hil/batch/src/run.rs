@@ -32,6 +32,9 @@ const EFFECTS: &str = "effects.parquet";
 /// The page.
 const PAGE: &str = "index.html";
 
+/// Most traces at the same time: above what one machine has cores for, and below what its threads take the machine down by.
+const MOST_JOBS: usize = 1024;
+
 /// Traces to be made, and where they go.
 #[derive(Clone, Debug)]
 pub struct Batch {
@@ -87,6 +90,11 @@ impl Batch {
     pub fn run(&self, progress: &(dyn Fn(Progress) + Sync)) -> Result<Summary, InputError> {
         let started = Instant::now();
         self.refuse_own_folder()?;
+        if self.jobs.get() > MOST_JOBS {
+            let problem = format!("{} is above {MOST_JOBS}", self.jobs);
+            let mend = "give as many as the machine has cores";
+            return Err(InputError::new("--jobs", problem, mend));
+        }
         let names = [OUTCOMES, OUTCOMES_CSV, EFFECTS, PAGE, JOURNAL];
         let mut outputs = Plan::new()
             .reads(&self.list.file)

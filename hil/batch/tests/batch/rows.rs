@@ -284,3 +284,15 @@ fn the_page_has_every_column_of_the_tables() {
         );
     }
 }
+
+#[test]
+fn so_many_jobs_that_they_take_the_machine_down_are_refused() {
+    let root = tempfile::tempdir().unwrap();
+    let (folder, out) = (root.path().join("recordings"), root.path().join("out"));
+    record(&folder, 1);
+    let mut many = batch(&folder, &out);
+    many.jobs = NonZeroUsize::new(100_000).unwrap();
+    let error = many.run(&|_| ()).unwrap_err().to_string();
+    assert!(error.contains("--jobs: 100000 is above 1024"), "{error}");
+    assert!(!out.join("outcomes.csv").exists());
+}

@@ -58,6 +58,41 @@ fn a_file_that_is_understood_is_shown_with_the_command_to_run() {
     assert!((rate - 200.0).abs() < 1e-6, "{rate}");
 }
 
+/// Where a file cannot be read it is looked at to see why: what it holds is told all the same.
+#[test]
+fn a_file_that_no_option_makes_right_is_shown_before_it_is_refused() {
+    let root = tempfile::tempdir().unwrap();
+    let text = foreign("Zeit [s];Weg [mm];Kraft [N]\n");
+    let spoilt = text.replacen("\n0,0500;", "\n0,0100;", 1);
+    assert_ne!(spoilt, text);
+    fs::write(root.path().join("rig.txt"), spoilt).unwrap();
+    let (code, out, err) = said(root.path(), &["inspect", "rig.txt"]);
+    assert_eq!(code, Some(2), "{out}");
+    assert!(
+        out.contains("Kraft [N]") && out.contains("force in N"),
+        "{out}"
+    );
+    assert!(err.contains("rig.txt: line"), "{err}");
+    let (code, json, _) = said(root.path(), &["inspect", "rig.txt", "--json", "-"]);
+    assert_eq!(code, Some(2));
+    let json: serde_json::Value = serde_json::from_str(&json).unwrap();
+    let problem = json["files"][0]["problem"].as_str().unwrap();
+    assert!(err.contains(problem), "{problem} not in {err}");
+}
+
+/// A column that three questions offer is no answer to all of them.
+#[test]
+fn the_command_to_run_takes_no_column_twice() {
+    let root = tempfile::tempdir().unwrap();
+    let text = foreign("A;B;C\n");
+    fs::write(root.path().join("rig.txt"), text).unwrap();
+    let (code, out, err) = said(root.path(), &["inspect", "rig.txt"]);
+    assert_eq!(code, Some(0), "{err}");
+    let command =
+        "hil trace rig.txt --channel time=NAME --channel displacement=NAME --channel force=NAME";
+    assert!(out.contains(command), "{out}");
+}
+
 /// What is asked is printed with the option, the command has it, and with it nothing is asked any more.
 #[test]
 fn a_question_is_no_error_and_its_command_answers_it() {

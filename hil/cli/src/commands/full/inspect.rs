@@ -19,8 +19,8 @@ use crate::commands::{Failure, say};
 
 /// What a file holds: its channels, units and rate, what they are taken for, and the command to run
 ///
-/// A file that can be read ends with exit code 0, also where something must be said first: the question is printed with the option that
-/// answers it. Nothing is computed.
+/// Where something must be said first, the question is printed with the option that answers it, and the exit code is 0 all the same. A file
+/// that no option makes right ends with 2, after what it holds. Nothing is computed.
 #[derive(Args, Debug)]
 #[command(
     after_help = "Example:\n  hil inspect test.csv\n  hil inspect test.dat --channel force='Force 2' --json -"
@@ -56,6 +56,8 @@ pub struct Inspected {
     pub recording: Option<InspectedRecording>,
     /// What must be said first, each with the option that says it.
     pub questions: Vec<String>,
+    /// What is wrong with its samples, so that no recording is read; null where nothing is, or where something must be said first.
+    pub problem: Option<String>,
     /// What was guessed, in words.
     pub notes: Vec<String>,
     /// The command that traces it.
@@ -129,7 +131,10 @@ impl InspectCommand {
         let mut failed = None;
         for path in &self.paths {
             match inspect(path, &said, &options) {
-                Ok(file) => inspected.push(file),
+                Ok((file, problem)) => {
+                    inspected.push(file);
+                    failed = failed.or(problem);
+                }
                 Err(error) => failed = failed.or(Some(error)),
             }
         }
@@ -140,16 +145,18 @@ impl InspectCommand {
         if self.json.as_deref() != Some(Path::new("-")) {
             inspected.iter().for_each(|file| say(&words::of(file)));
         }
-        match failed {
-            // Whatever the other files are, this one could not be read.
-            Some(error) => Err(error.into()),
-            None => Ok(outputs.write()?),
-        }
+        outputs.write()?;
+        // Whatever the other files are, this one could not be read.
+        failed.map_or(Ok(()), |error| Err(error.into()))
     }
 }
 
-/// Looks at one file. What must be said is no error.
-fn inspect(path: &Path, said: &Reading, options: &[String]) -> Result<Inspected, InputError> {
+/// Looks at one file, and says what is wrong with its samples. What must be said is no error.
+fn inspect(
+    path: &Path,
+    said: &Reading,
+    options: &[String],
+) -> Result<(Inspected, Option<InputError>), InputError> {
     let name = path.display().to_string();
     let mut said = said.clone();
     let mut questions = Vec::new();
@@ -178,6 +185,7 @@ fn inspect(path: &Path, said: &Reading, options: &[String]) -> Result<Inspected,
         notes: notes(&tables, chosen.as_ref().ok()),
         tables: Vec::new(),
         recording: None,
+        problem: None,
         command: command(path, options, &questions),
         questions: questions.iter().map(words::question).collect(),
     };
@@ -185,16 +193,23 @@ fn inspect(path: &Path, said: &Reading, options: &[String]) -> Result<Inspected,
         let of_table = chosen.as_ref().ok().filter(|chosen| chosen.table == index);
         file.tables.push(of(table, of_table));
     }
+    let mut problem = None;
     if questions.is_empty() {
-        let recording = Recording::read_channels(path, &said)?;
-        file.notes = recording.guesses().to_vec();
-        file.recording = Some(like(&recording));
+        match Recording::read_channels(path, &said) {
+            Ok(recording) => {
+                file.notes = recording.guesses().to_vec();
+                file.recording = Some(like(&recording));
+            }
+            Err(error) => problem = Some(error),
+        }
     }
     let index = chosen
         .as_ref()
         .map_or_else(|_| most_like_one(&tables), |chosen| chosen.table);
-    count(path, &said, index, &mut file)?;
-    Ok(file)
+    // Values that cannot be read are what is wrong, where nothing else is.
+    problem = problem.or(count(path, &said, index, &mut file).err());
+    file.problem = problem.as_ref().map(words::question);
+    Ok((file, problem))
 }
 
 /// What would be asked, channel by channel; of several tables the `first` question alone, as it may be about which of them.
@@ -365,9 +380,25 @@ fn like(recording: &Recording) -> InspectedRecording {
 
 /// The command that traces the file, with what was said and with the first option of each question.
 fn command(path: &Path, options: &[String], questions: &[InputError]) -> String {
-    let answers = questions
+    let offered: Vec<String> = questions
         .iter()
-        .filter_map(|question| words::first_option(&question.mend));
+        .filter_map(|question| words::first_option(&question.mend))
+        .collect();
+    let value = |option: &str| option.split_once('=').map(|(_, value)| value.to_owned());
+    let answers = offered.iter().map(|option| {
+        let (Some((what, _)), Some(own)) = (option.split_once('='), value(option)) else {
+            return option.clone();
+        };
+        // One column is not two channels: then nobody but the user knows which is which.
+        let as_often = offered
+            .iter()
+            .filter(|other| value(other).as_ref() == Some(&own));
+        if own.is_empty() || as_often.count() > 1 {
+            format!("{what}=NAME")
+        } else {
+            option.clone()
+        }
+    });
     let mut parts = vec!["hil trace".to_owned(), shell(&path.display().to_string())];
     parts.extend(options.iter().cloned().chain(answers));
     parts.join(" ")
