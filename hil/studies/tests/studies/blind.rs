@@ -68,6 +68,7 @@ fn what_only_resembles_a_listed_effect_is_not_called_by_its_name() {
 
 /// Rubber that a larger stretch has softened is nearly a spring that has lost stiffness with it.
 #[test]
+#[ignore = "half a minute: in the full tier"]
 fn a_softening_is_degradation() {
     let trial = draw(225);
     assert_eq!(trial.secret.families(), ["mullins"]);
@@ -95,6 +96,7 @@ fn what_a_name_nearly_fits_is_mended_without_one() {
 
 /// All but a drift of both forces, in a chamber that warms while it settles: the temperature explains it as well with a number less.
 #[test]
+#[ignore = "half a minute: in the full tier"]
 fn the_effects_that_the_crate_describes_are_found() {
     let summary = run(0..described(), Draw::Described, &|| ());
     assert_eq!(summary.not_shown, Vec::<u64>::new());
@@ -152,6 +154,7 @@ fn a_dashpot_that_yields_is_named() {
 /// Friction that fades with speed is on no list, and a dashpot that yields is not what it is. In this test it looks like one whose
 /// spring may be any.
 #[test]
+#[ignore = "half a minute: in the full tier"]
 fn a_name_with_a_parameter_without_bounds_is_ambiguous() {
     let trial = draw(1385);
     assert_eq!(trial.secret.families(), ["velocity_weakening"]);

@@ -276,6 +276,7 @@ fn intervals_of_90_percent_hold_80_to_97_percent() {
 }
 
 #[test]
+#[ignore = "half a minute: in the full tier"]
 fn stiffness_of_a_spring_in_series_is_found_within_one_percent() {
     for seed in 0..4 {
         let mut rng = ChaCha8Rng::seed_from_u64(1000 * seed + SPRING as u64);
